@@ -1,0 +1,35 @@
+// Three-vectors over any number. glm::vec carries the components; dot and cross are ours, because the order of
+// their additions is part of what is measured (and glm's assert IEEE types).
+#pragma once
+
+#ifndef GLM_FORCE_XYZW_ONLY
+#error "define GLM_FORCE_XYZW_ONLY for every file: glm::vec holds non-trivial numbers only then"
+#endif
+#include <glm/vec3.hpp>
+
+#include "number/concept.hpp"
+
+namespace lostbits {
+
+template <class T>
+using Vec = glm::vec<3, T>;
+
+/// a·b = (a.x b.x + a.y b.y) + a.z b.z, summed left to right.
+template <Number T>
+T dot(const Vec<T>& a, const Vec<T>& b) {
+    return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+
+/// a × b, each component one difference of two products.
+template <Number T>
+Vec<T> cross(const Vec<T>& a, const Vec<T>& b) {
+    return Vec<T>(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x);
+}
+
+/// |a| = √(a·a). Overflows and underflows where a·a does: that, too, is measured.
+template <Number T>
+T length(const Vec<T>& a) {
+    return sqrt(dot(a, a));
+}
+
+}  // namespace lostbits

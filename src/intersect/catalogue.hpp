@@ -1,0 +1,63 @@
+// The closed list of forms: one line each (and its include). Everything else follows from it.
+#pragma once
+
+#include "intersect/sphere/closest_approach.hpp"
+#include "intersect/sphere/cross_product.hpp"
+#include "intersect/sphere/double_inside.hpp"
+#include "intersect/sphere/early_exit.hpp"
+#include "intersect/sphere/embree_point.hpp"
+#include "intersect/sphere/expanded.hpp"
+#include "intersect/sphere/factored_c.hpp"
+#include "intersect/sphere/half_b.hpp"
+#include "intersect/sphere/hearn_baker.hpp"
+#include "intersect/sphere/kahan_discriminant.hpp"
+#include "intersect/sphere/newton_refined.hpp"
+#include "intersect/sphere/pbrt_factored.hpp"
+#include "intersect/sphere/pbrt_interval.hpp"
+#include "intersect/sphere/press.hpp"
+#include "intersect/sphere/pythagoras.hpp"
+#include "intersect/sphere/schoolbook.hpp"
+#include "intersect/sphere/schoolbook_strict.hpp"
+#include "intersect/sphere/two_step.hpp"
+#include "intersect/sphere/unified.hpp"
+#include "intersect/sphere/unified_unit.hpp"
+#include "intersect/sphere/unit_half_b.hpp"
+
+namespace lostbits {
+
+/// A list of form types, in the order in which every table shows them.
+template <class... Form>
+struct FormList {
+    static constexpr std::size_t size = sizeof...(Form);
+    /// Calls `visit.operator()<Form>()` for each.
+    template <class Visitor>
+    static void for_each(Visitor&& visit) {
+        (visit.template operator()<Form>(), ...);
+    }
+};
+
+using SphereForms = FormList<  //
+    sphere::Schoolbook,        // from the seeds
+    sphere::SchoolbookStrict,  //
+    sphere::Expanded,          //
+    sphere::UnitHalfB,         //
+    sphere::HearnBaker,        //
+    sphere::Press,             //
+    sphere::Unified,           //
+    sphere::UnifiedUnit,       //
+    sphere::EarlyExit,         //
+    sphere::HalfB,             // from renderers and the literature
+    sphere::Pythagoras,        //
+    sphere::KahanDiscriminant, //
+    sphere::PbrtFactored,      //
+    sphere::PbrtInterval,      //
+    sphere::ClosestApproach,   //
+    sphere::TwoStep,           //
+    sphere::CrossProduct,      //
+    sphere::EmbreePoint,       //
+    sphere::NewtonRefined,     //
+    sphere::FactoredC,         //
+    sphere::DoubleInside       //
+    >;
+
+}  // namespace lostbits

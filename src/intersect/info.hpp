@@ -1,0 +1,37 @@
+// What a form says of itself: the contract that the laboratory holds it to.
+#pragma once
+
+#include <string_view>
+
+namespace lostbits {
+
+/// The direction a form is entitled to. `unit` forms receive it normalised and rounded to their format.
+enum class Direction { any, unit };
+
+/// Which line parameters a form yields.
+enum class Roots {
+    both,        ///< near and far
+    near_only,   ///< the smaller root; the form has no answer from inside
+    first_only,  ///< the first with t ≥ 0, whichever it is; near = far = t
+};
+
+/// Where a ray that touches in one point (discriminant exactly zero) belongs by the form's own words.
+enum class Touching { hit, miss };
+
+/// Whether an intersection exactly at the ray's origin (t = 0) counts.
+enum class AtOrigin { hit, miss };
+
+enum class Formats { all, binary32_only };
+
+struct Info {
+    std::string_view name;    ///< `shape.form`, unique
+    std::string_view title;   ///< one line, for lists and captions
+    std::string_view source;  ///< where the formula is from
+    Direction direction = Direction::any;
+    Roots roots = Roots::both;
+    Touching touching = Touching::hit;
+    AtOrigin at_origin = AtOrigin::hit;
+    Formats formats = Formats::all;
+};
+
+}  // namespace lostbits

@@ -1,0 +1,12 @@
+// The three translation units that fill the table, one per family of arithmetic: they compile side by side.
+#pragma once
+
+#include "intersect/kernels.hpp"
+
+namespace lostbits {
+
+void fill_native(std::span<Intersector> rows);
+void fill_rounded(std::span<Intersector> rows);
+void fill_enclosed(std::span<Intersector> rows);
+
+}  // namespace lostbits

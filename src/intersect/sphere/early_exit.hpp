@@ -1,0 +1,36 @@
+// `unified` with the shortcut: a sphere behind a ray that starts outside (b' < 0 and c > 0) is a miss, and the sign
+// of c says which root is the first: t₀ from outside, t₁ from inside. Only that root is computed.
+#pragma once
+
+#include "intersect/sphere/roots.hpp"
+
+namespace lostbits::sphere {
+
+struct EarlyExit {
+    static constexpr Info info{
+        .name = "sphere.early_exit",
+        .title = "unified, sign of c picks the root",
+        .source = "Haines, Günther, Akenine-Möller, Ray Tracing Gems ch. 7 (2019), section 7.2; seed 000",
+        .roots = Roots::first_only,
+    };
+
+    template <Number T>
+    static Hit<T> intersect(const Ray<T>& ray, const Sphere<T>& sphere) {
+        const Vec<T> f = ray.origin - sphere.centre;
+        const T a = named("a", dot(ray.direction, ray.direction));
+        const T minus_b = named("b'", -dot(f, ray.direction));
+        const Vec<T> l = f + (minus_b / a) * ray.direction;
+        const T delta = named("delta", sphere.radius * sphere.radius - dot(l, l));
+
+        const T c = named("c", dot(f, f) - sphere.radius * sphere.radius);
+        const mask_t<T> outside = c > T(0);
+        const mask_t<T> behind = minus_b < T(0);
+        const T root = sqrt(a * delta);
+        const T q = named("q", minus_b + select(behind, -root, root));
+        // Outside and ahead: near = c/q. Inside: far = q/a ahead of the centre, c/q behind it.
+        const T t = named("t", select(outside, c / q, select(behind, c / q, q / a)));
+        return Hit<T>{!(delta < T(0) || (behind && outside)), t, t, t};
+    }
+};
+
+}  // namespace lostbits::sphere

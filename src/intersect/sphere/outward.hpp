@@ -1,0 +1,43 @@
+// Interval arithmetic inside a form, as pbrt-v4 does it on the CPU: each bound computed to nearest and then moved one
+// neighbour outward. This is arithmetic under test, not the laboratory's own enclosures.
+#pragma once
+
+#include "geometry/vec.hpp"
+
+namespace lostbits::sphere {
+
+/// [lo, hi] over the number under test. In exact arithmetic, where numbers have no neighbours, lo = hi = the value.
+template <Number T>
+struct Outward {
+    T lo;
+    T hi;
+
+    explicit Outward(int x) : lo(x), hi(x) {}
+    explicit Outward(const T& x) : lo(x), hi(x) {}
+    Outward(const T& low, const T& high) : lo(low), hi(high) {}
+
+    friend Outward operator+(const Outward& a, const Outward& b) { return {next_down(a.lo + b.lo), next_up(a.hi + b.hi)}; }
+    friend Outward operator-(const Outward& a, const Outward& b) { return {next_down(a.lo - b.hi), next_up(a.hi - b.lo)}; }
+    friend Outward operator*(const Outward& a, const Outward& b) {
+        const T p = a.lo * b.lo, q = a.hi * b.lo, r = a.lo * b.hi, s = a.hi * b.hi;
+        return {next_down(min(min(p, q), min(r, s))), next_up(max(max(p, q), max(r, s)))};
+    }
+    /// Where b contains zero the quotient is the whole line, (-1/0, 1/0).
+    friend Outward operator/(const Outward& a, const Outward& b) {
+        const mask_t<T> has_zero = b.lo <= T(0) && b.hi >= T(0);
+        const T p = a.lo / b.lo, q = a.hi / b.lo, r = a.lo / b.hi, s = a.hi / b.hi;
+        return {select(has_zero, T(-1) / T(0), next_down(min(min(p, q), min(r, s)))),
+                select(has_zero, T(1) / T(0), next_up(max(max(p, q), max(r, s))))};
+    }
+    friend Outward sqrt(const Outward& a) { return {next_down(sqrt(a.lo)), next_up(sqrt(a.hi))}; }
+    /// x² ≥ 0 for every x, which a product of two equal intervals would not know.
+    friend Outward square(const Outward& a) {
+        const T low = abs(a.lo), high = abs(a.hi);
+        const mask_t<T> has_zero = a.lo <= T(0) && a.hi >= T(0);
+        const T least = min(low, high), most = max(low, high);
+        return {select(has_zero, T(0), next_down(least * least)), next_up(most * most)};
+    }
+    [[nodiscard]] T middle() const { return (lo + hi) / T(2); }
+};
+
+}  // namespace lostbits::sphere

@@ -1,0 +1,69 @@
+// From discriminant to answer: the last steps that several sphere forms share.
+#pragma once
+
+#include "geometry/shapes.hpp"
+#include "intersect/info.hpp"
+
+namespace lostbits::sphere {
+
+template <Number T>
+T half() {
+    return T(1) / T(2);
+}
+
+template <Number T>
+struct RootPair {
+    T near;
+    T far;
+};
+
+/// The first root with t ≥ 0: near, or far where near is negative. `missed` is the form's own test of the
+/// discriminant, as its source writes it (`disc < 0`, …); a NaN fails every test, so it arrives as a hit at NaN, which
+/// is what the code in the field does with it.
+template <Number T>
+Hit<T> first_hit(mask_t<T> missed, const RootPair<T>& roots) {
+    const T t = named("t", select(roots.near < T(0), roots.far, roots.near));
+    return Hit<T>{!(missed || t < T(0)), t, roots.near, roots.far};
+}
+
+/// Near root only: no answer for a ray from inside.
+template <Number T>
+Hit<T> near_hit(mask_t<T> missed, const T& near) {
+    return Hit<T>{!(missed || near < T(0)), near, near, near};
+}
+
+/// Equation (3), the plain roots (−b ± √disc)/(2a) with root = √disc. One of the two subtracts |b| from √disc.
+template <Number T>
+RootPair<T> plain_roots(const T& a, const T& b, const T& root) {
+    return {(-b - root) / (T(2) * a), (-b + root) / (T(2) * a)};
+}
+
+/// Plain roots with half b: (−h ± root)/a, root = √(h² − ac).
+template <Number T>
+RootPair<T> plain_half_roots(const T& a, const T& h, const T& root) {
+    return {(-h - root) / a, (-h + root) / a};
+}
+
+/// Equation (6), Press et al.: q = −½(b + sign(b) root), roots c/q and q/a, so that nothing of like size is
+/// subtracted. sign(0) = +1 as published code has it (the text of seed 000 says −1); c/q is the near root where b < 0.
+template <Number T>
+RootPair<T> press_roots(const T& a, const T& b, const T& c, const T& root) {
+    const mask_t<T> ahead = b < T(0);
+    const T q = named("q", -half<T>() * (b + select(ahead, -root, root)));
+    const T over_a = q / a;
+    const T under_c = c / q;
+    return {select(ahead, under_c, over_a), select(ahead, over_a, under_c)};
+}
+
+/// Equation (10), the same without the factor 2: q = b' + sign(b') root, b' = −f·d, root = √(aΔ), roots c/q and q/a.
+/// sign(0) = +1; c/q is the near root where b' ≥ 0. A tangent ray that starts on the surface has q = 0, hence 0/0.
+template <Number T>
+RootPair<T> unified_roots(const T& a, const T& minus_b, const T& c, const T& root) {
+    const mask_t<T> behind = minus_b < T(0);
+    const T q = named("q", minus_b + select(behind, -root, root));
+    const T over_a = q / a;
+    const T under_c = c / q;
+    return {select(behind, over_a, under_c), select(behind, under_c, over_a)};
+}
+
+}  // namespace lostbits::sphere

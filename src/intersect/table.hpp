@@ -1,0 +1,48 @@
+// The run-time table: a form in every arithmetic as plain functions over batches of rays. Nothing above this header
+// knows whether a row was compiled from our templates.
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "geometry/shapes.hpp"
+#include "intersect/info.hpp"
+#include "number/ball.hpp"
+#include "number/format.hpp"
+#include "number/interval.hpp"
+
+namespace lostbits {
+
+/// n rays, structure of arrays; S is the storage type (float, or double for every other format).
+template <class S>
+struct RayBatch {
+    std::span<const S> ox, oy, oz, dx, dy, dz;
+    [[nodiscard]] std::size_t size() const { return ox.size(); }
+};
+
+/// Where the answers go: as many of each as rays. `hit` is 0 or 1.
+template <class S>
+struct HitBatch {
+    std::span<S> t, near, far;
+    std::span<std::uint8_t> hit;
+};
+
+/// One form in every arithmetic. A null pointer means that the form does not exist there (see `Info::formats`).
+struct Intersector {
+    const Info* info;
+    void (*native32)(const RayBatch<float>&, const Sphere<float>&, const HitBatch<float>&);
+    void (*native64)(const RayBatch<double>&, const Sphere<double>&, const HitBatch<double>&);
+    /// Inputs are rounded to the format on the way in.
+    void (*rounded)(const FloatFormat&, const RayBatch<double>&, const Sphere<double>&, const HitBatch<double>&);
+    Hit<Ball> (*ball)(const Ray<Ball>&, const Sphere<Ball>&);
+    Hit<Interval> (*interval)(const Ray<Interval>&, const Sphere<Interval>&);
+
+    [[nodiscard]] bool exists_in(const Format& format) const {
+        return info->formats == Formats::all || format.shape == binary32;
+    }
+};
+
+/// Every sphere form, in the catalogue's order.
+std::span<const Intersector> sphere_intersectors();
+
+}  // namespace lostbits

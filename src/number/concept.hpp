@@ -1,0 +1,134 @@
+// What a formula may use, and nothing else. Everything downstream instantiates formulas over a type
+// that models `Number`; adding a question to the laboratory means adding such a type.
+#pragma once
+
+#if defined(__FAST_MATH__)
+#error "lostbits measures IEEE 754 arithmetic: -ffast-math (and -Ofast) void every number it prints"
+#endif
+
+#include <cmath>
+#include <concepts>
+#include <string_view>
+
+namespace lostbits {
+
+/// The type of `a < b`: `bool` for scalars, `Tri` for enclosures, a lane mask for SIMD packs.
+template <class T>
+using mask_t = decltype(std::declval<const T&>() < std::declval<const T&>());
+
+// --- float and double: the machine's own operations, correctly rounded by IEEE 754 --------------------
+
+inline float sqrt(float x) { return std::sqrt(x); }
+inline double sqrt(double x) { return std::sqrt(x); }
+inline float fma(float x, float y, float z) { return std::fma(x, y, z); }
+inline double fma(double x, double y, double z) { return std::fma(x, y, z); }
+inline float abs(float x) { return std::fabs(x); }
+inline double abs(double x) { return std::fabs(x); }
+inline float copysign(float x, float y) { return std::copysign(x, y); }
+inline double copysign(double x, double y) { return std::copysign(x, y); }
+inline float next_up(float x) { return std::nextafter(x, HUGE_VALF); }
+inline double next_up(double x) { return std::nextafter(x, HUGE_VAL); }
+inline float next_down(float x) { return std::nextafter(x, -HUGE_VALF); }
+inline double next_down(double x) { return std::nextafter(x, -HUGE_VAL); }
+
+// --- what every number gets from its comparison --------------------------------------------------------
+
+/// True for numbers that stand for exact arithmetic: they have no neighbours, rounding outward is identity.
+template <class T>
+inline constexpr bool stands_for_exact = false;
+
+template <class T>
+    requires stands_for_exact<T>
+T next_up(const T& x) {
+    return x;
+}
+
+template <class T>
+    requires stands_for_exact<T>
+T next_down(const T& x) {
+    return x;
+}
+
+/// `mask ? a : b`, for numbers whose comparisons are decided.
+template <class T>
+    requires std::same_as<mask_t<T>, bool>
+T select(bool mask, const T& a, const T& b) {
+    return mask ? a : b;
+}
+
+inline bool any_of(bool mask) { return mask; }
+
+/// `a < b ? a : b`: the SSE rule, so a NaN in either operand yields b. Part of what is measured.
+template <class T>
+T min(const T& a, const T& b) {
+    return select(a < b, a, b);
+}
+
+/// `a > b ? a : b`: the SSE rule, so a NaN in either operand yields b.
+template <class T>
+T max(const T& a, const T& b) {
+    return select(a > b, a, b);
+}
+
+/// Names an intermediate of a formula in the source's own letters. Numbers that keep a tape overload it; for all
+/// others it is the identity and costs nothing.
+template <class T>
+constexpr const T& named(std::string_view, const T& value) {
+    return value;
+}
+
+/// The arithmetic that "compute it in double inside" means for T; T itself where nothing is wider.
+template <class T>
+struct Wider {
+    using type = T;
+    static type widen(const T& x) { return x; }
+    static T narrow(const type& x) { return x; }
+};
+
+template <>
+struct Wider<float> {
+    using type = double;
+    static double widen(float x) { return x; }
+    static float narrow(double x) { return static_cast<float>(x); }
+};
+
+template <class M>
+concept Mask = std::copyable<M> && requires(const M a, const M b) {
+    { a && b } -> std::same_as<M>;
+    { a || b } -> std::same_as<M>;
+    { !a } -> std::same_as<M>;
+    { any_of(a) } -> std::same_as<bool>;
+};
+
+/// The operations of a formula. All are correctly rounded in IEEE arithmetic, which is what makes float and
+/// double results the same bits on every machine. `T(int)` is exact for the small integers that formulas use.
+/// `next_up`/`next_down` are the neighbours in T (needed by forms that round outward by hand).
+template <class T>
+concept Number = std::copyable<T> && std::constructible_from<T, int> && Mask<mask_t<T>> &&
+    requires(T x, const T a, const T b, const T c) {
+        { a + b } -> std::same_as<T>;
+        { a - b } -> std::same_as<T>;
+        { a * b } -> std::same_as<T>;
+        { a / b } -> std::same_as<T>;
+        { -a } -> std::same_as<T>;
+        { x += a } -> std::same_as<T&>;  // glm::vec adds and subtracts through these
+        { x -= a } -> std::same_as<T&>;
+        { x *= a } -> std::same_as<T&>;
+        { a < b } -> std::same_as<mask_t<T>>;
+        { a <= b } -> std::same_as<mask_t<T>>;
+        { a > b } -> std::same_as<mask_t<T>>;
+        { a >= b } -> std::same_as<mask_t<T>>;
+        { sqrt(a) } -> std::same_as<T>;
+        { fma(a, b, c) } -> std::same_as<T>;
+        { abs(a) } -> std::same_as<T>;
+        { copysign(a, b) } -> std::same_as<T>;
+        { next_up(a) } -> std::same_as<T>;
+        { next_down(a) } -> std::same_as<T>;
+        { min(a, b) } -> std::same_as<T>;
+        { max(a, b) } -> std::same_as<T>;
+        { select(a < b, a, b) } -> std::same_as<T>;
+    };
+
+static_assert(Number<float> && Number<double>);
+
+}  // namespace lostbits

@@ -1,0 +1,87 @@
+// Interval: what is certainly true, at any precision. MPFI endpoints, outward rounding, unbounded exponents.
+//
+// Straight on MPFI and not through Boost.Multiprecision: there (1.74) the working precision of `mpfi_float` is one
+// variable of the whole process, so two threads that escalate to different precisions would disturb each other.
+#pragma once
+
+#include <mpfi.h>
+
+#include "number/concept.hpp"
+#include "number/real.hpp"
+#include "number/tri.hpp"
+
+namespace lostbits {
+
+/// A closed interval [lower, upper] of reals, and whether the exact value can be undefined. The precision of every
+/// result is the thread's current one (`Interval::Precision`); operands may have any.
+class Interval {
+public:
+    /// Sets the working precision of this thread, in bits, for the lifetime of the scope.
+    class Precision {
+    public:
+        explicit Precision(long bits) : before_(working_) { working_ = bits; }
+        ~Precision() { working_ = before_; }
+        Precision(const Precision&) = delete;
+        Precision& operator=(const Precision&) = delete;
+
+    private:
+        long before_;
+    };
+
+    Interval();
+    explicit Interval(int x);
+    /// Exact when the working precision is 53 or more.
+    explicit Interval(double x);
+    /// Exact when the working precision is at least that of `Real`.
+    explicit Interval(const Real& x);
+    Interval(const Interval& other);
+    Interval(Interval&& other) noexcept;
+    Interval& operator=(const Interval& other);
+    Interval& operator=(Interval&& other) noexcept;
+    ~Interval();
+
+    static Interval unknown(Undefined u = Undefined::maybe);
+    static Interval between(double lower, double upper);
+
+    [[nodiscard]] mpfr_srcptr lower() const { return &value_->left; }
+    [[nodiscard]] mpfr_srcptr upper() const { return &value_->right; }
+    [[nodiscard]] Undefined undefined() const { return undefined_; }
+    [[nodiscard]] bool is_bounded() const { return undefined_ == Undefined::never && mpfi_bounded_p(value_) != 0; }
+    /// True when both endpoints are the same number: the enclosure is the value.
+    [[nodiscard]] bool is_exact() const { return is_bounded() && mpfr_equal_p(lower(), upper()) != 0; }
+
+    friend Interval operator+(const Interval& a, const Interval& b);
+    friend Interval operator-(const Interval& a, const Interval& b);
+    friend Interval operator*(const Interval& a, const Interval& b);
+    friend Interval operator/(const Interval& a, const Interval& b);
+    friend Interval operator-(const Interval& a);
+    Interval& operator+=(const Interval& b) { return *this = *this + b; }
+    Interval& operator-=(const Interval& b) { return *this = *this - b; }
+    Interval& operator*=(const Interval& b) { return *this = *this * b; }
+
+    friend Tri operator<(const Interval& a, const Interval& b);
+    friend Tri operator<=(const Interval& a, const Interval& b);
+    friend Tri operator>(const Interval& a, const Interval& b) { return b < a; }
+    friend Tri operator>=(const Interval& a, const Interval& b) { return b <= a; }
+
+    friend Interval sqrt(const Interval& a);
+    friend Interval fma(const Interval& a, const Interval& b, const Interval& c);
+    friend Interval abs(const Interval& a);
+    friend Interval copysign(const Interval& a, const Interval& b);
+    /// The hull of both sides where the mask is undecided.
+    friend Interval select(Tri mask, const Interval& a, const Interval& b);
+
+private:
+    void settle(Undefined u);
+
+    static thread_local long working_;
+    mpfi_t value_;
+    Undefined undefined_ = Undefined::never;
+};
+
+template <>
+inline constexpr bool stands_for_exact<Interval> = true;
+
+static_assert(Number<Interval>);
+
+}  // namespace lostbits

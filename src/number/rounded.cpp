@@ -1,0 +1,181 @@
+#include "number/rounded.hpp"
+
+#include <algorithm>
+#include <limits>
+
+#include <mpfr.h>
+
+namespace lostbits {
+
+thread_local FloatFormat CurrentFormat::current_ = binary64;
+
+namespace rounding {
+namespace {
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+int sign_of(double x) { return (x > 0) - (x < 0); }
+
+// An error-free residual needs its lowest bit, about 2·53 places below the result, to be representable:
+// |r| ≥ 2^(-1074 + 2·53 + 1) is enough for a product, a quotient's and a root's residual alike.
+constexpr double safe_low = 0x1p-960;
+constexpr double safe_high = 0x1p+1000;
+
+bool residual_is_exact(double x) { return std::fabs(x) >= safe_low && std::fabs(x) <= safe_high; }
+
+/// An MPFR number of 64 bits: operations truncate and then set the last bit when inexact ("round to odd"), after
+/// which rounding to any format of at most 62 bits is correct (Boldo and Melquiond, 2008).
+class Odd {
+public:
+    Odd() { mpfr_init2(x_, 64); }
+    ~Odd() { mpfr_clear(x_); }
+    Odd(const Odd&) = delete;
+    Odd& operator=(const Odd&) = delete;
+    mpfr_ptr get() { return x_; }
+
+    double to_format(int inexact, const FloatFormat& f) {
+        if (!mpfr_regular_p(x_)) return mpfr_get_d(x_, MPFR_RNDN);
+        if (inexact != 0) {
+            // Truncated to 64 bits; the last bit is clear when the number still fits in 63.
+            if (mpfr_min_prec(x_) < 64) {
+                if (mpfr_sgn(x_) > 0) mpfr_nextabove(x_);
+                else mpfr_nextbelow(x_);
+            }
+        }
+        const long q = ulp_exponent(f, static_cast<long>(mpfr_get_exp(x_)) - 1);
+        mpfr_div_2si(x_, x_, q, MPFR_RNDN);
+        const bool negative = mpfr_signbit(x_) != 0;
+        mpfr_roundeven(x_, x_);
+        mpfr_mul_2si(x_, x_, q, MPFR_RNDN);
+        if (mpfr_zero_p(x_)) return negative ? -0.0 : 0.0;
+        if (mpfr_get_exp(x_) - 1 > f.emax) return negative ? -infinity : infinity;
+        return mpfr_get_d(x_, MPFR_RNDN);
+    }
+
+private:
+    mpfr_t x_;
+};
+
+/// A double as an exact MPFR operand.
+class Exact {
+public:
+    explicit Exact(double x) {
+        mpfr_init2(x_, 53);
+        mpfr_set_d(x_, x, MPFR_RNDN);
+    }
+    ~Exact() { mpfr_clear(x_); }
+    Exact(const Exact&) = delete;
+    Exact& operator=(const Exact&) = delete;
+    operator mpfr_srcptr() const { return x_; }
+
+private:
+    mpfr_t x_;
+};
+
+}  // namespace
+
+double to_format(double r, int residual, const FloatFormat& f) {
+    if (r == 0 || !std::isfinite(r)) return r;
+    const std::uint64_t bits = std::bit_cast<std::uint64_t>(r);
+    const int biased = static_cast<int>(bits >> 52 & 0x7ff);
+    std::uint64_t significand = bits & ((std::uint64_t{1} << 52) - 1);
+    if (biased != 0) significand |= std::uint64_t{1} << 52;
+    const int last = std::max(biased, 1) - 1075;  // r = ± significand · 2^last
+    const int exponent = last + 63 - std::countl_zero(significand);
+    const int drop = static_cast<int>(ulp_exponent(f, exponent)) - last;
+    double magnitude = std::fabs(r);
+    if (drop > 0) {
+        if (drop > 54) return std::copysign(0.0, r);  // below a quarter of the smallest subnormal
+        const std::uint64_t half = std::uint64_t{1} << (drop - 1);
+        const std::uint64_t rest = significand & (half * 2 - 1);
+        std::uint64_t kept = significand >> drop;
+        const int beyond = r > 0 ? residual : -residual;  // sign of the tail away from zero
+        if (rest > half || (rest == half && (beyond > 0 || (beyond == 0 && (kept & 1))))) ++kept;
+        magnitude = std::ldexp(static_cast<double>(kept), last + drop);
+    }
+    if (magnitude >= std::ldexp(1.0, f.emax) * 2) magnitude = infinity;
+    return std::copysign(magnitude, r);
+}
+
+double add(double a, double b, const FloatFormat& f) {
+    const double s = a + b;
+    if (!std::isfinite(s)) return s;
+    const double bb = s - a;  // TwoSum (Knuth): the error of an addition is a double, subnormals included
+    const double error = (a - (s - bb)) + (b - bb);
+    if (std::fabs(s) > safe_high) return add_reference(a, b, f);
+    return to_format(s, sign_of(error), f);
+}
+
+double mul(double a, double b, const FloatFormat& f) {
+    const double p = a * b;
+    if (!residual_is_exact(p)) return mul_reference(a, b, f);
+    return to_format(p, sign_of(std::fma(a, b, -p)), f);
+}
+
+double div(double a, double b, const FloatFormat& f) {
+    const double q = a / b;
+    if (!residual_is_exact(q) || !residual_is_exact(a) || !residual_is_exact(b)) return div_reference(a, b, f);
+    return to_format(q, sign_of(std::fma(-q, b, a)) * sign_of(b), f);
+}
+
+double sqrt(double a, const FloatFormat& f) {
+    const double s = std::sqrt(a);
+    if (!residual_is_exact(a)) return sqrt_reference(a, f);
+    return to_format(s, sign_of(std::fma(-s, s, a)), f);
+}
+
+double fma(double a, double b, double c, const FloatFormat& f) {
+    const double p = a * b;
+    if (2 * f.precision > 53 || !residual_is_exact(p)) return fma_reference(a, b, c, f);
+    return add(p, c, f);  // a·b has at most 2p ≤ 53 bits, so p is exact
+}
+
+double next_up(double a, const FloatFormat& f) {
+    if (std::isnan(a) || a == infinity) return a;
+    const double smallest = std::ldexp(1.0, f.emin - f.precision + 1);
+    if (a == 0) return smallest;
+    if (a == -infinity) return -std::ldexp(2 - std::ldexp(1.0, 1 - f.precision), f.emax);
+    const double size = std::fabs(a);
+    const int exponent = std::ilogb(size);
+    double step = std::ldexp(1.0, static_cast<int>(ulp_exponent(f, exponent)));
+    // Towards zero from a power of two the neighbours lie twice as close, except at the subnormals' edge.
+    if (a < 0 && exponent > f.emin && size == std::ldexp(1.0, exponent)) step /= 2;
+    return to_format(a + step, 0, f);
+}
+
+double add_reference(double a, double b, const FloatFormat& f) {
+    if (a == 0 && b == 0) return a + b;
+    Odd r;
+    const int inexact = mpfr_add(r.get(), Exact(a), Exact(b), MPFR_RNDZ);
+    if (mpfr_zero_p(r.get())) return a + b;
+    return r.to_format(inexact, f);
+}
+
+double mul_reference(double a, double b, const FloatFormat& f) {
+    Odd r;
+    const int inexact = mpfr_mul(r.get(), Exact(a), Exact(b), MPFR_RNDZ);
+    return r.to_format(inexact, f);
+}
+
+double div_reference(double a, double b, const FloatFormat& f) {
+    Odd r;
+    const int inexact = mpfr_div(r.get(), Exact(a), Exact(b), MPFR_RNDZ);
+    return r.to_format(inexact, f);
+}
+
+double sqrt_reference(double a, const FloatFormat& f) {
+    Odd r;
+    const int inexact = mpfr_sqrt(r.get(), Exact(a), MPFR_RNDZ);
+    return r.to_format(inexact, f);
+}
+
+double fma_reference(double a, double b, double c, const FloatFormat& f) {
+    if (a * b == 0 && c == 0 && (a == 0 || b == 0)) return a * b + c;
+    Odd r;
+    const int inexact = mpfr_fma(r.get(), Exact(a), Exact(b), Exact(c), MPFR_RNDZ);
+    if (mpfr_zero_p(r.get())) return std::fma(a, b, c);
+    return r.to_format(inexact, f);
+}
+
+}  // namespace rounding
+}  // namespace lostbits

@@ -1,0 +1,122 @@
+// Rounded<P>: how many bits would be enough? A P-bit significand with its own exponent range, correctly rounded.
+#pragma once
+
+#include <bit>
+#include <cstdint>
+
+#include "number/concept.hpp"
+#include "number/format.hpp"
+
+namespace lostbits {
+
+namespace rounding {
+
+/// Rounds the exact value r + δ to `f`, ties to even, where r = RN53(r + δ) and `residual` is the sign of δ.
+/// Correct for every p ≤ 52, and for p = 53 where r is normal in f: |δ| is at most half of r's last place, so δ
+/// matters only where r itself lies exactly half way between two neighbours of f.
+double to_format(double r, int residual, const FloatFormat& f);
+
+/// The same operations through MPFR, with no assumption about range: the plain twin of the fast paths, and what
+/// they fall back on where a residual would underflow.
+double add_reference(double a, double b, const FloatFormat& f);
+double mul_reference(double a, double b, const FloatFormat& f);
+double div_reference(double a, double b, const FloatFormat& f);
+double sqrt_reference(double a, const FloatFormat& f);
+double fma_reference(double a, double b, double c, const FloatFormat& f);
+
+double add(double a, double b, const FloatFormat& f);
+double mul(double a, double b, const FloatFormat& f);
+double div(double a, double b, const FloatFormat& f);
+double sqrt(double a, const FloatFormat& f);
+double fma(double a, double b, double c, const FloatFormat& f);
+double next_up(double a, const FloatFormat& f);
+
+}  // namespace rounding
+
+/// The format that `Rounded<dynamic_precision>` computes in on this thread.
+class CurrentFormat {
+public:
+    static const FloatFormat& get() { return current_; }
+
+    /// Sets the thread's format for the lifetime of the scope.
+    class Scope {
+    public:
+        explicit Scope(const FloatFormat& f) : before_(current_) { current_ = f; }
+        ~Scope() { current_ = before_; }
+        Scope(const Scope&) = delete;
+        Scope& operator=(const Scope&) = delete;
+
+    private:
+        FloatFormat before_;
+    };
+
+private:
+    static thread_local FloatFormat current_;
+};
+
+template <int P, int Emin, int Emax>
+struct FixedFormat {
+    static_assert(2 <= P && P <= 53 && -1022 <= Emin && Emin <= Emax && Emax <= 1023);
+    static constexpr FloatFormat get() { return {P, Emin, Emax}; }
+};
+
+/// A number of the format `F::get()`, held in a double (every such number is one), each operation correctly
+/// rounded to nearest even, with subnormals, signed zeros, infinities and NaN of that format.
+template <class F>
+class BasicRounded {
+public:
+    BasicRounded() = default;
+    explicit BasicRounded(int x) : value_(rounding::to_format(x, 0, F::get())) {}
+    explicit BasicRounded(double x) : value_(rounding::to_format(x, 0, F::get())) {}
+
+    [[nodiscard]] double value() const { return value_; }
+    static FloatFormat format() { return F::get(); }
+
+    friend BasicRounded operator+(BasicRounded a, BasicRounded b) { return made(rounding::add(a.value_, b.value_, F::get())); }
+    friend BasicRounded operator-(BasicRounded a, BasicRounded b) { return made(rounding::add(a.value_, -b.value_, F::get())); }
+    friend BasicRounded operator*(BasicRounded a, BasicRounded b) { return made(rounding::mul(a.value_, b.value_, F::get())); }
+    friend BasicRounded operator/(BasicRounded a, BasicRounded b) { return made(rounding::div(a.value_, b.value_, F::get())); }
+    friend BasicRounded operator-(BasicRounded a) { return made(-a.value_); }
+    // glm::vec's element-wise operators are written through these.
+    BasicRounded& operator+=(BasicRounded b) { return *this = *this + b; }
+    BasicRounded& operator-=(BasicRounded b) { return *this = *this - b; }
+    BasicRounded& operator*=(BasicRounded b) { return *this = *this * b; }
+
+    friend bool operator<(BasicRounded a, BasicRounded b) { return a.value_ < b.value_; }
+    friend bool operator<=(BasicRounded a, BasicRounded b) { return a.value_ <= b.value_; }
+    friend bool operator>(BasicRounded a, BasicRounded b) { return a.value_ > b.value_; }
+    friend bool operator>=(BasicRounded a, BasicRounded b) { return a.value_ >= b.value_; }
+    friend bool operator==(BasicRounded a, BasicRounded b) { return a.value_ == b.value_; }
+
+    friend BasicRounded sqrt(BasicRounded a) { return made(rounding::sqrt(a.value_, F::get())); }
+    friend BasicRounded fma(BasicRounded a, BasicRounded b, BasicRounded c) {
+        return made(rounding::fma(a.value_, b.value_, c.value_, F::get()));
+    }
+    friend BasicRounded abs(BasicRounded a) { return made(std::fabs(a.value_)); }
+    friend BasicRounded copysign(BasicRounded a, BasicRounded b) { return made(std::copysign(a.value_, b.value_)); }
+    friend BasicRounded next_up(BasicRounded a) { return made(rounding::next_up(a.value_, F::get())); }
+    friend BasicRounded next_down(BasicRounded a) { return made(-rounding::next_up(-a.value_, F::get())); }
+
+private:
+    static BasicRounded made(double value) {
+        BasicRounded r;
+        r.value_ = value;
+        return r;
+    }
+    double value_ = 0;
+};
+
+/// P significand bits; exponents of binary64 unless given.
+template <int P, int Emin = -1022, int Emax = 1023>
+using Rounded = BasicRounded<FixedFormat<P, Emin, Emax>>;
+
+using Half = Rounded<11, -14, 15>;
+using BFloat16 = Rounded<8, -126, 127>;
+using TensorFloat32 = Rounded<11, -126, 127>;
+
+/// The format is the thread's `CurrentFormat`: one instantiation of a formula serves every format at run time.
+using RoundedAny = BasicRounded<CurrentFormat>;
+
+static_assert(Number<Half> && Number<RoundedAny>);
+
+}  // namespace lostbits

@@ -1,0 +1,41 @@
+// Three-valued logic for enclosures: a comparison of overlapping enclosures has no answer yet.
+#pragma once
+
+namespace lostbits {
+
+/// Kleene's strong logic: `unknown` is the honest third answer, never a default.
+class Tri {
+public:
+    enum Value : signed char { no = -1, unknown = 0, yes = 1 };
+
+    constexpr Tri(Value value) : value_(value) {}
+    constexpr explicit Tri(bool certain) : value_(certain ? yes : no) {}
+
+    [[nodiscard]] constexpr bool is_yes() const { return value_ == yes; }
+    [[nodiscard]] constexpr bool is_no() const { return value_ == no; }
+    [[nodiscard]] constexpr bool is_unknown() const { return value_ == unknown; }
+
+    friend constexpr Tri operator&&(Tri a, Tri b) { return a.value_ < b.value_ ? a : b; }
+    friend constexpr Tri operator||(Tri a, Tri b) { return a.value_ > b.value_ ? a : b; }
+    friend constexpr Tri operator!(Tri a) { return Tri(static_cast<Value>(-a.value_)); }
+    friend constexpr bool operator==(Tri a, Tri b) = default;
+    friend constexpr bool any_of(Tri a) { return !a.is_no(); }
+
+private:
+    Value value_;
+};
+
+/// Whether an operation of the exact formula can have been undefined (0/0, the root of a negative number).
+/// Undefined behaves as IEEE's NaN: it spreads, and every comparison with it is false.
+enum class Undefined : unsigned char { never, maybe, always };
+
+constexpr Undefined spread(Undefined a, Undefined b) { return a > b ? a : b; }
+
+/// The verdict of a comparison given what interval reasoning says and whether an operand may be undefined.
+constexpr Tri guarded(Tri verdict, Undefined u) {
+    if (u == Undefined::always) return Tri::no;
+    if (u == Undefined::maybe && verdict.is_yes()) return Tri::unknown;
+    return verdict;
+}
+
+}  // namespace lostbits
