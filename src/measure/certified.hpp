@@ -1,0 +1,57 @@
+// A real number known to within a bound: what an enclosure leaves behind when it is done.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include "number/ball.hpp"
+#include "number/format.hpp"
+#include "number/interval.hpp"
+
+namespace lostbits {
+
+/// x = (hi + lo)·2^exponent with 1 ≤ |hi| < 2 (or x = 0 exactly), |x − (hi + lo)·2^exponent| ≤ bound·2^exponent.
+/// The exponent is apart so that numbers beyond the range of double are values like any other.
+struct Certified {
+    double hi = 0;
+    double lo = 0;
+    double bound = 0;
+    std::int64_t exponent = 0;
+
+    [[nodiscard]] bool is_zero() const { return hi == 0; }
+    /// ⌊log2|x|⌋ of the midpoint; very negative for zero.
+    [[nodiscard]] long floor_log2() const;
+};
+
+/// The relative bound that every certified value meets: 2^-72, which is 2^-19 of a double's last place.
+inline constexpr double certified_tightness = 0x1p-72;
+
+/// The midpoint and bound of an enclosure, or nothing where it is not tight enough (or unbounded).
+std::optional<Certified> certify(const Ball& x, double tightness = certified_tightness);
+std::optional<Certified> certify(const Interval& x, double tightness = certified_tightness);
+
+/// (x − y)/2^e as a double, to a relative error of about 2^-50 of the larger of the two bounds involved; infinite
+/// where it exceeds double's range. x and y may be any numbers, equal exponents not required.
+double scaled_difference(const Certified& x, const Certified& y, std::int64_t e);
+
+/// A finite double as a certified value with bound zero.
+Certified exactly(double x);
+
+/// An enclosure of both: the nearest of two intersections where they cannot be told apart.
+Certified nearer(const Certified& x, const Certified& y);
+/// −1, 0 (cannot be told), or +1.
+int compare(const Certified& x, const Certified& y);
+
+/// x rounded to nearest even in a format, or nothing where the bound straddles a rounding boundary.
+std::optional<double> round_certified(const Certified& x, const FloatFormat& format);
+
+/// |x|/2^emin-scaled position in the format's ordering: 0 for zero, +1 per representable number, negative below zero.
+/// Infinity follows the largest finite number. x must be a number of the format.
+std::int64_t ordinal(double x, const FloatFormat& format);
+
+/// The format's numbers on either side of the midpoint between them: used to settle ties. (lower, upper) enclose x.
+struct Neighbours {
+    double lower, upper;
+};
+
+}  // namespace lostbits

@@ -1,0 +1,46 @@
+// Truth: the exact answer of the geometric problem for the exact stored inputs, with a proof.
+#pragma once
+
+#include <span>
+
+#include "geometry/shapes.hpp"
+#include "measure/certified.hpp"
+
+namespace lostbits {
+
+/// The first intersection with t ≥ 0 of a ray with closed spheres (touching counts, the origin on the surface counts).
+struct Truth {
+    enum class Decision : std::uint8_t { miss, hit, unresolved };
+
+    Decision decision = Decision::miss;
+    /// Which sphere is hit first; the lowest of those that cannot be told apart. −1 for a miss.
+    int object = -1;
+    /// Bits of precision that the proof took; 106 for the double-double stage.
+    int bits = 0;
+    /// The ray parameter, in lengths of the direction as stored.
+    Certified t;
+    /// The same as a distance, t·|d|: what a form that receives a unit direction is asked for.
+    Certified distance;
+
+    [[nodiscard]] bool is_hit() const { return decision == Decision::hit; }
+};
+
+/// Enclosures start at double-double (`Ball`) and go to MPFI at 192 bits, doubling. Every decision rests on the sign
+/// of a dyadic polynomial of degree four in the inputs, so an interval of enough bits has zero width: for doubles that
+/// is at most 4·(1024 + 1074) + 64 < 8500 bits. The limit leaves a factor of nearly four; what it does not settle is
+/// `unresolved`.
+struct TruthLimit {
+    int bits = 32768;
+};
+
+/// `ray` and `spheres` in any exact storage: double (which holds every format up to binary64) or Real (own inputs).
+/// The direction must not be zero and all numbers must be finite; radii must be positive.
+Truth find_truth(const Ray<double>& ray, std::span<const Sphere<double>> spheres, TruthLimit limit = {});
+Truth find_truth(const Ray<Real>& ray, std::span<const Sphere<Real>> spheres, TruthLimit limit = {});
+
+/// t* (or the distance) correctly rounded to a format, ties decided exactly: where the certified bound straddles a
+/// rounding boundary, the sign of the quadratic at the boundary tells the side. For a hit only.
+double round_truth(const Truth& truth, const Ray<double>& ray, const Sphere<double>& sphere, const FloatFormat& format);
+double round_truth(const Truth& truth, const Ray<Real>& ray, const Sphere<Real>& sphere, const FloatFormat& format);
+
+}  // namespace lostbits
