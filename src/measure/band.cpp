@@ -1,0 +1,151 @@
+#include "measure/band.hpp"
+
+#include <tbb/parallel_for.h>
+
+#include <cmath>
+#include <limits>
+#include <type_traits>
+
+#include "measure/unit_direction.hpp"
+
+namespace lostbits {
+namespace {
+
+Ray<double> ray_at(const scene::RayBlock& b, std::size_t i) { return {{b.ox[i], b.oy[i], b.oz[i]}, {b.dx[i], b.dy[i], b.dz[i]}}; }
+Ray<Real> ray_at(const scene::IdealRays& b, std::size_t i) { return {{b.ox[i], b.oy[i], b.oz[i]}, {b.dx[i], b.dy[i], b.dz[i]}}; }
+
+template <class Function>
+void for_each_pixel(std::size_t count, Function&& function) {
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, 256), [&](const auto& range) {
+        for (std::size_t i = range.begin(); i < range.end(); ++i) function(i);
+    });
+}
+
+template <class Rays, class S>
+std::vector<Truth> find_all(const Rays& rays, const std::vector<Sphere<S>>& spheres, TruthLimit limit) {
+    std::vector<Truth> truth(rays.ox.size());
+    for_each_pixel(truth.size(), [&](std::size_t i) { truth[i] = find_truth(ray_at(rays, i), std::span(spheres), limit); });
+    return truth;
+}
+
+/// A ray that its format turned into nonsense (a direction of zero, an overflow) has no truth of its own.
+bool is_proper(const Ray<double>& r) {
+    const double sum = r.origin.x + r.origin.y + r.origin.z + r.direction.x + r.direction.y + r.direction.z;
+    return std::isfinite(sum) && (r.direction.x != 0 || r.direction.y != 0 || r.direction.z != 0);
+}
+
+scene::RayBlock normalised(const scene::RayBlock& rays, const FloatFormat& format) {
+    scene::RayBlock unit = rays;
+    for_each_pixel(rays.ox.size(), [&](std::size_t i) {
+        const Vec<double> u = unit_direction(Vec<double>(rays.dx[i], rays.dy[i], rays.dz[i]), format);
+        unit.dx[i] = u.x;
+        unit.dy[i] = u.y;
+        unit.dz[i] = u.z;
+    });
+    return unit;
+}
+
+template <class S>
+std::vector<S> stored(const std::vector<double>& x, std::size_t begin, std::size_t count) {
+    std::vector<S> y(count);
+    for (std::size_t i = 0; i < count; ++i) y[i] = static_cast<S>(x[begin + i]);
+    return y;
+}
+
+/// One chunk of rays against all spheres, keeping the nearest.
+template <class S, class Kernel>
+void nearest_of(const Kernel& kernel, const scene::RayBlock& rays, const std::vector<Sphere<double>>& spheres, std::size_t begin, std::size_t count,
+                Answers& answers) {
+    const auto ox = stored<S>(rays.ox, begin, count), oy = stored<S>(rays.oy, begin, count), oz = stored<S>(rays.oz, begin, count);
+    const auto dx = stored<S>(rays.dx, begin, count), dy = stored<S>(rays.dy, begin, count), dz = stored<S>(rays.dz, begin, count);
+    const RayBatch<S> batch{ox, oy, oz, dx, dy, dz};
+    std::vector<S> t(count), near(count), far(count);
+    std::vector<std::uint8_t> hit(count);
+    for (std::size_t s = 0; s < spheres.size(); ++s) {
+        const auto cast = [](double x) { return static_cast<S>(x); };
+        const Sphere<double>& from = spheres[s];
+        const Sphere<S> sphere{Vec<S>(cast(from.centre.x), cast(from.centre.y), cast(from.centre.z)), cast(from.radius)};
+        kernel(batch, sphere, HitBatch<S>{t, near, far, hit});
+        for (std::size_t i = 0; i < count; ++i) {
+            const std::size_t p = begin + i;
+            const bool first = answers.hit[p] == 0 || std::isnan(answers.t[p]);
+            if (hit[i] == 0 || !(first || t[i] < answers.t[p]) || (std::isnan(t[i]) && answers.hit[p] != 0)) continue;
+            answers.hit[p] = 1;
+            answers.t[p] = t[i];
+            answers.object[p] = static_cast<std::int32_t>(s);
+        }
+    }
+}
+
+}  // namespace
+
+Band::Band(const scene::Scene& scene, int y0, int y1, TruthLimit limit) : scene_(&scene), y0_(y0), rows_(y1 - y0), limit_(limit) {
+    if (scene.inputs == scene::Inputs::shared) {
+        shared_ = scene::make_shared_rays(scene, y0, y1);
+        for (const auto& s : scene.spheres) shared_spheres_.push_back(scene::shared_sphere(s));
+        truth_ = find_all(shared_, shared_spheres_, limit_);
+    } else {
+        ideal_ = scene::make_own_rays(scene, y0, y1);
+        for (const auto& s : scene.spheres) ideal_spheres_.push_back({s.centre, s.radius});
+        truth_ = find_all(*ideal_, ideal_spheres_, limit_);
+    }
+}
+
+FormatInputs Band::inputs(const Format& format, BandNeeds needs) const {
+    FormatInputs in{.format = format, .rays = {}, .spheres = {}, .unit_rays = {}, .own_truth = {}};
+    const FloatFormat& shape = format.shape;
+    if (ideal_) {
+        in.rays = scene::round_rays(*ideal_, shape);
+        for (const auto& s : scene_->spheres) in.spheres.push_back(scene::round_sphere(s, shape));
+    } else {
+        in.ideal = shape.precision >= binary32.precision && shape.emin <= binary32.emin && shape.emax >= binary32.emax;
+        in.rays = in.ideal ? shared_ : scene::round_block(shared_, shape);
+        for (const auto& s : scene_->spheres) in.spheres.push_back(scene::round_sphere(s, shape));
+        if (in.ideal) in.spheres = shared_spheres_;
+    }
+    if (needs.unit_rays) in.unit_rays = normalised(in.rays, shape);
+    if (needs.own_truth && !in.ideal) {
+        in.own_truth.resize(pixels());
+        for_each_pixel(pixels(), [&](std::size_t i) {
+            const Ray<double> ray = ray_at(in.rays, i);
+            if (is_proper(ray)) in.own_truth[i] = find_truth(ray, std::span<const Sphere<double>>(in.spheres), limit_);
+        });
+    }
+    return in;
+}
+
+double Band::rounded_truth(std::size_t i, const FloatFormat& format, Direction unit_of) const {
+    const Truth& truth = truth_[i];
+    if (unit_of == Direction::unit) {
+        // A distance is irrational but where |d| is rational; a bound that straddles is settled as the midpoint rounds.
+        Certified middle = truth.distance;
+        if (const auto r = round_certified(middle, format)) return *r;
+        middle.bound = 0;
+        return round_certified(middle, format).value_or(std::numeric_limits<double>::quiet_NaN());
+    }
+    const auto object = static_cast<std::size_t>(truth.object);
+    if (ideal_) return round_truth(truth, ray_at(*ideal_, i), ideal_spheres_[object], format);
+    return round_truth(truth, ray_at(shared_, i), shared_spheres_[object], format);
+}
+
+Answers evaluate(const Intersector& form, const FormatInputs& inputs) {
+    const scene::RayBlock& rays = inputs.rays_for(*form.info);
+    const std::size_t n = rays.ox.size();
+    Answers answers{std::vector<double>(n), std::vector<std::uint8_t>(n), std::vector<std::int32_t>(n, -1)};
+    constexpr std::size_t chunk = 4096;  // ray and answer arrays of a chunk stay in the second-level cache
+    for (std::size_t begin = 0; begin < n; begin += chunk) {
+        const std::size_t count = std::min(chunk, n - begin);
+        switch (inputs.format.engine) {
+            case Format::Engine::native32: nearest_of<float>(form.native32, rays, inputs.spheres, begin, count, answers); break;
+            case Format::Engine::native64: nearest_of<double>(form.native64, rays, inputs.spheres, begin, count, answers); break;
+            case Format::Engine::rounded: {
+                const auto kernel = [&](const auto&... a) { form.rounded(inputs.format.shape, a...); };
+                nearest_of<double>(kernel, rays, inputs.spheres, begin, count, answers);
+                break;
+            }
+        }
+    }
+    return answers;
+}
+
+}  // namespace lostbits

@@ -1,0 +1,72 @@
+// A band of a picture: rays made once, their truth found once, and the same numbers handed to every form and format.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "intersect/table.hpp"
+#include "measure/truth.hpp"
+#include "scene/rays.hpp"
+#include "scene/scene.hpp"
+
+namespace lostbits {
+
+/// What forms in one format receive. Rays and spheres are numbers of the format, held in doubles.
+struct FormatInputs {
+    Format format;
+    scene::RayBlock rays;
+    std::vector<Sphere<double>> spheres;
+    /// Directions normalised and rounded to the format; empty unless a form asks for them.
+    scene::RayBlock unit_rays;
+    /// The truth of these inputs; empty where they are the ideal ones, or where no metric asks.
+    std::vector<Truth> own_truth;
+    bool ideal = false;  ///< the inputs are exactly those of the truth
+
+    [[nodiscard]] const scene::RayBlock& rays_for(const Info& info) const {
+        return info.direction == Direction::unit ? unit_rays : rays;
+    }
+};
+
+struct BandNeeds {
+    bool unit_rays = false;
+    bool own_truth = false;
+};
+
+/// Rows [y0, y1) of a scene.
+class Band {
+public:
+    /// Finds the truth of every pixel, in parallel over the pixels.
+    Band(const scene::Scene& scene, int y0, int y1, TruthLimit limit = {});
+    /// The inputs of one format; parallel over the pixels where it computes.
+    [[nodiscard]] FormatInputs inputs(const Format& format, BandNeeds needs) const;
+
+    [[nodiscard]] int y0() const { return y0_; }
+    [[nodiscard]] int rows() const { return rows_; }
+    [[nodiscard]] std::size_t pixels() const { return truth_.size(); }
+    [[nodiscard]] const std::vector<Truth>& truth() const { return truth_; }
+    /// The truth of pixel i (a hit), correctly rounded to the format: as t, or as a distance.
+    [[nodiscard]] double rounded_truth(std::size_t i, const FloatFormat& format, Direction unit_of) const;
+
+private:
+    const scene::Scene* scene_;
+    int y0_, rows_;
+    TruthLimit limit_;
+    scene::RayBlock shared_;                 ///< inputs = shared
+    std::vector<Sphere<double>> shared_spheres_;
+    std::optional<scene::IdealRays> ideal_;  ///< inputs = own
+    std::vector<Sphere<Real>> ideal_spheres_;
+    std::vector<Truth> truth_;
+};
+
+/// The answers of one form in one format to a band: the nearest hit over all spheres, found in the format.
+struct Answers {
+    std::vector<double> t;
+    std::vector<std::uint8_t> hit;
+    std::vector<std::int32_t> object;  ///< −1 where there is no hit
+};
+
+/// Evaluates a row of the table. A hit at NaN never beats another hit; alone it stays, for the outcome to show.
+Answers evaluate(const Intersector& form, const FormatInputs& inputs);
+
+}  // namespace lostbits

@@ -1,0 +1,126 @@
+#include "measure/map.hpp"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+
+#include "measure/self.hpp"
+
+namespace lostbits {
+namespace {
+
+constexpr double missing = std::numeric_limits<double>::quiet_NaN();
+
+unsigned needs_of(const MapRequest& request) {
+    unsigned needs = needs_nothing;
+    for (const Metric* m : request.metrics) needs |= m->needs;
+    return needs;
+}
+
+Ray<double> ray_at(const scene::RayBlock& b, std::size_t i) { return {{b.ox[i], b.oy[i], b.oz[i]}, {b.dx[i], b.dy[i], b.dz[i]}}; }
+
+const Certified* in_unit_of(const Truth& truth, const Info& info) {
+    if (!truth.is_hit()) return nullptr;
+    return info.direction == Direction::unit ? &truth.distance : &truth.t;
+}
+
+/// The metrics of the samples where form and truth agree that there is a hit.
+class Measurement {
+public:
+    Measurement(const MapRequest& request, const MapRow& row, BandResult& result)
+        : request_(request), row_(row), result_(result), needs_(needs_of(request)) {}
+
+    void measure(std::size_t i, MapSummary& summary) {
+        const Answers& answers = *result_.answers;
+        const FormatInputs& in = *result_.inputs;
+        const Truth& truth = result_.band->truth()[i];
+        const Info& info = *row_.form->info;
+        const Ray<double> ray = ray_at(in.rays_for(info), i);
+        const Sphere<double>& sphere = in.spheres[static_cast<std::size_t>(answers.object[i])];
+        Sample sample{answers.t[i], &row_.format, in_unit_of(truth, info), missing, nullptr, nullptr, &ray, &sphere};
+
+        if (needs_ & needs_rounded_truth) sample.truth_rounded = result_.band->rounded_truth(i, row_.format.shape, info.direction);
+        if (needs_ & needs_own_truth) sample.own = in.ideal ? sample.truth : in_unit_of(in.own_truth[i], info);
+        std::optional<Certified> self;
+        if (needs_ & needs_self) {
+            self = without_rounding(*row_.form, ray, in.spheres[static_cast<std::size_t>(truth.object)]);
+            if (self) sample.self = &*self;
+        }
+        for (std::size_t m = 0; m < request_.metrics.size(); ++m) {
+            const double value = request_.metrics[m]->value(sample);
+            result_.metrics[m][i] = value;
+            summary.metrics[m].add(value);
+        }
+        keep_worst(i, sample, summary);
+    }
+
+private:
+    void keep_worst(std::size_t i, const Sample& sample, MapSummary& summary) {
+        static const Metric* const ulps = find_metric("ulp_error");
+        const double size = std::fabs(ulps->value(sample));
+        if (!(size > summary.worst.size)) return;
+        const int x = static_cast<int>(i % static_cast<std::size_t>(result_.width));
+        const int y = result_.y0 + static_cast<int>(i / static_cast<std::size_t>(result_.width));
+        summary.worst = {x, y, result_.answers->object[i], size, *sample.ray, *sample.sphere, sample.t};
+    }
+
+    const MapRequest& request_;
+    const MapRow& row_;
+    BandResult& result_;
+    unsigned needs_;
+};
+
+void run_row(const MapRequest& request, const MapRow& row, const Band& band, const FormatInputs& inputs, MapSummary& summary, MapSink* sink) {
+    const Answers answers = evaluate(*row.form, inputs);
+    const std::size_t n = band.pixels();
+    BandResult result{band.y0(), band.rows(), request.scene->width, &band, &inputs, &answers, std::vector<Outcome>(n), {}};
+    result.metrics.assign(request.metrics.size(), std::vector<double>(n, missing));
+    Measurement measurement(request, row, result);
+    for (std::size_t i = 0; i < n; ++i) {
+        const Truth& truth = band.truth()[i];
+        const Outcome outcome = classify(truth.decision, answers.hit[i] != 0, answers.t[i]);
+        result.outcomes[i] = outcome;
+        ++summary.outcomes[static_cast<std::size_t>(outcome)];
+        if (outcome != Outcome::agree_hit) continue;
+        summary.wrong_object += answers.object[i] != truth.object;
+        measurement.measure(i, summary);
+    }
+    summary.rays += n;
+    if (sink) sink->band(result);
+}
+
+}  // namespace
+
+int band_rows(int width) {
+    constexpr int pixels = 32768, block = 16;
+    return std::max(block, (pixels / width + block - 1) / block * block);
+}
+
+std::vector<MapSummary> run_map(const MapRequest& request, const std::vector<MapSink*>& sinks) {
+    const scene::Scene& scene = *request.scene;
+    std::vector<MapSummary> summaries(request.rows.size());
+    for (auto& s : summaries) s.metrics = std::vector<Distribution>(request.metrics.size());
+
+    std::map<std::string, BandNeeds> formats;
+    for (const MapRow& row : request.rows) {
+        BandNeeds& needs = formats[row.format.name];
+        needs.unit_rays |= row.form->info->direction == Direction::unit;
+        needs.own_truth |= (needs_of(request) & needs_own_truth) != 0;
+    }
+    for (int y0 = 0; y0 < scene.height; y0 += band_rows(scene.width)) {
+        const Band band(scene, y0, std::min(scene.height, y0 + band_rows(scene.width)), request.limit);
+        std::map<std::string, FormatInputs> inputs;
+        for (const auto& [name, needs] : formats) inputs.emplace(name, band.inputs(*find_format(name), needs));
+        tbb::parallel_for(std::size_t{0}, request.rows.size(), [&](std::size_t r) {
+            const MapRow& row = request.rows[r];
+            run_row(request, row, band, inputs.at(row.format.name), summaries[r], r < sinks.size() ? sinks[r] : nullptr);
+            request.progress(band.pixels());
+        });
+    }
+    return summaries;
+}
+
+}  // namespace lostbits

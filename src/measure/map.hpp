@@ -1,0 +1,79 @@
+// The map: every selected form in every selected format over every pixel of a scene, against one truth.
+#pragma once
+
+#include <array>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "measure/band.hpp"
+#include "measure/metrics.hpp"
+#include "measure/outcome.hpp"
+#include "measure/statistics.hpp"
+
+namespace lostbits {
+
+/// One row of the work: a form in a format.
+struct MapRow {
+    const Intersector* form;
+    Format format;
+};
+
+/// A worst sample, in a form that can be pasted back.
+struct WorstRay {
+    int x = -1, y = -1;
+    int object = -1;  ///< the sphere that the form hit
+    double size = -1;  ///< |ulp_error|
+    Ray<double> ray{};  ///< as the form received it
+    Sphere<double> sphere{};
+    double t = 0;
+};
+
+/// What is known of a row when the whole picture has been seen.
+struct MapSummary {
+    std::uint64_t rays = 0;
+    std::array<std::uint64_t, outcome_names.size()> outcomes{};
+    std::uint64_t wrong_object = 0;  ///< agree_hit, but on another sphere
+    std::vector<Distribution> metrics;  ///< in the order of the request's metrics
+    WorstRay worst;
+
+    [[nodiscard]] std::uint64_t count(Outcome o) const { return outcomes[static_cast<std::size_t>(o)]; }
+};
+
+/// A row's results over some scanlines.
+struct BandResult {
+    int y0, rows, width;
+    const Band* band;
+    const FormatInputs* inputs;
+    const Answers* answers;
+    std::vector<Outcome> outcomes;
+    /// One vector per requested metric; NaN where the metric does not exist.
+    std::vector<std::vector<double>> metrics;
+};
+
+/// Where a row's results go: files, plots, tests. Called band by band from top to bottom, never concurrently for
+/// one row; different rows are served at the same time.
+class MapSink {
+public:
+    virtual ~MapSink() = default;
+    virtual void band(const BandResult& result) = 0;
+};
+
+struct MapRequest {
+    const scene::Scene* scene = nullptr;
+    std::vector<MapRow> rows;
+    std::vector<const Metric*> metrics;
+    TruthLimit limit{};
+    /// Called after each band with the number of (pixel, row) pairs done; may throw to stop.
+    std::function<void(std::uint64_t)> progress = [](std::uint64_t) {};
+};
+
+/// Runs the map; sinks[i] (may be null) receives rows[i]. Memory does not grow with the height of the picture, and the
+/// results do not depend on the number of threads: bands are cut by the picture alone and each row is summed in order.
+std::vector<MapSummary> run_map(const MapRequest& request, const std::vector<MapSink*>& sinks);
+
+/// Scanlines per band: about 32768 pixels, in multiples of EXR's 16-line blocks.
+int band_rows(int width);
+
+}  // namespace lostbits
