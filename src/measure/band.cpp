@@ -11,9 +11,6 @@
 namespace lostbits {
 namespace {
 
-Ray<double> ray_at(const scene::RayBlock& b, std::size_t i) { return {{b.ox[i], b.oy[i], b.oz[i]}, {b.dx[i], b.dy[i], b.dz[i]}}; }
-Ray<Real> ray_at(const scene::IdealRays& b, std::size_t i) { return {{b.ox[i], b.oy[i], b.oz[i]}, {b.dx[i], b.dy[i], b.dz[i]}}; }
-
 template <class Function>
 void for_each_pixel(std::size_t count, Function&& function) {
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, 256), [&](const auto& range) {
@@ -23,8 +20,8 @@ void for_each_pixel(std::size_t count, Function&& function) {
 
 template <class Rays, class S>
 std::vector<Truth> find_all(const Rays& rays, const std::vector<Sphere<S>>& spheres, TruthLimit limit) {
-    std::vector<Truth> truth(rays.ox.size());
-    for_each_pixel(truth.size(), [&](std::size_t i) { truth[i] = find_truth(ray_at(rays, i), std::span(spheres), limit); });
+    std::vector<Truth> truth(rays.size());
+    for_each_pixel(truth.size(), [&](std::size_t i) { truth[i] = find_truth(rays[i], std::span(spheres), limit); });
     return truth;
 }
 
@@ -36,7 +33,7 @@ bool is_proper(const Ray<double>& r) {
 
 scene::RayBlock normalised(const scene::RayBlock& rays, const FloatFormat& format) {
     scene::RayBlock unit = rays;
-    for_each_pixel(rays.ox.size(), [&](std::size_t i) {
+    for_each_pixel(rays.size(), [&](std::size_t i) {
         const Vec<double> u = unit_direction(Vec<double>(rays.dx[i], rays.dy[i], rays.dz[i]), format);
         unit.dx[i] = u.x;
         unit.dy[i] = u.y;
@@ -100,14 +97,13 @@ FormatInputs Band::inputs(const Format& format, BandNeeds needs) const {
     } else {
         in.ideal = shape.precision >= binary32.precision && shape.emin <= binary32.emin && shape.emax >= binary32.emax;
         in.rays = in.ideal ? shared_ : scene::round_block(shared_, shape);
-        for (const auto& s : scene_->spheres) in.spheres.push_back(scene::round_sphere(s, shape));
-        if (in.ideal) in.spheres = shared_spheres_;
+        for (const auto& s : shared_spheres_) in.spheres.push_back(scene::round_sphere(s, shape));
     }
     if (needs.unit_rays) in.unit_rays = normalised(in.rays, shape);
     if (needs.own_truth && !in.ideal) {
         in.own_truth.resize(pixels());
         for_each_pixel(pixels(), [&](std::size_t i) {
-            const Ray<double> ray = ray_at(in.rays, i);
+            const Ray<double> ray = in.rays[i];
             if (is_proper(ray)) in.own_truth[i] = find_truth(ray, std::span<const Sphere<double>>(in.spheres), limit_);
         });
     }
@@ -124,13 +120,13 @@ double Band::rounded_truth(std::size_t i, const FloatFormat& format, Direction u
         return round_certified(middle, format).value_or(std::numeric_limits<double>::quiet_NaN());
     }
     const auto object = static_cast<std::size_t>(truth.object);
-    if (ideal_) return round_truth(truth, ray_at(*ideal_, i), ideal_spheres_[object], format);
-    return round_truth(truth, ray_at(shared_, i), shared_spheres_[object], format);
+    if (ideal_) return round_truth(truth, (*ideal_)[i], ideal_spheres_[object], format);
+    return round_truth(truth, shared_[i], shared_spheres_[object], format);
 }
 
 Answers evaluate(const Intersector& form, const FormatInputs& inputs) {
     const scene::RayBlock& rays = inputs.rays_for(*form.info);
-    const std::size_t n = rays.ox.size();
+    const std::size_t n = rays.size();
     Answers answers{std::vector<double>(n), std::vector<std::uint8_t>(n), std::vector<std::int32_t>(n, -1)};
     constexpr std::size_t chunk = 4096;  // ray and answer arrays of a chunk stay in the second-level cache
     for (std::size_t begin = 0; begin < n; begin += chunk) {

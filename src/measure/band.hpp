@@ -54,7 +54,7 @@ private:
     TruthLimit limit_;
     scene::RayBlock shared_;                 ///< inputs = shared
     std::vector<Sphere<double>> shared_spheres_;
-    std::optional<scene::IdealRays> ideal_;  ///< inputs = own
+    std::optional<scene::IdealRayBlock> ideal_;  ///< inputs = own
     std::vector<Sphere<Real>> ideal_spheres_;
     std::vector<Truth> truth_;
 };

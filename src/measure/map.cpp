@@ -20,8 +20,6 @@ unsigned needs_of(const MapRequest& request) {
     return needs;
 }
 
-Ray<double> ray_at(const scene::RayBlock& b, std::size_t i) { return {{b.ox[i], b.oy[i], b.oz[i]}, {b.dx[i], b.dy[i], b.dz[i]}}; }
-
 const Certified* in_unit_of(const Truth& truth, const Info& info) {
     if (!truth.is_hit()) return nullptr;
     return info.direction == Direction::unit ? &truth.distance : &truth.t;
@@ -38,7 +36,7 @@ public:
         const FormatInputs& in = *result_.inputs;
         const Truth& truth = result_.band->truth()[i];
         const Info& info = *row_.form->info;
-        const Ray<double> ray = ray_at(in.rays_for(info), i);
+        const Ray<double> ray = in.rays_for(info)[i];
         const Sphere<double>& sphere = in.spheres[static_cast<std::size_t>(answers.object[i])];
         Sample sample{answers.t[i], &row_.format, in_unit_of(truth, info), missing, nullptr, nullptr, &ray, &sphere};
 
@@ -84,6 +82,7 @@ void run_row(const MapRequest& request, const MapRow& row, const Band& band, con
         const Outcome outcome = classify(truth.decision, answers.hit[i] != 0, answers.t[i]);
         result.outcomes[i] = outcome;
         ++summary.outcomes[static_cast<std::size_t>(outcome)];
+        summary.true_hits += truth.is_hit();
         if (outcome != Outcome::agree_hit) continue;
         summary.wrong_object += answers.object[i] != truth.object;
         measurement.measure(i, summary);

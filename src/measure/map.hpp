@@ -34,6 +34,7 @@ struct WorstRay {
 struct MapSummary {
     std::uint64_t rays = 0;
     std::array<std::uint64_t, outcome_names.size()> outcomes{};
+    std::uint64_t true_hits = 0;     ///< rays that truly hit, whatever the form says
     std::uint64_t wrong_object = 0;  ///< agree_hit, but on another sphere
     std::vector<Distribution> metrics;  ///< in the order of the request's metrics
     WorstRay worst;

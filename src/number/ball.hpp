@@ -114,7 +114,8 @@ public:
     }
     friend Ball copysign(const Ball& a, const Ball& b) {
         const Tri negative = b < Ball(0);
-        if (negative.is_unknown() || b.is_zero()) return unknown();
+        // `negative` is a plain no where b is NaN for certain, and NaN's sign is anyone's.
+        if (negative.is_unknown() || b.is_zero() || !b.is_bounded()) return unknown();
         return negative.is_yes() ? -abs(a) : abs(a);
     }
 

@@ -140,7 +140,8 @@ double next_up(double a, const FloatFormat& f) {
     double step = std::ldexp(1.0, static_cast<int>(ulp_exponent(f, exponent)));
     // Towards zero from a power of two the neighbours lie twice as close, except at the subnormals' edge.
     if (a < 0 && exponent > f.emin && size == std::ldexp(1.0, exponent)) step /= 2;
-    return to_format(a + step, 0, f);
+    // copysign: above the largest negative number lies −0 (IEEE 754 nextUp), as nextafter has it.
+    return std::copysign(to_format(a + step, 0, f), a);
 }
 
 double add_reference(double a, double b, const FloatFormat& f) {

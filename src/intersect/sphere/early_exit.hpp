@@ -1,5 +1,6 @@
 // `unified` with the shortcut: a sphere behind a ray that starts outside (b' < 0 and c > 0) is a miss, and the sign
-// of c says which root is the first: t₀ from outside, t₁ from inside. Only that root is computed.
+// of c says which root is the first: t₀ from outside, t₁ from inside. Only that root is computed. On the surface
+// (c = 0, of which the source is silent) c/q = 0 is the first root, whichever way the ray looks.
 #pragma once
 
 #include "intersect/sphere/roots.hpp"
@@ -27,8 +28,8 @@ struct EarlyExit {
         const mask_t<T> behind = minus_b < T(0);
         const T root = sqrt(a * delta);
         const T q = named("q", minus_b + select(behind, -root, root));
-        // Outside and ahead: near = c/q. Inside: far = q/a ahead of the centre, c/q behind it.
-        const T t = named("t", select(outside, c / q, select(behind, c / q, q / a)));
+        // Inside: far is q/a where the centre is ahead, c/q where it is behind. Otherwise near = c/q.
+        const T t = named("t", select(c < T(0) && !behind, q / a, c / q));
         return Hit<T>{!(delta < T(0) || (behind && outside)), t, t, t};
     }
 };

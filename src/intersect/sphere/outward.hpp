@@ -12,7 +12,7 @@ struct Outward {
     T lo;
     T hi;
 
-    explicit Outward(int x) : lo(x), hi(x) {}
+    explicit Outward(int x) : lo(T(x)), hi(T(x)) {}
     explicit Outward(const T& x) : lo(x), hi(x) {}
     Outward(const T& low, const T& high) : lo(low), hi(high) {}
 

@@ -1,0 +1,29 @@
+// The subcommands: each adds itself to the program and runs when it is chosen.
+#pragma once
+
+#include <CLI/CLI.hpp>
+
+#include <functional>
+#include <string>
+
+#include "number/error.hpp"
+#include "output/progress.hpp"
+
+namespace lostbits::analysis {
+
+/// Options of every command.
+struct Common {
+    std::string data;  ///< the data folder, see `data_folder`
+    output::Progress::Mode progress = output::Progress::Mode::automatic;
+    bool quiet = false;
+    bool verbose = false;
+    int threads = 0;  ///< 0: one a core
+};
+
+using Command = std::function<Exit()>;
+
+/// Each registers a subcommand and stores in `chosen` what to run when it was given.
+void add_list(CLI::App& program, const Common& common, Command& chosen);
+void add_map(CLI::App& program, const Common& common, Command& chosen);
+
+}  // namespace lostbits::analysis

@@ -1,0 +1,120 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "commands.hpp"
+#include "scene/scene.hpp"
+#include "select.hpp"
+
+namespace lostbits::analysis {
+namespace {
+
+/// A list as a table of words: the first column names, the others explain.
+struct Listing {
+    std::vector<std::string> columns;
+    std::vector<std::vector<std::string>> rows;
+};
+
+Listing intersectors() {
+    Listing l{{"name", "title", "direction", "roots", "touching", "formats", "source"}, {}};
+    for (const Intersector& i : sphere_intersectors()) {
+        const Info& info = *i.info;
+        const char* roots = info.roots == Roots::both ? "both" : info.roots == Roots::near_only ? "near only" : "first only";
+        l.rows.push_back({std::string(info.name), std::string(info.title), info.direction == Direction::unit ? "unit" : "any", roots,
+                          info.touching == Touching::hit ? "hits" : "misses", info.formats == Formats::all ? "all" : "f32", std::string(info.source)});
+    }
+    return l;
+}
+
+Listing formats() {
+    Listing l{{"name", "meaning"}, {}};
+    for (const FormatHelp& f : format_help) l.rows.push_back({std::string(f.name), std::string(f.meaning)});
+    return l;
+}
+
+Listing metric_table() {
+    Listing l{{"name", "unit", "layer", "default", "meaning"}, {}};
+    for (const Metric& m : metrics()) {
+        l.rows.push_back({std::string(m.name), std::string(m.unit), std::string(m.layer), m.by_default ? "yes" : "no", std::string(m.meaning)});
+    }
+    return l;
+}
+
+Listing scenes(const Common& common) {
+    Listing l{{"name", "variants", "inputs", "title"}, {}};
+    for (const auto& path : scene::scene_files(data_folder(common.data))) {
+        const scene::SceneFile file(path);
+        const auto all = file.load();
+        l.rows.push_back({path.stem().string(), fmt::format("{}", fmt::join(file.variants(), " ")), all.front().inputs == scene::Inputs::shared ? "shared" : "own",
+                          all.front().title});
+    }
+    return l;
+}
+
+/// Files of a kind that this version only names.
+Listing files_in(const Common& common, const char* folder) {
+    Listing l{{"name"}, {}};
+    std::error_code error;
+    for (const auto& entry : std::filesystem::directory_iterator(data_folder(common.data) / folder, error)) {
+        if (entry.path().extension() == ".toml") l.rows.push_back({entry.path().stem().string()});
+    }
+    std::ranges::sort(l.rows);
+    return l;
+}
+
+void print(const Listing& l, bool last_is_long) {
+    std::vector<std::size_t> widths;
+    for (std::size_t c = 0; c < l.columns.size(); ++c) {
+        std::size_t w = l.columns[c].size();
+        for (const auto& row : l.rows) w = std::max(w, row[c].size());
+        widths.push_back(w);
+    }
+    const auto line = [&](const std::vector<std::string>& cells) {
+        std::string text;
+        for (std::size_t c = 0; c < cells.size(); ++c) {
+            text += c + 1 == cells.size() && last_is_long ? cells[c] : fmt::format("{:<{}}  ", cells[c], widths[c]);
+        }
+        text.erase(text.find_last_not_of(' ') + 1);
+        fmt::print("{}\n", text);
+    };
+    line(l.columns);
+    for (const auto& row : l.rows) line(row);
+}
+
+void print_json(const Listing& l) {
+    auto array = nlohmann::ordered_json::array();
+    for (const auto& row : l.rows) {
+        nlohmann::ordered_json object;
+        for (std::size_t c = 0; c < row.size(); ++c) object[l.columns[c]] = row[c];
+        array.push_back(std::move(object));
+    }
+    fmt::print("{}\n", array.dump(2));
+}
+
+Exit run(const std::string& what, bool json, const Common& common) {
+    const auto make = [&](const std::string& name) {
+        if (name == "formats") return formats();
+        if (name == "metrics") return metric_table();
+        if (name == "scenes") return scenes(common);
+        if (name == "sweeps" || name == "claims") return files_in(common, name.c_str());
+        return intersectors();
+    };
+    if (json) print_json(make(what));
+    else print(make(what), true);
+    return Exit::done;
+}
+
+}  // namespace
+
+void add_list(CLI::App& program, const Common& common, Command& chosen) {
+    auto* command = program.add_subcommand("list", "What there is: intersectors, formats, metrics, scenes, sweeps, claims");
+    const auto what = std::make_shared<std::string>("intersectors");
+    const auto json = std::make_shared<bool>(false);
+    command->add_option("WHAT", *what, "What to list")->check(CLI::IsMember({"intersectors", "formats", "metrics", "scenes", "sweeps", "claims"}));
+    command->add_flag("--json", *json, "As a JSON array");
+    command->callback([what, json, &common, &chosen] { chosen = [what, json, &common] { return run(*what, *json, common); }; });
+}
+
+}  // namespace lostbits::analysis

@@ -1,0 +1,88 @@
+#include <fmt/format.h>
+
+#include <cstdio>
+#include <exception>
+#include <map>
+#include <new>
+
+#include "commands.hpp"
+#include "output/atomic_file.hpp"
+#include "scene/did_you_mean.hpp"
+#include "signals.hpp"
+
+namespace lostbits::analysis {
+namespace {
+
+constexpr const char* description =
+    "A precision laboratory for ray intersectors: where significand bits are lost, which operation loses them,\n"
+    "whether the formula or the problem is to blame, and what the safer form costs.";
+
+void add_common(CLI::App& program, Common& common) {
+    using Mode = output::Progress::Mode;
+    static const std::map<std::string, Mode> modes{{"auto", Mode::automatic}, {"bar", Mode::bar}, {"none", Mode::none}};
+    program.add_option("--data", common.data, "Folder with scenes/, sweeps/, claims/ (default: $LOSTBITS_DATA, ./data, the installed one)");
+    program.add_option("--progress", common.progress, "Progress on stderr: auto (on a terminal), bar, none")
+        ->transform(CLI::CheckedTransformer(modes))
+        ->default_str("auto");
+    program.add_flag("-q,--quiet", common.quiet, "No messages but errors");
+    program.add_flag("-v,--verbose", common.verbose, "Say more");
+    program.add_option("-j,--threads", common.threads, "Threads (default: one a core); results do not depend on it")->check(CLI::Range(1, 1024));
+}
+
+/// CLI11's own message, and what the user may have meant where a word is unknown.
+void explain(const CLI::App& program, const CLI::ParseError& error, int argc, char** argv) {
+    fmt::print(stderr, "lostbits: {}\n", error.what());
+    std::vector<std::string> commands;
+    for (const CLI::App* sub : program.get_subcommands({})) commands.push_back(sub->get_name());
+    if (argc > 1 && argv[1][0] != '-' && program.get_subcommands().empty()) {
+        fmt::print(stderr, "lostbits: \"{}\" is no command; {}\n", argv[1], scene::did_you_mean(argv[1], commands));
+    } else {
+        fmt::print(stderr, "lostbits: see `lostbits{} --help`\n", program.get_subcommands().empty() ? "" : " " + program.get_subcommands().front()->get_name());
+    }
+}
+
+Exit run(int argc, char** argv) {
+    CLI::App program{description, "lostbits"};
+    program.require_subcommand(1);
+    program.fallthrough();
+    program.set_version_flag("--version", "lostbits " LOSTBITS_VERSION);
+    Common common;
+    Command chosen;
+    add_common(program, common);
+    add_list(program, common, chosen);
+    add_map(program, common, chosen);
+    try {
+        program.parse(argc, argv);
+    } catch (const CLI::Success& success) {  // --help, --version
+        return static_cast<Exit>(program.exit(success));
+    } catch (const CLI::ParseError& error) {
+        explain(program, error, argc, argv);
+        return Exit::bad_input;
+    }
+    return chosen();
+}
+
+}  // namespace
+}  // namespace lostbits::analysis
+
+int main(int argc, char** argv) {
+    using namespace lostbits;
+    analysis::install_signal_handlers();
+    output::raise_open_file_limit();
+    const auto fail = [](Exit code, const char* message) {
+        fmt::print(stderr, "lostbits: {}\n", message);
+        return static_cast<int>(code);
+    };
+    try {
+        const Exit code = analysis::run(argc, argv);
+        // What stdout did not take (a full disk behind a redirection) is as lost as a file that was not written.
+        if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0) return fail(Exit::environment, "standard output: cannot write");
+        return static_cast<int>(code);
+    } catch (const Error& error) {
+        return fail(error.code(), error.what());
+    } catch (const std::bad_alloc&) {
+        return fail(Exit::environment, "out of memory; try a smaller --size or fewer forms");
+    } catch (const std::exception& error) {
+        return fail(Exit::internal, error.what());
+    }
+}

@@ -1,0 +1,112 @@
+#include "select.hpp"
+
+#include <fnmatch.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cstdlib>
+
+#include "number/error.hpp"
+#include "scene/did_you_mean.hpp"
+
+namespace lostbits::analysis {
+namespace {
+
+bool is_glob(const std::string& text) { return text.find_first_of("*?[") != std::string::npos; }
+
+/// The rows of a table whose name matches any of the words; `what` and `option` are for messages.
+template <class Row, class Name>
+std::vector<const Row*> select_rows(std::span<const Row> table, const std::vector<std::string>& words, const char* what, const char* option, Name name) {
+    std::vector<std::string> names;
+    for (const Row& row : table) names.emplace_back(name(row));
+    std::vector<bool> chosen(table.size());
+    for (const std::string& word : words) {
+        bool any = false;
+        for (std::size_t i = 0; i < table.size(); ++i) {
+            if (fnmatch(word.c_str(), names[i].c_str(), 0) != 0) continue;
+            chosen[i] = any = true;
+        }
+        if (any) continue;
+        if (is_glob(word)) throw NothingSelected(fmt::format("{} {}: no {} matches this pattern; `lostbits list {}s` shows all", option, word, what, what));
+        throw InputError(fmt::format("{} {}: unknown {}; {}", option, word, what, scene::did_you_mean(word, names)));
+    }
+    std::vector<const Row*> rows;
+    for (std::size_t i = 0; i < table.size(); ++i) {
+        if (chosen[i]) rows.push_back(&table[i]);
+    }
+    return rows;
+}
+
+[[noreturn]] void unknown_format(const std::string& name) {
+    std::vector<std::string> names{"f32", "f64", "fp16", "bf16", "tf32"};
+    std::string hint = scene::did_you_mean(name, names);
+    throw InputError(fmt::format("-f {}: unknown format; {} (or pN with 2 <= N <= 53, or a range p5..p12)", name, hint));
+}
+
+}  // namespace
+
+std::vector<const Intersector*> select_forms(const std::vector<std::string>& globs) {
+    return select_rows(sphere_intersectors(), globs, "intersector", "-i", [](const Intersector& i) { return i.info->name; });
+}
+
+std::vector<const Metric*> select_metrics(const std::vector<std::string>& globs) {
+    return select_rows(metrics(), globs, "metric", "--metric", [](const Metric& m) { return m.name; });
+}
+
+std::vector<Format> select_formats(const std::vector<std::string>& names) {
+    std::vector<Format> formats;
+    const auto add = [&formats](const std::string& name) {
+        const auto format = find_format(name);
+        if (!format) unknown_format(name);
+        if (std::ranges::find(formats, *format) == formats.end()) formats.push_back(*format);
+    };
+    for (const std::string& name : names) {
+        const auto dots = name.find("..");
+        if (dots == std::string::npos) {
+            add(name);
+            continue;
+        }
+        const auto first = find_format(name.substr(0, dots)), last = find_format(name.substr(dots + 2));
+        const bool widths = first && last && first->name.front() == 'p' && last->name.front() == 'p';
+        if (!widths || first->shape.precision > last->shape.precision) unknown_format(name);
+        for (int p = first->shape.precision; p <= last->shape.precision; ++p) add("p" + std::to_string(p));
+    }
+    return formats;
+}
+
+std::vector<MapRow> cross(const std::vector<const Intersector*>& forms, const std::vector<Format>& formats) {
+    std::vector<MapRow> rows;
+    for (const Intersector* form : forms) {
+        for (const Format& format : formats) {
+            if (form->exists_in(format)) rows.push_back({form, format});
+        }
+    }
+    if (rows.empty()) throw NothingSelected("none of the selected intersectors exists in the selected formats; `lostbits list intersectors` says which do");
+    return rows;
+}
+
+std::pair<int, int> parse_size(const std::string& text) {
+    int size[2] = {0, 0};
+    const auto x = text.find('x');
+    const auto number = [&text](std::size_t begin, std::size_t end, int& value) {
+        const auto [stop, error] = std::from_chars(text.data() + begin, text.data() + end, value);
+        return error == std::errc{} && stop == text.data() + end;
+    };
+    if (x == std::string::npos || !number(0, x, size[0]) || !number(x + 1, text.size(), size[1])) {
+        throw InputError(fmt::format("--size {}: not a size; write width and height in pixels, like 512x384", text));
+    }
+    return {size[0], size[1]};
+}
+
+std::filesystem::path data_folder(const std::string& given) {
+    namespace fs = std::filesystem;
+    if (!given.empty()) return given;
+    if (const char* variable = std::getenv("LOSTBITS_DATA")) return variable;
+    if (fs::is_directory("data/scenes")) return "data";
+    std::error_code error;
+    const fs::path beside = fs::read_symlink("/proc/self/exe", error).parent_path() / "../share/lostbits/data";
+    return fs::is_directory(beside, error) ? beside : fs::path("data");
+}
+
+}  // namespace lostbits::analysis

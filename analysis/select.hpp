@@ -1,0 +1,34 @@
+// From names and globs on the command line to forms, formats and metrics.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "intersect/table.hpp"
+#include "measure/map.hpp"
+#include "measure/metrics.hpp"
+#include "number/format.hpp"
+
+namespace lostbits::analysis {
+
+/// Forms whose name matches any of the globs (`sphere.*`, `*press*`), in the catalogue's order. A name without a glob
+/// character that is unknown is bad input, with did-you-mean; a glob that matches nothing selects nothing (exit 4).
+std::vector<const Intersector*> select_forms(const std::vector<std::string>& globs);
+
+/// Formats by name, or ranges `p5..p12`; duplicates are dropped. InputError with did-you-mean.
+std::vector<Format> select_formats(const std::vector<std::string>& names);
+
+/// Metrics by name or glob. InputError with did-you-mean.
+std::vector<const Metric*> select_metrics(const std::vector<std::string>& globs);
+
+/// Every selected form in every selected format that it exists in. NothingSelected where that leaves none.
+std::vector<MapRow> cross(const std::vector<const Intersector*>& forms, const std::vector<Format>& formats);
+
+/// `WxH` in pixels. InputError otherwise.
+std::pair<int, int> parse_size(const std::string& text);
+
+/// The data folder: `--data`, then $LOSTBITS_DATA, then ./data, then the installed one beside the program.
+std::filesystem::path data_folder(const std::string& given);
+
+}  // namespace lostbits::analysis

@@ -1,0 +1,36 @@
+#include "signals.hpp"
+
+#include <unistd.h>
+
+#include <atomic>
+#include <csignal>
+
+#include "number/error.hpp"
+#include "output/atomic_file.hpp"
+
+namespace lostbits::analysis {
+namespace {
+
+std::atomic<bool> asked_to_stop{false};
+
+void on_signal(int) {
+    if (!asked_to_stop.exchange(true)) return;
+    output::remove_partial_files();
+    _exit(static_cast<int>(Exit::interrupted));
+}
+
+}  // namespace
+
+void install_signal_handlers() {
+    struct sigaction action {};
+    action.sa_handler = on_signal;
+    sigaction(SIGINT, &action, nullptr);
+    sigaction(SIGTERM, &action, nullptr);
+    output::ignore_file_size_signal();
+}
+
+void stop_if_interrupted() {
+    if (asked_to_stop) throw Interrupted();
+}
+
+}  // namespace lostbits::analysis

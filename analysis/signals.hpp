@@ -1,0 +1,13 @@
+// What happens on Ctrl-C: the run stops at the next safe point, and nothing half-written stays.
+#pragma once
+
+namespace lostbits::analysis {
+
+/// SIGINT and SIGTERM ask the run to stop; a second one removes partial files and leaves at once. A write past the
+/// file-size limit fails instead of killing the process.
+void install_signal_handlers();
+
+/// Throws Interrupted once a signal has come.
+void stop_if_interrupted();
+
+}  // namespace lostbits::analysis

@@ -1,0 +1,17 @@
+# Arb: a library beside FLINT 2 (Debian calls it flint-arb, others arb), a part of FLINT from version 3 on.
+find_path(ARB_INCLUDE_DIR NAMES flint/arb.h arb.h)
+find_library(FLINT_LIBRARY flint)
+find_library(ARB_LIBRARY NAMES flint-arb arb)
+if(ARB_INCLUDE_DIR AND EXISTS ${ARB_INCLUDE_DIR}/flint/arb.h)
+    set(ARB_LIBRARIES ${FLINT_LIBRARY})
+elseif(ARB_LIBRARY)
+    set(ARB_LIBRARIES ${ARB_LIBRARY} ${FLINT_LIBRARY})
+endif()
+find_package(MPFR QUIET)
+include(FindPackageHandleStandardArgs)
+find_package_handle_standard_args(Arb REQUIRED_VARS ARB_LIBRARIES FLINT_LIBRARY ARB_INCLUDE_DIR MPFR_FOUND)
+if(Arb_FOUND AND NOT TARGET Arb::Arb)
+    add_library(Arb::Arb INTERFACE IMPORTED)
+    set_target_properties(Arb::Arb PROPERTIES INTERFACE_INCLUDE_DIRECTORIES ${ARB_INCLUDE_DIR}
+                                              INTERFACE_LINK_LIBRARIES "${ARB_LIBRARIES};MPFR::MPFR")
+endif()

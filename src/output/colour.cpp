@@ -1,0 +1,125 @@
+#include "output/colour.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <stdexcept>
+
+#include "output/number_text.hpp"
+
+namespace lostbits::output {
+namespace {
+
+// Kelly's idea of maximal contrast, in colours that keep apart on a screen.
+constexpr std::array<Rgb8, 20> object_colours{{
+    {230, 159, 0},   {86, 180, 233},  {0, 158, 115},   {240, 228, 66},  {0, 114, 178},
+    {213, 94, 0},    {204, 121, 167}, {153, 221, 85},  {136, 34, 85},   {170, 170, 255},
+    {153, 102, 51},  {68, 221, 221},  {255, 153, 136}, {102, 51, 170},  {187, 187, 119},
+    {34, 102, 51},   {255, 102, 187}, {119, 136, 153}, {255, 221, 187}, {0, 68, 119},
+}};
+
+const std::array<std::uint16_t, 256>& linear_table() {
+    static const auto table = [] {
+        std::array<std::uint16_t, 256> out{};
+        for (int i = 0; i < 256; ++i) {
+            const double c = i / 255.0;
+            const double l = c <= 0.04045 ? c / 12.92 : std::pow((c + 0.055) / 1.055, 2.4);
+            out[static_cast<std::size_t>(i)] = static_cast<std::uint16_t>(std::lround(l * 65535.0));
+        }
+        return out;
+    }();
+    return table;
+}
+
+bool divides(double step, double value) {
+    const double n = value / step;
+    return std::fabs(n - std::round(n)) < 1e-6;
+}
+
+/// A round step of at least `least`: one that lands on both ends where there is one, else 1, 2 or 5 times ten^k.
+double round_step(double least, double lo, double hi) {
+    const double ten = std::pow(10.0, std::floor(std::log10(least)));
+    const auto enough = [&](double m) { return m * ten >= least * (1 - 1e-9); };
+    for (const double m : {1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0}) {
+        if (enough(m) && divides(m * ten, lo) && divides(m * ten, hi)) return m * ten;
+    }
+    for (const double m : {1.0, 2.0, 5.0}) {
+        if (enough(m)) return m * ten;
+    }
+    return 10 * ten;
+}
+
+/// Six digits: a tick at 3 times 0.1 is not 0.30000000000000004.
+std::string tick_label(double value) {
+    char text[32];
+    const auto end = std::to_chars(text, text + sizeof text, value + 0.0, std::chars_format::general, 6).ptr;
+    return {text, end};
+}
+
+}  // namespace
+
+Rgb8 object_colour(std::uint32_t id) noexcept {
+    return id == 0 ? outcome_colours[1] : object_colours[(id - 1) % object_colours.size()];
+}
+
+ColourScale::ColourScale(std::string name, std::vector<Rgb8> table, double lo, double hi, bool log2)
+    : name_(std::move(name)), table_(std::move(table)), lo_(lo), hi_(hi), log2_(log2) {
+    if (table_.size() < 2) throw std::invalid_argument("colour scale " + name_ + ": fewer than two colours");
+    if (!std::isfinite(lo) || !std::isfinite(hi) || !(hi > lo) || (log2 && !(lo > 0))) {
+        throw std::invalid_argument("colour scale " + name_ + ": no range from " + decimal(lo) + " to " + decimal(hi));
+    }
+}
+
+double ColourScale::position(double value) const {
+    if (std::isnan(value)) throw std::invalid_argument("colour scale " + name_ + ": a NaN has no colour");
+    if (value <= lo_) return 0;
+    if (value >= hi_) return 1;
+    // Halves first: hi - lo may overflow.
+    const double p = log2_ ? (std::log2(value) - std::log2(lo_)) / (std::log2(hi_) - std::log2(lo_))
+                           : (value / 2 - lo_ / 2) / (hi_ / 2 - lo_ / 2);
+    return std::clamp(p, 0.0, 1.0);
+}
+
+Rgb8 ColourScale::at(double position) const {
+    const double last = static_cast<double>(table_.size() - 1);
+    return table_[static_cast<std::size_t>(std::lround(std::clamp(position, 0.0, 1.0) * last))];
+}
+
+Rgb8 ColourScale::map(double value) const { return at(position(value)); }
+
+std::vector<ColourScale::Tick> ColourScale::ticks(int most) const {
+    most = std::max(most, 2);
+    std::vector<Tick> out;
+    if (log2_) {
+        const double first = std::ceil(std::log2(lo_)), last = std::floor(std::log2(hi_));
+        double step = 0;
+        for (const double s : {1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64, 128, 256, 512, 1024, 2048}) {
+            step = s;
+            if (std::floor((last - first) / s) + 1 <= most) break;
+        }
+        for (double e = first; e <= last; e += step) {
+            const bool short_text = e >= -3 && e <= 10;
+            out.push_back({position(std::exp2(e)), short_text ? decimal(std::exp2(e)) : "2^" + decimal(e)});
+        }
+    } else {
+        const double step = round_step((hi_ / 2 - lo_ / 2) / (most - 1) * 2, lo_, hi_);
+        for (double k = std::ceil(lo_ / step - 1e-9); k * step <= hi_ + step * 1e-9; k += 1) {
+            out.push_back({position(k * step), tick_label(k * step)});
+        }
+    }
+    // A range that holds no two round values is labelled at its ends.
+    if (out.size() < 2) out = {{0, tick_label(lo_)}, {1, tick_label(hi_)}};
+    return out;
+}
+
+std::uint16_t linear_light(std::uint8_t srgb) noexcept { return linear_table()[srgb]; }
+
+std::uint8_t srgb_byte(std::uint16_t linear) noexcept {
+    const auto& table = linear_table();
+    const auto above = std::lower_bound(table.begin(), table.end(), linear);
+    if (above == table.begin()) return 0;
+    const auto below = above - 1;
+    return static_cast<std::uint8_t>((*above - linear < linear - *below ? above : below) - table.begin());
+}
+
+}  // namespace lostbits::output

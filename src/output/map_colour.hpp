@@ -1,0 +1,26 @@
+// What a pixel of a map looks like: its outcome's fixed colour, or its metric on the ramp.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "measure/map.hpp"
+#include "output/colour.hpp"
+#include "output/image.hpp"
+#include "output/canvas.hpp"
+
+namespace lostbits::output {
+
+/// The scale of a metric for a set of formats: compared pictures share one range. A metric in bits runs from 0 to the
+/// narrowest of the significands, so that the top of the ramp means "as many bits as the narrowest format has".
+ColourScale metric_scale(const Metric& metric, std::span<const MapRow> rows, ImageBackend& backend);
+
+/// The colour of one pixel. `value` is the metric's, signed; magnitudes are drawn.
+Rgb8 pixel_colour(const ColourScale& scale, Outcome outcome, double value);
+
+/// The legend of a finished row; entries without a pixel are left out.
+std::vector<LegendEntry> outcome_legend(const MapSummary& summary);
+/// Every class that may occur in a picture of so many pixels, with the widest count it can have.
+std::vector<LegendEntry> widest_legend(std::uint64_t pixels);
+
+}  // namespace lostbits::output

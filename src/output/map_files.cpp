@@ -1,0 +1,177 @@
+#include "output/map_files.hpp"
+
+#include <fmt/format.h>
+
+#include "output/contact_sheet.hpp"
+#include "output/datapackage.hpp"
+#include "output/heatmap.hpp"
+#include "output/map_colour.hpp"
+#include "output/map_exr.hpp"
+#include "output/map_tables.hpp"
+
+namespace lostbits::output {
+namespace {
+
+std::size_t index_of(const std::vector<const Metric*>& all, const Metric* one) {
+    return static_cast<std::size_t>(std::ranges::find(all, one) - all.begin());
+}
+
+std::string short_name(const Info& info) { return std::string(info.name.substr(info.name.find('.') + 1)); }
+
+std::string clamp_note(const Metric& metric, const ColourScale& scale) {
+    if (metric.ramp == Ramp::magnitude) return fmt::format("colour: |{}|, clamped at both ends of the bar", metric.name);
+    return fmt::format("colour: {} from 0 to {:g}; more is drawn as {:g}", metric.name, scale.hi(), scale.hi());
+}
+
+/// The note under a thumbnail: what a glance should take away.
+std::string glance(const MapSummary& s, std::size_t lost) {
+    const auto percent = [](std::uint64_t part, std::uint64_t whole) {
+        const double share = 100.0 * static_cast<double>(part) / static_cast<double>(whole);
+        return share < 0.1 ? std::string("<0.1%") : fmt::format("{:.2g}%", share);
+    };
+    std::string text = s.count(Outcome::agree_hit) == 0 ? "no hit agreed on" : fmt::format("p99 {:.1f} bits", s.metrics[lost].quantile(0.99));
+    const std::uint64_t true_misses = s.rays - s.true_hits - s.count(Outcome::unresolved);
+    if (const auto n = s.count(Outcome::false_miss)) text += ", " + percent(n, s.true_hits) + " false miss";
+    if (const auto n = s.count(Outcome::false_hit)) text += ", " + percent(n, true_misses) + " false hit";
+    if (const auto n = s.count(Outcome::not_a_number)) text += ", " + percent(n, s.rays) + " NaN";
+    return text;
+}
+
+}  // namespace
+
+/// The files of one row.
+class RowFiles final : public MapSink {
+public:
+    struct Drawing {
+        std::size_t metric;
+        ColourScale scale;
+        std::unique_ptr<HeatmapWriter> heatmap;
+    };
+
+    RowFiles(const MapRequest& request, const MapRow& row, const MapFilesOptions& options, ImageBackend& backend, ContactSheet& sheet,
+             std::size_t form, std::size_t format)
+        : request_(request), row_(row), sheet_(sheet), form_(form), format_(format) {
+        const std::string stem = std::string(row.form->info->name) + "." + row.format.name;
+        exr_ = std::make_unique<MapExr>(backend, options.folder / (stem + ".exr"), request, row, options.command);
+        for (const Metric* m : options.drawn) {
+            const std::string suffix = m == options.drawn.front() ? "" : "." + std::string(m->name);
+            drawings_.push_back({index_of(request.metrics, m), metric_scale(*m, request.rows, backend), nullptr});
+            HeatmapSpec spec{.title = fmt::format("{} in {}: {}", row.form->info->name, row.format.name, m->name),
+                             .subtitle = {request.scene->title, std::string(row.form->info->title), clamp_note(*m, drawings_.back().scale)},
+                             .width = request.scene->width,
+                             .height = request.scene->height,
+                             .scale = drawings_.back().scale,
+                             .unit = std::string(m->unit),
+                             .legend = widest_legend(static_cast<std::uint64_t>(request.scene->width) * static_cast<std::uint64_t>(request.scene->height))};
+            drawings_.back().heatmap = std::make_unique<HeatmapWriter>(backend, options.folder / (stem + suffix + ".png"), std::move(spec));
+        }
+        if (options.pixels_csv) csv_ = std::make_unique<CsvWriter>(options.folder / (stem + ".csv"), pixel_columns(request));
+    }
+
+    void band(const BandResult& result) override {
+        for (Drawing& d : drawings_) {
+            field_.resize(result.outcomes.size());
+            for (std::size_t i = 0; i < field_.size(); ++i) field_[i] = pixel_colour(d.scale, result.outcomes[i], result.metrics[d.metric][i]);
+            d.heatmap->write_rows(field_);
+            if (&d != drawings_.data()) continue;
+            sheet_.add_rows(form_, format_, result.y0, field_);
+            exr_->write(result, field_);
+        }
+        if (csv_) write_pixels(*csv_, request_, row_, result);
+    }
+
+    void finish(const MapSummary& summary, std::size_t lost) {
+        exr_->close();
+        for (Drawing& d : drawings_) d.heatmap->finish(outcome_legend(summary));
+        if (csv_) csv_->close();
+        sheet_.set_note(form_, format_, glance(summary, lost));
+    }
+
+private:
+    const MapRequest& request_;
+    const MapRow& row_;
+    ContactSheet& sheet_;
+    std::size_t form_, format_;
+    std::unique_ptr<MapExr> exr_;
+    std::vector<Drawing> drawings_;
+    std::unique_ptr<CsvWriter> csv_;
+    std::vector<Rgb8> field_;
+};
+
+struct MapFiles::Parts {
+    const MapRequest& request;
+    MapFilesOptions options;
+    std::unique_ptr<ContactSheet> sheet;
+    std::vector<std::unique_ptr<RowFiles>> rows;
+    std::unique_ptr<CsvWriter> summary;
+
+    static std::vector<std::string> distinct(const std::vector<MapRow>& rows, const auto& name) {
+        std::vector<std::string> names;
+        for (const MapRow& row : rows) {
+            if (std::ranges::find(names, name(row)) == names.end()) names.push_back(name(row));
+        }
+        return names;
+    }
+};
+
+MapFiles::MapFiles(const MapRequest& request, const MapFilesOptions& options) : parts_(std::make_unique<Parts>(Parts{request, options, {}, {}, {}})) {
+    ImageBackend& backend = image_backend();
+    Parts& p = *parts_;
+    const auto form_name = [](const MapRow& row) { return short_name(*row.form->info); };
+    const auto format_name = [](const MapRow& row) { return row.format.name; };
+    const auto forms = Parts::distinct(request.rows, form_name), formats = Parts::distinct(request.rows, format_name);
+    const Metric& first = *options.drawn.front();
+    const ColourScale scale = metric_scale(first, request.rows, backend);
+    const auto pixels = static_cast<std::uint64_t>(request.scene->width) * static_cast<std::uint64_t>(request.scene->height);
+
+    p.summary = std::make_unique<CsvWriter>(options.folder / "summary.csv", summary_columns(request));
+    p.sheet = std::make_unique<ContactSheet>(backend, options.folder / "contact.png",
+                                             SheetSpec{.title = request.scene->title,
+                                                       .subtitle = {fmt::format("{}, {} x {} rays", request.scene->id, request.scene->width, request.scene->height),
+                                                                    clamp_note(first, scale)},
+                                                       .forms = forms,
+                                                       .formats = formats,
+                                                       .field_width = request.scene->width,
+                                                       .field_height = request.scene->height,
+                                                       .scale = scale,
+                                                       .unit = std::string(first.unit),
+                                                       .legend = widest_legend(pixels * request.rows.size())});
+    for (const MapRow& row : request.rows) {
+        const auto form = static_cast<std::size_t>(std::ranges::find(forms, form_name(row)) - forms.begin());
+        const auto format = static_cast<std::size_t>(std::ranges::find(formats, format_name(row)) - formats.begin());
+        p.rows.push_back(std::make_unique<RowFiles>(request, row, options, backend, *p.sheet, form, format));
+    }
+}
+
+MapFiles::~MapFiles() = default;
+
+std::vector<MapSink*> MapFiles::sinks() {
+    std::vector<MapSink*> sinks;
+    for (const auto& row : parts_->rows) sinks.push_back(row.get());
+    return sinks;
+}
+
+void MapFiles::finish(const std::vector<MapSummary>& summaries) {
+    Parts& p = *parts_;
+    const std::size_t lost = index_of(p.request.metrics, find_metric("lost_bits"));
+    MapSummary total;
+    for (std::size_t r = 0; r < p.rows.size(); ++r) {
+        p.rows[r]->finish(summaries[r], lost);
+        total.rays += summaries[r].rays;
+        for (std::size_t o = 0; o < total.outcomes.size(); ++o) total.outcomes[o] += summaries[r].outcomes[o];
+    }
+    p.sheet->finish(outcome_legend(total));
+    write_summary(*p.summary, p.request, summaries);
+
+    std::vector<DataResource> resources{{"summary.csv", "One row per form and format", summary_columns(p.request)}};
+    if (p.options.pixels_csv) {
+        for (const MapRow& row : p.request.rows) {
+            const std::string stem = std::string(row.form->info->name) + "." + row.format.name;
+            resources.push_back({stem + ".csv", fmt::format("One row per pixel: {} in {}", row.form->info->name, row.format.name), pixel_columns(p.request)});
+        }
+    }
+    write_datapackage(p.options.folder / "datapackage.json", p.request.scene->title, resources);
+    p.summary->close();  // last: a folder with a summary is a finished one
+}
+
+}  // namespace lostbits::output

@@ -1,0 +1,20 @@
+// The tables of a map: summary.csv (a row per form and format) and the CSV of the pixels of one row.
+#pragma once
+
+#include <filesystem>
+#include <vector>
+
+#include "measure/map.hpp"
+#include "output/csv.hpp"
+
+namespace lostbits::output {
+
+/// Counts and fractions, then mean, p50, p99 and max of |metric| over `agree_hit`, then the worst ray by |ulp_error| with
+/// every number it takes to evaluate it again, in hex. Empty where there is no sample.
+std::vector<Column> summary_columns(const MapRequest& request);
+void write_summary(CsvWriter& csv, const MapRequest& request, const std::vector<MapSummary>& summaries);
+
+std::vector<Column> pixel_columns(const MapRequest& request);
+void write_pixels(CsvWriter& csv, const MapRequest& request, const MapRow& row, const BandResult& result);
+
+}  // namespace lostbits::output

@@ -1,0 +1,62 @@
+// How far a long run is: one line on stderr that goes away.
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <cstdint>
+#include <mutex>
+#include <string>
+#include <string_view>
+
+namespace lostbits::output {
+
+/// A progress bar on stderr with elapsed and remaining time.
+class Progress {
+public:
+    /// `automatic` draws on a terminal only (and not on TERM=dumb), `bar` always, `none` never.
+    enum class Mode { automatic, bar, none };
+
+    /// `total` is the number of units to come; `quiet` (-q) wins over `mode`. `fd` is stderr but in tests.
+    Progress(std::uint64_t total, std::string label, Mode mode = Mode::automatic, bool quiet = false, int fd = 2);
+    ~Progress();
+    Progress(const Progress&) = delete;
+    Progress& operator=(const Progress&) = delete;
+
+    /// `n` more units are done. From any thread; draws ten times a second at most.
+    void advance(std::uint64_t n = 1) noexcept;
+
+    /// A message on a line of its own on stderr, above the bar.
+    void say(std::string_view message);
+
+    /// Erases the bar. Nothing is drawn after it.
+    void finish() noexcept;
+
+    [[nodiscard]] std::uint64_t done() const noexcept { return done_.load(); }
+
+private:
+    using Clock = std::chrono::steady_clock;
+    void draw();
+    void erase();
+    void put(std::string_view text) noexcept;
+
+    std::uint64_t total_;
+    std::string label_;
+    int fd_;
+    std::atomic<bool> visible_;
+    bool colour_;
+    Clock::time_point start_ = Clock::now();
+    std::atomic<std::uint64_t> done_{0};
+    std::atomic<std::int64_t> next_draw_ms_;
+    std::mutex mutex_;  // of what is on the screen
+    std::size_t drawn_ = 0;
+};
+
+/// The text of the bar, `columns` characters at most: label, bar, percent, elapsed, remaining (`?` before anything is
+/// known).
+[[nodiscard]] std::string progress_line(std::string_view label, std::uint64_t done, std::uint64_t total,
+                                        double elapsed_s, int columns);
+
+/// A duration as `7s`, `2m05s` or `1h03m`.
+[[nodiscard]] std::string duration_text(double seconds);
+
+}  // namespace lostbits::output

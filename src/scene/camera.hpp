@@ -1,0 +1,93 @@
+// From pixels to rays, over any arithmetic: double for shared inputs, Real for the ideal scene.
+#pragma once
+
+#include <type_traits>
+
+#include <boost/math/constants/constants.hpp>
+
+#include "geometry/shapes.hpp"
+#include "scene/round.hpp"
+#include "scene/scene.hpp"
+
+namespace lostbits::scene {
+
+/// The camera of a picture, ready to make rays. It is built once in Real and each number rounded once to T, so it is
+/// the same on every machine (no libm: MPFR's tangent is correctly rounded) and as good as T allows.
+template <class T>
+struct CameraFrame {
+    Camera::Kind kind;
+    bool normalise;
+    Vec<T> origin;
+    /// An orthonormal basis; `up` is the camera's up made perpendicular to the view. Axis-aligned cameras get exact axes.
+    Vec<T> right, up, forward;
+    T pitch;               ///< side of a pixel: in world units, or at distance 1 in front of a pinhole
+    T centre_x, centre_y;  ///< where the view axis meets the picture: pixels right of and below its top left corner
+};
+
+namespace detail {
+
+template <class T>
+T from_real(const Real& x) {
+    static_assert(std::is_same_v<T, Real> || std::is_same_v<T, double>);
+    if constexpr (std::is_same_v<T, Real>) return x;
+    else return round_to_format(x, binary64);
+}
+
+template <class T>
+Vec<T> from_real(const Vec<Real>& v) {
+    return {from_real<T>(v.x), from_real<T>(v.y), from_real<T>(v.z)};
+}
+
+/// v/|v|. The sum with zero turns −0, which cross products of axes give, into 0.
+inline Vec<Real> unit(const Vec<Real>& v) {
+    const Real size = length(v);
+    const Real zero(0);
+    return {v.x / size + zero, v.y / size + zero, v.z / size + zero};
+}
+
+}  // namespace detail
+
+/// The frame of a scene's camera: forward ∥ look_at − eye, right ∥ forward × up, up = right × forward.
+template <class T>
+CameraFrame<T> make_frame(const Scene& scene) {
+    const Camera& camera = scene.camera;
+    const Vec<Real> forward = detail::unit(camera.look_at - camera.eye);
+    const Vec<Real> right = detail::unit(cross(forward, camera.up));
+    const Vec<Real> up = detail::unit(cross(right, forward));
+
+    const Real width(scene.width);
+    const Real height(scene.height);
+    Real pitch;
+    if (camera.kind == Camera::Kind::orthographic) {
+        pitch = camera.width / width;
+    } else {
+        const Real half_fov = camera.fov_deg * boost::math::constants::pi<Real>() / 360;
+        pitch = 2 * tan(half_fov) / height;
+    }
+    const Real centre_x = width / 2 - camera.shift_right * width;
+    const Real centre_y = height / 2 + camera.shift_up * width;
+
+    using detail::from_real;
+    return {camera.kind,           camera.normalise,  from_real<T>(camera.eye), from_real<T>(right),    from_real<T>(up),
+            from_real<T>(forward), from_real<T>(pitch), from_real<T>(centre_x), from_real<T>(centre_y)};
+}
+
+/// The ray through the middle of pixel (x, y); x counts to the right from the left column, y down from the top row.
+///
+/// With a = (x + ½ − centre_x)·pitch to the right and b = (centre_y − (y + ½))·pitch upwards:
+/// orthographic: origin + a·right + b·up, direction `forward`; pinhole: `origin`, direction forward + a·right + b·up,
+/// divided by its length if `normalise`. Only + − × ÷ √ in T, in this order.
+template <class T>
+Ray<T> ray(const CameraFrame<T>& frame, int x, int y) {
+    const T half = T(1) / T(2);
+    const T a = (T(x) + half - frame.centre_x) * frame.pitch;
+    const T b = (frame.centre_y - (T(y) + half)) * frame.pitch;
+    const Vec<T> aside(a * frame.right.x + b * frame.up.x, a * frame.right.y + b * frame.up.y, a * frame.right.z + b * frame.up.z);
+    if (frame.kind == Camera::Kind::orthographic) return {frame.origin + aside, frame.forward};
+    const Vec<T> direction = frame.forward + aside;
+    if (!frame.normalise) return {frame.origin, direction};
+    const T size = length(direction);
+    return {frame.origin, {direction.x / size, direction.y / size, direction.z / size}};
+}
+
+}  // namespace lostbits::scene

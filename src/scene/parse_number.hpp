@@ -1,0 +1,29 @@
+// Numbers as people write them, into the ideal numbers of a scene.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <variant>
+
+#include "number/real.hpp"
+
+namespace lostbits::scene {
+
+/// Why a text is no number, as the end of a sentence: `is not a number; …`, with what to try.
+struct NumberFault {
+    std::string why;
+};
+
+/// Reads a decimal (`4100`, `-0.1`, `1e-3`) or a hexadecimal float (`0x1.004p+12`; the exponent is optional).
+///
+/// The text is taken exactly and rounded *once*, to the width of `Real`, and to odd: a result that is not exact ends
+/// in a set bit. Rounding it on to any format of at most 53 bits then gives what rounding the text itself would
+/// (Boldo and Melquiond, 2008), however many digits it has; nearest would not, next to the middle of two neighbours.
+///
+/// Infinities, NaN and magnitudes above the largest binary64 are faults. Tiny numbers stay non-zero.
+std::variant<Real, NumberFault> parse_number(std::string_view text);
+
+/// The exact value as a hexadecimal float that `parse_number` reads back to the same number.
+std::string exact_text(const Real& x);
+
+}  // namespace lostbits::scene

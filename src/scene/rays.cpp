@@ -1,0 +1,84 @@
+#include "scene/rays.hpp"
+
+#include <algorithm>
+
+#include "number/rounded.hpp"
+#include "scene/camera.hpp"
+#include "scene/round.hpp"
+
+namespace lostbits::scene {
+namespace {
+
+template <class T>
+BasicRayBlock<T> make_rays(const Scene& scene, int y0, int y1) {
+    const CameraFrame<T> frame = make_frame<T>(scene);
+    BasicRayBlock<T> block{scene.width, y0, y1, {}, {}, {}, {}, {}, {}};
+    const std::size_t count = static_cast<std::size_t>(scene.width) * static_cast<std::size_t>(y1 - y0);
+    for (auto* component : {&block.ox, &block.oy, &block.oz, &block.dx, &block.dy, &block.dz}) component->reserve(count);
+    for (int y = y0; y < y1; ++y) {
+        for (int x = 0; x < scene.width; ++x) {
+            const Ray<T> r = ray(frame, x, y);
+            block.ox.push_back(r.origin.x);
+            block.oy.push_back(r.origin.y);
+            block.oz.push_back(r.origin.z);
+            block.dx.push_back(r.direction.x);
+            block.dy.push_back(r.direction.y);
+            block.dz.push_back(r.direction.z);
+        }
+    }
+    return block;
+}
+
+template <class T, class Round>
+RayBlock rounded(const BasicRayBlock<T>& from, Round round) {
+    RayBlock to{from.width, from.y0, from.y1, {}, {}, {}, {}, {}, {}};
+    const auto all = [&](const std::vector<T>& in, std::vector<double>& out) {
+        out.resize(in.size());
+        std::transform(in.begin(), in.end(), out.begin(), round);
+    };
+    all(from.ox, to.ox);
+    all(from.oy, to.oy);
+    all(from.oz, to.oz);
+    all(from.dx, to.dx);
+    all(from.dy, to.dy);
+    all(from.dz, to.dz);
+    return to;
+}
+
+}  // namespace
+
+RayBlock make_shared_rays(const Scene& scene, int y0, int y1) { return round_block(make_rays<double>(scene, y0, y1), binary32); }
+
+IdealRayBlock make_own_rays(const Scene& scene, int y0, int y1) { return make_rays<Real>(scene, y0, y1); }
+
+RayBlock round_rays(const IdealRayBlock& ideal, const FloatFormat& f) {
+    return rounded(ideal, [&f](const Real& x) { return round_to_format(x, f); });
+}
+
+RayBlock round_block(const RayBlock& block, const FloatFormat& f) {
+    return rounded(block, [&f](double x) { return rounding::to_format(x, 0, f); });
+}
+
+Sphere<double> round_sphere(const SphereSpec& spec, const FloatFormat& f) {
+    const auto r = [&f](const Real& x) { return round_to_format(x, f); };
+    return {{r(spec.centre.x), r(spec.centre.y), r(spec.centre.z)}, r(spec.radius)};
+}
+
+Sphere<double> round_sphere(const Sphere<double>& sphere, const FloatFormat& f) {
+    const auto r = [&f](double x) { return rounding::to_format(x, 0, f); };
+    return {{r(sphere.centre.x), r(sphere.centre.y), r(sphere.centre.z)}, r(sphere.radius)};
+}
+
+Sphere<double> shared_sphere(const SphereSpec& spec) { return round_sphere(spec, binary32); }
+
+RayBlock input_rays(const Scene& scene, int y0, int y1, const FloatFormat& f) {
+    if (scene.inputs == Inputs::own) return round_rays(make_own_rays(scene, y0, y1), f);
+    return round_block(make_shared_rays(scene, y0, y1), f);
+}
+
+Sphere<double> input_sphere(const Scene& scene, std::size_t sphere, const FloatFormat& f) {
+    const SphereSpec& spec = scene.spheres.at(sphere);
+    return scene.inputs == Inputs::own ? round_sphere(spec, f) : round_sphere(shared_sphere(spec), f);
+}
+
+}  // namespace lostbits::scene

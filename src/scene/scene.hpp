@@ -1,0 +1,98 @@
+// A scene: the ideal numbers of a picture, before any format has rounded them.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "geometry/vec.hpp"
+#include "number/real.hpp"
+#include "scene/toml_tree.hpp"
+
+namespace lostbits::scene {
+
+/// Who rounds the scene. `shared`: it is rounded once to binary32 and every format gets the same numbers, so that a
+/// difference is arithmetic alone. `own`: each format rounds the ideal scene itself, so that input error appears.
+enum class Inputs { shared, own };
+
+/// A sphere as written: all points at distance `radius` from `centre`, in world units.
+struct SphereSpec {
+    Vec<Real> centre;
+    Real radius;
+};
+
+struct Camera {
+    enum class Kind { orthographic, pinhole };
+    Kind kind = Kind::pinhole;
+    Vec<Real> eye;      ///< pinhole: where all rays start; orthographic: the centre of the picture
+    Vec<Real> look_at;  ///< the rays' direction is look_at − eye, of any length
+    Vec<Real> up;       ///< appears upright in the picture; need be neither unit nor perpendicular
+    Real width;         ///< orthographic: the picture's width in world units; the height follows, pixels being square
+    Real fov_deg;       ///< pinhole: the vertical field of view in degrees
+    /// Moves the window on the picture plane, right and up, in picture widths; the view direction stays.
+    Real shift_right, shift_up;
+    bool normalise = true;  ///< pinhole: directions are divided by their length, in the camera's arithmetic
+};
+
+struct Scene {
+    std::string id;  ///< the file's stem, and `.variant` where it has variants
+    std::string title;
+    std::string source;  ///< what the scene reproduces, or "-"
+    std::string note;    ///< what to look for
+    Inputs inputs = Inputs::shared;
+    int width = 256;  ///< pixels
+    int height = 256;
+    Camera camera;
+    std::vector<SphereSpec> spheres;
+    std::filesystem::path path;
+};
+
+struct LoadOptions {
+    std::optional<std::string> variant = std::nullopt;             ///< this one alone; all where absent
+    std::optional<std::pair<int, int>> size = std::nullopt;        ///< width and height in pixels
+    std::vector<Override> overrides = {};                          ///< applied after the variant's own, in order
+};
+
+/// A parsed scene file. Parse once, interpret under as many overrides as a sweep needs.
+class SceneFile {
+public:
+    explicit SceneFile(const std::filesystem::path& path);
+
+    [[nodiscard]] const std::filesystem::path& path() const { return path_; }
+    [[nodiscard]] std::vector<std::string> variants() const;
+
+    /// The scenes that the options select: one per variant, in the file's order, or the single one of a file without
+    /// variants. InputError, with a position, for anything that makes no picture: see `Scene` for what each number is;
+    /// radii, widths > 0 and fields of view inside (0, 180), also once rounded to binary32 where inputs are shared.
+    [[nodiscard]] std::vector<Scene> load(const LoadOptions& options = {}) const;
+
+private:
+    struct Variant {
+        std::string name;
+        std::vector<Override> changes;
+    };
+    [[nodiscard]] Scene interpret(const Variant* variant, const LoadOptions& options) const;
+
+    std::filesystem::path path_;
+    Node root_;  ///< without the variants
+    std::vector<Variant> variants_;
+};
+
+/// `SceneFile(path).load(options)`.
+std::vector<Scene> load_scene(const std::filesystem::path& path, const LoadOptions& options = {});
+
+/// All `data_dir/scenes/*.toml`, sorted by name. InputError when the folder is missing.
+std::vector<std::filesystem::path> scene_files(const std::filesystem::path& data_dir);
+
+struct SceneName {
+    std::filesystem::path path;
+    std::optional<std::string> variant = std::nullopt;
+};
+
+/// A path to a file, or the id of one in `data_dir/scenes`: `rtg-fig-7-4`, or `rtg-fig-7-4.r1e3` for one variant.
+/// InputError with did-you-mean for a name that is neither. The variant itself is checked when it is loaded.
+SceneName find_scene(const std::string& name_or_path, const std::filesystem::path& data_dir);
+
+}  // namespace lostbits::scene

@@ -1,0 +1,79 @@
+// A TOML file as a tree of our own: every value knows where it was written and, for a float, its digits as written.
+// toml++ stops at toml_tree.cpp.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "number/error.hpp"
+#include "number/real.hpp"
+
+namespace lostbits::scene {
+
+/// A place in a file (line and column from 1, columns in characters), or, with line 0, an option of the command line.
+struct Where {
+    std::string source;
+    int line = 0;
+    int column = 0;
+    [[nodiscard]] std::string text() const;  ///< `file:line:col`, or the option alone
+};
+
+/// Throws InputError `where: message`.
+[[noreturn]] void fail(const Where& where, const std::string& message);
+
+/// One value. A closed set of kinds; dates are kept as `other`, since nothing here wants one.
+struct Node {
+    enum class Kind { table, array, string, integer, floating, boolean, other };
+    struct Entry;
+
+    Kind kind = Kind::other;
+    Where where;
+    std::string text;          ///< string: its contents; floating: its digits as written, without underscores
+    std::int64_t integer = 0;
+    bool boolean = false;
+    std::vector<Node> items;     ///< array
+    std::vector<Entry> entries;  ///< table, in the order of writing
+
+    [[nodiscard]] const Node* find(std::string_view key) const;
+    [[nodiscard]] Node* find(std::string_view key);
+    [[nodiscard]] std::vector<std::string> keys() const;
+    /// `the string "abc"`, `an array of 3`, …: what an error says was found.
+    [[nodiscard]] std::string describe() const;
+
+    static Node of_string(std::string text, Where where);
+    static Node of_integer(std::int64_t value, Where where);
+    static Node of_number(const Real& value, Where where);
+    static Node of_array(std::vector<Node> items, Where where);
+};
+
+struct Node::Entry {
+    std::string key;
+    Where key_where;
+    Node value;
+};
+
+/// Parses a file. InputError with a position when it is missing, a folder, unreadable, over 16 MiB or no TOML.
+Node read_toml(const std::filesystem::path& path);
+
+/// A change to a tree before anything interprets it: variants, `--set` and sweep axes are all lists of these.
+struct Override {
+    std::string path;  ///< `sphere[0].radius`, `camera.eye`, `sphere[0].centre[2]`: keys and indices from 0
+    Node value;
+    Where where;  ///< of the path, for errors
+};
+
+/// `path=value`, the value in TOML's notation; a text that is none is taken as a string (`camera.kind=pinhole`).
+/// Errors start with `option` and the text itself.
+Override parse_override(std::string_view assignment, std::string_view option = "--set");
+
+/// Puts the value at the path. The last key of a path may be new to its table: whoever reads the table decides
+/// whether it is known. Anything before it must exist. InputError with did-you-mean otherwise.
+void apply_override(Node& root, const Override& change);
+
+/// The overrides that a table of `"path" = value` stands for; plain tables inside it extend the path.
+std::vector<Override> overrides_in(const Node& table);
+
+}  // namespace lostbits::scene
