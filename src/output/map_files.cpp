@@ -27,7 +27,8 @@ std::string clamp_note(const Metric& metric, const ColourScale& scale) {
 std::string glance(const MapSummary& s, std::size_t lost) {
     const auto percent = [](std::uint64_t part, std::uint64_t whole) {
         const double share = 100.0 * static_cast<double>(part) / static_cast<double>(whole);
-        return share < 0.1 ? std::string("<0.1%") : fmt::format("{:.2g}%", share);
+        if (share < 0.1) return std::string("<0.1%");
+        return fmt::format(fmt::runtime(share < 10 ? "{:.1f}%" : "{:.0f}%"), share);
     };
     std::string text = s.count(Outcome::agree_hit) == 0 ? "no hit agreed on" : fmt::format("p99 {:.1f} bits", s.metrics[lost].quantile(0.99));
     const std::uint64_t true_misses = s.rays - s.true_hits - s.count(Outcome::unresolved);

@@ -1,0 +1,19 @@
+// A stranger's program: one ray, one form in float, the certified truth, and the bits between them.
+#include <cstdio>
+
+#include "intersect/catalogue.hpp"
+#include "measure/metrics.hpp"
+#include "measure/truth.hpp"
+
+int main() {
+    using namespace lostbits;
+    const Ray<float> ray{{0, 0, 5}, {0, 0, -1}};
+    const Sphere<float> sphere{{0, 0, 0}, 1};
+    const Hit<float> hit = sphere::Unified::intersect(ray, sphere);
+
+    const Sphere<double> exact_sphere{{0, 0, 0}, 1};
+    const Truth truth = find_truth({{0, 0, 5}, {0, 0, -1}}, std::span(&exact_sphere, 1));
+    const double ulps = scaled_difference(exactly(hit.t), truth.t, ulp_exponent(binary32, truth.t.floor_log2()));
+    std::printf("t = %g, lost bits = %g\n", static_cast<double>(hit.t), lost_bits(ulps, 24));
+    return hit.hit ? 0 : 1;
+}
