@@ -1,0 +1,106 @@
+#include "program.hpp"
+
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <fstream>
+#include <sstream>
+#include <stdexcept>
+
+namespace lostbits::test {
+
+namespace fs = std::filesystem;
+
+std::string contents(const fs::path& file) {
+    std::ifstream in(file, std::ios::binary);
+    std::ostringstream text;
+    text << in.rdbuf();
+    return text.str();
+}
+
+Outcome run(const std::string& arguments, const fs::path& folder, const std::string& before) {
+    const Scratch streams;
+    const std::string out = (streams.path() / "out").string(), err = (streams.path() / "err").string();
+    const std::string command = "cd '" + folder.string() + "' && export LOSTBITS_DATA='" LOSTBITS_DATA_DIR "' && (" + before + " exec '" LOSTBITS_PROGRAM "' " +
+                                arguments + ") >'" + out + "' 2>'" + err + "' </dev/null";
+    const int status = std::system(command.c_str());
+    return {WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status), contents(out), contents(err)};
+}
+
+Scratch::Scratch() {
+    std::string pattern = (fs::temp_directory_path() / "lostbits-test-XXXXXX").string();
+    if (!mkdtemp(pattern.data())) throw std::runtime_error("no scratch folder");
+    path_ = pattern;
+}
+
+Scratch::~Scratch() {
+    std::error_code error;
+    fs::remove_all(path_, error);
+}
+
+std::string Scratch::write(const std::string& name, const std::string& text) const {
+    std::ofstream(path_ / name, std::ios::binary) << text;
+    return (path_ / name).string();
+}
+
+std::vector<std::string> Scratch::files() const {
+    std::vector<std::string> names;
+    for (const auto& entry : fs::recursive_directory_iterator(path_)) {
+        if (entry.is_regular_file()) names.push_back(fs::relative(entry.path(), path_).string());
+    }
+    std::ranges::sort(names);
+    return names;
+}
+
+std::vector<std::map<std::string, std::string>> read_csv(const fs::path& file) {
+    std::istringstream in(contents(file));
+    const auto split = [](const std::string& line) {
+        std::vector<std::string> cells(1);
+        for (const char c : line) {
+            if (c == ',') cells.emplace_back();
+            else cells.back() += c;
+        }
+        return cells;
+    };
+    std::string line;
+    std::getline(in, line);
+    const auto header = split(line);
+    std::vector<std::map<std::string, std::string>> rows;
+    while (std::getline(in, line)) {
+        const auto cells = split(line);
+        if (cells.size() != header.size()) throw std::runtime_error(file.string() + ": a row with another number of cells: " + line);
+        auto& row = rows.emplace_back();
+        for (std::size_t i = 0; i < header.size(); ++i) row[header[i]] = cells[i];
+    }
+    return rows;
+}
+
+const std::string good_scene = R"(schema = "lostbits-scene/1"
+title = "A test"
+source = "-"
+note = "-"
+inputs = "shared"
+size = [24, 16]
+
+[camera]
+kind = "orthographic"
+eye = [0.1, 0.2, 5]
+look_at = [0, 0, 0]
+up = [0, 1, 0]
+width = 3
+
+[[sphere]]
+centre = [0, 0, 0]
+radius = 1
+)";
+
+std::string spoilt(const std::string& what, const std::string& by) {
+    std::string text = good_scene;
+    const auto at = text.find(what);
+    if (at == std::string::npos) throw std::runtime_error("the scene does not contain " + what);
+    return text.replace(at, what.size(), by);
+}
+
+}  // namespace lostbits::test

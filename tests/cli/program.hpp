@@ -1,0 +1,45 @@
+// The program as a shell sees it.
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <string>
+#include <vector>
+
+namespace lostbits::test {
+
+struct Outcome {
+    int code = 0;  ///< the exit code, or 128 + the signal
+    std::string out, err;
+};
+
+/// Runs `lostbits ARGUMENTS` through a shell in `folder`; `before` goes in front of the program (`ulimit -f 8;`).
+Outcome run(const std::string& arguments, const std::filesystem::path& folder = ".", const std::string& before = "");
+
+/// A folder of its own that goes away with the test.
+class Scratch {
+public:
+    Scratch();
+    ~Scratch();
+    Scratch(const Scratch&) = delete;
+    Scratch& operator=(const Scratch&) = delete;
+    [[nodiscard]] const std::filesystem::path& path() const { return path_; }
+    [[nodiscard]] std::string write(const std::string& name, const std::string& text) const;
+    /// Every regular file below, hidden ones too, by path relative to the folder.
+    [[nodiscard]] std::vector<std::string> files() const;
+
+private:
+    std::filesystem::path path_;
+};
+
+std::string contents(const std::filesystem::path& file);
+
+/// A CSV without quoted fields, row by row, by column name.
+std::vector<std::map<std::string, std::string>> read_csv(const std::filesystem::path& file);
+
+/// A scene that is right, to be spoilt: a sphere of radius 1 five units in front of a 24x16 camera.
+extern const std::string good_scene;
+/// The same with the first occurrence of `what` replaced.
+std::string spoilt(const std::string& what, const std::string& by);
+
+}  // namespace lostbits::test

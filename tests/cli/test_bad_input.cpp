@@ -1,0 +1,143 @@
+// Every way to be wrong: the place, the remedy, the exit code, and nothing written.
+#include "catch.hpp"
+#include "program.hpp"
+
+using namespace lostbits::test;
+
+namespace {
+
+struct BadScene {
+    const char* what;
+    std::string text;
+    const char* place;   ///< line:column
+    const char* remedy;  ///< part of the message
+};
+
+const BadScene bad_scenes[] = {
+    {"unknown key", spoilt("title =", "titel ="), ":2:1:", "title"},
+    {"unknown key in a table", spoilt("look_at", "lookat"), ":11:1:", "look_at"},
+    {"wrong type", spoilt("radius = 1", "radius = true"), ":17:10:", "number"},
+    {"a vector of two", spoilt("up = [0, 1, 0]", "up = [0, 1]"), ":12:6:", "3"},
+    {"radius zero", spoilt("radius = 1", "radius = 0"), ":17:10:", "radius"},
+    {"radius negative", spoilt("radius = 1", "radius = -2"), ":17:10:", "radius"},
+    {"radius that vanishes in binary32", spoilt("radius = 1", "radius = 1e-60"), ":17:10:", "binary32"},
+    {"zero direction", spoilt("look_at = [0, 0, 0]", "look_at = [0.1, 0.2, 5]"), ":11:", "eye"},
+    {"up along the view", spoilt("up = [0, 1, 0]", "up = [0.1, 0.2, 5]"), ":12:", "up"},
+    {"not a number", spoilt("radius = 1", "radius = nan"), ":17:10:", "finite"},
+    {"infinite", spoilt("width = 3", "width = inf"), ":13:9:", "finite"},
+    {"beyond binary32", spoilt("centre = [0, 0, 0]", "centre = [0, 1e39, 0]"), ":16:", "binary32"},
+    {"a string that is no number", spoilt("radius = 1", "radius = \"big\""), ":17:10:", "number"},
+    {"size zero", spoilt("size = [24, 16]", "size = [0, 16]"), ":6:", "size"},
+    {"size absurd", spoilt("size = [24, 16]", "size = [1000000, 1000000]"), ":6:", "65536"},
+    {"no sphere", spoilt("[[sphere]]\ncentre = [0, 0, 0]\nradius = 1\n", ""), ":1:1:", "sphere"},
+    {"syntax", spoilt("kind = \"orthographic\"", "kind = \"orthographic"), ":9:", ""},
+    {"another schema", spoilt("lostbits-scene/1", "lostbits-scene/9"), ":1:", "lostbits-scene/1"},
+    {"unknown camera", spoilt("\"orthographic\"", "\"orthografic\""), ":9:8:", "orthographic"},
+    {"unknown inputs", spoilt("\"shared\"", "\"sharde\""), ":5:10:", "shared"},
+};
+
+}  // namespace
+
+TEST_CASE("a bad scene is refused with its place and a remedy, and nothing is written") {
+    for (const BadScene& bad : bad_scenes) {
+        INFO(bad.what);
+        const Scratch scratch;
+        const std::string file = scratch.write("scene.toml", bad.text);
+        const auto r = run("map '" + file + "' -o '" + (scratch.path() / "out").string() + "'");
+        INFO(r.err);
+        CHECK(r.code == 2);
+        CHECK(r.out.empty());
+        CHECK(r.err.find("scene.toml" + std::string(bad.place)) != std::string::npos);
+        CHECK(r.err.find(bad.remedy) != std::string::npos);
+        CHECK(scratch.files() == std::vector<std::string>{"scene.toml"});
+        CHECK_FALSE(std::filesystem::exists(scratch.path() / "out"));
+    }
+}
+
+TEST_CASE("the scene that the bad ones were made from is right") {
+    const Scratch scratch;
+    const std::string file = scratch.write("scene.toml", good_scene);
+    CHECK(run("map '" + file + "' -i sphere.press -f f32 -o '" + scratch.path().string() + "'").code == 0);
+}
+
+TEST_CASE("bad words on the command line: exit code and what was meant") {
+    const Scratch scratch;
+    const std::string scene = "'" + scratch.write("scene.toml", good_scene) + "'";
+    const std::string out = " -o '" + (scratch.path() / "out").string() + "'";
+    struct Case {
+        std::string arguments;
+        int code;
+        const char* says;
+    };
+    const Case cases[] = {
+        {"map " + scene + " -i sphere.schoolbok" + out, 2, "sphere.schoolbook"},
+        {"map " + scene + " -i 'box.*'" + out, 4, "list intersectors"},
+        {"map " + scene + " -f f23" + out, 2, "f32"},
+        {"map " + scene + " -f p1" + out, 2, "pN"},
+        {"map " + scene + " -f p54" + out, 2, "pN"},
+        {"map " + scene + " -f p12..p5" + out, 2, "pN"},
+        {"map " + scene + " -i sphere.double_inside -f f64" + out, 4, "formats"},
+        {"map " + scene + " --metric lost_bit" + out, 2, "lost_bits"},
+        {"map " + scene + " --size 100" + out, 2, "512x384"},
+        {"map " + scene + " --size 0x100" + out, 2, "size"},
+        {"map " + scene + " --size 100000x100000" + out, 2, "65536"},
+        {"map " + scene + " --set sphere[0].radus=2" + out, 2, "radius"},
+        {"map " + scene + " --set sphere[7].radius=2" + out, 2, "sphere"},
+        {"map " + scene + " --set sphere[0].radius=-1" + out, 2, "radius"},
+        {"map " + scene + " --variant v1" + out, 2, "variant"},
+        {"map " + scene + " " + scene + out, 2, "twice"},
+        {"map rtg-fig-7-5" + out, 2, "rtg-fig-7-4"},
+        {"map missing.toml" + out, 2, "missing.toml"},
+        {"map '" + scratch.path().string() + "'" + out, 2, "folder"},
+        {"map rtg-fig-7-4.r1e9" + out, 2, "r1e3"},
+        {"map " + scene, 2, "--out"},
+        {"map " + scene + " -j 0" + out, 2, "threads"},
+        {"map " + scene + " --pixels exr" + out, 2, "csv"},
+        {"mpa", 2, "map"},
+        {"list intersector", 2, "intersectors"},
+        {"", 2, ""},
+    };
+    for (const Case& c : cases) {
+        INFO(c.arguments);
+        const auto r = run(c.arguments);
+        INFO(r.err);
+        CHECK(r.code == c.code);
+        CHECK(r.out.empty());
+        CHECK(r.err.find(c.says) != std::string::npos);
+        CHECK(r.err.find("lostbits: ") == 0);
+        CHECK(scratch.files() == std::vector<std::string>{"scene.toml"});
+    }
+}
+
+TEST_CASE("a folder that cannot be written ends the run before the work, with 3") {
+    const Scratch scratch;
+    const std::string scene = "'" + scratch.write("scene.toml", good_scene) + "'";
+    for (const std::string out : {std::string("/proc/nowhere"), (scratch.path() / "scene.toml").string()}) {
+        const auto r = run("map " + scene + " -o '" + out + "'");
+        INFO(r.err);
+        CHECK(r.code == 3);
+        CHECK(r.err.find(out) != std::string::npos);
+        CHECK(scratch.files() == std::vector<std::string>{"scene.toml"});
+    }
+}
+
+TEST_CASE("a missing image module is named, with 3, and nothing is written") {
+    const Scratch scratch;
+    const std::string scene = "'" + scratch.write("scene.toml", good_scene) + "'";
+    const auto r = run("map " + scene + " -o '" + (scratch.path() / "out").string() + "'", ".", "LOSTBITS_IMAGE_MODULE=/nowhere.so");
+    INFO(r.err);
+    CHECK(r.code == 3);
+    CHECK(r.err.find("/nowhere.so") != std::string::npos);
+    CHECK(scratch.files() == std::vector<std::string>{"scene.toml"});
+}
+
+TEST_CASE("a disk that fills up leaves no half-written file") {
+    const Scratch scratch;
+    const std::string scene = "'" + scratch.write("scene.toml", good_scene) + "'";
+    // The limit on a file's size stands in for the full disk: 8 blocks of 1024 bytes in bash, 512 in others.
+    const auto r = run("map " + scene + " --size 400x400 -i sphere.press -f f32 -o '" + (scratch.path() / "out").string() + "'", ".", "ulimit -f 8;");
+    INFO(r.err);
+    CHECK(r.code == 3);
+    CHECK(r.err.find("cannot write") != std::string::npos);
+    CHECK(scratch.files() == std::vector<std::string>{"scene.toml"});
+}

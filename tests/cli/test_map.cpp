@@ -1,0 +1,184 @@
+// `lostbits map` from the outside: files, agreement between them, and the same bytes every time.
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstdlib>
+#include <thread>
+
+#include <nlohmann/json.hpp>
+
+#include "catch.hpp"
+#include "measure/map.hpp"
+#include "output/image.hpp"
+#include "program.hpp"
+
+using namespace lostbits::test;
+using lostbits::output::ExrImage;
+
+namespace {
+
+ExrImage read_exr(const std::filesystem::path& path) {
+    setenv("LOSTBITS_IMAGE_MODULE", LOSTBITS_IMAGE_MODULE_FILE, 1);
+    return lostbits::output::image_backend().read_exr(path);
+}
+
+const std::vector<std::uint32_t>& words(const ExrImage& exr, const char* name) {
+    const auto* channel = exr.find(name);
+    REQUIRE(channel != nullptr);
+    return std::get<std::vector<std::uint32_t>>(channel->samples);
+}
+
+const std::vector<float>& floats(const ExrImage& exr, const char* name) {
+    const auto* channel = exr.find(name);
+    REQUIRE(channel != nullptr);
+    return std::get<std::vector<float>>(channel->samples);
+}
+
+double number(const std::string& cell) { return cell.empty() ? std::nan("") : std::strtod(cell.c_str(), nullptr); }
+
+}  // namespace
+
+TEST_CASE("map writes every file of every form and format") {
+    const Scratch scratch;
+    const std::string scene = scratch.write("scene.toml", good_scene);
+    const auto r = run("map '" + scene + "' -i 'sphere.*' -f f32 -f f64 -f bf16 -o '" + scratch.path().string() + "'");
+    INFO(r.err);
+    REQUIRE(r.code == 0);
+    CHECK(r.out == (scratch.path() / "scene/contact.png").string() + "\n");
+    std::size_t rows = 0;
+    for (const auto& form : lostbits::sphere_intersectors()) {
+        for (const char* format : {"f32", "f64", "bf16"}) {
+            const std::string stem = std::string(form.info->name) + "." + format;
+            const bool expected = form.exists_in(*lostbits::find_format(format));
+            rows += expected;
+            CHECK(std::filesystem::exists(scratch.path() / "scene" / (stem + ".exr")) == expected);
+            CHECK(std::filesystem::exists(scratch.path() / "scene" / (stem + ".png")) == expected);
+        }
+    }
+    const auto summary = read_csv(scratch.path() / "scene/summary.csv");
+    CHECK(summary.size() == rows);
+    for (const auto& row : summary) {
+        CHECK(row.at("rays") == "384");
+        double sum = 0;
+        for (const auto name : lostbits::outcome_names) sum += number(row.at(std::string(name)));
+        CHECK(sum == 384);
+        CHECK(row.at("unresolved") == "0");
+    }
+    // scene.toml, rows × (exr + png), contact sheet, summary, data package: and nothing else, hidden or not.
+    CHECK(scratch.files().size() == 1 + rows * 2 + 3);
+    const auto package = nlohmann::json::parse(contents(scratch.path() / "scene/datapackage.json"));
+    CHECK(package["resources"][0]["schema"]["fields"].size() == summary.front().size());
+}
+
+TEST_CASE("the same bytes for any number of threads, and again") {
+    const Scratch scratch;
+    const std::string scene = scratch.write("scene.toml", good_scene);
+    const std::string what = "map '" + scene + "' near-benign --size 150x260 -i '*press*' -i sphere.unit_half_b -f f32 -f p13 --metric '*' --pixels csv";
+    const auto out = [&](const char* name) { return " -o '" + (scratch.path() / name).string() + "'"; };
+    REQUIRE(run(what + " -j 1" + out("one")).code == 0);
+    REQUIRE(run(what + " -j 2" + out("two")).code == 0);
+    REQUIRE(run(what + " -j 7" + out("again")).code == 0);
+    std::size_t compared = 0;
+    for (const auto& name : scratch.files()) {
+        if (name.rfind("one/", 0) != 0) continue;
+        INFO(name);
+        const std::string rest = name.substr(4), bytes = contents(scratch.path() / name);
+        CHECK_FALSE(bytes.empty());
+        CHECK(bytes == contents(scratch.path() / "two" / rest));
+        CHECK(bytes == contents(scratch.path() / "again" / rest));
+        ++compared;
+    }
+    CHECK(compared > 40);
+}
+
+TEST_CASE("EXR, pixel CSV and summary tell the same story") {
+    const Scratch scratch;
+    const auto r = run("map rtg-fig-7-3-2000-oblique --size 96x96 -i sphere.schoolbook -f f64 -f f32 --metric '*' --pixels csv -o '" + scratch.path().string() + "'");
+    INFO(r.err);
+    REQUIRE(r.code == 0);
+    const auto folder = scratch.path() / "rtg-fig-7-3-2000-oblique";
+    for (const auto& summary : read_csv(folder / "summary.csv")) {
+        const std::string stem = summary.at("form") + "." + summary.at("format");
+        INFO(stem);
+        const auto pixels = read_csv(folder / (stem + ".csv"));
+        const ExrImage exr = read_exr(folder / (stem + ".exr"));
+        REQUIRE(pixels.size() == 96 * 96);
+        std::map<std::string, std::size_t> counts;
+        std::vector<double> ulps;
+        for (std::size_t i = 0; i < pixels.size(); ++i) {
+            const auto& pixel = pixels[i];
+            ++counts[pixel.at("outcome")];
+            CHECK(lostbits::outcome_names[words(exr, "class.outcome")[i]] == pixel.at("outcome"));
+            const auto t = std::bit_cast<double>(std::uint64_t{words(exr, "t.word1")[i]} << 32 | words(exr, "t.word0")[i]);
+            CHECK((pixel.at("t_hex").empty() ? std::isnan(t) : t == number(pixel.at("t_hex"))));
+            CHECK((pixel.at("t").empty() || number(pixel.at("t")) == t));
+            const auto truth = std::bit_cast<double>(std::uint64_t{words(exr, "truth.word1")[i]} << 32 | words(exr, "truth.word0")[i]);
+            CHECK((pixel.at("truth_hex").empty() ? std::isnan(truth) : truth == number(pixel.at("truth_hex"))));
+            const float layer = floats(exr, "err.ulp")[i];
+            const std::string cell = pixel.at("ulp_error");
+            CHECK((cell.empty() ? std::isnan(layer) : layer == static_cast<float>(number(cell))));
+            if (pixel.at("outcome") != "agree_hit") continue;
+            ulps.push_back(std::fabs(number(cell)));
+            // The three-way split is a split: its parts sum to the whole, to the rounding of the sum.
+            const double parts = number(pixel.at("input_error")) + number(pixel.at("model_error")) + number(pixel.at("rounding_error"));
+            CHECK(parts == Approx(number(cell)).margin(1e-6).epsilon(1e-9));
+            CHECK(number(pixel.at("lost_bits")) + number(pixel.at("correct_bits")) == Approx(summary.at("format") == "f32" ? 24 : 53));
+        }
+        for (const auto name : lostbits::outcome_names) CHECK(number(summary.at(std::string(name))) == counts[std::string(name)]);
+        std::ranges::sort(ulps);
+        REQUIRE_FALSE(ulps.empty());
+        CHECK(number(summary.at("ulp_error_max")) == ulps.back());
+        const auto rank = [&](double q) { return ulps[static_cast<std::size_t>(std::ceil(q * static_cast<double>(ulps.size()))) - 1]; };
+        CHECK(number(summary.at("ulp_error_p50")) == Approx(rank(0.5)).epsilon(0x1p-10));
+        CHECK(number(summary.at("ulp_error_p99")) == Approx(rank(0.99)).epsilon(0x1p-10));
+        double sum = 0;
+        for (const double u : ulps) sum += u;
+        CHECK(number(summary.at("ulp_error_mean")) == Approx(sum / static_cast<double>(ulps.size())));
+        const auto worst = static_cast<std::size_t>(number(summary.at("worst_y")) * 96 + number(summary.at("worst_x")));
+        CHECK(std::fabs(number(pixels[worst].at("ulp_error"))) == ulps.back());
+        CHECK(summary.at("worst_t_hex") == pixels[worst].at("t_hex"));
+    }
+}
+
+TEST_CASE("variants, --variant, --set and --size choose what is mapped") {
+    const Scratch scratch;
+    const std::string out = " -i sphere.press -f f32 -o '" + scratch.path().string() + "'";
+    REQUIRE(run("map rtg-fig-7-4 --size 40x30" + out).code == 0);
+    for (const char* id : {"r1e3", "r1e4", "r1e5", "r1e6", "r6371000"}) CHECK(std::filesystem::exists(scratch.path() / (std::string("rtg-fig-7-4.") + id) / "summary.csv"));
+    REQUIRE(run("map rtg-fig-7-4 --variant r1e3 --size 20x10" + out).code == 0);
+    CHECK(read_csv(scratch.path() / "rtg-fig-7-4.r1e3/summary.csv").front().at("rays") == "200");
+    CHECK(read_csv(scratch.path() / "rtg-fig-7-4.r1e4/summary.csv").front().at("rays") == "1200");
+    const std::string scene = scratch.write("scene.toml", good_scene);
+    REQUIRE(run("map '" + scene + "'" + out).code == 0);
+    const auto before = read_csv(scratch.path() / "scene/summary.csv").front().at("agree_hit");
+    REQUIRE(run("map '" + scene + "' --set 'sphere[0].radius=0.25'" + out).code == 0);
+    const auto after = read_csv(scratch.path() / "scene/summary.csv").front().at("agree_hit");
+    CHECK(number(after) > 0);
+    CHECK(number(after) < number(before));
+}
+
+TEST_CASE("own inputs and narrow formats show input error, shared ones in f32 and f64 do not") {
+    const Scratch scratch;
+    REQUIRE(run("map world-offset world-offset-own --size 48x48 -i sphere.unified -f f32 -f f64 -f bf16 --metric input_error --metric model_error -o '" +
+                scratch.path().string() + "'").code == 0);
+    const auto worst = [&](const char* scene, const char* format) {
+        for (const auto& row : read_csv(scratch.path() / scene / "summary.csv")) {
+            if (row.at("format") == format) return number(row.at("input_error_max"));
+        }
+        return std::nan("");
+    };
+    CHECK(worst("world-offset", "f32") == 0);
+    CHECK(worst("world-offset", "f64") == 0);
+    CHECK(worst("world-offset-own", "f32") > 1);
+    CHECK(worst("world-offset-own", "f64") > 0);
+}
+
+TEST_CASE("an interrupted run ends with 130 and leaves no partial file") {
+    const Scratch scratch;
+    const std::string scene = scratch.write("scene.toml", good_scene);
+    const auto r = run("map '" + scene + "' --size 4000x4000 -o '" + (scratch.path() / "out").string() + "' & child=$!; sleep 1.5; kill -INT $child; wait $child; exit $?",
+                       ".", "set -m; ");
+    INFO(r.err);
+    CHECK(r.code == 130);
+    CHECK(scratch.files() == std::vector<std::string>{"scene.toml"});
+}
