@@ -3,7 +3,7 @@
 
 #include <type_traits>
 
-#include <boost/math/constants/constants.hpp>
+#include <mpfr.h>
 
 #include "geometry/shapes.hpp"
 #include "scene/round.hpp"
@@ -11,8 +11,8 @@
 
 namespace lostbits::scene {
 
-/// The camera of a picture, ready to make rays. It is built once in Real and each number rounded once to T, so it is
-/// the same on every machine (no libm: MPFR's tangent is correctly rounded) and as good as T allows.
+/// The camera of a picture, ready to make rays. It is built once in Real and each number rounded once to T, so it
+/// is the same on every machine (no libm: MPFR's tangent is correctly rounded) and as good as T allows.
 template <class T>
 struct CameraFrame {
     Camera::Kind kind;
@@ -20,8 +20,9 @@ struct CameraFrame {
     Vec<T> origin;
     /// An orthonormal basis; `up` is the camera's up made perpendicular to the view. Axis-aligned cameras get exact axes.
     Vec<T> right, up, forward;
-    T pitch;               ///< side of a pixel: in world units, or at distance 1 in front of a pinhole
-    T centre_x, centre_y;  ///< where the view axis meets the picture: pixels right of and below its top left corner
+    T pitch;     ///< side of a pixel: in world units, or at distance 1 in front of a pinhole
+    T centre_x;  ///< where the view axis meets the picture: pixels right of its top left corner,
+    T centre_y;  ///< and below it
 };
 
 namespace detail {
@@ -61,15 +62,17 @@ CameraFrame<T> make_frame(const Scene& scene) {
     if (camera.kind == Camera::Kind::orthographic) {
         pitch = camera.width / width;
     } else {
-        const Real half_fov = camera.fov_deg * boost::math::constants::pi<Real>() / 360;
+        Real pi;
+        mpfr_const_pi(pi.backend().data(), MPFR_RNDN);
+        const Real half_fov = camera.fov_deg * pi / 360;
         pitch = 2 * tan(half_fov) / height;
     }
     const Real centre_x = width / 2 - camera.shift_right * width;
     const Real centre_y = height / 2 + camera.shift_up * width;
 
     using detail::from_real;
-    return {camera.kind,           camera.normalise,  from_real<T>(camera.eye), from_real<T>(right),    from_real<T>(up),
-            from_real<T>(forward), from_real<T>(pitch), from_real<T>(centre_x), from_real<T>(centre_y)};
+    return {camera.kind, camera.normalise, from_real<T>(camera.eye), from_real<T>(right), from_real<T>(up),
+        from_real<T>(forward), from_real<T>(pitch), from_real<T>(centre_x), from_real<T>(centre_y)};
 }
 
 /// The ray through the middle of pixel (x, y); x counts to the right from the left column, y down from the top row.
@@ -82,7 +85,8 @@ Ray<T> ray(const CameraFrame<T>& frame, int x, int y) {
     const T half = T(1) / T(2);
     const T a = (T(x) + half - frame.centre_x) * frame.pitch;
     const T b = (frame.centre_y - (T(y) + half)) * frame.pitch;
-    const Vec<T> aside(a * frame.right.x + b * frame.up.x, a * frame.right.y + b * frame.up.y, a * frame.right.z + b * frame.up.z);
+    const Vec<T> aside(a * frame.right.x + b * frame.up.x, a * frame.right.y + b * frame.up.y,
+        a * frame.right.z + b * frame.up.z);
     if (frame.kind == Camera::Kind::orthographic) return {frame.origin + aside, frame.forward};
     const Vec<T> direction = frame.forward + aside;
     if (!frame.normalise) return {frame.origin, direction};

@@ -30,7 +30,8 @@ int edit_distance(std::string_view a, std::string_view b) {
         for (std::size_t j = 1; j <= b.size(); ++j) {
             const bool same = lower(a[i - 1]) == lower(b[j - 1]);
             row[j] = std::min({last[j] + 1, row[j - 1] + 1, last[j - 1] + (same ? 0 : 1)});
-            const bool swapped = i > 1 && j > 1 && lower(a[i - 1]) == lower(b[j - 2]) && lower(a[i - 2]) == lower(b[j - 1]);
+            const bool swapped =
+                i > 1 && j > 1 && lower(a[i - 1]) == lower(b[j - 2]) && lower(a[i - 2]) == lower(b[j - 1]);
             if (swapped) row[j] = std::min(row[j], two_back[j - 2] + 1);
         }
     }
@@ -53,8 +54,10 @@ std::string did_you_mean(std::string_view word, const std::vector<std::string>& 
     if (candidates.empty()) return "";
     if (const auto near = closest(word, candidates)) return "did you mean " + quoted(*near) + "?";
     std::string text = "known here: ";
-    for (std::size_t i = 0; i < std::min(candidates.size(), most_listed); ++i) text += (i > 0 ? ", " : "") + quoted(candidates[i]);
-    if (candidates.size() > most_listed) text += " and " + std::to_string(candidates.size() - most_listed) + " more";
+    for (std::size_t i = 0; i < std::min(candidates.size(), most_listed); ++i)
+        text += (i > 0 ? ", " : "") + quoted(candidates[i]);
+    if (candidates.size() > most_listed)
+        text += " and " + std::to_string(candidates.size() - most_listed) + " more";
     return text;
 }
 

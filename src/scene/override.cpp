@@ -19,7 +19,8 @@ struct Step {
 std::vector<Step> steps_of(const Override& change) {
     const std::string& path = change.path;
     const auto malformed = [&](const std::string& why) {
-        fail(change.where, "the path \"" + path + "\" " + why + "; write keys and indices from 0, as in sphere[0].radius");
+        fail(change.where,
+            "the path \"" + path + "\" " + why + "; write keys and indices from 0, as in sphere[0].radius");
     };
     std::vector<Step> steps;
     std::size_t i = 0;
@@ -31,7 +32,8 @@ std::vector<Step> steps_of(const Override& change) {
         while (i < path.size() && path[i] == '[') {
             std::size_t index = 0;
             const auto [stop, error] = std::from_chars(path.data() + i + 1, path.data() + path.size(), index);
-            if (error != std::errc{} || stop == path.data() + path.size() || *stop != ']') malformed("has an index that is no whole number");
+            if (error != std::errc{} || stop == path.data() + path.size() || *stop != ']')
+                malformed("has an index that is no whole number");
             i = static_cast<std::size_t>(stop - path.data()) + 1;
             steps.push_back({true, "", index, i});
         }
@@ -53,19 +55,28 @@ void apply_override(Node& root, const Override& change) {
         const std::string here = so_far.empty() ? "the file" : so_far;
         const std::string unknown = "unknown path \"" + change.path + "\": ";
         if (step.is_index) {
-            if (node->kind != Node::Kind::array) fail(change.where, unknown + here + " is " + node->describe() + ", which has no indices; leave [...] out");
+            if (node->kind != Node::Kind::array)
+                fail(change.where,
+                    unknown + here + " is " + node->describe() + ", which has no indices; leave [...] out");
             if (step.index >= node->items.size()) {
-                const std::string advice = node->items.empty() ? "" : "; indices go from 0 to " + std::to_string(node->items.size() - 1);
+                const std::string advice =
+                    node->items.empty() ? ""
+                                        : "; indices go from 0 to " + std::to_string(node->items.size() - 1);
                 fail(change.where, unknown + here + " is " + node->describe() + advice);
             }
             node = &node->items[step.index];
         } else {
-            if (node->kind == Node::Kind::array) fail(change.where, unknown + here + " is " + node->describe() + "; say which: " + here + "[0]." + step.key);
-            if (node->kind != Node::Kind::table) fail(change.where, unknown + here + " is " + node->describe() + ", which has no keys; end the path there");
+            if (node->kind == Node::Kind::array)
+                fail(change.where,
+                    unknown + here + " is " + node->describe() + "; say which: " + here + "[0]." + step.key);
+            if (node->kind != Node::Kind::table)
+                fail(change.where,
+                    unknown + here + " is " + node->describe() + ", which has no keys; end the path there");
             Node* next = node->find(step.key);
             if (next == nullptr && !last) {
                 const std::string hint = did_you_mean(step.key, node->keys());
-                fail(change.where, unknown + here + " has no \"" + step.key + '"' + (hint.empty() ? "" : "; " + hint));
+                fail(change.where,
+                    unknown + here + " has no \"" + step.key + '"' + (hint.empty() ? "" : "; " + hint));
             }
             if (next == nullptr) {
                 node->entries.push_back({step.key, change.where, {}});
@@ -85,7 +96,8 @@ std::vector<Override> overrides_in(const Node& table) {
             all.push_back({entry.key, entry.value, entry.key_where});
             continue;
         }
-        for (Override& inner : overrides_in(entry.value)) all.push_back({entry.key + '.' + inner.path, std::move(inner.value), inner.where});
+        for (Override& inner : overrides_in(entry.value))
+            all.push_back({entry.key + '.' + inner.path, std::move(inner.value), inner.where});
     }
     return all;
 }

@@ -14,7 +14,8 @@ BasicRayBlock<T> make_rays(const Scene& scene, int y0, int y1) {
     const CameraFrame<T> frame = make_frame<T>(scene);
     BasicRayBlock<T> block{scene.width, y0, y1, {}, {}, {}, {}, {}, {}};
     const std::size_t count = static_cast<std::size_t>(scene.width) * static_cast<std::size_t>(y1 - y0);
-    for (auto* component : {&block.ox, &block.oy, &block.oz, &block.dx, &block.dy, &block.dz}) component->reserve(count);
+    for (auto* component : {&block.ox, &block.oy, &block.oz, &block.dx, &block.dy, &block.dz})
+        component->reserve(count);
     for (int y = y0; y < y1; ++y) {
         for (int x = 0; x < scene.width; ++x) {
             const Ray<T> r = ray(frame, x, y);
@@ -47,7 +48,9 @@ RayBlock rounded(const BasicRayBlock<T>& from, Round round) {
 
 }  // namespace
 
-RayBlock make_shared_rays(const Scene& scene, int y0, int y1) { return round_block(make_rays<double>(scene, y0, y1), binary32); }
+RayBlock make_shared_rays(const Scene& scene, int y0, int y1) {
+    return round_block(make_rays<double>(scene, y0, y1), binary32);
+}
 
 IdealRayBlock make_own_rays(const Scene& scene, int y0, int y1) { return make_rays<Real>(scene, y0, y1); }
 

@@ -18,7 +18,9 @@ struct BasicRayBlock {
     std::vector<T> ox, oy, oz, dx, dy, dz;
 
     [[nodiscard]] std::size_t size() const { return ox.size(); }
-    [[nodiscard]] Ray<T> operator[](std::size_t i) const { return {{ox[i], oy[i], oz[i]}, {dx[i], dy[i], dz[i]}}; }
+    [[nodiscard]] Ray<T> operator[](std::size_t i) const {
+        return {{ox[i], oy[i], oz[i]}, {dx[i], dy[i], dz[i]}};
+    }
 };
 
 /// Numbers of a format, held in doubles.

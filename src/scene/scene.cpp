@@ -13,9 +13,10 @@ constexpr std::string_view schema = "lostbits-scene/1";
 constexpr long long most_pixels_a_side = 65536;
 constexpr long long most_pixels = 1LL << 30;
 
-constexpr std::pair<std::string_view, Inputs> inputs_names[] = {{"shared", Inputs::shared}, {"own", Inputs::own}};
-constexpr std::pair<std::string_view, Camera::Kind> camera_names[] = {{"orthographic", Camera::Kind::orthographic},
-                                                                       {"pinhole", Camera::Kind::pinhole}};
+constexpr std::pair<std::string_view, Inputs> inputs_names[] = {
+    {"shared", Inputs::shared}, {"own", Inputs::own}};
+constexpr std::pair<std::string_view, Camera::Kind> camera_names[] = {
+    {"orthographic", Camera::Kind::orthographic}, {"pinhole", Camera::Kind::pinhole}};
 
 template <class E, std::size_t N>
 std::span<const std::pair<std::string_view, E>> choices(const std::pair<std::string_view, E> (&names)[N]) {
@@ -29,7 +30,8 @@ public:
 
     [[nodiscard]] Real finite(const TableReader& table, std::string_view key, const Real& x) const {
         if (shared_ && std::isinf(round_to_format(x, binary32)))
-            table.fail_at(key, "overflows binary32, to which inputs = \"shared\" rounds; write at most 3.4e38, or inputs = \"own\"");
+            table.fail_at(key,
+                "overflows binary32, to which inputs = \"shared\" rounds; write at most 3.4e38, or inputs = \"own\"");
         return x;
     }
 
@@ -40,7 +42,8 @@ public:
     [[nodiscard]] Real positive(const TableReader& table, std::string_view key, const Real& x) const {
         if (x <= 0) table.fail_at(key, "must be greater than 0; write a positive number");
         if (shared_ && round_to_format(x, binary32) == 0)
-            table.fail_at(key, "becomes 0 in binary32, to which inputs = \"shared\" rounds; write at least 1.5e-45, or inputs = \"own\"");
+            table.fail_at(key,
+                "becomes 0 in binary32, to which inputs = \"shared\" rounds; write at least 1.5e-45, or inputs = \"own\"");
         return finite(table, key, x);
     }
 
@@ -61,24 +64,31 @@ Camera read_camera(TableReader table, const Numbers& numbers) {
     camera.kind = table.one_of("kind", choices(camera_names));
     camera.eye = numbers.finite(table, "eye", table.vec3("eye"));
     camera.look_at = numbers.finite(table, "look_at", table.vec3("look_at"));
-    camera.up = numbers.finite(table, "up", table.optional_vec3("up").value_or(Vec<Real>(Real(0), Real(1), Real(0))));
-    const std::vector<Real> shift = table.optional_numbers("shift", 2).value_or(std::vector<Real>{Real(0), Real(0)});
+    camera.up =
+        numbers.finite(table, "up", table.optional_vec3("up").value_or(Vec<Real>(Real(0), Real(1), Real(0))));
+    const std::vector<Real> shift =
+        table.optional_numbers("shift", 2).value_or(std::vector<Real>{Real(0), Real(0)});
     camera.shift_right = numbers.finite(table, "shift", shift[0]);
     camera.shift_up = numbers.finite(table, "shift", shift[1]);
 
     const Vec<Real> view = camera.look_at - camera.eye;
     if (is_zero(view)) table.fail_at("look_at", "equals camera.eye, which gives no direction; move either");
     if (is_zero(camera.up)) table.fail_at("up", "is zero, which is no direction; write [0, 1, 0]");
-    if (is_parallel(view, camera.up)) table.fail_at("up", "is parallel to the view, look_at - eye; write another, such as [0, 0, 1] or [0, 1, 0]");
+    if (is_parallel(view, camera.up))
+        table.fail_at(
+            "up", "is parallel to the view, look_at - eye; write another, such as [0, 0, 1] or [0, 1, 0]");
 
     if (camera.kind == Camera::Kind::orthographic) {
         table.reject("fov_deg", "has no meaning for an orthographic camera; write width, in world units");
-        table.reject("normalise", "has no meaning for an orthographic camera, whose directions are all one; leave it out");
+        table.reject("normalise",
+            "has no meaning for an orthographic camera, whose directions are all one; leave it out");
         camera.width = numbers.positive(table, "width", table.number("width"));
     } else {
-        table.reject("width", "has no meaning for a pinhole camera; write fov_deg, the vertical field of view in degrees");
+        table.reject("width",
+            "has no meaning for a pinhole camera; write fov_deg, the vertical field of view in degrees");
         camera.fov_deg = table.number("fov_deg");
-        if (camera.fov_deg <= 0 || camera.fov_deg >= 180) table.fail_at("fov_deg", "must lie between 0 and 180 degrees, both excluded; try 40");
+        if (camera.fov_deg <= 0 || camera.fov_deg >= 180)
+            table.fail_at("fov_deg", "must lie between 0 and 180 degrees, both excluded; try 40");
         camera.normalise = table.optional_boolean("normalise").value_or(true);
     }
     table.reject_unknown_keys();
@@ -86,13 +96,17 @@ Camera read_camera(TableReader table, const Numbers& numbers) {
 }
 
 SphereSpec read_sphere(TableReader& table, const Numbers& numbers) {
-    SphereSpec sphere{numbers.finite(table, "centre", table.vec3("centre")), numbers.positive(table, "radius", table.number("radius"))};
+    SphereSpec sphere{numbers.finite(table, "centre", table.vec3("centre")),
+        numbers.positive(table, "radius", table.number("radius"))};
     table.reject_unknown_keys();
     return sphere;
 }
 
 bool is_plain_name(std::string_view name) {
-    const auto plain = [](char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '-' || c == '_'; };
+    const auto plain = [](char c) {
+        return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '-' ||
+               c == '_';
+    };
     return !name.empty() && std::all_of(name.begin(), name.end(), plain);
 }
 
@@ -100,7 +114,9 @@ std::string stem_of(const std::filesystem::path& path) { return path.stem().stri
 
 Override size_override(const std::pair<int, int>& size) {
     const Where where{"--size " + std::to_string(size.first) + 'x' + std::to_string(size.second), 0, 0};
-    return {"size", Node::of_array({Node::of_integer(size.first, where), Node::of_integer(size.second, where)}, where), where};
+    return {"size",
+        Node::of_array({Node::of_integer(size.first, where), Node::of_integer(size.second, where)}, where),
+        where};
 }
 
 }  // namespace
@@ -111,10 +127,12 @@ SceneFile::SceneFile(const std::filesystem::path& path) : path_(path), root_(rea
     for (TableReader& table : file.tables("variant")) {
         Variant variant{table.string("name"), {}};
         if (!is_plain_name(variant.name))
-            table.fail_at("name", "is \"" + variant.name + "\", but names are part of file names; use letters, digits, - and _");
+            table.fail_at("name",
+                "is \"" + variant.name + "\", but names are part of file names; use letters, digits, - and _");
         const auto same = [&](const Variant& other) { return other.name == variant.name; };
         if (std::any_of(variants_.begin(), variants_.end(), same))
-            table.fail_at("name", "is \"" + variant.name + "\", as another variant of the file already is; name each once");
+            table.fail_at("name",
+                "is \"" + variant.name + "\", as another variant of the file already is; name each once");
         table.table("set");
         table.reject_unknown_keys();
         const Node& node = root_.find("variant")->items[variants_.size()];
@@ -134,7 +152,8 @@ std::vector<Scene> SceneFile::load(const LoadOptions& options) const {
     if (options.variant) {
         for (const Variant& variant : variants_)
             if (variant.name == *options.variant) return {interpret(&variant, options)};
-        const std::string hint = variants_.empty() ? "the file has none" : did_you_mean(*options.variant, variants());
+        const std::string hint =
+            variants_.empty() ? "the file has none" : did_you_mean(*options.variant, variants());
         fail({path_.string(), 1, 1}, "no variant \"" + *options.variant + "\"; " + hint);
     }
     if (variants_.empty()) return {interpret(nullptr, options)};
@@ -162,17 +181,21 @@ Scene SceneFile::interpret(const Variant* variant, const LoadOptions& options) c
     if (const auto size = file.optional_integers("size", 2, 1, most_pixels_a_side)) {
         scene.width = static_cast<int>((*size)[0]);
         scene.height = static_cast<int>((*size)[1]);
-        if ((*size)[0] * (*size)[1] > most_pixels) file.fail_at("size", "is an absurd size: more than 2^30 pixels; make it smaller");
+        if ((*size)[0] * (*size)[1] > most_pixels)
+            file.fail_at("size", "is an absurd size: more than 2^30 pixels; make it smaller");
     }
     const Numbers numbers(scene.inputs);
     scene.camera = read_camera(file.table("camera"), numbers);
     for (TableReader& table : file.tables("sphere")) scene.spheres.push_back(read_sphere(table, numbers));
     file.reject_unknown_keys();
-    if (scene.spheres.empty()) file.fail_at("sphere", "is missing; a scene has at least one [[sphere]] with centre and radius");
+    if (scene.spheres.empty())
+        file.fail_at("sphere", "is missing; a scene has at least one [[sphere]] with centre and radius");
     return scene;
 }
 
-std::vector<Scene> load_scene(const std::filesystem::path& path, const LoadOptions& options) { return SceneFile(path).load(options); }
+std::vector<Scene> load_scene(const std::filesystem::path& path, const LoadOptions& options) {
+    return SceneFile(path).load(options);
+}
 
 std::vector<std::filesystem::path> scene_files(const std::filesystem::path& data_dir) {
     const std::filesystem::path folder = data_dir / "scenes";
@@ -180,7 +203,9 @@ std::vector<std::filesystem::path> scene_files(const std::filesystem::path& data
     std::vector<std::filesystem::path> files;
     for (const auto& entry : std::filesystem::directory_iterator(folder, error))
         if (entry.path().extension() == ".toml") files.push_back(entry.path());
-    if (error) throw InputError(folder.string() + ": no folder of scenes: " + error.message() + "; name the data folder that holds scenes/");
+    if (error)
+        throw InputError(folder.string() + ": no folder of scenes: " + error.message() +
+                         "; name the data folder that holds scenes/");
     std::sort(files.begin(), files.end());
     return files;
 }
@@ -202,8 +227,8 @@ SceneName find_scene(const std::string& name_or_path, const std::filesystem::pat
     for (std::size_t i = 0; i < files.size(); ++i)
         if (dot < name.size() && ids[i] == stem) return {files[i], name.substr(dot + 1)};
     const std::string hint = did_you_mean(stem, ids);
-    throw InputError("no scene \"" + name_or_path + "\" in " + (data_dir / "scenes").string() + (hint.empty() ? "" : "; " + hint) +
-                     " (a path to a .toml file will also do)");
+    throw InputError("no scene \"" + name_or_path + "\" in " + (data_dir / "scenes").string() +
+                     (hint.empty() ? "" : "; " + hint) + " (a path to a .toml file will also do)");
 }
 
 }  // namespace lostbits::scene

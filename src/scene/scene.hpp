@@ -29,8 +29,8 @@ struct Camera {
     Vec<Real> eye;      ///< pinhole: where all rays start; orthographic: the centre of the picture
     Vec<Real> look_at;  ///< the rays' direction is look_at − eye, of any length
     Vec<Real> up;       ///< appears upright in the picture; need be neither unit nor perpendicular
-    Real width;         ///< orthographic: the picture's width in world units; the height follows, pixels being square
-    Real fov_deg;       ///< pinhole: the vertical field of view in degrees
+    Real width;  ///< orthographic: the picture's width in world units; the height follows, pixels being square
+    Real fov_deg;  ///< pinhole: the vertical field of view in degrees
     /// Moves the window on the picture plane, right and up, in picture widths; the view direction stays.
     Real shift_right, shift_up;
     bool normalise = true;  ///< pinhole: directions are divided by their length, in the camera's arithmetic
@@ -50,9 +50,9 @@ struct Scene {
 };
 
 struct LoadOptions {
-    std::optional<std::string> variant = std::nullopt;             ///< this one alone; all where absent
-    std::optional<std::pair<int, int>> size = std::nullopt;        ///< width and height in pixels
-    std::vector<Override> overrides = {};                          ///< applied after the variant's own, in order
+    std::optional<std::string> variant = std::nullopt;       ///< this one alone; all where absent
+    std::optional<std::pair<int, int>> size = std::nullopt;  ///< width and height in pixels
+    std::vector<Override> overrides = {};                    ///< applied after the variant's own, in order
 };
 
 /// A parsed scene file. Parse once, interpret under as many overrides as a sweep needs.

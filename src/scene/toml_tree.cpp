@@ -34,11 +34,14 @@ public:
         node.where = at(from.source());
         if (const auto* table = from.as_table()) {
             node.kind = Node::Kind::table;
-            for (auto&& [key, value] : *table) node.entries.push_back({std::string(key.str()), at(key.source()), convert(value)});
+            for (auto&& [key, value] : *table)
+                node.entries.push_back({std::string(key.str()), at(key.source()), convert(value)});
             // toml++ sorts by name; overrides apply in the order of writing.
-            std::stable_sort(node.entries.begin(), node.entries.end(), [](const Node::Entry& a, const Node::Entry& b) {
-                return std::pair(a.key_where.line, a.key_where.column) < std::pair(b.key_where.line, b.key_where.column);
-            });
+            std::stable_sort(
+                node.entries.begin(), node.entries.end(), [](const Node::Entry& a, const Node::Entry& b) {
+                    return std::pair(a.key_where.line, a.key_where.column) <
+                           std::pair(b.key_where.line, b.key_where.column);
+                });
         } else if (const auto* array = from.as_array()) {
             node.kind = Node::Kind::array;
             for (const toml::node& item : *array) node.items.push_back(convert(item));
@@ -93,7 +96,8 @@ Node parse(std::string_view text, const std::string& source) {
         std::string remedy = "; see https://toml.io for the notation";
         if (description.find("hexadecimal floating-point") != std::string::npos)
             remedy = R"(; write a hexadecimal float as a string: "0x1.004p+12")";
-        fail({source, static_cast<int>(begin.line), static_cast<int>(begin.column)}, "not valid TOML: " + description + remedy);
+        fail({source, static_cast<int>(begin.line), static_cast<int>(begin.column)},
+            "not valid TOML: " + description + remedy);
     }
 }
 
@@ -163,7 +167,9 @@ Node read_toml(const std::filesystem::path& path) {
     std::error_code ignored;
     if (std::filesystem::is_directory(path, ignored)) fail(start, "is a folder; name a .toml file in it");
     std::ifstream file(path, std::ios::binary);
-    if (!file) fail(start, std::string("cannot be read: ") + std::strerror(errno) + "; check the path and its permissions");
+    if (!file)
+        fail(start,
+            std::string("cannot be read: ") + std::strerror(errno) + "; check the path and its permissions");
 
     std::string text;
     std::array<char, 65536> chunk;
@@ -172,14 +178,16 @@ Node read_toml(const std::filesystem::path& path) {
         text.append(chunk.data(), static_cast<std::size_t>(file.gcount()));
     }
     if (file.bad()) fail(start, "reading failed half way; check the disk");
-    if (text.size() > most_bytes) fail(start, "is larger than 16 MiB, which no file of numbers by hand is; check the path");
+    if (text.size() > most_bytes)
+        fail(start, "is larger than 16 MiB, which no file of numbers by hand is; check the path");
     return parse(text, start.source);
 }
 
 Override parse_override(std::string_view assignment, std::string_view option) {
     const Where where{std::string(option) + ' ' + std::string(assignment), 0, 0};
     const std::size_t equals = assignment.find('=');
-    if (equals == std::string_view::npos || equals == 0) fail(where, "is no assignment; write path=value, as in sphere[0].radius=1e3");
+    if (equals == std::string_view::npos || equals == 0)
+        fail(where, "is no assignment; write path=value, as in sphere[0].radius=1e3");
     const auto trimmed = [](std::string_view s) {
         while (!s.empty() && s.front() == ' ') s.remove_prefix(1);
         while (!s.empty() && s.back() == ' ') s.remove_suffix(1);

@@ -31,7 +31,7 @@ struct Node {
 
     Kind kind = Kind::other;
     Where where;
-    std::string text;          ///< string: its contents; floating: its digits as written, without underscores
+    std::string text;  ///< string: its contents; floating: its digits as written, without underscores
     std::int64_t integer = 0;
     bool boolean = false;
     std::vector<Node> items;     ///< array

@@ -1,0 +1,116 @@
+// What the tests of scenes share: files from text, and the words of an error.
+#pragma once
+
+#include <stdlib.h>
+
+#include <filesystem>
+#include <fstream>
+#include <string>
+
+#include "catch.hpp"
+#include "number/error.hpp"
+#include "number/real.hpp"
+#include "scene/parse_number.hpp"
+#include "scene/scene.hpp"
+
+/// A failure prints numbers that paste straight back into a scene.
+template <>
+struct Catch::StringMaker<lostbits::Real> {
+    static std::string convert(const lostbits::Real& x) { return lostbits::scene::exact_text(x); }
+};
+
+namespace lostbits::scene::test {
+
+namespace fs = std::filesystem;
+
+/// A fresh folder, removed with all it holds.
+class Folder {
+public:
+    Folder() {
+        std::string name = (fs::temp_directory_path() / "lostbits-scene-XXXXXX").string();
+        path_ = ::mkdtemp(name.data());
+    }
+    ~Folder() {
+        std::error_code ignored;
+        fs::remove_all(path_, ignored);
+    }
+    Folder(const Folder&) = delete;
+    Folder& operator=(const Folder&) = delete;
+
+    [[nodiscard]] const fs::path& path() const { return path_; }
+    fs::path write(const std::string& name, const std::string& text) const {
+        const fs::path file = path_ / name;
+        fs::create_directories(file.parent_path());
+        std::ofstream(file, std::ios::binary) << text;
+        return file;
+    }
+
+private:
+    fs::path path_;
+};
+
+/// The message of the InputError that `work` throws; "no error" and "another error: …" for anything else.
+template <class Work>
+std::string error_of(Work work) {
+    try {
+        work();
+    } catch (const InputError& error) {
+        return error.what();
+    } catch (const std::exception& error) {
+        return std::string("another error: ") + error.what();
+    }
+    return "no error";
+}
+
+/// The same without the folder: `scene.toml:3:8: …`.
+template <class Work>
+std::string error_in(const Folder& folder, Work work) {
+    std::string text = error_of(work);
+    const std::string prefix = folder.path().string() + '/';
+    if (text.starts_with(prefix)) text.erase(0, prefix.size());
+    return text;
+}
+
+inline Real real(const std::string& text) { return std::get<Real>(parse_number(text)); }
+
+inline std::string replaced(std::string text, const std::string& from, const std::string& to) {
+    const std::size_t at = text.find(from);
+    if (at == std::string::npos) throw std::logic_error("the test replaces what is not there: " + from);
+    return text.replace(at, from.size(), to);
+}
+
+/// A scene that loads; the tests break one line of it at a time. Keep the line numbers.
+inline const std::string good_scene = R"(schema = "lostbits-scene/1"
+title = "A test"
+source = "-"
+note = "nothing"
+inputs = "shared"
+size = [8, 4]
+[camera]
+kind = "orthographic"
+eye = [0, 0, 0]
+look_at = [0, 0, -1]
+up = [0, 1, 0]
+width = 2.5
+[[sphere]]
+centre = [0, 0, -10]
+radius = 1
+)";
+
+/// Load `text` as scene.toml in a fresh folder and return the error.
+inline std::string scene_error(const std::string& text, const LoadOptions& options = {}) {
+    const Folder folder;
+    const fs::path file = folder.write("scene.toml", text);
+    return error_in(folder, [&] { load_scene(file, options); });
+}
+
+inline std::vector<Scene> all_loaded(const std::string& text, const LoadOptions& options = {}) {
+    const Folder folder;
+    return load_scene(folder.write("scene.toml", text), options);
+}
+
+inline Scene loaded(const std::string& text, const LoadOptions& options = {}) {
+    return all_loaded(text, options).at(0);
+}
+
+}  // namespace lostbits::scene::test
