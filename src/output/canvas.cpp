@@ -146,7 +146,7 @@ Canvas colour_bar(ImageBackend& backend, const ColourScale& scale, std::string_v
     // The frame and half a label stay inside the strip at the lower end.
     const int top = unit_height + label_half, bar_height = std::max(height - top - label_half - 1, 2);
     const TextBitmap unit_text = backend.render_text(unit, style::text_size);
-    const auto ticks = scale.ticks(std::clamp(bar_height / 32, 2, 9));
+    const auto ticks = scale.ticks(std::clamp(bar_height / 24, 2, 9));
     std::vector<TextBitmap> labels;
     int width = std::max(unit_text.width, bar_width + 2);
     for (const auto& tick : ticks) {

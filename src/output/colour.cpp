@@ -97,9 +97,10 @@ std::vector<ColourScale::Tick> ColourScale::ticks(int most) const {
             step = s;
             if (std::floor((last - first) / s) + 1 <= most) break;
         }
+        // Either all labels are powers or none is.
+        const bool plain = first >= -3 && last <= 10;
         for (double e = first; e <= last; e += step) {
-            const bool short_text = e >= -3 && e <= 10;
-            out.push_back({position(std::exp2(e)), short_text ? decimal(std::exp2(e)) : "2^" + decimal(e)});
+            out.push_back({position(std::exp2(e)), plain || e == 0 ? decimal(std::exp2(e)) : "2^" + decimal(e)});
         }
     } else {
         const double step = round_step((hi_ / 2 - lo_ / 2) / (most - 1) * 2, lo_, hi_);

@@ -7,14 +7,14 @@ namespace lostbits::output {
 namespace {
 
 constexpr std::size_t most_columns = 7;
-constexpr int least_cell = 152;      // room for `p99 3.2 bits, 4% false` and most names of forms
+constexpr int least_cell = 164;      // room for most names of forms
 constexpr int least_content = 440;
 constexpr int most_bar = 480, least_bar = 150;
 constexpr int gap = 14;
 constexpr int block_gap = 10;
 constexpr int column_head = 22;      // the name of the form
 constexpr int note_line = 14;
-constexpr int note_lines = 2;
+constexpr std::size_t note_lines = 2;
 
 }  // namespace
 
@@ -32,7 +32,7 @@ ContactSheet::ContactSheet(ImageBackend& backend, const std::filesystem::path& p
     for (const auto& format : spec_.formats) {
         row_label_width_ = std::max(row_label_width_, backend.render_text(format, style::text_size, true).width);
     }
-    row_height_ = thumb_height_ + 2 + 3 + note_lines * note_line + gap;
+    row_height_ = thumb_height_ + 2 + 3 + static_cast<int>(note_lines) * note_line + gap;
     block_height_ = column_head + static_cast<int>(spec_.formats.size()) * row_height_;
     const int grid_height = static_cast<int>(blocks) * (block_height_ + block_gap) - block_gap;
     grid_width_ = row_label_width_ + gap + columns_ * (cell_width_ + gap);
@@ -40,7 +40,7 @@ ContactSheet::ContactSheet(ImageBackend& backend, const std::filesystem::path& p
     int content = grid_width_;
     if (spec_.scale) {
         bar_ = colour_bar(backend, *spec_.scale, spec_.unit,
-                          std::clamp(block_height_ - gap - note_lines * note_line, least_bar, most_bar));
+                          std::clamp(block_height_ - gap - static_cast<int>(note_lines) * note_line, least_bar, most_bar));
         content += gap + bar_.width();
     }
     content = std::max(content, least_content);
@@ -83,18 +83,33 @@ void ContactSheet::draw_cell(Canvas& page, int x, int y, const Cell& cell) const
         page.text(x + 1 + (thumb_width_ - text.width) / 2, y + 1 + (thumb_height_ - text.height) / 2, text,
                   style::soft_ink);
     }
-    auto lines = wrap_text(backend_, cell.note, style::small_size, false, cell_width_);
-    if (lines.size() > note_lines) {
-        // Too long for its place: the second line takes the rest, small or shortened.
-        lines.resize(1);
-        const auto cut = cell.note.rfind(' ', cell.note.size() / 2);
-        const auto split = cut == std::string::npos ? cell.note.size() / 2 : cut;
-        lines[0] = fit_text(backend_, cell.note.substr(0, split), style::small_size, false, cell_width_);
-        lines.push_back(fit_text(backend_, cell.note.substr(split), style::small_size, false, cell_width_));
-    }
+    const auto lines = note_of(cell.note);
     for (std::size_t i = 0; i < lines.size(); ++i) {
         page.text(x, y + thumb_height_ + 5 + static_cast<int>(i) * note_line, lines[i], style::soft_ink);
     }
+}
+
+std::vector<TextBitmap> ContactSheet::note_of(std::string_view note) const {
+    std::vector<TextBitmap> lines;
+    std::string_view rest = note;
+    while (!rest.empty()) {
+        const auto line = rest.substr(0, rest.find('\n'));
+        for (auto& text : wrap_text(backend_, line, style::small_size, false, cell_width_)) {
+            lines.push_back(std::move(text));
+        }
+        rest.remove_prefix(std::min(line.size() + 1, rest.size()));
+    }
+    if (lines.size() <= note_lines) return lines;
+    // Too long for its place: cut in two near the middle, each half small or shortened.
+    const auto space = note.find_last_of(" \n", note.size() / 2);
+    const auto cut = space == std::string_view::npos ? note.size() / 2 : space;
+    lines.clear();
+    for (const std::string_view half : {note.substr(0, cut), note.substr(cut)}) {
+        std::string flat(half.substr(std::min(half.find_first_not_of(" \n"), half.size())));
+        std::ranges::replace(flat, '\n', ' ');
+        lines.push_back(fit_text(backend_, flat, style::small_size, false, cell_width_));
+    }
+    return lines;
 }
 
 void ContactSheet::finish(std::span<const LegendEntry> legend) {

@@ -8,6 +8,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "output/canvas.hpp"
@@ -70,7 +71,8 @@ public:
     /// Rows of the field of one cell, as Thumbnail::add_rows.
     void add_rows(std::size_t form, std::size_t format, int y_begin, std::span<const Rgb8> samples);
 
-    /// The small text under one cell, such as `p99 3.2 bits, 4% false miss`: two lines of about 25 letters.
+    /// The small text under one cell, such as `p99 3.2 bits\n4% false miss`: two lines of about 25 letters, wrapped
+    /// where there is no line break, and shortened where there are more.
     void set_note(std::size_t form, std::size_t format, std::string note);
 
     /// Draws the page and gives the file its final name; `legend` as for HeatmapWriter::finish.
@@ -82,6 +84,7 @@ private:
         std::string note;
     };
     Cell& cell(std::size_t form, std::size_t format);
+    [[nodiscard]] std::vector<TextBitmap> note_of(std::string_view note) const;
     void draw_cell(Canvas& page, int x, int y, const Cell& cell) const;
 
     ImageBackend& backend_;
