@@ -25,7 +25,10 @@ DoubleDouble two_sum(double a, double b) {
 Certified normalised(double hi, double lo, double bound, std::int64_t exponent) {
     const DoubleDouble s = two_sum(hi, lo);
     const int e = std::ilogb(s.hi);
-    return {scale(s.hi, -e), scale(s.lo, -e), scale(bound, -e), exponent + e};
+    Certified r{scale(s.hi, -e), scale(s.lo, -e), scale(bound, -e), exponent + e};
+    // Scaling is exact but where it underflows, by at most half of 2^-1074 in each of lo and bound.
+    if (scale(r.lo, e) != s.lo || scale(r.bound, e) != bound) r.bound += 0x1p-1074;
+    return r;
 }
 
 }  // namespace
@@ -79,8 +82,10 @@ double scaled_difference(const Certified& x, const Certified& y, std::int64_t e)
     if (x.is_zero()) return scale(-(y.hi + y.lo), y.exponent - e);
     const std::int64_t top = std::max(x.exponent, y.exponent);
     const DoubleDouble d = two_sum(scale(x.hi, x.exponent - top), -scale(y.hi, y.exponent - top));
-    const double tail = scale(x.lo, x.exponent - top) - scale(y.lo, y.exponent - top);
-    return scale(d.hi + (d.lo + tail), top - e);
+    const DoubleDouble tail = two_sum(scale(x.lo, x.exponent - top), -scale(y.lo, y.exponent - top));
+    // Where d.hi and tail.hi cancel, d.hi is itself the result of a cancellation and d.lo = 0: nothing is lost.
+    const DoubleDouble s = two_sum(d.hi, tail.hi);
+    return scale(s.hi + (s.lo + d.lo + tail.lo), top - e);
 }
 
 int compare(const Certified& x, const Certified& y) {
@@ -103,8 +108,8 @@ Certified nearer(const Certified& x, const Certified& y) {
     return r;
 }
 
-std::optional<double> round_certified(const Certified& x, const FloatFormat& format) {
-    if (x.is_zero()) return 0.0;
+Neighbours round_ends(const Certified& x, const FloatFormat& format) {
+    if (x.is_zero()) return {0, 0};
     const auto rounded_at = [&](double shift) {
         // hi + lo + shift = nearest double + rest, exactly: all that correct rounding needs is the sign of the rest.
         const DoubleDouble outer = two_sum(x.lo, shift);
@@ -113,7 +118,7 @@ std::optional<double> round_certified(const Certified& x, const FloatFormat& for
         int residual = (rest.hi > 0) - (rest.hi < 0);
         // The nearest double was chosen before outer.lo was seen; at a tie that choice may be one off.
         const double towards = std::nextafter(s.hi, rest.hi > 0 ? HUGE_VAL : -HUGE_VAL);
-        if (rest.hi != 0 && towards - s.hi == 2 * rest.hi && rest.lo * rest.hi > 0) {
+        if (rest.hi != 0 && towards - s.hi == 2 * rest.hi && rest.lo != 0 && (rest.lo > 0) == (rest.hi > 0)) {
             s.hi = towards;
             residual = -residual;
         }
@@ -126,8 +131,12 @@ std::optional<double> round_certified(const Certified& x, const FloatFormat& for
         if (r != 0 && std::ilogb(r) > emax) return std::copysign(std::numeric_limits<double>::infinity(), r);
         return scale(r, x.exponent);
     };
-    const double low = rounded_at(-x.bound), high = rounded_at(x.bound);
-    if (low == high) return low;
+    return {rounded_at(-x.bound), rounded_at(x.bound)};
+}
+
+std::optional<double> round_certified(const Certified& x, const FloatFormat& format) {
+    const Neighbours ends = round_ends(x, format);
+    if (ends.lower == ends.upper) return ends.lower;
     return std::nullopt;
 }
 

@@ -30,8 +30,8 @@ inline constexpr double certified_tightness = 0x1p-72;
 std::optional<Certified> certify(const Ball& x, double tightness = certified_tightness);
 std::optional<Certified> certify(const Interval& x, double tightness = certified_tightness);
 
-/// (x − y)/2^e as a double, to a relative error of about 2^-50 of the larger of the two bounds involved; infinite
-/// where it exceeds double's range. x and y may be any numbers, equal exponents not required.
+/// (x − y)/2^e for the midpoints of both, as a double, to a relative error of 2^-50; infinite where it exceeds double's
+/// range. x and y may be any numbers, equal exponents not required.
 double scaled_difference(const Certified& x, const Certified& y, std::int64_t e);
 
 /// A finite double as a certified value with bound zero.
@@ -42,16 +42,17 @@ Certified nearer(const Certified& x, const Certified& y);
 /// −1, 0 (cannot be told), or +1.
 int compare(const Certified& x, const Certified& y);
 
+/// Both ends of x, each rounded to nearest even in a format: one number, or two neighbours where the bound straddles
+/// the boundary between them.
+struct Neighbours {
+    double lower, upper;
+};
+Neighbours round_ends(const Certified& x, const FloatFormat& format);
 /// x rounded to nearest even in a format, or nothing where the bound straddles a rounding boundary.
 std::optional<double> round_certified(const Certified& x, const FloatFormat& format);
 
 /// |x|/2^emin-scaled position in the format's ordering: 0 for zero, +1 per representable number, negative below zero.
 /// Infinity follows the largest finite number. x must be a number of the format.
 std::int64_t ordinal(double x, const FloatFormat& format);
-
-/// The format's numbers on either side of the midpoint between them: used to settle ties. (lower, upper) enclose x.
-struct Neighbours {
-    double lower, upper;
-};
 
 }  // namespace lostbits

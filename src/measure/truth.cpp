@@ -131,44 +131,43 @@ Truth find(const Ray<S>& ray, std::span<const Sphere<S>> spheres, TruthLimit lim
     return best;
 }
 
-/// −1, 0, +1 as t* lies below, at or above the dyadic number m > 0: with P(t) = a t² + 2 h t + c, the near root (from
+/// −1, 0, +1 as t* lies below, at or above the dyadic number m > 0, or nothing where this precision does not tell: with P(t) = a t² + 2 h t + c, the near root (from
 /// outside) is above m where P(m) > 0 and a m + h < 0; the far root (from inside) is above m where P(m) < 0. From
 /// outside P is positive before the near root, from inside negative before the far one.
-int side_of(const Ray<Interval>& ray, const Sphere<Interval>& sphere, const Interval& m) {
+std::optional<int> side_of(const Ray<Interval>& ray, const Sphere<Interval>& sphere, const Interval& m) {
     const Interval zero(0);
     const Vec<Interval> f = ray.origin - sphere.centre;
     const Interval a = dot(ray.direction, ray.direction);
     const Interval h = dot(f, ray.direction);
     const Interval c = dot(f, f) - sphere.radius * sphere.radius;
     const Interval p = (a * m + h + h) * m + c;
+    const Interval past = a * m + h;
+    if ((c > zero).is_unknown()) return std::nullopt;
     const bool outside = (c > zero).is_yes();
-    if ((p > zero).is_yes()) return outside && (a * m + h < zero).is_yes() ? 1 : -1;
     if ((p < zero).is_yes()) return outside ? -1 : 1;
-    // P(m) = 0: m is a root; of the two, the one past the middle is the far one.
-    if (outside) return (a * m + h > zero).is_yes() ? -1 : 0;
-    return 0;
+    if (!(p > zero).is_yes() && !p.is_exact()) return std::nullopt;
+    if (!outside) return p.is_exact() && !(p > zero).is_yes() ? 0 : -1;
+    // Past the middle both P(m) > 0 and the root P(m) = 0 lie beyond the near root.
+    if ((past > zero).is_unknown()) return std::nullopt;
+    if ((past > zero).is_yes()) return -1;
+    return (p > zero).is_yes() ? 1 : 0;
 }
 
 template <class S>
 double round_exactly(const Truth& truth, const Ray<S>& ray, const Sphere<S>& sphere, const FloatFormat& format) {
-    if (const auto quick = round_certified(truth.t, format)) return *quick;
-    // The boundary that the bound straddles: midway between the two roundings.
-    Certified below = truth.t, above = truth.t;
-    below.lo -= truth.t.bound;
-    above.lo += truth.t.bound;
-    below.bound = above.bound = 0;
-    const auto lower = round_certified(below, format), upper = round_certified(above, format);
-    if (!lower || !upper) throw Error(Exit::internal, "a value without bound could not be rounded");
-    const Interval::Precision precision(32768);
-    // Overflow's boundary lies half a last place above the largest finite number.
-    Interval middle = (Interval(*lower) + Interval(*upper)) / Interval(2);
-    if (std::isinf(*upper)) {
-        const double half_ulp = std::ldexp(1.0, format.emax - format.precision);
-        middle = Interval(*lower) + Interval(half_ulp);
+    const auto [lower, upper] = round_ends(truth.t, format);
+    if (lower == upper) return lower;
+    for (int bits = std::is_same_v<S, Real> ? 384 : 192; bits <= TruthLimit{}.bits; bits *= 2) {
+        const Interval::Precision precision(bits);
+        // The boundary that the bound straddles: midway between the two, or half a last place above the largest number.
+        const Interval middle = std::isinf(upper) ? Interval(lower) + Interval(std::ldexp(1.0, format.emax - format.precision))
+                                                  : (Interval(lower) + Interval(upper)) / Interval(2);
+        const auto side = side_of(lift_ray<Interval>(ray), lift_sphere<Interval>(sphere), middle);
+        if (!side) continue;
+        if (*side != 0) return *side < 0 ? lower : upper;
+        return ordinal(lower, format) % 2 == 0 ? lower : upper;
     }
-    const int side = side_of(lift_ray<Interval>(ray), lift_sphere<Interval>(sphere), middle);
-    if (side != 0) return side < 0 ? *lower : *upper;
-    return ordinal(*lower, format) % 2 == 0 ? *lower : *upper;
+    throw Error(Exit::internal, "no precision told the side of a rounding boundary");
 }
 
 }  // namespace

@@ -5,7 +5,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <string>
-#include <string_view>
 #include <vector>
 
 namespace lostbits::output {
@@ -17,11 +16,7 @@ struct Rgb8 {
 };
 static_assert(sizeof(Rgb8) == 3);
 
-/// The outcomes in the order of `outcome_colours` and of the values of the `class` layer.
-inline constexpr std::array<std::string_view, 6> outcome_names{"agree_hit",  "agree_miss",   "false_hit",
-                                                               "false_miss", "not_a_number", "unresolved"};
-
-/// One fixed colour an outcome. All but `agree_hit` stay away from the whole viridis ramp and from each other, also
+/// One fixed colour an outcome, in the order of `Outcome` (measure/outcome.hpp) and of the values of the `class` layer. All but `agree_hit` stay away from the whole viridis ramp and from each other, also
 /// for a deuteranope (tests hold the distances); their lightness differs too, so that a grey print still tells them
 /// apart. `agree_hit` is drawn with its metric's colour, and with this one only in a map of classes alone.
 inline constexpr std::array<Rgb8, 6> outcome_colours{{

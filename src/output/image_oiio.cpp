@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <map>
 #include <mutex>
 #include <stdexcept>
 
@@ -71,12 +72,41 @@ public:
         for (char& c : text) {
             if (c < ' ' || c > '~') c = '?';
         }
+        // A map draws the same titles and ticks on dozens of pictures, and drawing them costs more than a small field.
+        const std::lock_guard lock(text_mutex_);
+        if (drawn_.size() > 4096) drawn_.clear();
+        const auto [place, fresh] = drawn_.try_emplace({text, size, bold});
+        if (fresh) {
+            try {
+                place->second = draw_text(text, size, bold);
+            } catch (...) {
+                drawn_.erase(place);
+                throw;
+            }
+        }
+        return place->second;
+    }
+
+    ExrImage read_exr(const std::filesystem::path& path) override;
+    PngImage read_png(const std::filesystem::path& path) override;
+
+protected:
+    std::unique_ptr<ExrWriter> make_exr(std::unique_ptr<ByteSink> sink, const std::string& path,
+                                        const ExrSpec& spec) override {
+        return oiio_exr(std::move(sink), path, spec);
+    }
+    std::unique_ptr<PngWriter> make_png(std::unique_ptr<ByteSink> sink, const std::string& path, int width,
+                                        int height) override {
+        return oiio_png(std::move(sink), path, width, height);
+    }
+
+private:
+    static TextBitmap draw_text(const std::string& text, int size, bool bold) {
         const char* font = bold ? "DejaVuSans-Bold" : "DejaVuSans";
         // The box of DejaVu Sans in em: a common line box keeps the baselines of different words level.
         TextBitmap out;
         out.baseline = static_cast<int>(std::ceil(0.93 * size));
         out.height = out.baseline + static_cast<int>(std::ceil(0.24 * size));
-        const std::lock_guard lock(text_mutex_);
         // A leading or trailing space has no ink, and text_size measures ink: frame it with two bars.
         const OIIO::ROI bar = OIIO::ImageBufAlgo::text_size("||", size, font);
         const OIIO::ROI framed = OIIO::ImageBufAlgo::text_size("|" + text + "|", size, font);
@@ -103,21 +133,8 @@ public:
         return out;
     }
 
-    ExrImage read_exr(const std::filesystem::path& path) override;
-    PngImage read_png(const std::filesystem::path& path) override;
-
-protected:
-    std::unique_ptr<ExrWriter> make_exr(std::unique_ptr<ByteSink> sink, const std::string& path,
-                                        const ExrSpec& spec) override {
-        return oiio_exr(std::move(sink), path, spec);
-    }
-    std::unique_ptr<PngWriter> make_png(std::unique_ptr<ByteSink> sink, const std::string& path, int width,
-                                        int height) override {
-        return oiio_png(std::move(sink), path, width, height);
-    }
-
-private:
     std::mutex text_mutex_;
+    std::map<std::tuple<std::string, int, bool>, TextBitmap> drawn_;
 };
 
 ExrImage OiioBackend::read_exr(const std::filesystem::path& path) {

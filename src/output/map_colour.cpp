@@ -12,7 +12,7 @@ namespace {
 constexpr Rgb8 no_value{190, 190, 190};
 
 std::string plain_name(Outcome o) {
-    std::string name(lostbits::outcome_names[static_cast<std::size_t>(o)]);
+    std::string name(outcome_names[static_cast<std::size_t>(o)]);
     std::ranges::replace(name, '_', ' ');
     return name;
 }

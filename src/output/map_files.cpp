@@ -32,10 +32,11 @@ std::string glance(const MapSummary& s, std::size_t lost) {
     };
     std::string text = s.count(Outcome::agree_hit) == 0 ? "no hit agreed on" : fmt::format("p99 {:.1f} bits", s.metrics[lost].quantile(0.99));
     const std::uint64_t true_misses = s.rays - s.true_hits - s.count(Outcome::unresolved);
-    if (const auto n = s.count(Outcome::false_miss)) text += ", " + percent(n, s.true_hits) + " false miss";
-    if (const auto n = s.count(Outcome::false_hit)) text += ", " + percent(n, true_misses) + " false hit";
-    if (const auto n = s.count(Outcome::not_a_number)) text += ", " + percent(n, s.rays) + " NaN";
-    return text;
+    std::vector<std::string> faults;
+    if (const auto n = s.count(Outcome::false_miss)) faults.push_back(percent(n, s.true_hits) + " false miss");
+    if (const auto n = s.count(Outcome::false_hit)) faults.push_back(percent(n, true_misses) + " false hit");
+    if (const auto n = s.count(Outcome::not_a_number)) faults.push_back(percent(n, s.rays) + " NaN");
+    return faults.empty() ? text : text + "\n" + fmt::format("{}", fmt::join(faults, ", "));
 }
 
 }  // namespace

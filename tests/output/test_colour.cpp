@@ -4,6 +4,7 @@
 
 #include "catch.hpp"
 #include "number/error.hpp"
+#include "measure/outcome.hpp"
 #include "output/colour.hpp"
 #include "scratch.hpp"
 
@@ -74,11 +75,11 @@ TEST_CASE("no outcome looks like a value or like another outcome", "[colour]") {
         for (std::size_t i = 1; i < outcome_colours.size(); ++i) {
             const Vector mine = oklab(eye(linear(outcome_colours[i])));
             for (const Rgb8 value : ramp) {
-                INFO(outcome_names[i] << " against " << int(value.r) << ' ' << int(value.g) << ' ' << int(value.b));
+                INFO(lostbits::outcome_names[i] << " against " << int(value.r) << ' ' << int(value.g) << ' ' << int(value.b));
                 CHECK(distance(mine, oklab(eye(linear(value)))) > least);
             }
             for (std::size_t j = 0; j < i; ++j) {
-                INFO(outcome_names[i] << " against " << outcome_names[j]);
+                INFO(lostbits::outcome_names[i] << " against " << lostbits::outcome_names[j]);
                 CHECK(distance(mine, oklab(eye(linear(outcome_colours[j])))) > least);
             }
         }
@@ -88,7 +89,7 @@ TEST_CASE("no outcome looks like a value or like another outcome", "[colour]") {
     // In grey the drawn outcomes still differ.
     for (std::size_t i = 1; i < outcome_colours.size(); ++i) {
         for (std::size_t j = 1; j < i; ++j) {
-            INFO(outcome_names[i] << " against " << outcome_names[j]);
+            INFO(lostbits::outcome_names[i] << " against " << lostbits::outcome_names[j]);
             CHECK(std::abs(oklab(linear(outcome_colours[i]))[0] - oklab(linear(outcome_colours[j]))[0]) > 0.07);
         }
     }

@@ -29,7 +29,9 @@ struct Outward {
         return {select(has_zero, T(-1) / T(0), next_down(min(min(p, q), min(r, s)))),
                 select(has_zero, T(1) / T(0), next_up(max(max(p, q), max(r, s))))};
     }
-    friend Outward sqrt(const Outward& a) { return {next_down(sqrt(a.lo)), next_up(sqrt(a.hi))}; }
+    /// A sum of squares can have a lower bound just below zero, whose root is NaN; `max` then answers 0, as pbrt's
+    /// max(0, NextFloatDown(sqrt(x))) does.
+    friend Outward sqrt(const Outward& a) { return {max(next_down(sqrt(a.lo)), T(0)), next_up(sqrt(a.hi))}; }
     /// x² ≥ 0 for every x, which a product of two equal intervals would not know.
     friend Outward square(const Outward& a) {
         const T low = abs(a.lo), high = abs(a.hi);

@@ -1,0 +1,19 @@
+// Contraction would turn a·b − c into one rounding where a formula says two, at any optimisation, even in ISO mode.
+#include <cmath>
+
+#include "catch.hpp"
+#include "intersect/contraction.hpp"
+
+namespace lostbits::test {
+
+TEST_CASE("the build does not fuse a·b − c", "[intersect][bits]") {
+    const double a = 1 + 0x1p-30;  // a² = 1 + 2^-29 + 2^-60, whose last bit a product alone rounds away
+    const double rounded = 1 + 0x1p-29;
+    CHECK(product_minus(a, a, rounded) == 0);
+    CHECK(std::fma(a, a, -rounded) == 0x1p-60);
+    // The control: where contraction is allowed and the machine has FMA, the same line does fuse.
+    if (compiled_for_fma()) CHECK(product_minus_contracted(a, a, rounded) == 0x1p-60);
+    else WARN("no FMA on this machine: the control has nothing to fuse");
+}
+
+}  // namespace lostbits::test

@@ -1,0 +1,121 @@
+// Cases worked out by hand. Every number is a small dyadic and every direction has length 1 or 2, so float, double and
+// every wide enough format compute without any rounding and must answer exactly.
+#include "catch.hpp"
+#include "intersect/catalogue.hpp"
+#include "number/rounded.hpp"
+
+namespace lostbits::test {
+namespace {
+
+struct Known {
+    const char* what;
+    std::array<double, 3> origin, direction, centre;
+    double radius;
+    double near, far;       // line parameters, worked out by hand
+    enum { crosses, touches, passes } line;
+};
+
+const Known known[] = {
+    {"head on from distance 5", {0, 0, -5}, {0, 0, 1}, {0, 0, 0}, 1, 4, 6, Known::crosses},
+    {"head on along -x, moved from the world's origin", {7, 2, 1}, {-1, 0, 0}, {2, 2, 1}, 1, 4, 6, Known::crosses},
+    {"off the centre, 3-4-5", {3, 0, -8}, {0, 0, 1}, {0, 0, 0}, 5, 4, 12, Known::crosses},
+    {"off the centre in y, 3-4-5", {1, 4, -8}, {0, 0, 1}, {1, 0, 0}, 5, 5, 11, Known::crosses},
+    {"behind", {0, 0, 5}, {0, 0, 1}, {0, 0, 0}, 1, -6, -4, Known::crosses},
+    {"inside, the centre ahead", {0, 0, -1}, {0, 0, 1}, {0, 0, 0}, 2, -1, 3, Known::crosses},
+    {"inside, the centre behind", {0, 0, 1}, {0, 0, 1}, {0, 0, 0}, 2, -3, 1, Known::crosses},
+    {"at the centre, b' = 0", {0, 0, 0}, {0, 0, 1}, {0, 0, 0}, 2, -2, 2, Known::crosses},
+    {"at the centre, b' = -0", {0, 0, -0.0}, {-0.0, -0.0, -1}, {0, 0, 0}, 2, -2, 2, Known::crosses},
+    {"inside, square to the centre, b' = 0", {3, 0, 0}, {0, 0, 1}, {0, 0, 0}, 5, -4, 4, Known::crosses},
+    {"inside, square to the centre, b' = -0", {-3, 0, 0}, {0, -1, 0}, {0, 0, 0}, 5, -4, 4, Known::crosses},
+    {"on the surface, looking in", {0, 0, -2}, {0, 0, 1}, {0, 0, 0}, 2, 0, 4, Known::crosses},
+    {"on the surface, looking out", {0, 0, 2}, {0, 0, 1}, {0, 0, 0}, 2, -4, 0, Known::crosses},
+    {"touching ahead", {1, 0, -4}, {0, 0, 1}, {0, 0, 0}, 1, 4, 4, Known::touches},
+    {"touching ahead, other side, other axis", {-8, 0, -1}, {1, 0, 0}, {0, 0, 1}, 2, 8, 8, Known::touches},
+    {"touching behind", {1, 0, 4}, {0, 0, 1}, {0, 0, 0}, 1, -4, -4, Known::touches},
+    {"passing by", {1.5, 0, -4}, {0, 0, 1}, {0, 0, 0}, 1, 0, 0, Known::passes},
+    {"passing by at the waist, b' = 0", {0, 3, 0}, {0, 0, 1}, {0, 0, 0}, 1, 0, 0, Known::passes},
+    {"direction of length 2", {0, 0, -5}, {0, 0, 2}, {0, 0, 0}, 1, 2, 3, Known::crosses},
+    {"direction of length 1/2", {3, 0, -8}, {0, 0, 0.5}, {0, 0, 0}, 5, 8, 24, Known::crosses},
+    {"direction of length 2, touching", {1, 0, -4}, {0, 0, 2}, {0, 0, 0}, 1, 2, 2, Known::touches},
+    {"far enough for a second step", {0, 0, -33}, {0, 0, 1}, {0, 0, 0}, 1, 32, 34, Known::crosses},
+    {"second step with direction of length 2", {0, 0, -65}, {0, 0, 2}, {0, 0, 0}, 1, 32, 33, Known::crosses},
+};
+
+template <class Form, class T>
+void ask(const Known& k, double slack, const char* number) {
+    const Info& info = Form::info;
+    const double length2 = k.direction[0] * k.direction[0] + k.direction[1] * k.direction[1] + k.direction[2] * k.direction[2];
+    if (info.direction == Direction::unit && length2 != 1) return;
+    const bool inside = k.line == Known::crosses && k.near < 0 && k.far > 0;
+    if (info.roots == Roots::near_only && inside) return;
+
+    const bool zero_counts = info.at_origin == AtOrigin::hit;
+    const auto counts = [&](double t) { return t > 0 || (t == 0 && zero_counts); };
+    bool want = k.line == Known::crosses || (k.line == Known::touches && info.touching == Touching::hit);
+    const double first = counts(k.near) || info.roots == Roots::near_only ? k.near : k.far;
+    want = want && counts(first);
+    // Two forms cannot see a ray that touches, and this is where that is written down: bounds moved outward make every
+    // touching discriminant possibly negative, a miss; and from the point of closest approach q = 0 there, so t is 0/0.
+    const bool touches = k.line == Known::touches;
+    if (touches && info.name == "sphere.pbrt_interval") want = false;
+
+    const auto vec = [](const std::array<double, 3>& v) { return Vec<T>(T(v[0]), T(v[1]), T(v[2])); };
+    const Hit<T> h = Form::intersect(Ray<T>{vec(k.origin), vec(k.direction)}, Sphere<T>{vec(k.centre), T(k.radius)});
+    const auto value = [](const T& x) {
+        if constexpr (std::is_floating_point_v<T>) return static_cast<double>(x);
+        else return x.value();
+    };
+    const double t = value(h.t), near = value(h.near), far = value(h.far);
+    INFO(info.name << " in " << number << ", " << k.what << ": hit " << h.hit << " t " << t << " near " << near << " far " << far);
+    if (touches && info.name == "sphere.closest_approach") {
+        CHECK(std::isnan(t));
+        return;
+    }
+    CHECK(h.hit == want);
+    if (!h.hit || !want) return;
+    CHECK(std::fabs(t - first) <= slack);
+    if (info.roots == Roots::both) {
+        CHECK(std::fabs(near - k.near) <= slack);
+        CHECK(std::fabs(far - k.far) <= slack);
+    } else {
+        CHECK(near == t);
+        CHECK(far == t);
+    }
+}
+
+template <class T>
+void ask_every_form(double ulps, int precision, const char* number) {
+    SphereForms::for_each([&]<class Form>() {
+        if constexpr (Form::info.formats == Formats::all || std::same_as<T, float>)
+            for (const Known& k : known) {
+                // A form that takes the root of |f|² or moves bounds outward may be off by a few units; all others are exact.
+                const bool exact = Form::info.name != "sphere.pbrt_interval" && Form::info.name != "sphere.factored_c";
+                ask<Form, T>(k, exact ? 0 : ulps * std::ldexp(std::fmax(std::fabs(k.near), std::fabs(k.far)), 1 - precision), number);
+            }
+    });
+}
+
+}  // namespace
+
+TEST_CASE("cases worked out by hand", "[intersect][known]") {
+    ask_every_form<float>(64, 24, "float");
+    ask_every_form<double>(64, 53, "double");
+    ask_every_form<Rounded<24, -126, 127>>(64, 24, "Rounded<24>");
+}
+
+TEST_CASE("the sign of a zero b' does not turn the roots", "[intersect][known]") {
+    SphereForms::for_each([&]<class Form>() {
+        if (Form::info.roots == Roots::near_only) return;
+        INFO(Form::info.name);
+        const Sphere<float> sphere{Vec<float>(0, 0, 0), 5};
+        const auto shoot = [&](float x, float y, float dy, float dz) { return Form::intersect(Ray<float>{Vec<float>(x, y, 0), Vec<float>(0, dy, dz)}, sphere); };
+        for (const float zero : {0.0f, -0.0f})
+            for (const float side : {3.0f, -3.0f}) {
+                const Hit<float> h = shoot(side, zero, zero, 1);
+                CHECK(h.hit);
+                CHECK(std::fabs(h.t - 4) <= 1e-5f);
+            }
+    });
+}
+
+}  // namespace lostbits::test

@@ -1,0 +1,72 @@
+// Rays chosen to break a reference: each family aims at one way of being wrong.
+#pragma once
+
+#include <array>
+#include <span>
+
+#include "measure/seeded.hpp"
+
+namespace lostbits::testing {
+
+struct RaySample {
+    Ray<double> ray;
+    Sphere<double> sphere;
+};
+
+struct RayFamily {
+    const char* name;
+    /// What the family promises; checked exactly, so that a generator that misses its aim is a failure too.
+    enum class Promise { none, tangent_line, on_surface, inside } promise;
+    RaySample (*make)(Seeded&, const FloatFormat& storage);
+    /// Rays per storage format: fewer where exponents are wide and exact arithmetic is dear.
+    int rays_binary32, rays_binary64;
+    /// At most so many of the binary32 rays go beyond double-double: a formula that cancels would still be right, but
+    /// would pay for it with precision.
+    int most_escalated;
+};
+
+// Near: inputs within a few binades of each other.
+RaySample random_ray(Seeded&, const FloatFormat&);
+RaySample near_tangent(Seeded&, const FloatFormat&);
+RaySample tangent(Seeded&, const FloatFormat&);
+RaySample on_surface(Seeded&, const FloatFormat&);
+RaySample near_surface(Seeded&, const FloatFormat&);
+RaySample inside(Seeded&, const FloatFormat&);
+RaySample behind(Seeded&, const FloatFormat&);
+RaySample far_away(Seeded&, const FloatFormat&);
+RaySample huge_sphere(Seeded&, const FloatFormat&);
+RaySample scaled_direction(Seeded&, const FloatFormat&);
+RaySample tie(Seeded&, const FloatFormat&);
+
+// Wide: exponents anywhere, squares beyond double's range, proofs of thousands of bits.
+RaySample near_tie(Seeded&, const FloatFormat&);
+RaySample subnormal(Seeded&, const FloatFormat&);
+RaySample overflowing(Seeded&, const FloatFormat&);
+RaySample mixed_exponents(Seeded&, const FloatFormat&);
+RaySample wide_tangent(Seeded&, const FloatFormat&);
+RaySample wide_contact(Seeded&, const FloatFormat&);
+
+inline constexpr RayFamily near_families[] = {
+    {"random", RayFamily::Promise::none, random_ray, 200'000, 200'000, 0},
+    {"near tangent", RayFamily::Promise::none, near_tangent, 150'000, 150'000, 0},
+    {"tangent", RayFamily::Promise::tangent_line, tangent, 50'000, 50'000, 0},
+    {"on surface", RayFamily::Promise::on_surface, on_surface, 40'000, 40'000, 0},
+    {"near surface", RayFamily::Promise::none, near_surface, 40'000, 40'000, 300},
+    {"inside", RayFamily::Promise::inside, inside, 40'000, 40'000, 0},
+    {"behind", RayFamily::Promise::none, behind, 30'000, 30'000, 0},
+    {"far away", RayFamily::Promise::none, far_away, 50'000, 50'000, 0},
+    {"huge sphere", RayFamily::Promise::none, huge_sphere, 50'000, 50'000, 8'000},
+    {"scaled direction", RayFamily::Promise::none, scaled_direction, 30'000, 30'000, 0},
+};
+
+inline constexpr RayFamily wide_families[] = {
+    {"tie", RayFamily::Promise::none, tie, 50'000, 50'000, 0},
+    {"near tie", RayFamily::Promise::none, near_tie, 30'000, 30'000, 0},
+    {"subnormal", RayFamily::Promise::none, subnormal, 30'000, 30'000, 1'200},
+    {"overflowing", RayFamily::Promise::none, overflowing, 30'000, 30'000, 0},
+    {"mixed exponents", RayFamily::Promise::none, mixed_exponents, 30'000, 30'000, 100},
+    {"wide tangent", RayFamily::Promise::tangent_line, wide_tangent, 10'000, 20'000, 9'000},
+    {"wide contact", RayFamily::Promise::none, wide_contact, 10'000, 20'000, 8'000},
+};
+
+}  // namespace lostbits::testing

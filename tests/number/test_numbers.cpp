@@ -1,0 +1,205 @@
+// One test for every number: a new number is one line in kinds.hpp and, if no family fits, one `Kind` in kind.hpp.
+#include "catch.hpp"
+#include "number/kind.hpp"
+
+namespace lostbits::test {
+namespace {
+
+template <class T>
+bool one_if(const T& x) {  // +1 rather than −1: the sign bit, seen through copysign
+    return Kind<T>::is(copysign(T(1), x), 1);
+}
+
+}  // namespace
+
+TEMPLATE_LIST_TEST_CASE("a number obeys the laws on values that every format holds", "[number]", RunnableNumbers) {
+    using T = TestType;
+    const auto is = [](const T& x, int v) { return Kind<T>::is(x, v); };
+    const T zero(0), one(1), two(2), three(3), four(4), six(6);
+
+    CHECK(is(two + two, 4));
+    CHECK(is(three - one, 2));
+    CHECK(is(one - three, -2));
+    CHECK(is(two * three, 6));
+    CHECK(is(six / two, 3));
+    CHECK(is(-three, -3));
+    CHECK(is(sqrt(four), 2));
+    CHECK(is(sqrt(zero), 0));
+    CHECK(is(fma(two, three, -four), 2));
+    CHECK(is(abs(-three), 3));
+    CHECK(is(abs(three), 3));
+    CHECK(is(copysign(three, -two), -3));
+    CHECK(is(copysign(-three, two), 3));
+    CHECK(is(four - four, 0));
+    CHECK(is(named("x", six), 6));
+
+    T sum = one;
+    sum += three;
+    CHECK(is(sum, 4));
+    sum -= one;
+    CHECK(is(sum, 3));
+    sum *= two;
+    CHECK(is(sum, 6));
+
+    CHECK(is(min(one, two), 1));
+    CHECK(is(min(two, one), 1));
+    CHECK(is(max(one, two), 2));
+    CHECK(is(max(two, one), 2));
+    CHECK(is(select(one < two, three, four), 3));
+    CHECK(is(select(two < one, three, four), 4));
+    CHECK(is(Wider<T>::narrow(Wider<T>::widen(three)), 3));
+}
+
+TEMPLATE_LIST_TEST_CASE("comparisons and masks of a number", "[number]", RunnableNumbers) {
+    using T = TestType;
+    const T one(1), two(2), also_two(2);
+
+    CHECK(surely(one < two));
+    CHECK(surely_not(two < one));
+    CHECK(surely_not(two < also_two));
+    CHECK(surely(one <= two));
+    CHECK(surely(two <= also_two));
+    CHECK(surely_not(two <= one));
+    CHECK(surely(two > one));
+    CHECK(surely_not(one > two));
+    CHECK(surely_not(two > also_two));
+    CHECK(surely(two >= one));
+    CHECK(surely(two >= also_two));
+    CHECK(surely_not(one >= two));
+
+    const mask_t<T> yes = one < two, no = two < one;
+    CHECK(surely(yes && yes));
+    CHECK(surely_not(yes && no));
+    CHECK(surely_not(no && yes));
+    CHECK(surely_not(no && no));
+    CHECK(surely(yes || yes));
+    CHECK(surely(yes || no));
+    CHECK(surely(no || yes));
+    CHECK(surely_not(no || no));
+    CHECK(surely(!no));
+    CHECK(surely_not(!yes));
+    CHECK(any_of(yes));
+    CHECK_FALSE(any_of(no));
+}
+
+TEMPLATE_LIST_TEST_CASE("the undefined spreads and never decides", "[number]", RunnableNumbers) {
+    using T = TestType;
+    const T one(1), zero(0), bad = sqrt(T(-1));
+    const auto undefined = [](const T& x) { return Kind<T>::is_undefined(x); };
+
+    CHECK(undefined(bad));
+    CHECK(undefined(zero / zero));
+    CHECK(undefined(one / zero - one / zero));
+    for (const T& x : {bad + one, one - bad, bad * zero, one / bad, sqrt(bad), fma(bad, one, one), -bad, abs(bad), copysign(bad, one)}) CHECK(undefined(x));
+    for (const T& x : {bad, zero / zero, bad * zero}) {
+        CHECK_FALSE(surely(x < one));
+        CHECK_FALSE(surely(x <= one));
+        CHECK_FALSE(surely(x > one));
+        CHECK_FALSE(surely(x >= one));
+        CHECK_FALSE(surely(one < x));
+        CHECK_FALSE(surely(one >= x));
+        CHECK_FALSE(surely(x <= x));
+    }
+    // Which sign the undefined has, nobody can say, so nobody may be certain of what follows from it.
+    if constexpr (!std::same_as<mask_t<T>, bool>) {
+        CHECK_FALSE(surely(copysign(one, bad) > zero));
+        CHECK_FALSE(surely(copysign(one, bad) < zero));
+        CHECK_FALSE(surely(one / zero > zero));
+    }
+
+    // min and max are a < b ? a : b and a > b ? a : b, so the second operand wins beside NaN.
+    CHECK(Kind<T>::is(min(bad, one), 1));
+    CHECK(Kind<T>::is(max(bad, one), 1));
+    CHECK(undefined(min(one, bad)));
+    CHECK(undefined(max(one, bad)));
+    if constexpr (Kind<T>::keeps_zero_signs) {
+        CHECK(one_if(min(-zero, zero)));
+        CHECK_FALSE(one_if(min(zero, -zero)));
+        CHECK(one_if(max(-zero, zero)));
+        CHECK_FALSE(one_if(max(zero, -zero)));
+        CHECK_FALSE(one_if(-zero));
+        CHECK_FALSE(one_if(sqrt(-zero)));
+        CHECK(one_if(zero + -zero));
+    }
+}
+
+TEMPLATE_LIST_TEST_CASE("neighbours of a number", "[number]", RunnableNumbers) {
+    using T = TestType;
+    if constexpr (stands_for_exact<T>) {
+        CHECK(Kind<T>::is(next_up(T(3)), 3));
+        CHECK(Kind<T>::is(next_down(T(3)), 3));
+    } else {
+        Random random(7);
+        for (int i = 0; i < 20000; ++i) {
+            const typename Kind<T>::Setting setting(random);
+            const FloatFormat f = Kind<T>::format();
+            const double x = random.one_in(20) ? draw_special(random, f) : draw_finite(random, f);
+            const double up = Kind<T>::value(next_up(T(x))), down = Kind<T>::value(next_down(T(x)));
+            INFO(Kind<T>::text(T(x)) << " has neighbours " << Mpfr(down, 53).text() << " and " << Mpfr(up, 53).text());
+            if (std::isnan(x)) {
+                REQUIRE((std::isnan(up) && std::isnan(down)));
+                continue;
+            }
+            REQUIRE(same_number(down, -Kind<T>::value(next_up(T(-x)))));
+            if (x == HUGE_VAL) {
+                REQUIRE(up == x);
+                continue;
+            }
+            REQUIRE(up > x);
+            REQUIRE(same_number(nearest(Mpfr(up, 53), f), up));
+            if (std::isinf(up) || std::isinf(x)) continue;
+            REQUIRE(Kind<T>::value(next_down(T(up))) == x);
+            if (up == 0) REQUIRE(std::signbit(up));  // IEEE 754 nextUp of the largest negative number is −0
+            // Nothing lies between: the middle rounds to one of the two.
+            Mpfr middle(x, 60);
+            mpfr_add_d(middle, middle, up, MPFR_RNDN);
+            mpfr_div_ui(middle, middle, 2, MPFR_RNDN);
+            const double rounded = nearest(middle, f);
+            REQUIRE((rounded == x || rounded == up));
+        }
+    }
+}
+
+TEMPLATE_LIST_TEST_CASE("every operation keeps the number's promise", "[number][promise]", RunnableNumbers) {
+    using T = TestType;
+    Random random(20190305);
+    for (const Op op : every_op) {
+        int broken = 0;
+        for (int i = 0; i < Kind<T>::rounds && broken < 3; ++i) {
+            const typename Kind<T>::Setting setting(random);
+            const auto x = Kind<T>::draw(random, op);
+            const T result = apply(op, x[0].value, x[1].value, x[2].value);
+            if (Kind<T>::keeps_promise(op, result, x)) continue;
+            ++broken;
+            UNSCOPED_INFO(op_names[static_cast<int>(op)] << "\n a = " << Kind<T>::text(x[0].value) << " at " << x[0].point.text() << "\n b = "
+                                                         << Kind<T>::text(x[1].value) << " at " << x[1].point.text() << "\n c = "
+                                                         << Kind<T>::text(x[2].value) << " at " << x[2].point.text() << "\n gives "
+                                                         << Kind<T>::text(result));
+        }
+        CHECK(broken == 0);
+    }
+}
+
+TEMPLATE_LIST_TEST_CASE("comparisons agree with the exact values", "[number][promise]", RunnableNumbers) {
+    using T = TestType;
+    Random random(42);
+    int wrong = 0, decided = 0;
+    for (int i = 0; i < Kind<T>::rounds; ++i) {
+        const typename Kind<T>::Setting setting(random);
+        const auto x = Kind<T>::draw(random, Op::subtract);
+        const T& a = x[0].value;
+        const T& b = x[1].value;
+        const auto check = [&](const mask_t<T>& mask, bool truth) {
+            wrong += (surely(mask) && !truth) || (surely_not(mask) && truth);
+            decided += surely(mask) || surely_not(mask);
+        };
+        check(a < b, mpfr_less_p(x[0].point, x[1].point) != 0);
+        check(a <= b, mpfr_lessequal_p(x[0].point, x[1].point) != 0);
+        check(a > b, mpfr_greater_p(x[0].point, x[1].point) != 0);
+        check(a >= b, mpfr_greaterequal_p(x[0].point, x[1].point) != 0);
+    }
+    CHECK(wrong == 0);
+    CHECK(decided > 2 * Kind<T>::rounds);  // an enclosure that never decides would be right, and useless
+}
+
+}  // namespace lostbits::test
