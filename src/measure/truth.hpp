@@ -27,8 +27,8 @@ struct Truth {
 
 /// Enclosures start at double-double (`Ball`) and go to MPFI at 192 bits, doubling. Every decision rests on the sign
 /// of a dyadic polynomial of degree four in the inputs, so an interval of enough bits has zero width: for doubles that
-/// is at most 4·(1024 + 1074) + 64 < 8500 bits. The limit leaves a factor of nearly four; what it does not settle is
-/// `unresolved`.
+/// is at most 4·(1024 + 1074) + 64 < 8500 bits (the tests' worst needed 6144). The last precision tried is 24576, nearly
+/// three times that; what it does not settle is `unresolved`.
 struct TruthLimit {
     int bits = 32768;
 };
@@ -38,7 +38,7 @@ struct TruthLimit {
 Truth find_truth(const Ray<double>& ray, std::span<const Sphere<double>> spheres, TruthLimit limit = {});
 Truth find_truth(const Ray<Real>& ray, std::span<const Sphere<Real>> spheres, TruthLimit limit = {});
 
-/// t* (or the distance) correctly rounded to a format, ties decided exactly: where the certified bound straddles a
+/// t* correctly rounded to a format, ties decided exactly: where the certified bound straddles a
 /// rounding boundary, the sign of the quadratic at the boundary tells the side. For a hit only.
 double round_truth(const Truth& truth, const Ray<double>& ray, const Sphere<double>& sphere, const FloatFormat& format);
 double round_truth(const Truth& truth, const Ray<Real>& ray, const Sphere<Real>& sphere, const FloatFormat& format);

@@ -153,15 +153,11 @@ bool is_rounded(double rounded, const std::function<int(const Dyadic&)>& side, c
 }
 
 std::string paste(const Ray<double>& ray, const Sphere<double>& sphere) {
-    const auto vec = [](const Vec<double>& v) {
-        char text[128];
-        std::snprintf(text, sizeof text, "{%a, %a, %a}", v.x, v.y, v.z);
-        return std::string(text);
-    };
-    char radius[40];
-    std::snprintf(radius, sizeof radius, "%a", sphere.radius);
-    return "Ray<double> ray{" + vec(ray.origin) + ", " + vec(ray.direction) + "}; Sphere<double> sphere{" + vec(sphere.centre) +
-           ", " + radius + "};";
+    const Vec<double>&o = ray.origin, &d = ray.direction, &c = sphere.centre;
+    char text[512];
+    std::snprintf(text, sizeof text, "Ray<double> ray{{%a, %a, %a}, {%a, %a, %a}}; Sphere<double> sphere{{%a, %a, %a}, %a};", o.x, o.y, o.z, d.x,
+                  d.y, d.z, c.x, c.y, c.z, sphere.radius);
+    return text;
 }
 
 }  // namespace lostbits::testing

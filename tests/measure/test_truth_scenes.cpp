@@ -150,13 +150,13 @@ TEST_CASE("truth agrees with exact integers on 256-bit inputs") {
     for (int i = 0; i < 20'000; ++i) {
         const RaySample s = families[rng.index(9)](rng, binary64);
         // One factor for all lengths: exact contacts become contacts to 256 bits, which only 512 can settle.
-        const Real factor = rng.coin() ? Real(1) / static_cast<int>(rng.integer(3, 1000)) : Real(1);
-        const Real stretch = rng.coin() ? Real(1) / static_cast<int>(rng.integer(3, 1000)) : Real(1);
+        const int over = rng.coin() ? 3 + rng.index(1000) : 1, under = rng.coin() ? 3 + rng.index(1000) : 1;
+        const Real factor = Real(1) / over, stretch = Real(1) / under;
         const Ray<Real> ray{lifted(s.ray.origin, factor), lifted(s.ray.direction, stretch)};
         const Sphere<Real> sphere{lifted(s.sphere.centre, factor), lifted(s.sphere.radius, factor)};
         const Truth t = find_truth(ray, std::span(&sphere, 1));
         const ExactHit exact(ray, sphere);
-        INFO(i << ": " << paste(s.ray, s.sphere) << " times " << factor << " and " << stretch);
+        INFO(i << ": " << paste(s.ray, s.sphere) << " lengths over " << over << ", direction over " << under);
         if (t.decision == Truth::Decision::unresolved || t.is_hit() != exact.hit()) FAIL("decides otherwise");
         escalated += t.bits > 106;
         beyond += t.bits > 384;
