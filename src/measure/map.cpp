@@ -62,7 +62,7 @@ private:
         if (!(size > summary.worst.size)) return;
         const int x = static_cast<int>(i % static_cast<std::size_t>(result_.width));
         const int y = result_.y0 + static_cast<int>(i / static_cast<std::size_t>(result_.width));
-        summary.worst = {x, y, result_.answers->object[i], size, *sample.ray, *sample.sphere, sample.t};
+        summary.worst = {x, y, result_.answers->object[i], size, result_.inputs->rays[i], *sample.sphere, sample.t};
     }
 
     const MapRequest& request_;

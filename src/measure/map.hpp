@@ -25,7 +25,7 @@ struct WorstRay {
     int x = -1, y = -1;
     int object = -1;  ///< the sphere that the form hit
     double size = -1;  ///< |ulp_error|
-    Ray<double> ray{};  ///< as the form received it
+    Ray<double> ray{};  ///< in the format; a unit-direction form gets the direction normalised, so its t is a distance
     Sphere<double> sphere{};
     double t = 0;
 };

@@ -77,7 +77,7 @@ std::vector<Column> summary_columns(const MapRequest& request) {
     columns.push_back({"worst_y", "integer", "pixel", "row of the same"});
     columns.push_back({"worst_object", "integer", "", "sphere that the form hit there, from 0"});
     for (const HexPart& p : worst_parts) {
-        columns.push_back({p.name, "string", "", "the worst ray as the form received it and answered, exactly, as a C hexadecimal float"});
+        columns.push_back({p.name, "string", "", "the worst ray in the format (before any normalisation) and the form's answer, exactly, as a C hexadecimal float"});
     }
     return columns;
 }

@@ -9,7 +9,8 @@ namespace lostbits::test {
 
 /// Taking a form's address over the archetype compiles its body.
 template <class... Form>
-std::array<Hit<Archetype> (*)(const Ray<Archetype>&, const Sphere<Archetype>&), sizeof...(Form)> instantiate(FormList<Form...>) {
+std::array<Hit<Archetype> (*)(const Ray<Archetype>&, const Sphere<Archetype>&), sizeof...(Form)> instantiate(
+    FormList<Form...>) {
     return {&Form::template intersect<Archetype>...};
 }
 

@@ -6,9 +6,26 @@
 
 namespace lostbits::test {
 
-enum class Setup { near, far, inside, behind, beside, almost_tangent, just_above_huge, just_below_huge, away_from_world };
-inline constexpr Setup every_setup[] = {Setup::near,           Setup::far,             Setup::inside,          Setup::behind,         Setup::beside,
-                                        Setup::almost_tangent, Setup::just_above_huge, Setup::just_below_huge, Setup::away_from_world};
+enum class Setup {
+    near,
+    far,
+    inside,
+    behind,
+    beside,
+    almost_tangent,
+    just_above_huge,
+    just_below_huge,
+    away_from_world
+};
+inline constexpr Setup every_setup[] = {Setup::near,
+                                        Setup::far,
+                                        Setup::inside,
+                                        Setup::behind,
+                                        Setup::beside,
+                                        Setup::almost_tangent,
+                                        Setup::just_above_huge,
+                                        Setup::just_below_huge,
+                                        Setup::away_from_world};
 
 inline std::array<double, 3> draw_unit(Random& random) {
     for (;;) {
@@ -23,12 +40,15 @@ inline std::array<double, 3> draw_unit(Random& random) {
 /// Every number has at most 53 bits, except an almost tangent radius, which lies 2^-30 to 2^-60 beside the tangent one.
 inline Case draw_case(Random& random, Setup setup) {
     const bool huge = setup == Setup::just_above_huge || setup == Setup::just_below_huge;
-    const double radius = huge ? std::ldexp(1 + random.unit(), static_cast<int>(random.between(20, 60))) : 0.25 + 4 * random.unit();
+    const double radius =
+        huge ? std::ldexp(1 + random.unit(), static_cast<int>(random.between(20, 60))) : 0.25 + 4 * random.unit();
     double distance = radius * (1.01 + 9 * random.unit());
     if (setup == Setup::far) distance = radius * 1e6 * (1 + random.unit());
     if (setup == Setup::inside) distance = radius * 0.99 * random.unit();
-    if (setup == Setup::just_above_huge) distance = radius * (1 + std::ldexp(1 + random.unit(), -static_cast<int>(random.between(8, 50))));
-    if (setup == Setup::just_below_huge) distance = radius * (1 - std::ldexp(1 + random.unit(), -static_cast<int>(random.between(8, 50))));
+    if (setup == Setup::just_above_huge)
+        distance = radius * (1 + std::ldexp(1 + random.unit(), -static_cast<int>(random.between(8, 50))));
+    if (setup == Setup::just_below_huge)
+        distance = radius * (1 - std::ldexp(1 + random.unit(), -static_cast<int>(random.between(8, 50))));
 
     const auto centre = draw_unit(random), side = draw_unit(random);
     auto towards = draw_unit(random);
@@ -37,7 +57,8 @@ inline Case draw_case(Random& random, Setup setup) {
     double off = setup == Setup::beside ? 1.5 + random.unit() : 1.1 * random.unit();
     if (setup == Setup::almost_tangent) off = 1;
     const double look = setup == Setup::behind || (setup == Setup::inside && random.one_in(2)) ? -1 : 1;
-    const double scale = std::ldexp(1 + random.unit(), random.one_in(2) ? 0 : static_cast<int>(random.between(-60, 60)));
+    const double scale =
+        std::ldexp(1 + random.unit(), random.one_in(2) ? 0 : static_cast<int>(random.between(-60, 60)));
 
     Case x;
     x.radius = radius;
@@ -54,8 +75,10 @@ inline Case draw_case(Random& random, Setup setup) {
         x.direction[i] = scale * d[i] / longest;
     }
     if (setup == Setup::almost_tangent) {
-        const Rational one(1), beside(1, boost::multiprecision::mpz_int(1) << static_cast<unsigned>(random.between(30, 60)));
-        x.radius = rational_from(BasicReal<140>(sqrt(real_from<Precise>(line_distance_squared(x))))) * (random.one_in(2) ? one + beside : one - beside);
+        const Rational one(1),
+            beside(1, boost::multiprecision::mpz_int(1) << static_cast<unsigned>(random.between(30, 60)));
+        x.radius = rational_from(BasicReal<140>(sqrt(real_from<Precise>(line_distance_squared(x))))) *
+                   (random.one_in(2) ? one + beside : one - beside);
     }
     return x;
 }

@@ -38,7 +38,8 @@ Rational rational_from(const T& x) {
 
 template <class T, class Lift>
 Ray<T> lift_ray(const Case& x, Lift lift) {
-    return {Vec<T>(lift(x.origin[0]), lift(x.origin[1]), lift(x.origin[2])), Vec<T>(lift(x.direction[0]), lift(x.direction[1]), lift(x.direction[2]))};
+    return {Vec<T>(lift(x.origin[0]), lift(x.origin[1]), lift(x.origin[2])),
+            Vec<T>(lift(x.direction[0]), lift(x.direction[1]), lift(x.direction[2]))};
 }
 
 template <class T, class Lift>
@@ -59,7 +60,9 @@ struct Solution {
     [[nodiscard]] bool is_generic() const { return discriminant != 0 && height != 0; }
 };
 
-inline Rational dot(const std::array<Rational, 3>& u, const std::array<Rational, 3>& v) { return u[0] * v[0] + u[1] * v[1] + u[2] * v[2]; }
+inline Rational dot(const std::array<Rational, 3>& u, const std::array<Rational, 3>& v) {
+    return u[0] * v[0] + u[1] * v[1] + u[2] * v[2];
+}
 
 inline std::array<Rational, 3> to_centre(const Case& x) {
     return {x.centre[0] - x.origin[0], x.centre[1] - x.origin[1], x.centre[2] - x.origin[2]};
@@ -69,7 +72,8 @@ inline std::array<Rational, 3> to_centre(const Case& x) {
 inline Rational line_distance_squared(const Case& x) {
     const auto g = to_centre(x);
     const auto& d = x.direction;
-    const std::array<Rational, 3> moment{g[1] * d[2] - g[2] * d[1], g[2] * d[0] - g[0] * d[2], g[0] * d[1] - g[1] * d[0]};
+    const std::array<Rational, 3> moment{g[1] * d[2] - g[2] * d[1], g[2] * d[0] - g[0] * d[2],
+                                         g[0] * d[1] - g[1] * d[0]};
     return dot(moment, moment) / dot(d, d);
 }
 
@@ -77,9 +81,11 @@ inline Solution solve(const Case& x) {
     const auto g = to_centre(x);
     const Rational a = dot(x.direction, x.direction), projection = dot(g, x.direction), r2 = x.radius * x.radius;
     const Rational half_chord_squared = (r2 - line_distance_squared(x)) / a;  // in units of t²
-    Solution s{half_chord_squared.sign(), Rational(dot(g, g) - r2).sign(), projection.sign(), 0, 0, sqrt(real_from<Precise>(a))};
+    Solution s{half_chord_squared.sign(),  Rational(dot(g, g) - r2).sign(), projection.sign(), 0, 0,
+               sqrt(real_from<Precise>(a))};
     if (s.discriminant < 0) return s;
-    const Precise middle = real_from<Precise>(Rational(projection / a)), half_chord = sqrt(real_from<Precise>(half_chord_squared));
+    const Precise middle = real_from<Precise>(Rational(projection / a)),
+                  half_chord = sqrt(real_from<Precise>(half_chord_squared));
     s.near = middle - half_chord;
     s.far = middle + half_chord;
     return s;

@@ -40,9 +40,9 @@ Sample<T> draw(Random& random, int kind, bool unit) {
     Vec<T> towards{in(), in(), in()}, side{in(), in(), in()}, centre{in(), in(), in()};
     T away = T(3 + 4 * random.unit()), off = T(1.3 * random.unit());
     if (kind == 1) away = T(1e5);
-    if (kind == 2) off = 1 + scaled(in(), sizeof(T) == 4 ? -18 : -46);              // grazing
+    if (kind == 2) off = 1 + scaled(in(), sizeof(T) == 4 ? -18 : -46);               // grazing
     if (kind == 3) radius = scaled(radius, 20), away = T(1 + random.unit() / 4096);  // huge, the eye just above
-    if (kind == 4) away = T(random.unit() / 2);                                     // inside
+    if (kind == 4) away = T(random.unit() / 2);                                      // inside
     const auto normalised = [](const Vec<T>& v) {
         const T length = lostbits::sqrt(dot(v, v));
         return Vec<T>(v.x / length, v.y / length, v.z / length);
@@ -52,11 +52,13 @@ Sample<T> draw(Random& random, int kind, bool unit) {
     const T reach = radius * away, aim = radius * off;
     const T lever = away > off ? aim / lostbits::sqrt(1 - (off / away) * (off / away)) : aim;
     const Vec<T> origin(centre.x - reach * axis.x, centre.y - reach * axis.y, centre.z - reach * axis.z);
-    Vec<T> direction(axis.x * reach + beside.x * lever, axis.y * reach + beside.y * lever, axis.z * reach + beside.z * lever);
+    Vec<T> direction(axis.x * reach + beside.x * lever, axis.y * reach + beside.y * lever,
+                     axis.z * reach + beside.z * lever);
     if (random.one_in(8)) direction = Vec<T>(-direction.x, -direction.y, -direction.z);
     int shift = 0, turn = 0;
-    if (kind == 5) shift = -span + static_cast<int>(random.between(-span / 2, 0)), turn = -shift / 2;  // towards underflow
-    if (kind == 6) shift = span + static_cast<int>(random.between(0, span)), turn = -shift / 2;        // towards overflow
+    if (kind == 5)
+        shift = -span + static_cast<int>(random.between(-span / 2, 0)), turn = -shift / 2;       // towards underflow
+    if (kind == 6) shift = span + static_cast<int>(random.between(0, span)), turn = -shift / 2;  // towards overflow
     if (kind == 7) turn = static_cast<int>(random.between(-span, span));
     if (unit) {
         direction = normalised(direction);
@@ -68,7 +70,7 @@ Sample<T> draw(Random& random, int kind, bool unit) {
 
 template <class Form, class T>
 void print(const char* type) {
-    constexpr int rays = 200000;
+    constexpr int rays = 120000;
     Checksum sum;
     Random random(2024);
     long hits = 0, undefined = 0;
@@ -82,7 +84,8 @@ void print(const char* type) {
         hits += h.hit;
         undefined += h.t != h.t;
     }
-    std::printf("%s %s %016llx hits %ld nan %ld of %d\n", Form::info.name.data(), type, static_cast<unsigned long long>(sum.state), hits, undefined, rays);
+    std::printf("%s %s %016llx hits %ld nan %ld of %d\n", Form::info.name.data(), type,
+                static_cast<unsigned long long>(sum.state), hits, undefined, rays);
 }
 
 }  // namespace

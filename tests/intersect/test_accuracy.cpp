@@ -29,7 +29,8 @@ Means mean_errors(Setup setup, int precision) {
             const Precise& want = e.first_is_far ? s.far : s.near;
             const double got = static_cast<double>(h.t);
             if (!h.hit || !std::isfinite(got)) continue;
-            sum += Precise(abs(Precise(got) - want) / abs(want)).template convert_to<double>() * std::ldexp(1.0, precision);
+            sum += Precise(abs(Precise(got) - want) / abs(want)).template convert_to<double>() *
+                   std::ldexp(1.0, precision);
             ++hits;
         }
         if (hits > 50) means[Form::info.name] = sum / hits;  // at 10⁶ radii some forms see next to nothing in float

@@ -56,20 +56,31 @@ std::vector<Scene<S>> scenes() {
     Random random(sizeof(S));
     for (const Setup setup : every_setup)
         for (int i = 0; i < 6; ++i) {
-            const Case x = as_stored<S>(draw_case(random, setup), random.one_in(2) ? Direction::unit : Direction::any);
+            const Case x =
+                as_stored<S>(draw_case(random, setup), random.one_in(2) ? Direction::unit : Direction::any);
             const auto narrow = [](const Rational& q) { return static_cast<S>(as_double(q)); };
             Scene<S> scene{lift_sphere<S>(x, narrow), {}};
             // Some scenes move towards underflow or overflow whole; in others scene and direction move apart, so that t does.
             const int middle = format_of<S>.emax / 2, mode = static_cast<int>(random.between(0, 6));
             const int wobble = static_cast<int>(random.between(-4, 4));
-            const int shift = mode == 0 ? static_cast<int>(random.between(-2 * middle, middle)) : mode == 1 ? wobble - middle - 3 : mode == 2 ? middle + wobble : 0;
+            const int shift = mode == 0   ? static_cast<int>(random.between(-2 * middle, middle))
+                              : mode == 1 ? wobble - middle - 3
+                              : mode == 2 ? middle + wobble
+                                          : 0;
             const int turn = mode == 1 ? middle - 2 : mode == 2 ? 3 - middle : 0;
             const auto move = [shift](S v) { return std::ldexp(v, shift); };
-            scene.sphere = {Vec<S>(move(scene.sphere.centre.x), move(scene.sphere.centre.y), move(scene.sphere.centre.z)), move(scene.sphere.radius)};
+            scene.sphere = {
+                Vec<S>(move(scene.sphere.centre.x), move(scene.sphere.centre.y), move(scene.sphere.centre.z)),
+                move(scene.sphere.radius)};
             for (int k = 0; k < 60; ++k) {
-                const Case y = as_stored<S>(draw_case(random, setup), random.one_in(2) ? Direction::unit : Direction::any);
+                const Case y =
+                    as_stored<S>(draw_case(random, setup), random.one_in(2) ? Direction::unit : Direction::any);
                 const Ray<S> r = lift_ray<S>(k % 8 == 7 ? y : x, narrow);
-                std::array<S, 6> ray{move(r.origin.x), move(r.origin.y), move(r.origin.z), std::ldexp(r.direction.x, turn), std::ldexp(r.direction.y, turn),
+                std::array<S, 6> ray{move(r.origin.x),
+                                     move(r.origin.y),
+                                     move(r.origin.z),
+                                     std::ldexp(r.direction.x, turn),
+                                     std::ldexp(r.direction.y, turn),
                                      std::ldexp(r.direction.z, turn)};
                 for (S& v : ray) v = k % 4 == 0 ? v : static_cast<S>(v * (1 + random.unit() / 8));
                 if (random.one_in(10)) ray[static_cast<std::size_t>(random.between(0, 5))] = draw_any<S>(random);
@@ -79,7 +90,8 @@ std::vector<Scene<S>> scenes() {
             all.push_back(std::move(scene));
         }
     for (int i = 0; i < 30; ++i) {  // no picture at all: any number anywhere
-        Scene<S> scene{{Vec<S>(draw_any<S>(random), draw_any<S>(random), draw_any<S>(random)), draw_any<S>(random)}, {}};
+        Scene<S> scene{{Vec<S>(draw_any<S>(random), draw_any<S>(random), draw_any<S>(random)), draw_any<S>(random)},
+                       {}};
         for (int k = 0; k < 60; ++k) {
             std::array<S, 6> ray;
             for (S& v : ray) v = draw_any<S>(random);
@@ -105,13 +117,15 @@ struct Tally {
 
 template <class S>
 bool same_hit(const Hit<S>& want, std::uint8_t hit, double t, double near, double far) {
-    return hit == (want.hit ? 1 : 0) && same_number(want.t, t) && same_number(want.near, near) && same_number(want.far, far);
+    return hit == (want.hit ? 1 : 0) && same_number(want.t, t) && same_number(want.near, near) &&
+           same_number(want.far, far);
 }
 
 template <class Form, class T, class S>
 Hit<S> through(const Ray<S>& r, const Sphere<S>& s) {
     const auto vec = [](const Vec<S>& v) { return Vec<T>(T(double(v.x)), T(double(v.y)), T(double(v.z))); };
-    const Hit<T> h = Form::intersect(Ray<T>{vec(r.origin), vec(r.direction)}, Sphere<T>{vec(s.centre), T(double(s.radius))});
+    const Hit<T> h =
+        Form::intersect(Ray<T>{vec(r.origin), vec(r.direction)}, Sphere<T>{vec(s.centre), T(double(s.radius))});
     const auto back = [](T x) { return static_cast<S>(x.value()); };  // exact: x is a number of S
     return {h.hit, back(h.t), back(h.near), back(h.far)};
 }
@@ -146,7 +160,9 @@ void compare_rows() {
             }
             native_of<S>(row)(batch.rays(), scene.sphere, batch.hits());
             if (row.rounded) {
-                const Sphere<double> sphere{Vec<double>(scene.sphere.centre.x, scene.sphere.centre.y, scene.sphere.centre.z), scene.sphere.radius};
+                const Sphere<double> sphere{
+                    Vec<double>(scene.sphere.centre.x, scene.sphere.centre.y, scene.sphere.centre.z),
+                    scene.sphere.radius};
                 row.rounded(f, lifted.rays(), sphere, lifted.hits());
             }
             for (std::size_t k = 0; k < batch.hit.size(); ++k) {
@@ -177,17 +193,22 @@ void compare_rows() {
 
 }  // namespace
 
-TEST_CASE("binary32: the row, the form, Rounded<24> and RoundedAny are the same bits", "[intersect][bits]") { compare_rows<float>(); }
+TEST_CASE("binary32: the row, the form, Rounded<24> and RoundedAny are the same bits", "[intersect][bits]") {
+    compare_rows<float>();
+}
 
-TEST_CASE("binary64: the row, the form, Rounded<53> and RoundedAny are the same bits", "[intersect][bits]") { compare_rows<double>(); }
+TEST_CASE("binary64: the row, the form, Rounded<53> and RoundedAny are the same bits", "[intersect][bits]") {
+    compare_rows<double>();
+}
 
 TEST_CASE("a narrower row rounds its inputs on the way in", "[intersect][bits]") {
     const Intersector& row = sphere_intersectors()[0];
     Batch<double> batch;
     batch.add({0.1, 0, -5, 0, 0, 1});
     row.rounded(binary16, batch.rays(), Sphere<double>{Vec<double>(0, 0, 0), 1.0}, batch.hits());
-    const Hit<Half> want = sphere::Schoolbook::intersect(Ray<Half>{Vec<Half>(Half(0.1), Half(0), Half(-5)), Vec<Half>(Half(0), Half(0), Half(1))},
-                                                         Sphere<Half>{Vec<Half>(Half(0), Half(0), Half(0)), Half(1)});
+    const Hit<Half> want = sphere::Schoolbook::intersect(
+        Ray<Half>{Vec<Half>(Half(0.1), Half(0), Half(-5)), Vec<Half>(Half(0), Half(0), Half(1))},
+        Sphere<Half>{Vec<Half>(Half(0), Half(0), Half(0)), Half(1)});
     CHECK(batch.hit[0] == 1);
     CHECK(batch.t[0] == want.t.value());
     CHECK(Half(batch.t[0]).value() == batch.t[0]);

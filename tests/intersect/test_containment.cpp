@@ -36,7 +36,8 @@ bool contains(const Ball& x, const Wide& v) {
     const mpfr_srcptr p = v.backend().data();
     if (mpfr_nan_p(p) != 0) return x.undefined() != Undefined::never;
     if (mpfr_inf_p(p) != 0) return !x.is_bounded();
-    return x.undefined() != Undefined::always && abs(v - Wide(x.hi()) - Wide(x.lo())) <= Wide(x.radius()) + (abs(v) + 1) * slack;
+    return x.undefined() != Undefined::always &&
+           abs(v - Wide(x.hi()) - Wide(x.lo())) <= Wide(x.radius()) + (abs(v) + 1) * slack;
 }
 
 struct Tally {
@@ -88,7 +89,8 @@ TEST_CASE("enclosures of every form contain what the form gives unrounded", "[in
         for (int i = 0; i < 60; ++i) {
             const Case x = draw_case(random, setup);
             std::size_t form = 0;
-            SphereForms::for_each([&]<class Form>() { enclose<Form>(as_stored<double>(x, Form::info.direction), tallies[form++]); });
+            SphereForms::for_each(
+                [&]<class Form>() { enclose<Form>(as_stored<double>(x, Form::info.direction), tallies[form++]); });
             ++rays;
         }
     }

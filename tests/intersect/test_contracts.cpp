@@ -38,13 +38,15 @@ TEST_CASE("the table shows every form in the catalogue's order", "[intersect][in
         CHECK((row.native64 != nullptr) == everywhere);
         CHECK((row.rounded != nullptr) == everywhere);
         CHECK(row.exists_in(*find_format("f32")));
-        for (const char* format : {"f64", "fp16", "bf16", "tf32", "p24", "p53"}) CHECK(row.exists_in(*find_format(format)) == everywhere);
+        for (const char* format : {"f64", "fp16", "bf16", "tf32", "p24", "p53"})
+            CHECK(row.exists_in(*find_format(format)) == everywhere);
     });
 }
 
 TEST_CASE("the seeds' forms come first and have the contracts of their words", "[intersect][info]") {
-    const char* first[] = {"sphere.schoolbook", "sphere.schoolbook_strict", "sphere.expanded",      "sphere.unit_half_b", "sphere.hearn_baker",
-                           "sphere.press",      "sphere.unified",           "sphere.unified_unit", "sphere.early_exit"};
+    const char* first[] = {"sphere.schoolbook",  "sphere.schoolbook_strict", "sphere.expanded",
+                           "sphere.unit_half_b", "sphere.hearn_baker",       "sphere.press",
+                           "sphere.unified",     "sphere.unified_unit",      "sphere.early_exit"};
     const auto rows = sphere_intersectors();
     for (std::size_t i = 0; i < std::size(first); ++i) CHECK(rows[i].info->name == first[i]);
 
@@ -57,11 +59,14 @@ TEST_CASE("the seeds' forms come first and have the contracts of their words", "
     using Names = std::set<std::string_view>;
     CHECK(names_where([](const Info& f) { return f.direction == Direction::unit; }) ==
           Names{"sphere.unit_half_b", "sphere.unified_unit", "sphere.pythagoras"});
-    CHECK(names_where([](const Info& f) { return f.roots == Roots::near_only; }) == Names{"sphere.unit_half_b", "sphere.expanded"});
+    CHECK(names_where([](const Info& f) { return f.roots == Roots::near_only; }) ==
+          Names{"sphere.unit_half_b", "sphere.expanded"});
     CHECK(names_where([](const Info& f) { return f.roots == Roots::first_only; }) == Names{"sphere.early_exit"});
-    CHECK(names_where([](const Info& f) { return f.touching == Touching::miss; }) == Names{"sphere.schoolbook_strict", "sphere.two_step"});
+    CHECK(names_where([](const Info& f) { return f.touching == Touching::miss; }) ==
+          Names{"sphere.schoolbook_strict", "sphere.two_step"});
     CHECK(names_where([](const Info& f) { return f.at_origin == AtOrigin::miss; }) == Names{"sphere.pbrt_interval"});
-    CHECK(names_where([](const Info& f) { return f.formats == Formats::binary32_only; }) == Names{"sphere.double_inside"});
+    CHECK(names_where([](const Info& f) { return f.formats == Formats::binary32_only; }) ==
+          Names{"sphere.double_inside"});
 }
 
 }  // namespace lostbits::test

@@ -46,10 +46,12 @@ void ask(const Case& x, const Solution& s, Tally& tally) {
     tally.hits += e.hit;
     tally.from_far += e.hit && e.first_is_far;
     if (!good && tally.wrong++ == 0)
-        UNSCOPED_INFO(Form::info.name << ": hit " << hit.hit << " for " << e.hit << ", t " << hit.t.template convert_to<double>() << " for "
-                                      << first.template convert_to<double>() << ", near " << hit.near.template convert_to<double>() << " for "
-                                      << near.template convert_to<double>() << ", far " << hit.far.template convert_to<double>() << " for "
-                                      << far.template convert_to<double>());
+        UNSCOPED_INFO(
+            Form::info.name << ": hit " << hit.hit << " for " << e.hit << ", t "
+                            << hit.t.template convert_to<double>() << " for " << first.template convert_to<double>()
+                            << ", near " << hit.near.template convert_to<double>() << " for "
+                            << near.template convert_to<double>() << ", far " << hit.far.template convert_to<double>()
+                            << " for " << far.template convert_to<double>());
 }
 
 }  // namespace
@@ -71,7 +73,8 @@ TEST_CASE("every form solves the problem when nothing is rounded", "[intersect][
     std::size_t form = 0;
     SphereForms::for_each([&]<class Form>() {
         const Tally& t = tallies[form++];
-        INFO(Form::info.name << ": asked " << t.asked << ", hits " << t.hits << ", of them the far root " << t.from_far);
+        INFO(Form::info.name << ": asked " << t.asked << ", hits " << t.hits << ", of them the far root "
+                             << t.from_far);
         CHECK(t.wrong == 0);
         CHECK(t.hits > t.asked / 3);
         CHECK(t.hits < t.asked);

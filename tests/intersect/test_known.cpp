@@ -11,7 +11,7 @@ struct Known {
     const char* what;
     std::array<double, 3> origin, direction, centre;
     double radius;
-    double near, far;       // line parameters, worked out by hand
+    double near, far;  // line parameters, worked out by hand
     enum { crosses, touches, passes } line;
 };
 
@@ -44,7 +44,8 @@ const Known known[] = {
 template <class Form, class T>
 void ask(const Known& k, double slack, const char* number) {
     const Info& info = Form::info;
-    const double length2 = k.direction[0] * k.direction[0] + k.direction[1] * k.direction[1] + k.direction[2] * k.direction[2];
+    const double length2 =
+        k.direction[0] * k.direction[0] + k.direction[1] * k.direction[1] + k.direction[2] * k.direction[2];
     if (info.direction == Direction::unit && length2 != 1) return;
     const bool inside = k.line == Known::crosses && k.near < 0 && k.far > 0;
     if (info.roots == Roots::near_only && inside) return;
@@ -66,7 +67,8 @@ void ask(const Known& k, double slack, const char* number) {
         else return x.value();
     };
     const double t = value(h.t), near = value(h.near), far = value(h.far);
-    INFO(info.name << " in " << number << ", " << k.what << ": hit " << h.hit << " t " << t << " near " << near << " far " << far);
+    INFO(info.name << " in " << number << ", " << k.what << ": hit " << h.hit << " t " << t << " near " << near
+                   << " far " << far);
     if (touches && info.name == "sphere.closest_approach") {
         CHECK(std::isnan(t));
         return;
@@ -89,8 +91,11 @@ void ask_every_form(double ulps, int precision, const char* number) {
         if constexpr (Form::info.formats == Formats::all || std::same_as<T, float>)
             for (const Known& k : known) {
                 // A form that takes the root of |f|² or moves bounds outward may be off by a few units; all others are exact.
-                const bool exact = Form::info.name != "sphere.pbrt_interval" && Form::info.name != "sphere.factored_c";
-                ask<Form, T>(k, exact ? 0 : ulps * std::ldexp(std::fmax(std::fabs(k.near), std::fabs(k.far)), 1 - precision), number);
+                const bool exact =
+                    Form::info.name != "sphere.pbrt_interval" && Form::info.name != "sphere.factored_c";
+                ask<Form, T>(
+                    k, exact ? 0 : ulps * std::ldexp(std::fmax(std::fabs(k.near), std::fabs(k.far)), 1 - precision),
+                    number);
             }
     });
 }
@@ -108,7 +113,9 @@ TEST_CASE("the sign of a zero b' does not turn the roots", "[intersect][known]")
         if (Form::info.roots == Roots::near_only) return;
         INFO(Form::info.name);
         const Sphere<float> sphere{Vec<float>(0, 0, 0), 5};
-        const auto shoot = [&](float x, float y, float dy, float dz) { return Form::intersect(Ray<float>{Vec<float>(x, y, 0), Vec<float>(0, dy, dz)}, sphere); };
+        const auto shoot = [&](float x, float y, float dy, float dz) {
+            return Form::intersect(Ray<float>{Vec<float>(x, y, 0), Vec<float>(0, dy, dz)}, sphere);
+        };
         for (const float zero : {0.0f, -0.0f})
             for (const float side : {3.0f, -3.0f}) {
                 const Hit<float> h = shoot(side, zero, zero, 1);

@@ -62,22 +62,34 @@ inline std::array<double, 3> draw_operands(Random& random, const FloatFormat& f,
     Mpfr m(draw_significand(random, f.precision), 130), t(260);
     mpfr_mul_ui(m, m, 2, MPFR_RNDN);
     mpfr_add_ui(m, m, 1, MPFR_RNDN);
-    mpfr_mul_2si(m, m, random.one_in(3) ? f.emin - f.precision - random.between(0, 2) : random.between(-f.precision - 6, 6), MPFR_RNDN);
+    mpfr_mul_2si(m, m,
+                 random.one_in(3) ? f.emin - f.precision - random.between(0, 2) : random.between(-f.precision - 6, 6),
+                 MPFR_RNDN);
     switch (op) {
         case Op::add:
         case Op::subtract:
             if (random.one_in(2)) {  // cancellation down to the last places
-                b = nearest(Mpfr((op == Op::add ? -a : a) * (1 + static_cast<double>(random.between(-3, 3)) * std::ldexp(1.0, -f.precision)), 53), f);
+                b = nearest(Mpfr((op == Op::add ? -a : a) *
+                                     (1 + static_cast<double>(random.between(-3, 3)) * std::ldexp(1.0, -f.precision)),
+                                 53),
+                            f);
             } else {  // b at or near half the last place of a
                 const double tail = std::ldexp(a, -f.precision + static_cast<int>(random.between(-1, 1)));
-                b = random.sign() * nearest(Mpfr(tail * (1 + static_cast<double>(random.between(-1, 1)) * std::ldexp(1.0, -f.precision)), 53), f);
+                b = random.sign() *
+                    nearest(
+                        Mpfr(tail * (1 + static_cast<double>(random.between(-1, 1)) * std::ldexp(1.0, -f.precision)),
+                             53),
+                        f);
             }
             break;
         case Op::multiply:
             if (random.one_in(2)) {  // few bits times few bits: exact midpoints are common
                 const int i = static_cast<int>(random.between(1, f.precision));
                 a = nearest(Mpfr(draw_significand(random, i), 53), f);
-                b = nearest(Mpfr(std::ldexp(draw_significand(random, f.precision + 1 - i), static_cast<int>(random.between(-9, 0))), 53), f);
+                b = nearest(Mpfr(std::ldexp(draw_significand(random, f.precision + 1 - i),
+                                            static_cast<int>(random.between(-9, 0))),
+                                 53),
+                            f);
             } else {
                 mpfr_div_d(t, m, a, MPFR_RNDN);
                 b = nearest(t, f);

@@ -27,7 +27,9 @@ struct Kind;
 // --- floating-point formats: the result is the exact one, rounded once --------------------------------------------
 
 template <class T>
-concept InFormat = std::same_as<T, float> || std::same_as<T, double> || requires { T::format(); };
+concept InFormat = std::same_as<T, float> || std::same_as<T, double> || requires {
+    T::format();
+};
 
 template <InFormat T>
 struct Kind<T> {
@@ -51,7 +53,9 @@ struct Kind<T> {
         explicit Setting(Random& random) {
             if constexpr (std::same_as<T, RoundedAny>) {
                 const int p = static_cast<int>(random.between(2, 53)), wide = static_cast<int>(random.between(0, 2));
-                scope.emplace(wide == 0 ? FloatFormat{p, -1022, 1023} : wide == 1 ? FloatFormat{p, -126, 127} : FloatFormat{p, -14, 15});
+                scope.emplace(wide == 0   ? FloatFormat{p, -1022, 1023}
+                              : wide == 1 ? FloatFormat{p, -126, 127}
+                                          : FloatFormat{p, -14, 15});
             }
         }
         std::optional<CurrentFormat::Scope> scope;
@@ -67,20 +71,23 @@ struct Kind<T> {
     }
     static std::string text(const T& x) {
         const FloatFormat f = format();
-        return Mpfr(value(x), 53).text() + " in p" + std::to_string(f.precision) + " [" + std::to_string(f.emin) + ", " + std::to_string(f.emax) + "]";
+        return Mpfr(value(x), 53).text() + " in p" + std::to_string(f.precision) + " [" + std::to_string(f.emin) +
+               ", " + std::to_string(f.emax) + "]";
     }
 };
 
 // --- enclosures: whatever the operands stand for, the exact result is inside --------------------------------------
 
 /// [lower, upper] ∋ the exact result of the operation on the points.
-inline bool holds_result(Op op, const std::array<const Mpfr*, 3>& x, const Mpfr& lower, const Mpfr& upper, Undefined undefined) {
+inline bool holds_result(Op op, const std::array<const Mpfr*, 3>& x, const Mpfr& lower, const Mpfr& upper,
+                         Undefined undefined) {
     constexpr long wide = 3000;  // enough for sums across the whole range of double to be exact
     Mpfr down(wide), up(wide);
     evaluate(op, down, *x[0], *x[1], *x[2], MPFR_RNDD);
     evaluate(op, up, *x[0], *x[1], *x[2], MPFR_RNDU);
     if (mpfr_nan_p(down) != 0) return undefined != Undefined::never;
-    if (mpfr_inf_p(down) != 0) return undefined != Undefined::never || mpfr_inf_p(lower) != 0 || mpfr_inf_p(upper) != 0;
+    if (mpfr_inf_p(down) != 0)
+        return undefined != Undefined::never || mpfr_inf_p(lower) != 0 || mpfr_inf_p(upper) != 0;
     return undefined != Undefined::always && mpfr_lessequal_p(lower, down) && mpfr_lessequal_p(up, upper);
 }
 
@@ -97,7 +104,8 @@ struct Kind<Ball> {
     }
     /// Contains v, and is no wider than a hundred bits leave it.
     static bool is(const Ball& x, int v) {
-        return x.undefined() == Undefined::never && x.radius() <= 0x1p-95 && mpfr_cmp_si(end(x, -1), v) <= 0 && mpfr_cmp_si(end(x, 1), v) >= 0;
+        return x.undefined() == Undefined::never && x.radius() <= 0x1p-95 && mpfr_cmp_si(end(x, -1), v) <= 0 &&
+               mpfr_cmp_si(end(x, 1), v) >= 0;
     }
     static bool is_undefined(const Ball& x) { return x.undefined() != Undefined::never; }
     struct Setting {
@@ -108,10 +116,14 @@ struct Kind<Ball> {
         if (random.one_in(40)) return {sqrt(Ball(-1)), Mpfr(std::nan(""), 53)};
         if (random.one_in(20)) return {Ball(0), Mpfr(0, 53)};
         const int reach = random.one_in(4) ? 1000 : random.one_in(3) ? 460 : 20;
-        const double hi = random.sign() * std::ldexp(draw_significand(random, 53), static_cast<int>(random.between(-reach, std::min(reach, 960))));
+        const double hi = random.sign() * std::ldexp(draw_significand(random, 53),
+                                                     static_cast<int>(random.between(-reach, std::min(reach, 960))));
         if (random.one_in(3)) return {Ball(hi), Mpfr(hi, 53)};
-        const double lo = random.one_in(2) || std::fabs(hi) < 0x1p-800 ? 0 : hi * 0x1p-54 * (2 * random.unit() - 1) * (1 - 0x1p-50);
-        const double radius = random.one_in(4) ? 0 : std::fabs(hi) * std::ldexp(random.unit(), static_cast<int>(random.between(-110, 2)));
+        const double lo =
+            random.one_in(2) || std::fabs(hi) < 0x1p-800 ? 0 : hi * 0x1p-54 * (2 * random.unit() - 1) * (1 - 0x1p-50);
+        const double radius =
+            random.one_in(4) ? 0
+                             : std::fabs(hi) * std::ldexp(random.unit(), static_cast<int>(random.between(-110, 2)));
         Operand<Ball> x{Ball(hi, lo, radius), Mpfr(radius, 3000)};
         mpfr_mul_si(x.point, x.point, random.between(-4, 4), MPFR_RNDN);  // the ends are the likeliest to fall out
         mpfr_div_ui(x.point, x.point, 4, MPFR_RNDN);
@@ -126,11 +138,12 @@ struct Kind<Ball> {
         return x;
     }
     static bool keeps_promise(Op op, const Ball& result, const std::array<Operand<Ball>, 3>& x) {
-        return holds_result(op, {&x[0].point, &x[1].point, &x[2].point}, end(result, -1), end(result, 1), result.undefined());
+        return holds_result(op, {&x[0].point, &x[1].point, &x[2].point}, end(result, -1), end(result, 1),
+                            result.undefined());
     }
     static std::string text(const Ball& x) {
-        return Mpfr(x.hi(), 53).text() + " + " + Mpfr(x.lo(), 53).text() + " ± " + Mpfr(x.radius(), 53).text() + ", undefined " +
-               std::to_string(static_cast<int>(x.undefined()));
+        return Mpfr(x.hi(), 53).text() + " + " + Mpfr(x.lo(), 53).text() + " ± " + Mpfr(x.radius(), 53).text() +
+               ", undefined " + std::to_string(static_cast<int>(x.undefined()));
     }
 };
 
@@ -151,7 +164,9 @@ struct Kind<Interval> {
         if (random.one_in(20)) return {Interval(0), Mpfr(0, 53)};
         const double a = draw_finite(random, binary64);
         if (random.one_in(4)) return {Interval(a), Mpfr(a, 53)};
-        const double b = random.one_in(4) ? draw_finite(random, binary64) : a * (1 + std::ldexp(random.unit(), -static_cast<int>(random.between(0, 52))));
+        const double b = random.one_in(4)
+                             ? draw_finite(random, binary64)
+                             : a * (1 + std::ldexp(random.unit(), -static_cast<int>(random.between(0, 52))));
         Operand<Interval> x{Interval::between(std::min(a, b), std::max(a, b)), Mpfr(b, 3000)};
         mpfr_sub_d(x.point, x.point, a, MPFR_RNDN);
         mpfr_mul_si(x.point, x.point, random.between(0, 4), MPFR_RNDN);
@@ -174,7 +189,8 @@ struct Kind<Interval> {
     }
     static std::string text(const Interval& x) {
         char buffer[320];
-        mpfr_snprintf(buffer, sizeof buffer, "[%Ra, %Ra], undefined %d", x.lower(), x.upper(), static_cast<int>(x.undefined()));
+        mpfr_snprintf(buffer, sizeof buffer, "[%Ra, %Ra], undefined %d", x.lower(), x.upper(),
+                      static_cast<int>(x.undefined()));
         return buffer;
     }
 };
@@ -204,8 +220,10 @@ struct Kind<Real> {
         const long bits = mpfr_get_prec(got);
         Mpfr want(bits), slack(bits);
         evaluate(op, want, x[0].point, x[1].point, x[2].point, MPFR_RNDN);
-        if (mpfr_nan_p(want) != 0 || mpfr_nan_p(got) != 0) return bits >= 256 && mpfr_nan_p(want) != 0 && mpfr_nan_p(got) != 0;
-        if (op != Op::fused || mpfr_inf_p(want) != 0) return bits >= 256 && mpfr_equal_p(got, want) && mpfr_signbit(got) == mpfr_signbit(want);
+        if (mpfr_nan_p(want) != 0 || mpfr_nan_p(got) != 0)
+            return bits >= 256 && mpfr_nan_p(want) != 0 && mpfr_nan_p(got) != 0;
+        if (op != Op::fused || mpfr_inf_p(want) != 0)
+            return bits >= 256 && mpfr_equal_p(got, want) && mpfr_signbit(got) == mpfr_signbit(want);
         // Boost's fma rounds the product too: off by at most an ulp of the larger term.
         Mpfr error(bits);
         mpfr_mul(slack, x[0].point, x[1].point, MPFR_RNDU);

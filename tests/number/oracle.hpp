@@ -40,8 +40,9 @@ private:
 enum class Op { add, subtract, multiply, divide, root, fused, negate, absolute, copy_sign, minimum, maximum, choose };
 inline constexpr Op every_op[] = {Op::add,    Op::subtract, Op::multiply,  Op::divide,  Op::root,    Op::fused,
                                   Op::negate, Op::absolute, Op::copy_sign, Op::minimum, Op::maximum, Op::choose};
-inline constexpr const char* op_names[] = {"a + b", "a - b", "a * b",          "a / b",     "sqrt(a)",   "fma(a, b, c)",
-                                           "-a",    "abs(a)", "copysign(a, b)", "min(a, b)", "max(a, b)", "select(a < b, b, c)"};
+inline constexpr const char* op_names[] = {"a + b",          "a - b",        "a * b",     "a / b",
+                                           "sqrt(a)",        "fma(a, b, c)", "-a",        "abs(a)",
+                                           "copysign(a, b)", "min(a, b)",    "max(a, b)", "select(a < b, b, c)"};
 
 /// The operation over any number, as formulas write it.
 template <class T>

@@ -49,7 +49,8 @@ TEST_CASE("an interval's ends are the exact result rounded down and up", "[numbe
     for (int i = 0; i < 60000; ++i) {
         const Op op = enclosure_ops[random.between(0, 4)];  // fma rounds twice
         const auto [a, b, c] = draw_operands(random, binary64, op);
-        if (!std::isfinite(a) || !std::isfinite(b) || (op == Op::divide && b == 0) || (op == Op::root && a < 0)) continue;
+        if (!std::isfinite(a) || !std::isfinite(b) || (op == Op::divide && b == 0) || (op == Op::root && a < 0))
+            continue;
         const long precision = random.between(2, 200);
         const Interval x = exactly(a), y = exactly(b);
         const Interval::Precision scope(precision);
@@ -140,7 +141,8 @@ TEST_CASE("a ball of exact operands is as narrow as double-double allows", "[num
     for (int i = 0; i < 60000; ++i) {
         const Op op = enclosure_ops[random.between(0, 4)];
         double a = std::ldexp(draw_significand(random, 53), static_cast<int>(random.between(-300, 200)));
-        const double b = random.sign() * std::ldexp(draw_significand(random, 53), static_cast<int>(random.between(-300, 200)));
+        const double b =
+            random.sign() * std::ldexp(draw_significand(random, 53), static_cast<int>(random.between(-300, 200)));
         if (op == Op::subtract && random.one_in(2)) a = b * (1 + 0x1p-51);
         const Ball r = apply(op, Ball(a), Ball(b), Ball(b));
         if (op == Op::root && a < 0) continue;

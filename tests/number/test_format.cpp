@@ -18,8 +18,9 @@ TEST_CASE("formats are found by name", "[number][format]") {
 }
 
 TEST_CASE("any other name is no format", "[number][format]") {
-    for (const char* name : {"", "p", "p0", "p1", "p02", "p54", "p100", "p-3", "p+5", "p5x", "p5 ", " p5", "P5", "p5..p12", "pN", "p99999999999",
-                             "f16", "F32", "f32 ", "f", "half", "double"})
+    for (const char* name :
+         {"",    "p",  "p0",      "p1", "p02",          "p54", "p100", "p-3",  "p+5", "p5x",  "p5 ",
+          " p5", "P5", "p5..p12", "pN", "p99999999999", "f16", "F32",  "f32 ", "f",   "half", "double"})
         CHECK_FALSE(find_format(name));
 }
 

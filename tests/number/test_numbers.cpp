@@ -90,7 +90,9 @@ TEMPLATE_LIST_TEST_CASE("the undefined spreads and never decides", "[number]", R
     CHECK(undefined(bad));
     CHECK(undefined(zero / zero));
     CHECK(undefined(one / zero - one / zero));
-    for (const T& x : {bad + one, one - bad, bad * zero, one / bad, sqrt(bad), fma(bad, one, one), -bad, abs(bad), copysign(bad, one)}) CHECK(undefined(x));
+    for (const T& x : {bad + one, one - bad, bad * zero, one / bad, sqrt(bad), fma(bad, one, one), -bad, abs(bad),
+                       copysign(bad, one)})
+        CHECK(undefined(x));
     for (const T& x : {bad, zero / zero, bad * zero}) {
         CHECK_FALSE(surely(x < one));
         CHECK_FALSE(surely(x <= one));
@@ -135,7 +137,8 @@ TEMPLATE_LIST_TEST_CASE("neighbours of a number", "[number]", RunnableNumbers) {
             const FloatFormat f = Kind<T>::format();
             const double x = random.one_in(20) ? draw_special(random, f) : draw_finite(random, f);
             const double up = Kind<T>::value(next_up(T(x))), down = Kind<T>::value(next_down(T(x)));
-            INFO(Kind<T>::text(T(x)) << " has neighbours " << Mpfr(down, 53).text() << " and " << Mpfr(up, 53).text());
+            INFO(Kind<T>::text(T(x)) << " has neighbours " << Mpfr(down, 53).text() << " and "
+                                     << Mpfr(up, 53).text());
             if (std::isnan(x)) {
                 REQUIRE((std::isnan(up) && std::isnan(down)));
                 continue;
@@ -171,10 +174,11 @@ TEMPLATE_LIST_TEST_CASE("every operation keeps the number's promise", "[number][
             const T result = apply(op, x[0].value, x[1].value, x[2].value);
             if (Kind<T>::keeps_promise(op, result, x)) continue;
             ++broken;
-            UNSCOPED_INFO(op_names[static_cast<int>(op)] << "\n a = " << Kind<T>::text(x[0].value) << " at " << x[0].point.text() << "\n b = "
-                                                         << Kind<T>::text(x[1].value) << " at " << x[1].point.text() << "\n c = "
-                                                         << Kind<T>::text(x[2].value) << " at " << x[2].point.text() << "\n gives "
-                                                         << Kind<T>::text(result));
+            UNSCOPED_INFO(op_names[static_cast<int>(op)]
+                          << "\n a = " << Kind<T>::text(x[0].value) << " at " << x[0].point.text()
+                          << "\n b = " << Kind<T>::text(x[1].value) << " at " << x[1].point.text()
+                          << "\n c = " << Kind<T>::text(x[2].value) << " at " << x[2].point.text() << "\n gives "
+                          << Kind<T>::text(result));
         }
         CHECK(broken == 0);
     }

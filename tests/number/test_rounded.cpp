@@ -63,8 +63,12 @@ public:
     }
 
 private:
-    [[nodiscard]] double value(std::size_t place) const { return std::ldexp(static_cast<double>(numbers_[place]), -shift_); }
-    [[nodiscard]] long units(double x) const { return std::isfinite(x) ? static_cast<long>(std::ldexp(x, shift_)) : 0; }
+    [[nodiscard]] double value(std::size_t place) const {
+        return std::ldexp(static_cast<double>(numbers_[place]), -shift_);
+    }
+    [[nodiscard]] long units(double x) const {
+        return std::isfinite(x) ? static_cast<long>(std::ldexp(x, shift_)) : 0;
+    }
 
     int shift_;
     std::vector<long> numbers_;
@@ -95,14 +99,16 @@ double plain(Op op, double a, double b, double c, const FloatFormat& f) {
 }
 
 std::string describe(Op op, double a, double b, double c, const FloatFormat& f) {
-    return std::string(op_names[static_cast<int>(op)]) + " a = " + Mpfr(a, 53).text() + " b = " + Mpfr(b, 53).text() + " c = " + Mpfr(c, 53).text() +
-           " p" + std::to_string(f.precision) + " [" + std::to_string(f.emin) + ", " + std::to_string(f.emax) + "]";
+    return std::string(op_names[static_cast<int>(op)]) + " a = " + Mpfr(a, 53).text() + " b = " + Mpfr(b, 53).text() +
+           " c = " + Mpfr(c, 53).text() + " p" + std::to_string(f.precision) + " [" + std::to_string(f.emin) + ", " +
+           std::to_string(f.emax) + "]";
 }
 
 }  // namespace
 
 TEST_CASE("every pair of a tiny format rounds as exact fractions do", "[number][rounded]") {
-    for (const FloatFormat& f : {FloatFormat{2, -3, 3}, FloatFormat{3, -4, 4}, FloatFormat{4, -2, 5}, FloatFormat{5, -5, 5}}) {
+    for (const FloatFormat& f :
+         {FloatFormat{2, -3, 3}, FloatFormat{3, -4, 4}, FloatFormat{4, -2, 5}, FloatFormat{5, -5, 5}}) {
         const Tiny tiny(f);
         const std::vector<double> all = tiny.operands();
         long wrong = 0, seen = 0;
@@ -110,7 +116,8 @@ TEST_CASE("every pair of a tiny format rounds as exact fractions do", "[number][
             for (const double a : all)
                 for (const double b : all) {
                     const double want = tiny.rounded(op, a, b, 0);
-                    const bool good = same_number(fast(op, a, b, 0, f), want) && same_number(plain(op, a, b, 0, f), want) &&
+                    const bool good = same_number(fast(op, a, b, 0, f), want) &&
+                                      same_number(plain(op, a, b, 0, f), want) &&
                                       same_number(correctly_rounded(op, a, b, 0, f), want);
                     if (!good && wrong++ == 0) UNSCOPED_INFO(describe(op, a, b, 0, f) << ": want " << want);
                     ++seen;
@@ -129,7 +136,8 @@ TEST_CASE("every fused product and sum of a tiny format", "[number][rounded]") {
         for (const double b : all)
             for (const double c : all) {
                 const double want = tiny.rounded(Op::fused, a, b, c);
-                const bool good = same_number(fast(Op::fused, a, b, c, f), want) && same_number(plain(Op::fused, a, b, c, f), want);
+                const bool good =
+                    same_number(fast(Op::fused, a, b, c, f), want) && same_number(plain(Op::fused, a, b, c, f), want);
                 if (!good && wrong++ == 0) UNSCOPED_INFO(describe(Op::fused, a, b, c, f) << ": want " << want);
             }
     CHECK(wrong == 0);
@@ -168,14 +176,16 @@ TEST_CASE("every precision from 2 to 53 rounds correctly at run time", "[number]
     Random random(53);
     long wrong = 0;
     for (int p = 2; p <= 53; ++p)
-        for (const FloatFormat& f : {FloatFormat{p, -1022, 1023}, FloatFormat{p, -126, 127}, FloatFormat{p, -14, 15}, FloatFormat{p, -1, 1}}) {
+        for (const FloatFormat& f : {FloatFormat{p, -1022, 1023}, FloatFormat{p, -126, 127}, FloatFormat{p, -14, 15},
+                                     FloatFormat{p, -1, 1}}) {
             const CurrentFormat::Scope scope(f);
             for (const Op op : rounding_ops)
                 for (int i = 0; i < 800; ++i) {
                     const auto [a, b, c] = draw_operands(random, f, op);
                     const double got = apply(op, RoundedAny(a), RoundedAny(b), RoundedAny(c)).value();
                     const bool good = same_number(got, correctly_rounded(op, a, b, c, f));
-                    if (!good && wrong++ < 3) UNSCOPED_INFO(describe(op, a, b, c, f) << " gives " << Mpfr(got, 53).text());
+                    if (!good && wrong++ < 3)
+                        UNSCOPED_INFO(describe(op, a, b, c, f) << " gives " << Mpfr(got, 53).text());
                 }
         }
     CHECK(wrong == 0);
@@ -187,8 +197,12 @@ TEST_CASE("entering a format rounds once", "[number][rounded]") {
     for (int i = 0; i < 300000; ++i) {
         const int p = static_cast<int>(random.between(2, 53));
         const FloatFormat f = random.one_in(2) ? FloatFormat{p, -1022, 1023} : FloatFormat{p, -14, 15};
-        double x = random.one_in(30) ? draw_special(random, binary64) : draw_finite(random, random.one_in(2) ? binary64 : FloatFormat{53, -20, 16});
-        if (random.one_in(4)) x = std::nextafter(std::ldexp(draw_significand(random, std::min(p + 1, 53)), static_cast<int>(random.between(-30, 12))), 0);
+        double x = random.one_in(30) ? draw_special(random, binary64)
+                                     : draw_finite(random, random.one_in(2) ? binary64 : FloatFormat{53, -20, 16});
+        if (random.one_in(4))
+            x = std::nextafter(
+                std::ldexp(draw_significand(random, std::min(p + 1, 53)), static_cast<int>(random.between(-30, 12))),
+                0);
         wrong += !same_number(rounding::to_format(x, 0, f), nearest(Mpfr(x, 53), f));
     }
     CHECK(wrong == 0);
@@ -200,8 +214,10 @@ TEST_CASE("entering a format rounds once", "[number][rounded]") {
 TEST_CASE("the fast paths and their plain twins agree bit for bit", "[number][rounded]") {
     Random random(1971);
     long wrong = 0;
-    for (const FloatFormat& f : {binary16, bfloat16, tensor_float32, binary32, binary64, FloatFormat{2, -1022, 1023}, FloatFormat{26, -1022, 1023},
-                                 FloatFormat{27, -1022, 1023}, FloatFormat{51, -1022, 1023}, FloatFormat{52, -1022, 1023}, FloatFormat{52, -126, 127}})
+    for (const FloatFormat& f :
+         {binary16, bfloat16, tensor_float32, binary32, binary64, FloatFormat{2, -1022, 1023},
+          FloatFormat{26, -1022, 1023}, FloatFormat{27, -1022, 1023}, FloatFormat{51, -1022, 1023},
+          FloatFormat{52, -1022, 1023}, FloatFormat{52, -126, 127}})
         for (const Op op : rounding_ops)
             for (int i = 0; i < 40000; ++i) {
                 const auto [a, b, c] = draw_operands(random, f, op);

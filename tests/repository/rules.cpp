@@ -10,7 +10,8 @@
 namespace lostbits::test {
 namespace {
 
-constexpr std::array<std::string_view, 7> order{"number", "geometry", "intersect", "scene", "measure", "output", "analysis"};
+constexpr std::array<std::string_view, 7> order{"number",  "geometry", "intersect", "scene",
+                                                "measure", "output",   "analysis"};
 
 /// The place of a layer by its folder's name; −1 for anything else.
 long place(std::string_view folder) {
@@ -43,13 +44,17 @@ std::vector<Include> includes_of(const std::string& text) {
     return all;
 }
 
-std::string at(const SourceFile& file, std::size_t line, const std::string& what) { return file.path + ":" + std::to_string(line) + ": " + what; }
-
-std::size_t line_of(const std::string& text, std::size_t position) {
-    return 1 + static_cast<std::size_t>(std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(position), '\n'));
+std::string at(const SourceFile& file, std::size_t line, const std::string& what) {
+    return file.path + ":" + std::to_string(line) + ": " + what;
 }
 
-void find_all(const SourceFile& file, const std::string& code, const std::regex& pattern, const std::string& what, Offences& offences) {
+std::size_t line_of(const std::string& text, std::size_t position) {
+    return 1 + static_cast<std::size_t>(
+                   std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(position), '\n'));
+}
+
+void find_all(const SourceFile& file, const std::string& code, const std::regex& pattern, const std::string& what,
+              Offences& offences) {
     for (auto m = std::sregex_iterator(code.begin(), code.end(), pattern); m != std::sregex_iterator(); ++m)
         offences.push_back(at(file, line_of(code, static_cast<std::size_t>(m->position())), what + ": " + m->str()));
 }
@@ -75,7 +80,8 @@ std::string code_of(const std::string& text) {
             if (c == '/' && next == '/') state = line_comment;
             else if (c == '/' && next == '*') state = block_comment;
             else if (c == '"') state = string;
-            else if (c == '\'' && (i == 0 || !std::isalnum(static_cast<unsigned char>(text[i - 1])))) state = character;  // not 1'000
+            else if (c == '\'' && (i == 0 || !std::isalnum(static_cast<unsigned char>(text[i - 1]))))
+                state = character;  // not 1'000
             if (state == line_comment || state == block_comment) code[i] = ' ';
             continue;
         }
@@ -101,22 +107,28 @@ Offences include_directions(const SourceFile& file) {
     for (const Include& include : includes_of(file.text)) {
         const long other = place(std::string_view(include.name).substr(0, include.name.find('/')));
         if (other > own)
-            offences.push_back(at(file, include.line, std::string(order[static_cast<std::size_t>(own)]) + " includes " + include.name + ", to its right"));
+            offences.push_back(at(
+                file, include.line,
+                std::string(order[static_cast<std::size_t>(own)]) + " includes " + include.name + ", to its right"));
         // The program's own files lie side by side in one folder; everything else is named from src/.
         const bool beside = file.path.starts_with("analysis/") && include.name.find('/') == std::string::npos;
-        if (other < 0 && include.bracket == '"' && !beside) offences.push_back(at(file, include.line, include.name + " is not named from the source root"));
+        if (other < 0 && include.bracket == '"' && !beside)
+            offences.push_back(at(file, include.line, include.name + " is not named from the source root"));
     }
     return offences;
 }
 
-bool is_form(const SourceFile& file) { return in_shape_folder(file) && file.text.find("static constexpr Info info") != std::string::npos; }
+bool is_form(const SourceFile& file) {
+    return in_shape_folder(file) && file.text.find("static constexpr Info info") != std::string::npos;
+}
 
 Offences form_includes(const SourceFile& file) {
     Offences offences;
     if (!in_shape_folder(file)) return offences;
     for (const Include& include : includes_of(file.text)) {
         const long layer = place(std::string_view(include.name).substr(0, include.name.find('/')));
-        if (layer < 0 || layer > place("intersect")) offences.push_back(at(file, include.line, "a form includes " + include.name));
+        if (layer < 0 || layer > place("intersect"))
+            offences.push_back(at(file, include.line, "a form includes " + include.name));
     }
     return offences;
 }
@@ -125,8 +137,10 @@ Offences formula_rules(const SourceFile& file) {
     Offences offences;
     if (!in_shape_folder(file)) return offences;
     const std::string code = code_of(file.text);
-    static const std::regex libm(R"((\bstd::|(^|[^:\w])::)(sqrt|cbrt|hypot|fma|f?abs|f?min|f?max|copysign|signbit|pow|exp|log|sin|cos|tan|floor|ceil|nextafter)\w*\b)");
-    static const std::regex decimal(R"((\b\d+\.\d*|\.\d+)([eE][-+]?\d+)?[fFlL]?|\b\d+[eE][-+]?\d+|\b0[xX][0-9a-fA-F.]*[pP][-+]?\d+)");
+    static const std::regex libm(
+        R"((\bstd::|(^|[^:\w])::)(sqrt|cbrt|hypot|fma|f?abs|f?min|f?max|copysign|signbit|pow|exp|log|sin|cos|tan|floor|ceil|nextafter)\w*\b)");
+    static const std::regex decimal(
+        R"((\b\d+\.\d*|\.\d+)([eE][-+]?\d+)?[fFlL]?|\b\d+[eE][-+]?\d+|\b0[xX][0-9a-fA-F.]*[pP][-+]?\d+)");
     static const std::regex branch(R"(\b(if|while|switch)\s*\((?!\s*!?\s*any_of\b))");
     static const std::regex ternary(R"(\?)");
     static const std::regex builtin(R"(\b(float|double)\b)");
@@ -146,23 +160,31 @@ Offences catalogue_agrees(const std::vector<SourceFile>& files, const SourceFile
     std::map<std::string, int> included, listed;
     for (const Include& include : includes_of(catalogue.text)) ++included[include.name];
     static const std::regex entry(R"(\b(\w+)::([A-Z]\w*)\b)");
-    for (auto m = std::sregex_iterator(code.begin(), code.end(), entry); m != std::sregex_iterator(); ++m) ++listed[m->str()];
+    for (auto m = std::sregex_iterator(code.begin(), code.end(), entry); m != std::sregex_iterator(); ++m)
+        ++listed[m->str()];
 
     for (const SourceFile& file : files) {
         if (!is_form(file)) continue;
         const std::string shape = file.path.substr(14, file.path.rfind('/') - 14);
-        const std::string stem = file.path.substr(file.path.rfind('/') + 1, file.path.size() - file.path.rfind('/') - 5);
+        const std::string stem =
+            file.path.substr(file.path.rfind('/') + 1, file.path.size() - file.path.rfind('/') - 5);
         const std::string header = file.path.substr(4);
-        if (included[header] != 1) offences.push_back(file.path + ": included " + std::to_string(included[header]) + " times by the catalogue");
-        const std::string type = shape + "::" + first_match(file.text, R"(struct (\w+) \{\s*static constexpr Info info)");
-        if (listed[type] != 1) offences.push_back(file.path + ": " + type + " listed " + std::to_string(listed[type]) + " times in the catalogue");
+        if (included[header] != 1)
+            offences.push_back(file.path + ": included " + std::to_string(included[header]) +
+                               " times by the catalogue");
+        const std::string type =
+            shape + "::" + first_match(file.text, R"(struct (\w+) \{\s*static constexpr Info info)");
+        if (listed[type] != 1)
+            offences.push_back(file.path + ": " + type + " listed " + std::to_string(listed[type]) +
+                               " times in the catalogue");
         const std::string name = first_match(file.text, R"re(\.name = "([^"]*)")re");
         if (name != shape + "." + stem) offences.push_back(file.path + ": is named " + name);
         included.erase(header);
         listed.erase(type);
     }
     for (const auto& [name, times] : included)
-        if (times && std::count(name.begin(), name.end(), '/') == 2) offences.push_back(catalogue.path + ": includes " + name + ", which is no form");
+        if (times && std::count(name.begin(), name.end(), '/') == 2)
+            offences.push_back(catalogue.path + ": includes " + name + ", which is no form");
     for (const auto& [type, times] : listed)
         if (times) offences.push_back(catalogue.path + ": lists " + type + ", which has no file");
     return offences;

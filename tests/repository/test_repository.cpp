@@ -18,7 +18,9 @@ std::vector<SourceFile> read_tree(const std::vector<std::string>& folders) {
     for (const std::string& folder : folders)
         for (const auto& entry : fs::recursive_directory_iterator(root / folder)) {
             const fs::path& path = entry.path();
-            if (!entry.is_regular_file() || (path.extension() != ".hpp" && path.extension() != ".cpp" && path.extension() != ".h")) continue;
+            if (!entry.is_regular_file() ||
+                (path.extension() != ".hpp" && path.extension() != ".cpp" && path.extension() != ".h"))
+                continue;
             std::ostringstream text;
             text << std::ifstream(path, std::ios::binary).rdbuf();
             files.push_back({fs::relative(path, root).generic_string(), text.str()});
@@ -61,13 +63,16 @@ TEST_CASE("includes point one way", "[repository]") {
 
 TEST_CASE("an include to the right is caught", "[repository]") {
     CHECK(include_directions({"src/number/x.hpp", "#include \"geometry/vec.hpp\"\n"}).size() == 1);
-    CHECK(include_directions({"src/intersect/table.cpp", "#include <cmath>\n#include \"measure/truth.hpp\"\n"}).size() == 1);
+    CHECK(include_directions({"src/intersect/table.cpp", "#include <cmath>\n#include \"measure/truth.hpp\"\n"})
+              .size() == 1);
     CHECK(include_directions({"src/intersect/sphere/x.hpp", "  #  include <scene/camera.hpp>\n"}).size() == 1);
     CHECK(include_directions({"src/output/x.cpp", "#include \"analysis/main.hpp\"\n"}).size() == 1);
     CHECK(include_directions({"src/number/x.hpp", "#include \"../geometry/vec.hpp\"\n"}).size() == 1);
     CHECK(include_directions({"src/output/x.cpp", "#include \"csv.hpp\"\n"}).size() == 1);
     CHECK(include_directions({"src/extra/x.hpp", ""}).size() == 1);
-    CHECK(include_directions({"src/measure/x.hpp", "#include \"number/real.hpp\"\n#include \"measure/truth.hpp\"\n#include <mpfr.h>\n"}).empty());
+    CHECK(include_directions({"src/measure/x.hpp",
+                              "#include \"number/real.hpp\"\n#include \"measure/truth.hpp\"\n#include <mpfr.h>\n"})
+              .empty());
     CHECK(include_directions({"analysis/x.cpp", "#include \"output/csv.hpp\"\n#include \"commands.hpp\"\n"}).empty());
 }
 
@@ -89,11 +94,27 @@ TEST_CASE("a form that includes more is caught", "[repository]") {
 }
 
 TEST_CASE("a formula that breaks a rule is caught", "[repository]") {
-    for (const char* bad : {"const T l = std::sqrt(a);", "const T e = std::fma(a, b, c);", "const T e = std::abs(a);", "T m = std::min(a, b);",
-                            "T m = std::max<T>(a, b);", "T m = ::sqrt(a);", "T m = std::fabs(a);", "T s = std::copysign(a, b);",
-                            "const T h = T(0.5);", "const T h = 1e-3 * x;", "const T h = x * 2.0f;", "const T h = .5 * x;", "const T h = 4. * x;",
-                            "const T h = T(0x1p-3);", "if (disc < T(0)) return miss;", "if(hit) t = far;", "while (t < T(1)) {}",
-                            "const T t = near < T(0) ? far : near;", "double t = 0;", "const float k(1);", "std::numeric_limits<T>::epsilon();"}) {
+    for (const char* bad : {"const T l = std::sqrt(a);",
+                            "const T e = std::fma(a, b, c);",
+                            "const T e = std::abs(a);",
+                            "T m = std::min(a, b);",
+                            "T m = std::max<T>(a, b);",
+                            "T m = ::sqrt(a);",
+                            "T m = std::fabs(a);",
+                            "T s = std::copysign(a, b);",
+                            "const T h = T(0.5);",
+                            "const T h = 1e-3 * x;",
+                            "const T h = x * 2.0f;",
+                            "const T h = .5 * x;",
+                            "const T h = 4. * x;",
+                            "const T h = T(0x1p-3);",
+                            "if (disc < T(0)) return miss;",
+                            "if(hit) t = far;",
+                            "while (t < T(1)) {}",
+                            "const T t = near < T(0) ? far : near;",
+                            "double t = 0;",
+                            "const float k(1);",
+                            "std::numeric_limits<T>::epsilon();"}) {
         INFO(bad);
         CHECK(formula_rules(form(std::string("line one\n") + bad + "\n")).size() >= 1);
         CHECK(formula_rules({"src/intersect/table.cpp", bad}).empty());
@@ -101,9 +122,10 @@ TEST_CASE("a formula that breaks a rule is caught", "[repository]") {
     const Offences where = formula_rules(form("// std::sqrt(x) is mentioned here\n\nconst T l = std::sqrt(a);\n"));
     REQUIRE(where.size() == 1);
     CHECK(where[0] == "src/intersect/sphere/snippet.hpp:3: libm by name: std::sqrt");
-    for (const char* good : {"const T l = sqrt(a);", "// 0.5 * x and if (a < b), std::sqrt(x)?", "/* t = a ? b : c;\n 1e-3 */", ".source = \"eq. 6, section 7.2 (2004)?\",",
-                             "const T h = T(1) / T(2);", "if (!any_of(active)) break;", "if constexpr (Form::info.both) {}", "for (int i = 0; i < 64; ++i) {}",
-                             "const T t0 = a.x * T(10);"}) {
+    for (const char* good :
+         {"const T l = sqrt(a);", "// 0.5 * x and if (a < b), std::sqrt(x)?", "/* t = a ? b : c;\n 1e-3 */",
+          ".source = \"eq. 6, section 7.2 (2004)?\",", "const T h = T(1) / T(2);", "if (!any_of(active)) break;",
+          "if constexpr (Form::info.both) {}", "for (int i = 0; i < 64; ++i) {}", "const T t0 = a.x * T(10);"}) {
         INFO(good);
         CHECK(formula_rules(form(good)).empty());
     }
@@ -117,9 +139,14 @@ TEST_CASE("the catalogue and the form files agree", "[repository]") {
 }
 
 TEST_CASE("a catalogue that disagrees is caught", "[repository]") {
-    const SourceFile file{"src/intersect/sphere/thin_lens.hpp", "struct ThinLens {\n    static constexpr Info info{\n        .name = \"sphere.thin_lens\",\n"};
-    const auto judge = [&](const std::string& text, const SourceFile& f) { return catalogue_agrees({f}, {"src/intersect/catalogue.hpp", text}).size(); };
-    const std::string include = "#include \"intersect/sphere/thin_lens.hpp\"\n", entry = "using SphereForms = FormList<sphere::ThinLens>;\n";
+    const SourceFile file{
+        "src/intersect/sphere/thin_lens.hpp",
+        "struct ThinLens {\n    static constexpr Info info{\n        .name = \"sphere.thin_lens\",\n"};
+    const auto judge = [&](const std::string& text, const SourceFile& f) {
+        return catalogue_agrees({f}, {"src/intersect/catalogue.hpp", text}).size();
+    };
+    const std::string include = "#include \"intersect/sphere/thin_lens.hpp\"\n",
+                      entry = "using SphereForms = FormList<sphere::ThinLens>;\n";
     CHECK(judge(include + entry, file) == 0);
     CHECK(judge(entry, file) == 1);
     CHECK(judge(include, file) == 1);
@@ -136,7 +163,9 @@ TEST_CASE("a catalogue that disagrees is caught", "[repository]") {
 TEST_CASE("no file has outgrown its page", "[repository]") {
     const auto files = read_tree({"src", "analysis", "tests"});
     hold_everywhere(files, file_length);
-    const auto of_lines = [](int n) { return SourceFile{"src/x.cpp", std::string(static_cast<std::size_t>(n), '\n')}; };
+    const auto of_lines = [](int n) {
+        return SourceFile{"src/x.cpp", std::string(static_cast<std::size_t>(n), '\n')};
+    };
     CHECK(file_length(of_lines(350)).empty());
     CHECK(file_length(of_lines(351)).size() == 1);
 }

@@ -1,0 +1,23 @@
+// The README shows what the tool makes now: the committed picture and table are made again and compared.
+#include <cstdlib>
+
+#include "catch.hpp"
+#include "output/image.hpp"
+#include "program.hpp"
+
+using namespace lostbits::test;
+
+TEST_CASE("the picture and the table of the README are what the program makes") {
+    setenv("LOSTBITS_IMAGE_MODULE", LOSTBITS_IMAGE_MODULE_FILE, 1);
+    const Scratch scratch;
+    REQUIRE(run("map rtg-fig-7-3-4100-oblique -o '" + scratch.path().string() + "'").code == 0);
+    const auto made = scratch.path() / "rtg-fig-7-3-4100-oblique";
+    const std::filesystem::path kept = LOSTBITS_REPORTS_DIR "/readme";
+    CHECK(contents(made / "summary.csv") == contents(kept / "summary.csv"));
+    auto& backend = lostbits::output::image_backend();
+    const auto now = backend.read_png(made / "contact.png"), then = backend.read_png(kept / "contact.png");
+    CHECK(now.width == then.width);
+    CHECK(now.height == then.height);
+    // Pixels, not bytes: another zlib packs the same picture differently.
+    CHECK((now.pixels == then.pixels));
+}
