@@ -70,6 +70,13 @@ T max(const T& a, const T& b) {
     return select(a > b, a, b);
 }
 
+/// `f(mask)`: what a formula does with a decision. Enclosures overload it: where the decision is open they follow both
+/// sides to the end and join the results, which is tighter than joining at once.
+template <class M, class F>
+auto decide(const M& mask, const F& f) {
+    return f(mask);
+}
+
 /// Names an intermediate of a formula in the source's own letters. Numbers that keep a tape overload it; for all
 /// others it is the identity and costs nothing.
 template <class T>

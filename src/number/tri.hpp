@@ -25,6 +25,12 @@ private:
     Value value_;
 };
 
+/// Follows a decision, or both of its sides while it is open; `select` joins what they give.
+template <class F>
+auto decide(Tri mask, const F& f) {
+    return mask.is_unknown() ? select(mask, f(Tri(Tri::yes)), f(Tri(Tri::no))) : f(mask);
+}
+
 /// Whether an operation of the exact formula can have been undefined (0/0, the root of a negative number).
 /// Undefined behaves as IEEE's NaN: it spreads, and every comparison with it is false.
 enum class Undefined : unsigned char { never, maybe, always };

@@ -112,7 +112,7 @@ TEST_CASE("bad words on the command line: exit code and what was meant") {
 TEST_CASE("a folder that cannot be written ends the run before the work, with 3") {
     const Scratch scratch;
     const std::string scene = "'" + scratch.write("scene.toml", good_scene) + "'";
-    for (const std::string out : {std::string("/proc/nowhere"), (scratch.path() / "scene.toml").string()}) {
+    for (const std::string& out : {std::string("/proc/nowhere"), (scratch.path() / "scene.toml").string()}) {
         const auto r = run("map " + scene + " -o '" + out + "'");
         INFO(r.err);
         CHECK(r.code == 3);

@@ -2,7 +2,7 @@
 // result keeps the number's promise. One specialisation serves a whole family.
 #pragma once
 
-#include <optional>
+#include <memory>
 
 #include "number/draw.hpp"
 #include "number/kinds.hpp"
@@ -53,12 +53,12 @@ struct Kind<T> {
         explicit Setting(Random& random) {
             if constexpr (std::same_as<T, RoundedAny>) {
                 const int p = static_cast<int>(random.between(2, 53)), wide = static_cast<int>(random.between(0, 2));
-                scope.emplace(wide == 0   ? FloatFormat{p, -1022, 1023}
-                              : wide == 1 ? FloatFormat{p, -126, 127}
-                                          : FloatFormat{p, -14, 15});
+                scope = std::make_unique<CurrentFormat::Scope>(wide == 0   ? FloatFormat{p, -1022, 1023}
+                                                               : wide == 1 ? FloatFormat{p, -126, 127}
+                                                                           : FloatFormat{p, -14, 15});
             }
         }
-        std::optional<CurrentFormat::Scope> scope;
+        std::unique_ptr<CurrentFormat::Scope> scope;
     };
     static std::array<Operand<T>, 3> draw(Random& random, Op op) {
         const auto [a, b, c] = draw_operands(random, format(), op);

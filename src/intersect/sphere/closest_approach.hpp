@@ -23,13 +23,7 @@ struct ClosestApproach {
         const T h = named("h", dot(g, ray.direction));
         const T c = named("c", dot(g, g) - sphere.radius * sphere.radius);
         const T disc = named("disc", h * h - a * c);
-        const T root = sqrt(disc);
-        // Without rounding h is 0 here, so no enclosure can ever tell its sign: both choices of q are carried to the
-        // end, where they are the same two roots, and only then selected. Bit for bit what choosing q first gives.
-        const mask_t<T> behind = -h < T(0);
-        const T q_behind = named("q", -h - root);
-        const T q_ahead = named("q", -h + root);
-        const RootPair<T> roots{select(behind, q_behind / a, c / q_ahead), select(behind, c / q_behind, q_ahead / a)};
+        const RootPair<T> roots = unified_roots<T>(a, -h, c, sqrt(disc));
         return first_hit<T>(disc < T(0), RootPair<T>{t0 + roots.near, t0 + roots.far});
     }
 };

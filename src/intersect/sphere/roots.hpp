@@ -15,6 +15,10 @@ template <Number T>
 struct RootPair {
     T near;
     T far;
+
+    friend RootPair select(const mask_t<T>& mask, const RootPair& a, const RootPair& b) {
+        return {select(mask, a.near, b.near), select(mask, a.far, b.far)};
+    }
 };
 
 /// The first root with t ≥ 0: near, or far where near is negative. `missed` is the form's own test of the
@@ -48,22 +52,24 @@ RootPair<T> plain_half_roots(const T& a, const T& h, const T& root) {
 /// subtracted. sign(0) = +1 as published code has it (the text of seed 000 says −1); c/q is the near root where b < 0.
 template <Number T>
 RootPair<T> press_roots(const T& a, const T& b, const T& c, const T& root) {
-    const mask_t<T> ahead = b < T(0);
-    const T q = named("q", -half<T>() * (b + select(ahead, -root, root)));
-    const T over_a = q / a;
-    const T under_c = c / q;
-    return {select(ahead, under_c, over_a), select(ahead, over_a, under_c)};
+    return decide(b < T(0), [&](const mask_t<T>& ahead) {
+        const T q = named("q", -half<T>() * (b + select(ahead, -root, root)));
+        const T over_a = q / a;
+        const T under_c = c / q;
+        return RootPair<T>{select(ahead, under_c, over_a), select(ahead, over_a, under_c)};
+    });
 }
 
 /// Equation (10), the same without the factor 2: q = b' + sign(b') root, b' = −f·d, root = √(aΔ), roots c/q and q/a.
 /// sign(0) = +1; c/q is the near root where b' ≥ 0. A tangent ray that starts on the surface has q = 0, hence 0/0.
 template <Number T>
 RootPair<T> unified_roots(const T& a, const T& minus_b, const T& c, const T& root) {
-    const mask_t<T> behind = minus_b < T(0);
-    const T q = named("q", minus_b + select(behind, -root, root));
-    const T over_a = q / a;
-    const T under_c = c / q;
-    return {select(behind, over_a, under_c), select(behind, under_c, over_a)};
+    return decide(minus_b < T(0), [&](const mask_t<T>& behind) {
+        const T q = named("q", minus_b + select(behind, -root, root));
+        const T over_a = q / a;
+        const T under_c = c / q;
+        return RootPair<T>{select(behind, over_a, under_c), select(behind, under_c, over_a)};
+    });
 }
 
 }  // namespace lostbits::sphere
