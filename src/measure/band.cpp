@@ -6,6 +6,7 @@
 #include <limits>
 #include <type_traits>
 
+#include "measure/conditioning.hpp"
 #include "measure/unit_direction.hpp"
 
 namespace lostbits {
@@ -86,6 +87,15 @@ Band::Band(const scene::Scene& scene, int y0, int y1, TruthLimit limit) : scene_
         for (const auto& s : scene.spheres) ideal_spheres_.push_back({s.centre, s.radius});
         truth_ = find_all(*ideal_, ideal_spheres_, limit_);
     }
+}
+
+void Band::find_condition() {
+    condition_.assign(pixels(), std::numeric_limits<double>::quiet_NaN());
+    for_each_pixel(pixels(), [&](std::size_t i) {
+        if (!truth_[i].is_hit()) return;
+        const auto object = static_cast<std::size_t>(truth_[i].object);
+        condition_[i] = ideal_ ? lostbits::condition((*ideal_)[i], ideal_spheres_[object]) : lostbits::condition(shared_[i], shared_spheres_[object]);
+    });
 }
 
 FormatInputs Band::inputs(const Format& format, BandNeeds needs) const {

@@ -38,6 +38,9 @@ class Band {
 public:
     /// Finds the truth of every pixel, in parallel over the pixels.
     Band(const scene::Scene& scene, int y0, int y1, TruthLimit limit = {});
+    /// Finds κ of every hit, in parallel; `condition()` is empty before, and NaN for a miss.
+    void find_condition();
+    [[nodiscard]] const std::vector<double>& condition() const { return condition_; }
     /// The inputs of one format; parallel over the pixels where it computes.
     [[nodiscard]] FormatInputs inputs(const Format& format, BandNeeds needs) const;
 
@@ -57,6 +60,7 @@ private:
     std::optional<scene::IdealRayBlock> ideal_;  ///< inputs = own
     std::vector<Sphere<Real>> ideal_spheres_;
     std::vector<Truth> truth_;
+    std::vector<double> condition_;
 };
 
 /// The answers of one form in one format to a band: the nearest hit over all spheres, found in the format.

@@ -38,10 +38,11 @@ public:
         const Info& info = *row_.form->info;
         const Ray<double> ray = in.rays_for(info)[i];
         const Sphere<double>& sphere = in.spheres[static_cast<std::size_t>(answers.object[i])];
-        Sample sample{answers.t[i], &row_.format, in_unit_of(truth, info), missing, nullptr, nullptr, &ray, &sphere};
+        Sample sample{answers.t[i], &row_.format, in_unit_of(truth, info), missing, nullptr, nullptr, missing, &ray, &sphere};
 
         if (needs_ & needs_rounded_truth) sample.truth_rounded = result_.band->rounded_truth(i, row_.format.shape, info.direction);
         if (needs_ & needs_own_truth) sample.own = in.ideal ? sample.truth : in_unit_of(in.own_truth[i], info);
+        if (needs_ & needs_condition) sample.condition = result_.band->condition()[i];
         std::optional<Certified> self;
         if (needs_ & needs_self) {
             self = without_rounding(*row_.form, ray, in.spheres[static_cast<std::size_t>(truth.object)]);
@@ -110,7 +111,8 @@ std::vector<MapSummary> run_map(const MapRequest& request, const std::vector<Map
         needs.own_truth |= (needs_of(request) & needs_own_truth) != 0;
     }
     for (int y0 = 0; y0 < scene.height; y0 += band_rows(scene.width)) {
-        const Band band(scene, y0, std::min(scene.height, y0 + band_rows(scene.width)), request.limit);
+        Band band(scene, y0, std::min(scene.height, y0 + band_rows(scene.width)), request.limit);
+        if (needs_of(request) & needs_condition) band.find_condition();
         std::map<std::string, FormatInputs> inputs;
         for (const auto& [name, needs] : formats) inputs.emplace(name, band.inputs(*find_format(name), needs));
         tbb::parallel_for(std::size_t{0}, request.rows.size(), [&](std::size_t r) {

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "measure/conditioning.hpp"
 #include "number/rounded.hpp"
 
 namespace lostbits {
@@ -87,6 +88,10 @@ double rounding_error(const Sample& s) {
     return std::isinf(s.t) ? s.t : in_ulps(s, exactly(s.t), *s.self);
 }
 
+double condition_number(const Sample& s) { return s.condition; }
+double inherent(const Sample& s) { return inherent_bits(s.condition, s.format->shape.precision); }
+double excess(const Sample& s) { return std::max(0.0, lost(s) - inherent(s)); }
+
 constexpr unsigned split = needs_own_truth | needs_self;
 
 constexpr std::array table{
@@ -103,6 +108,11 @@ constexpr std::array table{
     Metric{"model_error", "ulp", "split.model", "(the form without rounding - t* of its inputs)/ulp(t*)", split, Ramp::magnitude, 0x1p-4, 0x1p+24, false, model_error},
     Metric{"rounding_error", "ulp", "split.rounding", "(t - the form without rounding)/ulp(t*); the three sum to ulp_error", needs_self, Ramp::magnitude, 0x1p-4,
            0x1p+24, false, rounding_error},
+    Metric{"condition", "1", "condition.kappa", "kappa = sum |x_i dt/dx_i| / |t| over all inputs of the ray and the sphere it truly hits", needs_condition,
+           Ramp::magnitude, 1, 0x1p+30, false, condition_number},
+    Metric{"inherent_bits", "bits", "condition.inherent", "bits that half an ulp in each input alone would cost: lost bits of max(1/2, kappa/2) ulp", needs_condition,
+           Ramp::bits, 0, 0, false, inherent},
+    Metric{"excess_bits", "bits", "condition.excess", "lost_bits beyond inherent_bits: the formula's own", needs_condition, Ramp::bits, 0, 0, false, excess},
 };
 
 }  // namespace

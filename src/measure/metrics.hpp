@@ -19,12 +19,13 @@ struct Sample {
     double truth_rounded;     ///< RN_F(t*)
     const Certified* own;     ///< the truth of the inputs as the format holds them
     const Certified* self;    ///< the form without rounding, on the inputs as the format holds them
+    double condition;         ///< κ of the problem at its ideal inputs
     const Ray<double>* ray;   ///< the inputs as the form received them
     const Sphere<double>* sphere;  ///< the sphere that the form hit, as it received it
 };
 
 /// What must be computed before a metric can be.
-enum Needs : unsigned { needs_nothing = 0, needs_rounded_truth = 1, needs_own_truth = 2, needs_self = 4 };
+enum Needs : unsigned { needs_nothing = 0, needs_rounded_truth = 1, needs_own_truth = 2, needs_self = 4, needs_condition = 8 };
 
 enum class Ramp { bits, magnitude };
 

@@ -1,12 +1,9 @@
 #include "measure/self.hpp"
 
+#include "measure/enclose.hpp"
+
 namespace lostbits {
 namespace {
-
-template <class E>
-Vec<E> lift(const Vec<double>& v) {
-    return Vec<E>(E(v.x), E(v.y), E(v.z));
-}
 
 /// True when this precision has the last word; `answer` is then set where there is one.
 template <class E>
@@ -22,12 +19,11 @@ bool settle(const Hit<E>& hit, std::optional<Certified>& answer) {
 
 std::optional<Certified> without_rounding(const Intersector& form, const Ray<double>& ray, const Sphere<double>& sphere, int limit_bits) {
     std::optional<Certified> answer;
-    const auto quick = form.ball({lift<Ball>(ray.origin), lift<Ball>(ray.direction)}, {lift<Ball>(sphere.centre), Ball(sphere.radius)});
+    const auto quick = form.ball(lift_ray<Ball>(ray), lift_sphere<Ball>(sphere));
     if (settle(quick, answer)) return answer;
     for (int bits = 192; bits <= limit_bits; bits *= 2) {
         const Interval::Precision precision(bits);
-        const auto hit = form.interval({lift<Interval>(ray.origin), lift<Interval>(ray.direction)},
-                                       {lift<Interval>(sphere.centre), Interval(sphere.radius)});
+        const auto hit = form.interval(lift_ray<Interval>(ray), lift_sphere<Interval>(sphere));
         if (settle(hit, answer)) return answer;
     }
     return std::nullopt;

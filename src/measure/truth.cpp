@@ -3,78 +3,11 @@
 #include <cmath>
 #include <limits>
 
+#include "measure/enclose.hpp"
 #include "number/error.hpp"
 
 namespace lostbits {
 namespace {
-
-/// What one precision can say about one sphere. `t` and `distance` mean something only where `hit` is certain.
-template <class E>
-struct Enclosed {
-    Tri hit;
-    E t;
-    E distance;
-};
-
-/// c = f·f − r² places the origin (outside, on, inside), h = f·d the direction, and m = f × d the line:
-/// aΔ = a r² − m·m. Outside, a line that leaves (h ≥ 0) misses whatever Δ; inside or on the surface it always hits.
-/// No step subtracts numbers of like size that are not exact differences of the inputs: t = c/(−h + √aΔ) from outside,
-/// (−h + √aΔ)/a or −c/(h + √aΔ) from inside, by the sign of h.
-template <class E>
-Enclosed<E> enclose(const Ray<E>& ray, const Sphere<E>& sphere) {
-    const E zero(0);
-    const Vec<E> f = ray.origin - sphere.centre;
-    const E h = dot(f, ray.direction);
-    const E r2 = sphere.radius * sphere.radius;
-    const E c = dot(f, f) - r2;
-    const Tri outside = c > zero;
-    const Tri leaving = h >= zero;
-    if ((outside && leaving).is_yes()) return {Tri::no, zero, zero};
-
-    const E a = dot(ray.direction, ray.direction);
-    const Vec<E> m = cross(f, ray.direction);
-    const E discriminant = a * r2 - dot(m, m);
-    const Tri hit = !outside || (!leaving && !(discriminant < zero));
-    if (hit.is_no()) return {hit, zero, zero};
-    if (hit.is_unknown() || outside.is_unknown()) return {Tri::unknown, zero, zero};
-    if ((c >= zero).is_yes() && outside.is_no()) return {Tri::yes, zero, zero};  // the origin lies on the surface
-
-    const E root = sqrt(discriminant);
-    const E t = outside.is_yes()         ? c / (root - h)
-                : (h > zero).is_yes() ? -c / (h + root)
-                                      : (root - h) / a;
-    return {Tri::yes, t, t * sqrt(a)};
-}
-
-template <class E, class S>
-E lift(const S& x) {
-    return E(x);
-}
-/// A 256-bit number as a ball: two words and what they leave.
-template <>
-Ball lift<Ball, Real>(const Real& x) {
-    const auto hi = x.convert_to<double>();
-    if (!std::isfinite(hi)) return Ball::unknown();
-    const auto lo = Real(x - Real(hi)).convert_to<double>();
-    const Real rest = Real(x - Real(hi)) - Real(lo);
-    if (rest == 0) return Ball(hi, lo, 0);
-    return std::fabs(hi) < 0x1p-800 ? Ball::unknown() : Ball(hi, lo, std::fabs(hi) * 0x1p-104);
-}
-
-template <class E, class S>
-Vec<E> lift_vec(const Vec<S>& v) {
-    return Vec<E>(lift<E>(v.x), lift<E>(v.y), lift<E>(v.z));
-}
-
-template <class E, class S>
-Ray<E> lift_ray(const Ray<S>& ray) {
-    return {lift_vec<E>(ray.origin), lift_vec<E>(ray.direction)};
-}
-
-template <class E, class S>
-Sphere<E> lift_sphere(const Sphere<S>& sphere) {
-    return {lift_vec<E>(sphere.centre), lift<E>(sphere.radius)};
-}
 
 /// Fills in a miss or a tightly enclosed hit; false where this precision does not settle it.
 template <class E>

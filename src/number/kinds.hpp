@@ -3,6 +3,7 @@
 
 #include "number/archetype.hpp"
 #include "number/ball.hpp"
+#include "number/dual.hpp"
 #include "number/interval.hpp"
 #include "number/real.hpp"
 #include "number/rounded.hpp"
@@ -28,7 +29,8 @@ using RunnableNumbers = TypeList<  //
     RoundedAny,                    //
     Ball,                          // what is certainly true, cheaply?
     Interval,                      // what is certainly true, at any precision?
-    Real                           // what does the formula give with no rounding?
+    Real,                          // what does the formula give with no rounding?
+    Dual<double, 2>                // how sensitive is the problem itself?
     >;
 
 }  // namespace lostbits

@@ -14,7 +14,7 @@ constexpr int gap = 14;
 constexpr int block_gap = 10;
 constexpr int column_head = 22;      // the name of the form
 constexpr int note_line = 14;
-constexpr std::size_t note_lines = 2;
+constexpr std::size_t note_lines = 3;
 
 }  // namespace
 

@@ -71,7 +71,7 @@ public:
     /// Rows of the field of one cell, as Thumbnail::add_rows.
     void add_rows(std::size_t form, std::size_t format, int y_begin, std::span<const Rgb8> samples);
 
-    /// The small text under one cell, such as `p99 3.2 bits\n4% false miss`: two lines of about 25 letters, wrapped
+    /// The small text under one cell, such as `p99 3.2 bits\n4% false miss`: three lines of about 25 letters, wrapped
     /// where there is no line break, and shortened where there are more.
     void set_note(std::size_t form, std::size_t format, std::string note);
 

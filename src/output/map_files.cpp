@@ -36,7 +36,8 @@ std::string glance(const MapSummary& s, std::size_t lost) {
     if (const auto n = s.count(Outcome::false_miss)) faults.push_back(percent(n, s.true_hits) + " false miss");
     if (const auto n = s.count(Outcome::false_hit)) faults.push_back(percent(n, true_misses) + " false hit");
     if (const auto n = s.count(Outcome::not_a_number)) faults.push_back(percent(n, s.rays) + " NaN");
-    return faults.empty() ? text : text + "\n" + fmt::format("{}", fmt::join(faults, ", "));
+    if (s.count(Outcome::agree_hit) == 0 && faults.empty()) return "nothing hit";
+    return fmt::format("{}{}{}", text, faults.empty() ? "" : "\n", fmt::join(faults, "\n"));
 }
 
 }  // namespace

@@ -27,7 +27,7 @@ struct Kind;
 // --- floating-point formats: the result is the exact one, rounded once --------------------------------------------
 
 template <class T>
-concept InFormat = std::same_as<T, float> || std::same_as<T, double> || requires {
+concept InFormat = std::same_as<T, float> || std::same_as<T, double> || std::same_as<T, Dual<double, 2>> || requires {
     T::format();
 };
 
@@ -38,7 +38,7 @@ struct Kind<T> {
 
     static FloatFormat format() {
         if constexpr (std::same_as<T, float>) return binary32;
-        else if constexpr (std::same_as<T, double>) return binary64;
+        else if constexpr (std::same_as<T, double> || std::same_as<T, Dual<double, 2>>) return binary64;
         else return T::format();
     }
     static double value(T x) {
