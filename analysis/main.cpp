@@ -1,9 +1,11 @@
 #include <fmt/format.h>
 
 #include <cstdio>
+#include <cstdlib>
 #include <exception>
 #include <map>
 #include <new>
+#include <system_error>
 
 #include "commands.hpp"
 #include "output/atomic_file.hpp"
@@ -49,8 +51,11 @@ Exit run(int argc, char** argv) {
     Common common;
     Command chosen;
     add_common(program, common);
+    add_check(program, common, chosen);
+    add_diff(program, common, chosen);
     add_list(program, common, chosen);
     add_map(program, common, chosen);
+    add_sweep(program, common, chosen);
     try {
         program.parse(argc, argv);
     } catch (const CLI::Success& success) {  // --help, --version
@@ -65,12 +70,25 @@ Exit run(int argc, char** argv) {
 }  // namespace
 }  // namespace lostbits::analysis
 
+namespace {
+
+/// A library that gives up (a thread pool without memory for its threads) ends here: no partial file stays.
+[[noreturn]] void on_terminate() {
+    lostbits::output::remove_partial_files();
+    std::fputs("lostbits: stopped by a library; out of memory or threads? Try fewer forms, a smaller --size, or -j 1\n", stderr);
+    std::_Exit(static_cast<int>(std::current_exception() ? lostbits::Exit::internal : lostbits::Exit::environment));
+}
+
+}  // namespace
+
 int main(int argc, char** argv) {
     using namespace lostbits;
     analysis::install_signal_handlers();
     output::raise_open_file_limit();
+    std::set_terminate(on_terminate);
+    // stdio, not fmt: what cannot be written because stderr is closed must not throw while an error is reported.
     const auto fail = [](Exit code, const char* message) {
-        fmt::print(stderr, "lostbits: {}\n", message);
+        std::fprintf(stderr, "lostbits: %s\n", message);
         return static_cast<int>(code);
     };
     try {
@@ -82,6 +100,8 @@ int main(int argc, char** argv) {
         return fail(error.code(), error.what());
     } catch (const std::bad_alloc&) {
         return fail(Exit::environment, "out of memory; try a smaller --size or fewer forms");
+    } catch (const std::system_error& error) {  // a closed stdout, no more threads
+        return fail(Exit::environment, error.what());
     } catch (const std::exception& error) {
         return fail(Exit::internal, error.what());
     }

@@ -57,15 +57,6 @@ std::vector<scene::Scene> load(const MapOptions& o, const Common& common) {
     return scenes;
 }
 
-/// The default metrics and those that were asked for, in the table's order.
-std::vector<const Metric*> measured(const std::vector<const Metric*>& asked) {
-    std::vector<const Metric*> all;
-    for (const Metric& m : metrics()) {
-        if (m.by_default || std::ranges::find(asked, &m) != asked.end()) all.push_back(&m);
-    }
-    return all;
-}
-
 void print_table(const MapRequest& request, const std::vector<MapSummary>& summaries) {
     const auto lost = static_cast<std::size_t>(std::ranges::find(request.metrics, find_metric("lost_bits")) - request.metrics.begin());
     fmt::print("  {:<28} {:<5} {:>10} {:>10} {:>9} {:>6} {:>9} {:>9}\n", "form", "fmt", "false hit", "false miss", "NaN", "bits:", "p50", "p99");
@@ -78,6 +69,7 @@ void print_table(const MapRequest& request, const std::vector<MapSummary>& summa
 }
 
 Exit run(const MapOptions& o, const Common& common) {
+    if (o.out.empty()) throw InputError("-o: the name of the folder is empty; write -o . for this one");
     const auto rows = cross(select_forms(o.forms), select_formats(o.formats));
     const auto asked = o.metrics.empty() ? std::vector{find_metric("lost_bits")} : select_metrics(o.metrics);
     const auto scenes = load(o, common);

@@ -51,7 +51,22 @@ std::vector<const Intersector*> select_forms(const std::vector<std::string>& glo
 }
 
 std::vector<const Metric*> select_metrics(const std::vector<std::string>& globs) {
-    return select_rows(metrics(), globs, "metric", "--metric", [](const Metric& m) { return m.name; });
+    std::vector<const Metric*> chosen;
+    for (const std::string& glob : globs) {
+        for (const Metric* m : select_rows(metrics(), {glob}, "metric", "--metric", [](const Metric& row) { return row.name; })) {
+            if (std::ranges::find(chosen, m) == chosen.end()) chosen.push_back(m);
+        }
+    }
+    return chosen;
+}
+
+/// The default metrics and those that were asked for, in the table's order.
+std::vector<const Metric*> measured(const std::vector<const Metric*>& asked) {
+    std::vector<const Metric*> all;
+    for (const Metric& m : metrics()) {
+        if (m.by_default || std::ranges::find(asked, &m) != asked.end()) all.push_back(&m);
+    }
+    return all;
 }
 
 std::vector<Format> select_formats(const std::vector<std::string>& names) {

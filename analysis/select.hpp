@@ -19,8 +19,11 @@ std::vector<const Intersector*> select_forms(const std::vector<std::string>& glo
 /// Formats by name, or ranges `p5..p12`; duplicates are dropped. InputError with did-you-mean.
 std::vector<Format> select_formats(const std::vector<std::string>& names);
 
-/// Metrics by name or glob. InputError with did-you-mean.
+/// Metrics by name or glob, in the order asked for. InputError with did-you-mean.
 std::vector<const Metric*> select_metrics(const std::vector<std::string>& globs);
+
+/// The default metrics and those that were asked for, in the table's order.
+std::vector<const Metric*> measured(const std::vector<const Metric*>& asked);
 
 /// Every selected form in every selected format that it exists in. NothingSelected where that leaves none.
 std::vector<MapRow> cross(const std::vector<const Intersector*>& forms, const std::vector<Format>& formats);

@@ -24,8 +24,7 @@ void on_signal(int) {
 void install_signal_handlers() {
     struct sigaction action {};
     action.sa_handler = on_signal;
-    sigaction(SIGINT, &action, nullptr);
-    sigaction(SIGTERM, &action, nullptr);
+    for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGXCPU}) sigaction(signal, &action, nullptr);
     output::ignore_file_size_signal();
 }
 

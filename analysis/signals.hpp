@@ -3,7 +3,7 @@
 
 namespace lostbits::analysis {
 
-/// SIGINT and SIGTERM ask the run to stop; a second one removes partial files and leaves at once. A write past the
+/// SIGINT, SIGTERM, SIGHUP (a closed terminal) and SIGXCPU ask the run to stop; a second one removes partial files and leaves at once. A write past the
 /// file-size limit fails instead of killing the process.
 void install_signal_handlers();
 

@@ -89,6 +89,11 @@ Band::Band(const scene::Scene& scene, int y0, int y1, TruthLimit limit) : scene_
     }
 }
 
+Band::Band(scene::RayBlock rays, std::vector<Sphere<double>> spheres, TruthLimit limit)
+    : y0_(rays.y0), rows_(rays.y1 - rays.y0), limit_(limit), shared_(std::move(rays)), shared_spheres_(std::move(spheres)) {
+    truth_ = find_all(shared_, shared_spheres_, limit_);
+}
+
 void Band::find_condition() {
     condition_.assign(pixels(), std::numeric_limits<double>::quiet_NaN());
     for_each_pixel(pixels(), [&](std::size_t i) {

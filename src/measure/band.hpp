@@ -38,6 +38,8 @@ class Band {
 public:
     /// Finds the truth of every pixel, in parallel over the pixels.
     Band(const scene::Scene& scene, int y0, int y1, TruthLimit limit = {});
+    /// Rays that are already stored numbers, with their spheres: what a step of a sweep evaluates.
+    Band(scene::RayBlock rays, std::vector<Sphere<double>> spheres, TruthLimit limit = {});
     /// Finds κ of every hit, in parallel; `condition()` is empty before, and NaN for a miss.
     void find_condition();
     [[nodiscard]] const std::vector<double>& condition() const { return condition_; }
@@ -52,8 +54,8 @@ public:
     [[nodiscard]] double rounded_truth(std::size_t i, const FloatFormat& format, Direction unit_of) const;
 
 private:
-    const scene::Scene* scene_;
-    int y0_, rows_;
+    const scene::Scene* scene_ = nullptr;    ///< for own inputs, whose spheres each format rounds itself
+    int y0_ = 0, rows_ = 0;
     TruthLimit limit_;
     scene::RayBlock shared_;                 ///< inputs = shared
     std::vector<Sphere<double>> shared_spheres_;

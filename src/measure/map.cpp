@@ -14,12 +14,6 @@ namespace {
 
 constexpr double missing = std::numeric_limits<double>::quiet_NaN();
 
-unsigned needs_of(const MapRequest& request) {
-    unsigned needs = needs_nothing;
-    for (const Metric* m : request.metrics) needs |= m->needs;
-    return needs;
-}
-
 const Certified* in_unit_of(const Truth& truth, const Info& info) {
     if (!truth.is_hit()) return nullptr;
     return info.direction == Direction::unit ? &truth.distance : &truth.t;
@@ -28,8 +22,8 @@ const Certified* in_unit_of(const Truth& truth, const Info& info) {
 /// The metrics of the samples where form and truth agree that there is a hit.
 class Measurement {
 public:
-    Measurement(const MapRequest& request, const MapRow& row, BandResult& result)
-        : request_(request), row_(row), result_(result), needs_(needs_of(request)) {}
+    Measurement(const std::vector<const Metric*>& metrics, const MapRow& row, BandResult& result)
+        : metrics_(metrics), row_(row), result_(result), needs_(needs_of(metrics)) {}
 
     void measure(std::size_t i, MapSummary& summary) {
         const Answers& answers = *result_.answers;
@@ -48,8 +42,8 @@ public:
             self = without_rounding(*row_.form, ray, in.spheres[static_cast<std::size_t>(truth.object)]);
             if (self) sample.self = &*self;
         }
-        for (std::size_t m = 0; m < request_.metrics.size(); ++m) {
-            const double value = request_.metrics[m]->value(sample);
+        for (std::size_t m = 0; m < metrics_.size(); ++m) {
+            const double value = metrics_[m]->value(sample);
             result_.metrics[m][i] = value;
             summary.metrics[m].add(value);
         }
@@ -66,18 +60,27 @@ private:
         summary.worst = {x, y, result_.answers->object[i], size, result_.inputs->rays[i], *sample.sphere, sample.t};
     }
 
-    const MapRequest& request_;
+    const std::vector<const Metric*>& metrics_;
     const MapRow& row_;
     BandResult& result_;
     unsigned needs_;
 };
 
-void run_row(const MapRequest& request, const MapRow& row, const Band& band, const FormatInputs& inputs, MapSummary& summary, MapSink* sink) {
+}  // namespace
+
+unsigned needs_of(const std::vector<const Metric*>& metrics) {
+    unsigned needs = needs_nothing;
+    for (const Metric* m : metrics) needs |= m->needs;
+    return needs;
+}
+
+void measure_row(const MapRow& row, const std::vector<const Metric*>& metrics, const Band& band, const FormatInputs& inputs, MapSummary& summary,
+                 MapSink* sink) {
     const Answers answers = evaluate(*row.form, inputs);
     const std::size_t n = band.pixels();
-    BandResult result{band.y0(), band.rows(), request.scene->width, &band, &inputs, &answers, std::vector<Outcome>(n), {}};
-    result.metrics.assign(request.metrics.size(), std::vector<double>(n, missing));
-    Measurement measurement(request, row, result);
+    BandResult result{band.y0(), band.rows(), inputs.rays.width, &band, &inputs, &answers, std::vector<Outcome>(n), {}};
+    result.metrics.assign(metrics.size(), std::vector<double>(n, missing));
+    Measurement measurement(metrics, row, result);
     for (std::size_t i = 0; i < n; ++i) {
         const Truth& truth = band.truth()[i];
         const Outcome outcome = classify(truth.decision, answers.hit[i] != 0, answers.t[i]);
@@ -91,8 +94,6 @@ void run_row(const MapRequest& request, const MapRow& row, const Band& band, con
     summary.rays += n;
     if (sink) sink->band(result);
 }
-
-}  // namespace
 
 int band_rows(int width) {
     constexpr int pixels = 32768, block = 16;
@@ -108,16 +109,16 @@ std::vector<MapSummary> run_map(const MapRequest& request, const std::vector<Map
     for (const MapRow& row : request.rows) {
         BandNeeds& needs = formats[row.format.name];
         needs.unit_rays |= row.form->info->direction == Direction::unit;
-        needs.own_truth |= (needs_of(request) & needs_own_truth) != 0;
+        needs.own_truth |= (needs_of(request.metrics) & needs_own_truth) != 0;
     }
     for (int y0 = 0; y0 < scene.height; y0 += band_rows(scene.width)) {
         Band band(scene, y0, std::min(scene.height, y0 + band_rows(scene.width)), request.limit);
-        if (needs_of(request) & needs_condition) band.find_condition();
+        if (needs_of(request.metrics) & needs_condition) band.find_condition();
         std::map<std::string, FormatInputs> inputs;
         for (const auto& [name, needs] : formats) inputs.emplace(name, band.inputs(*find_format(name), needs));
         tbb::parallel_for(std::size_t{0}, request.rows.size(), [&](std::size_t r) {
             const MapRow& row = request.rows[r];
-            run_row(request, row, band, inputs.at(row.format.name), summaries[r], r < sinks.size() ? sinks[r] : nullptr);
+            measure_row(row, request.metrics, band, inputs.at(row.format.name), summaries[r], r < sinks.size() ? sinks[r] : nullptr);
             request.progress(band.pixels());
         });
     }

@@ -61,6 +61,14 @@ public:
     virtual void band(const BandResult& result) = 0;
 };
 
+/// Evaluates one row on a band, adds what it finds to `summary` (whose `metrics` are as many as these) and shows the
+/// result to the sink, if any.
+void measure_row(const MapRow& row, const std::vector<const Metric*>& metrics, const Band& band, const FormatInputs& inputs, MapSummary& summary,
+                 MapSink* sink = nullptr);
+
+/// What the metrics need computed first: `Needs`, or-ed.
+unsigned needs_of(const std::vector<const Metric*>& metrics);
+
 struct MapRequest {
     const scene::Scene* scene = nullptr;
     std::vector<MapRow> rows;

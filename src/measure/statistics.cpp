@@ -4,6 +4,7 @@
 #include <bit>
 #include <cmath>
 #include <limits>
+#include <stdexcept>
 
 namespace lostbits {
 
@@ -42,14 +43,30 @@ double Quantiles::at(double q) const {
 void Distribution::add(double x) {
     if (std::isnan(x)) return;
     const double size = std::fabs(x);
-    quantiles_.add(size);
+    ++count_;
+    if (!quantiles_) quantiles_ = std::make_unique<Quantiles>();
+    quantiles_->add(size);
     if (std::isinf(size)) infinite_ = true;
     else moments_.add(size);
 }
 
 double Distribution::mean() const {
-    if (count() == 0) return std::numeric_limits<double>::quiet_NaN();
+    if (count_ == 0) return std::numeric_limits<double>::quiet_NaN();
     return infinite_ ? std::numeric_limits<double>::infinity() : moments_.mean();
+}
+
+double Distribution::quantile(double q) const {
+    if (count_ == 0) return std::numeric_limits<double>::quiet_NaN();
+    if (quantiles_) return quantiles_->at(q);
+    const auto place = std::ranges::find(reported_quantiles, q);
+    if (place == reported_quantiles.end()) throw std::logic_error("a sealed distribution keeps the reported quantiles alone");
+    return sealed_[static_cast<std::size_t>(place - reported_quantiles.begin())];
+}
+
+void Distribution::seal() {
+    if (!quantiles_) return;
+    for (std::size_t i = 0; i < sealed_.size(); ++i) sealed_[i] = quantiles_->at(reported_quantiles[i]);
+    quantiles_.reset();
 }
 
 }  // namespace lostbits

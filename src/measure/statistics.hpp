@@ -44,18 +44,26 @@ private:
     std::array<std::unique_ptr<Binade>, 2048> binades_;
 };
 
+/// The quantiles that every table shows.
+inline constexpr std::array<double, 3> reported_quantiles{0.5, 0.99, 1.0};
+
 /// What the summary says of one metric: of |x|, over the samples where it exists.
 class Distribution {
 public:
     void add(double x);
-    [[nodiscard]] std::uint64_t count() const { return quantiles_.count(); }
-    /// Infinite when any sample is.
+    [[nodiscard]] std::uint64_t count() const { return count_; }
+    /// Infinite when any sample is; NaN when there is none.
     [[nodiscard]] double mean() const;
-    [[nodiscard]] double quantile(double q) const { return quantiles_.at(q); }
+    /// One of `reported_quantiles`, or any other before `seal`.
+    [[nodiscard]] double quantile(double q) const;
+    /// Keeps the reported quantiles and gives the buckets back: a sweep holds thousands of these.
+    void seal();
 
 private:
+    std::uint64_t count_ = 0;
     Moments moments_;
-    Quantiles quantiles_;
+    std::unique_ptr<Quantiles> quantiles_;
+    std::array<double, reported_quantiles.size()> sealed_{};
     bool infinite_ = false;
 };
 

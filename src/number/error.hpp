@@ -44,7 +44,7 @@ struct NothingSelected : Error {
 
 /// A signal asked the run to stop.
 struct Interrupted : Error {
-    Interrupted() : Error(Exit::interrupted, "interrupted: finished files are kept") {}
+    Interrupted() : Error(Exit::interrupted, "interrupted: the files of finished scenes are kept") {}
 };
 
 }  // namespace lostbits

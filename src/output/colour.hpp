@@ -21,10 +21,10 @@ static_assert(sizeof(Rgb8) == 3);
 /// apart. `agree_hit` is drawn with its metric's colour, and with this one only in a map of classes alone.
 inline constexpr std::array<Rgb8, 6> outcome_colours{{
     {26, 152, 120},   // agree_hit: a colour of the ramp, on purpose
-    {24, 24, 24},     // agree_miss: neutral, recedes
+    {222, 222, 222},  // agree_miss: neutral, recedes
     {210, 30, 15},    // false_hit: red
     {255, 150, 230},  // false_miss: pink
-    {255, 255, 255},  // not_a_number: white
+    {0, 0, 0},        // not_a_number: black
     {124, 120, 255},  // unresolved: periwinkle
 }};
 

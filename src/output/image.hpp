@@ -106,7 +106,8 @@ public:
     /// InputError for another name.
     [[nodiscard]] virtual std::vector<Rgb8> ramp(std::string_view name, int steps) = 0;
 
-    /// One line of text with letters `size` pixels to the em. Non-ASCII bytes and control characters become `?`.
+    /// One line of text with letters `size` pixels to the em. Latin letters lose their accents; any other character outside
+    /// ASCII becomes `?`.
     /// Throws EnvironmentError when DejaVu Sans is not installed.
     [[nodiscard]] virtual TextBitmap render_text(std::string_view ascii, int size, bool bold = false) = 0;
 

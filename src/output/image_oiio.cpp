@@ -35,6 +35,32 @@ std::unique_ptr<OIIO::ImageInput> open_input(const std::filesystem::path& path, 
     return in;
 }
 
+/// OpenImageIO 2.4 draws ASCII alone: Latin letters lose their accents, dashes and quotes become plain, and whatever
+/// else is left becomes one `?` a character.
+std::string plain_ascii(std::string_view utf8) {
+    static constexpr std::string_view latin = "AAAAAAACEEEEIIIIDNOOOOOxOUUUUYPsaaaaaaaceeeeiiiidnooooo/ouuuuypy";  // U+00C0 to U+00FF
+    std::string text;
+    for (std::size_t i = 0; i < utf8.size();) {
+        const auto lead = static_cast<unsigned char>(utf8[i]);
+        std::size_t size = lead < 0x80 ? 1 : lead >= 0xF0 ? 4 : lead >= 0xE0 ? 3 : 2;
+        size = std::min(size, utf8.size() - i);
+        char c = '?';
+        if (size == 1 && lead >= ' ' && lead <= '~') c = utf8[i];
+        if (size == 2) {
+            const unsigned code = (lead & 0x1FU) << 6 | (static_cast<unsigned char>(utf8[i + 1]) & 0x3FU);
+            if (code >= 0xC0 && code <= 0xFF) c = latin[code - 0xC0];
+            if (code == 0xB2) c = '2';
+        }
+        const std::string_view symbol = utf8.substr(i, size);
+        if (symbol == "\u2013" || symbol == "\u2014" || symbol == "\u2212") c = '-';
+        if (symbol == "\u2018" || symbol == "\u2019") c = '\'';
+        if (symbol == "\u201C" || symbol == "\u201D") c = '"';
+        text += c;
+        i += size;
+    }
+    return text;
+}
+
 class OiioBackend final : public ImageBackend {
 public:
     OiioBackend() {
@@ -68,10 +94,7 @@ public:
     }
 
     TextBitmap render_text(std::string_view ascii, int size, bool bold) override {
-        std::string text(ascii);
-        for (char& c : text) {
-            if (c < ' ' || c > '~') c = '?';
-        }
+        const std::string text = plain_ascii(ascii);
         // A map draws the same titles and ticks on dozens of pictures, and drawing them costs more than a small field.
         const std::lock_guard lock(text_mutex_);
         if (drawn_.size() > 4096) drawn_.clear();

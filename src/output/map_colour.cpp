@@ -9,7 +9,7 @@ namespace lostbits::output {
 namespace {
 
 /// A hit on which both agree and for which the metric does not exist (a form with no exact value there).
-constexpr Rgb8 no_value{190, 190, 190};
+constexpr Rgb8 no_value{120, 90, 60};
 
 std::string plain_name(Outcome o) {
     std::string name(outcome_names[static_cast<std::size_t>(o)]);
@@ -28,8 +28,8 @@ std::string count_text(std::uint64_t count, std::uint64_t total) {
 ColourScale metric_scale(const Metric& metric, std::span<const MapRow> rows, ImageBackend& backend) {
     double high = metric.high;
     if (high == 0) {
-        high = 53;
-        for (const MapRow& row : rows) high = std::min<double>(high, row.format.shape.precision);
+        for (const MapRow& row : rows) high = std::max<double>(high, row.format.shape.precision);
+        high = std::min<double>(high, binary32.precision);
     }
     return ColourScale("viridis", backend.ramp("viridis", 256), metric.low, high, metric.ramp == Ramp::magnitude);
 }

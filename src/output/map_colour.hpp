@@ -12,7 +12,7 @@
 namespace lostbits::output {
 
 /// The scale of a metric for a set of formats: compared pictures share one range. A metric in bits runs from 0 to the
-/// narrowest of the significands, so that the top of the ramp means "as many bits as the narrowest format has".
+/// widest of the significands but at most a float's 24: a double that has lost 24 bits is as bad as pictures get.
 ColourScale metric_scale(const Metric& metric, std::span<const MapRow> rows, ImageBackend& backend);
 
 /// The colour of one pixel. `value` is the metric's, signed; magnitudes are drawn.

@@ -24,6 +24,8 @@ ExrSpec spec_of(const MapRequest& request, const MapRow& row, const std::string&
     }
     for (const char* name : {"class.outcome", "class.object", "class.truth_object"}) spec.channels.push_back({name, u32});
     for (const Metric* m : request.metrics) spec.channels.push_back({std::string(m->layer), f32});
+    std::string outcomes;
+    for (std::size_t o = 0; o < outcome_names.size(); ++o) outcomes += (o ? ", " : "") + std::to_string(o) + " " + std::string(outcome_names[o]);
     spec.attributes = {
         {"lostbits:command", command},
         {"lostbits:schema", "lostbits-map/1"},
@@ -31,6 +33,8 @@ ExrSpec spec_of(const MapRequest& request, const MapRow& row, const std::string&
         {"lostbits:form", std::string(row.form->info->name)},
         {"lostbits:format", row.format.name},
         {"lostbits:compiler", LOSTBITS_COMPILER},
+        {"lostbits:outcomes", outcomes},
+        {"lostbits:objects", "0 none, otherwise the sphere's place in the scene, from 1"},
     };
     return spec;
 }

@@ -28,9 +28,10 @@ std::string glance(const MapSummary& s, std::size_t lost) {
     const auto percent = [](std::uint64_t part, std::uint64_t whole) {
         const double share = 100.0 * static_cast<double>(part) / static_cast<double>(whole);
         if (share < 0.1) return std::string("<0.1%");
+        if (share > 99 && share < 100) return std::string(">99%");
         return fmt::format(fmt::runtime(share < 10 ? "{:.1f}%" : "{:.0f}%"), share);
     };
-    std::string text = s.count(Outcome::agree_hit) == 0 ? "no hit agreed on" : fmt::format("p99 {:.1f} bits", s.metrics[lost].quantile(0.99));
+    std::string text = s.count(Outcome::agree_hit) == 0 ? "no hit agreed on" : fmt::format("p99 {:.1f} bits lost", s.metrics[lost].quantile(0.99));
     const std::uint64_t true_misses = s.rays - s.true_hits - s.count(Outcome::unresolved);
     std::vector<std::string> faults;
     if (const auto n = s.count(Outcome::false_miss)) faults.push_back(percent(n, s.true_hits) + " false miss");
@@ -57,7 +58,7 @@ public:
         const std::string stem = std::string(row.form->info->name) + "." + row.format.name;
         exr_ = std::make_unique<MapExr>(backend, options.folder / (stem + ".exr"), request, row, options.command);
         for (const Metric* m : options.drawn) {
-            const std::string suffix = m == options.drawn.front() ? "" : "." + std::string(m->name);
+            const std::string suffix = options.drawn.size() == 1 ? "" : "." + std::string(m->name);
             drawings_.push_back({index_of(request.metrics, m), metric_scale(*m, request.rows, backend), nullptr});
             HeatmapSpec spec{.title = fmt::format("{} in {}: {}", row.form->info->name, row.format.name, m->name),
                              .subtitle = {request.scene->title, std::string(row.form->info->title), clamp_note(*m, drawings_.back().scale)},
@@ -127,7 +128,7 @@ MapFiles::MapFiles(const MapRequest& request, const MapFilesOptions& options) : 
     const ColourScale scale = metric_scale(first, request.rows, backend);
     const auto pixels = static_cast<std::uint64_t>(request.scene->width) * static_cast<std::uint64_t>(request.scene->height);
 
-    p.summary = std::make_unique<CsvWriter>(options.folder / "summary.csv", summary_columns(request));
+    p.summary = std::make_unique<CsvWriter>(options.folder / "summary.csv", summary_columns(request.metrics));
     p.sheet = std::make_unique<ContactSheet>(backend, options.folder / "contact.png",
                                              SheetSpec{.title = request.scene->title,
                                                        .subtitle = {fmt::format("{}, {} x {} rays", request.scene->id, request.scene->width, request.scene->height),
@@ -164,9 +165,12 @@ void MapFiles::finish(const std::vector<MapSummary>& summaries) {
         for (std::size_t o = 0; o < total.outcomes.size(); ++o) total.outcomes[o] += summaries[r].outcomes[o];
     }
     p.sheet->finish(outcome_legend(total));
-    write_summary(*p.summary, p.request, summaries);
+    for (std::size_t r = 0; r < summaries.size(); ++r) {
+        add_summary(*p.summary, p.request.rows[r], summaries[r]);
+        p.summary->end_row();
+    }
 
-    std::vector<DataResource> resources{{"summary.csv", "One row per form and format", summary_columns(p.request)}};
+    std::vector<DataResource> resources{{"summary.csv", "One row per form and format", summary_columns(p.request.metrics)}};
     if (p.options.pixels_csv) {
         for (const MapRow& row : p.request.rows) {
             const std::string stem = std::string(row.form->info->name) + "." + row.format.name;

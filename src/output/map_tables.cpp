@@ -58,7 +58,7 @@ const char* outcome_meaning(Outcome o) {
 
 }  // namespace
 
-std::vector<Column> summary_columns(const MapRequest& request) {
+std::vector<Column> summary_columns(const std::vector<const Metric*>& metrics) {
     std::vector<Column> columns{{"form", "string", "", "form under test"}, {"format", "string", "", "format it computes in"},
                                 {"rays", "integer", "", "rays, one a pixel"}};
     for (std::size_t o = 0; o < outcome_names.size(); ++o) {
@@ -67,7 +67,7 @@ std::vector<Column> summary_columns(const MapRequest& request) {
     columns.push_back({"false_hit_fraction", "number", "1", "false_hit among the rays that truly miss"});
     columns.push_back({"false_miss_fraction", "number", "1", "false_miss among the rays that truly hit"});
     columns.push_back({"wrong_object", "integer", "", "agree_hit, but the form found another sphere first"});
-    for (const Metric* m : request.metrics) {
+    for (const Metric* m : metrics) {
         for (const Statistic& s : statistics) {
             const std::string name(m->name);
             columns.push_back({name + "_" + s.name, "number", std::string(m->unit), std::string(s.meaning) + " of |" + name + "| over agree_hit"});
@@ -82,22 +82,18 @@ std::vector<Column> summary_columns(const MapRequest& request) {
     return columns;
 }
 
-void write_summary(CsvWriter& csv, const MapRequest& request, const std::vector<MapSummary>& summaries) {
-    for (std::size_t r = 0; r < summaries.size(); ++r) {
-        const MapSummary& s = summaries[r];
-        csv.add(request.rows[r].form->info->name).add(request.rows[r].format.name).add(s.rays);
-        for (const std::uint64_t count : s.outcomes) csv.add(count);
-        // A NaN is an answer to a ray that truly hits or truly misses; it is in neither fraction's numerator.
-        const std::uint64_t true_hits = s.true_hits, true_misses = s.rays - s.true_hits - s.count(Outcome::unresolved);
-        csv.add(fraction(s.count(Outcome::false_hit), true_misses)).add(fraction(s.count(Outcome::false_miss), true_hits)).add(s.wrong_object);
-        for (const Distribution& d : s.metrics) {
-            for (const Statistic& statistic : statistics) csv.add(number_or_missing(statistic.of(d)));
-        }
-        const bool any = s.worst.x >= 0;
-        csv.add(any ? Cell(s.worst.x) : Cell()).add(any ? Cell(s.worst.y) : Cell()).add(any ? Cell(s.worst.object) : Cell());
-        for (const HexPart& p : worst_parts) csv.add(any ? Cell(hex(p.of(s.worst))) : Cell());
-        csv.end_row();
+void add_summary(CsvWriter& csv, const MapRow& row, const MapSummary& s) {
+    csv.add(row.form->info->name).add(row.format.name).add(s.rays);
+    for (const std::uint64_t count : s.outcomes) csv.add(count);
+    // A NaN is an answer to a ray that truly hits or truly misses; it is in neither fraction's numerator.
+    const std::uint64_t true_misses = s.rays - s.true_hits - s.count(Outcome::unresolved);
+    csv.add(fraction(s.count(Outcome::false_hit), true_misses)).add(fraction(s.count(Outcome::false_miss), s.true_hits)).add(s.wrong_object);
+    for (const Distribution& d : s.metrics) {
+        for (const Statistic& statistic : statistics) csv.add(number_or_missing(statistic.of(d)));
     }
+    const bool any = s.worst.x >= 0;
+    csv.add(any ? Cell(s.worst.x) : Cell()).add(any ? Cell(s.worst.y) : Cell()).add(any ? Cell(s.worst.object) : Cell());
+    for (const HexPart& p : worst_parts) csv.add(any ? Cell(hex(p.of(s.worst))) : Cell());
 }
 
 std::vector<Column> pixel_columns(const MapRequest& request) {

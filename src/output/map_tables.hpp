@@ -11,8 +11,9 @@ namespace lostbits::output {
 
 /// Counts and fractions, then mean, p50, p99 and max of |metric| over `agree_hit`, then the worst ray by |ulp_error| with
 /// every number it takes to evaluate it again, in hex. Empty where there is no sample.
-std::vector<Column> summary_columns(const MapRequest& request);
-void write_summary(CsvWriter& csv, const MapRequest& request, const std::vector<MapSummary>& summaries);
+std::vector<Column> summary_columns(const std::vector<const Metric*>& metrics);
+/// The cells of one row of it, from `form` on; the caller ends the row.
+void add_summary(CsvWriter& csv, const MapRow& row, const MapSummary& summary);
 
 std::vector<Column> pixel_columns(const MapRequest& request);
 void write_pixels(CsvWriter& csv, const MapRequest& request, const MapRow& row, const BandResult& result);

@@ -64,6 +64,7 @@ void apply_override(Node& root, const Override& change) {
                                         : "; indices go from 0 to " + std::to_string(node->items.size() - 1);
                 fail(change.where, unknown + here + " is " + node->describe() + advice);
             }
+            node->where = change.where;  // what is wrong with the whole is now the override's doing
             node = &node->items[step.index];
         } else {
             if (node->kind == Node::Kind::array)

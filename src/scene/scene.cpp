@@ -110,7 +110,12 @@ bool is_plain_name(std::string_view name) {
     return !name.empty() && std::all_of(name.begin(), name.end(), plain);
 }
 
-std::string stem_of(const std::filesystem::path& path) { return path.stem().string(); }
+/// The id of a file: it names the folder of the results, so it must not lead out of it or hide it.
+std::string stem_of(const std::filesystem::path& path) {
+    std::string stem = path.stem().string();
+    if (stem.starts_with('.')) throw InputError(path.string() + ":1:1: this file name gives no scene id; rename it to start with a letter");
+    return stem;
+}
 
 Override size_override(const std::pair<int, int>& size) {
     const Where where{"--size " + std::to_string(size.first) + 'x' + std::to_string(size.second), 0, 0};
@@ -175,7 +180,7 @@ Scene SceneFile::interpret(const Variant* variant, const LoadOptions& options) c
     TableReader file(root);
     require_schema(file, schema);
     scene.title = file.string("title");
-    scene.source = file.string("source");
+    scene.source = file.optional_string("source").value_or("-");
     scene.note = file.optional_string("note").value_or("");
     scene.inputs = file.optional_one_of("inputs", choices(inputs_names)).value_or(Inputs::shared);
     if (const auto size = file.optional_integers("size", 2, 1, most_pixels_a_side)) {
@@ -205,7 +210,7 @@ std::vector<std::filesystem::path> scene_files(const std::filesystem::path& data
         if (entry.path().extension() == ".toml") files.push_back(entry.path());
     if (error)
         throw InputError(folder.string() + ": no folder of scenes: " + error.message() +
-                         "; name the data folder that holds scenes/");
+                         "; name the data folder that holds scenes/ with --data");
     std::sort(files.begin(), files.end());
     return files;
 }

@@ -162,6 +162,21 @@ Node Node::of_array(std::vector<Node> items, Where where) {
     return node;
 }
 
+namespace {
+
+/// toml++ 3.3 recurses once a part of a dotted key and overflows the stack on a key of 50000 parts.
+void reject_endless_keys(const std::string& text, const std::string& source) {
+    constexpr int most_parts = 256;
+    int line = 1, dots = 0;
+    for (const char c : text) {
+        if (c == '\n') ++line;
+        if (c == '\n' || c == '=' || c == ',' || c == '{') dots = 0;
+        else if (c == '.' && ++dots > most_parts) fail({source, line, 1}, "has a key of more than 256 parts, which no file by hand has; check the path");
+    }
+}
+
+}  // namespace
+
 Node read_toml(const std::filesystem::path& path) {
     const Where start{path.string(), 1, 1};
     std::error_code ignored;
@@ -180,6 +195,7 @@ Node read_toml(const std::filesystem::path& path) {
     if (file.bad()) fail(start, "reading failed half way; check the disk");
     if (text.size() > most_bytes)
         fail(start, "is larger than 16 MiB, which no file of numbers by hand is; check the path");
+    reject_endless_keys(text, start.source);
     return parse(text, start.source);
 }
 

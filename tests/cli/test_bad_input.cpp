@@ -141,3 +141,20 @@ TEST_CASE("a disk that fills up leaves no half-written file") {
     CHECK(r.err.find("cannot write") != std::string::npos);
     CHECK(scratch.files() == std::vector<std::string>{"scene.toml"});
 }
+
+TEST_CASE("what once broke it: endless keys, ids that leave the folder, closed streams, a closed terminal") {
+    const Scratch scratch;
+    const std::string out = " -i sphere.press -f f32 -o '" + (scratch.path() / "out").string() + "'";
+    std::string endless = "schema = \"lostbits-scene/1\"\nx";
+    for (int i = 0; i < 60000; ++i) endless += ".a";
+    const auto deep = run("map '" + scratch.write("deep.toml", endless + " = 1\n") + "'" + out);
+    CHECK(deep.code == 2);
+    CHECK(deep.err.find("deep.toml:2:1:") != std::string::npos);
+    CHECK(run("map '" + scratch.write("...toml", good_scene) + "'" + out).code == 2);
+    const std::string scene = scratch.write("scene.toml", good_scene);
+    CHECK(run("map '" + scene + "' -i sphere.press -f f32 -o ''").code == 2);
+    CHECK(run("list metrics >&- 2>&-").code == 3);
+    const auto hung_up = run("map '" + scene + "' --size 3000x3000 -o '" + (scratch.path() / "out").string() + "' & child=$!; sleep 1; kill -HUP $child; wait $child; exit $?");
+    CHECK(hung_up.code == 130);
+    CHECK(scratch.files() == std::vector<std::string>{"...toml", "deep.toml", "scene.toml"});
+}

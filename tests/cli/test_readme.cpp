@@ -21,3 +21,15 @@ TEST_CASE("the picture and the table of the README are what the program makes") 
     // Pixels, not bytes: another zlib packs the same picture differently.
     CHECK((now.pixels == then.pixels));
 }
+
+TEST_CASE("the scene of the README can be mapped as it stands there") {
+    const std::string readme = contents(LOSTBITS_REPORTS_DIR "/../README.md");
+    const auto begin = readme.find("```toml\n") + 8;
+    REQUIRE(begin != std::string::npos + 8);
+    const Scratch scratch;
+    const std::string file = scratch.write("mine.toml", readme.substr(begin, readme.find("```", begin) - begin));
+    const auto r = run("map '" + file + "' --size 24x24 -i sphere.press -f f32 -o '" + scratch.path().string() + "'");
+    INFO(r.err);
+    CHECK(r.code == 0);
+    CHECK(std::stod(read_csv(scratch.path() / "mine/summary.csv").front().at("agree_hit")) > 100);
+}

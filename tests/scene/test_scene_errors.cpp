@@ -115,9 +115,8 @@ TEST_CASE("a picture has a sane size") {
           "--size 0x5: size[0] is the integer 0, but a whole number from 1 to 65536 is expected here");
 }
 
-TEST_CASE("a scene has a title, a source, a camera and a sphere, and nothing unknown") {
+TEST_CASE("a scene has a title, a camera and a sphere, and nothing unknown") {
     CHECK(broken("title = \"A test\"", "") == "scene.toml:1:1: title is missing; give it a string");
-    CHECK(broken("source = \"-\"", "") == "scene.toml:1:1: source is missing; give it a string");
     CHECK(broken("note = \"nothing\"", "") == "no error");
     CHECK(broken("schema = \"lostbits-scene/1\"", "").starts_with("scene.toml:1:1: schema is missing"));
     CHECK(broken("[camera]", "[camra]") ==

@@ -1,0 +1,112 @@
+#include <fmt/format.h>
+#include <fnmatch.h>
+#include <tbb/global_control.h>
+
+#include <algorithm>
+#include <memory>
+#include <set>
+#include <thread>
+
+#include "commands.hpp"
+#include "output/atomic_file.hpp"
+#include "output/claim_files.hpp"
+#include "output/number_text.hpp"
+#include "select.hpp"
+#include "signals.hpp"
+
+namespace lostbits::analysis {
+namespace {
+
+using scene::Claim;
+using State = ClaimResult::State;
+
+struct CheckOptions {
+    std::vector<std::string> files;
+    std::vector<std::string> filters;
+    std::string junit, csv, json, annotations = "none";
+    bool strict = false, measure = false;
+};
+
+std::vector<Claim> load(const CheckOptions& o, const std::filesystem::path& data) {
+    std::vector<Claim> claims;
+    std::set<std::string> ids;
+    const auto given = o.files.empty() ? std::vector<std::string>{(data / "claims").string()} : o.files;
+    for (const std::string& word : given) {
+        for (const auto& path : scene::claim_files(word)) {
+            for (Claim& claim : scene::read_claims(path)) {
+                if (!ids.insert(claim.id).second) scene::fail(claim.where, "the id \"" + claim.id + "\" stands in another file too; ids are unique");
+                const bool chosen = o.filters.empty() ||
+                                    std::ranges::any_of(o.filters, [&](const std::string& f) { return fnmatch(f.c_str(), claim.id.c_str(), 0) == 0; });
+                if (chosen) claims.push_back(std::move(claim));
+            }
+        }
+    }
+    if (claims.empty()) throw NothingSelected("no claim is selected; see --filter, or `lostbits list claims`");
+    return claims;
+}
+
+void print(const Claim& claim, const ClaimResult& r, const CheckOptions& o, bool verbose) {
+    const char* verdict = claim.verdict == Claim::Verdict::holds ? "holds" : "refuted";
+    if (r.state == State::agrees) {
+        if (verbose) fmt::print("ok       {} ({}): {}\n", claim.id, verdict, output::decimal(r.measured));
+        return;
+    }
+    const char* word = claim.severity == Claim::Severity::warn && !o.strict ? "warning" : r.state == State::broken ? "broken" : "FAILED";
+    fmt::print("{:<8} {} ({}: {})\n", word, claim.id, verdict, claim.statement);
+    fmt::print("         {}: {}\n", claim.where.text(), output::explain(claim, r));
+    if (r.witness.x >= 0) {
+        fmt::print("         worst ray: origin {} {} {}, direction {} {} {}\n", output::hex(r.witness.ray.origin.x), output::hex(r.witness.ray.origin.y),
+                   output::hex(r.witness.ray.origin.z), output::hex(r.witness.ray.direction.x), output::hex(r.witness.ray.direction.y),
+                   output::hex(r.witness.ray.direction.z));
+    }
+    fmt::print("         again: {}\n", output::reproduce(claim));
+    if (o.annotations == "github") {
+        fmt::print("::{} file={},line={},title={}::{}\n", std::string_view(word) == "warning" ? "warning" : "error", claim.where.source, claim.where.line, claim.id,
+                   output::explain(claim, r));
+    }
+}
+
+Exit run(const CheckOptions& o, const Common& common) {
+    const auto data = data_folder(common.data);
+    const auto claims = load(o, data);
+    const int threads = common.threads > 0 ? common.threads : static_cast<int>(std::thread::hardware_concurrency());
+    const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(std::max(1, threads)));
+    // The reports' places are tried before the work; the files themselves are small and written after it.
+    for (const std::string& path : {o.junit, o.csv, o.json}) {
+        if (!path.empty()) output::AtomicFile probe(path);
+    }
+    const auto results = measure_claims(claims, data, stop_if_interrupted);
+    if (o.measure) {
+        for (std::size_t i = 0; i < claims.size(); ++i) fmt::print("{} = {}\n", claims[i].id, output::decimal(results[i].measured));
+        return Exit::done;
+    }
+    std::size_t agreed = 0, failed = 0;
+    for (std::size_t i = 0; i < claims.size(); ++i) {
+        print(claims[i], results[i], o, common.verbose);
+        agreed += results[i].state == State::agrees;
+        failed += results[i].state != State::agrees && (o.strict || claims[i].severity == Claim::Severity::error);
+    }
+    if (!o.junit.empty()) output::write_junit(o.junit, claims, results, o.strict);
+    if (!o.csv.empty()) output::write_claims_csv(o.csv, claims, results);
+    if (!o.json.empty()) output::write_claims_json(o.json, claims, results);
+    if (!common.quiet) fmt::print("{} claims: {} measure as stated, {} do not\n", claims.size(), agreed, claims.size() - agreed);
+    return failed == 0 ? Exit::done : Exit::answer_is_no;
+}
+
+}  // namespace
+
+void add_check(CLI::App& program, const Common& common, Command& chosen) {
+    auto* command = program.add_subcommand("check", "Measure claims anew and compare with what they state");
+    const auto o = std::make_shared<CheckOptions>();
+    command->add_option("CLAIMS", o->files, "Claim files or folders (default: data/claims)");
+    command->add_option("--filter", o->filters, "Only claims whose id matches a glob");
+    command->add_option("--junit", o->junit, "Write JUnit XML");
+    command->add_option("--export-csv", o->csv, "Write a row a claim");
+    command->add_option("--export-json", o->json, "Write an array of claims");
+    command->add_option("--annotations", o->annotations, "github: also print workflow annotations")->check(CLI::IsMember({"none", "github"}));
+    command->add_flag("--strict", o->strict, "Claims of severity warn fail too");
+    command->add_flag("--measure", o->measure, "Print what each claim measures now, without judging");
+    command->callback([o, &common, &chosen] { chosen = [o, &common] { return run(*o, common); }; });
+}
+
+}  // namespace lostbits::analysis

@@ -1,0 +1,134 @@
+#include "output/claim_files.hpp"
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+#include <pugixml.hpp>
+
+#include <cmath>
+#include <sstream>
+
+#include "output/csv.hpp"
+#include "output/number_text.hpp"
+
+namespace lostbits::output {
+namespace {
+
+using scene::Claim;
+using State = ClaimResult::State;
+
+const char* state_name(State s) { return s == State::agrees ? "agrees" : s == State::disagrees ? "disagrees" : "broken"; }
+const char* verdict_name(const Claim& c) { return c.verdict == Claim::Verdict::holds ? "holds" : "refuted"; }
+std::string subject(const Claim& c) { return c.scene.empty() ? c.sweep : c.scene; }
+std::string quantity(const Claim& c) {
+    return c.onset.empty() ? c.metric : fmt::format("onset of {} {} {}", c.onset, c.statistic, decimal(c.threshold));
+}
+
+/// XML 1.0 has no way to write most control characters.
+std::string xml_safe(std::string text) {
+    std::erase_if(text, [](unsigned char c) { return c < ' ' && c != '\n' && c != '\t'; });
+    return valid_utf8(text);
+}
+
+std::string witness_text(const ClaimResult& r) {
+    if (r.witness.x < 0) return "";
+    const auto& w = r.witness;
+    return fmt::format("origin {} {} {} direction {} {} {} centre {} {} {} radius {} t {}", hex(w.ray.origin.x), hex(w.ray.origin.y), hex(w.ray.origin.z),
+                       hex(w.ray.direction.x), hex(w.ray.direction.y), hex(w.ray.direction.z), hex(w.sphere.centre.x), hex(w.sphere.centre.y),
+                       hex(w.sphere.centre.z), hex(w.sphere.radius), hex(w.t));
+}
+
+}  // namespace
+
+std::string explain(const Claim& c, const ClaimResult& r) {
+    const std::string expected = fmt::format("expected {} in [{}, {}]", quantity(c), decimal(c.low), decimal(c.high));
+    if (r.state == State::broken) return fmt::format("{}, but {}", expected, r.trouble);
+    return fmt::format("{}, measured {}", expected, decimal(r.measured));
+}
+
+std::string reproduce(const Claim& c) {
+    return fmt::format("lostbits {} {} -i {} -f {} -o out", c.scene.empty() ? "sweep" : "map", subject(c), c.form, c.format);
+}
+
+void write_junit(const std::filesystem::path& path, const std::vector<Claim>& claims, const std::vector<ClaimResult>& results, bool strict) {
+    pugi::xml_document document;
+    auto suite = document.append_child("testsuites").append_child("testsuite");
+    suite.append_attribute("name") = "lostbits claims";
+    std::size_t failures = 0, errors = 0;
+    const auto tests = suite.append_attribute("tests"), failed = suite.append_attribute("failures"), broken = suite.append_attribute("errors");
+    for (std::size_t i = 0; i < claims.size(); ++i) {
+        const Claim& c = claims[i];
+        auto test = suite.append_child("testcase");
+        test.append_attribute("name") = c.id.c_str();
+        test.append_attribute("classname") = subject(c).c_str();
+        if (results[i].state == State::agrees) continue;
+        const std::string what = xml_safe(explain(c, results[i]));
+        const std::string more = xml_safe(fmt::format("{}\n{}: {}\n{}\n{}\n", c.statement, c.where.text(), what, witness_text(results[i]), reproduce(c)));
+        if (c.severity == Claim::Severity::warn && !strict) {
+            test.append_child("system-out").text().set(more.c_str());
+            continue;
+        }
+        const bool is_failure = results[i].state == State::disagrees;
+        ++(is_failure ? failures : errors);
+        auto node = test.append_child(is_failure ? "failure" : "error");
+        node.append_attribute("message") = what.c_str();
+        node.text().set(more.c_str());
+    }
+    pugi::xml_attribute(tests).set_value(static_cast<unsigned long long>(claims.size()));
+    pugi::xml_attribute(failed).set_value(static_cast<unsigned long long>(failures));
+    pugi::xml_attribute(broken).set_value(static_cast<unsigned long long>(errors));
+    std::ostringstream text;
+    document.save(text, "  ");
+    AtomicFile file(path);
+    file.write(text.str());
+    file.commit();
+}
+
+void write_claims_csv(const std::filesystem::path& path, const std::vector<Claim>& claims, const std::vector<ClaimResult>& results) {
+    CsvWriter csv(path, {{"id", "string", "", "the claim"},
+                         {"statement", "string", "", "its sentence"},
+                         {"source", "string", "", "where the sentence is from"},
+                         {"verdict", "string", "", "what was found: holds or refuted"},
+                         {"subject", "string", "", "scene or sweep"},
+                         {"form", "string", "", "form under test"},
+                         {"format", "string", "", "format it computes in"},
+                         {"quantity", "string", "", "what is measured"},
+                         {"expected_low", "number", "", "least value that agrees"},
+                         {"expected_high", "number", "", "largest value that agrees"},
+                         {"measured", "number", "", "missing where nothing could be measured"},
+                         {"state", "string", "", "agrees, disagrees or broken"},
+                         {"witness", "string", "", "the worst ray of the measurement in hexadecimal floats"}});
+    for (std::size_t i = 0; i < claims.size(); ++i) {
+        const Claim& c = claims[i];
+        const ClaimResult& r = results[i];
+        csv.row({c.id, c.statement, c.source, verdict_name(c), subject(c), c.form, c.format, quantity(c), c.low, c.high,
+                 std::isnan(r.measured) ? Cell() : Cell(r.measured), state_name(r.state), witness_text(r)});
+    }
+    csv.close();
+}
+
+void write_claims_json(const std::filesystem::path& path, const std::vector<Claim>& claims, const std::vector<ClaimResult>& results) {
+    const auto number = [](double x) { return std::isfinite(x) ? nlohmann::ordered_json(x) : nlohmann::ordered_json(decimal(x)); };
+    auto array = nlohmann::ordered_json::array();
+    for (std::size_t i = 0; i < claims.size(); ++i) {
+        const Claim& c = claims[i];
+        array.push_back({{"id", c.id},
+                         {"statement", c.statement},
+                         {"source", c.source},
+                         {"note", c.note},
+                         {"verdict", verdict_name(c)},
+                         {"subject", subject(c)},
+                         {"form", c.form},
+                         {"format", c.format},
+                         {"quantity", quantity(c)},
+                         {"expected", {number(c.low), number(c.high)}},
+                         {"measured", number(results[i].measured)},
+                         {"state", state_name(results[i].state)},
+                         {"witness", witness_text(results[i])},
+                         {"reproduce", reproduce(c)}});
+    }
+    AtomicFile file(path);
+    file.write(array.dump(2) + "\n");
+    file.commit();
+}
+
+}  // namespace lostbits::output

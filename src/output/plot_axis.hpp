@@ -1,0 +1,54 @@
+// The axis of a plot: from values to places, and the round values that are written beside it.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace lostbits::output {
+
+/// What the caller says about an axis.
+struct Axis {
+    enum class Scale { linear, log2, log10 };
+    std::string title;
+    Scale scale = Scale::linear;
+    std::optional<double> low, high;  ///< the ends; where one is missing the data gives it
+};
+
+/// An axis whose ends are known.
+class AxisRange {
+public:
+    /// The ends are those of `axis`, else the least and greatest of `values` that have a place. A range without extent
+    /// is widened about its value, and a linear one that comes near 0 starts there. Throws std::invalid_argument for
+    /// ends that are not finite, not in order, or not positive on a log scale.
+    AxisRange(const Axis& axis, const std::vector<double>& values);
+
+    /// Whether `value` has a place: infinities have, a NaN and what is not positive on a log scale have not.
+    [[nodiscard]] bool has_place(double value) const noexcept;
+
+    /// 0 at the low end, 1 at the high one, beyond them outside (at most 10^4, so that pixels stay countable); an
+    /// infinite value lies at its end. Meaningless without a place.
+    [[nodiscard]] double position(double value) const noexcept;
+
+    /// A tick; without a label it is a minor one.
+    struct Tick {
+        double position;
+        std::string label;  ///< `4`, `0.25`, `2^-10`, `10^3`
+    };
+
+    /// Round values between the ends, about `most` (at least 2) labelled ones.
+    [[nodiscard]] std::vector<Tick> ticks(int most) const;
+
+    [[nodiscard]] bool is_log() const noexcept { return scale_ != Axis::Scale::linear; }
+
+private:
+    [[nodiscard]] double scaled(double value) const noexcept;
+    [[nodiscard]] double place(double s) const noexcept;
+    void widen(bool low_fixed, bool high_fixed);
+    [[nodiscard]] std::vector<Tick> exponent_ticks(int most) const;
+
+    Axis::Scale scale_;
+    double lo_ = 0, hi_ = 1;  // exponents on a log scale
+};
+
+}  // namespace lostbits::output

@@ -1,0 +1,69 @@
+#include "output/sweep_files.hpp"
+
+#include "output/datapackage.hpp"
+#include "output/map_tables.hpp"
+#include "output/number_text.hpp"
+
+namespace lostbits::output {
+namespace {
+
+std::vector<Column> sample_columns(const SweepRequest& request) {
+    std::vector<Column> columns;
+    for (const scene::Axis& axis : request.sweep->axes) {
+        columns.push_back({axis.name, "number", axis.unit, "value of the axis"});
+        columns.push_back({axis.name + "_hex", "string", axis.unit, "the same, exactly"});
+    }
+    // A sweep's rays have no picture: the place of the worst is its number in its set.
+    for (Column& c : summary_columns(request.metrics)) {
+        if (c.name == "worst_x") c.meaning = "ray with the largest |ulp_error| in its group, from 0";
+        if (c.name == "worst_y") c.meaning = "row of a scene's picture, 0 for a family";
+        columns.push_back(std::move(c));
+    }
+    return columns;
+}
+
+std::vector<Column> onset_columns(const SweepRequest& request) {
+    const scene::Axis& axis = request.sweep->axes.front();
+    return {{"form", "string", "", "form under test"},
+            {"format", "string", "", "format it computes in"},
+            {"event", "string", "", "what first happens: lost_bits reach the threshold, or an outcome occurs"},
+            {"statistic", "string", "", "p50, p99 or max over the rays of a step; count of an outcome"},
+            {"threshold", "number", "bits", "of the statistic; 1 for a count"},
+            {"found", "boolean", "", "whether it happens within the sweep"},
+            {"last_good_" + axis.name, "number", axis.unit, "last value before it, in the order of the steps; missing where the first step is bad already"},
+            {"first_bad_" + axis.name, "number", axis.unit, "first value at which it happens, narrowed by bisection"},
+            {"last_good_hex", "string", axis.unit, "the same, exactly"},
+            {"first_bad_hex", "string", axis.unit, "the same, exactly"},
+            {"value_at_first_bad", "number", "", "the statistic there"}};
+}
+
+}  // namespace
+
+SweepFiles::SweepFiles(const SweepRequest& request, const std::filesystem::path& folder)
+    : request_(request), folder_(folder), samples_(folder / "samples.csv", sample_columns(request)), onsets_(folder / "onsets.csv", onset_columns(request)) {}
+
+void SweepFiles::finish(const std::vector<SweepStep>& steps, const std::vector<Onset>& onsets) {
+    for (std::size_t r = 0; r < request_.rows.size(); ++r) {
+        for (const SweepStep& step : steps) {
+            for (const double value : step.values) samples_.add(value).add(hex(value));
+            add_summary(samples_, request_.rows[r], step.rows[r]);
+            samples_.end_row();
+        }
+    }
+    for (const Onset& o : onsets) {
+        const MapRow& row = request_.rows[o.row];
+        const bool good = o.found && !o.from_start;
+        onsets_.add(row.form->info->name).add(row.format.name).add(o.event).add(o.statistic).add(o.threshold).add(o.found);
+        onsets_.add(good ? Cell(o.last_good) : Cell()).add(o.found ? Cell(o.first_bad) : Cell());
+        onsets_.add(good ? Cell(hex(o.last_good)) : Cell()).add(o.found ? Cell(hex(o.first_bad)) : Cell());
+        onsets_.add(o.found ? Cell(o.value_at_first_bad) : Cell());
+        onsets_.end_row();
+    }
+    write_datapackage(folder_ / "datapackage.json", request_.sweep->title,
+                      {{"samples.csv", "One row per form, format and step", sample_columns(request_)},
+                       {"onsets.csv", "One row per form, format, event and threshold", onset_columns(request_)}});
+    onsets_.close();
+    samples_.close();
+}
+
+}  // namespace lostbits::output

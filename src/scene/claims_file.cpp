@@ -1,0 +1,84 @@
+#include "scene/claims_file.hpp"
+
+#include <algorithm>
+#include <set>
+
+#include "scene/toml_reader.hpp"
+
+namespace lostbits::scene {
+namespace {
+
+using V = Claim::Verdict;
+using S = Claim::Severity;
+constexpr std::pair<std::string_view, V> verdicts[] = {{"holds", V::holds}, {"refuted", V::refuted}};
+constexpr std::pair<std::string_view, S> severities[] = {{"error", S::error}, {"warn", S::warn}};
+
+void read_given(TableReader table, Claim& claim) {
+    claim.scene = table.optional_string("scene").value_or("");
+    claim.sweep = table.optional_string("sweep").value_or("");
+    if (claim.scene.empty() == claim.sweep.empty()) fail(table.where(), "claim.given names either a scene or a sweep; write one of them");
+    claim.form = table.string("form");
+    claim.format = table.string("format");
+    if (const auto at = table.optional_number("at")) {
+        if (claim.sweep.empty()) table.reject("at", "needs a sweep: it is a place on the sweep's axis");
+        claim.at = static_cast<double>(*at);
+    }
+    table.reject_unknown_keys();
+}
+
+void read_expect(TableReader table, Claim& claim) {
+    claim.metric = table.optional_string("metric").value_or("");
+    claim.onset = table.optional_string("onset").value_or("");
+    if (claim.metric.empty() == claim.onset.empty()) fail(table.where(), "claim.expect names either a metric or an onset; write one of them");
+    if (!claim.onset.empty()) {
+        if (claim.sweep.empty() || claim.at) table.fail_at("onset", "needs a sweep in claim.given, and no `at`");
+        claim.statistic = table.optional_string("statistic").value_or("count");
+        claim.threshold = static_cast<double>(table.optional_number("threshold").value_or(Real(1)));
+    } else if (!claim.sweep.empty() && !claim.at) {
+        table.fail_at("metric", "along a sweep needs `at` in claim.given, the place on the axis");
+    }
+    const auto ends = table.numbers("in", 2);
+    claim.low = static_cast<double>(ends[0]);
+    claim.high = static_cast<double>(ends[1]);
+    if (!(claim.low <= claim.high)) table.fail_at("in", "is [low, high] with low <= high");
+    table.reject_unknown_keys();
+}
+
+}  // namespace
+
+std::vector<Claim> read_claims(const std::filesystem::path& path) {
+    const Node root = read_toml(path);
+    TableReader file(root);
+    require_schema(file, "lostbits-claims/1");
+    std::vector<Claim> claims;
+    std::set<std::string> ids;
+    for (TableReader& table : file.tables("claim")) {
+        Claim claim;
+        claim.where = table.where();
+        claim.id = table.string("id");
+        if (!ids.insert(claim.id).second) table.fail_at("id", "is given twice; ids are unique");
+        claim.statement = table.string("statement");
+        claim.source = table.string("source");
+        claim.note = table.optional_string("note").value_or("");
+        claim.verdict = table.one_of<V>("verdict", verdicts);
+        claim.severity = table.optional_one_of<S>("severity", severities).value_or(S::error);
+        read_given(table.table("given"), claim);
+        read_expect(table.table("expect"), claim);
+        table.reject_unknown_keys();
+        claims.push_back(std::move(claim));
+    }
+    file.reject_unknown_keys();
+    return claims;
+}
+
+std::vector<std::filesystem::path> claim_files(const std::filesystem::path& file_or_folder) {
+    if (!std::filesystem::is_directory(file_or_folder)) return {file_or_folder};
+    std::vector<std::filesystem::path> files;
+    for (const auto& entry : std::filesystem::directory_iterator(file_or_folder)) {
+        if (entry.path().extension() == ".toml") files.push_back(entry.path());
+    }
+    std::ranges::sort(files);
+    return files;
+}
+
+}  // namespace lostbits::scene

@@ -1,0 +1,109 @@
+// Claims from the outside: what agrees, what does not, and what a machine reads of it.
+#include <nlohmann/json.hpp>
+
+#include "catch.hpp"
+#include "program.hpp"
+
+using namespace lostbits::test;
+
+namespace {
+
+const std::string head = "schema = \"lostbits-claims/1\"\n";
+
+std::string claim(const std::string& id, const std::string& given, const std::string& expect, const std::string& more = "") {
+    return "[[claim]]\nid = \"" + id + "\"\nstatement = \"A sentence\"\nsource = \"-\"\nverdict = \"holds\"\n" + more + "[claim.given]\n" + given +
+           "[claim.expect]\n" + expect;
+}
+
+const std::string inside = "scene = \"camera-inside\"\nform = \"sphere.unit_half_b\"\nformat = \"f32\"\n";
+const std::string all_missed = "metric = \"false_miss_fraction\"\nin = [1, 1]\n";
+const std::string none_missed = "metric = \"false_miss_fraction\"\nin = [0, 0.5]\n";
+
+}  // namespace
+
+TEST_CASE("every claim of the project measures as stated") {
+    const auto r = run("check");
+    INFO(r.out);
+    CHECK(r.code == 0);
+}
+
+TEST_CASE("a claim that does not measure as stated fails, by name, with the worst input and the command") {
+    const Scratch scratch;
+    const std::string file = scratch.write("c.toml", head + claim("right", inside, all_missed) + claim("wrong", inside, none_missed));
+    const std::string junit = (scratch.path() / "j.xml").string(), json = (scratch.path() / "c.json").string();
+    const auto r = run("check '" + file + "' --junit '" + junit + "' --export-json '" + json + "' --annotations github");
+    CHECK(r.code == 1);
+    CHECK(r.out.find("FAILED   wrong (holds: A sentence)") != std::string::npos);
+    CHECK(r.out.find("measured 1") != std::string::npos);
+    CHECK(r.out.find("lostbits map camera-inside -i sphere.unit_half_b -f f32") != std::string::npos);
+    CHECK(r.out.find("::error file=") != std::string::npos);
+    CHECK(r.out.find("right") == std::string::npos);
+    const std::string xml = contents(junit);
+    CHECK(xml.find("tests=\"2\" failures=\"1\" errors=\"0\"") != std::string::npos);
+    CHECK(xml.find("<failure message=") != std::string::npos);
+    const auto array = nlohmann::json::parse(contents(json));
+    CHECK(array[0]["state"] == "agrees");
+    CHECK(array[1]["state"] == "disagrees");
+    CHECK(array[1]["measured"] == 1);
+}
+
+TEST_CASE("what cannot be measured is an error, never a pass") {
+    const Scratch scratch;
+    // No hit is agreed on, so there is no error to take a quantile of.
+    const std::string file = scratch.write("c.toml", head + claim("empty", inside, "metric = \"lost_bits_p50\"\nin = [0, 24]\n"));
+    const auto r = run("check '" + file + "' --junit '" + (scratch.path() / "j.xml").string() + "'");
+    CHECK(r.code == 1);
+    CHECK(r.out.find("broken") == 0);
+    CHECK(contents(scratch.path() / "j.xml").find("<error message=") != std::string::npos);
+}
+
+TEST_CASE("severity, filter and measure") {
+    const Scratch scratch;
+    const std::string file = scratch.write("c.toml", head + claim("soft", inside, none_missed, "severity = \"warn\"\n") + claim("hard", inside, all_missed));
+    CHECK(run("check '" + file + "'").code == 0);
+    CHECK(run("check '" + file + "' --strict").code == 1);
+    CHECK(run("check '" + file + "' --strict --filter 'h*'").code == 0);
+    CHECK(run("check '" + file + "' --filter nothing").code == 4);
+    CHECK(run("check '" + file + "' --measure").out == "soft = 1\nhard = 1\n");
+}
+
+TEST_CASE("a claim along a sweep, at a place and by its onset") {
+    const Scratch scratch;
+    const std::string given = "sweep = \"sphere-distance\"\nform = \"sphere.schoolbook\"\nformat = \"f64\"\n";
+    // 2^26.5 = 94906265.6
+    const std::string file = scratch.write("c.toml", head + claim("onset", given, "onset = \"lost_bits\"\nstatistic = \"p50\"\nthreshold = 26.5\nin = [9.2e7, 9.8e7]\n") +
+                                                         claim("place", given + "at = 4096\n", "metric = \"lost_bits_p50\"\nin = [10, 14]\n"));
+    const auto r = run("check '" + file + "'");
+    INFO(r.out);
+    CHECK(r.code == 0);
+}
+
+TEST_CASE("bad claims are refused with their place") {
+    const Scratch scratch;
+    struct Case {
+        std::string text;
+        const char* says;
+    };
+    const Case cases[] = {
+        {head + claim("a", inside, all_missed) + claim("a", inside, all_missed), "twice"},
+        {head + claim("a", "form = \"sphere.press\"\nformat = \"f32\"\n", all_missed), "scene"},
+        {head + claim("a", "scene = \"camera-insid\"\nform = \"sphere.press\"\nformat = \"f32\"\n", all_missed), "camera-inside"},
+        {head + claim("a", "scene = \"camera-inside\"\nform = \"sphere.pres\"\nformat = \"f32\"\n", all_missed), "sphere.press"},
+        {head + claim("a", "scene = \"camera-inside\"\nform = \"sphere.press\"\nformat = \"f33\"\n", all_missed), "f32"},
+        {head + claim("a", inside, "metric = \"false_mis_fraction\"\nin = [0, 1]\n"), "false_miss_fraction"},
+        {head + claim("a", inside, "metric = \"false_miss_fraction\"\nin = [1, 0]\n"), "low"},
+        {head + claim("a", inside, "metric = \"false_miss_fraction\"\n"), "in"},
+        {head + claim("a", inside, "onset = \"lost_bits\"\nin = [0, 1]\n"), "sweep"},
+        {head + claim("a", inside, all_missed, "sverity = \"warn\"\n"), "severity"},
+    };
+    for (const Case& c : cases) {
+        INFO(c.text);
+        const auto r = run("check '" + scratch.write("c.toml", c.text) + "'");
+        INFO(r.err);
+        CHECK(r.code == 2);
+        CHECK(r.err.find("c.toml:") != std::string::npos);
+        CHECK(r.err.find(c.says) != std::string::npos);
+    }
+    CHECK(run("check missing.toml").code == 2);
+    CHECK(run("check --junit /proc/no/j.xml").code == 3);
+}

@@ -1,0 +1,279 @@
+// `lostbits diff` from the outside: what counts, what is printed, how it exits.
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <limits>
+
+#include "catch.hpp"
+#include "output/image.hpp"
+#include "program.hpp"
+
+using namespace lostbits::test;
+namespace output = lostbits::output;
+
+namespace {
+
+/// Two files of the given texts, compared in a folder of their own.
+Outcome diff(const std::string& a, const std::string& b, const std::string& options = "") {
+    const Scratch scratch;
+    static_cast<void>(scratch.write("a.csv", a));
+    static_cast<void>(scratch.write("b.csv", b));
+    return run("diff a.csv b.csv " + options, scratch.path());
+}
+
+output::ImageBackend& backend() {
+    setenv("LOSTBITS_IMAGE_MODULE", LOSTBITS_IMAGE_MODULE_FILE, 1);
+    return output::image_backend();
+}
+
+void write_exr(const std::filesystem::path& path, float x, const char* command = "map") {
+    auto exr = backend().open_exr(path, {2, 1, {{"err.ulp", output::Channel::Type::f32}}, {{"lostbits:command", command}}});
+    const float samples[] = {1, x};
+    exr->write_rows(0, 1, std::as_bytes(std::span(samples)));
+    exr->close();
+}
+
+void write_png(const std::filesystem::path& path, std::uint8_t blue) {
+    auto png = backend().open_png(path, 2, 1);
+    const output::Rgb8 pixels[] = {{1, 2, 3}, {4, 5, blue}};
+    png->write_rows(1, pixels);
+    png->close();
+}
+
+bool has(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+
+}  // namespace
+
+TEST_CASE("diff: the same is said, and exits with 0") {
+    const auto r = diff("name,x\n\"a\",1e3\n", "name,x\r\na,1000");
+    CHECK(r.code == 0);
+    CHECK(r.out == "same\n");
+    CHECK(r.err.empty());
+    const auto quiet = diff("x\n1\n", "x\n1\n", "-q");
+    CHECK(quiet.code == 0);
+    CHECK(quiet.out.empty());
+}
+
+TEST_CASE("diff: a difference has its line, its column and its size, and exits with 1") {
+    const auto r = diff("form,ulp\npress,2\nunified,nan\n", "form,ulp\npress,2.5\nunified,1\n");
+    CHECK(r.code == 1);
+    CHECK(r.out ==
+          "a.csv:2: ulp: 2 != 2.5 (abs 0.5, rel 0.2)\n"
+          "a.csv:3: ulp: nan != 1\n"
+          "a.csv: 2 differences\n"
+          "  ulp: 2 differ, 1 of them in kind (NaN, infinite, empty or text), largest abs 0.5 at line 2, largest rel 0.2 at line 2\n");
+    CHECK(diff("x\n1\n", "x\n2\n", "-q").code == 1);
+}
+
+TEST_CASE("diff: tolerances and ignored columns by name and glob, before and after the files") {
+    const std::string a = "x_max,y_max,t_hex\n1,10,0x1p+0\n", b = "x_max,y_max,t_hex\n1.5,11,0x1p+1\n";
+    CHECK(diff(a, b, "--tolerance 'x_*=0.5' --tolerance y_max=0,0.1 --ignore t_hex").code == 0);
+    CHECK(diff(a, b, "--tolerance 'x_*=0.4' --tolerance y_max=0,0.1 --ignore t_hex").code == 1);
+    CHECK(diff(a, b, "--tolerance 'x_*=0.5' --tolerance y_max=0,0.1").code == 1);
+    CHECK(diff(a, b, "--ignore '*'").code == 0);
+    const Scratch scratch;
+    static_cast<void>(scratch.write("a.csv", a));
+    static_cast<void>(scratch.write("b.csv", b));
+    CHECK(run("diff --tolerance '*=1' a.csv b.csv", scratch.path()).code == 0);
+    CHECK(run("diff --ignore '*' a.csv b.csv", scratch.path()).code == 0);
+}
+
+TEST_CASE("diff: twenty lines a file and the number of the others, all of them with -v") {
+    std::string a = "x,y\n", b = a;
+    for (int i = 0; i < 33; ++i) a += "1,5\n", b += "2,6\n";
+    const auto lines = [](const std::string& text, const std::string& part) {
+        std::size_t n = 0;
+        for (auto at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) ++n;
+        return n;
+    };
+    const auto r = diff(a, b, "--tolerance y=1");
+    CHECK(r.code == 1);
+    CHECK(lines(r.out, ": x: 1 != 2") == 20);
+    CHECK(has(r.out, "a.csv: and 13 more; -v shows all\na.csv: 33 differences\n  x: 33 differ, largest abs 1 at line 2, largest rel 0.5 at line 2\n"));
+    CHECK_FALSE(has(r.out, "  y: "));
+    const auto all = diff(a, b, "--tolerance y=1 -v");
+    CHECK(lines(all.out, ": x: 1 != 2") == 33);
+    CHECK_FALSE(has(all.out, "more"));
+    CHECK(has(all.out, "  y: 0 differ, largest abs 1 at line 2, largest rel 0.1667 at line 2\n"));
+}
+
+TEST_CASE("diff: columns and rows that only one side has") {
+    const auto r = diff("a,b,c,d\n1,2,3,4\n", "b,c,a,e\n2,3,1,5\n6,7,8,9\n");
+    CHECK(r.code == 1);
+    for (const char* line : {"a.csv:1: column d is missing in the second\n", "a.csv:1: column e is added in the second\n",
+                             "a.csv:1: column a moved from place 1 to place 3\n", "a.csv: rows: 1 != 2; the first 1 are compared\n", "a.csv: 4 differences\n"}) {
+        INFO(r.out);
+        CHECK(has(r.out, line));
+    }
+}
+
+TEST_CASE("diff: bad input exits with 2, says why, and prints no half of an answer") {
+    const Scratch scratch;
+    static_cast<void>(scratch.write("a.csv", "form,ulp_error\npress,1\n"));
+    static_cast<void>(scratch.write("b.csv", "form,ulp_error\npress,2\n"));
+    static_cast<void>(scratch.write("ragged.csv", "form,ulp_error\npress,1\n\nx,2\n"));
+    static_cast<void>(scratch.write("bad.exr", "no picture"));
+    static_cast<void>(scratch.write("other.exr", "nor this"));
+    static_cast<void>(scratch.write("c.txt", "text"));
+    std::filesystem::create_directory(scratch.path() / "folder");
+    const struct {
+        const char *arguments, *says;
+    } cases[] = {
+        {"a.csv none.csv", "none.csv: no such file"},
+        {"none a.csv", "none: no such file"},
+        {"a.csv ragged.csv", "ragged.csv:3: not a CSV: 1 cell where the header has 2"},
+        {"ragged.csv ragged.csv", "ragged.csv:3: "},
+        {"a.csv bad.exr", "a.csv: a CSV file, but bad.exr is an EXR file"},
+        {"a.csv c.txt", "another type"},
+        {"a.csv folder", "folder: a folder, but a.csv is a file"},
+        {"folder a.csv", "folder: a folder, but a.csv is a file"},
+        {"bad.exr other.exr", "bad.exr"},
+        {"a.csv b.csv --tolerance ulp_eror=1", "--tolerance ulp_eror: unknown column; did you mean \"ulp_error\"?"},
+        {"a.csv b.csv --ignore fomr", "--ignore fomr: unknown column; did you mean \"form\"?"},
+        {"a.csv b.csv --ignore 'z*'", "known here: \"form\", \"ulp_error\""},
+        {"c.txt c.txt --ignore x", "nothing here has columns"},
+        {"a.csv b.csv --tolerance ulp_error", "COLUMN=ABS"},
+        {"a.csv b.csv --tolerance ulp_error=-1", "at least 0"},
+        {"a.csv b.csv --tolerance ulp_error=inf", "--ignore"},
+        {"a.csv", "B is required"},
+        {"a.csv b.csv c.txt", "c.txt"},
+    };
+    for (const auto& c : cases) {
+        INFO(c.arguments);
+        const auto r = run(std::string("diff ") + c.arguments, scratch.path(), "export LOSTBITS_IMAGE_MODULE='" LOSTBITS_IMAGE_MODULE_FILE "';");
+        INFO(r.err);
+        CHECK(r.code == 2);
+        CHECK(r.out.empty());
+        CHECK(r.err.starts_with("lostbits: "));
+        CHECK(has(r.err, c.says));
+    }
+}
+
+TEST_CASE("diff: only pictures need the image module, and without it they exit with 3") {
+    const Scratch scratch;
+    static_cast<void>(scratch.write("a.csv", "x\n1\n"));
+    static_cast<void>(scratch.write("b.csv", "x\n2\n"));
+    write_exr(scratch.path() / "a.exr", 2);
+    write_exr(scratch.path() / "b.exr", 3);
+    const std::string without = "export LOSTBITS_IMAGE_MODULE=/nowhere.so;";
+    CHECK(run("diff a.csv b.csv", scratch.path(), without).code == 1);
+    CHECK(run("diff a.csv a.csv", scratch.path(), without).code == 0);
+    const auto r = run("diff a.exr b.exr", scratch.path(), without);
+    CHECK(r.code == 3);
+    CHECK(has(r.err, "/nowhere.so"));
+    CHECK(r.out.empty());
+    CHECK(run("diff a.exr a.exr", scratch.path(), without).code == 0);
+    CHECK(run("diff a.exr a.exr --ignore err.upl", scratch.path()).code == 2);
+    CHECK(run("diff a.csv b.csv >/dev/full", scratch.path()).code == 3);
+}
+
+TEST_CASE("diff: a file that may not be read exits with 3") {
+    if (geteuid() == 0) {
+        WARN("everything may be read by root: not tried");
+        return;
+    }
+    const Scratch scratch;
+    const std::string a = scratch.write("a.csv", "x\n1\n");
+    REQUIRE(chmod(a.c_str(), 0) == 0);
+    CHECK(run("diff a.csv a.csv", scratch.path()).code == 3);
+}
+
+TEST_CASE("diff: EXR by channel and pixel, whatever command made it") {
+    const Scratch scratch;
+    write_exr(scratch.path() / "a.exr", 2);
+    write_exr(scratch.path() / "b.exr", 2.5);
+    write_exr(scratch.path() / "c.exr", 2, "map again");
+    write_exr(scratch.path() / "nan.exr", std::numeric_limits<float>::quiet_NaN());
+    const auto r = run("diff a.exr b.exr", scratch.path());
+    CHECK(r.code == 1);
+    CHECK(r.out ==
+          "a.exr: err.ulp at 1,0: 2 != 2.5 (abs 0.5, rel 0.2)\n"
+          "a.exr: 1 difference\n"
+          "  err.ulp: 1 differ, largest abs 0.5 at 1,0, largest rel 0.2 at 1,0\n");
+    CHECK(run("diff a.exr c.exr", scratch.path()).out == "same\n");
+    CHECK(run("diff a.exr b.exr --tolerance err.ulp=0.5", scratch.path()).code == 0);
+    CHECK(run("diff a.exr b.exr --tolerance err.upl=0.5", scratch.path()).code == 2);
+    CHECK(run("diff a.exr nan.exr --tolerance err.ulp=100,100", scratch.path()).code == 1);
+    CHECK(run("diff a.exr nan.exr --ignore err.ulp", scratch.path()).code == 0);
+}
+
+TEST_CASE("diff: a pipe is taken for what the other side is") {
+    const Scratch scratch;
+    static_cast<void>(scratch.write("a.csv", "x\n1e3\n"));
+    CHECK(run("diff a.csv /dev/stdin", scratch.path(), "printf 'x\\n1000\\n' |").code == 0);
+    CHECK(run("diff /dev/stdin a.csv", scratch.path(), "printf 'x\\n1001\\n' |").code == 1);
+}
+
+TEST_CASE("diff: folders, file by file, each kind its own way") {
+    const Scratch scratch;
+    for (const char* folder : {"one/sub", "two/sub"}) {
+        std::filesystem::create_directories(scratch.path() / folder);
+        const std::string name = std::string(folder, 3);
+        static_cast<void>(scratch.write(name + "/t.csv", name == "one" ? "x\n1e3\n" : "x\n1000\n"));
+        static_cast<void>(scratch.write(std::string(folder) + "/u.csv", "y\n1\n"));
+        static_cast<void>(scratch.write(name + "/d.json", "{}"));
+        write_png(scratch.path() / folder / "p.png", 6);
+        write_exr(scratch.path() / folder / "e.exr", 2, name.c_str());
+    }
+    const auto compare = [&](const std::string& options = "") { return run("diff one two " + options, scratch.path()); };
+    CHECK(compare().out == "same\n");
+    CHECK(compare().code == 0);
+    CHECK(compare("-v").out == "one/d.json: same\none/sub/e.exr: same\none/sub/p.png: same\none/sub/u.csv: same\none/t.csv: same\nsame\n");
+
+    // A column counts as known where one file has it.
+    static_cast<void>(scratch.write("two/sub/u.csv", "y\n2\n"));
+    CHECK(compare().code == 1);
+    CHECK(has(compare().out, "one/sub/u.csv:2: y: 1 != 2"));
+    CHECK(compare("--tolerance y=1").code == 0);
+    CHECK(compare("--ignore y").code == 0);
+    CHECK(compare("--ignore z").code == 2);
+    static_cast<void>(scratch.write("two/sub/u.csv", "y\n1\n"));
+
+    static_cast<void>(scratch.write("two/d.json", "{ }"));
+    CHECK(has(compare().out, "one/d.json:1: bytes differ from byte 1 on; 2 != 3 bytes in all\n"));
+    static_cast<void>(scratch.write("two/d.json", "{}"));
+
+    write_png(scratch.path() / "two/sub/p.png", 7);
+    CHECK(has(compare().out, "one/sub/p.png: pixel at 1,0: 4,5,6 != 4,5,7\n"));
+    write_png(scratch.path() / "two/sub/p.png", 6);
+
+    static_cast<void>(scratch.write("two/sub/extra.txt", ""));
+    static_cast<void>(scratch.write("one/.hidden", ""));
+    const auto r = compare();
+    CHECK(r.code == 1);
+    CHECK(r.out == "one/.hidden: only in one\ntwo/sub/extra.txt: only in two\n");
+    std::filesystem::remove(scratch.path() / "one/.hidden");
+    std::filesystem::remove(scratch.path() / "two/sub/extra.txt");
+    CHECK(compare().code == 0);
+
+    // One bad file spoils the answer, and a pipe or a broken link is not skipped.
+    static_cast<void>(scratch.write("two/t.csv", "x\n1,2\n"));
+    CHECK(compare().code == 2);
+    CHECK(has(compare().err, "two/t.csv:2: "));
+    static_cast<void>(scratch.write("two/t.csv", "x\n1000\n"));
+    std::filesystem::create_symlink("nowhere", scratch.path() / "two/link");
+    CHECK(compare().code == 2);
+}
+
+TEST_CASE("diff: two folders without a file select nothing") {
+    const Scratch scratch;
+    for (const char* folder : {"one", "two"}) std::filesystem::create_directory(scratch.path() / folder);
+    CHECK(run("diff one two", scratch.path()).code == 4);
+}
+
+TEST_CASE("diff: what map writes is the same as itself, and another form is not") {
+    const Scratch scratch;
+    const std::string map = "map near-benign --size 96x72 -f f32 --pixels csv -i ";
+    for (const char* out : {"one", "two"}) REQUIRE(run(map + "sphere.press -o " + out, scratch.path()).code == 0);
+    REQUIRE(run(map + "sphere.schoolbook -o three", scratch.path()).code == 0);
+    CHECK(run("diff one two", scratch.path()).out == "same\n");
+    for (const char* kind : {".exr", ".csv"}) {
+        const std::string stem = "/near-benign/sphere.";
+        const auto r = run("diff one" + stem + "press.f32" + kind + " three" + stem + "schoolbook.f32" + kind, scratch.path());
+        CHECK(r.code == 1);
+        CHECK(has(r.out, "attribute lostbits:form: \"sphere.press\" != \"sphere.schoolbook\"") == (std::string_view(kind) == ".exr"));
+        CHECK(has(r.out, std::string_view(kind) == ".exr" ? "\n  err.ulp: " : "\n  ulp_error: "));
+    }
+}

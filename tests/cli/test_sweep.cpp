@@ -1,0 +1,144 @@
+// `lostbits sweep` from the outside.
+#include <cmath>
+#include <cstdlib>
+
+#include "catch.hpp"
+#include "program.hpp"
+
+using namespace lostbits::test;
+
+namespace {
+
+const std::string small_sweep = R"(schema = "lostbits-sweep/1"
+title = "A test"
+source = "-"
+
+[family]
+projection = "parallel"
+views = 4
+rays = 16
+
+[[axis]]
+name = "distance_radii"
+spacing = "log2"
+from = 2
+to = 1048576
+steps = 20
+set = ["distance"]
+)";
+
+double number(const std::string& cell) { return cell.empty() ? std::nan("") : std::strtod(cell.c_str(), nullptr); }
+
+std::string spoil(const std::string& what, const std::string& by) {
+    std::string text = small_sweep;
+    return text.replace(text.find(what), what.size(), by);
+}
+
+}  // namespace
+
+TEST_CASE("a sweep writes a row per form, format and step, and the onsets between them") {
+    const Scratch scratch;
+    const std::string file = scratch.write("s.toml", small_sweep);
+    const auto r = run("sweep '" + file + "' -i sphere.schoolbook -i sphere.hearn_baker -f f32 -f p16 -o '" + scratch.path().string() + "'");
+    INFO(r.err);
+    REQUIRE(r.code == 0);
+    const auto samples = read_csv(scratch.path() / "s/samples.csv");
+    REQUIRE(samples.size() == 2 * 2 * 20);
+    for (const auto& row : samples) {
+        CHECK(row.at("rays") == "64");
+        CHECK(number(row.at("distance_radii_hex")) == number(row.at("distance_radii")));
+    }
+    std::size_t found = 0;
+    for (const auto& row : read_csv(scratch.path() / "s/onsets.csv")) {
+        if (row.at("found") != "1" || row.at("last_good_distance_radii").empty()) continue;
+        ++found;
+        const double good = number(row.at("last_good_distance_radii")), bad = number(row.at("first_bad_distance_radii"));
+        CHECK(good < bad);
+        CHECK(bad - good <= 0x1p-8 * bad);  // narrowed to 2^-9, or to the 12 bits that the axis has
+        if (row.at("event") == "lost_bits") CHECK(number(row.at("value_at_first_bad")) >= number(row.at("threshold")));
+    }
+    CHECK(found > 8);
+}
+
+TEST_CASE("the same bytes for any number of threads") {
+    const Scratch scratch;
+    const std::string file = scratch.write("s.toml", small_sweep);
+    for (const char* j : {"1", "2", "5"}) {
+        REQUIRE(run("sweep '" + file + "' -i '*press*' -j " + j + " -o '" + (scratch.path() / j).string() + "'").code == 0);
+    }
+    for (const char* name : {"samples.csv", "onsets.csv", "datapackage.json"}) {
+        const std::string one = contents(scratch.path() / "1/s" / name);
+        CHECK_FALSE(one.empty());
+        CHECK(one == contents(scratch.path() / "2/s" / name));
+        CHECK(one == contents(scratch.path() / "5/s" / name));
+    }
+}
+
+TEST_CASE("a sweep over a scene turns its numbers through the same overrides as --set") {
+    const Scratch scratch;
+    const std::string file = scratch.write("s.toml", R"(schema = "lostbits-sweep/1"
+title = "A test"
+source = "-"
+scene = "near-benign"
+
+[[axis]]
+name = "radius"
+spacing = "linear"
+from = 0.25
+to = 1
+steps = 4
+set = ["sphere[0].radius", "sphere[1].radius"]
+factors = [1, 0.5]
+)");
+    const auto r = run("sweep '" + file + "' -i sphere.unified -f f32 -o '" + scratch.path().string() + "'");
+    INFO(r.err);
+    REQUIRE(r.code == 0);
+    const auto samples = read_csv(scratch.path() / "s/samples.csv");
+    REQUIRE(samples.size() == 4);
+    // Larger spheres are hit by more rays; and 1 with 0.5 is what --set gives.
+    CHECK(number(samples[0].at("agree_hit")) < number(samples[3].at("agree_hit")));
+    REQUIRE(run("map near-benign --set 'sphere[0].radius=1' --set 'sphere[1].radius=0.5' -i sphere.unified -f f32 -o '" + scratch.path().string() + "'").code == 0);
+    CHECK(read_csv(scratch.path() / "near-benign/summary.csv").front().at("agree_hit") == samples[3].at("agree_hit"));
+}
+
+TEST_CASE("two axes give the product of their steps, every_float every float") {
+    const Scratch scratch;
+    const std::string second = "\n[[axis]]\nname = \"impact\"\nspacing = \"every_float\"\nfrom = \"0x1.fffff0p-1\"\nto = \"0x1.fffff8p-1\"\nset = [\"impact_to\"]\n";
+    const std::string file = scratch.write("s.toml", small_sweep + second);
+    const auto r = run("sweep '" + file + "' -i sphere.unified -f f32 -o '" + scratch.path().string() + "'");
+    INFO(r.err);
+    REQUIRE(r.code == 0);
+    CHECK(read_csv(scratch.path() / "s/samples.csv").size() == 20 * 5);
+    CHECK(read_csv(scratch.path() / "s/onsets.csv").empty());
+}
+
+TEST_CASE("a bad sweep is refused with its place and a remedy, and nothing is written") {
+    struct Case {
+        std::string text;
+        const char* says;
+    };
+    const Case cases[] = {
+        {spoil("distance\"]", "distanse\"]"), "distance"},
+        {spoil("spacing = \"log2\"", "spacing = \"log\""), "log2"},
+        {spoil("from = 2", "from = -2"), "positive"},
+        {spoil("from = 2", "from = 1048576"), "equals"},
+        {spoil("steps = 20", "steps = 1"), "steps"},
+        {spoil("rays = 16", "rays = 0"), "rays"},
+        {spoil("views = 4", "vews = 4"), "views"},
+        {spoil("name = \"distance_radii\"", "name = \"Distance (r)\""), "lower-case"},
+        {spoil("[family]", "scene = \"near-benign\"\n[family]"), "either"},
+        {spoil("to = 1048576", "to = \"0x1p200\""), "distance"},
+    };
+    for (const Case& c : cases) {
+        const Scratch scratch;
+        INFO(c.text);
+        const auto r = run("sweep '" + scratch.write("s.toml", c.text) + "' -i sphere.press -o '" + (scratch.path() / "out").string() + "'");
+        INFO(r.err);
+        CHECK(r.code == 2);
+        CHECK(r.err.find(c.says) != std::string::npos);
+        CHECK(scratch.files() == std::vector<std::string>{"s.toml"});
+    }
+    const auto unknown = run("sweep sphere-distanc -o out");
+    CHECK(unknown.code == 2);
+    CHECK(unknown.err.find("sphere-distance") != std::string::npos);
+}
