@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <memory>
 #include <set>
+#include <tuple>
 
 #include "commands.hpp"
 #include "output/difference.hpp"
@@ -112,7 +113,8 @@ std::vector<Result> compare_all(const DiffWords& w, const output::CompareOptions
     const auto a = status(w.a), b = status(w.b);
     if (fs::is_directory(a) && fs::is_directory(b)) return compare_folders(w, options);
     if (fs::is_directory(a) || fs::is_directory(b)) {
-        throw InputError(fmt::format("{}: a folder, but {} is a file; compare two folders or two files", fs::is_directory(a) ? w.a : w.b, fs::is_directory(a) ? w.b : w.a));
+        const auto& [folder, file] = fs::is_directory(a) ? std::tie(w.a, w.b) : std::tie(w.b, w.a);
+        throw InputError(fmt::format("{}: a folder, but {} is a file; compare two folders or two files", folder, file));
     }
     // What comes through a pipe has no name that says its kind: it is taken for what the other one is.
     const FileKind left = kind_of(fs::is_regular_file(a) ? w.a : w.b), right = kind_of(fs::is_regular_file(b) ? w.b : w.a);

@@ -9,6 +9,7 @@
 
 #include "commands.hpp"
 #include "output/sweep_files.hpp"
+#include "output/sweep_plots.hpp"
 #include "select.hpp"
 #include "signals.hpp"
 
@@ -35,13 +36,18 @@ void print_onsets(const SweepRequest& request, const std::vector<Onset>& onsets)
 
 Exit run(const SweepOptions& o, const Common& common) {
     const auto rows = cross(select_forms(o.forms), select_formats(o.formats));
-    const auto chosen = measured(o.metrics.empty() ? std::vector<const Metric*>{} : select_metrics(o.metrics));
+    // A sweep always knows what the problem itself costs: its plots carry the envelope.
+    auto asked = o.metrics.empty() ? std::vector<const Metric*>{} : select_metrics(o.metrics);
+    for (const char* name : {"inherent_bits", "excess_bits"}) asked.push_back(find_metric(name));
+    const auto chosen = measured(asked);
+    if (o.out.empty()) throw InputError("-o: the name of the folder is empty; write -o . for this one");
     const auto data = data_folder(common.data);
     std::vector<scene::SweepFile> sweeps;
     for (const std::string& word : o.sweeps) sweeps.emplace_back(scene::find_sweep(word, data), data);
     const int threads = common.threads > 0 ? common.threads : static_cast<int>(std::thread::hardware_concurrency());
     const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(std::max(1, threads)));
 
+    output::ImageBackend& backend = output::image_backend();
     for (const scene::SweepFile& sweep : sweeps) {
         SweepRequest request{.sweep = &sweep, .rows = rows, .metrics = chosen};
         const auto folder = std::filesystem::path(o.out) / sweep.id;
@@ -53,6 +59,7 @@ Exit run(const SweepOptions& o, const Common& common) {
         };
         const auto steps = run_sweep(request);
         const auto onsets = find_onsets(request, steps);
+        output::write_sweep_plots(backend, folder, request, steps);
         files.finish(steps, onsets);
         progress.finish();
         if (common.quiet) continue;

@@ -179,7 +179,8 @@ std::vector<Pair> match_headers(const CsvTable& a, const CsvTable& b, const Comp
     const auto stays = in_order(places);
     for (std::size_t i = 0; i < pairs.size(); ++i) {
         if (stays[i]) continue;
-        add(result, options, 1, [&] { return fmt::format("column {} moved from place {} to place {}", pairs[i].a->name, pairs[i].a - a.columns.data() + 1, places[i] + 1); });
+        const auto place = pairs[i].a - a.columns.data() + 1;
+        add(result, options, 1, [&] { return fmt::format("column {} moved from place {} to place {}", pairs[i].a->name, place, places[i] + 1); });
     }
     return pairs;
 }
@@ -189,9 +190,11 @@ void compare_attributes(const ExrImage& a, const ExrImage& b, const CompareOptio
     for (const auto& [name, value] : a.attributes) both[name].first = value;
     for (const auto& [name, value] : b.attributes) both[name].second = value;
     const auto text = [](const std::optional<std::string>& value) { return value ? in_quotes(*value) : std::string("(absent)"); };
-    for (const auto& [name, values] : both) {
-        if (name == "lostbits:command" || name == "lostbits:compiler" || values.first == values.second) continue;
-        add(result, options, 0, [&] { return fmt::format("attribute {}: {} != {}", name, text(values.first), text(values.second)); });
+    for (const auto& entry : both) {
+        const auto& [left, right] = entry.second;
+        if (entry.first == "lostbits:command" || entry.first == "lostbits:compiler" || left == right) continue;
+        const std::string what = fmt::format("attribute {}: {} != {}", entry.first, text(left), text(right));
+        add(result, options, 0, [&what] { return what; });
     }
 }
 
@@ -227,7 +230,9 @@ bool same_size(const auto& a, const auto& b, const CompareOptions& options, Comp
 
 Tolerance parse_tolerance(const std::string& text) {
     const auto equals = text.rfind('=');
-    if (equals == std::string::npos || equals == 0) throw InputError(fmt::format("--tolerance {}: no tolerance; write COLUMN=ABS or COLUMN=ABS,REL, as in lost_bits=0.5", text));
+    if (equals == std::string::npos || equals == 0) {
+        throw InputError(fmt::format("--tolerance {}: no tolerance; write COLUMN=ABS or COLUMN=ABS,REL, as in lost_bits=0.5", text));
+    }
     const std::string numbers = text.substr(equals + 1);
     const auto comma = numbers.find(',');
     const auto read = [&text](const std::string& word) {

@@ -1,7 +1,6 @@
 #include "output/line_plot.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <numeric>
 #include <stdexcept>
@@ -80,7 +79,9 @@ public:
 
     void envelope_line(Canvas& canvas) {
         const Series& series = *spec_.envelope;
-        each_run(series, [&](std::size_t begin, std::size_t end) { curve(points(series, begin, end, series.y), 1.2, {}); });
+        each_run(series, [&](std::size_t begin, std::size_t end) {
+            stroke_.polyline(points(series, begin, end, series.y), 1.2);
+        });
         stroke_.paint(canvas, envelope_edge);
     }
 
@@ -105,7 +106,7 @@ public:
         double next = frame_.x + std::fmod(static_cast<double>(index) * 17, marker_pitch), triangle = -1e9;
         each_run(series, [&](std::size_t begin, std::size_t end) {
             const auto run = points(series, begin, end, series.y);
-            curve(run, line_thickness, line.dashes);
+            stroke_.polyline(run, line_thickness, line.dashes);
             for (std::size_t i = 0; i < run.size(); ++i) {
                 if (std::isinf(series.y[begin + i])) {
                     if (run[i].x < triangle) continue;
@@ -158,10 +159,6 @@ private:
         return out;
     }
 
-    void curve(const std::vector<Point>& run, double thickness, std::span<const double> dashes) {
-        stroke_.polyline(run, thickness, dashes);
-    }
-
     const LinePlotSpec& spec_;
     const AxisRange &x_, &y_;
     const PlotFrame& frame_;
@@ -199,8 +196,10 @@ void write_line_plot(ImageBackend& backend, const std::filesystem::path& path, c
     const Canvas head = heading(backend, spec.title, spec.subtitle, content);
     const int top = style::margin + head.height() + (head.height() > 0 ? gap : 0);
     const int nominal = std::max(spec.height - top - style::margin - 60, 100);
-    const PlotLegend legend(backend, sorted, spec.envelope ? &spec.envelope->label : nullptr, markers, content, nominal);
-    const int right = std::max(legend.width() > 0 ? legend_gap + legend.width() : 0, spec.marks.empty() ? 0 : least_right);
+    const PlotLegend legend(backend, sorted, spec.envelope ? &spec.envelope->label : nullptr, markers, content,
+                            nominal);
+    const int right = std::max(legend.width() > 0 ? legend_gap + legend.width() : 0,
+                               spec.marks.empty() ? 0 : least_right);
     const PlotAxes axes(backend, spec.x, x, spec.y, y, content - right - 60, nominal);
 
     PlotFrame frame{style::margin + axes.left(), 0, 1, 1, frame_pad};

@@ -59,7 +59,8 @@ std::vector<PlotLine> plot_lines(std::span<const Series> series) {
         check(one);
         const auto twin = std::ranges::find_if(lines, [&](const PlotLine& line) {
             const Series& other = *line.series;
-            return same(one.x, other.x) && same(one.y, other.y) && same(one.low, other.low) && same(one.high, other.high);
+            return same(one.x, other.x) && same(one.y, other.y) && same(one.low, other.low) &&
+                   same(one.high, other.high);
         });
         if (twin == lines.end()) {
             lines.push_back({&one, one.label, {}, 0, {}});

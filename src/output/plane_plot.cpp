@@ -10,7 +10,7 @@ namespace lostbits::output {
 namespace {
 
 constexpr int gap = 14;
-constexpr int least_width = 560, least_height = 420;  // of the field; cells take a whole number of pixels where they can
+constexpr int least_width = 560, least_height = 420;  // of the field, in pixels
 constexpr Rgb8 hatch_paper{240, 240, 238}, hatch_ink{200, 200, 202};
 constexpr int hatch_pitch = 6;
 
@@ -87,12 +87,14 @@ void write_plane_plot(ImageBackend& backend, const std::filesystem::path& path, 
     Canvas page(content + 2 * style::margin, frame.y + frame.height + foot);
     page.picture(style::margin, style::margin, head);
 
-    const auto column = [&](std::size_t i) { return static_cast<int>(std::lround(frame.across(x.position(x_edges[i])))); };
-    const auto row = [&](std::size_t j) { return static_cast<int>(std::lround(frame.up(y.position(y_edges[j])))); };
+    const auto pixel = [](double place) { return static_cast<int>(std::lround(place)); };
+    const auto column = [&](std::size_t i) { return pixel(frame.across(x.position(x_edges[i]))); };
+    const auto row = [&](std::size_t j) { return pixel(frame.up(y.position(y_edges[j]))); };
     for (std::size_t j = 0; j < spec.y.size(); ++j) {
         for (std::size_t i = 0; i < spec.x.size(); ++i) {
             const PlaneCell& cell = spec.cells[j * spec.x.size() + i];
-            const int x0 = std::min(column(i), frame.x + frame.width - 1), y0 = std::min(row(j + 1), frame.y + frame.height - 1);
+            const int x0 = std::min(column(i), frame.x + frame.width - 1);
+            const int y0 = std::min(row(j + 1), frame.y + frame.height - 1);
             const int w = std::max(column(i + 1) - x0, 1), h = std::max(row(j) - y0, 1);
             if (cell.colour || !std::isnan(cell.value)) {
                 page.fill(x0, y0, w, h, cell.colour ? *cell.colour : spec.scale->map(cell.value));

@@ -11,6 +11,8 @@ namespace {
 
 /// A range narrower than this, relative to its ends, has no round values that a double could tell apart.
 constexpr double least_extent = 1e-12;
+/// What is smaller is taken for 0: a step between subnormal numbers is not round any more.
+constexpr double least_size = 1e-300;
 
 /// Multiples of 1, 2 or 5 times ten^k from `lo` to `hi`, at most `most` + 1 of them.
 std::vector<double> round_values(double lo, double hi, int most) {
@@ -70,8 +72,8 @@ AxisRange::AxisRange(const Axis& axis, const std::vector<double>& values) : scal
 
 void AxisRange::widen(bool low_fixed, bool high_fixed) {
     const double size = std::max(std::fabs(lo_), std::fabs(hi_));
-    if (hi_ / 2 - lo_ / 2 > size * least_extent) return;
-    const double by = is_log() || size == 0 ? 1 : size / 10;
+    if (size > least_size && hi_ / 2 - lo_ / 2 > size * least_extent) return;
+    const double by = is_log() || size <= least_size ? 1 : size / 10;
     constexpr double most = std::numeric_limits<double>::max();
     if (high_fixed && !low_fixed) {
         lo_ = std::max(hi_ - by, -most);

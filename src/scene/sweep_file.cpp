@@ -105,6 +105,10 @@ SweepFile::SweepFile(const std::filesystem::path& path, const std::filesystem::p
     }
     for (TableReader& axis : file.tables("axis")) axes.push_back(read_axis(axis, scene.has_value()));
     if (axes.empty() || axes.size() > 2) fail(file.where(), "a sweep has one or two [[axis]] tables, this has " + std::to_string(axes.size()));
+    for (TableReader& mark : file.tables("mark")) {
+        marks.push_back({static_cast<double>(mark.number("at")), mark.string("label"), mark.optional_string("format").value_or("")});
+        mark.reject_unknown_keys();
+    }
     file.reject_unknown_keys();
     // Both ends must be possible before the first of a thousand steps is made.
     for (const bool last : {false, true}) {

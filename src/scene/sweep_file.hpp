@@ -36,6 +36,13 @@ public:
     std::string id, title, source, note;
     std::vector<Axis> axes;  ///< one or two
 
+    /// A place on the first axis that a plot points out: a prediction, with the format it is made for (all if empty).
+    struct Mark {
+        double at;
+        std::string label, format;
+    };
+    std::vector<Mark> marks;
+
     /// The rays of one step, one value per axis.
     [[nodiscard]] std::vector<RayGroup> rays(const std::vector<double>& values) const;
 

@@ -42,6 +42,9 @@ TEST_CASE("a sweep writes a row per form, format and step, and the onsets betwee
     const auto r = run("sweep '" + file + "' -i sphere.schoolbook -i sphere.hearn_baker -f f32 -f p16 -o '" + scratch.path().string() + "'");
     INFO(r.err);
     REQUIRE(r.code == 0);
+    for (const char* format : {"f32", "p16"}) {
+        for (const char* plot : {"lost_bits_p50", "lost_bits_p99", "wrong"}) CHECK(std::filesystem::exists(scratch.path() / "s" / (std::string(plot) + "." + format + ".png")));
+    }
     const auto samples = read_csv(scratch.path() / "s/samples.csv");
     REQUIRE(samples.size() == 2 * 2 * 20);
     for (const auto& row : samples) {
@@ -66,7 +69,7 @@ TEST_CASE("the same bytes for any number of threads") {
     for (const char* j : {"1", "2", "5"}) {
         REQUIRE(run("sweep '" + file + "' -i '*press*' -j " + j + " -o '" + (scratch.path() / j).string() + "'").code == 0);
     }
-    for (const char* name : {"samples.csv", "onsets.csv", "datapackage.json"}) {
+    for (const char* name : {"samples.csv", "onsets.csv", "datapackage.json", "lost_bits_p99.f64.png", "wrong.f32.png"}) {
         const std::string one = contents(scratch.path() / "1/s" / name);
         CHECK_FALSE(one.empty());
         CHECK(one == contents(scratch.path() / "2/s" / name));
@@ -109,6 +112,7 @@ TEST_CASE("two axes give the product of their steps, every_float every float") {
     INFO(r.err);
     REQUIRE(r.code == 0);
     CHECK(read_csv(scratch.path() / "s/samples.csv").size() == 20 * 5);
+    CHECK(std::filesystem::exists(scratch.path() / "s/sphere.unified.f32.png"));
     CHECK(read_csv(scratch.path() / "s/onsets.csv").empty());
 }
 

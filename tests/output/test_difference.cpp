@@ -136,6 +136,7 @@ TEST_CASE("a cell's value is exact and does not depend on how it is written", "[
     CHECK_FALSE(read_cell("9007199254740993") == read_cell("9007199254740992"));
     CHECK_FALSE(read_cell("0") == read_cell("-0"));
     CHECK_FALSE(read_cell("1") == read_cell("-1"));
+    CHECK_FALSE(read_cell("1") == read_cell("10"));
     CHECK(read_cell("1e-2000").kind == CellValue::Kind::number);
     CHECK(read_cell("-0x0p+0").negative);
     for (const char* nan : {"nan", "NaN", "-nan"}) CHECK(read_cell(nan).kind == CellValue::Kind::nan);
@@ -157,6 +158,7 @@ TEST_CASE("without a tolerance numbers compare by exact value and text by bytes"
         CHECK(cells(a, b).count == 1);
         CHECK(cells(b, a).count == 1);
     }
+    CHECK(cells("a", "A").columns[0].kinds == 0);
 }
 
 TEST_CASE("NaN, infinities, nothing and text are never forgiven", "[difference]") {

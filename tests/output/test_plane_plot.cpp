@@ -11,7 +11,7 @@ using namespace lostbits::output::test;
 
 namespace {
 
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+constexpr double no_value = std::numeric_limits<double>::quiet_NaN();
 
 /// Columns at 2^0, 2^1, ...; rows at 0, 1, ...; each cell a colour of its own.
 PlanePlotSpec coloured(int columns, int rows) {
@@ -23,7 +23,7 @@ PlanePlotSpec coloured(int columns, int rows) {
     for (int j = 0; j < rows; ++j) spec.y.push_back(j);
     for (int j = 0; j < rows; ++j) {
         for (int i = 0; i < columns; ++i) {
-            spec.cells.push_back({nan, Rgb8{static_cast<std::uint8_t>(i), static_cast<std::uint8_t>(j), 77}});
+            spec.cells.push_back({no_value, Rgb8{static_cast<std::uint8_t>(i), static_cast<std::uint8_t>(j), 77}});
         }
     }
     return spec;

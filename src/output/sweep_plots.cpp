@@ -1,0 +1,141 @@
+#include "output/sweep_plots.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <limits>
+
+#include "output/line_plot.hpp"
+#include "output/map_colour.hpp"
+#include "output/plane_plot.hpp"
+
+namespace lostbits::output {
+namespace {
+
+using scene::Axis;
+
+std::size_t index_of(const SweepRequest& request, const char* metric) {
+    return static_cast<std::size_t>(std::ranges::find(request.metrics, find_metric(metric)) - request.metrics.begin());
+}
+
+output::Axis plot_axis(const Axis& axis) {
+    return {axis.unit.empty() ? axis.name : fmt::format("{} [{}]", axis.name, axis.unit), axis.spacing == Axis::Spacing::log2 ? output::Axis::Scale::log2 : output::Axis::Scale::linear, {}, {}};
+}
+
+double wrong_share(const MapSummary& s) {
+    const auto wrong = s.count(Outcome::false_hit) + s.count(Outcome::false_miss) + s.count(Outcome::not_a_number);
+    return static_cast<double>(wrong) / static_cast<double>(s.rays);
+}
+
+std::string short_name(const MapRow& row) { return std::string(row.form->info->name.substr(row.form->info->name.find('.') + 1)); }
+
+/// One value of a row along the sweep, in rising order of the parameter.
+Series series_of(const std::vector<SweepStep>& steps, std::size_t row, const std::string& label, const std::function<double(const MapSummary&)>& value) {
+    Series series{label, {}, {}, {}, {}};
+    for (const SweepStep& step : steps) {
+        series.x.push_back(step.values.front());
+        series.y.push_back(value(step.rows[row]));
+    }
+    if (series.x.front() > series.x.back()) {
+        std::ranges::reverse(series.x);
+        std::ranges::reverse(series.y);
+    }
+    return series;
+}
+
+struct Quantity {
+    std::string file, title;
+    output::Axis axis;
+    std::function<double(const MapSummary&)> value;
+    std::function<double(const MapSummary&)> envelope;  ///< empty: none
+};
+
+void write_lines(ImageBackend& backend, const std::filesystem::path& folder, const SweepRequest& request, const std::vector<SweepStep>& steps,
+                 const Format& format, const Quantity& quantity) {
+    LinePlotSpec spec{.title = fmt::format("{} in {}", quantity.title, format.name),
+                      .subtitle = {request.sweep->title, fmt::format("{} rays a step", steps.front().rows.front().rays)},
+                      .x = plot_axis(request.sweep->axes.front()),
+                      .y = quantity.axis,
+                      .series = {}};
+    for (std::size_t r = 0; r < request.rows.size(); ++r) {
+        if (request.rows[r].format != format) continue;
+        spec.series.push_back(series_of(steps, r, short_name(request.rows[r]), quantity.value));
+        // The envelope is the problem's, not a form's: any row that sees hits all along gives it.
+        if (quantity.envelope && !spec.envelope) {
+            Series envelope = series_of(steps, r, "envelope: half an ulp in each input", quantity.envelope);
+            if (std::ranges::none_of(envelope.y, [](double y) { return std::isnan(y); })) spec.envelope = std::move(envelope);
+        }
+    }
+    for (const auto& mark : request.sweep->marks) {
+        if (mark.format.empty() || mark.format == format.name) spec.marks.push_back({mark.at, mark.label});
+    }
+    write_line_plot(backend, folder / fmt::format("{}.{}.png", quantity.file, format.name), spec);
+}
+
+void write_plane(ImageBackend& backend, const std::filesystem::path& folder, const SweepRequest& request, const std::vector<SweepStep>& steps, std::size_t row) {
+    const auto& axes = request.sweep->axes;
+    const MapRow& what = request.rows[row];
+    const std::size_t lost = index_of(request, "lost_bits");
+    PlanePlotSpec spec{.title = fmt::format("{} in {}: lost bits, p99", what.form->info->name, what.format.name),
+                       .subtitle = {request.sweep->title},
+                       .x_axis = plot_axis(axes[0]),
+                       .y_axis = plot_axis(axes[1]),
+                       .x = axes[0].values,
+                       .y = axes[1].values,
+                       .cells = {},
+                       .scale = metric_scale(*find_metric("lost_bits"), request.rows, backend),
+                       .unit = "lost bits",
+                       .legend = {}};
+    MapSummary drawn;
+    spec.cells.resize(steps.size());
+    for (std::size_t i = 0; i < steps.size(); ++i) {
+        const MapSummary& s = steps[i].rows[row];
+        // The second axis runs fastest in the steps; a plane is written row by row of it.
+        std::size_t column = i / axes[1].values.size(), line = i % axes[1].values.size();
+        if (axes[0].values.front() > axes[0].values.back()) column = axes[0].values.size() - 1 - column;
+        if (axes[1].values.front() > axes[1].values.back()) line = axes[1].values.size() - 1 - line;
+        PlaneCell& cell = spec.cells[line * axes[0].values.size() + column];
+        ++drawn.rays;
+        if (wrong_share(s) <= 0.5) {
+            cell.value = s.metrics[lost].quantile(0.99);
+            continue;
+        }
+        const Outcome worst = std::max({Outcome::false_hit, Outcome::false_miss, Outcome::not_a_number}, [&](Outcome a, Outcome b) { return s.count(a) < s.count(b); });
+        cell.colour = outcome_colours[static_cast<std::size_t>(worst)];
+        ++drawn.outcomes[static_cast<std::size_t>(worst)];
+    }
+    if (spec.x.front() > spec.x.back()) std::ranges::reverse(spec.x);
+    if (spec.y.front() > spec.y.back()) std::ranges::reverse(spec.y);
+    spec.legend = outcome_legend(drawn);
+    write_plane_plot(backend, folder / fmt::format("{}.{}.png", what.form->info->name, what.format.name), spec);
+}
+
+}  // namespace
+
+void write_sweep_plots(ImageBackend& backend, const std::filesystem::path& folder, const SweepRequest& request, const std::vector<SweepStep>& steps) {
+    if (request.sweep->axes.size() == 2) {
+        for (std::size_t row = 0; row < request.rows.size(); ++row) write_plane(backend, folder, request, steps, row);
+        return;
+    }
+    const std::size_t lost = index_of(request, "lost_bits"), inherent = index_of(request, "inherent_bits");
+    std::vector<Format> formats;
+    for (const MapRow& row : request.rows) {
+        if (std::ranges::find(formats, row.format) == formats.end()) formats.push_back(row.format);
+    }
+    for (const Format& format : formats) {
+        const double p = format.shape.precision;
+        for (const auto& [name, q] : {std::pair{"p50", 0.5}, std::pair{"p99", 0.99}}) {
+            Quantity quantity{fmt::format("lost_bits_{}", name), fmt::format("Lost bits, {}", q == 0.5 ? "median" : "99th percentile"),
+                              {"lost bits", output::Axis::Scale::linear, 0.0, p},
+                              [lost, q = q](const MapSummary& s) { return s.metrics[lost].quantile(q); },
+                              {}};
+            if (inherent < request.metrics.size()) quantity.envelope = [inherent, q = q](const MapSummary& s) { return s.metrics[inherent].quantile(q); };
+            write_lines(backend, folder, request, steps, format, quantity);
+        }
+        write_lines(backend, folder, request, steps, format, {"wrong", "Rays with the wrong answer", {"share of rays", output::Axis::Scale::linear, 0.0, 1.0}, wrong_share, {}});
+    }
+}
+
+}  // namespace lostbits::output

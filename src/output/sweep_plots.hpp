@@ -1,0 +1,17 @@
+// The pictures of a sweep: lines along one axis, a plane over two.
+#pragma once
+
+#include <filesystem>
+
+#include "measure/sweep.hpp"
+#include "output/image.hpp"
+
+namespace lostbits::output {
+
+/// One axis: `lost_bits_p50.<format>.png` and `lost_bits_p99.<format>.png` with every form, the conditioning envelope
+/// (inherent bits, where the request measures them) and the sweep's own marks; and `wrong.<format>.png`, the share of
+/// rays that are false hits, false misses or NaN. Two axes: `<form>.<format>.png`, the p99 of lost bits over the plane,
+/// with the colour of the commonest wrong outcome where more than half of the rays are wrong.
+void write_sweep_plots(ImageBackend& backend, const std::filesystem::path& folder, const SweepRequest& request, const std::vector<SweepStep>& steps);
+
+}  // namespace lostbits::output
