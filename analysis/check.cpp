@@ -1,11 +1,9 @@
 #include <fmt/format.h>
 #include <fnmatch.h>
-#include <tbb/global_control.h>
 
 #include <algorithm>
 #include <memory>
 #include <set>
-#include <thread>
 
 #include "commands.hpp"
 #include "output/atomic_file.hpp"
@@ -69,8 +67,7 @@ void print(const Claim& claim, const ClaimResult& r, const CheckOptions& o, bool
 Exit run(const CheckOptions& o, const Common& common) {
     const auto data = data_folder(common.data);
     const auto claims = load(o, data);
-    const int threads = common.threads > 0 ? common.threads : static_cast<int>(std::thread::hardware_concurrency());
-    const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(std::max(1, threads)));
+    const ThreadLimit limit(common.threads);
     // The reports' places are tried before the work; the files themselves are small and written after it.
     for (const std::string& path : {o.junit, o.csv, o.json}) {
         if (!path.empty()) output::AtomicFile probe(path);

@@ -19,7 +19,7 @@ struct Listing {
 
 Listing intersectors() {
     Listing l{{"name", "title", "direction", "roots", "touching", "formats", "source"}, {}};
-    for (const Intersector& i : sphere_intersectors()) {
+    for (const Intersector& i : lostbits::intersectors()) {
         const Info& info = *i.info;
         const char* roots = info.roots == Roots::both ? "both" : info.roots == Roots::near_only ? "near only" : "first only";
         l.rows.push_back({std::string(info.name), std::string(info.title), info.direction == Direction::unit ? "unit" : "any", roots,

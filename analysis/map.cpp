@@ -1,12 +1,10 @@
 #include "measure/map.hpp"
 
 #include <fmt/format.h>
-#include <tbb/global_control.h>
 
 #include <algorithm>
 #include <memory>
 #include <set>
-#include <thread>
 
 #include "commands.hpp"
 #include "output/atomic_file.hpp"
@@ -73,14 +71,13 @@ Exit run(const MapOptions& o, const Common& common) {
     const auto rows = cross(select_forms(o.forms), select_formats(o.formats));
     const auto asked = o.metrics.empty() ? std::vector{find_metric("lost_bits")} : select_metrics(o.metrics);
     const auto scenes = load(o, common);
-    const int threads = common.threads > 0 ? common.threads : static_cast<int>(std::thread::hardware_concurrency());
-    const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(std::max(1, threads)));
+    const ThreadLimit limit(common.threads);
 
     std::vector<MapRequest> requests;
     std::uint64_t units = 0;
     for (const auto& scene : scenes) {
-        requests.push_back({.scene = &scene, .rows = rows, .metrics = measured(asked)});
-        units += static_cast<std::uint64_t>(scene.width) * static_cast<std::uint64_t>(scene.height) * rows.size();
+        requests.push_back({.scene = &scene, .rows = of_shape(rows, scene.shape(), scene.id), .metrics = measured(asked)});
+        units += static_cast<std::uint64_t>(scene.width) * static_cast<std::uint64_t>(scene.height) * requests.back().rows.size();
     }
     // A folder that cannot be written ends the run before the first ray, not after the tenth scene.
     const auto folder = [&o](const scene::Scene& scene) { return std::filesystem::path(o.out) / scene.id; };

@@ -2,10 +2,13 @@
 
 #include <fnmatch.h>
 #include <fmt/format.h>
+#include <tbb/global_control.h>
 
 #include <algorithm>
 #include <charconv>
 #include <cstdlib>
+#include <iterator>
+#include <thread>
 
 #include "number/error.hpp"
 #include "scene/did_you_mean.hpp"
@@ -47,7 +50,7 @@ std::vector<const Row*> select_rows(std::span<const Row> table, const std::vecto
 }  // namespace
 
 std::vector<const Intersector*> select_forms(const std::vector<std::string>& globs) {
-    return select_rows(sphere_intersectors(), globs, "intersector", "-i", [](const Intersector& i) { return i.info->name; });
+    return select_rows(intersectors(), globs, "intersector", "-i", [](const Intersector& i) { return i.info->name; });
 }
 
 std::vector<const Metric*> select_metrics(const std::vector<std::string>& globs) {
@@ -100,6 +103,27 @@ std::vector<MapRow> cross(const std::vector<const Intersector*>& forms, const st
     if (rows.empty()) throw NothingSelected("none of the selected intersectors exists in the selected formats; `lostbits list intersectors` says which do");
     return rows;
 }
+
+std::vector<MapRow> of_shape(const std::vector<MapRow>& rows, Shape shape, const std::string& what) {
+    std::vector<MapRow> fitting;
+    std::ranges::copy_if(rows, std::back_inserter(fitting), [shape](const MapRow& r) { return r.form->shape == shape; });
+    if (fitting.empty()) {
+        const auto name = shape_names[static_cast<std::size_t>(shape)];
+        throw NothingSelected(fmt::format("{} is about a {}, and none of the selected intersectors is; try -i '{}.*'", what, name, name));
+    }
+    return fitting;
+}
+
+struct ThreadLimit::Control {
+    tbb::global_control limit;
+};
+
+ThreadLimit::ThreadLimit(int threads) {
+    const auto count = static_cast<std::size_t>(threads > 0 ? threads : static_cast<int>(std::max(1U, std::thread::hardware_concurrency())));
+    control_.reset(new Control{{tbb::global_control::max_allowed_parallelism, count}});
+}
+
+ThreadLimit::~ThreadLimit() = default;
 
 std::pair<int, int> parse_size(const std::string& text) {
     int size[2] = {0, 0};

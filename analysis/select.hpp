@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -27,6 +28,22 @@ std::vector<const Metric*> measured(const std::vector<const Metric*>& asked);
 
 /// Every selected form in every selected format that it exists in. NothingSelected where that leaves none.
 std::vector<MapRow> cross(const std::vector<const Intersector*>& forms, const std::vector<Format>& formats);
+
+/// Those rows whose forms meet solids of this shape; NothingSelected where there is none. `what` has the solids.
+std::vector<MapRow> of_shape(const std::vector<MapRow>& rows, Shape shape, const std::string& what);
+
+/// Limits every parallel loop to that many threads while it lives; 0 stands for one a core.
+class ThreadLimit {
+public:
+    explicit ThreadLimit(int threads);
+    ~ThreadLimit();
+    ThreadLimit(const ThreadLimit&) = delete;
+    ThreadLimit& operator=(const ThreadLimit&) = delete;
+
+private:
+    struct Control;
+    std::unique_ptr<Control> control_;
+};
 
 /// `WxH` in pixels. InputError otherwise.
 std::pair<int, int> parse_size(const std::string& text);

@@ -1,11 +1,9 @@
 #include "measure/sweep.hpp"
 
 #include <fmt/format.h>
-#include <tbb/global_control.h>
 
 #include <algorithm>
 #include <memory>
-#include <thread>
 
 #include "commands.hpp"
 #include "output/sweep_files.hpp"
@@ -44,8 +42,7 @@ Exit run(const SweepOptions& o, const Common& common) {
     const auto data = data_folder(common.data);
     std::vector<scene::SweepFile> sweeps;
     for (const std::string& word : o.sweeps) sweeps.emplace_back(scene::find_sweep(word, data), data);
-    const int threads = common.threads > 0 ? common.threads : static_cast<int>(std::thread::hardware_concurrency());
-    const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(std::max(1, threads)));
+    const ThreadLimit limit(common.threads);
 
     output::ImageBackend& backend = output::image_backend();
     for (const scene::SweepFile& sweep : sweeps) {

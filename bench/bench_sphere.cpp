@@ -59,7 +59,7 @@ void count_rays(benchmark::State& state) { state.SetItemsProcessed(state.iterati
 void truth(benchmark::State& state, const RaySet& (*rays)()) {
     const RaySet& set = rays();
     for (auto _ : state) {
-        for (std::size_t i = 0; i < ray_count; ++i) benchmark::DoNotOptimize(find_truth(set[i], std::span(&set.sphere, 1)));
+        for (std::size_t i = 0; i < ray_count; ++i) benchmark::DoNotOptimize(find_truth(set[i], set.sphere));
     }
     count_rays(state);
 }

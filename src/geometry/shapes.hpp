@@ -19,6 +19,13 @@ struct Sphere {
     T radius;
 };
 
+/// All points p with lo ≤ p ≤ hi in each component: closed, axis-aligned. A side may have zero thickness (lo = hi).
+template <class T>
+struct Box {
+    Vec<T> lo;
+    Vec<T> hi;
+};
+
 /// A form's answer. `hit` is its own decision for "there is an intersection with t ≥ 0", `t` the first such;
 /// `near ≤ far` are the line parameters of both intersections where the form yields them (its `Info` says).
 /// Where `hit` is false the numbers mean nothing.

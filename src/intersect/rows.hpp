@@ -5,6 +5,13 @@
 
 namespace lostbits {
 
+/// Every form of every shape, in the order of the table.
+inline constexpr std::size_t form_count = SphereForms::size;
+template <class Visitor>
+void for_each_form(Visitor&& visit) {
+    SphereForms::for_each(visit);
+}
+
 void fill_native(std::span<Intersector> rows);
 void fill_rounded(std::span<Intersector> rows);
 void fill_enclosed(std::span<Intersector> rows);

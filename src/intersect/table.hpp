@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <span>
 
-#include "geometry/shapes.hpp"
+#include "geometry/solid.hpp"
 #include "intersect/info.hpp"
 #include "number/ball.hpp"
 #include "number/format.hpp"
@@ -17,6 +17,8 @@ namespace lostbits {
 template <class S>
 struct RayBatch {
     std::span<const S> ox, oy, oz, dx, dy, dz;
+    /// Where each ray ends, for the shapes whose forms are told (boxes); empty: nowhere.
+    std::span<const S> tmax = {};
     [[nodiscard]] std::size_t size() const { return ox.size(); }
 };
 
@@ -30,19 +32,23 @@ struct HitBatch {
 /// One form in every arithmetic. A null pointer means that the form does not exist there (see `Info::formats`).
 struct Intersector {
     const Info* info;
-    void (*native32)(const RayBatch<float>&, const Sphere<float>&, const HitBatch<float>&);
-    void (*native64)(const RayBatch<double>&, const Sphere<double>&, const HitBatch<double>&);
+    Shape shape;  ///< of the solids that it may be given
+    void (*native32)(const RayBatch<float>&, const Solid<float>&, const HitBatch<float>&);
+    void (*native64)(const RayBatch<double>&, const Solid<double>&, const HitBatch<double>&);
     /// Inputs are rounded to the format on the way in.
-    void (*rounded)(const FloatFormat&, const RayBatch<double>&, const Sphere<double>&, const HitBatch<double>&);
-    Hit<Ball> (*ball)(const Ray<Ball>&, const Sphere<Ball>&);
-    Hit<Interval> (*interval)(const Ray<Interval>&, const Sphere<Interval>&);
+    void (*rounded)(const FloatFormat&, const RayBatch<double>&, const Solid<double>&, const HitBatch<double>&);
+    Hit<Ball> (*ball)(const Ray<Ball>&, const Solid<Ball>&);
+    Hit<Interval> (*interval)(const Ray<Interval>&, const Solid<Interval>&);
 
     [[nodiscard]] bool exists_in(const Format& format) const {
         return info->formats == Formats::all || format.shape == binary32;
     }
 };
 
-/// Every sphere form, in the catalogue's order.
-std::span<const Intersector> sphere_intersectors();
+/// Every form of every shape, in the catalogue's order.
+std::span<const Intersector> intersectors();
+/// Those of one shape.
+std::span<const Intersector> intersectors(Shape shape);
+inline std::span<const Intersector> sphere_intersectors() { return intersectors(Shape::sphere); }
 
 }  // namespace lostbits

@@ -19,12 +19,8 @@ void for_each_pixel(std::size_t count, Function&& function) {
     });
 }
 
-template <class Rays, class S>
-std::vector<Truth> find_all(const Rays& rays, const std::vector<Sphere<S>>& spheres, TruthLimit limit) {
-    std::vector<Truth> truth(rays.size());
-    for_each_pixel(truth.size(), [&](std::size_t i) { truth[i] = find_truth(rays[i], std::span(spheres), limit); });
-    return truth;
-}
+template <class S>
+using Solids = std::span<const Solid<S>>;
 
 /// A ray that its format turned into nonsense (a direction of zero, an overflow) has no truth of its own.
 bool is_proper(const Ray<double>& r) {
@@ -52,18 +48,15 @@ std::vector<S> stored(const std::vector<double>& x, std::size_t begin, std::size
 
 /// One chunk of rays against all spheres, keeping the nearest.
 template <class S, class Kernel>
-void nearest_of(const Kernel& kernel, const scene::RayBlock& rays, const std::vector<Sphere<double>>& spheres, std::size_t begin, std::size_t count,
+void nearest_of(const Kernel& kernel, const scene::RayBlock& rays, const std::vector<Solid<double>>& solids, std::size_t begin, std::size_t count,
                 Answers& answers) {
     const auto ox = stored<S>(rays.ox, begin, count), oy = stored<S>(rays.oy, begin, count), oz = stored<S>(rays.oz, begin, count);
     const auto dx = stored<S>(rays.dx, begin, count), dy = stored<S>(rays.dy, begin, count), dz = stored<S>(rays.dz, begin, count);
     const RayBatch<S> batch{ox, oy, oz, dx, dy, dz};
     std::vector<S> t(count), near(count), far(count);
     std::vector<std::uint8_t> hit(count);
-    for (std::size_t s = 0; s < spheres.size(); ++s) {
-        const auto cast = [](double x) { return static_cast<S>(x); };
-        const Sphere<double>& from = spheres[s];
-        const Sphere<S> sphere{Vec<S>(cast(from.centre.x), cast(from.centre.y), cast(from.centre.z)), cast(from.radius)};
-        kernel(batch, sphere, HitBatch<S>{t, near, far, hit});
+    for (std::size_t s = 0; s < solids.size(); ++s) {
+        kernel(batch, transformed(solids[s], [](double x) { return static_cast<S>(x); }), HitBatch<S>{t, near, far, hit});
         for (std::size_t i = 0; i < count; ++i) {
             const std::size_t p = begin + i;
             const bool first = answers.hit[p] == 0 || std::isnan(answers.t[p]);
@@ -77,66 +70,90 @@ void nearest_of(const Kernel& kernel, const scene::RayBlock& rays, const std::ve
 
 }  // namespace
 
+template <class Function>
+auto Band::with_ray(std::size_t i, Function&& function) const {
+    return ideal_ ? function((*ideal_)[i], Solids<Real>(ideal_solids_)) : function(shared_[i], Solids<double>(shared_solids_));
+}
+
 Band::Band(const scene::Scene& scene, int y0, int y1, TruthLimit limit) : scene_(&scene), y0_(y0), rows_(y1 - y0), limit_(limit) {
     if (scene.inputs == scene::Inputs::shared) {
         shared_ = scene::make_shared_rays(scene, y0, y1);
-        for (const auto& s : scene.spheres) shared_spheres_.push_back(scene::shared_sphere(s));
-        truth_ = find_all(shared_, shared_spheres_, limit_);
+        for (const auto& s : scene.solids()) shared_solids_.push_back(scene::round_solid(s, binary32));
     } else {
         ideal_ = scene::make_own_rays(scene, y0, y1);
-        for (const auto& s : scene.spheres) ideal_spheres_.push_back({s.centre, s.radius});
-        truth_ = find_all(*ideal_, ideal_spheres_, limit_);
+        ideal_solids_ = scene.solids();
+    }
+    find_truth_of_all();
+}
+
+Band::Band(scene::RayBlock rays, std::vector<Solid<double>> solids, TruthLimit limit)
+    : y0_(rays.y0), rows_(rays.y1 - rays.y0), limit_(limit), shared_(std::move(rays)), shared_solids_(std::move(solids)) {
+    find_truth_of_all();
+}
+
+void Band::find_truth_of_all() {
+    truth_.resize(ideal_ ? ideal_->size() : shared_.size());
+    const auto find = [&](std::size_t i, Touching touching) {
+        return with_ray(i, [&](const auto& ray, auto solids) { return find_truth(ray, solids, limit_, touching); });
+    };
+    for_each_pixel(truth_.size(), [&](std::size_t i) { truth_[i] = find(i, Touching::hit); });
+    for (std::size_t i = 0; i < truth_.size(); ++i) {
+        if (truth_[i].touches) open_[i].truth = find(i, Touching::miss);
     }
 }
 
-Band::Band(scene::RayBlock rays, std::vector<Sphere<double>> spheres, TruthLimit limit)
-    : y0_(rays.y0), rows_(rays.y1 - rays.y0), limit_(limit), shared_(std::move(rays)), shared_spheres_(std::move(spheres)) {
-    truth_ = find_all(shared_, shared_spheres_, limit_);
+const Truth& Band::truth(std::size_t i, Touching touching) const {
+    if (touching == Touching::hit || !truth_[i].touches) return truth_[i];
+    return open_.at(i).truth;
 }
 
 void Band::find_condition() {
-    condition_.assign(pixels(), std::numeric_limits<double>::quiet_NaN());
-    for_each_pixel(pixels(), [&](std::size_t i) {
-        if (!truth_[i].is_hit()) return;
-        const auto object = static_cast<std::size_t>(truth_[i].object);
-        condition_[i] = ideal_ ? lostbits::condition((*ideal_)[i], ideal_spheres_[object]) : lostbits::condition(shared_[i], shared_spheres_[object]);
-    });
+    const auto of = [&](std::size_t i, const Truth& truth) {
+        if (!truth.is_hit()) return std::numeric_limits<double>::quiet_NaN();
+        return with_ray(i, [&](const auto& ray, auto solids) { return lostbits::condition(ray, solids[static_cast<std::size_t>(truth.object)]); });
+    };
+    condition_.resize(pixels());
+    for_each_pixel(pixels(), [&](std::size_t i) { condition_[i] = of(i, truth_[i]); });
+    for (auto& [i, open] : open_) open.condition = of(i, open.truth);
+}
+
+double Band::condition(std::size_t i, Touching touching) const {
+    if (touching == Touching::hit || !truth_[i].touches) return condition_[i];
+    return open_.at(i).condition;
 }
 
 FormatInputs Band::inputs(const Format& format, BandNeeds needs) const {
-    FormatInputs in{.format = format, .rays = {}, .spheres = {}, .unit_rays = {}, .own_truth = {}};
+    FormatInputs in{.format = format, .rays = {}, .solids = {}, .unit_rays = {}, .own_truth = {}};
     const FloatFormat& shape = format.shape;
     if (ideal_) {
         in.rays = scene::round_rays(*ideal_, shape);
-        for (const auto& s : scene_->spheres) in.spheres.push_back(scene::round_sphere(s, shape));
+        for (const auto& s : ideal_solids_) in.solids.push_back(scene::round_solid(s, shape));
     } else {
         in.ideal = shape.precision >= binary32.precision && shape.emin <= binary32.emin && shape.emax >= binary32.emax;
         in.rays = in.ideal ? shared_ : scene::round_block(shared_, shape);
-        for (const auto& s : shared_spheres_) in.spheres.push_back(scene::round_sphere(s, shape));
+        for (const auto& s : shared_solids_) in.solids.push_back(scene::round_solid(s, shape));
     }
     if (needs.unit_rays) in.unit_rays = normalised(in.rays, shape);
     if (needs.own_truth && !in.ideal) {
         in.own_truth.resize(pixels());
         for_each_pixel(pixels(), [&](std::size_t i) {
             const Ray<double> ray = in.rays[i];
-            if (is_proper(ray)) in.own_truth[i] = find_truth(ray, std::span<const Sphere<double>>(in.spheres), limit_);
+            if (is_proper(ray)) in.own_truth[i] = find_truth(ray, Solids<double>(in.solids), limit_);
         });
     }
     return in;
 }
 
-double Band::rounded_truth(std::size_t i, const FloatFormat& format, Direction unit_of) const {
-    const Truth& truth = truth_[i];
-    if (unit_of == Direction::unit) {
+double Band::rounded_truth(std::size_t i, const FloatFormat& format, const Info& form) const {
+    const Truth& truth = this->truth(i, form.touching);
+    if (form.direction == Direction::unit) {
         // A distance is irrational but where |d| is rational; a bound that straddles is settled as the midpoint rounds.
         Certified middle = truth.distance;
         if (const auto r = round_certified(middle, format)) return *r;
         middle.bound = 0;
         return round_certified(middle, format).value_or(std::numeric_limits<double>::quiet_NaN());
     }
-    const auto object = static_cast<std::size_t>(truth.object);
-    if (ideal_) return round_truth(truth, (*ideal_)[i], ideal_spheres_[object], format);
-    return round_truth(truth, shared_[i], shared_spheres_[object], format);
+    return with_ray(i, [&](const auto& ray, auto solids) { return round_truth(truth, ray, solids[static_cast<std::size_t>(truth.object)], format); });
 }
 
 Answers evaluate(const Intersector& form, const FormatInputs& inputs) {
@@ -147,11 +164,11 @@ Answers evaluate(const Intersector& form, const FormatInputs& inputs) {
     for (std::size_t begin = 0; begin < n; begin += chunk) {
         const std::size_t count = std::min(chunk, n - begin);
         switch (inputs.format.engine) {
-            case Format::Engine::native32: nearest_of<float>(form.native32, rays, inputs.spheres, begin, count, answers); break;
-            case Format::Engine::native64: nearest_of<double>(form.native64, rays, inputs.spheres, begin, count, answers); break;
+            case Format::Engine::native32: nearest_of<float>(form.native32, rays, inputs.solids, begin, count, answers); break;
+            case Format::Engine::native64: nearest_of<double>(form.native64, rays, inputs.solids, begin, count, answers); break;
             case Format::Engine::rounded: {
                 const auto kernel = [&](const auto&... a) { form.rounded(inputs.format.shape, a...); };
-                nearest_of<double>(kernel, rays, inputs.spheres, begin, count, answers);
+                nearest_of<double>(kernel, rays, inputs.solids, begin, count, answers);
                 break;
             }
         }

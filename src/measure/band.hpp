@@ -3,6 +3,7 @@
 
 #include <memory>
 #include <optional>
+#include <unordered_map>
 #include <vector>
 
 #include "intersect/table.hpp"
@@ -16,7 +17,7 @@ namespace lostbits {
 struct FormatInputs {
     Format format;
     scene::RayBlock rays;
-    std::vector<Sphere<double>> spheres;
+    std::vector<Solid<double>> solids;
     /// Directions normalised and rounded to the format; empty unless a form asks for them.
     scene::RayBlock unit_rays;
     /// The truth of these inputs; empty where they are the ideal ones, or where no metric asks.
@@ -38,34 +39,46 @@ class Band {
 public:
     /// Finds the truth of every pixel, in parallel over the pixels.
     Band(const scene::Scene& scene, int y0, int y1, TruthLimit limit = {});
-    /// Rays that are already stored numbers, with their spheres: what a step of a sweep evaluates.
-    Band(scene::RayBlock rays, std::vector<Sphere<double>> spheres, TruthLimit limit = {});
-    /// Finds κ of every hit, in parallel; `condition()` is empty before, and NaN for a miss.
+    /// Rays that are already stored numbers, with their solids: what a step of a sweep evaluates.
+    Band(scene::RayBlock rays, std::vector<Solid<double>> solids, TruthLimit limit = {});
+    /// Finds κ of every hit, in parallel.
     void find_condition();
-    [[nodiscard]] const std::vector<double>& condition() const { return condition_; }
+    /// κ of ray i after `find_condition`; NaN for a miss.
+    [[nodiscard]] double condition(std::size_t i, Touching touching) const;
     /// The inputs of one format; parallel over the pixels where it computes.
     [[nodiscard]] FormatInputs inputs(const Format& format, BandNeeds needs) const;
 
     [[nodiscard]] int y0() const { return y0_; }
     [[nodiscard]] int rows() const { return rows_; }
     [[nodiscard]] std::size_t pixels() const { return truth_.size(); }
-    [[nodiscard]] const std::vector<Truth>& truth() const { return truth_; }
-    /// The truth of pixel i (a hit), correctly rounded to the format: as t, or as a distance.
-    [[nodiscard]] double rounded_truth(std::size_t i, const FloatFormat& format, Direction unit_of) const;
+    /// The truth of ray i by the convention of a form: whether merely touching is a hit.
+    [[nodiscard]] const Truth& truth(std::size_t i, Touching touching) const;
+    /// The truth of ray i (a hit), correctly rounded to the format: as t, or as a distance, as the form has it.
+    [[nodiscard]] double rounded_truth(std::size_t i, const FloatFormat& format, const Info& form) const;
 
 private:
-    const scene::Scene* scene_ = nullptr;    ///< for own inputs, whose spheres each format rounds itself
+    void find_truth_of_all();
+
+    const scene::Scene* scene_ = nullptr;    ///< for own inputs, whose solids each format rounds itself
     int y0_ = 0, rows_ = 0;
     TruthLimit limit_;
     scene::RayBlock shared_;                 ///< inputs = shared
-    std::vector<Sphere<double>> shared_spheres_;
+    std::vector<Solid<double>> shared_solids_;
     std::optional<scene::IdealRayBlock> ideal_;  ///< inputs = own
-    std::vector<Sphere<Real>> ideal_spheres_;
+    std::vector<Solid<Real>> ideal_solids_;
+    struct Open {
+        Truth truth;
+        double condition = 0;
+    };
+    template <class Function>
+    auto with_ray(std::size_t i, Function&& function) const;
+
     std::vector<Truth> truth_;
     std::vector<double> condition_;
+    std::unordered_map<std::size_t, Open> open_;  ///< where touching makes a difference
 };
 
-/// The answers of one form in one format to a band: the nearest hit over all spheres, found in the format.
+/// The answers of one form in one format to a band: the nearest hit over all solids, found in the format.
 struct Answers {
     std::vector<double> t;
     std::vector<std::uint8_t> hit;

@@ -37,7 +37,7 @@ std::map<std::string, double> columns_of(const MapSummary& s, const std::vector<
 
 MapRow row_of(const Claim& claim) {
     std::vector<std::string> names;
-    for (const Intersector& i : sphere_intersectors()) {
+    for (const Intersector& i : intersectors()) {
         names.emplace_back(i.info->name);
         if (i.info->name != claim.form) continue;
         const auto format = find_format(claim.format);

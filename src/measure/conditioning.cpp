@@ -2,6 +2,7 @@
 
 #include <limits>
 #include <optional>
+#include <vector>
 
 #include "measure/metrics.hpp"
 #include "number/dual.hpp"
@@ -9,27 +10,32 @@
 namespace lostbits {
 namespace {
 
-constexpr std::size_t inputs = 10;
-
-template <class E>
-using Sensitive = Dual<E, inputs>;
-
-/// Every number of the problem as an input of its own.
-template <class E, class S>
+/// Every number of a problem with N of them as an input of its own: origin, direction, the solid's.
+template <class E, std::size_t N>
 struct Problem {
-    std::array<E, inputs> x;
-    Ray<Sensitive<E>> ray;
-    Sphere<Sensitive<E>> sphere;
+    using Sensitive = Dual<E, N>;
+    std::vector<E> x;
+    Ray<Sensitive> ray;
+    Solid<Sensitive> solid;
 
-    Problem(const Ray<S>& r, const Sphere<S>& s)
-        : x{lift<E>(r.origin.x),    lift<E>(r.origin.y),    lift<E>(r.origin.z),    lift<E>(r.direction.x), lift<E>(r.direction.y),
-            lift<E>(r.direction.z), lift<E>(s.centre.x), lift<E>(s.centre.y), lift<E>(s.centre.z), lift<E>(s.radius)},
-          ray{vec(0), vec(3)},
-          sphere{vec(6), Sensitive<E>::input(x[9], 9)} {}
+    template <class S>
+    Problem(const Ray<S>& r, const Solid<S>& s) : x(listed(r, s)), ray{vec(0), vec(3)} {
+        solid.shape = s.shape;
+        for (std::size_t i = 6; i < N; ++i) solid.numbers[i - 6] = Sensitive::input(x[i], i);
+    }
 
 private:
-    [[nodiscard]] Vec<Sensitive<E>> vec(std::size_t i) const {
-        return {Sensitive<E>::input(x[i], i), Sensitive<E>::input(x[i + 1], i + 1), Sensitive<E>::input(x[i + 2], i + 2)};
+    template <class S>
+    static std::vector<E> listed(const Ray<S>& r, const Solid<S>& s) {
+        std::vector<E> all;
+        for (const Vec<S>& v : {r.origin, r.direction}) {
+            for (int i = 0; i < 3; ++i) all.push_back(lift<E>(v[i]));
+        }
+        for (const S& n : s.used()) all.push_back(lift<E>(n));
+        return all;
+    }
+    [[nodiscard]] Vec<Sensitive> vec(std::size_t i) const {
+        return {Sensitive::input(x[i], i), Sensitive::input(x[i + 1], i + 1), Sensitive::input(x[i + 2], i + 2)};
     }
 };
 
@@ -49,33 +55,38 @@ std::optional<double> close_enough(const Interval& k) {
 }
 
 /// κ at one precision; nothing where it is too low.
-template <class E, class S>
-std::optional<double> condition_in(const Ray<S>& ray, const Sphere<S>& sphere) {
-    const Problem<E, S> problem(ray, sphere);
-    const Enclosed<Sensitive<E>> found = enclose(problem.ray, problem.sphere);
+template <class E, std::size_t N, class S>
+std::optional<double> condition_in(const Ray<S>& ray, const Solid<S>& solid) {
+    const Problem<E, N> problem(ray, solid);
+    const auto found = enclose(problem.ray, problem.solid);
     if (found.hit.is_no()) return std::numeric_limits<double>::quiet_NaN();
     if (!found.hit.is_yes()) return std::nullopt;
     if (found.t.value().is_exact() && (found.t.value() <= E(0)).is_yes()) return std::numeric_limits<double>::infinity();
     E sum(0);
-    for (std::size_t i = 0; i < inputs; ++i) sum = sum + abs(problem.x[i] * found.t.derivative(i));
+    for (std::size_t i = 0; i < N; ++i) sum = sum + abs(problem.x[i] * found.t.derivative(i));
     return close_enough(sum / found.t.value());
 }
 
-template <class S>
-double find_condition(const Ray<S>& ray, const Sphere<S>& sphere) {
-    if (const auto quick = condition_in<Ball>(ray, sphere)) return *quick;
+template <std::size_t N, class S>
+double find_condition(const Ray<S>& ray, const Solid<S>& solid) {
+    if (const auto quick = condition_in<Ball, N>(ray, solid)) return *quick;
     for (int bits = 384; bits <= 24576; bits *= 4) {
         const Interval::Precision precision(bits);
-        if (const auto k = condition_in<Interval>(ray, sphere)) return *k;
+        if (const auto k = condition_in<Interval, N>(ray, solid)) return *k;
     }
     // What no precision settles is a division by a root that is exactly zero: a tangent.
     return std::numeric_limits<double>::infinity();
 }
 
+template <class S>
+double condition_of(const Ray<S>& ray, const Solid<S>& solid) {
+    return solid.shape == Shape::sphere ? find_condition<10>(ray, solid) : find_condition<12>(ray, solid);
+}
+
 }  // namespace
 
-double condition(const Ray<double>& ray, const Sphere<double>& sphere) { return find_condition(ray, sphere); }
-double condition(const Ray<Real>& ray, const Sphere<Real>& sphere) { return find_condition(ray, sphere); }
+double condition(const Ray<double>& ray, const Solid<double>& solid) { return condition_of(ray, solid); }
+double condition(const Ray<Real>& ray, const Solid<Real>& solid) { return condition_of(ray, solid); }
 
 double inherent_bits(double condition, int precision) { return lost_bits(condition / 2, precision); }
 

@@ -3,18 +3,20 @@
 
 #include <cmath>
 
-#include "geometry/shapes.hpp"
+#include "geometry/solid.hpp"
 #include "number/ball.hpp"
 #include "number/interval.hpp"
 
 namespace lostbits {
 
-/// What one precision can say about one sphere. `t` and `distance` mean something only where `hit` is certain.
+/// What one precision can say about one solid, all of it only where `hit` is certain.
 template <class E>
 struct Enclosed {
-    Tri hit;
+    Tri hit;  ///< of the closed solid: touching counts
     E t;
     E distance;
+    /// The line meets the solid's boundary alone (a tangent): a miss where touching does not count.
+    bool touching = false;
 };
 
 /// c = f·f − r² places the origin (outside, on, inside), h = f·d the direction, and m = f × d the line:
@@ -38,13 +40,18 @@ Enclosed<E> enclose(const Ray<E>& ray, const Sphere<E>& sphere) {
     const Tri hit = !outside || (!leaving && !(discriminant < zero));
     if (hit.is_no()) return {hit, zero, zero};
     if (hit.is_unknown() || outside.is_unknown()) return {Tri::unknown, zero, zero};
-    if ((c >= zero).is_yes() && outside.is_no()) return {Tri::yes, zero, zero};  // the origin lies on the surface
+    if ((c >= zero).is_yes() && outside.is_no()) {  // the origin lies on the surface, and the discriminant is h²
+        const Tri aside = h > zero || h < zero;
+        return {aside.is_unknown() ? Tri::unknown : Tri::yes, zero, zero, aside.is_no()};
+    }
+    const Tri through = outside.is_no() ? Tri::yes : discriminant > zero;
+    if (through.is_unknown()) return {Tri::unknown, zero, zero};
 
     const E root = sqrt(discriminant);
     const E t = outside.is_yes()         ? c / (root - h)
                 : (h > zero).is_yes() ? -c / (h + root)
                                       : (root - h) / a;
-    return {Tri::yes, t, t * sqrt(a)};
+    return {Tri::yes, t, t * sqrt(a), through.is_no()};
 }
 
 template <class E, class S>
@@ -73,8 +80,14 @@ Ray<E> lift_ray(const Ray<S>& ray) {
 }
 
 template <class E, class S>
-Sphere<E> lift_sphere(const Sphere<S>& sphere) {
-    return {lift_vec<E>(sphere.centre), lift<E>(sphere.radius)};
+Solid<E> lift_solid(const Solid<S>& solid) {
+    return transformed(solid, [](const S& x) { return lift<E>(x); });
+}
+
+/// The closed solid, whatever its shape.
+template <class E>
+Enclosed<E> enclose(const Ray<E>& ray, const Solid<E>& solid) {
+    return enclose(ray, solid.sphere());
 }
 
 }  // namespace lostbits

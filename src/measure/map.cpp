@@ -28,18 +28,18 @@ public:
     void measure(std::size_t i, MapSummary& summary) {
         const Answers& answers = *result_.answers;
         const FormatInputs& in = *result_.inputs;
-        const Truth& truth = result_.band->truth()[i];
+        const Truth& truth = result_.truth(i);
         const Info& info = *row_.form->info;
         const Ray<double> ray = in.rays_for(info)[i];
-        const Sphere<double>& sphere = in.spheres[static_cast<std::size_t>(answers.object[i])];
-        Sample sample{answers.t[i], &row_.format, in_unit_of(truth, info), missing, nullptr, nullptr, missing, &ray, &sphere};
+        const Solid<double>& solid = in.solids[static_cast<std::size_t>(answers.object[i])];
+        Sample sample{answers.t[i], &row_.format, in_unit_of(truth, info), missing, nullptr, nullptr, missing, &ray, &solid};
 
-        if (needs_ & needs_rounded_truth) sample.truth_rounded = result_.band->rounded_truth(i, row_.format.shape, info.direction);
+        if (needs_ & needs_rounded_truth) sample.truth_rounded = result_.band->rounded_truth(i, row_.format.shape, info);
         if (needs_ & needs_own_truth) sample.own = in.ideal ? sample.truth : in_unit_of(in.own_truth[i], info);
-        if (needs_ & needs_condition) sample.condition = result_.band->condition()[i];
+        if (needs_ & needs_condition) sample.condition = result_.band->condition(i, info.touching);
         std::optional<Certified> self;
         if (needs_ & needs_self) {
-            self = without_rounding(*row_.form, ray, in.spheres[static_cast<std::size_t>(truth.object)]);
+            self = without_rounding(*row_.form, ray, in.solids[static_cast<std::size_t>(truth.object)]);
             if (self) sample.self = &*self;
         }
         for (std::size_t m = 0; m < metrics_.size(); ++m) {
@@ -57,7 +57,7 @@ private:
         if (!(size > summary.worst.size)) return;
         const int x = static_cast<int>(i % static_cast<std::size_t>(result_.width));
         const int y = result_.y0 + static_cast<int>(i / static_cast<std::size_t>(result_.width));
-        summary.worst = {x, y, result_.answers->object[i], size, result_.inputs->rays[i], *sample.sphere, sample.t};
+        summary.worst = {x, y, result_.answers->object[i], size, result_.inputs->rays[i], *sample.solid, sample.t};
     }
 
     const std::vector<const Metric*>& metrics_;
@@ -78,11 +78,11 @@ void measure_row(const MapRow& row, const std::vector<const Metric*>& metrics, c
                  MapSink* sink) {
     const Answers answers = evaluate(*row.form, inputs);
     const std::size_t n = band.pixels();
-    BandResult result{band.y0(), band.rows(), inputs.rays.width, &band, &inputs, &answers, std::vector<Outcome>(n), {}};
+    BandResult result{band.y0(), band.rows(), inputs.rays.width, &band, &inputs, &answers, row.form->info, std::vector<Outcome>(n), {}};
     result.metrics.assign(metrics.size(), std::vector<double>(n, missing));
     Measurement measurement(metrics, row, result);
     for (std::size_t i = 0; i < n; ++i) {
-        const Truth& truth = band.truth()[i];
+        const Truth& truth = result.truth(i);
         const Outcome outcome = classify(truth.decision, answers.hit[i] != 0, answers.t[i]);
         result.outcomes[i] = outcome;
         ++summary.outcomes[static_cast<std::size_t>(outcome)];

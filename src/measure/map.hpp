@@ -23,10 +23,10 @@ struct MapRow {
 /// A worst sample, in a form that can be pasted back.
 struct WorstRay {
     int x = -1, y = -1;
-    int object = -1;  ///< the sphere that the form hit
+    int object = -1;  ///< the solid that the form hit
     double size = -1;  ///< |ulp_error|
     Ray<double> ray{};  ///< in the format; a unit-direction form gets the direction normalised, so its t is a distance
-    Sphere<double> sphere{};
+    Solid<double> solid{};
     double t = 0;
 };
 
@@ -35,7 +35,7 @@ struct MapSummary {
     std::uint64_t rays = 0;
     std::array<std::uint64_t, outcome_names.size()> outcomes{};
     std::uint64_t true_hits = 0;     ///< rays that truly hit, whatever the form says
-    std::uint64_t wrong_object = 0;  ///< agree_hit, but on another sphere
+    std::uint64_t wrong_object = 0;  ///< agree_hit, but on another solid
     std::vector<Distribution> metrics;  ///< in the order of the request's metrics
     WorstRay worst;
 
@@ -48,9 +48,13 @@ struct BandResult {
     const Band* band;
     const FormatInputs* inputs;
     const Answers* answers;
+    const Info* form;
     std::vector<Outcome> outcomes;
     /// One vector per requested metric; NaN where the metric does not exist.
     std::vector<std::vector<double>> metrics;
+
+    /// By the form's own convention.
+    [[nodiscard]] const Truth& truth(std::size_t i) const { return band->truth(i, form->touching); }
 };
 
 /// Where a row's results go: files, plots, tests. Called band by band from top to bottom, never concurrently for

@@ -70,15 +70,28 @@ E off_surface(const Vec<double>& p, const Sphere<double>& sphere) {
     return (v2 - r * r) / (r * (sqrt(v2) + r));
 }
 
-double residual(const Sample& s) {
-    const Vec<double> p = hit_point(s);
-    if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z)) return HUGE_VAL;
-    const Ball quick = off_surface<Ball>(p, *s.sphere);
+/// How far p lies outside the box (negative: inside), by its worst component, in longest sides.
+template <class E>
+E off_surface(const Vec<double>& p, const Box<double>& box) {
+    const auto beyond = [&](int i) { return max(E(box.lo[i]) - E(p[i]), E(p[i]) - E(box.hi[i])); };
+    const auto side = [&](int i) { return E(box.hi[i]) - E(box.lo[i]); };
+    return max(max(beyond(0), beyond(1)), beyond(2)) / max(max(side(0), side(1)), side(2));
+}
+
+template <class Solid>
+double residual_of(const Vec<double>& p, const Solid& solid) {
+    const Ball quick = off_surface<Ball>(p, solid);
     // Good to 2^-40 of itself, or so small that a double's rounding noise hides it.
     if (quick.is_bounded() && quick.radius() <= std::max(std::fabs(quick.hi()) * 0x1p-40, 0x1p-90)) return quick.hi();
     const Interval::Precision precision(8192);
-    const Interval exact = off_surface<Interval>(p, *s.sphere);
+    const Interval exact = off_surface<Interval>(p, solid);
     return exact.is_bounded() ? mpfr_get_d(exact.lower(), MPFR_RNDN) : missing;
+}
+
+double residual(const Sample& s) {
+    const Vec<double> p = hit_point(s);
+    if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z)) return HUGE_VAL;
+    return s.solid->shape == Shape::sphere ? residual_of(p, s.solid->sphere()) : residual_of(p, s.solid->box());
 }
 
 double input_error(const Sample& s) { return s.own ? in_ulps(s, *s.own, *s.truth) : missing; }
@@ -102,7 +115,8 @@ constexpr std::array table{
     Metric{"ulp_error", "ulp", "err.ulp", "(t - t*)/ulp(t*), signed, against the unrounded truth", needs_nothing, Ramp::magnitude, 0x1p-4, 0x1p+24, true, ulp_error},
     Metric{"relative_error", "1", "err.relative", "|t - t*|/|t*|", needs_nothing, Ramp::magnitude, 0x1p-30, 1, true, relative},
     Metric{"absolute_error", "t", "err.absolute", "|t - t*|, in units of t", needs_nothing, Ramp::magnitude, 0x1p-30, 0x1p+10, false, absolute},
-    Metric{"residual", "radii", "err.residual", "(|P - G| - r)/r for P = o + t d computed in the format: how far the hit point is off the surface",
+    Metric{"residual", "size", "err.residual",
+           "(|P - G| - r)/r for P = o + t d computed in the format: how far the hit point is off the surface; of a box: how far outside, in longest sides",
            needs_nothing, Ramp::magnitude, 0x1p-30, 1, true, residual},
     Metric{"input_error", "ulp", "split.input", "(t* of the inputs as the format holds them - t*)/ulp(t*)", needs_own_truth, Ramp::magnitude, 0x1p-4, 0x1p+24, false, input_error},
     Metric{"model_error", "ulp", "split.model", "(the form without rounding - t* of its inputs)/ulp(t*)", split, Ramp::magnitude, 0x1p-4, 0x1p+24, false, model_error},

@@ -5,7 +5,7 @@
 #include <span>
 #include <string_view>
 
-#include "geometry/shapes.hpp"
+#include "geometry/solid.hpp"
 #include "measure/certified.hpp"
 
 namespace lostbits {
@@ -21,7 +21,7 @@ struct Sample {
     const Certified* self;    ///< the form without rounding, on the inputs as the format holds them
     double condition;         ///< κ of the problem at its ideal inputs
     const Ray<double>* ray;   ///< the inputs as the form received them
-    const Sphere<double>* sphere;  ///< the sphere that the form hit, as it received it
+    const Solid<double>* solid;  ///< the solid that the form hit, as it received it
 };
 
 /// What must be computed before a metric can be.

@@ -31,7 +31,7 @@ std::vector<MapSummary> run_step(const SweepRequest& request, const std::vector<
     std::vector<MapSummary> summaries;
     for (std::size_t r = 0; r < rows.size(); ++r) summaries.push_back(empty_summary(request.metrics.size()));
     for (scene::RayGroup& group : request.sweep->rays(values)) {
-        Band band(std::move(group.rays), std::move(group.spheres), request.limit);
+        Band band(std::move(group.rays), std::move(group.solids), request.limit);
         if (needs_of(request.metrics) & needs_condition) band.find_condition();
         std::map<std::string, BandNeeds> formats;
         for (const MapRow& row : rows) {

@@ -11,7 +11,11 @@ namespace {
 
 /// Fills in a miss or a tightly enclosed hit; false where this precision does not settle it.
 template <class E>
-bool settle(const Enclosed<E>& e, Truth& truth) {
+bool settle(const Enclosed<E>& e, Touching touching, Truth& truth) {
+    if (e.hit.is_yes() && e.touching) {
+        truth.touches = true;
+        if (touching == Touching::miss) return true;
+    }
     if (e.hit.is_no()) {
         truth.decision = Truth::Decision::miss;
         return true;
@@ -28,25 +32,26 @@ bool settle(const Enclosed<E>& e, Truth& truth) {
 }
 
 template <class S>
-Truth escalate(const Ray<S>& ray, const Sphere<S>& sphere, TruthLimit limit) {
+Truth escalate(const Ray<S>& ray, const Solid<S>& solid, TruthLimit limit, Touching touching) {
     Truth truth;
     for (int bits = std::is_same_v<S, Real> ? 384 : 192; bits <= limit.bits; bits *= 2) {
         const Interval::Precision precision(bits);
         truth.bits = bits;
-        if (settle(enclose(lift_ray<Interval>(ray), lift_sphere<Interval>(sphere)), truth)) return truth;
+        if (settle(enclose(lift_ray<Interval>(ray), lift_solid<Interval>(solid)), touching, truth)) return truth;
     }
     truth.decision = Truth::Decision::unresolved;
     return truth;
 }
 
 template <class S>
-Truth find(const Ray<S>& ray, std::span<const Sphere<S>> spheres, TruthLimit limit) {
+Truth find(const Ray<S>& ray, std::span<const Solid<S>> solids, TruthLimit limit, Touching touching) {
     const Ray<Ball> quick = lift_ray<Ball>(ray);
     Truth best;
-    for (std::size_t i = 0; i < spheres.size(); ++i) {
+    for (std::size_t i = 0; i < solids.size(); ++i) {
         Truth one;
         one.bits = 106;
-        if (!settle(enclose(quick, lift_sphere<Ball>(spheres[i])), one)) one = escalate(ray, spheres[i], limit);
+        if (!settle(enclose(quick, lift_solid<Ball>(solids[i])), touching, one)) one = escalate(ray, solids[i], limit, touching);
+        const bool touches = best.touches || one.touches;
         const int bits = std::max(best.bits, one.bits);
         one.object = static_cast<int>(i);
         if (one.decision == Truth::Decision::unresolved || best.decision == Truth::Decision::unresolved) {
@@ -60,6 +65,7 @@ Truth find(const Ray<S>& ray, std::span<const Sphere<S>> spheres, TruthLimit lim
             best.distance = nearer(best.distance, one.distance);
         }
         best.bits = bits;
+        best.touches = touches;
     }
     return best;
 }
@@ -87,7 +93,7 @@ std::optional<int> side_of(const Ray<Interval>& ray, const Sphere<Interval>& sph
 }
 
 template <class S>
-double round_exactly(const Truth& truth, const Ray<S>& ray, const Sphere<S>& sphere, const FloatFormat& format) {
+double round_exactly(const Truth& truth, const Ray<S>& ray, const Solid<S>& solid, const FloatFormat& format) {
     const auto [lower, upper] = round_ends(truth.t, format);
     if (lower == upper) return lower;
     for (int bits = std::is_same_v<S, Real> ? 384 : 192; bits <= TruthLimit{}.bits; bits *= 2) {
@@ -95,7 +101,7 @@ double round_exactly(const Truth& truth, const Ray<S>& ray, const Sphere<S>& sph
         // The boundary that the bound straddles: midway between the two, or half a last place above the largest number.
         const Interval middle = std::isinf(upper) ? Interval(lower) + Interval(std::ldexp(1.0, format.emax - format.precision))
                                                   : (Interval(lower) + Interval(upper)) / Interval(2);
-        const auto side = side_of(lift_ray<Interval>(ray), lift_sphere<Interval>(sphere), middle);
+        const auto side = side_of(lift_ray<Interval>(ray), lift_solid<Interval>(solid).sphere(), middle);
         if (!side) continue;
         if (*side != 0) return *side < 0 ? lower : upper;
         return ordinal(lower, format) % 2 == 0 ? lower : upper;
@@ -105,14 +111,18 @@ double round_exactly(const Truth& truth, const Ray<S>& ray, const Sphere<S>& sph
 
 }  // namespace
 
-Truth find_truth(const Ray<double>& ray, std::span<const Sphere<double>> spheres, TruthLimit limit) { return find(ray, spheres, limit); }
-Truth find_truth(const Ray<Real>& ray, std::span<const Sphere<Real>> spheres, TruthLimit limit) { return find(ray, spheres, limit); }
-
-double round_truth(const Truth& truth, const Ray<double>& ray, const Sphere<double>& sphere, const FloatFormat& format) {
-    return round_exactly(truth, ray, sphere, format);
+Truth find_truth(const Ray<double>& ray, std::span<const Solid<double>> solids, TruthLimit limit, Touching touching) {
+    return find(ray, solids, limit, touching);
 }
-double round_truth(const Truth& truth, const Ray<Real>& ray, const Sphere<Real>& sphere, const FloatFormat& format) {
-    return round_exactly(truth, ray, sphere, format);
+Truth find_truth(const Ray<Real>& ray, std::span<const Solid<Real>> solids, TruthLimit limit, Touching touching) {
+    return find(ray, solids, limit, touching);
+}
+
+double round_truth(const Truth& truth, const Ray<double>& ray, const Solid<double>& solid, const FloatFormat& format) {
+    return round_exactly(truth, ray, solid, format);
+}
+double round_truth(const Truth& truth, const Ray<Real>& ray, const Solid<Real>& solid, const FloatFormat& format) {
+    return round_exactly(truth, ray, solid, format);
 }
 
 }  // namespace lostbits

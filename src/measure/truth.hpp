@@ -3,20 +3,24 @@
 
 #include <span>
 
-#include "geometry/shapes.hpp"
+#include "geometry/solid.hpp"
+#include "intersect/info.hpp"
 #include "measure/certified.hpp"
 
 namespace lostbits {
 
-/// The first intersection with t ≥ 0 of a ray with closed spheres (touching counts, the origin on the surface counts).
+/// The first intersection with t ≥ 0 of a ray with solids: closed ones (touching counts, the origin on the surface
+/// counts), or, where a form says so, those that the line does not merely touch.
 struct Truth {
     enum class Decision : std::uint8_t { miss, hit, unresolved };
 
     Decision decision = Decision::miss;
-    /// Which sphere is hit first; the lowest of those that cannot be told apart. −1 for a miss.
+    /// Which solid is hit first; the lowest of those that cannot be told apart. −1 for a miss.
     int object = -1;
     /// Bits of precision that the proof took; 106 for the double-double stage.
     int bits = 0;
+    /// Some solid is touched and no more: the two conventions may differ on this ray.
+    bool touches = false;
     /// The ray parameter, in lengths of the direction as stored.
     Certified t;
     /// The same as a distance, t·|d|: what a form that receives a unit direction is asked for.
@@ -33,14 +37,21 @@ struct TruthLimit {
     int bits = 32768;
 };
 
-/// `ray` and `spheres` in any exact storage: double (which holds every format up to binary64) or Real (own inputs).
+/// `ray` and `solids` in any exact storage: double (which holds every format up to binary64) or Real (own inputs).
 /// The direction must not be zero and all numbers must be finite; radii must be positive.
-Truth find_truth(const Ray<double>& ray, std::span<const Sphere<double>> spheres, TruthLimit limit = {});
-Truth find_truth(const Ray<Real>& ray, std::span<const Sphere<Real>> spheres, TruthLimit limit = {});
+Truth find_truth(const Ray<double>& ray, std::span<const Solid<double>> solids, TruthLimit limit = {}, Touching touching = Touching::hit);
+Truth find_truth(const Ray<Real>& ray, std::span<const Solid<Real>> solids, TruthLimit limit = {}, Touching touching = Touching::hit);
+
+inline Truth find_truth(const Ray<double>& ray, const Solid<double>& solid, TruthLimit limit = {}, Touching touching = Touching::hit) {
+    return find_truth(ray, std::span(&solid, 1), limit, touching);
+}
+inline Truth find_truth(const Ray<Real>& ray, const Solid<Real>& solid, TruthLimit limit = {}, Touching touching = Touching::hit) {
+    return find_truth(ray, std::span(&solid, 1), limit, touching);
+}
 
 /// t* correctly rounded to a format, ties decided exactly: where the certified bound straddles a
 /// rounding boundary, the sign of the quadratic at the boundary tells the side. For a hit only.
-double round_truth(const Truth& truth, const Ray<double>& ray, const Sphere<double>& sphere, const FloatFormat& format);
-double round_truth(const Truth& truth, const Ray<Real>& ray, const Sphere<Real>& sphere, const FloatFormat& format);
+double round_truth(const Truth& truth, const Ray<double>& ray, const Solid<double>& solid, const FloatFormat& format);
+double round_truth(const Truth& truth, const Ray<Real>& ray, const Solid<Real>& solid, const FloatFormat& format);
 
 }  // namespace lostbits

@@ -32,9 +32,10 @@ std::string xml_safe(std::string text) {
 std::string witness_text(const ClaimResult& r) {
     if (r.witness.x < 0) return "";
     const auto& w = r.witness;
-    return fmt::format("origin {} {} {} direction {} {} {} centre {} {} {} radius {} t {}", hex(w.ray.origin.x), hex(w.ray.origin.y), hex(w.ray.origin.z),
-                       hex(w.ray.direction.x), hex(w.ray.direction.y), hex(w.ray.direction.z), hex(w.sphere.centre.x), hex(w.sphere.centre.y),
-                       hex(w.sphere.centre.z), hex(w.sphere.radius), hex(w.t));
+    std::string text = fmt::format("origin {} {} {} direction {} {} {}", hex(w.ray.origin.x), hex(w.ray.origin.y), hex(w.ray.origin.z),
+                                   hex(w.ray.direction.x), hex(w.ray.direction.y), hex(w.ray.direction.z));
+    for (std::size_t i = 0; i < w.solid.used().size(); ++i) text += fmt::format(" {} {}", number_names(w.solid.shape)[i], hex(w.solid.numbers[i]));
+    return text + " t " + hex(w.t);
 }
 
 }  // namespace

@@ -34,7 +34,7 @@ ExrSpec spec_of(const MapRequest& request, const MapRow& row, const std::string&
         {"lostbits:format", row.format.name},
         {"lostbits:compiler", LOSTBITS_COMPILER},
         {"lostbits:outcomes", outcomes},
-        {"lostbits:objects", "0 none, otherwise the sphere's place in the scene, from 1"},
+        {"lostbits:objects", "0 none, otherwise the solid's place in the scene, from 1"},
     };
     return spec;
 }
@@ -73,8 +73,8 @@ void MapExr::write(const BandResult& result, std::span<const Rgb8> preview) {
         for (const std::uint8_t c : {preview[i].r, preview[i].g, preview[i].b}) *out++ = std::bit_cast<std::uint32_t>(linear(c));
         const bool hit = result.answers->hit[i] != 0;
         out = put(out, hit ? result.answers->t[i] : missing);
-        const Truth& truth = result.band->truth()[i];
-        out = put(out, truth.is_hit() ? result.band->rounded_truth(i, binary64, row_->form->info->direction) : missing);
+        const Truth& truth = result.truth(i);
+        out = put(out, truth.is_hit() ? result.band->rounded_truth(i, binary64, *row_->form->info) : missing);
         *out++ = static_cast<std::uint32_t>(result.outcomes[i]);
         *out++ = id(hit ? result.answers->object[i] : -1);
         *out++ = id(truth.is_hit() ? truth.object : -1);

@@ -128,7 +128,7 @@ MapFiles::MapFiles(const MapRequest& request, const MapFilesOptions& options) : 
     const ColourScale scale = metric_scale(first, request.rows, backend);
     const auto pixels = static_cast<std::uint64_t>(request.scene->width) * static_cast<std::uint64_t>(request.scene->height);
 
-    p.summary = std::make_unique<CsvWriter>(options.folder / "summary.csv", summary_columns(request.metrics));
+    p.summary = std::make_unique<CsvWriter>(options.folder / "summary.csv", summary_columns(request.metrics, request.scene->shape()));
     p.sheet = std::make_unique<ContactSheet>(backend, options.folder / "contact.png",
                                              SheetSpec{.title = request.scene->title,
                                                        .subtitle = {fmt::format("{}, {} x {} rays", request.scene->id, request.scene->width, request.scene->height),
@@ -170,7 +170,7 @@ void MapFiles::finish(const std::vector<MapSummary>& summaries) {
         p.summary->end_row();
     }
 
-    std::vector<DataResource> resources{{"summary.csv", "One row per form and format", summary_columns(p.request.metrics)}};
+    std::vector<DataResource> resources{{"summary.csv", "One row per form and format", summary_columns(p.request.metrics, p.request.scene->shape())}};
     if (p.options.pixels_csv) {
         for (const MapRow& row : p.request.rows) {
             const std::string stem = std::string(row.form->info->name) + "." + row.format.name;

@@ -1,5 +1,7 @@
 #include "output/map_tables.hpp"
 
+#include <fmt/format.h>
+
 #include <cmath>
 
 #include "output/number_text.hpp"
@@ -38,10 +40,6 @@ constexpr HexPart worst_parts[] = {
     {"worst_direction_x_hex", [](const WorstRay& w) { return w.ray.direction.x; }},
     {"worst_direction_y_hex", [](const WorstRay& w) { return w.ray.direction.y; }},
     {"worst_direction_z_hex", [](const WorstRay& w) { return w.ray.direction.z; }},
-    {"worst_centre_x_hex", [](const WorstRay& w) { return w.sphere.centre.x; }},
-    {"worst_centre_y_hex", [](const WorstRay& w) { return w.sphere.centre.y; }},
-    {"worst_centre_z_hex", [](const WorstRay& w) { return w.sphere.centre.z; }},
-    {"worst_radius_hex", [](const WorstRay& w) { return w.sphere.radius; }},
 };
 
 const char* outcome_meaning(Outcome o) {
@@ -58,7 +56,7 @@ const char* outcome_meaning(Outcome o) {
 
 }  // namespace
 
-std::vector<Column> summary_columns(const std::vector<const Metric*>& metrics) {
+std::vector<Column> summary_columns(const std::vector<const Metric*>& metrics, Shape shape) {
     std::vector<Column> columns{{"form", "string", "", "form under test"}, {"format", "string", "", "format it computes in"},
                                 {"rays", "integer", "", "rays, one a pixel"}};
     for (std::size_t o = 0; o < outcome_names.size(); ++o) {
@@ -66,7 +64,7 @@ std::vector<Column> summary_columns(const std::vector<const Metric*>& metrics) {
     }
     columns.push_back({"false_hit_fraction", "number", "1", "false_hit among the rays that truly miss"});
     columns.push_back({"false_miss_fraction", "number", "1", "false_miss among the rays that truly hit"});
-    columns.push_back({"wrong_object", "integer", "", "agree_hit, but the form found another sphere first"});
+    columns.push_back({"wrong_object", "integer", "", "agree_hit, but the form found another solid first"});
     for (const Metric* m : metrics) {
         for (const Statistic& s : statistics) {
             const std::string name(m->name);
@@ -75,10 +73,10 @@ std::vector<Column> summary_columns(const std::vector<const Metric*>& metrics) {
     }
     columns.push_back({"worst_x", "integer", "pixel", "column of the largest |ulp_error|, the first of equals"});
     columns.push_back({"worst_y", "integer", "pixel", "row of the same"});
-    columns.push_back({"worst_object", "integer", "", "sphere that the form hit there, from 0"});
-    for (const HexPart& p : worst_parts) {
-        columns.push_back({p.name, "string", "", "the worst ray in the format (before any normalisation) and the form's answer, exactly, as a C hexadecimal float"});
-    }
+    columns.push_back({"worst_object", "integer", "", "solid that the form hit there, from 0"});
+    const char* const meaning = "the worst ray in the format (before any normalisation) and the form's answer, exactly, as a C hexadecimal float";
+    for (const HexPart& p : worst_parts) columns.push_back({p.name, "string", "", meaning});
+    for (const auto name : number_names(shape)) columns.push_back({fmt::format("worst_{}_hex", name), "string", "", meaning});
     return columns;
 }
 
@@ -94,14 +92,15 @@ void add_summary(CsvWriter& csv, const MapRow& row, const MapSummary& s) {
     const bool any = s.worst.x >= 0;
     csv.add(any ? Cell(s.worst.x) : Cell()).add(any ? Cell(s.worst.y) : Cell()).add(any ? Cell(s.worst.object) : Cell());
     for (const HexPart& p : worst_parts) csv.add(any ? Cell(hex(p.of(s.worst))) : Cell());
+    for (std::size_t i = 0; i < number_names(row.form->shape).size(); ++i) csv.add(any ? Cell(hex(s.worst.solid.numbers[i])) : Cell());
 }
 
 std::vector<Column> pixel_columns(const MapRequest& request) {
     std::vector<Column> columns{{"x", "integer", "pixel", "column, from the left"},
                                 {"y", "integer", "pixel", "row, from the top"},
                                 {"outcome", "string", "", "class of the ray"},
-                                {"object", "integer", "", "sphere that the form hit, from 0"},
-                                {"truth_object", "integer", "", "sphere that the ray truly hits first"},
+                                {"object", "integer", "", "solid that the form hit, from 0"},
+                                {"truth_object", "integer", "", "solid that the ray truly hits first"},
                                 {"t", "number", "t", "the form's answer, in its own unit"},
                                 {"t_hex", "string", "t", "the same, exactly"},
                                 {"truth", "number", "t", "t*, correctly rounded to binary64, in the same unit"},
@@ -118,11 +117,11 @@ void write_pixels(CsvWriter& csv, const MapRequest& request, const MapRow& row, 
         csv.add(i % width).add(static_cast<std::size_t>(result.y0) + i / width);
         csv.add(outcome_names[static_cast<std::size_t>(result.outcomes[i])]);
         const bool hit = result.answers->hit[i] != 0;
-        const Truth& truth = result.band->truth()[i];
+        const Truth& truth = result.truth(i);
         csv.add(hit ? Cell(result.answers->object[i]) : Cell()).add(truth.is_hit() ? Cell(truth.object) : Cell());
         const auto exact = [&](bool there, double x) { csv.add(there ? Cell(x) : Cell()).add(there ? Cell(hex(x)) : Cell()); };
         exact(hit, result.answers->t[i]);
-        exact(truth.is_hit(), truth.is_hit() ? result.band->rounded_truth(i, binary64, row.form->info->direction) : 0);
+        exact(truth.is_hit(), truth.is_hit() ? result.band->rounded_truth(i, binary64, *row.form->info) : 0);
         for (std::size_t m = 0; m < request.metrics.size(); ++m) csv.add(number_or_missing(result.metrics[m][i]));
         csv.end_row();
     }

@@ -11,7 +11,8 @@ namespace lostbits::output {
 
 /// Counts and fractions, then mean, p50, p99 and max of |metric| over `agree_hit`, then the worst ray by |ulp_error| with
 /// every number it takes to evaluate it again, in hex. Empty where there is no sample.
-std::vector<Column> summary_columns(const std::vector<const Metric*>& metrics);
+/// `shape` is that of all rows: it names the columns of the worst ray's solid.
+std::vector<Column> summary_columns(const std::vector<const Metric*>& metrics, Shape shape);
 /// The cells of one row of it, from `form` on; the caller ends the row.
 void add_summary(CsvWriter& csv, const MapRow& row, const MapSummary& summary);
 

@@ -14,7 +14,7 @@ std::vector<Column> sample_columns(const SweepRequest& request) {
         columns.push_back({axis.name + "_hex", "string", axis.unit, "the same, exactly"});
     }
     // A sweep's rays have no picture: the place of the worst is its number in its set.
-    for (Column& c : summary_columns(request.metrics)) {
+    for (Column& c : summary_columns(request.metrics, request.rows.front().form->shape)) {
         if (c.name == "worst_x") c.meaning = "ray with the largest |ulp_error| in its group, from 0";
         if (c.name == "worst_y") c.meaning = "row of a scene's picture, 0 for a family";
         columns.push_back(std::move(c));

@@ -102,7 +102,7 @@ RayGroup view_rays(Random& random, const Family& f) {
     const auto stored = [](double x) { return static_cast<double>(static_cast<float>(x)); };
 
     RayGroup group;
-    group.spheres.push_back({{stored(centre.x), stored(centre.y), stored(centre.z)}, stored(radius)});
+    group.solids.push_back(Sphere<double>{{stored(centre.x), stored(centre.y), stored(centre.z)}, stored(radius)});
     group.rays.width = f.rays;
     group.rays.y1 = 1;
     for (int i = 0; i < f.rays; ++i) {

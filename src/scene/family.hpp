@@ -9,10 +9,10 @@
 
 namespace lostbits::scene {
 
-/// A ray set with the spheres it is aimed at: what a step of a sweep evaluates.
+/// A ray set with the solids it is aimed at: what a step of a sweep evaluates.
 struct RayGroup {
     RayBlock rays;
-    std::vector<Sphere<double>> spheres;
+    std::vector<Solid<double>> solids;
 };
 
 /// One sphere seen along directions w = (a, b, c)/n with whole a² + b² + c² = n² (Pythagorean quadruples), so that the

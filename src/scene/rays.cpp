@@ -62,26 +62,22 @@ RayBlock round_block(const RayBlock& block, const FloatFormat& f) {
     return rounded(block, [&f](double x) { return rounding::to_format(x, 0, f); });
 }
 
-Sphere<double> round_sphere(const SphereSpec& spec, const FloatFormat& f) {
-    const auto r = [&f](const Real& x) { return round_to_format(x, f); };
-    return {{r(spec.centre.x), r(spec.centre.y), r(spec.centre.z)}, r(spec.radius)};
+Solid<double> round_solid(const Solid<Real>& spec, const FloatFormat& f) {
+    return transformed(spec, [&f](const Real& x) { return round_to_format(x, f); });
 }
 
-Sphere<double> round_sphere(const Sphere<double>& sphere, const FloatFormat& f) {
-    const auto r = [&f](double x) { return rounding::to_format(x, 0, f); };
-    return {{r(sphere.centre.x), r(sphere.centre.y), r(sphere.centre.z)}, r(sphere.radius)};
+Solid<double> round_solid(const Solid<double>& solid, const FloatFormat& f) {
+    return transformed(solid, [&f](double x) { return rounding::to_format(x, 0, f); });
 }
-
-Sphere<double> shared_sphere(const SphereSpec& spec) { return round_sphere(spec, binary32); }
 
 RayBlock input_rays(const Scene& scene, int y0, int y1, const FloatFormat& f) {
     if (scene.inputs == Inputs::own) return round_rays(make_own_rays(scene, y0, y1), f);
     return round_block(make_shared_rays(scene, y0, y1), f);
 }
 
-Sphere<double> input_sphere(const Scene& scene, std::size_t sphere, const FloatFormat& f) {
-    const SphereSpec& spec = scene.spheres.at(sphere);
-    return scene.inputs == Inputs::own ? round_sphere(spec, f) : round_sphere(shared_sphere(spec), f);
+Solid<double> input_solid(const Scene& scene, std::size_t solid, const FloatFormat& f) {
+    const Solid<Real> spec = scene.solids().at(solid);
+    return scene.inputs == Inputs::own ? round_solid(spec, f) : round_solid(round_solid(spec, binary32), f);
 }
 
 }  // namespace lostbits::scene

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "geometry/shapes.hpp"
+#include "geometry/solid.hpp"
 #include "number/format.hpp"
 #include "scene/scene.hpp"
 
@@ -41,15 +41,13 @@ RayBlock round_rays(const IdealRayBlock& ideal, const FloatFormat& f);
 /// Each component rounded once to F: shared inputs in a format narrower than binary32. The identity where F holds them.
 RayBlock round_block(const RayBlock& block, const FloatFormat& f);
 
-/// The sphere, each number rounded once to F. A radius that rounds to zero is kept, as above.
-Sphere<double> round_sphere(const SphereSpec& spec, const FloatFormat& f);
-Sphere<double> round_sphere(const Sphere<double>& sphere, const FloatFormat& f);
-/// The sphere of shared inputs: rounded once to binary32.
-Sphere<double> shared_sphere(const SphereSpec& spec);
+/// The solid, each number rounded once to F. A radius that rounds to zero is kept, as above.
+Solid<double> round_solid(const Solid<Real>& spec, const FloatFormat& f);
+Solid<double> round_solid(const Solid<double>& solid, const FloatFormat& f);
 
 /// What a form in format F is given, whatever the scene's `inputs`: shared inputs rounded to binary32 and then, where
 /// F is narrower, to F; own inputs rounded once to F.
 RayBlock input_rays(const Scene& scene, int y0, int y1, const FloatFormat& f);
-Sphere<double> input_sphere(const Scene& scene, std::size_t sphere, const FloatFormat& f);
+Solid<double> input_solid(const Scene& scene, std::size_t solid, const FloatFormat& f);
 
 }  // namespace lostbits::scene

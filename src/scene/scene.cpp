@@ -2,7 +2,6 @@
 
 #include <algorithm>
 
-#include "geometry/vec.hpp"
 #include "scene/round.hpp"
 #include "scene/toml_reader.hpp"
 
@@ -102,6 +101,14 @@ SphereSpec read_sphere(TableReader& table, const Numbers& numbers) {
     return sphere;
 }
 
+BoxSpec read_box(TableReader& table, const Numbers& numbers) {
+    BoxSpec box{numbers.finite(table, "lo", table.vec3("lo")), numbers.finite(table, "hi", table.vec3("hi"))};
+    for (int i = 0; i < 3; ++i)
+        if (box.lo[i] > box.hi[i]) table.fail_at("hi", "lies below lo in a component; a box has lo <= hi in each");
+    table.reject_unknown_keys();
+    return box;
+}
+
 bool is_plain_name(std::string_view name) {
     const auto plain = [](char c) {
         return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '-' ||
@@ -192,10 +199,19 @@ Scene SceneFile::interpret(const Variant* variant, const LoadOptions& options) c
     const Numbers numbers(scene.inputs);
     scene.camera = read_camera(file.table("camera"), numbers);
     for (TableReader& table : file.tables("sphere")) scene.spheres.push_back(read_sphere(table, numbers));
+    for (TableReader& table : file.tables("box")) scene.boxes.push_back(read_box(table, numbers));
     file.reject_unknown_keys();
-    if (scene.spheres.empty())
-        file.fail_at("sphere", "is missing; a scene has at least one [[sphere]] with centre and radius");
+    if (scene.spheres.empty() && scene.boxes.empty())
+        file.fail_at("sphere", "is missing; a scene has at least one [[sphere]] with centre and radius, or [[box]] with lo and hi");
+    if (!scene.spheres.empty() && !scene.boxes.empty())
+        file.fail_at("box", "beside [[sphere]] leaves no form that meets both; write two scenes");
     return scene;
+}
+
+std::vector<Solid<Real>> Scene::solids() const {
+    std::vector<Solid<Real>> all(spheres.begin(), spheres.end());
+    all.insert(all.end(), boxes.begin(), boxes.end());
+    return all;
 }
 
 std::vector<Scene> load_scene(const std::filesystem::path& path, const LoadOptions& options) {

@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "geometry/vec.hpp"
+#include "geometry/solid.hpp"
 #include "number/real.hpp"
 #include "scene/toml_tree.hpp"
 
@@ -17,11 +17,9 @@ namespace lostbits::scene {
 /// difference is arithmetic alone. `own`: each format rounds the ideal scene itself, so that input error appears.
 enum class Inputs { shared, own };
 
-/// A sphere as written: all points at distance `radius` from `centre`, in world units.
-struct SphereSpec {
-    Vec<Real> centre;
-    Real radius;
-};
+/// Solids as written, in world units.
+using SphereSpec = Sphere<Real>;
+using BoxSpec = Box<Real>;
 
 struct Camera {
     enum class Kind { orthographic, pinhole };
@@ -45,8 +43,13 @@ struct Scene {
     int width = 256;  ///< pixels
     int height = 256;
     Camera camera;
-    std::vector<SphereSpec> spheres;
+    std::vector<SphereSpec> spheres;  ///< a scene has spheres or boxes, not both
+    std::vector<BoxSpec> boxes;
     std::filesystem::path path;
+
+    [[nodiscard]] Shape shape() const { return spheres.empty() ? Shape::box : Shape::sphere; }
+    /// All of them, in the file's order.
+    [[nodiscard]] std::vector<Solid<Real>> solids() const;
 };
 
 struct LoadOptions {

@@ -137,7 +137,7 @@ std::vector<RayGroup> SweepFile::rays(const std::vector<double>& values) const {
     options.overrides = std::move(changes);
     const Scene scene = scene_->load(options).front();
     RayGroup group{make_shared_rays(scene, 0, scene.height), {}};
-    for (const SphereSpec& s : scene.spheres) group.spheres.push_back(shared_sphere(s));
+    for (const Solid<Real>& s : scene.solids()) group.solids.push_back(round_solid(s, binary32));
     return {std::move(group)};
 }
 

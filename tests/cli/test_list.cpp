@@ -14,9 +14,9 @@ TEST_CASE("list shows every intersector, as text and as JSON") {
     REQUIRE(text.code == 0);
     REQUIRE(json.code == 0);
     const auto array = nlohmann::json::parse(json.out);
-    REQUIRE(array.size() == sphere_intersectors().size());
+    REQUIRE(array.size() == intersectors().size());
     for (std::size_t i = 0; i < array.size(); ++i) {
-        const std::string name(sphere_intersectors()[i].info->name);
+        const std::string name(intersectors()[i].info->name);
         CHECK(array[i]["name"] == name);
         CHECK_FALSE(array[i]["source"].get<std::string>().empty());
         CHECK(text.out.find("\n" + name + " ") != std::string::npos);

@@ -81,7 +81,7 @@ TEST_CASE("the condition agrees with central differences at 1024 bits") {
         const Sphere<double> sphere{{size * near(), size * near(), size * near()}, 0.1 + random.unit()};
         Ray<double> ray{{size * near(), size * near(), size * near()}, {}};
         for (int a = 0; a < 3; ++a) ray.direction[a] = sphere.centre[a] + 0.9 * sphere.radius * near() - ray.origin[a];
-        const Truth truth = find_truth(ray, std::span(&sphere, 1));
+        const Truth truth = find_truth(ray, sphere);
         if (!truth.is_hit()) continue;
         ++hits;
         const Vec<double> f = ray.origin - sphere.centre;

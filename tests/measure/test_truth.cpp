@@ -34,7 +34,7 @@ bool keeps(RayFamily::Promise promise, const ExactHit& exact) {
 std::string disagreement(const RaySample& s, RayFamily::Promise promise, ArbReference& arb, Tally& tally) {
     const ExactHit exact(s.ray, s.sphere);
     if (!keeps(promise, exact)) return "the generator missed its aim";
-    const Truth truth = find_truth(s.ray, std::span(&s.sphere, 1));
+    const Truth truth = find_truth(s.ray, s.sphere);
     const ArbReference::Answer ball = arb.find(s.ray, s.sphere);
 
     tally.escalated += truth.bits > 106;

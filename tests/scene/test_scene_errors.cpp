@@ -124,7 +124,7 @@ TEST_CASE("a scene has a title, a camera and a sphere, and nothing unknown") {
     CHECK(broken("[[sphere]]", "[[spheres]]") ==
           "scene.toml:13:3: unknown key spheres; did you mean \"sphere\"?");
     CHECK(broken("[[sphere]]\ncentre = [0, 0, -10]\nradius = 1\n", "") ==
-          "scene.toml:1:1: sphere is missing; a scene has at least one [[sphere]] with centre and radius");
+          "scene.toml:1:1: sphere is missing; a scene has at least one [[sphere]] with centre and radius, or [[box]] with lo and hi");
     CHECK(broken("[[sphere]]", "[sphere]") ==
           "scene.toml:13:1: sphere is a table, but an array of tables, [[sphere]], is expected here");
     CHECK(broken("radius = 1", "radius = 1\ncolour = 3") ==

@@ -12,7 +12,7 @@ int main() {
     const Hit<float> hit = sphere::Unified::intersect(ray, sphere);
 
     const Sphere<double> exact_sphere{{0, 0, 0}, 1};
-    const Truth truth = find_truth({{0, 0, 5}, {0, 0, -1}}, std::span(&exact_sphere, 1));
+    const Truth truth = find_truth({{0, 0, 5}, {0, 0, -1}}, exact_sphere);
     const double ulps = scaled_difference(exactly(hit.t), truth.t, ulp_exponent(binary32, truth.t.floor_log2()));
     std::printf("t = %g, lost bits = %g\n", static_cast<double>(hit.t), lost_bits(ulps, 24));
     return hit.hit ? 0 : 1;

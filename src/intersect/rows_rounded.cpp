@@ -5,17 +5,17 @@ namespace lostbits {
 namespace {
 
 template <class Form>
-void rounded_batch(const FloatFormat& format, const RayBatch<double>& rays, const Sphere<double>& sphere, const HitBatch<double>& hits) {
+void rounded_batch(const FloatFormat& format, const RayBatch<double>& rays, const Solid<double>& solid, const HitBatch<double>& hits) {
     const CurrentFormat::Scope scope(format);
     intersect_batch<Form, RoundedAny>(
-        rays, sphere, hits, [](double x) { return RoundedAny(x); }, [](RoundedAny x) { return x.value(); });
+        rays, solid, hits, [](double x) { return RoundedAny(x); }, [](RoundedAny x) { return x.value(); });
 }
 
 }  // namespace
 
 void fill_rounded(std::span<Intersector> rows) {
     std::size_t i = 0;
-    SphereForms::for_each([&]<class Form>() {
+    for_each_form([&]<class Form>() {
         if constexpr (Form::info.formats == Formats::all) rows[i].rounded = rounded_batch<Form>;
         ++i;
     });

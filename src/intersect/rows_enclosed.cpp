@@ -1,0 +1,25 @@
+#include "intersect/rows.hpp"
+
+namespace lostbits {
+namespace {
+
+/// "Nowhere", for enclosures, whose arithmetic has no infinity: beyond every t that double precision can name.
+constexpr double unlimited = 0x1p1000;
+
+template <class Form, class E>
+Hit<E> enclosed(const Ray<E>& ray, const Solid<E>& solid) {
+    return intersect_solid<Form>(ray, solid, E(unlimited));
+}
+
+}  // namespace
+
+void fill_enclosed(std::span<Intersector> rows) {
+    std::size_t i = 0;
+    for_each_form([&]<class Form>() {
+        rows[i].ball = enclosed<Form, Ball>;
+        rows[i].interval = enclosed<Form, Interval>;
+        ++i;
+    });
+}
+
+}  // namespace lostbits
