@@ -6,8 +6,10 @@
 #include <memory>
 
 #include "commands.hpp"
+#include "output/case_files.hpp"
 #include "output/sweep_files.hpp"
 #include "output/sweep_plots.hpp"
+#include "output/worst_files.hpp"
 #include "select.hpp"
 #include "signals.hpp"
 
@@ -20,6 +22,7 @@ struct SweepOptions {
     std::vector<std::string> formats{"f32", "f64"};
     std::vector<std::string> metrics;
     std::string out;
+    bool worst = false;
 };
 
 void print_onsets(const SweepRequest& request, const std::vector<Onset>& onsets) {
@@ -32,36 +35,92 @@ void print_onsets(const SweepRequest& request, const std::vector<Onset>& onsets)
     }
 }
 
+struct Chosen {
+    std::vector<MapRow> rows;
+    std::vector<const Metric*> metrics;
+};
+
+/// What a run over named cases leaves: the matrix.
+void run_case_file(const std::filesystem::path& path, const Chosen& chosen, const SweepOptions& o, const Common& common) {
+    const scene::CaseFile file(path);
+    CaseRequest request{.file = &file, .rows = of_shape(chosen.rows, file.shape(), file.id), .metrics = chosen.metrics};
+    const auto folder = std::filesystem::path(o.out) / file.id;
+    output::CaseFiles files(request, folder);
+    output::Progress progress(file.size() * request.rows.size(), file.id, common.progress, common.quiet);
+    request.progress = [&progress](std::uint64_t done) {
+        progress.advance(done);
+        stop_if_interrupted();
+    };
+    files.finish(run_cases(request));
+    progress.finish();
+    if (!common.quiet) fmt::print("{}\n", (folder / "matrix.png").string());
+}
+
+void run_axes(const std::filesystem::path& path, const Chosen& chosen, const SweepOptions& o, const Common& common) {
+    const scene::SweepFile sweep(path, data_folder(common.data));
+    SweepRequest request{.sweep = &sweep, .rows = of_shape(chosen.rows, sweep.shape(), sweep.id), .metrics = chosen.metrics};
+    const auto folder = std::filesystem::path(o.out) / sweep.id;
+    output::SweepFiles files(request, folder);
+    output::Progress progress(sweep_units(request), sweep.id, common.progress, common.quiet);
+    request.progress = [&progress](std::uint64_t done) {
+        progress.advance(done);
+        stop_if_interrupted();
+    };
+    const auto steps = run_sweep(request);
+    const auto onsets = find_onsets(request, steps);
+    output::write_sweep_plots(output::image_backend(), folder, request, steps);
+    files.finish(steps, onsets);
+    progress.finish();
+    if (common.quiet) return;
+    fmt::print("{}\n", (folder / "samples.csv").string());
+    if (common.verbose) print_onsets(request, onsets);
+}
+
+void run_search(const std::filesystem::path& path, const Chosen& chosen, const SweepOptions& o, const Common& common) {
+    const scene::SearchFile search(path);
+    const auto metrics = measured({select_metrics({search.metric}).front()});
+    WorstRequest request{.search = &search, .rows = of_shape(chosen.rows, search.shape, search.id), .metrics = metrics};
+    const auto folder = std::filesystem::path(o.out) / search.id;
+    { const output::AtomicFile probe(folder / "worst.csv"); }  // a folder that cannot be written ends the run before the search
+    output::Progress progress(request.rows.size(), search.id, common.progress, common.quiet);
+    request.progress = [&progress](std::uint64_t done) {
+        progress.advance(done);
+        stop_if_interrupted();
+    };
+    output::write_worst(folder, request, find_worst(request));
+    progress.finish();
+    if (!common.quiet) fmt::print("{}\n", (folder / "worst.csv").string());
+}
+
+void check_file(const std::filesystem::path& path, scene::SweepKind kind, bool worst, const std::filesystem::path& data) {
+    using K = scene::SweepKind;
+    if (worst && kind != K::search) throw InputError(path.string() + ":1:1: --worst needs a [search] table: the ranges to search; see data/sweeps/worst");
+    if (!worst && kind == K::search) throw InputError(path.string() + ":1:1: a [search] table is for --worst; add it");
+    if (kind == K::cases) static_cast<void>(scene::CaseFile(path));
+    else if (kind == K::axes) static_cast<void>(scene::SweepFile(path, data));
+    else static_cast<void>(scene::SearchFile(path));
+}
+
 Exit run(const SweepOptions& o, const Common& common) {
-    const auto rows = cross(select_forms(o.forms), select_formats(o.formats));
+    Chosen chosen{cross(select_forms(o.forms), select_formats(o.formats)), {}};
     // A sweep always knows what the problem itself costs: its plots carry the envelope.
     auto asked = o.metrics.empty() ? std::vector<const Metric*>{} : select_metrics(o.metrics);
     for (const char* name : {"inherent_bits", "excess_bits"}) asked.push_back(find_metric(name));
-    const auto chosen = measured(asked);
+    chosen.metrics = measured(asked);
     if (o.out.empty()) throw InputError("-o: the name of the folder is empty; write -o . for this one");
     const auto data = data_folder(common.data);
-    std::vector<scene::SweepFile> sweeps;
-    for (const std::string& word : o.sweeps) sweeps.emplace_back(scene::find_sweep(word, data), data);
+    // Every file is read before the first is worked on: bad input leaves nothing behind.
+    std::vector<std::pair<std::filesystem::path, scene::SweepKind>> sweeps;
+    for (const std::string& word : o.sweeps) {
+        const auto path = scene::find_sweep(word, data);
+        sweeps.emplace_back(path, scene::sweep_kind(path));
+        check_file(path, sweeps.back().second, o.worst, data);
+    }
     const ThreadLimit limit(common.threads);
-
-    output::ImageBackend& backend = output::image_backend();
-    for (const scene::SweepFile& sweep : sweeps) {
-        SweepRequest request{.sweep = &sweep, .rows = rows, .metrics = chosen};
-        const auto folder = std::filesystem::path(o.out) / sweep.id;
-        output::SweepFiles files(request, folder);
-        output::Progress progress(sweep_units(request), sweep.id, common.progress, common.quiet);
-        request.progress = [&progress](std::uint64_t done) {
-            progress.advance(done);
-            stop_if_interrupted();
-        };
-        const auto steps = run_sweep(request);
-        const auto onsets = find_onsets(request, steps);
-        output::write_sweep_plots(backend, folder, request, steps);
-        files.finish(steps, onsets);
-        progress.finish();
-        if (common.quiet) continue;
-        fmt::print("{}\n", (folder / "samples.csv").string());
-        if (common.verbose) print_onsets(request, onsets);
+    for (const auto& [path, kind] : sweeps) {
+        if (kind == scene::SweepKind::cases) run_case_file(path, chosen, o, common);
+        else if (kind == scene::SweepKind::axes) run_axes(path, chosen, o, common);
+        else run_search(path, chosen, o, common);
     }
     return Exit::done;
 }
@@ -75,6 +134,7 @@ void add_sweep(CLI::App& program, const Common& common, Command& chosen) {
     command->add_option("-i,--intersector", o->forms, "Forms, by name or glob (default: all)");
     command->add_option("-f,--format", o->formats, "Formats: f32, f64, fp16, bf16, tf32, pN, pA..pB (default: f32 f64)");
     command->add_option("--metric", o->metrics, "Metrics beside the default ones; globs");
+    command->add_flag("--worst", o->worst, "Search the ranges of a [search] file for the worst ray of each form");
     command->add_option("-o,--out", o->out, "Folder for the results")->required();
     command->callback([o, &common, &chosen] { chosen = [o, &common] { return run(*o, common); }; });
 }

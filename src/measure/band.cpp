@@ -22,12 +22,6 @@ void for_each_pixel(std::size_t count, Function&& function) {
 template <class S>
 using Solids = std::span<const Solid<S>>;
 
-/// A ray that its format turned into nonsense (a direction of zero, an overflow) has no truth of its own.
-bool is_proper(const Ray<double>& r) {
-    const double sum = r.origin.x + r.origin.y + r.origin.z + r.direction.x + r.direction.y + r.direction.z;
-    return std::isfinite(sum) && (r.direction.x != 0 || r.direction.y != 0 || r.direction.z != 0);
-}
-
 scene::RayBlock normalised(const scene::RayBlock& rays, const FloatFormat& format) {
     scene::RayBlock unit = rays;
     for_each_pixel(rays.size(), [&](std::size_t i) {

@@ -66,6 +66,16 @@ private:
     unsigned needs_;
 };
 
+std::map<std::string, BandNeeds> needs_by_format(const std::vector<MapRow>& rows, const std::vector<const Metric*>& metrics) {
+    std::map<std::string, BandNeeds> formats;
+    for (const MapRow& row : rows) {
+        BandNeeds& needs = formats[row.format.name];
+        needs.unit_rays |= row.form->info->direction == Direction::unit;
+        needs.own_truth |= (needs_of(metrics) & needs_own_truth) != 0;
+    }
+    return formats;
+}
+
 }  // namespace
 
 unsigned needs_of(const std::vector<const Metric*>& metrics) {
@@ -95,6 +105,23 @@ void measure_row(const MapRow& row, const std::vector<const Metric*>& metrics, c
     if (sink) sink->band(result);
 }
 
+std::vector<MapSummary> measure_groups(std::vector<scene::RayGroup> groups, const std::vector<MapRow>& rows, const std::vector<const Metric*>& metrics,
+                                       TruthLimit limit) {
+    std::vector<MapSummary> summaries(rows.size());
+    for (auto& s : summaries) s.metrics = std::vector<Distribution>(metrics.size());
+    for (scene::RayGroup& group : groups) {
+        Band band(std::move(group.rays), std::move(group.solids), limit);
+        if (needs_of(metrics) & needs_condition) band.find_condition();
+        std::map<std::string, FormatInputs> inputs;
+        for (const auto& [name, needs] : needs_by_format(rows, metrics)) inputs.emplace(name, band.inputs(*find_format(name), needs));
+        for (std::size_t r = 0; r < rows.size(); ++r) measure_row(rows[r], metrics, band, inputs.at(rows[r].format.name), summaries[r]);
+    }
+    for (MapSummary& s : summaries) {
+        for (Distribution& d : s.metrics) d.seal();
+    }
+    return summaries;
+}
+
 int band_rows(int width) {
     constexpr int pixels = 32768, block = 16;
     return std::max(block, (pixels / width + block - 1) / block * block);
@@ -105,12 +132,7 @@ std::vector<MapSummary> run_map(const MapRequest& request, const std::vector<Map
     std::vector<MapSummary> summaries(request.rows.size());
     for (auto& s : summaries) s.metrics = std::vector<Distribution>(request.metrics.size());
 
-    std::map<std::string, BandNeeds> formats;
-    for (const MapRow& row : request.rows) {
-        BandNeeds& needs = formats[row.format.name];
-        needs.unit_rays |= row.form->info->direction == Direction::unit;
-        needs.own_truth |= (needs_of(request.metrics) & needs_own_truth) != 0;
-    }
+    const auto formats = needs_by_format(request.rows, request.metrics);
     for (int y0 = 0; y0 < scene.height; y0 += band_rows(scene.width)) {
         Band band(scene, y0, std::min(scene.height, y0 + band_rows(scene.width)), request.limit);
         if (needs_of(request.metrics) & needs_condition) band.find_condition();

@@ -11,6 +11,7 @@
 #include "measure/metrics.hpp"
 #include "measure/outcome.hpp"
 #include "measure/statistics.hpp"
+#include "scene/family.hpp"
 
 namespace lostbits {
 
@@ -69,6 +70,10 @@ public:
 /// result to the sink, if any.
 void measure_row(const MapRow& row, const std::vector<const Metric*>& metrics, const Band& band, const FormatInputs& inputs, MapSummary& summary,
                  MapSink* sink = nullptr);
+
+/// Every row over all groups of rays, one summary a row, their distributions sealed.
+std::vector<MapSummary> measure_groups(std::vector<scene::RayGroup> groups, const std::vector<MapRow>& rows, const std::vector<const Metric*>& metrics,
+                                       TruthLimit limit);
 
 /// What the metrics need computed first: `Needs`, or-ed.
 unsigned needs_of(const std::vector<const Metric*>& metrics);

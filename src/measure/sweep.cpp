@@ -16,37 +16,9 @@ struct Statistic {
 };
 constexpr Statistic statistics[] = {{"p50", 0.5}, {"p99", 0.99}, {"max", 1.0}};
 
-BandNeeds needs_for(const MapRow& row, const std::vector<const Metric*>& metrics) {
-    return {row.form->info->direction == Direction::unit, (needs_of(metrics) & needs_own_truth) != 0};
-}
-
-MapSummary empty_summary(std::size_t metrics) {
-    MapSummary s;
-    s.metrics = std::vector<Distribution>(metrics);
-    return s;
-}
-
-/// The rows of one step, each over all groups of rays.
+/// The rows of one step.
 std::vector<MapSummary> run_step(const SweepRequest& request, const std::vector<MapRow>& rows, const std::vector<double>& values) {
-    std::vector<MapSummary> summaries;
-    for (std::size_t r = 0; r < rows.size(); ++r) summaries.push_back(empty_summary(request.metrics.size()));
-    for (scene::RayGroup& group : request.sweep->rays(values)) {
-        Band band(std::move(group.rays), std::move(group.solids), request.limit);
-        if (needs_of(request.metrics) & needs_condition) band.find_condition();
-        std::map<std::string, BandNeeds> formats;
-        for (const MapRow& row : rows) {
-            const BandNeeds needs = needs_for(row, request.metrics);
-            BandNeeds& all = formats[row.format.name];
-            all = {all.unit_rays || needs.unit_rays, all.own_truth || needs.own_truth};
-        }
-        std::map<std::string, FormatInputs> inputs;
-        for (const auto& [name, needs] : formats) inputs.emplace(name, band.inputs(*find_format(name), needs));
-        for (std::size_t r = 0; r < rows.size(); ++r) measure_row(rows[r], request.metrics, band, inputs.at(rows[r].format.name), summaries[r]);
-    }
-    for (MapSummary& s : summaries) {
-        for (Distribution& d : s.metrics) d.seal();
-    }
-    return summaries;
+    return measure_groups(request.sweep->rays(values), rows, request.metrics, request.limit);
 }
 
 /// One thing that can first happen: its value at a step, NaN where there is none.

@@ -1,5 +1,6 @@
 #include "measure/truth.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -32,6 +33,30 @@ bool settle(const Enclosed<E>& e, Touching touching, Truth& truth) {
 }
 
 template <class S>
+bool is_finite(const S& x) {
+    using std::isfinite;
+    return isfinite(x);
+}
+
+template <class S>
+bool is_ray(const Ray<S>& r) {
+    bool finite = true, moves = false;
+    for (int i = 0; i < 3; ++i) {
+        finite = finite && is_finite(r.origin[i]) && is_finite(r.direction[i]);
+        moves = moves || r.direction[i] != 0;
+    }
+    return finite && moves;
+}
+
+template <class S>
+bool is_solid(const Solid<S>& s) {
+    if (!std::ranges::all_of(s.used(), is_finite<S>)) return false;
+    if (s.shape == Shape::sphere) return s.sphere().radius > 0;
+    const Box<S> box = s.box();
+    return box.lo.x <= box.hi.x && box.lo.y <= box.hi.y && box.lo.z <= box.hi.z;
+}
+
+template <class S>
 Truth escalate(const Ray<S>& ray, const Solid<S>& solid, TruthLimit limit, Touching touching) {
     Truth truth;
     for (int bits = std::is_same_v<S, Real> ? 384 : 192; bits <= limit.bits; bits *= 2) {
@@ -45,9 +70,11 @@ Truth escalate(const Ray<S>& ray, const Solid<S>& solid, TruthLimit limit, Touch
 
 template <class S>
 Truth find(const Ray<S>& ray, std::span<const Solid<S>> solids, TruthLimit limit, Touching touching) {
-    const Ray<Ball> quick = lift_ray<Ball>(ray);
     Truth best;
+    if (!is_ray(ray)) return best;
+    const Ray<Ball> quick = lift_ray<Ball>(ray);
     for (std::size_t i = 0; i < solids.size(); ++i) {
+        if (!is_solid(solids[i])) continue;
         Truth one;
         one.bits = 106;
         if (!settle(enclose(quick, lift_solid<Ball>(solids[i])), touching, one)) one = escalate(ray, solids[i], limit, touching);
@@ -117,6 +144,11 @@ Truth find_truth(const Ray<double>& ray, std::span<const Solid<double>> solids, 
 Truth find_truth(const Ray<Real>& ray, std::span<const Solid<Real>> solids, TruthLimit limit, Touching touching) {
     return find(ray, solids, limit, touching);
 }
+
+bool is_proper(const Ray<double>& ray) { return is_ray(ray); }
+bool is_proper(const Ray<Real>& ray) { return is_ray(ray); }
+bool is_proper(const Solid<double>& solid) { return is_solid(solid); }
+bool is_proper(const Solid<Real>& solid) { return is_solid(solid); }
 
 double round_truth(const Truth& truth, const Ray<double>& ray, const Solid<double>& solid, const FloatFormat& format) {
     return round_exactly(truth, ray, solid, format);

@@ -38,9 +38,15 @@ struct TruthLimit {
 };
 
 /// `ray` and `solids` in any exact storage: double (which holds every format up to binary64) or Real (own inputs).
-/// The direction must not be zero and all numbers must be finite; radii must be positive.
+/// A ray with a number that is not finite or a direction of zero is none and meets nothing; nor does anything meet a
+/// solid with such a number, a sphere without a positive radius, a box with lo > hi.
 Truth find_truth(const Ray<double>& ray, std::span<const Solid<double>> solids, TruthLimit limit = {}, Touching touching = Touching::hit);
 Truth find_truth(const Ray<Real>& ray, std::span<const Solid<Real>> solids, TruthLimit limit = {}, Touching touching = Touching::hit);
+
+bool is_proper(const Ray<double>& ray);
+bool is_proper(const Ray<Real>& ray);
+bool is_proper(const Solid<double>& solid);
+bool is_proper(const Solid<Real>& solid);
 
 inline Truth find_truth(const Ray<double>& ray, const Solid<double>& solid, TruthLimit limit = {}, Touching touching = Touching::hit) {
     return find_truth(ray, std::span(&solid, 1), limit, touching);

@@ -11,12 +11,6 @@ namespace {
 /// A hit on which both agree and for which the metric does not exist (a form with no exact value there).
 constexpr Rgb8 no_value{120, 90, 60};
 
-std::string plain_name(Outcome o) {
-    std::string name(outcome_names[static_cast<std::size_t>(o)]);
-    std::ranges::replace(name, '_', ' ');
-    return name;
-}
-
 std::string count_text(std::uint64_t count, std::uint64_t total) {
     const double share = 100.0 * static_cast<double>(count) / static_cast<double>(total);
     const std::string percent = share > 0 && share < 0.1 ? "<0.1%" : share > 99.9 && share < 100 ? ">99.9%" : fmt::format("{:.1f}%", share);
@@ -24,6 +18,12 @@ std::string count_text(std::uint64_t count, std::uint64_t total) {
 }
 
 }  // namespace
+
+std::string plain_name(Outcome o) {
+    std::string name(outcome_names[static_cast<std::size_t>(o)]);
+    std::ranges::replace(name, '_', ' ');
+    return name;
+}
 
 ColourScale metric_scale(const Metric& metric, std::span<const MapRow> rows, ImageBackend& backend) {
     double high = metric.high;

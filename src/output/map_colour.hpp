@@ -18,6 +18,9 @@ ColourScale metric_scale(const Metric& metric, std::span<const MapRow> rows, Ima
 /// The colour of one pixel. `value` is the metric's, signed; magnitudes are drawn.
 Rgb8 pixel_colour(const ColourScale& scale, Outcome outcome, double value);
 
+/// `false miss`: an outcome in words.
+std::string plain_name(Outcome o);
+
 /// The legend of a finished row; entries without a pixel are left out.
 std::vector<LegendEntry> outcome_legend(const MapSummary& summary);
 /// Every class that may occur in a picture of so many pixels, with the widest count it can have.

@@ -25,7 +25,8 @@ void append(TextBitmap& whole, const TextBitmap& part, int top) {
     whole = std::move(out);
 }
 
-/// A quarter turn against the clock: to be read from the right.
+}  // namespace
+
 TextBitmap turned(const TextBitmap& text) {
     TextBitmap out{text.height, text.width, text.width, {}};
     out.coverage.resize(text.coverage.size());
@@ -37,8 +38,6 @@ TextBitmap turned(const TextBitmap& text) {
     }
     return out;
 }
-
-}  // namespace
 
 TextBitmap power_text(ImageBackend& backend, std::string_view text, int size, bool bold) {
     if (text.find('^') == std::string_view::npos) return backend.render_text(text, size, bold);

@@ -12,6 +12,9 @@ namespace lostbits::output {
 /// One line of text in which `2^-10` has a raised exponent. Its height grows by what rises above the letters.
 [[nodiscard]] TextBitmap power_text(ImageBackend& backend, std::string_view text, int size, bool bold = false);
 
+/// A quarter turn against the clock: to be read from the right.
+[[nodiscard]] TextBitmap turned(const TextBitmap& text);
+
 /// Where the frame of a plot is and what its axes mean: a value's place in pixels.
 struct PlotFrame {
     int x = 0, y = 0, width = 1, height = 1;  ///< inside the frame

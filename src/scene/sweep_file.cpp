@@ -114,7 +114,7 @@ SweepFile::SweepFile(const std::filesystem::path& path, const std::filesystem::p
     for (const bool last : {false, true}) {
         std::vector<double> values;
         for (const Axis& axis : axes) values.push_back(last ? axis.values.back() : axis.values.front());
-        static_cast<void>(rays(values));
+        shape_ = rays(values).front().solids.front().shape;
     }
 }
 
@@ -145,8 +145,9 @@ std::filesystem::path find_sweep(const std::string& name_or_path, const std::fil
     if (std::filesystem::is_regular_file(name_or_path)) return name_or_path;
     std::vector<std::string> names;
     std::error_code error;
-    for (const auto& entry : std::filesystem::directory_iterator(data_dir / "sweeps", error)) {
-        if (entry.path().extension() == ".toml") names.push_back(entry.path().stem().string());
+    const auto folder = data_dir / "sweeps";
+    for (const auto& entry : std::filesystem::recursive_directory_iterator(folder, error)) {
+        if (entry.path().extension() == ".toml") names.push_back(entry.path().lexically_relative(folder).replace_extension().string());
     }
     std::ranges::sort(names);
     if (std::ranges::find(names, name_or_path) != names.end()) return data_dir / "sweeps" / (name_or_path + ".toml");

@@ -43,6 +43,8 @@ public:
     };
     std::vector<Mark> marks;
 
+    [[nodiscard]] Shape shape() const { return shape_; }
+
     /// The rays of one step, one value per axis.
     [[nodiscard]] std::vector<RayGroup> rays(const std::vector<double>& values) const;
 
@@ -50,6 +52,7 @@ private:
     Node root_;
     std::optional<SceneFile> scene_;
     std::optional<std::string> variant_;
+    Shape shape_ = Shape::sphere;
 };
 
 /// A path to a file, or the id of one in `data_dir/sweeps`. InputError with did-you-mean.

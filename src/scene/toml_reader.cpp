@@ -192,6 +192,8 @@ std::size_t TableReader::choice(std::string_view key, const std::vector<std::str
     return static_cast<std::size_t>(found - names.begin());
 }
 
+const Node& TableReader::node(std::string_view key) { return demand(key, "a value"); }
+
 TableReader TableReader::table(std::string_view key) {
     return TableReader(demand(key, "a table of that name"), path_to(key));
 }

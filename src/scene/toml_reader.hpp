@@ -58,6 +58,10 @@ public:
         return one_of(key, choices);
     }
 
+    [[nodiscard]] bool has(std::string_view key) { return seek(key) != nullptr; }
+    /// The value as it stands, for a notation of its own.
+    const Node& node(std::string_view key);
+
     TableReader table(std::string_view key);
     std::optional<TableReader> optional_table(std::string_view key);
     /// The elements of an array of tables, `[[key]]`; none when the key is missing.

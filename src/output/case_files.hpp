@@ -1,0 +1,28 @@
+// The files of named cases: cases.csv, matrix.png and datapackage.json.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "measure/cases.hpp"
+#include "output/csv.hpp"
+
+namespace lostbits::output {
+
+/// Opened before the work, named when it is whole.
+class CaseFiles {
+public:
+    CaseFiles(const CaseRequest& request, const std::filesystem::path& folder);
+    void finish(const std::vector<std::vector<MapSummary>>& cases);
+
+private:
+    const CaseRequest& request_;
+    std::filesystem::path folder_;
+    CsvWriter csv_;
+};
+
+/// The matrix of forms (columns, by format) and cases (rows) alone.
+void write_case_matrix(const std::filesystem::path& path, const CaseRequest& request, const std::vector<std::vector<MapSummary>>& cases);
+
+}  // namespace lostbits::output

@@ -1,0 +1,146 @@
+#include "scene/case_file.hpp"
+
+#include <algorithm>
+#include <array>
+#include <optional>
+
+namespace lostbits::scene {
+namespace {
+
+constexpr std::string_view schema = "lostbits-sweep/1";
+
+std::vector<Quantity> quantities(TableReader& table, std::string_view key, std::size_t count, bool special) {
+    const Node& node = table.node(key);
+    if (node.kind != Node::Kind::array || node.items.size() != count) table.fail_at(key, "is " + node.describe() + " where " + std::to_string(count) + " numbers are expected");
+    std::vector<Quantity> all;
+    for (const Node& item : node.items) all.emplace_back(item, special);
+    return all;
+}
+
+/// x → sign·x of another axis, for all three axes: one of the 48 symmetries of a cube.
+struct Symmetry {
+    std::array<int, 3> from;
+    std::array<double, 3> sign;
+
+    [[nodiscard]] Vec<double> of(const Vec<double>& v) const { return {sign[0] * v[from[0]], sign[1] * v[from[1]], sign[2] * v[from[2]]}; }
+    [[nodiscard]] Solid<double> of(const Solid<double>& s) const {
+        if (s.shape == Shape::sphere) return Sphere<double>{of(s.sphere().centre), s.sphere().radius};
+        const Vec<double> a = of(s.box().lo), b = of(s.box().hi);
+        Box<double> box;
+        for (int i = 0; i < 3; ++i) {
+            box.lo[i] = std::min(a[i], b[i]);
+            box.hi[i] = std::max(a[i], b[i]);
+        }
+        return box;
+    }
+};
+
+std::vector<Symmetry> symmetries(bool all) {
+    if (!all) return {{{0, 1, 2}, {1, 1, 1}}};
+    std::vector<Symmetry> found;
+    std::array<int, 3> order{0, 1, 2};
+    do {
+        for (int signs = 0; signs < 8; ++signs) {
+            found.push_back({order, {(signs & 1) != 0 ? -1.0 : 1.0, (signs & 2) != 0 ? -1.0 : 1.0, (signs & 4) != 0 ? -1.0 : 1.0}});
+        }
+    } while (std::ranges::next_permutation(order).found);
+    return found;
+}
+
+Vec<double> vec_in(const std::vector<Quantity>& v, const FloatFormat& f, int exponent) {
+    return {v[0].in(f, exponent), v[1].in(f, exponent), v[2].in(f, exponent)};
+}
+
+void push(RayBlock& block, const Vec<double>& o, const Vec<double>& d) {
+    block.ox.push_back(o.x);
+    block.oy.push_back(o.y);
+    block.oz.push_back(o.z);
+    block.dx.push_back(d.x);
+    block.dy.push_back(d.y);
+    block.dz.push_back(d.z);
+}
+
+}  // namespace
+
+CaseFile::Case CaseFile::read_case(TableReader& table) {
+    Case c;
+    c.name = table.string("name");
+    c.note = table.optional_string("note").value_or("");
+    if (table.has("lengths")) c.lengths = Exponent(table.node("lengths"));
+    if (table.has("directions")) c.directions = Exponent(table.node("directions"));
+    c.symmetric = table.optional_boolean("symmetric").value_or(false);
+    for (TableReader& sphere : table.tables("spheres")) {
+        SolidSpec spec{Shape::sphere, quantities(sphere, "centre", 3, false)};
+        spec.numbers.emplace_back(sphere.node("radius"), false);
+        sphere.reject_unknown_keys();
+        c.solids.push_back(std::move(spec));
+    }
+    for (TableReader& box : table.tables("boxes")) {
+        SolidSpec spec{Shape::box, quantities(box, "lo", 3, false)};
+        std::ranges::move(quantities(box, "hi", 3, false), std::back_inserter(spec.numbers));
+        box.reject_unknown_keys();
+        c.solids.push_back(std::move(spec));
+    }
+    if (c.solids.empty()) fail(table.where(), "a case has spheres = [{ centre, radius }, …] or boxes = [{ lo, hi }, …]; write one of them");
+    for (TableReader& ray : table.tables("rays")) {
+        c.rays.push_back({quantities(ray, "origin", 3, true), quantities(ray, "direction", 3, true)});
+        ray.reject_unknown_keys();
+    }
+    if (c.rays.empty()) fail(table.where(), "a case has rays = [{ origin, direction }, …]; write at least one");
+    table.reject_unknown_keys();
+    return c;
+}
+
+CaseFile::CaseFile(const std::filesystem::path& path) : id(path.stem().string()) {
+    const Node root = read_toml(path);
+    TableReader file(root);
+    require_schema(file, schema);
+    title = file.string("title");
+    source = file.string("source");
+    note = file.optional_string("note").value_or("");
+    if (const auto bits = file.optional_number("right_within_bits")) right_within_bits = static_cast<double>(*bits);
+    for (TableReader& table : file.tables("case")) {
+        Case c = read_case(table);
+        if (std::ranges::find(cases_, c.name, &Case::name) != cases_.end()) table.fail_at("name", "is \"" + c.name + "\", as another case is; name each once");
+        const auto other = [&](const SolidSpec& s) { return s.shape != (cases_.empty() ? c : cases_.front()).solids.front().shape; };
+        if (std::ranges::any_of(c.solids, other)) fail(table.where(), "has another shape than the cases before it; a file is about one shape");
+        cases_.push_back(std::move(c));
+    }
+    file.reject_unknown_keys();
+    if (cases_.empty()) fail(file.where(), "has no [[case]]");
+}
+
+std::size_t CaseFile::find(const std::string& name, const Where& where) const {
+    std::vector<std::string> names;
+    for (const Case& c : cases_) names.push_back(c.name);
+    const auto found = std::ranges::find(names, name);
+    if (found == names.end()) fail(where, "no case \"" + name + "\" in " + id + "; " + did_you_mean(name, names));
+    return static_cast<std::size_t>(found - names.begin());
+}
+
+std::vector<RayGroup> CaseFile::rays(std::size_t i, const FloatFormat& format) const {
+    const Case& c = cases_[i];
+    const int lengths = c.lengths.in(format), directions = c.directions.in(format);
+    std::vector<RayGroup> groups;
+    for (const Symmetry& symmetry : symmetries(c.symmetric)) {
+        RayGroup group;
+        for (const SolidSpec& spec : c.solids) {
+            Solid<double> solid;
+            solid.shape = spec.shape;
+            for (std::size_t k = 0; k < spec.numbers.size(); ++k) solid.numbers[k] = spec.numbers[k].in(format, lengths);
+            group.solids.push_back(symmetry.of(solid));
+        }
+        for (const RaySpec& ray : c.rays) push(group.rays, symmetry.of(vec_in(ray.origin, format, lengths)), symmetry.of(vec_in(ray.direction, format, directions)));
+        group.rays.width = static_cast<int>(c.rays.size());
+        group.rays.y1 = 1;
+        groups.push_back(std::move(group));
+    }
+    return groups;
+}
+
+SweepKind sweep_kind(const std::filesystem::path& path) {
+    const Node root = read_toml(path);
+    return root.find("case") != nullptr ? SweepKind::cases : root.find("search") != nullptr ? SweepKind::search : SweepKind::axes;
+}
+
+}  // namespace lostbits::scene

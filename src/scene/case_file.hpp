@@ -1,0 +1,58 @@
+// Named cases: rays and solids at the extremes of a format, the same in every format's own measure.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "scene/family.hpp"
+#include "scene/quantity.hpp"
+
+namespace lostbits::scene {
+
+/// A sweep over `[[case]]` tables in place of axes.
+class CaseFile {
+public:
+    /// InputError with a position for anything that is no file of cases.
+    explicit CaseFile(const std::filesystem::path& path);
+
+    std::string id, title, source, note;
+    /// An answer within so many bits of the envelope is right, if its decision is.
+    double right_within_bits = 3;
+
+    [[nodiscard]] std::size_t size() const { return cases_.size(); }
+    [[nodiscard]] const std::string& name(std::size_t i) const { return cases_[i].name; }
+    [[nodiscard]] const std::string& note_of(std::size_t i) const { return cases_[i].note; }
+    [[nodiscard]] Shape shape() const { return cases_.front().solids.front().shape; }
+    /// The place of the case of that name; InputError with did-you-mean, `where` in front.
+    [[nodiscard]] std::size_t find(const std::string& name, const Where& where) const;
+
+    /// The rays of a case as numbers of the format, by groups that share their solids. They need be no proper rays:
+    /// components may be NaN or infinite, directions zero.
+    [[nodiscard]] std::vector<RayGroup> rays(std::size_t i, const FloatFormat& format) const;
+
+private:
+    struct SolidSpec {
+        Shape shape;
+        std::vector<Quantity> numbers;
+    };
+    struct RaySpec {
+        std::vector<Quantity> origin, direction;
+    };
+    struct Case {
+        std::string name, note;
+        Exponent lengths, directions;  ///< every length, every direction is times two to this
+        bool symmetric = false;        ///< once under each of the 48 symmetries of the axes, ray and solid alike
+        std::vector<SolidSpec> solids;
+        std::vector<RaySpec> rays;
+    };
+    static Case read_case(TableReader& table);
+
+    std::vector<Case> cases_;
+};
+
+/// What a sweep file holds, by its tables.
+enum class SweepKind { axes, cases, search };
+SweepKind sweep_kind(const std::filesystem::path& path);
+
+}  // namespace lostbits::scene
