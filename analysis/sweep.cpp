@@ -68,7 +68,7 @@ void run_axes(const std::filesystem::path& path, const Chosen& chosen, const Swe
     };
     const auto steps = run_sweep(request);
     const auto onsets = find_onsets(request, steps);
-    output::write_sweep_plots(output::image_backend(), folder, request, steps);
+    output::write_sweep_plots(output::image_backend(), folder, request, steps, onsets);
     files.finish(steps, onsets);
     progress.finish();
     if (common.quiet) return;

@@ -3,12 +3,14 @@
 //
 //   build/bench/bench_sphere --benchmark_min_time=0.5 --benchmark_enable_random_interleaving=true --benchmark_repetitions=5
 //   build/bench/bench_sphere --benchmark_filter='truth|mpfr'
+//   build/bench/bench_sphere --benchmark_filter='packed.*(schoolbook|unified)/f32'
 #include <benchmark/benchmark.h>
 
 #include <random>
 #include <string>
 #include <vector>
 
+#include "intersect/packed.hpp"
 #include "intersect/table.hpp"
 #include "measure/self.hpp"
 #include "measure/truth.hpp"
@@ -127,6 +129,12 @@ void register_all() {
         }
         benchmark::RegisterBenchmark((name + "/without_rounding").c_str(), [&i](benchmark::State& s) { self(s, i); });
     }
+    for (const Isa isa : available_isas())
+        for (const PackedRow& row : packed_sphere_rows(isa)) {
+            const std::string name = "packed_" + std::string(name_of(isa)) + "/" + std::string(row.info->name);
+            benchmark::RegisterBenchmark((name + "/f32").c_str(), [&row](benchmark::State& s) { form<float>(s, row.f32); });
+            if (row.f64) benchmark::RegisterBenchmark((name + "/f64").c_str(), [&row](benchmark::State& s) { form<double>(s, row.f64); });
+        }
 }
 
 }  // namespace

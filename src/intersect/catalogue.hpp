@@ -1,6 +1,16 @@
 // The closed list of forms: one line each (and its include). Everything else follows from it.
 #pragma once
 
+#include "intersect/box/baseline.hpp"
+#include "intersect/box/divide.hpp"
+#include "intersect/box/embree_fma.hpp"
+#include "intersect/box/embree_robust.hpp"
+#include "intersect/box/exclusive.hpp"
+#include "intersect/box/ieee_minmax.hpp"
+#include "intersect/box/inclusive.hpp"
+#include "intersect/box/max_mult.hpp"
+#include "intersect/box/pbrt_padded.hpp"
+#include "intersect/box/signs.hpp"
 #include "intersect/sphere/closest_approach.hpp"
 #include "intersect/sphere/cross_product.hpp"
 #include "intersect/sphere/double_inside.hpp"
@@ -58,6 +68,19 @@ using SphereForms = FormList<  //
     sphere::NewtonRefined,     //
     sphere::FactoredC,         //
     sphere::DoubleInside       //
+    >;
+
+using BoxForms = FormList<  //
+    box::Baseline,          // from the seeds
+    box::Exclusive,         //
+    box::Inclusive,         //
+    box::Signs,             //
+    box::Divide,            // from renderers and the literature
+    box::IeeeMinmax,        //
+    box::PbrtPadded,        //
+    box::MaxMult,           //
+    box::EmbreeFma,         //
+    box::EmbreeRobust       //
     >;
 
 }  // namespace lostbits

@@ -15,7 +15,9 @@ enum class Roots {
     first_only,  ///< the first with t ≥ 0, whichever it is; near = far = t
 };
 
-/// Where a ray that touches in one point (discriminant exactly zero) belongs by the form's own words.
+/// Where a ray that touches in one point (discriminant exactly zero) belongs by the form's own words. Of a box: whether the
+/// form means the closed box (a ray through a corner or along a face is a hit) or the open one (it is a miss, and a box
+/// of zero thickness is never hit).
 enum class Touching { hit, miss };
 
 /// Whether an intersection exactly at the ray's origin (t = 0) counts.

@@ -45,10 +45,13 @@ std::vector<Event> events_of(const MapRow& row, std::size_t lost) {
     return events;
 }
 
-/// Evaluates a row between the steps, remembering what it has seen: neighbouring events ask for the same places.
+/// Evaluates a row between the steps, remembering what it has seen: neighbouring events ask for the same places. Only
+/// lost bits are measured there, in the place that they have among the request's metrics; conditioning costs far more.
 class Between {
 public:
-    Between(const SweepRequest& request, std::size_t row) : request_(request), row_{request.rows[row]} {}
+    Between(SweepRequest request, std::size_t row, std::size_t lost) : request_(std::move(request)), row_{request_.rows[row]} {
+        request_.metrics.assign(lost + 1, find_metric("lost_bits"));
+    }
     const MapSummary& at(double value) {
         const auto [place, fresh] = seen_.try_emplace(value);
         if (fresh) place->second = std::move(run_step(request_, row_, {value}).front());
@@ -56,7 +59,7 @@ public:
     }
 
 private:
-    const SweepRequest& request_;
+    SweepRequest request_;
     std::vector<MapRow> row_;
     std::map<double, MapSummary> seen_;
 };
@@ -116,7 +119,7 @@ std::vector<Onset> find_onsets(const SweepRequest& request, const std::vector<Sw
     const auto lost = static_cast<std::size_t>(std::ranges::find(request.metrics, find_metric("lost_bits")) - request.metrics.begin());
     std::vector<std::vector<Onset>> found(request.rows.size());
     tbb::parallel_for(std::size_t{0}, request.rows.size(), [&](std::size_t row) {
-        Between between(request, row);
+        Between between(request, row, lost);
         for (const Event& event : events_of(request.rows[row], lost)) found[row].push_back(locate(request, steps, row, event, between));
         request.progress(steps.size());
     });

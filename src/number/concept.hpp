@@ -138,4 +138,11 @@ concept Number = std::copyable<T> && std::constructible_from<T, int> && Mask<mas
 
 static_assert(Number<float> && Number<double>);
 
+/// u, the largest relative error of one rounding to nearest: half the distance from 1 to the number above it (2^-24 for
+/// float, 2^-53 for double, 2^-p of a format of p bits). Zero for numbers that stand for exact arithmetic.
+template <Number T>
+T unit_roundoff() {
+    return (next_up(T(1)) - T(1)) / T(2);
+}
+
 }  // namespace lostbits

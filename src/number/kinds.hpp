@@ -5,6 +5,7 @@
 #include "number/ball.hpp"
 #include "number/dual.hpp"
 #include "number/interval.hpp"
+#include "number/pack.hpp"
 #include "number/real.hpp"
 #include "number/rounded.hpp"
 
@@ -30,7 +31,9 @@ using RunnableNumbers = TypeList<  //
     Ball,                          // what is certainly true, cheaply?
     Interval,                      // what is certainly true, at any precision?
     Real,                          // what does the formula give with no rounding?
-    Dual<double, 2>                // how sensitive is the problem itself?
+    Dual<double, 2>,               // how sensitive is the problem itself?
+    Pack<float, Registers<16>>,    // what does it cost in bulk?
+    Pack<double, Registers<16>>    //
     >;
 
 }  // namespace lostbits

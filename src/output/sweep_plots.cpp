@@ -9,24 +9,26 @@
 
 #include "output/line_plot.hpp"
 #include "output/map_colour.hpp"
-#include "output/plane_plot.hpp"
+#include "output/sweep_planes.hpp"
 
 namespace lostbits::output {
+
+output::Axis plot_axis(const scene::Axis& axis) {
+    using S = output::Axis::Scale;
+    return {axis.unit.empty() ? axis.name : fmt::format("{} [{}]", axis.name, axis.unit), axis.spacing == scene::Axis::Spacing::log2 ? S::log2 : S::linear, {}, {}};
+}
+
+double wrong_share(const MapSummary& s) {
+    const auto wrong = s.count(Outcome::false_hit) + s.count(Outcome::false_miss) + s.count(Outcome::not_a_number);
+    return static_cast<double>(wrong) / static_cast<double>(s.rays);
+}
+
 namespace {
 
 using scene::Axis;
 
 std::size_t index_of(const SweepRequest& request, const char* metric) {
     return static_cast<std::size_t>(std::ranges::find(request.metrics, find_metric(metric)) - request.metrics.begin());
-}
-
-output::Axis plot_axis(const Axis& axis) {
-    return {axis.unit.empty() ? axis.name : fmt::format("{} [{}]", axis.name, axis.unit), axis.spacing == Axis::Spacing::log2 ? output::Axis::Scale::log2 : output::Axis::Scale::linear, {}, {}};
-}
-
-double wrong_share(const MapSummary& s) {
-    const auto wrong = s.count(Outcome::false_hit) + s.count(Outcome::false_miss) + s.count(Outcome::not_a_number);
-    return static_cast<double>(wrong) / static_cast<double>(s.rays);
 }
 
 std::string short_name(const MapRow& row) { return std::string(row.form->info->name.substr(row.form->info->name.find('.') + 1)); }
@@ -53,7 +55,7 @@ struct Quantity {
 };
 
 void write_lines(ImageBackend& backend, const std::filesystem::path& folder, const SweepRequest& request, const std::vector<SweepStep>& steps,
-                 const Format& format, const Quantity& quantity) {
+                 const std::vector<Onset>& onsets, const Format& format, const Quantity& quantity) {
     LinePlotSpec spec{.title = fmt::format("{} in {}", quantity.title, format.name),
                       .subtitle = {request.sweep->title, fmt::format("{} rays a step", steps.front().rows.front().rays)},
                       .x = plot_axis(request.sweep->axes.front()),
@@ -69,52 +71,21 @@ void write_lines(ImageBackend& backend, const std::filesystem::path& folder, con
         }
     }
     for (const auto& mark : request.sweep->marks) {
-        if (mark.format.empty() || mark.format == format.name) spec.marks.push_back({mark.at, mark.label});
+        if (!mark.format.empty() && mark.format != format.name) continue;
+        spec.marks.push_back({mark.at, mark.label});
+        const auto measured = std::ranges::find_if(onsets, [&](const Onset& o) {
+            const MapRow& row = request.rows[o.row];
+            return o.found && row.form->info->name == mark.form && row.format == format && o.event == mark.event && o.statistic == mark.statistic && o.threshold == mark.threshold;
+        });
+        if (measured != onsets.end()) spec.marks.push_back({measured->first_bad, fmt::format("{}: measured", short_name(request.rows[measured->row]))});
     }
     write_line_plot(backend, folder / fmt::format("{}.{}.png", quantity.file, format.name), spec);
 }
 
-void write_plane(ImageBackend& backend, const std::filesystem::path& folder, const SweepRequest& request, const std::vector<SweepStep>& steps, std::size_t row) {
-    const auto& axes = request.sweep->axes;
-    const MapRow& what = request.rows[row];
-    const std::size_t lost = index_of(request, "lost_bits");
-    PlanePlotSpec spec{.title = fmt::format("{} in {}: lost bits, p99", what.form->info->name, what.format.name),
-                       .subtitle = {request.sweep->title},
-                       .x_axis = plot_axis(axes[0]),
-                       .y_axis = plot_axis(axes[1]),
-                       .x = axes[0].values,
-                       .y = axes[1].values,
-                       .cells = {},
-                       .scale = metric_scale(*find_metric("lost_bits"), request.rows, backend),
-                       .unit = "lost bits",
-                       .legend = {}};
-    MapSummary drawn;
-    spec.cells.resize(steps.size());
-    for (std::size_t i = 0; i < steps.size(); ++i) {
-        const MapSummary& s = steps[i].rows[row];
-        // The second axis runs fastest in the steps; a plane is written row by row of it.
-        std::size_t column = i / axes[1].values.size(), line = i % axes[1].values.size();
-        if (axes[0].values.front() > axes[0].values.back()) column = axes[0].values.size() - 1 - column;
-        if (axes[1].values.front() > axes[1].values.back()) line = axes[1].values.size() - 1 - line;
-        PlaneCell& cell = spec.cells[line * axes[0].values.size() + column];
-        ++drawn.rays;
-        if (wrong_share(s) <= 0.5) {
-            cell.value = s.metrics[lost].quantile(0.99);
-            continue;
-        }
-        const Outcome worst = std::max({Outcome::false_hit, Outcome::false_miss, Outcome::not_a_number}, [&](Outcome a, Outcome b) { return s.count(a) < s.count(b); });
-        cell.colour = outcome_colours[static_cast<std::size_t>(worst)];
-        ++drawn.outcomes[static_cast<std::size_t>(worst)];
-    }
-    if (spec.x.front() > spec.x.back()) std::ranges::reverse(spec.x);
-    if (spec.y.front() > spec.y.back()) std::ranges::reverse(spec.y);
-    spec.legend = outcome_legend(drawn);
-    write_plane_plot(backend, folder / fmt::format("{}.{}.png", what.form->info->name, what.format.name), spec);
-}
-
 }  // namespace
 
-void write_sweep_plots(ImageBackend& backend, const std::filesystem::path& folder, const SweepRequest& request, const std::vector<SweepStep>& steps) {
+void write_sweep_plots(ImageBackend& backend, const std::filesystem::path& folder, const SweepRequest& request, const std::vector<SweepStep>& steps,
+                       const std::vector<Onset>& onsets) {
     if (request.sweep->axes.size() == 2) {
         for (std::size_t row = 0; row < request.rows.size(); ++row) write_plane(backend, folder, request, steps, row);
         return;
@@ -132,9 +103,9 @@ void write_sweep_plots(ImageBackend& backend, const std::filesystem::path& folde
                               [lost, q = q](const MapSummary& s) { return s.metrics[lost].quantile(q); },
                               {}};
             if (inherent < request.metrics.size()) quantity.envelope = [inherent, q = q](const MapSummary& s) { return s.metrics[inherent].quantile(q); };
-            write_lines(backend, folder, request, steps, format, quantity);
+            write_lines(backend, folder, request, steps, onsets, format, quantity);
         }
-        write_lines(backend, folder, request, steps, format, {"wrong", "Rays with the wrong answer", {"share of rays", output::Axis::Scale::linear, 0.0, 1.0}, wrong_share, {}});
+        write_lines(backend, folder, request, steps, onsets, format, {"wrong", "Rays with the wrong answer", {"share of rays", output::Axis::Scale::linear, 0.0, 1.0}, wrong_share, {}});
     }
 }
 

@@ -12,6 +12,7 @@ namespace lostbits::output {
 /// (inherent bits, where the request measures them) and the sweep's own marks; and `wrong.<format>.png`, the share of
 /// rays that are false hits, false misses or NaN. Two axes: `<form>.<format>.png`, the p99 of lost bits over the plane,
 /// with the colour of the commonest wrong outcome where more than half of the rays are wrong.
-void write_sweep_plots(ImageBackend& backend, const std::filesystem::path& folder, const SweepRequest& request, const std::vector<SweepStep>& steps);
+void write_sweep_plots(ImageBackend& backend, const std::filesystem::path& folder, const SweepRequest& request, const std::vector<SweepStep>& steps,
+                       const std::vector<Onset>& onsets);
 
 }  // namespace lostbits::output

@@ -26,17 +26,27 @@ private:
     std::mt19937_64 engine_;
 };
 
+double to_12_bits(double x) {
+    if (x == 0) return 0;
+    const int shift = 11 - std::ilogb(x);
+    return std::ldexp(std::nearbyint(std::ldexp(x, shift)), -shift);
+}
+
 /// A view direction (a, b, c) in whole numbers, of length n.
 struct View {
     Vec<double> w;
     double n;
 };
 
-View draw_view(Random& random, Family::Views views) {
-    if (views == Family::Views::axis) {
+View draw_view(Random& random, const Family& f) {
+    if (f.directions == Family::Views::axis) {
         Vec<double> w(0, 0, 0);
         w[random.below(3)] = random.below(2) == 0 ? 1 : -1;
         return {w, 1};
+    }
+    if (f.directions == Family::Views::tilted) {
+        const Vec<double> w(1, to_12_bits(f.tilt), to_12_bits(0.6875 * f.tilt));
+        return {w, length(w)};
     }
     const Quadruple& q = quadruples[random.below(static_cast<int>(std::size(quadruples)))];
     std::array<int, 3> parts{q.a, q.b, q.c};
@@ -44,12 +54,6 @@ View draw_view(Random& random, Family::Views views) {
     std::swap(parts[1], parts[1 + static_cast<std::size_t>(random.below(2))]);
     for (int& p : parts) p = random.below(2) == 0 ? p : -p;
     return {Vec<double>(parts[0], parts[1], parts[2]), static_cast<double>(q.n)};
-}
-
-double to_12_bits(double x) {
-    if (x == 0) return 0;
-    const int shift = 11 - std::ilogb(x);
-    return std::ldexp(std::nearbyint(std::ldexp(x, shift)), -shift);
 }
 
 Vec<double> unit(const Vec<double>& v) {
@@ -66,7 +70,9 @@ struct Impact {
 Impact draw_impact(Random& random, const Family& f, const View& view) {
     const double u = random.unit();
     double s = 0;
-    if (f.weighting == Family::Weighting::silhouette) {
+    if (f.silhouette_gap > 0) {
+        s = 1 - f.silhouette_gap;
+    } else if (f.weighting == Family::Weighting::silhouette) {
         // 1 − s falls by powers of two from 1 − impact_from to 1 − impact_to; by MPFR, for libm's pow differs by machine.
         const Real ratio = Real(1 - f.impact_to) / Real(1 - f.impact_from);
         s = 1 - (1 - f.impact_from) * static_cast<double>(Real(pow(ratio, Real(u))));
@@ -90,7 +96,7 @@ void push(RayGroup& group, const Vec<double>& o, const Vec<double>& d) {
 }
 
 RayGroup view_rays(Random& random, const Family& f) {
-    const View view = draw_view(random, f.directions);
+    const View view = draw_view(random, f);
     const Vec<double> w(view.w.x / view.n, view.w.y / view.n, view.w.z / view.n);
     const Vec<double> away = f.offset * Vec<double>(1, 0.6875, -0.4375);
     const double magnitude = std::ldexp(1.0, std::ilogb(f.direction_magnitude * std::sqrt(2.0)));
@@ -115,7 +121,7 @@ RayGroup view_rays(Random& random, const Family& f) {
             // From height h a line that passes the centre at s·r leaves the vertical by asin(s r/(r + h)).
             const double sine = std::min(1.0, impact.s * radius / (radius + f.height));
             const double cosine = std::sqrt((1 - sine) * (1 + sine));
-            push(group, away + f.height * w, magnitude * (sine * impact.across - cosine * w));
+            push(group, away + f.height * w, magnitude * (sine * impact.across - (f.away ? -cosine : cosine) * w));
         }
     }
     return group;
@@ -128,7 +134,7 @@ Family read_family(TableReader table) {
     using V = Family::Views;
     using W = Family::Weighting;
     static constexpr std::pair<std::string_view, P> projections[] = {{"parallel", P::parallel}, {"point", P::point}};
-    static constexpr std::pair<std::string_view, V> views[] = {{"oblique", V::oblique}, {"axis", V::axis}};
+    static constexpr std::pair<std::string_view, V> views[] = {{"oblique", V::oblique}, {"axis", V::axis}, {"tilted", V::tilted}};
     static constexpr std::pair<std::string_view, W> weightings[] = {{"disc", W::disc}, {"silhouette", W::silhouette}};
     Family f;
     f.projection = table.optional_one_of<P>("projection", projections).value_or(f.projection);
@@ -145,7 +151,10 @@ Family read_family(TableReader table) {
     number("height", f.height, -0x1p+126, 0x1p+126);
     number("impact_from", f.impact_from, 0, 4);
     number("impact_to", f.impact_to, 0, 4);
+    number("silhouette_gap", f.silhouette_gap, 0, 1);
+    f.away = table.optional_boolean("away").value_or(false);
     number("direction_magnitude", f.direction_magnitude, 0x1p-120, 0x1p+120);
+    number("tilt", f.tilt, 0, 1);
     number("offset", f.offset, -0x1p+100, 0x1p+100);
     if (f.weighting == W::silhouette && f.impact_to >= 1) table.fail_at("impact_to", "must be below 1 with weighting = \"silhouette\"");
     f.views = static_cast<int>(table.optional_integer("views", 1, 4096).value_or(f.views));

@@ -22,7 +22,8 @@ struct Family {
     /// away to 12 bits of M. point: the surface passes through the world's origin exactly, and all rays of a view start
     /// `height` above it, along −w and aside of it.
     enum class Projection { parallel, point };
-    enum class Views { oblique, axis };
+    /// tilted: w ∥ (1, tilt, 0.6875·tilt), each component to 12 bits, and the distance to 12 bits too.
+    enum class Views { oblique, axis, tilted };
     enum class Weighting { disc, silhouette };
 
     Projection projection = Projection::parallel;
@@ -33,7 +34,10 @@ struct Family {
     double height = 1;               ///< point: eye to surface, world units
     double impact_from = 0;          ///< distance of the line from the centre, in radii: disc: uniform in area between
     double impact_to = 0.999;        ///< these; silhouette: uniform in log2(1 − impact)
+    double silhouette_gap = 0;       ///< > 0: all lines pass at 1 − gap radii, in place of the impacts above
+    bool away = false;               ///< point: rays along +w, away from the centre
     double direction_magnitude = 1;  ///< length of the directions, to the nearest power of two
+    double tilt = 0;                 ///< tilted: tangent of the angle to the x axis, in the xy plane
     double offset = 0;               ///< everything is moved by offset·(1, 0.6875, −0.4375)
     int views = 16;                  ///< directions w
     int rays = 64;                   ///< rays a view

@@ -106,7 +106,15 @@ SweepFile::SweepFile(const std::filesystem::path& path, const std::filesystem::p
     for (TableReader& axis : file.tables("axis")) axes.push_back(read_axis(axis, scene.has_value()));
     if (axes.empty() || axes.size() > 2) fail(file.where(), "a sweep has one or two [[axis]] tables, this has " + std::to_string(axes.size()));
     for (TableReader& mark : file.tables("mark")) {
-        marks.push_back({static_cast<double>(mark.number("at")), mark.string("label"), mark.optional_string("format").value_or("")});
+        Mark m{static_cast<double>(mark.number("at")), mark.string("label"), mark.optional_string("format").value_or(""), {}, {}, {}};
+        if (auto measured = mark.optional_table("measured")) {
+            m.form = measured->string("form");
+            m.event = measured->optional_string("event").value_or("lost_bits");
+            m.statistic = measured->optional_string("statistic").value_or("p50");
+            m.threshold = static_cast<double>(measured->number("threshold"));
+            measured->reject_unknown_keys();
+        }
+        marks.push_back(std::move(m));
         mark.reject_unknown_keys();
     }
     file.reject_unknown_keys();

@@ -36,10 +36,13 @@ public:
     std::string id, title, source, note;
     std::vector<Axis> axes;  ///< one or two
 
-    /// A place on the first axis that a plot points out: a prediction, with the format it is made for (all if empty).
+    /// A place on the first axis that a plot points out: a prediction, with the format it is made for (all if empty), and
+    /// perhaps the form whose measured onset is to be drawn beside it.
     struct Mark {
         double at;
         std::string label, format;
+        std::string form, event, statistic;  ///< as in onsets.csv; empty: nothing beside it
+        double threshold = 1;
     };
     std::vector<Mark> marks;
 

@@ -16,4 +16,12 @@ std::array<Hit<Archetype> (*)(const Ray<Archetype>&, const Sphere<Archetype>&), 
 
 extern const auto spheres_over_archetype = instantiate(SphereForms{});
 
+template <class... Form>
+std::array<Hit<Archetype> (*)(const Ray<Archetype>&, const Box<Archetype>&, const Archetype&), sizeof...(Form)>
+instantiate_boxes(FormList<Form...>) {
+    return {&Form::template intersect<Archetype>...};
+}
+
+extern const auto boxes_over_archetype = instantiate_boxes(BoxForms{});
+
 }  // namespace lostbits::test

@@ -4,6 +4,8 @@
 #include <bit>
 #include <cstdint>
 #include <cstdio>
+#include <type_traits>
+#include <utility>
 
 #include "intersect/catalogue.hpp"
 #include "number/random.hpp"
@@ -68,6 +70,51 @@ Sample<T> draw(Random& random, int kind, bool unit) {
     return {{move(origin, shift), move(direction, turn)}, {move(centre, shift), scaled(radius, shift)}};
 }
 
+template <class T>
+struct BoxSample {
+    Ray<T> ray;
+    Box<T> box;
+    T tmax;
+};
+
+/// A seeded ray and box of one of eight kinds; planes, directions and origins coincide or vanish, with either sign of zero.
+template <class T>
+BoxSample<T> draw_box(Random& random, int kind) {
+    const auto in = [&] { return T(2 * random.unit() - 1); };
+    const auto zero = [&] { return random.one_in(2) ? T(0) : -T(0); };
+    const int span = sizeof(T) == 4 ? 90 : 900;
+    Vec<T> lo{in(), in(), in()}, hi{in(), in(), in()}, target{in(), in(), in()}, origin{in(), in(), in()};
+    T tmax = random.one_in(3) ? T(2 * random.unit()) : HUGE_VALF;
+    for (int i = 0; i < 3; ++i) {
+        if (lo[i] > hi[i]) std::swap(lo[i], hi[i]);
+        if (kind == 1) origin[i] *= T(1e5);
+        if (kind != 2) origin[i] *= T(4);
+    }
+    Vec<T> direction(target.x - origin.x, target.y - origin.y, target.z - origin.z);
+    const auto axis = static_cast<int>(random.between(0, 2));
+    if (kind == 3 || kind == 4) direction[axis] = zero();
+    if (kind == 4) origin[axis] = random.one_in(2) ? lo[axis] : hi[axis];
+    if (kind == 5) hi[axis] = lo[axis];
+    if (kind == 6) direction[axis] = scaled(direction[axis], -static_cast<int>(random.between(0, span + 50)));
+    if (kind == 7) {
+        const int shift = static_cast<int>(random.between(-span, span));
+        for (Vec<T>* v : {&lo, &hi, &origin})
+            for (int i = 0; i < 3; ++i) (*v)[i] = scaled((*v)[i], shift);
+    }
+    return {{origin, direction}, {lo, hi}, tmax};
+}
+
+template <class Form, class T>
+Hit<T> shoot(Random& random, int kind) {
+    if constexpr (std::is_invocable_v<decltype(&Form::template intersect<T>), const Ray<T>&, const Sphere<T>&>) {
+        const Sample<T> x = draw<T>(random, kind, Form::info.direction == Direction::unit);
+        return Form::intersect(x.ray, x.sphere);
+    } else {
+        const BoxSample<T> x = draw_box<T>(random, kind);
+        return Form::intersect(x.ray, x.box, x.tmax);
+    }
+}
+
 template <class Form, class T>
 void print(const char* type) {
     constexpr int rays = 120000;
@@ -75,8 +122,7 @@ void print(const char* type) {
     Random random(2024);
     long hits = 0, undefined = 0;
     for (int i = 0; i < rays; ++i) {
-        const Sample<T> x = draw<T>(random, i % 8, Form::info.direction == Direction::unit);
-        const Hit<T> h = Form::intersect(x.ray, x.sphere);
+        const Hit<T> h = shoot<Form, T>(random, i % 8);
         sum.add(std::uint64_t{h.hit});
         sum.add(h.t);
         sum.add(h.near);
@@ -91,10 +137,12 @@ void print(const char* type) {
 }  // namespace
 
 void print_every_form() {
-    SphereForms::for_each([]<class Form>() {
+    const auto print_form = []<class Form>() {
         print<Form, float>("f32");
         if constexpr (Form::info.formats == Formats::all) print<Form, double>("f64");
-    });
+    };
+    SphereForms::for_each(print_form);
+    BoxForms::for_each(print_form);
 }
 
 }  // namespace lostbits::test

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <memory>
+#include <stdexcept>
 
 #include "number/draw.hpp"
 #include "number/kinds.hpp"
@@ -13,6 +14,16 @@ inline bool surely(bool mask) { return mask; }
 inline bool surely(Tri mask) { return mask.is_yes(); }
 inline bool surely_not(bool mask) { return !mask; }
 inline bool surely_not(Tri mask) { return mask.is_no(); }
+
+/// Of a pack: in every lane, or in none.
+template <class F, class Width>
+bool surely(const PackMask<F, Width>& mask) {
+    return !any_of(!mask);
+}
+template <class F, class Width>
+bool surely_not(const PackMask<F, Width>& mask) {
+    return !any_of(mask);
+}
 
 /// A number, and one of the exact values that it may stand for (NaN: undefined).
 template <class T>
@@ -27,9 +38,25 @@ struct Kind;
 // --- floating-point formats: the result is the exact one, rounded once --------------------------------------------
 
 template <class T>
-concept InFormat = std::same_as<T, float> || std::same_as<T, double> || std::same_as<T, Dual<double, 2>> || requires {
-    T::format();
-};
+inline constexpr bool is_pack = false;
+template <class F, class Width>
+inline constexpr bool is_pack<Pack<F, Width>> = true;
+
+/// What every lane holds. test_pack.cpp looks at lanes that differ.
+template <class F, class Width>
+double in_every_lane(const Pack<F, Width>& x) {
+    F lanes[Pack<F, Width>::lanes];
+    x.store(lanes);
+    for (const F lane : lanes)
+        if (!same_number(lane, lanes[0])) throw std::logic_error("lanes that were given the same numbers differ");
+    return lanes[0];
+}
+
+template <class T>
+concept InFormat =
+    std::same_as<T, float> || std::same_as<T, double> || std::same_as<T, Dual<double, 2>> || is_pack<T> || requires {
+        T::format();
+    };
 
 template <InFormat T>
 struct Kind<T> {
@@ -39,10 +66,12 @@ struct Kind<T> {
     static FloatFormat format() {
         if constexpr (std::same_as<T, float>) return binary32;
         else if constexpr (std::same_as<T, double> || std::same_as<T, Dual<double, 2>>) return binary64;
+        else if constexpr (is_pack<T>) return sizeof(T) == 4 * T::lanes ? binary32 : binary64;
         else return T::format();
     }
     static double value(T x) {
         if constexpr (std::is_floating_point_v<T>) return x;
+        else if constexpr (is_pack<T>) return in_every_lane(x);
         else return x.value();
     }
     static bool is(T x, int v) { return value(x) == v; }

@@ -1,0 +1,32 @@
+# Object libraries for one register width each. What is compiled here must have names that nothing else has: the test
+# `packed_symbols` holds the objects to that.
+set(LOSTBITS_ISAS w128)
+if(CMAKE_SYSTEM_PROCESSOR MATCHES "^(x86_64|AMD64|amd64)$")
+    list(APPEND LOSTBITS_ISAS w256 w512)
+endif()
+
+# lostbits_isa_library(NAME ISA SOURCES…): an object library with the flags of that width and of no other. It links nothing:
+# it is used through its objects.
+function(lostbits_isa_library name isa)
+    add_library(${name} OBJECT ${ARGN})
+    target_include_directories(${name} PRIVATE ${PROJECT_SOURCE_DIR}/src)
+    target_compile_features(${name} PRIVATE cxx_std_20)
+    target_compile_definitions(${name} PRIVATE GLM_FORCE_XYZW_ONLY)
+    target_link_libraries(${name} PRIVATE glm::glm lostbits_warnings)
+    # Optimised in every configuration: what the library's headers define is inlined then, and leaves no function behind
+    # that the linker could give to others.
+    target_compile_options(${name} PRIVATE -ffp-contract=off -O2)
+    # GCC needs minutes to instrument a kernel in which everything is inlined. The kernels see whole packs only; the code that
+    # cuts batches into them is instrumented like everything else.
+    target_compile_options(${name} PRIVATE -fno-sanitize=all)
+    if(isa STREQUAL "w256")
+        target_compile_options(${name} PRIVATE -mavx2 -mfma)
+    elseif(isa STREQUAL "w512")
+        # BMI2 because libstdc++'s masks use it without asking.
+        target_compile_options(${name} PRIVATE -mavx2 -mfma -mbmi2 -mavx512f -mavx512dq -mavx512vl)
+        if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_LESS 13)
+            # GCC 12 warns of its own _mm512_undefined_ps (its bug 105593).
+            target_compile_options(${name} PRIVATE -Wno-uninitialized -Wno-maybe-uninitialized)
+        endif()
+    endif()
+endfunction()

@@ -1,0 +1,24 @@
+// The sign bit of 1/d says which plane comes first, so that no min and max of t1 and t2 are needed: tmin = max(dmin, tmin),
+// tmax = min(dmax, tmax), a hit where tmin ≤ tmax. (The seed writes tmin < tmax where it introduces the form and tmin ≤ tmax in the
+// batched code that it measures; this is the latter.)
+#pragma once
+
+#include "intersect/box/slab.hpp"
+
+namespace lostbits::box {
+
+struct Signs {
+    static constexpr Info info{
+        .name = "box.signs",
+        .title = "slabs, planes chosen by the sign of 1/d",
+        .source = "Barnes, Fast, Branchless Ray/Bounding Box Intersections, part 3: Boundaries, section Signs; seed 002",
+    };
+
+    template <Number T>
+    static Hit<T> intersect(const Ray<T>& ray, const Box<T>& box, const T& limit) {
+        const Segment<T> s = clip_by_signs<T>(ray, box, limit);
+        return entered<T>(s.tmin <= s.tmax, s);
+    }
+};
+
+}  // namespace lostbits::box

@@ -1,0 +1,80 @@
+// The slab method: a box is three slabs, each between two planes at right angles to an axis, and a ray lies inside a
+// slab from the t of one plane to the t of the other. What several box forms share.
+#pragma once
+
+#include "geometry/shapes.hpp"
+#include "intersect/info.hpp"
+
+namespace lostbits::box {
+
+/// What the slabs so far have left of the ray: the t from tmin to tmax; nothing where tmin > tmax.
+template <Number T>
+struct Segment {
+    T tmin;
+    T tmax;
+};
+
+/// `left` says by the form's own last test whether something is left. near = t = tmin ≥ 0, clipped at the origin; far = tmax.
+template <Number T>
+Hit<T> entered(const mask_t<T>& left, const Segment<T>& segment) {
+    return Hit<T>{left, segment.tmin, segment.tmin, segment.tmax};
+}
+
+/// The coordinates of a slab's two planes in the order in which the line meets them.
+template <Number T>
+struct Planes {
+    T bmin;
+    T bmax;
+};
+
+/// lo before hi where the sign bit of inv = 1/d is clear, hi before lo where it is set. A direction of −0 has inv = −∞ and
+/// its planes change places, so a ray between them still runs from −∞ to +∞.
+template <Number T>
+Planes<T> planes_by_sign(const T& lo, const T& hi, const T& inv) {
+    const mask_t<T> sign = copysign(T(1), inv) < T(0);
+    return {select(sign, hi, lo), select(sign, lo, hi)};
+}
+
+/// tmin = max(dmin, tmin), tmax = min(dmax, tmax) with dmin = (bmin − o)·inv, dmax = (bmax − o)·inv. A NaN from 0·∞ (a ray
+/// in one of the planes) leaves both as they were, because min and max answer their second operand.
+template <Number T>
+Segment<T> clip_by_signs(const Ray<T>& ray, const Box<T>& box, const T& limit) {
+    Segment<T> s{T(0), limit};
+    for (int axis = 0; axis < 3; ++axis) {
+        const T inv = named("inv", T(1) / ray.direction[axis]);
+        const Planes<T> planes = planes_by_sign<T>(box.lo[axis], box.hi[axis], inv);
+        const T dmin = named("dmin", (planes.bmin - ray.origin[axis]) * inv);
+        const T dmax = named("dmax", (planes.bmax - ray.origin[axis]) * inv);
+        s.tmin = named("tmin", max(dmin, s.tmin));
+        s.tmax = named("tmax", min(dmax, s.tmax));
+    }
+    return s;
+}
+
+/// Whether x is a number and not NaN: NaN fails both comparisons.
+template <Number T>
+mask_t<T> is_number(const T& x) {
+    return x < T(0) || x >= T(0);
+}
+
+/// IEEE 754-2008 minNum: of a number and a NaN the number, wherever it stands.
+template <Number T>
+T min_num(const T& a, const T& b) {
+    return select(is_number(b), min(a, b), a);
+}
+
+/// IEEE 754-2008 maxNum: of a number and a NaN the number, wherever it stands.
+template <Number T>
+T max_num(const T& a, const T& b) {
+    return select(is_number(b), max(a, b), a);
+}
+
+/// γ(n) = n u/(1 − n u), which bounds the relative error of n roundings (Higham, Accuracy and Stability of Numerical
+/// Algorithms, 2002, lemma 3.1) while n u < 1; computed in T, zero in exact arithmetic.
+template <Number T>
+T gamma_bound(int n) {
+    const T nu = T(n) * unit_roundoff<T>();
+    return nu / (T(1) - nu);
+}
+
+}  // namespace lostbits::box

@@ -1,0 +1,13 @@
+// Sphere forms in 512-bit registers: AVX-512 F, DQ and VL.
+#include "intersect/packed_kernels.hpp"
+
+namespace lostbits {
+namespace {
+
+struct Width : Registers<64> {};
+
+}  // namespace
+
+void fill_packed_w512(RawRow* rows) { fill_raw<Width>(rows); }
+
+}  // namespace lostbits

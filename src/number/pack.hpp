@@ -1,0 +1,185 @@
+// Pack: what does it cost in bulk? A SIMD register of numbers, so that a formula computes many rays at once. Every operation
+// gives in each lane the bits that the scalar operation gives; a NaN may differ in sign and payload, which IEEE 754
+// leaves open and compilers use.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <experimental/simd>
+#include <limits>
+
+#include "number/concept.hpp"
+
+namespace lostbits {
+
+/// The size of a register, and the tag that keeps one instruction set's code apart from another's: a translation unit
+/// compiled for more than the baseline derives its own tag in an anonymous namespace. Everything instantiated over it then
+/// has internal linkage, and the linker cannot hand AVX-512 code to a function of the same name that an older machine runs.
+template <std::size_t Bytes>
+struct Registers {
+    static constexpr std::size_t bytes = Bytes;
+};
+
+namespace stdx = std::experimental;
+
+template <class F, class Width>
+using PackAbi = stdx::simd_abi::deduce_t<F, Width::bytes / sizeof(F)>;
+
+/// A decision in each lane.
+template <class F, class Width>
+class PackMask {
+public:
+    using Simd = stdx::simd_mask<F, PackAbi<F, Width>>;
+
+    PackMask() = default;
+    explicit PackMask(const Simd& lanes) : lanes_(lanes) {}
+
+    friend PackMask operator&&(const PackMask& a, const PackMask& b) { return PackMask(a.lanes_ && b.lanes_); }
+    friend PackMask operator||(const PackMask& a, const PackMask& b) { return PackMask(a.lanes_ || b.lanes_); }
+    friend PackMask operator!(const PackMask& a) { return PackMask(!a.lanes_); }
+    friend bool any_of(const PackMask& a) { return stdx::any_of(a.lanes_); }
+
+    [[nodiscard]] const Simd& simd() const { return lanes_; }
+    void store(bool* to) const { lanes_.copy_to(to, stdx::element_aligned); }
+
+private:
+    Simd lanes_;
+};
+
+/// F is float or double, Width a `Registers`; as many lanes as fit.
+template <class F, class Width>
+class Pack {
+public:
+    using Simd = stdx::simd<F, PackAbi<F, Width>>;
+    using Lanes = PackMask<F, Width>;
+    static constexpr std::size_t lanes = Simd::size();
+    static_assert(lanes * sizeof(F) == Width::bytes);
+
+    Pack() = default;
+    explicit Pack(int x) : x_(static_cast<F>(x)) {}
+    template <std::floating_point X>
+    explicit Pack(X x) : x_(static_cast<F>(x)) {}  ///< x in every lane, rounded once where X is wider
+    explicit Pack(const Simd& x) : x_(x) {}
+
+    /// `lanes` numbers from any address.
+    static Pack load(const F* from) { return Pack(Simd(from, stdx::element_aligned)); }
+    void store(F* to) const { x_.copy_to(to, stdx::element_aligned); }
+    [[nodiscard]] const Simd& simd() const { return x_; }
+
+    friend Pack operator+(const Pack& a, const Pack& b) { return Pack(a.x_ + b.x_); }
+    friend Pack operator-(const Pack& a, const Pack& b) { return Pack(a.x_ - b.x_); }
+    friend Pack operator*(const Pack& a, const Pack& b) { return Pack(a.x_ * b.x_); }
+    friend Pack operator/(const Pack& a, const Pack& b) { return Pack(a.x_ / b.x_); }
+    friend Pack operator-(const Pack& a) { return Pack(-a.x_); }
+    Pack& operator+=(const Pack& b) { return *this = *this + b; }
+    Pack& operator-=(const Pack& b) { return *this = *this - b; }
+    Pack& operator*=(const Pack& b) { return *this = *this * b; }
+
+    friend Lanes operator<(const Pack& a, const Pack& b) { return Lanes(a.x_ < b.x_); }
+    friend Lanes operator<=(const Pack& a, const Pack& b) { return Lanes(a.x_ <= b.x_); }
+    friend Lanes operator>(const Pack& a, const Pack& b) { return Lanes(a.x_ > b.x_); }
+    friend Lanes operator>=(const Pack& a, const Pack& b) { return Lanes(a.x_ >= b.x_); }
+
+    friend Pack sqrt(const Pack& a) { return Pack(stdx::sqrt(a.x_)); }
+    friend Pack abs(const Pack& a) { return Pack(stdx::abs(a.x_)); }
+    friend Pack copysign(const Pack& a, const Pack& b) { return Pack(stdx::copysign(a.x_, b.x_)); }
+    /// Lane by lane in the source; with FMA the compiler makes it one instruction, and without it std::fma is correctly
+    /// rounded all the same.
+    friend Pack fma(const Pack& a, const Pack& b, const Pack& c) {
+        const auto lane = [](const Simd& x, auto i) { return static_cast<F>(x[i]); };
+        return Pack(Simd([&](auto i) { return std::fma(lane(a.x_, i), lane(b.x_, i), lane(c.x_, i)); }));
+    }
+    friend Pack select(const Lanes& mask, const Pack& a, const Pack& b) {
+        Simd chosen = b.x_;
+        stdx::where(mask.simd(), chosen) = a.x_;
+        return Pack(chosen);
+    }
+
+    /// The neighbours are the neighbours of the bits: one more away from zero, one less towards it. +∞ has none above it,
+    /// NaN none at all; both fail the test below.
+    friend Pack next_up(const Pack& a) {
+        const Pack x = a + Pack(0);  // −0 + 0 = +0, whose neighbour by bits is right; −0's would be −2⁻¹⁴⁹
+        const Bits bits = __builtin_bit_cast(Bits, x.x_);
+        const Pack towards_zero(__builtin_bit_cast(Simd, bits - 1)), away(__builtin_bit_cast(Simd, bits + 1));
+        return select(a < Pack(std::numeric_limits<F>::infinity()), select(x < Pack(0), towards_zero, away), a);
+    }
+    friend Pack next_down(const Pack& a) { return -next_up(-a); }
+
+private:
+    using Bits = stdx::rebind_simd_t<std::conditional_t<sizeof(F) == 4, std::int32_t, std::int64_t>, Simd>;
+
+    Simd x_;
+};
+
+/// The doubles inside a pack of floats: as many lanes, twice the registers.
+template <class Width>
+class WidePack {
+public:
+    using Half = Pack<double, Width>;
+    using Narrow = Pack<float, Width>;
+
+    /// A decision in each lane; it is a decision about the floats, too.
+    struct Lanes {
+        PackMask<double, Width> low, high;
+
+        friend Lanes operator&&(const Lanes& a, const Lanes& b) { return {a.low && b.low, a.high && b.high}; }
+        friend Lanes operator||(const Lanes& a, const Lanes& b) { return {a.low || b.low, a.high || b.high}; }
+        friend Lanes operator!(const Lanes& a) { return {!a.low, !a.high}; }
+        friend bool any_of(const Lanes& a) { return any_of(a.low) || any_of(a.high); }
+        operator PackMask<float, Width>() const { return select(*this, WidePack(1), WidePack(0)).narrow() > Narrow(0); }
+    };
+
+    WidePack() = default;
+    explicit WidePack(int x) : low_(x), high_(x) {}
+    WidePack(const Half& low, const Half& high) : low_(low), high_(high) {}
+    explicit WidePack(const Narrow& x) {
+        float lanes[Narrow::lanes];
+        x.store(lanes);
+        low_ = Half(typename Half::Simd(lanes, stdx::element_aligned));
+        high_ = Half(typename Half::Simd(lanes + Half::lanes, stdx::element_aligned));
+    }
+    /// Each lane rounded once.
+    [[nodiscard]] Narrow narrow() const {
+        return Narrow(stdx::concat(stdx::static_simd_cast<HalfOfFloats>(low_.simd()), stdx::static_simd_cast<HalfOfFloats>(high_.simd())));
+    }
+
+    friend WidePack operator+(const WidePack& a, const WidePack& b) { return {a.low_ + b.low_, a.high_ + b.high_}; }
+    friend WidePack operator-(const WidePack& a, const WidePack& b) { return {a.low_ - b.low_, a.high_ - b.high_}; }
+    friend WidePack operator*(const WidePack& a, const WidePack& b) { return {a.low_ * b.low_, a.high_ * b.high_}; }
+    friend WidePack operator/(const WidePack& a, const WidePack& b) { return {a.low_ / b.low_, a.high_ / b.high_}; }
+    friend WidePack operator-(const WidePack& a) { return {-a.low_, -a.high_}; }
+    WidePack& operator+=(const WidePack& b) { return *this = *this + b; }
+    WidePack& operator-=(const WidePack& b) { return *this = *this - b; }
+    WidePack& operator*=(const WidePack& b) { return *this = *this * b; }
+
+    friend Lanes operator<(const WidePack& a, const WidePack& b) { return {a.low_ < b.low_, a.high_ < b.high_}; }
+    friend Lanes operator<=(const WidePack& a, const WidePack& b) { return {a.low_ <= b.low_, a.high_ <= b.high_}; }
+    friend Lanes operator>(const WidePack& a, const WidePack& b) { return {a.low_ > b.low_, a.high_ > b.high_}; }
+    friend Lanes operator>=(const WidePack& a, const WidePack& b) { return {a.low_ >= b.low_, a.high_ >= b.high_}; }
+
+    friend WidePack sqrt(const WidePack& a) { return {sqrt(a.low_), sqrt(a.high_)}; }
+    friend WidePack abs(const WidePack& a) { return {abs(a.low_), abs(a.high_)}; }
+    friend WidePack copysign(const WidePack& a, const WidePack& b) { return {copysign(a.low_, b.low_), copysign(a.high_, b.high_)}; }
+    friend WidePack fma(const WidePack& a, const WidePack& b, const WidePack& c) { return {fma(a.low_, b.low_, c.low_), fma(a.high_, b.high_, c.high_)}; }
+    friend WidePack select(const Lanes& mask, const WidePack& a, const WidePack& b) {
+        return {select(mask.low, a.low_, b.low_), select(mask.high, a.high_, b.high_)};
+    }
+    friend WidePack next_up(const WidePack& a) { return {next_up(a.low_), next_up(a.high_)}; }
+    friend WidePack next_down(const WidePack& a) { return {next_down(a.low_), next_down(a.high_)}; }
+
+private:
+    using HalfOfFloats = stdx::simd<float, PackAbi<float, Registers<Width::bytes / 2>>>;
+
+    Half low_, high_;
+};
+
+template <class Width>
+struct Wider<Pack<float, Width>> {
+    using type = WidePack<Width>;
+    static type widen(const Pack<float, Width>& x) { return type(x); }
+    static Pack<float, Width> narrow(const type& x) { return x.narrow(); }
+};
+
+static_assert(Number<Pack<float, Registers<16>>> && Number<Pack<double, Registers<16>>> && Number<WidePack<Registers<16>>>);
+
+}  // namespace lostbits

@@ -1,0 +1,42 @@
+# What an object for wider registers defines for others must be named for its width: a function under an ordinary name would
+# be instructions that older machines do not have, and the linker may keep it for everybody. Nor may such an object run
+# anything at start-up. Run by ctest:
+#   cmake -DNM=nm -DISA=w256 "-DOBJECTS=a.o;b.o" -P packed_symbols.cmake
+if(NOT OBJECTS)
+    message(FATAL_ERROR "no objects to look at")
+endif()
+set(own 0)
+set(offences "")
+foreach(object ${OBJECTS})
+    execute_process(COMMAND ${NM} --defined-only --demangle ${object} OUTPUT_VARIABLE output RESULT_VARIABLE code)
+    if(NOT code EQUAL 0)
+        message(FATAL_ERROR "${NM} ${object} ended with ${code}")
+    endif()
+    # Brackets and semicolons of demangled names are not lists.
+    string(REGEX REPLACE "[][;]" "_" output "${output}")
+    string(REGEX MATCHALL "[^\n]+" lines "${output}")
+    foreach(line ${lines})
+        string(REGEX MATCH "^[0-9a-f]* *([A-Za-z]) (.*)$" matched "${line}")
+        set(kind "${CMAKE_MATCH_1}")
+        set(name "${CMAKE_MATCH_2}")
+        if(name MATCHES "^_GLOBAL__(sub_)?I|__static_initialization_and_destruction")
+            list(APPEND offences "runs at start-up: ${name}")
+        elseif(kind MATCHES "^[a-z]$" AND NOT kind MATCHES "^[uvwi]$")
+            continue() # local
+        elseif(name MATCHES "^DW\\.ref\\.__gxx_personality_v0$|^__odr_asan|^_*ubsan|^_*asan")
+            continue() # data that is the same whoever defines it
+        elseif(name MATCHES "_${ISA}\\(")
+            math(EXPR own "${own} + 1")
+        else()
+            list(APPEND offences "${kind} ${name}")
+        endif()
+    endforeach()
+endforeach()
+if(offences)
+    list(JOIN offences "\n  " text)
+    message(FATAL_ERROR "not named for ${ISA}:\n  ${text}")
+endif()
+if(own EQUAL 0)
+    message(FATAL_ERROR "no function named for ${ISA} in ${OBJECTS}: this looked at nothing")
+endif()
+message(STATUS "${own} function(s), all named for ${ISA}")
