@@ -8,6 +8,7 @@
 #include "commands.hpp"
 #include "output/atomic_file.hpp"
 #include "output/claim_files.hpp"
+#include "output/claim_report.hpp"
 #include "output/number_text.hpp"
 #include "select.hpp"
 #include "signals.hpp"
@@ -21,7 +22,7 @@ using State = ClaimResult::State;
 struct CheckOptions {
     std::vector<std::string> files;
     std::vector<std::string> filters;
-    std::string junit, csv, json, annotations = "none";
+    std::string junit, csv, json, report, annotations = "none";
     bool strict = false, measure = false;
 };
 
@@ -49,7 +50,7 @@ void print(const Claim& claim, const ClaimResult& r, const CheckOptions& o, bool
         if (verbose) fmt::print("ok       {} ({}): {}\n", claim.id, verdict, output::decimal(r.measured));
         return;
     }
-    const char* word = claim.severity == Claim::Severity::warn && !o.strict ? "warning" : r.state == State::broken ? "broken" : "FAILED";
+    const char* word = r.state != State::skipped && claim.severity == Claim::Severity::warn && !o.strict ? "warning" : r.state == State::broken ? "broken" : r.state == State::skipped ? "skipped" : "FAILED";
     fmt::print("{:<8} {} ({}: {})\n", word, claim.id, verdict, claim.statement);
     fmt::print("         {}: {}\n", claim.where.text(), output::explain(claim, r));
     if (r.witness.x >= 0) {
@@ -58,7 +59,7 @@ void print(const Claim& claim, const ClaimResult& r, const CheckOptions& o, bool
                    output::hex(r.witness.ray.direction.z));
     }
     fmt::print("         again: {}\n", output::reproduce(claim));
-    if (o.annotations == "github") {
+    if (o.annotations == "github" && r.state != State::skipped) {
         fmt::print("::{} file={},line={},title={}::{}\n", std::string_view(word) == "warning" ? "warning" : "error", claim.where.source, claim.where.line, claim.id,
                    output::explain(claim, r));
     }
@@ -77,16 +78,21 @@ Exit run(const CheckOptions& o, const Common& common) {
         for (std::size_t i = 0; i < claims.size(); ++i) fmt::print("{} = {}\n", claims[i].id, output::decimal(results[i].measured));
         return Exit::done;
     }
-    std::size_t agreed = 0, failed = 0;
+    std::size_t agreed = 0, failed = 0, skipped = 0;
     for (std::size_t i = 0; i < claims.size(); ++i) {
         print(claims[i], results[i], o, common.verbose);
         agreed += results[i].state == State::agrees;
-        failed += results[i].state != State::agrees && (o.strict || claims[i].severity == Claim::Severity::error);
+        skipped += results[i].state == State::skipped;
+        failed += results[i].state != State::agrees && results[i].state != State::skipped && (o.strict || claims[i].severity == Claim::Severity::error);
     }
     if (!o.junit.empty()) output::write_junit(o.junit, claims, results, o.strict);
     if (!o.csv.empty()) output::write_claims_csv(o.csv, claims, results);
     if (!o.json.empty()) output::write_claims_json(o.json, claims, results);
-    if (!common.quiet) fmt::print("{} claims: {} measure as stated, {} do not\n", claims.size(), agreed, claims.size() - agreed);
+    if (!o.report.empty()) output::write_claim_report(o.report, claims, results, data);
+    if (!common.quiet) {
+        fmt::print("{} claims: {} measure as stated, {} do not{}\n", claims.size(), agreed, claims.size() - agreed - skipped,
+                   skipped == 0 ? "" : fmt::format(", {} skipped", skipped));
+    }
     return failed == 0 ? Exit::done : Exit::answer_is_no;
 }
 
@@ -100,6 +106,7 @@ void add_check(CLI::App& program, const Common& common, Command& chosen) {
     command->add_option("--junit", o->junit, "Write JUnit XML");
     command->add_option("--export-csv", o->csv, "Write a row a claim");
     command->add_option("--export-json", o->json, "Write an array of claims");
+    command->add_option("--report", o->report, "Write README.md, claims.csv and pictures into a folder");
     command->add_option("--annotations", o->annotations, "github: also print workflow annotations")->check(CLI::IsMember({"none", "github"}));
     command->add_flag("--strict", o->strict, "Claims of severity warn fail too");
     command->add_flag("--measure", o->measure, "Print what each claim measures now, without judging");

@@ -57,8 +57,9 @@ Listing scenes(const Common& common) {
 Listing files_in(const Common& common, const char* folder) {
     Listing l{{"name"}, {}};
     std::error_code error;
-    for (const auto& entry : std::filesystem::directory_iterator(data_folder(common.data) / folder, error)) {
-        if (entry.path().extension() == ".toml") l.rows.push_back({entry.path().stem().string()});
+    const auto root = data_folder(common.data) / folder;
+    for (const auto& entry : std::filesystem::recursive_directory_iterator(root, error)) {
+        if (entry.path().extension() == ".toml") l.rows.push_back({entry.path().lexically_relative(root).replace_extension().string()});
     }
     std::ranges::sort(l.rows);
     return l;

@@ -101,7 +101,7 @@ int main(int argc, char** argv) {
     } catch (const std::bad_alloc&) {
         return fail(Exit::environment, "out of memory; try a smaller --size or fewer forms");
     } catch (const std::system_error& error) {  // a closed stdout, no more threads
-        return fail(Exit::environment, error.what());
+        return fail(Exit::environment, std::ferror(stdout) != 0 ? "standard output: cannot write" : error.what());
     } catch (const std::exception& error) {
         return fail(Exit::internal, error.what());
     }

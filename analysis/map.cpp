@@ -4,11 +4,13 @@
 
 #include <algorithm>
 #include <memory>
+#include <optional>
 #include <set>
 
 #include "commands.hpp"
 #include "output/atomic_file.hpp"
 #include "output/map_files.hpp"
+#include "output/needed_files.hpp"
 #include "scene/scene.hpp"
 #include "select.hpp"
 #include "signals.hpp"
@@ -23,18 +25,27 @@ struct MapOptions {
     std::vector<std::string> metrics;
     std::string size, variant, pixels = "none";
     std::vector<std::string> set;
+    int bits_needed = 0;  ///< 0: not asked for
+    bool envelope = false;
     std::string out;
 };
 
-/// What to type to make these files again: everything that decides their bytes, and nothing that does not.
-std::string canonical_command(const scene::Scene& scene, const MapOptions& o) {
-    std::string text = fmt::format("lostbits map {}", scene.id);
-    for (const auto& f : o.forms) text += " -i '" + f + "'";
-    for (const auto& f : o.formats) text += " -f " + f;
-    for (const auto& m : o.metrics) text += " --metric " + m;
-    for (const auto& s : o.set) text += " --set '" + s + "'";
-    if (!o.size.empty()) text += " --size " + o.size;
-    return text;
+/// What to type to make these files again: everything that decides their bytes, and nothing that does not. Of the map, and of
+/// the bits needed, which know no formats and no metrics.
+struct Commands {
+    std::string map, needed;
+};
+
+Commands canonical_commands(const scene::Scene& scene, const MapOptions& o) {
+    std::string forms, what, input;
+    for (const auto& f : o.forms) forms += " -i '" + f + "'";
+    for (const auto& f : o.formats) what += " -f " + f;
+    for (const auto& m : o.metrics) what += " --metric " + m;
+    if (o.envelope) what += " --envelope";
+    for (const auto& s : o.set) input += " --set '" + s + "'";
+    if (!o.size.empty()) input += " --size " + o.size;
+    const std::string start = fmt::format("lostbits map {}{}", scene.id, forms);
+    return {start + what + input, fmt::format("{} --bits-needed {}{}", start, o.bits_needed, input)};
 }
 
 std::vector<scene::Scene> load(const MapOptions& o, const Common& common) {
@@ -66,36 +77,110 @@ void print_table(const MapRequest& request, const std::vector<MapSummary>& summa
     }
 }
 
+void print_table(const NeededRequest& request, const std::vector<NeededSummary>& summaries) {
+    fmt::print("  {:<28} {:>3} bits need: {:>6} {:>6} {:>6} {:>10} {:>10}\n", "form", request.bits, "p50", "p99", "max", "hit > 53", "miss > 53");
+    for (std::size_t f = 0; f < summaries.size(); ++f) {
+        const auto all = summaries[f].all();
+        fmt::print("  {:<28} {:>14} {:>6} {:>6} {:>6} {:>10} {:>10}\n", request.forms[f]->info->name, "", quantile(all, 0.5), quantile(all, 0.99), quantile(all, 1),
+                   summaries[f].hits_beyond, summaries[f].misses_beyond);
+    }
+}
+
+/// The forms whose bits needed are asked for: those of the rows that exist in every width.
+std::vector<const Intersector*> forms_of_any_width(const std::vector<MapRow>& rows) {
+    std::vector<const Intersector*> forms;
+    for (const MapRow& row : rows) {
+        if (row.form->info->formats == Formats::all && std::ranges::find(forms, row.form) == forms.end()) forms.push_back(row.form);
+    }
+    if (forms.empty()) throw NothingSelected("--bits-needed: all of the selected intersectors exist in binary32 only; `lostbits list intersectors` says which");
+    return forms;
+}
+
+/// The work on one scene.
+struct SceneWork {
+    MapRequest map;
+    std::optional<NeededRequest> needed;
+
+    [[nodiscard]] std::uint64_t units() const {
+        const auto pixels = static_cast<std::uint64_t>(map.scene->width) * static_cast<std::uint64_t>(map.scene->height);
+        return pixels * map.rows.size() + (needed ? needed_units(*needed) : 0);
+    }
+};
+
+SceneWork work_on(const scene::Scene& scene, const MapOptions& o, const std::vector<MapRow>& rows, const std::vector<const Metric*>& measured) {
+    SceneWork work{{.scene = &scene, .rows = of_shape(rows, scene.shape(), scene.id), .metrics = measured}, {}};
+    if (o.bits_needed > 0) work.needed = NeededRequest{.scene = &scene, .forms = forms_of_any_width(work.map.rows), .bits = o.bits_needed};
+    return work;
+}
+
+/// Says which forms `--bits-needed` leaves out.
+void note_skipped(const std::vector<SceneWork>& works) {
+    std::set<std::string_view> said;
+    for (const SceneWork& work : works) {
+        for (const MapRow& row : work.map.rows) {
+            const Info& info = *row.form->info;
+            if (info.formats == Formats::all || !said.insert(info.name).second) continue;
+            fmt::print(stderr, "lostbits: --bits-needed leaves out {}: it exists in binary32 only\n", info.name);
+        }
+    }
+}
+
+/// Maps one scene; the number of its rays without a proved truth.
+std::uint64_t map_scene(const SceneWork& work, const MapOptions& o, const Common& common, const std::vector<const Metric*>& drawn) {
+    const scene::Scene& scene = *work.map.scene;
+    const auto folder = std::filesystem::path(o.out) / scene.id;
+    const Commands commands = canonical_commands(scene, o);
+    const bool pixels = o.pixels == "csv";
+    std::optional<output::NeededFiles> needed_files;
+    if (work.needed) needed_files.emplace(*work.needed, output::NeededFilesOptions{folder, pixels, commands.needed});
+    output::MapFiles files(work.map, {folder, drawn, pixels, commands.map, o.envelope, needed_files ? needed_files->resources() : std::vector<output::DataResource>{}});
+
+    const auto summaries = run_map(work.map, files.sinks());
+    std::vector<NeededSummary> needed;
+    if (work.needed) {
+        needed = run_needed(*work.needed, needed_files->sinks());
+        needed_files->finish(needed);
+    }
+    files.finish(summaries);
+    const std::uint64_t unresolved = summaries.front().count(Outcome::unresolved);
+    if (common.quiet) return unresolved;
+    fmt::print("{}\n", (folder / "contact.png").string());
+    if (work.needed) fmt::print("{}\n", (folder / "needed.csv").string());
+    if (common.verbose) print_table(work.map, summaries);
+    if (common.verbose && work.needed) print_table(*work.needed, needed);
+    return unresolved;
+}
+
 Exit run(const MapOptions& o, const Common& common) {
     if (o.out.empty()) throw InputError("-o: the name of the folder is empty; write -o . for this one");
     const auto rows = cross(select_forms(o.forms), select_formats(o.formats));
-    const auto asked = o.metrics.empty() ? std::vector{find_metric("lost_bits")} : select_metrics(o.metrics);
+    const auto drawn = o.metrics.empty() ? std::vector{find_metric("lost_bits")} : select_metrics(o.metrics);
+    auto wanted = drawn;
+    if (o.envelope) {
+        if (std::ranges::find(drawn, find_metric("lost_bits")) == drawn.end())
+            throw InputError("--envelope marks pictures of lost_bits, and --metric leaves them out; add --metric lost_bits");
+        wanted.push_back(find_metric("excess_bits"));
+    }
     const auto scenes = load(o, common);
     const ThreadLimit limit(common.threads);
 
-    std::vector<MapRequest> requests;
-    std::uint64_t units = 0;
-    for (const auto& scene : scenes) {
-        requests.push_back({.scene = &scene, .rows = of_shape(rows, scene.shape(), scene.id), .metrics = measured(asked)});
-        units += static_cast<std::uint64_t>(scene.width) * static_cast<std::uint64_t>(scene.height) * requests.back().rows.size();
-    }
+    std::vector<SceneWork> works;
+    for (const auto& scene : scenes) works.push_back(work_on(scene, o, rows, measured(wanted)));
     // A folder that cannot be written ends the run before the first ray, not after the tenth scene.
-    const auto folder = [&o](const scene::Scene& scene) { return std::filesystem::path(o.out) / scene.id; };
-    for (const auto& scene : scenes) output::AtomicFile probe(folder(scene) / "summary.csv");
+    for (const auto& scene : scenes) output::AtomicFile probe(std::filesystem::path(o.out) / scene.id / "summary.csv");
+    if (o.bits_needed > 0 && !common.quiet) note_skipped(works);
+
+    std::uint64_t units = 0, unresolved = 0;
+    for (const SceneWork& work : works) units += work.units();
     output::Progress progress(units, "map", common.progress, common.quiet);
-    std::uint64_t unresolved = 0;
-    for (std::size_t i = 0; i < requests.size(); ++i) {
-        requests[i].progress = [&progress](std::uint64_t done) {
-            progress.advance(done);
-            stop_if_interrupted();
-        };
-        output::MapFiles files(requests[i], {folder(scenes[i]), asked, o.pixels == "csv", canonical_command(scenes[i], o)});
-        const auto summaries = run_map(requests[i], files.sinks());
-        files.finish(summaries);
-        unresolved += summaries.front().count(Outcome::unresolved);
-        if (common.quiet) continue;
-        fmt::print("{}\n", (folder(scenes[i]) / "contact.png").string());
-        if (common.verbose) print_table(requests[i], summaries);
+    const auto advance = [&progress](std::uint64_t done) {
+        progress.advance(done);
+        stop_if_interrupted();
+    };
+    for (SceneWork& work : works) {
+        work.map.progress = advance;
+        if (work.needed) work.needed->progress = advance;
+        unresolved += map_scene(work, o, common, drawn);
     }
     progress.finish();
     if (unresolved == 0) return Exit::done;
@@ -116,6 +201,8 @@ void add_map(CLI::App& program, const Common& common, Command& chosen) {
     command->add_option("--variant", o->variant, "One variant of a scene that has several (default: all)");
     command->add_option("--set", o->set, "Change a number of the scene first: sphere[0].radius=10");
     command->add_option("--pixels", o->pixels, "csv: also write a row a pixel")->check(CLI::IsMember({"none", "csv"}));
+    command->add_option("--bits-needed", o->bits_needed, "Also per pixel the significand width that a form needs for this many correct bits (1 to 52)")->check(CLI::Range(1, 52));
+    command->add_flag("--envelope", o->envelope, "Draw lost bits paler where the problem itself explains them");
     command->add_option("-o,--out", o->out, "Folder for the results")->required();
     command->callback([o, &common, &chosen] { chosen = [o, &common] { return run(*o, common); }; });
 }

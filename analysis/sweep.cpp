@@ -43,7 +43,13 @@ struct Chosen {
 /// What a run over named cases leaves: the matrix.
 void run_case_file(const std::filesystem::path& path, const Chosen& chosen, const SweepOptions& o, const Common& common) {
     const scene::CaseFile file(path);
-    CaseRequest request{.file = &file, .rows = of_shape(chosen.rows, file.shape(), file.id), .metrics = chosen.metrics};
+    CaseRequest request{.file = &file, .rows = {}, .metrics = chosen.metrics};
+    for (MapRow row : of_shape(chosen.rows, file.shape(), file.id)) {
+        for (const auto& judged : file.conventions) {
+            row.judged = judged;
+            request.rows.push_back(row);
+        }
+    }
     const auto folder = std::filesystem::path(o.out) / file.id;
     output::CaseFiles files(request, folder);
     output::Progress progress(file.size() * request.rows.size(), file.id, common.progress, common.quiet);
@@ -53,12 +59,13 @@ void run_case_file(const std::filesystem::path& path, const Chosen& chosen, cons
     };
     files.finish(run_cases(request));
     progress.finish();
-    if (!common.quiet) fmt::print("{}\n", (folder / "matrix.png").string());
+    if (!common.quiet) fmt::print("{}\n", (folder / "cases.csv").string());
 }
 
 void run_axes(const std::filesystem::path& path, const Chosen& chosen, const SweepOptions& o, const Common& common) {
     const scene::SweepFile sweep(path, data_folder(common.data));
     SweepRequest request{.sweep = &sweep, .rows = of_shape(chosen.rows, sweep.shape(), sweep.id), .metrics = chosen.metrics};
+    for (MapRow& row : request.rows) row.judged = sweep.convention;
     const auto folder = std::filesystem::path(o.out) / sweep.id;
     output::SweepFiles files(request, folder);
     output::Progress progress(sweep_units(request), sweep.id, common.progress, common.quiet);
@@ -78,8 +85,7 @@ void run_axes(const std::filesystem::path& path, const Chosen& chosen, const Swe
 
 void run_search(const std::filesystem::path& path, const Chosen& chosen, const SweepOptions& o, const Common& common) {
     const scene::SearchFile search(path);
-    const auto metrics = measured({select_metrics({search.metric}).front()});
-    WorstRequest request{.search = &search, .rows = of_shape(chosen.rows, search.shape, search.id), .metrics = metrics};
+    WorstRequest request{.search = &search, .rows = of_shape(chosen.rows, search.shape, search.id), .metrics = measured({find_metric(search.metric)})};
     const auto folder = std::filesystem::path(o.out) / search.id;
     { const output::AtomicFile probe(folder / "worst.csv"); }  // a folder that cannot be written ends the run before the search
     output::Progress progress(request.rows.size(), search.id, common.progress, common.quiet);
@@ -98,7 +104,14 @@ void check_file(const std::filesystem::path& path, scene::SweepKind kind, bool w
     if (!worst && kind == K::search) throw InputError(path.string() + ":1:1: a [search] table is for --worst; add it");
     if (kind == K::cases) static_cast<void>(scene::CaseFile(path));
     else if (kind == K::axes) static_cast<void>(scene::SweepFile(path, data));
-    else static_cast<void>(scene::SearchFile(path));
+    else {
+        const scene::SearchFile search(path);
+        if (find_metric(search.metric) == nullptr) {
+            std::vector<std::string> names;
+            for (const Metric& m : metrics()) names.emplace_back(m.name);
+            throw InputError(path.string() + ":1:1: search.metric is \"" + search.metric + "\", which no metric is called; " + scene::did_you_mean(search.metric, names));
+        }
+    }
 }
 
 Exit run(const SweepOptions& o, const Common& common) {

@@ -1,6 +1,7 @@
 // What a form says of itself: the contract that the laboratory holds it to.
 #pragma once
 
+#include <optional>
 #include <string_view>
 
 namespace lostbits {
@@ -19,6 +20,11 @@ enum class Roots {
 /// form means the closed box (a ray through a corner or along a face is a hit) or the open one (it is a miss, and a box
 /// of zero thickness is never hit).
 enum class Touching { hit, miss };
+
+/// By whose word touching is judged, as files and columns name it: the form's own, the closed solid's (a hit), the open one's.
+inline constexpr std::string_view convention_name(std::optional<Touching> judged) {
+    return !judged ? "own" : *judged == Touching::hit ? "closed" : "open";
+}
 
 /// Whether an intersection exactly at the ray's origin (t = 0) counts.
 enum class AtOrigin { hit, miss };

@@ -46,7 +46,8 @@ void nearest_of(const Kernel& kernel, const scene::RayBlock& rays, const std::ve
                 Answers& answers) {
     const auto ox = stored<S>(rays.ox, begin, count), oy = stored<S>(rays.oy, begin, count), oz = stored<S>(rays.oz, begin, count);
     const auto dx = stored<S>(rays.dx, begin, count), dy = stored<S>(rays.dy, begin, count), dz = stored<S>(rays.dz, begin, count);
-    const RayBatch<S> batch{ox, oy, oz, dx, dy, dz};
+    const auto tmax = rays.tmax.empty() ? std::vector<S>() : stored<S>(rays.tmax, begin, count);
+    const RayBatch<S> batch{ox, oy, oz, dx, dy, dz, tmax};
     std::vector<S> t(count), near(count), far(count);
     std::vector<std::uint8_t> hit(count);
     for (std::size_t s = 0; s < solids.size(); ++s) {
@@ -88,7 +89,8 @@ Band::Band(scene::RayBlock rays, std::vector<Solid<double>> solids, TruthLimit l
 void Band::find_truth_of_all() {
     truth_.resize(ideal_ ? ideal_->size() : shared_.size());
     const auto find = [&](std::size_t i, Touching touching) {
-        return with_ray(i, [&](const auto& ray, auto solids) { return find_truth(ray, solids, limit_, touching); });
+        const double tmax = !ideal_ && !shared_.tmax.empty() ? shared_.tmax[i] : HUGE_VAL;
+        return with_ray(i, [&](const auto& ray, auto solids) { return find_truth(ray, solids, limit_, touching, tmax); });
     };
     for_each_pixel(truth_.size(), [&](std::size_t i) { truth_[i] = find(i, Touching::hit); });
     for (std::size_t i = 0; i < truth_.size(); ++i) {
@@ -132,15 +134,15 @@ FormatInputs Band::inputs(const Format& format, BandNeeds needs) const {
         in.own_truth.resize(pixels());
         for_each_pixel(pixels(), [&](std::size_t i) {
             const Ray<double> ray = in.rays[i];
-            if (is_proper(ray)) in.own_truth[i] = find_truth(ray, Solids<double>(in.solids), limit_);
+            in.own_truth[i] = find_truth(ray, Solids<double>(in.solids), limit_, Touching::hit, in.rays.tmax.empty() ? HUGE_VAL : in.rays.tmax[i]);
         });
     }
     return in;
 }
 
-double Band::rounded_truth(std::size_t i, const FloatFormat& format, const Info& form) const {
-    const Truth& truth = this->truth(i, form.touching);
-    if (form.direction == Direction::unit) {
+double Band::rounded_truth(std::size_t i, const FloatFormat& format, Direction unit_of, Touching touching) const {
+    const Truth& truth = this->truth(i, touching);
+    if (unit_of == Direction::unit) {
         // A distance is irrational but where |d| is rational; a bound that straddles is settled as the midpoint rounds.
         Certified middle = truth.distance;
         if (const auto r = round_certified(middle, format)) return *r;

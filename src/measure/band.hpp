@@ -53,8 +53,8 @@ public:
     [[nodiscard]] std::size_t pixels() const { return truth_.size(); }
     /// The truth of ray i by the convention of a form: whether merely touching is a hit.
     [[nodiscard]] const Truth& truth(std::size_t i, Touching touching) const;
-    /// The truth of ray i (a hit), correctly rounded to the format: as t, or as a distance, as the form has it.
-    [[nodiscard]] double rounded_truth(std::size_t i, const FloatFormat& format, const Info& form) const;
+    /// The truth of ray i (a hit), correctly rounded to the format: as t, or as a distance.
+    [[nodiscard]] double rounded_truth(std::size_t i, const FloatFormat& format, Direction unit_of, Touching touching) const;
 
 private:
     void find_truth_of_all();

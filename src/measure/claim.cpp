@@ -5,6 +5,9 @@
 #include <map>
 #include <set>
 
+#include "intersect/packed.hpp"
+#include "measure/arithmetic.hpp"
+#include "measure/cases.hpp"
 #include "number/error.hpp"
 #include "scene/did_you_mean.hpp"
 
@@ -35,17 +38,10 @@ std::map<std::string, double> columns_of(const MapSummary& s, const std::vector<
     return columns;
 }
 
-MapRow row_of(const Claim& claim) {
-    std::vector<std::string> names;
-    for (const Intersector& i : intersectors()) {
-        names.emplace_back(i.info->name);
-        if (i.info->name != claim.form) continue;
-        const auto format = find_format(claim.format);
-        if (!format) scene::fail(claim.where, "unknown format \"" + claim.format + "\"; write f32, f64, fp16, bf16, tf32 or pN");
-        if (!i.exists_in(*format)) scene::fail(claim.where, claim.form + " does not exist in " + claim.format);
-        return {&i, *format};
-    }
-    scene::fail(claim.where, "unknown form \"" + claim.form + "\"; " + scene::did_you_mean(claim.form, names));
+Format format_of(const Claim& claim) {
+    const auto format = find_format(claim.format);
+    if (!format) scene::fail(claim.where, "unknown format \"" + claim.format + "\"; write f32, f64, fp16, bf16, tf32 or pN");
+    return *format;
 }
 
 /// The claims about one scene or sweep: their places in the list.
@@ -91,7 +87,7 @@ void measure_scene(const std::vector<Claim>& claims, const Places& places, const
     const auto scenes = scene::load_scene(name.path, {.variant = name.variant});
     if (scenes.size() != 1) scene::fail(first.where, "scene \"" + first.scene + "\" has variants; name one, such as \"" + scenes.front().id + "\"");
     MapRequest request{.scene = &scenes.front(), .rows = {}, .metrics = metrics_for(claims, places)};
-    for (const std::size_t i : places) request.rows.push_back(row_of(claims[i]));
+    for (const std::size_t i : places) request.rows.push_back(claim_row(claims[i]));
     const auto summaries = run_map(request, {});
     for (std::size_t k = 0; k < places.size(); ++k) {
         const Claim& claim = claims[places[k]];
@@ -99,14 +95,58 @@ void measure_scene(const std::vector<Claim>& claims, const Places& places, const
     }
 }
 
+void measure_cases(const std::vector<Claim>& claims, const Places& places, const std::filesystem::path& path, std::vector<ClaimResult>& results) {
+    const scene::CaseFile file(path);
+    CaseRequest request{.file = &file, .rows = {}, .metrics = metrics_for(claims, places)};
+    for (const std::size_t i : places) request.rows.push_back(claim_row(claims[i]));
+    for (std::size_t k = 0; k < places.size(); ++k) {
+        const Claim& claim = claims[places[k]];
+        if (claim.case_name.empty()) scene::fail(claim.where, "sweep \"" + claim.sweep + "\" has cases, not axes; write `case = \"...\"` in claim.given");
+        const auto summary = run_case(request, k, file.find(claim.case_name, claim.where));
+        results[places[k]] = judge(claim, summary_value(summary, request.metrics, claim.metric, claim.where.text()), &summary);
+    }
+}
+
+void measure_table(const std::vector<Claim>& claims, const Places& places, std::vector<ClaimResult>& results) {
+    for (const std::size_t i : places) {
+        const Claim& claim = claims[i];
+        if (claim.table != "arithmetic") scene::fail(claim.where, "unknown table \"" + claim.table + "\"; there is \"arithmetic\"");
+        const auto rows = arithmetic_rows();
+        const auto row = std::ranges::find(rows, claim.row, &ArithmeticRow::name);
+        if (row == rows.end()) {
+            std::vector<std::string> names;
+            for (const ArithmeticRow& r : rows) names.emplace_back(r.name);
+            scene::fail(claim.where, "unknown row \"" + claim.row + "\"; " + scene::did_you_mean(claim.row, names));
+        }
+        if (claim.metric != "unnoticed_fraction") scene::fail(claim.where, "unknown metric \"" + claim.metric + "\"; the table has unnoticed_fraction");
+        results[i] = judge(claim, row->unnoticed(format_of(claim).shape, claim.at.front()), nullptr);
+    }
+}
+
+/// What this machine lacks of what a claim requires; empty: nothing.
+std::string missing_for(const Claim& claim) {
+    for (const std::string& need : claim.requirements) {
+        const auto isa = need.starts_with("isa-") ? isa_named(need.substr(4)) : std::nullopt;
+        if (!isa) scene::fail(claim.where, "unknown requirement \"" + need + "\"; there are isa-128, isa-256 and isa-512");
+        const auto there = available_isas();
+        if (std::ranges::find(there, *isa) == there.end()) return "this machine has no " + need;
+    }
+    return "";
+}
+
 void measure_sweep(const std::vector<Claim>& claims, const Places& places, const std::filesystem::path& data_dir, std::vector<ClaimResult>& results) {
     const Claim& first = claims[places.front()];
-    const scene::SweepFile sweep(find_for(first, [&] { return scene::find_sweep(first.sweep, data_dir); }), data_dir);
-    if (sweep.axes.size() != 1) scene::fail(first.where, "sweep \"" + first.sweep + "\" has two axes; claims are about sweeps with one");
+    const auto path = find_for(first, [&] { return scene::find_sweep(first.sweep, data_dir); });
+    switch (scene::sweep_kind(path)) {
+        case scene::SweepKind::cases: return measure_cases(claims, places, path, results);
+        case scene::SweepKind::search: scene::fail(first.where, "sweep \"" + first.sweep + "\" is a search; claims are about axes or cases");
+        case scene::SweepKind::axes: break;
+    }
+    const scene::SweepFile sweep(path, data_dir);
     SweepRequest request{.sweep = &sweep, .rows = {}, .metrics = metrics_for(claims, places)};
     bool onsets_wanted = false;
     for (const std::size_t i : places) {
-        request.rows.push_back(row_of(claims[i]));
+        request.rows.push_back(claim_row(claims[i]));
         onsets_wanted |= !claims[i].onset.empty();
     }
     std::vector<Onset> onsets;
@@ -114,7 +154,10 @@ void measure_sweep(const std::vector<Claim>& claims, const Places& places, const
     for (std::size_t k = 0; k < places.size(); ++k) {
         const Claim& claim = claims[places[k]];
         if (claim.onset.empty()) {
-            const auto summary = run_place(request, k, {*claim.at});
+            if (claim.at.size() != sweep.axes.size()) {
+                scene::fail(claim.where, "sweep \"" + claim.sweep + "\" has " + std::to_string(sweep.axes.size()) + " axes; write as many values in `at`");
+            }
+            const auto summary = run_place(request, k, claim.at);
             results[places[k]] = judge(claim, summary_value(summary, request.metrics, claim.metric, claim.where.text()), &summary);
             continue;
         }
@@ -132,6 +175,18 @@ void measure_sweep(const std::vector<Claim>& claims, const Places& places, const
 
 }  // namespace
 
+MapRow claim_row(const Claim& claim) {
+    std::vector<std::string> names;
+    for (const Intersector& i : intersectors()) {
+        names.emplace_back(i.info->name);
+        if (i.info->name != claim.form) continue;
+        const Format format = format_of(claim);
+        if (!i.exists_in(format)) scene::fail(claim.where, claim.form + " does not exist in " + claim.format);
+        return {&i, format, claim.convention};
+    }
+    scene::fail(claim.where, "unknown form \"" + claim.form + "\"; " + scene::did_you_mean(claim.form, names));
+}
+
 double summary_value(const MapSummary& summary, const std::vector<const Metric*>& metrics, const std::string& column, const std::string& where) {
     const auto columns = columns_of(summary, metrics);
     const auto found = columns.find(column);
@@ -143,11 +198,21 @@ double summary_value(const MapSummary& summary, const std::vector<const Metric*>
 
 std::vector<ClaimResult> measure_claims(const std::vector<Claim>& claims, const std::filesystem::path& data_dir, const std::function<void()>& done) {
     std::vector<ClaimResult> results(claims.size());
-    std::map<std::pair<bool, std::string>, Places> subjects;
-    for (std::size_t i = 0; i < claims.size(); ++i) subjects[{claims[i].scene.empty(), claims[i].scene.empty() ? claims[i].sweep : claims[i].scene}].push_back(i);
+    enum class Kind { scene, sweep, table };
+    std::map<std::pair<Kind, std::string>, Places> subjects;
+    for (std::size_t i = 0; i < claims.size(); ++i) {
+        results[i].trouble = missing_for(claims[i]);
+        if (!results[i].trouble.empty()) {
+            results[i].state = ClaimResult::State::skipped;
+            continue;
+        }
+        const Kind kind = !claims[i].scene.empty() ? Kind::scene : !claims[i].sweep.empty() ? Kind::sweep : Kind::table;
+        subjects[{kind, claims[i].subject()}].push_back(i);
+    }
     for (const auto& [subject, places] : subjects) {
-        if (subject.first) measure_sweep(claims, places, data_dir, results);
-        else measure_scene(claims, places, data_dir, results);
+        if (subject.first == Kind::scene) measure_scene(claims, places, data_dir, results);
+        else if (subject.first == Kind::sweep) measure_sweep(claims, places, data_dir, results);
+        else measure_table(claims, places, results);
         done();
     }
     return results;

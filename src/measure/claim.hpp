@@ -12,17 +12,20 @@ namespace lostbits {
 /// What became of a claim.
 struct ClaimResult {
     /// `disagrees`: the measurement lies outside the expectation. `broken`: there was nothing to measure (no sample, no
-    /// onset, a truth that was not proved), which never counts as agreeing.
-    enum class State { agrees, disagrees, broken };
+    /// onset, a truth that was not proved), which never counts as agreeing. `skipped`: this machine lacks what it needs.
+    enum class State { agrees, disagrees, broken, skipped };
     State state = State::broken;
     double measured = 0;
-    std::string trouble;  ///< why it is broken
+    std::string trouble;  ///< why it is broken or skipped
     WorstRay witness;     ///< the worst ray of the measurement, where there is one
 };
 
 /// A column of the summary by its name in the CSV; NaN where it is missing there.
 /// InputError for an unknown name, with did-you-mean; `where` starts the message.
 double summary_value(const MapSummary& summary, const std::vector<const Metric*>& metrics, const std::string& column, const std::string& where);
+
+/// The form and format that a claim is about. InputError, with the claim's position, for names that do not exist.
+MapRow claim_row(const scene::Claim& claim);
 
 /// Measures every claim; scenes and sweeps that several claims share are run once. `done` is called after each subject.
 /// InputError, with the claim's position, for names that do not exist.

@@ -1,7 +1,7 @@
 // Whether the problem or the formula is to blame.
 #pragma once
 
-#include "measure/enclose.hpp"
+#include "measure/enclose_solid.hpp"
 
 namespace lostbits {
 

@@ -84,10 +84,4 @@ Solid<E> lift_solid(const Solid<S>& solid) {
     return transformed(solid, [](const S& x) { return lift<E>(x); });
 }
 
-/// The closed solid, whatever its shape.
-template <class E>
-Enclosed<E> enclose(const Ray<E>& ray, const Solid<E>& solid) {
-    return enclose(ray, solid.sphere());
-}
-
 }  // namespace lostbits

@@ -4,6 +4,7 @@
 #include <array>
 #include <optional>
 
+#include "intersect/info.hpp"
 #include "measure/enclose.hpp"
 
 namespace lostbits {

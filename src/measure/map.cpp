@@ -34,9 +34,9 @@ public:
         const Solid<double>& solid = in.solids[static_cast<std::size_t>(answers.object[i])];
         Sample sample{answers.t[i], &row_.format, in_unit_of(truth, info), missing, nullptr, nullptr, missing, &ray, &solid};
 
-        if (needs_ & needs_rounded_truth) sample.truth_rounded = result_.band->rounded_truth(i, row_.format.shape, info);
+        if (needs_ & needs_rounded_truth) sample.truth_rounded = result_.band->rounded_truth(i, row_.format.shape, info.direction, row_.touching());
         if (needs_ & needs_own_truth) sample.own = in.ideal ? sample.truth : in_unit_of(in.own_truth[i], info);
-        if (needs_ & needs_condition) sample.condition = result_.band->condition(i, info.touching);
+        if (needs_ & needs_condition) sample.condition = result_.band->condition(i, row_.touching());
         std::optional<Certified> self;
         if (needs_ & needs_self) {
             self = without_rounding(*row_.form, ray, in.solids[static_cast<std::size_t>(truth.object)]);
@@ -88,7 +88,7 @@ void measure_row(const MapRow& row, const std::vector<const Metric*>& metrics, c
                  MapSink* sink) {
     const Answers answers = evaluate(*row.form, inputs);
     const std::size_t n = band.pixels();
-    BandResult result{band.y0(), band.rows(), inputs.rays.width, &band, &inputs, &answers, row.form->info, std::vector<Outcome>(n), {}};
+    BandResult result{band.y0(), band.rows(), inputs.rays.width, &band, &inputs, &answers, row.touching(), std::vector<Outcome>(n), {}};
     result.metrics.assign(metrics.size(), std::vector<double>(n, missing));
     Measurement measurement(metrics, row, result);
     for (std::size_t i = 0; i < n; ++i) {

@@ -4,6 +4,7 @@
 #include <array>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -19,6 +20,10 @@ namespace lostbits {
 struct MapRow {
     const Intersector* form;
     Format format;
+    /// By whose convention on touching it is judged; its own where absent.
+    std::optional<Touching> judged = {};
+
+    [[nodiscard]] Touching touching() const { return judged.value_or(form->info->touching); }
 };
 
 /// A worst sample, in a form that can be pasted back.
@@ -49,13 +54,13 @@ struct BandResult {
     const Band* band;
     const FormatInputs* inputs;
     const Answers* answers;
-    const Info* form;
+    Touching touching;
     std::vector<Outcome> outcomes;
     /// One vector per requested metric; NaN where the metric does not exist.
     std::vector<std::vector<double>> metrics;
 
-    /// By the form's own convention.
-    [[nodiscard]] const Truth& truth(std::size_t i) const { return band->truth(i, form->touching); }
+    /// By the convention that the row is judged by.
+    [[nodiscard]] const Truth& truth(std::size_t i) const { return band->truth(i, touching); }
 };
 
 /// Where a row's results go: files, plots, tests. Called band by band from top to bottom, never concurrently for

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "measure/enclose.hpp"
+#include "measure/enclose_solid.hpp"
 #include "number/error.hpp"
 
 namespace lostbits {
@@ -56,28 +56,35 @@ bool is_solid(const Solid<S>& s) {
     return box.lo.x <= box.hi.x && box.lo.y <= box.hi.y && box.lo.z <= box.hi.z;
 }
 
+template <class E>
+Enclosed<E> enclose_until(const Ray<E>& ray, const Solid<E>& solid, double tmax) {
+    if (std::isinf(tmax)) return enclose<E>(ray, solid);
+    const E end(tmax);
+    return enclose<E>(ray, solid, &end);
+}
+
 template <class S>
-Truth escalate(const Ray<S>& ray, const Solid<S>& solid, TruthLimit limit, Touching touching) {
+Truth escalate(const Ray<S>& ray, const Solid<S>& solid, TruthLimit limit, Touching touching, double tmax) {
     Truth truth;
     for (int bits = std::is_same_v<S, Real> ? 384 : 192; bits <= limit.bits; bits *= 2) {
         const Interval::Precision precision(bits);
         truth.bits = bits;
-        if (settle(enclose(lift_ray<Interval>(ray), lift_solid<Interval>(solid)), touching, truth)) return truth;
+        if (settle(enclose_until(lift_ray<Interval>(ray), lift_solid<Interval>(solid), tmax), touching, truth)) return truth;
     }
     truth.decision = Truth::Decision::unresolved;
     return truth;
 }
 
 template <class S>
-Truth find(const Ray<S>& ray, std::span<const Solid<S>> solids, TruthLimit limit, Touching touching) {
+Truth find(const Ray<S>& ray, std::span<const Solid<S>> solids, TruthLimit limit, Touching touching, double tmax) {
     Truth best;
-    if (!is_ray(ray)) return best;
+    if (!is_ray(ray) || !(tmax >= 0)) return best;
     const Ray<Ball> quick = lift_ray<Ball>(ray);
     for (std::size_t i = 0; i < solids.size(); ++i) {
         if (!is_solid(solids[i])) continue;
         Truth one;
         one.bits = 106;
-        if (!settle(enclose(quick, lift_solid<Ball>(solids[i])), touching, one)) one = escalate(ray, solids[i], limit, touching);
+        if (!settle(enclose_until(quick, lift_solid<Ball>(solids[i]), tmax), touching, one)) one = escalate(ray, solids[i], limit, touching, tmax);
         const bool touches = best.touches || one.touches;
         const int bits = std::max(best.bits, one.bits);
         one.object = static_cast<int>(i);
@@ -128,7 +135,8 @@ double round_exactly(const Truth& truth, const Ray<S>& ray, const Solid<S>& soli
         // The boundary that the bound straddles: midway between the two, or half a last place above the largest number.
         const Interval middle = std::isinf(upper) ? Interval(lower) + Interval(std::ldexp(1.0, format.emax - format.precision))
                                                   : (Interval(lower) + Interval(upper)) / Interval(2);
-        const auto side = side_of(lift_ray<Interval>(ray), lift_solid<Interval>(solid).sphere(), middle);
+        const auto lifted = lift_solid<Interval>(solid);
+        const auto side = solid.shape == Shape::sphere ? side_of(lift_ray<Interval>(ray), lifted.sphere(), middle) : side_of(lift_ray<Interval>(ray), lifted.box(), middle);
         if (!side) continue;
         if (*side != 0) return *side < 0 ? lower : upper;
         return ordinal(lower, format) % 2 == 0 ? lower : upper;
@@ -138,11 +146,11 @@ double round_exactly(const Truth& truth, const Ray<S>& ray, const Solid<S>& soli
 
 }  // namespace
 
-Truth find_truth(const Ray<double>& ray, std::span<const Solid<double>> solids, TruthLimit limit, Touching touching) {
-    return find(ray, solids, limit, touching);
+Truth find_truth(const Ray<double>& ray, std::span<const Solid<double>> solids, TruthLimit limit, Touching touching, double tmax) {
+    return find(ray, solids, limit, touching, tmax);
 }
-Truth find_truth(const Ray<Real>& ray, std::span<const Solid<Real>> solids, TruthLimit limit, Touching touching) {
-    return find(ray, solids, limit, touching);
+Truth find_truth(const Ray<Real>& ray, std::span<const Solid<Real>> solids, TruthLimit limit, Touching touching, double tmax) {
+    return find(ray, solids, limit, touching, tmax);
 }
 
 bool is_proper(const Ray<double>& ray) { return is_ray(ray); }

@@ -1,6 +1,7 @@
 // Truth: the exact answer of the geometric problem for the exact stored inputs, with a proof.
 #pragma once
 
+#include <cmath>
 #include <span>
 
 #include "geometry/solid.hpp"
@@ -37,22 +38,23 @@ struct TruthLimit {
     int bits = 32768;
 };
 
+/// `tmax` ends the ray where the solids are boxes (it may be infinite; NaN or negative leaves no ray).
 /// `ray` and `solids` in any exact storage: double (which holds every format up to binary64) or Real (own inputs).
 /// A ray with a number that is not finite or a direction of zero is none and meets nothing; nor does anything meet a
 /// solid with such a number, a sphere without a positive radius, a box with lo > hi.
-Truth find_truth(const Ray<double>& ray, std::span<const Solid<double>> solids, TruthLimit limit = {}, Touching touching = Touching::hit);
-Truth find_truth(const Ray<Real>& ray, std::span<const Solid<Real>> solids, TruthLimit limit = {}, Touching touching = Touching::hit);
+Truth find_truth(const Ray<double>& ray, std::span<const Solid<double>> solids, TruthLimit limit = {}, Touching touching = Touching::hit, double tmax = HUGE_VAL);
+Truth find_truth(const Ray<Real>& ray, std::span<const Solid<Real>> solids, TruthLimit limit = {}, Touching touching = Touching::hit, double tmax = HUGE_VAL);
 
 bool is_proper(const Ray<double>& ray);
 bool is_proper(const Ray<Real>& ray);
 bool is_proper(const Solid<double>& solid);
 bool is_proper(const Solid<Real>& solid);
 
-inline Truth find_truth(const Ray<double>& ray, const Solid<double>& solid, TruthLimit limit = {}, Touching touching = Touching::hit) {
-    return find_truth(ray, std::span(&solid, 1), limit, touching);
+inline Truth find_truth(const Ray<double>& ray, const Solid<double>& solid, TruthLimit limit = {}, Touching touching = Touching::hit, double tmax = HUGE_VAL) {
+    return find_truth(ray, std::span(&solid, 1), limit, touching, tmax);
 }
-inline Truth find_truth(const Ray<Real>& ray, const Solid<Real>& solid, TruthLimit limit = {}, Touching touching = Touching::hit) {
-    return find_truth(ray, std::span(&solid, 1), limit, touching);
+inline Truth find_truth(const Ray<Real>& ray, const Solid<Real>& solid, TruthLimit limit = {}, Touching touching = Touching::hit, double tmax = HUGE_VAL) {
+    return find_truth(ray, std::span(&solid, 1), limit, touching, tmax);
 }
 
 /// t* correctly rounded to a format, ties decided exactly: where the certified bound straddles a

@@ -50,7 +50,7 @@ struct Place {
 /// What the sink of one litter remembers: the worst of it.
 class Judge final : public MapSink {
 public:
-    Judge(std::size_t metric) : metric_(metric) {}
+    Judge(std::size_t metric, Direction unit_of) : metric_(metric), unit_of_(unit_of) {}
     void band(const BandResult& result) override {
         for (std::size_t i = 0; i < result.outcomes.size(); ++i) {
             const Outcome o = result.outcomes[i];
@@ -61,7 +61,7 @@ public:
             place = i;
             outcome = o;
             t = result.answers->t[i];
-            truth = result.truth(i).is_hit() ? result.band->rounded_truth(i, binary64, *result.form) : std::numeric_limits<double>::quiet_NaN();
+            truth = result.truth(i).is_hit() ? result.band->rounded_truth(i, binary64, unit_of_, result.touching) : std::numeric_limits<double>::quiet_NaN();
         }
     }
     double score = -1;
@@ -71,6 +71,7 @@ public:
 
 private:
     std::size_t metric_;
+    Direction unit_of_;
 };
 
 class Search {
@@ -167,7 +168,7 @@ private:
         const auto inputs = band.inputs(row_.format, {row_.form->info->direction == Direction::unit, (needs & needs_own_truth) != 0});
         MapSummary summary;
         summary.metrics = std::vector<Distribution>(request_.metrics.size());
-        Judge judge(metric_);
+        Judge judge(metric_, row_.form->info->direction);
         measure_row(row_, request_.metrics, band, inputs, summary, &judge);
         return judge;
     }

@@ -18,6 +18,7 @@ constexpr Rgb8 right_colour{226, 238, 226};
 
 std::vector<Column> case_columns(const CaseRequest& request) {
     std::vector<Column> columns{{"case", "string", "", "what is extreme about it"},
+                                {"convention", "string", "", "by whose word touching is judged: the form's own, the closed solid's, the open one's"},
                                 {"verdict", "string", "",
                                  fmt::format("right (every decision, and no answer more than {} bits beyond the envelope), wrong_value, or the most frequent wrong decision",
                                              decimal(request.file->right_within_bits))}};
@@ -52,11 +53,11 @@ MatrixCell cell_of(const MapSummary& s, Verdict verdict, std::size_t lost, const
 
 }  // namespace
 
-void write_case_matrix(const std::filesystem::path& path, const CaseRequest& request, const std::vector<std::vector<MapSummary>>& cases) {
+void write_case_matrix(const std::filesystem::path& path, const CaseRequest& request, const std::vector<std::vector<MapSummary>>& cases, std::optional<Touching> judged) {
     ImageBackend& backend = image_backend();
     const auto lost = static_cast<std::size_t>(std::ranges::find(request.metrics, find_metric("lost_bits")) - request.metrics.begin());
     const ColourScale scale = metric_scale(*find_metric("lost_bits"), request.rows, backend);
-    MatrixPlotSpec spec{.title = request.file->title,
+    MatrixPlotSpec spec{.title = judged ? fmt::format("{}: judged as {} solids", request.file->title, convention_name(judged)) : request.file->title,
                         .subtitle = {fmt::format("Right: every decision, and no answer more than {} bits beyond what half an ulp in each input would cost. A number in a coloured cell: "
                                                  "how many of the rays; on the ramp: bits lost by the worst.",
                                                  decimal(request.file->right_within_bits))},
@@ -67,20 +68,20 @@ void write_case_matrix(const std::filesystem::path& path, const CaseRequest& req
                         .scale = scale,
                         .unit = "lost bits"};
     std::vector<std::size_t> order;  // rows of the request, by format
-    for (std::size_t r = 0; r < request.rows.size(); ++r) {
-        const std::string& format = request.rows[r].format.name;
+    for (const MapRow& row : request.rows) {
+        const std::string& format = row.format.name;
         if (std::ranges::find(spec.groups, format, &MatrixPlotSpec::Group::label) == spec.groups.end()) spec.groups.push_back({format, {}});
     }
     for (auto& group : spec.groups) {
         for (std::size_t r = 0; r < request.rows.size(); ++r) {
-            if (request.rows[r].format.name != group.label) continue;
+            if (request.rows[r].format.name != group.label || request.rows[r].judged != judged) continue;
             const auto name = request.rows[r].form->info->name;
             group.columns.emplace_back(name.substr(name.find('.') + 1));
             order.push_back(r);
         }
     }
     for (const Outcome o : {Outcome::false_hit, Outcome::false_miss, Outcome::not_a_number, Outcome::unresolved}) {
-        const bool seen = std::ranges::any_of(cases, [o](const auto& rows) { return std::ranges::any_of(rows, [o](const MapSummary& s) { return s.count(o) > 0; }); });
+        const bool seen = std::ranges::any_of(cases, [&](const auto& rows) { return std::ranges::any_of(order, [&](std::size_t r) { return rows[r].count(o) > 0; }); });
         if (seen) spec.legend.push_back({plain_name(o), outcome_colours[static_cast<std::size_t>(o)], {}});
     }
     for (std::size_t i = 0; i < cases.size(); ++i) {
@@ -100,12 +101,14 @@ void CaseFiles::finish(const std::vector<std::vector<MapSummary>>& cases) {
     for (std::size_t i = 0; i < cases.size(); ++i) {
         for (std::size_t r = 0; r < request_.rows.size(); ++r) {
             const Verdict verdict = verdict_of(cases[i][r], request_.metrics, request_.file->right_within_bits);
-            csv_.add(request_.file->name(i)).add(verdict_names[static_cast<std::size_t>(verdict)]);
+            csv_.add(request_.file->name(i)).add(convention_name(request_.rows[r].judged)).add(verdict_names[static_cast<std::size_t>(verdict)]);
             add_summary(csv_, request_.rows[r], cases[i][r]);
             csv_.end_row();
         }
     }
-    write_case_matrix(folder_ / "matrix.png", request_, cases);
+    for (const auto& judged : request_.file->conventions) {
+        write_case_matrix(folder_ / (judged ? fmt::format("matrix.{}.png", convention_name(judged)) : "matrix.png"), request_, cases, judged);
+    }
     write_datapackage(folder_ / "datapackage.json", request_.file->title, {{"cases.csv", "One row per case, form and format", case_columns(request_)}});
     csv_.close();
 }

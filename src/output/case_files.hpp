@@ -1,4 +1,4 @@
-// The files of named cases: cases.csv, matrix.png and datapackage.json.
+// The files of named cases: cases.csv, matrix.png (or one a convention) and datapackage.json.
 #pragma once
 
 #include <filesystem>
@@ -22,7 +22,8 @@ private:
     CsvWriter csv_;
 };
 
-/// The matrix of forms (columns, by format) and cases (rows) alone.
-void write_case_matrix(const std::filesystem::path& path, const CaseRequest& request, const std::vector<std::vector<MapSummary>>& cases);
+/// The matrix of forms (columns, by format) and cases (rows) alone, of the rows judged by one convention.
+void write_case_matrix(const std::filesystem::path& path, const CaseRequest& request, const std::vector<std::vector<MapSummary>>& cases,
+                       std::optional<Touching> judged = {});
 
 }  // namespace lostbits::output

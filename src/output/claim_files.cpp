@@ -16,9 +16,8 @@ namespace {
 using scene::Claim;
 using State = ClaimResult::State;
 
-const char* state_name(State s) { return s == State::agrees ? "agrees" : s == State::disagrees ? "disagrees" : "broken"; }
+const char* state_name(State s) { return s == State::agrees ? "agrees" : s == State::disagrees ? "disagrees" : s == State::broken ? "broken" : "skipped"; }
 const char* verdict_name(const Claim& c) { return c.verdict == Claim::Verdict::holds ? "holds" : "refuted"; }
-std::string subject(const Claim& c) { return c.scene.empty() ? c.sweep : c.scene; }
 std::string quantity(const Claim& c) {
     return c.onset.empty() ? c.metric : fmt::format("onset of {} {} {}", c.onset, c.statistic, decimal(c.threshold));
 }
@@ -42,26 +41,42 @@ std::string witness_text(const ClaimResult& r) {
 
 std::string explain(const Claim& c, const ClaimResult& r) {
     const std::string expected = fmt::format("expected {} in [{}, {}]", quantity(c), decimal(c.low), decimal(c.high));
-    if (r.state == State::broken) return fmt::format("{}, but {}", expected, r.trouble);
+    if (r.state == State::broken || r.state == State::skipped) return fmt::format("{}, but {}", expected, r.trouble);
     return fmt::format("{}, measured {}", expected, decimal(r.measured));
 }
 
 std::string reproduce(const Claim& c) {
-    return fmt::format("lostbits {} {} -i {} -f {} -o out", c.scene.empty() ? "sweep" : "map", subject(c), c.form, c.format);
+    if (!c.table.empty()) return fmt::format("lostbits check --filter '{}' --measure", c.id);
+    return fmt::format("lostbits {} {} -i {} -f {} -o out", c.scene.empty() ? "sweep" : "map", c.subject(), c.form, c.format);
+}
+
+std::string where_measured(const Claim& c) {
+    std::string text = c.subject();
+    if (!c.row.empty()) text += " " + c.row;
+    if (!c.case_name.empty()) text += ": " + c.case_name;
+    if (c.convention) text += fmt::format(" ({})", convention_name(c.convention));
+    for (const double x : c.at) text += (&x == c.at.data() ? " at " : ", ") + decimal(x);
+    return text;
 }
 
 void write_junit(const std::filesystem::path& path, const std::vector<Claim>& claims, const std::vector<ClaimResult>& results, bool strict) {
     pugi::xml_document document;
     auto suite = document.append_child("testsuites").append_child("testsuite");
     suite.append_attribute("name") = "lostbits claims";
-    std::size_t failures = 0, errors = 0;
-    const auto tests = suite.append_attribute("tests"), failed = suite.append_attribute("failures"), broken = suite.append_attribute("errors");
+    std::size_t failures = 0, errors = 0, skips = 0;
+    const auto tests = suite.append_attribute("tests"), failed = suite.append_attribute("failures"), broken = suite.append_attribute("errors"),
+               skipped = suite.append_attribute("skipped");
     for (std::size_t i = 0; i < claims.size(); ++i) {
         const Claim& c = claims[i];
         auto test = suite.append_child("testcase");
         test.append_attribute("name") = c.id.c_str();
-        test.append_attribute("classname") = subject(c).c_str();
+        test.append_attribute("classname") = c.subject().c_str();
         if (results[i].state == State::agrees) continue;
+        if (results[i].state == State::skipped) {
+            ++skips;
+            test.append_child("skipped").append_attribute("message") = results[i].trouble.c_str();
+            continue;
+        }
         const std::string what = xml_safe(explain(c, results[i]));
         const std::string more = xml_safe(fmt::format("{}\n{}: {}\n{}\n{}\n", c.statement, c.where.text(), what, witness_text(results[i]), reproduce(c)));
         if (c.severity == Claim::Severity::warn && !strict) {
@@ -77,6 +92,7 @@ void write_junit(const std::filesystem::path& path, const std::vector<Claim>& cl
     pugi::xml_attribute(tests).set_value(static_cast<unsigned long long>(claims.size()));
     pugi::xml_attribute(failed).set_value(static_cast<unsigned long long>(failures));
     pugi::xml_attribute(broken).set_value(static_cast<unsigned long long>(errors));
+    pugi::xml_attribute(skipped).set_value(static_cast<unsigned long long>(skips));
     std::ostringstream text;
     document.save(text, "  ");
     AtomicFile file(path);
@@ -89,7 +105,7 @@ void write_claims_csv(const std::filesystem::path& path, const std::vector<Claim
                          {"statement", "string", "", "its sentence"},
                          {"source", "string", "", "where the sentence is from"},
                          {"verdict", "string", "", "what was found: holds or refuted"},
-                         {"subject", "string", "", "scene or sweep"},
+                         {"subject", "string", "", "scene, sweep or table, and the place in it"},
                          {"form", "string", "", "form under test"},
                          {"format", "string", "", "format it computes in"},
                          {"quantity", "string", "", "what is measured"},
@@ -101,7 +117,7 @@ void write_claims_csv(const std::filesystem::path& path, const std::vector<Claim
     for (std::size_t i = 0; i < claims.size(); ++i) {
         const Claim& c = claims[i];
         const ClaimResult& r = results[i];
-        csv.row({c.id, c.statement, c.source, verdict_name(c), subject(c), c.form, c.format, quantity(c), c.low, c.high,
+        csv.row({c.id, c.statement, c.source, verdict_name(c), where_measured(c), c.form, c.format, quantity(c), c.low, c.high,
                  std::isnan(r.measured) ? Cell() : Cell(r.measured), state_name(r.state), witness_text(r)});
     }
     csv.close();
@@ -117,7 +133,7 @@ void write_claims_json(const std::filesystem::path& path, const std::vector<Clai
                          {"source", c.source},
                          {"note", c.note},
                          {"verdict", verdict_name(c)},
-                         {"subject", subject(c)},
+                         {"subject", where_measured(c)},
                          {"form", c.form},
                          {"format", c.format},
                          {"quantity", quantity(c)},

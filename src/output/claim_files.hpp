@@ -8,7 +8,8 @@
 
 namespace lostbits::output {
 
-/// `<failure>` for a claim that no longer measures as stated, `<error>` for a broken one. A claim of severity `warn`
+/// `<failure>` for a claim that no longer measures as stated, `<error>` for a broken one, `<skipped>` for one
+/// that this machine cannot measure. A claim of severity `warn`
 /// is reported as passed, with its trouble in `<system-out>`, unless `strict`.
 void write_junit(const std::filesystem::path& path, const std::vector<scene::Claim>& claims, const std::vector<ClaimResult>& results, bool strict);
 
@@ -20,6 +21,8 @@ void write_claims_json(const std::filesystem::path& path, const std::vector<scen
 
 /// Why a claim does not agree, in one line: what was expected, what was measured.
 std::string explain(const scene::Claim& claim, const ClaimResult& result);
+/// Scene, sweep or table, and the place in it.
+std::string where_measured(const scene::Claim& claim);
 /// The command that measures it again with every file.
 std::string reproduce(const scene::Claim& claim);
 

@@ -11,13 +11,13 @@ namespace {
 /// A hit on which both agree and for which the metric does not exist (a form with no exact value there).
 constexpr Rgb8 no_value{120, 90, 60};
 
+}  // namespace
+
 std::string count_text(std::uint64_t count, std::uint64_t total) {
     const double share = 100.0 * static_cast<double>(count) / static_cast<double>(total);
     const std::string percent = share > 0 && share < 0.1 ? "<0.1%" : share > 99.9 && share < 100 ? ">99.9%" : fmt::format("{:.1f}%", share);
     return fmt::format("{} ({})", count, percent);
 }
-
-}  // namespace
 
 Rgb8 paler(Rgb8 c) {
     const auto mixed = [](std::uint8_t x, std::uint8_t page) { return static_cast<std::uint8_t>((2 * x + 3 * page) / 5); };

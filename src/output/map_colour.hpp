@@ -26,6 +26,9 @@ Rgb8 paler(Rgb8 colour);
 /// `false miss`: an outcome in words.
 std::string plain_name(Outcome o);
 
+/// `1234 (3.1%)`: a count and its share, as legends have it.
+std::string count_text(std::uint64_t count, std::uint64_t total);
+
 /// The legend of a finished row; entries without a pixel are left out.
 std::vector<LegendEntry> outcome_legend(const MapSummary& summary);
 /// Every class that may occur in a picture of so many pixels, with the widest count it can have.

@@ -74,7 +74,7 @@ void MapExr::write(const BandResult& result, std::span<const Rgb8> preview) {
         const bool hit = result.answers->hit[i] != 0;
         out = put(out, hit ? result.answers->t[i] : missing);
         const Truth& truth = result.truth(i);
-        out = put(out, truth.is_hit() ? result.band->rounded_truth(i, binary64, *row_->form->info) : missing);
+        out = put(out, truth.is_hit() ? result.band->rounded_truth(i, binary64, row_->form->info->direction, result.touching) : missing);
         *out++ = static_cast<std::uint32_t>(result.outcomes[i]);
         *out++ = id(hit ? result.answers->object[i] : -1);
         *out++ = id(truth.is_hit() ? truth.object : -1);

@@ -41,6 +41,26 @@ std::string glance(const MapSummary& s, std::size_t lost) {
     return fmt::format("{}{}{}", text, faults.empty() ? "" : "\n", fmt::join(faults, "\n"));
 }
 
+bool is_enveloped(const MapFilesOptions& options, const Metric& drawn) { return options.envelope && &drawn == find_metric("lost_bits"); }
+
+LegendEntry envelope_entry(const ColourScale& scale, std::string count) {
+    return {"paler: inside the envelope", paler(scale.map(scale.hi() / 2)), std::move(count)};
+}
+
+/// Every class that may occur, with the widest count, in a picture of so many pixels.
+std::vector<LegendEntry> possible_legend(const MapFilesOptions& options, const Metric& drawn, const ColourScale& scale, std::uint64_t pixels) {
+    auto entries = widest_legend(pixels);
+    if (is_enveloped(options, drawn)) entries.push_back(envelope_entry(scale, fmt::format("{} (>99.9%)", pixels)));
+    return entries;
+}
+
+/// Those that occurred; `inside` of the pixels are drawn paler.
+std::vector<LegendEntry> final_legend(const MapSummary& summary, const ColourScale& scale, std::uint64_t inside) {
+    auto entries = outcome_legend(summary);
+    if (inside > 0) entries.push_back(envelope_entry(scale, count_text(inside, summary.rays)));
+    return entries;
+}
+
 }  // namespace
 
 /// The files of one row.
@@ -49,24 +69,27 @@ public:
     struct Drawing {
         std::size_t metric;
         ColourScale scale;
+        bool enveloped;
         std::unique_ptr<HeatmapWriter> heatmap;
     };
 
     RowFiles(const MapRequest& request, const MapRow& row, const MapFilesOptions& options, ImageBackend& backend, ContactSheet& sheet,
              std::size_t form, std::size_t format)
-        : request_(request), row_(row), sheet_(sheet), form_(form), format_(format) {
+        : request_(request), row_(row), sheet_(sheet), form_(form), format_(format), lost_(index_of(request.metrics, find_metric("lost_bits"))),
+          excess_(index_of(request.metrics, find_metric("excess_bits"))) {
         const std::string stem = std::string(row.form->info->name) + "." + row.format.name;
         exr_ = std::make_unique<MapExr>(backend, options.folder / (stem + ".exr"), request, row, options.command);
         for (const Metric* m : options.drawn) {
             const std::string suffix = options.drawn.size() == 1 ? "" : "." + std::string(m->name);
-            drawings_.push_back({index_of(request.metrics, m), metric_scale(*m, request.rows, backend), nullptr});
+            drawings_.push_back({index_of(request.metrics, m), metric_scale(*m, request.rows, backend), is_enveloped(options, *m), nullptr});
+            const auto pixels = static_cast<std::uint64_t>(request.scene->width) * static_cast<std::uint64_t>(request.scene->height);
             HeatmapSpec spec{.title = fmt::format("{} in {}: {}", row.form->info->name, row.format.name, m->name),
                              .subtitle = {request.scene->title, std::string(row.form->info->title), clamp_note(*m, drawings_.back().scale)},
                              .width = request.scene->width,
                              .height = request.scene->height,
                              .scale = drawings_.back().scale,
                              .unit = std::string(m->unit),
-                             .legend = widest_legend(static_cast<std::uint64_t>(request.scene->width) * static_cast<std::uint64_t>(request.scene->height))};
+                             .legend = possible_legend(options, *m, drawings_.back().scale, pixels)};
             drawings_.back().heatmap = std::make_unique<HeatmapWriter>(backend, options.folder / (stem + suffix + ".png"), std::move(spec));
         }
         if (options.pixels_csv) csv_ = std::make_unique<CsvWriter>(options.folder / (stem + ".csv"), pixel_columns(request));
@@ -76,6 +99,7 @@ public:
         for (Drawing& d : drawings_) {
             field_.resize(result.outcomes.size());
             for (std::size_t i = 0; i < field_.size(); ++i) field_[i] = pixel_colour(d.scale, result.outcomes[i], result.metrics[d.metric][i]);
+            if (d.enveloped) draw_envelope(result);
             d.heatmap->write_rows(field_);
             if (&d != drawings_.data()) continue;
             sheet_.add_rows(form_, format_, result.y0, field_);
@@ -86,16 +110,30 @@ public:
 
     void finish(const MapSummary& summary, std::size_t lost) {
         exr_->close();
-        for (Drawing& d : drawings_) d.heatmap->finish(outcome_legend(summary));
+        for (Drawing& d : drawings_) d.heatmap->finish(final_legend(summary, d.scale, d.enveloped ? inside_ : 0));
         if (csv_) csv_->close();
         sheet_.set_note(form_, format_, glance(summary, lost));
     }
 
+    /// Pixels drawn paler, in any of the pictures of lost bits.
+    [[nodiscard]] std::uint64_t inside() const { return inside_; }
+
 private:
+    /// NaN, where a metric does not exist, is inside nothing.
+    void draw_envelope(const BandResult& result) {
+        for (std::size_t i = 0; i < field_.size(); ++i) {
+            if (!inside_envelope(result.metrics[lost_][i], result.metrics[excess_][i])) continue;
+            field_[i] = paler(field_[i]);
+            ++inside_;
+        }
+    }
+
     const MapRequest& request_;
     const MapRow& row_;
     ContactSheet& sheet_;
     std::size_t form_, format_;
+    std::size_t lost_, excess_;  ///< metrics of the request; `excess_` is none without an envelope
+    std::uint64_t inside_ = 0;
     std::unique_ptr<MapExr> exr_;
     std::vector<Drawing> drawings_;
     std::unique_ptr<CsvWriter> csv_;
@@ -105,6 +143,7 @@ private:
 struct MapFiles::Parts {
     const MapRequest& request;
     MapFilesOptions options;
+    ColourScale scale;  ///< of the contact sheet
     std::unique_ptr<ContactSheet> sheet;
     std::vector<std::unique_ptr<RowFiles>> rows;
     std::unique_ptr<CsvWriter> summary;
@@ -118,14 +157,15 @@ struct MapFiles::Parts {
     }
 };
 
-MapFiles::MapFiles(const MapRequest& request, const MapFilesOptions& options) : parts_(std::make_unique<Parts>(Parts{request, options, {}, {}, {}})) {
+MapFiles::MapFiles(const MapRequest& request, const MapFilesOptions& options)
+    : parts_(new Parts{request, options, metric_scale(*options.drawn.front(), request.rows, image_backend()), {}, {}, {}}) {
     ImageBackend& backend = image_backend();
     Parts& p = *parts_;
     const auto form_name = [](const MapRow& row) { return short_name(*row.form->info); };
     const auto format_name = [](const MapRow& row) { return row.format.name; };
     const auto forms = Parts::distinct(request.rows, form_name), formats = Parts::distinct(request.rows, format_name);
     const Metric& first = *options.drawn.front();
-    const ColourScale scale = metric_scale(first, request.rows, backend);
+    const ColourScale& scale = p.scale;
     const auto pixels = static_cast<std::uint64_t>(request.scene->width) * static_cast<std::uint64_t>(request.scene->height);
 
     p.summary = std::make_unique<CsvWriter>(options.folder / "summary.csv", summary_columns(request.metrics, request.scene->shape()));
@@ -139,7 +179,7 @@ MapFiles::MapFiles(const MapRequest& request, const MapFilesOptions& options) : 
                                                        .field_height = request.scene->height,
                                                        .scale = scale,
                                                        .unit = std::string(first.unit),
-                                                       .legend = widest_legend(pixels * request.rows.size())});
+                                                       .legend = possible_legend(options, first, scale, pixels * request.rows.size())});
     for (const MapRow& row : request.rows) {
         const auto form = static_cast<std::size_t>(std::ranges::find(forms, form_name(row)) - forms.begin());
         const auto format = static_cast<std::size_t>(std::ranges::find(formats, format_name(row)) - formats.begin());
@@ -159,12 +199,15 @@ void MapFiles::finish(const std::vector<MapSummary>& summaries) {
     Parts& p = *parts_;
     const std::size_t lost = index_of(p.request.metrics, find_metric("lost_bits"));
     MapSummary total;
+    std::uint64_t inside = 0;
     for (std::size_t r = 0; r < p.rows.size(); ++r) {
         p.rows[r]->finish(summaries[r], lost);
+        inside += p.rows[r]->inside();
         total.rays += summaries[r].rays;
         for (std::size_t o = 0; o < total.outcomes.size(); ++o) total.outcomes[o] += summaries[r].outcomes[o];
     }
-    p.sheet->finish(outcome_legend(total));
+    const Metric& first = *p.options.drawn.front();
+    p.sheet->finish(final_legend(total, p.scale, is_enveloped(p.options, first) ? inside : 0));
     for (std::size_t r = 0; r < summaries.size(); ++r) {
         add_summary(*p.summary, p.request.rows[r], summaries[r]);
         p.summary->end_row();
@@ -177,6 +220,7 @@ void MapFiles::finish(const std::vector<MapSummary>& summaries) {
             resources.push_back({stem + ".csv", fmt::format("One row per pixel: {} in {}", row.form->info->name, row.format.name), pixel_columns(p.request)});
         }
     }
+    resources.insert(resources.end(), p.options.also.begin(), p.options.also.end());
     write_datapackage(p.options.folder / "datapackage.json", p.request.scene->title, resources);
     p.summary->close();  // last: a folder with a summary is a finished one
 }

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "measure/map.hpp"
+#include "output/datapackage.hpp"
 
 namespace lostbits::output {
 
@@ -15,6 +16,9 @@ struct MapFilesOptions {
     std::vector<const Metric*> drawn;   ///< one heatmap each; the first is also the contact sheet's and the preview's
     bool pixels_csv = false;            ///< a row a pixel in `<form>.<format>.csv`
     std::string command;                ///< what to type to make these files again, for the EXR header
+    /// Draws lost bits paler where the problem explains them (`inside_envelope`); `excess_bits` must be measured then.
+    bool envelope = false;
+    std::vector<DataResource> also = {};  ///< tables that others write into the folder, for datapackage.json
 };
 
 /// Opens every file of a map at once, before any work; serves as the sinks of its rows; and gives all files their final

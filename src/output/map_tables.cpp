@@ -121,7 +121,7 @@ void write_pixels(CsvWriter& csv, const MapRequest& request, const MapRow& row, 
         csv.add(hit ? Cell(result.answers->object[i]) : Cell()).add(truth.is_hit() ? Cell(truth.object) : Cell());
         const auto exact = [&](bool there, double x) { csv.add(there ? Cell(x) : Cell()).add(there ? Cell(hex(x)) : Cell()); };
         exact(hit, result.answers->t[i]);
-        exact(truth.is_hit(), truth.is_hit() ? result.band->rounded_truth(i, binary64, *row.form->info) : 0);
+        exact(truth.is_hit(), truth.is_hit() ? result.band->rounded_truth(i, binary64, row.form->info->direction, result.touching) : 0);
         for (std::size_t m = 0; m < request.metrics.size(); ++m) csv.add(number_or_missing(result.metrics[m][i]));
         csv.end_row();
     }

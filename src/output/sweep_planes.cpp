@@ -87,7 +87,7 @@ void write_exr(ImageBackend& backend, const std::filesystem::path& path, const S
 
 }  // namespace
 
-void write_plane(ImageBackend& backend, const std::filesystem::path& folder, const SweepRequest& request, const std::vector<SweepStep>& steps, std::size_t row) {
+void write_plane_picture(ImageBackend& backend, const std::filesystem::path& path, const SweepRequest& request, const std::vector<SweepStep>& steps, std::size_t row) {
     const auto& axes = request.sweep->axes;
     const MapRow& what = request.rows[row];
     const std::size_t lost = index_of(request, "lost_bits"), excess = index_of(request, "excess_bits");
@@ -126,9 +126,14 @@ void write_plane(ImageBackend& backend, const std::filesystem::path& folder, con
     }
     spec.legend = outcome_legend(drawn);
     if (any_inside) spec.legend.push_back({"paler: inside the envelope", paler(spec.scale->map(spec.scale->hi() / 2)), {}});
+    write_plane_plot(backend, path, spec);
+}
+
+void write_plane(ImageBackend& backend, const std::filesystem::path& folder, const SweepRequest& request, const std::vector<SweepStep>& steps, std::size_t row) {
+    const MapRow& what = request.rows[row];
     const std::string stem = fmt::format("{}.{}", what.form->info->name, what.format.name);
-    write_plane_plot(backend, folder / (stem + ".png"), spec);
-    write_exr(backend, folder / (stem + ".exr"), request, plane, what);
+    write_plane_picture(backend, folder / (stem + ".png"), request, steps, row);
+    write_exr(backend, folder / (stem + ".exr"), request, Plane(request, steps, row), what);
 }
 
 }  // namespace lostbits::output

@@ -19,4 +19,7 @@ double wrong_share(const MapSummary& s);
 /// rising order, rows the second's from the top, the highest first; the values stand in the attributes.
 void write_plane(ImageBackend& backend, const std::filesystem::path& folder, const SweepRequest& request, const std::vector<SweepStep>& steps, std::size_t row);
 
+/// The picture alone.
+void write_plane_picture(ImageBackend& backend, const std::filesystem::path& path, const SweepRequest& request, const std::vector<SweepStep>& steps, std::size_t row);
+
 }  // namespace lostbits::output

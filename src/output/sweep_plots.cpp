@@ -48,13 +48,13 @@ Series series_of(const std::vector<SweepStep>& steps, std::size_t row, const std
 }
 
 struct Quantity {
-    std::string file, title;
+    std::string title;
     output::Axis axis;
     std::function<double(const MapSummary&)> value;
     std::function<double(const MapSummary&)> envelope;  ///< empty: none
 };
 
-void write_lines(ImageBackend& backend, const std::filesystem::path& folder, const SweepRequest& request, const std::vector<SweepStep>& steps,
+void write_lines(ImageBackend& backend, const std::filesystem::path& path, const SweepRequest& request, const std::vector<SweepStep>& steps,
                  const std::vector<Onset>& onsets, const Format& format, const Quantity& quantity) {
     LinePlotSpec spec{.title = fmt::format("{} in {}", quantity.title, format.name),
                       .subtitle = {request.sweep->title, fmt::format("{} rays a step", steps.front().rows.front().rays)},
@@ -79,10 +79,21 @@ void write_lines(ImageBackend& backend, const std::filesystem::path& folder, con
         });
         if (measured != onsets.end()) spec.marks.push_back({measured->first_bad, fmt::format("{}: measured", short_name(request.rows[measured->row]))});
     }
-    write_line_plot(backend, folder / fmt::format("{}.{}.png", quantity.file, format.name), spec);
+    write_line_plot(backend, path, spec);
 }
 
 }  // namespace
+
+void write_lost_bits_plot(ImageBackend& backend, const std::filesystem::path& path, const SweepRequest& request, const std::vector<SweepStep>& steps,
+                          const std::vector<Onset>& onsets, const Format& format, double q) {
+    const std::size_t lost = index_of(request, "lost_bits"), inherent = index_of(request, "inherent_bits");
+    Quantity quantity{fmt::format("Lost bits, {}", q == 0.5 ? "median" : "99th percentile"),
+                      {"lost bits", output::Axis::Scale::linear, 0.0, static_cast<double>(format.shape.precision)},
+                      [lost, q](const MapSummary& s) { return s.metrics[lost].quantile(q); },
+                      {}};
+    if (inherent < request.metrics.size()) quantity.envelope = [inherent, q](const MapSummary& s) { return s.metrics[inherent].quantile(q); };
+    write_lines(backend, path, request, steps, onsets, format, quantity);
+}
 
 void write_sweep_plots(ImageBackend& backend, const std::filesystem::path& folder, const SweepRequest& request, const std::vector<SweepStep>& steps,
                        const std::vector<Onset>& onsets) {
@@ -90,22 +101,15 @@ void write_sweep_plots(ImageBackend& backend, const std::filesystem::path& folde
         for (std::size_t row = 0; row < request.rows.size(); ++row) write_plane(backend, folder, request, steps, row);
         return;
     }
-    const std::size_t lost = index_of(request, "lost_bits"), inherent = index_of(request, "inherent_bits");
     std::vector<Format> formats;
     for (const MapRow& row : request.rows) {
         if (std::ranges::find(formats, row.format) == formats.end()) formats.push_back(row.format);
     }
     for (const Format& format : formats) {
-        const double p = format.shape.precision;
-        for (const auto& [name, q] : {std::pair{"p50", 0.5}, std::pair{"p99", 0.99}}) {
-            Quantity quantity{fmt::format("lost_bits_{}", name), fmt::format("Lost bits, {}", q == 0.5 ? "median" : "99th percentile"),
-                              {"lost bits", output::Axis::Scale::linear, 0.0, p},
-                              [lost, q = q](const MapSummary& s) { return s.metrics[lost].quantile(q); },
-                              {}};
-            if (inherent < request.metrics.size()) quantity.envelope = [inherent, q = q](const MapSummary& s) { return s.metrics[inherent].quantile(q); };
-            write_lines(backend, folder, request, steps, onsets, format, quantity);
-        }
-        write_lines(backend, folder, request, steps, onsets, format, {"wrong", "Rays with the wrong answer", {"share of rays", output::Axis::Scale::linear, 0.0, 1.0}, wrong_share, {}});
+        const auto file = [&](const char* name) { return folder / fmt::format("{}.{}.png", name, format.name); };
+        write_lost_bits_plot(backend, file("lost_bits_p50"), request, steps, onsets, format, 0.5);
+        write_lost_bits_plot(backend, file("lost_bits_p99"), request, steps, onsets, format, 0.99);
+        write_lines(backend, file("wrong"), request, steps, onsets, format, {"Rays with the wrong answer", {"share of rays", output::Axis::Scale::linear, 0.0, 1.0}, wrong_share, {}});
     }
 }
 

@@ -15,4 +15,8 @@ namespace lostbits::output {
 void write_sweep_plots(ImageBackend& backend, const std::filesystem::path& folder, const SweepRequest& request, const std::vector<SweepStep>& steps,
                        const std::vector<Onset>& onsets);
 
+/// One of them: the quantile q (0.5 or 0.99) of lost bits in one format.
+void write_lost_bits_plot(ImageBackend& backend, const std::filesystem::path& path, const SweepRequest& request, const std::vector<SweepStep>& steps,
+                          const std::vector<Onset>& onsets, const Format& format, double q);
+
 }  // namespace lostbits::output

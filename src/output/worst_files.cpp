@@ -38,6 +38,17 @@ std::string hex_list(const std::vector<double>& x, std::size_t begin, std::size_
     return "[" + text + "]";
 }
 
+/// A TOML basic string: a title may hold quotes.
+std::string quoted(const std::string& text) {
+    std::string out = "\"";
+    for (const char c : text) {
+        if (c == '"' || c == '\\') out += '\\';
+        if (static_cast<unsigned char>(c) < 0x20) out += fmt::format("\\u{:04X}", static_cast<unsigned>(c));
+        else out += c;
+    }
+    return out + '"';
+}
+
 std::string case_text(const WorstRequest& request, const MapRow& row, const WorstFound& w) {
     const bool decided = w.outcome == Outcome::agree_hit;
     const std::string what = decided ? fmt::format("{} {:.6g}", request.search->metric, w.value) : std::string(outcome_names[static_cast<std::size_t>(w.outcome)]);
@@ -56,8 +67,9 @@ void write_worst(const std::filesystem::path& folder, const WorstRequest& reques
     CsvWriter csv(folder / "worst.csv", worst_columns(request));
     AtomicFile hard(folder / "hard.toml");
     std::string text = fmt::format(
-        "schema = \"lostbits-sweep/1\"\ntitle = \"The worst rays of each form: {}\"\nsource = \"lostbits sweep {} --worst: seed {}, {} starts of {} generations of 32, largest {}\"\n",
-        search.title, search.id, search.seed, search.starts, search.generations, search.metric);
+        "schema = \"lostbits-sweep/1\"\ntitle = {}\nsource = {}\n", quoted("The worst rays of each form: " + search.title),
+        quoted(fmt::format("lostbits sweep {} --worst: seed {}, {} starts of {} generations of 32, largest {}", search.id, search.seed, search.starts, search.generations,
+                           search.metric)));
     for (std::size_t r = 0; r < found.size(); ++r) {
         const MapRow& row = request.rows[r];
         csv.add(row.form->info->name).add(row.format.name).add(found[r].has_value());

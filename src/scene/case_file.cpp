@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <optional>
 
 namespace lostbits::scene {
@@ -68,6 +69,10 @@ CaseFile::Case CaseFile::read_case(TableReader& table) {
     c.note = table.optional_string("note").value_or("");
     if (table.has("lengths")) c.lengths = Exponent(table.node("lengths"));
     if (table.has("directions")) c.directions = Exponent(table.node("directions"));
+    if (const auto zeros = table.optional_string("zeros")) {
+        if (*zeros != "+0" && *zeros != "-0") table.fail_at("zeros", "is \"" + *zeros + "\"; write \"+0\" or \"-0\", or leave it out");
+        c.zeros = *zeros == "-0" ? -0.0 : 0.0;
+    }
     c.symmetric = table.optional_boolean("symmetric").value_or(false);
     for (TableReader& sphere : table.tables("spheres")) {
         SolidSpec spec{Shape::sphere, quantities(sphere, "centre", 3, false)};
@@ -83,7 +88,8 @@ CaseFile::Case CaseFile::read_case(TableReader& table) {
     }
     if (c.solids.empty()) fail(table.where(), "a case has spheres = [{ centre, radius }, …] or boxes = [{ lo, hi }, …]; write one of them");
     for (TableReader& ray : table.tables("rays")) {
-        c.rays.push_back({quantities(ray, "origin", 3, true), quantities(ray, "direction", 3, true)});
+        c.rays.push_back({quantities(ray, "origin", 3, true), quantities(ray, "direction", 3, true), {}});
+        if (ray.has("tmax")) c.rays.back().tmax.emplace_back(ray.node("tmax"), true);
         ray.reject_unknown_keys();
     }
     if (c.rays.empty()) fail(table.where(), "a case has rays = [{ origin, direction }, …]; write at least one");
@@ -99,6 +105,16 @@ CaseFile::CaseFile(const std::filesystem::path& path) : id(path.stem().string())
     source = file.string("source");
     note = file.optional_string("note").value_or("");
     if (const auto bits = file.optional_number("right_within_bits")) right_within_bits = static_cast<double>(*bits);
+    if (const auto names = file.optional_strings("conventions")) {
+        conventions.clear();
+        for (const std::string& name : *names) {
+            if (name == "own") conventions.emplace_back(std::nullopt);
+            else if (name == "closed") conventions.emplace_back(Touching::hit);
+            else if (name == "open") conventions.emplace_back(Touching::miss);
+            else file.fail_at("conventions", "holds \"" + name + "\"; there are own, closed and open");
+        }
+        if (conventions.empty()) file.fail_at("conventions", "is empty; leave it out, or name own, closed or open");
+    }
     for (TableReader& table : file.tables("case")) {
         Case c = read_case(table);
         if (std::ranges::find(cases_, c.name, &Case::name) != cases_.end()) table.fail_at("name", "is \"" + c.name + "\", as another case is; name each once");
@@ -130,7 +146,16 @@ std::vector<RayGroup> CaseFile::rays(std::size_t i, const FloatFormat& format) c
             for (std::size_t k = 0; k < spec.numbers.size(); ++k) solid.numbers[k] = spec.numbers[k].in(format, lengths);
             group.solids.push_back(symmetry.of(solid));
         }
-        for (const RaySpec& ray : c.rays) push(group.rays, symmetry.of(vec_in(ray.origin, format, lengths)), symmetry.of(vec_in(ray.direction, format, directions)));
+        for (const RaySpec& ray : c.rays) {
+            Vec<double> d = symmetry.of(vec_in(ray.direction, format, directions));
+            for (int k = 0; c.zeros && k < 3; ++k) d[k] = d[k] == 0 ? *c.zeros : d[k];
+            push(group.rays, symmetry.of(vec_in(ray.origin, format, lengths)), d);
+        }
+        const bool ends = std::ranges::any_of(c.rays, [](const RaySpec& ray) { return !ray.tmax.empty(); });
+        for (const RaySpec& ray : c.rays) {
+            // A parameter, not a length: it is not scaled.
+            if (ends) group.rays.tmax.push_back(ray.tmax.empty() ? HUGE_VAL : ray.tmax.front().in(format, 0));
+        }
         group.rays.width = static_cast<int>(c.rays.size());
         group.rays.y1 = 1;
         groups.push_back(std::move(group));

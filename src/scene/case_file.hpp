@@ -2,9 +2,11 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "intersect/info.hpp"
 #include "scene/family.hpp"
 #include "scene/quantity.hpp"
 
@@ -19,6 +21,8 @@ public:
     std::string id, title, source, note;
     /// An answer within so many bits of the envelope is right, if its decision is.
     double right_within_bits = 3;
+    /// By which conventions on touching the forms are judged, one after another; nothing stands for each by its own.
+    std::vector<std::optional<Touching>> conventions{std::nullopt};
 
     [[nodiscard]] std::size_t size() const { return cases_.size(); }
     [[nodiscard]] const std::string& name(std::size_t i) const { return cases_[i].name; }
@@ -38,10 +42,12 @@ private:
     };
     struct RaySpec {
         std::vector<Quantity> origin, direction;
+        std::vector<Quantity> tmax;  ///< one, or none: the ray has no end
     };
     struct Case {
         std::string name, note;
         Exponent lengths, directions;  ///< every length, every direction is times two to this
+        std::optional<double> zeros;   ///< +0 or −0: every zero of a direction is this one
         bool symmetric = false;        ///< once under each of the 48 symmetries of the axes, ray and solid alike
         std::vector<SolidSpec> solids;
         std::vector<RaySpec> rays;

@@ -16,13 +16,29 @@ constexpr std::pair<std::string_view, S> severities[] = {{"error", S::error}, {"
 void read_given(TableReader table, Claim& claim) {
     claim.scene = table.optional_string("scene").value_or("");
     claim.sweep = table.optional_string("sweep").value_or("");
-    if (claim.scene.empty() == claim.sweep.empty()) fail(table.where(), "claim.given names either a scene or a sweep; write one of them");
-    claim.form = table.string("form");
-    claim.format = table.string("format");
-    if (const auto at = table.optional_number("at")) {
-        if (claim.sweep.empty()) table.reject("at", "needs a sweep: it is a place on the sweep's axis");
-        claim.at = static_cast<double>(*at);
+    claim.table = table.optional_string("table").value_or("");
+    if (int{!claim.scene.empty()} + int{!claim.sweep.empty()} + int{!claim.table.empty()} != 1) {
+        fail(table.where(), "claim.given names a scene, a sweep or a table; write one of them");
     }
+    if (claim.table.empty()) claim.form = table.string("form");
+    else claim.row = table.string("row");
+    claim.format = table.string("format");
+    if (table.has("at")) {
+        if (!claim.scene.empty()) table.reject("at", "needs a sweep or a table: it is a place on their axes");
+        if (table.node("at").kind == Node::Kind::array) {
+            for (const Real& x : table.numbers("at")) claim.at.push_back(static_cast<double>(x));
+        } else {
+            claim.at.push_back(static_cast<double>(table.number("at")));
+        }
+    }
+    if (!claim.table.empty() && claim.at.size() != 1) fail(table.where(), "a table's row needs `at`, its argument");
+    if (const auto name = table.optional_string("case")) {
+        if (claim.sweep.empty() || !claim.at.empty()) table.reject("case", "needs a sweep of cases, and no `at`");
+        claim.case_name = *name;
+    }
+    static constexpr std::pair<std::string_view, Touching> conventions[] = {{"closed", Touching::hit}, {"open", Touching::miss}};
+    claim.convention = table.optional_one_of<Touching>("convention", conventions);
+    claim.requirements = table.optional_strings("requires").value_or(std::vector<std::string>{});
     table.reject_unknown_keys();
 }
 
@@ -31,11 +47,11 @@ void read_expect(TableReader table, Claim& claim) {
     claim.onset = table.optional_string("onset").value_or("");
     if (claim.metric.empty() == claim.onset.empty()) fail(table.where(), "claim.expect names either a metric or an onset; write one of them");
     if (!claim.onset.empty()) {
-        if (claim.sweep.empty() || claim.at) table.fail_at("onset", "needs a sweep in claim.given, and no `at`");
+        if (claim.sweep.empty() || !claim.at.empty() || !claim.case_name.empty()) table.fail_at("onset", "needs a sweep in claim.given, and no `at`");
         claim.statistic = table.optional_string("statistic").value_or("count");
         claim.threshold = static_cast<double>(table.optional_number("threshold").value_or(Real(1)));
-    } else if (!claim.sweep.empty() && !claim.at) {
-        table.fail_at("metric", "along a sweep needs `at` in claim.given, the place on the axis");
+    } else if (!claim.sweep.empty() && claim.at.empty() && claim.case_name.empty()) {
+        table.fail_at("metric", "along a sweep needs `at` in claim.given, the place on the axis, or `case`");
     }
     const auto ends = table.numbers("in", 2);
     claim.low = static_cast<double>(ends[0]);

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "intersect/info.hpp"
 #include "scene/toml_tree.hpp"
 
 namespace lostbits::scene {
@@ -19,9 +20,16 @@ struct Claim {
     Severity severity = Severity::error;
     Where where;  ///< of the claim, for messages
 
-    // given: one scene, or one sweep and perhaps one place on its axis
+    // given: a form on one scene, or on one sweep at a place of its axes or one of its cases; or a row of a table
     std::string scene, sweep, form, format;
-    std::optional<double> at;
+    std::vector<double> at;  ///< one value an axis of the sweep; the argument of a table's row
+    std::string case_name;
+    std::optional<Touching> convention;  ///< judged as closed or open solids; absent: by the form's own word
+    std::string table, row;
+    std::vector<std::string> requirements;  ///< what the machine must have, or the claim is skipped: `isa-256`
+
+    /// What is measured on: the scene, sweep or table.
+    [[nodiscard]] const std::string& subject() const { return !scene.empty() ? scene : !sweep.empty() ? sweep : table; }
 
     // expect: a column of the summary, or an onset along the sweep
     std::string metric;

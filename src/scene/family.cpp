@@ -1,5 +1,6 @@
 #include "scene/family.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <random>
@@ -119,7 +120,7 @@ RayGroup view_rays(Random& random, const Family& f) {
             push(group, away + (impact.s * radius) * impact.across, scale * view.w);
         } else {
             // From height h a line that passes the centre at s·r leaves the vertical by asin(s r/(r + h)).
-            const double sine = std::min(1.0, impact.s * radius / (radius + f.height));
+            const double sine = std::clamp(impact.s * radius / (radius + f.height), -1.0, 1.0);
             const double cosine = std::sqrt((1 - sine) * (1 + sine));
             push(group, away + f.height * w, magnitude * (sine * impact.across - (f.away ? -cosine : cosine) * w));
         }

@@ -12,18 +12,24 @@
 namespace lostbits::scene {
 namespace {
 
-std::string without_spaces(std::string_view text) {
-    std::string out;
-    for (const char c : text) {
-        if (std::isspace(static_cast<unsigned char>(c)) == 0) out += c;
-    }
-    return out;
-}
+bool is_part_of_a_word(char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '.'; }
 
+/// The text without the spaces around its operators; "1 2" is not twelve.
 std::string text_of(const Node& node) {
     if (node.kind == Node::Kind::integer) return std::to_string(node.integer);
-    if (node.kind == Node::Kind::string || node.kind == Node::Kind::floating) return without_spaces(node.text);
-    fail(node.where, "is " + node.describe() + " where a number or a string is expected");
+    if (node.kind != Node::Kind::string && node.kind != Node::Kind::floating) fail(node.where, "is " + node.describe() + " where a number or a string is expected");
+    std::string out;
+    bool space = false;
+    for (const char c : node.text) {
+        if (std::isspace(static_cast<unsigned char>(c)) != 0) {
+            space = true;
+            continue;
+        }
+        if (space && !out.empty() && is_part_of_a_word(out.back()) && is_part_of_a_word(c)) fail(node.where, "\"" + node.text + "\" holds a space inside a number or word; take it out");
+        space = false;
+        out += c;
+    }
+    return out;
 }
 
 /// ⌊n/d⌋ for negative n too.
@@ -51,7 +57,7 @@ Exponent::Exponent(const Node& node) {
         else if (rest.starts_with("p")) term.word = Term::Word::p, at += 1;
         else {
             const auto [stop, error] = std::from_chars(rest.data(), rest.data() + rest.size(), term.number);
-            if (error != std::errc{} || std::abs(term.number) > 10000) bad();
+            if (error != std::errc{} || term.number < 0 || term.number > 10000) bad();
             at += static_cast<std::size_t>(stop - rest.data());
         }
         if (text.compare(at, 2, "/2") == 0 || text.compare(at, 2, "/4") == 0) term.divisor = text[at + 1] - '0', at += 2;

@@ -12,7 +12,7 @@ namespace {
 template <class T>
 BasicRayBlock<T> make_rays(const Scene& scene, int y0, int y1) {
     const CameraFrame<T> frame = make_frame<T>(scene);
-    BasicRayBlock<T> block{scene.width, y0, y1, {}, {}, {}, {}, {}, {}};
+    BasicRayBlock<T> block{scene.width, y0, y1, {}, {}, {}, {}, {}, {}, {}};
     const std::size_t count = static_cast<std::size_t>(scene.width) * static_cast<std::size_t>(y1 - y0);
     for (auto* component : {&block.ox, &block.oy, &block.oz, &block.dx, &block.dy, &block.dz})
         component->reserve(count);
@@ -32,7 +32,7 @@ BasicRayBlock<T> make_rays(const Scene& scene, int y0, int y1) {
 
 template <class T, class Round>
 RayBlock rounded(const BasicRayBlock<T>& from, Round round) {
-    RayBlock to{from.width, from.y0, from.y1, {}, {}, {}, {}, {}, {}};
+    RayBlock to{from.width, from.y0, from.y1, {}, {}, {}, {}, {}, {}, {}};
     const auto all = [&](const std::vector<T>& in, std::vector<double>& out) {
         out.resize(in.size());
         std::transform(in.begin(), in.end(), out.begin(), round);
@@ -59,7 +59,10 @@ RayBlock round_rays(const IdealRayBlock& ideal, const FloatFormat& f) {
 }
 
 RayBlock round_block(const RayBlock& block, const FloatFormat& f) {
-    return rounded(block, [&f](double x) { return rounding::to_format(x, 0, f); });
+    const auto round = [&f](double x) { return rounding::to_format(x, 0, f); };
+    RayBlock to = rounded(block, round);
+    for (const double t : block.tmax) to.tmax.push_back(round(t));
+    return to;
 }
 
 Solid<double> round_solid(const Solid<Real>& spec, const FloatFormat& f) {

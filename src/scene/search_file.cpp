@@ -53,7 +53,10 @@ bool SearchFile::holds(const Ray<double>& ray, const Solid<double>& solid) const
     for (const double x : solid.used()) {
         if (!ranges[i++].holds(x)) return false;
     }
-    if (shape != Shape::sphere) return true;
+    if (shape == Shape::box) {
+        const Box<double> box = solid.box();
+        return box.lo.x <= box.hi.x && box.lo.y <= box.hi.y && box.lo.z <= box.hi.z && ray.direction != Vec<double>(0, 0, 0);
+    }
     const Sphere<double> sphere = solid.sphere();
     const Vec<double> f = ray.origin - sphere.centre;
     const double impact = length(cross(f, ray.direction)) / length(ray.direction);

@@ -35,7 +35,7 @@ public:
     int starts = 16;      ///< random rays that the search begins from
     int generations = 64;  ///< of 32 neighbours each, from every start
 
-    /// Whether a ray and a solid lie in the ranges (the derived ones to double precision).
+    /// Whether a ray and a solid lie in the ranges (the derived ones to double precision), and are a ray and a solid.
     [[nodiscard]] bool holds(const Ray<double>& ray, const Solid<double>& solid) const;
 };
 

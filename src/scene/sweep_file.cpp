@@ -4,6 +4,7 @@
 #include <bit>
 #include <cmath>
 
+#include "intersect/table.hpp"
 #include "number/error.hpp"
 
 namespace lostbits::scene {
@@ -49,7 +50,20 @@ void fill(Axis& axis, TableReader& table) {
     axis.values.erase(std::unique(axis.values.begin(), axis.values.end()), axis.values.end());
 }
 
-Axis read_axis(TableReader table, bool of_scene) {
+/// A string that is one of the names; a mark that none of them draws would stay away silently.
+std::string known(TableReader& table, std::string_view key, const std::vector<std::string>& names) {
+    std::string name = table.string(key);
+    if (std::ranges::find(names, name) == names.end()) table.fail_at(key, "is \"" + name + "\"; " + did_you_mean(name, names));
+    return name;
+}
+
+std::vector<std::string> form_names() {
+    std::vector<std::string> names;
+    for (const Intersector& form : intersectors()) names.emplace_back(form.info->name);
+    return names;
+}
+
+Axis read_axis(TableReader table, const std::string& prefix) {
     using S = Axis::Spacing;
     static constexpr std::pair<std::string_view, S> spacings[] = {{"linear", S::linear}, {"log2", S::log2}, {"every_float", S::every_float}};
     Axis axis;
@@ -66,7 +80,7 @@ Axis read_axis(TableReader table, bool of_scene) {
     const auto paths = table.strings("set");
     const auto factors = table.optional_numbers("factors", paths.size());
     for (std::size_t i = 0; i < paths.size(); ++i) {
-        axis.targets.push_back({of_scene ? paths[i] : "family." + paths[i], factors ? static_cast<double>((*factors)[i]) : 1.0});
+        axis.targets.push_back({prefix + paths[i], factors ? static_cast<double>((*factors)[i]) : 1.0});
     }
     table.reject_unknown_keys();
     return axis;
@@ -90,27 +104,33 @@ SweepFile::SweepFile(const std::filesystem::path& path, const std::filesystem::p
     title = file.string("title");
     source = file.string("source");
     note = file.optional_string("note").value_or("");
+    static constexpr std::pair<std::string_view, Touching> conventions[] = {{"closed", Touching::hit}, {"open", Touching::miss}};
+    convention = file.optional_one_of<Touching>("convention", conventions);
     const auto scene = file.optional_string("scene");
     auto family = file.optional_table("family");
-    if (scene.has_value() == family.has_value()) {
-        fail(file.where(), "a sweep is over either scene = \"…\" or a [family] table; write one of them");
+    auto boxes = file.optional_table("box_family");
+    if (int{scene.has_value()} + int{family.has_value()} + int{boxes.has_value()} != 1) {
+        fail(file.where(), "a sweep is over either scene = \"…\", a [family] or a [box_family] table; write one of them");
     }
     if (scene) {
         const SceneName name = find_scene(*scene, data_dir);
         scene_.emplace(name.path);
         variant_ = name.variant;
         if (!variant_ && scene_->variants().size() > 1) file.fail_at("scene", "has variants; name one, such as \"" + *scene + "." + scene_->variants().front() + "\"");
-    } else {
+    } else if (family) {
         read_family(*family);
+    } else {
+        read_box_family(*boxes);
     }
-    for (TableReader& axis : file.tables("axis")) axes.push_back(read_axis(axis, scene.has_value()));
+    const char* const prefix = scene ? "" : family ? "family." : "box_family.";
+    for (TableReader& axis : file.tables("axis")) axes.push_back(read_axis(axis, prefix));
     if (axes.empty() || axes.size() > 2) fail(file.where(), "a sweep has one or two [[axis]] tables, this has " + std::to_string(axes.size()));
     for (TableReader& mark : file.tables("mark")) {
         Mark m{static_cast<double>(mark.number("at")), mark.string("label"), mark.optional_string("format").value_or(""), {}, {}, {}};
         if (auto measured = mark.optional_table("measured")) {
-            m.form = measured->string("form");
-            m.event = measured->optional_string("event").value_or("lost_bits");
-            m.statistic = measured->optional_string("statistic").value_or("p50");
+            m.form = known(*measured, "form", form_names());
+            m.event = measured->has("event") ? known(*measured, "event", {"lost_bits", "false_hit", "false_miss", "not_a_number"}) : "lost_bits";
+            m.statistic = measured->has("statistic") ? known(*measured, "statistic", {"p50", "p99", "max", "count"}) : m.event == "lost_bits" ? "p50" : "count";
             m.threshold = static_cast<double>(measured->number("threshold"));
             measured->reject_unknown_keys();
         }
@@ -138,7 +158,8 @@ std::vector<RayGroup> SweepFile::rays(const std::vector<double>& values) const {
         Node root = root_;
         for (const Override& change : changes) apply_override(root, change);
         TableReader file(root);
-        return family_rays(read_family(file.table("family")));
+        if (auto family = file.optional_table("family")) return family_rays(read_family(*family));
+        return box_family_rays(read_box_family(file.table("box_family")));
     }
     LoadOptions options;
     options.variant = variant_;
@@ -158,8 +179,11 @@ std::filesystem::path find_sweep(const std::string& name_or_path, const std::fil
         if (entry.path().extension() == ".toml") names.push_back(entry.path().lexically_relative(folder).replace_extension().string());
     }
     std::ranges::sort(names);
-    if (std::ranges::find(names, name_or_path) != names.end()) return data_dir / "sweeps" / (name_or_path + ".toml");
-    throw InputError(name_or_path + ":1:1: no such sweep file, nor a name in " + (data_dir / "sweeps").string() + "; " + did_you_mean(name_or_path, names));
+    if (std::ranges::find(names, name_or_path) != names.end()) return folder / (name_or_path + ".toml");
+    // `near` for `worst/near`, where only one is called so: it is what the file's results are called.
+    const auto last_part = [&](const std::string& name) { return std::filesystem::path(name).filename() == name_or_path; };
+    if (std::ranges::count_if(names, last_part) == 1) return folder / (*std::ranges::find_if(names, last_part) + ".toml");
+    throw InputError(name_or_path + ":1:1: no such sweep file, nor a name in " + folder.string() + "; " + did_you_mean(name_or_path, names));
 }
 
 }  // namespace lostbits::scene

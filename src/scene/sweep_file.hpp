@@ -6,7 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "scene/family.hpp"
+#include "intersect/info.hpp"
+#include "scene/box_family.hpp"
 #include "scene/scene.hpp"
 
 namespace lostbits::scene {
@@ -35,6 +36,7 @@ public:
 
     std::string id, title, source, note;
     std::vector<Axis> axes;  ///< one or two
+    std::optional<Touching> convention;  ///< all forms are judged as if touching were this; absent: each by its own word
 
     /// A place on the first axis that a plot points out: a prediction, with the format it is made for (all if empty), and
     /// perhaps the form whose measured onset is to be drawn beside it.

@@ -78,6 +78,31 @@ TEST_CASE("a claim along a sweep, at a place and by its onset") {
     CHECK(r.code == 0);
 }
 
+TEST_CASE("a claim about a case, a place of a plane and a row of a table") {
+    const Scratch scratch;
+    const std::string form = "form = \"sphere.schoolbook\"\nformat = \"f32\"\n";
+    const std::string file = scratch.write(
+        "c.toml", head + claim("case", "sweep = \"extremes/contact\"\ncase = \"one ulp outside the tangent\"\n" + form, "metric = \"false_hit_fraction\"\nin = [1, 1]\n") +
+                      claim("plane", "sweep = \"sphere-height\"\nat = [1e6, 1]\n" + form, "metric = \"lost_bits_p50\"\nin = [15, 20]\n") +
+                      // 1 + 2^-24 is a tie and goes to even, 1 - 2^-24 is a float.
+                      claim("sum", "table = \"arithmetic\"\nrow = \"sum_power_of_two\"\nformat = \"f32\"\nat = 16777216\n", "metric = \"unnoticed_fraction\"\nin = [1, 1]\n") +
+                      claim("difference", "table = \"arithmetic\"\nrow = \"difference_power_of_two\"\nformat = \"f32\"\nat = 16777216\n",
+                            "metric = \"unnoticed_fraction\"\nin = [0, 0]\n"));
+    const auto r = run("check '" + file + "'");
+    INFO(r.out << r.err);
+    CHECK(r.code == 0);
+}
+
+TEST_CASE("what this machine lacks is skipped, what nobody knows is refused") {
+    const Scratch scratch;
+    const std::string junit = (scratch.path() / "j.xml").string();
+    const std::string here = scratch.write("c.toml", head + claim("isa", inside + "requires = [\"isa-128\"]\n", all_missed));
+    const auto r = run("check '" + here + "' --junit '" + junit + "'");
+    CHECK(r.code == 0);
+    CHECK(contents(junit).find("skipped=\"") != std::string::npos);
+    CHECK(run("check '" + scratch.write("d.toml", head + claim("isa", inside + "requires = [\"isa-127\"]\n", all_missed)) + "'").code == 2);
+}
+
 TEST_CASE("bad claims are refused with their place") {
     const Scratch scratch;
     struct Case {
@@ -94,6 +119,9 @@ TEST_CASE("bad claims are refused with their place") {
         {head + claim("a", inside, "metric = \"false_miss_fraction\"\nin = [1, 0]\n"), "low"},
         {head + claim("a", inside, "metric = \"false_miss_fraction\"\n"), "in"},
         {head + claim("a", inside, "onset = \"lost_bits\"\nin = [0, 1]\n"), "sweep"},
+        {head + claim("a", "sweep = \"extremes/contact\"\nform = \"sphere.press\"\nformat = \"f32\"\ncase = \"eye at the center\"\n", all_missed), "eye at the centre"},
+        {head + claim("a", "sweep = \"sphere-height\"\nform = \"sphere.press\"\nformat = \"f32\"\nat = 1\n", all_missed), "2 axes"},
+        {head + claim("a", "table = \"arithmetic\"\nrow = \"summ\"\nformat = \"f32\"\nat = 1\n", "metric = \"unnoticed_fraction\"\nin = [0, 1]\n"), "sum"},
         {head + claim("a", inside, all_missed, "sverity = \"warn\"\n"), "severity"},
     };
     for (const Case& c : cases) {

@@ -5,7 +5,8 @@
 #include "catch.hpp"
 #include "intersect/box_exact.hpp"
 #include "measure/box_families.hpp"
-#include "measure/box_truth.hpp"
+#include "measure/enclose_solid.hpp"
+#include "measure/truth.hpp"
 #include "measure/enclose_box.hpp"
 #include "number/dual.hpp"
 
@@ -87,7 +88,7 @@ bool contains(const Interval& x, const Rational& q) {
 std::string disagreement(const Question& q, Touching convention, Tally& tally) {
     const BoxSample& s = q.sample;
     const Span& want = convention == Touching::hit ? q.closed : q.open;
-    const Truth truth = find_truth(s.ray, s.box, s.tmax, convention);
+    const Truth truth = find_truth(s.ray, s.box, {}, convention, s.tmax);
     tally.escalated += truth.bits > 106;
     tally.bits = std::max(tally.bits, truth.bits);
     if (truth.decision == Truth::Decision::unresolved) return "unresolved";
@@ -173,7 +174,7 @@ TEST_CASE("truth of boxes agrees with fractions on binary64 inputs", "[box][bina
 TEST_CASE("a ray without length, and one that ends before it starts", "[box]") {
     const Box<double> box{Vec<double>(-1), Vec<double>(1)};
     const auto shoot = [&](double x, double tmax, Touching convention) {
-        return find_truth({{x, 0, 0}, {1, 0, 0}}, box, tmax, convention).is_hit();
+        return find_truth({{x, 0, 0}, {1, 0, 0}}, box, {}, convention, tmax).is_hit();
     };
     for (const Touching convention : {Touching::hit, Touching::miss}) {
         const bool closed = convention == Touching::hit;
@@ -231,7 +232,7 @@ TEST_CASE("the enclosed t of a box differentiates", "[box][conditioning]") {
     for (int i = 0; i < 1500; ++i) {
         BoxSample s = box_families[0].make(rng, binary32);
         s.tmax = HUGE_VAL;
-        hits += find_truth(s.ray, s.box, s.tmax, Touching::hit).is_hit();
+        hits += find_truth(s.ray, s.box, {}, Touching::hit, s.tmax).is_hit();
         check_gradient<Ball>(s);
         const Interval::Precision precision(300);
         check_gradient<Interval>(s);

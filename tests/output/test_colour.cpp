@@ -6,6 +6,7 @@
 #include "number/error.hpp"
 #include "measure/outcome.hpp"
 #include "output/colour.hpp"
+#include "output/needed_files.hpp"
 #include "scratch.hpp"
 
 using namespace lostbits::output;
@@ -93,6 +94,17 @@ TEST_CASE("no outcome looks like a value or like another outcome", "[colour]") {
             CHECK(std::abs(oklab(linear(outcome_colours[i]))[0] - oklab(linear(outcome_colours[j]))[0]) > 0.07);
         }
     }
+}
+
+TEST_CASE("what no width suffices for looks like no value and like no outcome", "[colour]") {
+    const auto ramp = backend().ramp("viridis", 256);
+    const auto check = [&](auto eye, double least) {
+        const Vector mine = oklab(eye(linear(beyond_colour)));
+        for (const Rgb8 value : ramp) CHECK(distance(mine, oklab(eye(linear(value)))) > least);
+        for (const Rgb8 outcome : outcome_colours) CHECK(distance(mine, oklab(eye(linear(outcome)))) > least);
+    };
+    check([](const Vector& c) { return c; }, 0.15);
+    check(deuteranope, 0.10);
 }
 
 TEST_CASE("objects differ and repeat only after twenty", "[colour]") {

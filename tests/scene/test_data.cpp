@@ -37,6 +37,22 @@ bool hits(const Ray<Real>& ray, const SphereSpec& sphere) {
     return along > 0 && dot(to_centre, to_centre) * d2 - along * along <= r2 * d2;
 }
 
+/// By clipping the ray with each slab in turn.
+bool hits(const Ray<Real>& ray, const BoxSpec& box) {
+    Real from(0), to = ldexp(Real(1), 1000);
+    for (int i = 0; i < 3; ++i) {
+        const Real &o = ray.origin[i], &d = ray.direction[i];
+        if (d == 0) {
+            if (o < box.lo[i] || o > box.hi[i]) return false;
+            continue;
+        }
+        const Real a = (box.lo[i] - o) / d, b = (box.hi[i] - o) / d;
+        from = std::max(from, Real(a < b ? a : b));
+        to = std::min(to, Real(a < b ? b : a));
+    }
+    return from <= to;
+}
+
 /// Every fourth pixel each way is plenty for a fraction of the picture.
 double hit_fraction(const Scene& scene) {
     const CameraFrame<Real> frame = make_frame<Real>(scene);
@@ -45,8 +61,8 @@ double hit_fraction(const Scene& scene) {
         for (int x = 1; x < scene.width; x += 4) {
             const Ray<Real> r = ray(frame, x, y);
             ++seen;
-            hit += std::any_of(
-                scene.spheres.begin(), scene.spheres.end(), [&](const SphereSpec& s) { return hits(r, s); });
+            const auto is_hit = [&](const auto& solid) { return hits(r, solid); };
+            hit += std::ranges::any_of(scene.spheres, is_hit) || std::ranges::any_of(scene.boxes, is_hit);
         }
     }
     return static_cast<double>(hit) / seen;

@@ -1,0 +1,203 @@
+#include "output/claim_report.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+
+#include "output/atomic_file.hpp"
+#include "output/case_files.hpp"
+#include "output/claim_files.hpp"
+#include "output/contact_sheet.hpp"
+#include "output/map_colour.hpp"
+#include "output/number_text.hpp"
+#include "output/sweep_planes.hpp"
+#include "output/sweep_plots.hpp"
+
+namespace lostbits::output {
+namespace {
+
+using scene::Claim;
+using State = ClaimResult::State;
+
+/// The claims about one scene, sweep or table, in the order of the first.
+struct Subject {
+    std::string name;
+    std::vector<std::size_t> claims;
+};
+
+std::vector<Subject> subjects_of(const std::vector<Claim>& claims) {
+    std::vector<Subject> subjects;
+    for (std::size_t i = 0; i < claims.size(); ++i) {
+        auto found = std::ranges::find(subjects, claims[i].subject(), &Subject::name);
+        if (found == subjects.end()) found = subjects.insert(subjects.end(), {claims[i].subject(), {}});
+        found->claims.push_back(i);
+    }
+    return subjects;
+}
+
+/// The forms and formats that a subject's claims name, each once, in the order of the catalogue.
+std::vector<MapRow> rows_of(const Subject& subject, const std::vector<Claim>& claims) {
+    std::vector<MapRow> rows;
+    for (const std::size_t i : subject.claims) {
+        const MapRow row = claim_row(claims[i]);
+        const auto same = [&](const MapRow& r) { return r.form == row.form && r.format == row.format && r.judged == row.judged; };
+        if (std::ranges::none_of(rows, same)) rows.push_back(row);
+    }
+    std::ranges::stable_sort(rows, [](const MapRow& a, const MapRow& b) { return a.form < b.form; });
+    return rows;
+}
+
+std::vector<const Metric*> drawn_metrics() {
+    std::vector<const Metric*> all;
+    for (const char* name : {"lost_bits", "ulp_error", "inherent_bits", "excess_bits"}) all.push_back(find_metric(name));
+    return all;
+}
+
+/// Hands a row's lost bits on to the contact sheet.
+class SheetRow final : public MapSink {
+public:
+    SheetRow(ContactSheet& sheet, std::size_t form, std::size_t format, const ColourScale& scale) : sheet_(sheet), form_(form), format_(format), scale_(scale) {}
+    void band(const BandResult& result) override {
+        std::vector<Rgb8> field(result.outcomes.size());
+        for (std::size_t i = 0; i < field.size(); ++i) field[i] = pixel_colour(scale_, result.outcomes[i], result.metrics.front()[i]);
+        sheet_.add_rows(form_, format_, result.y0, field);
+    }
+
+private:
+    ContactSheet& sheet_;
+    std::size_t form_, format_;
+    const ColourScale& scale_;
+};
+
+std::string picture_scene(const std::filesystem::path& folder, const std::vector<MapRow>& rows, const std::string& name, const std::filesystem::path& data_dir) {
+    const auto found = scene::find_scene(name, data_dir);
+    const scene::Scene scene = scene::load_scene(found.path, {.variant = found.variant}).front();
+    ImageBackend& backend = image_backend();
+    MapRequest request{.scene = &scene, .rows = rows, .metrics = {find_metric("lost_bits")}};
+    const ColourScale scale = metric_scale(*request.metrics.front(), rows, backend);
+    std::vector<std::string> forms, formats;
+    const auto place = [](std::vector<std::string>& names, const std::string& one) {
+        const auto at = std::ranges::find(names, one) - names.begin();
+        if (static_cast<std::size_t>(at) == names.size()) names.push_back(one);
+        return static_cast<std::size_t>(at);
+    };
+    std::vector<std::pair<std::size_t, std::size_t>> places;
+    for (const MapRow& r : rows) {
+        const auto full = r.form->info->name;
+        const std::size_t form = place(forms, std::string(full.substr(full.find('.') + 1)));
+        places.emplace_back(form, place(formats, r.format.name));
+    }
+    const auto pixels = static_cast<std::uint64_t>(scene.width) * static_cast<std::uint64_t>(scene.height);
+    const std::string file = scene.id + ".png";
+    ContactSheet sheet(backend, folder / "pictures" / file,
+                       {.title = scene.title, .subtitle = {fmt::format("{}, {} x {} rays", scene.id, scene.width, scene.height)}, .forms = forms, .formats = formats,
+                        .field_width = scene.width, .field_height = scene.height, .scale = scale, .unit = "lost bits", .legend = widest_legend(pixels * rows.size())});
+    std::vector<std::unique_ptr<SheetRow>> sinks;
+    std::vector<MapSink*> handed;
+    for (const auto& [form, format] : places) handed.push_back(sinks.emplace_back(std::make_unique<SheetRow>(sheet, form, format, scale)).get());
+    MapSummary total;
+    const auto summaries = run_map(request, handed);
+    for (std::size_t r = 0; r < rows.size(); ++r) {
+        total.rays += summaries[r].rays;
+        for (std::size_t o = 0; o < total.outcomes.size(); ++o) total.outcomes[o] += summaries[r].outcomes[o];
+        sheet.set_note(places[r].first, places[r].second, fmt::format("p99 {:.1f} bits lost", summaries[r].metrics.front().quantile(0.99)));
+    }
+    sheet.finish(outcome_legend(total));
+    return fmt::format("![{}](pictures/{})\n", scene.title, file);
+}
+
+/// The pictures of a sweep, as Markdown.
+std::string picture_sweep(const std::filesystem::path& folder, const std::vector<MapRow>& rows, const std::string& name, const std::filesystem::path& data_dir) {
+    const auto path = scene::find_sweep(name, data_dir);
+    if (scene::sweep_kind(path) == scene::SweepKind::cases) {
+        const scene::CaseFile file(path);
+        const CaseRequest request{.file = &file, .rows = rows, .metrics = drawn_metrics()};
+        const auto cases = run_cases(request);
+        std::string text;
+        for (const std::optional<Touching> judged : {std::optional<Touching>{}, std::optional{Touching::hit}, std::optional{Touching::miss}}) {
+            if (std::ranges::none_of(rows, [&](const MapRow& r) { return r.judged == judged; })) continue;
+            const std::string picture = judged ? fmt::format("{}.{}.png", file.id, convention_name(judged)) : file.id + ".png";
+            write_case_matrix(folder / "pictures" / picture, request, cases, judged);
+            text += fmt::format("![{}](pictures/{})\n", file.title, picture);
+        }
+        return text;
+    }
+    const scene::SweepFile sweep(path, data_dir);
+    const SweepRequest request{.sweep = &sweep, .rows = rows, .metrics = drawn_metrics()};
+    const auto steps = run_sweep(request);
+    std::string text;
+    if (sweep.axes.size() == 2) {
+        for (std::size_t r = 0; r < rows.size(); ++r) {
+            const std::string file = fmt::format("{}.{}.{}.png", sweep.id, rows[r].form->info->name, rows[r].format.name);
+            write_plane_picture(image_backend(), folder / "pictures" / file, request, steps, r);
+            text += fmt::format("![{} in {}](pictures/{})\n", rows[r].form->info->name, rows[r].format.name, file);
+        }
+        return text;
+    }
+    const auto onsets = find_onsets(request, steps);
+    std::vector<Format> formats;
+    for (const MapRow& r : rows) {
+        if (std::ranges::find(formats, r.format) == formats.end()) formats.push_back(r.format);
+    }
+    for (const Format& format : formats) {
+        const std::string file = fmt::format("{}.{}.png", sweep.id, format.name);
+        write_lost_bits_plot(image_backend(), folder / "pictures" / file, request, steps, onsets, format, 0.5);
+        text += fmt::format("![{}, {}](pictures/{})\n", sweep.title, format.name, file);
+    }
+    return text;
+}
+
+std::string cell(std::string text) {
+    for (std::size_t at = 0; (at = text.find('|', at)) != std::string::npos; at += 2) text.insert(at, "\\");
+    return text;
+}
+
+std::string rounded(double x) { return std::isfinite(x) ? fmt::format("{:.6g}", x) : decimal(x); }
+
+std::string row_text(const Claim& c, const ClaimResult& r) {
+    const std::string verdict = r.state == State::agrees ? (c.verdict == Claim::Verdict::holds ? "holds" : "**refuted**")
+                                : r.state == State::skipped ? "skipped"
+                                                            : "**no longer measures as stated**";
+    const std::string what = c.onset.empty() ? c.metric : fmt::format("onset of {} {} {}", c.onset, c.statistic, decimal(c.threshold));
+    std::string place = c.case_name;
+    for (const double x : c.at) place += (place.empty() ? "at " : ", ") + decimal(x);
+    return fmt::format("| {} | {}{} | {} | {} = {} | `{}` |\n", verdict, cell(c.statement), c.note.empty() ? "" : " <br> *" + cell(c.note) + "*",
+                       cell(fmt::format("{}{}{}", c.form.empty() ? c.row : c.form, " " + c.format, place.empty() ? "" : ", " + place)), what, rounded(r.measured), c.id);
+}
+
+}  // namespace
+
+void write_claim_report(const std::filesystem::path& folder, const std::vector<Claim>& claims, const std::vector<ClaimResult>& results,
+                        const std::filesystem::path& data_dir) {
+    AtomicFile readme(folder / "README.md");
+    std::size_t held = 0, refuted = 0, other = 0;
+    for (std::size_t i = 0; i < claims.size(); ++i) {
+        if (results[i].state != State::agrees) ++other;
+        else ++(claims[i].verdict == Claim::Verdict::holds ? held : refuted);
+    }
+    std::string text = fmt::format(
+        "# What the sources say, and what is measured\n\nMade by `lostbits check --report reports`; do not edit. {} sentences and parts of sentences: {} hold, {} are refuted{}. Every "
+        "number below is measured anew in each run of the tests.\n",
+        claims.size(), held, refuted, other == 0 ? "" : fmt::format(", {} could not be judged or changed", other));
+    for (const Subject& subject : subjects_of(claims)) {
+        const Claim& first = claims[subject.claims.front()];
+        text += fmt::format("\n## {}\n\n", subject.name);
+        if (!first.scene.empty()) text += picture_scene(folder, rows_of(subject, claims), subject.name, data_dir) + "\n";
+        else if (!first.sweep.empty()) text += picture_sweep(folder, rows_of(subject, claims), subject.name, data_dir) + "\n";
+        std::string source;
+        for (const std::size_t i : subject.claims) {
+            if (claims[i].source != source) {
+                source = claims[i].source;
+                text += fmt::format("{}Source: {}\n\n| verdict | sentence | measured on | measured | claim |\n|---|---|---|---|---|\n", i == subject.claims.front() ? "" : "\n",
+                                    source == "-" ? "our own" : source);
+            }
+            text += row_text(claims[i], results[i]);
+        }
+    }
+    readme.write(text);
+    write_claims_csv(folder / "claims.csv", claims, results);
+    readme.commit();
+}
+
+}  // namespace lostbits::output

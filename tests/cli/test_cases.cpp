@@ -1,0 +1,132 @@
+// `lostbits sweep` over named cases and, with --worst, over searches.
+#include <cstdlib>
+
+#include "catch.hpp"
+#include "output/read_csv.hpp"
+#include "program.hpp"
+
+using namespace lostbits::test;
+
+namespace {
+
+const std::string head = "schema = \"lostbits-sweep/1\"\ntitle = \"A 'test'\"\nsource = \"-\"\n";
+const std::string small_cases = head + R"([[case]]
+name = "one, ahead"
+spheres = [{ centre = [0, 0, 5], radius = 2 }]
+rays = [{ origin = [0, 0, 0], direction = [0, 0, 1] }]
+)";
+const std::string small_search = head + R"([search]
+origin = [-8, 8]
+direction = [-1, 1]
+centre = [-1, 1]
+radius = [0.5, 2]
+distance_radii = [1.25, 8]
+impact_radii = [0, 0.9]
+starts = 2
+generations = 8
+)";
+
+std::string replaced(std::string text, const std::string& what, const std::string& by) { return text.replace(text.find(what), what.size(), by); }
+
+std::string cell(const lostbits::output::CsvTable& table, const char* column, std::size_t row) { return std::string(table.find(column)->cells.at(row)); }
+
+}  // namespace
+
+TEST_CASE("a file of cases leaves a table and a picture, the same for any number of threads") {
+    const Scratch scratch;
+    for (const char* j : {"1", "3"}) {
+        const auto r = run("sweep extremes/not-numbers extremes/scale -i sphere.schoolbook -i '*press*' -f f32 -f fp16 -f p5 -j " + std::string(j) + " -o '" + (scratch.path() / j).string() + "'");
+        INFO(r.err);
+        REQUIRE(r.code == 0);
+        CHECK(r.out.find("/not-numbers/") != std::string::npos);
+    }
+    for (const std::string folder : {"not-numbers", "scale"}) {
+        for (const std::string name : {"cases.csv", "matrix.png", "datapackage.json"}) {
+            const std::string one = contents(scratch.path() / "1" / folder / name);
+            CAPTURE(folder, name);
+            CHECK_FALSE(one.empty());
+            CHECK(one == contents(scratch.path() / "3" / folder / name));
+        }
+    }
+    CHECK(scratch.files().size() == 2 * 2 * 3);
+    const auto table = lostbits::output::read_csv(scratch.path() / "1/scale/cases.csv");
+    CHECK(table.rows() % (3 * 2) == 0);
+    CHECK(cell(table, "case", 0) == "ordinary lengths");
+    std::size_t right = 0, wrong = 0;
+    for (std::size_t i = 0; i < table.rows(); ++i) {
+        (cell(table, "verdict", i) == "right" ? right : wrong) += 1;
+        if (cell(table, "case", i) == "ordinary lengths" && cell(table, "format", i) == "f32") CHECK(cell(table, "verdict", i) == "right");
+    }
+    CHECK(right > 0);
+    CHECK(wrong > 0);
+}
+
+TEST_CASE("a search leaves its worst rays as cases that can be run, and measure the same") {
+    const Scratch scratch;
+    const std::string file = scratch.write("s.toml", small_search);
+    for (const char* j : {"1", "2"}) {
+        const auto r = run("sweep '" + file + "' --worst -i sphere.schoolbook -i sphere.unified -f f32 -f bf16 -j " + std::string(j) + " -o '" + (scratch.path() / j).string() + "'");
+        INFO(r.err);
+        REQUIRE(r.code == 0);
+    }
+    for (const char* name : {"worst.csv", "hard.toml", "datapackage.json"}) {
+        const std::string one = contents(scratch.path() / "1/s" / name);
+        CHECK_FALSE(one.empty());
+        CHECK(one == contents(scratch.path() / "2/s" / name));
+    }
+    const auto worst = lostbits::output::read_csv(scratch.path() / "1/s/worst.csv");
+    REQUIRE(worst.rows() == 4);
+    const auto again = run("sweep '" + (scratch.path() / "1/s/hard.toml").string() + "' -i sphere.schoolbook -i sphere.unified -f f32 -f bf16 -o '" + scratch.path().string() + "'");
+    INFO(again.err);
+    REQUIRE(again.code == 0);
+    const auto cases = lostbits::output::read_csv(scratch.path() / "hard/cases.csv");
+    REQUIRE(cases.rows() == 4 * 4);
+    int values = 0;
+    for (std::size_t w = 0; w < 4; ++w) {
+        for (std::size_t i = 0; i < cases.rows(); ++i) {
+            const std::string row = cell(worst, "form", w) + " in " + cell(worst, "format", w);
+            if (cell(cases, "form", i) + " in " + cell(cases, "format", i) != row || !cell(cases, "case", i).starts_with(row + ": ")) continue;
+            CAPTURE(row);
+            CHECK(cell(cases, cell(worst, "outcome", w).c_str(), i) == "1");
+            CHECK(cell(cases, "lost_bits_max", i) == cell(worst, "lost_bits", w));
+            if (cell(worst, "outcome", w) != "agree_hit") continue;
+            ++values;
+            CHECK(cell(cases, "worst_t_hex", i) == cell(worst, "t_hex", w));
+            CHECK(cell(cases, "worst_origin_x_hex", i) == cell(worst, "origin_x_hex", w));
+        }
+    }
+    CHECK(values > 0);
+}
+
+TEST_CASE("cases and searches that are wrong, or asked for wrongly, write nothing") {
+    struct Case {
+        std::string text, options;
+        const char *place, *says;
+    };
+    const Case cases[] = {
+        {small_search, "", ":1:1: ", "a [search] table is for --worst; add it"},
+        {small_cases, "--worst", ":1:1: ", "--worst needs a [search] table"},
+        {head + "[family]\n[[axis]]\n", "--worst", ":1:1: ", "--worst needs a [search] table"},
+        {small_search + "metric = \"lost_bit\"\n", "--worst", ":1:1: ", "did you mean \"lost_bits\""},
+        {small_search + "metric = \"lost*\"\n", "--worst", ":1:1: ", "no metric is called"},
+        {replaced(small_search, "radius = [0.5, 2]", "radius = [2, 0.5]"), "--worst", ":8:10: ", "low <= high"},
+        {replaced(small_cases, "radius = 2", "radius = \"nan\""), "", ":6:43: ", "only a ray may hold"},
+        {replaced(small_cases, "name =", "lengths = \"emax/3\"\nname ="), "", ":5:11: ", "no exponent"},
+    };
+    for (const Case& c : cases) {
+        const Scratch scratch;
+        INFO(c.text);
+        // A good file in front of it is not begun.
+        const std::string good = c.options.empty() ? "extremes/contact" : "worst/near";
+        const auto r = run("sweep " + good + " '" + scratch.write("s.toml", c.text) + "' " + c.options + " -i sphere.press -f f32 -o '" + (scratch.path() / "out").string() + "'");
+        INFO(r.err);
+        CHECK(r.code == 2);
+        CHECK(r.err.find("s.toml" + std::string(c.place)) != std::string::npos);
+        CHECK(r.err.find(c.says) != std::string::npos);
+        CHECK(scratch.files() == std::vector<std::string>{"s.toml"});
+    }
+    const Scratch scratch;
+    const auto boxes = run("sweep '" + scratch.write("s.toml", small_cases) + "' -i 'box.*' -f f32 -o '" + (scratch.path() / "out").string() + "'");
+    CHECK(boxes.code == 4);
+    CHECK(scratch.files() == std::vector<std::string>{"s.toml"});
+}

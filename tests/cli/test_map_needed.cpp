@@ -1,0 +1,210 @@
+// `lostbits map --bits-needed` and `--envelope` from the outside.
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+
+#include <nlohmann/json.hpp>
+
+#include "catch.hpp"
+#include "output/canvas.hpp"
+#include "output/image.hpp"
+#include "output/map_colour.hpp"
+#include "output/needed_files.hpp"
+#include "program.hpp"
+
+using namespace lostbits::test;
+using namespace lostbits::output;
+
+namespace {
+
+ImageBackend& backend() {
+    setenv("LOSTBITS_IMAGE_MODULE", LOSTBITS_IMAGE_MODULE_FILE, 1);
+    return image_backend();
+}
+
+template <class Sample>
+const std::vector<Sample>& samples(const ExrImage& exr, const char* name) {
+    const auto* channel = exr.find(name);
+    REQUIRE(channel != nullptr);
+    return std::get<std::vector<Sample>>(channel->samples);
+}
+
+double number(const std::string& cell) { return cell.empty() ? std::nan("") : std::strtod(cell.c_str(), nullptr); }
+
+std::string attribute(const ExrImage& exr, const std::string& name) {
+    for (const auto& [key, value] : exr.attributes) {
+        if (key == name) return value;
+    }
+    return {};
+}
+
+std::size_t count_of(const PngImage& png, Rgb8 colour) { return static_cast<std::size_t>(std::ranges::count(png.pixels, colour)); }
+
+Rgb8 preview(const ExrImage& exr, std::size_t i) {
+    const auto byte = [&](const char* c) { return srgb_byte(static_cast<std::uint16_t>(std::lround(samples<float>(exr, c)[i] * 65535.0F))); };
+    return {byte("R"), byte("G"), byte("B")};
+}
+
+}  // namespace
+
+TEST_CASE("picture, EXR, pixels and table of the bits needed tell the same story") {
+    const Scratch scratch;
+    const auto r = run("map rtg-fig-7-3-2000-oblique --size 48x40 -i sphere.schoolbook -i sphere.unit_half_b -f f32 --bits-needed 45 --pixels csv -v -o '" + scratch.path().string() + "'");
+    INFO(r.err);
+    REQUIRE(r.code == 0);
+    const auto folder = scratch.path() / "rtg-fig-7-3-2000-oblique";
+    CHECK(r.out.find((folder / "needed.csv").string()) != std::string::npos);
+    const auto table = read_csv(folder / "needed.csv");
+    REQUIRE(table.size() == 2);
+    double beyond_in_all = 0;
+    for (const auto& row : table) {
+        const std::string stem = row.at("form") + ".needed";
+        INFO(stem);
+        const auto pixels = read_csv(folder / (stem + ".csv"));
+        const ExrImage exr = backend().read_exr(folder / (stem + ".exr"));
+        const PngImage png = backend().read_png(folder / (stem + ".png"));
+        const ColourScale scale("viridis", backend().ramp("viridis", 256), 2, 53);
+        REQUIRE(pixels.size() == 48 * 40);
+        std::vector<double> all, hits;
+        double hits_beyond = 0, misses_beyond = 0;
+        for (std::size_t i = 0; i < pixels.size(); ++i) {
+            const double needed = number(pixels[i].at("needed"));
+            const bool hit = pixels[i].at("truth") == "hit";
+            CHECK(samples<float>(exr, "bits.needed")[i] == static_cast<float>(needed));
+            CHECK(samples<std::uint32_t>(exr, "class.truth")[i] == (hit ? 1 : 0));
+            CHECK((samples<std::uint32_t>(exr, "class.truth_object")[i] == 1) == hit);
+            CHECK(preview(exr, i) == (std::isinf(needed) ? beyond_colour : scale.map(needed)));
+            if (std::isinf(needed)) {
+                CHECK(pixels[i].at("needed") == "inf");
+                ++(hit ? hits_beyond : misses_beyond);
+                continue;
+            }
+            all.push_back(needed);
+            if (hit) hits.push_back(needed);
+        }
+        beyond_in_all += hits_beyond;
+        // 48 samples across are drawn eight pixels a side; the legend's swatch comes on top.
+        CHECK((count_of(png, beyond_colour) > 64 * static_cast<std::size_t>(hits_beyond + misses_beyond)) == (hits_beyond + misses_beyond > 0));
+        CHECK(number(row.at("bits_asked")) == 45);
+        CHECK(number(row.at("pixels")) == 48 * 40);
+        CHECK(number(row.at("hits_beyond_53")) == hits_beyond);
+        CHECK(number(row.at("misses_beyond_53")) == misses_beyond);
+        CHECK(row.at("unresolved") == "0");
+        for (const auto& [prefix, values] : {std::pair{std::string("needed_"), &all}, {std::string("hit_needed_"), &hits}}) {
+            std::ranges::sort(*values);
+            if (values->empty()) {
+                CHECK(row.at(prefix + "max").empty());
+                continue;
+            }
+            const auto rank = [&](double q) { return (*values)[static_cast<std::size_t>(std::ceil(q * static_cast<double>(values->size()))) - 1]; };
+            double sum = 0;
+            for (const double v : *values) sum += v;
+            CHECK(number(row.at(prefix + "mean")) == Approx(sum / static_cast<double>(values->size())).epsilon(1e-14));
+            CHECK(number(row.at(prefix + "p50")) == rank(0.5));
+            CHECK(number(row.at(prefix + "p99")) == rank(0.99));
+            CHECK(number(row.at(prefix + "max")) == values->back());
+        }
+        CHECK(attribute(exr, "lostbits:command") == "lostbits map rtg-fig-7-3-2000-oblique -i 'sphere.schoolbook' -i 'sphere.unit_half_b' --bits-needed 45 --size 48x40");
+        CHECK(attribute(exr, "lostbits:scene") == "rtg-fig-7-3-2000-oblique");
+        CHECK(attribute(exr, "lostbits:form") == row.at("form"));
+    }
+    CHECK(beyond_in_all > 0);
+    const auto package = nlohmann::json::parse(contents(folder / "datapackage.json"));
+    std::vector<std::string> described;
+    for (const auto& resource : package["resources"]) described.push_back(resource["path"]);
+    for (const char* name : {"summary.csv", "needed.csv", "sphere.schoolbook.needed.csv"}) CHECK(std::ranges::count(described, name) == 1);
+}
+
+TEST_CASE("bits needed: the same bytes for any number of threads, and the map beside them as without") {
+    const Scratch scratch;
+    // More pixels than a band has, so that rows come in two instalments.
+    const std::string what = "map near-benign --size 150x230 -i sphere.schoolbook -i sphere.unit_half_b -f f32 --pixels csv";
+    const auto out = [&](const char* name) { return " -o '" + (scratch.path() / name).string() + "'"; };
+    REQUIRE(run(what + " --bits-needed 12 -j 1" + out("one")).code == 0);
+    REQUIRE(run(what + " --bits-needed 12 -j 5" + out("two")).code == 0);
+    REQUIRE(run(what + out("plain")).code == 0);
+    std::size_t needed = 0, others = 0;
+    for (const auto& name : scratch.files()) {
+        if (name.rfind("one/", 0) != 0) continue;
+        INFO(name);
+        const std::string rest = name.substr(4), bytes = contents(scratch.path() / name);
+        CHECK_FALSE(bytes.empty());
+        CHECK(bytes == contents(scratch.path() / "two" / rest));
+        if (rest.find("needed") != std::string::npos) {
+            CHECK_FALSE(std::filesystem::exists(scratch.path() / "plain" / rest));
+            ++needed;
+        } else if (rest.find("datapackage") == std::string::npos) {
+            CHECK(bytes == contents(scratch.path() / "plain" / rest));
+            ++others;
+        }
+    }
+    CHECK(needed == 1 + 2 * 3);
+    CHECK(others == 2 + 2 * 3);
+}
+
+TEST_CASE("bits needed: forms of one format are left out with a note") {
+    const Scratch scratch;
+    const std::string scene = "'" + scratch.write("scene.toml", good_scene) + "'";
+    const std::string out = " --bits-needed 12 -o '" + (scratch.path() / "out").string() + "'";
+    const auto both = run("map " + scene + " -i sphere.double_inside -i sphere.unified" + out);
+    CHECK(both.code == 0);
+    CHECK(both.err.find("sphere.double_inside") != std::string::npos);
+    CHECK(both.err.find("sphere.unified") == std::string::npos);
+    CHECK(std::filesystem::exists(scratch.path() / "out/scene/sphere.unified.needed.exr"));
+    CHECK_FALSE(std::filesystem::exists(scratch.path() / "out/scene/sphere.double_inside.needed.exr"));
+    CHECK(std::filesystem::exists(scratch.path() / "out/scene/sphere.double_inside.f32.exr"));
+    CHECK(run("map " + scene + " -q -i sphere.double_inside -i sphere.unified" + out).err.empty());
+    std::filesystem::remove_all(scratch.path() / "out");
+    const auto alone = run("map " + scene + " -i sphere.double_inside" + out);
+    CHECK(alone.code == 4);
+    CHECK(alone.err.find("--bits-needed") != std::string::npos);
+    CHECK(scratch.files() == std::vector<std::string>{"scene.toml"});
+}
+
+TEST_CASE("bits needed and the envelope refuse what makes no sense, and write nothing") {
+    const Scratch scratch;
+    const std::string scene = "'" + scratch.write("scene.toml", good_scene) + "'";
+    const std::string out = " -i sphere.unified -f f32 -o '" + (scratch.path() / "out").string() + "'";
+    for (const char* option : {"--bits-needed 0", "--bits-needed 53", "--bits-needed=-1", "--bits-needed 12.5", "--bits-needed all", "--envelope --metric residual"}) {
+        INFO(option);
+        const auto r = run("map " + scene + " " + option + out);
+        INFO(r.err);
+        CHECK(r.code == 2);
+        CHECK(r.out.empty());
+        CHECK(r.err.find(std::string(option).substr(0, 10)) != std::string::npos);
+        CHECK(scratch.files() == std::vector<std::string>{"scene.toml"});
+    }
+    CHECK(run("map " + scene + " --bits-needed 1" + out).code == 0);
+    CHECK(run("map " + scene + " --bits-needed 52" + out).code == 0);
+}
+
+TEST_CASE("the envelope draws lost bits paler exactly where the problem explains them") {
+    const Scratch scratch;
+    const std::string what = "map grazing --size 96x96 -i sphere.schoolbook -f f32 -f f64 --metric lost_bits --metric excess_bits -o '";
+    REQUIRE(run(what + (scratch.path() / "with").string() + "' --envelope").code == 0);
+    REQUIRE(run(what + (scratch.path() / "without").string() + "'").code == 0);
+    const ColourScale scale("viridis", backend().ramp("viridis", 256), 0, 24);
+    const Rgb8 swatch = paler(scale.map(12));
+    for (const char* format : {"f32", "f64"}) {
+        INFO(format);
+        const std::string stem = std::string("grazing/sphere.schoolbook.") + format;
+        const ExrImage with = backend().read_exr(scratch.path() / "with" / (stem + ".exr")), without = backend().read_exr(scratch.path() / "without" / (stem + ".exr"));
+        std::size_t inside = 0, lossy_outside = 0;
+        for (std::size_t i = 0; i < 96 * 96; ++i) {
+            const float lost = samples<float>(with, "bits.lost")[i], excess = samples<float>(with, "condition.excess")[i];
+            const bool in = lost >= 1 && excess < 1;
+            CHECK(preview(with, i) == (in ? paler(preview(without, i)) : preview(without, i)));
+            inside += in;
+            lossy_outside += lost >= 1 && !in;
+        }
+        CHECK(inside > 100);
+        if (std::string(format) == "f32") CHECK(lossy_outside > 100);
+        // The picture shows it, and says so; that of another metric stays as it was.
+        const auto picture = [&](const char* folder, const char* metric) { return backend().read_png(scratch.path() / folder / (stem + "." + metric + ".png")); };
+        CHECK(count_of(picture("with", "lost_bits"), swatch) >= 100);
+        CHECK(count_of(picture("without", "lost_bits"), swatch) == 0);
+        CHECK(picture("with", "excess_bits").pixels == picture("without", "excess_bits").pixels);
+    }
+    CHECK(count_of(backend().read_png(scratch.path() / "with/grazing/contact.png"), swatch) >= 100);
+    CHECK(contents(scratch.path() / "with/grazing/summary.csv") == contents(scratch.path() / "without/grazing/summary.csv"));
+}

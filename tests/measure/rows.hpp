@@ -1,0 +1,69 @@
+// Rows, metrics and files for tests of what runs over them.
+#pragma once
+
+#include <stdlib.h>
+#include <tbb/global_control.h>
+
+#include <filesystem>
+#include <fstream>
+#include <initializer_list>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "measure/map.hpp"
+
+namespace lostbits::testing {
+
+inline const Intersector& form_named(std::string_view name) {
+    for (const Intersector& form : intersectors()) {
+        if (form.info->name == name) return form;
+    }
+    throw std::logic_error("no form " + std::string(name));
+}
+
+inline MapRow row(std::string_view form, std::string_view format) { return {&form_named(form), find_format(format).value()}; }
+
+/// Every form of the shape in every of these formats that it exists in.
+inline std::vector<MapRow> all_rows(Shape shape, std::initializer_list<std::string_view> formats) {
+    std::vector<MapRow> rows;
+    for (const std::string_view name : formats) {
+        const Format format = find_format(name).value();
+        for (const Intersector& form : intersectors(shape)) {
+            if (form.exists_in(format)) rows.push_back({&form, format});
+        }
+    }
+    return rows;
+}
+
+inline const std::vector<const Metric*> case_metrics{find_metric("lost_bits"), find_metric("excess_bits")};
+
+/// A file that goes away with the test.
+class TextFile {
+public:
+    explicit TextFile(const std::string& text) {
+        std::string folder = (std::filesystem::temp_directory_path() / "lostbits-test-XXXXXX").string();
+        if (!::mkdtemp(folder.data())) throw std::runtime_error("no scratch folder");
+        folder_ = folder;
+        std::ofstream(path(), std::ios::binary) << text;
+    }
+    ~TextFile() {
+        std::error_code ignored;
+        std::filesystem::remove_all(folder_, ignored);
+    }
+    TextFile(const TextFile&) = delete;
+    TextFile& operator=(const TextFile&) = delete;
+    [[nodiscard]] std::filesystem::path path() const { return folder_ / "t.toml"; }
+
+private:
+    std::filesystem::path folder_;
+};
+
+/// At most so many threads while it lives.
+struct Threads {
+    explicit Threads(std::size_t count) : control(tbb::global_control::max_allowed_parallelism, count) {}
+    tbb::global_control control;
+};
+
+}  // namespace lostbits::testing
