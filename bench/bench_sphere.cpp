@@ -130,7 +130,7 @@ void register_all() {
         benchmark::RegisterBenchmark((name + "/without_rounding").c_str(), [&i](benchmark::State& s) { self(s, i); });
     }
     for (const Isa isa : available_isas())
-        for (const PackedRow& row : packed_sphere_rows(isa)) {
+        for (const PackedRow& row : packed_rows(isa).first(sphere_intersectors().size())) {
             const std::string name = "packed_" + std::string(name_of(isa)) + "/" + std::string(row.info->name);
             benchmark::RegisterBenchmark((name + "/f32").c_str(), [&row](benchmark::State& s) { form<float>(s, row.f32); });
             if (row.f64) benchmark::RegisterBenchmark((name + "/f64").c_str(), [&row](benchmark::State& s) { form<double>(s, row.f64); });

@@ -83,4 +83,12 @@ using BoxForms = FormList<  //
     box::EmbreeRobust       //
     >;
 
+/// Every form of every shape, in the order of the tables.
+inline constexpr std::size_t form_count = SphereForms::size + BoxForms::size;
+template <class Visitor>
+void for_each_form(Visitor&& visit) {
+    SphereForms::for_each(visit);
+    BoxForms::for_each(visit);
+}
+
 }  // namespace lostbits

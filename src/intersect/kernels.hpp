@@ -5,13 +5,13 @@
 
 #include "intersect/catalogue.hpp"
 #include "intersect/table.hpp"
+#include "intersect/takes.hpp"
 
 namespace lostbits {
 
 /// The shape that a form's `intersect` takes.
 template <class Form>
-inline constexpr Shape shape_of =
-    std::is_invocable_v<decltype(&Form::template intersect<float>), const Ray<float>&, const Sphere<float>&> ? Shape::sphere : Shape::box;
+inline constexpr Shape shape_of = takes_sphere<Form> ? Shape::sphere : Shape::box;
 
 /// `Form::intersect` on a solid of the form's shape; `tmax` reaches the forms that are told where a ray ends.
 template <class Form, class T>

@@ -9,7 +9,7 @@
 namespace lostbits {
 namespace {
 
-constexpr std::size_t forms = SphereForms::size;
+constexpr std::size_t forms = form_count;
 
 constexpr std::size_t bytes_of(Isa isa) { return isa == Isa::w512 ? 64 : isa == Isa::w256 ? 32 : 16; }
 
@@ -21,7 +21,7 @@ using RawKernel = void (*)(const RawBatch<F>&);
 template <class F>
 struct Tail {
     static constexpr std::size_t most = 64 / sizeof(F);
-    F rays[6][most];
+    F rays[6][most], tmax[most];
     F t[most], near[most], far[most];
     std::uint8_t hit[most];
 };
@@ -29,10 +29,13 @@ struct Tail {
 template <class F>
 void run_tail(RawKernel<F> kernel, std::size_t lanes, const RawBatch<F>& rest) {
     Tail<F> tail;
-    for (int c = 0; c < 6; ++c)
-        for (std::size_t k = 0; k < lanes; ++k) tail.rays[c][k] = rest.rays[c][std::min(k, rest.size - 1)];
+    const auto fill = [&](F* to, const F* from) {
+        for (std::size_t k = 0; k < lanes; ++k) to[k] = from[std::min(k, rest.size - 1)];
+    };
+    for (int c = 0; c < 6; ++c) fill(tail.rays[c], rest.rays[c]);
+    if (rest.tmax) fill(tail.tmax, rest.tmax);
     const auto& in = tail.rays;
-    kernel({{in[0], in[1], in[2], in[3], in[4], in[5]}, rest.sphere, tail.t, tail.near, tail.far, tail.hit, lanes});
+    kernel({{in[0], in[1], in[2], in[3], in[4], in[5]}, rest.tmax ? tail.tmax : nullptr, rest.solid, tail.t, tail.near, tail.far, tail.hit, lanes});
     std::copy_n(tail.t, rest.size, rest.t);
     std::copy_n(tail.near, rest.size, rest.near);
     std::copy_n(tail.far, rest.size, rest.far);
@@ -41,11 +44,10 @@ void run_tail(RawKernel<F> kernel, std::size_t lanes, const RawBatch<F>& rest) {
 
 template <class F>
 void run(RawKernel<F> kernel, std::size_t lanes, const RayBatch<F>& rays, const Solid<F>& solid, const HitBatch<F>& hits) {
-    const Sphere<F> sphere = solid.sphere();
-    const F numbers[4] = {sphere.centre.x, sphere.centre.y, sphere.centre.z, sphere.radius};
     const auto from = [&](std::size_t i, std::size_t size) {
         return RawBatch<F>{{rays.ox.data() + i, rays.oy.data() + i, rays.oz.data() + i, rays.dx.data() + i, rays.dy.data() + i, rays.dz.data() + i},
-                           numbers,
+                           rays.tmax.empty() ? nullptr : rays.tmax.data() + i,
+                           solid.numbers.data(),
                            hits.t.data() + i,
                            hits.near.data() + i,
                            hits.far.data() + i,
@@ -84,7 +86,7 @@ void run64(const RayBatch<double>& rays, const Solid<double>& solid, const HitBa
 template <Isa isa>
 std::span<const PackedRow> rows_of() {
     static const auto rows = []<std::size_t... form>(std::index_sequence<form...>) {
-        const auto scalar = sphere_intersectors();
+        const auto scalar = intersectors();
         const auto& raw = raw_rows<isa>();
         return std::array<PackedRow, forms>{PackedRow{scalar[form].info, run32<isa, form>, raw[form].f64 ? run64<isa, form> : nullptr}...};
     }(std::make_index_sequence<forms>{});
@@ -94,7 +96,7 @@ std::span<const PackedRow> rows_of() {
 std::span<const PackedRow> scalar_rows() {
     static const auto rows = [] {
         std::array<PackedRow, forms> filled{};
-        std::ranges::transform(sphere_intersectors(), filled.begin(), [](const Intersector& i) { return PackedRow{i.info, i.native32, i.native64}; });
+        std::ranges::transform(intersectors(), filled.begin(), [](const Intersector& i) { return PackedRow{i.info, i.native32, i.native64}; });
         return filled;
     }();
     return rows;
@@ -130,7 +132,7 @@ std::vector<Isa> available_isas() {
 
 Isa best_isa() { return available_isas().back(); }
 
-std::span<const PackedRow> packed_sphere_rows(Isa isa) {
+std::span<const PackedRow> packed_rows(Isa isa) {
     if (!runs(isa)) return {};
     switch (isa) {
         case Isa::scalar: return scalar_rows();

@@ -35,8 +35,8 @@ struct PackedRow {
     decltype(Intersector::native64) f64;
 };
 
-/// Every sphere form, in the catalogue's order; `scalar` are the rows of the table themselves. Empty where `isa` is
+/// Every form, in the order of `intersectors()`; `scalar` are the rows of the table themselves. Empty where `isa` is
 /// not available: calling such a kernel would be an illegal instruction.
-std::span<const PackedRow> packed_sphere_rows(Isa isa);
+std::span<const PackedRow> packed_rows(Isa isa);
 
 }  // namespace lostbits

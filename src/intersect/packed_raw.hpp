@@ -6,11 +6,12 @@
 
 namespace lostbits {
 
-/// Whole packs of rays against one sphere (centre, radius), structure of arrays: `size` is a multiple of the lanes.
+/// Whole packs of rays against one solid, structure of arrays: `size` is a multiple of the lanes.
 template <class F>
 struct RawBatch {
     const F* rays[6];  ///< ox, oy, oz, dx, dy, dz
-    const F* sphere;
+    const F* tmax;     ///< where each ray ends; null: nowhere
+    const F* solid;    ///< the numbers of the form's shape, in the order of `Solid`
     F *t, *near, *far;
     std::uint8_t* hit;
     std::size_t size;
@@ -21,7 +22,7 @@ struct RawRow {
     void (*f64)(const RawBatch<double>&);
 };
 
-/// One function a register width, each in an object of its own: fills a row for each sphere form, in the catalogue's order.
+/// One function a register width, each in an object of its own: fills a row for each form, in the order of the tables.
 void fill_packed_w128(RawRow* rows);
 void fill_packed_w256(RawRow* rows);
 void fill_packed_w512(RawRow* rows);

@@ -1,4 +1,4 @@
-// Sphere forms in 128-bit registers: the baseline: SSE2 on x86-64, NEON on AArch64. No FMA is assumed.
+// The forms in 128-bit registers: the baseline: SSE2 on x86-64, NEON on AArch64. No FMA is assumed.
 #include "intersect/packed_kernels.hpp"
 
 namespace lostbits {

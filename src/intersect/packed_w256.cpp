@@ -1,4 +1,4 @@
-// Sphere forms in 256-bit registers: AVX2 and FMA.
+// The forms in 256-bit registers: AVX2 and FMA.
 #include "intersect/packed_kernels.hpp"
 
 namespace lostbits {

@@ -1,4 +1,4 @@
-// Sphere forms in 512-bit registers: AVX-512 F, DQ and VL.
+// The forms in 512-bit registers: AVX-512 F, DQ and VL.
 #include "intersect/packed_kernels.hpp"
 
 namespace lostbits {

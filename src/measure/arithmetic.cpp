@@ -63,12 +63,22 @@ double radius_over_l(const FloatFormat& f, double part) {
     });
 }
 
+/// 0·∞ is NaN, for either sign of both.
+double zero_times_infinity(const FloatFormat& f, double) {
+    int yes = 0;
+    for (const double zero : {0.0, -0.0}) {
+        for (const double infinity : {HUGE_VAL, -HUGE_VAL}) yes += std::isnan(rounding::mul(zero, infinity, f));
+    }
+    return yes / 4.0;
+}
+
 constexpr ArithmeticRow rows[] = {
     {"sum", "ratio", "a + a/ratio = a", sum<1>},
     {"sum_power_of_two", "ratio", "the same for a = 1", power_of_two<1>},
     {"difference", "ratio", "a - a/ratio = a", sum<-1>},
     {"difference_power_of_two", "ratio", "the same for a = 1", power_of_two<-1>},
     {"ff_minus_r2", "distance in radii", "f.f - r^2 = f.f: the radius has no influence on c", far_radius},
+    {"zero_times_infinity", "nothing", "0 times infinity is NaN", zero_times_infinity},
     {"r2_minus_l2", "l/r", "r^2 - l^2 does not notice that r^2 becomes the next number", radius_over_l},
 };
 

@@ -8,12 +8,12 @@
 
 namespace lostbits {
 
-/// A row of the table "arithmetic": the share of seeded samples whose result an operand does not influence.
+/// A row of the table "arithmetic": a share of seeded samples, mostly of those whose result an operand does not influence.
 struct ArithmeticRow {
     std::string_view name;
     std::string_view argument;  ///< what `at` stands for
     std::string_view meaning;
-    double (*unnoticed)(const FloatFormat&, double at);
+    double (*fraction)(const FloatFormat&, double at);
 };
 
 /// All rows. Their samples are 4096 significands drawn with one seed, every result correctly rounded in the format.

@@ -7,9 +7,13 @@
 
 namespace lostbits {
 
-MapSummary run_case(const CaseRequest& request, std::size_t row, std::size_t number) {
+MapSummary run_cases_together(const CaseRequest& request, std::size_t row, const std::vector<std::size_t>& numbers) {
     const MapRow& what = request.rows[row];
-    return std::move(measure_groups(request.file->rays(number, what.format.shape), {what}, request.metrics, request.limit).front());
+    std::vector<scene::RayGroup> groups;
+    for (const std::size_t number : numbers) {
+        for (scene::RayGroup& group : request.file->rays(number, what.format.shape)) groups.push_back(std::move(group));
+    }
+    return std::move(measure_groups(std::move(groups), {what}, request.metrics, request.limit).front());
 }
 
 std::vector<std::vector<MapSummary>> run_cases(const CaseRequest& request) {

@@ -26,8 +26,8 @@ struct CaseRequest {
 /// Every row of every case, in the file's order; in parallel over the cases. Each format gets the case's rays as its own
 /// numbers, and its own truth.
 std::vector<std::vector<MapSummary>> run_cases(const CaseRequest& request);
-/// One row of one case.
-MapSummary run_case(const CaseRequest& request, std::size_t row, std::size_t number);
+/// One row over several cases as if they were one.
+MapSummary run_cases_together(const CaseRequest& request, std::size_t row, const std::vector<std::size_t>& numbers);
 
 /// `right`: every decision is, and no answer is more than `within` bits beyond the envelope of half an ulp in each input.
 Verdict verdict_of(const MapSummary& summary, const std::vector<const Metric*>& metrics, double within);

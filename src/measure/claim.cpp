@@ -8,6 +8,7 @@
 #include "intersect/packed.hpp"
 #include "measure/arithmetic.hpp"
 #include "measure/cases.hpp"
+#include "measure/closest.hpp"
 #include "number/error.hpp"
 #include "scene/did_you_mean.hpp"
 
@@ -102,24 +103,34 @@ void measure_cases(const std::vector<Claim>& claims, const Places& places, const
     for (std::size_t k = 0; k < places.size(); ++k) {
         const Claim& claim = claims[places[k]];
         if (claim.case_name.empty()) scene::fail(claim.where, "sweep \"" + claim.sweep + "\" has cases, not axes; write `case = \"...\"` in claim.given");
-        const auto summary = run_case(request, k, file.find(claim.case_name, claim.where));
+        const auto summary = run_cases_together(request, k, file.matching(claim.case_name, claim.where));
         results[places[k]] = judge(claim, summary_value(summary, request.metrics, claim.metric, claim.where.text()), &summary);
     }
+}
+
+double arithmetic_value(const Claim& claim) {
+    const auto rows = arithmetic_rows();
+    const auto row = std::ranges::find(rows, claim.row, &ArithmeticRow::name);
+    if (row != rows.end()) return row->fraction(format_of(claim).shape, claim.at.front());
+    std::vector<std::string> names;
+    for (const ArithmeticRow& r : rows) names.emplace_back(r.name);
+    scene::fail(claim.where, "unknown row \"" + claim.row + "\"; " + scene::did_you_mean(claim.row, names));
+}
+
+double closest_value(const Claim& claim) {
+    Claim form = claim;
+    form.form = claim.row;
+    return find_for(claim, [&] { return differs_with_closest(claim_row(form), claim.at.front()); });
 }
 
 void measure_table(const std::vector<Claim>& claims, const Places& places, std::vector<ClaimResult>& results) {
     for (const std::size_t i : places) {
         const Claim& claim = claims[i];
-        if (claim.table != "arithmetic") scene::fail(claim.where, "unknown table \"" + claim.table + "\"; there is \"arithmetic\"");
-        const auto rows = arithmetic_rows();
-        const auto row = std::ranges::find(rows, claim.row, &ArithmeticRow::name);
-        if (row == rows.end()) {
-            std::vector<std::string> names;
-            for (const ArithmeticRow& r : rows) names.emplace_back(r.name);
-            scene::fail(claim.where, "unknown row \"" + claim.row + "\"; " + scene::did_you_mean(claim.row, names));
+        if (claim.table != "arithmetic" && claim.table != "closest_as_tmax") {
+            scene::fail(claim.where, "unknown table \"" + claim.table + "\"; there are \"arithmetic\" and \"closest_as_tmax\", whose rows are box forms");
         }
-        if (claim.metric != "unnoticed_fraction") scene::fail(claim.where, "unknown metric \"" + claim.metric + "\"; the table has unnoticed_fraction");
-        results[i] = judge(claim, row->unnoticed(format_of(claim).shape, claim.at.front()), nullptr);
+        if (claim.metric != "fraction") scene::fail(claim.where, "unknown metric \"" + claim.metric + "\"; a table has fraction");
+        results[i] = judge(claim, claim.table == "arithmetic" ? arithmetic_value(claim) : closest_value(claim), nullptr);
     }
 }
 
@@ -147,6 +158,7 @@ void measure_sweep(const std::vector<Claim>& claims, const Places& places, const
     bool onsets_wanted = false;
     for (const std::size_t i : places) {
         request.rows.push_back(claim_row(claims[i]));
+        if (!claims[i].convention) request.rows.back().judged = sweep.convention;
         onsets_wanted |= !claims[i].onset.empty();
     }
     std::vector<Onset> onsets;

@@ -3,6 +3,7 @@
 
 #include "number/archetype.hpp"
 #include "number/ball.hpp"
+#include "number/counted.hpp"
 #include "number/dual.hpp"
 #include "number/interval.hpp"
 #include "number/pack.hpp"
@@ -33,7 +34,9 @@ using RunnableNumbers = TypeList<  //
     Real,                          // what does the formula give with no rounding?
     Dual<double, 2>,               // how sensitive is the problem itself?
     Pack<float, Registers<16>>,    // what does it cost in bulk?
-    Pack<double, Registers<16>>    //
+    Pack<double, Registers<16>>,   //
+    Counted<float>,                // what does it cost in operations?
+    Counted<double>                //
     >;
 
 }  // namespace lostbits

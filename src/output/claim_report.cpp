@@ -124,7 +124,8 @@ std::string picture_sweep(const std::filesystem::path& folder, const std::vector
         return text;
     }
     const scene::SweepFile sweep(path, data_dir);
-    const SweepRequest request{.sweep = &sweep, .rows = rows, .metrics = drawn_metrics()};
+    SweepRequest request{.sweep = &sweep, .rows = rows, .metrics = drawn_metrics()};
+    for (MapRow& row : request.rows) row.judged = row.judged ? row.judged : sweep.convention;
     const auto steps = run_sweep(request);
     std::string text;
     if (sweep.axes.size() == 2) {

@@ -20,7 +20,7 @@ std::string count_text(std::uint64_t count, std::uint64_t total) {
 }
 
 Rgb8 paler(Rgb8 c) {
-    const auto mixed = [](std::uint8_t x, std::uint8_t page) { return static_cast<std::uint8_t>((2 * x + 3 * page) / 5); };
+    const auto mixed = [](std::uint8_t x, std::uint8_t page) { return static_cast<std::uint8_t>((x + page) / 2); };
     return {mixed(c.r, style::page.r), mixed(c.g, style::page.g), mixed(c.b, style::page.b)};
 }
 

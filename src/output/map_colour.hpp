@@ -20,7 +20,7 @@ Rgb8 pixel_colour(const ColourScale& scale, Outcome outcome, double value);
 
 /// Whether the problem explains a loss: there is one, and less than one bit of it lies beyond the envelope.
 inline bool inside_envelope(double lost, double excess) { return lost >= 1 && excess < 1; }
-/// A colour drawn back: three of its five parts are page. Marks what the problem, not the form, is to blame for.
+/// A colour drawn back: half of it is page. Marks what the problem, not the form, is to blame for.
 Rgb8 paler(Rgb8 colour);
 
 /// `false miss`: an outcome in words.

@@ -1,5 +1,7 @@
 #include "scene/case_file.hpp"
 
+#include <fnmatch.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -126,12 +128,15 @@ CaseFile::CaseFile(const std::filesystem::path& path) : id(path.stem().string())
     if (cases_.empty()) fail(file.where(), "has no [[case]]");
 }
 
-std::size_t CaseFile::find(const std::string& name, const Where& where) const {
+std::vector<std::size_t> CaseFile::matching(const std::string& glob, const Where& where) const {
     std::vector<std::string> names;
-    for (const Case& c : cases_) names.push_back(c.name);
-    const auto found = std::ranges::find(names, name);
-    if (found == names.end()) fail(where, "no case \"" + name + "\" in " + id + "; " + did_you_mean(name, names));
-    return static_cast<std::size_t>(found - names.begin());
+    std::vector<std::size_t> found;
+    for (std::size_t i = 0; i < cases_.size(); ++i) {
+        names.push_back(cases_[i].name);
+        if (fnmatch(glob.c_str(), cases_[i].name.c_str(), 0) == 0) found.push_back(i);
+    }
+    if (found.empty()) fail(where, "no case \"" + glob + "\" in " + id + "; " + did_you_mean(glob, names));
+    return found;
 }
 
 std::vector<RayGroup> CaseFile::rays(std::size_t i, const FloatFormat& format) const {

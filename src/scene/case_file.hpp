@@ -28,8 +28,8 @@ public:
     [[nodiscard]] const std::string& name(std::size_t i) const { return cases_[i].name; }
     [[nodiscard]] const std::string& note_of(std::size_t i) const { return cases_[i].note; }
     [[nodiscard]] Shape shape() const { return cases_.front().solids.front().shape; }
-    /// The place of the case of that name; InputError with did-you-mean, `where` in front.
-    [[nodiscard]] std::size_t find(const std::string& name, const Where& where) const;
+    /// The places of the cases whose name matches a glob; InputError with did-you-mean, `where` in front.
+    [[nodiscard]] std::vector<std::size_t> matching(const std::string& glob, const Where& where) const;
 
     /// The rays of a case as numbers of the format, by groups that share their solids. They need be no proper rays:
     /// components may be NaN or infinite, directions zero.

@@ -85,9 +85,9 @@ TEST_CASE("a claim about a case, a place of a plane and a row of a table") {
         "c.toml", head + claim("case", "sweep = \"extremes/contact\"\ncase = \"one ulp outside the tangent\"\n" + form, "metric = \"false_hit_fraction\"\nin = [1, 1]\n") +
                       claim("plane", "sweep = \"sphere-height\"\nat = [1e6, 1]\n" + form, "metric = \"lost_bits_p50\"\nin = [15, 20]\n") +
                       // 1 + 2^-24 is a tie and goes to even, 1 - 2^-24 is a float.
-                      claim("sum", "table = \"arithmetic\"\nrow = \"sum_power_of_two\"\nformat = \"f32\"\nat = 16777216\n", "metric = \"unnoticed_fraction\"\nin = [1, 1]\n") +
+                      claim("sum", "table = \"arithmetic\"\nrow = \"sum_power_of_two\"\nformat = \"f32\"\nat = 16777216\n", "metric = \"fraction\"\nin = [1, 1]\n") +
                       claim("difference", "table = \"arithmetic\"\nrow = \"difference_power_of_two\"\nformat = \"f32\"\nat = 16777216\n",
-                            "metric = \"unnoticed_fraction\"\nin = [0, 0]\n"));
+                            "metric = \"fraction\"\nin = [0, 0]\n"));
     const auto r = run("check '" + file + "'");
     INFO(r.out << r.err);
     CHECK(r.code == 0);
@@ -121,7 +121,7 @@ TEST_CASE("bad claims are refused with their place") {
         {head + claim("a", inside, "onset = \"lost_bits\"\nin = [0, 1]\n"), "sweep"},
         {head + claim("a", "sweep = \"extremes/contact\"\nform = \"sphere.press\"\nformat = \"f32\"\ncase = \"eye at the center\"\n", all_missed), "eye at the centre"},
         {head + claim("a", "sweep = \"sphere-height\"\nform = \"sphere.press\"\nformat = \"f32\"\nat = 1\n", all_missed), "2 axes"},
-        {head + claim("a", "table = \"arithmetic\"\nrow = \"summ\"\nformat = \"f32\"\nat = 1\n", "metric = \"unnoticed_fraction\"\nin = [0, 1]\n"), "sum"},
+        {head + claim("a", "table = \"arithmetic\"\nrow = \"summ\"\nformat = \"f32\"\nat = 1\n", "metric = \"fraction\"\nin = [0, 1]\n"), "sum"},
         {head + claim("a", inside, all_missed, "sverity = \"warn\"\n"), "severity"},
     };
     for (const Case& c : cases) {

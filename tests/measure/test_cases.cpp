@@ -83,7 +83,7 @@ TEST_CASE("verdicts that follow by hand") {
         CHECK(verdict_of(cases[i][1], request.metrics, 3) == expected[i].in_f64);
         CHECK(cases[i][0].rays == 1);
         // One row of one case is the same as that row among all.
-        const MapSummary alone = run_case(request, 0, i);
+        const MapSummary alone = run_cases_together(request, 0, {i});
         CHECK(alone.outcomes == cases[i][0].outcomes);
         CHECK(same(alone.metrics[0].quantile(1), cases[i][0].metrics[0].quantile(1)));
     }

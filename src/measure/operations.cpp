@@ -1,0 +1,23 @@
+#include "measure/operations.hpp"
+
+#include "intersect/rows.hpp"
+
+namespace lostbits {
+
+OperationCounts operations_of(const Info& form, const Ray<float>& ray, const Solid<float>& solid, float tmax) {
+    using T = Counted<float>;
+    const auto input = [](float x) { return T(x); };
+    const auto vec = [&](const Vec<float>& v) { return Vec<T>(input(v.x), input(v.y), input(v.z)); };
+    OperationCounts found;
+    for_each_form([&]<class Form>() {
+        if (Form::info.name != form.name) return;
+        const Ray<T> inputs{vec(ray.origin), vec(ray.direction)};
+        const Solid<T> target = transformed(solid, input);
+        operation_counts() = {};
+        static_cast<void>(intersect_solid<Form>(inputs, target, input(tmax)));
+        found = operation_counts();
+    });
+    return found;
+}
+
+}  // namespace lostbits

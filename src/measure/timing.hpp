@@ -1,0 +1,60 @@
+// Time, measured so that a disturbance hits all alike: every piece of work once a round, over many rounds.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <vector>
+
+namespace lostbits {
+
+/// Keeps the calling thread on the processor that it runs on, and lets it go where it could before. Does nothing where the
+/// system refuses.
+class PinnedThread {
+public:
+    PinnedThread();
+    ~PinnedThread();
+    PinnedThread(const PinnedThread&) = delete;
+    PinnedThread& operator=(const PinnedThread&) = delete;
+    /// The processor, or −1 where it was refused.
+    [[nodiscard]] int processor() const { return processor_; }
+
+private:
+    int processor_ = -1;
+    std::vector<unsigned long> before_;  ///< the set of processors that was allowed, as the system writes it
+};
+
+/// Bytes of the first- and second-level data cache of a core and of the last level, as the system tells; 32 KiB, 1 MiB and
+/// 8 MiB where it does not.
+struct CacheSizes {
+    std::size_t l1, l2, last;
+};
+CacheSizes cache_sizes();
+
+/// Something whose time is asked for. `pass` leaves its results in memory.
+struct TimedWork {
+    std::function<void()> pass;
+    std::size_t items;  ///< a pass
+    bool warm;          ///< whether a pass that is not timed comes first, so that the data lie where they did the last time
+};
+
+struct TimingPlan {
+    int repetitions = 15;
+    double least_seconds = 1.5e-3;  ///< of a measurement: passes are repeated until it lasts so long
+    std::uint64_t seed = 1;         ///< of the order of the work, which is another in each round
+    std::function<void(std::uint64_t)> progress = [](std::uint64_t) {};  ///< units done; may throw to stop
+};
+
+/// Seconds an item: median and quartiles of the repetitions.
+struct Timing {
+    double median = 0, low_quartile = 0, high_quartile = 0;
+};
+
+/// By steady_clock, on one processor. One unit of progress a piece of work and repetition.
+std::vector<Timing> time_interleaved(std::span<const TimedWork> work, const TimingPlan& plan);
+
+/// Median and quartiles, between two samples where the rank falls there. At least one sample.
+Timing timing_of(std::vector<double> samples);
+
+}  // namespace lostbits

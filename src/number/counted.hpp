@@ -1,0 +1,110 @@
+// Counted: what does a formula cost in operations? A native number that counts, by kind, what is done to it.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <string_view>
+
+#include "number/concept.hpp"
+#include "number/format.hpp"
+
+namespace lostbits {
+
+/// `add` also stands for subtract, `choose` for select, min and max, `sign` for −x, |x| and copysign, `neighbour` for the next
+/// number up or down, `convert` for the way to and from a wider format.
+enum class Operation : std::uint8_t { add, mul, div, sqrt, fma, compare, choose, sign, neighbour, convert };
+
+inline constexpr std::array<std::string_view, 10> operation_names{"add", "mul", "div", "sqrt", "fma", "compare", "choose", "sign", "neighbour", "convert"};
+
+struct OperationCounts {
+    std::array<std::uint64_t, operation_names.size()> of{};
+    [[nodiscard]] std::uint64_t operator[](Operation o) const { return of[static_cast<std::size_t>(o)]; }
+    std::uint64_t& operator[](Operation o) { return of[static_cast<std::size_t>(o)]; }
+    friend bool operator==(const OperationCounts&, const OperationCounts&) = default;
+};
+
+/// What this thread has done since it last set them to zero.
+inline OperationCounts& operation_counts() {
+    static thread_local OperationCounts counts;
+    return counts;
+}
+
+/// F with a count. What has constants alone for operands is itself a constant and free, as a compiler would have it:
+/// `T(1) / T(2)` costs nothing. A formula is counted as it is written; common subexpressions count each time.
+template <class F>
+class Counted {
+public:
+    explicit Counted(int x) : value_(static_cast<F>(x)), constant_(true) {}
+    /// An input.
+    template <std::floating_point X>
+    explicit Counted(X x) : value_(static_cast<F>(x)), constant_(false) {}
+
+    [[nodiscard]] F value() const { return value_; }
+    static constexpr FloatFormat format() { return sizeof(F) == sizeof(float) ? binary32 : binary64; }
+
+    friend Counted operator+(const Counted& a, const Counted& b) { return counted(Operation::add, a.value_ + b.value_, a, b); }
+    friend Counted operator-(const Counted& a, const Counted& b) { return counted(Operation::add, a.value_ - b.value_, a, b); }
+    friend Counted operator*(const Counted& a, const Counted& b) { return counted(Operation::mul, a.value_ * b.value_, a, b); }
+    friend Counted operator/(const Counted& a, const Counted& b) { return counted(Operation::div, a.value_ / b.value_, a, b); }
+    friend Counted operator-(const Counted& a) { return counted(Operation::sign, -a.value_, a); }
+    Counted& operator+=(const Counted& b) { return *this = *this + b; }
+    Counted& operator-=(const Counted& b) { return *this = *this - b; }
+    Counted& operator*=(const Counted& b) { return *this = *this * b; }
+
+    friend bool operator<(const Counted& a, const Counted& b) { return note(Operation::compare, a, b), a.value_ < b.value_; }
+    friend bool operator<=(const Counted& a, const Counted& b) { return note(Operation::compare, a, b), a.value_ <= b.value_; }
+    friend bool operator>(const Counted& a, const Counted& b) { return note(Operation::compare, a, b), a.value_ > b.value_; }
+    friend bool operator>=(const Counted& a, const Counted& b) { return note(Operation::compare, a, b), a.value_ >= b.value_; }
+
+    friend Counted sqrt(const Counted& a) { return counted(Operation::sqrt, sqrt(a.value_), a); }
+    friend Counted fma(const Counted& a, const Counted& b, const Counted& c) { return counted(Operation::fma, fma(a.value_, b.value_, c.value_), a, b, c); }
+    friend Counted abs(const Counted& a) { return counted(Operation::sign, abs(a.value_), a); }
+    friend Counted copysign(const Counted& a, const Counted& b) { return counted(Operation::sign, copysign(a.value_, b.value_), a, b); }
+    friend Counted next_up(const Counted& a) { return counted(Operation::neighbour, next_up(a.value_), a); }
+    friend Counted next_down(const Counted& a) { return counted(Operation::neighbour, next_down(a.value_), a); }
+    friend Counted min(const Counted& a, const Counted& b) { return counted(Operation::choose, a.value_ < b.value_ ? a.value_ : b.value_, a, b); }
+    friend Counted max(const Counted& a, const Counted& b) { return counted(Operation::choose, a.value_ > b.value_ ? a.value_ : b.value_, a, b); }
+    /// Of two constants, too: which of them is known only when it runs.
+    friend Counted select(bool mask, const Counted& a, const Counted& b) {
+        ++operation_counts()[Operation::choose];
+        return Counted(mask ? a.value_ : b.value_, false);
+    }
+
+    /// The same number in another format.
+    template <class To>
+    [[nodiscard]] Counted<To> converted() const {
+        note(Operation::convert, *this);
+        return Counted<To>(static_cast<To>(value_), constant_);
+    }
+
+private:
+    template <class>
+    friend class Counted;
+    Counted(F value, bool constant) : value_(value), constant_(constant) {}
+
+    template <class... X>
+    static bool note(Operation kind, const X&... operands) {
+        const bool constant = (operands.constant_ && ...);
+        if (!constant) ++operation_counts()[kind];
+        return constant;
+    }
+    template <class... X>
+    static Counted counted(Operation kind, F value, const X&... operands) {
+        return Counted(value, note(kind, operands...));
+    }
+
+    F value_;
+    bool constant_;
+};
+
+template <>
+struct Wider<Counted<float>> {
+    using type = Counted<double>;
+    static type widen(const Counted<float>& x) { return x.converted<double>(); }
+    static Counted<float> narrow(const type& x) { return x.converted<float>(); }
+};
+
+static_assert(Number<Counted<float>> && Number<Counted<double>>);
+
+}  // namespace lostbits
