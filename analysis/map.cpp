@@ -108,7 +108,7 @@ struct SceneWork {
 };
 
 SceneWork work_on(const scene::Scene& scene, const MapOptions& o, const std::vector<MapRow>& rows, const std::vector<const Metric*>& measured) {
-    SceneWork work{{.scene = &scene, .rows = of_shape(rows, scene.shape(), scene.id), .metrics = measured}, {}};
+    SceneWork work{{.scene = &scene, .rows = of_shape(rows, scene.shape()), .metrics = measured}, {}};
     if (o.bits_needed > 0) work.needed = NeededRequest{.scene = &scene, .forms = forms_of_any_width(work.map.rows), .bits = o.bits_needed};
     return work;
 }
@@ -161,7 +161,8 @@ Exit run(const MapOptions& o, const Common& common) {
             throw InputError("--envelope marks pictures of lost_bits, and --metric leaves them out; add --metric lost_bits");
         wanted.push_back(find_metric("excess_bits"));
     }
-    const auto scenes = load(o, common);
+    auto scenes = load(o, common);
+    drop_unfitting(scenes, rows, common.quiet, [](const scene::Scene& s) { return s.shape(); }, [](const scene::Scene& s) { return s.id; });
     const ThreadLimit limit(common.threads);
 
     std::vector<SceneWork> works;

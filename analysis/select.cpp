@@ -104,13 +104,9 @@ std::vector<MapRow> cross(const std::vector<const Intersector*>& forms, const st
     return rows;
 }
 
-std::vector<MapRow> of_shape(const std::vector<MapRow>& rows, Shape shape, const std::string& what) {
+std::vector<MapRow> of_shape(const std::vector<MapRow>& rows, Shape shape) {
     std::vector<MapRow> fitting;
     std::ranges::copy_if(rows, std::back_inserter(fitting), [shape](const MapRow& r) { return r.form->shape == shape; });
-    if (fitting.empty()) {
-        const auto name = shape_names[static_cast<std::size_t>(shape)];
-        throw NothingSelected(fmt::format("{} is about a {}, and none of the selected intersectors is; try -i '{}.*'", what, name, name));
-    }
     return fitting;
 }
 

@@ -1,6 +1,7 @@
 // From names and globs on the command line to forms, formats and metrics.
 #pragma once
 
+#include <cstdio>
 #include <filesystem>
 #include <memory>
 #include <string>
@@ -9,6 +10,7 @@
 #include "intersect/table.hpp"
 #include "measure/map.hpp"
 #include "measure/metrics.hpp"
+#include "number/error.hpp"
 #include "number/format.hpp"
 
 namespace lostbits::analysis {
@@ -29,8 +31,25 @@ std::vector<const Metric*> measured(const std::vector<const Metric*>& asked);
 /// Every selected form in every selected format that it exists in. NothingSelected where that leaves none.
 std::vector<MapRow> cross(const std::vector<const Intersector*>& forms, const std::vector<Format>& formats);
 
-/// Those rows whose forms meet solids of this shape; NothingSelected where there is none. `what` has the solids.
-std::vector<MapRow> of_shape(const std::vector<MapRow>& rows, Shape shape, const std::string& what);
+/// Those rows whose forms meet solids of this shape.
+std::vector<MapRow> of_shape(const std::vector<MapRow>& rows, Shape shape);
+
+/// Drops what no selected form can meet and says so on stderr unless `quiet`; `shape_of` and `name_of` tell a thing's shape
+/// and name. NothingSelected where that leaves none.
+template <class Things, class ShapeOf, class NameOf>
+void drop_unfitting(Things& things, const std::vector<MapRow>& rows, bool quiet, ShapeOf shape_of, NameOf name_of) {
+    std::vector<std::string> left_out;
+    std::erase_if(things, [&](const auto& thing) {
+        if (!of_shape(rows, shape_of(thing)).empty()) return false;
+        const std::string shape(shape_names[static_cast<std::size_t>(shape_of(thing))]);
+        left_out.push_back(std::string(name_of(thing)) + " is about a " + shape + ", and none of the selected intersectors is; try -i '" + shape + ".*'");
+        return true;
+    });
+    if (things.empty()) throw NothingSelected(left_out.front());
+    for (const std::string& each : left_out) {
+        if (!quiet) std::fprintf(stderr, "lostbits: left out: %s\n", each.c_str());
+    }
+}
 
 /// Limits every parallel loop to that many threads while it lives; 0 stands for one a core.
 class ThreadLimit {

@@ -44,7 +44,7 @@ struct Chosen {
 void run_case_file(const std::filesystem::path& path, const Chosen& chosen, const SweepOptions& o, const Common& common) {
     const scene::CaseFile file(path);
     CaseRequest request{.file = &file, .rows = {}, .metrics = chosen.metrics};
-    for (MapRow row : of_shape(chosen.rows, file.shape(), file.id)) {
+    for (MapRow row : of_shape(chosen.rows, file.shape())) {
         for (const auto& judged : file.conventions) {
             row.judged = judged;
             request.rows.push_back(row);
@@ -64,7 +64,7 @@ void run_case_file(const std::filesystem::path& path, const Chosen& chosen, cons
 
 void run_axes(const std::filesystem::path& path, const Chosen& chosen, const SweepOptions& o, const Common& common) {
     const scene::SweepFile sweep(path, data_folder(common.data));
-    SweepRequest request{.sweep = &sweep, .rows = of_shape(chosen.rows, sweep.shape(), sweep.id), .metrics = chosen.metrics};
+    SweepRequest request{.sweep = &sweep, .rows = of_shape(chosen.rows, sweep.shape()), .metrics = chosen.metrics};
     for (MapRow& row : request.rows) row.judged = sweep.convention;
     const auto folder = std::filesystem::path(o.out) / sweep.id;
     output::SweepFiles files(request, folder);
@@ -85,7 +85,7 @@ void run_axes(const std::filesystem::path& path, const Chosen& chosen, const Swe
 
 void run_search(const std::filesystem::path& path, const Chosen& chosen, const SweepOptions& o, const Common& common) {
     const scene::SearchFile search(path);
-    WorstRequest request{.search = &search, .rows = of_shape(chosen.rows, search.shape, search.id), .metrics = measured({find_metric(search.metric)})};
+    WorstRequest request{.search = &search, .rows = of_shape(chosen.rows, search.shape), .metrics = measured({find_metric(search.metric)})};
     const auto folder = std::filesystem::path(o.out) / search.id;
     { const output::AtomicFile probe(folder / "worst.csv"); }  // a folder that cannot be written ends the run before the search
     output::Progress progress(request.rows.size(), search.id, common.progress, common.quiet);
@@ -98,20 +98,20 @@ void run_search(const std::filesystem::path& path, const Chosen& chosen, const S
     if (!common.quiet) fmt::print("{}\n", (folder / "worst.csv").string());
 }
 
-void check_file(const std::filesystem::path& path, scene::SweepKind kind, bool worst, const std::filesystem::path& data) {
+/// Reads the file and forgets it: InputError for what is wrong with it; the shape it is about.
+Shape check_file(const std::filesystem::path& path, scene::SweepKind kind, bool worst, const std::filesystem::path& data) {
     using K = scene::SweepKind;
     if (worst && kind != K::search) throw InputError(path.string() + ":1:1: --worst needs a [search] table: the ranges to search; see data/sweeps/worst");
     if (!worst && kind == K::search) throw InputError(path.string() + ":1:1: a [search] table is for --worst; add it");
-    if (kind == K::cases) static_cast<void>(scene::CaseFile(path));
-    else if (kind == K::axes) static_cast<void>(scene::SweepFile(path, data));
-    else {
-        const scene::SearchFile search(path);
-        if (find_metric(search.metric) == nullptr) {
-            std::vector<std::string> names;
-            for (const Metric& m : metrics()) names.emplace_back(m.name);
-            throw InputError(path.string() + ":1:1: search.metric is \"" + search.metric + "\", which no metric is called; " + scene::did_you_mean(search.metric, names));
-        }
+    if (kind == K::cases) return scene::CaseFile(path).shape();
+    if (kind == K::axes) return scene::SweepFile(path, data).shape();
+    const scene::SearchFile search(path);
+    if (find_metric(search.metric) == nullptr) {
+        std::vector<std::string> names;
+        for (const Metric& m : metrics()) names.emplace_back(m.name);
+        throw InputError(path.string() + ":1:1: search.metric is \"" + search.metric + "\", which no metric is called; " + scene::did_you_mean(search.metric, names));
     }
+    return search.shape;
 }
 
 Exit run(const SweepOptions& o, const Common& common) {
@@ -123,14 +123,20 @@ Exit run(const SweepOptions& o, const Common& common) {
     if (o.out.empty()) throw InputError("-o: the name of the folder is empty; write -o . for this one");
     const auto data = data_folder(common.data);
     // Every file is read before the first is worked on: bad input leaves nothing behind.
-    std::vector<std::pair<std::filesystem::path, scene::SweepKind>> sweeps;
+    struct Sweep {
+        std::filesystem::path path;
+        scene::SweepKind kind;
+        Shape shape;
+    };
+    std::vector<Sweep> sweeps;
     for (const std::string& word : o.sweeps) {
         const auto path = scene::find_sweep(word, data);
-        sweeps.emplace_back(path, scene::sweep_kind(path));
-        check_file(path, sweeps.back().second, o.worst, data);
+        const auto kind = scene::sweep_kind(path);
+        sweeps.push_back({path, kind, check_file(path, kind, o.worst, data)});
     }
+    drop_unfitting(sweeps, chosen.rows, common.quiet, [](const Sweep& s) { return s.shape; }, [](const Sweep& s) { return s.path.stem().string(); });
     const ThreadLimit limit(common.threads);
-    for (const auto& [path, kind] : sweeps) {
+    for (const auto& [path, kind, shape] : sweeps) {
         if (kind == scene::SweepKind::cases) run_case_file(path, chosen, o, common);
         else if (kind == scene::SweepKind::axes) run_axes(path, chosen, o, common);
         else run_search(path, chosen, o, common);
