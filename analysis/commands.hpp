@@ -18,6 +18,7 @@ struct Common {
     bool quiet = false;
     bool verbose = false;
     int threads = 0;  ///< 0: one a core
+    std::string isa;  ///< a name of `isa_names`; empty: the best that the processor has
 };
 
 using Command = std::function<Exit()>;
@@ -28,5 +29,6 @@ void add_diff(CLI::App& program, const Common& common, Command& chosen);
 void add_list(CLI::App& program, const Common& common, Command& chosen);
 void add_map(CLI::App& program, const Common& common, Command& chosen);
 void add_sweep(CLI::App& program, const Common& common, Command& chosen);
+void add_trade(CLI::App& program, const Common& common, Command& chosen);
 
 }  // namespace lostbits::analysis

@@ -8,6 +8,7 @@
 #include <system_error>
 
 #include "commands.hpp"
+#include "intersect/packed.hpp"
 #include "output/atomic_file.hpp"
 #include "scene/did_you_mean.hpp"
 #include "signals.hpp"
@@ -29,6 +30,8 @@ void add_common(CLI::App& program, Common& common) {
     program.add_flag("-q,--quiet", common.quiet, "No messages but errors");
     program.add_flag("-v,--verbose", common.verbose, "Say more");
     program.add_option("-j,--threads", common.threads, "Threads (default: one a core); results do not depend on it")->check(CLI::Range(1, 1024));
+    program.add_option("--isa", common.isa, "Width of the registers: scalar, 128, 256, 512 (default: the widest here); results do not depend on it")
+        ->check(CLI::IsMember(std::vector<std::string>(isa_names.begin(), isa_names.end())));
 }
 
 /// CLI11's own message, and what the user may have meant where a word is unknown.
@@ -56,6 +59,7 @@ Exit run(int argc, char** argv) {
     add_list(program, common, chosen);
     add_map(program, common, chosen);
     add_sweep(program, common, chosen);
+    add_trade(program, common, chosen);
     try {
         program.parse(argc, argv);
     } catch (const CLI::Success& success) {  // --help, --version
@@ -64,6 +68,7 @@ Exit run(int argc, char** argv) {
         explain(program, error, argc, argv);
         return Exit::bad_input;
     }
+    if (const auto isa = isa_named(common.isa)) set_isa(*isa);
     return chosen();
 }
 

@@ -30,8 +30,9 @@ void print_onsets(const SweepRequest& request, const std::vector<Onset>& onsets)
     for (const Onset& o : onsets) {
         if (!o.found) continue;
         const MapRow& row = request.rows[o.row];
-        fmt::print("  {:<28} {:<5} {:<13} {:<5} {:>9} {:>14.8g} {:>14.8g}\n", row.form->info->name, row.format.name, o.event, o.statistic, o.threshold, o.last_good,
-                   o.first_bad);
+        // Bad at the first step already: there is no last good value.
+        fmt::print("  {:<28} {:<5} {:<13} {:<5} {:>9} {:>14} {:>14.8g}\n", row.form->info->name, row.format.name, o.event, o.statistic, o.threshold,
+                   o.from_start ? "-" : fmt::format("{:.8g}", o.last_good), o.first_bad);
     }
 }
 
@@ -80,7 +81,7 @@ void run_axes(const std::filesystem::path& path, const Chosen& chosen, const Swe
     progress.finish();
     if (common.quiet) return;
     fmt::print("{}\n", (folder / "samples.csv").string());
-    if (common.verbose) print_onsets(request, onsets);
+    if (common.verbose && !onsets.empty()) print_onsets(request, onsets);
 }
 
 void run_search(const std::filesystem::path& path, const Chosen& chosen, const SweepOptions& o, const Common& common) {
@@ -93,8 +94,12 @@ void run_search(const std::filesystem::path& path, const Chosen& chosen, const S
         progress.advance(done);
         stop_if_interrupted();
     };
-    output::write_worst(folder, request, find_worst(request));
+    const auto found = find_worst(request);
     progress.finish();
+    if (std::ranges::none_of(found, [](const auto& w) { return w.has_value(); })) {
+        throw NothingSelected(path.string() + ": no ray of these ranges was hit by any form; distance_radii and impact_radii must leave something of the other ranges");
+    }
+    output::write_worst(folder, request, found);
     if (!common.quiet) fmt::print("{}\n", (folder / "worst.csv").string());
 }
 
@@ -132,6 +137,9 @@ Exit run(const SweepOptions& o, const Common& common) {
     for (const std::string& word : o.sweeps) {
         const auto path = scene::find_sweep(word, data);
         const auto kind = scene::sweep_kind(path);
+        for (const Sweep& other : sweeps) {
+            if (other.path.stem() == path.stem()) throw InputError(word + ": sweep \"" + path.stem().string() + "\" is given twice; both would write to the same folder");
+        }
         sweeps.push_back({path, kind, check_file(path, kind, o.worst, data)});
     }
     drop_unfitting(sweeps, chosen.rows, common.quiet, [](const Sweep& s) { return s.shape; }, [](const Sweep& s) { return s.path.stem().string(); });

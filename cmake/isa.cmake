@@ -14,8 +14,8 @@ function(lostbits_isa_library name isa)
     target_compile_definitions(${name} PRIVATE GLM_FORCE_XYZW_ONLY)
     target_link_libraries(${name} PRIVATE glm::glm lostbits_warnings)
     # Optimised in every configuration: what the library's headers define is inlined then, and leaves no function behind
-    # that the linker could give to others.
-    target_compile_options(${name} PRIVATE -ffp-contract=off -O2)
+    # that the linker could give to others. At -O2 the three axes of a box stay a loop, with every pack in memory.
+    target_compile_options(${name} PRIVATE -ffp-contract=off -O3)
     # GCC needs minutes to instrument a kernel in which everything is inlined. The kernels see whole packs only; the code that
     # cuts batches into them is instrumented like everything else.
     target_compile_options(${name} PRIVATE -fno-sanitize=all)

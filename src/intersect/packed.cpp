@@ -1,10 +1,13 @@
 #include "intersect/packed.hpp"
 
 #include <algorithm>
+#include <atomic>
+#include <string>
 #include <utility>
 
 #include "intersect/catalogue.hpp"
 #include "intersect/packed_raw.hpp"
+#include "number/error.hpp"
 
 namespace lostbits {
 namespace {
@@ -132,6 +135,27 @@ std::vector<Isa> available_isas() {
 
 Isa best_isa() { return available_isas().back(); }
 
+namespace {
+
+std::atomic<Isa>& chosen_isa() {
+    static std::atomic<Isa> isa = best_isa();
+    return isa;
+}
+
+}  // namespace
+
+void set_isa(Isa isa) {
+    if (!runs(isa)) {
+        std::string can;
+        for (const Isa other : available_isas()) can += (can.empty() ? "" : ", ") + std::string(name_of(other));
+        throw EnvironmentError("--isa " + std::string(name_of(isa)) + ": this processor has no registers of that width, or this build no code for them; try one of " +
+                               can + ", which give the same bits");
+    }
+    chosen_isa() = isa;
+}
+
+Isa current_isa() { return chosen_isa(); }
+
 std::span<const PackedRow> packed_rows(Isa isa) {
     if (!runs(isa)) return {};
     switch (isa) {
@@ -141,6 +165,13 @@ std::span<const PackedRow> packed_rows(Isa isa) {
         case Isa::w512: return rows_of<Isa::w512>();
     }
     return {};
+}
+
+PackedRow packed_kernels(const Intersector& form) {
+    const PackedRow own{form.info, form.native32, form.native64};
+    const auto scalar = scalar_rows();
+    const auto same = std::ranges::find_if(scalar, [&](const PackedRow& row) { return row.info == own.info && row.f32 == own.f32 && row.f64 == own.f64; });
+    return same == scalar.end() ? own : packed_rows(current_isa())[static_cast<std::size_t>(same - scalar.begin())];
 }
 
 }  // namespace lostbits

@@ -27,6 +27,11 @@ std::vector<Isa> available_isas();
 /// The widest of them.
 Isa best_isa();
 
+/// What `packed_kernels` of every thread takes from now on; `best_isa()` until then. EnvironmentError for a width that is not
+/// available: nothing changes then.
+void set_isa(Isa isa);
+Isa current_isa();
+
 /// A form's kernels; null where the form does not exist (see `Info::formats`). Batches of any size; nothing is read or
 /// written beyond the spans.
 struct PackedRow {
@@ -38,5 +43,9 @@ struct PackedRow {
 /// Every form, in the order of `intersectors()`; `scalar` are the rows of the table themselves. Empty where `isa` is
 /// not available: calling such a kernel would be an illegal instruction.
 std::span<const PackedRow> packed_rows(Isa isa);
+
+/// The kernels at `current_isa()` of a row of the table; of a row that is not the table's (a form made up by a test, one
+/// from elsewhere) its own native ones.
+PackedRow packed_kernels(const Intersector& form);
 
 }  // namespace lostbits

@@ -17,6 +17,21 @@ struct RawBatch {
     std::size_t size;
 };
 
+/// One ray against whole packs of solids, structure of arrays: `size` is a multiple of the lanes.
+template <class F>
+struct RawSolids {
+    const F* ray;         ///< ox, oy, oz, dx, dy, dz
+    const F* numbers[6];  ///< a column for each number of the form's shape, in the order of `Solid`
+    F* t;                 ///< spheres: written; boxes: the ray's end on the way in, tmin after a hit
+    std::uint8_t* hit;    ///< spheres only
+    std::size_t size;
+};
+
+struct RawManyRow {
+    void (*f32)(const RawSolids<float>&);
+    void (*f64)(const RawSolids<double>&);
+};
+
 struct RawRow {
     void (*f32)(const RawBatch<float>&);
     void (*f64)(const RawBatch<double>&);
@@ -26,5 +41,9 @@ struct RawRow {
 void fill_packed_w128(RawRow* rows);
 void fill_packed_w256(RawRow* rows);
 void fill_packed_w512(RawRow* rows);
+/// The same for many solids.
+void fill_many_w128(RawManyRow* rows);
+void fill_many_w256(RawManyRow* rows);
+void fill_many_w512(RawManyRow* rows);
 
 }  // namespace lostbits

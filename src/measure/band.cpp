@@ -6,6 +6,7 @@
 #include <limits>
 #include <type_traits>
 
+#include "intersect/packed.hpp"
 #include "measure/conditioning.hpp"
 #include "measure/unit_direction.hpp"
 
@@ -57,7 +58,8 @@ void nearest_of(const Kernel& kernel, const scene::RayBlock& rays, const std::ve
             const bool first = answers.hit[p] == 0 || std::isnan(answers.t[p]);
             if (hit[i] == 0 || !(first || t[i] < answers.t[p]) || (std::isnan(t[i]) && answers.hit[p] != 0)) continue;
             answers.hit[p] = 1;
-            answers.t[p] = t[i];
+            // The sign and payload of a NaN are the compiler's choice; no file may depend on it.
+            answers.t[p] = std::isnan(t[i]) ? std::numeric_limits<double>::quiet_NaN() : t[i];
             answers.object[p] = static_cast<std::int32_t>(s);
         }
     }
@@ -156,12 +158,13 @@ Answers evaluate(const Intersector& form, const FormatInputs& inputs) {
     const scene::RayBlock& rays = inputs.rays_for(*form.info);
     const std::size_t n = rays.size();
     Answers answers{std::vector<double>(n), std::vector<std::uint8_t>(n), std::vector<std::int32_t>(n, -1)};
+    const PackedRow native = packed_kernels(form);
     constexpr std::size_t chunk = 4096;  // ray and answer arrays of a chunk stay in the second-level cache
     for (std::size_t begin = 0; begin < n; begin += chunk) {
         const std::size_t count = std::min(chunk, n - begin);
         switch (inputs.format.engine) {
-            case Format::Engine::native32: nearest_of<float>(form.native32, rays, inputs.solids, begin, count, answers); break;
-            case Format::Engine::native64: nearest_of<double>(form.native64, rays, inputs.solids, begin, count, answers); break;
+            case Format::Engine::native32: nearest_of<float>(native.f32, rays, inputs.solids, begin, count, answers); break;
+            case Format::Engine::native64: nearest_of<double>(native.f64, rays, inputs.solids, begin, count, answers); break;
             case Format::Engine::rounded: {
                 const auto kernel = [&](const auto&... a) { form.rounded(inputs.format.shape, a...); };
                 nearest_of<double>(kernel, rays, inputs.solids, begin, count, answers);

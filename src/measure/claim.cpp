@@ -72,6 +72,14 @@ ClaimResult judge(const Claim& claim, double measured, const MapSummary* summary
     return result;
 }
 
+/// The form and format of a claim about solids of this shape.
+MapRow row_for(const Claim& claim, Shape shape) {
+    const MapRow row = claim_row(claim);
+    if (row.form->shape == shape) return row;
+    const auto name = shape_names[static_cast<std::size_t>(shape)];
+    scene::fail(claim.where, claim.subject() + " is about a " + std::string(name) + ", which " + claim.form + " cannot meet; name a form such as those of " + std::string(name) + ".*");
+}
+
 /// What `find` finds for a claim; an unknown name is the claim's fault, so its place starts the message.
 template <class Find>
 auto find_for(const Claim& claim, const Find& find) {
@@ -88,7 +96,7 @@ void measure_scene(const std::vector<Claim>& claims, const Places& places, const
     const auto scenes = scene::load_scene(name.path, {.variant = name.variant});
     if (scenes.size() != 1) scene::fail(first.where, "scene \"" + first.scene + "\" has variants; name one, such as \"" + scenes.front().id + "\"");
     MapRequest request{.scene = &scenes.front(), .rows = {}, .metrics = metrics_for(claims, places)};
-    for (const std::size_t i : places) request.rows.push_back(claim_row(claims[i]));
+    for (const std::size_t i : places) request.rows.push_back(row_for(claims[i], scenes.front().shape()));
     const auto summaries = run_map(request, {});
     for (std::size_t k = 0; k < places.size(); ++k) {
         const Claim& claim = claims[places[k]];
@@ -99,7 +107,7 @@ void measure_scene(const std::vector<Claim>& claims, const Places& places, const
 void measure_cases(const std::vector<Claim>& claims, const Places& places, const std::filesystem::path& path, std::vector<ClaimResult>& results) {
     const scene::CaseFile file(path);
     CaseRequest request{.file = &file, .rows = {}, .metrics = metrics_for(claims, places)};
-    for (const std::size_t i : places) request.rows.push_back(claim_row(claims[i]));
+    for (const std::size_t i : places) request.rows.push_back(row_for(claims[i], file.shape()));
     for (std::size_t k = 0; k < places.size(); ++k) {
         const Claim& claim = claims[places[k]];
         if (claim.case_name.empty()) scene::fail(claim.where, "sweep \"" + claim.sweep + "\" has cases, not axes; write `case = \"...\"` in claim.given");
@@ -157,7 +165,7 @@ void measure_sweep(const std::vector<Claim>& claims, const Places& places, const
     SweepRequest request{.sweep = &sweep, .rows = {}, .metrics = metrics_for(claims, places)};
     bool onsets_wanted = false;
     for (const std::size_t i : places) {
-        request.rows.push_back(claim_row(claims[i]));
+        request.rows.push_back(row_for(claims[i], sweep.shape()));
         if (!claims[i].convention) request.rows.back().judged = sweep.convention;
         onsets_wanted |= !claims[i].onset.empty();
     }
@@ -168,6 +176,10 @@ void measure_sweep(const std::vector<Claim>& claims, const Places& places, const
         if (claim.onset.empty()) {
             if (claim.at.size() != sweep.axes.size()) {
                 scene::fail(claim.where, "sweep \"" + claim.sweep + "\" has " + std::to_string(sweep.axes.size()) + " axes; write as many values in `at`");
+            }
+            for (std::size_t a = 0; a < claim.at.size(); ++a) {
+                const auto [low, high] = std::minmax(sweep.axes[a].from, sweep.axes[a].to);
+                if (claim.at[a] < low || claim.at[a] > high) scene::fail(claim.where, "`at` lies outside of the axis " + sweep.axes[a].name + " of sweep \"" + claim.sweep + "\"; write a value between its ends");
             }
             const auto summary = run_place(request, k, claim.at);
             results[places[k]] = judge(claim, summary_value(summary, request.metrics, claim.metric, claim.where.text()), &summary);

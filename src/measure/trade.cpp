@@ -5,7 +5,7 @@
 #include <limits>
 #include <memory>
 
-#include "intersect/packed.hpp"
+#include "intersect/variants.hpp"
 
 namespace lostbits {
 namespace {
@@ -71,7 +71,7 @@ void count_all(const TradeRequest& request, TradeResult& result) {
     const auto narrow = [](const Vec<double>& v) { return Vec<float>(static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)); };
     const Solid<float> solid = transformed(pool.solid, [](double x) { return static_cast<float>(x); });
     for (const TradeKernel& k : request.kernels) {
-        result.operations.push_back(operations_of(*k.measured.form->info, {narrow(hit.origin), narrow(hit.direction)}, solid, std::numeric_limits<float>::infinity()));
+        result.operations.push_back(operations_of(*k.form, {narrow(hit.origin), narrow(hit.direction)}, solid, std::numeric_limits<float>::infinity()));
     }
 }
 
@@ -84,15 +84,23 @@ bool at_least_as_accurate(const Standing& a, const Standing& b) {
 
 std::vector<TradeKernel> trade_kernels(const std::vector<MapRow>& rows) {
     std::vector<TradeKernel> kernels;
+    const auto add = [&kernels](TradeKernel kernel, decltype(Intersector::native32) f32, decltype(Intersector::native64) f64) {
+        const Format::Engine engine = kernel.measured.format.engine;
+        if (engine == Format::Engine::native32) kernel.f32 = f32;
+        if (engine == Format::Engine::native64) kernel.f64 = f64;
+        if (kernel.f32 || kernel.f64) kernels.push_back(std::move(kernel));
+    };
     for (const MapRow& row : rows) {
+        const Info* const form = row.form->info;
         for (const Isa isa : available_isas()) {
             const auto packed = packed_rows(isa);
-            const auto found = std::ranges::find(packed, row.form->info, &PackedRow::info);
-            if (found == packed.end()) continue;
-            TradeKernel kernel{.measured = row, .isa = name_of(isa)};
-            if (row.format.engine == Format::Engine::native32) kernel.f32 = found->f32;
-            if (row.format.engine == Format::Engine::native64) kernel.f64 = found->f64;
-            if (kernel.f32 || kernel.f64) kernels.push_back(kernel);
+            const auto found = std::ranges::find(packed, form, &PackedRow::info);
+            if (found != packed.end()) add({.measured = row, .form = form, .isa = name_of(isa)}, found->f32, found->f64);
+        }
+        const auto number = static_cast<std::size_t>(row.form - intersectors().data());
+        for (const Variant& variant : variants()) {
+            const Intersector& made = variant.rows[number];
+            add({.measured = {&made, row.format}, .form = form, .isa = name_of(variant.isa), .variant = variant.name}, made.native32, made.native64);
         }
     }
     return kernels;

@@ -17,12 +17,15 @@ namespace lostbits {
 /// same `measured` give the same bits.
 struct TradeKernel {
     MapRow measured;        ///< what its accuracy is that of
+    const Info* form;       ///< as it is written
     std::string_view isa;   ///< `scalar`, `128`, ...
+    std::string_view variant = {};  ///< of compiler flags: `contract`, `fastmath`; empty: the form as it is written
     decltype(Intersector::native32) f32 = nullptr;  ///< one of the two, by the format
     decltype(Intersector::native64) f64 = nullptr;
 };
 
-/// Every selected row (f32 and f64 alone) on every instruction set that there is, in the order of rows, then widths.
+/// Every selected row (f32 and f64 alone) on every instruction set that there is, and in every variant of compiler flags, in the
+/// order of rows, then widths, then variants.
 std::vector<TradeKernel> trade_kernels(const std::vector<MapRow>& rows);
 
 /// The rays that a kernel is timed on: so many bytes of them and their answers, of which so many hit.

@@ -8,6 +8,10 @@
 #include <experimental/simd>
 #include <limits>
 
+#if defined(__SSE2__)
+#include <immintrin.h>
+#endif
+
 #include "number/concept.hpp"
 
 namespace lostbits {
@@ -24,6 +28,28 @@ namespace stdx = std::experimental;
 
 template <class F, class Width>
 using PackAbi = stdx::simd_abi::deduce_t<F, Width::bytes / sizeof(F)>;
+
+#if defined(__SSE2__)
+/// x86's minimum and maximum, which are `a < b ? a : b` and `a > b ? a : b` to the bit, NaN and ±0 included: the rule of `min`
+/// and `max` in concept.hpp.
+inline constexpr bool has_pack_minmax = true;
+#define LOSTBITS_PACK_MINMAX(V, prefix, suffix)                                                                     \
+    [[gnu::always_inline]] inline V pack_min(V a, V b) { return prefix##_min_##suffix(a, b); } \
+    [[gnu::always_inline]] inline V pack_max(V a, V b) { return prefix##_max_##suffix(a, b); }
+LOSTBITS_PACK_MINMAX(__m128, _mm, ps)
+LOSTBITS_PACK_MINMAX(__m128d, _mm, pd)
+#if defined(__AVX__)
+LOSTBITS_PACK_MINMAX(__m256, _mm256, ps)
+LOSTBITS_PACK_MINMAX(__m256d, _mm256, pd)
+#endif
+#if defined(__AVX512F__)
+LOSTBITS_PACK_MINMAX(__m512, _mm512, ps)
+LOSTBITS_PACK_MINMAX(__m512d, _mm512, pd)
+#endif
+#undef LOSTBITS_PACK_MINMAX
+#else
+inline constexpr bool has_pack_minmax = false;
+#endif
 
 /// A decision in each lane.
 template <class F, class Width>
@@ -95,6 +121,15 @@ public:
         return Pack(chosen);
     }
 
+    friend Pack min(const Pack& a, const Pack& b) {
+        if constexpr (has_pack_minmax) return Pack(__builtin_bit_cast(Simd, pack_min(a.registers(), b.registers())));
+        else return select(a < b, a, b);
+    }
+    friend Pack max(const Pack& a, const Pack& b) {
+        if constexpr (has_pack_minmax) return Pack(__builtin_bit_cast(Simd, pack_max(a.registers(), b.registers())));
+        else return select(a > b, a, b);
+    }
+
     /// The neighbours are the neighbours of the bits: one more away from zero, one less towards it. +∞ has none above it,
     /// NaN none at all; both fail the test below.
     friend Pack next_up(const Pack& a) {
@@ -107,6 +142,9 @@ public:
 
 private:
     using Bits = stdx::rebind_simd_t<std::conditional_t<sizeof(F) == 4, std::int32_t, std::int64_t>, Simd>;
+    typedef F Register [[gnu::vector_size(Width::bytes)]];
+
+    [[nodiscard]] Register registers() const { return __builtin_bit_cast(Register, x_); }
 
     Simd x_;
 };

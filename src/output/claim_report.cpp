@@ -107,8 +107,26 @@ std::string picture_scene(const std::filesystem::path& folder, const std::vector
     return fmt::format("![{}](pictures/{})\n", scene.title, file);
 }
 
+/// Which plots of a sweep its claims are about.
+struct Shown {
+    bool median = false, tail = false, wrong = false;
+};
+
+Shown shown_of(const Subject& subject, const std::vector<Claim>& claims) {
+    Shown shown;
+    for (const std::size_t i : subject.claims) {
+        const std::string& what = claims[i].onset.empty() ? claims[i].metric : claims[i].onset;
+        const std::string& statistic = claims[i].onset.empty() ? claims[i].metric : claims[i].statistic;
+        const bool bits = what.find("bits") != std::string::npos;
+        shown.wrong |= !bits;
+        shown.median |= bits && statistic.ends_with("p50");
+        shown.tail |= bits && !statistic.ends_with("p50");
+    }
+    return shown;
+}
+
 /// The pictures of a sweep, as Markdown.
-std::string picture_sweep(const std::filesystem::path& folder, const std::vector<MapRow>& rows, const std::string& name, const std::filesystem::path& data_dir) {
+std::string picture_sweep(const std::filesystem::path& folder, const std::vector<MapRow>& rows, const std::string& name, Shown shown, const std::filesystem::path& data_dir) {
     const auto path = scene::find_sweep(name, data_dir);
     if (scene::sweep_kind(path) == scene::SweepKind::cases) {
         const scene::CaseFile file(path);
@@ -142,9 +160,14 @@ std::string picture_sweep(const std::filesystem::path& folder, const std::vector
         if (std::ranges::find(formats, r.format) == formats.end()) formats.push_back(r.format);
     }
     for (const Format& format : formats) {
-        const std::string file = fmt::format("{}.{}.png", sweep.id, format.name);
-        write_lost_bits_plot(image_backend(), folder / "pictures" / file, request, steps, onsets, format, 0.5);
-        text += fmt::format("![{}, {}](pictures/{})\n", sweep.title, format.name, file);
+        const auto show = [&](const char* what) {
+            const std::string file = fmt::format("{}.{}.{}.png", sweep.id, what, format.name);
+            text += fmt::format("![{}: {}, {}](pictures/{})\n", sweep.title, what, format.name, file);
+            return folder / "pictures" / file;
+        };
+        if (shown.median) write_lost_bits_plot(image_backend(), show("lost_bits_p50"), request, steps, onsets, format, 0.5);
+        if (shown.tail) write_lost_bits_plot(image_backend(), show("lost_bits_p99"), request, steps, onsets, format, 0.99);
+        if (shown.wrong) write_wrong_plot(image_backend(), show("wrong"), request, steps, onsets, format);
     }
     return text;
 }
@@ -179,13 +202,13 @@ void write_claim_report(const std::filesystem::path& folder, const std::vector<C
     }
     std::string text = fmt::format(
         "# What the sources say, and what is measured\n\nMade by `lostbits check --report reports`; do not edit. {} sentences and parts of sentences: {} hold, {} are refuted{}. Every "
-        "number below is measured anew in each run of the tests.\n",
+        "number is of the run that made this page; the tests of lostbits make it anew.\n",
         claims.size(), held, refuted, other == 0 ? "" : fmt::format(", {} could not be judged or changed", other));
     for (const Subject& subject : subjects_of(claims)) {
         const Claim& first = claims[subject.claims.front()];
         text += fmt::format("\n## {}\n\n", subject.name);
         if (!first.scene.empty()) text += picture_scene(folder, rows_of(subject, claims), subject.name, data_dir) + "\n";
-        else if (!first.sweep.empty()) text += picture_sweep(folder, rows_of(subject, claims), subject.name, data_dir) + "\n";
+        else if (!first.sweep.empty()) text += picture_sweep(folder, rows_of(subject, claims), subject.name, shown_of(subject, claims), data_dir) + "\n";
         std::string source;
         for (const std::size_t i : subject.claims) {
             if (claims[i].source != source) {

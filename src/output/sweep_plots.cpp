@@ -95,6 +95,11 @@ void write_lost_bits_plot(ImageBackend& backend, const std::filesystem::path& pa
     write_lines(backend, path, request, steps, onsets, format, quantity);
 }
 
+void write_wrong_plot(ImageBackend& backend, const std::filesystem::path& path, const SweepRequest& request, const std::vector<SweepStep>& steps,
+                      const std::vector<Onset>& onsets, const Format& format) {
+    write_lines(backend, path, request, steps, onsets, format, {"Rays with the wrong answer", {"share of rays", output::Axis::Scale::linear, 0.0, 1.0}, wrong_share, {}});
+}
+
 void write_sweep_plots(ImageBackend& backend, const std::filesystem::path& folder, const SweepRequest& request, const std::vector<SweepStep>& steps,
                        const std::vector<Onset>& onsets) {
     if (request.sweep->axes.size() == 2) {
@@ -109,7 +114,7 @@ void write_sweep_plots(ImageBackend& backend, const std::filesystem::path& folde
         const auto file = [&](const char* name) { return folder / fmt::format("{}.{}.png", name, format.name); };
         write_lost_bits_plot(backend, file("lost_bits_p50"), request, steps, onsets, format, 0.5);
         write_lost_bits_plot(backend, file("lost_bits_p99"), request, steps, onsets, format, 0.99);
-        write_lines(backend, file("wrong"), request, steps, onsets, format, {"Rays with the wrong answer", {"share of rays", output::Axis::Scale::linear, 0.0, 1.0}, wrong_share, {}});
+        write_wrong_plot(backend, file("wrong"), request, steps, onsets, format);
     }
 }
 

@@ -19,4 +19,8 @@ void write_sweep_plots(ImageBackend& backend, const std::filesystem::path& folde
 void write_lost_bits_plot(ImageBackend& backend, const std::filesystem::path& path, const SweepRequest& request, const std::vector<SweepStep>& steps,
                           const std::vector<Onset>& onsets, const Format& format, double q);
 
+/// The share of rays with the wrong answer, in one format.
+void write_wrong_plot(ImageBackend& backend, const std::filesystem::path& path, const SweepRequest& request, const std::vector<SweepStep>& steps,
+                      const std::vector<Onset>& onsets, const Format& format);
+
 }  // namespace lostbits::output

@@ -122,6 +122,14 @@ CaseFile::CaseFile(const std::filesystem::path& path) : id(path.stem().string())
         if (std::ranges::find(cases_, c.name, &Case::name) != cases_.end()) table.fail_at("name", "is \"" + c.name + "\", as another case is; name each once");
         const auto other = [&](const SolidSpec& s) { return s.shape != (cases_.empty() ? c : cases_.front()).solids.front().shape; };
         if (std::ranges::any_of(c.solids, other)) fail(table.where(), "has another shape than the cases before it; a file is about one shape");
+        for (const SolidSpec& spec : c.solids) {
+            std::vector<double> x;
+            for (const Quantity& q : spec.numbers) x.push_back(q.in(binary64, 0));
+            if (spec.shape == Shape::sphere && !(x[3] > 0)) fail(table.where(), "has a sphere whose radius is not greater than 0; write a positive number");
+            for (std::size_t k = 0; spec.shape == Shape::box && k < 3; ++k) {
+                if (x[k] > x[k + 3]) fail(table.where(), "has a box whose hi lies below its lo in a component; a box has lo <= hi in each");
+            }
+        }
         cases_.push_back(std::move(c));
     }
     file.reject_unknown_keys();

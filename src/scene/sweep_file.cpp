@@ -125,6 +125,7 @@ SweepFile::SweepFile(const std::filesystem::path& path, const std::filesystem::p
     const char* const prefix = scene ? "" : family ? "family." : "box_family.";
     for (TableReader& axis : file.tables("axis")) axes.push_back(read_axis(axis, prefix));
     if (axes.empty() || axes.size() > 2) fail(file.where(), "a sweep has one or two [[axis]] tables, this has " + std::to_string(axes.size()));
+    if (axes.size() == 2 && axes[0].name == axes[1].name) fail(file.where(), "both axes are named \"" + axes[0].name + "\"; names are columns, so name them apart");
     for (TableReader& mark : file.tables("mark")) {
         Mark m{static_cast<double>(mark.number("at")), mark.string("label"), mark.optional_string("format").value_or(""), {}, {}, {}};
         if (auto measured = mark.optional_table("measured")) {

@@ -144,7 +144,8 @@ void compare_forms(Shape shape, const std::vector<Scene<S>>& all) {
         CHECK(wrong == std::vector<std::size_t>(isa_names.size(), 0));
         CHECK(tally.finite_hits > tally.rays / 10);
         CHECK(tally.misses > tally.rays / 20);
-        CHECK(tally.not_a_number > tally.rays / 100);
+        // Of a box, min and max let no NaN through to t, but for the forms that are at fault there.
+        if (shape == Shape::sphere) CHECK(tally.not_a_number > tally.rays / 100);
     }
 }
 

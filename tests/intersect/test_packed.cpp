@@ -1,6 +1,7 @@
 // The packed kernels of the spheres against the native rows, and what the table of kernels says of itself.
 #include "intersect/cases.hpp"
 #include "intersect/packed_scene.hpp"
+#include "number/error.hpp"
 
 namespace lostbits::test {
 namespace {
@@ -86,6 +87,28 @@ TEST_CASE("register widths have names, and the widest is the best", "[intersect]
     CHECK(name_of(Isa::w256) == "256");
     CHECK_FALSE(isa_named("1024"));
     CHECK_FALSE(isa_named(""));
+}
+
+TEST_CASE("the current width chooses the kernels of the table's rows, and of no others", "[intersect][packed]") {
+    CHECK(current_isa() == best_isa());
+    const Intersector& form = intersectors().front();
+    Intersector stranger = form;
+    stranger.native32 = intersectors()[1].native32;
+    for (const Isa isa : {Isa::scalar, Isa::w128, Isa::w256, Isa::w512}) {
+        INFO(name_of(isa));
+        const Isa before = current_isa();
+        if (packed_rows(isa).empty()) {
+            CHECK_THROWS_AS(set_isa(isa), EnvironmentError);
+            CHECK(current_isa() == before);
+            continue;
+        }
+        set_isa(isa);
+        CHECK(current_isa() == isa);
+        CHECK(packed_kernels(form).f32 == packed_rows(isa).front().f32);
+        CHECK(packed_kernels(form).f64 == packed_rows(isa).front().f64);
+        CHECK(packed_kernels(stranger).f32 == stranger.native32);
+    }
+    set_isa(best_isa());
 }
 
 }  // namespace lostbits::test

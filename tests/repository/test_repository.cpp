@@ -160,6 +160,13 @@ TEST_CASE("a catalogue that disagrees is caught", "[repository]") {
     CHECK(judge(include + entry, renamed) == 1);
 }
 
+TEST_CASE("one unit alone is let out of the ban on fast math", "[repository]") {
+    std::vector<std::string> defining;
+    for (const SourceFile& file : read_tree({"src", "analysis", "bench"}))
+        if (file.text.find("#define LOSTBITS_MEASURES_FAST_MATH") != std::string::npos) defining.push_back(file.path);
+    CHECK(defining == std::vector<std::string>{"src/intersect/variant_fastmath.cpp"});
+}
+
 TEST_CASE("no file has outgrown its page", "[repository]") {
     const auto files = read_tree({"src", "analysis", "tests"});
     hold_everywhere(files, file_length);

@@ -27,10 +27,16 @@ struct Planes {
     T bmax;
 };
 
+/// True of numbers whose kernel, knowing the ray's signs beforehand, hands over each box with its planes already in order:
+/// `lo` is then the plane that the line meets first.
+template <class T>
+inline constexpr bool planes_in_order = false;
+
 /// lo before hi where the sign bit of inv = 1/d is clear, hi before lo where it is set. A direction of −0 has inv = −∞ and
 /// its planes change places, so a ray between them still runs from −∞ to +∞.
 template <Number T>
 Planes<T> planes_by_sign(const T& lo, const T& hi, const T& inv) {
+    if constexpr (planes_in_order<T>) return {lo, hi};
     const mask_t<T> sign = copysign(T(1), inv) < T(0);
     return {select(sign, hi, lo), select(sign, lo, hi)};
 }

@@ -1,0 +1,79 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <memory>
+
+#include "commands.hpp"
+#include "measure/trade.hpp"
+#include "output/trade_files.hpp"
+#include "select.hpp"
+#include "signals.hpp"
+
+namespace lostbits::analysis {
+namespace {
+
+struct TradeOptions {
+    std::string shape = "sphere";
+    std::vector<std::string> forms{"*"};
+    std::vector<std::string> formats{"f32", "f64"};
+    std::string out;
+    int repetitions = 0;  ///< 0: the plan's own
+    bool quick = false;
+};
+
+std::vector<Format> native_formats(const std::vector<std::string>& names) {
+    const auto formats = select_formats(names);
+    for (const Format& f : formats) {
+        if (f.engine == Format::Engine::rounded) throw InputError(fmt::format("-f {}: its time would be that of an emulation; only f32 and f64 are timed", f.name));
+    }
+    return formats;
+}
+
+TimingPlan plan_of(const TradeOptions& o) {
+    TimingPlan plan;
+    if (o.quick) {
+        plan.repetitions = 5;
+        plan.least_seconds = 1e-4;
+    }
+    if (o.repetitions > 0) plan.repetitions = o.repetitions;
+    return plan;
+}
+
+Exit run(const TradeOptions& o, const Common& common) {
+    if (o.out.empty()) throw InputError("-o: the name of the folder is empty; write -o . for this one");
+    const Shape shape = o.shape == "box" ? Shape::box : Shape::sphere;
+    const auto rows = of_shape(cross(select_forms(o.forms), native_formats(o.formats)), shape);
+    if (rows.empty()) throw NothingSelected(fmt::format("--shape {0}: none of the selected intersectors is about a {0}; try -i '{0}.*' or another --shape", o.shape));
+    TradeRequest request{.shape = shape, .kernels = trade_kernels(rows), .metrics = {}, .loads = trade_loads(cache_sizes()), .plan = plan_of(o)};
+    for (const char* name : {"lost_bits", "excess_bits"}) request.metrics.push_back(find_metric(name));
+    const auto folder = std::filesystem::path(o.out) / o.shape;
+    output::TradeFiles files(request, folder);
+    const ThreadLimit limit(common.threads);
+    output::Progress progress(trade_units(request), fmt::format("trade {}", o.shape), common.progress, common.quiet);
+    request.plan.progress = [&progress](std::uint64_t done) {
+        progress.advance(done);
+        stop_if_interrupted();
+    };
+    const TradeResult result = run_trade(request);
+    files.finish(result);
+    progress.finish();
+    if (!common.quiet) fmt::print("{}\n{}\n", output::trade_in_words(request, result), (folder / "pareto.csv").string());
+    return Exit::done;
+}
+
+}  // namespace
+
+void add_trade(CLI::App& program, const Common& common, Command& chosen) {
+    auto* command = program.add_subcommand("trade", "Measured speed against measured accuracy, and what nothing beats");
+    const auto o = std::make_shared<TradeOptions>();
+    command->add_option("--shape", o->shape, "sphere (default) or box")->check(CLI::IsMember({"sphere", "box"}));
+    command->add_option("-i,--intersector", o->forms, "Forms, by name or glob (default: all of the shape)");
+    command->add_option("-f,--format", o->formats, "f32, f64 (default: both)");
+    command->add_option("--repetitions", o->repetitions, "Measurements of each kernel (default: 25; 5 with --quick)")->check(CLI::Range(1, 1000));
+    command->add_flag("--quick", o->quick, "Shorter measurements, for a first look");
+    command->add_option("-o,--out", o->out, "Folder for the results")->required();
+    command->callback([o, &common, &chosen] { chosen = [o, &common] { return run(*o, common); }; });
+}
+
+}  // namespace lostbits::analysis

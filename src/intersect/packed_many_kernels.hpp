@@ -1,0 +1,87 @@
+// The loops over packs of solids for one ray; see packed_kernels.hpp for what such a file may include.
+#pragma once
+
+#include <cstring>
+#include <type_traits>
+
+#include "intersect/catalogue.hpp"
+#include "intersect/packed_raw.hpp"
+#include "intersect/takes.hpp"
+#include "number/pack.hpp"
+
+namespace lostbits {
+
+/// The forms that take a box's planes in the order of the sign of 1/d, which is the sign of d, the same for all boxes. (Not
+/// box.embree_fma: there the sign of a tiny d changes. Of a NaN neither sign nor order matters: every t is NaN.)
+template <class Form>
+inline constexpr bool orders_planes = false;
+template <>
+inline constexpr bool orders_planes<box::Signs> = true;
+template <>
+inline constexpr bool orders_planes<box::PbrtPadded> = true;
+template <>
+inline constexpr bool orders_planes<box::MaxMult> = true;
+template <>
+inline constexpr bool orders_planes<box::EmbreeRobust> = true;
+
+/// Registers of boxes whose planes are in order.
+template <class Width>
+struct InOrder : Width {};
+namespace box {
+template <class F, class Width>
+inline constexpr bool planes_in_order<Pack<F, InOrder<Width>>> = true;
+}
+
+/// The ray is the same in every round, so the compiler moves what depends on it alone (1/d) in front of the loop.
+template <class Form, class F, class Width>
+[[gnu::flatten]] void one_ray_many_boxes(const RawSolids<F>& batch) {
+    using P = Pack<F, std::conditional_t<orders_planes<Form>, InOrder<Width>, Width>>;
+    RawSolids<F> b = batch;  // pointers that no store can reach
+    for (int axis = 0; axis < 3; ++axis) {
+        if (!orders_planes<Form> || !__builtin_signbit(b.ray[3 + axis])) continue;
+        b.numbers[axis] = batch.numbers[axis + 3];
+        b.numbers[axis + 3] = batch.numbers[axis];
+    }
+    const auto number = [&b](int k) { return P(b.ray[k]); };
+    const Ray<P> ray{{number(0), number(1), number(2)}, {number(3), number(4), number(5)}};
+    for (std::size_t i = 0; i < b.size; i += P::lanes) {
+        const auto at = [&](int column) { return P::load(b.numbers[column] + i); };
+        const P end = P::load(b.t + i);
+        const Hit<P> hit = Form::intersect(ray, Box<P>{{at(0), at(1), at(2)}, {at(3), at(4), at(5)}}, end);
+        select(hit.hit, hit.t, end).store(b.t + i);
+    }
+}
+
+template <class Form, class F, class Width>
+[[gnu::flatten]] void one_ray_many_spheres(const RawSolids<F>& batch) {
+    using P = Pack<F, Width>;
+    const RawSolids<F> b = batch;
+    const auto number = [&b](int k) { return P(b.ray[k]); };
+    const Ray<P> ray{{number(0), number(1), number(2)}, {number(3), number(4), number(5)}};
+    for (std::size_t i = 0; i < b.size; i += P::lanes) {
+        const auto at = [&](int column) { return P::load(b.numbers[column] + i); };
+        const Hit<P> hit = Form::intersect(ray, Sphere<P>{{at(0), at(1), at(2)}, at(3)});
+        hit.t.store(b.t + i);
+        bool decision[P::lanes];
+        hit.hit.store(decision);
+        std::memcpy(b.hit + i, decision, P::lanes);
+    }
+}
+
+template <class Form, class F, class Width>
+constexpr auto many_kernel() {
+    if constexpr (takes_sphere<Form>) return one_ray_many_spheres<Form, F, Width>;
+    else return one_ray_many_boxes<Form, F, Width>;
+}
+
+/// A null pointer where the form does not exist in binary64.
+template <class Width>
+void fill_many_raw(RawManyRow* row) {
+    for_each_form([&row]<class Form>() {
+        row->f32 = many_kernel<Form, float, Width>();
+        if constexpr (Form::info.formats == Formats::all) row->f64 = many_kernel<Form, double, Width>();
+        ++row;
+    });
+}
+
+}  // namespace lostbits
