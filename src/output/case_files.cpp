@@ -91,6 +91,10 @@ void write_case_matrix(const std::filesystem::path& path, const CaseRequest& req
             spec.cells.push_back(cell_of(s, verdict_of(s, request.metrics, request.file->right_within_bits), lost, scale));
         }
     }
+    const auto on_ramp = [&](const auto& rows) {
+        return std::ranges::any_of(order, [&](std::size_t r) { return verdict_of(rows[r], request.metrics, request.file->right_within_bits) == Verdict::wrong_value; });
+    };
+    if (std::ranges::none_of(cases, on_ramp)) spec.scale.reset();
     write_matrix_plot(backend, path, spec);
 }
 

@@ -40,7 +40,10 @@ std::vector<Column> onset_columns(const SweepRequest& request) {
 }  // namespace
 
 SweepFiles::SweepFiles(const SweepRequest& request, const std::filesystem::path& folder)
-    : request_(request), folder_(folder), samples_(folder / "samples.csv", sample_columns(request)), onsets_(folder / "onsets.csv", onset_columns(request)) {}
+    : request_(request), folder_(folder), samples_(folder / "samples.csv", sample_columns(request)) {
+    // An onset is a place on one axis.
+    if (request.sweep->axes.size() == 1) onsets_.emplace(folder / "onsets.csv", onset_columns(request));
+}
 
 void SweepFiles::finish(const std::vector<SweepStep>& steps, const std::vector<Onset>& onsets) {
     for (std::size_t r = 0; r < request_.rows.size(); ++r) {
@@ -50,20 +53,26 @@ void SweepFiles::finish(const std::vector<SweepStep>& steps, const std::vector<O
             samples_.end_row();
         }
     }
+    std::vector<DataResource> resources{{"samples.csv", "One row per form, format and step", sample_columns(request_)}};
+    if (onsets_) {
+        write_onsets(onsets);
+        resources.push_back({"onsets.csv", "One row per form, format, event and threshold", onset_columns(request_)});
+    }
+    write_datapackage(folder_ / "datapackage.json", request_.sweep->title, resources);
+    if (onsets_) onsets_->close();
+    samples_.close();
+}
+
+void SweepFiles::write_onsets(const std::vector<Onset>& onsets) {
     for (const Onset& o : onsets) {
         const MapRow& row = request_.rows[o.row];
         const bool good = o.found && !o.from_start;
-        onsets_.add(row.form->info->name).add(row.format.name).add(o.event).add(o.statistic).add(o.threshold).add(o.found);
-        onsets_.add(good ? Cell(o.last_good) : Cell()).add(o.found ? Cell(o.first_bad) : Cell());
-        onsets_.add(good ? Cell(hex(o.last_good)) : Cell()).add(o.found ? Cell(hex(o.first_bad)) : Cell());
-        onsets_.add(o.found ? Cell(o.value_at_first_bad) : Cell());
-        onsets_.end_row();
+        onsets_->add(row.form->info->name).add(row.format.name).add(o.event).add(o.statistic).add(o.threshold).add(o.found);
+        onsets_->add(good ? Cell(o.last_good) : Cell()).add(o.found ? Cell(o.first_bad) : Cell());
+        onsets_->add(good ? Cell(hex(o.last_good)) : Cell()).add(o.found ? Cell(hex(o.first_bad)) : Cell());
+        onsets_->add(o.found ? Cell(o.value_at_first_bad) : Cell());
+        onsets_->end_row();
     }
-    write_datapackage(folder_ / "datapackage.json", request_.sweep->title,
-                      {{"samples.csv", "One row per form, format and step", sample_columns(request_)},
-                       {"onsets.csv", "One row per form, format, event and threshold", onset_columns(request_)}});
-    onsets_.close();
-    samples_.close();
 }
 
 }  // namespace lostbits::output

@@ -1,7 +1,8 @@
-// The files of a sweep: samples.csv, onsets.csv and datapackage.json.
+// The files of a sweep: samples.csv, onsets.csv (of a sweep with one axis) and datapackage.json.
 #pragma once
 
 #include <filesystem>
+#include <optional>
 
 #include "measure/sweep.hpp"
 #include "output/csv.hpp"
@@ -15,9 +16,12 @@ public:
     void finish(const std::vector<SweepStep>& steps, const std::vector<Onset>& onsets);
 
 private:
+    void write_onsets(const std::vector<Onset>& onsets);
+
     const SweepRequest& request_;
     std::filesystem::path folder_;
-    CsvWriter samples_, onsets_;
+    CsvWriter samples_;
+    std::optional<CsvWriter> onsets_;  ///< of a sweep with one axis
 };
 
 }  // namespace lostbits::output

@@ -113,7 +113,7 @@ TEST_CASE("two axes give the product of their steps, every_float every float") {
     REQUIRE(r.code == 0);
     CHECK(read_csv(scratch.path() / "s/samples.csv").size() == 20 * 5);
     CHECK(std::filesystem::exists(scratch.path() / "s/sphere.unified.f32.png"));
-    CHECK(read_csv(scratch.path() / "s/onsets.csv").empty());
+    CHECK(!std::filesystem::exists(scratch.path() / "s/onsets.csv"));  // an onset is a place on one axis
 }
 
 TEST_CASE("a bad sweep is refused with its place and a remedy, and nothing is written") {
