@@ -5,25 +5,14 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <random>
 
 #include "number/rounded.hpp"
+#include "scene/random.hpp"
 
 namespace lostbits {
 namespace {
 
 constexpr int litter = 32;
-
-/// The engine's sequence is fixed by the standard; its distributions are not, so these are ours.
-class Random {
-public:
-    explicit Random(std::uint64_t seed) : engine_(seed) {}
-    double unit() { return static_cast<double>(engine_() >> 11) * 0x1p-53; }
-    int below(int n) { return static_cast<int>(engine_() % static_cast<std::uint64_t>(n)); }
-
-private:
-    std::mt19937_64 engine_;
-};
 
 /// The number `steps` places after x in the format's order.
 double step_from(double x, std::int64_t steps, const FloatFormat& f) {
@@ -181,7 +170,7 @@ private:
     const WorstRequest& request_;
     const scene::SearchFile& file_;
     const MapRow& row_;
-    Random random_;
+    scene::Random random_;
     std::size_t metric_;
     std::uint64_t evaluations_ = 0;
     WorstFound best_;

@@ -2,25 +2,13 @@
 
 #include <array>
 #include <cmath>
-#include <random>
+
+#include "scene/random.hpp"
 
 namespace lostbits::scene {
 namespace {
 
 double stored(double x) { return static_cast<double>(static_cast<float>(x)); }
-
-/// The engine's sequence is fixed by the standard; its distributions are not, so this is ours.
-class Random {
-public:
-    explicit Random(std::uint64_t seed) : engine_(seed) {}
-    double unit() { return static_cast<double>(engine_() >> 11) * 0x1p-53; }
-    double between(double a, double b) { return a + unit() * (b - a); }
-    int below(int n) { return static_cast<int>(engine_() % static_cast<std::uint64_t>(n)); }
-    double sign() { return below(2) == 0 ? 1 : -1; }
-
-private:
-    std::mt19937_64 engine_;
-};
 
 /// Random sides between a half and all of the size; one of them of the stated thickness; not centred anywhere special.
 Box<double> draw_box(Random& random, const BoxFamily& f) {

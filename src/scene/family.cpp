@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <random>
 
 #include "number/error.hpp"
+#include "scene/random.hpp"
 
 namespace lostbits::scene {
 namespace {
@@ -15,17 +15,6 @@ struct Quadruple {
 };
 constexpr Quadruple quadruples[] = {{1, 2, 2, 3},   {2, 3, 6, 7},   {1, 4, 8, 9},   {4, 4, 7, 9},   {2, 6, 9, 11},  {6, 6, 7, 11},
                                     {3, 4, 12, 13}, {2, 5, 14, 15}, {2, 10, 11, 15}, {1, 12, 12, 17}, {8, 9, 12, 17}, {6, 10, 15, 19}};
-
-/// The engine's sequence is fixed by the standard; its distributions are not, so this is ours.
-class Random {
-public:
-    explicit Random(std::uint64_t seed) : engine_(seed) {}
-    double unit() { return static_cast<double>(engine_() >> 11) * 0x1p-53; }
-    int below(int n) { return static_cast<int>(engine_() % static_cast<std::uint64_t>(n)); }
-
-private:
-    std::mt19937_64 engine_;
-};
 
 double to_12_bits(double x) {
     if (x == 0) return 0;
