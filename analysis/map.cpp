@@ -107,8 +107,9 @@ struct SceneWork {
     }
 };
 
-SceneWork work_on(const scene::Scene& scene, const MapOptions& o, const std::vector<MapRow>& rows, const std::vector<const Metric*>& measured) {
-    SceneWork work{{.scene = &scene, .rows = of_shape(rows, scene.shape()), .metrics = measured}, {}};
+SceneWork work_on(const scene::Scene& scene, const MapOptions& o, const std::vector<MapRow>& rows, const std::vector<const Metric*>& wanted) {
+    SceneWork work{{.scene = &scene, .rows = fitting(rows, [&](Shape shape) { return scene.meets(shape); }), .metrics = {}}, {}};
+    work.map.metrics = measured(wanted, work.map.rows, "scene " + scene.id);
     if (o.bits_needed > 0) work.needed = NeededRequest{.scene = &scene, .forms = forms_of_any_width(work.map.rows), .bits = o.bits_needed};
     return work;
 }
@@ -162,11 +163,11 @@ Exit run(const MapOptions& o, const Common& common) {
         wanted.push_back(find_metric("excess_bits"));
     }
     auto scenes = load(o, common);
-    drop_unfitting(scenes, rows, common.quiet, [](const scene::Scene& s) { return s.shape(); }, [](const scene::Scene& s) { return s.id; });
+    drop_unfitting(scenes, rows, common.quiet, [](const scene::Scene& s, Shape shape) { return s.meets(shape); }, [](const scene::Scene& s) { return s.id; });
     const ThreadLimit limit(common.threads);
 
     std::vector<SceneWork> works;
-    for (const auto& scene : scenes) works.push_back(work_on(scene, o, rows, measured(wanted)));
+    for (const auto& scene : scenes) works.push_back(work_on(scene, o, rows, wanted));
     // A folder that cannot be written ends the run before the first ray, not after the tenth scene.
     for (const auto& scene : scenes) output::AtomicFile probe(std::filesystem::path(o.out) / scene.id / "summary.csv");
     if (o.bits_needed > 0 && !common.quiet) note_skipped(works);

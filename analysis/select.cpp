@@ -63,11 +63,16 @@ std::vector<const Metric*> select_metrics(const std::vector<std::string>& globs)
     return chosen;
 }
 
-/// The default metrics and those that were asked for, in the table's order.
-std::vector<const Metric*> measured(const std::vector<const Metric*>& asked) {
+std::vector<const Metric*> measured(const std::vector<const Metric*>& asked, const std::vector<MapRow>& rows, const std::string& what) {
+    const bool marches = std::ranges::any_of(rows, [](const MapRow& row) { return row.form->shape == Shape::sdf; });
     std::vector<const Metric*> all;
     for (const Metric& m : metrics()) {
-        if (m.by_default || std::ranges::find(asked, &m) != asked.end()) all.push_back(&m);
+        const bool named = std::ranges::find(asked, &m) != asked.end();
+        if (m.over == Over::marches && !marches) {
+            if (named) throw InputError(fmt::format("--metric {}: {} is asked of no form that marches; add -i 'sdf.*', or a [march] table to it", m.name, what));
+            continue;
+        }
+        if (m.by_default || named) all.push_back(&m);
     }
     return all;
 }
@@ -104,10 +109,12 @@ std::vector<MapRow> cross(const std::vector<const Intersector*>& forms, const st
     return rows;
 }
 
-std::vector<MapRow> of_shape(const std::vector<MapRow>& rows, Shape shape) {
-    std::vector<MapRow> fitting;
-    std::ranges::copy_if(rows, std::back_inserter(fitting), [shape](const MapRow& r) { return r.form->shape == shape; });
-    return fitting;
+std::string globs_of(const std::function<bool(Shape)>& meets) {
+    std::string globs;
+    for (const Shape shape : {Shape::sphere, Shape::box, Shape::sdf}) {
+        if (meets(shape)) globs += (globs.empty() ? "" : "' -i '") + std::string(name_of(shape)) + ".*";
+    }
+    return globs;
 }
 
 struct ThreadLimit::Control {

@@ -1,8 +1,11 @@
 // From names and globs on the command line to forms, formats and metrics.
 #pragma once
 
+#include <algorithm>
 #include <cstdio>
 #include <filesystem>
+#include <functional>
+#include <iterator>
 #include <memory>
 #include <string>
 #include <vector>
@@ -25,24 +28,33 @@ std::vector<Format> select_formats(const std::vector<std::string>& names);
 /// Metrics by name or glob, in the order asked for. InputError with did-you-mean.
 std::vector<const Metric*> select_metrics(const std::vector<std::string>& globs);
 
-/// The default metrics and those that were asked for, in the table's order.
-std::vector<const Metric*> measured(const std::vector<const Metric*>& asked);
+/// The default metrics and those that were asked for, in the table's order. Those of marches are there only where a row marches;
+/// InputError where one of them was asked for and none does: `what` is the scene or sweep.
+std::vector<const Metric*> measured(const std::vector<const Metric*>& asked, const std::vector<MapRow>& rows, const std::string& what);
 
 /// Every selected form in every selected format that it exists in. NothingSelected where that leaves none.
 std::vector<MapRow> cross(const std::vector<const Intersector*>& forms, const std::vector<Format>& formats);
 
-/// Those rows whose forms meet solids of this shape.
-std::vector<MapRow> of_shape(const std::vector<MapRow>& rows, Shape shape);
+/// Those rows whose forms can be asked: `meets(Shape)` tells of which shapes.
+template <class Meets>
+std::vector<MapRow> fitting(const std::vector<MapRow>& rows, const Meets& meets) {
+    std::vector<MapRow> chosen;
+    std::ranges::copy_if(rows, std::back_inserter(chosen), [&](const MapRow& row) { return meets(row.form->shape); });
+    return chosen;
+}
 
-/// Drops what no selected form can meet and says so on stderr unless `quiet`; `shape_of` and `name_of` tell a thing's shape
-/// and name. NothingSelected where that leaves none.
-template <class Things, class ShapeOf, class NameOf>
-void drop_unfitting(Things& things, const std::vector<MapRow>& rows, bool quiet, ShapeOf shape_of, NameOf name_of) {
+/// `sphere.*, sdf.*`: the globs of the forms that can be asked.
+std::string globs_of(const std::function<bool(Shape)>& meets);
+
+/// Drops what no selected form can be asked about and says so on stderr unless `quiet`; `meets(thing, Shape)` tells of which shapes the
+/// forms must be, `name_of` a thing's name. NothingSelected where that leaves none.
+template <class Things, class Meets, class NameOf>
+void drop_unfitting(Things& things, const std::vector<MapRow>& rows, bool quiet, Meets meets, NameOf name_of) {
     std::vector<std::string> left_out;
     std::erase_if(things, [&](const auto& thing) {
-        if (!of_shape(rows, shape_of(thing)).empty()) return false;
-        const std::string shape(shape_names[static_cast<std::size_t>(shape_of(thing))]);
-        left_out.push_back(std::string(name_of(thing)) + " is about a " + shape + ", and none of the selected intersectors is; try -i '" + shape + ".*'");
+        const auto can = [&](Shape shape) { return meets(thing, shape); };
+        if (!fitting(rows, can).empty()) return false;
+        left_out.push_back(std::string(name_of(thing)) + " can be asked of none of the selected intersectors; try -i '" + globs_of(can) + "'");
         return true;
     });
     if (things.empty()) throw NothingSelected(left_out.front());

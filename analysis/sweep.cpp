@@ -38,14 +38,15 @@ void print_onsets(const SweepRequest& request, const std::vector<Onset>& onsets)
 
 struct Chosen {
     std::vector<MapRow> rows;
-    std::vector<const Metric*> metrics;
+    std::vector<const Metric*> asked;  ///< metrics beside the default ones
 };
 
 /// What a run over named cases leaves: the matrix.
 void run_case_file(const std::filesystem::path& path, const Chosen& chosen, const SweepOptions& o, const Common& common) {
     const scene::CaseFile file(path);
-    CaseRequest request{.file = &file, .rows = {}, .metrics = chosen.metrics};
-    for (MapRow row : of_shape(chosen.rows, file.shape())) {
+    const auto rows = fitting(chosen.rows, [&](Shape shape) { return file.meets(shape); });
+    CaseRequest request{.file = &file, .rows = {}, .metrics = measured(chosen.asked, rows, "sweep " + file.id)};
+    for (MapRow row : rows) {
         for (const auto& judged : file.conventions) {
             row.judged = judged;
             request.rows.push_back(row);
@@ -65,7 +66,13 @@ void run_case_file(const std::filesystem::path& path, const Chosen& chosen, cons
 
 void run_axes(const std::filesystem::path& path, const Chosen& chosen, const SweepOptions& o, const Common& common) {
     const scene::SweepFile sweep(path, data_folder(common.data));
-    SweepRequest request{.sweep = &sweep, .rows = of_shape(chosen.rows, sweep.shape()), .metrics = chosen.metrics};
+    SweepRequest request{.sweep = &sweep, .rows = fitting(chosen.rows, [&](Shape shape) { return sweep.meets(shape); }), .metrics = {}};
+    auto asked = chosen.asked;
+    // Where forms stop short on purpose, the error by itself says little.
+    if (std::ranges::any_of(request.rows, [](const MapRow& row) { return row.form->shape == Shape::sdf; })) {
+        for (const char* name : {"model_error", "rounding_error"}) asked.push_back(find_metric(name));
+    }
+    request.metrics = measured(asked, request.rows, "sweep " + sweep.id);
     for (MapRow& row : request.rows) row.judged = sweep.convention;
     const auto folder = std::filesystem::path(o.out) / sweep.id;
     output::SweepFiles files(request, folder);
@@ -86,7 +93,8 @@ void run_axes(const std::filesystem::path& path, const Chosen& chosen, const Swe
 
 void run_search(const std::filesystem::path& path, const Chosen& chosen, const SweepOptions& o, const Common& common) {
     const scene::SearchFile search(path);
-    WorstRequest request{.search = &search, .rows = of_shape(chosen.rows, search.shape), .metrics = measured({find_metric(search.metric)})};
+    WorstRequest request{.search = &search, .rows = fitting(chosen.rows, [&](Shape shape) { return search.shape == shape; }), .metrics = {}};
+    request.metrics = measured({find_metric(search.metric)}, request.rows, path.string());
     const auto folder = std::filesystem::path(o.out) / search.id;
     { const output::AtomicFile probe(folder / "worst.csv"); }  // a folder that cannot be written ends the run before the search
     output::Progress progress(request.rows.size(), search.id, common.progress, common.quiet);
@@ -103,35 +111,43 @@ void run_search(const std::filesystem::path& path, const Chosen& chosen, const S
     if (!common.quiet) fmt::print("{}\n", (folder / "worst.csv").string());
 }
 
-/// Reads the file and forgets it: InputError for what is wrong with it; the shape it is about.
-Shape check_file(const std::filesystem::path& path, scene::SweepKind kind, bool worst, const std::filesystem::path& data) {
+/// Of which shapes the forms must be.
+using Meets = std::function<bool(Shape)>;
+
+/// Reads the file and forgets it: InputError for what is wrong with it; the forms that it can be asked of.
+Meets check_file(const std::filesystem::path& path, scene::SweepKind kind, bool worst, const std::filesystem::path& data) {
     using K = scene::SweepKind;
     if (worst && kind != K::search) throw InputError(path.string() + ":1:1: --worst needs a [search] table: the ranges to search; see data/sweeps/worst");
     if (!worst && kind == K::search) throw InputError(path.string() + ":1:1: a [search] table is for --worst; add it");
-    if (kind == K::cases) return scene::CaseFile(path).shape();
-    if (kind == K::axes) return scene::SweepFile(path, data).shape();
+    const auto only = [](Shape shape) { return [shape](Shape form) { return form == shape; }; };
+    if (kind == K::cases) return only(scene::CaseFile(path).shape());
+    if (kind == K::axes) {
+        const scene::SweepFile sweep(path, data);
+        return [sphere = sweep.meets(Shape::sphere), box = sweep.meets(Shape::box), sdf = sweep.meets(Shape::sdf)](Shape form) {
+            return form == Shape::sphere ? sphere : form == Shape::box ? box : sdf;
+        };
+    }
     const scene::SearchFile search(path);
     if (find_metric(search.metric) == nullptr) {
         std::vector<std::string> names;
         for (const Metric& m : metrics()) names.emplace_back(m.name);
         throw InputError(path.string() + ":1:1: search.metric is \"" + search.metric + "\", which no metric is called; " + scene::did_you_mean(search.metric, names));
     }
-    return search.shape;
+    return only(search.shape);
 }
 
 Exit run(const SweepOptions& o, const Common& common) {
     Chosen chosen{cross(select_forms(o.forms), select_formats(o.formats)), {}};
     // A sweep always knows what the problem itself costs: its plots carry the envelope.
-    auto asked = o.metrics.empty() ? std::vector<const Metric*>{} : select_metrics(o.metrics);
-    for (const char* name : {"inherent_bits", "excess_bits"}) asked.push_back(find_metric(name));
-    chosen.metrics = measured(asked);
+    if (!o.metrics.empty()) chosen.asked = select_metrics(o.metrics);
+    for (const char* name : {"inherent_bits", "excess_bits"}) chosen.asked.push_back(find_metric(name));
     if (o.out.empty()) throw InputError("-o: the name of the folder is empty; write -o . for this one");
     const auto data = data_folder(common.data);
     // Every file is read before the first is worked on: bad input leaves nothing behind.
     struct Sweep {
         std::filesystem::path path;
         scene::SweepKind kind;
-        Shape shape;
+        Meets meets;
     };
     std::vector<Sweep> sweeps;
     for (const std::string& word : o.sweeps) {
@@ -142,9 +158,9 @@ Exit run(const SweepOptions& o, const Common& common) {
         }
         sweeps.push_back({path, kind, check_file(path, kind, o.worst, data)});
     }
-    drop_unfitting(sweeps, chosen.rows, common.quiet, [](const Sweep& s) { return s.shape; }, [](const Sweep& s) { return s.path.stem().string(); });
+    drop_unfitting(sweeps, chosen.rows, common.quiet, [](const Sweep& s, Shape shape) { return s.meets(shape); }, [](const Sweep& s) { return s.path.stem().string(); });
     const ThreadLimit limit(common.threads);
-    for (const auto& [path, kind, shape] : sweeps) {
+    for (const auto& [path, kind, meets] : sweeps) {
         if (kind == scene::SweepKind::cases) run_case_file(path, chosen, o, common);
         else if (kind == scene::SweepKind::axes) run_axes(path, chosen, o, common);
         else run_search(path, chosen, o, common);

@@ -43,7 +43,7 @@ TimingPlan plan_of(const TradeOptions& o) {
 Exit run(const TradeOptions& o, const Common& common) {
     if (o.out.empty()) throw InputError("-o: the name of the folder is empty; write -o . for this one");
     const Shape shape = o.shape == "box" ? Shape::box : Shape::sphere;
-    const auto rows = of_shape(cross(select_forms(o.forms), native_formats(o.formats)), shape);
+    const auto rows = fitting(cross(select_forms(o.forms), native_formats(o.formats)), [shape](Shape form) { return form == shape; });
     if (rows.empty()) throw NothingSelected(fmt::format("--shape {0}: none of the selected intersectors is about a {0}; try -i '{0}.*' or another --shape", o.shape));
     TradeRequest request{.shape = shape, .kernels = trade_kernels(rows), .metrics = {}, .loads = trade_loads(cache_sizes()), .plan = plan_of(o)};
     for (const char* name : {"lost_bits", "excess_bits"}) request.metrics.push_back(find_metric(name));

@@ -11,11 +11,13 @@
 
 namespace lostbits {
 
-enum class Shape : std::uint8_t { sphere, box };
+/// `sdf` is no solid's: it stands for what meets any solids together, as one field of distances.
+enum class Shape : std::uint8_t { sphere, box, sdf };
 
-inline constexpr std::array<std::string_view, 2> shape_names{"sphere", "box"};
+inline constexpr std::array<std::string_view, 3> shape_names{"sphere", "box", "sdf"};
+inline constexpr std::string_view name_of(Shape shape) { return shape_names[static_cast<std::size_t>(shape)]; }
 
-/// The names of a shape's numbers, in their order; a shape has as many.
+/// The names of a solid's numbers, in their order; a solid has as many.
 inline std::span<const std::string_view> number_names(Shape shape) {
     static constexpr std::array<std::string_view, 4> sphere{"centre_x", "centre_y", "centre_z", "radius"};
     static constexpr std::array<std::string_view, 6> box{"lo_x", "lo_y", "lo_z", "hi_x", "hi_y", "hi_z"};

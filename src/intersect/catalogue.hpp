@@ -11,6 +11,13 @@
 #include "intersect/box/max_mult.hpp"
 #include "intersect/box/pbrt_padded.hpp"
 #include "intersect/box/signs.hpp"
+#include "intersect/sdf/accumulated.hpp"
+#include "intersect/sdf/bisect_refined.hpp"
+#include "intersect/sdf/cone_eps.hpp"
+#include "intersect/sdf/over_relaxed.hpp"
+#include "intersect/sdf/relative_eps.hpp"
+#include "intersect/sdf/secant_refined.hpp"
+#include "intersect/sdf/sphere_trace.hpp"
 #include "intersect/sphere/closest_approach.hpp"
 #include "intersect/sphere/cross_product.hpp"
 #include "intersect/sphere/double_inside.hpp"
@@ -83,12 +90,23 @@ using BoxForms = FormList<  //
     box::EmbreeRobust       //
     >;
 
+using SdfForms = FormList<  //
+    sdf::SphereTrace,       // from the seeds
+    sdf::RelativeEps,       // from shaders and the literature
+    sdf::ConeEps,           //
+    sdf::OverRelaxed,       //
+    sdf::Accumulated,       //
+    sdf::SecantRefined,     //
+    sdf::BisectRefined      //
+    >;
+
 /// Every form of every shape, in the order of the tables.
-inline constexpr std::size_t form_count = SphereForms::size + BoxForms::size;
+inline constexpr std::size_t form_count = SphereForms::size + BoxForms::size + SdfForms::size;
 template <class Visitor>
 void for_each_form(Visitor&& visit) {
     SphereForms::for_each(visit);
     BoxForms::for_each(visit);
+    SdfForms::for_each(visit);
 }
 
 }  // namespace lostbits

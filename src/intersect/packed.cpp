@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "intersect/catalogue.hpp"
-#include "intersect/packed_raw.hpp"
+#include "intersect/packed_target.hpp"
 #include "number/error.hpp"
 
 namespace lostbits {
@@ -38,7 +38,7 @@ void run_tail(RawKernel<F> kernel, std::size_t lanes, const RawBatch<F>& rest) {
     for (int c = 0; c < 6; ++c) fill(tail.rays[c], rest.rays[c]);
     if (rest.tmax) fill(tail.tmax, rest.tmax);
     const auto& in = tail.rays;
-    kernel({{in[0], in[1], in[2], in[3], in[4], in[5]}, rest.tmax ? tail.tmax : nullptr, rest.solid, tail.t, tail.near, tail.far, tail.hit, lanes});
+    kernel({{in[0], in[1], in[2], in[3], in[4], in[5]}, rest.tmax ? tail.tmax : nullptr, rest.target, tail.t, tail.near, tail.far, tail.hit, lanes});
     std::copy_n(tail.t, rest.size, rest.t);
     std::copy_n(tail.near, rest.size, rest.near);
     std::copy_n(tail.far, rest.size, rest.far);
@@ -46,20 +46,11 @@ void run_tail(RawKernel<F> kernel, std::size_t lanes, const RawBatch<F>& rest) {
 }
 
 template <class F>
-void run(RawKernel<F> kernel, std::size_t lanes, const RayBatch<F>& rays, const Solid<F>& solid, const HitBatch<F>& hits) {
-    const auto from = [&](std::size_t i, std::size_t size) {
-        return RawBatch<F>{{rays.ox.data() + i, rays.oy.data() + i, rays.oz.data() + i, rays.dx.data() + i, rays.dy.data() + i, rays.dz.data() + i},
-                           rays.tmax.empty() ? nullptr : rays.tmax.data() + i,
-                           solid.numbers.data(),
-                           hits.t.data() + i,
-                           hits.near.data() + i,
-                           hits.far.data() + i,
-                           hits.hit.data() + i,
-                           size};
-    };
+void run(RawKernel<F> kernel, std::size_t lanes, const RayBatch<F>& rays, const Target<F>& target, const HitBatch<F>& hits) {
+    const FlatTarget<F> flat(target);
     const std::size_t left = rays.size() % lanes, whole = rays.size() - left;
-    if (whole) kernel(from(0, whole));
-    if (left) run_tail(kernel, lanes, from(whole, left));
+    if (whole) kernel(raw_batch(rays, flat.raw(), hits, 0, whole));
+    if (left) run_tail(kernel, lanes, raw_batch(rays, flat.raw(), hits, whole, left));
 }
 
 template <Isa isa>
@@ -77,13 +68,13 @@ const std::array<RawRow, forms>& raw_rows() {
 }
 
 template <Isa isa, std::size_t form>
-void run32(const RayBatch<float>& rays, const Solid<float>& solid, const HitBatch<float>& hits) {
-    run(raw_rows<isa>()[form].f32, bytes_of(isa) / sizeof(float), rays, solid, hits);
+void run32(const RayBatch<float>& rays, const Target<float>& target, const HitBatch<float>& hits) {
+    run(raw_rows<isa>()[form].f32, bytes_of(isa) / sizeof(float), rays, target, hits);
 }
 
 template <Isa isa, std::size_t form>
-void run64(const RayBatch<double>& rays, const Solid<double>& solid, const HitBatch<double>& hits) {
-    run(raw_rows<isa>()[form].f64, bytes_of(isa) / sizeof(double), rays, solid, hits);
+void run64(const RayBatch<double>& rays, const Target<double>& target, const HitBatch<double>& hits) {
+    run(raw_rows<isa>()[form].f64, bytes_of(isa) / sizeof(double), rays, target, hits);
 }
 
 template <Isa isa>

@@ -9,26 +9,55 @@
 
 #include "intersect/catalogue.hpp"
 #include "intersect/packed_raw.hpp"
+#include "intersect/sdf/field.hpp"
 #include "intersect/takes.hpp"
 #include "number/pack.hpp"
 
 namespace lostbits {
+
+template <class P, class F>
+Sphere<P> sphere_at(const RawTarget<F>& target, std::size_t k) {
+    const F* const n = target.numbers + 6 * k;
+    return {{P(n[0]), P(n[1]), P(n[2])}, P(n[3])};
+}
+
+template <class P, class F>
+Box<P> box_at(const RawTarget<F>& target, std::size_t k) {
+    const F* const n = target.numbers + 6 * k;
+    return {{P(n[0]), P(n[1]), P(n[2])}, {P(n[3]), P(n[4]), P(n[5])}};
+}
+
+/// The least distance over the solids, as `sdf::Union` takes it.
+template <class Form, class P, class F>
+Hit<P> march_pack(const Ray<P>& ray, const RawTarget<F>& target) {
+    const auto distance = [&target](std::size_t k, const Vec<P>& p) {
+        if (target.shapes[k] == static_cast<std::uint8_t>(Shape::sphere)) return sdf::distance(sphere_at<P>(target, k), p);
+        return sdf::distance(box_at<P>(target, k), p);
+    };
+    const auto field = [&](const Vec<P>& p) {
+        P least = distance(0, p);
+        for (std::size_t k = 1; k < target.solids; ++k) least = min(least, distance(k, p));
+        return least;
+    };
+    sdf::Unwatched unwatched;
+    return Form::intersect(ray, field, transformed(target.march, [](const F& x) { return P(x); }), unwatched);
+}
 
 /// Flattened: every call inside is inlined. Otherwise the compiler keeps functions for the operators of `Outward`, packs travel
 /// through the stack, and sphere.pbrt_interval takes five times as long.
 template <class Form, class F, class Width>
 [[gnu::flatten]] void packed_batch(const RawBatch<F>& batch) {
     using P = Pack<F, Width>;
-    const auto number = [s = batch.solid](int k) { return P(s[k]); };
-    const Vec<P> first(number(0), number(1), number(2));  // the centre, or lo
+    const RawTarget<F>& target = *batch.target;
     F nowhere[P::lanes];
     P(std::numeric_limits<F>::infinity()).store(nowhere);
     for (std::size_t i = 0; i < batch.size; i += P::lanes) {
         const auto at = [&](int column) { return P::load(batch.rays[column] + i); };
         const Ray<P> ray{{at(0), at(1), at(2)}, {at(3), at(4), at(5)}};
         const Hit<P> hit = [&] {
-            if constexpr (takes_sphere<Form>) return Form::intersect(ray, Sphere<P>{first, number(3)});
-            else return Form::intersect(ray, Box<P>{first, {number(3), number(4), number(5)}}, P::load(batch.tmax ? batch.tmax + i : nowhere));
+            if constexpr (shape_of<Form> == Shape::sphere) return Form::intersect(ray, sphere_at<P>(target, 0));
+            else if constexpr (shape_of<Form> == Shape::box) return Form::intersect(ray, box_at<P>(target, 0), P::load(batch.tmax ? batch.tmax + i : nowhere));
+            else return march_pack<Form>(ray, target);
         }();
         hit.t.store(batch.t + i);
         hit.near.store(batch.near + i);

@@ -101,10 +101,10 @@ template <class Form, class Boxes, class Spheres>
 ManyRow row_of(Boxes boxes, Spheres spheres) {
     ManyRow row{&Form::info, nullptr, nullptr, nullptr, nullptr};
     constexpr bool has64 = Form::info.formats == Formats::all;
-    if constexpr (takes_sphere<Form>) {
+    if constexpr (shape_of<Form> == Shape::sphere) {
         row.spheres32 = spheres.template operator()<float>();
         if constexpr (has64) row.spheres64 = spheres.template operator()<double>();
-    } else {
+    } else if constexpr (shape_of<Form> == Shape::box) {
         row.boxes32 = boxes.template operator()<float>();
         if constexpr (has64) row.boxes64 = boxes.template operator()<double>();
     }

@@ -70,11 +70,12 @@ template <class Form, class F, class Width>
 
 template <class Form, class F, class Width>
 constexpr auto many_kernel() {
-    if constexpr (takes_sphere<Form>) return one_ray_many_spheres<Form, F, Width>;
-    else return one_ray_many_boxes<Form, F, Width>;
+    if constexpr (shape_of<Form> == Shape::sphere) return one_ray_many_spheres<Form, F, Width>;
+    else if constexpr (shape_of<Form> == Shape::box) return one_ray_many_boxes<Form, F, Width>;
+    else return static_cast<void (*)(const RawSolids<F>&)>(nullptr);
 }
 
-/// A null pointer where the form does not exist in binary64.
+/// A null pointer where the form does not exist in binary64, or meets many solids as one (the forms that march).
 template <class Width>
 void fill_many_raw(RawManyRow* row) {
     for_each_form([&row]<class Form>() {

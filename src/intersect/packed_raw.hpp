@@ -4,14 +4,25 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "intersect/march.hpp"
+
 namespace lostbits {
 
-/// Whole packs of rays against one solid, structure of arrays: `size` is a multiple of the lanes.
+/// What a form is aimed at.
+template <class F>
+struct RawTarget {
+    const F* numbers;            ///< six a solid, in the order of `Solid`
+    const std::uint8_t* shapes;  ///< of each solid, as `Shape` counts them
+    std::size_t solids;          ///< one for the forms of a sphere or a box
+    MarchConstants<F> march;     ///< for the forms that march
+};
+
+/// Whole packs of rays, structure of arrays: `size` is a multiple of the lanes.
 template <class F>
 struct RawBatch {
     const F* rays[6];  ///< ox, oy, oz, dx, dy, dz
     const F* tmax;     ///< where each ray ends; null: nowhere
-    const F* solid;    ///< the numbers of the form's shape, in the order of `Solid`
+    const RawTarget<F>* target;
     F *t, *near, *far;
     std::uint8_t* hit;
     std::size_t size;

@@ -8,5 +8,6 @@ namespace lostbits {
 void fill_native(std::span<Intersector> rows);
 void fill_rounded(std::span<Intersector> rows);
 void fill_enclosed(std::span<Intersector> rows);
+void fill_logs(std::span<Intersector> rows);
 
 }  // namespace lostbits

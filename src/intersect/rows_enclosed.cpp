@@ -7,8 +7,9 @@ namespace {
 constexpr double unlimited = 0x1p1000;
 
 template <class Form, class E>
-Hit<E> enclosed(const Ray<E>& ray, const Solid<E>& solid) {
-    return intersect_solid<Form>(ray, solid, E(unlimited));
+Hit<E> enclosed(const Ray<E>& ray, const Target<E>& target) {
+    sdf::Unwatched unwatched;
+    return intersect_target<Form>(ray, target, E(unlimited), unwatched);
 }
 
 }  // namespace

@@ -11,6 +11,7 @@ std::span<const Intersector> intersectors() {
         fill_native(filled);
         fill_rounded(filled);
         fill_enclosed(filled);
+        fill_logs(filled);
         return filled;
     }();
     return rows;

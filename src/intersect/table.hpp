@@ -7,6 +7,8 @@
 
 #include "geometry/solid.hpp"
 #include "intersect/info.hpp"
+#include "intersect/march_watch.hpp"
+#include "intersect/target.hpp"
 #include "number/ball.hpp"
 #include "number/format.hpp"
 #include "number/interval.hpp"
@@ -27,18 +29,28 @@ template <class S>
 struct HitBatch {
     std::span<S> t, near, far;
     std::span<std::uint8_t> hit;
+    /// How each march went, for the forms that march; empty: not asked for.
+    std::span<MarchRecord> march = {};
+};
+
+/// A march as the format runs it, sample by sample, and its answer.
+struct MarchLog {
+    std::vector<MarchStep> steps;
+    Hit<double> hit{false, 0, 0, 0};
 };
 
 /// One form in every arithmetic. A null pointer means that the form does not exist there (see `Info::formats`).
 struct Intersector {
     const Info* info;
-    Shape shape;  ///< of the solids that it may be given
-    void (*native32)(const RayBatch<float>&, const Solid<float>&, const HitBatch<float>&);
-    void (*native64)(const RayBatch<double>&, const Solid<double>&, const HitBatch<double>&);
+    Shape shape;  ///< of the solids that it may be given one of; `sdf`: all of any shape at once
+    void (*native32)(const RayBatch<float>&, const Target<float>&, const HitBatch<float>&);
+    void (*native64)(const RayBatch<double>&, const Target<double>&, const HitBatch<double>&);
     /// Inputs are rounded to the format on the way in.
-    void (*rounded)(const FloatFormat&, const RayBatch<double>&, const Solid<double>&, const HitBatch<double>&);
-    Hit<Ball> (*ball)(const Ray<Ball>&, const Solid<Ball>&);
-    Hit<Interval> (*interval)(const Ray<Interval>&, const Solid<Interval>&);
+    void (*rounded)(const FloatFormat&, const RayBatch<double>&, const Target<double>&, const HitBatch<double>&);
+    Hit<Ball> (*ball)(const Ray<Ball>&, const Target<Ball>&);
+    Hit<Interval> (*interval)(const Ray<Interval>&, const Target<Interval>&);
+    /// Every sample of one march; null for the forms that do not march. Inputs are numbers of the format.
+    MarchLog (*log)(const Format&, const Ray<double>&, const Target<double>&) = nullptr;
 
     [[nodiscard]] bool exists_in(const Format& format) const {
         return info->formats == Formats::all || format.shape == binary32;

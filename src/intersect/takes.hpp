@@ -3,12 +3,16 @@
 
 #include <type_traits>
 
-#include "geometry/shapes.hpp"
+#include "geometry/solid.hpp"
 
 namespace lostbits {
 
-/// True of a form over spheres, false of one over boxes.
+/// The shape that a form is of, by what its `intersect` takes: a sphere, a box and the ray's end, or any field.
 template <class Form>
-inline constexpr bool takes_sphere = std::is_invocable_v<decltype(&Form::template intersect<float>), const Ray<float>&, const Sphere<float>&>;
+inline constexpr Shape shape_of = [] {
+    if constexpr (requires(const Ray<float>& ray, const Sphere<float>& sphere) { Form::intersect(ray, sphere); }) return Shape::sphere;
+    else if constexpr (requires(const Ray<float>& ray, const Box<float>& box, float tmax) { Form::intersect(ray, box, tmax); }) return Shape::box;
+    else return Shape::sdf;
+}();
 
 }  // namespace lostbits

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "intersect/catalogue.hpp"
+#include "intersect/packed_target.hpp"
 #include "intersect/variant_raw.hpp"
 
 namespace lostbits {
@@ -31,25 +32,16 @@ using RawKernel = void (*)(const RawBatch<F>&);
 
 /// Whole packs, and then the last pack's worth of rays once more: where the two overlap the same is written twice.
 template <class F>
-void run_packs(RawKernel<F> kernel, const RayBatch<F>& rays, const Solid<F>& solid, const HitBatch<F>& hits) {
+void run_packs(RawKernel<F> kernel, const RayBatch<F>& rays, const RawTarget<F>& target, const HitBatch<F>& hits) {
     constexpr std::size_t lanes = register_bytes / sizeof(F);
-    const auto from = [&](std::size_t i, std::size_t size) {
-        return RawBatch<F>{{rays.ox.data() + i, rays.oy.data() + i, rays.oz.data() + i, rays.dx.data() + i, rays.dy.data() + i, rays.dz.data() + i},
-                           rays.tmax.empty() ? nullptr : rays.tmax.data() + i,
-                           solid.numbers.data(),
-                           hits.t.data() + i,
-                           hits.near.data() + i,
-                           hits.far.data() + i,
-                           hits.hit.data() + i,
-                           size};
-    };
+    const auto from = [&](std::size_t i, std::size_t size) { return raw_batch(rays, target, hits, i, size); };
     kernel(from(0, rays.size() / lanes * lanes));
     if (rays.size() % lanes != 0) kernel(from(rays.size() - lanes, lanes));
 }
 
 /// Fewer rays than a pack holds, filled up with the last of them.
 template <class F>
-void run_few(RawKernel<F> kernel, const RayBatch<F>& rays, const Solid<F>& solid, const HitBatch<F>& hits) {
+void run_few(RawKernel<F> kernel, const RayBatch<F>& rays, const RawTarget<F>& target, const HitBatch<F>& hits) {
     constexpr std::size_t lanes = register_bytes / sizeof(F);
     const auto filled = [](std::span<const F> column) {
         std::vector<F> out(column.begin(), column.end());
@@ -59,7 +51,7 @@ void run_few(RawKernel<F> kernel, const RayBatch<F>& rays, const Solid<F>& solid
     const auto ox = filled(rays.ox), oy = filled(rays.oy), oz = filled(rays.oz), dx = filled(rays.dx), dy = filled(rays.dy), dz = filled(rays.dz), tmax = filled(rays.tmax);
     std::array<F, lanes> t{}, near{}, far{};
     std::array<std::uint8_t, lanes> hit{};
-    run_packs<F>(kernel, {ox, oy, oz, dx, dy, dz, tmax}, solid, {t, near, far, hit});
+    run_packs<F>(kernel, {ox, oy, oz, dx, dy, dz, tmax}, target, {t, near, far, hit});
     std::copy_n(t.begin(), rays.size(), hits.t.begin());
     std::copy_n(near.begin(), rays.size(), hits.near.begin());
     std::copy_n(far.begin(), rays.size(), hits.far.begin());
@@ -67,20 +59,21 @@ void run_few(RawKernel<F> kernel, const RayBatch<F>& rays, const Solid<F>& solid
 }
 
 template <class F>
-void run(RawKernel<F> kernel, const RayBatch<F>& rays, const Solid<F>& solid, const HitBatch<F>& hits) {
+void run(RawKernel<F> kernel, const RayBatch<F>& rays, const Target<F>& target, const HitBatch<F>& hits) {
     if (rays.size() == 0) return;
-    if (rays.size() < register_bytes / sizeof(F)) run_few(kernel, rays, solid, hits);
-    else run_packs(kernel, rays, solid, hits);
+    const FlatTarget<F> flat(target);
+    if (rays.size() < register_bytes / sizeof(F)) run_few(kernel, rays, flat.raw(), hits);
+    else run_packs(kernel, rays, flat.raw(), hits);
 }
 
 template <Fill fill, std::size_t form>
-void run32(const RayBatch<float>& rays, const Solid<float>& solid, const HitBatch<float>& hits) {
-    run(raw_rows<fill>()[form].f32, rays, solid, hits);
+void run32(const RayBatch<float>& rays, const Target<float>& target, const HitBatch<float>& hits) {
+    run(raw_rows<fill>()[form].f32, rays, target, hits);
 }
 
 template <Fill fill, std::size_t form>
-void run64(const RayBatch<double>& rays, const Solid<double>& solid, const HitBatch<double>& hits) {
-    run(raw_rows<fill>()[form].f64, rays, solid, hits);
+void run64(const RayBatch<double>& rays, const Target<double>& target, const HitBatch<double>& hits) {
+    run(raw_rows<fill>()[form].f64, rays, target, hits);
 }
 
 /// A table of its own, whose names and infos live as long as the program.

@@ -8,6 +8,7 @@
 
 #include "intersect/table.hpp"
 #include "measure/truth.hpp"
+#include "scene/family.hpp"
 #include "scene/rays.hpp"
 #include "scene/scene.hpp"
 
@@ -18,6 +19,8 @@ struct FormatInputs {
     Format format;
     scene::RayBlock rays;
     std::vector<Solid<double>> solids;
+    /// Where the scene has them; a form that marches is never asked without.
+    std::optional<MarchConstants<double>> march = {};
     /// Directions normalised and rounded to the format; empty unless a form asks for them.
     scene::RayBlock unit_rays;
     /// The truth of these inputs; empty where they are the ideal ones, or where no metric asks.
@@ -26,6 +29,10 @@ struct FormatInputs {
 
     [[nodiscard]] const scene::RayBlock& rays_for(const Info& info) const {
         return info.direction == Direction::unit ? unit_rays : rays;
+    }
+    /// What a form is aimed at: one of the solids, or all of them together.
+    [[nodiscard]] Target<double> target_for(const Intersector& form, std::size_t solid) const {
+        return form.shape == Shape::sdf ? Target<double>(solids, march.value()) : Target<double>(solids[solid]);
     }
 };
 
@@ -40,7 +47,8 @@ public:
     /// Finds the truth of every pixel, in parallel over the pixels.
     Band(const scene::Scene& scene, int y0, int y1, TruthLimit limit = {});
     /// Rays that are already stored numbers, with their solids: what a step of a sweep evaluates.
-    Band(scene::RayBlock rays, std::vector<Solid<double>> solids, TruthLimit limit = {});
+    Band(scene::RayBlock rays, std::vector<Solid<double>> solids, TruthLimit limit = {}) : Band(scene::RayGroup{std::move(rays), std::move(solids)}, limit) {}
+    explicit Band(scene::RayGroup group, TruthLimit limit = {});
     /// Finds κ of every hit, in parallel.
     void find_condition();
     /// κ of ray i after `find_condition`; NaN for a miss.
@@ -66,6 +74,7 @@ private:
     std::vector<Solid<double>> shared_solids_;
     std::optional<scene::IdealRayBlock> ideal_;  ///< inputs = own
     std::vector<Solid<Real>> ideal_solids_;
+    std::optional<MarchConstants<double>> shared_march_;
     struct Open {
         Truth truth;
         double condition = 0;
@@ -82,7 +91,8 @@ private:
 struct Answers {
     std::vector<double> t;
     std::vector<std::uint8_t> hit;
-    std::vector<std::int32_t> object;  ///< −1 where there is no hit
+    std::vector<std::int32_t> object;  ///< −1 where there is no hit; of a field, the solid whose surface is nearest to the answer
+    std::vector<MarchRecord> march = {};  ///< of the forms that march, for every ray; empty for the others
 };
 
 /// Evaluates a row of the table. A hit at NaN never beats another hit; alone it stays, for the outcome to show.

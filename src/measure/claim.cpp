@@ -31,6 +31,11 @@ std::map<std::string, double> columns_of(const MapSummary& s, const std::vector<
     columns["not_a_number_fraction"] = share(s.count(Outcome::not_a_number), s.rays);
     for (std::size_t m = 0; m < metrics.size(); ++m) {
         const std::string name(metrics[m]->name);
+        for (std::size_t c = 0; c < metrics[m]->categories.size(); ++c) {
+            columns[name + "_" + std::string(metrics[m]->categories[c])] = static_cast<double>(s.categories[m][c]);
+            columns[name + "_" + std::string(metrics[m]->categories[c]) + "_fraction"] = share(s.categories[m][c], s.rays);
+        }
+        if (!metrics[m]->categories.empty()) continue;
         columns[name + "_mean"] = s.metrics[m].mean();
         columns[name + "_p50"] = s.metrics[m].quantile(0.5);
         columns[name + "_p99"] = s.metrics[m].quantile(0.99);
@@ -72,12 +77,13 @@ ClaimResult judge(const Claim& claim, double measured, const MapSummary* summary
     return result;
 }
 
-/// The form and format of a claim about solids of this shape.
-MapRow row_for(const Claim& claim, Shape shape) {
+/// The form and format of a claim about a scene or sweep that the form can be asked about.
+template <class Subject>
+MapRow row_for(const Claim& claim, const Subject& subject) {
     const MapRow row = claim_row(claim);
-    if (row.form->shape == shape) return row;
-    const auto name = shape_names[static_cast<std::size_t>(shape)];
-    scene::fail(claim.where, claim.subject() + " is about a " + std::string(name) + ", which " + claim.form + " cannot meet; name a form such as those of " + std::string(name) + ".*");
+    if (subject.meets(row.form->shape)) return row;
+    scene::fail(claim.where, claim.subject() + " cannot be asked of " + claim.form + ": it has " + (row.form->shape == Shape::sdf ? "no [march] table" : "other solids") +
+                                 "; name another form, or another scene or sweep");
 }
 
 /// What `find` finds for a claim; an unknown name is the claim's fault, so its place starts the message.
@@ -96,7 +102,7 @@ void measure_scene(const std::vector<Claim>& claims, const Places& places, const
     const auto scenes = scene::load_scene(name.path, {.variant = name.variant});
     if (scenes.size() != 1) scene::fail(first.where, "scene \"" + first.scene + "\" has variants; name one, such as \"" + scenes.front().id + "\"");
     MapRequest request{.scene = &scenes.front(), .rows = {}, .metrics = metrics_for(claims, places)};
-    for (const std::size_t i : places) request.rows.push_back(row_for(claims[i], scenes.front().shape()));
+    for (const std::size_t i : places) request.rows.push_back(row_for(claims[i], scenes.front()));
     const auto summaries = run_map(request, {});
     for (std::size_t k = 0; k < places.size(); ++k) {
         const Claim& claim = claims[places[k]];
@@ -107,7 +113,7 @@ void measure_scene(const std::vector<Claim>& claims, const Places& places, const
 void measure_cases(const std::vector<Claim>& claims, const Places& places, const std::filesystem::path& path, std::vector<ClaimResult>& results) {
     const scene::CaseFile file(path);
     CaseRequest request{.file = &file, .rows = {}, .metrics = metrics_for(claims, places)};
-    for (const std::size_t i : places) request.rows.push_back(row_for(claims[i], file.shape()));
+    for (const std::size_t i : places) request.rows.push_back(row_for(claims[i], file));
     for (std::size_t k = 0; k < places.size(); ++k) {
         const Claim& claim = claims[places[k]];
         if (claim.case_name.empty()) scene::fail(claim.where, "sweep \"" + claim.sweep + "\" has cases, not axes; write `case = \"...\"` in claim.given");
@@ -165,7 +171,7 @@ void measure_sweep(const std::vector<Claim>& claims, const Places& places, const
     SweepRequest request{.sweep = &sweep, .rows = {}, .metrics = metrics_for(claims, places)};
     bool onsets_wanted = false;
     for (const std::size_t i : places) {
-        request.rows.push_back(row_for(claims[i], sweep.shape()));
+        request.rows.push_back(row_for(claims[i], sweep));
         if (!claims[i].convention) request.rows.back().judged = sweep.convention;
         onsets_wanted |= !claims[i].onset.empty();
     }
@@ -190,7 +196,7 @@ void measure_sweep(const std::vector<Claim>& claims, const Places& places, const
         });
         if (found == onsets.end()) {
             scene::fail(claim.where, "no onset of \"" + claim.onset + "\" by \"" + claim.statistic +
-                                         "\" at that threshold; events are lost_bits (p50, p99, max; 1, 4, 8, p/2, p), false_hit, false_miss, not_a_number (count; 1)");
+                                         "\" at that threshold; events are lost_bits (p50, p99, max; 1, 4, 8, p/2, p), false_hit, false_miss, not_a_number and, of marches, max_dist, max_steps, stagnated (count; 1)");
         }
         results[places[k]] = judge(claim, found->found ? found->first_bad : missing, nullptr);
         if (!found->found) results[places[k]].trouble = "it does not happen within the sweep";

@@ -14,7 +14,7 @@ std::vector<double> nearest(const MapRow& row, const FormatInputs& in, bool pass
     const std::size_t n = in.rays.size();
     std::vector<double> best(n, HUGE_VAL);
     for (const Solid<double>& solid : in.solids) {
-        FormatInputs one{.format = in.format, .rays = in.rays, .solids = {solid}, .unit_rays = {}, .own_truth = {}};
+        FormatInputs one{.format = in.format, .rays = in.rays, .solids = {solid}, .march = {}, .unit_rays = {}, .own_truth = {}};
         if (pass_on) one.rays.tmax = best;
         const Answers answers = evaluate(*row.form, one);
         for (std::size_t i = 0; i < n; ++i) {
@@ -33,7 +33,7 @@ double differs_with_closest(const MapRow& row, double distance) {
     family.distance = distance;
     std::size_t rays = 0, different = 0;
     for (scene::RayGroup& group : scene::box_family_rays(family)) {
-        const Band band(std::move(group.rays), std::move(group.solids));
+        const Band band(std::move(group));
         const FormatInputs in = band.inputs(row.format, {});
         const auto apart = nearest(row, in, false), passed = nearest(row, in, true);
         rays += apart.size();

@@ -32,25 +32,38 @@ public:
         const Info& info = *row_.form->info;
         const Ray<double> ray = in.rays_for(info)[i];
         const Solid<double>& solid = in.solids[static_cast<std::size_t>(answers.object[i])];
-        Sample sample{answers.t[i], &row_.format, in_unit_of(truth, info), missing, nullptr, nullptr, missing, &ray, &solid};
+        Sample sample{answers.t[i], &row_.format, in_unit_of(truth, info), missing, nullptr, nullptr, missing, &ray, &solid, march_of(i)};
 
         if (needs_ & needs_rounded_truth) sample.truth_rounded = result_.band->rounded_truth(i, row_.format.shape, info.direction, row_.touching());
         if (needs_ & needs_own_truth) sample.own = in.ideal ? sample.truth : in_unit_of(in.own_truth[i], info);
         if (needs_ & needs_condition) sample.condition = result_.band->condition(i, row_.touching());
         std::optional<Certified> self;
         if (needs_ & needs_self) {
-            self = without_rounding(*row_.form, ray, in.solids[static_cast<std::size_t>(truth.object)]);
+            self = without_rounding(*row_.form, ray, in.target_for(*row_.form, static_cast<std::size_t>(truth.object)));
             if (self) sample.self = &*self;
         }
-        for (std::size_t m = 0; m < metrics_.size(); ++m) {
-            const double value = metrics_[m]->value(sample);
-            result_.metrics[m][i] = value;
-            summary.metrics[m].add(value);
-        }
+        take(i, sample, Over::agreed_hits, summary);
         keep_worst(i, sample, summary);
     }
 
+    /// The metrics of how a ray was marched, whatever came of it.
+    void measure_march(std::size_t i, MapSummary& summary) {
+        const Ray<double> ray = result_.inputs->rays_for(*row_.form->info)[i];
+        take(i, {result_.answers->t[i], &row_.format, nullptr, missing, nullptr, nullptr, missing, &ray, nullptr, march_of(i)}, Over::marches, summary);
+    }
+
 private:
+    [[nodiscard]] const MarchRecord* march_of(std::size_t i) const { return result_.answers->march.empty() ? nullptr : &result_.answers->march[i]; }
+
+    void take(std::size_t i, const Sample& sample, Over over, MapSummary& summary) {
+        for (std::size_t m = 0; m < metrics_.size(); ++m) {
+            if (metrics_[m]->over != over) continue;
+            const double value = metrics_[m]->value(sample);
+            result_.metrics[m][i] = value;
+            summary.add(m, *metrics_[m], value);
+        }
+    }
+
     void keep_worst(std::size_t i, const Sample& sample, MapSummary& summary) {
         static const Metric* const ulps = find_metric("ulp_error");
         const double size = std::fabs(ulps->value(sample));
@@ -78,6 +91,15 @@ std::map<std::string, BandNeeds> needs_by_format(const std::vector<MapRow>& rows
 
 }  // namespace
 
+MapSummary::MapSummary(const std::vector<const Metric*>& measured) : metrics(measured.size()) {
+    for (const Metric* m : measured) categories.emplace_back(m->categories.size());
+}
+
+void MapSummary::add(std::size_t m, const Metric& metric, double value) {
+    if (metric.categories.empty()) metrics[m].add(value);
+    else if (!std::isnan(value)) ++categories[m][static_cast<std::size_t>(value)];
+}
+
 unsigned needs_of(const std::vector<const Metric*>& metrics) {
     unsigned needs = needs_nothing;
     for (const Metric* m : metrics) needs |= m->needs;
@@ -97,6 +119,7 @@ void measure_row(const MapRow& row, const std::vector<const Metric*>& metrics, c
         result.outcomes[i] = outcome;
         ++summary.outcomes[static_cast<std::size_t>(outcome)];
         summary.true_hits += truth.is_hit();
+        if (!answers.march.empty()) measurement.measure_march(i, summary);
         if (outcome != Outcome::agree_hit) continue;
         summary.wrong_object += answers.object[i] != truth.object;
         measurement.measure(i, summary);
@@ -107,10 +130,10 @@ void measure_row(const MapRow& row, const std::vector<const Metric*>& metrics, c
 
 std::vector<MapSummary> measure_groups(std::vector<scene::RayGroup> groups, const std::vector<MapRow>& rows, const std::vector<const Metric*>& metrics,
                                        TruthLimit limit) {
-    std::vector<MapSummary> summaries(rows.size());
-    for (auto& s : summaries) s.metrics = std::vector<Distribution>(metrics.size());
+    std::vector<MapSummary> summaries;
+    for (std::size_t r = 0; r < rows.size(); ++r) summaries.emplace_back(metrics);
     for (scene::RayGroup& group : groups) {
-        Band band(std::move(group.rays), std::move(group.solids), limit);
+        Band band(std::move(group), limit);
         if (needs_of(metrics) & needs_condition) band.find_condition();
         std::map<std::string, FormatInputs> inputs;
         for (const auto& [name, needs] : needs_by_format(rows, metrics)) inputs.emplace(name, band.inputs(*find_format(name), needs));
@@ -129,8 +152,8 @@ int band_rows(int width) {
 
 std::vector<MapSummary> run_map(const MapRequest& request, const std::vector<MapSink*>& sinks) {
     const scene::Scene& scene = *request.scene;
-    std::vector<MapSummary> summaries(request.rows.size());
-    for (auto& s : summaries) s.metrics = std::vector<Distribution>(request.metrics.size());
+    std::vector<MapSummary> summaries;
+    for (std::size_t r = 0; r < request.rows.size(); ++r) summaries.emplace_back(request.metrics);
 
     const auto formats = needs_by_format(request.rows, request.metrics);
     for (int y0 = 0; y0 < scene.height; y0 += band_rows(scene.width)) {

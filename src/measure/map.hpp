@@ -43,8 +43,14 @@ struct MapSummary {
     std::uint64_t true_hits = 0;     ///< rays that truly hit, whatever the form says
     std::uint64_t wrong_object = 0;  ///< agree_hit, but on another solid
     std::vector<Distribution> metrics;  ///< in the order of the request's metrics
+    /// For each metric that names a category, how many rays are of each; empty for the others.
+    std::vector<std::vector<std::uint64_t>> categories;
     WorstRay worst;
 
+    MapSummary() = default;
+    explicit MapSummary(const std::vector<const Metric*>& measured);
+    /// To the distribution of metric m, or to the counts of its categories.
+    void add(std::size_t m, const Metric& metric, double value);
     [[nodiscard]] std::uint64_t count(Outcome o) const { return outcomes[static_cast<std::size_t>(o)]; }
 };
 
@@ -71,7 +77,7 @@ public:
     virtual void band(const BandResult& result) = 0;
 };
 
-/// Evaluates one row on a band, adds what it finds to `summary` (whose `metrics` are as many as these) and shows the
+/// Evaluates one row on a band, adds what it finds to `summary` (made for these metrics) and shows the
 /// result to the sink, if any.
 void measure_row(const MapRow& row, const std::vector<const Metric*>& metrics, const Band& band, const FormatInputs& inputs, MapSummary& summary,
                  MapSink* sink = nullptr);

@@ -105,6 +105,10 @@ double condition_number(const Sample& s) { return s.condition; }
 double inherent(const Sample& s) { return inherent_bits(s.condition, s.format->shape.precision); }
 double excess(const Sample& s) { return std::max(0.0, lost(s) - inherent(s)); }
 
+double iterations(const Sample& s) { return s.march ? s.march->iterations : missing; }
+double stop(const Sample& s) { return s.march ? static_cast<double>(s.march->stop) : missing; }
+double least_field(const Sample& s) { return s.march ? s.march->least : missing; }
+
 constexpr unsigned split = needs_own_truth | needs_self;
 
 constexpr std::array table{
@@ -127,6 +131,11 @@ constexpr std::array table{
     Metric{"inherent_bits", "bits", "condition.inherent", "bits that half an ulp in each input alone would cost: lost bits of max(1/2, kappa/2) ulp", needs_condition,
            Ramp::bits, 0, 0, false, inherent},
     Metric{"excess_bits", "bits", "condition.excess", "lost_bits beyond inherent_bits: the formula's own", needs_condition, Ramp::bits, 0, 0, false, excess},
+    Metric{"iterations", "samples", "march.iterations", "samples of the field that the march took", needs_nothing, Ramp::magnitude, 1, 0x1p+8, true, iterations, Over::marches},
+    Metric{"stop", "", "march.stop", "why the march ended; stagnated: at the step cap, with t + d == t", needs_nothing, Ramp::categories, 0, 0, true, stop, Over::marches,
+           stop_names},
+    Metric{"least_field", "length", "march.least_field", "smallest |field| that the march sampled", needs_nothing, Ramp::magnitude, 0x1p-30, 0x1p+4, true, least_field,
+           Over::marches},
 };
 
 }  // namespace

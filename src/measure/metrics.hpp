@@ -6,12 +6,14 @@
 #include <string_view>
 
 #include "geometry/solid.hpp"
+#include "intersect/march.hpp"
 #include "measure/certified.hpp"
 
 namespace lostbits {
 
-/// All that is known of one ray on which form and truth agree that there is a hit. Null pointers stand for values that
-/// no selected metric needs, or that do not exist (a form that misses in exact arithmetic has no `self`).
+/// All that is known of one ray on which form and truth agree that there is a hit; of any other ray `format`, `ray` and `march`
+/// alone. Null pointers stand for values that no selected metric needs, or that do not exist (a form that misses in exact
+/// arithmetic has no `self`).
 struct Sample {
     double t;                 ///< the form's answer, a number of the format
     const Format* format;     ///< the format of the form under test
@@ -22,12 +24,16 @@ struct Sample {
     double condition;         ///< κ of the problem at its ideal inputs
     const Ray<double>* ray;   ///< the inputs as the form received them
     const Solid<double>* solid;  ///< the solid that the form hit, as it received it
+    const MarchRecord* march = nullptr;  ///< null for the forms that do not march
 };
 
 /// What must be computed before a metric can be.
 enum Needs : unsigned { needs_nothing = 0, needs_rounded_truth = 1, needs_own_truth = 2, needs_self = 4, needs_condition = 8 };
 
-enum class Ramp { bits, magnitude };
+enum class Ramp { bits, magnitude, categories };
+
+/// The rays on which a metric is measured.
+enum class Over { agreed_hits, marches };
 
 struct Metric {
     std::string_view name;     ///< on the command line and in CSV columns
@@ -35,10 +41,12 @@ struct Metric {
     std::string_view layer;    ///< EXR channel, `layer.channel`
     std::string_view meaning;  ///< one line with the formula
     unsigned needs;
-    Ramp ramp;                 ///< bits: linear from 0 to `high`; magnitude: log2|x| from `low` to `high`
+    Ramp ramp;                 ///< bits: linear from 0 to `high`; magnitude: log2|x| from `low` to `high`; categories: none
     double low, high;          ///< of the colour ramp; high = 0 stands for the format's significand width
     bool by_default;           ///< measured and written unless metrics are named
     double (*value)(const Sample&);
+    Over over = Over::agreed_hits;  ///< marches: every ray, whatever its outcome, of the forms that march
+    std::span<const std::string_view> categories = {};  ///< of a metric that names one: its value is the place in this list
 };
 
 /// Every metric, in the order of layers and columns.

@@ -17,7 +17,7 @@ constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 
 /// The rays `pixels` of what a form receives.
 FormatInputs only(const FormatInputs& all, const Info& info, const std::vector<std::uint32_t>& pixels) {
-    FormatInputs some{.format = all.format, .rays = {}, .solids = all.solids, .unit_rays = {}, .own_truth = {}};
+    FormatInputs some{.format = all.format, .rays = {}, .solids = all.solids, .march = all.march, .unit_rays = {}, .own_truth = {}};
     const scene::RayBlock& from = all.rays_for(info);
     scene::RayBlock& to = info.direction == Direction::unit ? some.unit_rays : some.rays;
     const auto gather = [&pixels](const std::vector<double>& x) {

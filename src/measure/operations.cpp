@@ -14,7 +14,8 @@ OperationCounts operations_of(const Info& form, const Ray<float>& ray, const Sol
         const Ray<T> inputs{vec(ray.origin), vec(ray.direction)};
         const Solid<T> target = transformed(solid, input);
         operation_counts() = {};
-        static_cast<void>(intersect_solid<Form>(inputs, target, input(tmax)));
+        sdf::Unwatched unwatched;
+        static_cast<void>(intersect_target<Form>(inputs, Target<T>(target), input(tmax), unwatched));
         found = operation_counts();
     });
     return found;

@@ -17,14 +17,14 @@ bool settle(const Hit<E>& hit, std::optional<Certified>& answer) {
 
 }  // namespace
 
-std::optional<Certified> without_rounding(const Intersector& form, const Ray<double>& ray, const Solid<double>& solid, int limit_bits) {
+std::optional<Certified> without_rounding(const Intersector& form, const Ray<double>& ray, const Target<double>& target, int limit_bits) {
     std::optional<Certified> answer;
-    const auto quick = form.ball(lift_ray<Ball>(ray), lift_solid<Ball>(solid));
-    if (settle(quick, answer)) return answer;
+    const LiftedTarget<Ball> quick(target, [](double x) { return Ball(x); });
+    if (settle(form.ball(lift_ray<Ball>(ray), quick.get()), answer)) return answer;
     for (int bits = 192; bits <= limit_bits; bits *= 2) {
         const Interval::Precision precision(bits);
-        const auto hit = form.interval(lift_ray<Interval>(ray), lift_solid<Interval>(solid));
-        if (settle(hit, answer)) return answer;
+        const LiftedTarget<Interval> lifted(target, [](double x) { return Interval(x); });
+        if (settle(form.interval(lift_ray<Interval>(ray), lifted.get()), answer)) return answer;
     }
     return std::nullopt;
 }

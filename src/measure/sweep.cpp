@@ -30,7 +30,13 @@ struct Event {
     [[nodiscard]] bool happens(const MapSummary& s) const { return value(s) >= threshold; }
 };
 
-std::vector<Event> events_of(const MapRow& row, std::size_t lost) {
+/// The place of a metric among those of the request; their number where it is not there.
+std::size_t place_of(const std::vector<const Metric*>& metrics, const char* name) {
+    return static_cast<std::size_t>(std::ranges::find(metrics, find_metric(name)) - metrics.begin());
+}
+
+std::vector<Event> events_of(const MapRow& row, const std::vector<const Metric*>& metrics) {
+    const std::size_t lost = place_of(metrics, "lost_bits"), stop = place_of(metrics, "stop");
     std::vector<Event> events;
     const double p = row.format.shape.precision;
     for (const Statistic& s : statistics) {
@@ -42,15 +48,22 @@ std::vector<Event> events_of(const MapRow& row, std::size_t lost) {
     for (const Outcome o : {Outcome::false_hit, Outcome::false_miss, Outcome::not_a_number}) {
         events.push_back({std::string(outcome_names[static_cast<std::size_t>(o)]), "count", 1, [o](const MapSummary& m) { return static_cast<double>(m.count(o)); }});
     }
+    if (row.form->shape != Shape::sdf || stop == metrics.size()) return events;
+    for (const Stop why : {Stop::max_dist, Stop::max_steps, Stop::stagnated}) {
+        const auto c = static_cast<std::size_t>(why);
+        events.push_back({std::string(stop_names[c]), "count", 1, [stop, c](const MapSummary& m) { return static_cast<double>(m.categories[stop][c]); }});
+    }
     return events;
 }
 
 /// Evaluates a row between the steps, remembering what it has seen: neighbouring events ask for the same places. Only
-/// lost bits are measured there, in the place that they have among the request's metrics; conditioning costs far more.
+/// what events are about is measured there, in the places that it has among the request's metrics; conditioning costs far more.
 class Between {
 public:
-    Between(SweepRequest request, std::size_t row, std::size_t lost) : request_(std::move(request)), row_{request_.rows[row]} {
-        request_.metrics.assign(lost + 1, find_metric("lost_bits"));
+    Between(SweepRequest request, std::size_t row) : request_(std::move(request)), row_{request_.rows[row]} {
+        for (const Metric*& m : request_.metrics) {
+            if (m->over != Over::marches) m = find_metric("lost_bits");
+        }
     }
     const MapSummary& at(double value) {
         const auto [place, fresh] = seen_.try_emplace(value);
@@ -116,11 +129,10 @@ MapSummary run_place(const SweepRequest& request, std::size_t row, const std::ve
 
 std::vector<Onset> find_onsets(const SweepRequest& request, const std::vector<SweepStep>& steps) {
     if (request.sweep->axes.size() != 1) return {};
-    const auto lost = static_cast<std::size_t>(std::ranges::find(request.metrics, find_metric("lost_bits")) - request.metrics.begin());
     std::vector<std::vector<Onset>> found(request.rows.size());
     tbb::parallel_for(std::size_t{0}, request.rows.size(), [&](std::size_t row) {
-        Between between(request, row, lost);
-        for (const Event& event : events_of(request.rows[row], lost)) found[row].push_back(locate(request, steps, row, event, between));
+        Between between(request, row);
+        for (const Event& event : events_of(request.rows[row], request.metrics)) found[row].push_back(locate(request, steps, row, event, between));
         request.progress(steps.size());
     });
     std::vector<Onset> onsets;

@@ -19,7 +19,7 @@ struct SweepStep {
 /// Where a row first crosses a threshold along the first axis.
 struct Onset {
     std::size_t row;
-    std::string event;      ///< `lost_bits`, `false_hit`, `false_miss`
+    std::string event;      ///< `lost_bits`, an outcome, or why a march stopped
     std::string statistic;  ///< `p50`, `p99`, `max`; `count` for the outcomes
     double threshold;       ///< bits, or 1 for a count
     bool found = false;
@@ -43,7 +43,8 @@ std::vector<SweepStep> run_sweep(const SweepRequest& request);
 MapSummary run_place(const SweepRequest& request, std::size_t row, const std::vector<double>& values);
 
 /// The first crossings, along the first axis of a sweep with one axis, of 1, 4, 8, p/2 and p lost bits by the median, the
-/// 99th percentile and the largest, and of the first false hit and false miss; each bracket [last good, first bad]
+/// 99th percentile and the largest, of the first false hit and false miss, and of the first march that ends at max_dist, at max_steps,
+/// or stagnated; each bracket [last good, first bad]
 /// narrowed by bisection until it is 2^-9 of its value wide, or holds no number of the axis. A crossing is the first in
 /// the order of the steps: a dip between two of them stays unseen.
 std::vector<Onset> find_onsets(const SweepRequest& request, const std::vector<SweepStep>& steps);

@@ -156,7 +156,7 @@ private:
         if (needs & needs_condition) band.find_condition();
         const auto inputs = band.inputs(row_.format, {row_.form->info->direction == Direction::unit, (needs & needs_own_truth) != 0});
         MapSummary summary;
-        summary.metrics = std::vector<Distribution>(request_.metrics.size());
+        summary = MapSummary(request_.metrics);
         Judge judge(metric_, row_.form->info->direction);
         measure_row(row_, request_.metrics, band, inputs, summary, &judge);
         return judge;

@@ -123,11 +123,16 @@ public:
     friend Tri operator<=(const Ball& a, const Ball& b) { return guarded(sign(a - b, Tri::yes, Tri::yes, Tri::no), either(a, b)); }
     friend Tri operator>(const Ball& a, const Ball& b) { return b < a; }
     friend Tri operator>=(const Ball& a, const Ball& b) { return b <= a; }
-    /// An undecided mask says nothing about which side it is: the result is "don't know" unless both are equal.
+    /// A ball around both sides where the mask is undecided: with the midpoint of a, its radius is
+    /// |b − a| + radius(a) + radius(b), which holds the points of either.
     friend Ball select(Tri mask, const Ball& a, const Ball& b) {
         if (!mask.is_unknown()) return mask.is_yes() ? a : b;
         const bool same = a.hi_ == b.hi_ && a.lo_ == b.lo_ && a.radius_ == b.radius_ && a.undefined_ == b.undefined_;
-        return same ? a : unknown();
+        if (same) return a;
+        if (!a.is_bounded() || !b.is_bounded()) return unknown();
+        const Ball apart = b - a;
+        if (!apart.is_bounded()) return unknown();
+        return Ball(a.hi_, a.lo_, (std::fabs(apart.hi_) * (1 + 0x1p-50) + apart.radius_ + a.radius_ + b.radius_) * inflate);
     }
 
 private:

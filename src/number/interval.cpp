@@ -77,7 +77,9 @@ Interval operator-(const Interval& a, const Interval& b) {
 }
 Interval operator*(const Interval& a, const Interval& b) {
     Interval r;
-    mpfi_mul(r.value_, a.value_, b.value_);
+    // A square is not negative: without this the root of x·x + y·y is undefined wherever x and y may be zero.
+    if (&a == &b) mpfi_sqr(r.value_, a.value_);
+    else mpfi_mul(r.value_, a.value_, b.value_);
     r.settle(spread(a.undefined_, b.undefined_));
     return r;
 }

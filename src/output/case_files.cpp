@@ -22,7 +22,7 @@ std::vector<Column> case_columns(const CaseRequest& request) {
                                 {"verdict", "string", "",
                                  fmt::format("right (every decision, and no answer more than {} bits beyond the envelope), wrong_value, or the most frequent wrong decision",
                                              decimal(request.file->right_within_bits))}};
-    for (Column& c : summary_columns(request.metrics, request.file->shape())) {
+    for (Column& c : SummaryTable{request.metrics, {request.file->shape()}}.columns()) {
         if (c.name == "rays") c.meaning = "rays of the case";
         if (c.name == "worst_x") c.meaning = "ray with the largest |ulp_error| in its group, from 0";
         if (c.name == "worst_y") c.meaning = "0";
@@ -102,11 +102,12 @@ CaseFiles::CaseFiles(const CaseRequest& request, const std::filesystem::path& fo
     : request_(request), folder_(folder), csv_(folder / "cases.csv", case_columns(request)) {}
 
 void CaseFiles::finish(const std::vector<std::vector<MapSummary>>& cases) {
+    const SummaryTable table{request_.metrics, {request_.file->shape()}};
     for (std::size_t i = 0; i < cases.size(); ++i) {
         for (std::size_t r = 0; r < request_.rows.size(); ++r) {
             const Verdict verdict = verdict_of(cases[i][r], request_.metrics, request_.file->right_within_bits);
             csv_.add(request_.file->name(i)).add(convention_name(request_.rows[r].judged)).add(verdict_names[static_cast<std::size_t>(verdict)]);
-            add_summary(csv_, request_.rows[r], cases[i][r]);
+            table.add(csv_, request_.rows[r], cases[i][r]);
             csv_.end_row();
         }
     }

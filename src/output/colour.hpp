@@ -28,6 +28,14 @@ inline constexpr std::array<Rgb8, 6> outcome_colours{{
     {124, 120, 255},  // unresolved: periwinkle
 }};
 
+/// One fixed colour a reason for a march to stop, in the order of `Stop` (intersect/march.hpp).
+inline constexpr std::array<Rgb8, 4> stop_colours{{
+    {26, 152, 120},   // hit: a colour of the ramp, which such a map does not use
+    {222, 222, 222},  // max_dist: neutral, recedes
+    {244, 150, 30},   // max_steps: orange
+    {110, 20, 130},   // stagnated: purple
+}};
+
 /// The colour of an object id in a categorical map; 0 (no object) is the colour of `agree_miss`. Twenty colours,
 /// used again from the twenty-first object on.
 [[nodiscard]] Rgb8 object_colour(std::uint32_t id) noexcept;

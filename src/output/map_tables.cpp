@@ -56,7 +56,7 @@ const char* outcome_meaning(Outcome o) {
 
 }  // namespace
 
-std::vector<Column> summary_columns(const std::vector<const Metric*>& metrics, Shape shape) {
+std::vector<Column> SummaryTable::columns() const {
     std::vector<Column> columns{{"form", "string", "", "form under test"}, {"format", "string", "", "format it computes in"},
                                 {"rays", "integer", "", "rays, one a pixel"}};
     for (std::size_t o = 0; o < outcome_names.size(); ++o) {
@@ -66,33 +66,43 @@ std::vector<Column> summary_columns(const std::vector<const Metric*>& metrics, S
     columns.push_back({"false_miss_fraction", "number", "1", "false_miss among the rays that truly hit"});
     columns.push_back({"wrong_object", "integer", "", "agree_hit, but the form found another solid first"});
     for (const Metric* m : metrics) {
-        for (const Statistic& s : statistics) {
-            const std::string name(m->name);
-            columns.push_back({name + "_" + s.name, "number", std::string(m->unit), std::string(s.meaning) + " of |" + name + "| over agree_hit"});
+        const std::string name(m->name), over = m->over == Over::marches ? " over all rays" : " over agree_hit";
+        for (const std::string_view category : m->categories) {
+            columns.push_back({fmt::format("{}_{}", name, category), "integer", "", fmt::format("rays whose {} is {}: {}", name, category, m->meaning)});
         }
+        if (!m->categories.empty()) continue;
+        for (const Statistic& s : statistics) columns.push_back({name + "_" + s.name, "number", std::string(m->unit), std::string(s.meaning) + " of |" + name + "|" + over});
     }
     columns.push_back({"worst_x", "integer", "pixel", "column of the largest |ulp_error|, the first of equals"});
     columns.push_back({"worst_y", "integer", "pixel", "row of the same"});
     columns.push_back({"worst_object", "integer", "", "solid that the form hit there, from 0"});
     const char* const meaning = "the worst ray in the format (before any normalisation) and the form's answer, exactly, as a C hexadecimal float";
     for (const HexPart& p : worst_parts) columns.push_back({p.name, "string", "", meaning});
-    for (const auto name : number_names(shape)) columns.push_back({fmt::format("worst_{}_hex", name), "string", "", meaning});
+    for (const Shape shape : shapes) {
+        for (const auto name : number_names(shape)) columns.push_back({fmt::format("worst_{}_hex", name), "string", "", meaning});
+    }
     return columns;
 }
 
-void add_summary(CsvWriter& csv, const MapRow& row, const MapSummary& s) {
+void SummaryTable::add(CsvWriter& csv, const MapRow& row, const MapSummary& s) const {
     csv.add(row.form->info->name).add(row.format.name).add(s.rays);
     for (const std::uint64_t count : s.outcomes) csv.add(count);
     // A NaN is an answer to a ray that truly hits or truly misses; it is in neither fraction's numerator.
     const std::uint64_t true_misses = s.rays - s.true_hits - s.count(Outcome::unresolved);
     csv.add(fraction(s.count(Outcome::false_hit), true_misses)).add(fraction(s.count(Outcome::false_miss), s.true_hits)).add(s.wrong_object);
-    for (const Distribution& d : s.metrics) {
-        for (const Statistic& statistic : statistics) csv.add(number_or_missing(statistic.of(d)));
+    for (std::size_t m = 0; m < metrics.size(); ++m) {
+        // A form that does not march has none of these: missing, not zero.
+        for (const std::uint64_t count : s.categories[m]) csv.add(row.form->shape == Shape::sdf ? Cell(count) : Cell());
+        if (!metrics[m]->categories.empty()) continue;
+        for (const Statistic& statistic : statistics) csv.add(number_or_missing(statistic.of(s.metrics[m])));
     }
     const bool any = s.worst.x >= 0;
     csv.add(any ? Cell(s.worst.x) : Cell()).add(any ? Cell(s.worst.y) : Cell()).add(any ? Cell(s.worst.object) : Cell());
     for (const HexPart& p : worst_parts) csv.add(any ? Cell(hex(p.of(s.worst))) : Cell());
-    for (std::size_t i = 0; i < number_names(row.form->shape).size(); ++i) csv.add(any ? Cell(hex(s.worst.solid.numbers[i])) : Cell());
+    for (const Shape shape : shapes) {
+        const bool of_it = any && s.worst.solid.shape == shape;
+        for (std::size_t i = 0; i < number_names(shape).size(); ++i) csv.add(of_it ? Cell(hex(s.worst.solid.numbers[i])) : Cell());
+    }
 }
 
 std::vector<Column> pixel_columns(const MapRequest& request) {
@@ -105,9 +115,7 @@ std::vector<Column> pixel_columns(const MapRequest& request) {
                                 {"t_hex", "string", "t", "the same, exactly"},
                                 {"truth", "number", "t", "t*, correctly rounded to binary64, in the same unit"},
                                 {"truth_hex", "string", "t", "the same, exactly"}};
-    for (const Metric* m : request.metrics) {
-        columns.push_back({std::string(m->name), "number", std::string(m->unit), std::string(m->meaning)});
-    }
+    for (const Metric* m : request.metrics) columns.push_back({std::string(m->name), m->categories.empty() ? "number" : "string", std::string(m->unit), std::string(m->meaning)});
     return columns;
 }
 
@@ -122,7 +130,11 @@ void write_pixels(CsvWriter& csv, const MapRequest& request, const MapRow& row, 
         const auto exact = [&](bool there, double x) { csv.add(there ? Cell(x) : Cell()).add(there ? Cell(hex(x)) : Cell()); };
         exact(hit, result.answers->t[i]);
         exact(truth.is_hit(), truth.is_hit() ? result.band->rounded_truth(i, binary64, row.form->info->direction, result.touching) : 0);
-        for (std::size_t m = 0; m < request.metrics.size(); ++m) csv.add(number_or_missing(result.metrics[m][i]));
+        for (std::size_t m = 0; m < request.metrics.size(); ++m) {
+            const double value = result.metrics[m][i];
+            const auto categories = request.metrics[m]->categories;
+            csv.add(std::isnan(value) ? Cell() : categories.empty() ? Cell(value) : Cell(categories[static_cast<std::size_t>(value)]));
+        }
         csv.end_row();
     }
 }

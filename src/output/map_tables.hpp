@@ -9,12 +9,17 @@
 
 namespace lostbits::output {
 
-/// Counts and fractions, then mean, p50, p99 and max of |metric| over `agree_hit`, then the worst ray by |ulp_error| with
-/// every number it takes to evaluate it again, in hex. Empty where there is no sample.
-/// `shape` is that of all rows: it names the columns of the worst ray's solid.
-std::vector<Column> summary_columns(const std::vector<const Metric*>& metrics, Shape shape);
-/// The cells of one row of it, from `form` on; the caller ends the row.
-void add_summary(CsvWriter& csv, const MapRow& row, const MapSummary& summary);
+/// Counts and fractions, then mean, p50, p99 and max of |metric| (or the counts of its categories), then the worst ray by
+/// |ulp_error| with every number it takes to evaluate it again, in hex. Empty where there is no sample.
+/// `shapes` are those of the solids, each once: they name the columns of the worst ray's solid.
+struct SummaryTable {
+    std::vector<const Metric*> metrics;
+    std::vector<Shape> shapes;
+
+    [[nodiscard]] std::vector<Column> columns() const;
+    /// The cells of one row, from `form` on; the caller ends the row.
+    void add(CsvWriter& csv, const MapRow& row, const MapSummary& summary) const;
+};
 
 std::vector<Column> pixel_columns(const MapRequest& request);
 void write_pixels(CsvWriter& csv, const MapRequest& request, const MapRow& row, const BandResult& result);

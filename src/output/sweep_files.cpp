@@ -14,7 +14,7 @@ std::vector<Column> sample_columns(const SweepRequest& request) {
         columns.push_back({axis.name + "_hex", "string", axis.unit, "the same, exactly"});
     }
     // A sweep's rays have no picture: the place of the worst is its number in its set.
-    for (Column& c : summary_columns(request.metrics, request.rows.front().form->shape)) {
+    for (Column& c : SummaryTable{request.metrics, request.sweep->shapes()}.columns()) {
         if (c.name == "worst_x") c.meaning = "ray with the largest |ulp_error| in its group, from 0";
         if (c.name == "worst_y") c.meaning = "row of a scene's picture, 0 for a family";
         columns.push_back(std::move(c));
@@ -46,10 +46,11 @@ SweepFiles::SweepFiles(const SweepRequest& request, const std::filesystem::path&
 }
 
 void SweepFiles::finish(const std::vector<SweepStep>& steps, const std::vector<Onset>& onsets) {
+    const SummaryTable table{request_.metrics, request_.sweep->shapes()};
     for (std::size_t r = 0; r < request_.rows.size(); ++r) {
         for (const SweepStep& step : steps) {
             for (const double value : step.values) samples_.add(value).add(hex(value));
-            add_summary(samples_, request_.rows[r], step.rows[r]);
+            table.add(samples_, request_.rows[r], step.rows[r]);
             samples_.end_row();
         }
     }

@@ -52,7 +52,10 @@ struct Quantity {
     output::Axis axis;
     std::function<double(const MapSummary&)> value;
     std::function<double(const MapSummary&)> envelope;  ///< empty: none
+    bool (*shows)(const MapRow&) = [](const MapRow&) { return true; };
 };
+
+bool marches(const MapRow& row) { return row.form->shape == Shape::sdf; }
 
 void write_lines(ImageBackend& backend, const std::filesystem::path& path, const SweepRequest& request, const std::vector<SweepStep>& steps,
                  const std::vector<Onset>& onsets, const Format& format, const Quantity& quantity) {
@@ -62,7 +65,7 @@ void write_lines(ImageBackend& backend, const std::filesystem::path& path, const
                       .y = quantity.axis,
                       .series = {}};
     for (std::size_t r = 0; r < request.rows.size(); ++r) {
-        if (request.rows[r].format != format) continue;
+        if (request.rows[r].format != format || !quantity.shows(request.rows[r])) continue;
         spec.series.push_back(series_of(steps, r, short_name(request.rows[r]), quantity.value));
         // The envelope is the problem's, not a form's: any row that sees hits all along gives it.
         if (quantity.envelope && !spec.envelope) {
@@ -100,6 +103,48 @@ void write_wrong_plot(ImageBackend& backend, const std::filesystem::path& path, 
     write_lines(backend, path, request, steps, onsets, format, {"Rays with the wrong answer", {"share of rays", output::Axis::Scale::linear, 0.0, 1.0}, wrong_share, {}});
 }
 
+namespace {
+
+/// Model and rounding error of one row, side by side.
+void write_split_plot(ImageBackend& backend, const std::filesystem::path& path, const SweepRequest& request, const std::vector<SweepStep>& steps, std::size_t r) {
+    const MapRow& row = request.rows[r];
+    LinePlotSpec spec{.title = fmt::format("Model and rounding error of {} in {}, medians", row.form->info->name, row.format.name),
+                      .subtitle = {request.sweep->title, fmt::format("{} rays a step", steps.front().rows.front().rays)},
+                      .x = plot_axis(request.sweep->axes.front()),
+                      .y = {"ulp", output::Axis::Scale::log2, 0x1p-6, {}},
+                      .series = {}};
+    for (const char* name : {"model_error", "rounding_error", "ulp_error"}) {
+        const std::size_t m = index_of(request, name);
+        const std::string label = name == std::string("ulp_error") ? "all error" : std::string(name).substr(0, std::string(name).find('_'));
+        spec.series.push_back(series_of(steps, r, label, [m](const MapSummary& s) { return s.metrics[m].quantile(0.5); }));
+    }
+    for (const auto& mark : request.sweep->marks) {
+        if (mark.format.empty() || mark.format == row.format.name) spec.marks.push_back({mark.at, mark.label});
+    }
+    write_line_plot(backend, path, spec);
+}
+
+/// What a sweep over forms that march shows beside its errors; nothing where none does.
+void write_march_plots(ImageBackend& backend, const std::filesystem::path& folder, const SweepRequest& request, const std::vector<SweepStep>& steps,
+                       const std::vector<Onset>& onsets, const Format& format) {
+    const std::size_t stop = index_of(request, "stop"), iterations = index_of(request, "iterations");
+    if (stop == request.metrics.size()) return;
+    const auto unfinished = [stop](const MapSummary& s) {
+        const auto n = s.categories[stop][static_cast<std::size_t>(Stop::max_steps)] + s.categories[stop][static_cast<std::size_t>(Stop::stagnated)];
+        return static_cast<double>(n) / static_cast<double>(s.rays);
+    };
+    write_lines(backend, folder / fmt::format("unfinished.{}.png", format.name), request, steps, onsets, format,
+                {"Marches that came to no end", {"share of rays", output::Axis::Scale::linear, 0.0, 1.0}, unfinished, {}, marches});
+    write_lines(backend, folder / fmt::format("iterations.{}.png", format.name), request, steps, onsets, format,
+                {"Samples of the field, 99th percentile", {"samples", output::Axis::Scale::log2, 1.0, {}}, [iterations](const MapSummary& s) { return s.metrics[iterations].quantile(0.99); }, {}, marches});
+    for (std::size_t r = 0; r < request.rows.size(); ++r) {
+        const MapRow& row = request.rows[r];
+        if (row.format == format && marches(row)) write_split_plot(backend, folder / fmt::format("split.{}.{}.png", row.form->info->name, format.name), request, steps, r);
+    }
+}
+
+}  // namespace
+
 void write_sweep_plots(ImageBackend& backend, const std::filesystem::path& folder, const SweepRequest& request, const std::vector<SweepStep>& steps,
                        const std::vector<Onset>& onsets) {
     if (request.sweep->axes.size() == 2) {
@@ -115,6 +160,7 @@ void write_sweep_plots(ImageBackend& backend, const std::filesystem::path& folde
         write_lost_bits_plot(backend, file("lost_bits_p50"), request, steps, onsets, format, 0.5);
         write_lost_bits_plot(backend, file("lost_bits_p99"), request, steps, onsets, format, 0.99);
         write_wrong_plot(backend, file("wrong"), request, steps, onsets, format);
+        write_march_plots(backend, folder, request, steps, onsets, format);
     }
 }
 

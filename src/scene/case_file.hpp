@@ -28,6 +28,7 @@ public:
     [[nodiscard]] const std::string& name(std::size_t i) const { return cases_[i].name; }
     [[nodiscard]] const std::string& note_of(std::size_t i) const { return cases_[i].note; }
     [[nodiscard]] Shape shape() const { return cases_.front().solids.front().shape; }
+    [[nodiscard]] bool meets(Shape form) const { return form == shape(); }
     /// The places of the cases whose name matches a glob; InputError with did-you-mean, `where` in front.
     [[nodiscard]] std::vector<std::size_t> matching(const std::string& glob, const Where& where) const;
 

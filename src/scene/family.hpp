@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "scene/rays.hpp"
@@ -13,6 +14,7 @@ namespace lostbits::scene {
 struct RayGroup {
     RayBlock rays;
     std::vector<Solid<double>> solids;
+    std::optional<MarchConstants<double>> march = {};  ///< absent: no form that marches may be asked
 };
 
 /// One sphere seen along directions w = (a, b, c)/n with whole a² + b² + c² = n² (Pythagorean quadruples), so that the

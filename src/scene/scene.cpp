@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "scene/march_table.hpp"
 #include "scene/round.hpp"
 #include "scene/toml_reader.hpp"
 
@@ -200,11 +201,12 @@ Scene SceneFile::interpret(const Variant* variant, const LoadOptions& options) c
     scene.camera = read_camera(file.table("camera"), numbers);
     for (TableReader& table : file.tables("sphere")) scene.spheres.push_back(read_sphere(table, numbers));
     for (TableReader& table : file.tables("box")) scene.boxes.push_back(read_box(table, numbers));
+    if (auto march = file.optional_table("march")) scene.march = read_march(*march, scene.inputs);
     file.reject_unknown_keys();
     if (scene.spheres.empty() && scene.boxes.empty())
         file.fail_at("sphere", "is missing; a scene has at least one [[sphere]] with centre and radius, or [[box]] with lo and hi");
-    if (!scene.spheres.empty() && !scene.boxes.empty())
-        file.fail_at("box", "beside [[sphere]] leaves no form that meets both; write two scenes");
+    if (!scene.spheres.empty() && !scene.boxes.empty() && !scene.march)
+        file.fail_at("box", "beside [[sphere]] leaves no form that meets both but those that march; write two scenes, or a [march] table");
     return scene;
 }
 
@@ -213,6 +215,15 @@ std::vector<Solid<Real>> Scene::solids() const {
     all.insert(all.end(), boxes.begin(), boxes.end());
     return all;
 }
+
+std::vector<Shape> Scene::shapes() const {
+    std::vector<Shape> found;
+    if (!spheres.empty()) found.push_back(Shape::sphere);
+    if (!boxes.empty()) found.push_back(Shape::box);
+    return found;
+}
+
+bool Scene::meets(Shape shape) const { return shape == Shape::sdf ? march.has_value() : shapes() == std::vector{shape}; }
 
 std::vector<Scene> load_scene(const std::filesystem::path& path, const LoadOptions& options) {
     return SceneFile(path).load(options);

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "geometry/solid.hpp"
+#include "intersect/march.hpp"
 #include "number/real.hpp"
 #include "scene/toml_tree.hpp"
 
@@ -43,11 +44,16 @@ struct Scene {
     int width = 256;  ///< pixels
     int height = 256;
     Camera camera;
-    std::vector<SphereSpec> spheres;  ///< a scene has spheres or boxes, not both
+    std::vector<SphereSpec> spheres;  ///< a scene has spheres or boxes; both only with `march`
     std::vector<BoxSpec> boxes;
+    std::optional<MarchConstants<Real>> march;  ///< absent: the scene asks for no sphere tracing
     std::filesystem::path path;
 
-    [[nodiscard]] Shape shape() const { return spheres.empty() ? Shape::box : Shape::sphere; }
+    /// Whether the forms of a shape can be asked about the scene: all of its solids are of that shape, or, for `sdf`, the scene
+    /// has constants for the march.
+    [[nodiscard]] bool meets(Shape shape) const;
+    /// The shapes of its solids, each once.
+    [[nodiscard]] std::vector<Shape> shapes() const;
     /// All of them, in the file's order.
     [[nodiscard]] std::vector<Solid<Real>> solids() const;
 };

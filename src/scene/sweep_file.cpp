@@ -6,6 +6,7 @@
 
 #include "intersect/table.hpp"
 #include "number/error.hpp"
+#include "scene/march_table.hpp"
 
 namespace lostbits::scene {
 namespace {
@@ -45,7 +46,7 @@ void fill(Axis& axis, TableReader& table) {
         const Real value = axis.spacing == S::log2 ? Real(Real(axis.from) * pow(Real(Real(axis.to) / Real(axis.from)), share))
                                                    : Real(Real(axis.from) + share * (Real(axis.to) - Real(axis.from)));
         const auto x = static_cast<double>(value);
-        axis.values.push_back(axis.spacing == S::log2 ? to_12_bits(x) : x);
+        axis.values.push_back(axis.spacing == S::log2 ? to_12_bits(x) : axis.spacing == S::whole ? std::nearbyint(x) : x);
     }
     axis.values.erase(std::unique(axis.values.begin(), axis.values.end()), axis.values.end());
 }
@@ -65,7 +66,7 @@ std::vector<std::string> form_names() {
 
 Axis read_axis(TableReader table, const std::string& prefix) {
     using S = Axis::Spacing;
-    static constexpr std::pair<std::string_view, S> spacings[] = {{"linear", S::linear}, {"log2", S::log2}, {"every_float", S::every_float}};
+    static constexpr std::pair<std::string_view, S> spacings[] = {{"linear", S::linear}, {"log2", S::log2}, {"every_float", S::every_float}, {"whole", S::whole}};
     Axis axis;
     axis.name = table.string("name");
     const bool plain = !axis.name.empty() && std::ranges::all_of(axis.name, [](char c) { return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '_'; });
@@ -80,7 +81,8 @@ Axis read_axis(TableReader table, const std::string& prefix) {
     const auto paths = table.strings("set");
     const auto factors = table.optional_numbers("factors", paths.size());
     for (std::size_t i = 0; i < paths.size(); ++i) {
-        axis.targets.push_back({prefix + paths[i], factors ? static_cast<double>((*factors)[i]) : 1.0});
+        // The constants of a march are no part of a family.
+        axis.targets.push_back({(paths[i].starts_with("march.") ? "" : prefix) + paths[i], factors ? static_cast<double>((*factors)[i]) : 1.0});
     }
     table.reject_unknown_keys();
     return axis;
@@ -91,6 +93,7 @@ Axis read_axis(TableReader table, const std::string& prefix) {
 double Axis::middle(double a, double b) const {
     switch (spacing) {
         case Spacing::linear: return a + (b - a) / 2;
+        case Spacing::whole: return std::trunc(a + (b - a) / 2);
         case Spacing::log2: return to_12_bits(std::sqrt(a) * std::sqrt(b));
         case Spacing::every_float: break;
     }
@@ -122,6 +125,8 @@ SweepFile::SweepFile(const std::filesystem::path& path, const std::filesystem::p
     } else {
         read_box_family(*boxes);
     }
+    if (scene) file.reject("march", "stands in the scene of a sweep over a scene; write it there");
+    else if (auto march = file.optional_table("march")) read_march(*march, Inputs::shared);
     const char* const prefix = scene ? "" : family ? "family." : "box_family.";
     for (TableReader& axis : file.tables("axis")) axes.push_back(read_axis(axis, prefix));
     if (axes.empty() || axes.size() > 2) fail(file.where(), "a sweep has one or two [[axis]] tables, this has " + std::to_string(axes.size()));
@@ -130,7 +135,7 @@ SweepFile::SweepFile(const std::filesystem::path& path, const std::filesystem::p
         Mark m{static_cast<double>(mark.number("at")), mark.string("label"), mark.optional_string("format").value_or(""), {}, {}, {}};
         if (auto measured = mark.optional_table("measured")) {
             m.form = known(*measured, "form", form_names());
-            m.event = measured->has("event") ? known(*measured, "event", {"lost_bits", "false_hit", "false_miss", "not_a_number"}) : "lost_bits";
+            m.event = measured->has("event") ? known(*measured, "event", {"lost_bits", "false_hit", "false_miss", "not_a_number", "max_dist", "max_steps", "stagnated"}) : "lost_bits";
             m.statistic = measured->has("statistic") ? known(*measured, "statistic", {"p50", "p99", "max", "count"}) : m.event == "lost_bits" ? "p50" : "count";
             m.threshold = static_cast<double>(measured->number("threshold"));
             measured->reject_unknown_keys();
@@ -143,7 +148,12 @@ SweepFile::SweepFile(const std::filesystem::path& path, const std::filesystem::p
     for (const bool last : {false, true}) {
         std::vector<double> values;
         for (const Axis& axis : axes) values.push_back(last ? axis.values.back() : axis.values.front());
-        shape_ = rays(values).front().solids.front().shape;
+        const RayGroup group = rays(values).front();
+        marches_ = group.march.has_value();
+        shapes_.clear();
+        for (const Solid<double>& solid : group.solids) {
+            if (std::ranges::find(shapes_, solid.shape) == shapes_.end()) shapes_.push_back(solid.shape);
+        }
     }
 }
 
@@ -159,8 +169,13 @@ std::vector<RayGroup> SweepFile::rays(const std::vector<double>& values) const {
         Node root = root_;
         for (const Override& change : changes) apply_override(root, change);
         TableReader file(root);
-        if (auto family = file.optional_table("family")) return family_rays(read_family(*family));
-        return box_family_rays(read_box_family(file.table("box_family")));
+        auto family = file.optional_table("family");
+        std::vector<RayGroup> groups = family ? family_rays(read_family(*family)) : box_family_rays(read_box_family(file.table("box_family")));
+        if (auto march = file.optional_table("march")) {
+            const auto constants = round_march(read_march(*march, Inputs::shared), binary32);
+            for (RayGroup& group : groups) group.march = constants;
+        }
+        return groups;
     }
     LoadOptions options;
     options.variant = variant_;
@@ -168,6 +183,7 @@ std::vector<RayGroup> SweepFile::rays(const std::vector<double>& values) const {
     const Scene scene = scene_->load(options).front();
     RayGroup group{make_shared_rays(scene, 0, scene.height), {}};
     for (const Solid<Real>& s : scene.solids()) group.solids.push_back(round_solid(s, binary32));
+    if (scene.march) group.march = round_march(*scene.march, binary32);
     return {std::move(group)};
 }
 

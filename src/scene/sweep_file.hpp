@@ -13,7 +13,7 @@
 namespace lostbits::scene {
 
 struct Axis {
-    enum class Spacing { linear, log2, every_float };
+    enum class Spacing { linear, log2, every_float, whole };
     std::string name;  ///< column and label: `distance_over_radius`
     std::string unit;
     Spacing spacing = Spacing::log2;
@@ -48,7 +48,10 @@ public:
     };
     std::vector<Mark> marks;
 
-    [[nodiscard]] Shape shape() const { return shape_; }
+    /// Whether the forms of a shape can be asked along the sweep.
+    [[nodiscard]] bool meets(Shape shape) const { return shape == Shape::sdf ? marches_ : shapes_ == std::vector{shape}; }
+    /// The shapes of its solids, each once.
+    [[nodiscard]] const std::vector<Shape>& shapes() const { return shapes_; }
 
     /// The rays of one step, one value per axis.
     [[nodiscard]] std::vector<RayGroup> rays(const std::vector<double>& values) const;
@@ -57,7 +60,8 @@ private:
     Node root_;
     std::optional<SceneFile> scene_;
     std::optional<std::string> variant_;
-    Shape shape_ = Shape::sphere;
+    std::vector<Shape> shapes_;
+    bool marches_ = false;
 };
 
 /// A path to a file, or the id of one in `data_dir/sweeps`. InputError with did-you-mean.

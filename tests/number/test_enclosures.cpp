@@ -119,7 +119,10 @@ TEST_CASE("an undecided selection covers both sides", "[number][interval]") {
     CHECK(mpfr_cmp_si(both.upper(), 5) == 0);
     const Interval half_undefined = select(wide < zero, Interval(2), sqrt(Interval(-1)));
     CHECK(half_undefined.undefined() == Undefined::maybe);
-    CHECK_FALSE(select(Ball(0, 0, 1) < Ball(0), Ball(2), Ball(5)).is_bounded());
+    const Ball either = select(Ball(0, 0, 1) < Ball(0), Ball(2, 0, 0.5), Ball(5, 0, 0.25));
+    CHECK(either.hi() - either.radius() <= 1.5);
+    CHECK(either.hi() + either.radius() >= 5.25);
+    CHECK_FALSE(select(Ball(0, 0, 1) < Ball(0), Ball(2), sqrt(Ball(-1))).is_bounded());
     CHECK(select(Ball(0, 0, 1) < Ball(0), Ball(2), Ball(2)).hi() == 2);
 }
 

@@ -1,0 +1,44 @@
+// Sphere tracing: the constants that a march is given, and what it leaves beside its answer.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string_view>
+#include <type_traits>
+
+namespace lostbits {
+
+/// The constants of a march, numbers of the arithmetic it runs in. Lengths are in world units, and t is one of them: the forms
+/// that march are given unit directions. Which form reads which: see each form.
+template <class S>
+struct MarchConstants {
+    S hit_eps;          ///< a field below it is a hit
+    S max_dist;         ///< a t above it is a miss
+    S relative_eps;     ///< a field below relative_eps·t is a hit
+    S cone;             ///< radius of a pixel at distance 1: a field below cone·t is a hit
+    S over_relaxation;  ///< ω: a step is ω times the field
+    int max_steps = 64;     ///< samples of the field after which the march gives up, a miss
+    int secant_steps = 2;   ///< refinement after the hit, by the secant
+    int bisect_steps = 16;  ///< and by bisection
+};
+
+/// Each number through `lift`; the counts are the same in any arithmetic.
+template <class S, class Lift>
+auto transformed(const MarchConstants<S>& c, Lift lift) {
+    using T = std::decay_t<std::invoke_result_t<Lift, const S&>>;
+    return MarchConstants<T>{lift(c.hit_eps), lift(c.max_dist), lift(c.relative_eps), lift(c.cone), lift(c.over_relaxation), c.max_steps, c.secant_steps, c.bisect_steps};
+}
+
+/// Why a march ended. `stagnated` is the step cap reached with t + d == t: more steps would have changed nothing.
+enum class Stop : std::uint8_t { hit, max_dist, max_steps, stagnated };
+
+inline constexpr std::array<std::string_view, 4> stop_names{"hit", "max_dist", "max_steps", "stagnated"};
+
+/// What is kept of a march beside its answer.
+struct MarchRecord {
+    int iterations = 0;  ///< samples of the field on the way; those of a refinement are not counted
+    Stop stop = Stop::max_steps;
+    double least = 0;  ///< the smallest |field| sampled on the way; NaN where every sample was
+};
+
+}  // namespace lostbits

@@ -1,0 +1,62 @@
+// What is seen of a march while it runs, in the arithmetics whose comparisons are decided.
+#pragma once
+
+#include <vector>
+
+#include "geometry/shapes.hpp"
+#include "intersect/march.hpp"
+
+namespace lostbits {
+
+/// Counts the samples and keeps the smallest.
+template <class T>
+class Tally {
+public:
+    void operator()(bool active, const T& t, const Vec<T>& /*p*/, const T& d) {
+        if (!active) return;
+        const T size = abs(d);
+        if (count_ == 0 || size < least_ || !(least_ <= least_)) least_ = size;
+        stands_ = count_ > 0 && t <= last_ && last_ <= t;
+        last_ = t;
+        ++count_;
+    }
+
+    /// `drop(T)` gives a number that a double holds.
+    template <class Drop>
+    [[nodiscard]] MarchRecord record(const Hit<T>& hit, const MarchConstants<T>& c, Drop drop) const {
+        const Stop stop = hit.hit ? Stop::hit : hit.t > c.max_dist ? Stop::max_dist : stands_ ? Stop::stagnated : Stop::max_steps;
+        return {count_, stop, static_cast<double>(drop(least_))};
+    }
+
+private:
+    int count_ = 0;
+    bool stands_ = false;  ///< the last two samples were taken at the same t
+    T least_ = T(0), last_ = T(0);
+};
+
+/// One sample of a march.
+struct MarchStep {
+    double t;
+    Vec<double> p;
+    double size;  ///< |p|, computed in the format
+    double d;     ///< the field
+};
+
+/// Keeps every sample.
+template <class T, class Drop>
+class StepLog {
+public:
+    explicit StepLog(Drop drop) : drop_(drop) {}
+    void operator()(bool active, const T& t, const Vec<T>& p, const T& d) {
+        if (!active) return;
+        const auto number = [this](const T& x) { return static_cast<double>(drop_(x)); };
+        steps_.push_back({number(t), {number(p.x), number(p.y), number(p.z)}, number(length(p)), number(d)});
+    }
+    [[nodiscard]] std::vector<MarchStep> take() { return std::move(steps_); }
+
+private:
+    Drop drop_;
+    std::vector<MarchStep> steps_;
+};
+
+}  // namespace lostbits

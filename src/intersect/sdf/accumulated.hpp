@@ -1,0 +1,37 @@
+// Sphere tracing that moves the point itself and so adds up the rounding of every step.
+#pragma once
+
+#include "intersect/sdf/march_loop.hpp"
+
+namespace lostbits::sdf {
+
+/// p += d·dir in place of p = o + t·dir; the same in exact arithmetic. Reads hit_eps, max_dist, max_steps.
+struct Accumulated {
+    static constexpr Info info{.name = "sdf.accumulated",
+                               .title = "p += d dir in place of o + t dir",
+                               .source = "common in shaders, after seed 003",
+                               .direction = Direction::unit,
+                               .roots = Roots::first_only};
+
+    template <Number T, class Field, class Watch>
+    static Hit<T> intersect(const Ray<T>& ray, const Field& field, const MarchConstants<T>& c, Watch& watch) {
+        const T zero(0);
+        auto active = zero <= zero;
+        auto hit = !active;
+        T t = zero;
+        Vec<T> p = ray.origin;
+        for (int i = 0; i < c.max_steps && any_of(active); ++i) {
+            const T d = field(p);
+            watch(active, t, p, d);
+            hit = hit || (active && d < c.hit_eps);
+            active = active && !hit;
+            const auto moved = [&](const T& x, const T& direction) { return select(active, x + d * direction, x); };
+            p = Vec<T>(moved(p.x, ray.direction.x), moved(p.y, ray.direction.y), moved(p.z, ray.direction.z));
+            t = select(active, t + d, t);
+            active = active && !(t > c.max_dist);
+        }
+        return only(hit, t);
+    }
+};
+
+}  // namespace lostbits::sdf

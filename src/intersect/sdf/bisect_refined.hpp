@@ -1,0 +1,42 @@
+// Sphere tracing, and then bisection between the last sample outside and a point inside.
+#pragma once
+
+#include "intersect/sdf/march_loop.hpp"
+
+namespace lostbits::sdf {
+
+/// After the hit of `sphere_trace`: a point inside is looked for at hit_eps, 2 hit_eps, … `doublings` times beyond it
+/// (2^7 hit_eps at most: a ray that meets the surface at a cosine below 2^-7 is left where it is), and bisect_steps halvings
+/// leave the middle of what remains. Reads hit_eps, max_dist, max_steps, bisect_steps.
+struct BisectRefined {
+    static constexpr Info info{.name = "sdf.bisect_refined",
+                               .title = "sphere_trace, then bisection to the root of the field",
+                               .source = "bisection",
+                               .direction = Direction::unit,
+                               .roots = Roots::first_only};
+
+    template <Number T, class Field, class Watch>
+    static Hit<T> intersect(const Ray<T>& ray, const Field& field, const MarchConstants<T>& c, Watch& watch) {
+        constexpr int doublings = 8;
+        const T zero(0), two(2);
+        const auto m = march(ray, field, c, watch, [&](const T& d, const T&) { return d < c.hit_eps; });
+        auto inside = m.d < zero;  // the last step went through the surface already
+        T low = select(inside, m.t_before, m.t);
+        T high = m.t;
+        T reach = c.hit_eps;
+        for (int i = 0; i < doublings && any_of(m.hit && !inside); ++i) {
+            high = select(inside, high, m.t + reach);
+            inside = inside || field(along(ray, high)) < zero;
+            reach = reach + reach;
+        }
+        for (int i = 0; i < c.bisect_steps && any_of(m.hit && inside); ++i) {
+            const T middle = (low + high) / two;
+            const auto beyond = field(along(ray, middle)) < zero;
+            high = select(beyond, middle, high);
+            low = select(beyond, low, middle);
+        }
+        return only(m.hit, select(inside, (low + high) / two, m.t));
+    }
+};
+
+}  // namespace lostbits::sdf

@@ -1,0 +1,24 @@
+// Sphere tracing that stops where the surface comes within the cone of a pixel.
+#pragma once
+
+#include "intersect/sdf/march_loop.hpp"
+
+namespace lostbits::sdf {
+
+/// A hit where d < cone·t, answered with the sample before it, which was certainly outside of the cone. Reads cone,
+/// max_dist, max_steps.
+struct ConeEps {
+    static constexpr Info info{.name = "sdf.cone_eps",
+                               .title = "hit where the field is below cone t; the point before it",
+                               .source = "Hart 1996, cone tracing",
+                               .direction = Direction::unit,
+                               .roots = Roots::first_only};
+
+    template <Number T, class Field, class Watch>
+    static Hit<T> intersect(const Ray<T>& ray, const Field& field, const MarchConstants<T>& c, Watch& watch) {
+        const auto m = march(ray, field, c, watch, [&](const T& d, const T& t) { return d < c.cone * t; });
+        return only(m.hit, m.t_before);
+    }
+};
+
+}  // namespace lostbits::sdf

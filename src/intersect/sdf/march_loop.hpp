@@ -1,0 +1,56 @@
+// The loop that the sdf forms share.
+#pragma once
+
+#include "geometry/shapes.hpp"
+#include "intersect/info.hpp"
+#include "intersect/march.hpp"
+
+namespace lostbits::sdf {
+
+/// Sees every sample of a march: where it was taken, and whether the march was still under way. This one looks away.
+struct Unwatched {
+    template <class M, class T>
+    void operator()(const M& /*active*/, const T& /*t*/, const Vec<T>& /*p*/, const T& /*d*/) const {}
+};
+
+/// Where a march stands when it ends: its last sample and the one before (the same where there was one alone).
+template <class T>
+struct Marched {
+    mask_t<T> hit;
+    T t, d;
+    T t_before, d_before;
+};
+
+template <Number T>
+Vec<T> along(const Ray<T>& ray, const T& t) {
+    return Vec<T>(ray.origin.x + t * ray.direction.x, ray.origin.y + t * ray.direction.y, ray.origin.z + t * ray.direction.z);
+}
+
+/// d = field(o + t·dir); a hit where `close(d, t)`; otherwise t += d, a miss where t > max_dist. Seed 003, step 3.
+template <Number T, class Field, class Watch, class Close>
+Marched<T> march(const Ray<T>& ray, const Field& field, const MarchConstants<T>& c, Watch& watch, const Close& close) {
+    const T zero(0);
+    auto active = zero <= zero;
+    Marched<T> m{!active, zero, zero, zero, zero};
+    for (int i = 0; i < c.max_steps && any_of(active); ++i) {
+        const Vec<T> p = along(ray, m.t);
+        const T d = field(p);
+        watch(active, m.t, p, d);
+        m.d_before = select(active, i == 0 ? d : m.d, m.d_before);
+        m.d = select(active, d, m.d);
+        m.hit = m.hit || (active && close(d, m.t));
+        active = active && !m.hit;
+        m.t_before = select(active, m.t, m.t_before);
+        m.t = select(active, m.t + d, m.t);
+        active = active && !(m.t > c.max_dist);
+    }
+    return m;
+}
+
+/// The answer of a form that knows one intersection.
+template <class T>
+Hit<T> only(const mask_t<T>& hit, const T& t) {
+    return {hit, t, t, t};
+}
+
+}  // namespace lostbits::sdf

@@ -1,0 +1,44 @@
+// Sphere tracing with steps longer than the field, taken back where they turn out to have been too long.
+#pragma once
+
+#include "intersect/sdf/march_loop.hpp"
+
+namespace lostbits::sdf {
+
+/// Steps of ω·d. Where the sphere around the new point does not reach the one around the last (|d| + |d_last| < step) something
+/// may lie between: the step is taken back to the safe one, t_last + d_last, and ω is 1 from there on. A hit where d < hit_eps
+/// after a step that was not taken back. Reads over_relaxation, hit_eps, max_dist, max_steps.
+struct OverRelaxed {
+    static constexpr Info info{.name = "sdf.over_relaxed",
+                               .title = "steps of omega d, taken back where the spheres part",
+                               .source = "Keinert et al. 2014, enhanced sphere tracing",
+                               .direction = Direction::unit,
+                               .roots = Roots::first_only};
+
+    template <Number T, class Field, class Watch>
+    static Hit<T> intersect(const Ray<T>& ray, const Field& field, const MarchConstants<T>& c, Watch& watch) {
+        const T zero(0), one(1);
+        auto active = zero <= zero;
+        auto hit = !active;
+        T t = zero, omega = c.over_relaxation;
+        T t_last = zero, d_last = zero, step = zero;
+        for (int i = 0; i < c.max_steps && any_of(active); ++i) {
+            const Vec<T> p = along(ray, t);
+            const T d = field(p);
+            watch(active, t, p, d);
+            const auto parted = omega > one && abs(d) + abs(d_last) < step;
+            hit = hit || (active && !parted && d < c.hit_eps);
+            active = active && !hit;
+            omega = select(parted, one, omega);
+            step = select(parted, zero, omega * d);
+            const T next = select(parted, t_last + d_last, t + step);
+            t_last = select(active && !parted, t, t_last);
+            d_last = select(active && !parted, d, d_last);
+            t = select(active, next, t);
+            active = active && !(t > c.max_dist);
+        }
+        return only(hit, t);
+    }
+};
+
+}  // namespace lostbits::sdf

@@ -1,0 +1,23 @@
+// Sphere tracing with a threshold that grows with the distance, as the rounding of o + t·dir does.
+#pragma once
+
+#include "intersect/sdf/march_loop.hpp"
+
+namespace lostbits::sdf {
+
+/// A hit where d < relative_eps·t. Reads relative_eps, max_dist, max_steps.
+struct RelativeEps {
+    static constexpr Info info{.name = "sdf.relative_eps",
+                               .title = "hit where the field is below relative_eps t",
+                               .source = "common in shaders, after seed 003",
+                               .direction = Direction::unit,
+                               .roots = Roots::first_only};
+
+    template <Number T, class Field, class Watch>
+    static Hit<T> intersect(const Ray<T>& ray, const Field& field, const MarchConstants<T>& c, Watch& watch) {
+        const auto m = march(ray, field, c, watch, [&](const T& d, const T& t) { return d < c.relative_eps * t; });
+        return only(m.hit, m.t);
+    }
+};
+
+}  // namespace lostbits::sdf

@@ -1,0 +1,36 @@
+// Sphere tracing, and then the secant through its last two samples.
+#pragma once
+
+#include "intersect/sdf/march_loop.hpp"
+
+namespace lostbits::sdf {
+
+/// After the hit of `sphere_trace`, secant_steps times t − d·(t − t')/(d − d'), kept where it brings |d| down: a ray that
+/// passes the surface within hit_eps without meeting it has no root to go to. Reads hit_eps, max_dist, max_steps, secant_steps.
+struct SecantRefined {
+    static constexpr Info info{.name = "sdf.secant_refined",
+                               .title = "sphere_trace, then secant steps to the root of the field",
+                               .source = "secant method",
+                               .direction = Direction::unit,
+                               .roots = Roots::first_only};
+
+    template <Number T, class Field, class Watch>
+    static Hit<T> intersect(const Ray<T>& ray, const Field& field, const MarchConstants<T>& c, Watch& watch) {
+        const auto m = march(ray, field, c, watch, [&](const T& d, const T&) { return d < c.hit_eps; });
+        T t = m.t, d = m.d, t_before = m.t_before, d_before = m.d_before;
+        for (int i = 0; i < c.secant_steps; ++i) {
+            const auto falls = d_before > d;
+            const T slope = select(falls, d_before - d, T(1));
+            const T next = select(falls, t + d * ((t - t_before) / slope), t);
+            const T d_next = field(along(ray, next));
+            const auto better = abs(d_next) < abs(d);
+            t_before = select(better, t, t_before);
+            d_before = select(better, d, d_before);
+            t = select(better, next, t);
+            d = select(better, d_next, d);
+        }
+        return only(m.hit, t);
+    }
+};
+
+}  // namespace lostbits::sdf

@@ -1,0 +1,24 @@
+// The march of seed 003: steps of the field's own size until it is below an absolute threshold.
+#pragma once
+
+#include "intersect/sdf/march_loop.hpp"
+
+namespace lostbits::sdf {
+
+/// A hit where d < hit_eps, at the t of that sample: it stops short of the surface by up to hit_eps over the cosine of the
+/// angle of incidence. Reads hit_eps, max_dist, max_steps.
+struct SphereTrace {
+    static constexpr Info info{.name = "sdf.sphere_trace",
+                               .title = "hit where the field is below hit_eps",
+                               .source = "seed 003; Hart 1996",
+                               .direction = Direction::unit,
+                               .roots = Roots::first_only};
+
+    template <Number T, class Field, class Watch>
+    static Hit<T> intersect(const Ray<T>& ray, const Field& field, const MarchConstants<T>& c, Watch& watch) {
+        const auto m = march(ray, field, c, watch, [&](const T& d, const T&) { return d < c.hit_eps; });
+        return only(m.hit, m.t);
+    }
+};
+
+}  // namespace lostbits::sdf

@@ -1,0 +1,103 @@
+#include "output/metric_paint.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace lostbits::output {
+namespace {
+
+std::string percent(std::uint64_t part, std::uint64_t whole) {
+    const double share = 100.0 * static_cast<double>(part) / static_cast<double>(whole);
+    if (share < 0.1) return "<0.1%";
+    if (share > 99 && share < 100) return ">99%";
+    return fmt::format(fmt::runtime(share < 10 ? "{:.1f}%" : "{:.0f}%"), share);
+}
+
+std::string in_words(std::string_view name) {
+    std::string words(name);
+    std::ranges::replace(words, '_', ' ');
+    return words;
+}
+
+std::string short_number(double x) { return std::fabs(x) >= 0.01 && std::fabs(x) < 10000 ? fmt::format("{:.3g}", x) : fmt::format("{:.1e}", x); }
+
+/// Wrong decisions as shares of the rays that could be wrong so.
+std::vector<std::string> faults_of(const MapSummary& s) {
+    const std::uint64_t true_misses = s.rays - s.true_hits - s.count(Outcome::unresolved);
+    std::vector<std::string> faults;
+    if (const auto n = s.count(Outcome::false_miss)) faults.push_back(percent(n, s.true_hits) + " false miss");
+    if (const auto n = s.count(Outcome::false_hit)) faults.push_back(percent(n, true_misses) + " false hit");
+    if (const auto n = s.count(Outcome::not_a_number)) faults.push_back(percent(n, s.rays) + " NaN");
+    return faults;
+}
+
+}  // namespace
+
+MetricPaint::MetricPaint(const Metric& metric, std::span<const MapRow> rows, ImageBackend& backend) : metric_(&metric) {
+    if (metric.categories.empty()) scale_ = metric_scale(metric, rows, backend);
+}
+
+bool MetricPaint::applies_to(const MapRow& row) const { return metric_->over != Over::marches || row.form->shape == Shape::sdf; }
+
+bool MetricPaint::shares_with(const Metric& other) const {
+    const Metric& m = *metric_;
+    return m.unit == other.unit && m.ramp == other.ramp && m.low == other.low && m.high == other.high && m.over == other.over && m.categories.data() == other.categories.data();
+}
+
+Rgb8 MetricPaint::category_colour(std::size_t category) const {
+    if (metric_->categories.data() == stop_names.data()) return stop_colours[category];
+    return object_colour(static_cast<std::uint32_t>(category + 1));
+}
+
+Rgb8 MetricPaint::colour(Outcome outcome, double value) const {
+    if (metric_->over == Over::agreed_hits) return pixel_colour(*scale_, outcome, value);
+    if (!scale_) return category_colour(static_cast<std::size_t>(value));
+    return std::isnan(value) ? outcome_colours[static_cast<std::size_t>(Outcome::not_a_number)] : scale_->map(value);
+}
+
+std::vector<LegendEntry> MetricPaint::widest(std::uint64_t pixels) const {
+    if (metric_->over == Over::agreed_hits) return widest_legend(pixels);
+    std::vector<LegendEntry> entries;
+    for (std::size_t c = 0; c < metric_->categories.size(); ++c) entries.push_back({in_words(metric_->categories[c]), category_colour(c), fmt::format("{} (>99.9%)", pixels)});
+    return entries;
+}
+
+std::vector<LegendEntry> MetricPaint::legend(const MapSummary& summary, std::size_t m) const {
+    if (metric_->over == Over::agreed_hits) return outcome_legend(summary);
+    std::vector<LegendEntry> entries;
+    for (std::size_t c = 0; c < metric_->categories.size(); ++c) {
+        const std::uint64_t n = summary.categories[m][c];
+        if (n > 0) entries.push_back({in_words(metric_->categories[c]), category_colour(c), count_text(n, summary.rays)});
+    }
+    return entries;
+}
+
+std::string MetricPaint::note() const {
+    if (!scale_) return fmt::format("colour: {}", metric_->meaning);
+    if (metric_->ramp == Ramp::magnitude) return fmt::format("colour: |{}|, clamped at both ends of the bar", metric_->name);
+    return fmt::format("colour: {} from 0 to {:g}; more is drawn as {:g}", metric_->name, scale_->hi(), scale_->hi());
+}
+
+std::string MetricPaint::glance(const MapSummary& s, std::size_t m) const {
+    if (!metric_->categories.empty()) {
+        std::vector<std::string> shares;
+        for (std::size_t c = 0; c < metric_->categories.size(); ++c) {
+            if (const std::uint64_t n = s.categories[m][c]) shares.push_back(percent(n, s.rays) + " " + in_words(metric_->categories[c]));
+        }
+        return fmt::format("{}", fmt::join(shares, "\n"));
+    }
+    const Distribution& d = s.metrics[m];
+    if (metric_->over == Over::marches) return fmt::format("median {}\nlargest {}", short_number(d.quantile(0.5)), short_number(d.quantile(1)));
+    const auto faults = faults_of(s);
+    if (s.count(Outcome::agree_hit) == 0 && faults.empty()) return "nothing hit";
+    std::string text = "no hit agreed on";
+    if (s.count(Outcome::agree_hit) > 0) {
+        if (metric_->name == "lost_bits") text = fmt::format("p99 {:.1f} bits lost", d.quantile(0.99));
+        else text = d.count() == 0 ? "no value" : fmt::format("p99 {} {}", short_number(d.quantile(0.99)), metric_->unit);
+    }
+    return fmt::format("{}{}{}", text, faults.empty() ? "" : "\n", fmt::join(faults, "\n"));
+}
+
+}  // namespace lostbits::output
