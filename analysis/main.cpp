@@ -56,6 +56,7 @@ Exit run(int argc, char** argv) {
     add_common(program, common);
     add_check(program, common, chosen);
     add_diff(program, common, chosen);
+    add_explain(program, common, chosen);
     add_list(program, common, chosen);
     add_map(program, common, chosen);
     add_sweep(program, common, chosen);

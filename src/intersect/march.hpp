@@ -38,7 +38,8 @@ inline constexpr std::array<std::string_view, 4> stop_names{"hit", "max_dist", "
 struct MarchRecord {
     int iterations = 0;  ///< samples of the field on the way; those of a refinement are not counted
     Stop stop = Stop::max_steps;
-    double least = 0;  ///< the smallest |field| sampled on the way; NaN where every sample was
+    double least = 0;    ///< the smallest |field| sampled on the way; NaN where every sample was
+    double deepest = 0;  ///< the smallest field, with its sign: below zero the march went through the surface
 };
 
 }  // namespace lostbits

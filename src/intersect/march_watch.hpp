@@ -16,6 +16,7 @@ public:
         if (!active) return;
         const T size = abs(d);
         if (count_ == 0 || size < least_ || !(least_ <= least_)) least_ = size;
+        if (count_ == 0 || d < deepest_ || !(deepest_ <= deepest_)) deepest_ = d;
         stands_ = count_ > 0 && t <= last_ && last_ <= t;
         last_ = t;
         ++count_;
@@ -25,13 +26,13 @@ public:
     template <class Drop>
     [[nodiscard]] MarchRecord record(const Hit<T>& hit, const MarchConstants<T>& c, Drop drop) const {
         const Stop stop = hit.hit ? Stop::hit : hit.t > c.max_dist ? Stop::max_dist : stands_ ? Stop::stagnated : Stop::max_steps;
-        return {count_, stop, static_cast<double>(drop(least_))};
+        return {count_, stop, static_cast<double>(drop(least_)), static_cast<double>(drop(deepest_))};
     }
 
 private:
     int count_ = 0;
     bool stands_ = false;  ///< the last two samples were taken at the same t
-    T least_ = T(0), last_ = T(0);
+    T least_ = T(0), deepest_ = T(0), last_ = T(0);
 };
 
 /// One sample of a march.

@@ -9,6 +9,7 @@
 #include "measure/arithmetic.hpp"
 #include "measure/cases.hpp"
 #include "measure/closest.hpp"
+#include "measure/one_ray.hpp"
 #include "number/error.hpp"
 #include "scene/did_you_mean.hpp"
 
@@ -96,17 +97,38 @@ auto find_for(const Claim& claim, const Find& find) {
     }
 }
 
+/// One number of one sample of a march along the scene's first pixel.
+double trace_value(const Claim& claim, const scene::Scene& scene) {
+    const MapRow row = row_for(claim, scene);
+    if (!row.form->log) scene::fail(claim.where, claim.form + " does not march; `step` is for the forms of sdf.*");
+    const MarchLog log = march_log(*row.form, row.format, OneRay(scene, 0, 0));
+    if (claim.metric == "steps") return static_cast<double>(log.steps.size());
+    if (claim.metric == "hit") return log.hit.hit ? 1 : 0;
+    if (static_cast<std::size_t>(*claim.step) >= log.steps.size()) return missing;
+    const MarchStep& s = log.steps[static_cast<std::size_t>(*claim.step)];
+    const std::map<std::string, double> columns{{"t", s.t}, {"x", s.p.x}, {"y", s.p.y}, {"z", s.p.z}, {"length", s.size}, {"d", s.d}};
+    const auto found = columns.find(claim.metric);
+    if (found == columns.end()) scene::fail(claim.where, "unknown metric \"" + claim.metric + "\"; a step has t, x, y, z, length, d, and its march has steps and hit");
+    return found->second;
+}
+
 void measure_scene(const std::vector<Claim>& claims, const Places& places, const std::filesystem::path& data_dir, std::vector<ClaimResult>& results) {
     const Claim& first = claims[places.front()];
     const auto name = find_for(first, [&] { return scene::find_scene(first.scene, data_dir); });
     const auto scenes = scene::load_scene(name.path, {.variant = name.variant});
     if (scenes.size() != 1) scene::fail(first.where, "scene \"" + first.scene + "\" has variants; name one, such as \"" + scenes.front().id + "\"");
-    MapRequest request{.scene = &scenes.front(), .rows = {}, .metrics = metrics_for(claims, places)};
-    for (const std::size_t i : places) request.rows.push_back(row_for(claims[i], scenes.front()));
+    Places pictures;
+    for (const std::size_t i : places) {
+        if (claims[i].step) results[i] = judge(claims[i], trace_value(claims[i], scenes.front()), nullptr);
+        else pictures.push_back(i);
+    }
+    if (pictures.empty()) return;
+    MapRequest request{.scene = &scenes.front(), .rows = {}, .metrics = metrics_for(claims, pictures)};
+    for (const std::size_t i : pictures) request.rows.push_back(row_for(claims[i], scenes.front()));
     const auto summaries = run_map(request, {});
-    for (std::size_t k = 0; k < places.size(); ++k) {
-        const Claim& claim = claims[places[k]];
-        results[places[k]] = judge(claim, summary_value(summaries[k], request.metrics, claim.metric, claim.where.text()), &summaries[k]);
+    for (std::size_t k = 0; k < pictures.size(); ++k) {
+        const Claim& claim = claims[pictures[k]];
+        results[pictures[k]] = judge(claim, summary_value(summaries[k], request.metrics, claim.metric, claim.where.text()), &summaries[k]);
     }
 }
 

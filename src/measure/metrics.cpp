@@ -107,6 +107,7 @@ double excess(const Sample& s) { return std::max(0.0, lost(s) - inherent(s)); }
 
 double iterations(const Sample& s) { return s.march ? s.march->iterations : missing; }
 double stop(const Sample& s) { return s.march ? static_cast<double>(s.march->stop) : missing; }
+double overshoot(const Sample& s) { return s.march ? std::max(0.0, -s.march->deepest) : missing; }
 double least_field(const Sample& s) { return s.march ? s.march->least : missing; }
 
 constexpr unsigned split = needs_own_truth | needs_self;
@@ -136,6 +137,8 @@ constexpr std::array table{
            stop_names},
     Metric{"least_field", "length", "march.least_field", "smallest |field| that the march sampled", needs_nothing, Ramp::magnitude, 0x1p-30, 0x1p+4, true, least_field,
            Over::marches},
+    Metric{"overshoot", "length", "march.overshoot", "how deep inside the march sampled the field: max(0, -field); from outside it is 0 in exact arithmetic", needs_nothing,
+           Ramp::magnitude, 0x1p-30, 0x1p+4, false, overshoot, Over::marches},
 };
 
 }  // namespace

@@ -36,6 +36,10 @@ void read_given(TableReader table, Claim& claim) {
         if (claim.sweep.empty() || !claim.at.empty()) table.reject("case", "needs a sweep of cases, and no `at`");
         claim.case_name = *name;
     }
+    if (const auto step = table.optional_integer("step", 0, 100000)) {
+        if (claim.scene.empty()) table.reject("step", "needs a scene: it is a sample of the march along the scene's pixel (0, 0)");
+        claim.step = static_cast<int>(*step);
+    }
     static constexpr std::pair<std::string_view, Touching> conventions[] = {{"closed", Touching::hit}, {"open", Touching::miss}};
     claim.convention = table.optional_one_of<Touching>("convention", conventions);
     claim.requirements = table.optional_strings("requires").value_or(std::vector<std::string>{});

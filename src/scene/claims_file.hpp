@@ -25,6 +25,7 @@ struct Claim {
     std::vector<double> at;  ///< one value an axis of the sweep; the argument of a table's row
     std::string case_name;
     std::optional<Touching> convention;  ///< judged as closed or open solids; absent: by the form's own word
+    std::optional<int> step;  ///< the sample of a march along pixel (0, 0) of the scene
     std::string table, row;
     std::vector<std::string> requirements;  ///< what the machine must have, or the claim is skipped: `isa-256`
 

@@ -1,0 +1,93 @@
+#include <fmt/format.h>
+
+#include <cmath>
+#include <memory>
+#include <optional>
+
+#include "commands.hpp"
+#include "measure/one_ray.hpp"
+#include "output/march_text.hpp"
+#include "scene/parse_number.hpp"
+#include "scene/round.hpp"
+#include "select.hpp"
+
+namespace lostbits::analysis {
+namespace {
+
+struct ExplainOptions {
+    std::string scene, form, format = "f32";
+    std::string pixel, ray;
+    std::vector<std::string> set;
+};
+
+std::vector<std::string> parts_of(const std::string& text) {
+    std::vector<std::string> parts{""};
+    for (const char c : text) {
+        if (c == ',') parts.emplace_back();
+        else if (c != ' ') parts.back() += c;
+    }
+    return parts;
+}
+
+/// The scene of that name: one alone.
+scene::Scene load_one(const ExplainOptions& o, const Common& common) {
+    const scene::SceneName name = scene::find_scene(o.scene, data_folder(common.data));
+    scene::LoadOptions options{.variant = name.variant};
+    for (const auto& s : o.set) options.overrides.push_back(scene::parse_override(s));
+    auto scenes = scene::load_scene(name.path, options);
+    if (scenes.size() != 1) throw InputError(o.scene + ": has variants; name one, such as " + scenes.front().id);
+    return std::move(scenes.front());
+}
+
+OneRay ray_of(const ExplainOptions& o, const scene::Scene& scene) {
+    if (o.pixel.empty() == o.ray.empty()) throw InputError("explain: name one ray: --pixel X,Y of the scene, or --ray OX,OY,OZ,DX,DY,DZ");
+    const bool pixel = !o.pixel.empty();
+    const auto parts = parts_of(pixel ? o.pixel : o.ray);
+    std::vector<double> x;
+    for (const std::string& part : parts) {
+        const auto read = scene::parse_number(part);
+        const Real* const number = std::get_if<Real>(&read);
+        if (number == nullptr) throw InputError(fmt::format("{}: \"{}\" is no number; write decimals or hexadecimal floats", pixel ? "--pixel" : "--ray", part));
+        x.push_back(pixel ? static_cast<double>(*number) : scene::round_to_format(*number, binary32));
+    }
+    if (pixel) {
+        if (x.size() != 2 || x[0] != std::floor(x[0]) || x[1] != std::floor(x[1])) throw InputError("--pixel " + o.pixel + ": not a pixel; write its column and row, like 17,42");
+        return {scene, static_cast<int>(x[0]), static_cast<int>(x[1])};
+    }
+    if (x.size() != 6) throw InputError("--ray " + o.ray + ": not a ray; write origin and direction, six numbers with commas between them");
+    const Ray<double> ray{{x[0], x[1], x[2]}, {x[3], x[4], x[5]}};
+    if (!is_proper(ray)) throw InputError("--ray " + o.ray + ": no ray in binary32; its numbers must be finite and its direction not zero");
+    return {scene, ray};
+}
+
+Exit run(const ExplainOptions& o, const Common& common) {
+    const scene::Scene scene = load_one(o, common);
+    const auto forms = select_forms({o.form});
+    const auto formats = select_formats({o.format});
+    if (forms.size() != 1 || formats.size() != 1) throw InputError("explain: name one form and one format");
+    const Intersector& form = *forms.front();
+    if (!scene.meets(form.shape)) {
+        throw InputError(fmt::format("-i {}: scene {} cannot be asked of it; try one of {}", o.form, scene.id, globs_of([&](Shape shape) { return scene.meets(shape); })));
+    }
+    if (!form.exists_in(formats.front())) throw InputError(fmt::format("-i {}: does not exist in {}", o.form, o.format));
+    const OneRay ray = ray_of(o, scene);
+    if (!form.log) throw InputError(fmt::format("-i {}: only marches can be explained so far; try -i sdf.sphere_trace", o.form));
+    fmt::print("{}", output::march_table(form, formats.front(), ray));
+    return Exit::done;
+}
+
+}  // namespace
+
+void add_explain(CLI::App& program, const Common& common, Command& chosen) {
+    auto* command = program.add_subcommand("explain", "One ray of a scene, step by step");
+    const auto o = std::make_shared<ExplainOptions>();
+    command->add_option("SCENE", o->scene, "A scene file, or a name in data/scenes")->required();
+    command->add_option("--pixel", o->pixel, "Column and row of a pixel, from the left and from the top: 17,42");
+    command->add_option("--ray", o->ray, "A ray among the scene's solids: OX,OY,OZ,DX,DY,DZ, decimals or hexadecimal floats, rounded once to binary32");
+    command->add_option("-i,--intersector", o->form, "The form")->required();
+    command->add_option("-f,--format", o->format, "The format (default: f32)");
+    command->add_option("--set", o->set, "Change a number of the scene first: march.hit_eps=1e-6");
+    command->callback([o, &common, &chosen] { chosen = [o, &common] { return run(*o, common); }; });
+}
+
+}  // namespace lostbits::analysis
