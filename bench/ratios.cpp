@@ -1,5 +1,7 @@
 #include "ratios.hpp"
 
+#include <benchmark/benchmark.h>
+
 #include <algorithm>
 #include <cstdio>
 
@@ -17,12 +19,11 @@ Contestant reader(std::size_t bytes) {
     const std::size_t length = bytes / 64;
     const auto words = std::make_shared<std::vector<std::uint64_t>>(streams * (length + stagger), 1);
     return {"read loop", "", 8, {[words, length] {
-                                     static volatile std::uint64_t sink;
                                      std::uint64_t sums[streams] = {};
                                      const std::uint64_t* const first = words->data();
                                      for (std::size_t i = 0; i < length; ++i)
                                          for (std::size_t k = 0; k < streams; ++k) sums[k] += first[k * (length + stagger) + i];
-                                     for (const std::uint64_t sum : sums) sink = sum;
+                                     benchmark::DoNotOptimize(sums);
                                  },
                                  streams * length, stay_in_cache(bytes)}};
 }

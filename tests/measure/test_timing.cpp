@@ -3,7 +3,6 @@
 #include <array>
 #include <atomic>
 #include <cmath>
-#include <set>
 #include <thread>
 
 #include "catch.hpp"
@@ -54,19 +53,22 @@ TEST_CASE("twelve times the work is seen as more, the same work as the same", "[
 
 TEST_CASE("every thread works, on its own, and one alone is the measure", "[timing]") {
     std::array<std::atomic<int>, 3> passes{};
-    std::array<std::set<std::thread::id>, 3> seen;
+    std::array<std::atomic<bool>, 3> busy{};
+    std::atomic<int> faults{0};
+    const auto caller = std::this_thread::get_id();
     const auto quotients = thread_speedups(
         [&](std::size_t i) {
             return [&, i] {
+                faults += busy[i].exchange(true) || std::this_thread::get_id() == caller;
                 ++passes[i];
-                seen[i].insert(std::this_thread::get_id());  // a race, were a thread to do the work of two
+                busy[i] = false;
             };
         },
         {.repetitions = 4, .least_seconds = 1e-3, .threads = 3});
     CHECK(quotients.size() == 4);
     for (const double q : quotients) CHECK((q > 0 && std::isfinite(q)));
     for (const auto& n : passes) CHECK(n > 4);
-    for (std::size_t i = 0; i < 3; ++i) CHECK(seen[i].size() == (i == 0 ? 4u + 2u : 4u + 1u));
+    CHECK(faults == 0);
     int asked = 0;
     CHECK_THROWS_AS(thread_speedups([](std::size_t) { return [] {}; }, {.repetitions = 3, .least_seconds = 1e-4, .threads = 1, .stop = [&] { if (++asked == 2) throw std::runtime_error("stop"); }}),
                     std::runtime_error);
@@ -79,8 +81,8 @@ TEST_CASE("plain loops, packs and scalar loops are the same work", "[timing]") {
         INFO(name);
         const auto scalar = after_a_pass({name, "scalar", "f32"});
         const auto hits = std::ranges::count_if(scalar, [](float t) { return std::isfinite(t); });
-        CHECK(hits > 10);
-        CHECK(hits < static_cast<std::ptrdiff_t>(scalar.size()) - 10);
+        CHECK(hits > 4);
+        CHECK(hits < static_cast<std::ptrdiff_t>(scalar.size()) - 4);
         CHECK(after_a_pass({name, "128", "f32"}) == scalar);
         if (plain_rows().empty()) continue;
         CHECK(after_a_pass({name, "plain-256", "f32"}) == scalar);
