@@ -23,12 +23,17 @@ struct CheckOptions {
     std::vector<std::string> files;
     std::vector<std::string> filters;
     std::string junit, csv, json, report, annotations = "none";
+    std::string profile = "results";
     bool strict = false, measure = false;
+
+    [[nodiscard]] bool timing() const { return profile == "timing"; }
 };
 
 std::vector<Claim> load(const CheckOptions& o, const std::filesystem::path& data) {
     std::vector<Claim> claims;
     std::set<std::string> ids;
+    const auto profile = o.timing() ? Claim::Profile::timing : Claim::Profile::results;
+    std::size_t others = 0;
     const auto given = o.files.empty() ? std::vector<std::string>{(data / "claims").string()} : o.files;
     for (const std::string& word : given) {
         for (const auto& path : scene::claim_files(word)) {
@@ -36,10 +41,12 @@ std::vector<Claim> load(const CheckOptions& o, const std::filesystem::path& data
                 if (!ids.insert(claim.id).second) scene::fail(claim.where, "the id \"" + claim.id + "\" stands in another file too; ids are unique");
                 const bool chosen = o.filters.empty() ||
                                     std::ranges::any_of(o.filters, [&](const std::string& f) { return fnmatch(f.c_str(), claim.id.c_str(), 0) == 0; });
-                if (chosen) claims.push_back(std::move(claim));
+                if (chosen && claim.profile != profile) ++others;
+                else if (chosen) claims.push_back(std::move(claim));
             }
         }
     }
+    if (claims.empty() && others > 0) throw NothingSelected(fmt::format("no claim is selected: they are of the other profile; try --profile {}", o.timing() ? "results" : "timing"));
     if (claims.empty()) throw NothingSelected("no claim is selected; see --filter, or `lostbits list claims`");
     return claims;
 }
@@ -65,7 +72,22 @@ void print(const Claim& claim, const ClaimResult& r, const CheckOptions& o, bool
     }
 }
 
+/// A ratio of two speeds is what it was on this machine in this minute: every claim is shown with it, and none fails.
+Exit report_times(const std::vector<Claim>& claims, const std::vector<ClaimResult>& results) {
+    for (std::size_t i = 0; i < claims.size(); ++i) {
+        const Claim& c = claims[i];
+        const bool measured = results[i].state == State::agrees || results[i].state == State::disagrees;
+        const char* word = results[i].state == State::agrees ? "as found" : measured ? "differs" : results[i].state == State::skipped ? "skipped" : "broken";
+        fmt::print("{:<8} {:<7} {:>5} in [{}, {}]  {}: {}\n", word, c.verdict == Claim::Verdict::holds ? "holds" : "refuted", measured ? fmt::format("{:.2f}", results[i].measured) : "-", c.low, c.high, c.id,
+                   measured ? c.statement : results[i].trouble);
+    }
+    return Exit::done;
+}
+
 Exit run(const CheckOptions& o, const Common& common) {
+    if (o.timing() && (o.strict || !o.junit.empty() || !o.csv.empty() || !o.json.empty() || !o.report.empty() || o.annotations != "none")) {
+        throw InputError("--profile timing goes with none of --strict, --junit, --export-csv, --export-json, --report and --annotations: times gate nothing and are in no report");
+    }
     const auto data = data_folder(common.data);
     const auto claims = load(o, data);
     const ThreadLimit limit(common.threads);
@@ -74,6 +96,7 @@ Exit run(const CheckOptions& o, const Common& common) {
         if (!path.empty()) output::AtomicFile probe(path);
     }
     const auto results = measure_claims(claims, data, stop_if_interrupted);
+    if (o.timing() && !o.measure) return report_times(claims, results);
     if (o.measure) {
         for (std::size_t i = 0; i < claims.size(); ++i) fmt::print("{} = {}\n", claims[i].id, output::decimal(results[i].measured));
         return Exit::done;
@@ -108,6 +131,7 @@ void add_check(CLI::App& program, const Common& common, Command& chosen) {
     command->add_option("--export-json", o->json, "Write an array of claims");
     command->add_option("--report", o->report, "Write README.md, claims.csv and pictures into a folder");
     command->add_option("--annotations", o->annotations, "github: also print workflow annotations")->check(CLI::IsMember({"none", "github"}));
+    command->add_option("--profile", o->profile, "results, or timing: claims about speed, reported and never failed")->check(CLI::IsMember({"results", "timing"}));
     command->add_flag("--strict", o->strict, "Claims of severity warn fail too");
     command->add_flag("--measure", o->measure, "Print what each claim measures now, without judging");
     command->callback([o, &common, &chosen] { chosen = [o, &common] { return run(*o, common); }; });

@@ -1,6 +1,7 @@
 // Rays per second (items_per_second) of the certified truth, of plain 256-bit MPFR on the same rays, and of every form
 // in every engine, in one run: compare ratios, not times.
 //
+//   build/bench/bench_sphere --ratios     packs over loops written by hand, and what more processors bring
 //   build/bench/bench_sphere --benchmark_min_time=0.5 --benchmark_enable_random_interleaving=true --benchmark_repetitions=5
 //   build/bench/bench_sphere --benchmark_filter='truth|mpfr'
 //   build/bench/bench_sphere --benchmark_filter='packed.*(schoolbook|unified)/f32'
@@ -8,13 +9,17 @@
 
 #include <random>
 #include <string>
+#include <string_view>
 #include <vector>
 
+#include "by_hand.hpp"
 #include "intersect/packed.hpp"
 #include "intersect/table.hpp"
 #include "measure/self.hpp"
+#include "measure/timing_work.hpp"
 #include "measure/truth.hpp"
 #include "number/real.hpp"
+#include "ratios.hpp"
 
 namespace {
 
@@ -137,9 +142,59 @@ void register_all() {
         }
 }
 
+#if defined(LOSTBITS_BY_HAND)
+template <class S>
+bench::Contestant by_hand_on(const std::string& name, const std::shared_ptr<RayStore<S>>& store, by_hand::Sphere<S> loop, bool warm) {
+    const auto kernel = [loop](const RayBatch<S>& rays, const Solid<S>& sphere, const HitBatch<S>& hits) {
+        const S* const in[] = {rays.ox.data(), rays.oy.data(), rays.oz.data(), rays.dx.data(), rays.dy.data(), rays.dz.data()};
+        S* const out[] = {hits.t.data(), hits.near.data(), hits.far.data()};
+        loop(in, sphere.numbers.data(), out, hits.hit.data(), rays.size());
+    };
+    return {name, "", 9 * sizeof(S) + 1, {[store, kernel] { store->run(kernel); }, store->slice(), warm}};
+}
+
+void add_by_hand(std::vector<bench::Contestant>& all, RayWork& work, Isa isa, bool warm) {
+    if (isa != Isa::w256 && isa != Isa::w512) return;
+    const by_hand::Width loops = isa == Isa::w256 ? by_hand::width_256() : by_hand::width_512();
+    const std::string hand = std::string(name_of(isa)) + "/by hand, ";
+    all.push_back(by_hand_on(hand + "sphere.schoolbook/f32", work.f32(Shape::sphere), loops.f32.schoolbook, warm));
+    all.push_back(by_hand_on(hand + "sphere.unified/f32", work.f32(Shape::sphere), loops.f32.unified, warm));
+    all.push_back(by_hand_on(hand + "sphere.schoolbook/f64", work.f64(Shape::sphere), loops.f64.schoolbook, warm));
+    all.push_back(by_hand_on(hand + "sphere.unified/f64", work.f64(Shape::sphere), loops.f64.unified, warm));
+}
+#else
+void add_by_hand(std::vector<bench::Contestant>&, RayWork&, Isa, bool) {}
+#endif
+
+/// Many rays against one sphere; six numbers are read for a ray, three and a byte written.
+void print_all() {
+    constexpr std::string_view sizes[] = {"l1", "l2", "memory"};
+    const auto bytes_of = [](std::string_view size) { return working_set_bytes(size, cache_sizes()); };
+    for (const std::string_view size : sizes) {
+        std::vector<bench::Contestant> all;
+        RayWork work(bytes_of(size));
+        for (const Isa isa : available_isas()) {
+            const std::string kernel(name_of(isa));
+            for (const std::string format : {"f32", "f64"})
+                for (const std::string form : {"sphere.schoolbook", "sphere.unified"})
+                    if (auto w = work.on({form, kernel, format}))
+                        all.push_back({kernel + "/" + form + "/" + format, kernel + "/by hand, " + form + "/" + format, format == "f32" ? 37.0 : 73.0, std::move(*w)});
+            add_by_hand(all, work, isa, stay_in_cache(bytes_of(size)));
+        }
+        bench::print_ratios(std::string(size), std::move(all), bytes_of(size));
+    }
+    const std::string widest(name_of(best_isa()));
+    for (const std::string_view size : sizes)
+        bench::print_speedup(widest + "/sphere.unified/f32", std::string(size), [&](std::size_t) { return RayWork(bytes_of(size)).on({"sphere.unified", widest, "f32"})->pass; });
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
+    if (argc == 2 && std::string_view(argv[1]) == "--ratios") {
+        print_all();
+        return 0;
+    }
     register_all();
     benchmark::Initialize(&argc, argv);
     if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 2;

@@ -6,12 +6,27 @@
 
 namespace by_hand {
 
-/// Binary32; ray: ox, oy, oz, dx, dy, dz; columns: lo x, y, z, hi x, y, z; t as in seed 002.
-using Boxes = void (*)(const float* ray, const float* const columns[6], float* t, std::size_t n);
+/// One ray (ox, oy, oz, dx, dy, dz) against n boxes; columns: lo x, y, z, hi x, y, z; t as in seed 002.
+template <class F>
+using Boxes = void (*)(const F* ray, const F* const columns[6], F* t, std::size_t n);
 
-void signs_w256(const float* ray, const float* const columns[6], float* t, std::size_t n);
-void inclusive_w256(const float* ray, const float* const columns[6], float* t, std::size_t n);
-void signs_w512(const float* ray, const float* const columns[6], float* t, std::size_t n);
-void inclusive_w512(const float* ray, const float* const columns[6], float* t, std::size_t n);
+/// n rays (columns: ox, oy, oz, dx, dy, dz) against one sphere (x, y, z, radius); answers: t, near, far, and hit as bytes 0 and 1.
+template <class F>
+using Sphere = void (*)(const F* const rays[6], const F* sphere, F* const answers[3], unsigned char* hit, std::size_t n);
+
+/// Each loop in one format.
+template <class F>
+struct Loops {
+    Boxes<F> signs, inclusive;
+    Sphere<F> schoolbook, unified;
+};
+
+/// Those of a register width.
+struct Width {
+    Loops<float> f32;
+    Loops<double> f64;
+};
+Width width_256();
+Width width_512();
 
 }  // namespace by_hand

@@ -1,67 +1,66 @@
-// box.signs and box.inclusive by hand, 256-bit registers.
+// The intrinsics of 256-bit registers.
 #include <immintrin.h>
 
-#include "by_hand.hpp"
+#include "by_hand_loops.hpp"
 
 namespace by_hand {
 namespace {
 
-using V = __m256;
-constexpr std::size_t lanes = sizeof(V) / sizeof(float);
-constexpr auto set1 = [](float x) { return _mm256_set1_ps(x); };
-constexpr auto load = [](const float* p) { return _mm256_loadu_ps(p); };
-constexpr auto sub = [](V a, V b) { return _mm256_sub_ps(a, b); };
-constexpr auto mul = [](V a, V b) { return _mm256_mul_ps(a, b); };
-constexpr auto min = [](V a, V b) { return _mm256_min_ps(a, b); };
-constexpr auto max = [](V a, V b) { return _mm256_max_ps(a, b); };
+struct Singles {
+    using F = float;
+    using V = __m256;
+    using M = __m256;
+    static constexpr std::size_t lanes = 8;
+    static V set1(F x) { return _mm256_set1_ps(x); }
+    static V load(const F* p) { return _mm256_loadu_ps(p); }
+    static void store(F* p, V x) { _mm256_storeu_ps(p, x); }
+    static V add(V a, V b) { return _mm256_add_ps(a, b); }
+    static V sub(V a, V b) { return _mm256_sub_ps(a, b); }
+    static V mul(V a, V b) { return _mm256_mul_ps(a, b); }
+    static V div(V a, V b) { return _mm256_div_ps(a, b); }
+    static V min(V a, V b) { return _mm256_min_ps(a, b); }
+    static V max(V a, V b) { return _mm256_max_ps(a, b); }
+    static V sqrt(V a) { return _mm256_sqrt_ps(a); }
+    static V negate(V a) { return _mm256_xor_ps(a, _mm256_set1_ps(-0.0F)); }
+    static M less(V a, V b) { return _mm256_cmp_ps(a, b, _CMP_LT_OQ); }
+    static M less_equal(V a, V b) { return _mm256_cmp_ps(a, b, _CMP_LE_OQ); }
+    static V choose(M m, V a, V b) { return _mm256_blendv_ps(b, a, m); }
+    static void store_neither(unsigned char* p, M a, M b) {
+        const __m256i either = _mm256_castps_si256(_mm256_or_ps(a, b));
+        const __m128i words = _mm_packs_epi32(_mm256_castsi256_si128(either), _mm256_extracti128_si256(either, 1));
+        _mm_storel_epi64(reinterpret_cast<__m128i*>(p), _mm_add_epi8(_mm_packs_epi16(words, words), _mm_set1_epi8(1)));
+    }
+};
 
-void keep(float* t, V tmin, V tmax, V old) {
-    _mm256_storeu_ps(t, _mm256_blendv_ps(old, tmin, _mm256_cmp_ps(tmin, tmax, _CMP_LE_OQ)));
-}
-
-struct OneRay {
-    V o[3], inv[3];
-    explicit OneRay(const float* ray) {
-        for (int k = 0; k < 3; ++k) o[k] = set1(ray[k]), inv[k] = set1(1 / ray[3 + k]);
+struct Doubles {
+    using F = double;
+    using V = __m256d;
+    using M = __m256d;
+    static constexpr std::size_t lanes = 4;
+    static V set1(F x) { return _mm256_set1_pd(x); }
+    static V load(const F* p) { return _mm256_loadu_pd(p); }
+    static void store(F* p, V x) { _mm256_storeu_pd(p, x); }
+    static V add(V a, V b) { return _mm256_add_pd(a, b); }
+    static V sub(V a, V b) { return _mm256_sub_pd(a, b); }
+    static V mul(V a, V b) { return _mm256_mul_pd(a, b); }
+    static V div(V a, V b) { return _mm256_div_pd(a, b); }
+    static V min(V a, V b) { return _mm256_min_pd(a, b); }
+    static V max(V a, V b) { return _mm256_max_pd(a, b); }
+    static V sqrt(V a) { return _mm256_sqrt_pd(a); }
+    static V negate(V a) { return _mm256_xor_pd(a, _mm256_set1_pd(-0.0)); }
+    static M less(V a, V b) { return _mm256_cmp_pd(a, b, _CMP_LT_OQ); }
+    static M less_equal(V a, V b) { return _mm256_cmp_pd(a, b, _CMP_LE_OQ); }
+    static V choose(M m, V a, V b) { return _mm256_blendv_pd(b, a, m); }
+    static void store_neither(unsigned char* p, M a, M b) {
+        const __m256i either = _mm256_castpd_si256(_mm256_or_pd(a, b));
+        const __m128i longs = _mm_packs_epi32(_mm256_castsi256_si128(either), _mm256_extracti128_si256(either, 1));  // each lane twice
+        const __m128i words = _mm_packs_epi32(longs, longs), bytes = _mm_packs_epi16(words, words);
+        _mm_storeu_si32(p, _mm_add_epi8(bytes, _mm_set1_epi8(1)));
     }
 };
 
 }  // namespace
 
-void signs_w256(const float* ray, const float* const columns[6], float* t, std::size_t n) {
-    const OneRay r(ray);
-    const float *first[3], *second[3];
-    for (int k = 0; k < 3; ++k) {
-        const bool sign = __builtin_signbit(1 / ray[3 + k]);
-        first[k] = columns[sign ? k + 3 : k];
-        second[k] = columns[sign ? k : k + 3];
-    }
-    for (std::size_t i = 0; i < n; i += lanes) {
-        const V old = load(t + i);
-        V tmin = set1(0), tmax = old;
-#pragma GCC unroll 3
-        for (int k = 0; k < 3; ++k) {
-            tmin = max(mul(sub(load(first[k] + i), r.o[k]), r.inv[k]), tmin);
-            tmax = min(mul(sub(load(second[k] + i), r.o[k]), r.inv[k]), tmax);
-        }
-        keep(t + i, tmin, tmax, old);
-    }
-}
-
-void inclusive_w256(const float* ray, const float* const columns[6], float* t, std::size_t n) {
-    const OneRay r(ray);
-    const float* const c[6] = {columns[0], columns[1], columns[2], columns[3], columns[4], columns[5]};
-    for (std::size_t i = 0; i < n; i += lanes) {
-        const V old = load(t + i);
-        V tmin = set1(0), tmax = old;
-#pragma GCC unroll 3
-        for (int k = 0; k < 3; ++k) {
-            const V t1 = mul(sub(load(c[k] + i), r.o[k]), r.inv[k]), t2 = mul(sub(load(c[k + 3] + i), r.o[k]), r.inv[k]);
-            tmin = min(max(t1, tmin), max(t2, tmin));
-            tmax = max(min(t1, tmax), min(t2, tmax));
-        }
-        keep(t + i, tmin, tmax, old);
-    }
-}
+Width width_256() { return {loops<Singles>(), loops<Doubles>()}; }
 
 }  // namespace by_hand

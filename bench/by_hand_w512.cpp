@@ -1,67 +1,61 @@
-// box.signs and box.inclusive by hand, 512-bit registers.
+// The intrinsics of 512-bit registers.
 #include <immintrin.h>
 
-#include "by_hand.hpp"
+#include "by_hand_loops.hpp"
 
 namespace by_hand {
 namespace {
 
-using V = __m512;
-constexpr std::size_t lanes = sizeof(V) / sizeof(float);
-constexpr auto set1 = [](float x) { return _mm512_set1_ps(x); };
-constexpr auto load = [](const float* p) { return _mm512_loadu_ps(p); };
-constexpr auto sub = [](V a, V b) { return _mm512_sub_ps(a, b); };
-constexpr auto mul = [](V a, V b) { return _mm512_mul_ps(a, b); };
-constexpr auto min = [](V a, V b) { return _mm512_min_ps(a, b); };
-constexpr auto max = [](V a, V b) { return _mm512_max_ps(a, b); };
+struct Singles {
+    using F = float;
+    using V = __m512;
+    using M = __mmask16;
+    static constexpr std::size_t lanes = 16;
+    static V set1(F x) { return _mm512_set1_ps(x); }
+    static V load(const F* p) { return _mm512_loadu_ps(p); }
+    static void store(F* p, V x) { _mm512_storeu_ps(p, x); }
+    static V add(V a, V b) { return _mm512_add_ps(a, b); }
+    static V sub(V a, V b) { return _mm512_sub_ps(a, b); }
+    static V mul(V a, V b) { return _mm512_mul_ps(a, b); }
+    static V div(V a, V b) { return _mm512_div_ps(a, b); }
+    static V min(V a, V b) { return _mm512_min_ps(a, b); }
+    static V max(V a, V b) { return _mm512_max_ps(a, b); }
+    static V sqrt(V a) { return _mm512_sqrt_ps(a); }
+    static V negate(V a) { return _mm512_xor_ps(a, _mm512_set1_ps(-0.0F)); }
+    static M less(V a, V b) { return _mm512_cmp_ps_mask(a, b, _CMP_LT_OQ); }
+    static M less_equal(V a, V b) { return _mm512_cmp_ps_mask(a, b, _CMP_LE_OQ); }
+    static V choose(M m, V a, V b) { return _mm512_mask_blend_ps(m, b, a); }
+    static void store_neither(unsigned char* p, M a, M b) {
+        _mm_storeu_si128(reinterpret_cast<__m128i*>(p), _mm512_cvtepi32_epi8(_mm512_maskz_set1_epi32(static_cast<M>(~(a | b)), 1)));
+    }
+};
 
-void keep(float* t, V tmin, V tmax, V old) {
-    _mm512_storeu_ps(t, _mm512_mask_blend_ps(_mm512_cmp_ps_mask(tmin, tmax, _CMP_LE_OQ), old, tmin));
-}
-
-struct OneRay {
-    V o[3], inv[3];
-    explicit OneRay(const float* ray) {
-        for (int k = 0; k < 3; ++k) o[k] = set1(ray[k]), inv[k] = set1(1 / ray[3 + k]);
+struct Doubles {
+    using F = double;
+    using V = __m512d;
+    using M = __mmask8;
+    static constexpr std::size_t lanes = 8;
+    static V set1(F x) { return _mm512_set1_pd(x); }
+    static V load(const F* p) { return _mm512_loadu_pd(p); }
+    static void store(F* p, V x) { _mm512_storeu_pd(p, x); }
+    static V add(V a, V b) { return _mm512_add_pd(a, b); }
+    static V sub(V a, V b) { return _mm512_sub_pd(a, b); }
+    static V mul(V a, V b) { return _mm512_mul_pd(a, b); }
+    static V div(V a, V b) { return _mm512_div_pd(a, b); }
+    static V min(V a, V b) { return _mm512_min_pd(a, b); }
+    static V max(V a, V b) { return _mm512_max_pd(a, b); }
+    static V sqrt(V a) { return _mm512_sqrt_pd(a); }
+    static V negate(V a) { return _mm512_xor_pd(a, _mm512_set1_pd(-0.0)); }
+    static M less(V a, V b) { return _mm512_cmp_pd_mask(a, b, _CMP_LT_OQ); }
+    static M less_equal(V a, V b) { return _mm512_cmp_pd_mask(a, b, _CMP_LE_OQ); }
+    static V choose(M m, V a, V b) { return _mm512_mask_blend_pd(m, b, a); }
+    static void store_neither(unsigned char* p, M a, M b) {
+        _mm_storel_epi64(reinterpret_cast<__m128i*>(p), _mm512_cvtepi64_epi8(_mm512_maskz_set1_epi64(static_cast<M>(~(a | b)), 1)));
     }
 };
 
 }  // namespace
 
-void signs_w512(const float* ray, const float* const columns[6], float* t, std::size_t n) {
-    const OneRay r(ray);
-    const float *first[3], *second[3];
-    for (int k = 0; k < 3; ++k) {
-        const bool sign = __builtin_signbit(1 / ray[3 + k]);
-        first[k] = columns[sign ? k + 3 : k];
-        second[k] = columns[sign ? k : k + 3];
-    }
-    for (std::size_t i = 0; i < n; i += lanes) {
-        const V old = load(t + i);
-        V tmin = set1(0), tmax = old;
-#pragma GCC unroll 3
-        for (int k = 0; k < 3; ++k) {
-            tmin = max(mul(sub(load(first[k] + i), r.o[k]), r.inv[k]), tmin);
-            tmax = min(mul(sub(load(second[k] + i), r.o[k]), r.inv[k]), tmax);
-        }
-        keep(t + i, tmin, tmax, old);
-    }
-}
-
-void inclusive_w512(const float* ray, const float* const columns[6], float* t, std::size_t n) {
-    const OneRay r(ray);
-    const float* const c[6] = {columns[0], columns[1], columns[2], columns[3], columns[4], columns[5]};
-    for (std::size_t i = 0; i < n; i += lanes) {
-        const V old = load(t + i);
-        V tmin = set1(0), tmax = old;
-#pragma GCC unroll 3
-        for (int k = 0; k < 3; ++k) {
-            const V t1 = mul(sub(load(c[k] + i), r.o[k]), r.inv[k]), t2 = mul(sub(load(c[k + 3] + i), r.o[k]), r.inv[k]);
-            tmin = min(max(t1, tmin), max(t2, tmin));
-            tmax = max(min(t1, tmax), min(t2, tmax));
-        }
-        keep(t + i, tmin, tmax, old);
-    }
-}
+Width width_512() { return {loops<Singles>(), loops<Doubles>()}; }
 
 }  // namespace by_hand

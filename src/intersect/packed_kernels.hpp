@@ -48,23 +48,31 @@ Hit<P> march_pack(const Ray<P>& ray, const RawTarget<F>& target) {
 template <class Form, class F, class Width>
 [[gnu::flatten]] void packed_batch(const RawBatch<F>& batch) {
     using P = Pack<F, Width>;
-    const RawTarget<F>& target = *batch.target;
+    // Copies: the stores below could reach the batch itself, and everything would be read again after each.
+    const F *const ox = batch.rays[0], *const oy = batch.rays[1], *const oz = batch.rays[2];
+    const F *const dx = batch.rays[3], *const dy = batch.rays[4], *const dz = batch.rays[5], *const tmax = batch.tmax;
+    F *const t = batch.t, *const near = batch.near, *const far = batch.far;
+    std::uint8_t* const decisions = batch.hit;
+    const std::size_t size = batch.size;
+    const RawTarget<F> target = *batch.target;
+    const auto number = [s = target.numbers](int k) { return P(s[k]); };
+    const P n0 = number(0), n1 = number(1), n2 = number(2), n3 = number(3);  // the centre and radius, or lo and hi
     F nowhere[P::lanes];
     P(std::numeric_limits<F>::infinity()).store(nowhere);
-    for (std::size_t i = 0; i < batch.size; i += P::lanes) {
-        const auto at = [&](int column) { return P::load(batch.rays[column] + i); };
-        const Ray<P> ray{{at(0), at(1), at(2)}, {at(3), at(4), at(5)}};
+    for (std::size_t i = 0; i < size; i += P::lanes) {
+        const auto at = [i](const F* column) { return P::load(column + i); };
+        const Ray<P> ray{{at(ox), at(oy), at(oz)}, {at(dx), at(dy), at(dz)}};
         const Hit<P> hit = [&] {
-            if constexpr (shape_of<Form> == Shape::sphere) return Form::intersect(ray, sphere_at<P>(target, 0));
-            else if constexpr (shape_of<Form> == Shape::box) return Form::intersect(ray, box_at<P>(target, 0), P::load(batch.tmax ? batch.tmax + i : nowhere));
+            if constexpr (shape_of<Form> == Shape::sphere) return Form::intersect(ray, Sphere<P>{{n0, n1, n2}, n3});
+            else if constexpr (shape_of<Form> == Shape::box) return Form::intersect(ray, Box<P>{{n0, n1, n2}, {n3, number(4), number(5)}}, P::load(tmax ? tmax + i : nowhere));
             else return march_pack<Form>(ray, target);
         }();
-        hit.t.store(batch.t + i);
-        hit.near.store(batch.near + i);
-        hit.far.store(batch.far + i);
+        hit.t.store(t + i);
+        hit.near.store(near + i);
+        hit.far.store(far + i);
         bool decision[P::lanes];
         hit.hit.store(decision);
-        std::memcpy(batch.hit + i, decision, P::lanes);
+        std::memcpy(decisions + i, decision, P::lanes);
     }
 }
 

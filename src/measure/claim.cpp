@@ -8,8 +8,10 @@
 #include "intersect/packed.hpp"
 #include "measure/arithmetic.hpp"
 #include "measure/cases.hpp"
+#include "measure/claim_timing.hpp"
 #include "measure/closest.hpp"
 #include "measure/one_ray.hpp"
+#include "measure/timing_threads.hpp"
 #include "number/error.hpp"
 #include "scene/did_you_mean.hpp"
 
@@ -173,8 +175,12 @@ void measure_table(const std::vector<Claim>& claims, const Places& places, std::
 /// What this machine lacks of what a claim requires; empty: nothing.
 std::string missing_for(const Claim& claim) {
     for (const std::string& need : claim.requirements) {
+        if (need == "processors-2") {
+            if (allowed_processors().size() < 2) return "this program may use one processor";
+            continue;
+        }
         const auto isa = need.starts_with("isa-") ? isa_named(need.substr(4)) : std::nullopt;
-        if (!isa) scene::fail(claim.where, "unknown requirement \"" + need + "\"; there are isa-128, isa-256 and isa-512");
+        if (!isa) scene::fail(claim.where, "unknown requirement \"" + need + "\"; there are isa-128, isa-256, isa-512 and processors-2");
         const auto there = available_isas();
         if (std::ranges::find(there, *isa) == there.end()) return "this machine has no " + need;
     }
@@ -250,7 +256,7 @@ double summary_value(const MapSummary& summary, const std::vector<const Metric*>
 
 std::vector<ClaimResult> measure_claims(const std::vector<Claim>& claims, const std::filesystem::path& data_dir, const std::function<void()>& done) {
     std::vector<ClaimResult> results(claims.size());
-    enum class Kind { scene, sweep, table };
+    enum class Kind { scene, sweep, table, timing };
     std::map<std::pair<Kind, std::string>, Places> subjects;
     for (std::size_t i = 0; i < claims.size(); ++i) {
         results[i].trouble = missing_for(claims[i]);
@@ -258,13 +264,14 @@ std::vector<ClaimResult> measure_claims(const std::vector<Claim>& claims, const 
             results[i].state = ClaimResult::State::skipped;
             continue;
         }
-        const Kind kind = !claims[i].scene.empty() ? Kind::scene : !claims[i].sweep.empty() ? Kind::sweep : Kind::table;
+        const Kind kind = claims[i].timing ? Kind::timing : !claims[i].scene.empty() ? Kind::scene : !claims[i].sweep.empty() ? Kind::sweep : Kind::table;
         subjects[{kind, claims[i].subject()}].push_back(i);
     }
     for (const auto& [subject, places] : subjects) {
         if (subject.first == Kind::scene) measure_scene(claims, places, data_dir, results);
         else if (subject.first == Kind::sweep) measure_sweep(claims, places, data_dir, results);
-        else measure_table(claims, places, results);
+        else if (subject.first == Kind::table) measure_table(claims, places, results);
+        else for (const std::size_t i : places) results[i] = judge(claims[i], timed_ratio(claims[i], done), nullptr);
         done();
     }
     return results;

@@ -9,6 +9,7 @@
 #include <chrono>
 #include <cmath>
 #include <cstring>
+#include <functional>
 #include <numeric>
 #include <random>
 
@@ -90,7 +91,13 @@ Timing timing_of(std::vector<double> samples) {
     return {at(0.5), at(0.25), at(0.75)};
 }
 
-std::vector<Timing> time_interleaved(std::span<const TimedWork> work, const TimingPlan& plan) {
+Timing ratio_of(std::span<const double> a, std::span<const double> b) {
+    std::vector<double> quotients(a.size());
+    std::ranges::transform(a, b, quotients.begin(), std::divides<>());
+    return timing_of(std::move(quotients));
+}
+
+std::vector<std::vector<double>> sample_interleaved(std::span<const TimedWork> work, const TimingPlan& plan) {
     const PinnedThread pinned;
     std::vector<std::uint64_t> passes;
     for (const TimedWork& w : work) {
@@ -109,8 +116,12 @@ std::vector<Timing> time_interleaved(std::span<const TimedWork> work, const Timi
             plan.progress(1);
         }
     }
+    return samples;
+}
+
+std::vector<Timing> time_interleaved(std::span<const TimedWork> work, const TimingPlan& plan) {
     std::vector<Timing> timings;
-    for (auto& s : samples) timings.push_back(timing_of(std::move(s)));
+    for (auto& s : sample_interleaved(work, plan)) timings.push_back(timing_of(std::move(s)));
     return timings;
 }
 

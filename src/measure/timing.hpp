@@ -51,10 +51,16 @@ struct Timing {
     double median = 0, low_quartile = 0, high_quartile = 0;
 };
 
-/// By steady_clock, on one processor. One unit of progress a piece of work and repetition.
+/// Seconds an item of every piece of work, one a repetition. By steady_clock, on one processor. One unit of progress a piece of work
+/// and repetition.
+std::vector<std::vector<double>> sample_interleaved(std::span<const TimedWork> work, const TimingPlan& plan);
+/// The same, summed up.
 std::vector<Timing> time_interleaved(std::span<const TimedWork> work, const TimingPlan& plan);
 
 /// Median and quartiles, between two samples where the rank falls there. At least one sample.
 Timing timing_of(std::vector<double> samples);
+
+/// Of a[i]/b[i], quotients within a round: what slows a round down slows both. As many of both, at least one.
+Timing ratio_of(std::span<const double> a, std::span<const double> b);
 
 }  // namespace lostbits

@@ -46,6 +46,7 @@ std::string explain(const Claim& c, const ClaimResult& r) {
 }
 
 std::string reproduce(const Claim& c) {
+    if (c.timing) return fmt::format("lostbits check --profile timing --filter '{}'", c.id);
     if (!c.table.empty()) return fmt::format("lostbits check --filter '{}' --measure", c.id);
     return fmt::format("lostbits {} {} -i {} -f {} -o out", c.scene.empty() ? "sweep" : "map", c.subject(), c.form, c.format);
 }

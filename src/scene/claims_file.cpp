@@ -12,11 +12,34 @@ using V = Claim::Verdict;
 using S = Claim::Severity;
 constexpr std::pair<std::string_view, V> verdicts[] = {{"holds", V::holds}, {"refuted", V::refuted}};
 constexpr std::pair<std::string_view, S> severities[] = {{"error", S::error}, {"warn", S::warn}};
+constexpr std::pair<std::string_view, Claim::Profile> profiles[] = {{"results", Claim::Profile::results}, {"timing", Claim::Profile::timing}};
+
+void read_timing(TableReader table, Claim& claim) {
+    Claim::Timing timing;
+    timing.work = table.string("timing");
+    claim.form = table.string("form");
+    timing.kernel = table.string("kernel");
+    claim.format = table.string("format");
+    timing.data = table.string("data");
+    timing.all_processors = table.optional_boolean("all_processors").value_or(false);
+    if (auto over = table.optional_table("over")) {
+        if (timing.all_processors) table.reject("over", "goes with no all_processors: that is over one processor");
+        timing.over_form = over->optional_string("form").value_or(claim.form);
+        timing.over_kernel = over->optional_string("kernel").value_or(timing.kernel);
+        over->reject_unknown_keys();
+    } else if (!timing.all_processors) {
+        fail(table.where(), "claim.given needs `over = { form = \"...\", kernel = \"...\" }`, whose speed is 1, or `all_processors = true`");
+    }
+    claim.timing = std::move(timing);
+    claim.requirements = table.optional_strings("requires").value_or(std::vector<std::string>{});
+    table.reject_unknown_keys();
+}
 
 void read_given(TableReader table, Claim& claim) {
     claim.scene = table.optional_string("scene").value_or("");
     claim.sweep = table.optional_string("sweep").value_or("");
     claim.table = table.optional_string("table").value_or("");
+    if (table.has("timing")) table.reject("timing", "needs `profile = \"timing\"` at the head of the file, which keeps it from gating anything");
     if (int{!claim.scene.empty()} + int{!claim.sweep.empty()} + int{!claim.table.empty()} != 1) {
         fail(table.where(), "claim.given names a scene, a sweep or a table; write one of them");
     }
@@ -70,6 +93,7 @@ std::vector<Claim> read_claims(const std::filesystem::path& path) {
     const Node root = read_toml(path);
     TableReader file(root);
     require_schema(file, "lostbits-claims/1");
+    const auto profile = file.optional_one_of<Claim::Profile>("profile", profiles).value_or(Claim::Profile::results);
     std::vector<Claim> claims;
     std::set<std::string> ids;
     for (TableReader& table : file.tables("claim")) {
@@ -81,8 +105,11 @@ std::vector<Claim> read_claims(const std::filesystem::path& path) {
         claim.source = table.string("source");
         claim.note = table.optional_string("note").value_or("");
         claim.verdict = table.one_of<V>("verdict", verdicts);
+        claim.profile = profile;
+        if (profile == Claim::Profile::timing && table.has("severity")) table.reject("severity", "has no meaning where nothing can fail: times gate nothing");
         claim.severity = table.optional_one_of<S>("severity", severities).value_or(S::error);
-        read_given(table.table("given"), claim);
+        if (profile == Claim::Profile::timing) read_timing(table.table("given"), claim);
+        else read_given(table.table("given"), claim);
         read_expect(table.table("expect"), claim);
         table.reject_unknown_keys();
         claims.push_back(std::move(claim));

@@ -14,23 +14,34 @@ namespace lostbits::scene {
 struct Claim {
     enum class Verdict { holds, refuted };
     enum class Severity { error, warn };
+    /// What `lostbits check` is asked for: results, which are the same everywhere and always, or times, which are neither.
+    enum class Profile { results, timing };
+
+    /// Speed against speed: of a kernel over another's (`over_form` in `over_kernel`), or of all processors over one.
+    struct Timing {
+        std::string work, data;  ///< see measure/timing_work.hpp
+        std::string kernel, over_form, over_kernel;
+        bool all_processors = false;
+    };
 
     std::string id, statement, source, note;
     Verdict verdict = Verdict::holds;  ///< what was found; either way the measurement must lie in `low`..`high`
     Severity severity = Severity::error;
+    Profile profile = Profile::results;
     Where where;  ///< of the claim, for messages
 
-    // given: a form on one scene, or on one sweep at a place of its axes or one of its cases; or a row of a table
+    // given: a form on one scene, or on one sweep at a place of its axes or one of its cases; or a row of a table; or its speed
     std::string scene, sweep, form, format;
     std::vector<double> at;  ///< one value an axis of the sweep; the argument of a table's row
     std::string case_name;
     std::optional<Touching> convention;  ///< judged as closed or open solids; absent: by the form's own word
     std::optional<int> step;  ///< the sample of a march along pixel (0, 0) of the scene
     std::string table, row;
-    std::vector<std::string> requirements;  ///< what the machine must have, or the claim is skipped: `isa-256`
+    std::optional<Timing> timing;
+    std::vector<std::string> requirements;  ///< what the machine must have, or the claim is skipped: `isa-256`, `processors-2`
 
-    /// What is measured on: the scene, sweep or table.
-    [[nodiscard]] const std::string& subject() const { return !scene.empty() ? scene : !sweep.empty() ? sweep : table; }
+    /// What is measured on: the scene, sweep or table, or the work that is timed.
+    [[nodiscard]] const std::string& subject() const { return timing ? timing->work : !scene.empty() ? scene : !sweep.empty() ? sweep : table; }
 
     // expect: a column of the summary, or an onset along the sweep
     std::string metric;

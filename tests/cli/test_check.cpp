@@ -103,6 +103,43 @@ TEST_CASE("what this machine lacks is skipped, what nobody knows is refused") {
     CHECK(run("check '" + scratch.write("d.toml", head + claim("isa", inside + "requires = [\"isa-127\"]\n", all_missed)) + "'").code == 2);
 }
 
+TEST_CASE("times are measured when asked for, and fail nothing") {
+    const Scratch scratch;
+    const std::string timing_head = head + "profile = \"timing\"\n";
+    const std::string scalar = "timing = \"one_ray_many_boxes\"\nform = \"box.signs\"\nkernel = \"scalar\"\nformat = \"f32\"\ndata = \"l1\"\n";
+    const std::string impossible = "metric = \"speed_ratio\"\nin = [1e6, 1e7]\n", all = "metric = \"speed_ratio\"\nin = [1e-3, 1e3]\n";
+    const std::string file = scratch.write("t.toml", timing_head + claim("t.never", scalar + "over = { kernel = \"128\" }\n", impossible) +
+                                                         claim("t.always", scalar + "over = { kernel = \"128\" }\n", all) +
+                                                         claim("t.skipped", scalar + "over = { kernel = \"128\" }\nrequires = [\"isa-512\", \"isa-256\"]\n", all));
+    const auto r = run("check '" + file + "' --profile timing");
+    INFO(r.out << r.err);
+    CHECK(r.code == 0);
+    CHECK(r.out.find("differs  holds") == 0);
+    CHECK(r.out.find("as found holds") != std::string::npos);
+    CHECK(run("check '" + file + "'").code == 4);
+    CHECK(run("check '" + file + "'").err.find("--profile timing") != std::string::npos);
+    CHECK(run("check --filter 'speed.*'").code == 4);
+    for (const std::string gate : {"--strict", "--junit j.xml", "--report r", "--export-csv c.csv"}) CHECK(run("check '" + file + "' --profile timing " + gate, scratch.path()).code == 2);
+    CHECK(scratch.files() == std::vector<std::string>{"t.toml"});
+    const std::pair<std::string, std::string> bad[] = {
+        {head + claim("a", scalar, all), "profile = \"timing\""},
+        {timing_head + claim("a", scalar, all), "over"},
+        {timing_head + claim("a", scalar + "over = { kernel = \"128\" }\n", all, "severity = \"warn\"\n"), "severity"},
+        {timing_head + claim("a", scalar + "over = { kernel = \"127\" }\n", all), "kernels are scalar"},
+        {timing_head + claim("a", scalar + "over = { form = \"box.sign\" }\n", all), "box.sign"},
+        {timing_head + claim("a", scalar + "all_processors = true\n", all), "speedup_per_processor"},
+        {timing_head + claim("a", inside, all), "timing"},
+        {head + "profile = \"times\"\n" + claim("a", inside, all), "timing"},
+    };
+    for (const auto& [text, says] : bad) {
+        INFO(text);
+        const auto refused = run("check '" + scratch.write("b.toml", text) + "' --profile timing");
+        INFO(refused.err);
+        CHECK(refused.code == 2);
+        CHECK(refused.err.find(says) != std::string::npos);
+    }
+}
+
 TEST_CASE("bad claims are refused with their place") {
     const Scratch scratch;
     struct Case {

@@ -15,10 +15,11 @@ struct EmbreeRobust {
 
     template <Number T>
     static Hit<T> intersect(const Ray<T>& ray, const Box<T>& box, const T& limit) {
-        const Segment<T> s = clip_by_signs<T>(ray, box, limit);
+        T tmin(0), tmax = limit;
+        clip_by_signs<T>(ray, box, tmin, tmax);
         const T three_eps = T(3) * (T(2) * unit_roundoff<T>());
         const T down = T(1) - three_eps, up = T(1) + three_eps;
-        return entered<T>(down * s.tmin <= up * s.tmax, s);
+        return entered<T>(down * tmin <= up * tmax, {tmin, tmax});
     }
 };
 

@@ -17,9 +17,10 @@ struct MaxMult {
 
     template <Number T>
     static Hit<T> intersect(const Ray<T>& ray, const Box<T>& box, const T& limit) {
-        Segment<T> s = clip_by_signs<T>(ray, box, limit);
-        s.tmax = named("tmax", s.tmax * (T(1) + T(1) / T(4194304)));  // 4194304 = 2²²
-        return entered<T>(s.tmin <= s.tmax, s);
+        T tmin(0), tmax = limit;
+        clip_by_signs<T>(ray, box, tmin, tmax);
+        tmax = named("tmax", tmax * (T(1) + T(1) / T(4194304)));  // 4194304 = 2²²
+        return entered<T>(tmin <= tmax, {tmin, tmax});
     }
 };
 

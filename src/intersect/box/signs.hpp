@@ -16,8 +16,9 @@ struct Signs {
 
     template <Number T>
     static Hit<T> intersect(const Ray<T>& ray, const Box<T>& box, const T& limit) {
-        const Segment<T> s = clip_by_signs<T>(ray, box, limit);
-        return entered<T>(s.tmin <= s.tmax, s);
+        T tmin(0), tmax = limit;
+        clip_by_signs<T>(ray, box, tmin, tmax);
+        return entered<T>(tmin <= tmax, {tmin, tmax});
     }
 };
 

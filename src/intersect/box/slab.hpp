@@ -42,19 +42,18 @@ Planes<T> planes_by_sign(const T& lo, const T& hi, const T& inv) {
 }
 
 /// tmin = max(dmin, tmin), tmax = min(dmax, tmax) with dmin = (bmin − o)·inv, dmax = (bmax − o)·inv. A NaN from 0·∞ (a ray
-/// in one of the planes) leaves both as they were, because min and max answer their second operand.
+/// in one of the planes) leaves both as they were, because min and max answer their second operand. (Two numbers and no
+/// Segment: GCC 12 writes a struct of packs to the stack in every round.)
 template <Number T>
-Segment<T> clip_by_signs(const Ray<T>& ray, const Box<T>& box, const T& limit) {
-    Segment<T> s{T(0), limit};
+void clip_by_signs(const Ray<T>& ray, const Box<T>& box, T& tmin, T& tmax) {
     for (int axis = 0; axis < 3; ++axis) {
         const T inv = named("inv", T(1) / ray.direction[axis]);
         const Planes<T> planes = planes_by_sign<T>(box.lo[axis], box.hi[axis], inv);
         const T dmin = named("dmin", (planes.bmin - ray.origin[axis]) * inv);
         const T dmax = named("dmax", (planes.bmax - ray.origin[axis]) * inv);
-        s.tmin = named("tmin", max(dmin, s.tmin));
-        s.tmax = named("tmax", min(dmax, s.tmax));
+        tmin = named("tmin", max(dmin, tmin));
+        tmax = named("tmax", min(dmax, tmax));
     }
-    return s;
 }
 
 /// Whether x is a number and not NaN: NaN fails both comparisons.

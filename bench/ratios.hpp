@@ -1,0 +1,29 @@
+// `--ratios`: rates of many kernels and their quotients within one run.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "measure/timing.hpp"
+#include "measure/timing_threads.hpp"
+
+namespace bench {
+
+struct Contestant {
+    std::string name;
+    std::string rival;  ///< the one written by hand to hold it against; may be empty
+    double bytes;       ///< read and written for an item
+    lostbits::TimedWork work;
+};
+
+/// A table on stdout: items a second, their quotient with the rival's (median and quartiles of quotients within a repetition), and, where the data come from
+/// memory, bytes a second as a share of what a loop that only reads as many bytes gets in the same run.
+void print_ratios(const std::string& data, std::vector<Contestant> all, std::size_t bytes);
+
+/// A line on stdout: the rate of all processors over that of one.
+void print_speedup(const std::string& name, const std::string& data, const lostbits::WorkOfThread& work);
+
+}  // namespace bench

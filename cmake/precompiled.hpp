@@ -1,0 +1,24 @@
+// What most files of the libraries include anyway and nobody here edits often: parsed once. A file still includes what it
+// uses; the preset `dev` compiles without this and finds out.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <filesystem>
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+#include <random>
+#include <set>
+#include <span>
+#include <sstream>
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+#include "geometry/vec.hpp"
+#include "number/interval.hpp"

@@ -1,0 +1,31 @@
+// One ray against many boxes by the loop that anybody would write first: a form's scalar source for each box in turn, left to the
+// compiler to vectorise, with the instructions that the packs have. What packs are worth is measured against it.
+#pragma once
+
+#include <cstddef>
+#include <span>
+
+#include "intersect/info.hpp"
+
+namespace lostbits {
+
+/// lo x, y, z, hi x, y, z.
+struct PlainBox {
+    float numbers[6];
+};
+
+/// A box form in binary32; ray: ox, oy, oz, dx, dy, dz; t as in `ManyBoxes`. Any n.
+struct PlainRow {
+    const Info* info;
+    void (*columns)(const float* ray, const float* const* columns, float* t, std::size_t n);
+    void (*structs)(const float* ray, const PlainBox* boxes, float* t, std::size_t n);
+};
+
+/// Every box form, in the order of the catalogue, at -O3 with AVX2 and FMA (and no contraction); empty where this build or this
+/// processor has none.
+std::span<const PlainRow> plain_rows();
+
+/// The translation unit with those flags; fills a row for each box form, but for `info`.
+void fill_plain_w256(PlainRow* rows);
+
+}  // namespace lostbits
