@@ -9,6 +9,7 @@
 
 #include "geometry/solid.hpp"
 #include "number/real.hpp"
+#include "scene/appearance.hpp"
 #include "scene/toml_tree.hpp"
 
 namespace lostbits::scene {
@@ -22,9 +23,9 @@ using SphereSpec = Sphere<Real>;
 using BoxSpec = Box<Real>;
 
 struct Camera {
-    enum class Kind { orthographic, pinhole };
+    enum class Kind { orthographic, pinhole, pixel_plane };
     Kind kind = Kind::pinhole;
-    Vec<Real> eye;      ///< pinhole: where all rays start; orthographic: the centre of the picture
+    Vec<Real> eye;      ///< pinhole, pixel_plane: where all rays start; orthographic: the centre of the picture
     Vec<Real> look_at;  ///< the rays' direction is look_at − eye, of any length
     Vec<Real> up;       ///< appears upright in the picture; need be neither unit nor perpendicular
     Real width;  ///< orthographic: the picture's width in world units; the height follows, pixels being square
@@ -32,6 +33,10 @@ struct Camera {
     /// Moves the window on the picture plane, right and up, in picture widths; the view direction stays.
     Real shift_right, shift_up;
     bool normalise = true;  ///< pinhole: directions are divided by their length, in the camera's arithmetic
+    /// pixel_plane: the part of the plane z = 0 that the picture covers, in world units. A ray goes from the eye through
+    /// the middle of its pixel there; its direction is the difference of the two points, never normalised, so that
+    /// t = 1 is the plane.
+    Real left, bottom, right, top;
 };
 
 struct Scene {
@@ -45,6 +50,7 @@ struct Scene {
     Camera camera;
     std::vector<SphereSpec> spheres;  ///< a scene has spheres or boxes, not both
     std::vector<BoxSpec> boxes;
+    Appearance appearance;  ///< for pictures of it
     std::filesystem::path path;
 
     [[nodiscard]] Shape shape() const { return spheres.empty() ? Shape::box : Shape::sphere; }
