@@ -78,9 +78,9 @@ bool Appearance::asks_for(Stage stage) const {
     return false;
 }
 
-Stage Appearance::furthest() const {
+Stage Appearance::last_up_to(Stage limit) const {
     for (const Stage stage : {Stage::phong, Stage::shadows, Stage::diffuse}) {
-        if (asks_for(stage)) return stage;
+        if (stage <= limit && asks_for(stage)) return stage;
     }
     return Stage::visible;
 }

@@ -52,8 +52,9 @@ struct Appearance {
 
     /// Whether the scene asks for what this stage adds: a light for `diffuse`, `[shadows]`, a ks above 0 for `phong`.
     [[nodiscard]] bool asks_for(Stage stage) const;
-    /// The last stage that it asks for.
-    [[nodiscard]] Stage furthest() const;
+    /// The last stage that it asks for, and that no later than `stage`.
+    [[nodiscard]] Stage last_up_to(Stage stage) const;
+    [[nodiscard]] Stage furthest() const { return last_up_to(Stage::phong); }
 };
 
 /// Holds one number against what the scene does with it (see `Scene::inputs`), and returns it.
