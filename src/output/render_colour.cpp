@@ -16,6 +16,9 @@ constexpr std::array<Rgb8, seen_names.size()> seen_colours{of(Outcome::agree_hit
                                                            of(Outcome::unresolved)};
 constexpr std::array<const char*, seen_names.size()> seen_labels{"same sphere", "background", "another sphere", "sphere lost", "sphere where none is", "not a number", "not proved"};
 
+/// A map of shadow decisions has red and pink for these, so pixels that show something else have one colour there.
+constexpr const char* seen_otherwise = "seen otherwise";
+
 constexpr std::array<Rgb8, shadow_names.size()> shadow_colours{of(Outcome::agree_miss), {255, 246, 205}, {105, 110, 122}, of(Outcome::false_hit),
                                                                {255, 140, 0},           of(Outcome::false_miss), of(Outcome::unresolved)};
 constexpr std::array<const char*, shadow_names.size()> shadow_labels{"not compared",     "both lit",         "both in shadow", "false shadow",
@@ -53,7 +56,10 @@ Rgb8 difference_colour(const ColourScale& scale, Seen seen, double value) {
     return std::isnan(value) ? seen_colours[static_cast<std::size_t>(Seen::not_a_number)] : scale.map(value);
 }
 
-Rgb8 shadow_colour(Seen seen, Shadow shadow) { return alike(seen) ? shadow_colours[static_cast<std::size_t>(shadow)] : seen_colours[static_cast<std::size_t>(seen)]; }
+Rgb8 shadow_colour(Seen seen, Shadow shadow) {
+    if (alike(seen)) return shadow_colours[static_cast<std::size_t>(shadow)];
+    return seen == Seen::not_a_number || seen == Seen::unresolved ? seen_colours[static_cast<std::size_t>(seen)] : seen_colours[static_cast<std::size_t>(Seen::other_sphere)];
+}
 
 std::vector<LegendEntry> seen_legend(const RenderSummary& s) {
     std::vector<LegendEntry> entries;
@@ -77,16 +83,20 @@ std::vector<LegendEntry> shadow_legend(const RenderSummary& s) {
         const std::uint64_t n = s.shadow[0][k] + s.shadow[1][k] - (k == 0 ? not_alike : 0);
         if (n > 0) entries.push_back({shadow_labels[k], shadow_colours[k], count_text(n, s.pixels)});
     }
-    for (std::size_t k = 2; k < seen_names.size(); ++k) {
-        if (s.seen[k] > 0) entries.push_back({seen_labels[k], seen_colours[k], count_text(s.seen[k], s.pixels)});
-    }
+    const auto seen = [&](const char* label, Seen colour, std::uint64_t n) {
+        if (n > 0) entries.push_back({label, seen_colours[static_cast<std::size_t>(colour)], count_text(n, s.pixels)});
+    };
+    seen(seen_otherwise, Seen::other_sphere, s.count(Seen::other_sphere) + s.count(Seen::lost_sphere) + s.count(Seen::extra_sphere));
+    for (const Seen each : {Seen::not_a_number, Seen::unresolved}) seen(seen_labels[static_cast<std::size_t>(each)], each, s.count(each));
     return entries;
 }
 
 std::vector<LegendEntry> widest_shadow_legend(std::uint64_t pixels) {
     std::vector<LegendEntry> entries;
     for (std::size_t k = 0; k < shadow_names.size(); ++k) entries.push_back({shadow_labels[k], shadow_colours[k], widest_count(pixels)});
-    for (std::size_t k = 2; k < seen_names.size(); ++k) entries.push_back({seen_labels[k], seen_colours[k], widest_count(pixels)});
+    const auto seen = [&](const char* label, Seen colour) { entries.push_back({label, seen_colours[static_cast<std::size_t>(colour)], widest_count(pixels)}); };
+    seen(seen_otherwise, Seen::other_sphere);
+    for (const Seen each : {Seen::not_a_number, Seen::unresolved}) seen(seen_labels[static_cast<std::size_t>(each)], each);
     return entries;
 }
 

@@ -39,7 +39,7 @@ std::string glance(const RenderSummary& s) {
         const double share = 100.0 * static_cast<double>(part) / static_cast<double>(whole);
         return share > 0 && share < 0.1 ? std::string("<0.1%") : fmt::format("{:.1f}%", share);
     };
-    std::string text = s.changed == 0 ? "every byte right" : percent(s.changed, s.pixels) + " of bytes wrong";
+    std::string text = s.changed == 0 ? "every pixel right" : percent(s.changed, s.pixels) + " of pixels wrong";
     const std::uint64_t wrong = s.pixels - s.count(Seen::same_sphere) - s.count(Seen::background) - s.count(Seen::unresolved);
     if (wrong > 0) text += fmt::format("\n{} seen wrong", percent(wrong, s.pixels));
     if (!s.rule.shadows) return text;
