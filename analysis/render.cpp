@@ -75,10 +75,8 @@ void print_table(const RenderRequest& request, const std::vector<RenderSummary>&
     for (std::size_t k = 0; k < summaries.size(); ++k) {
         const RenderSummary& s = summaries[k];
         const MapRow& row = request.rows[k / request.stages.size()];
-        std::uint64_t flips = 0;
-        for (const bool background : {false, true}) flips += s.count(background, Shadow::false_shadow) + s.count(background, Shadow::false_light);
         fmt::print("  {:<8} {:<28} {:<5} {:>9} {:>9} {:>9} {:>10.3g} {:>9}\n", name_of(s.stage), row.form->info->name, row.format.name, s.changed,
-                   s.count(false, Shadow::own_shadow), flips, s.colour_error.quantile(0.99), s.unresolved());
+                   s.count(false, Shadow::own_shadow), s.flips(), s.colour_error.quantile(0.99), s.unresolved());
     }
 }
 

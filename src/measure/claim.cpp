@@ -9,6 +9,7 @@
 #include "measure/arithmetic.hpp"
 #include "measure/cases.hpp"
 #include "measure/closest.hpp"
+#include "measure/render.hpp"
 #include "number/error.hpp"
 #include "scene/did_you_mean.hpp"
 
@@ -101,6 +102,35 @@ void measure_scene(const std::vector<Claim>& claims, const Places& places, const
     for (std::size_t k = 0; k < places.size(); ++k) {
         const Claim& claim = claims[places[k]];
         results[places[k]] = judge(claim, summary_value(summaries[k], request.metrics, claim.metric, claim.where.text()), &summaries[k]);
+    }
+}
+
+/// The claims about one rendered scene: one run, all stages that they name.
+void measure_render(const std::vector<Claim>& claims, const Places& places, const std::filesystem::path& data_dir, std::vector<ClaimResult>& results) {
+    const Claim& first = claims[places.front()];
+    const auto name = find_for(first, [&] { return scene::find_scene(first.render, data_dir); });
+    const auto scenes = scene::load_scene(name.path, {.variant = name.variant});
+    if (scenes.size() != 1) scene::fail(first.where, "scene \"" + first.render + "\" has variants; name one, such as \"" + scenes.front().id + "\"");
+    if (scenes.front().shape() != Shape::sphere) scene::fail(first.where, "scene \"" + first.render + "\" has no spheres to render");
+    const scene::Appearance& look = scenes.front().appearance;
+    RenderRequest request{.scene = &scenes.front(), .stages = {}, .rows = {}};
+    std::set<scene::Stage> stages;
+    for (const std::size_t i : places) {
+        const scene::Stage stage = claims[i].stage.value_or(look.furthest());
+        if (!look.asks_for(stage)) scene::fail(claims[i].where, "scene \"" + first.render + "\" does not ask for stage " + std::string(name_of(stage)));
+        stages.insert(stage);
+        request.rows.push_back(row_for(claims[i], Shape::sphere));
+    }
+    request.stages.assign(stages.begin(), stages.end());
+    const auto summaries = run_render(request);
+    for (std::size_t k = 0; k < places.size(); ++k) {
+        const Claim& claim = claims[places[k]];
+        const auto stage = std::ranges::find(request.stages, claim.stage.value_or(look.furthest())) - request.stages.begin();
+        const RenderSummary& s = summaries[k * request.stages.size() + static_cast<std::size_t>(stage)];
+        ClaimResult& result = results[places[k]] = judge(claim, render_value(s, claim.metric, claim.where.text()), nullptr);
+        if (s.unresolved() == 0) continue;
+        result.state = ClaimResult::State::broken;
+        result.trouble = std::to_string(s.unresolved()) + " pixels are not proved";
     }
 }
 
@@ -222,7 +252,7 @@ double summary_value(const MapSummary& summary, const std::vector<const Metric*>
 
 std::vector<ClaimResult> measure_claims(const std::vector<Claim>& claims, const std::filesystem::path& data_dir, const std::function<void()>& done) {
     std::vector<ClaimResult> results(claims.size());
-    enum class Kind { scene, sweep, table };
+    enum class Kind { scene, sweep, table, render };
     std::map<std::pair<Kind, std::string>, Places> subjects;
     for (std::size_t i = 0; i < claims.size(); ++i) {
         results[i].trouble = missing_for(claims[i]);
@@ -230,12 +260,13 @@ std::vector<ClaimResult> measure_claims(const std::vector<Claim>& claims, const 
             results[i].state = ClaimResult::State::skipped;
             continue;
         }
-        const Kind kind = !claims[i].scene.empty() ? Kind::scene : !claims[i].sweep.empty() ? Kind::sweep : Kind::table;
+        const Kind kind = !claims[i].scene.empty() ? Kind::scene : !claims[i].sweep.empty() ? Kind::sweep : !claims[i].render.empty() ? Kind::render : Kind::table;
         subjects[{kind, claims[i].subject()}].push_back(i);
     }
     for (const auto& [subject, places] : subjects) {
         if (subject.first == Kind::scene) measure_scene(claims, places, data_dir, results);
         else if (subject.first == Kind::sweep) measure_sweep(claims, places, data_dir, results);
+        else if (subject.first == Kind::render) measure_render(claims, places, data_dir, results);
         else measure_table(claims, places, results);
         done();
     }

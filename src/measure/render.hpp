@@ -64,6 +64,8 @@ struct RenderSummary {
 
     [[nodiscard]] std::uint64_t count(Seen s) const { return seen[static_cast<std::size_t>(s)]; }
     [[nodiscard]] std::uint64_t count(bool on_background, Shadow s) const { return shadow[on_background ? 1 : 0][static_cast<std::size_t>(s)]; }
+    /// Shadow decisions that are not the truth's, its own sphere's shadows apart.
+    [[nodiscard]] std::uint64_t flips() const;
     /// Pixels of which something is not proved: what is seen, the shadow, or the colour.
     [[nodiscard]] std::uint64_t unresolved() const;
 };
@@ -76,6 +78,8 @@ struct RenderColumn {
     double (*value)(const RenderSummary&);
 };
 std::span<const RenderColumn> render_columns();
+/// A column by its name. InputError for an unknown one, with did-you-mean; `where` starts the message.
+double render_value(const RenderSummary& summary, const std::string& column, const std::string& where);
 
 /// Receives the bands from top to bottom; `row` may come for different rows at the same time.
 class RenderSink {

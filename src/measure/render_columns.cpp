@@ -4,6 +4,8 @@
 #include <limits>
 
 #include "measure/render.hpp"
+#include "number/error.hpp"
+#include "scene/did_you_mean.hpp"
 
 namespace lostbits {
 namespace {
@@ -78,6 +80,21 @@ constexpr RenderColumn table[] = {
 }  // namespace
 
 std::span<const RenderColumn> render_columns() { return table; }
+
+double render_value(const RenderSummary& summary, const std::string& column, const std::string& where) {
+    std::vector<std::string> names;
+    for (const RenderColumn& c : table) {
+        if (c.name == column) return c.value(summary);
+        names.emplace_back(c.name);
+    }
+    throw InputError(where + ": unknown metric \"" + column + "\" of a rendered scene; " + scene::did_you_mean(column, names));
+}
+
+std::uint64_t RenderSummary::flips() const {
+    std::uint64_t sum = 0;
+    for (const bool background : {false, true}) sum += count(background, Shadow::false_shadow) + count(background, Shadow::false_light);
+    return sum;
+}
 
 std::uint64_t RenderSummary::unresolved() const {
     // A colour whose shadow is not proved is not proved either: the two counts are of nested sets.

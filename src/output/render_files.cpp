@@ -5,18 +5,17 @@
 #include <algorithm>
 #include <cmath>
 
-#include "output/contact_sheet.hpp"
 #include "output/datapackage.hpp"
 #include "output/heatmap.hpp"
 #include "output/map_colour.hpp"
 #include "output/render_colour.hpp"
 #include "output/render_exr.hpp"
+#include "output/render_sheet.hpp"
 
 namespace lostbits::output {
 namespace {
 
 std::string stem(const MapRow& row) { return fmt::format("{}.{}", row.form->info->name, row.format.name); }
-std::string short_name(const Info& info) { return std::string(info.name.substr(info.name.find('.') + 1)); }
 std::uint64_t pixels_of(const RenderRequest& r) { return static_cast<std::uint64_t>(r.scene->width) * static_cast<std::uint64_t>(r.scene->height); }
 
 bool any_stage(const RenderRequest& request, bool ShadeRule::* asks) {
@@ -31,23 +30,6 @@ HeatmapSpec map_spec(const RenderRequest& request, const MapRow& row, const std:
             .scale = std::nullopt,
             .unit = "",
             .legend = std::move(legend)};
-}
-
-/// The note under a thumbnail: what a glance should take away.
-std::string glance(const RenderSummary& s) {
-    const auto percent = [](std::uint64_t part, std::uint64_t whole) {
-        const double share = 100.0 * static_cast<double>(part) / static_cast<double>(whole);
-        return share > 0 && share < 0.1 ? std::string("<0.1%") : fmt::format("{:.1f}%", share);
-    };
-    std::string text = s.changed == 0 ? "every pixel right" : percent(s.changed, s.pixels) + " of pixels wrong";
-    const std::uint64_t wrong = s.pixels - s.count(Seen::same_sphere) - s.count(Seen::background) - s.count(Seen::unresolved);
-    if (wrong > 0) text += fmt::format("\n{} seen wrong", percent(wrong, s.pixels));
-    if (!s.rule.shadows) return text;
-    if (const auto n = s.count(false, Shadow::own_shadow)) text += fmt::format("\n{} acne", percent(n, s.pixels));
-    std::uint64_t flips = 0;
-    for (const bool background : {false, true}) flips += s.count(background, Shadow::false_shadow) + s.count(background, Shadow::false_light);
-    if (flips > 0) text += fmt::format("\n{} shadow flips", flips);
-    return text;
 }
 
 /// A difference map of one row.
@@ -95,13 +77,12 @@ public:
         }
     }
 
-    void band(const RenderBand& band, const std::function<void(std::size_t stage, std::span<const Rgb8>)>& picture) {
+    void band(const RenderBand& band) {
         const std::size_t n = band.seen.size();
         field_.resize(n);
         for (std::size_t s = 0; s < pictures_.size(); ++s) {
             for (std::size_t i = 0; i < n; ++i) field_[i] = picture_colour(band.painted[s][i]);
             pictures_[s]->write_rows(band.rows, field_);
-            picture(s, field_);
         }
         for (DifferenceMap& map : maps_) {
             for (std::size_t i = 0; i < n; ++i) field_[i] = difference_colour(map.scale, band.seen[i], value(map, band, i));
@@ -144,46 +125,19 @@ struct RenderFiles::Parts {
     const RenderRequest& request;
     RenderFilesOptions options;
     CsvWriter table;
-    std::vector<std::string> forms{"certified"}, formats{};  ///< of the contact sheet; formats by stage
-    std::vector<std::size_t> column{}, line{};               ///< of each row in the sheet, the line within a stage
-    std::unique_ptr<ContactSheet> sheet{};
-    std::vector<std::unique_ptr<PngWriter>> references{};    ///< one a stage
+    RenderSheet sheet;
+    std::vector<std::unique_ptr<PngWriter>> references{};  ///< one a stage
     std::vector<std::unique_ptr<RenderRowFiles>> rows{};
-
-    [[nodiscard]] std::size_t line_of(std::size_t stage, std::size_t place) const { return stage * formats.size() + place; }
 };
 
 RenderFiles::RenderFiles(const RenderRequest& request, const RenderFilesOptions& options)
-    : parts_(new Parts{request, options, CsvWriter(options.folder / "summary.csv", render_summary_columns())}) {
-    ImageBackend& backend = image_backend();
-    Parts& p = *parts_;
+    : parts_(new Parts{request, options, CsvWriter(options.folder / "summary.csv", render_summary_columns()),
+                       RenderSheet(image_backend(), options.folder / "contact.png", request)}) {
     const scene::Scene& scene = *request.scene;
-    const auto place = [](std::vector<std::string>& names, const std::string& one) {
-        const auto at = static_cast<std::size_t>(std::ranges::find(names, one) - names.begin());
-        if (at == names.size()) names.push_back(one);
-        return at;
-    };
-    for (const MapRow& row : request.rows) {
-        p.column.push_back(place(p.forms, short_name(*row.form->info)));
-        p.line.push_back(place(p.formats, row.format.name));
-    }
-    SheetSpec sheet{.title = scene.title,
-                    .subtitle = {fmt::format("{}, {} x {} pixels", scene.id, scene.width, scene.height), "the picture of each form in each format, beside the certified one"},
-                    .forms = p.forms,
-                    .formats = {},
-                    .field_width = scene.width,
-                    .field_height = scene.height,
-                    .scale = std::nullopt,
-                    .unit = "",
-                    .legend = {{"not a number", nan_colour, ""}, {"colour not proved", unproved_colour, ""}}};
     for (const scene::Stage stage : request.stages) {
-        for (const std::string& format : p.formats) sheet.formats.push_back(fmt::format("{}, {}", name_of(stage), format));
+        parts_->references.push_back(image_backend().open_png(options.folder / fmt::format("{}.reference.png", name_of(stage)), scene.width, scene.height));
     }
-    p.sheet = std::make_unique<ContactSheet>(backend, options.folder / "contact.png", std::move(sheet));
-    for (const scene::Stage stage : request.stages) {
-        p.references.push_back(backend.open_png(options.folder / fmt::format("{}.reference.png", name_of(stage)), scene.width, scene.height));
-    }
-    for (const MapRow& row : request.rows) p.rows.push_back(std::make_unique<RenderRowFiles>(request, row, options, backend));
+    for (const MapRow& row : request.rows) parts_->rows.push_back(std::make_unique<RenderRowFiles>(request, row, options, image_backend()));
 }
 
 RenderFiles::~RenderFiles() = default;
@@ -193,35 +147,23 @@ void RenderFiles::reference(int y0, int rows, std::span<const TruePixel> truth) 
     std::vector<Rgb8> field(truth.size());
     for (std::size_t s = 0; s < p.references.size(); ++s) {
         const auto stage = static_cast<std::size_t>(p.request.stages[s]);
-        for (std::size_t i = 0; i < field.size(); ++i) field[i] = picture_colour(truth[i].colours[stage]);
+        std::ranges::transform(truth, field.begin(), [stage](const TruePixel& pixel) { return picture_colour(pixel.colours[stage]); });
         p.references[s]->write_rows(rows, field);
-        for (std::size_t f = 0; f < p.formats.size(); ++f) p.sheet->add_rows(0, p.line_of(s, f), y0, field);
     }
+    p.sheet.reference(y0, rows, truth);
 }
 
 void RenderFiles::row(std::size_t row, const RenderBand& band) {
-    Parts& p = *parts_;
-    p.rows[row]->band(band, [&](std::size_t stage, std::span<const Rgb8> picture) { p.sheet->add_rows(p.column[row], p.line_of(stage, p.line[row]), band.y0, picture); });
+    parts_->rows[row]->band(band);
+    parts_->sheet.row(row, band);
 }
 
 void RenderFiles::finish(const std::vector<RenderSummary>& summaries) {
     Parts& p = *parts_;
     const std::size_t stages = p.request.stages.size();
-    bool any_nan = false, any_unproved = false;
-    for (std::size_t r = 0; r < p.rows.size(); ++r) {
-        const auto mine = std::span(summaries).subspan(r * stages, stages);
-        p.rows[r]->finish(mine);
-        for (std::size_t s = 0; s < stages; ++s) {
-            p.sheet->set_note(p.column[r], p.line_of(s, p.line[r]), glance(mine[s]));
-            any_nan |= mine[s].colour_not_a_number > 0;
-            any_unproved |= mine[s].unresolved() > 0;
-        }
-    }
+    for (std::size_t r = 0; r < p.rows.size(); ++r) p.rows[r]->finish(std::span(summaries).subspan(r * stages, stages));
     for (const auto& picture : p.references) picture->close();
-    std::vector<LegendEntry> legend;
-    if (any_nan) legend.push_back({"not a number", nan_colour, ""});
-    if (any_unproved) legend.push_back({"colour not proved", unproved_colour, ""});
-    p.sheet->finish(legend);
+    p.sheet.finish(summaries);
 
     for (std::size_t s = 0; s < stages; ++s) {
         for (std::size_t r = 0; r < p.rows.size(); ++r) {
