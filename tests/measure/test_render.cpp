@@ -75,6 +75,7 @@ std::optional<Real> first(const Vec<Real>& o, const Vec<Real>& d, const Vec<Real
 struct Plain {
     std::array<Vec<Real>, 4> colour;  ///< by stage
     bool shadowed = false;
+    bool beyond = false;  ///< a sphere behind the light would cast a shadow, were it not for the light's place
 };
 
 Plain plain_pixel(const scene::Scene& s, std::size_t i, const scene::RayBlock& rays) {
@@ -96,6 +97,7 @@ Plain plain_pixel(const scene::Scene& s, std::size_t i, const scene::RayBlock& r
         for (std::size_t k = 0; k < s.spheres.size(); ++k) {
             const auto t = meets(p, light - p, k);
             if (k != own && t && *t < 1) return true;
+            plain.beyond |= k != own && t;
         }
         return false;
     };
@@ -126,8 +128,11 @@ Plain plain_pixel(const scene::Scene& s, std::size_t i, const scene::RayBlock& r
 }  // namespace
 
 TEST_CASE("the certified picture is that of plain formulas in 256 bits, channel for channel") {
-    for (const char* name : {"raycast-course.pixels", "raycast-course.small"}) {
-        const scene::Scene s = load(name, 64, 48);
+    std::size_t beyond = 0;
+    for (const char* name : {"raycast-course.pixels", "raycast-course.small", "among the spheres"}) {
+        const bool among = std::string_view(name) == "among the spheres";
+        scene::Scene s = load(among ? "raycast-course.pixels" : name, 64, 48);
+        if (among) s.appearance.light = Vec<Real>(Real(112), Real(118), Real(150));
         const Collected run({.scene = &s, .stages = all_stages, .rows = rows_of({"f64"}, "sphere.unified")});
         const auto rays = scene::make_shared_rays(s, 0, s.height);
         std::size_t shadows = 0, highlights = 0;
@@ -146,6 +151,7 @@ TEST_CASE("the certified picture is that of plain formulas in 256 bits, channel 
             }
             REQUIRE((run.truth[i].shadow == TrueShadow::shadowed) == plain.shadowed);
             shadows += plain.shadowed;
+            beyond += plain.beyond && !plain.shadowed;
             highlights += plain.colour[3].x > plain.colour[2].x + Real(0.25);
         }
         CHECK(shadows > 300);
@@ -156,6 +162,7 @@ TEST_CASE("the certified picture is that of plain formulas in 256 bits, channel 
             CHECK(summary.flips() == 0);
         }
     }
+    CHECK(beyond > 50);
 }
 
 TEST_CASE("a stage that adds nothing leaves every pixel as it was, in every form and format") {
