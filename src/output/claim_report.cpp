@@ -117,7 +117,15 @@ std::string picture_render(const std::filesystem::path& folder, const Subject& s
     const scene::Scene scene = scene::load_scene(found.path, {.variant = found.variant}).front();
     std::set<scene::Stage> stages;
     for (const std::size_t i : subject.claims) stages.insert(claims[i].stage.value_or(scene.appearance.furthest()));
-    const RenderRequest request{.scene = &scene, .stages = {stages.begin(), stages.end()}, .rows = rows_of(subject, claims)};
+    RenderRequest request{.scene = &scene, .stages = {stages.begin(), stages.end()}, .rows = {}};
+    // Every form in every format that a claim names, for an empty place on the sheet reads as a format that the form lacks.
+    const std::vector<MapRow> claimed = rows_of(subject, claims);
+    for (const MapRow& a : claimed) {
+        for (const MapRow& b : claimed) {
+            const auto same = [&](const MapRow& r) { return r.form == a.form && r.format == b.format; };
+            if (a.form->exists_in(b.format) && std::ranges::none_of(request.rows, same)) request.rows.push_back({a.form, b.format});
+        }
+    }
     const std::string file = scene.id + ".rendered.png";
     RenderSheet sheet(image_backend(), folder / "pictures" / file, request);
     sheet.finish(run_render(request, &sheet));
