@@ -7,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include "measure/look.hpp"
 #include "measure/map.hpp"
 #include "measure/shade.hpp"
 #include "measure/true_picture.hpp"
@@ -69,6 +70,10 @@ struct RenderSummary {
     /// Pixels of which something is not proved: what is seen, the shadow, or the colour.
     [[nodiscard]] std::uint64_t unresolved() const;
 };
+
+/// Adds a band to the summary of one stage, the `place`-th of the request, pixel by pixel from the top. `look` holds the scene's
+/// paint as binary64 is given it.
+void add_to_summary(const RenderBand& band, std::size_t place, const Look<double>& look, RenderSummary& summary);
 
 /// A column of the summary, after stage, form and format; the CSV and the claims read the same rows.
 struct RenderColumn {

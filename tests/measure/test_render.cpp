@@ -253,4 +253,15 @@ TEST_CASE("own inputs: each format rounds light and colours itself, and the refe
     CHECK(run.pictures[0][0][0].colour.x == static_cast<double>(0.55F));
     CHECK(run.pictures[1][0][0].colour.x == 0.55);
     CHECK(run.pictures[0][0][0].error > 0);
+
+    // The background's green, 0.7, is 178.5 of 255 to the 250th bit, and some spheres' 0.9 and 0.3 are 229.5 and 76.5: 106 bits
+    // prove no byte there, and say so; the sphere of 0.95, 0.8, 0.2 needs no more.
+    CHECK(run.summaries[0].unresolved() == 0);
+    const Collected hasty({.scene = &s, .stages = {Stage::visible}, .rows = rows_of({"f64"}, "sphere.unified"), .limit = {.bits = 106}});
+    const RenderSummary& r = hasty.summaries[0];
+    CHECK(r.count(Seen::background) > 100);
+    CHECK(r.unresolved() > r.count(Seen::background));
+    CHECK(r.unresolved() < r.pixels);
+    CHECK(r.colour_error.count() == r.pixels - r.unresolved());
+    CHECK_FALSE(hasty.truth.front().colours[0].certain);
 }

@@ -1,8 +1,9 @@
-// The columns of a rendered picture's summary.
+// The summary of a rendered picture: what is counted, and its columns.
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
+#include "measure/look.hpp"
 #include "measure/render.hpp"
 #include "number/error.hpp"
 #include "scene/did_you_mean.hpp"
@@ -33,6 +34,14 @@ std::uint64_t truly_dark(const R& r, bool background) { return r.count(backgroun
 template <bool background, Shadow s>
 double shadows(const R& r) {
     return r.rule.shadows ? number(r.count(background, s)) : missing;
+}
+
+/// A point on a sphere that faces the light, in true shadow, whose true colour is brighter than its ambient light.
+bool keeps_light(const TruePixel& truth, const TrueColour& colour, const Paint<double>& paint) {
+    for (int k = 0; k < 3; ++k) {
+        if (colour.channel[static_cast<std::size_t>(k)].hi > paint.ambient * paint.colour[k] + 0x1p-40) return truth.shadow == TrueShadow::shadowed;
+    }
+    return false;
 }
 
 constexpr RenderColumn table[] = {
@@ -78,6 +87,32 @@ constexpr RenderColumn table[] = {
 };
 
 }  // namespace
+
+void add_to_summary(const RenderBand& band, std::size_t place, const Look<double>& look, RenderSummary& s) {
+    const auto stage = static_cast<std::size_t>(s.stage);
+    for (std::size_t i = 0; i < band.seen.size(); ++i) {
+        const Painted& p = band.painted[place][i];
+        const TruePixel& truth = band.truth[i];
+        const TrueColour& colour = truth.colours[stage];
+        const bool same = band.seen[i] == Seen::same_sphere;
+        ++s.pixels;
+        ++s.seen[static_cast<std::size_t>(band.seen[i])];
+        s.colour_unresolved += !colour.certain && band.seen[i] != Seen::unresolved;
+        s.colour_not_a_number += std::isnan(p.colour.x) || std::isnan(p.colour.y) || std::isnan(p.colour.z);
+        s.changed += colour.certain && (p.byte != colour.byte || std::isnan(p.error));
+        if (!std::isnan(p.error) && (same || band.seen[i] == Seen::background)) s.colour_error.add(p.error);
+        if (same) {
+            if (!std::isnan(band.residual[i])) s.residual.add(band.residual[i]);
+            if (s.rule.diffuse && !std::isnan(band.normal_angle[i])) s.normal_angle.add(band.normal_angle[i]);
+            s.faces_away += s.rule.diffuse && !truth.faces_light;
+        }
+        if (!s.rule.shadows) continue;
+        ++s.shadow[band.seen[i] == Seen::background ? 1 : 0][static_cast<std::size_t>(band.shadow[i])];
+        if (band.truth_object[i] < 0 || !truth.faces_light || truth.shadow != TrueShadow::shadowed || !colour.certain) continue;
+        ++s.true_shadow;
+        s.light_in_true_shadow += keeps_light(truth, colour, look.paints[static_cast<std::size_t>(band.truth_object[i])]);
+    }
+}
 
 std::span<const RenderColumn> render_columns() { return table; }
 
