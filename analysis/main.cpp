@@ -59,6 +59,7 @@ Exit run(int argc, char** argv) {
     add_explain(program, common, chosen);
     add_list(program, common, chosen);
     add_map(program, common, chosen);
+    add_render(program, common, chosen);
     add_sweep(program, common, chosen);
     add_trade(program, common, chosen);
     try {

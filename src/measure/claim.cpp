@@ -11,6 +11,7 @@
 #include "measure/claim_timing.hpp"
 #include "measure/closest.hpp"
 #include "measure/one_ray.hpp"
+#include "measure/render.hpp"
 #include "measure/timing_threads.hpp"
 #include "number/error.hpp"
 #include "scene/did_you_mean.hpp"
@@ -131,6 +132,40 @@ void measure_scene(const std::vector<Claim>& claims, const Places& places, const
     for (std::size_t k = 0; k < pictures.size(); ++k) {
         const Claim& claim = claims[pictures[k]];
         results[pictures[k]] = judge(claim, summary_value(summaries[k], request.metrics, claim.metric, claim.where.text()), &summaries[k]);
+    }
+}
+
+/// What a picture can be made by.
+struct SpheresAlone {
+    [[nodiscard]] static bool meets(Shape shape) { return shape == Shape::sphere; }
+};
+
+/// The claims about one rendered scene: one run, all stages that they name.
+void measure_render(const std::vector<Claim>& claims, const Places& places, const std::filesystem::path& data_dir, std::vector<ClaimResult>& results) {
+    const Claim& first = claims[places.front()];
+    const auto name = find_for(first, [&] { return scene::find_scene(first.render, data_dir); });
+    const auto scenes = scene::load_scene(name.path, {.variant = name.variant});
+    if (scenes.size() != 1) scene::fail(first.where, "scene \"" + first.render + "\" has variants; name one, such as \"" + scenes.front().id + "\"");
+    if (!scenes.front().meets(Shape::sphere)) scene::fail(first.where, "scene \"" + first.render + "\" has no spheres to render");
+    const scene::Appearance& look = scenes.front().appearance;
+    RenderRequest request{.scene = &scenes.front(), .stages = {}, .rows = {}};
+    std::set<scene::Stage> stages;
+    for (const std::size_t i : places) {
+        const scene::Stage stage = claims[i].stage.value_or(look.furthest());
+        if (!look.asks_for(stage)) scene::fail(claims[i].where, "scene \"" + first.render + "\" does not ask for stage " + std::string(name_of(stage)));
+        stages.insert(stage);
+        request.rows.push_back(row_for(claims[i], SpheresAlone{}));
+    }
+    request.stages.assign(stages.begin(), stages.end());
+    const auto summaries = run_render(request);
+    for (std::size_t k = 0; k < places.size(); ++k) {
+        const Claim& claim = claims[places[k]];
+        const auto stage = std::ranges::find(request.stages, claim.stage.value_or(look.furthest())) - request.stages.begin();
+        const RenderSummary& s = summaries[k * request.stages.size() + static_cast<std::size_t>(stage)];
+        ClaimResult& result = results[places[k]] = judge(claim, render_value(s, claim.metric, claim.where.text()), nullptr);
+        if (s.unresolved() == 0) continue;
+        result.state = ClaimResult::State::broken;
+        result.trouble = std::to_string(s.unresolved()) + " pixels are not proved";
     }
 }
 
@@ -256,7 +291,7 @@ double summary_value(const MapSummary& summary, const std::vector<const Metric*>
 
 std::vector<ClaimResult> measure_claims(const std::vector<Claim>& claims, const std::filesystem::path& data_dir, const std::function<void()>& done) {
     std::vector<ClaimResult> results(claims.size());
-    enum class Kind { scene, sweep, table, timing };
+    enum class Kind { scene, sweep, render, table, timing };
     std::map<std::pair<Kind, std::string>, Places> subjects;
     for (std::size_t i = 0; i < claims.size(); ++i) {
         results[i].trouble = missing_for(claims[i]);
@@ -264,12 +299,14 @@ std::vector<ClaimResult> measure_claims(const std::vector<Claim>& claims, const 
             results[i].state = ClaimResult::State::skipped;
             continue;
         }
-        const Kind kind = claims[i].timing ? Kind::timing : !claims[i].scene.empty() ? Kind::scene : !claims[i].sweep.empty() ? Kind::sweep : Kind::table;
+        const Claim& c = claims[i];
+        const Kind kind = c.timing ? Kind::timing : !c.scene.empty() ? Kind::scene : !c.sweep.empty() ? Kind::sweep : !c.render.empty() ? Kind::render : Kind::table;
         subjects[{kind, claims[i].subject()}].push_back(i);
     }
     for (const auto& [subject, places] : subjects) {
         if (subject.first == Kind::scene) measure_scene(claims, places, data_dir, results);
         else if (subject.first == Kind::sweep) measure_sweep(claims, places, data_dir, results);
+        else if (subject.first == Kind::render) measure_render(claims, places, data_dir, results);
         else if (subject.first == Kind::table) measure_table(claims, places, results);
         else for (const std::size_t i : places) results[i] = judge(claims[i], timed_ratio(claims[i], done), nullptr);
         done();

@@ -48,12 +48,14 @@ std::string explain(const Claim& c, const ClaimResult& r) {
 std::string reproduce(const Claim& c) {
     if (c.timing) return fmt::format("lostbits check --profile timing --filter '{}'", c.id);
     if (!c.table.empty()) return fmt::format("lostbits check --filter '{}' --measure", c.id);
+    if (!c.render.empty()) return fmt::format("lostbits render {}{} -i {} -f {} -o out", c.render, c.stage ? fmt::format(" --stage {}", name_of(*c.stage)) : "", c.form, c.format);
     return fmt::format("lostbits {} {} -i {} -f {} -o out", c.scene.empty() ? "sweep" : "map", c.subject(), c.form, c.format);
 }
 
 std::string where_measured(const Claim& c) {
     std::string text = c.subject();
     if (!c.row.empty()) text += " " + c.row;
+    if (!c.render.empty()) text += fmt::format(", rendered{}", c.stage ? fmt::format(" to stage {}", name_of(*c.stage)) : "");
     if (!c.case_name.empty()) text += ": " + c.case_name;
     if (c.convention) text += fmt::format(" ({})", convention_name(c.convention));
     for (const double x : c.at) text += (&x == c.at.data() ? " at " : ", ") + decimal(x);

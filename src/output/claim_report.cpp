@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <map>
+#include <set>
 
 #include "output/atomic_file.hpp"
 #include "output/case_files.hpp"
@@ -11,6 +12,7 @@
 #include "output/contact_sheet.hpp"
 #include "output/map_colour.hpp"
 #include "output/number_text.hpp"
+#include "output/render_sheet.hpp"
 #include "output/sweep_planes.hpp"
 #include "output/sweep_plots.hpp"
 
@@ -29,8 +31,10 @@ struct Subject {
 std::vector<Subject> subjects_of(const std::vector<Claim>& claims) {
     std::vector<Subject> subjects;
     for (std::size_t i = 0; i < claims.size(); ++i) {
-        auto found = std::ranges::find(subjects, claims[i].subject(), &Subject::name);
-        if (found == subjects.end()) found = subjects.insert(subjects.end(), {claims[i].subject(), {}});
+        // One scene may be mapped for some claims and rendered for others.
+        const std::string name = claims[i].subject() + (claims[i].render.empty() ? "" : ", rendered");
+        auto found = std::ranges::find(subjects, name, &Subject::name);
+        if (found == subjects.end()) found = subjects.insert(subjects.end(), {name, {}});
         found->claims.push_back(i);
     }
     return subjects;
@@ -104,6 +108,27 @@ std::string picture_scene(const std::filesystem::path& folder, const std::vector
         sheet.set_note(places[r].first, places[r].second, fmt::format("p99 {:.1f} bits lost", summaries[r].metrics.front().quantile(0.99)));
     }
     sheet.finish(outcome_legend(total));
+    return fmt::format("![{}](pictures/{})\n", scene.title, file);
+}
+
+/// The pictures of a rendered scene, of all stages that its claims name.
+std::string picture_render(const std::filesystem::path& folder, const Subject& subject, const std::vector<Claim>& claims, const std::filesystem::path& data_dir) {
+    const auto found = scene::find_scene(claims[subject.claims.front()].render, data_dir);
+    const scene::Scene scene = scene::load_scene(found.path, {.variant = found.variant}).front();
+    std::set<scene::Stage> stages;
+    for (const std::size_t i : subject.claims) stages.insert(claims[i].stage.value_or(scene.appearance.furthest()));
+    RenderRequest request{.scene = &scene, .stages = {stages.begin(), stages.end()}, .rows = {}};
+    // Every form in every format that a claim names, for an empty place on the sheet reads as a format that the form lacks.
+    const std::vector<MapRow> claimed = rows_of(subject, claims);
+    for (const MapRow& a : claimed) {
+        for (const MapRow& b : claimed) {
+            const auto same = [&](const MapRow& r) { return r.form == a.form && r.format == b.format; };
+            if (a.form->exists_in(b.format) && std::ranges::none_of(request.rows, same)) request.rows.push_back({a.form, b.format});
+        }
+    }
+    const std::string file = scene.id + ".rendered.png";
+    RenderSheet sheet(image_backend(), folder / "pictures" / file, request);
+    sheet.finish(run_render(request, &sheet));
     return fmt::format("![{}](pictures/{})\n", scene.title, file);
 }
 
@@ -184,7 +209,7 @@ std::string row_text(const Claim& c, const ClaimResult& r) {
                                 : r.state == State::skipped ? "skipped"
                                                             : "**no longer measures as stated**";
     const std::string what = c.onset.empty() ? c.metric : fmt::format("onset of {} {} {}", c.onset, c.statistic, decimal(c.threshold));
-    std::string place = c.case_name;
+    std::string place = c.stage ? "stage " + std::string(name_of(*c.stage)) : c.case_name;
     for (const double x : c.at) place += (place.empty() ? "at " : ", ") + decimal(x);
     return fmt::format("| {} | {}{} | {} | {} = {} | `{}` |\n", verdict, cell(c.statement), c.note.empty() ? "" : " <br> *" + cell(c.note) + "*",
                        cell(fmt::format("{}{}{}", c.form.empty() ? c.row : c.form, " " + c.format, place.empty() ? "" : ", " + place)), what, rounded(r.measured), c.id);
@@ -208,6 +233,7 @@ void write_claim_report(const std::filesystem::path& folder, const std::vector<C
         const Claim& first = claims[subject.claims.front()];
         text += fmt::format("\n## {}\n\n", subject.name);
         if (!first.scene.empty()) text += picture_scene(folder, rows_of(subject, claims), subject.name, data_dir) + "\n";
+        else if (!first.render.empty()) text += picture_render(folder, subject, claims, data_dir) + "\n";
         else if (!first.sweep.empty()) text += picture_sweep(folder, rows_of(subject, claims), subject.name, shown_of(subject, claims), data_dir) + "\n";
         std::string source;
         for (const std::size_t i : subject.claims) {

@@ -40,8 +40,17 @@ void read_given(TableReader table, Claim& claim) {
     claim.sweep = table.optional_string("sweep").value_or("");
     claim.table = table.optional_string("table").value_or("");
     if (table.has("timing")) table.reject("timing", "needs `profile = \"timing\"` at the head of the file, which keeps it from gating anything");
-    if (int{!claim.scene.empty()} + int{!claim.sweep.empty()} + int{!claim.table.empty()} != 1) {
-        fail(table.where(), "claim.given names a scene, a sweep or a table; write one of them");
+    claim.render = table.optional_string("render").value_or("");
+    if (int{!claim.scene.empty()} + int{!claim.sweep.empty()} + int{!claim.table.empty()} + int{!claim.render.empty()} != 1) {
+        fail(table.where(), "claim.given names a scene, a sweep, a table or a scene to render; write one of them");
+    }
+    if (!claim.render.empty()) {
+        for (const char* key : {"at", "case", "convention"}) table.reject(key, "has no meaning for a rendered scene; leave it out");
+        static constexpr std::pair<std::string_view, Stage> stages[] = {
+            {"visible", Stage::visible}, {"diffuse", Stage::diffuse}, {"shadows", Stage::shadows}, {"phong", Stage::phong}};
+        claim.stage = table.optional_one_of<Stage>("stage", stages);
+    } else {
+        table.reject("stage", "needs a scene to render: render = \"raycast-course.pixels\"");
     }
     if (claim.table.empty()) claim.form = table.string("form");
     else claim.row = table.string("row");

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "intersect/info.hpp"
+#include "scene/appearance.hpp"
 #include "scene/toml_tree.hpp"
 
 namespace lostbits::scene {
@@ -40,8 +41,11 @@ struct Claim {
     std::optional<Timing> timing;
     std::vector<std::string> requirements;  ///< what the machine must have, or the claim is skipped: `isa-256`, `processors-2`
 
+    std::string render;          ///< a scene, of whose picture `lostbits render` makes the claim is
+    std::optional<Stage> stage;  ///< of that picture; absent: the last that the scene asks for
+
     /// What is measured on: the scene, sweep or table, or the work that is timed.
-    [[nodiscard]] const std::string& subject() const { return timing ? timing->work : !scene.empty() ? scene : !sweep.empty() ? sweep : table; }
+    [[nodiscard]] const std::string& subject() const { return timing ? timing->work : !scene.empty() ? scene : !sweep.empty() ? sweep : !render.empty() ? render : table; }
 
     // expect: a column of the summary, or an onset along the sweep
     std::string metric;

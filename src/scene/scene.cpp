@@ -16,7 +16,7 @@ constexpr long long most_pixels = 1LL << 30;
 constexpr std::pair<std::string_view, Inputs> inputs_names[] = {
     {"shared", Inputs::shared}, {"own", Inputs::own}};
 constexpr std::pair<std::string_view, Camera::Kind> camera_names[] = {
-    {"orthographic", Camera::Kind::orthographic}, {"pinhole", Camera::Kind::pinhole}};
+    {"orthographic", Camera::Kind::orthographic}, {"pinhole", Camera::Kind::pinhole}, {"pixel_plane", Camera::Kind::pixel_plane}};
 
 template <class E, std::size_t N>
 std::span<const std::pair<std::string_view, E>> choices(const std::pair<std::string_view, E> (&names)[N]) {
@@ -39,6 +39,9 @@ public:
         return {finite(table, key, v.x), finite(table, key, v.y), finite(table, key, v.z)};
     }
 
+    /// Zero, or zero once rounded.
+    [[nodiscard]] bool vanishes(const Real& x) const { return x == 0 || (shared_ && round_to_format(x, binary32) == 0); }
+
     [[nodiscard]] Real positive(const TableReader& table, std::string_view key, const Real& x) const {
         if (x <= 0) table.fail_at(key, "must be greater than 0; write a positive number");
         if (shared_ && round_to_format(x, binary32) == 0)
@@ -59,9 +62,35 @@ bool is_parallel(const Vec<Real>& view, const Vec<Real>& up) {
     return dot(across, across) <= ldexp(dot(view, view) * dot(up, up), -80);
 }
 
+/// The camera whose picture plane lies in the world, at z = 0.
+Camera read_pixel_plane(TableReader& table, const Numbers& numbers) {
+    Camera camera;
+    camera.kind = Camera::Kind::pixel_plane;
+    camera.eye = numbers.finite(table, "eye", table.vec3("eye"));
+    if (numbers.vanishes(camera.eye.z))
+        table.fail_at("eye", "lies in the plane of the pixels, z = 0, which it sees as a line; move it off the plane");
+    for (const char* key : {"look_at", "up", "shift"})
+        table.reject(key, "has no meaning for a camera of pixels at z = 0; extent and eye say where it looks");
+    for (const char* key : {"width", "fov_deg"})
+        table.reject(key, "has no meaning for a camera of pixels at z = 0; write extent = [left, bottom, right, top], in world units");
+    table.reject("normalise", "has no meaning for a camera of pixels at z = 0, whose directions are differences of points; leave it out");
+    std::vector<Real> extent = table.numbers("extent", 4);
+    for (Real& x : extent) x = numbers.finite(table, "extent", x);
+    camera.left = extent[0];
+    camera.bottom = extent[1];
+    camera.right = extent[2];
+    camera.top = extent[3];
+    if (!(camera.left < camera.right && camera.bottom < camera.top))
+        table.fail_at("extent", "covers nothing; write [left, bottom, right, top] with left < right and bottom < top");
+    table.reject_unknown_keys();
+    return camera;
+}
+
 Camera read_camera(TableReader table, const Numbers& numbers) {
     Camera camera;
     camera.kind = table.one_of("kind", choices(camera_names));
+    if (camera.kind == Camera::Kind::pixel_plane) return read_pixel_plane(table, numbers);
+    table.reject("extent", "belongs to kind = \"pixel_plane\"; write width (orthographic) or fov_deg (pinhole)");
     camera.eye = numbers.finite(table, "eye", table.vec3("eye"));
     camera.look_at = numbers.finite(table, "look_at", table.vec3("look_at"));
     camera.up =
@@ -199,7 +228,12 @@ Scene SceneFile::interpret(const Variant* variant, const LoadOptions& options) c
     }
     const Numbers numbers(scene.inputs);
     scene.camera = read_camera(file.table("camera"), numbers);
-    for (TableReader& table : file.tables("sphere")) scene.spheres.push_back(read_sphere(table, numbers));
+    const NumberCheck check = [&numbers](const TableReader& table, std::string_view key, const Real& x) { return numbers.finite(table, key, x); };
+    scene.appearance = read_appearance(file, check);
+    for (TableReader& table : file.tables("sphere")) {
+        scene.appearance.materials.push_back(read_material(table, scene.appearance, check));
+        scene.spheres.push_back(read_sphere(table, numbers));
+    }
     for (TableReader& table : file.tables("box")) scene.boxes.push_back(read_box(table, numbers));
     if (auto march = file.optional_table("march")) scene.march = read_march(*march, scene.inputs);
     file.reject_unknown_keys();

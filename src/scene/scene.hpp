@@ -10,6 +10,7 @@
 #include "geometry/solid.hpp"
 #include "intersect/march.hpp"
 #include "number/real.hpp"
+#include "scene/appearance.hpp"
 #include "scene/toml_tree.hpp"
 
 namespace lostbits::scene {
@@ -23,9 +24,9 @@ using SphereSpec = Sphere<Real>;
 using BoxSpec = Box<Real>;
 
 struct Camera {
-    enum class Kind { orthographic, pinhole };
+    enum class Kind { orthographic, pinhole, pixel_plane };
     Kind kind = Kind::pinhole;
-    Vec<Real> eye;      ///< pinhole: where all rays start; orthographic: the centre of the picture
+    Vec<Real> eye;      ///< pinhole, pixel_plane: where all rays start; orthographic: the centre of the picture
     Vec<Real> look_at;  ///< the rays' direction is look_at − eye, of any length
     Vec<Real> up;       ///< appears upright in the picture; need be neither unit nor perpendicular
     Real width;  ///< orthographic: the picture's width in world units; the height follows, pixels being square
@@ -33,6 +34,10 @@ struct Camera {
     /// Moves the window on the picture plane, right and up, in picture widths; the view direction stays.
     Real shift_right, shift_up;
     bool normalise = true;  ///< pinhole: directions are divided by their length, in the camera's arithmetic
+    /// pixel_plane: the part of the plane z = 0 that the picture covers, in world units. A ray goes from the eye through
+    /// the middle of its pixel there; its direction is the difference of the two points, never normalised, so that
+    /// t = 1 is the plane.
+    Real left, bottom, right, top;
 };
 
 struct Scene {
@@ -47,6 +52,7 @@ struct Scene {
     std::vector<SphereSpec> spheres;  ///< a scene has spheres or boxes; both only with `march`
     std::vector<BoxSpec> boxes;
     std::optional<MarchConstants<Real>> march;  ///< absent: the scene asks for no sphere tracing
+    Appearance appearance;  ///< for pictures of it
     std::filesystem::path path;
 
     /// Whether the forms of a shape can be asked about the scene: all of its solids are of that shape, or, for `sdf`, the scene

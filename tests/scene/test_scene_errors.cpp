@@ -127,8 +127,8 @@ TEST_CASE("a scene has a title, a camera and a sphere, and nothing unknown") {
           "scene.toml:1:1: sphere is missing; a scene has at least one [[sphere]] with centre and radius, or [[box]] with lo and hi");
     CHECK(broken("[[sphere]]", "[sphere]") ==
           "scene.toml:13:1: sphere is a table, but an array of tables, [[sphere]], is expected here");
-    CHECK(broken("radius = 1", "radius = 1\ncolour = 3") ==
-          "scene.toml:16:1: unknown key sphere[0].colour; known here: \"centre\", \"radius\"");
+    CHECK(broken("radius = 1", "radius = 1\nopacity = 3") ==
+          "scene.toml:16:1: unknown key sphere[0].opacity; known here: \"colour\", \"ka\", \"kd\", \"ks\", \"n\", \"centre\", \"radius\"");
     CHECK(
         broken("centre = ", "center = ") ==
         "scene.toml:14:1: sphere[0].centre is missing, but there is sphere[0].center; did you mean \"centre\"?");

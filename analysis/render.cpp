@@ -1,0 +1,143 @@
+#include "measure/render.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <memory>
+#include <set>
+
+#include "commands.hpp"
+#include "output/atomic_file.hpp"
+#include "output/render_files.hpp"
+#include "scene/scene.hpp"
+#include "select.hpp"
+#include "signals.hpp"
+
+namespace lostbits::analysis {
+namespace {
+
+struct RenderOptions {
+    std::vector<std::string> scenes;
+    std::vector<std::string> forms{"sphere.expanded"};  // the source's own
+    std::vector<std::string> formats{"f32"};
+    std::vector<std::string> stages;
+    std::string size, variant;
+    std::vector<std::string> set;
+    std::string out;
+};
+
+/// What to type to make these files again.
+std::string canonical_command(const scene::Scene& scene, const RenderOptions& o) {
+    std::string text = "lostbits render " + scene.id;
+    for (const auto& f : o.forms) text += " -i '" + f + "'";
+    for (const auto& f : o.formats) text += " -f " + f;
+    for (const auto& s : o.stages) text += " --stage " + s;
+    for (const auto& s : o.set) text += " --set '" + s + "'";
+    if (!o.size.empty()) text += " --size " + o.size;
+    return text;
+}
+
+std::vector<scene::Scene> load(const RenderOptions& o, const Common& common) {
+    scene::LoadOptions options;
+    if (!o.size.empty()) options.size = parse_size(o.size);
+    for (const auto& s : o.set) options.overrides.push_back(scene::parse_override(s));
+    std::vector<scene::Scene> scenes;
+    std::set<std::string> ids;
+    for (const std::string& word : o.scenes) {
+        const scene::SceneName name = scene::find_scene(word, data_folder(common.data));
+        options.variant = name.variant;
+        if (!o.variant.empty()) options.variant = o.variant;
+        for (auto& scene : scene::load_scene(name.path, options)) {
+            if (!ids.insert(scene.id).second) throw InputError(fmt::format("{}: scene \"{}\" is given twice; both would write to the same folder", word, scene.id));
+            if (!scene.meets(Shape::sphere)) throw InputError(fmt::format("{}: render shades spheres, and scene \"{}\" has none; `lostbits map` takes it", scene.path.string(), scene.id));
+            scenes.push_back(std::move(scene));
+        }
+    }
+    return scenes;
+}
+
+/// The stages to draw, in rising order; a stage that the scene does not ask for becomes the last one before it that it does.
+std::vector<scene::Stage> stages_of(const scene::Scene& scene, const RenderOptions& o, bool quiet) {
+    using scene::Stage;
+    if (o.stages.empty()) return {scene.appearance.furthest()};
+    std::set<Stage> stages;
+    for (const std::string& word : o.stages) {
+        const auto asked = static_cast<Stage>(std::ranges::find(scene::stage_names, word) - scene::stage_names.begin());
+        const Stage drawn = scene.appearance.last_up_to(asked);
+        stages.insert(drawn);
+        if (drawn != asked && !quiet) fmt::print(stderr, "lostbits: {} does not ask for {}; its last stage before that is {}\n", scene.id, word, name_of(drawn));
+    }
+    return {stages.begin(), stages.end()};
+}
+
+void print_table(const RenderRequest& request, const std::vector<RenderSummary>& summaries) {
+    fmt::print("  {:<8} {:<28} {:<5} {:>9} {:>9} {:>9} {:>10} {:>9}\n", "stage", "form", "fmt", "changed", "acne", "flips", "p99 steps", "unproved");
+    for (std::size_t k = 0; k < summaries.size(); ++k) {
+        const RenderSummary& s = summaries[k];
+        const MapRow& row = request.rows[k / request.stages.size()];
+        fmt::print("  {:<8} {:<28} {:<5} {:>9} {:>9} {:>9} {:>10.3g} {:>9}\n", name_of(s.stage), row.form->info->name, row.format.name, s.changed,
+                   s.count(false, Shadow::own_shadow), s.flips(), s.colour_error.quantile(0.99), s.unresolved());
+    }
+}
+
+/// Renders one scene; the number of its pixels of which something is not proved.
+std::uint64_t render_scene(const RenderRequest& request, const RenderOptions& o, const Common& common) {
+    const auto folder = std::filesystem::path(o.out) / request.scene->id;
+    output::RenderFiles files(request, {folder, canonical_command(*request.scene, o)});
+    const auto summaries = run_render(request, &files);
+    files.finish(summaries);
+    if (!common.quiet) fmt::print("{}\n", (folder / "contact.png").string());
+    if (common.verbose) print_table(request, summaries);
+    std::uint64_t unproved = 0;
+    for (const RenderSummary& s : summaries) unproved = std::max(unproved, s.unresolved());
+    return unproved;
+}
+
+Exit run(const RenderOptions& o, const Common& common) {
+    if (o.out.empty()) throw InputError("-o: the name of the folder is empty; write -o . for this one");
+    const auto rows = fitting(cross(select_forms(o.forms), select_formats(o.formats)), [](Shape shape) { return shape == Shape::sphere; });
+    if (rows.empty()) throw NothingSelected("render shades spheres, and none of the selected intersectors meets one; try -i 'sphere.*'");
+    const auto scenes = load(o, common);
+    const ThreadLimit limit(common.threads);
+
+    std::vector<RenderRequest> requests;
+    std::uint64_t units = 0, unproved = 0;
+    for (const auto& scene : scenes) {
+        requests.push_back({.scene = &scene, .stages = stages_of(scene, o, common.quiet), .rows = rows});
+        units += static_cast<std::uint64_t>(scene.width) * static_cast<std::uint64_t>(scene.height) * rows.size();
+    }
+    // A folder that cannot be written ends the run before the first ray, not after the tenth scene.
+    for (const auto& scene : scenes) output::AtomicFile probe(std::filesystem::path(o.out) / scene.id / "summary.csv");
+
+    output::Progress progress(units, "render", common.progress, common.quiet);
+    for (RenderRequest& request : requests) {
+        request.progress = [&progress](std::uint64_t done) {
+            progress.advance(done);
+            stop_if_interrupted();
+        };
+        unproved += render_scene(request, o, common);
+    }
+    progress.finish();
+    if (unproved > 0 && !common.quiet)
+        fmt::print(stderr, "lostbits: {} pixels have something that {} bits did not prove; they are counted as `unresolved` and drawn as such\n", unproved, PictureLimit{}.bits);
+    return unproved == 0 ? Exit::done : Exit::internal;
+}
+
+}  // namespace
+
+void add_render(CLI::App& program, const Common& common, Command& chosen) {
+    auto* command = program.add_subcommand("render", "A scene's picture, stage by stage, in the arithmetic of a form and format, against the certified picture");
+    const auto o = std::make_shared<RenderOptions>();
+    command->add_option("SCENE", o->scenes, "Scene files, or names in data/scenes; of spheres")->required();
+    command->add_option("-i,--intersector", o->forms, "Forms that find hits and shadows, by name or glob (default: sphere.expanded)");
+    command->add_option("-f,--format", o->formats, "Formats: f32, f64, fp16, bf16, tf32, pN, pA..pB (default: f32)");
+    command->add_option("--stage", o->stages, "visible, diffuse, shadows, phong; may be repeated (default: the last that the scene asks for)")
+        ->check(CLI::IsMember(std::vector<std::string>(scene::stage_names.begin(), scene::stage_names.end())));
+    command->add_option("--size", o->size, "Picture size, WxH in pixels (default: the scene's)");
+    command->add_option("--variant", o->variant, "One variant of a scene that has several (default: all)");
+    command->add_option("--set", o->set, "Change a number of the scene first: light.position=[9,9,9]");
+    command->add_option("-o,--out", o->out, "Folder for the results")->required();
+    command->callback([o, &common, &chosen] { chosen = [o, &common] { return run(*o, common); }; });
+}
+
+}  // namespace lostbits::analysis
