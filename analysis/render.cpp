@@ -49,6 +49,7 @@ std::vector<scene::Scene> load(const RenderOptions& o, const Common& common) {
         if (!o.variant.empty()) options.variant = o.variant;
         for (auto& scene : scene::load_scene(name.path, options)) {
             if (!ids.insert(scene.id).second) throw InputError(fmt::format("{}: scene \"{}\" is given twice; both would write to the same folder", word, scene.id));
+            if (scene.flake) throw InputError(fmt::format("{}: the spheres of [sphereflake] have no colours, so that there is no picture to render; `lostbits map` takes it", scene.path.string()));
             if (!scene.meets(Shape::sphere)) throw InputError(fmt::format("{}: render shades spheres, and scene \"{}\" has none; `lostbits map` takes it", scene.path.string(), scene.id));
             scenes.push_back(std::move(scene));
         }

@@ -100,7 +100,7 @@ void form(benchmark::State& state, const Kernel& kernel) {
     const auto stored = [](const std::vector<double>& x) { return std::vector<S>(x.begin(), x.end()); };
     const auto ox = stored(set.ox), oy = stored(set.oy), oz = stored(set.oz), dx = stored(set.dx), dy = stored(set.dy), dz = stored(set.dz);
     const auto cast = [](double x) { return static_cast<S>(x); };
-    const Sphere<S> sphere{Vec<S>(cast(set.sphere.centre.x), cast(set.sphere.centre.y), cast(set.sphere.centre.z)), cast(set.sphere.radius)};
+    const Solid<S> sphere(Sphere<S>{Vec<S>(cast(set.sphere.centre.x), cast(set.sphere.centre.y), cast(set.sphere.centre.z)), cast(set.sphere.radius)});
     std::vector<S> t(ray_count), near(ray_count), far(ray_count);
     std::vector<std::uint8_t> hit(ray_count);
     for (auto _ : state) {
@@ -112,8 +112,9 @@ void form(benchmark::State& state, const Kernel& kernel) {
 
 void self(benchmark::State& state, const Intersector& i) {
     const RaySet& set = near_rays();
+    const Solid<double> sphere(set.sphere);
     for (auto _ : state) {
-        for (std::size_t r = 0; r < ray_count; ++r) benchmark::DoNotOptimize(without_rounding(i, set[r], set.sphere));
+        for (std::size_t r = 0; r < ray_count; ++r) benchmark::DoNotOptimize(without_rounding(i, set[r], sphere));
     }
     count_rays(state);
 }

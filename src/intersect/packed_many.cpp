@@ -142,6 +142,14 @@ std::span<const ManyRow> rows_of() {
 
 }  // namespace
 
+ManyRow many_kernels(const Intersector& form) {
+    const auto table = intersectors();
+    for (std::size_t i = 0; i < table.size(); ++i) {
+        if (table[i].info == form.info && table[i].native32 == form.native32 && table[i].native64 == form.native64) return many_rows(current_isa())[i];
+    }
+    return {form.info, nullptr, nullptr, nullptr, nullptr};
+}
+
 std::span<const ManyRow> many_rows(Isa isa) {
     if (packed_rows(isa).empty()) return {};
     switch (isa) {

@@ -42,4 +42,7 @@ struct ManyRow {
 /// Every form, in the order of `intersectors()`; `scalar` goes solid by solid. Empty where `isa` is not available.
 std::span<const ManyRow> many_rows(Isa isa);
 
+/// The kernels at `current_isa()` of a row of the table; all null for a row that is not the table's.
+ManyRow many_kernels(const Intersector& form);
+
 }  // namespace lostbits

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "intersect/table.hpp"
+#include "measure/culling.hpp"
 #include "measure/truth.hpp"
 #include "scene/family.hpp"
 #include "scene/rays.hpp"
@@ -26,6 +27,7 @@ struct FormatInputs {
     /// The truth of these inputs; empty where they are the ideal ones, or where no metric asks.
     std::vector<Truth> own_truth;
     bool ideal = false;  ///< the inputs are exactly those of the truth
+    std::shared_ptr<const SphereIndex> index = {};  ///< candidates among the solids for each ray; null: all of them
 
     [[nodiscard]] const scene::RayBlock& rays_for(const Info& info) const {
         return info.direction == Direction::unit ? unit_rays : rays;
@@ -44,8 +46,9 @@ struct BandNeeds {
 /// Rows [y0, y1) of a scene.
 class Band {
 public:
-    /// Finds the truth of every pixel, in parallel over the pixels.
-    Band(const scene::Scene& scene, int y0, int y1, TruthLimit limit = {});
+    /// Finds the truth of every pixel, in parallel over the pixels. `culler`, of the same scene, spares the solids that cannot matter;
+    /// it outlives the band.
+    Band(const scene::Scene& scene, int y0, int y1, TruthLimit limit = {}, Culler* culler = nullptr);
     /// Rays that are already stored numbers, with their solids: what a step of a sweep evaluates.
     Band(scene::RayBlock rays, std::vector<Solid<double>> solids, TruthLimit limit = {}) : Band(scene::RayGroup{std::move(rays), std::move(solids)}, limit) {}
     explicit Band(scene::RayGroup group, TruthLimit limit = {});
@@ -67,6 +70,9 @@ public:
 private:
     void find_truth_of_all();
 
+    [[nodiscard]] Truth find_truth_of(std::size_t i, Touching touching) const;
+
+    Culler* culler_ = nullptr;
     const scene::Scene* scene_ = nullptr;    ///< for own inputs, whose solids each format rounds itself
     int y0_ = 0, rows_ = 0;
     TruthLimit limit_;

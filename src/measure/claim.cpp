@@ -107,11 +107,12 @@ double trace_value(const Claim& claim, const scene::Scene& scene) {
     const MarchLog log = march_log(*row.form, row.format, OneRay(scene, 0, 0));
     if (claim.metric == "steps") return static_cast<double>(log.steps.size());
     if (claim.metric == "hit") return log.hit.hit ? 1 : 0;
+    if (claim.metric == "end") return log.hit.t;
     if (static_cast<std::size_t>(*claim.step) >= log.steps.size()) return missing;
     const MarchStep& s = log.steps[static_cast<std::size_t>(*claim.step)];
     const std::map<std::string, double> columns{{"t", s.t}, {"x", s.p.x}, {"y", s.p.y}, {"z", s.p.z}, {"length", s.size}, {"d", s.d}};
     const auto found = columns.find(claim.metric);
-    if (found == columns.end()) scene::fail(claim.where, "unknown metric \"" + claim.metric + "\"; a step has t, x, y, z, length, d, and its march has steps and hit");
+    if (found == columns.end()) scene::fail(claim.where, "unknown metric \"" + claim.metric + "\"; a step has t, x, y, z, length, d, and its march has steps, hit and end");
     return found->second;
 }
 

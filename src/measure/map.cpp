@@ -156,8 +156,9 @@ std::vector<MapSummary> run_map(const MapRequest& request, const std::vector<Map
     for (std::size_t r = 0; r < request.rows.size(); ++r) summaries.emplace_back(request.metrics);
 
     const auto formats = needs_by_format(request.rows, request.metrics);
+    Culler culler(scene);
     for (int y0 = 0; y0 < scene.height; y0 += band_rows(scene.width)) {
-        Band band(scene, y0, std::min(scene.height, y0 + band_rows(scene.width)), request.limit);
+        Band band(scene, y0, std::min(scene.height, y0 + band_rows(scene.width)), request.limit, &culler);
         if (needs_of(request.metrics) & needs_condition) band.find_condition();
         std::map<std::string, FormatInputs> inputs;
         for (const auto& [name, needs] : formats) inputs.emplace(name, band.inputs(*find_format(name), needs));

@@ -18,7 +18,7 @@ OneRay::OneRay(const scene::Scene& scene, const Ray<double>& ray) {
     if (scene.inputs != scene::Inputs::shared) throw InputError("--ray: scene " + scene.id + " has inputs = \"own\", which are ideal numbers that no ray is given in; use --pixel");
     scene::RayGroup group;
     group.rays = {1, 0, 1, {ray.origin.x}, {ray.origin.y}, {ray.origin.z}, {ray.direction.x}, {ray.direction.y}, {ray.direction.z}};
-    for (const auto& solid : scene.solids()) group.solids.push_back(scene::round_solid(solid, binary32));
+    group.solids = scene::shared_solids(scene);
     if (scene.march) group.march = scene::round_march(*scene.march, binary32);
     band_ = std::make_unique<Band>(std::move(group));
 }

@@ -78,7 +78,7 @@ public:
         : band_(band), limit_(limit), has_light_(scene.appearance.light.has_value()), points_(pixel_points<S>(scene, band.y0(), band.y0() + band.rows())) {
         if constexpr (std::is_same_v<S, double>) {
             rays_ = scene::make_shared_rays(scene, band.y0(), band.y0() + band.rows());
-            for (const auto& s : scene.solids()) solids_.push_back(scene::round_solid(s, binary32));
+            solids_ = scene::shared_solids(scene);
             look_ = shared_look(scene.appearance);
         } else {
             rays_ = scene::make_own_rays(scene, band.y0(), band.y0() + band.rows());

@@ -75,33 +75,48 @@ Truth escalate(const Ray<S>& ray, const Solid<S>& solid, TruthLimit limit, Touch
     return truth;
 }
 
-template <class S>
-Truth find(const Ray<S>& ray, std::span<const Solid<S>> solids, TruthLimit limit, Touching touching, double tmax) {
+/// Takes the truth about solid `i` into what is known of the solids before it.
+void join(const Truth& of_one, int i, Truth& best) {
+    const bool touches = best.touches || of_one.touches;
+    const int bits = std::max(best.bits, of_one.bits);
+    if (of_one.decision == Truth::Decision::unresolved || best.decision == Truth::Decision::unresolved) {
+        best.decision = Truth::Decision::unresolved;
+    } else if (of_one.is_hit() && (!best.is_hit() || compare(of_one.t, best.t) < 0)) {
+        best = of_one;
+        best.object = i;
+    } else if (of_one.is_hit() && compare(of_one.t, best.t) == 0) {
+        best.t = nearer(best.t, of_one.t);
+        best.distance = nearer(best.distance, of_one.distance);
+    }
+    best.bits = bits;
+    best.touches = touches;
+}
+
+/// `at(k)` is the place of the k-th of `count` solids to ask about.
+template <class S, class At>
+Truth find(const Ray<S>& ray, std::span<const Solid<S>> solids, std::size_t count, const At& at, TruthLimit limit, Touching touching, double tmax) {
     Truth best;
     if (!is_ray(ray) || !(tmax >= 0)) return best;
     const Ray<Ball> quick = lift_ray<Ball>(ray);
-    for (std::size_t i = 0; i < solids.size(); ++i) {
-        if (!is_solid(solids[i])) continue;
+    for (std::size_t k = 0; k < count; ++k) {
+        const Solid<S>& solid = solids[at(k)];
+        if (!is_solid(solid)) continue;
         Truth one;
         one.bits = 106;
-        if (!settle(enclose_until(quick, lift_solid<Ball>(solids[i]), tmax), touching, one)) one = escalate(ray, solids[i], limit, touching, tmax);
-        const bool touches = best.touches || one.touches;
-        const int bits = std::max(best.bits, one.bits);
-        one.object = static_cast<int>(i);
-        if (one.decision == Truth::Decision::unresolved || best.decision == Truth::Decision::unresolved) {
-            best.decision = Truth::Decision::unresolved;
-        } else if (one.is_hit() && !best.is_hit()) {
-            best = one;
-        } else if (one.is_hit() && compare(one.t, best.t) < 0) {
-            best = one;
-        } else if (one.is_hit() && compare(one.t, best.t) == 0) {
-            best.t = nearer(best.t, one.t);
-            best.distance = nearer(best.distance, one.distance);
-        }
-        best.bits = bits;
-        best.touches = touches;
+        if (!settle(enclose_until(quick, lift_solid<Ball>(solid), tmax), touching, one)) one = escalate(ray, solid, limit, touching, tmax);
+        join(one, static_cast<int>(at(k)), best);
     }
     return best;
+}
+
+template <class S>
+Truth find_all(const Ray<S>& ray, std::span<const Solid<S>> solids, TruthLimit limit, Touching touching, double tmax) {
+    return find(ray, solids, solids.size(), [](std::size_t k) { return k; }, limit, touching, tmax);
+}
+
+template <class S>
+Truth find_some(const Ray<S>& ray, std::span<const Solid<S>> solids, std::span<const std::uint32_t> among, TruthLimit limit, Touching touching) {
+    return find(ray, solids, among.size(), [among](std::size_t k) { return std::size_t{among[k]}; }, limit, touching, HUGE_VAL);
 }
 
 /// −1, 0, +1 as t* lies below, at or above the dyadic number m > 0, or nothing where this precision does not tell: with P(t) = a t² + 2 h t + c, the near root (from
@@ -147,10 +162,17 @@ double round_exactly(const Truth& truth, const Ray<S>& ray, const Solid<S>& soli
 }  // namespace
 
 Truth find_truth(const Ray<double>& ray, std::span<const Solid<double>> solids, TruthLimit limit, Touching touching, double tmax) {
-    return find(ray, solids, limit, touching, tmax);
+    return find_all(ray, solids, limit, touching, tmax);
 }
 Truth find_truth(const Ray<Real>& ray, std::span<const Solid<Real>> solids, TruthLimit limit, Touching touching, double tmax) {
-    return find(ray, solids, limit, touching, tmax);
+    return find_all(ray, solids, limit, touching, tmax);
+}
+
+Truth find_truth_among(const Ray<double>& ray, std::span<const Solid<double>> solids, std::span<const std::uint32_t> among, TruthLimit limit, Touching touching) {
+    return find_some(ray, solids, among, limit, touching);
+}
+Truth find_truth_among(const Ray<Real>& ray, std::span<const Solid<Real>> solids, std::span<const std::uint32_t> among, TruthLimit limit, Touching touching) {
+    return find_some(ray, solids, among, limit, touching);
 }
 
 bool is_proper(const Ray<double>& ray) { return is_ray(ray); }

@@ -45,6 +45,10 @@ struct TruthLimit {
 Truth find_truth(const Ray<double>& ray, std::span<const Solid<double>> solids, TruthLimit limit = {}, Touching touching = Touching::hit, double tmax = HUGE_VAL);
 Truth find_truth(const Ray<Real>& ray, std::span<const Solid<Real>> solids, TruthLimit limit = {}, Touching touching = Touching::hit, double tmax = HUGE_VAL);
 
+/// The same where the ray can meet none but the solids named by `among`, which are in rising order.
+Truth find_truth_among(const Ray<double>& ray, std::span<const Solid<double>> solids, std::span<const std::uint32_t> among, TruthLimit limit, Touching touching);
+Truth find_truth_among(const Ray<Real>& ray, std::span<const Solid<Real>> solids, std::span<const std::uint32_t> among, TruthLimit limit, Touching touching);
+
 bool is_proper(const Ray<double>& ray);
 bool is_proper(const Ray<Real>& ray);
 bool is_proper(const Solid<double>& solid);

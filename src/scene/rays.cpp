@@ -65,6 +65,15 @@ RayBlock round_block(const RayBlock& block, const FloatFormat& f) {
     return to;
 }
 
+std::vector<Solid<double>> shared_solids(const Scene& scene) {
+    std::vector<Solid<double>> all;
+    all.reserve(scene.spheres.size() + scene.boxes.size() + (scene.flake ? scene.flake->size() : 0));
+    for (const SphereSpec& s : scene.spheres) all.push_back(round_solid(Solid<Real>(s), binary32));
+    for (const BoxSpec& b : scene.boxes) all.push_back(round_solid(Solid<Real>(b), binary32));
+    if (scene.flake) for_each_sphere(*scene.flake, [&all](const Sphere<double>& s) { all.push_back(round_solid(Solid<double>(s), binary32)); });
+    return all;
+}
+
 Solid<double> round_solid(const Solid<Real>& spec, const FloatFormat& f) {
     return transformed(spec, [&f](const Real& x) { return round_to_format(x, f); });
 }

@@ -42,6 +42,9 @@ RayBlock round_rays(const IdealRayBlock& ideal, const FloatFormat& f);
 /// Each component rounded once to F: shared inputs in a format narrower than binary32. The identity where F holds them.
 RayBlock round_block(const RayBlock& block, const FloatFormat& f);
 
+/// The solids of a scene, in its order, each number rounded once to binary32.
+std::vector<Solid<double>> shared_solids(const Scene& scene);
+
 /// The solid, each number rounded once to F. A radius that rounds to zero is kept, as above.
 Solid<double> round_solid(const Solid<Real>& spec, const FloatFormat& f);
 Solid<double> round_solid(const Solid<double>& solid, const FloatFormat& f);

@@ -235,11 +235,12 @@ Scene SceneFile::interpret(const Variant* variant, const LoadOptions& options) c
         scene.spheres.push_back(read_sphere(table, numbers));
     }
     for (TableReader& table : file.tables("box")) scene.boxes.push_back(read_box(table, numbers));
+    if (auto flake = file.optional_table("sphereflake")) scene.flake = read_sphereflake(*flake);
     if (auto march = file.optional_table("march")) scene.march = read_march(*march, scene.inputs);
     file.reject_unknown_keys();
-    if (scene.spheres.empty() && scene.boxes.empty())
+    if (scene.shapes().empty())
         file.fail_at("sphere", "is missing; a scene has at least one [[sphere]] with centre and radius, or [[box]] with lo and hi");
-    if (!scene.spheres.empty() && !scene.boxes.empty() && !scene.march)
+    if (scene.shapes().size() > 1 && !scene.march)
         file.fail_at("box", "beside [[sphere]] leaves no form that meets both but those that march; write two scenes, or a [march] table");
     return scene;
 }
@@ -247,12 +248,17 @@ Scene SceneFile::interpret(const Variant* variant, const LoadOptions& options) c
 std::vector<Solid<Real>> Scene::solids() const {
     std::vector<Solid<Real>> all(spheres.begin(), spheres.end());
     all.insert(all.end(), boxes.begin(), boxes.end());
+    if (flake) {
+        for_each_sphere(*flake, [&all](const Sphere<double>& s) {
+            all.emplace_back(Sphere<Real>{{Real(s.centre.x), Real(s.centre.y), Real(s.centre.z)}, Real(s.radius)});
+        });
+    }
     return all;
 }
 
 std::vector<Shape> Scene::shapes() const {
     std::vector<Shape> found;
-    if (!spheres.empty()) found.push_back(Shape::sphere);
+    if (!spheres.empty() || flake) found.push_back(Shape::sphere);
     if (!boxes.empty()) found.push_back(Shape::box);
     return found;
 }

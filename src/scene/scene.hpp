@@ -11,6 +11,7 @@
 #include "intersect/march.hpp"
 #include "number/real.hpp"
 #include "scene/appearance.hpp"
+#include "scene/sphereflake.hpp"
 #include "scene/toml_tree.hpp"
 
 namespace lostbits::scene {
@@ -51,6 +52,7 @@ struct Scene {
     Camera camera;
     std::vector<SphereSpec> spheres;  ///< a scene has spheres or boxes; both only with `march`
     std::vector<BoxSpec> boxes;
+    std::optional<Sphereflake> flake;  ///< its spheres come after the others
     std::optional<MarchConstants<Real>> march;  ///< absent: the scene asks for no sphere tracing
     Appearance appearance;  ///< for pictures of it
     std::filesystem::path path;
@@ -60,7 +62,7 @@ struct Scene {
     [[nodiscard]] bool meets(Shape shape) const;
     /// The shapes of its solids, each once.
     [[nodiscard]] std::vector<Shape> shapes() const;
-    /// All of them, in the file's order.
+    /// All of them, in the file's order: spheres, boxes, the flake. Some 300 bytes each: see `shared_solids` for many.
     [[nodiscard]] std::vector<Solid<Real>> solids() const;
 };
 

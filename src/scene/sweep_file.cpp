@@ -182,7 +182,7 @@ std::vector<RayGroup> SweepFile::rays(const std::vector<double>& values) const {
     options.overrides = std::move(changes);
     const Scene scene = scene_->load(options).front();
     RayGroup group{make_shared_rays(scene, 0, scene.height), {}};
-    for (const Solid<Real>& s : scene.solids()) group.solids.push_back(round_solid(s, binary32));
+    group.solids = shared_solids(scene);
     if (scene.march) group.march = round_march(*scene.march, binary32);
     return {std::move(group)};
 }

@@ -3,6 +3,7 @@
 #include <array>
 
 #include "intersect/catalogue.hpp"
+#include "intersect/sdf/field.hpp"
 #include "number/archetype.hpp"
 
 namespace lostbits::test {
@@ -23,5 +24,17 @@ instantiate_boxes(FormList<Form...>) {
 }
 
 extern const auto boxes_over_archetype = instantiate_boxes(BoxForms{});
+
+using ArchetypeField = Archetype (*)(const Vec<Archetype>&);
+
+template <class... Form>
+std::array<Hit<Archetype> (*)(const Ray<Archetype>&, const ArchetypeField&, const MarchConstants<Archetype>&, sdf::Unwatched&), sizeof...(Form)>
+instantiate_marches(FormList<Form...>) {
+    return {&Form::template intersect<Archetype, ArchetypeField, sdf::Unwatched>...};
+}
+
+extern const auto marches_over_archetype = instantiate_marches(SdfForms{});
+extern Archetype (*const sphere_over_archetype)(const Sphere<Archetype>&, const Vec<Archetype>&) = &sdf::distance<Archetype>;
+extern Archetype (*const box_over_archetype)(const Box<Archetype>&, const Vec<Archetype>&) = &sdf::distance<Archetype>;
 
 }  // namespace lostbits::test

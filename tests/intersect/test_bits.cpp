@@ -158,11 +158,11 @@ void compare_rows() {
                 for (std::size_t c = 0; c < 6; ++c) ray[c] = batch.column[c][k];
                 lifted.add(ray);
             }
-            native_of<S>(row)(batch.rays(), scene.sphere, batch.hits());
+            native_of<S>(row)(batch.rays(), Solid<S>(scene.sphere), batch.hits());
             if (row.rounded) {
-                const Sphere<double> sphere{
+                const Solid<double> sphere(Sphere<double>{
                     Vec<double>(scene.sphere.centre.x, scene.sphere.centre.y, scene.sphere.centre.z),
-                    scene.sphere.radius};
+                    scene.sphere.radius});
                 row.rounded(f, lifted.rays(), sphere, lifted.hits());
             }
             for (std::size_t k = 0; k < batch.hit.size(); ++k) {
@@ -205,7 +205,7 @@ TEST_CASE("a narrower row rounds its inputs on the way in", "[intersect][bits]")
     const Intersector& row = sphere_intersectors()[0];
     Batch<double> batch;
     batch.add({0.1, 0, -5, 0, 0, 1});
-    row.rounded(binary16, batch.rays(), Sphere<double>{Vec<double>(0, 0, 0), 1.0}, batch.hits());
+    row.rounded(binary16, batch.rays(), Solid<double>(Sphere<double>{Vec<double>(0, 0, 0), 1.0}), batch.hits());
     const Hit<Half> want = sphere::Schoolbook::intersect(
         Ray<Half>{Vec<Half>(Half(0.1), Half(0), Half(-5)), Vec<Half>(Half(0), Half(0), Half(1))},
         Sphere<Half>{Vec<Half>(Half(0), Half(0), Half(0)), Half(1)});

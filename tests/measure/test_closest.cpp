@@ -14,10 +14,10 @@ TEST_CASE("passing on the closest t changes no answer of a closed form, and the 
     static const Info info{.name = "box.shy", .title = "-", .source = "-"};
     Intersector shy = intersectors(Shape::box).front();
     shy.info = &info;
-    shy.native32 = [](const RayBatch<float>& rays, const Solid<float>& solid, const HitBatch<float>& hits) {
+    shy.native32 = [](const RayBatch<float>& rays, const Target<float>& target, const HitBatch<float>& hits) {
         for (std::size_t i = 0; i < rays.size(); ++i) {
             hits.hit[i] = rays.tmax.empty() || !(rays.tmax[i] < 1e30F);
-            hits.t[i] = hits.near[i] = hits.far[i] = -solid.numbers[0];
+            hits.t[i] = hits.near[i] = hits.far[i] = -target.solids.front().numbers[0];
         }
     };
     CHECK(differs_with_closest({&shy, *find_format("f32")}, 8) > 0.5);

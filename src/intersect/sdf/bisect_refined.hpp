@@ -20,16 +20,17 @@ struct BisectRefined {
         constexpr int doublings = 8;
         const T zero(0), two(2);
         const auto m = march(ray, field, c, watch, [&](const T& d, const T&) { return d < c.hit_eps; });
-        auto inside = m.d < zero;  // the last step went through the surface already
+        auto inside = m.hit && m.d < zero;  // the last step went through the surface already
         T low = select(inside, m.t_before, m.t);
         T high = m.t;
         T reach = c.hit_eps;
         for (int i = 0; i < doublings && any_of(m.hit && !inside); ++i) {
-            high = select(inside, high, m.t + reach);
-            inside = inside || field(along(ray, high)) < zero;
+            const auto outside = m.hit && !inside;
+            high = select(outside, m.t + reach, high);
+            inside = inside || (outside && field(along(ray, high)) < zero);
             reach = reach + reach;
         }
-        for (int i = 0; i < c.bisect_steps && any_of(m.hit && inside); ++i) {
+        for (int i = 0; i < c.bisect_steps && any_of(inside); ++i) {
             const T middle = (low + high) / two;
             const auto beyond = field(along(ray, middle)) < zero;
             high = select(beyond, middle, high);
