@@ -33,7 +33,7 @@ const std::array<Vec<double>, 9>& seats() {
 void grow(const Sphere<double>& sphere, const Vec<double>& w, int levels, const std::function<void(const Sphere<double>&)>& take) {
     take(sphere);
     if (levels == 0) return;
-    const Vec<double> e = std::fabs(w.x) > 0.9 ? Vec<double>(0, 1, 0) : Vec<double>(1, 0, 0);
+    const Vec<double> e = std::fabs(w.x) > 0.8 ? Vec<double>(0, 1, 0) : Vec<double>(1, 0, 0);
     const Vec<double> u = unit(cross(e, w)), v = cross(w, u);
     const double reach = sphere.radius + sphere.radius / 3;
     for (const Vec<double>& seat : seats()) {

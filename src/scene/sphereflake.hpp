@@ -11,7 +11,7 @@ namespace lostbits::scene {
 /// A sphere with `levels` generations on it: (9^(levels + 1) − 1)/8 spheres. Each sphere of radius r, whose axis is w, carries nine
 /// of radius r/3 that touch it from outside: six around its equator, at 60° from each other, and three at the height √(2/3)
 /// above it, at 120°. The axis of a child points away from its parent; u = e × w/|e × w| is where angles start, with e the x axis,
-/// or the y axis where |w.x| > 0.9; v = w × u.
+/// or the y axis where |w.x| > 0.8; v = w × u.
 struct Sphereflake {
     int levels = 0;
     Vec<double> centre{0, 0, 0};
