@@ -11,6 +11,7 @@
 #include "output/claim_files.hpp"
 #include "output/contact_sheet.hpp"
 #include "output/map_colour.hpp"
+#include "output/march_text.hpp"
 #include "output/number_text.hpp"
 #include "output/render_sheet.hpp"
 #include "output/sweep_planes.hpp"
@@ -109,6 +110,15 @@ std::string picture_scene(const std::filesystem::path& folder, const std::vector
     }
     sheet.finish(outcome_legend(total));
     return fmt::format("![{}](pictures/{})\n", scene.title, file);
+}
+
+/// The marches along a scene's first pixel, sample by sample.
+std::string trace_text(const std::vector<MapRow>& rows, const std::string& name, const std::filesystem::path& data_dir) {
+    const auto found = scene::find_scene(name, data_dir);
+    const OneRay ray(scene::load_scene(found.path, {.variant = found.variant}).front(), 0, 0);
+    std::string text;
+    for (const MapRow& row : rows) text += fmt::format("```\n{}```\n", march_table(*row.form, row.format, ray));
+    return text;
 }
 
 /// The pictures of a rendered scene, of all stages that its claims name.
@@ -210,6 +220,7 @@ std::string row_text(const Claim& c, const ClaimResult& r) {
                                                             : "**no longer measures as stated**";
     const std::string what = c.onset.empty() ? c.metric : fmt::format("onset of {} {} {}", c.onset, c.statistic, decimal(c.threshold));
     std::string place = c.stage ? "stage " + std::string(name_of(*c.stage)) : c.case_name;
+    if (c.step) place = fmt::format("sample {}", *c.step);
     for (const double x : c.at) place += (place.empty() ? "at " : ", ") + decimal(x);
     return fmt::format("| {} | {}{} | {} | {} = {} | `{}` |\n", verdict, cell(c.statement), c.note.empty() ? "" : " <br> *" + cell(c.note) + "*",
                        cell(fmt::format("{}{}{}", c.form.empty() ? c.row : c.form, " " + c.format, place.empty() ? "" : ", " + place)), what, rounded(r.measured), c.id);
@@ -232,7 +243,9 @@ void write_claim_report(const std::filesystem::path& folder, const std::vector<C
     for (const Subject& subject : subjects_of(claims)) {
         const Claim& first = claims[subject.claims.front()];
         text += fmt::format("\n## {}\n\n", subject.name);
-        if (!first.scene.empty()) text += picture_scene(folder, rows_of(subject, claims), subject.name, data_dir) + "\n";
+        const bool traced = std::ranges::all_of(subject.claims, [&](std::size_t i) { return claims[i].step.has_value(); });
+        if (traced) text += trace_text(rows_of(subject, claims), subject.name, data_dir) + "\n";
+        else if (!first.scene.empty()) text += picture_scene(folder, rows_of(subject, claims), subject.name, data_dir) + "\n";
         else if (!first.render.empty()) text += picture_render(folder, subject, claims, data_dir) + "\n";
         else if (!first.sweep.empty()) text += picture_sweep(folder, rows_of(subject, claims), subject.name, shown_of(subject, claims), data_dir) + "\n";
         std::string source;

@@ -1,0 +1,124 @@
+// Marches from the outside: explain, the maps of iterations and stops, sweeps of the constants.
+#include <algorithm>
+
+#include "catch.hpp"
+#include "program.hpp"
+
+using namespace lostbits::test;
+
+namespace {
+
+bool has(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+
+}  // namespace
+
+TEST_CASE("explain prints a march sample by sample") {
+    const auto r = run("explain sdf-seed-003.off-axis --pixel 0,0 -i sdf.sphere_trace -f f64");
+    REQUIRE(r.code == 0);
+    CHECK(has(r.out, "1.0293462564704334"));  // |p| of the second sample, where the seed has 1.030
+    CHECK(has(r.out, "step by 0.001297"));
+    CHECK(has(r.out, "of 53 bits lost"));
+    CHECK(std::count(r.out.begin(), r.out.end(), '\n') == 11);
+    const auto same = run("explain sdf-seed-003.off-axis --ray 0,0,3,0x1.978fd4p-4,0,-0x1.fd73cap-1 -i sdf.sphere_trace");
+    CHECK(same.code == 0);
+    CHECK(has(same.out, "1.02934623"));
+    CHECK(has(run("explain sdf-seed-003.miss --pixel 0,0 -i sdf.sphere_trace").out, "miss: t > 20"));
+    CHECK(has(run("explain sdf-seed-003.off-axis --pixel 0,0 -i sdf.sphere_trace --set march.hit_eps=1e-9 --set march.max_steps=30").out, "no step: t + d = t"));
+}
+
+TEST_CASE("explain says what is wrong with its arguments") {
+    const std::string scene = "explain sdf-seed-003.on-axis ";
+    const auto refused = [](const std::string& arguments, const std::string& words) {
+        const auto r = run(arguments);
+        INFO(arguments << ": " << r.err);
+        CHECK(r.code == 2);
+        CHECK(r.out.empty());
+        CHECK(has(r.err, words));
+    };
+    refused(scene + "-i sdf.sphere_trace", "--pixel X,Y");
+    refused(scene + "--pixel 1,0 -i sdf.sphere_trace", "columns 0 to 0");
+    refused(scene + "--pixel 0.5,0 -i sdf.sphere_trace", "not a pixel");
+    refused(scene + "--pixel a,0 -i sdf.sphere_trace", "is no number");
+    refused(scene + "--ray 0,0,3,0,0 -i sdf.sphere_trace", "six numbers");
+    refused(scene + "--ray 0,0,3,0,0,0 -i sdf.sphere_trace", "direction not zero");
+    refused(scene + "--pixel 0,0 -i sdf.sphere_trce", "sdf.sphere_trace");
+    refused(scene + "--pixel 0,0 -i sdf.sphere_trace -f f33", "f32");
+    refused("explain sdf-seed-003 --pixel 0,0 -i sdf.sphere_trace", "name one");
+    refused("explain grazing --pixel 0,0 -i sdf.sphere_trace", "cannot be asked of it");
+}
+
+TEST_CASE("maps of marches: iterations, why they ended, model and rounding error on one sheet") {
+    const Scratch scratch;
+    const std::string out = scratch.path().string();
+    const auto r = run("map sdf-union -i sdf.sphere_trace -i sdf.secant_refined --size 32x24 --metric iterations --metric stop --metric model_error --metric rounding_error "
+                       "--pixels csv -o '" + out + "'");
+    INFO(r.err);
+    REQUIRE(r.code == 0);
+    for (const char* file : {"contact.png", "contact.stop.png", "contact.model_error.png", "sdf.sphere_trace.f32.stop.png", "sdf.sphere_trace.f64.iterations.png"}) {
+        CHECK(std::filesystem::exists(scratch.path() / "sdf-union" / file));
+    }
+    CHECK_FALSE(std::filesystem::exists(scratch.path() / "sdf-union/contact.rounding_error.png"));  // on the sheet of model_error
+    const auto summary = read_csv(scratch.path() / "sdf-union/summary.csv");
+    REQUIRE(summary.size() == 4);
+    for (const auto& row : summary) {
+        CHECK(std::stoi(row.at("stop_hit")) + std::stoi(row.at("stop_max_dist")) + std::stoi(row.at("stop_max_steps")) + std::stoi(row.at("stop_stagnated")) == 32 * 24);
+        CHECK(std::stoi(row.at("stop_hit")) == std::stoi(row.at("agree_hit")) + std::stoi(row.at("false_hit")));
+        CHECK(std::stod(row.at("iterations_max")) <= 64);
+        CHECK(row.count("worst_radius_hex") == 1);
+        CHECK(row.count("worst_hi_z_hex") == 1);
+    }
+    const auto pixels = read_csv(scratch.path() / "sdf-union/sdf.sphere_trace.f32.csv");
+    REQUIRE(pixels.size() == 32 * 24);
+    for (const auto& p : pixels) {
+        CHECK((p.at("stop") == "hit") == (p.at("outcome") == "agree_hit" || p.at("outcome") == "false_hit"));
+        CHECK(std::stoi(p.at("iterations")) >= 1);
+    }
+}
+
+TEST_CASE("metrics of marches are asked of forms that march") {
+    const Scratch scratch;
+    const auto r = run("map grazing -i sphere.press -f f32 --metric iterations -o '" + scratch.path().string() + "'");
+    CHECK(r.code == 2);
+    CHECK(has(r.err, "--metric iterations"));
+    CHECK(scratch.files().empty());
+    CHECK(run("map grazing -i 'sdf.*' -o '" + scratch.path().string() + "'").code == 4);
+    CHECK(run("map sdf-union -i 'sphere.*' -o '" + scratch.path().string() + "'").code == 4);
+}
+
+TEST_CASE("a sweep over the constants of a march: onsets of standing still, the split of the error, the same bytes for any -j") {
+    const Scratch scratch;
+    const std::string sweep = scratch.write("s.toml", R"(schema = "lostbits-sweep/1"
+title = "A test"
+source = "-"
+[march]
+max_steps = 100
+[family]
+distance = 4
+impact_to = 0.9
+views = 1
+rays = 8
+[[axis]]
+name = "hit_eps"
+spacing = "log2"
+from = 1e-3
+to = "0x1p-26"
+steps = 6
+set = ["march.hit_eps"]
+)");
+    const auto at = [&](const char* folder) { return (scratch.path() / folder).string(); };
+    REQUIRE(run("sweep '" + sweep + "' -i 'sdf.*' -f f32 -j 1 -o '" + at("one") + "'").code == 0);
+    REQUIRE(run("sweep '" + sweep + "' -i 'sdf.*' -f f32 -j 2 -o '" + at("two") + "'").code == 0);
+    CHECK(run("diff '" + at("one") + "' '" + at("two") + "'").code == 0);
+    bool found = false;
+    for (const auto& row : read_csv(scratch.path() / "one/s/onsets.csv")) {
+        if (row.at("form") != "sdf.sphere_trace" || row.at("event") != "stagnated") continue;
+        found = true;
+        CHECK(row.at("found") == "1");
+        const double bad = std::stod(row.at("first_bad_hit_eps"));  // half an ulp of t in [2, 4) is 2^-23
+        CHECK(bad <= 0x1p-23);
+        CHECK(bad > 0x1p-24);
+    }
+    CHECK(found);
+    for (const char* file : {"unfinished.f32.png", "iterations.f32.png", "split.sdf.sphere_trace.f32.png"}) CHECK(std::filesystem::exists(scratch.path() / "one/s" / file));
+    for (const auto& row : read_csv(scratch.path() / "one/s/samples.csv")) CHECK(row.count("model_error_p50") == 1);
+}
