@@ -109,7 +109,7 @@ struct SceneWork {
 
 SceneWork work_on(const scene::Scene& scene, const MapOptions& o, const std::vector<MapRow>& rows, const std::vector<const Metric*>& wanted) {
     SceneWork work{{.scene = &scene, .rows = fitting(rows, [&](Shape shape) { return scene.meets(shape); }), .metrics = {}}, {}};
-    work.map.metrics = measured(wanted, work.map.rows, "scene " + scene.id);
+    work.map.metrics = measured(wanted, work.map.rows);
     if (o.bits_needed > 0) work.needed = NeededRequest{.scene = &scene, .forms = forms_of_any_width(work.map.rows), .bits = o.bits_needed};
     return work;
 }
@@ -172,6 +172,8 @@ Exit run(const MapOptions& o, const Common& common) {
     for (const auto& scene : scenes) output::AtomicFile probe(std::filesystem::path(o.out) / scene.id / "summary.csv");
     if (o.bits_needed > 0 && !common.quiet) note_skipped(works);
 
+    for (const SceneWork& work : works) that_apply(drawn, work.map.rows, "scene " + work.map.scene->id);
+
     std::uint64_t units = 0, unresolved = 0;
     for (const SceneWork& work : works) units += work.units();
     output::Progress progress(units, "map", common.progress, common.quiet);
@@ -182,7 +184,7 @@ Exit run(const MapOptions& o, const Common& common) {
     for (SceneWork& work : works) {
         work.map.progress = advance;
         if (work.needed) work.needed->progress = advance;
-        unresolved += map_scene(work, o, common, drawn);
+        unresolved += map_scene(work, o, common, that_apply(drawn, work.map.rows, work.map.scene->id));
     }
     progress.finish();
     if (unresolved == 0) return Exit::done;

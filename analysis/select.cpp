@@ -63,16 +63,28 @@ std::vector<const Metric*> select_metrics(const std::vector<std::string>& globs)
     return chosen;
 }
 
-std::vector<const Metric*> measured(const std::vector<const Metric*>& asked, const std::vector<MapRow>& rows, const std::string& what) {
-    const bool marches = std::ranges::any_of(rows, [](const MapRow& row) { return row.form->shape == Shape::sdf; });
+namespace {
+
+bool any_marches(const std::vector<MapRow>& rows) {
+    return std::ranges::any_of(rows, [](const MapRow& row) { return row.form->shape == Shape::sdf; });
+}
+
+}  // namespace
+
+std::vector<const Metric*> that_apply(std::vector<const Metric*> asked, const std::vector<MapRow>& rows, const std::string& what) {
+    if (asked.empty() || any_marches(rows)) return asked;
+    const std::string first(asked.front()->name);
+    std::erase_if(asked, [](const Metric* m) { return m->over == Over::marches; });
+    if (asked.empty()) throw InputError(fmt::format("--metric {}: {} is asked of no form that marches; add -i 'sdf.*', or a [march] table to it", first, what));
+    return asked;
+}
+
+std::vector<const Metric*> measured(const std::vector<const Metric*>& asked, const std::vector<MapRow>& rows) {
+    const bool marches = any_marches(rows);
     std::vector<const Metric*> all;
     for (const Metric& m : metrics()) {
         const bool named = std::ranges::find(asked, &m) != asked.end();
-        if (m.over == Over::marches && !marches) {
-            if (named) throw InputError(fmt::format("--metric {}: {} is asked of no form that marches; add -i 'sdf.*', or a [march] table to it", m.name, what));
-            continue;
-        }
-        if (m.by_default || named) all.push_back(&m);
+        if ((m.by_default || named) && (marches || m.over != Over::marches)) all.push_back(&m);
     }
     return all;
 }

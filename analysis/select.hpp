@@ -28,9 +28,12 @@ std::vector<Format> select_formats(const std::vector<std::string>& names);
 /// Metrics by name or glob, in the order asked for. InputError with did-you-mean.
 std::vector<const Metric*> select_metrics(const std::vector<std::string>& globs);
 
-/// The default metrics and those that were asked for, in the table's order. Those of marches are there only where a row marches;
-/// InputError where one of them was asked for and none does: `what` is the scene or sweep.
-std::vector<const Metric*> measured(const std::vector<const Metric*>& asked, const std::vector<MapRow>& rows, const std::string& what);
+/// Those of the metrics that any of the rows has: the ones of marches go where no row marches. InputError where that leaves none;
+/// `what` is the scene or sweep.
+std::vector<const Metric*> that_apply(std::vector<const Metric*> asked, const std::vector<MapRow>& rows, const std::string& what);
+
+/// The default metrics and those that were asked for, as far as they apply, in the table's order.
+std::vector<const Metric*> measured(const std::vector<const Metric*>& asked, const std::vector<MapRow>& rows);
 
 /// Every selected form in every selected format that it exists in. NothingSelected where that leaves none.
 std::vector<MapRow> cross(const std::vector<const Intersector*>& forms, const std::vector<Format>& formats);

@@ -45,7 +45,7 @@ struct Chosen {
 void run_case_file(const std::filesystem::path& path, const Chosen& chosen, const SweepOptions& o, const Common& common) {
     const scene::CaseFile file(path);
     const auto rows = fitting(chosen.rows, [&](Shape shape) { return file.meets(shape); });
-    CaseRequest request{.file = &file, .rows = {}, .metrics = measured(chosen.asked, rows, "sweep " + file.id)};
+    CaseRequest request{.file = &file, .rows = {}, .metrics = measured(chosen.asked, rows)};
     for (MapRow row : rows) {
         for (const auto& judged : file.conventions) {
             row.judged = judged;
@@ -72,7 +72,7 @@ void run_axes(const std::filesystem::path& path, const Chosen& chosen, const Swe
     if (std::ranges::any_of(request.rows, [](const MapRow& row) { return row.form->shape == Shape::sdf; })) {
         for (const char* name : {"model_error", "rounding_error"}) asked.push_back(find_metric(name));
     }
-    request.metrics = measured(asked, request.rows, "sweep " + sweep.id);
+    request.metrics = measured(asked, request.rows);
     for (MapRow& row : request.rows) row.judged = sweep.convention;
     const auto folder = std::filesystem::path(o.out) / sweep.id;
     output::SweepFiles files(request, folder);
@@ -94,7 +94,7 @@ void run_axes(const std::filesystem::path& path, const Chosen& chosen, const Swe
 void run_search(const std::filesystem::path& path, const Chosen& chosen, const SweepOptions& o, const Common& common) {
     const scene::SearchFile search(path);
     WorstRequest request{.search = &search, .rows = fitting(chosen.rows, [&](Shape shape) { return search.shape == shape; }), .metrics = {}};
-    request.metrics = measured({find_metric(search.metric)}, request.rows, path.string());
+    request.metrics = measured({find_metric(search.metric)}, request.rows);
     const auto folder = std::filesystem::path(o.out) / search.id;
     { const output::AtomicFile probe(folder / "worst.csv"); }  // a folder that cannot be written ends the run before the search
     output::Progress progress(request.rows.size(), search.id, common.progress, common.quiet);

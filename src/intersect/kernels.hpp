@@ -5,9 +5,9 @@
 
 #include "intersect/catalogue.hpp"
 #include "intersect/march_watch.hpp"
-#include "intersect/sdf/field.hpp"
 #include "intersect/table.hpp"
 #include "intersect/takes.hpp"
+#include "intersect/union_field.hpp"
 
 namespace lostbits {
 

@@ -11,8 +11,8 @@
 
 #include "intersect/packed.hpp"
 #include "intersect/packed_many.hpp"
-#include "intersect/sdf/field.hpp"
 #include "intersect/sdf/march_loop.hpp"
+#include "intersect/union_field.hpp"
 #include "measure/conditioning.hpp"
 #include "measure/unit_direction.hpp"
 #include "scene/march_table.hpp"

@@ -24,8 +24,8 @@ std::vector<RayGroup> easy_boxes() { return scene::box_family_rays({.aim = BoxFa
 
 /// Half of the rays inside by the gap, half outside.
 std::vector<RayGroup> edge_boxes() {
-    auto groups = scene::box_family_rays({.aim = BoxFamily::Aim::edge, .gap = -0x1p-20});
-    std::ranges::move(scene::box_family_rays({.aim = BoxFamily::Aim::edge, .gap = 0x1p-20}), std::back_inserter(groups));
+    auto groups = scene::box_family_rays({.aim = BoxFamily::Aim::edge, .gap = -0x1p-23});
+    std::ranges::move(scene::box_family_rays({.aim = BoxFamily::Aim::edge, .gap = 0x1p-23}), std::back_inserter(groups));
     return groups;
 }
 
@@ -38,7 +38,7 @@ constexpr RaySet sphere_sets[] = {
 
 constexpr RaySet box_sets[] = {
     {"easy", "boxes 4 sizes away, aimed at the inside", easy_boxes},
-    {"edge-grazing", "boxes 4 sizes away, aimed 2^-20 sizes inside and outside of an edge", edge_boxes},
+    {"edge-grazing", "boxes 4 sizes away, aimed 2^-23 sizes inside and outside of an edge", edge_boxes},
 };
 
 constexpr std::uint64_t pool_seed = 7;

@@ -79,7 +79,7 @@ void ContactSheet::draw_cell(Canvas& page, int x, int y, const Cell& cell) const
             }
         }
     } else {
-        const auto text = fit_text(backend_, "no such map", style::small_size, false, thumb_width_ - 4);
+        const auto text = fit_text(backend_, "not in this format", style::small_size, false, thumb_width_ - 4);
         page.text(x + 1 + (thumb_width_ - text.width) / 2, y + 1 + (thumb_height_ - text.height) / 2, text,
                   style::soft_ink);
     }

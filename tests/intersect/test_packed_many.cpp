@@ -147,12 +147,12 @@ TEST_CASE("the rows for many solids are the catalogue's, each with the kernels o
         INFO(name_of(isa));
         CHECK(many.size() == packed_rows(isa).size());
         for (std::size_t i = 0; i < many.size(); ++i) {
-            const bool box = rows[i].shape == Shape::box, has64 = rows[i].native64 != nullptr;
+            const bool box = rows[i].shape == Shape::box, sphere = rows[i].shape == Shape::sphere, has64 = rows[i].native64 != nullptr;
             CHECK(many[i].info == rows[i].info);
             CHECK((many[i].boxes32 != nullptr) == box);
             CHECK((many[i].boxes64 != nullptr) == (box && has64));
-            CHECK((many[i].spheres32 != nullptr) == !box);
-            CHECK((many[i].spheres64 != nullptr) == (!box && has64));
+            CHECK((many[i].spheres32 != nullptr) == sphere);
+            CHECK((many[i].spheres64 != nullptr) == (sphere && has64));
         }
     }
 }

@@ -2,9 +2,7 @@
 // tracing", The Visual Computer 12 (1996).
 #pragma once
 
-#include <span>
-
-#include "geometry/solid.hpp"
+#include "geometry/shapes.hpp"
 
 namespace lostbits::sdf {
 
@@ -24,25 +22,5 @@ T distance(const Box<T>& box, const Vec<T>& p) {
     const T outside = length(Vec<T>(max(q.x, zero), max(q.y, zero), max(q.z, zero)));
     return outside + min(max(q.x, max(q.y, q.z)), zero);
 }
-
-template <Number T>
-T distance(const Solid<T>& solid, const Vec<T>& p) {
-    return solid.shape == Shape::sphere ? distance(solid.sphere(), p) : distance(solid.box(), p);
-}
-
-/// The union of solids: the least of their distances, taken in their order.
-template <Number T>
-class Union {
-public:
-    explicit Union(std::span<const Solid<T>> solids) : solids_(solids) {}
-    T operator()(const Vec<T>& p) const {
-        T least = distance(solids_.front(), p);
-        for (const Solid<T>& solid : solids_.subspan(1)) least = min(least, distance(solid, p));
-        return least;
-    }
-
-private:
-    std::span<const Solid<T>> solids_;
-};
 
 }  // namespace lostbits::sdf

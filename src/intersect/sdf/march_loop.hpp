@@ -13,7 +13,7 @@ struct Unwatched {
     void operator()(const M& /*active*/, const T& /*t*/, const Vec<T>& /*p*/, const T& /*d*/) const {}
 };
 
-/// Where a march stands when it ends: its last sample and the one before (the same where there was one alone).
+/// Where a march stands when it ends: its last sample and the one before (t = d = 0 where there was one alone).
 template <class T>
 struct Marched {
     mask_t<T> hit;
@@ -36,7 +36,7 @@ Marched<T> march(const Ray<T>& ray, const Field& field, const MarchConstants<T>&
         const Vec<T> p = along(ray, m.t);
         const T d = field(p);
         watch(active, m.t, p, d);
-        m.d_before = select(active, i == 0 ? d : m.d, m.d_before);
+        m.d_before = select(active, m.d, m.d_before);
         m.d = select(active, d, m.d);
         m.hit = m.hit || (active && close(d, m.t));
         active = active && !m.hit;

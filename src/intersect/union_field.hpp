@@ -1,0 +1,31 @@
+// The field of any solids together: what the forms that march are given.
+#pragma once
+
+#include <span>
+
+#include "geometry/solid.hpp"
+#include "intersect/sdf/field.hpp"
+
+namespace lostbits::sdf {
+
+template <Number T>
+T distance(const Solid<T>& solid, const Vec<T>& p) {
+    return solid.shape == Shape::sphere ? distance(solid.sphere(), p) : distance(solid.box(), p);
+}
+
+/// The union of solids: the least of their distances, taken in their order.
+template <Number T>
+class Union {
+public:
+    explicit Union(std::span<const Solid<T>> solids) : solids_(solids) {}
+    T operator()(const Vec<T>& p) const {
+        T least = distance(solids_.front(), p);
+        for (const Solid<T>& solid : solids_.subspan(1)) least = min(least, distance(solid, p));
+        return least;
+    }
+
+private:
+    std::span<const Solid<T>> solids_;
+};
+
+}  // namespace lostbits::sdf
