@@ -9,6 +9,7 @@
 #include "output/case_files.hpp"
 #include "output/report/picture.hpp"
 #include "output/report/sweep_data.hpp"
+#include "output/report/text.hpp"
 #include "output/scene_sheet.hpp"
 #include "output/sweep_planes.hpp"
 #include "output/sweep_plots.hpp"
@@ -35,6 +36,12 @@ private:
     MapSink *a_, *b_;
 };
 
+std::vector<std::string> keys_of(const std::vector<MapRow>& rows) {
+    std::vector<std::string> keys;
+    for (const MapRow& row : rows) keys.push_back(page::row_key(row));
+    return keys;
+}
+
 page::SweepPart case_part(const SweepWork& work) {
     const scene::CaseFile file(work.path);
     CaseRequest request{.file = &file, .rows = {}, .metrics = measured({find_metric("inherent_bits"), find_metric("excess_bits")}, work.rows, "sweep " + file.id)};
@@ -45,7 +52,7 @@ page::SweepPart case_part(const SweepWork& work) {
         }
     }
     const auto cases = run_cases(request);
-    page::SweepPart part{file.id, file.title, file.note, file.source, {}, {}, {}};
+    page::SweepPart part{file.id, file.title, file.note, file.source, keys_of(work.rows), {}, {}, {}};
     for (const auto& judged : file.conventions) {
         const std::string alt = judged ? fmt::format("{}, by the {} solid", file.title, convention_name(judged)) : file.title;
         part.pictures.push_back(page::picture(alt, [&](const auto& to) { output::write_case_matrix(to, request, cases, judged); }));
@@ -68,7 +75,7 @@ page::SweepPart axes_part(const SweepWork& work, const Advance& advance) {
     for (MapRow& row : request.rows) row.judged = sweep.convention;
     request.progress = [&advance](std::uint64_t) { advance(0); };
     const auto steps = run_sweep(request);
-    page::SweepPart part{sweep.id, sweep.title, sweep.note, sweep.source, {}, {}, {}};
+    page::SweepPart part{sweep.id, sweep.title, sweep.note, sweep.source, keys_of(work.rows), {}, {}, {}};
     if (sweep.axes.size() == 2) {
         for (std::size_t r = 0; r < request.rows.size(); ++r) {
             const std::string alt = fmt::format("{}: {} in {}", sweep.title, request.rows[r].form->info->name, request.rows[r].format.name);
@@ -100,7 +107,7 @@ page::MapPart map_part(MapWork& work, const Advance& advance) {
     const auto summaries = run_map(request, sinks);
     sheet.finish(summaries);
     work.unresolved = summaries.front().count(Outcome::unresolved);
-    return {scene.id, scene.title, scene.note, scene.source, data.index(summaries, work.own_size), data.blobs(), page::summary_table(request, summaries),
+    return {scene.id, scene.title, scene.note, scene.source, keys_of(work.rows), data.index(summaries, work.own_size), data.blobs(), page::summary_table(request, summaries),
             {fmt::format("{}: lost bits of every form and format", scene.title), page::bytes_of(file)}, work.own_size};
 }
 

@@ -25,11 +25,16 @@ std::string metric_of(const std::string& column) {
     return std::string(best);
 }
 
+template <class Part>
+bool has_row(const Part& part, const Claim& c) {
+    return std::ranges::find(part.rows, fmt::format("{}.{}", c.form, c.format)) != part.rows.end();
+}
+
 /// The view of the page that shows what a claim was measured on.
 std::optional<std::string> view_of(const Claim& c, const ClaimResult& r, const Report& report) {
     if (!c.scene.empty()) {
         const auto part = std::ranges::find(report.maps, c.scene, &MapPart::id);
-        if (part == report.maps.end()) return {};
+        if (part == report.maps.end() || !has_row(*part, c)) return {};
         std::string view = fmt::format("scene={}&form={}&format={}", c.scene, c.form, c.format);
         if (const std::string m = metric_of(c.metric); !m.empty()) view += "&metric=" + m;
         if (r.witness.x >= 0 && part->own_size) view += fmt::format("&x={}&y={}", r.witness.x, r.witness.y);
@@ -38,7 +43,7 @@ std::optional<std::string> view_of(const Claim& c, const ClaimResult& r, const R
     if (c.sweep.empty()) return {};
     const std::string id = std::filesystem::path(c.sweep).stem().string();
     const auto part = std::ranges::find(report.sweeps, id, &SweepPart::id);
-    if (part == report.sweeps.end()) return {};
+    if (part == report.sweeps.end() || !has_row(*part, c)) return {};
     if (part->json.empty()) return "sweep-" + id;
     std::string view = fmt::format("sweep={}&form={}&format={}", id, c.form, c.format);
     const std::string column = c.onset == "lost_bits" ? "lost_bits_" + c.statistic : c.onset.empty() ? c.metric : c.onset + "_fraction";

@@ -33,6 +33,7 @@ async function start() {
     });
     addEventListener("popstate", follow);
     addEventListener("hashchange", follow);
+    for (const part of document.querySelectorAll("details.part")) part.open = false;  // they stand open where no script can
     settle();
     if (location.hash.includes("=")) await follow();
     else await Promise.all(listeners.map((show) => show([])));

@@ -114,14 +114,29 @@ async function drawInspector(at) {
     const map = mapNow(), pinned = at === undefined, { x, y } = at ?? state;
     if (x < 0) {
         mapParts.inspector.replaceChildren(make("p", {}, "Point at the picture to see a ray's numbers; click, or move with the arrow keys, to keep them."),
-            make("p", {}, "Wheel, + and − zoom; drag moves; 0 shows all; m and M change the metric, [ and ] the form, x swaps the compared halves."));
+            make("p", {}, "Wheel, + and − zoom; drag moves; 0 shows all; m and M change the metric, [ and ] the form; w goes to the worst pixel; x swaps the compared halves."));
         delete mapParts.inspector.dataset.pixel;
         return;
     }
     await showPixel(mapParts.inspector, map, rowNow(), x, y, pinned);
 }
 
+/** The pixel under the pointer in a line, and, while none is chosen, in the inspector. */
+async function hover({ x, y }) {
+    const map = mapNow(), metric = metricNow(), pixels = await pixelsOf(map, rowNow()), i = y * map.width + x;
+    const value = metric.kind === "classes" ? NaN : valueAt(pixels, metric, i);
+    const text = Number.isNaN(value) ? "" : `, ${words(metric.name)} ${metric.categories ? words(metric.categories[value][0]) : rounded(value)}`;
+    mapParts.under.textContent = `${x}, ${y}: ${words(outcomeNames[pixels.outcome[i]])}${text}`;
+    if (state.x < 0) await drawInspector({ x, y });
+}
+
+function toWorst() {
+    const { worst } = rowNow();
+    return worst && look({ x: worst.x, y: worst.y, ...(state.zoom > 1 ? centredAt(mapNow(), worst.x, worst.y) : {}) });
+}
+
 const mapKeys = {
+    w: toWorst,
     ArrowLeft: () => step(-1, 0), ArrowRight: () => step(1, 0), ArrowUp: () => step(0, -1), ArrowDown: () => step(0, 1),
     "+": () => look(centred(state.zoom * 2)), "=": () => look(centred(state.zoom * 2)), "-": () => look(centred(state.zoom / 2)), 0: () => look({ zoom: 1 }),
     m: () => turn("metric", metricsOf(mapNow()).filter((m) => !m.marches || state.form.startsWith("sdf.")).map((m) => m.name), 1),
@@ -179,16 +194,17 @@ function buildMaps() {
     Object.assign(mapParts, {
         pickers: make("div", { className: "pickers" }), what: make("p", { className: "what" }), canvas: make("canvas", { id: "map", tabIndex: 0, role: "img" }),
         slider: make("input", { type: "range", min: 0, max: 1, step: "any", id: "split", "aria-label": "where the compared half begins" }),
-        legend: make("div", { className: "legend" }), inspector: make("div", { className: "inspector", id: "inspector", "aria-live": "polite" }), copied: make("pre", { className: "copied", hidden: true }),
+        under: make("p", { className: "hint", id: "under" }, "\u00a0"), legend: make("div", { className: "legend" }), inspector: make("div", { className: "inspector", id: "inspector", "aria-live": "polite" }), copied: make("pre", { className: "copied", hidden: true }),
     });
     const { canvas, slider, copied } = mapParts;
     const command = (which) => commandsFor(mapNow(), rowNow(), Math.max(0, state.x), Math.max(0, state.y), metricNow())[which];
     const buttons = make("div", { className: "buttons" },
+        make("button", { type: "button", id: "worst", onclick: toWorst }, "worst pixel"),
         make("button", { type: "button", id: "copy-command", onclick: () => copyText(command("map"), copied) }, "copy the command"),
         make("button", { type: "button", id: "copy-explain", onclick: () => copyText(command("explain"), copied) }, "copy the command for this ray"),
         make("button", { type: "button", id: "copy-claim", onclick: () => copyText(claimFor(mapNow(), rowNow(), metricNow()), copied) }, "copy as claim"),
         make("button", { type: "button", id: "copy-link", onclick: () => copyText(location.href, copied) }, "copy the link"));
-    root.append(mapParts.pickers, mapParts.what, make("div", { className: "stage" }, make("div", { className: "picture" }, canvas, slider, mapParts.legend),
+    root.append(mapParts.pickers, mapParts.what, make("div", { className: "stage" }, make("div", { className: "picture" }, canvas, slider, mapParts.under, mapParts.legend),
         make("div", { className: "side" }, mapParts.inspector, buttons, copied)), make("div", { id: "panes" }));
     mapParts.ownSize = buttons.querySelectorAll("#copy-explain, #copy-claim");
     root.hidden = false;
@@ -197,8 +213,11 @@ function buildMaps() {
         canvas.focus();
         look(pixelUnder(canvas, mapNow(), event));
     });
-    canvas.addEventListener("pointermove", (event) => state.x < 0 && drawInspector(pixelUnder(canvas, mapNow(), event)));
-    canvas.addEventListener("pointerleave", () => state.x < 0 && drawInspector());
+    canvas.addEventListener("pointermove", (event) => hover(pixelUnder(canvas, mapNow(), event)));
+    canvas.addEventListener("pointerleave", () => {
+        mapParts.under.textContent = "\u00a0";
+        if (state.x < 0) drawInspector();
+    });
     canvas.addEventListener("keydown", (event) => {
         if (event.key === "Escape") look({ x: -1, y: -1 });
         else if (!event.ctrlKey && !event.metaKey && !event.altKey && mapKeys[event.key]) mapKeys[event.key]();

@@ -81,7 +81,7 @@ std::string maps_section(const Report& report) {
     if (report.maps.empty()) return "";
     std::string text = "<section id=\"maps\"><h2>Maps</h2>\n<div id=\"map-view\" hidden></div>\n";
     for (const MapPart& m : report.maps) {
-        text += fmt::format("<details class=\"part\" id=\"scene-{}\"><summary>{} <code>{}</code></summary>\n{}{}<noscript>{}</noscript></details>\n", html(m.id), html(m.title), html(m.id),
+        text += fmt::format("<details open class=\"part\" id=\"scene-{}\"><summary>{} <code>{}</code></summary>\n{}{}<noscript>{}</noscript></details>\n", html(m.id), html(m.title), html(m.id),
                             about(m.note, m.source), m.table, image(m.sheet));
     }
     return text + "</section>\n";
@@ -92,7 +92,7 @@ std::string sweeps_section(const Report& report) {
     std::string text = "<section id=\"sweeps\"><h2>Sweeps</h2>\n<div id=\"sweep-view\" hidden></div>\n";
     if (plot_script.text.empty()) text += "<p>This program was built without uPlot, so the plots are pictures.</p>\n";
     for (const SweepPart& s : report.sweeps) {
-        text += fmt::format("<details class=\"part\" id=\"sweep-{}\"><summary>{} <code>{}</code></summary>\n{}{}{}</details>\n", html(s.id), html(s.title), html(s.id),
+        text += fmt::format("<details open class=\"part\" id=\"sweep-{}\"><summary>{} <code>{}</code></summary>\n{}{}{}</details>\n", html(s.id), html(s.title), html(s.id),
                             about(s.note, s.source), s.table, s.json.empty() ? images(s.pictures) : instead_of_plots(s.pictures));
     }
     return text + "</section>\n";
@@ -102,7 +102,7 @@ std::string trades_section(const Report& report) {
     if (report.trades.empty()) return "";
     std::string text = "<section id=\"trade\"><h2>Speed against accuracy</h2>\n<p>Times are of the run that made this page, on its machine.</p>\n<div id=\"trade-view\" hidden></div>\n";
     for (const TradePart& t : report.trades) {
-        text += fmt::format("<details class=\"part\"><summary>{}</summary><pre>{}</pre>{}</details>\n", html(t.shape), html(t.words), instead_of_plots(t.pictures));
+        text += fmt::format("<details open class=\"part\"><summary>{}</summary><pre>{}</pre>{}</details>\n", html(t.shape), html(t.words), instead_of_plots(t.pictures));
     }
     return text + "</section>\n";
 }

@@ -18,6 +18,7 @@ struct Picture {
 
 struct MapPart {
     std::string id, title, note, source;
+    std::vector<std::string> rows;  ///< `row_key` of each
     std::string index;  ///< JSON of `MapData::index`
     std::vector<Blob> blobs;
     std::string table;  ///< HTML, see `summary_table`
@@ -28,6 +29,7 @@ struct MapPart {
 /// A sweep, or a file of cases, which has pictures alone.
 struct SweepPart {
     std::string id, title, note, source;
+    std::vector<std::string> rows;  ///< `row_key` of each
     std::string json;  ///< of `sweep_json`; empty where there is nothing to plot
     std::string table;
     std::vector<Picture> pictures;  ///< shown where scripts or uPlot are missing; always where `json` is empty

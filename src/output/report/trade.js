@@ -14,7 +14,7 @@ function plotTrade(set) {
         ...plotSize(tradeParts.element),
         scales: { x: { time: false, distr: 3, log: 2, range: () => logEnds(x) }, y: { range: (_, low, high) => [0, Math.max(4, high + 2)] } },
         axes: [{ ...axisLook("time a ray, ns"), values: (_, ticks) => ticks.map(tickText) }, axisLook("bits that 99 % of the hits keep")],
-        legend: { live: false },
+        legend: { live: false, markers: { fill: (u, k) => (k >= 4 ? "#fafaf8" : u.series[k].stroke()) } },
         cursor: { points: { show: false } },
         series: [{}, { label: "nothing beats these", stroke: "#202024", width: 1.25, spanGaps: true, paths: uPlot.paths.stepped({ align: 1 }), points: { show: false } },
             dots("f32", look32, true, 9), dots("f64", look64, true, 9), dots("f32, dominated or at times wrong", look32, false, 6), dots("f64, dominated or at times wrong", look64, false, 6)],
