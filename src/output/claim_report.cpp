@@ -183,7 +183,8 @@ void write_claim_report(const std::filesystem::path& folder, const std::vector<C
     }
     std::string text = fmt::format(
         "# What the sources say, and what is measured\n\nMade by `lostbits check --report reports`; do not edit. {} sentences and parts of sentences: {} hold, {} are refuted{}. Every "
-        "number is of the run that made this page; the tests of lostbits make it anew.\n",
+        "number is of the run that made this page; the tests of lostbits make it anew. `lostbits report` makes a page of them for a browser, where each leads to its pixels or its plot: "
+        "`reports/screenshots` shows what it looks like.\n",
         claims.size(), held, refuted, other == 0 ? "" : fmt::format(", {} could not be judged or changed", other));
     for (const Subject& subject : subjects_of(claims)) {
         const Claim& first = claims[subject.claims.front()];

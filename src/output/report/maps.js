@@ -44,6 +44,7 @@ async function drawMap() {
     const factor = Math.max(1, Math.floor(576 / map.width));
     canvas.width = map.width * factor;
     canvas.height = map.height * factor;
+    canvas.parentElement.style.width = `${canvas.width + 2}px`;  // the slider is as long as the picture, whose frame is a pixel wide
     const fields = await Promise.all([rowNow(), ...(other ? [other] : [])].map(async (row) => paint(map, await pixelsOf(map, row), metric)));
     if (map !== mapNow() || metric !== metricNow()) return;  // something newer is on its way
     drawView(canvas, map, fields[0]);
