@@ -54,12 +54,39 @@ class Planes {
     }
 }
 
+/** Undoes what `MapData::Group` does: bits less 2 last - before, folded, along each row of the picture. In two words of 32 bits. */
+function pointedTo({ low, high }, width, decision) {
+    const values = new Float64Array(low.length);
+    let lastLow = 0, lastHigh = 0, beforeLow = 0, beforeHigh = 0;
+    for (let i = 0; i < values.length; ++i) {
+        if (i % width === 0) lastLow = lastHigh = beforeLow = beforeHigh = 0;
+        if (decision[i] !== 1) continue;
+        const sign = -(low[i] & 1);
+        let l = (((low[i] >>> 1) | (high[i] << 31)) ^ sign) >>> 0, h = (high[i] >>> 1) ^ sign;
+        const add = (a, b) => {
+            const sum = l + a;
+            l = sum >>> 0;
+            h = (h + b + (sum > 0xffffffff ? 1 : 0)) | 0;
+        };
+        add(lastLow, lastHigh);
+        if (beforeLow !== 0 || beforeHigh !== 0) {
+            add(lastLow, lastHigh);
+            add(~beforeLow >>> 0, ~beforeHigh);  // less `before`: plus its complement and one
+            add(1, 0);
+        }
+        [beforeLow, beforeHigh, lastLow, lastHigh] = [lastLow, lastHigh, l, h];
+        values[i] = doubleOf(h, l);
+    }
+    return values;
+}
+
 async function truthOf(map, group) {
     const planes = new Planes(await bytesOf(`truth:${map.id}:${group}`), map.width * map.height);
+    const decision = planes.unsigned(1, Uint8Array);
     return {
-        decision: planes.unsigned(1, Uint8Array),
+        decision,
         object: planes.unsigned(2, Uint16Array),
-        truth: planes.doubles(),
+        truth: pointedTo(planes.wide(), map.width, decision),
         rest: planes.floats(),
         bound: planes.unsigned(2, Int16Array),
         condition: planes.floats(),

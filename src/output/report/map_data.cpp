@@ -44,16 +44,26 @@ struct MapData::Group {
     Group(const MapRow& row, std::size_t n)
         : direction(row.form->info->direction), touching(row.touching()), hit(1, n), object(2, n), truth(8, n), rest(4, n), bound(2, n), condition(4, n) {}
 
+    /// Neighbours' truths lie nearly on a line: of each is kept how far its bits are from where the two before it point to.
+    /// A band holds whole rows, so within one no neighbour is missing.
+    [[nodiscard]] static std::uint64_t pointed_to(std::uint64_t before, std::uint64_t last) { return 2 * last - before; }
+
     [[nodiscard]] bool is_of(const MapRow& row) const { return direction == row.form->info->direction && touching == row.touching(); }
+
+    std::uint64_t last_ = 0, before_ = 0;  ///< bits of the two true hits before, in this row of the picture; 0: none
 
     void take(std::size_t at, std::size_t i, const BandResult& result, bool with_condition) {
         const Truth& t = result.truth(i);
         hit.set(at, static_cast<std::uint64_t>(t.decision));
         object.set(at, static_cast<std::uint64_t>(t.object + 1));
+        if (i % static_cast<std::size_t>(result.width) == 0) last_ = before_ = 0;  // every row begins anew
         if (!t.is_hit()) return;
         const Certified& exact = direction == Direction::unit ? t.distance : t.t;
         const double rounded = result.band->rounded_truth(i, binary64, direction, touching);
-        truth.set(at, rounded);
+        const auto bits = std::bit_cast<std::uint64_t>(rounded);
+        truth.set(at, folded_difference(bits, before_ == 0 ? last_ : pointed_to(before_, last_), 8));
+        before_ = last_;
+        last_ = bits;
         rest.set(at, static_cast<float>(scaled_difference(exact, exactly(rounded), 0)));
         bound.set(at, std::uint64_t{static_cast<std::uint16_t>(bound_exponent(exact))});
         if (with_condition) condition.set(at, static_cast<float>(result.band->condition(i, touching)));

@@ -16,7 +16,7 @@ struct Blob {
 };
 
 /// Takes the results of a map row by row and keeps, exactly,
-///  - once for all rows that share a truth (by direction and touching): whether the ray truly hits, RN64(t*), the rest
+///  - once for all rows that share a truth (by direction and touching): whether the ray truly hits, RN64(t*) (as its distance from where the two hits to the left point), the rest
 ///    t* − RN64(t*) as a float, the bound as a power of two, and κ as a float;
 ///  - for each row: the outcome, the solid, and the bits of t less those of the truth (both as the format holds them):
 ///    most answers are a few ulps away, so most of these are small;
