@@ -5,7 +5,7 @@ const path = require("node:path");
 const { Browser, missing } = require("./browser.js");
 
 const views = [
-    { name: "maps", hash: "#scene=rtg-fig-7-3-4100-oblique&form=sphere.schoolbook&format=f32&other=sphere.half_b.f64&split=0.6&x=110&y=120", height: 980 },
+    { name: "maps", hash: "#scene=rtg-fig-7-3-4100-oblique&form=sphere.schoolbook&format=f32&other=sphere.half_b.f64&split=0.6&x=110&y=120", height: 1020 },
     { name: "sweeps", hash: "#sweep=sphere-distance&statistic=lost_bits_p99&form=sphere.unified&format=f32", at: "#sweeps", height: 720 },
     { name: "claims", at: "#claims", height: 720 },
 ];
