@@ -30,6 +30,7 @@ void add_explain(CLI::App& program, const Common& common, Command& chosen);
 void add_list(CLI::App& program, const Common& common, Command& chosen);
 void add_map(CLI::App& program, const Common& common, Command& chosen);
 void add_render(CLI::App& program, const Common& common, Command& chosen);
+void add_report(CLI::App& program, const Common& common, Command& chosen);
 void add_sweep(CLI::App& program, const Common& common, Command& chosen);
 void add_trade(CLI::App& program, const Common& common, Command& chosen);
 

@@ -60,6 +60,7 @@ Exit run(int argc, char** argv) {
     add_list(program, common, chosen);
     add_map(program, common, chosen);
     add_render(program, common, chosen);
+    add_report(program, common, chosen);
     add_sweep(program, common, chosen);
     add_trade(program, common, chosen);
     try {

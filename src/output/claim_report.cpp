@@ -9,11 +9,10 @@
 #include "output/atomic_file.hpp"
 #include "output/case_files.hpp"
 #include "output/claim_files.hpp"
-#include "output/contact_sheet.hpp"
-#include "output/map_colour.hpp"
 #include "output/march_text.hpp"
 #include "output/number_text.hpp"
 #include "output/render_sheet.hpp"
+#include "output/scene_sheet.hpp"
 #include "output/sweep_planes.hpp"
 #include "output/sweep_plots.hpp"
 
@@ -59,56 +58,13 @@ std::vector<const Metric*> drawn_metrics() {
     return all;
 }
 
-/// Hands a row's lost bits on to the contact sheet.
-class SheetRow final : public MapSink {
-public:
-    SheetRow(ContactSheet& sheet, std::size_t form, std::size_t format, const ColourScale& scale) : sheet_(sheet), form_(form), format_(format), scale_(scale) {}
-    void band(const BandResult& result) override {
-        std::vector<Rgb8> field(result.outcomes.size());
-        for (std::size_t i = 0; i < field.size(); ++i) field[i] = pixel_colour(scale_, result.outcomes[i], result.metrics.front()[i]);
-        sheet_.add_rows(form_, format_, result.y0, field);
-    }
-
-private:
-    ContactSheet& sheet_;
-    std::size_t form_, format_;
-    const ColourScale& scale_;
-};
-
 std::string picture_scene(const std::filesystem::path& folder, const std::vector<MapRow>& rows, const std::string& name, const std::filesystem::path& data_dir) {
     const auto found = scene::find_scene(name, data_dir);
     const scene::Scene scene = scene::load_scene(found.path, {.variant = found.variant}).front();
-    ImageBackend& backend = image_backend();
-    MapRequest request{.scene = &scene, .rows = rows, .metrics = {find_metric("lost_bits")}};
-    const ColourScale scale = metric_scale(*request.metrics.front(), rows, backend);
-    std::vector<std::string> forms, formats;
-    const auto place = [](std::vector<std::string>& names, const std::string& one) {
-        const auto at = std::ranges::find(names, one) - names.begin();
-        if (static_cast<std::size_t>(at) == names.size()) names.push_back(one);
-        return static_cast<std::size_t>(at);
-    };
-    std::vector<std::pair<std::size_t, std::size_t>> places;
-    for (const MapRow& r : rows) {
-        const auto full = r.form->info->name;
-        const std::size_t form = place(forms, std::string(full.substr(full.find('.') + 1)));
-        places.emplace_back(form, place(formats, r.format.name));
-    }
-    const auto pixels = static_cast<std::uint64_t>(scene.width) * static_cast<std::uint64_t>(scene.height);
+    const MapRequest request{.scene = &scene, .rows = rows, .metrics = {find_metric("lost_bits")}};
     const std::string file = scene.id + ".png";
-    ContactSheet sheet(backend, folder / "pictures" / file,
-                       {.title = scene.title, .subtitle = {fmt::format("{}, {} x {} rays", scene.id, scene.width, scene.height)}, .forms = forms, .formats = formats,
-                        .field_width = scene.width, .field_height = scene.height, .scale = scale, .unit = "lost bits", .legend = widest_legend(pixels * rows.size())});
-    std::vector<std::unique_ptr<SheetRow>> sinks;
-    std::vector<MapSink*> handed;
-    for (const auto& [form, format] : places) handed.push_back(sinks.emplace_back(std::make_unique<SheetRow>(sheet, form, format, scale)).get());
-    MapSummary total;
-    const auto summaries = run_map(request, handed);
-    for (std::size_t r = 0; r < rows.size(); ++r) {
-        total.rays += summaries[r].rays;
-        for (std::size_t o = 0; o < total.outcomes.size(); ++o) total.outcomes[o] += summaries[r].outcomes[o];
-        sheet.set_note(places[r].first, places[r].second, fmt::format("p99 {:.1f} bits lost", summaries[r].metrics.front().quantile(0.99)));
-    }
-    sheet.finish(outcome_legend(total));
+    SceneSheet sheet(request, folder / "pictures" / file);
+    sheet.finish(run_map(request, sheet.sinks()));
     return fmt::format("![{}](pictures/{})\n", scene.title, file);
 }
 
@@ -238,7 +194,8 @@ void write_claim_report(const std::filesystem::path& folder, const std::vector<C
     }
     std::string text = fmt::format(
         "# What the sources say, and what is measured\n\nMade by `lostbits check --report reports`; do not edit. {} sentences and parts of sentences: {} hold, {} are refuted{}. Every "
-        "number is of the run that made this page; the tests of lostbits make it anew.\n",
+        "number is of the run that made this page; the tests of lostbits make it anew. `lostbits report` makes a page of them for a browser, where each leads to its pixels or its plot: "
+        "`reports/screenshots` shows what it looks like.\n",
         claims.size(), held, refuted, other == 0 ? "" : fmt::format(", {} could not be judged or changed", other));
     for (const Subject& subject : subjects_of(claims)) {
         const Claim& first = claims[subject.claims.front()];

@@ -1,0 +1,235 @@
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <fnmatch.h>
+
+#include <algorithm>
+#include <memory>
+#include <set>
+
+#include "commands.hpp"
+#include "output/atomic_file.hpp"
+#include "report_parts.hpp"
+#include "scene/case_file.hpp"
+#include "scene/claims_file.hpp"
+#include "scene/did_you_mean.hpp"
+#include "scene/report_file.hpp"
+#include "scene/sweep_file.hpp"
+#include "select.hpp"
+#include "signals.hpp"
+
+namespace lostbits::analysis {
+namespace {
+
+using scene::Claim;
+
+struct ReportOptions {
+    std::vector<std::string> subjects, forms, formats, metrics, claims;
+    std::string size, out;
+    bool all = false, no_claims = false, trade = false;
+};
+
+/// What a report is about: files of scenes (some with one variant) and of sweeps.
+struct Subjects {
+    std::vector<scene::SceneName> scenes;
+    std::vector<std::filesystem::path> sweeps;
+};
+
+std::vector<std::string> ids_in(const std::filesystem::path& folder) {
+    std::vector<std::string> ids;
+    for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+        if (entry.path().extension() == ".toml") ids.push_back(entry.path().stem().string());
+    }
+    std::ranges::sort(ids);
+    return ids;
+}
+
+bool is_sweep_file(const std::filesystem::path& path) {
+    const scene::Node root = scene::read_toml(path);
+    const scene::Node* const schema = root.find("schema");
+    return schema != nullptr && schema->text.starts_with("lostbits-sweep/");
+}
+
+/// A path, or the name of a scene (perhaps with a variant) or of a sweep; scenes come first.
+void add_subject(Subjects& subjects, const std::string& word, const std::filesystem::path& data) {
+    if (std::filesystem::is_regular_file(word)) {
+        if (is_sweep_file(word)) subjects.sweeps.push_back(word);
+        else subjects.scenes.push_back({word});
+        return;
+    }
+    auto names = ids_in(data / "scenes");
+    const auto sweeps = ids_in(data / "sweeps");
+    const auto has = [&word](const std::vector<std::string>& all) { return std::ranges::find(all, word) != all.end(); };
+    const bool scene = std::ranges::any_of(names, [&word](const std::string& n) { return word == n || word.starts_with(n + "."); });
+    if (scene) subjects.scenes.push_back(scene::find_scene(word, data));
+    else if (has(sweeps) || word.find('/') != std::string::npos) subjects.sweeps.push_back(scene::find_sweep(word, data));
+    else {
+        names.insert(names.end(), sweeps.begin(), sweeps.end());
+        throw InputError(word + ": neither a file nor a scene or sweep under " + data.string() + "; " + scene::did_you_mean(word, names));
+    }
+}
+
+Subjects subjects_of(const ReportOptions& o, const scene::ReportFile& defaults, const std::filesystem::path& data) {
+    Subjects subjects;
+    for (const auto& word : o.subjects) add_subject(subjects, word, data);
+    if (o.all) {
+        for (const auto& path : scene::scene_files(data)) subjects.scenes.push_back({path});
+        for (const auto& id : ids_in(data / "sweeps")) subjects.sweeps.push_back(data / "sweeps" / (id + ".toml"));
+    } else if (o.subjects.empty()) {
+        for (const auto& word : defaults.scenes) subjects.scenes.push_back(scene::find_scene(word, data));
+        for (const auto& word : defaults.sweeps) subjects.sweeps.push_back(scene::find_sweep(word, data));
+    }
+    return subjects;
+}
+
+std::vector<Claim> read_all_claims(const std::filesystem::path& data) {
+    std::vector<Claim> claims;
+    for (const auto& path : scene::claim_files((data / "claims").string())) {
+        for (Claim& claim : scene::read_claims(path)) {
+            if (claim.profile == Claim::Profile::results) claims.push_back(std::move(claim));
+        }
+    }
+    return claims;
+}
+
+/// Those selected and those that a claim on the subject names, in the order of the catalogue. `-i` leaves the claims' out.
+std::vector<MapRow> rows_for(const std::string& subject, std::vector<MapRow> rows, const std::vector<Claim>& claims, bool with_claims) {
+    for (const Claim& c : claims) {
+        if (!with_claims || c.form.empty() || !(c.scene == subject || std::filesystem::path(c.sweep).stem() == subject)) continue;
+        const MapRow row{claim_row(c).form, claim_row(c).format};
+        if (std::ranges::none_of(rows, [&row](const MapRow& r) { return r.form == row.form && r.format == row.format; })) rows.push_back(row);
+    }
+    const auto place = [](const MapRow& row) { return row.form - lostbits::intersectors().data(); };
+    std::ranges::stable_sort(rows, [&place](const MapRow& a, const MapRow& b) { return place(a) < place(b); });
+    return rows;
+}
+
+struct Work {
+    std::vector<MapWork> maps;
+    std::vector<SweepWork> sweeps;
+    std::vector<Claim> claims;
+    std::uint64_t units = 0;
+};
+
+void plan_sweep(Work& work, const std::filesystem::path& path, const std::filesystem::path& data, const std::vector<MapRow>& rows) {
+    std::vector<MapRow> fit;
+    const auto kind = scene::sweep_kind(path);
+    if (kind == scene::SweepKind::search) return;  // a search is no picture
+    if (kind == scene::SweepKind::cases) fit = fitting(rows, [file = scene::CaseFile(path)](Shape shape) { return file.meets(shape); });
+    else fit = fitting(rows, [sweep = scene::SweepFile(path, data)](Shape shape) { return sweep.meets(shape); });
+    if (!fit.empty()) work.sweeps.push_back({path, data, fit});
+}
+
+/// A claim goes onto the page when it is asked for by name, or is about something that is shown; without subjects all are.
+bool is_chosen(const Claim& c, const ReportOptions& o, const Work& work) {
+    if (!o.claims.empty()) return std::ranges::any_of(o.claims, [&](const std::string& glob) { return fnmatch(glob.c_str(), c.id.c_str(), 0) == 0; });
+    if (o.subjects.empty()) return true;
+    return std::ranges::any_of(work.maps, [&](const MapWork& m) { return m.scene.id == c.scene; }) ||
+           std::ranges::any_of(work.sweeps, [&](const SweepWork& s) { return !c.sweep.empty() && s.path.stem() == std::filesystem::path(c.sweep).stem(); });
+}
+
+Work plan(const ReportOptions& o, const std::filesystem::path& data) {
+    const scene::ReportFile defaults = scene::read_report_file(data / "report.toml");
+    const Subjects subjects = subjects_of(o, defaults, data);
+    const auto claims = o.no_claims ? std::vector<Claim>{} : read_all_claims(data);
+    const auto rows = cross(select_forms(o.forms.empty() ? defaults.forms : o.forms), select_formats(o.formats.empty() ? defaults.formats : o.formats));
+    std::vector<const Metric*> asked = o.metrics.empty() ? std::vector<const Metric*>{} : select_metrics(o.metrics);
+    Work work;
+    for (const scene::SceneName& name : subjects.scenes) {
+        scene::LoadOptions options{.variant = name.variant};
+        if (!o.size.empty()) options.size = parse_size(o.size);
+        for (scene::Scene& scene : scene::load_scene(name.path, options)) {
+            auto fit = fitting(rows_for(scene.id, rows, claims, o.forms.empty()), [&](Shape shape) { return scene.meets(shape); });
+            if (fit.empty()) continue;
+            std::vector<const Metric*> wanted = asked;
+            for (const char* metric : {"lost_bits", "ulp_error", "condition", "inherent_bits", "excess_bits"}) wanted.push_back(find_metric(metric));
+            auto all = measured(wanted, fit);
+            // Its float layer would be the largest part of most pages.
+            std::erase_if(all, [&](const Metric* m) { return m->name == "residual" && std::ranges::find(asked, m) == asked.end(); });
+            work.units += static_cast<std::uint64_t>(scene.width) * static_cast<std::uint64_t>(scene.height) * fit.size();
+            work.maps.push_back({std::move(scene), std::move(fit), std::move(all), o.size.empty()});
+        }
+    }
+    for (const auto& path : subjects.sweeps) plan_sweep(work, path, data, rows_for(path.stem().string(), rows, claims, o.forms.empty()));
+    for (const Claim& c : claims) {
+        if (is_chosen(c, o, work)) work.claims.push_back(c);
+    }
+    if (work.maps.empty() && work.sweeps.empty()) throw NothingSelected("report: none of the selected intersectors can be asked about any of the selected scenes and sweeps");
+    std::set<std::string> ids;
+    for (const MapWork& m : work.maps) {
+        if (!ids.insert(m.scene.id).second) throw InputError(fmt::format("scene \"{}\" is given twice; a page shows it once", m.scene.id));
+    }
+    return work;
+}
+
+std::string canonical_command(const ReportOptions& o) {
+    std::string text = "lostbits report";
+    for (const auto& s : o.subjects) text += " " + std::filesystem::path(s).filename().string();
+    for (const auto& f : o.forms) text += " -i '" + f + "'";
+    for (const auto& f : o.formats) text += " -f " + f;
+    for (const auto& m : o.metrics) text += " --metric " + m;
+    for (const auto& c : o.claims) text += " --claims '" + c + "'";
+    if (!o.size.empty()) text += " --size " + o.size;
+    if (o.all) text += " --all";
+    if (o.no_claims) text += " --no-claims";
+    if (o.trade) text += " --trade";
+    return text + " -o out";
+}
+
+Exit run(const ReportOptions& o, const Common& common) {
+    if (o.out.empty()) throw InputError("-o: the name of the folder is empty; write -o . for this one");
+    const auto data = data_folder(common.data);
+    Work work = plan(o, data);
+    const ThreadLimit limit(common.threads);
+    output::AtomicFile file(std::filesystem::path(o.out) / "index.html");
+    // A sweep counts as a map of 100 x 100 pixels under ten rows, the claims as ten of them.
+    constexpr std::uint64_t sweep_units = 100'000, claims_units = 1'000'000;
+    output::Progress progress(work.units + sweep_units * work.sweeps.size() + (work.claims.empty() ? 0 : claims_units), "report", common.progress, common.quiet);
+    const auto advance = [&progress](std::uint64_t done) {
+        progress.advance(done);
+        stop_if_interrupted();
+    };
+    output::report::Report report{.command = canonical_command(o), .maps = {}, .sweeps = {}, .trades = {}, .claims = work.claims, .results = {}};
+    std::uint64_t unresolved = 0;
+    for (MapWork& map : work.maps) {
+        report.maps.push_back(map_part(map, advance));
+        unresolved += map.unresolved;
+    }
+    for (const SweepWork& sweep : work.sweeps) report.sweeps.push_back(sweep_part(sweep, [&](std::uint64_t done) { advance(done * sweep_units); }));
+    if (!work.claims.empty()) report.results = measure_claims(work.claims, data, stop_if_interrupted);
+    if (o.trade) {
+        for (const Shape shape : {Shape::sphere, Shape::box}) {
+            const auto rows = fitting(cross(select_forms(o.forms.empty() ? std::vector<std::string>{"*"} : o.forms), {*find_format("f32"), *find_format("f64")}), [shape](Shape form) { return form == shape; });
+            if (!rows.empty()) report.trades.push_back(trade_part(shape, rows, [](std::uint64_t) { stop_if_interrupted(); }));
+        }
+    }
+    progress.finish();
+    file.write(output::report::page(report));
+    file.commit();
+    if (!common.quiet) fmt::print("{}\n", file.path().string());
+    if (unresolved > 0) {
+        fmt::print(stderr, "lostbits: the truth of {} rays was not proved within {} bits; they are classed `unresolved`\n", unresolved, TruthLimit{}.bits);
+        return Exit::internal;
+    }
+    const bool all_agree = std::ranges::all_of(report.results, [](const ClaimResult& r) { return r.state == ClaimResult::State::agrees || r.state == ClaimResult::State::skipped; });
+    return all_agree ? Exit::done : Exit::answer_is_no;
+}
+
+}  // namespace
+
+void add_report(CLI::App& program, const Common& common, Command& chosen) {
+    auto* command = program.add_subcommand("report", "One HTML page of maps, sweeps and claims that opens from a file");
+    const auto o = std::make_shared<ReportOptions>();
+    command->add_option("SUBJECT", o->subjects, "Scenes and sweeps, by file or name (default: those of data/report.toml)");
+    command->add_option("-i,--intersector", o->forms, "Forms, by name or glob (default: those of data/report.toml, and those that claims name)");
+    command->add_option("-f,--format", o->formats, "Formats: f32, f64, fp16, bf16, tf32, pN, pA..pB (default: f32 f64)");
+    command->add_option("--metric", o->metrics, "Metrics beside the default ones; globs");
+    command->add_option("--size", o->size, "Picture size, WxH in pixels (default: each scene's)");
+    command->add_option("--claims", o->claims, "Claims by id; globs (default: all, or those about the SUBJECTs)");
+    command->add_flag("--no-claims", o->no_claims, "No claims");
+    command->add_flag("--all", o->all, "Every scene and sweep under data");
+    command->add_flag("--trade", o->trade, "Also measure speed, briefly: the page then differs from run to run");
+    command->add_option("-o,--out", o->out, "Folder for index.html")->required();
+    command->callback([o, &common, &chosen] { chosen = [o, &common] { return run(*o, common); }; });
+}
+
+}  // namespace lostbits::analysis

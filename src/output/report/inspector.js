@@ -1,0 +1,135 @@
+// What is known of one pixel, in words and exact numbers.
+
+const title = (row) => `${row.form} in ${row.format}`;
+
+/** `t`, the truth and the metrics of a pixel under a form in each of its formats. */
+async function pixelFacts(map, row, x, y) {
+    const i = y * map.width + x;
+    const same = map.rows.filter((r) => r.form === row.form);
+    const all = await Promise.all(same.map((r) => pixelsOf(map, r)));
+    const pixels = all[same.indexOf(row)], { truth } = pixels;
+    const answers = same.map((r, k) => {
+        const p = all[k], hit = p.object[i] > 0, agreed = p.outcome[i] === agreeHit, s = sampleAt(p, i);
+        return {
+            format: r.format,
+            outcome: outcomeNames[p.outcome[i]],
+            hit,
+            t: p.t[i],
+            object: p.object[i] - 1,
+            ulp_error: agreed ? derived.ulp_error(s) : NaN,
+            lost_bits: agreed ? derived.lost_bits(s) : NaN,
+        };
+    });
+    const metrics = map.metrics.map((m) => [m, valueAt(pixels, m, i)]).filter(([m]) => !m.marches || row.form.startsWith("sdf."));
+    return {
+        outcome: outcomeNames[pixels.outcome[i]],
+        decision: ["miss", "hit", "unresolved"][truth.decision[i]],
+        truth: truth.truth[i],
+        rest: truth.rest[i],
+        bound: truth.bound[i],
+        trueObject: truth.object[i] - 1,
+        answers,
+        metrics,
+    };
+}
+
+const tidy = (x) => (Number.isFinite(x) ? decimal(Number(x.toPrecision(7))) : decimal(x));
+
+function cells(tag, ...texts) {
+    return make("tr", {}, ...texts.map((text, k) => make(k === 0 ? "th" : tag, k === 0 ? { scope: "row" } : { className: "n" }, text)));
+}
+
+function header(...texts) {
+    return make("thead", {}, make("tr", {}, ...texts.map((text) => make("th", { scope: "col" }, text))));
+}
+
+function truthText(facts, row) {
+    if (facts.decision !== "hit") return [facts.decision === "miss" ? "The ray truly misses." : "The truth was not proved: it counts as nothing."];
+    const bound = facts.bound === -32768 ? "exactly" : `within 2^${facts.bound}`;
+    const rest = facts.rest === 0 ? "" : ` ${facts.rest < 0 ? "-" : "+"} ${tidy(Math.abs(facts.rest))}`;
+    return [make("b", {}, row.direction === "unit" ? "true distance " : "true t "), make("code", { data: { truth: decimal(facts.truth) } }, decimal(facts.truth)), `${rest}, ${bound}; `,
+        make("code", {}, hex(facts.truth)), `; solid ${facts.trueObject}`];
+}
+
+function answerTable(facts) {
+    const body = make("tbody");
+    for (const a of facts.answers) {
+        body.append(cells("td", a.format, a.hit ? decimal(a.t) : "no hit", a.hit ? hex(a.t) : "", Number.isNaN(a.ulp_error) ? words(a.outcome) : tidy(a.ulp_error),
+            Number.isNaN(a.lost_bits) ? "" : a.lost_bits.toFixed(2)));
+        body.lastChild.dataset.format = a.format;
+    }
+    return make("table", { className: "answers" }, header("format", "t", "t exactly", "ulp error", "lost bits"), body);
+}
+
+function metricTable(facts) {
+    const body = make("tbody");
+    for (const [m, value] of facts.metrics) {
+        const text = Number.isNaN(value) ? "–" : m.categories ? words(m.categories[value][0]) : `${tidy(value)} ${m.unit === "1" ? "" : m.unit}`;
+        body.append(cells("td", words(m.name), text));
+        body.lastChild.title = m.meaning;
+        body.lastChild.dataset.metric = m.name;
+    }
+    return make("table", { className: "metrics" }, body);
+}
+
+/** The operations of a ray, where the page has them (`worst.operations`, of the worst pixel of a row). */
+function operationTable(row, x, y) {
+    const { worst } = row;
+    if (!worst?.operations || worst.x !== x || worst.y !== y) return [];
+    const body = make("tbody");
+    for (const o of worst.operations) body.append(cells("td", ...o.map(String)));
+    return [make("h4", {}, "Operation by operation"), make("table", {}, body)];
+}
+
+/** What to type for the same map, and for one ray of it. */
+function commandsFor(map, row, x, y, metric) {
+    const size = map.own_size ? "" : ` --size ${map.width}x${map.height}`;
+    const drawn = metric.kind === "classes" ? "" : ` --metric ${metric.name}`;
+    return {
+        map: `lostbits map ${map.id} -i ${row.form} -f ${row.format}${drawn}${size} --pixels csv -o out`,
+        explain: `lostbits explain ${map.id} --pixel ${x},${y} -i ${row.form} -f ${row.format}`,
+    };
+}
+
+/** A claim of what the summary has for this row, two-sided, ready for data/claims. */
+function claimFor(map, row, metric) {
+    const rays = row.outcomes.reduce((a, b) => a + b, 0);
+    const statistic = row.statistics[metric.name];
+    const [column, value] = typeof statistic?.[1] === "number" ? [`${metric.name}_p99`, statistic[1]] : ["agree_hit", row.outcomes[agreeHit]];
+    return `[[claim]]
+id = "my.${map.id}.${row.form}.${row.format}.${column}"
+statement = "Say in a sentence what is to hold"
+source = "-"
+verdict = "holds"
+note = "${column} over ${rays} rays, from the report"
+[claim.given]
+scene = "${map.id}"
+form = "${row.form}"
+format = "${row.format}"
+[claim.expect]
+metric = "${column}"
+in = [${decimal(value)}, ${decimal(value)}]
+`;
+}
+
+let asked = 0;
+
+async function showPixel(element, map, row, x, y, pinned) {
+    const number = ++asked;
+    const facts = await pixelFacts(map, row, x, y);
+    if (number !== asked) return;  // another pixel has been asked for since
+    element.replaceChildren(
+        make("h3", {}, `Pixel ${x}, ${y}${pinned ? "" : " (under the pointer)"}`),
+        make("p", { className: "outcome" }, swatch(index.outcomes[outcomeNames.indexOf(facts.outcome)][1]), ` ${words(facts.outcome)}: ${title(row)}`),
+        make("p", {}, ...truthText(facts, row)), answerTable(facts), metricTable(facts), ...operationTable(row, x, y));
+    element.dataset.pixel = `${x},${y}`;
+}
+
+/** A small square of a class's colour. */
+function swatch(colour) {
+    const canvas = make("canvas", { width: 12, height: 12, className: "swatch", "aria-hidden": "true" });
+    const context = canvas.getContext("2d");
+    context.fillStyle = `rgb(${colour.join(",")})`;
+    context.fillRect(0, 0, 12, 12);
+    return canvas;
+}

@@ -1,0 +1,234 @@
+// The map of one form: pickers, the picture with its compared half, legend and inspector.
+
+const mapParts = {};
+
+/** Part of the field that is looked at: left, top, width and height in pixels. */
+function viewOf(map) {
+    const w = map.width / state.zoom, h = map.height / state.zoom;
+    return { left: state.cx * map.width - w / 2, top: state.cy * map.height - h / 2, w, h };
+}
+
+function drawView(canvas, map, field) {
+    const { left, top, w, h } = viewOf(map), context = canvas.getContext("2d");
+    context.imageSmoothingEnabled = false;
+    context.drawImage(field, left, top, w, h, 0, 0, canvas.width, canvas.height);
+}
+
+function pixelUnder(canvas, map, event) {
+    const box = canvas.getBoundingClientRect(), { left, top, w, h } = viewOf(map);
+    const inside = (x, n) => Math.min(n - 1, Math.max(0, Math.floor(x)));
+    return { x: inside(left + ((event.clientX - box.left) / box.width) * w, map.width), y: inside(top + ((event.clientY - box.top) / box.height) * h, map.height) };
+}
+
+/** Zooms about the point under the pointer. */
+function zoomBy(canvas, map, event, factor) {
+    const box = canvas.getBoundingClientRect();
+    const u = (event.clientX - box.left) / box.width - 0.5, v = (event.clientY - box.top) / box.height - 0.5;
+    const zoom = Math.min(64, Math.max(1, state.zoom * factor));
+    look({ zoom, cx: state.cx + u / state.zoom - u / zoom, cy: state.cy + v / state.zoom - v / zoom });
+}
+
+function crosshair(canvas, map) {
+    if (state.x < 0) return;
+    const { left, top, w, h } = viewOf(map), context = canvas.getContext("2d");
+    const sx = canvas.width / w, sy = canvas.height / h;
+    const x = (state.x - left) * sx, y = (state.y - top) * sy;
+    for (const [colour, grow] of [["#fff", 2.5], ["#202024", 1.5]]) {
+        context.strokeStyle = colour;
+        context.strokeRect(x - grow, y - grow, sx + 2 * grow, sy + 2 * grow);
+    }
+}
+
+async function drawMap() {
+    const map = mapNow(), metric = metricNow(), other = otherRow(), { canvas } = mapParts;
+    const factor = Math.max(1, Math.floor(576 / map.width));
+    canvas.width = map.width * factor;
+    canvas.height = map.height * factor;
+    canvas.parentElement.style.width = `${canvas.width + 2}px`;  // the slider is as long as the picture, whose frame is a pixel wide
+    const fields = await Promise.all([rowNow(), ...(other ? [other] : [])].map(async (row) => paint(map, await pixelsOf(map, row), metric)));
+    if (map !== mapNow() || metric !== metricNow()) return;  // something newer is on its way
+    drawView(canvas, map, fields[0]);
+    if (other) {
+        const context = canvas.getContext("2d"), at = Math.round(state.split * canvas.width);
+        context.save();
+        context.beginPath();
+        context.rect(at, 0, canvas.width - at, canvas.height);
+        context.clip();
+        drawView(canvas, map, fields[1]);
+        context.restore();
+        context.fillStyle = "#202024";
+        context.fillRect(at - 1, 0, 2, canvas.height);
+    }
+    crosshair(canvas, map);
+    canvas.setAttribute("aria-label", `${map.title}: ${words(metric.name)} of ${title(rowNow())}${other ? ` against ${title(other)}` : ""}; arrow keys move from pixel to pixel`);
+}
+
+function drawLegend() {
+    const metric = metricNow(), row = rowNow(), children = [];
+    if (metric.ticks) {
+        const bar = make("canvas", { width: 256, height: 12, className: "bar", "aria-hidden": "true" }), context = bar.getContext("2d");
+        ramp.forEach((c, i) => {
+            context.fillStyle = `rgb(${c.join(",")})`;
+            context.fillRect(i, 0, 1, 12);
+        });
+        const scale = make("span", { className: "scale" }, bar);
+        for (const [position, text] of metric.ticks) {
+            const tick = make("span", { className: "tick" }, text);
+            tick.style.left = `${position * 256}px`;
+            scale.append(tick);
+        }
+        children.push(scale, make("span", { className: "unit" }, `${words(metric.name)}${metric.unit && metric.unit !== "1" && !metric.name.includes(metric.unit) ? `, ${metric.unit}` : ""}`));
+    }
+    if (metric.categories) {
+        for (const [name, colour] of metric.categories) children.push(make("span", { className: "class" }, swatch(colour), ` ${words(name)}`));
+    }
+    if (!metric.marches) {
+        index.outcomes.forEach(([name, colour], o) => {
+            if (row.outcomes[o] > 0 && (o !== agreeHit || metric.kind === "classes")) children.push(make("span", { className: "class" }, swatch(colour), ` ${words(name)} ${row.outcomes[o]}`));
+        });
+    }
+    mapParts.legend.replaceChildren(...children);
+}
+
+function drawPickers() {
+    const map = mapNow(), row = rowNow();
+    const options = (names) => [...new Set(names)].map((n) => [n, n]);
+    const able = metricsOf(map).filter((m) => !m.marches || state.form.startsWith("sdf."));
+    const pickers = [
+        choice("scene", "pick-scene", index.maps.map((m) => [m.id, m.title]), state.scene, (scene) => look({ scene, x: -1, y: -1, zoom: 1, cx: 0.5, cy: 0.5, other: "" })),
+        choice("form", "pick-form", options(map.rows.map((r) => r.form)), state.form, (form) => look({ form })),
+        choice("format", "pick-format", options(map.rows.filter((r) => r.form === state.form).map((r) => r.format)), state.format, (format) => look({ format })),
+        choice("metric", "pick-metric", able.map((m) => [m.name, words(m.name)]), state.metric, (metric) => look({ metric })),
+        choice("against", "pick-other", [["", "nothing"], ...map.rows.filter((r) => r !== row).map((r) => [keyOf(r), title(r)])], state.other, (other) => look({ other })),
+    ];
+    const held = document.activeElement?.id;
+    mapParts.pickers.replaceChildren(...pickers);
+    if (held?.startsWith("pick-")) document.getElementById(held)?.focus();  // a picker that was just used keeps the keyboard
+    mapParts.slider.hidden = state.other === "";
+    mapParts.slider.value = state.split;
+    // A ray and a claim are of the scene at its own size.
+    for (const button of mapParts.ownSize) button.disabled = !map.own_size;
+    mapParts.what.textContent = `${row.title}. ${metricNow().meaning}.`;
+}
+
+async function drawInspector(at) {
+    const map = mapNow(), pinned = at === undefined, { x, y } = at ?? state;
+    if (x < 0) {
+        mapParts.inspector.replaceChildren(make("p", {}, "Point at the picture to see a ray's numbers; click, or move with the arrow keys, to keep them."),
+            make("p", {}, "Wheel, + and − zoom; drag moves; 0 shows all; m and M change the metric, [ and ] the form; w goes to the worst pixel; x swaps the compared halves."));
+        delete mapParts.inspector.dataset.pixel;
+        return;
+    }
+    await showPixel(mapParts.inspector, map, rowNow(), x, y, pinned);
+}
+
+/** The pixel under the pointer in a line, and, while none is chosen, in the inspector. */
+async function hover({ x, y }) {
+    const map = mapNow(), metric = metricNow(), pixels = await pixelsOf(map, rowNow()), i = y * map.width + x;
+    const value = metric.kind === "classes" ? NaN : valueAt(pixels, metric, i);
+    const text = Number.isNaN(value) ? "" : `, ${words(metric.name)} ${metric.categories ? words(metric.categories[value][0]) : rounded(value)}`;
+    mapParts.under.textContent = `${x}, ${y}: ${words(outcomeNames[pixels.outcome[i]])}${text}`;
+    if (state.x < 0) await drawInspector({ x, y });
+}
+
+function toWorst() {
+    const { worst } = rowNow();
+    return worst && look({ x: worst.x, y: worst.y, ...(state.zoom > 1 ? centredAt(mapNow(), worst.x, worst.y) : {}) });
+}
+
+const mapKeys = {
+    w: toWorst,
+    ArrowLeft: () => step(-1, 0), ArrowRight: () => step(1, 0), ArrowUp: () => step(0, -1), ArrowDown: () => step(0, 1),
+    "+": () => look(centred(state.zoom * 2)), "=": () => look(centred(state.zoom * 2)), "-": () => look(centred(state.zoom / 2)), 0: () => look({ zoom: 1 }),
+    m: () => turn("metric", metricsOf(mapNow()).filter((m) => !m.marches || state.form.startsWith("sdf.")).map((m) => m.name), 1),
+    M: () => turn("metric", metricsOf(mapNow()).filter((m) => !m.marches || state.form.startsWith("sdf.")).map((m) => m.name), -1),
+    "]": () => turn("form", [...new Set(mapNow().rows.map((r) => r.form))], 1), "[": () => turn("form", [...new Set(mapNow().rows.map((r) => r.form))], -1),
+    x: () => otherRow() && look({ form: otherRow().form, format: otherRow().format, other: keyOf(rowNow()) }),
+};
+
+function turn(key, names, by) {
+    return look({ [key]: names[(names.indexOf(state[key]) + by + names.length) % names.length] });
+}
+
+/** Around the chosen pixel, or where the view is. */
+function centred(zoom) {
+    const map = mapNow();
+    return state.x < 0 ? { zoom } : { zoom, cx: (state.x + 0.5) / map.width, cy: (state.y + 0.5) / map.height };
+}
+
+function step(dx, dy) {
+    const map = mapNow();
+    if (state.x < 0) return look({ x: map.width >> 1, y: map.height >> 1 });
+    const x = Math.min(map.width - 1, Math.max(0, state.x + dx)), y = Math.min(map.height - 1, Math.max(0, state.y + dy));
+    const { left, top, w, h } = viewOf(map);
+    const seen = x >= left && x < left + w && y >= top && y < top + h;
+    return look(seen ? { x, y } : { x, y, ...centredAt(map, x, y) });
+}
+
+const centredAt = (map, x, y) => ({ cx: (x + 0.5) / map.width, cy: (y + 0.5) / map.height });
+
+/** Wheel, drag and click on a picture of the current map. */
+function steer(canvas, onclick) {
+    let held = null;
+    canvas.addEventListener("wheel", (event) => {
+        event.preventDefault();
+        zoomBy(canvas, mapNow(), event, event.deltaY < 0 ? 1.5 : 1 / 1.5);
+    }, { passive: false });
+    canvas.addEventListener("pointerdown", (event) => {
+        held = { x: event.clientX, y: event.clientY, cx: state.cx, cy: state.cy, moved: false };
+        canvas.setPointerCapture(event.pointerId);
+    });
+    canvas.addEventListener("pointermove", (event) => {
+        if (!held) return;
+        const box = canvas.getBoundingClientRect(), dx = event.clientX - held.x, dy = event.clientY - held.y;
+        held.moved ||= Math.hypot(dx, dy) > 3;
+        if (held.moved && state.zoom > 1) look({ cx: held.cx - dx / box.width / state.zoom, cy: held.cy - dy / box.height / state.zoom });
+    });
+    canvas.addEventListener("pointerup", (event) => {
+        if (held && !held.moved) onclick(event);
+        held = null;
+    });
+}
+
+function buildMaps() {
+    const root = document.getElementById("map-view");
+    Object.assign(mapParts, {
+        pickers: make("div", { className: "pickers" }), what: make("p", { className: "what" }), canvas: make("canvas", { id: "map", tabIndex: 0, role: "img" }),
+        slider: make("input", { type: "range", min: 0, max: 1, step: "any", id: "split", "aria-label": "where the compared half begins" }),
+        under: make("p", { className: "hint", id: "under" }, "\u00a0"), legend: make("div", { className: "legend" }), inspector: make("div", { className: "inspector", id: "inspector", "aria-live": "polite" }), copied: make("pre", { className: "copied", hidden: true }),
+    });
+    const { canvas, slider, copied } = mapParts;
+    const command = (which) => commandsFor(mapNow(), rowNow(), Math.max(0, state.x), Math.max(0, state.y), metricNow())[which];
+    const buttons = make("div", { className: "buttons" },
+        make("button", { type: "button", id: "worst", onclick: toWorst }, "worst pixel"),
+        make("button", { type: "button", id: "copy-command", onclick: () => copyText(command("map"), copied) }, "copy the command"),
+        make("button", { type: "button", id: "copy-explain", onclick: () => copyText(command("explain"), copied) }, "copy the command for this ray"),
+        make("button", { type: "button", id: "copy-claim", onclick: () => copyText(claimFor(mapNow(), rowNow(), metricNow()), copied) }, "copy as claim"),
+        make("button", { type: "button", id: "copy-link", onclick: () => copyText(location.href, copied) }, "copy the link"));
+    root.append(mapParts.pickers, mapParts.what, make("div", { className: "stage" }, make("div", { className: "picture" }, canvas, slider, mapParts.under, mapParts.legend),
+        make("div", { className: "side" }, mapParts.inspector, buttons, copied)), make("div", { id: "panes" }));
+    mapParts.ownSize = buttons.querySelectorAll("#copy-explain, #copy-claim");
+    root.hidden = false;
+
+    steer(canvas, (event) => {
+        canvas.focus();
+        look(pixelUnder(canvas, mapNow(), event));
+    });
+    canvas.addEventListener("pointermove", (event) => hover(pixelUnder(canvas, mapNow(), event)));
+    canvas.addEventListener("pointerleave", () => {
+        mapParts.under.textContent = "\u00a0";
+        if (state.x < 0) drawInspector();
+    });
+    canvas.addEventListener("keydown", (event) => {
+        if (event.key === "Escape") look({ x: -1, y: -1 });
+        else if (!event.ctrlKey && !event.metaKey && !event.altKey && mapKeys[event.key]) mapKeys[event.key]();
+        else return;
+        event.preventDefault();
+    });
+    slider.addEventListener("input", () => look({ split: Number(slider.value) }));
+    listeners.push(async () => {
+        drawPickers();
+        drawLegend();
+        await Promise.all([drawMap(), drawInspector()]);
+    });
+}

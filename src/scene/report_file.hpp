@@ -1,0 +1,20 @@
+// What a report shows when nothing is named: data/report.toml.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace lostbits::scene {
+
+struct ReportFile {
+    std::vector<std::string> scenes;  ///< ids, with the variant where a scene has several
+    std::vector<std::string> sweeps;
+    std::vector<std::string> forms;   ///< globs
+    std::vector<std::string> formats;
+};
+
+/// InputError with a position for anything that is no such file.
+ReportFile read_report_file(const std::filesystem::path& path);
+
+}  // namespace lostbits::scene

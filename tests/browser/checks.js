@@ -1,0 +1,54 @@
+// node checks.js PROGRAM DATA FOLDER CHECK: makes the pages (`make`), or holds one of them to one promise.
+"use strict";
+
+const fs = require("node:fs");
+const path = require("node:path");
+const { execFileSync } = require("node:child_process");
+const { Browser, missing } = require("./browser.js");
+
+const [program, data, folder, name] = process.argv.slice(2);
+const at = (file) => path.join(folder, file);
+const lostbits = (...args) => execFileSync(program, ["--data", data, "-q", ...args], { encoding: "utf8" });
+
+const forms = ["-i", "sphere.schoolbook", "-i", "sphere.unified", "-i", "sphere.unit_half_b", "-i", "sdf.sphere_trace"];
+const three = ["-f", "f32", "-f", "f64", "-f", "bf16"], two = ["-f", "f32", "-f", "f64"];
+const sweep = "sphere-tilt";
+
+/** `report` is one as a reader would make it; `small` is compared pixel by pixel with what `lostbits map` writes; `large` is timed. */
+function make() {
+    fs.rmSync(folder, { recursive: true, force: true });
+    lostbits("report", "near-benign", "rtg-fig-7-3-4100-oblique", sweep, ...forms, ...two, "--trade", "-o", at("report"));
+    lostbits("report", "near-benign", "-i", "sphere.unified", "-f", "f32", "--size", "512x512", "--no-claims", "-o", at("large"));
+    lostbits("sweep", sweep, ...forms, ...two, "-o", at("sweep"));
+    const drawn = (...metrics) => metrics.flatMap((m) => ["--metric", m]), size = ["--size", "72x56"];
+    const errors = drawn("lost_bits", "ulp_error", "excess_bits", "inherent_bits", "condition"), rest = [...size, "--pixels", "csv", "-o", at("map")];
+    lostbits("report", "near-benign", "world-offset", "grazing", "sdf-sphere", ...forms, ...three, ...size, "--metric", "residual", "--no-claims", "-o", at("small"));
+    lostbits("map", "near-benign", "world-offset", "grazing", ...forms, ...three, ...errors, ...rest);
+    lostbits("map", "sdf-sphere", ...forms, ...three, ...errors, ...drawn("iterations", "stop"), ...rest);
+}
+
+async function main() {
+    const lack = missing();
+    if (lack) {
+        console.log(`skipped: ${lack}`);
+        return 77;
+    }
+    if (name === "make") {
+        make();
+        return 0;
+    }
+    const checks = require("./promises.js");
+    if (!checks[name]) throw new Error(`no check is called ${name}; there are ${Object.keys(checks).join(", ")}`);
+    const browser = await Browser.open();
+    try {
+        await checks[name]({ browser, at, lostbits, report: at("report/index.html"), small: at("small/index.html"), large: at("large/index.html"), sweep });
+    } finally {
+        await browser.close();
+    }
+    return 0;
+}
+
+main().then((code) => (process.exitCode = code), (error) => {
+    console.error(`${name}: ${error.stack ?? error}`);
+    process.exitCode = 1;
+});

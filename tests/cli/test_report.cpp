@@ -1,0 +1,180 @@
+// `lostbits report` from the outside: one file that needs nothing else, the same bytes every time, the CSVs' numbers. What a browser makes
+// of it is held by tests/browser.
+#include <regex>
+#include <set>
+
+#include "catch.hpp"
+#include "number/error.hpp"
+#include "output/report/pack.hpp"
+#include "program.hpp"
+#include "scene/report_file.hpp"
+#include "scene/scene.hpp"
+#include "scene/sweep_file.hpp"
+
+using namespace lostbits::test;
+
+namespace {
+
+std::string in(const Scratch& scratch) { return "'" + scratch.path().string() + "'"; }
+
+/// All first groups of a pattern.
+std::vector<std::string> all_of(const std::string& text, const std::string& pattern) {
+    std::vector<std::string> found;
+    const std::regex regex(pattern);
+    for (auto m = std::sregex_iterator(text.begin(), text.end(), regex); m != std::sregex_iterator(); ++m) found.push_back((*m)[1]);
+    return found;
+}
+
+/// The page without what is packed, which no pattern need be matched against.
+std::string without_blobs(const std::string& page) { return std::regex_replace(page, std::regex("[A-Za-z0-9+/=]{200,}"), ""); }
+
+std::string report_of(const std::string& arguments, const Scratch& scratch) {
+    const auto r = run("report " + arguments + " -o " + in(scratch));
+    INFO(r.err);
+    REQUIRE(r.code == 0);
+    CHECK(r.out == (scratch.path() / "index.html").string() + "\n");
+    CHECK(scratch.files() == std::vector<std::string>{"index.html"});
+    return contents(scratch.path() / "index.html");
+}
+
+}  // namespace
+
+TEST_CASE("a report is one file that asks for no other") {
+    const Scratch scratch;
+    const std::string page = without_blobs(report_of("near-benign sphere-tilt extremes/contact -i sphere.schoolbook -i box.signs -f f32 --size 48x48", scratch));
+    for (const std::string& target : all_of(page, R"re(\s(?:src|href|action|srcset|poster)="([^"]*)")re")) {
+        INFO(target);
+        CHECK((target.starts_with("#") || target.starts_with("data:")));
+    }
+    for (const char* fetching : {"@import", "url(", "<link rel=\"stylesheet", "<iframe", "<object", "<script src", "fetch(", "XMLHttpRequest", "import("}) {
+        INFO(fetching);
+        CHECK(page.find(fetching) == std::string::npos);
+    }
+    const auto policy = all_of(page, R"re(http-equiv="Content-Security-Policy" content="([^"]*)")re");
+    REQUIRE(policy.size() == 1);
+    CHECK(policy.front().starts_with("default-src 'none'; script-src 'sha256-"));
+    CHECK(policy.front().find("unsafe") == std::string::npos);
+    CHECK(page.find(" style=\"") == std::string::npos);  // the policy forbids them
+    CHECK(std::regex_search(page, std::regex("<b>\\d+</b> hold")));
+}
+
+TEST_CASE("a report has the same bytes for any number of threads and any registers") {
+    const std::string arguments = "near-benign sdf-union sphere-tilt --size 40x30 -i sphere.schoolbook -i sphere.unit_half_b -i sdf.sphere_trace -f f32 -f p16 -o ";
+    std::string first;
+    for (const char* how : {"-j 1", "-j 2", "--isa scalar"}) {
+        const Scratch scratch;
+        REQUIRE(run("report " + arguments + in(scratch) + " " + how).code == 0);
+        const std::string page = contents(scratch.path() / "index.html");
+        if (first.empty()) first = page;
+        CHECK(page == first);
+    }
+}
+
+TEST_CASE("the tables of a report are the CSVs' numbers") {
+    const Scratch scratch, maps;
+    const std::string what = "rtg-fig-7-3-4100-oblique -i 'sphere.*' -f f32 -f f64 --size 48x48 ";
+    const std::string page = report_of(what + "--no-claims", scratch);
+    REQUIRE(run("map " + what + "--metric lost_bits --metric excess_bits -o " + in(maps)).code == 0);
+    const auto summary = read_csv(maps.path() / "rtg-fig-7-3-4100-oblique/summary.csv");
+    std::size_t rows = 0;
+    for (const auto& row : summary) {
+        const std::string key = row.at("form") + "." + row.at("format"), start = "<tr data-row=\"" + key + "\">";
+        const std::size_t at = page.find(start);
+        INFO(key);
+        REQUIRE(at != std::string::npos);
+        const std::string cells = page.substr(at, page.find("</tr>", at) - at);
+        std::vector<std::string> expected;
+        for (const char* column : {"lost_bits_p50", "lost_bits_p99", "lost_bits_max", "excess_bits_p99"}) {
+            if (!row.at(column).empty()) expected.push_back(row.at(column));
+        }
+        CHECK(all_of(cells, R"re(<data value="([^"]*)")re") == expected);
+        const auto counts = all_of(cells, R"(<td class="n">(\d+)</td>)");
+        REQUIRE(counts.size() >= 3);
+        CHECK(counts[0] == row.at("false_hit"));
+        CHECK(counts[1] == row.at("false_miss"));
+        CHECK(counts[2] == row.at("not_a_number"));
+        ++rows;
+    }
+    CHECK(rows == all_of(page, "<tr data-row=\"([^\"]*)\"").size());
+}
+
+TEST_CASE("a report counts and lists the claims that it is asked for") {
+    const Scratch scratch;
+    const std::string page = report_of("rtg-fig-7-3-4100 -i sphere.schoolbook -f f32", scratch);
+    const auto json = scratch.path() / "claims.csv";
+    REQUIRE(run("check -q --filter 'rtg7.fig3.*-4100-axis*' --export-csv '" + json.string() + "'").code == 0);
+    std::size_t held = 0, refuted = 0;
+    const std::string csv = contents(json);
+    held = all_of(csv, "(,holds,)").size();
+    refuted = all_of(csv, "(,refuted,)").size();
+    REQUIRE(held > 0);
+    REQUIRE(refuted > 0);
+    CHECK(all_of(page, R"(<b>(\d+)</b> hold<)") == std::vector{std::to_string(held)});
+    CHECK(all_of(page, R"(<b>(\d+)</b> are refuted<)") == std::vector{std::to_string(refuted)});
+    CHECK(all_of(page, "<tr id=\"claim-([^\"]*)\"").size() == held + refuted);
+    // A claim about a form that the page does not show leads nowhere.
+    const auto links = all_of(page, "<a class=\"jump\" href=\"#([^\"]*)\">rtg-fig");
+    CHECK(links.size() == 2);
+    for (const auto& link : links) CHECK(link.find("form=sphere.schoolbook&amp;format=f32") != std::string::npos);
+}
+
+TEST_CASE("a report that cannot be made leaves nothing") {
+    const auto refused = [](const std::string& arguments, int code, const std::string& says) {
+        const Scratch scratch;
+        const auto r = run("report " + arguments + " -o " + in(scratch));
+        INFO(arguments << ": " << r.err);
+        CHECK(r.code == code);
+        CHECK(r.err.find(says) != std::string::npos);
+        CHECK(scratch.files().empty());
+    };
+    refused("near-bening", 2, "did you mean \"near-benign\"?");
+    refused("near-benign -i sphere.unifed", 2, "did you mean");
+    refused("near-benign near-benign", 2, "given twice");
+    refused("near-benign --size 0x4", 2, "--size");
+    refused("near-benign -i 'box.*'", 4, "none of the selected intersectors");
+    const Scratch scratch;
+    const auto broken = scratch.write("mine.toml", spoilt("radius = 1", "radius = -1"));
+    refused("'" + broken + "'", 2, "mine.toml:");
+    CHECK(run("report near-benign -o ''").code == 2);
+}
+
+TEST_CASE("data/report.toml names what exists") {
+    const auto data = std::filesystem::path(LOSTBITS_DATA_DIR);
+    const auto report = lostbits::scene::read_report_file(data / "report.toml");
+    REQUIRE(report.scenes.size() >= 5);
+    REQUIRE(report.sweeps.size() >= 5);
+    for (const auto& name : report.scenes) {
+        const auto found = lostbits::scene::find_scene(name, data);
+        CHECK(lostbits::scene::load_scene(found.path, {.variant = found.variant}).size() == 1);
+    }
+    for (const auto& name : report.sweeps) CHECK(std::filesystem::exists(lostbits::scene::find_sweep(name, data)));
+    for (const auto& form : report.forms) CHECK(run("list intersectors --data '" + data.string() + "'").out.find(form + " ") != std::string::npos);
+    const Scratch scratch;
+    const auto file = scratch.write("report.toml", "schema = \"lostbits-report/1\"\nscenes = [\"a\"]\nsweeps = [\"b\"]\nforms = [\"*\"]\nformats = [\"f32\"]\nsceens = [\"a\"]\n");
+    std::string error;
+    try {
+        (void)lostbits::scene::read_report_file(file);
+    } catch (const lostbits::InputError& e) {
+        error = e.what();
+    }
+    CHECK(error.find("report.toml:6:1") != std::string::npos);
+    CHECK(error.find("did you mean \"scenes\"?") != std::string::npos);
+}
+
+TEST_CASE("what is packed for a page") {
+    using namespace lostbits::output::report;
+    for (const auto& [bytes, text] : {std::pair{"", ""}, {"f", "Zg=="}, {"fo", "Zm8="}, {"foo", "Zm9v"}, {"foob", "Zm9vYg=="}, {"fooba", "Zm9vYmE="}, {"foobar", "Zm9vYmFy"}}) CHECK(base64(bytes) == text);
+    // RFC 4648's examples above; below, differences in two's complement: 0, -1, 1, -2, 2 become 0, 1, 2, 3, 4.
+    for (const int width : {4, 8}) {
+        CHECK(folded_difference(7, 7, width) == 0);
+        CHECK(folded_difference(6, 7, width) == 1);
+        CHECK(folded_difference(8, 7, width) == 2);
+        CHECK(folded_difference(5, 7, width) == 3);
+    }
+    CHECK(folded_difference(0, 1, 8) == 1);
+    CHECK(folded_difference(0x80000000u, 0, 4) == 0xffffffffu);  // the farthest there is
+    Layer layer(4, 2);
+    layer.set(0, std::uint64_t{0x04030201});
+    layer.set(1, std::uint64_t{0x14131211});
+    CHECK(layer.planes() == std::string("\x01\x11\x02\x12\x03\x13\x04\x14"));
+}
