@@ -55,6 +55,8 @@ TEST_CASE("a report is one file that asks for no other") {
     CHECK(policy.front().starts_with("default-src 'none'; script-src 'sha256-"));
     CHECK(policy.front().find("unsafe") == std::string::npos);
     CHECK(page.find(" style=\"") == std::string::npos);  // the policy forbids them
+    // What is copied into the page comes with its licence.
+    CHECK((page.find("uPlot=function") != std::string::npos) == (page.find("Permission is hereby granted") != std::string::npos));
     CHECK(std::regex_search(page, std::regex("<b>\\d+</b> hold")));
 }
 

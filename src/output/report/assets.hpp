@@ -12,6 +12,6 @@ struct Asset {
 
 extern const Asset page_style, page_script;
 /// uPlot, where node_modules had it when the program was configured; otherwise empty.
-extern const Asset plot_style, plot_script;
+extern const Asset plot_style, plot_script, plot_licence;
 
 }  // namespace lostbits::output::report

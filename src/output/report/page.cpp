@@ -164,7 +164,7 @@ std::string page(const Report& report) {
     for (const SweepPart& s : report.sweeps) {
         if (!s.json.empty()) text += blob("sweep:" + s.id, pack(s.json));
     }
-    if (!plot_script.text.empty()) text += fmt::format("<script>{}</script>\n", plot_script.text);
+    if (!plot_script.text.empty()) text += fmt::format("<!-- The plots are drawn by uPlot:\n{}-->\n<script>{}</script>\n", plot_licence.text, plot_script.text);
     text += fmt::format("<script>{}</script>\n</body></html>\n", page_script.text);
     return text;
 }
