@@ -6,6 +6,7 @@
 
 #include "commands.hpp"
 #include "measure/one_ray.hpp"
+#include "output/explain_text.hpp"
 #include "output/march_text.hpp"
 #include "scene/parse_number.hpp"
 #include "scene/round.hpp"
@@ -71,8 +72,9 @@ Exit run(const ExplainOptions& o, const Common& common) {
     }
     if (!form.exists_in(formats.front())) throw InputError(fmt::format("-i {}: does not exist in {}", o.form, o.format));
     const OneRay ray = ray_of(o, scene);
-    if (!form.log) throw InputError(fmt::format("-i {}: only marches can be explained so far; try -i sdf.sphere_trace", o.form));
-    fmt::print("{}", output::march_table(form, formats.front(), ray));
+    if (form.log) fmt::print("{}\n", output::march_table(form, formats.front(), ray));
+    const Explanation x = explain(form, formats.front(), ray);
+    fmt::print("{}", output::explain_text(x, common.verbose));
     return Exit::done;
 }
 
