@@ -9,7 +9,7 @@
 namespace lostbits {
 
 /// In the order in which `Intersector::record` takes them: `o.x` … `d.z`, the solids' numbers (`centre.x`, `radius`, `lo.x`; `s1.centre.x`
-/// where there are several), then the ray's end `tmax` of a form of boxes, or the constants of a march.
+/// where there are several), the constants of a march, and last the ray's end `limit`.
 std::vector<std::string> input_names(const Intersector& form, const Target<double>& target);
 
 }  // namespace lostbits

@@ -89,7 +89,7 @@ std::vector<std::string> input_names(const Intersector& form, const Target<doubl
         }
     }
     if (form.shape == Shape::sdf) names.insert(names.end(), {"hit_eps", "max_dist", "relative_eps", "cone", "over_relaxation"});
-    names.emplace_back("tmax");
+    names.emplace_back("limit");
     return names;
 }
 

@@ -120,8 +120,13 @@ private:
         const NodeId meant = exactly == first ? taken : other_side(n, taken);
         exact(i) = exact(meant);
         of(i).turned = meant != taken;
-        if (meant != taken) of(i).rounding = Shadow::nearest(exact(taken) - exact(meant));
+        if (meant == taken) return;
+        of(i).rounding = is_cut(taken) ? Shadow::difference(n.value, exact(meant)) : Shadow::nearest(exact(taken) - exact(meant));
     }
+
+    /// Whether a side that was taken by mistake has no exact value (the root of what is negative but for rounding): then the whole error is
+    /// the choice's, and none comes from that side.
+    bool is_cut(NodeId taken) { return !std::isfinite(of(taken).exact) && tape_[taken].op != TapeOp::input; }
 
     /// |a| with the sign of b; of a zero or NaN the sign as computed.
     void sign(NodeId i) {
@@ -173,6 +178,7 @@ private:
         const OperationError& e = of(i);
         if (!e.live || n.op == TapeOp::input || n.op == TapeOp::constant) return;
         failed_ |= !is_decision(n.op) && !Shadow::is_good(exact(i), n.value);
+        if (const NodeId taken = chosen(tape_, i); e.turned && taken != no_node && is_cut(taken)) return;
         std::array<Operand, 3> x{};
         for (std::size_t k = 0; k < 3; ++k) {
             if (n.operands[k] != no_node && !is_decision(tape_[n.operands[k]].op)) x[k] = {computed(n.operands[k]), exact_of(n.operands[k])};

@@ -26,8 +26,6 @@ std::string padded(std::string text, std::size_t width) {
     return text;
 }
 
-std::string plural(int n, const std::string& word) { return fmt::format("{} {}{}", n, word, n == 1 ? "" : "s"); }
-
 /// What the tables say of operations, in words.
 class Words {
 public:
@@ -64,7 +62,7 @@ std::string inputs_block(const Explanation& x) {
     std::size_t width = 0;
     for (const auto& name : x.names) width = std::max(width, name.size());
     for (std::size_t i = 0; i < x.inputs.size(); ++i) {
-        if (x.names[i] == "tmax" && std::isinf(x.inputs[i])) continue;
+        if (x.names[i] == "limit" && std::isinf(x.inputs[i])) continue;
         text += fmt::format("  {:<{}} = {:<22} {}\n", x.names[i], width, hex(x.inputs[i]), decimal(x.inputs[i]));
     }
     return text;
@@ -143,6 +141,14 @@ std::string sums_sentence(const Explanation& x, const Words& words) {
     return text + "\n";
 }
 
+/// How much of the error is rounding's at all.
+std::string split_sentence(const Explanation& x, const Words& words) {
+    if (x.standing.outcome != Outcome::agree_hit || x.attribution.subject != x.tape.outputs.t) return "";
+    const double rounding = x.attribution.error / words.ulp();
+    if (!(std::fabs(x.standing.ulps - rounding) > 0.5)) return "";
+    return fmt::format("Rounding makes {} ulp of the {}; the rest is what the form gives without rounding, on inputs as the format holds them.\n", short_number(rounding), short_number(x.standing.ulps));
+}
+
 std::string turned_sentences(const Explanation& x, const Words& words) {
     std::string text;
     for (const NodeId i : x.turned()) {
@@ -193,7 +199,6 @@ std::string culprit_sentence(const Explanation& x) {
     const std::string what = words.text().definition(culprit);
     const NodeId subject = x.attribution.subject;
     if (!is_decision(x.tape[subject].op) && !std::isfinite(x.tape[subject].value)) return fmt::format("{} is {}: everything after it follows.", what, decimal(n.value));
-    const double share = words.of(culprit).contribution / x.attribution.error;
     const std::string arrives = is_decision(x.tape[subject].op) ? fmt::format("in {}", words.text().expression(subject)) : "in t";
     std::string text;
     if (const NodeId amplifier = x.amplifier(culprit); amplifier != no_node) {
@@ -205,9 +210,13 @@ std::string culprit_sentence(const Explanation& x) {
         }
         text += ". ";
     }
-    text += fmt::format("The culprit is {}: its own {} of {} ulp {} {} ulp {}", what, words.of(culprit).turned ? "choice" : "rounding", short_number(std::fabs(words.own_ulps(culprit, words.of(culprit).rounding))),
-                        words.of(culprit).cancelled > 0 && words.of(culprit).rounding == 0 ? "is" : "arrives as", short_number(std::fabs(words.contribution(culprit))), arrives);
-    if (std::isfinite(share)) text += fmt::format(", {:.0f} % of the error", 100 * share);
+    const OperationError& e = words.of(culprit);
+    const bool harmless = x.standing.outcome == Outcome::agree_hit && x.standing.lost < 1;
+    text += fmt::format("{} {}: its {} of {} ulp arrives as {} ulp {}", harmless ? "The largest contribution is that of" : "The culprit is", what, e.turned ? "wrong turn" : "rounding",
+                        short_number(std::fabs(words.own_ulps(culprit, e.rounding))), short_number(std::fabs(words.contribution(culprit))), arrives);
+    const double share = e.contribution / x.attribution.error;
+    if (share > 1 || share < 0) text += fmt::format("; the other roundings take all but {} of it back", short_number(std::fabs(x.attribution.error / words.ulp())));
+    else if (std::isfinite(share)) text += fmt::format(", {:.0f} % of the error", 100 * share);
     return text + ".";
 }
 
@@ -217,7 +226,7 @@ std::string explain_text(const Explanation& x, bool all) {
     if (x.solids > 1 && x.form->shape != Shape::sdf) text += fmt::format("asked of solid {} of {}\n", x.solid + 1, x.solids);
     text += inputs_block(x) + "\n" + table(x, words, all);
     text += "\n* the culprit; - not on the way to the answer. local: bits lost by the operation alone on exact operands, each rounded once. own: its rounding, in ulps of itself.\n\n";
-    text += outcome_sentence(x) + "\n" + culprit_sentence(x) + "\n" + sums_sentence(x, words) + turned_sentences(x, words) + model_sentence(x) + verdict(x) + "\n" + better_sentence(x);
+    text += outcome_sentence(x) + "\n" + culprit_sentence(x) + "\n" + sums_sentence(x, words) + split_sentence(x, words) + turned_sentences(x, words) + model_sentence(x) + verdict(x) + "\n" + better_sentence(x);
     return text;
 }
 
