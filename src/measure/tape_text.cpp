@@ -159,6 +159,7 @@ std::string TapeText::operand(NodeId i, int binds) const {
     if (n.op == TapeOp::input || !n.label.empty()) return own;
     if (n.op == TapeOp::constant) return n.operands[0] < 0 && binds > 1 ? in_brackets(own) : own;
     if (!vector_of(name(i)).empty() && !is_simple(i)) return own;
+    if (style_ == Style::generic && n.op == TapeOp::select) return "(...)";
     const std::string text = expression(i);
     Dot dot;
     const bool function = style_ == Style::plain && dot_of(i, dot);
@@ -189,6 +190,7 @@ std::string TapeText::written_out(NodeId i) const {
         case TapeOp::both: return both(" and ", 1, 1);
         case TapeOp::either: return both(" or ", 1, 1);
         case TapeOp::opposite: return "not " + at(0, 1);
+        case TapeOp::select: return style_ == Style::generic ? "a choice" : called("select");  // what it chooses by differs from round to round
         default: return called(std::string(tape_op_names[static_cast<std::size_t>(n.op)]));
     }
 }

@@ -24,7 +24,7 @@ std::string in_words(std::string_view name) {
 std::string short_number(double x) { return std::fabs(x) >= 0.01 && std::fabs(x) < 10000 ? fmt::format("{:.3g}", x) : fmt::format("{:.1e}", x); }
 
 constexpr Rgb8 no_culprit{120, 90, 60};       ///< a hit to which no operation adds an error
-constexpr std::size_t most_culprits = 14;     ///< that a legend names
+constexpr std::size_t most_culprits = 6;      ///< that a legend names
 constexpr std::size_t longest_culprit = 44;   ///< letters
 
 std::string shortened(std::string_view text, std::size_t letters) { return text.size() <= letters ? std::string(text) : std::string(text.substr(0, letters - 2)) + ".."; }
@@ -78,8 +78,9 @@ Rgb8 MetricPaint::colour(Outcome outcome, double value) const {
 std::vector<LegendEntry> MetricPaint::widest(std::uint64_t pixels) const {
     if (metric_->over == Over::agreed_hits) return widest_legend(pixels);
     if (metric_->by_run()) {
-        std::vector<LegendEntry> entries(most_culprits + 1, {std::string(longest_culprit, 'm'), no_culprit, fmt::format("{} (>99.9%)", pixels)});
-        for (const LegendEntry& entry : widest_legend(pixels)) entries.push_back(entry);
+        std::vector<LegendEntry> entries(most_culprits + 1, {std::string(longest_culprit, 'e'), no_culprit, fmt::format("{} (>99.9%)", pixels)});
+        for (const Outcome o : {Outcome::agree_miss, Outcome::not_a_number, Outcome::unresolved})
+            entries.push_back({plain_name(o), outcome_colours[static_cast<std::size_t>(o)], fmt::format("{} (>99.9%)", pixels)});
         return entries;
     }
     std::vector<LegendEntry> entries;
