@@ -6,6 +6,8 @@
 
 #include "commands.hpp"
 #include "measure/one_ray.hpp"
+#include "output/explain_programs.hpp"
+#include "output/explain_text.hpp"
 #include "output/march_text.hpp"
 #include "scene/parse_number.hpp"
 #include "scene/round.hpp"
@@ -18,6 +20,7 @@ struct ExplainOptions {
     std::string scene, form, format = "f32";
     std::string pixel, ray;
     std::vector<std::string> set;
+    bool json = false, fpcore = false, latex = false, c = false;
 };
 
 std::vector<std::string> parts_of(const std::string& text) {
@@ -71,15 +74,22 @@ Exit run(const ExplainOptions& o, const Common& common) {
     }
     if (!form.exists_in(formats.front())) throw InputError(fmt::format("-i {}: does not exist in {}", o.form, o.format));
     const OneRay ray = ray_of(o, scene);
-    if (!form.log) throw InputError(fmt::format("-i {}: only marches can be explained so far; try -i sdf.sphere_trace", o.form));
-    fmt::print("{}", output::march_table(form, formats.front(), ray));
+    const Explanation x = explain(form, formats.front(), ray);
+    if (o.json) fmt::print("{}", output::explain_json(x));
+    else if (o.fpcore) fmt::print("{}", output::explain_fpcore(x));
+    else if (o.latex) fmt::print("{}", output::explain_latex(x));
+    else if (o.c) fmt::print("{}", output::explain_c(x));
+    else {
+        if (form.log) fmt::print("{}\n", output::march_table(form, formats.front(), ray));
+        fmt::print("{}", output::explain_text(x, common.verbose));
+    }
     return Exit::done;
 }
 
 }  // namespace
 
 void add_explain(CLI::App& program, const Common& common, Command& chosen) {
-    auto* command = program.add_subcommand("explain", "One ray of a scene, step by step");
+    auto* command = program.add_subcommand("explain", "One ray of a scene, operation by operation: which one loses the bits");
     const auto o = std::make_shared<ExplainOptions>();
     command->add_option("SCENE", o->scene, "A scene file, or a name in data/scenes")->required();
     command->add_option("--pixel", o->pixel, "Column and row of a pixel, from the left and from the top: 17,42");
@@ -87,6 +97,12 @@ void add_explain(CLI::App& program, const Common& common, Command& chosen) {
     command->add_option("-i,--intersector", o->form, "The form")->required();
     command->add_option("-f,--format", o->format, "The format (default: f32)");
     command->add_option("--set", o->set, "Change a number of the scene first: march.hit_eps=1e-6");
+    auto* const as = command->add_option_group("as", "In place of the table");
+    as->add_flag("--json", o->json, "Everything, as JSON");
+    as->add_flag("--fpcore", o->fpcore, "FPCore 2.0 of t, for Herbie and FPBench");
+    as->add_flag("--latex", o->latex, "The operations as a LaTeX align*");
+    as->add_flag("--c", o->c, "A C program that reproduces t to the bit");
+    as->require_option(0, 1);
     command->callback([o, &common, &chosen] { chosen = [o, &common] { return run(*o, common); }; });
 }
 

@@ -8,9 +8,13 @@
 #include <set>
 
 #include "commands.hpp"
+#include "measure/culprits.hpp"
 #include "output/atomic_file.hpp"
 #include "output/map_files.hpp"
 #include "output/needed_files.hpp"
+#include "scene/did_you_mean.hpp"
+#include "scene/march_table.hpp"
+#include "scene/round.hpp"
 #include "scene/scene.hpp"
 #include "select.hpp"
 #include "signals.hpp"
@@ -107,9 +111,35 @@ struct SceneWork {
     }
 };
 
+/// Binds the metrics that depend on the forms and solids of the run. InputError for a label that no form has.
+void bind_to_run(std::vector<const Metric*>& metrics, const scene::Scene& scene, const std::vector<MapRow>& rows) {
+    std::vector<const Intersector*> forms;
+    for (const MapRow& row : rows) {
+        if (std::ranges::find(forms, row.form) == forms.end()) forms.push_back(row.form);
+    }
+    if (std::ranges::none_of(metrics, [](const Metric* m) { return m->by_run() || m->name.starts_with("contribution:"); })) return;
+    const std::vector<Solid<double>> solids = scene::shared_solids(scene);
+    std::optional<MarchConstants<double>> march;
+    if (scene.march) march = scene::round_march(*scene.march, binary32);
+    for (const Metric*& m : metrics) {
+        if (m->by_run()) m = culprit_among(forms, solids, march ? &*march : nullptr);
+        if (!m->name.starts_with("contribution:")) continue;
+        const std::string label(m->name.substr(m->name.find(':') + 1));
+        std::vector<std::string> labels;
+        for (const Intersector* form : forms) {
+            const auto fits = std::ranges::find(solids, form->shape, &Solid<double>::shape);
+            const Target<double> target = form->shape == Shape::sdf ? Target<double>(solids, *march) : Target<double>(*fits);
+            for (const auto& each : labels_of(*form, target)) labels.emplace_back(each);
+        }
+        if (std::ranges::find(labels, label) != labels.end()) continue;
+        throw InputError(fmt::format("--metric {}: no selected form names \"{}\"; {}", m->name, label, scene::did_you_mean(label, labels)));
+    }
+}
+
 SceneWork work_on(const scene::Scene& scene, const MapOptions& o, const std::vector<MapRow>& rows, const std::vector<const Metric*>& wanted) {
     SceneWork work{{.scene = &scene, .rows = fitting(rows, [&](Shape shape) { return scene.meets(shape); }), .metrics = {}}, {}};
     work.map.metrics = measured(wanted, work.map.rows);
+    bind_to_run(work.map.metrics, scene, work.map.rows);
     if (o.bits_needed > 0) work.needed = NeededRequest{.scene = &scene, .forms = forms_of_any_width(work.map.rows), .bits = o.bits_needed};
     return work;
 }
@@ -152,6 +182,12 @@ std::uint64_t map_scene(const SceneWork& work, const MapOptions& o, const Common
     return unresolved;
 }
 
+/// The pictures of one scene: what was asked for, as its work measures it.
+std::vector<const Metric*> drawn_of(std::vector<const Metric*> asked, const SceneWork& work) {
+    for (const Metric*& m : asked) m = *std::ranges::find(work.map.metrics, m->name, &Metric::name);
+    return asked;
+}
+
 Exit run(const MapOptions& o, const Common& common) {
     if (o.out.empty()) throw InputError("-o: the name of the folder is empty; write -o . for this one");
     const auto rows = cross(select_forms(o.forms), select_formats(o.formats));
@@ -184,7 +220,7 @@ Exit run(const MapOptions& o, const Common& common) {
     for (SceneWork& work : works) {
         work.map.progress = advance;
         if (work.needed) work.needed->progress = advance;
-        unresolved += map_scene(work, o, common, that_apply(drawn, work.map.rows, work.map.scene->id));
+        unresolved += map_scene(work, o, common, drawn_of(that_apply(drawn, work.map.rows, work.map.scene->id), work));
     }
     progress.finish();
     if (unresolved == 0) return Exit::done;
@@ -200,7 +236,7 @@ void add_map(CLI::App& program, const Common& common, Command& chosen) {
     command->add_option("SCENE", o->scenes, "Scene files, or names in data/scenes")->required();
     command->add_option("-i,--intersector", o->forms, "Forms, by name or glob (default: all)");
     command->add_option("-f,--format", o->formats, "Formats: f32, f64, fp16, bf16, tf32, pN, pA..pB (default: f32 f64)");
-    command->add_option("--metric", o->metrics, "Metrics to draw (default: lost_bits); globs");
+    command->add_option("--metric", o->metrics, "Metrics to draw (default: lost_bits); globs, or contribution:LABEL of what forms name so");
     command->add_option("--size", o->size, "Picture size, WxH in pixels (default: the scene's)");
     command->add_option("--variant", o->variant, "One variant of a scene that has several (default: all)");
     command->add_option("--set", o->set, "Change a number of the scene first: sphere[0].radius=10");

@@ -140,6 +140,12 @@ Exit run(const SweepOptions& o, const Common& common) {
     Chosen chosen{cross(select_forms(o.forms), select_formats(o.formats)), {}};
     // A sweep always knows what the problem itself costs: its plots carry the envelope.
     if (!o.metrics.empty()) chosen.asked = select_metrics(o.metrics);
+    // A glob means those that a sweep has; a name means that one.
+    std::erase_if(chosen.asked, [&](const Metric* m) {
+        if (!m->by_run() && !m->name.starts_with("contribution:")) return false;
+        if (std::ranges::find(o.metrics, m->name) == o.metrics.end()) return true;
+        throw InputError(fmt::format("--metric {}: is drawn over the pixels of a scene alone; try `lostbits map`, or `lostbits explain` for one ray", m->name));
+    });
     for (const char* name : {"inherent_bits", "excess_bits"}) chosen.asked.push_back(find_metric(name));
     if (o.out.empty()) throw InputError("-o: the name of the folder is empty; write -o . for this one");
     const auto data = data_folder(common.data);

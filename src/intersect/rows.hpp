@@ -1,4 +1,4 @@
-// The three translation units that fill the table, one per family of arithmetic: they compile side by side.
+// The translation units that fill the table, one per family of arithmetic: they compile side by side.
 #pragma once
 
 #include "intersect/kernels.hpp"
@@ -9,5 +9,6 @@ void fill_native(std::span<Intersector> rows);
 void fill_rounded(std::span<Intersector> rows);
 void fill_enclosed(std::span<Intersector> rows);
 void fill_logs(std::span<Intersector> rows);
+void fill_recorded(std::span<Intersector> rows);
 
 }  // namespace lostbits

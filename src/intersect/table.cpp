@@ -12,6 +12,7 @@ std::span<const Intersector> intersectors() {
         fill_rounded(filled);
         fill_enclosed(filled);
         fill_logs(filled);
+        fill_recorded(filled);
         return filled;
     }();
     return rows;

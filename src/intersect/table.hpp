@@ -12,6 +12,7 @@
 #include "number/ball.hpp"
 #include "number/format.hpp"
 #include "number/interval.hpp"
+#include "number/tape.hpp"
 
 namespace lostbits {
 
@@ -51,6 +52,10 @@ struct Intersector {
     Hit<Interval> (*interval)(const Ray<Interval>&, const Target<Interval>&);
     /// Every sample of one march; null for the forms that do not march. Inputs are numbers of the format.
     MarchLog (*log)(const Format&, const Ray<double>&, const Target<double>&) = nullptr;
+    /// Every operation of one evaluation, onto a tape that it clears first. Inputs are numbers of the format.
+    void (*record)(const Format&, const Ray<double>&, const Target<double>&, double tmax, Tape&) = nullptr;
+    /// The same with every loop run to its bound whatever its decisions: all operations that the form can ever do.
+    void (*record_all)(const Target<double>&, Tape&) = nullptr;
 
     [[nodiscard]] bool exists_in(const Format& format) const {
         return info->formats == Formats::all || format.shape == binary32;

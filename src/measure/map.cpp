@@ -7,6 +7,7 @@
 #include <limits>
 #include <map>
 
+#include "measure/culprits.hpp"
 #include "measure/self.hpp"
 
 namespace lostbits {
@@ -23,7 +24,7 @@ const Certified* in_unit_of(const Truth& truth, const Info& info) {
 class Measurement {
 public:
     Measurement(const std::vector<const Metric*>& metrics, const MapRow& row, BandResult& result)
-        : metrics_(metrics), row_(row), result_(result), needs_(needs_of(metrics)) {}
+        : metrics_(metrics), row_(row), result_(result), needs_(needs_of(metrics)), blamer_(*row.form, row.format, culprits_of(metrics)) {}
 
     void measure(std::size_t i, MapSummary& summary) {
         const Answers& answers = *result_.answers;
@@ -42,8 +43,20 @@ public:
             self = without_rounding(*row_.form, ray, in.target_for(*row_.form, static_cast<std::size_t>(truth.object)));
             if (self) sample.self = &*self;
         }
+        const Blame blame = blame_of(i, answers.object[i]);
+        if (needs_ & needs_attribution) sample.blame = &blame;
         take(i, sample, Over::agreed_hits, summary);
+        take(i, sample, Over::blamed, summary);
         keep_worst(i, sample, summary);
+    }
+
+    /// The metrics of a false hit or a false miss.
+    void measure_fault(std::size_t i, MapSummary& summary) {
+        if (!(needs_ & needs_attribution)) return;
+        const int object = result_.answers->hit[i] != 0 ? result_.answers->object[i] : result_.truth(i).object;
+        const Ray<double> ray = result_.inputs->rays_for(*row_.form->info)[i];
+        const Blame blame = blame_of(i, object);
+        take(i, {result_.answers->t[i], &row_.format, nullptr, missing, nullptr, nullptr, missing, &ray, nullptr, march_of(i), &blame}, Over::blamed, summary);
     }
 
     /// The metrics of how a ray was marched, whatever came of it.
@@ -53,11 +66,24 @@ public:
     }
 
 private:
+    static std::span<const std::string_view> culprits_of(const std::vector<const Metric*>& metrics) {
+        const auto found = std::ranges::find_if(metrics, &Metric::by_run);
+        return found == metrics.end() ? std::span<const std::string_view>() : (*found)->categories;
+    }
+
+    Blame blame_of(std::size_t i, std::int32_t object) {
+        if (!(needs_ & needs_attribution)) return {};
+        const FormatInputs& in = *result_.inputs;
+        const auto& rays = in.rays_for(*row_.form->info);
+        return blamer_.of(rays[i], in.target_for(*row_.form, static_cast<std::size_t>(std::max(0, object))), rays.tmax.empty() ? HUGE_VAL : rays.tmax[i]);
+    }
+
     [[nodiscard]] const MarchRecord* march_of(std::size_t i) const { return result_.answers->march.empty() ? nullptr : &result_.answers->march[i]; }
 
-    void take(std::size_t i, const Sample& sample, Over over, MapSummary& summary) {
+    void take(std::size_t i, Sample sample, Over over, MapSummary& summary) {
         for (std::size_t m = 0; m < metrics_.size(); ++m) {
             if (metrics_[m]->over != over) continue;
+            sample.metric = metrics_[m];
             const double value = metrics_[m]->value(sample);
             result_.metrics[m][i] = value;
             summary.add(m, *metrics_[m], value);
@@ -77,6 +103,7 @@ private:
     const MapRow& row_;
     BandResult& result_;
     unsigned needs_;
+    Blamer blamer_;
 };
 
 std::map<std::string, BandNeeds> needs_by_format(const std::vector<MapRow>& rows, const std::vector<const Metric*>& metrics) {
@@ -120,6 +147,7 @@ void measure_row(const MapRow& row, const std::vector<const Metric*>& metrics, c
         ++summary.outcomes[static_cast<std::size_t>(outcome)];
         summary.true_hits += truth.is_hit();
         if (!answers.march.empty()) measurement.measure_march(i, summary);
+        if (outcome == Outcome::false_hit || outcome == Outcome::false_miss) measurement.measure_fault(i, summary);
         if (outcome != Outcome::agree_hit) continue;
         summary.wrong_object += answers.object[i] != truth.object;
         measurement.measure(i, summary);

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "measure/conditioning.hpp"
+#include "measure/culprits.hpp"
 #include "number/rounded.hpp"
 
 namespace lostbits {
@@ -110,6 +111,9 @@ double stop(const Sample& s) { return s.march ? static_cast<double>(s.march->sto
 double overshoot(const Sample& s) { return s.march ? std::max(0.0, -s.march->deepest) : missing; }
 double least_field(const Sample& s) { return s.march ? s.march->least : missing; }
 
+double culprit(const Sample& s) { return s.blame ? s.blame->culprit : missing; }
+double cancelled(const Sample& s) { return s.blame ? worst_cancellation(*s.blame->attribution) : missing; }
+
 constexpr unsigned split = needs_own_truth | needs_self;
 
 constexpr std::array table{
@@ -132,6 +136,10 @@ constexpr std::array table{
     Metric{"inherent_bits", "bits", "condition.inherent", "bits that half an ulp in each input alone would cost: lost bits of max(1/2, kappa/2) ulp", needs_condition,
            Ramp::bits, 0, 0, false, inherent},
     Metric{"excess_bits", "bits", "condition.excess", "lost_bits beyond inherent_bits: the formula's own", needs_condition, Ramp::bits, 0, 0, false, excess},
+    Metric{"cancellation", "bits", "culprit.cancellation", "bits of the largest cancellation on the way to t whose operands already carry error", needs_attribution, Ramp::bits,
+           0, 0, false, cancelled},
+    Metric{"culprit", "", "culprit.operation", "the operation whose rounding arrives as the largest part of the error, or of a decision that rounding turned", needs_attribution,
+           Ramp::categories, 0, 0, false, culprit, Over::blamed},
     Metric{"iterations", "samples", "march.iterations", "samples of the field that the march took", needs_nothing, Ramp::magnitude, 1, 0x1p+8, true, iterations, Over::marches},
     Metric{"stop", "", "march.stop", "why the march ended; stagnated: at the step cap, with t + d == t", needs_nothing, Ramp::categories, 0, 0, true, stop, Over::marches,
            stop_names},
@@ -147,7 +155,7 @@ std::span<const Metric> metrics() { return table; }
 
 const Metric* find_metric(std::string_view name) {
     const auto found = std::ranges::find(table, name, &Metric::name);
-    return found == table.end() ? nullptr : &*found;
+    return found == table.end() ? contribution_metric(name) : &*found;
 }
 
 double lost_bits(double ulps, int precision) {

@@ -11,6 +11,9 @@
 
 namespace lostbits {
 
+struct Blame;
+struct Metric;
+
 /// All that is known of one ray on which form and truth agree that there is a hit; of any other ray `format`, `ray` and `march`
 /// alone. Null pointers stand for values that no selected metric needs, or that do not exist (a form that misses in exact
 /// arithmetic has no `self`).
@@ -25,15 +28,17 @@ struct Sample {
     const Ray<double>* ray;   ///< the inputs as the form received them
     const Solid<double>* solid;  ///< the solid that the form hit, as it received it
     const MarchRecord* march = nullptr;  ///< null for the forms that do not march
+    const Blame* blame = nullptr;        ///< which operation lost the bits
+    const Metric* metric = nullptr;      ///< the one that is being measured
 };
 
 /// What must be computed before a metric can be.
-enum Needs : unsigned { needs_nothing = 0, needs_rounded_truth = 1, needs_own_truth = 2, needs_self = 4, needs_condition = 8 };
+enum Needs : unsigned { needs_nothing = 0, needs_rounded_truth = 1, needs_own_truth = 2, needs_self = 4, needs_condition = 8, needs_attribution = 16 };
 
 enum class Ramp { bits, magnitude, categories };
 
-/// The rays on which a metric is measured.
-enum class Over { agreed_hits, marches };
+/// The rays on which a metric is measured. `blamed` are agreed hits, false hits and false misses.
+enum class Over { agreed_hits, marches, blamed };
 
 struct Metric {
     std::string_view name;     ///< on the command line and in CSV columns
@@ -47,12 +52,14 @@ struct Metric {
     double (*value)(const Sample&);
     Over over = Over::agreed_hits;  ///< marches: every ray, whatever its outcome, of the forms that march
     std::span<const std::string_view> categories = {};  ///< of a metric that names one: its value is the place in this list
+    /// The list depends on the forms of the run, and is empty until it is known (`culprit_among`).
+    [[nodiscard]] bool by_run() const { return over == Over::blamed; }
 };
 
 /// Every metric, in the order of layers and columns.
 std::span<const Metric> metrics();
 
-/// The row of that name, or null.
+/// The row of that name, or null; of `contribution:LABEL` one that is in no table.
 const Metric* find_metric(std::string_view name);
 
 /// Lost bits of an error of that many ulps: clamp(log2(2|ulps|), 0, p). Half an ulp loses none, 2^k ulps lose k + 1.

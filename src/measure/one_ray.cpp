@@ -27,6 +27,11 @@ OneRay::Inputs OneRay::inputs(const Intersector& form, const Format& format) con
     return {band_->inputs(format, {.unit_rays = form.info->direction == Direction::unit, .own_truth = false}), index_};
 }
 
+double OneRay::condition(const Info& info) const {
+    band_->find_condition();
+    return band_->condition(index_, info.touching);
+}
+
 const Certified& OneRay::true_t(const Info& info) const {
     const Truth& found = truth(info);
     return info.direction == Direction::unit ? found.distance : found.t;

@@ -28,6 +28,8 @@ public:
     [[nodiscard]] Inputs inputs(const Intersector& form, const Format& format) const;
     /// By the form's own word on touching.
     [[nodiscard]] const Truth& truth(const Info& info) const { return band_->truth(index_, info.touching); }
+    /// κ of the true hit; NaN for a miss.
+    [[nodiscard]] double condition(const Info& info) const;
     /// t* in the unit of the form's answer; for a hit only.
     [[nodiscard]] const Certified& true_t(const Info& info) const;
     [[nodiscard]] double rounded_truth(const Info& info, const FloatFormat& format) const { return band_->rounded_truth(index_, format, info.direction, info.touching); }

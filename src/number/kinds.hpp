@@ -8,6 +8,7 @@
 #include "number/interval.hpp"
 #include "number/pack.hpp"
 #include "number/real.hpp"
+#include "number/recorded.hpp"
 #include "number/rounded.hpp"
 
 namespace lostbits {
@@ -36,7 +37,9 @@ using RunnableNumbers = TypeList<  //
     Pack<float, Registers<16>>,    // what does it cost in bulk?
     Pack<double, Registers<16>>,   //
     Counted<float>,                // what does it cost in operations?
-    Counted<double>                //
+    Counted<double>,               //
+    Recorded<float>,               // which operation lost the bits?
+    Recorded<double>               //
     >;
 
 }  // namespace lostbits

@@ -36,6 +36,12 @@ ExrSpec spec_of(const MapRequest& request, const MapRow& row, const std::string&
         {"lostbits:outcomes", outcomes},
         {"lostbits:objects", "0 none, otherwise the solid's place in the scene, from 1"},
     };
+    for (const Metric* m : request.metrics) {
+        if (!m->by_run()) continue;
+        std::string names;
+        for (std::size_t c = 0; c < m->categories.size(); ++c) names += (c ? "; " : "") + std::to_string(c) + " " + std::string(m->categories[c]);
+        spec.attributes.push_back({"lostbits:culprits", names});
+    }
     return spec;
 }
 

@@ -18,6 +18,13 @@ std::size_t index_of(const std::vector<const Metric*>& all, const Metric* one) {
 
 std::string short_name(const Info& info) { return std::string(info.name.substr(info.name.find('.') + 1)); }
 
+/// `contribution.c`: a metric's name where no colon may be.
+std::string file_word(const Metric& metric) {
+    std::string word(metric.name);
+    std::ranges::replace(word, ':', '.');
+    return word;
+}
+
 bool is_enveloped(const MapFilesOptions& options, const Metric& drawn) { return options.envelope && &drawn == find_metric("lost_bits"); }
 
 LegendEntry envelope_entry(const ColourScale& scale, std::string count) {
@@ -63,7 +70,7 @@ struct Sheet {
             add(forms, short_name(*row.form->info));
             for (const Metric* m : metrics) add(lines, line_name(row, *m));
         }
-        const std::string name = first ? "contact.png" : fmt::format("contact.{}.png", metrics.front()->name);
+        const std::string name = first ? "contact.png" : fmt::format("contact.{}.png", file_word(*metrics.front()));
         page = std::make_unique<ContactSheet>(image_backend(), options.folder / name,
                                               SheetSpec{.title = request.scene->title,
                                                         .subtitle = {fmt::format("{}, {} x {} rays", request.scene->id, request.scene->width, request.scene->height), paint.note()},
@@ -110,7 +117,7 @@ public:
             Sheet& sheet = *std::ranges::find_if(sheets, [m](const Sheet& s) { return std::ranges::find(s.metrics, m) != s.metrics.end(); });
             const MetricPaint paint(*m, request.rows, backend);
             if (!paint.applies_to(row)) continue;
-            const std::string suffix = options.drawn.size() == 1 ? "" : "." + std::string(m->name);
+            const std::string suffix = options.drawn.size() == 1 ? "" : "." + file_word(*m);
             HeatmapSpec spec{.title = fmt::format("{} in {}: {}", row.form->info->name, row.format.name, m->name),
                              .subtitle = {request.scene->title, std::string(row.form->info->title), paint.note()},
                              .width = request.scene->width,

@@ -2,7 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "output/number_text.hpp"
 
@@ -67,6 +69,11 @@ std::vector<Column> SummaryTable::columns() const {
     columns.push_back({"wrong_object", "integer", "", "agree_hit, but the form found another solid first"});
     for (const Metric* m : metrics) {
         const std::string name(m->name), over = m->over == Over::marches ? " over all rays" : " over agree_hit";
+        if (m->by_run()) {
+            columns.push_back({name, "string", "", std::string(m->meaning) + ": the most frequent"});
+            columns.push_back({name + "_fraction", "number", "1", "its share of the rays that have a culprit"});
+            continue;
+        }
         for (const std::string_view category : m->categories) {
             columns.push_back({fmt::format("{}_{}", name, category), "integer", "", fmt::format("rays whose {} is {}: {}", name, category, m->meaning)});
         }
@@ -91,6 +98,13 @@ void SummaryTable::add(CsvWriter& csv, const MapRow& row, const MapSummary& s) c
     const std::uint64_t true_misses = s.rays - s.true_hits - s.count(Outcome::unresolved);
     csv.add(fraction(s.count(Outcome::false_hit), true_misses)).add(fraction(s.count(Outcome::false_miss), s.true_hits)).add(s.wrong_object);
     for (std::size_t m = 0; m < metrics.size(); ++m) {
+        if (metrics[m]->by_run()) {
+            const auto& counts = s.categories[m];
+            const auto most = std::ranges::max_element(counts);
+            const std::uint64_t all = std::accumulate(counts.begin(), counts.end(), std::uint64_t{0});
+            csv.add(all == 0 ? Cell() : Cell(metrics[m]->categories[static_cast<std::size_t>(most - counts.begin())])).add(all == 0 ? Cell() : fraction(*most, all));
+            continue;
+        }
         // A form that does not march has none of these: missing, not zero.
         for (const std::uint64_t count : s.categories[m]) csv.add(row.form->shape == Shape::sdf ? Cell(count) : Cell());
         if (!metrics[m]->categories.empty()) continue;

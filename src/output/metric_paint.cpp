@@ -23,6 +23,22 @@ std::string in_words(std::string_view name) {
 
 std::string short_number(double x) { return std::fabs(x) >= 0.01 && std::fabs(x) < 10000 ? fmt::format("{:.3g}", x) : fmt::format("{:.1e}", x); }
 
+constexpr Rgb8 no_culprit{120, 90, 60};       ///< a hit to which no operation adds an error
+constexpr std::size_t most_culprits = 6;      ///< that a legend names
+constexpr std::size_t longest_culprit = 44;   ///< letters
+
+std::string shortened(std::string_view text, std::size_t letters) { return text.size() <= letters ? std::string(text) : std::string(text.substr(0, letters - 2)) + ".."; }
+
+/// The places of what occurred, most frequent first.
+std::vector<std::size_t> by_count(const std::vector<std::uint64_t>& counts) {
+    std::vector<std::size_t> order;
+    for (std::size_t c = 0; c < counts.size(); ++c) {
+        if (counts[c] > 0) order.push_back(c);
+    }
+    std::ranges::stable_sort(order, [&](std::size_t a, std::size_t b) { return counts[a] > counts[b]; });
+    return order;
+}
+
 /// Wrong decisions as shares of the rays that could be wrong so.
 std::vector<std::string> faults_of(const MapSummary& s) {
     const std::uint64_t true_misses = s.rays - s.true_hits - s.count(Outcome::unresolved);
@@ -36,7 +52,7 @@ std::vector<std::string> faults_of(const MapSummary& s) {
 }  // namespace
 
 MetricPaint::MetricPaint(const Metric& metric, std::span<const MapRow> rows, ImageBackend& backend) : metric_(&metric) {
-    if (metric.categories.empty()) scale_ = metric_scale(metric, rows, backend);
+    if (metric.ramp != Ramp::categories) scale_ = metric_scale(metric, rows, backend);
 }
 
 bool MetricPaint::applies_to(const MapRow& row) const { return metric_->over != Over::marches || row.form->shape == Shape::sdf; }
@@ -47,18 +63,26 @@ bool MetricPaint::shares_with(const Metric& other) const {
 }
 
 Rgb8 MetricPaint::category_colour(std::size_t category) const {
+    if (metric_->by_run() && category == 0) return no_culprit;
     if (metric_->categories.data() == stop_names.data()) return stop_colours[category];
     return object_colour(static_cast<std::uint32_t>(category + 1));
 }
 
 Rgb8 MetricPaint::colour(Outcome outcome, double value) const {
     if (metric_->over == Over::agreed_hits) return pixel_colour(*scale_, outcome, value);
+    if (metric_->over == Over::blamed && std::isnan(value)) return outcome == Outcome::agree_hit ? no_culprit : outcome_colours[static_cast<std::size_t>(outcome)];
     if (!scale_) return category_colour(static_cast<std::size_t>(value));
     return std::isnan(value) ? outcome_colours[static_cast<std::size_t>(Outcome::not_a_number)] : scale_->map(value);
 }
 
 std::vector<LegendEntry> MetricPaint::widest(std::uint64_t pixels) const {
     if (metric_->over == Over::agreed_hits) return widest_legend(pixels);
+    if (metric_->by_run()) {
+        std::vector<LegendEntry> entries(most_culprits + 1, {std::string(longest_culprit, 'e'), no_culprit, fmt::format("{} (>99.9%)", pixels)});
+        for (const Outcome o : {Outcome::agree_miss, Outcome::not_a_number, Outcome::unresolved})
+            entries.push_back({plain_name(o), outcome_colours[static_cast<std::size_t>(o)], fmt::format("{} (>99.9%)", pixels)});
+        return entries;
+    }
     std::vector<LegendEntry> entries;
     for (std::size_t c = 0; c < metric_->categories.size(); ++c) entries.push_back({in_words(metric_->categories[c]), category_colour(c), fmt::format("{} (>99.9%)", pixels)});
     return entries;
@@ -66,10 +90,28 @@ std::vector<LegendEntry> MetricPaint::widest(std::uint64_t pixels) const {
 
 std::vector<LegendEntry> MetricPaint::legend(const MapSummary& summary, std::size_t m) const {
     if (metric_->over == Over::agreed_hits) return outcome_legend(summary);
+    if (metric_->by_run()) return culprit_legend(summary, m);
     std::vector<LegendEntry> entries;
     for (std::size_t c = 0; c < metric_->categories.size(); ++c) {
         const std::uint64_t n = summary.categories[m][c];
         if (n > 0) entries.push_back({in_words(metric_->categories[c]), category_colour(c), count_text(n, summary.rays)});
+    }
+    return entries;
+}
+
+std::vector<LegendEntry> MetricPaint::culprit_legend(const MapSummary& summary, std::size_t m) const {
+    const auto& counts = summary.categories[m];
+    std::vector<LegendEntry> entries;
+    std::uint64_t rest = 0;
+    for (const std::size_t c : by_count(counts)) {
+        if (entries.size() < most_culprits) entries.push_back({shortened(metric_->categories[c], longest_culprit), category_colour(c), count_text(counts[c], summary.rays)});
+        else rest += counts[c];
+    }
+    if (rest > 0) entries.push_back({"other operations, colours of their own", style::page, count_text(rest, summary.rays)});
+    for (std::size_t o = 0; o < summary.outcomes.size(); ++o) {
+        const auto outcome = static_cast<Outcome>(o);
+        if (summary.outcomes[o] == 0 || outcome == Outcome::agree_hit || outcome == Outcome::false_hit || outcome == Outcome::false_miss) continue;
+        entries.push_back({plain_name(outcome), outcome_colours[o], count_text(summary.outcomes[o], summary.rays)});
     }
     return entries;
 }
@@ -81,6 +123,11 @@ std::string MetricPaint::note() const {
 }
 
 std::string MetricPaint::glance(const MapSummary& s, std::size_t m) const {
+    if (metric_->by_run()) {
+        const auto order = by_count(s.categories[m]);
+        if (order.empty()) return "no culprit";
+        return fmt::format("{}\n{}", percent(s.categories[m][order.front()], s.rays), shortened(metric_->categories[order.front()], 48));
+    }
     if (!metric_->categories.empty()) {
         std::vector<std::string> shares;
         for (std::size_t c = 0; c < metric_->categories.size(); ++c) {

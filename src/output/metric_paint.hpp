@@ -34,6 +34,7 @@ public:
 
 private:
     [[nodiscard]] Rgb8 category_colour(std::size_t category) const;
+    [[nodiscard]] std::vector<LegendEntry> culprit_legend(const MapSummary& summary, std::size_t m) const;
 
     const Metric* metric_;
     std::optional<ColourScale> scale_;

@@ -14,6 +14,8 @@ inline bool surely(bool mask) { return mask; }
 inline bool surely(Tri mask) { return mask.is_yes(); }
 inline bool surely_not(bool mask) { return !mask; }
 inline bool surely_not(Tri mask) { return mask.is_no(); }
+inline bool surely(const RecordedMask& mask) { return mask.value(); }
+inline bool surely_not(const RecordedMask& mask) { return !mask.value(); }
 
 /// Of a pack: in every lane, or in none.
 template <class F, class Width>

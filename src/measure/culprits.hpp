@@ -1,0 +1,61 @@
+// Culprits as the categories of a map: every operation of the forms of a run has one place in one list.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <unordered_map>
+#include <vector>
+
+#include "intersect/table.hpp"
+#include "measure/attribution.hpp"
+#include "measure/metrics.hpp"
+
+namespace lostbits {
+
+/// What is known of a ray whose tape was walked.
+struct Blame {
+    double culprit = 0;         ///< its place in the categories of the run; NaN where there is none to name
+    const Tape* tape = nullptr;
+    const Attribution* attribution = nullptr;
+    double ulp = 0;             ///< of the format at the exact value of the subject
+};
+
+/// `culprit` with its categories: first `none`, then the operations of each form in the order of its tape, those that several forms
+/// share once. Lives as long as the program.
+const Metric* culprit_among(std::span<const Intersector* const> forms, std::span<const Solid<double>> solids, const MarchConstants<double>* march);
+
+/// `contribution:LABEL`: the row of that label, or null where `name` is no such name. Lives as long as the program.
+const Metric* contribution_metric(std::string_view name);
+
+/// Every label of a form.
+std::vector<std::string_view> labels_of(const Intersector& form, const Target<double>& target);
+
+/// The contributions of the operations that make up what the formula calls `label`: that operation and the unnamed ones that lead to it
+/// first, summed; NaN where none has that name.
+double contribution_of(const Tape& tape, const Attribution& attribution, std::string_view label);
+
+/// The bits of the largest cancellation among the live operations whose operands carry error.
+int worst_cancellation(const Attribution& attribution);
+
+/// Walks the tape of one ray after another for one form. Not for several threads at once.
+class Blamer {
+public:
+    /// `categories` are those of the run's `culprit`; empty where it is not asked for.
+    Blamer(const Intersector& form, const Format& format, std::span<const std::string_view> categories) : form_(form), format_(format), categories_(categories) {}
+
+    Blame of(const Ray<double>& ray, const Target<double>& target, double tmax);
+
+private:
+    /// A category for each node of the tape: of all tapes of the same structure.
+    const std::vector<std::int32_t>& places(const Target<double>& target);
+
+    const Intersector& form_;
+    const Format& format_;
+    std::span<const std::string_view> categories_;
+    Tape tape_;
+    Attribution attribution_;
+    std::unordered_map<std::uint64_t, std::vector<std::int32_t>> known_;
+};
+
+}  // namespace lostbits

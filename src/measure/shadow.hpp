@@ -1,0 +1,56 @@
+// The exact values beside a tape: the same operations over a number that does not round, or that says how much.
+#pragma once
+
+#include <cmath>
+#include <optional>
+
+#include "number/ball.hpp"
+#include "number/real.hpp"
+
+namespace lostbits {
+
+/// Double-double with bounds: what a map affords.
+struct QuickShadow {
+    using Number = Ball;
+    static constexpr int bits = 106;
+
+    /// Infinity is beyond every number that a ball holds.
+    static Ball lift(double x) { return std::isinf(x) ? Ball(std::copysign(0x1p+880, x)) : Ball(x); }
+    static std::optional<bool> less(const Ball& a, const Ball& b) { return settled(a < b); }
+    static std::optional<bool> less_equal(const Ball& a, const Ball& b) { return settled(a <= b); }
+    static double nearest(const Ball& x) { return x.undefined() == Undefined::always ? std::nan("") : x.hi(); }
+    /// Zero where the bound leaves it open that they are the same.
+    static double difference(double computed, const Ball& exact) {
+        const Ball d = lift(computed) - exact;
+        return std::fabs(d.hi()) <= d.radius() ? 0 : d.hi() + d.lo();
+    }
+    static bool is_good(const Ball& x, double computed) {
+        return std::isfinite(computed) && x.is_bounded() && x.radius() <= 0x1p-60 * std::fmax(std::fabs(computed), std::fabs(x.hi()));
+    }
+
+private:
+    static std::optional<bool> settled(Tri t) { return t.is_unknown() ? std::nullopt : std::optional(t.is_yes()); }
+};
+
+/// 2048 bits: exact for the sums and products of a form over any rays that are not thousands of binades wide, and all but exact for its roots.
+struct DeepShadow {
+    using Number = BasicReal<2048>;
+    static constexpr int bits = 2048;
+
+    static Number lift(double x) { return Number(x); }
+    static std::optional<bool> less(const Number& a, const Number& b) { return a < b && !same(a, b); }
+    static std::optional<bool> less_equal(const Number& a, const Number& b) { return a <= b || same(a, b); }
+    static double nearest(const Number& x) { return mpfr_get_d(x.backend().data(), MPFR_RNDN); }
+    static double difference(double computed, const Number& exact) { return nearest(Number(computed) - exact); }
+    static bool is_good(const Number& /*x*/, double /*computed*/) { return true; }
+
+private:
+    /// Quotients and roots that are equal differ where they were rounded.
+    static bool same(const Number& a, const Number& b) {
+        if (mpfr_regular_p(a.backend().data()) == 0 || mpfr_regular_p(b.backend().data()) == 0) return false;
+        const Number apart = abs(a - b);
+        return apart == 0 || ilogb(apart) < ilogb(a) - 1900;
+    }
+};
+
+}  // namespace lostbits

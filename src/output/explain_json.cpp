@@ -1,0 +1,82 @@
+#include <nlohmann/json.hpp>
+
+#include <cmath>
+
+#include "measure/tape_text.hpp"
+#include "output/explain_text.hpp"
+#include "output/number_text.hpp"
+
+namespace lostbits::output {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+/// JSON knows no infinity and no NaN; nlohmann would write null for both.
+Json number(double x) { return std::isfinite(x) ? Json(x) : Json(decimal(x)); }
+Json exact(double x) { return {{"decimal", number(x)}, {"hex", hex(x)}}; }
+Json node_or_null(const TapeText& text, NodeId i) { return i == no_node ? Json(nullptr) : Json(text.name(i)); }
+
+Json operation(const Explanation& x, const TapeText& text, NodeId i) {
+    const TapeNode& n = x.tape[i];
+    const OperationError& e = x.attribution.of[static_cast<std::size_t>(i)];
+    Json operands = Json::array();
+    if (n.op != TapeOp::input && n.op != TapeOp::constant) {
+        for (const NodeId operand : n.operands) {
+            if (operand != no_node) operands.push_back(text.name(operand));
+        }
+    }
+    Json j{{"name", text.name(i)}, {"operation", std::string(tape_op_names[static_cast<std::size_t>(n.op)])}, {"operands", operands}, {"expression", text.expression(i)}};
+    if (!n.label.empty()) j["label"] = std::string(n.label);
+    j["turned"] = e.turned;
+    if (is_decision(n.op)) {
+        j["computed"] = n.value != 0;
+        j["exact"] = e.exact != 0;
+        return j;
+    }
+    j["precision"] = x.tape.format_of(i).precision;
+    j["computed"] = exact(n.value);
+    j["exact"] = number(e.exact);
+    j["error"] = number(e.error);
+    j["cancelled_bits"] = e.cancelled;
+    if (e.cancelled > 0) j["cancellation"] = e.carried ? "catastrophic" : "benign";
+    j["local_error_bits"] = number(e.local_bits);
+    j["rounding"] = number(e.rounding);
+    j["live"] = e.live;
+    j["adjoint"] = number(e.adjoint);
+    j["derivative"] = number(e.derivative);
+    j["contribution"] = number(e.contribution);
+    return j;
+}
+
+Json standing(const Standing& s) {
+    return {{"form", std::string(s.form->info->name)}, {"outcome", std::string(outcome_names[static_cast<std::size_t>(s.outcome)])}, {"t", number(s.t)}, {"ulp_error", number(s.ulps)}, {"lost_bits", number(s.lost)}};
+}
+
+}  // namespace
+
+std::string explain_json(const Explanation& x) {
+    const TapeText text(x.tape, x.names, TapeText::Style::plain);
+    const Attribution& a = x.attribution;
+    Json j{{"schema", "lostbits-explanation/1"}, {"form", std::string(x.form->info->name)}, {"format", x.format.name}, {"solid", x.solid}, {"solids", x.solids}};
+    for (std::size_t i = 0; i < x.inputs.size(); ++i) j["inputs"][x.names[i]] = exact(x.inputs[i]);
+    j["hit"] = x.hit;
+    j["t"] = exact(x.standing.t);
+    j["truth"] = x.true_t ? Json(exact(*x.true_t)) : Json(nullptr);
+    j["outcome"] = std::string(outcome_names[static_cast<std::size_t>(x.standing.outcome)]);
+    j["ulp_error"] = number(x.standing.ulps);
+    j["lost_bits"] = number(x.standing.lost);
+    j["condition"] = number(x.condition);
+    j["inherent_bits"] = number(x.inherent);
+    j["verdict"] = verdict(x);
+    j["sentence"] = culprit_sentence(x);
+    j["culprit"] = node_or_null(text, a.culprit);
+    j["attribution"] = {{"subject", node_or_null(text, a.subject)}, {"exact_hit", a.exact_hit}, {"cut_short", a.cut_short}, {"error", number(a.error)}, {"explained", number(a.explained)},
+                        {"first_order", number(a.first_order)}, {"ulp", number(x.ulp_of_subject())}, {"shadow_bits", a.shadow_bits}};
+    j["operations"] = Json::array();
+    for (NodeId i = 0; i < x.tape.size(); ++i) j["operations"].push_back(operation(x, text, i));
+    j["better"] = Json::array();
+    for (const Standing& s : x.better) j["better"].push_back(standing(s));
+    return j.dump(2) + "\n";
+}
+
+}  // namespace lostbits::output

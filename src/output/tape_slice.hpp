@@ -1,0 +1,38 @@
+// The part of a tape that some of its values depend on.
+#pragma once
+
+#include <initializer_list>
+#include <vector>
+
+#include "number/tape.hpp"
+
+namespace lostbits::output {
+
+/// What the roots are computed from, on both sides of every select; and which of it depends on constants alone.
+struct TapeSlice {
+    std::vector<bool> needed, constant;
+    std::vector<int> uses;  ///< by how many needed operations
+
+    TapeSlice(const Tape& tape, std::initializer_list<NodeId> roots) : needed(tape.nodes.size()), constant(tape.nodes.size()), uses(tape.nodes.size()) {
+        for (const NodeId root : roots) needed[static_cast<std::size_t>(root)] = true;
+        for (NodeId i = tape.size() - 1; i >= 0; --i) {
+            if (!needed[static_cast<std::size_t>(i)] || tape[i].op <= TapeOp::constant) continue;
+            for (const NodeId operand : tape[i].operands) {
+                if (operand == no_node) continue;
+                needed[static_cast<std::size_t>(operand)] = true;
+                ++uses[static_cast<std::size_t>(operand)];
+            }
+        }
+        for (NodeId i = 0; i < tape.size(); ++i) {
+            bool all = tape[i].op != TapeOp::input;
+            if (tape[i].op > TapeOp::constant) {
+                for (const NodeId operand : tape[i].operands) all = all && (operand == no_node || constant[static_cast<std::size_t>(operand)]);
+            }
+            constant[static_cast<std::size_t>(i)] = all;
+        }
+    }
+    [[nodiscard]] bool needs(NodeId i) const { return needed[static_cast<std::size_t>(i)]; }
+    [[nodiscard]] bool is_constant(NodeId i) const { return constant[static_cast<std::size_t>(i)]; }
+};
+
+}  // namespace lostbits::output
