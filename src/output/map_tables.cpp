@@ -23,6 +23,13 @@ constexpr Statistic statistics[] = {
     {"max", "largest", [](const Distribution& d) { return d.quantile(1); }},
 };
 
+/// `contribution_c` of `contribution:c`.
+std::string column_name(const Metric& metric) {
+    std::string name(metric.name);
+    std::ranges::replace(name, ':', '_');
+    return name;
+}
+
 Cell number_or_missing(double x) { return std::isnan(x) ? Cell() : Cell(x); }
 
 Cell fraction(std::uint64_t part, std::uint64_t whole) {
@@ -68,7 +75,7 @@ std::vector<Column> SummaryTable::columns() const {
     columns.push_back({"false_miss_fraction", "number", "1", "false_miss among the rays that truly hit"});
     columns.push_back({"wrong_object", "integer", "", "agree_hit, but the form found another solid first"});
     for (const Metric* m : metrics) {
-        const std::string name(m->name), over = m->over == Over::marches ? " over all rays" : " over agree_hit";
+        const std::string name = column_name(*m), over = m->over == Over::marches ? " over all rays" : " over agree_hit";
         if (m->by_run()) {
             columns.push_back({name, "string", "", std::string(m->meaning) + ": the most frequent"});
             columns.push_back({name + "_fraction", "number", "1", "its share of the rays that have a culprit"});
@@ -129,7 +136,7 @@ std::vector<Column> pixel_columns(const MapRequest& request) {
                                 {"t_hex", "string", "t", "the same, exactly"},
                                 {"truth", "number", "t", "t*, correctly rounded to binary64, in the same unit"},
                                 {"truth_hex", "string", "t", "the same, exactly"}};
-    for (const Metric* m : request.metrics) columns.push_back({std::string(m->name), m->categories.empty() ? "number" : "string", std::string(m->unit), std::string(m->meaning)});
+    for (const Metric* m : request.metrics) columns.push_back({column_name(*m), m->categories.empty() ? "number" : "string", std::string(m->unit), std::string(m->meaning)});
     return columns;
 }
 

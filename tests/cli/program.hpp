@@ -34,7 +34,7 @@ private:
 
 std::string contents(const std::filesystem::path& file);
 
-/// A CSV without quoted fields, row by row, by column name.
+/// A CSV without quotes or line breaks inside its fields, row by row, by column name.
 std::vector<std::map<std::string, std::string>> read_csv(const std::filesystem::path& file);
 
 /// A scene that is right, to be spoilt: a sphere of radius 1 five units in front of a 24x16 camera.
