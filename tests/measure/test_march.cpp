@@ -35,6 +35,7 @@ public:
             const double ulps = result.metrics[0][i], model = result.metrics[1][i], rounding = result.metrics[2][i], input = result.metrics[3][i];
             wrong += m.iterations < 1 || m.iterations > max_steps_;
             wrong += (m.stop == Stop::hit) != (result.answers->hit[i] != 0);
+            wrong += (m.stop == Stop::max_steps || m.stop == Stop::stagnated) && m.iterations != max_steps_;
             wrong += result.metrics[4][i] != m.iterations || result.metrics[5][i] != static_cast<double>(m.stop);
             if (result.outcomes[i] != Outcome::agree_hit) {
                 wrong += !std::isnan(ulps);

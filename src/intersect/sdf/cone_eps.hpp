@@ -17,7 +17,7 @@ struct ConeEps {
     template <Number T, class Field, class Watch>
     static Hit<T> intersect(const Ray<T>& ray, const Field& field, const MarchConstants<T>& c, Watch& watch) {
         const auto m = march(ray, field, c, watch, [&](const T& d, const T& t) { return d < c.cone * t; });
-        return only(m.hit, m.t_before);
+        return only(m.hit, select(m.hit, m.t_before, m.t));
     }
 };
 
