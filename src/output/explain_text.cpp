@@ -125,7 +125,7 @@ std::string model_sentence(const Explanation& x) {
     if (x.attribution.cut_short) return "Without rounding the march would have gone on; exact values end where the computed ones did.\n";
     const bool truly = x.truth == Truth::Decision::hit;
     if (x.truth == Truth::Decision::unresolved || x.attribution.exact_hit == truly) return "";
-    return fmt::format("Without rounding, too, the form {}: that is what it assumes, not what its arithmetic loses.\n", x.attribution.exact_hit ? "hits" : "misses");
+    return fmt::format("Without rounding the form {}, on inputs as the format holds them: what parts it from the truth there is what it assumes, or the inputs.\n", x.attribution.exact_hit ? "hits" : "misses");
 }
 
 std::string sums_sentence(const Explanation& x, const Words& words) {
