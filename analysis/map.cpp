@@ -52,24 +52,6 @@ Commands canonical_commands(const scene::Scene& scene, const MapOptions& o) {
     return {start + what + input, fmt::format("{} --bits-needed {}{}", start, o.bits_needed, input)};
 }
 
-std::vector<scene::Scene> load(const MapOptions& o, const Common& common) {
-    scene::LoadOptions options;
-    if (!o.size.empty()) options.size = parse_size(o.size);
-    for (const auto& s : o.set) options.overrides.push_back(scene::parse_override(s));
-    std::vector<scene::Scene> scenes;
-    std::set<std::string> ids;
-    for (const std::string& word : o.scenes) {
-        const scene::SceneName name = scene::find_scene(word, data_folder(common.data));
-        options.variant = name.variant;
-        if (!o.variant.empty()) options.variant = o.variant;
-        for (auto& scene : scene::load_scene(name.path, options)) {
-            if (!ids.insert(scene.id).second) throw InputError(fmt::format("{}: scene \"{}\" is given twice; both would write to the same folder", word, scene.id));
-            scenes.push_back(std::move(scene));
-        }
-    }
-    return scenes;
-}
-
 void print_table(const MapRequest& request, const std::vector<MapSummary>& summaries) {
     const auto lost = static_cast<std::size_t>(std::ranges::find(request.metrics, find_metric("lost_bits")) - request.metrics.begin());
     fmt::print("  {:<28} {:<5} {:>10} {:>10} {:>9} {:>6} {:>9} {:>9}\n", "form", "fmt", "false hit", "false miss", "NaN", "bits:", "p50", "p99");
@@ -198,7 +180,7 @@ Exit run(const MapOptions& o, const Common& common) {
             throw InputError("--envelope marks pictures of lost_bits, and --metric leaves them out; add --metric lost_bits");
         wanted.push_back(find_metric("excess_bits"));
     }
-    auto scenes = load(o, common);
+    auto scenes = load_scenes({o.scenes, o.size, o.variant, o.set}, data_folder(common.data));
     drop_unfitting(scenes, rows, common.quiet, [](const scene::Scene& s, Shape shape) { return s.meets(shape); }, [](const scene::Scene& s) { return s.id; });
     const ThreadLimit limit(common.threads);
 

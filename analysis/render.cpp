@@ -37,22 +37,11 @@ std::string canonical_command(const scene::Scene& scene, const RenderOptions& o)
     return text;
 }
 
-std::vector<scene::Scene> load(const RenderOptions& o, const Common& common) {
-    scene::LoadOptions options;
-    if (!o.size.empty()) options.size = parse_size(o.size);
-    for (const auto& s : o.set) options.overrides.push_back(scene::parse_override(s));
-    std::vector<scene::Scene> scenes;
-    std::set<std::string> ids;
-    for (const std::string& word : o.scenes) {
-        const scene::SceneName name = scene::find_scene(word, data_folder(common.data));
-        options.variant = name.variant;
-        if (!o.variant.empty()) options.variant = o.variant;
-        for (auto& scene : scene::load_scene(name.path, options)) {
-            if (!ids.insert(scene.id).second) throw InputError(fmt::format("{}: scene \"{}\" is given twice; both would write to the same folder", word, scene.id));
-            if (scene.flake) throw InputError(fmt::format("{}: the spheres of [sphereflake] have no colours, so that there is no picture to render; `lostbits map` takes it", scene.path.string()));
-            if (!scene.meets(Shape::sphere)) throw InputError(fmt::format("{}: render shades spheres, and scene \"{}\" has none; `lostbits map` takes it", scene.path.string(), scene.id));
-            scenes.push_back(std::move(scene));
-        }
+/// The scenes themselves; InputError where one has no spheres with colours.
+std::vector<scene::Scene> renderable(std::vector<scene::Scene> scenes) {
+    for (const scene::Scene& scene : scenes) {
+        if (scene.flake) throw InputError(fmt::format("{}: the spheres of [sphereflake] have no colours, so that there is no picture to render; `lostbits map` takes it", scene.path.string()));
+        if (!scene.meets(Shape::sphere)) throw InputError(fmt::format("{}: render shades spheres, and scene \"{}\" has none; `lostbits map` takes it", scene.path.string(), scene.id));
     }
     return scenes;
 }
@@ -98,7 +87,7 @@ Exit run(const RenderOptions& o, const Common& common) {
     if (o.out.empty()) throw InputError("-o: the name of the folder is empty; write -o . for this one");
     const auto rows = fitting(cross(select_forms(o.forms), select_formats(o.formats)), [](Shape shape) { return shape == Shape::sphere; });
     if (rows.empty()) throw NothingSelected("render shades spheres, and none of the selected intersectors meets one; try -i 'sphere.*'");
-    const auto scenes = load(o, common);
+    const auto scenes = renderable(load_scenes({o.scenes, o.size, o.variant, o.set}, data_folder(common.data)));
     const ThreadLimit limit(common.threads);
 
     std::vector<RenderRequest> requests;

@@ -8,6 +8,7 @@
 #include <charconv>
 #include <cstdlib>
 #include <iterator>
+#include <set>
 #include <thread>
 
 #include "measure/culprits.hpp"
@@ -133,6 +134,24 @@ std::string globs_of(const std::function<bool(Shape)>& meets) {
         if (meets(shape)) globs += (globs.empty() ? "" : "' -i '") + std::string(name_of(shape)) + ".*";
     }
     return globs;
+}
+
+std::vector<scene::Scene> load_scenes(const SceneChoice& choice, const std::filesystem::path& data) {
+    scene::LoadOptions options;
+    if (!choice.size.empty()) options.size = parse_size(choice.size);
+    for (const auto& s : choice.set) options.overrides.push_back(scene::parse_override(s));
+    std::vector<scene::Scene> scenes;
+    std::set<std::string> ids;
+    for (const std::string& word : choice.names) {
+        const scene::SceneName name = scene::find_scene(word, data);
+        options.variant = name.variant;
+        if (!choice.variant.empty()) options.variant = choice.variant;
+        for (auto& scene : scene::load_scene(name.path, options)) {
+            if (!ids.insert(scene.id).second) throw InputError(fmt::format("{}: scene \"{}\" is given twice; both would write to the same folder", word, scene.id));
+            scenes.push_back(std::move(scene));
+        }
+    }
+    return scenes;
 }
 
 struct ThreadLimit::Control {

@@ -15,6 +15,7 @@
 #include "measure/metrics.hpp"
 #include "number/error.hpp"
 #include "number/format.hpp"
+#include "scene/scene.hpp"
 
 namespace lostbits::analysis {
 
@@ -78,6 +79,16 @@ private:
     struct Control;
     std::unique_ptr<Control> control_;
 };
+
+/// Scenes as the command line names them, and what it changes about them.
+struct SceneChoice {
+    std::vector<std::string> names;  ///< files, or ids of scenes or of variants
+    std::string size, variant;       ///< empty: the scene's own, all
+    std::vector<std::string> set;
+};
+
+/// Every scene chosen. InputError for a scene given twice: results lie in a folder of its name.
+std::vector<scene::Scene> load_scenes(const SceneChoice& choice, const std::filesystem::path& data);
 
 /// `WxH` in pixels. InputError otherwise.
 std::pair<int, int> parse_size(const std::string& text);
