@@ -70,7 +70,7 @@ Exit run(const ExplainOptions& o, const Common& common) {
     if (forms.size() != 1 || formats.size() != 1) throw InputError("explain: name one form and one format");
     const Intersector& form = *forms.front();
     if (!scene.meets(form.shape)) {
-        throw InputError(fmt::format("-i {}: scene {} cannot be asked of it; try one of {}", o.form, scene.id, globs_of([&](Shape shape) { return scene.meets(shape); })));
+        throw InputError(fmt::format("-i {}: scene {} has no solids, or no [march] table, for it; try -i '{}'", o.form, scene.id, globs_of([&](Shape shape) { return scene.meets(shape); })));
     }
     if (!form.exists_in(formats.front())) throw InputError(fmt::format("-i {}: does not exist in {}", o.form, o.format));
     const OneRay ray = ray_of(o, scene);

@@ -186,11 +186,11 @@ Exit run(const MapOptions& o, const Common& common) {
 
     std::vector<SceneWork> works;
     for (const auto& scene : scenes) works.push_back(work_on(scene, o, rows, wanted));
+    for (const SceneWork& work : works) that_apply(drawn, work.map.rows, "scene " + work.map.scene->id);
     // A folder that cannot be written ends the run before the first ray, not after the tenth scene.
     for (const auto& scene : scenes) output::AtomicFile probe(std::filesystem::path(o.out) / scene.id / "summary.csv");
     if (o.bits_needed > 0 && !common.quiet) note_skipped(works);
 
-    for (const SceneWork& work : works) that_apply(drawn, work.map.rows, "scene " + work.map.scene->id);
 
     std::uint64_t units = 0, unresolved = 0;
     for (const SceneWork& work : works) units += work.units();

@@ -29,7 +29,7 @@ int count(TableReader& table, std::string_view key, int lowest, int highest, int
 MarchConstants<Real> read_march(TableReader table, Inputs inputs) {
     MarchConstants<Real> c{positive(table, "hit_eps", "0.001", inputs), positive(table, "max_dist", "20", inputs), positive(table, "relative_eps", "0.001", inputs),
                            positive(table, "cone", "0.001", inputs), positive(table, "over_relaxation", "1.4", inputs)};
-    if (c.over_relaxation < 1 || c.over_relaxation >= 2) table.fail_at("over_relaxation", "must lie in [1, 2): below 1 a step is no relaxation, from 2 on it can leave the sphere behind it; try 1.4");
+    if (c.over_relaxation < 1 || round_to_format(c.over_relaxation, inputs == Inputs::shared ? binary32 : binary64) >= 2) table.fail_at("over_relaxation", "must lie in [1, 2): below 1 a step is no relaxation, from 2 on it can leave the sphere behind it; try 1.4");
     c.max_steps = count(table, "max_steps", 1, 100000, c.max_steps);
     c.secant_steps = count(table, "secant_steps", 0, 200, c.secant_steps);
     c.bisect_steps = count(table, "bisect_steps", 0, 200, c.bisect_steps);

@@ -66,6 +66,7 @@ RayBlock round_block(const RayBlock& block, const FloatFormat& f) {
 }
 
 std::vector<Solid<double>> shared_solids(const Scene& scene) {
+    if (scene.flake) require_room_for(*scene.flake);
     std::vector<Solid<double>> all;
     all.reserve(scene.spheres.size() + scene.boxes.size() + (scene.flake ? scene.flake->size() : 0));
     for (const SphereSpec& s : scene.spheres) all.push_back(round_solid(Solid<Real>(s), binary32));

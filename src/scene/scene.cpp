@@ -249,6 +249,7 @@ std::vector<Solid<Real>> Scene::solids() const {
     std::vector<Solid<Real>> all(spheres.begin(), spheres.end());
     all.insert(all.end(), boxes.begin(), boxes.end());
     if (flake) {
+        require_room_for(*flake);
         for_each_sphere(*flake, [&all](const Sphere<double>& s) {
             all.emplace_back(Sphere<Real>{{Real(s.centre.x), Real(s.centre.y), Real(s.centre.z)}, Real(s.radius)});
         });

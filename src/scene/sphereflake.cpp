@@ -1,8 +1,11 @@
 #include "scene/sphereflake.hpp"
 
+#include <unistd.h>
+
 #include <array>
 #include <cmath>
 
+#include "number/error.hpp"
 #include "scene/round.hpp"
 
 namespace lostbits::scene {
@@ -75,6 +78,17 @@ Sphereflake read_sphereflake(TableReader table) {
     }
     table.reject_unknown_keys();
     return flake;
+}
+
+void require_room_for(const Sphereflake& flake) {
+    constexpr double bytes_a_sphere = 470, gigabyte = 1e9;
+    const double there = 0.75 * static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGESIZE));
+    const double needed = bytes_a_sphere * static_cast<double>(flake.size());
+    if (needed <= there) return;
+    Sphereflake smaller = flake;
+    while (smaller.levels > 0 && bytes_a_sphere * static_cast<double>(smaller.size()) > there) --smaller.levels;
+    throw EnvironmentError("sphereflake.levels = " + std::to_string(flake.levels) + ": a map of its " + std::to_string(flake.size()) + " spheres needs about " +
+                           std::to_string(static_cast<long>(needed / gigabyte)) + " GB, more than three quarters of this machine's memory; levels = " + std::to_string(smaller.levels) + " fits");
 }
 
 void for_each_sphere(const Sphereflake& flake, const std::function<void(const Sphere<double>&)>& take) {

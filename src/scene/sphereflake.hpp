@@ -27,6 +27,10 @@ inline constexpr int most_flake_levels = 9;
 /// Reads `[sphereflake]`: levels, and perhaps centre, radius > 0 and axis, as binary64. InputError with a position.
 Sphereflake read_sphereflake(TableReader table);
 
+/// EnvironmentError where a map of that many spheres (some 470 bytes each, measured at 5.4 million) needs more memory than three
+/// quarters of what this machine has.
+void require_room_for(const Sphereflake& flake);
+
 /// Every sphere, parents before their children, in the same order always. In binary64, by + − × ÷ √ alone: the same numbers on
 /// every machine. They are the ideal numbers of the scene.
 void for_each_sphere(const Sphereflake& flake, const std::function<void(const Sphere<double>&)>& take);

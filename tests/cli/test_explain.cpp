@@ -149,7 +149,7 @@ TEST_CASE("explain refuses what it cannot read, and says why") {
              {"explain near-benign --pixel 1 -i sphere.unified", "not a pixel"},
              {"explain near-benign --pixel 9999,0 -i sphere.unified", "has columns"},
              {"explain near-benign --ray 0,0,0,0,0,0 -i sphere.unified", "no ray"},
-             {"explain near-benign --pixel 1,1 -i box.signs", "cannot be asked of it"},
+             {"explain near-benign --pixel 1,1 -i box.signs", "has no solids"},
              {"explain near-benign --pixel 1,1 -i sphere.double_inside -f f64", "does not exist"},
              {"explain near-benign --pixel 1,1 -i sphere.unified --json --c", "at most 1"},
              {"explain near-benign --pixel 1,1 -i sphere.unified -f p40 --c", "C has no type of 40 bits"}}) {

@@ -46,7 +46,7 @@ TEST_CASE("explain says what is wrong with its arguments") {
     refused(scene + "--pixel 0,0 -i sdf.sphere_trce", "sdf.sphere_trace");
     refused(scene + "--pixel 0,0 -i sdf.sphere_trace -f f33", "f32");
     refused("explain sdf-seed-003 --pixel 0,0 -i sdf.sphere_trace", "name one");
-    refused("explain grazing --pixel 0,0 -i sdf.sphere_trace", "cannot be asked of it");
+    refused("explain grazing --pixel 0,0 -i sdf.sphere_trace", "no [march] table");
 }
 
 TEST_CASE("maps of marches: iterations, why they ended, model and rounding error on one sheet") {
