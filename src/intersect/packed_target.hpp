@@ -13,18 +13,18 @@ template <class F>
 class FlatTarget {
 public:
     explicit FlatTarget(const Target<F>& target) {
-        // One solid needs no copy: its numbers lie in a row as they are.
+        // One solid needs no copy, and its batches no memory: its numbers lie in a row as they are.
         if (target.solids.size() == 1) {
             raw_.numbers = target.solids.front().numbers.data();
-            shapes_.push_back(static_cast<std::uint8_t>(target.solids.front().shape));
+            raw_.shapes = reinterpret_cast<const std::uint8_t*>(&target.solids.front().shape);
         } else {
             for (const Solid<F>& solid : target.solids) {
                 numbers_.insert(numbers_.end(), solid.numbers.begin(), solid.numbers.end());
                 shapes_.push_back(static_cast<std::uint8_t>(solid.shape));
             }
             raw_.numbers = numbers_.data();
+            raw_.shapes = shapes_.data();
         }
-        raw_.shapes = shapes_.data();
         raw_.solids = target.solids.size();
         if (target.march) raw_.march = *target.march;
     }
