@@ -18,7 +18,7 @@ namespace {
 
 struct ExplainOptions {
     std::string scene, form, format = "f32";
-    std::string pixel, ray;
+    std::string pixel, ray, size;
     std::vector<std::string> set;
     bool json = false, fpcore = false, latex = false, c = false;
 };
@@ -36,6 +36,7 @@ std::vector<std::string> parts_of(const std::string& text) {
 scene::Scene load_one(const ExplainOptions& o, const Common& common) {
     const scene::SceneName name = scene::find_scene(o.scene, data_folder(common.data));
     scene::LoadOptions options{.variant = name.variant};
+    if (!o.size.empty()) options.size = parse_size(o.size);
     for (const auto& s : o.set) options.overrides.push_back(scene::parse_override(s));
     auto scenes = scene::load_scene(name.path, options);
     if (scenes.size() != 1) throw InputError(o.scene + ": has variants; name one, such as " + scenes.front().id);
@@ -93,6 +94,7 @@ void add_explain(CLI::App& program, const Common& common, Command& chosen) {
     const auto o = std::make_shared<ExplainOptions>();
     command->add_option("SCENE", o->scene, "A scene file, or a name in data/scenes")->required();
     command->add_option("--pixel", o->pixel, "Column and row of a pixel, from the left and from the top: 17,42");
+    command->add_option("--size", o->size, "Size of the picture that the pixel is of, WxH (default: the scene's)");
     command->add_option("--ray", o->ray, "A ray among the scene's solids: OX,OY,OZ,DX,DY,DZ, decimals or hexadecimal floats, rounded once to binary32");
     command->add_option("-i,--intersector", o->form, "The form")->required();
     command->add_option("-f,--format", o->format, "The format (default: f32)");

@@ -65,12 +65,12 @@ private:
         switch (n.op) {
             case TapeOp::input: exact(i) = Shadow::lift(n.value); break;
             case TapeOp::constant: exact(i) = S(static_cast<int>(a)); break;
-            case TapeOp::add: exact(i) = exact(a) + exact(b); break;
-            case TapeOp::sub: exact(i) = exact(a) - exact(b); break;
+            case TapeOp::add: exact(i) = Shadow::sum(exact(a), exact(b)); break;
+            case TapeOp::sub: exact(i) = Shadow::sum(exact(a), -exact(b)); break;
             case TapeOp::mul: exact(i) = exact(a) * exact(b); break;
             case TapeOp::div: exact(i) = exact(a) / exact(b); break;
             case TapeOp::sqrt: exact(i) = sqrt(exact(a)); break;
-            case TapeOp::fma: exact(i) = exact(a) * exact(b) + exact(c); break;
+            case TapeOp::fma: exact(i) = Shadow::sum(exact(a) * exact(b), exact(c)); break;
             case TapeOp::neg: exact(i) = -exact(a); break;
             case TapeOp::next_up:
             case TapeOp::next_down:
@@ -79,7 +79,10 @@ private:
             case TapeOp::copysign: sign(i); break;
             default: choose(i);
         }
-        if (n.op == TapeOp::input) return;
+        if (n.op == TapeOp::input) {
+            e.exact = n.value;  // infinity too, which a ball holds no better than as a large number
+            return;
+        }
         e.exact = Shadow::nearest(exact(i));
         e.error = Shadow::difference(n.value, exact(i));
         if (!e.turned) e.rounding = rounding_of(tape_, i);
@@ -181,7 +184,7 @@ private:
         if (const NodeId taken = chosen(tape_, i); e.turned && taken != no_node && is_cut(taken)) return;
         std::array<Operand, 3> x{};
         for (std::size_t k = 0; k < 3; ++k) {
-            if (n.operands[k] != no_node && !is_decision(tape_[n.operands[k]].op)) x[k] = {computed(n.operands[k]), exact_of(n.operands[k])};
+            if (n.operands[k] != no_node && !is_decision(tape_[n.operands[k]].op)) x[k] = {computed(n.operands[k]), of(n.operands[k]).exact};
         }
         const Weights difference = quotients(n, x, chosen(tape_, i), false);
         const Weights slope = depth_.full ? quotients(n, x, chosen(tape_, i), true) : Weights{};
@@ -193,7 +196,6 @@ private:
             if (depth_.full) operand.derivative += e.derivative * slope.by[k];
         }
     }
-    double exact_of(NodeId i) { return tape_[i].op == TapeOp::input ? tape_[i].value : of(i).exact; }
 
     void sum_up(NodeId i) {
         OperationError& e = of(i);

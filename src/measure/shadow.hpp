@@ -1,6 +1,7 @@
 // The exact values beside a tape: the same operations over a number that does not round, or that says how much.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <optional>
 
@@ -15,6 +16,7 @@ struct QuickShadow {
     static constexpr int bits = 106;
 
     /// Infinity is beyond every number that a ball holds.
+    static Ball sum(const Ball& a, const Ball& b) { return a + b; }
     static Ball lift(double x) { return std::isinf(x) ? Ball(std::copysign(0x1p+880, x)) : Ball(x); }
     static std::optional<bool> less(const Ball& a, const Ball& b) { return settled(a < b); }
     static std::optional<bool> less_equal(const Ball& a, const Ball& b) { return settled(a <= b); }
@@ -37,6 +39,13 @@ struct DeepShadow {
     using Number = BasicReal<2048>;
     static constexpr int bits = 2048;
 
+    /// Quotients and roots that are equal differ where they were rounded: what is left of a sum below 2^-1900 of its parts is taken for
+    /// nothing, or the sign of an offset that is zero (h of a foot point, dot(p, d)) would be one of noise.
+    static Number sum(const Number& a, const Number& b) {
+        const Number s = a + b;
+        const bool regular = mpfr_regular_p(a.backend().data()) != 0 && mpfr_regular_p(b.backend().data()) != 0 && s != 0;
+        return regular && ilogb(s) < std::max(ilogb(a), ilogb(b)) - 1900 ? Number(0) : s;
+    }
     static Number lift(double x) { return Number(x); }
     static std::optional<bool> less(const Number& a, const Number& b) { return a < b && !same(a, b); }
     static std::optional<bool> less_equal(const Number& a, const Number& b) { return a <= b || same(a, b); }
@@ -45,12 +54,7 @@ struct DeepShadow {
     static bool is_good(const Number& /*x*/, double /*computed*/) { return true; }
 
 private:
-    /// Quotients and roots that are equal differ where they were rounded.
-    static bool same(const Number& a, const Number& b) {
-        if (mpfr_regular_p(a.backend().data()) == 0 || mpfr_regular_p(b.backend().data()) == 0) return false;
-        const Number apart = abs(a - b);
-        return apart == 0 || ilogb(apart) < ilogb(a) - 1900;
-    }
+    static bool same(const Number& a, const Number& b) { return sum(a, -b) == 0; }
 };
 
 }  // namespace lostbits

@@ -68,7 +68,7 @@ RayBlock round_block(const RayBlock& block, const FloatFormat& f) {
 std::vector<Solid<double>> shared_solids(const Scene& scene) {
     if (scene.flake) require_room_for(*scene.flake);
     std::vector<Solid<double>> all;
-    all.reserve(scene.spheres.size() + scene.boxes.size() + (scene.flake ? scene.flake->size() : 0));
+    all.reserve(scene.solid_count());
     for (const SphereSpec& s : scene.spheres) all.push_back(round_solid(Solid<Real>(s), binary32));
     for (const BoxSpec& b : scene.boxes) all.push_back(round_solid(Solid<Real>(b), binary32));
     if (scene.flake) for_each_sphere(*scene.flake, [&all](const Sphere<double>& s) { all.push_back(round_solid(Solid<double>(s), binary32)); });

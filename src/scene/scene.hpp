@@ -64,6 +64,7 @@ struct Scene {
     [[nodiscard]] std::vector<Shape> shapes() const;
     /// All of them, in the file's order: spheres, boxes, the flake. Some 300 bytes each: see `shared_solids` for many.
     [[nodiscard]] std::vector<Solid<Real>> solids() const;
+    [[nodiscard]] std::size_t solid_count() const { return spheres.size() + boxes.size() + (flake ? flake->size() : 0); }
 };
 
 struct LoadOptions {

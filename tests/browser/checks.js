@@ -5,6 +5,7 @@ const fs = require("node:fs");
 const path = require("node:path");
 const { execFileSync } = require("node:child_process");
 const { Browser, missing } = require("./browser.js");
+const operations = require("./operations.js");
 
 const [program, data, folder, name] = process.argv.slice(2);
 const at = (file) => path.join(folder, file);
@@ -14,11 +15,12 @@ const forms = ["-i", "sphere.schoolbook", "-i", "sphere.unified", "-i", "sphere.
 const three = ["-f", "f32", "-f", "f64", "-f", "bf16"], two = ["-f", "f32", "-f", "f64"];
 const sweep = "sphere-tilt";
 
-/** `report` is one as a reader would make it; `small` is compared pixel by pixel with what `lostbits map` writes; `large` is timed. */
+/** `report` is one as a reader would make it; `small` is compared pixel by pixel with what `lostbits map` writes; `large` is timed; `taped` has every form. */
 function make() {
     fs.rmSync(folder, { recursive: true, force: true });
-    lostbits("report", "near-benign", "rtg-fig-7-3-4100-oblique", sweep, ...forms, ...two, "--trade", "-o", at("report"));
+    lostbits("report", "near-benign", "rtg-fig-7-3-4100-oblique", "sdf-sphere", sweep, ...forms, ...two, "--trade", "-o", at("report"));
     lostbits("report", "near-benign", "-i", "sphere.unified", "-f", "f32", "--size", "512x512", "--no-claims", "-o", at("large"));
+    lostbits(...operations.pageOf, "-o", at("taped"));
     lostbits("sweep", sweep, ...forms, ...two, "-o", at("sweep"));
     const drawn = (...metrics) => metrics.flatMap((m) => ["--metric", m]), size = ["--size", "72x56"];
     const errors = drawn("lost_bits", "ulp_error", "excess_bits", "inherent_bits", "condition"), rest = [...size, "--pixels", "csv", "-o", at("map")];
@@ -37,11 +39,11 @@ async function main() {
         make();
         return 0;
     }
-    const checks = require("./promises.js");
+    const checks = { ...require("./promises.js"), ...operations.promises };
     if (!checks[name]) throw new Error(`no check is called ${name}; there are ${Object.keys(checks).join(", ")}`);
     const browser = await Browser.open();
     try {
-        await checks[name]({ browser, at, lostbits, report: at("report/index.html"), small: at("small/index.html"), large: at("large/index.html"), sweep });
+        await checks[name]({ browser, at, lostbits, report: at("report/index.html"), small: at("small/index.html"), large: at("large/index.html"), taped: at("taped/index.html"), sweep });
     } finally {
         await browser.close();
     }

@@ -48,4 +48,10 @@ function readPng(file) {
     return { width, height, at: (x, y) => (pixels[y * stride + 3 * x] << 16) | (pixels[y * stride + 3 * x + 1] << 8) | pixels[y * stride + 3 * x + 2] };
 }
 
-module.exports = { readCsv, readPng };
+/** A cell of a CSV, or what JSON has for a number. */
+function readNumber(cell) {
+    if (cell === "" || cell === "nan" || cell === null) return NaN;
+    return cell === "inf" ? Infinity : cell === "-inf" ? -Infinity : Number(cell);
+}
+
+module.exports = { readCsv, readNumber, readPng };

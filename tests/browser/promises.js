@@ -5,14 +5,13 @@ const assert = require("node:assert/strict");
 const fs = require("node:fs");
 const os = require("node:os");
 const path = require("node:path");
-const { readCsv, readPng } = require("./files.js");
+const { readCsv, readNumber, readPng } = require("./files.js");
 
 const schoolbook = "#scene=near-benign&form=sphere.schoolbook&format=f32";
 const stateOf = (page) => page.evaluate(() => ({ ...state }));
 const settled = (page) => page.evaluate(() => new Promise((done) => setTimeout(done, 150)));
 /** To six digits, and for ulps to a millionth: the page keeps t* - RN64(t*) as a float. */
 const near = (a, b) => a === b || (Number.isNaN(a) && Number.isNaN(b)) || Math.abs(a - b) <= 1e-6 + 1e-6 * Math.abs(b);
-const numberOf = (cell) => (cell === "" || cell === "nan" ? NaN : cell === "inf" ? Infinity : cell === "-inf" ? -Infinity : Number(cell));
 
 /** No request, no complaint, and the policy forbids both scripts and requests of others. */
 async function alone({ browser, report }) {
@@ -54,8 +53,8 @@ async function pixels({ browser, small, at }) {
                 assert.ok(texts === [row.outcome, row.object, row.t, row.t_hex, row.truth_object, row.truth, row.truth_hex].join(" "), `${where()}: ${texts}; the CSV has ${Object.values(row).join(" ")}`);
                 map.metrics.forEach(([metric, categories], m) => {
                     if (row[metric] === undefined) return;
-                    const expected = categories && row[metric] !== "" ? categories.indexOf(row[metric]) : numberOf(row[metric]);
-                    assert.ok(near(numberOf(values[m]), expected), `${where()}: ${metric} is ${values[m]}, the CSV has ${row[metric]}`);
+                    const expected = categories && row[metric] !== "" ? categories.indexOf(row[metric]) : readNumber(row[metric]);
+                    assert.ok(near(readNumber(values[m]), expected), `${where()}: ${metric} is ${values[m]}, the CSV has ${row[metric]}`);
                     compared[metric] = (compared[metric] ?? 0) + !Number.isNaN(expected);
                 });
             });

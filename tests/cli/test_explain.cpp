@@ -185,3 +185,12 @@ TEST_CASE("culprits, cancellation and contributions are maps like any other, the
     CHECK(has(sweep.err, "lostbits map"));
     CHECK_FALSE(std::filesystem::exists(scratch.path() / "out"));
 }
+
+TEST_CASE("a constant on the way to t is no place on the tape") {
+    // Its value, 1 and more, was taken for one when the cancellation that a rounding goes through was looked for.
+    const auto r = run("explain box-octree --size 24x18 --pixel 17,11 -i box.max_mult -f bf16 --json");
+    REQUIRE(r.code == 0);
+    const auto told = nlohmann::json::parse(r.out);
+    CHECK(told["outcome"] == "agree_hit");
+    CHECK(has(told["sentence"], "arrives as"));
+}

@@ -225,6 +225,36 @@ TEST_CASE("a root of a difference that vanished is attributed without remainder"
     CHECK(std::isinf(a.first_order));
 }
 
+TEST_CASE("what is zero without rounding has no sign of noise", "[attribution]") {
+    // k/7 and its likes are cut at 2048 bits, and (1/k)k − 1 is then some 2^-2050 of either sign.
+    for (int k = 3; k < 60; k += 2) {
+        Tape tape;
+        const Tape::Scope scope(tape);
+        using T = Recorded<Rounded<8>>;
+        const T nothing = T(1) / T(k) * T(k) - T(1);
+        const RecordedMask below = nothing < T(0), above = nothing > T(0);
+        const T t = select(below || above, nothing, T(1));
+        const Attribution a = attribute(tape, t.node(), {.full = true});
+        INFO("k = " << k);
+        CHECK(a.of[static_cast<std::size_t>(below.node())].exact == 0);
+        CHECK(a.of[static_cast<std::size_t>(above.node())].exact == 0);
+    }
+}
+
+TEST_CASE("an input is exact, an infinite one too", "[attribution]") {
+    Tape tape;
+    const Tape::Scope scope(tape);
+    using T = Recorded<float>;
+    const T x(0.1f), end(HUGE_VALF);
+    const T t = min(x * x, end);
+    for (const bool full : {false, true}) {
+        const Attribution a = attribute(tape, t.node(), {.full = full});
+        CHECK(a.of[static_cast<std::size_t>(x.node())].exact == 0.1f);
+        CHECK(a.of[static_cast<std::size_t>(end.node())].exact == HUGE_VAL);
+        CHECK(a.of[static_cast<std::size_t>(x.node())].error == 0);
+    }
+}
+
 TEST_CASE("what lies on the side not taken has no part", "[attribution]") {
     Tape tape;
     const Tape::Scope scope(tape);

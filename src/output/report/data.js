@@ -85,7 +85,7 @@ async function truthOf(map, group) {
     const decision = planes.unsigned(1, Uint8Array);
     return {
         decision,
-        object: planes.unsigned(2, Uint16Array),
+        object: planes.unsigned(4, Uint32Array),
         truth: pointedTo(planes.wide(), map.width, decision),
         rest: planes.floats(),
         bound: planes.unsigned(2, Int16Array),
@@ -136,7 +136,7 @@ function sharedTruth(map, group) {
 async function readRow(map, row, name) {
     const [bytes, truth] = await Promise.all([bytesOf(name), sharedTruth(map, row.group)]);
     const planes = new Planes(bytes, map.width * map.height);
-    const outcome = planes.unsigned(1, Uint8Array), object = planes.unsigned(2, Uint16Array);
+    const outcome = planes.unsigned(1, Uint8Array), object = planes.unsigned(4, Uint32Array);
     const t = row.coding === "bits32" ? answers32(planes, truth) : row.coding === "bits64" ? answers64(planes, truth) : planes.doubles();
     const stored = {};
     for (const metric of map.metrics) {

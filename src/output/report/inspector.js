@@ -27,6 +27,7 @@ async function pixelFacts(map, row, x, y) {
         truth: truth.truth[i],
         rest: truth.rest[i],
         bound: truth.bound[i],
+        verdict: verdictText(pixels, i),
         trueObject: truth.object[i] - 1,
         answers,
         metrics,
@@ -72,13 +73,13 @@ function metricTable(facts) {
     return make("table", { className: "metrics" }, body);
 }
 
-/** The operations of a ray, where the page has them (`worst.operations`, of the worst pixel of a row). */
-function operationTable(row, x, y) {
-    const { worst } = row;
-    if (!worst?.operations || worst.x !== x || worst.y !== y) return [];
-    const body = make("tbody");
-    for (const o of worst.operations) body.append(cells("td", ...o.map(String)));
-    return [make("h4", {}, "Operation by operation"), make("table", {}, body)];
+/** Whether the problem or the formula is to blame, as `lostbits explain` judges it. */
+function verdictText(pixels, i) {
+    if (pixels.outcome[i] !== agreeHit) return "";
+    const s = sampleAt(pixels, i), lost = derived.lost_bits(s), inherent = derived.inherent_bits(s);
+    if (lost < 1) return "Nothing worth mention is lost.";
+    if (lost - inherent < 1) return `Half an ulp in each input alone would cost ${inherent.toFixed(1)} bits: the problem is hard, the formula is not to blame.`;
+    return `Half an ulp in each input alone would cost ${inherent.toFixed(1)} bits; the other ${(lost - inherent).toFixed(1)} are the formula's own.`;
 }
 
 /** What to type for the same map, and for one ray of it. */
@@ -87,7 +88,7 @@ function commandsFor(map, row, x, y, metric) {
     const drawn = metric.kind === "classes" ? "" : ` --metric ${metric.name}`;
     return {
         map: `lostbits map ${map.id} -i ${row.form} -f ${row.format}${drawn}${size} --pixels csv -o out`,
-        explain: `lostbits explain ${map.id} --pixel ${x},${y} -i ${row.form} -f ${row.format}`,
+        explain: `lostbits explain ${map.id}${size} --pixel ${x},${y} -i ${row.form} -f ${row.format}`,
     };
 }
 
@@ -121,7 +122,7 @@ async function showPixel(element, map, row, x, y, pinned) {
     element.replaceChildren(
         make("h3", {}, `Pixel ${x}, ${y}${pinned ? "" : " (under the pointer)"}`),
         make("p", { className: "outcome" }, swatch(index.outcomes[outcomeNames.indexOf(facts.outcome)][1]), ` ${words(facts.outcome)}: ${title(row)}`),
-        make("p", {}, ...truthText(facts, row)), answerTable(facts), metricTable(facts), ...operationTable(row, x, y));
+        make("p", {}, ...truthText(facts, row)), answerTable(facts), metricTable(facts), make("p", { className: "verdict" }, facts.verdict));
     element.dataset.pixel = `${x},${y}`;
 }
 

@@ -6,9 +6,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <set>
 
 #include "output/metric_paint.hpp"
 #include "output/number_text.hpp"
+#include "output/report/tapes.hpp"
 #include "output/report/text.hpp"
 
 namespace lostbits::output::report {
@@ -40,9 +42,10 @@ struct MapData::Group {
     Direction direction;
     Touching touching;
     Layer hit, object, truth, rest, bound, condition;
+    std::set<int> places;  ///< of the solids that a ray truly meets
 
     Group(const MapRow& row, std::size_t n)
-        : direction(row.form->info->direction), touching(row.touching()), hit(1, n), object(2, n), truth(8, n), rest(4, n), bound(2, n), condition(4, n) {}
+        : direction(row.form->info->direction), touching(row.touching()), hit(1, n), object(4, n), truth(8, n), rest(4, n), bound(2, n), condition(4, n) {}
 
     /// Neighbours' truths lie nearly on a line: of each is kept how far its bits are from where the two before it point to.
     /// A band holds whole rows, so within one no neighbour is missing.
@@ -56,6 +59,7 @@ struct MapData::Group {
         const Truth& t = result.truth(i);
         hit.set(at, static_cast<std::uint64_t>(t.decision));
         object.set(at, static_cast<std::uint64_t>(t.object + 1));
+        if (t.object >= 0) places.insert(t.object);
         if (i % static_cast<std::size_t>(result.width) == 0) last_ = before_ = 0;  // every row begins anew
         if (!t.is_hit()) return;
         const Certified& exact = direction == Direction::unit ? t.distance : t.t;
@@ -73,7 +77,7 @@ struct MapData::Group {
 class MapData::Row final : public MapSink {
 public:
     Row(const MapRequest& request, const MapRow& row, std::size_t n, std::size_t group, Group* filled)
-        : row_(row), group_(group), filled_(filled), outcome_(1, n), object_(2, n), t_(row.format.engine == Format::Engine::native32 ? 4 : 8, n) {
+        : row_(row), group_(group), filled_(filled), outcome_(1, n), object_(4, n), t_(row.format.engine == Format::Engine::native32 ? 4 : 8, n) {
         for (std::size_t m = 0; m < request.metrics.size(); ++m) {
             with_condition_ |= (needs_of({request.metrics[m]}) & needs_condition) != 0;
             if (!is_derived(*request.metrics[m]) && !is_condition(*request.metrics[m])) stored_.push_back({m, Layer(4, n)});
@@ -88,6 +92,7 @@ public:
             for (auto& [m, layer] : stored_) layer.set(at, static_cast<float>(result.metrics[m][i]));
             if (!result.answers->hit[i]) continue;
             object_.set(at, static_cast<std::uint64_t>(result.answers->object[i] + 1));
+            places_.insert(result.answers->object[i]);
             t_.set(at, difference(result.answers->t[i], result, i));
         }
     }
@@ -101,6 +106,7 @@ public:
         return all;
     }
     [[nodiscard]] std::size_t group() const { return group_; }
+    [[nodiscard]] const std::set<int>& places() const { return places_; }
     [[nodiscard]] const MapRow& row() const { return row_; }
 
 private:
@@ -123,6 +129,7 @@ private:
     std::size_t group_;
     Group* filled_;
     bool with_condition_ = false;
+    std::set<int> places_;  ///< of the solids that the form answers
     Layer outcome_, object_, t_;
     std::vector<Stored> stored_;
 };
@@ -165,6 +172,9 @@ std::string metric_json(const Metric& m, std::span<const MapRow> rows) {
     return text + fmt::format(R"(,"categories":[{}]}})", fmt::join(categories, ","));
 }
 
+/// A march is no one tape: how many samples it takes is each ray's own.
+bool is_taped(const MapRow& row) { return row.form->shape != Shape::sdf; }
+
 std::string summary_json(const MapRequest& request, const MapRow& row, const MapSummary& s, std::size_t group) {
     std::vector<std::string> statistics;
     for (std::size_t m = 0; m < request.metrics.size(); ++m) {
@@ -172,11 +182,10 @@ std::string summary_json(const MapRequest& request, const MapRow& row, const Map
         const Distribution& d = s.metrics[m];
         statistics.push_back(fmt::format("{}:[{},{},{}]", json_text(request.metrics[m]->name), number(d.quantile(0.5)), number(d.quantile(0.99)), number(d.quantile(1))));
     }
-    // `worst` may later carry `operations`, the table of the operations of that ray; the inspector shows it where it is there.
     const std::string worst = s.worst.x < 0 ? "null" : fmt::format(R"({{"x":{},"y":{}}})", s.worst.x, s.worst.y);
     const FloatFormat& f = row.format.shape;
-    return fmt::format(R"({{"form":{},"format":{},"title":{},"precision":{},"emin":{},"coding":"{}","direction":"{}","group":{},"outcomes":[{}],"statistics":{{{}}},"worst":{}}})",
-                       json_text(row.form->info->name), json_text(row.format.name), json_text(row.form->info->title), f.precision, f.emin,
+    return fmt::format(R"({{"form":{},"format":{},"title":{},"precision":{},"emin":{},"emax":{},"taped":{},"coding":"{}","direction":"{}","group":{},"outcomes":[{}],"statistics":{{{}}},"worst":{}}})",
+                       json_text(row.form->info->name), json_text(row.format.name), json_text(row.form->info->title), f.precision, f.emin, f.emax, is_taped(row),
                        row.format.engine == Format::Engine::native32 ? "bits32" : row.format.engine == Format::Engine::native64 ? "bits64" : "plain64",
                        row.form->info->direction == Direction::unit ? "unit" : "any", group, fmt::join(s.outcomes, ","), fmt::join(statistics, ","), worst);
 }
@@ -188,8 +197,11 @@ std::string MapData::index(const std::vector<MapSummary>& summaries, bool own_si
     std::vector<std::string> metrics, rows;
     for (const Metric* m : request_.metrics) metrics.push_back(metric_json(*m, request_.rows));
     for (std::size_t r = 0; r < rows_.size(); ++r) rows.push_back(summary_json(request_, request_.rows[r], summaries[r], rows_[r]->group()));
-    return fmt::format(R"({{"id":{},"title":{},"note":{},"width":{},"height":{},"own_size":{},"metrics":[{}],"rows":[{}]}})", json_text(scene.id), json_text(scene.title), json_text(scene.note),
-                       scene.width, scene.height, own_size, fmt::join(metrics, ","), fmt::join(rows, ","));
+    std::set<int> places{0};
+    for (const auto& group : groups_) places.insert(group->places.begin(), group->places.end());
+    for (const auto& row : rows_) places.insert(row->places().begin(), row->places().end());
+    return fmt::format(R"({{"id":{},"title":{},"note":{},"inputs":"{}","camera":{},"solids":{},"solid_count":{},"width":{},"height":{},"own_size":{},"metrics":[{}],"rows":[{}]}})", json_text(scene.id), json_text(scene.title), json_text(scene.note),
+                       scene.inputs == scene::Inputs::own ? "own" : "shared", camera_json(scene), solids_json(scene, places), scene.solid_count(), scene.width, scene.height, own_size, fmt::join(metrics, ","), fmt::join(rows, ","));
 }
 
 std::vector<Blob> MapData::blobs() const {
@@ -200,7 +212,10 @@ std::vector<Blob> MapData::blobs() const {
         for (const Layer* layer : {&group.hit, &group.object, &group.truth, &group.rest, &group.bound, &group.condition}) bytes += layer->planes();
         all.push_back({fmt::format("truth:{}:{}", request_.scene->id, g), pack(bytes)});
     }
-    for (const auto& row : rows_) all.push_back({fmt::format("row:{}:{}", request_.scene->id, row_key(row->row())), pack(row->bytes())});
+    for (const auto& row : rows_) {
+        if (is_taped(row->row())) all.push_back({fmt::format("tape:{}", row_key(row->row())), pack(tape_json(*row->row().form, row->row().format))});
+        all.push_back({fmt::format("row:{}:{}", request_.scene->id, row_key(row->row())), pack(row->bytes())});
+    }
     return all;
 }
 

@@ -20,7 +20,8 @@ struct Blob {
 ///    t* − RN64(t*) as a float, the bound as a power of two, and κ as a float;
 ///  - for each row: the outcome, the solid, and the bits of t less those of the truth (both as the format holds them):
 ///    most answers are a few ulps away, so most of these are small;
-///  - every other metric as a float.
+///  - every other metric as a float;
+///  - the camera, the solids and the tapes of the forms, from which the page runs the operations of any ray again.
 /// What follows from t and t* alone (`derived_metrics`) the page works out itself.
 class MapData {
 public:
@@ -32,10 +33,10 @@ public:
     /// One a row of the request, in its order.
     [[nodiscard]] std::vector<MapSink*> sinks();
 
-    /// After the map: everything but pixels, as JSON. `own_size`: no other size was asked for than the scene's, so that claims and
-    /// `lostbits explain` have the same rays.
+    /// After the map: everything but pixels, as JSON. `own_size`: no other size was asked for than the scene's, so that claims have
+    /// the same rays.
     [[nodiscard]] std::string index(const std::vector<MapSummary>& summaries, bool own_size) const;
-    /// The pixels.
+    /// The pixels, and the tapes of the forms, which other maps may have too.
     [[nodiscard]] std::vector<Blob> blobs() const;
 
 private:

@@ -106,8 +106,7 @@ function drawPickers() {
     if (held?.startsWith("pick-")) document.getElementById(held)?.focus();  // a picker that was just used keeps the keyboard
     mapParts.slider.hidden = state.other === "";
     mapParts.slider.value = state.split;
-    // A ray and a claim are of the scene at its own size.
-    for (const button of mapParts.ownSize) button.disabled = !map.own_size;
+    mapParts.copyClaim.disabled = !map.own_size;  // a claim is of the scene at its own size
     mapParts.what.textContent = `${row.title}. ${metricNow().meaning}.`;
 }
 
@@ -117,9 +116,10 @@ async function drawInspector(at) {
         mapParts.inspector.replaceChildren(make("p", {}, "Point at the picture to see a ray's numbers; click, or move with the arrow keys, to keep them."),
             make("p", {}, "Wheel, + and − zoom; drag moves; 0 shows all; m and M change the metric, [ and ] the form; w goes to the worst pixel; x swaps the compared halves."));
         delete mapParts.inspector.dataset.pixel;
+        mapParts.operations.replaceChildren();
         return;
     }
-    await showPixel(mapParts.inspector, map, rowNow(), x, y, pinned);
+    await Promise.all([showPixel(mapParts.inspector, map, rowNow(), x, y, pinned), showOperations(mapParts.operations, map, rowNow(), x, y)]);
 }
 
 /** The pixel under the pointer in a line, and, while none is chosen, in the inspector. */
@@ -195,7 +195,7 @@ function buildMaps() {
     Object.assign(mapParts, {
         pickers: make("div", { className: "pickers" }), what: make("p", { className: "what" }), canvas: make("canvas", { id: "map", tabIndex: 0, role: "img" }),
         slider: make("input", { type: "range", min: 0, max: 1, step: "any", id: "split", "aria-label": "where the compared half begins" }),
-        under: make("p", { className: "hint", id: "under" }, "\u00a0"), legend: make("div", { className: "legend" }), inspector: make("div", { className: "inspector", id: "inspector", "aria-live": "polite" }), copied: make("pre", { className: "copied", hidden: true }),
+        under: make("p", { className: "hint", id: "under" }, "\u00a0"), legend: make("div", { className: "legend" }), inspector: make("div", { className: "inspector", id: "inspector", "aria-live": "polite" }), operations: make("div", { id: "operations" }), copied: make("pre", { className: "copied", hidden: true }),
     });
     const { canvas, slider, copied } = mapParts;
     const command = (which) => commandsFor(mapNow(), rowNow(), Math.max(0, state.x), Math.max(0, state.y), metricNow())[which];
@@ -206,8 +206,8 @@ function buildMaps() {
         make("button", { type: "button", id: "copy-claim", onclick: () => copyText(claimFor(mapNow(), rowNow(), metricNow()), copied) }, "copy as claim"),
         make("button", { type: "button", id: "copy-link", onclick: () => copyText(location.href, copied) }, "copy the link"));
     root.append(mapParts.pickers, mapParts.what, make("div", { className: "stage" }, make("div", { className: "picture" }, canvas, slider, mapParts.under, mapParts.legend),
-        make("div", { className: "side" }, mapParts.inspector, buttons, copied)), make("div", { id: "panes" }));
-    mapParts.ownSize = buttons.querySelectorAll("#copy-explain, #copy-claim");
+        make("div", { className: "side" }, mapParts.inspector, buttons, copied)), mapParts.operations, make("div", { id: "panes" }));
+    mapParts.copyClaim = buttons.querySelector("#copy-claim");
     root.hidden = false;
 
     steer(canvas, (event) => {

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <set>
 
 #include "output/map_colour.hpp"
 #include "output/number_text.hpp"
@@ -158,8 +159,11 @@ std::string page(const Report& report) {
     if (!plot_style.text.empty()) text += fmt::format("<style>{}</style>\n", plot_style.text);
     text += "</head><body>\n" + heading(report) + "<main>\n" + maps_section(report) + sweeps_section(report) + trades_section(report) + claims_section(report) + "</main>\n";
     text += fmt::format("<script type=\"application/json\" id=\"index\">{}</script>\n", index_json(report));
+    std::set<std::string_view> written;  // maps share the tapes of their forms
     for (const MapPart& m : report.maps) {
-        for (const Blob& b : m.blobs) text += blob(b.name, b.packed);
+        for (const Blob& b : m.blobs) {
+            if (written.insert(b.name).second) text += blob(b.name, b.packed);
+        }
     }
     for (const SweepPart& s : report.sweeps) {
         if (!s.json.empty()) text += blob("sweep:" + s.id, pack(s.json));
