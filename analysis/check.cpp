@@ -6,12 +6,12 @@
 #include <set>
 
 #include "commands.hpp"
+#include "number/interruption.hpp"
 #include "output/atomic_file.hpp"
 #include "output/claim_files.hpp"
 #include "output/claim_report.hpp"
 #include "output/number_text.hpp"
 #include "select.hpp"
-#include "signals.hpp"
 
 namespace lostbits::analysis {
 namespace {

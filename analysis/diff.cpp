@@ -6,9 +6,9 @@
 #include <tuple>
 
 #include "commands.hpp"
+#include "number/interruption.hpp"
 #include "output/difference.hpp"
 #include "scene/did_you_mean.hpp"
-#include "signals.hpp"
 
 namespace lostbits::analysis {
 namespace {

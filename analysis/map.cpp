@@ -9,6 +9,7 @@
 
 #include "commands.hpp"
 #include "measure/culprits.hpp"
+#include "number/interruption.hpp"
 #include "output/atomic_file.hpp"
 #include "output/map_files.hpp"
 #include "output/needed_files.hpp"
@@ -17,7 +18,6 @@
 #include "scene/round.hpp"
 #include "scene/scene.hpp"
 #include "select.hpp"
-#include "signals.hpp"
 
 namespace lostbits::analysis {
 namespace {

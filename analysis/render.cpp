@@ -7,11 +7,11 @@
 #include <set>
 
 #include "commands.hpp"
+#include "number/interruption.hpp"
 #include "output/atomic_file.hpp"
 #include "output/render_files.hpp"
 #include "scene/scene.hpp"
 #include "select.hpp"
-#include "signals.hpp"
 
 namespace lostbits::analysis {
 namespace {

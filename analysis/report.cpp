@@ -7,6 +7,7 @@
 #include <set>
 
 #include "commands.hpp"
+#include "number/interruption.hpp"
 #include "output/atomic_file.hpp"
 #include "report_parts.hpp"
 #include "scene/case_file.hpp"
@@ -15,7 +16,6 @@
 #include "scene/report_file.hpp"
 #include "scene/sweep_file.hpp"
 #include "select.hpp"
-#include "signals.hpp"
 
 namespace lostbits::analysis {
 namespace {

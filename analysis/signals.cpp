@@ -2,16 +2,13 @@
 
 #include <unistd.h>
 
-#include <atomic>
 #include <csignal>
 
-#include "number/error.hpp"
+#include "number/interruption.hpp"
 #include "output/atomic_file.hpp"
 
 namespace lostbits::analysis {
 namespace {
-
-std::atomic<bool> asked_to_stop{false};
 
 void on_signal(int) {
     if (!asked_to_stop.exchange(true)) return;
@@ -26,10 +23,6 @@ void install_signal_handlers() {
     action.sa_handler = on_signal;
     for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGXCPU}) sigaction(signal, &action, nullptr);
     output::ignore_file_size_signal();
-}
-
-void stop_if_interrupted() {
-    if (asked_to_stop) throw Interrupted();
 }
 
 }  // namespace lostbits::analysis

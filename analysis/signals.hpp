@@ -7,7 +7,4 @@ namespace lostbits::analysis {
 /// file-size limit fails instead of killing the process.
 void install_signal_handlers();
 
-/// Throws Interrupted once a signal has come.
-void stop_if_interrupted();
-
 }  // namespace lostbits::analysis

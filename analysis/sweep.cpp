@@ -6,12 +6,12 @@
 #include <memory>
 
 #include "commands.hpp"
+#include "number/interruption.hpp"
 #include "output/case_files.hpp"
 #include "output/sweep_files.hpp"
 #include "output/sweep_plots.hpp"
 #include "output/worst_files.hpp"
 #include "select.hpp"
-#include "signals.hpp"
 
 namespace lostbits::analysis {
 namespace {

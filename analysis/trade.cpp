@@ -6,9 +6,9 @@
 
 #include "commands.hpp"
 #include "measure/trade.hpp"
+#include "number/interruption.hpp"
 #include "output/trade_files.hpp"
 #include "select.hpp"
-#include "signals.hpp"
 
 namespace lostbits::analysis {
 namespace {

@@ -15,6 +15,7 @@
 #include "intersect/union_field.hpp"
 #include "measure/conditioning.hpp"
 #include "measure/unit_direction.hpp"
+#include "number/interruption.hpp"
 #include "scene/march_table.hpp"
 
 namespace lostbits {
@@ -23,7 +24,10 @@ namespace {
 template <class Function>
 void for_each_pixel(std::size_t count, Function&& function) {
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, 256), [&](const auto& range) {
-        for (std::size_t i = range.begin(); i < range.end(); ++i) function(i);
+        for (std::size_t i = range.begin(); i < range.end(); ++i) {
+            stop_if_interrupted();
+            function(i);
+        }
     });
 }
 
@@ -80,6 +84,7 @@ template <class S, class Kernel>
 void nearest_of(const Kernel& kernel, const scene::RayBlock& rays, const FormatInputs& in, std::size_t begin, std::size_t count, Answers& answers) {
     Chunk<S> chunk(rays, begin, count);
     for (std::size_t s = 0; s < in.solids.size(); ++s) {
+        stop_if_interrupted();
         const Solid<S> solid = transformed(in.solids[s], [](double x) { return static_cast<S>(x); });
         kernel(chunk.batch(), Target<S>(solid), chunk.hits());
         for (std::size_t i = 0; i < count; ++i) {
@@ -118,6 +123,7 @@ void nearest_among(const OneToMany<S>& kernel, const scene::RayBlock& rays, cons
     std::vector<S> column[4], t(all.size());
     std::vector<std::uint8_t> hit(all.size());
     for (std::size_t p = 0; p < rays.size(); ++p) {
+        stop_if_interrupted();
         const Ray<double> r = rays[p];
         const auto cast = [](const Vec<double>& v) { return Vec<S>(static_cast<S>(v.x), static_cast<S>(v.y), static_cast<S>(v.z)); };
         const Ray<S> ray{cast(r.origin), cast(r.direction)};
@@ -172,6 +178,7 @@ std::int32_t nearest_solid(const Ray<double>& ray, double t, const std::vector<S
 /// One chunk of rays against the field of all solids.
 template <class S, class Kernel>
 void march_to(const Kernel& kernel, const scene::RayBlock& rays, const FormatInputs& in, std::size_t begin, std::size_t count, Answers& answers) {
+    stop_if_interrupted();
     Chunk<S> chunk(rays, begin, count);
     HitBatch<S> hits = chunk.hits();
     hits.march = std::span(answers.march).subspan(begin, count);

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "intersect/packed.hpp"
+#include "number/interruption.hpp"
 
 namespace lostbits {
 namespace {
@@ -58,6 +59,7 @@ std::vector<std::uint8_t> find_blockers(const Intersector& form, const Format& f
     constexpr std::size_t chunk = 4096;
     const std::size_t chunks = (blocked.size() + chunk - 1) / chunk;
     tbb::parallel_for(std::size_t{0}, chunks, [&](std::size_t c) {
+        stop_if_interrupted();
         const std::size_t begin = c * chunk, count = std::min(chunk, blocked.size() - begin);
         switch (format.engine) {
             case Format::Engine::native32: hold_against<float>(native.f32, shadow, solids, own_counts, begin, count, blocked); break;

@@ -10,6 +10,7 @@
 #include "measure/blockers.hpp"
 #include "measure/look.hpp"
 #include "measure/unit_direction.hpp"
+#include "number/interruption.hpp"
 #include "number/rounded.hpp"
 
 namespace lostbits {
@@ -39,7 +40,10 @@ Vec<T> lift_number(const Vec<double>& v) {
 template <class Work>
 void for_each_pixel_in(const Format& format, std::size_t count, const Work& work) {
     const auto all = [&]<class T>(const auto& range) {
-        for (std::size_t i = range.begin(); i < range.end(); ++i) work.template operator()<T>(i);
+        for (std::size_t i = range.begin(); i < range.end(); ++i) {
+            stop_if_interrupted();
+            work.template operator()<T>(i);
+        }
     };
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, 256), [&](const auto& range) {
         switch (format.engine) {

@@ -7,6 +7,7 @@
 
 #include "measure/enclose.hpp"
 #include "measure/look.hpp"
+#include "number/interruption.hpp"
 
 namespace lostbits {
 namespace {
@@ -181,7 +182,10 @@ template <class S>
 std::vector<TruePixel> find_all(const Reference<S>& reference, std::size_t count) {
     std::vector<TruePixel> pixels(count);
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, 256), [&](const auto& range) {
-        for (std::size_t i = range.begin(); i < range.end(); ++i) pixels[i] = reference.find(i);
+        for (std::size_t i = range.begin(); i < range.end(); ++i) {
+            stop_if_interrupted();
+            pixels[i] = reference.find(i);
+        }
     });
     return pixels;
 }

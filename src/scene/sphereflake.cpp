@@ -5,7 +5,7 @@
 #include <array>
 #include <cmath>
 
-#include "number/error.hpp"
+#include "number/interruption.hpp"
 #include "scene/round.hpp"
 
 namespace lostbits::scene {
@@ -92,7 +92,10 @@ void require_room_for(const Sphereflake& flake) {
 }
 
 void for_each_sphere(const Sphereflake& flake, const std::function<void(const Sphere<double>&)>& take) {
-    grow({flake.centre, flake.radius}, unit(flake.axis), flake.levels, take);
+    grow({flake.centre, flake.radius}, unit(flake.axis), flake.levels, [&take](const Sphere<double>& s) {
+        stop_if_interrupted();
+        take(s);
+    });
 }
 
 }  // namespace lostbits::scene

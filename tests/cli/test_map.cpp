@@ -182,3 +182,12 @@ TEST_CASE("an interrupted run ends with 130 and leaves no partial file") {
     CHECK(r.code == 130);
     CHECK(scratch.files() == std::vector<std::string>{"scene.toml"});
 }
+
+TEST_CASE("a run that is asked to stop does so within a band, however many spheres there are") {
+    // bf16 makes nearly all of the 66,431 spheres candidates: one band of rows takes minutes. 137 would be the kill that follows.
+    const Scratch scratch;
+    const auto r = run("map sphereflake-far -f bf16 -i sphere.schoolbook -q -o '" + (scratch.path() / "out").string() + "'", ".", "timeout --preserve-status -s TERM -k 40 3 sh -c 'exec \"$@\"' ");
+    INFO(r.err);
+    CHECK(r.code == 130);
+    CHECK(scratch.files().empty());
+}
