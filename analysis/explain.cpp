@@ -75,6 +75,7 @@ Exit run(const ExplainOptions& o, const Common& common) {
     }
     if (!form.exists_in(formats.front())) throw InputError(fmt::format("-i {}: does not exist in {}", o.form, o.format));
     const OneRay ray = ray_of(o, scene);
+    if (!common.quiet) note_lost_constants(scene, {{&form, formats.front()}});
     const Explanation x = explain(form, formats.front(), ray);
     if (o.json) fmt::print("{}", output::explain_json(x));
     else if (o.fpcore) fmt::print("{}", output::explain_fpcore(x));

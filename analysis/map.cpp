@@ -190,7 +190,9 @@ Exit run(const MapOptions& o, const Common& common) {
     // A folder that cannot be written ends the run before the first ray, not after the tenth scene.
     for (const auto& scene : scenes) output::AtomicFile probe(std::filesystem::path(o.out) / scene.id / "summary.csv");
     if (o.bits_needed > 0 && !common.quiet) note_skipped(works);
-
+    if (!common.quiet) {
+        for (const SceneWork& work : works) note_lost_constants(*work.map.scene, work.map.rows);
+    }
 
     std::uint64_t units = 0, unresolved = 0;
     for (const SceneWork& work : works) units += work.units();

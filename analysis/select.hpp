@@ -36,6 +36,9 @@ std::vector<const Metric*> that_apply(std::vector<const Metric*> asked, const st
 /// The default metrics and those that were asked for, as far as they apply, in the table's order.
 std::vector<const Metric*> measured(const std::vector<const Metric*>& asked, const std::vector<MapRow>& rows);
 
+/// Says on stderr which constants of a scene's march the formats of the rows cannot hold.
+void note_lost_constants(const scene::Scene& scene, const std::vector<MapRow>& rows);
+
 /// Every selected form in every selected format that it exists in. NothingSelected where that leaves none.
 std::vector<MapRow> cross(const std::vector<const Intersector*>& forms, const std::vector<Format>& formats);
 

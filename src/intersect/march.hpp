@@ -22,7 +22,10 @@ struct MarchConstants {
     int bisect_steps = 16;  ///< and by bisection
 };
 
-/// Each number through `lift`; the counts are the same in any arithmetic.
+/// The numbers among them, in their order.
+inline constexpr std::array<std::string_view, 5> march_number_names{"hit_eps", "max_dist", "relative_eps", "cone", "over_relaxation"};
+
+/// Each number through `lift`, in order; the counts are the same in any arithmetic.
 template <class S, class Lift>
 auto transformed(const MarchConstants<S>& c, Lift lift) {
     using T = std::decay_t<std::invoke_result_t<Lift, const S&>>;

@@ -88,7 +88,7 @@ std::vector<std::string> input_names(const Intersector& form, const Target<doubl
             names.back().append(name);
         }
     }
-    if (form.shape == Shape::sdf) names.insert(names.end(), {"hit_eps", "max_dist", "relative_eps", "cone", "over_relaxation"});
+    if (form.shape == Shape::sdf) names.insert(names.end(), march_number_names.begin(), march_number_names.end());
     names.emplace_back("limit");
     return names;
 }

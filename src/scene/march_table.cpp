@@ -1,5 +1,9 @@
 #include "scene/march_table.hpp"
 
+#include <array>
+#include <charconv>
+#include <cmath>
+
 #include "number/rounded.hpp"
 #include "scene/round.hpp"
 
@@ -24,6 +28,11 @@ int count(TableReader& table, std::string_view key, int lowest, int highest, int
     return static_cast<int>(*x);
 }
 
+std::string in_words(double x) {
+    std::array<char, 32> text{};
+    return {text.data(), std::to_chars(text.data(), text.data() + text.size(), x, std::chars_format::general, 6).ptr};
+}
+
 }  // namespace
 
 MarchConstants<Real> read_march(TableReader table, Inputs inputs) {
@@ -43,6 +52,20 @@ MarchConstants<double> round_march(const MarchConstants<Real>& ideal, const Floa
 
 MarchConstants<double> round_march(const MarchConstants<double>& constants, const FloatFormat& f) {
     return transformed(constants, [&f](double x) { return rounding::to_format(x, 0, f); });
+}
+
+std::vector<std::string> lost_constants(const Scene& scene, const FloatFormat& f) {
+    std::vector<std::string> lost;
+    if (!scene.march) return lost;
+    const bool shared = scene.inputs == Inputs::shared;
+    std::size_t i = 0;
+    transformed(*scene.march, [&](const Real& ideal) {
+        const double before = round_to_format(ideal, shared ? binary32 : binary64), after = rounding::to_format(before, 0, f);
+        const std::string_view name = march_number_names[i++];
+        if (before != 0 && (after == 0 || std::isinf(after))) lost.push_back(std::string(name) + " = " + in_words(before) + " rounds to " + (after == 0 ? "0" : "infinity"));
+        return after;
+    });
+    return lost;
 }
 
 }  // namespace lostbits::scene

@@ -1,6 +1,9 @@
 // The constants of sphere tracing in scene and sweep files.
 #pragma once
 
+#include <string>
+#include <vector>
+
 #include "intersect/march.hpp"
 #include "number/format.hpp"
 #include "number/real.hpp"
@@ -17,5 +20,9 @@ MarchConstants<Real> read_march(TableReader table, Inputs inputs);
 /// Each constant rounded once to F.
 MarchConstants<double> round_march(const MarchConstants<Real>& ideal, const FloatFormat& f);
 MarchConstants<double> round_march(const MarchConstants<double>& constants, const FloatFormat& f);
+
+/// The constants that F makes 0 or infinity of, in words: "hit_eps = 1e-09 rounds to 0". A form is given them all the same: what it makes
+/// of them is for the measurement to say.
+std::vector<std::string> lost_constants(const Scene& scene, const FloatFormat& f);
 
 }  // namespace lostbits::scene

@@ -196,7 +196,7 @@ std::vector<Scene> SceneFile::load(const LoadOptions& options) const {
             if (variant.name == *options.variant) return {interpret(&variant, options)};
         const std::string hint =
             variants_.empty() ? "the file has none" : did_you_mean(*options.variant, variants());
-        fail({path_.string(), 1, 1}, "no variant \"" + *options.variant + "\"; " + hint);
+        throw InputError(path_.string() + ": no variant \"" + *options.variant + "\"; " + hint);
     }
     if (variants_.empty()) return {interpret(nullptr, options)};
     std::vector<Scene> scenes;
