@@ -13,12 +13,16 @@ const lostbits = (...args) => execFileSync(program, ["--data", data, "-q", ...ar
 const forms = ["-i", "sphere.schoolbook", "-i", "sphere.unified", "-i", "sphere.unit_half_b", "-i", "sdf.sphere_trace"];
 const three = ["-f", "f32", "-f", "f64", "-f", "bf16"], two = ["-f", "f32", "-f", "f64"];
 const sweep = "sphere-tilt";
+const grids = ["sphere-height", "box-boundary", "extremes/contact"], gridForms = ["-i", "sphere.schoolbook", "-i", "sphere.unified", "-i", "box.baseline", "-i", "box.signs"];
 
-/** `report` is one as a reader would make it; `small` is compared pixel by pixel with what `lostbits map` writes; `large` is timed. */
+/** `report` is one as a reader would make it; `small` is compared pixel by pixel with what `lostbits map` writes, `grids` cell by cell with `lostbits sweep`;
+ * `large` is timed; `odd` is what nobody would make on purpose. */
 function make() {
     fs.rmSync(folder, { recursive: true, force: true });
     lostbits("report", "near-benign", "rtg-fig-7-3-4100-oblique", sweep, ...forms, ...two, "--trade", "-o", at("report"));
     lostbits("report", "near-benign", "-i", "sphere.unified", "-f", "f32", "--size", "512x512", "--no-claims", "-o", at("large"));
+    lostbits("report", ...grids, ...gridForms, ...two, "-o", at("grids"));
+    lostbits("sweep", ...grids, ...gridForms, ...two, "-o", at("sweep"));
     lostbits("sweep", sweep, ...forms, ...two, "-o", at("sweep"));
     const drawn = (...metrics) => metrics.flatMap((m) => ["--metric", m]), size = ["--size", "72x56"];
     const errors = drawn("lost_bits", "ulp_error", "excess_bits", "inherent_bits", "condition"), rest = [...size, "--pixels", "csv", "-o", at("map")];
@@ -37,11 +41,11 @@ async function main() {
         make();
         return 0;
     }
-    const checks = require("./promises.js");
+    const checks = { ...require("./maps.js"), ...require("./sweeps.js"), ...require("./grids.js"), ...require("./whole.js") };
     if (!checks[name]) throw new Error(`no check is called ${name}; there are ${Object.keys(checks).join(", ")}`);
     const browser = await Browser.open();
     try {
-        await checks[name]({ browser, at, lostbits, report: at("report/index.html"), small: at("small/index.html"), large: at("large/index.html"), sweep });
+        await checks[name]({ browser, at, lostbits, report: at("report/index.html"), small: at("small/index.html"), large: at("large/index.html"), grids: at("grids/index.html"), odd: at("odd/index.html"), sweep });
     } finally {
         await browser.close();
     }

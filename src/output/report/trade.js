@@ -6,7 +6,7 @@ function plotTrade(set) {
     const points = set.points.filter((p) => typeof p.kept_bits === "number").sort((a, b) => a.time_ns - b.time_ns);
     const x = points.map((p) => p.time_ns), pick = (test) => points.map((p) => (test(p) ? p.kept_bits : null));
     const look32 = { stroke: "#4477aa", fill: "#4477aa" }, look64 = { stroke: "#ee6677", fill: "#ee6677" };
-    const dots = (label, look, filled, size) => ({ label, ...look, paths: () => null, points: { show: true, size, width: 1.5, stroke: look.stroke, fill: filled ? look.fill : "#fafaf8" } });
+    const dots = (label, look, filled, size) => ({ label, ...look, paths: () => null, points: { show: true, size, width: 1.5, stroke: look.stroke, fill: filled ? look.fill : ink("--page") } });
     const best = (p) => !p.dominated;
     tradeParts.points = points;
     tradeParts.element.replaceChildren();
@@ -14,9 +14,9 @@ function plotTrade(set) {
         ...plotSize(tradeParts.element),
         scales: { x: { time: false, distr: 3, log: 2, range: () => logEnds(x) }, y: { range: (_, low, high) => [0, Math.max(4, high + 2)] } },
         axes: [{ ...axisLook("time a ray, ns"), values: (_, ticks) => ticks.map(tickText) }, axisLook("bits that 99 % of the hits keep")],
-        legend: { live: false, markers: { fill: (u, k) => (k >= 4 ? "#fafaf8" : u.series[k].stroke()) } },
+        legend: { live: false, markers: { fill: (u, k) => (k >= 4 ? ink("--page") : u.series[k].stroke()) } },
         cursor: { points: { show: false } },
-        series: [{}, { label: "nothing beats these", stroke: "#202024", width: 1.25, spanGaps: true, paths: uPlot.paths.stepped({ align: 1 }), points: { show: false } },
+        series: [{}, { label: "nothing beats these", stroke: ink("--ink"), width: 1.25, spanGaps: true, paths: uPlot.paths.stepped({ align: 1 }), points: { show: false } },
             dots("f32", look32, true, 9), dots("f64", look64, true, 9), dots("f32, dominated or at times wrong", look32, false, 6), dots("f64, dominated or at times wrong", look64, false, 6)],
         hooks: { setCursor: [(u) => pointUnder(u)] },
     }, [x, pick(best), pick((p) => best(p) && p.wrong_fraction === 0 && p.format === "f32"), pick((p) => best(p) && p.wrong_fraction === 0 && p.format === "f64"),

@@ -1,0 +1,11 @@
+// What the checks of the page share.
+"use strict";
+
+const schoolbook = "#scene=near-benign&form=sphere.schoolbook&format=f32";
+const stateOf = (page) => page.evaluate(() => ({ ...state }));
+const settled = (page) => page.evaluate(() => new Promise((done) => setTimeout(done, 150)));
+/** To six digits, and for ulps to a millionth: the page keeps t* - RN64(t*) as a float. */
+const near = (a, b) => a === b || (Number.isNaN(a) && Number.isNaN(b)) || Math.abs(a - b) <= 1e-6 + 1e-6 * Math.abs(b);
+const numberOf = (cell) => (cell === "" || cell === "nan" ? NaN : cell === "inf" ? Infinity : cell === "-inf" ? -Infinity : Number(cell));
+
+module.exports = { schoolbook, stateOf, settled, near, numberOf };
