@@ -69,8 +69,9 @@ page::SweepPart case_part(const SweepWork& work) {
     return part;
 }
 
-/// Of every format: they stand where the plots cannot.
+/// Of every format, small: they stand where the plots cannot.
 std::vector<page::Picture> line_pictures(const SweepRequest& request, const std::vector<SweepStep>& steps, const std::vector<Onset>& onsets) {
+    constexpr output::PlotSize size{820, 470};
     auto& backend = output::image_backend();
     std::vector<Format> formats;
     for (const MapRow& row : request.rows) {
@@ -79,8 +80,8 @@ std::vector<page::Picture> line_pictures(const SweepRequest& request, const std:
     std::vector<page::Picture> pictures;
     for (const Format& format : formats) {
         const std::string what = fmt::format("{}, {}", request.sweep->title, format.name);
-        pictures.push_back(page::picture("99th percentile of lost bits: " + what, [&](const auto& to) { output::write_lost_bits_plot(backend, to, request, steps, onsets, format, 0.99); }));
-        pictures.push_back(page::picture("Share of wrong answers: " + what, [&](const auto& to) { output::write_wrong_plot(backend, to, request, steps, onsets, format); }));
+        pictures.push_back(page::picture("99th percentile of lost bits: " + what, [&](const auto& to) { output::write_lost_bits_plot(backend, to, request, steps, onsets, format, 0.99, size); }));
+        pictures.push_back(page::picture("Share of wrong answers: " + what, [&](const auto& to) { output::write_wrong_plot(backend, to, request, steps, onsets, format, size); }));
     }
     return pictures;
 }

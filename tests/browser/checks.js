@@ -15,6 +15,22 @@ const three = ["-f", "f32", "-f", "f64", "-f", "bf16"], two = ["-f", "f32", "-f"
 const sweep = "sphere-tilt";
 const grids = ["sphere-height", "box-boundary", "extremes/contact"], gridForms = ["-i", "sphere.schoolbook", "-i", "sphere.unified", "-i", "box.baseline", "-i", "box.signs"];
 
+/** A scene of one sphere, `depth` in front of the eye (below 0: behind it), with a title that nobody foresaw. */
+const oddScene = (width, height, depth) => `schema = "lostbits-scene/1"
+title = "A title with <b>markup</b>, ${"no_place_to_break_it_".repeat(8)} and more words than any line holds, of a picture of ${width} by ${height}"
+source = "-"
+size = [${width}, ${height}]
+[camera]
+kind = "pinhole"
+eye = [0, 0, 0]
+look_at = [0.1, 0, -4]
+up = [0, 1, 0]
+fov_deg = 45
+[[sphere]]
+centre = [0, 0, ${-depth}]
+radius = 1
+`;
+
 /** `report` is one as a reader would make it; `small` is compared pixel by pixel with what `lostbits map` writes, `grids` cell by cell with `lostbits sweep`;
  * `large` is timed; `odd` is what nobody would make on purpose. */
 function make() {
@@ -22,6 +38,12 @@ function make() {
     lostbits("report", "near-benign", "rtg-fig-7-3-4100-oblique", sweep, ...forms, ...two, "--trade", "-o", at("report"));
     lostbits("report", "near-benign", "-i", "sphere.unified", "-f", "f32", "--size", "512x512", "--no-claims", "-o", at("large"));
     lostbits("report", ...grids, ...gridForms, ...two, "-o", at("grids"));
+    fs.mkdirSync(at("odd"), { recursive: true });
+    fs.writeFileSync(at("odd/one-pixel.toml"), oddScene(1, 1, 5));
+    fs.writeFileSync(at("odd/no-hit.toml"), oddScene(24, 16, -5));
+    lostbits("report", at("odd/one-pixel.toml"), at("odd/no-hit.toml"), "sphere-height", "box-boundary", "sdf-max-steps", "-i", "sphere.*", "-i", "box.signs", "-i", "sdf.sphere_trace", "-f", "p2", "-f", "p40", "-f", "f32", "-o", at("odd"));
+    lostbits("report", sweep, "-i", "sphere.unified", "-f", "f32", "--no-claims", "-o", at("odd/sweep"));
+    lostbits("report", "box-boundary", "-i", "box.signs", "-f", "f32", "--no-claims", "-o", at("odd/cases"));
     lostbits("sweep", ...grids, ...gridForms, ...two, "-o", at("sweep"));
     lostbits("sweep", sweep, ...forms, ...two, "-o", at("sweep"));
     const drawn = (...metrics) => metrics.flatMap((m) => ["--metric", m]), size = ["--size", "72x56"];

@@ -61,6 +61,17 @@ async function trade({ browser, report }) {
     const named = await page.evaluate(() => tradeParts.under.name);
     await page.mouse.click(box.x + local.x, box.y + local.y);
     assert.equal((await stateOf(page)).form, named);
+    // By the keyboard: from point to point by time, Enter for the map of one that has a map here (variants of compiler flags have none).
+    const walked = [], under = () => page.evaluate(() => [tradeParts.under.time_ns, tradeParts.under.name, Boolean(mapOf(tradeParts.under))]);
+    await page.evaluate(() => sayPoint(null));
+    do {
+        await page.locator("#trade-plot").press("ArrowRight");
+        walked.push(await under());
+    } while (walked.length < 3 || !walked.at(-1)[2]);
+    assert.deepEqual(walked.map(([time]) => time), walked.map(([time]) => time).sort((x, y) => x - y));
+    await page.locator("#trade-plot").press("Enter");
+    assert.equal((await stateOf(page)).form, walked.at(-1)[1]);
+    assert.match(await page.locator("#trade").innerText(), /Times are short measurements of the run that made this page, on its machine/);
 }
 
 module.exports = { sweeps, trade };

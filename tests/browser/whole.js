@@ -87,7 +87,7 @@ async function places({ browser, grids, report }) {
 }
 
 /** What is copied runs: the command makes the map, the claims measure as stated. */
-async function copies({ browser, report, lostbits }) {
+async function copies({ browser, report, grids, lostbits }) {
     const folder = fs.mkdtempSync(path.join(os.tmpdir(), "lostbits-copies-"));
     try {
         const page = await browser.page(report, { hash: "#scene=rtg-fig-7-3-4100-oblique&form=sphere.schoolbook&format=f64&metric=ulp_error&sweep=sphere-tilt&statistic=lost_bits_p99" });
@@ -98,10 +98,19 @@ async function copies({ browser, report, lostbits }) {
         let text = 'schema = "lostbits-claims/1"\n' + (await copied("#copy-claim"));
         await page.locator("#copy-sweep-claim").click();
         text += await page.locator("#sweep-view pre.copied").textContent();
+        const cells = await browser.page(grids);
+        for (const hash of ["#sweep=sphere-height&form=sphere.schoolbook&format=f32&u=9&v=30&statistic=lost_bits_max", "#sweep=box-boundary&form=box.baseline&format=f32&judged=open&v=12&statistic=false_hit_fraction", "#sweep=contact&form=sphere.unified&format=f64&v=3"]) {
+            await cells.evaluate((hash) => { location.hash = hash; }, hash);
+            await settled(cells);
+            await cells.locator("#copy-sweep-claim").click();
+            text += await cells.locator("#sweep-view pre.copied").textContent();
+        }
         fs.writeFileSync(path.join(folder, "claims.toml"), text);
         assert.equal(lostbits("check", path.join(folder, "claims.toml"), "--strict"), "", text);
         const command = await copied("#copy-command");
         assert.match(command, /^lostbits map rtg-fig-7-3-4100-oblique -i sphere.schoolbook -f f64 --metric ulp_error --pixels csv -o out$/);
+        await cells.locator("#copy-sweep-command").click();
+        assert.equal(await cells.locator("#sweep-view pre.copied").textContent(), "lostbits sweep contact -i sphere.unified -f f64 -o out");
         lostbits(...command.replace("-o out", `-o ${folder}/out`).split(" ").slice(1));
         assert.ok(fs.existsSync(path.join(folder, "out/rtg-fig-7-3-4100-oblique/sphere.schoolbook.f64.csv")));
     } finally {
@@ -110,7 +119,7 @@ async function copies({ browser, report, lostbits }) {
 }
 
 /** Without scripts: counts, tables and pictures are there to be read. */
-async function plain({ browser, report }) {
+async function plain({ browser, report, grids }) {
     const page = await browser.page(report, { scripts: false });
     const text = await page.locator("body").innerText();
     assert.match(text, /\d+\s+hold/);
@@ -121,6 +130,34 @@ async function plain({ browser, report }) {
     const pictures = await page.locator("img:visible").count();
     assert.ok(pictures >= 4, `${pictures} pictures`);
     assert.deepEqual(page.requested.filter((url) => !url.startsWith("data:")), [page.url()]);
+    // Every format has its plots, and planes and cases theirs.
+    const alts = await page.locator("#sweeps img").evaluateAll((images) => images.map((i) => i.alt));
+    for (const format of ["f32", "f64"]) assert.equal(alts.filter((alt) => alt.startsWith("99th percentile") && alt.endsWith(`, ${format}`)).length, 1, `${alts}`);
+    const bare = await browser.page(grids, { scripts: false }), cells = await bare.locator("#sweeps img:visible").evaluateAll((images) => images.map((i) => i.alt));
+    for (const alt of ["sphere.unified in f64", "by the closed solid", "by the open solid", "exact tangents"]) assert.ok(cells.some((p) => p.includes(alt)), `${alt} is not among ${cells}`);
+}
+
+/** Pages that nobody foresaw, in a narrow window, in the dark and by the keyboard alone: nothing sticks out, nothing complains, every key answers. */
+async function odd({ browser, odd, at }) {
+    for (const [file, hash] of [[odd, "#scene=one-pixel"], [odd, "#scene=no-hit&sweep=box-boundary"], [odd, "#sweep=sdf-max-steps&format=p40"], [odd, "#sweep=sphere-height&format=p2"], [at("odd/sweep/index.html"), ""], [at("odd/cases/index.html"), ""]]) {
+        const page = await browser.page(file, { hash, width: 400, height: 800 }), where = `${file}${hash}`;
+        await page.emulateMedia({ colorScheme: "dark" });
+        await settled(page);
+        assert.equal(await page.evaluate(() => document.documentElement.scrollWidth), 400, `${where} is wider than its window`);
+        const [paper, text] = await page.evaluate(() => [getComputedStyle(document.body).backgroundColor, getComputedStyle(document.body).color].map((c) => Math.max(...c.match(/\d+/g).map(Number))));
+        assert.ok(paper < 64 && text > 192, `${where}: text ${text} on ${paper}`);
+        const inside = await page.evaluate(() => [...document.querySelectorAll("#map, #grid, #sweep-plot")].filter((e) => e.offsetParent).map((e) => e.id));
+        assert.ok(inside.length > 0, where);
+        for (const id of inside) {
+            for (const key of ["ArrowRight", "ArrowDown", "m", "]", "[", "M", "ArrowLeft", "ArrowUp"]) await page.locator(`#${id}`).press(key);
+        }
+        await settled(page);
+        const now = await stateOf(page);
+        assert.ok(inside.includes("map") ? now.x >= 0 : now.u >= 0 || now.v >= 0, `${where}: ${JSON.stringify(now)}`);
+        assert.ok(inside.every((id) => id === "map") || (await page.locator("#sweep-facts tr[data-fact=lost_bits_p99]").count()) === 1, `${where}: no numbers of a step`);
+        assert.deepEqual(page.complaints, [], where);
+        await page.context().close();
+    }
 }
 
 /** 512 x 512 rays with six layers: below 3 MB, and ready in a second. */
@@ -137,4 +174,4 @@ async function ready({ browser, large }) {
     assert.ok(Math.min(...times) < 1000, `ready after ${times.join(", ")} ms`);
 }
 
-module.exports = { alone, link, claims, places, copies, plain, ready };
+module.exports = { alone, link, claims, places, copies, plain, odd, ready };

@@ -131,6 +131,6 @@ TEST_CASE("every sentence of a claim can be read alone") {
         CHECK_FALSE(statement.starts_with("..."));
         CHECK_FALSE(statement.ends_with("..."));
         // Filtered, sorted or in a CI log it stands without the one before it.
-        for (const char* leaning : {"and ", "but ", "The same for "}) CHECK_FALSE(statement.starts_with(leaning));
+        for (const char* leaning : {"and ", "but ", "The same"}) CHECK_FALSE(statement.starts_with(leaning));
     }
 }

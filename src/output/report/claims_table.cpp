@@ -81,11 +81,11 @@ std::optional<Place> place_of(const Claim& c, const ClaimResult& r, const Report
 
 /// What it was measured on: a link to where the page shows it, or else the command that shows it.
 std::string measured_on(const Claim& c, const ClaimResult& r, const Report& report) {
-    const std::string text = html(where_measured(c));
+    const std::string text = html(where_measured(c)), row = fmt::format("<br><small>{} {}</small>", html(c.form.empty() ? c.row : c.form), html(c.format));
     const auto place = place_of(c, r, report);
-    if (!place) return fmt::format("{}<br><small>not on this page: <code>{}</code></small>", text, html(reproduce(c)));
+    if (!place) return fmt::format("{}{}<br><small>not on this page: <code>{}</code></small>", text, row, html(reproduce(c)));
     const std::string link = fmt::format("<a class=\"jump\" href=\"#{}\"{}>{}</a>", html(place->anchor), place->view.empty() ? "" : fmt::format(" data-view=\"{}\"", html(place->view)), text);
-    return place->drawn ? link : fmt::format("{}<br><small>its picture: <code>{}</code></small>", link, html(reproduce(c)));
+    return place->drawn ? link + row : fmt::format("{}{}<br><small>its picture: <code>{}</code></small>", link, row, html(reproduce(c)));
 }
 
 struct Word {
@@ -145,8 +145,8 @@ std::string claims_table(const Report& report) {
         text += fmt::format("<tr id=\"claim-{}\" class=\"{}\" data-command=\"{}\"><td class=\"verdict\">{}</td><td>{}", html(c.id), word.style, html(reproduce(c)), word.text, html(c.statement));
         if (!c.note.empty()) text += fmt::format("<br><em>{}</em>", html(c.note));
         text += fmt::format("<br><small>{}{}<code>{}</code></small></td>", c.source == "-" ? "" : html(c.source), c.source == "-" ? "" : " &middot; ", html(c.id));
-        text += fmt::format("<td>{}<br><small>{} {}</small></td><td>{}</td><td class=\"n\">{}</td><td class=\"n\">{} to {}</td></tr>\n", measured_on(c, r, report), html(c.form.empty() ? c.row : c.form),
-                            html(c.format), breakable(html(what)), r.state == State::agrees || r.state == State::disagrees ? shown(r.measured) : html(r.trouble), shown(c.low), shown(c.high));
+        text += fmt::format("<td>{}</td><td data-name=\"quantity\">{}</td><td class=\"n\" data-name=\"measured\">{}</td><td class=\"n\" data-name=\"expected\">{} to {}</td></tr>\n", measured_on(c, r, report),
+                            breakable(html(what)), r.state == State::agrees || r.state == State::disagrees ? shown(r.measured) : html(r.trouble), shown(c.low), shown(c.high));
     }
     return text + "</tbody></table>\n";
 }

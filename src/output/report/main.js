@@ -41,6 +41,15 @@ async function start() {
     for (const link of document.querySelectorAll("a[data-view]")) link.href = `#${link.dataset.view}`;  // without scripts they lead to its table and pictures
     addEventListener("popstate", follow);
     addEventListener("hashchange", follow);
+    // On paper nothing can be opened.
+    let closed = [];
+    addEventListener("beforeprint", () => {
+        closed = [...document.querySelectorAll("details:not([open])")];
+        for (const part of closed) part.open = true;
+    });
+    addEventListener("afterprint", () => {
+        for (const part of closed) part.open = false;
+    });
     matchMedia("(prefers-color-scheme: dark)").addEventListener("change", redraw);
     let waiting = 0;
     addEventListener("resize", () => {

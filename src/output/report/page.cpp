@@ -107,7 +107,8 @@ std::string sweeps_section(const Report& report) {
 
 std::string trades_section(const Report& report) {
     if (report.trades.empty()) return "";
-    std::string text = "<section id=\"trade\"><h2>Speed against accuracy</h2>\n<p>Times are of the run that made this page, on its machine.</p>\n<div id=\"trade-view\" hidden></div>\n";
+    std::string text = fmt::format("<section id=\"trade\"><h2>Speed against accuracy</h2>\n<p>Times are short measurements of the run that made this page, on its machine{}: another run has other times.</p>\n<div id=\"trade-view\" hidden></div>\n",
+                                   report.processor.empty() ? "" : fmt::format(" ({})", html(report.processor)));
     for (const TradePart& t : report.trades) {
         text += fmt::format("<details open class=\"part\"><summary>{}</summary><pre>{}</pre>{}</details>\n", html(t.shape), html(t.words), instead_of_plots(t.pictures));
     }

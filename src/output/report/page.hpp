@@ -52,6 +52,7 @@ struct Report {
     std::vector<TradePart> trades;
     std::vector<scene::Claim> claims;
     std::vector<ClaimResult> results;
+    std::string processor = {};  ///< that the times are of; empty where nothing tells
 };
 
 /// Forms and formats of a map: decisions, and p50, p99 and max of lost bits; each number carries the CSV's own decimal.
