@@ -5,7 +5,11 @@
 #include <nlohmann/json.hpp>
 
 #include "commands.hpp"
+#include "scene/case_file.hpp"
+#include "scene/claims_file.hpp"
 #include "scene/scene.hpp"
+#include "scene/search_file.hpp"
+#include "scene/sweep_file.hpp"
 #include "select.hpp"
 
 namespace lostbits::analysis {
@@ -53,15 +57,52 @@ Listing scenes(const Common& common) {
     return l;
 }
 
-/// Files of a kind that this version only names.
-Listing files_in(const Common& common, const char* folder) {
-    Listing l{{"name"}, {}};
+/// What a sweep runs over: its axes, the number of its cases, or the metric that a search makes large.
+std::string axis_of(const std::filesystem::path& path, const std::filesystem::path& data, std::string& title) {
+    switch (scene::sweep_kind(path)) {
+        case scene::SweepKind::cases: {
+            const scene::CaseFile file(path);
+            title = file.title;
+            return fmt::format("{} cases", file.size());
+        }
+        case scene::SweepKind::search: {
+            const scene::SearchFile file(path);
+            title = file.title;
+            return "search for " + file.metric;
+        }
+        case scene::SweepKind::axes: break;
+    }
+    const scene::SweepFile file(path, data);
+    title = file.title;
+    std::string text;
+    for (const scene::Axis& axis : file.axes) text += (text.empty() ? "" : " x ") + axis.name;
+    return text;
+}
+
+Listing sweeps(const Common& common) {
+    Listing l{{"name", "axis", "title"}, {}};
+    const auto data = data_folder(common.data), root = data / "sweeps";
     std::error_code error;
-    const auto root = data_folder(common.data) / folder;
     for (const auto& entry : std::filesystem::recursive_directory_iterator(root, error)) {
-        if (entry.path().extension() == ".toml") l.rows.push_back({entry.path().lexically_relative(root).replace_extension().string()});
+        if (entry.path().extension() != ".toml") continue;
+        std::string title, axis = axis_of(entry.path(), data, title);
+        l.rows.push_back({entry.path().lexically_relative(root).replace_extension().string(), std::move(axis), std::move(title)});
     }
     std::ranges::sort(l.rows);
+    return l;
+}
+
+/// In the order of the files; verdicts as they state them, measured by `lostbits check` alone.
+Listing claims(const Common& common) {
+    Listing l{{"id", "verdict", "profile", "subject", "form", "format", "statement"}, {}};
+    const auto root = data_folder(common.data) / "claims";
+    if (!std::filesystem::exists(root)) return l;
+    for (const auto& path : scene::claim_files(root)) {
+        for (const scene::Claim& c : scene::read_claims(path)) {
+            l.rows.push_back({c.id, c.verdict == scene::Claim::Verdict::holds ? "holds" : "refuted", c.profile == scene::Claim::Profile::results ? "results" : "timing", c.subject(),
+                              c.form.empty() ? c.row : c.form, c.format, c.statement});
+        }
+    }
     return l;
 }
 
@@ -99,7 +140,8 @@ Exit run(const std::string& what, bool json, const Common& common) {
         if (name == "formats") return formats();
         if (name == "metrics") return metric_table();
         if (name == "scenes") return scenes(common);
-        if (name == "sweeps" || name == "claims") return files_in(common, name.c_str());
+        if (name == "sweeps") return sweeps(common);
+        if (name == "claims") return claims(common);
         return intersectors();
     };
     if (json) print_json(make(what));

@@ -7,6 +7,7 @@
 #include <set>
 
 #include "commands.hpp"
+#include "measure/timing.hpp"
 #include "number/interruption.hpp"
 #include "output/atomic_file.hpp"
 #include "report_parts.hpp"
@@ -197,6 +198,7 @@ Exit run(const ReportOptions& o, const Common& common) {
     for (const SweepWork& sweep : work.sweeps) report.sweeps.push_back(sweep_part(sweep, [&](std::uint64_t done) { advance(done * sweep_units); }));
     if (!work.claims.empty()) report.results = measure_claims(work.claims, data, stop_if_interrupted);
     if (o.trade) {
+        report.processor = processor_name();
         for (const Shape shape : {Shape::sphere, Shape::box}) {
             const auto rows = fitting(cross(select_forms(o.forms.empty() ? std::vector<std::string>{"*"} : o.forms), {*find_format("f32"), *find_format("f64")}), [shape](Shape form) { return form == shape; });
             if (!rows.empty()) report.trades.push_back(trade_part(shape, rows, [](std::uint64_t) { stop_if_interrupted(); }));

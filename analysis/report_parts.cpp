@@ -7,6 +7,7 @@
 
 #include "measure/cases.hpp"
 #include "output/case_files.hpp"
+#include "output/report/grid_data.hpp"
 #include "output/report/picture.hpp"
 #include "output/report/sweep_data.hpp"
 #include "output/report/text.hpp"
@@ -42,6 +43,12 @@ std::vector<std::string> keys_of(const std::vector<MapRow>& rows) {
     return keys;
 }
 
+std::vector<std::string> names_of(const std::vector<const Metric*>& metrics) {
+    std::vector<std::string> names;
+    for (const Metric* m : metrics) names.emplace_back(m->name);
+    return names;
+}
+
 page::SweepPart case_part(const SweepWork& work) {
     const scene::CaseFile file(work.path);
     CaseRequest request{.file = &file, .rows = {}, .metrics = measured({find_metric("inherent_bits"), find_metric("excess_bits")}, work.rows)};
@@ -52,7 +59,9 @@ page::SweepPart case_part(const SweepWork& work) {
         }
     }
     const auto cases = run_cases(request);
-    page::SweepPart part{file.id, file.title, file.note, file.source, keys_of(work.rows), {}, {}, {}};
+    page::SweepPart part{.kind = page::SweepPart::Kind::cases, .id = file.id, .title = file.title, .note = file.note, .source = file.source, .rows = keys_of(work.rows)};
+    for (std::size_t i = 0; i < file.size(); ++i) part.cases.push_back(file.name(i));
+    part.json = page::case_json(request, cases);
     for (const auto& judged : file.conventions) {
         const std::string alt = judged ? fmt::format("{}, by the {} solid", file.title, convention_name(judged)) : file.title;
         part.pictures.push_back(page::picture(alt, [&](const auto& to) { output::write_case_matrix(to, request, cases, judged); }));
@@ -60,13 +69,21 @@ page::SweepPart case_part(const SweepWork& work) {
     return part;
 }
 
-/// Of the first format alone: they stand where the plots, which have all, cannot.
+/// Of every format, small: they stand where the plots cannot.
 std::vector<page::Picture> line_pictures(const SweepRequest& request, const std::vector<SweepStep>& steps, const std::vector<Onset>& onsets) {
+    constexpr output::PlotSize size{820, 470};
     auto& backend = output::image_backend();
-    const Format& format = request.rows.front().format;
-    const std::string what = fmt::format("{}, {}", request.sweep->title, format.name);
-    return {page::picture("99th percentile of lost bits: " + what, [&](const auto& to) { output::write_lost_bits_plot(backend, to, request, steps, onsets, format, 0.99); }),
-            page::picture("Share of wrong answers: " + what, [&](const auto& to) { output::write_wrong_plot(backend, to, request, steps, onsets, format); })};
+    std::vector<Format> formats;
+    for (const MapRow& row : request.rows) {
+        if (std::ranges::find(formats, row.format) == formats.end()) formats.push_back(row.format);
+    }
+    std::vector<page::Picture> pictures;
+    for (const Format& format : formats) {
+        const std::string what = fmt::format("{}, {}", request.sweep->title, format.name);
+        pictures.push_back(page::picture("99th percentile of lost bits: " + what, [&](const auto& to) { output::write_lost_bits_plot(backend, to, request, steps, onsets, format, 0.99, size); }));
+        pictures.push_back(page::picture("Share of wrong answers: " + what, [&](const auto& to) { output::write_wrong_plot(backend, to, request, steps, onsets, format, size); }));
+    }
+    return pictures;
 }
 
 page::SweepPart axes_part(const SweepWork& work, const Advance& advance) {
@@ -75,8 +92,12 @@ page::SweepPart axes_part(const SweepWork& work, const Advance& advance) {
     for (MapRow& row : request.rows) row.judged = sweep.convention;
     request.progress = [&advance](std::uint64_t) { advance(0); };
     const auto steps = run_sweep(request);
-    page::SweepPart part{sweep.id, sweep.title, sweep.note, sweep.source, keys_of(work.rows), {}, {}, {}};
+    page::SweepPart part{.kind = page::SweepPart::Kind::line, .id = sweep.id, .title = sweep.title, .note = sweep.note, .source = sweep.source, .rows = keys_of(work.rows)};
     if (sweep.axes.size() == 2) {
+        const output::Plane plane(request, steps);
+        part.kind = page::SweepPart::Kind::plane;
+        part.axes = {plane.x, plane.y};
+        part.json = page::plane_json(request, steps);
         for (std::size_t r = 0; r < request.rows.size(); ++r) {
             const std::string alt = fmt::format("{}: {} in {}", sweep.title, request.rows[r].form->info->name, request.rows[r].format.name);
             part.pictures.push_back(page::picture(alt, [&](const auto& to) { output::write_plane_picture(output::image_backend(), to, request, steps, r); }));
@@ -84,6 +105,7 @@ page::SweepPart axes_part(const SweepWork& work, const Advance& advance) {
         return part;
     }
     const auto onsets = find_onsets(request, steps);
+    part.axes = {sweep.axes.front().values};
     part.json = page::sweep_json(request, steps, onsets);
     part.table = page::onset_table(request, onsets);
     part.pictures = line_pictures(request, steps, onsets);
@@ -108,7 +130,7 @@ page::MapPart map_part(MapWork& work, const Advance& advance) {
     sheet.finish(summaries);
     work.unresolved = summaries.front().count(Outcome::unresolved);
     return {scene.id, scene.title, scene.note, scene.source, keys_of(work.rows), data.index(summaries, work.own_size), data.blobs(), page::summary_table(request, summaries),
-            {fmt::format("{}: lost bits of every form and format", scene.title), page::bytes_of(file)}, work.own_size};
+            {fmt::format("{}: lost bits of every form and format", scene.title), page::bytes_of(file)}, work.own_size, names_of(work.metrics)};
 }
 
 page::SweepPart sweep_part(const SweepWork& work, const Advance& advance) {

@@ -9,6 +9,7 @@
 #include <chrono>
 #include <cmath>
 #include <cstring>
+#include <fstream>
 #include <functional>
 #include <numeric>
 #include <random>
@@ -79,6 +80,15 @@ CacheSizes cache_sizes() {
     sizes.last = from_system(_SC_LEVEL3_CACHE_SIZE, sizes.last);
 #endif
     return sizes;
+}
+
+std::string processor_name() {
+    std::ifstream in("/proc/cpuinfo");
+    for (std::string line; std::getline(in, line);) {
+        const std::size_t colon = line.find(": ");
+        if (line.starts_with("model name") && colon != std::string::npos) return line.substr(colon + 2);
+    }
+    return {};
 }
 
 Timing timing_of(std::vector<double> samples) {

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <functional>
 #include <span>
+#include <string>
 #include <vector>
 
 namespace lostbits {
@@ -31,6 +32,9 @@ struct CacheSizes {
     std::size_t l1, l2, last;
 };
 CacheSizes cache_sizes();
+
+/// What the system calls the processor: `AMD EPYC 7763 64-Core Processor`; empty where it does not tell.
+std::string processor_name();
 
 /// Something whose time is asked for. `pass` leaves its results in memory.
 struct TimedWork {

@@ -14,8 +14,6 @@
 namespace lostbits::output {
 namespace {
 
-constexpr Rgb8 right_colour{226, 238, 226};
-
 std::vector<Column> case_columns(const CaseRequest& request) {
     std::vector<Column> columns{{"case", "string", "", "what is extreme about it"},
                                 {"convention", "string", "", "by whose word touching is judged: the form's own, the closed solid's, the open one's"},
@@ -38,7 +36,7 @@ MatrixCell cell_of(const MapSummary& s, Verdict verdict, std::size_t lost, const
         return MatrixCell{outcome_colours[static_cast<std::size_t>(o)], n < s.rays ? std::to_string(n) : std::string()};
     };
     switch (verdict) {
-        case Verdict::right: return {right_colour, {}};
+        case Verdict::right: return {case_right_colour, {}};
         case Verdict::wrong_value: {
             const double bits = s.metrics[lost].quantile(1);
             return {scale.map(bits), fmt::format("{:.0f}", bits)};
@@ -64,7 +62,7 @@ void write_case_matrix(const std::filesystem::path& path, const CaseRequest& req
                         .groups = {},
                         .rows = {},
                         .cells = {},
-                        .legend = {{"right", right_colour, {}}},
+                        .legend = {{"right", case_right_colour, {}}},
                         .scale = scale,
                         .unit = "lost bits"};
     std::vector<std::size_t> order;  // rows of the request, by format

@@ -6,9 +6,13 @@
 #include <vector>
 
 #include "measure/cases.hpp"
+#include "output/colour.hpp"
 #include "output/csv.hpp"
 
 namespace lostbits::output {
+
+/// Of a case that a form has right.
+inline constexpr Rgb8 case_right_colour{226, 238, 226};
 
 /// Opened before the work, named when it is whole.
 class CaseFiles {

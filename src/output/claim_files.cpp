@@ -45,11 +45,22 @@ std::string explain(const Claim& c, const ClaimResult& r) {
     return fmt::format("{}, measured {}", expected, decimal(r.measured));
 }
 
+const Metric* metric_of_column(const std::string& column) {
+    const Metric* best = nullptr;
+    for (const Metric& m : metrics()) {
+        if (column.starts_with(m.name) && (best == nullptr || m.name.size() > best->name.size())) best = &m;
+    }
+    return best;
+}
+
 std::string reproduce(const Claim& c) {
     if (c.timing) return fmt::format("lostbits check --profile timing --filter '{}'", c.id);
     if (!c.table.empty()) return fmt::format("lostbits check --filter '{}' --measure", c.id);
     if (!c.render.empty()) return fmt::format("lostbits render {}{} -i {} -f {} -o out", c.render, c.stage ? fmt::format(" --stage {}", name_of(*c.stage)) : "", c.form, c.format);
-    return fmt::format("lostbits {} {} -i {} -f {} -o out", c.scene.empty() ? "sweep" : "map", c.subject(), c.form, c.format);
+    if (c.step) return fmt::format("lostbits explain {} --pixel 0,0 -i {} -f {}", c.scene, c.form, c.format);
+    const Metric* const metric = metric_of_column(c.metric);
+    const std::string asked = metric != nullptr && !metric->by_default ? fmt::format(" --metric {}", metric->name) : "";
+    return fmt::format("lostbits {} {} -i {} -f {}{} -o out", c.scene.empty() ? "sweep" : "map", c.subject(), c.form, c.format, asked);
 }
 
 std::string where_measured(const Claim& c) {

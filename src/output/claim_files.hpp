@@ -23,6 +23,8 @@ void write_claims_json(const std::filesystem::path& path, const std::vector<scen
 std::string explain(const scene::Claim& claim, const ClaimResult& result);
 /// Scene, sweep or table, and the place in it.
 std::string where_measured(const scene::Claim& claim);
+/// The metric whose statistic or fraction a column of a summary is: lost_bits of `lost_bits_p99`; none of an outcome.
+const Metric* metric_of_column(const std::string& column);
 /// The command that measures it again with every file.
 std::string reproduce(const scene::Claim& claim);
 

@@ -17,26 +17,6 @@ std::size_t index_of(const SweepRequest& request, const char* metric) {
     return static_cast<std::size_t>(std::ranges::find(request.metrics, find_metric(metric)) - request.metrics.begin());
 }
 
-/// The steps as a plane: columns by rising first axis, lines by rising second.
-class Plane {
-public:
-    Plane(const SweepRequest& request, const std::vector<SweepStep>& steps, std::size_t row)
-        : x(request.sweep->axes[0].values), y(request.sweep->axes[1].values), steps_(steps), row_(row), x_falls_(x.front() > x.back()), y_falls_(y.front() > y.back()) {
-        if (x_falls_) std::ranges::reverse(x);
-        if (y_falls_) std::ranges::reverse(y);
-    }
-    [[nodiscard]] const MapSummary& at(std::size_t column, std::size_t line) const {
-        const std::size_t i = x_falls_ ? x.size() - 1 - column : column, j = y_falls_ ? y.size() - 1 - line : line;
-        return steps_[i * y.size() + j].rows[row_];
-    }
-    std::vector<double> x, y;
-
-private:
-    const std::vector<SweepStep>& steps_;
-    std::size_t row_;
-    bool x_falls_, y_falls_;
-};
-
 std::string joined(const std::vector<double>& values) {
     std::string text;
     for (const double v : values) text += (text.empty() ? "" : " ") + decimal(v);
@@ -63,7 +43,8 @@ std::vector<Layer> layers_of(const SweepRequest& request) {
             {"class.not_a_number", share(Outcome::not_a_number)}};
 }
 
-void write_exr(ImageBackend& backend, const std::filesystem::path& path, const SweepRequest& request, const Plane& plane, const MapRow& row) {
+void write_exr(ImageBackend& backend, const std::filesystem::path& path, const SweepRequest& request, const Plane& plane, std::size_t r) {
+    const MapRow& row = request.rows[r];
     ExrSpec spec;
     spec.width = static_cast<int>(plane.x.size());
     spec.height = static_cast<int>(plane.y.size());
@@ -77,7 +58,7 @@ void write_exr(ImageBackend& backend, const std::filesystem::path& path, const S
     std::vector<float> samples;
     for (std::size_t line = plane.y.size(); line-- > 0;) {
         for (std::size_t column = 0; column < plane.x.size(); ++column) {
-            for (const Layer& layer : layers) samples.push_back(layer.value(plane.at(column, line)));
+            for (const Layer& layer : layers) samples.push_back(layer.value(plane.at(r, column, line)));
         }
     }
     const auto exr = backend.open_exr(path, spec);
@@ -87,11 +68,22 @@ void write_exr(ImageBackend& backend, const std::filesystem::path& path, const S
 
 }  // namespace
 
+Plane::Plane(const SweepRequest& request, const std::vector<SweepStep>& steps)
+    : x(request.sweep->axes[0].values), y(request.sweep->axes[1].values), steps_(steps), x_falls_(x.front() > x.back()), y_falls_(y.front() > y.back()) {
+    if (x_falls_) std::ranges::reverse(x);
+    if (y_falls_) std::ranges::reverse(y);
+}
+
+const MapSummary& Plane::at(std::size_t row, std::size_t column, std::size_t line) const {
+    const std::size_t i = x_falls_ ? x.size() - 1 - column : column, j = y_falls_ ? y.size() - 1 - line : line;
+    return steps_[i * y.size() + j].rows[row];
+}
+
 void write_plane_picture(ImageBackend& backend, const std::filesystem::path& path, const SweepRequest& request, const std::vector<SweepStep>& steps, std::size_t row) {
     const auto& axes = request.sweep->axes;
     const MapRow& what = request.rows[row];
     const std::size_t lost = index_of(request, "lost_bits"), excess = index_of(request, "excess_bits");
-    const Plane plane(request, steps, row);
+    const Plane plane(request, steps);
     PlanePlotSpec spec{.title = fmt::format("{} in {}: lost bits, p99", what.form->info->name, what.format.name),
                        .subtitle = {request.sweep->title},
                        .x_axis = plot_axis(axes[0]),
@@ -106,7 +98,7 @@ void write_plane_picture(ImageBackend& backend, const std::filesystem::path& pat
     bool any_inside = false;
     for (std::size_t line = 0; line < plane.y.size(); ++line) {
         for (std::size_t column = 0; column < plane.x.size(); ++column) {
-            const MapSummary& s = plane.at(column, line);
+            const MapSummary& s = plane.at(row, column, line);
             PlaneCell cell;
             ++drawn.rays;
             if (wrong_share(s) <= 0.5) {
@@ -133,7 +125,7 @@ void write_plane(ImageBackend& backend, const std::filesystem::path& folder, con
     const MapRow& what = request.rows[row];
     const std::string stem = fmt::format("{}.{}", what.form->info->name, what.format.name);
     write_plane_picture(backend, folder / (stem + ".png"), request, steps, row);
-    write_exr(backend, folder / (stem + ".exr"), request, Plane(request, steps, row), what);
+    write_exr(backend, folder / (stem + ".exr"), request, Plane(request, steps), row);
 }
 
 }  // namespace lostbits::output

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <vector>
 
 #include "measure/sweep.hpp"
 #include "output/image.hpp"
@@ -13,6 +14,19 @@ namespace lostbits::output {
 Axis plot_axis(const scene::Axis& axis);
 /// Rays with a wrong decision or NaN, among all.
 double wrong_share(const MapSummary& s);
+
+/// The steps of a sweep over two axes as a plane: columns by rising first axis, lines by rising second.
+class Plane {
+public:
+    Plane(const SweepRequest& request, const std::vector<SweepStep>& steps);
+    /// The numbers of one row of the request.
+    [[nodiscard]] const MapSummary& at(std::size_t row, std::size_t column, std::size_t line) const;
+    std::vector<double> x, y;
+
+private:
+    const std::vector<SweepStep>& steps_;
+    bool x_falls_, y_falls_;
+};
 
 /// `<form>.<format>.png`: the 99th percentile of lost bits, the colour of the most frequent wrong outcome where most rays
 /// have one, paler where the envelope explains the loss. `<form>.<format>.exr`: columns are the first axis's values in

@@ -58,12 +58,14 @@ struct Quantity {
 bool marches(const MapRow& row) { return row.form->shape == Shape::sdf; }
 
 void write_lines(ImageBackend& backend, const std::filesystem::path& path, const SweepRequest& request, const std::vector<SweepStep>& steps,
-                 const std::vector<Onset>& onsets, const Format& format, const Quantity& quantity) {
+                 const std::vector<Onset>& onsets, const Format& format, const Quantity& quantity, PlotSize size = {}) {
     LinePlotSpec spec{.title = fmt::format("{} in {}", quantity.title, format.name),
                       .subtitle = {request.sweep->title, fmt::format("{} rays a step", steps.front().rows.front().rays)},
                       .x = plot_axis(request.sweep->axes.front()),
                       .y = quantity.axis,
-                      .series = {}};
+                      .series = {},
+                      .width = size.width,
+                      .height = size.height};
     for (std::size_t r = 0; r < request.rows.size(); ++r) {
         if (request.rows[r].format != format || !quantity.shows(request.rows[r])) continue;
         spec.series.push_back(series_of(steps, r, short_name(request.rows[r]), quantity.value));
@@ -88,19 +90,19 @@ void write_lines(ImageBackend& backend, const std::filesystem::path& path, const
 }  // namespace
 
 void write_lost_bits_plot(ImageBackend& backend, const std::filesystem::path& path, const SweepRequest& request, const std::vector<SweepStep>& steps,
-                          const std::vector<Onset>& onsets, const Format& format, double q) {
+                          const std::vector<Onset>& onsets, const Format& format, double q, PlotSize size) {
     const std::size_t lost = index_of(request, "lost_bits"), inherent = index_of(request, "inherent_bits");
     Quantity quantity{fmt::format("Lost bits, {}", q == 0.5 ? "median" : "99th percentile"),
                       {"lost bits", output::Axis::Scale::linear, 0.0, static_cast<double>(format.shape.precision)},
                       [lost, q](const MapSummary& s) { return s.metrics[lost].quantile(q); },
                       {}};
     if (inherent < request.metrics.size()) quantity.envelope = [inherent, q](const MapSummary& s) { return s.metrics[inherent].quantile(q); };
-    write_lines(backend, path, request, steps, onsets, format, quantity);
+    write_lines(backend, path, request, steps, onsets, format, quantity, size);
 }
 
 void write_wrong_plot(ImageBackend& backend, const std::filesystem::path& path, const SweepRequest& request, const std::vector<SweepStep>& steps,
-                      const std::vector<Onset>& onsets, const Format& format) {
-    write_lines(backend, path, request, steps, onsets, format, {"Rays with the wrong answer", {"share of rays", output::Axis::Scale::linear, 0.0, 1.0}, wrong_share, {}});
+                      const std::vector<Onset>& onsets, const Format& format, PlotSize size) {
+    write_lines(backend, path, request, steps, onsets, format, {"Rays with the wrong answer", {"share of rays", output::Axis::Scale::linear, 0.0, 1.0}, wrong_share, {}}, size);
 }
 
 namespace {

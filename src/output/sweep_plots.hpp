@@ -15,12 +15,17 @@ namespace lostbits::output {
 void write_sweep_plots(ImageBackend& backend, const std::filesystem::path& folder, const SweepRequest& request, const std::vector<SweepStep>& steps,
                        const std::vector<Onset>& onsets);
 
+/// Of a picture, in pixels.
+struct PlotSize {
+    int width = 1100, height = 620;
+};
+
 /// One of them: the quantile q (0.5 or 0.99) of lost bits in one format.
 void write_lost_bits_plot(ImageBackend& backend, const std::filesystem::path& path, const SweepRequest& request, const std::vector<SweepStep>& steps,
-                          const std::vector<Onset>& onsets, const Format& format, double q);
+                          const std::vector<Onset>& onsets, const Format& format, double q, PlotSize size = {});
 
 /// The share of rays with the wrong answer, in one format.
 void write_wrong_plot(ImageBackend& backend, const std::filesystem::path& path, const SweepRequest& request, const std::vector<SweepStep>& steps,
-                      const std::vector<Onset>& onsets, const Format& format);
+                      const std::vector<Onset>& onsets, const Format& format, PlotSize size = {});
 
 }  // namespace lostbits::output

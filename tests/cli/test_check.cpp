@@ -172,3 +172,22 @@ TEST_CASE("bad claims are refused with their place") {
     CHECK(run("check missing.toml").code == 2);
     CHECK(run("check --junit /proc/no/j.xml").code == 3);
 }
+
+TEST_CASE("the command of a claim writes what the claim is about") {
+    const Scratch scratch;
+    const auto file = scratch.path() / "claims.json";
+    REQUIRE(run("check -q --filter 'sdf3.miss.0.x' --filter shader.unit-half-b-direction --filter rtg7.fig3.schoolbook-f32-4100-axis-false-hits --export-json '" + file.string() + "'").code == 0);
+    std::map<std::string, std::string> command;
+    for (const auto& claim : nlohmann::json::parse(contents(file))) command[claim.at("id")] = claim.at("reproduce");
+    // A step of a march is in no map; a metric that is not measured unasked is asked for.
+    CHECK(command.at("sdf3.miss.0.x").find(" explain ") != std::string::npos);
+    CHECK(command.at("shader.unit-half-b-direction").find(" --metric model_error ") != std::string::npos);
+    CHECK(command.at("rtg7.fig3.schoolbook-f32-4100-axis-false-hits").find("--metric") == std::string::npos);
+    for (const auto& [id, text] : command) {
+        INFO(text);
+        std::string arguments = text.substr(text.find(' ') + 1);
+        if (const auto out = arguments.find("-o out"); out != std::string::npos) arguments.replace(out, 6, "-o '" + (scratch.path() / "out").string() + "'");
+        CHECK(run(arguments).code == 0);
+    }
+    CHECK(contents(scratch.path() / "out/near-benign/summary.csv").find("model_error_max") != std::string::npos);
+}

@@ -45,8 +45,67 @@ TEST_CASE("list formats and scenes name what map takes") {
         INFO(name);
         CHECK(has(name));
     }
-    CHECK(run("list sweeps").code == 0);
-    CHECK(run("list claims").code == 0);
+}
+
+namespace {
+
+/// Where each word of a row of `list` starts must be where its column's name does.
+void check_columns(const std::string& text, const nlohmann::json& array, const std::vector<std::string>& columns) {
+    const std::string head = text.substr(0, text.find('\n'));
+    std::size_t line = head.size() + 1;
+    for (const auto& row : array) {
+        const std::string words = text.substr(line, text.find('\n', line) - line);
+        line += words.size() + 1;
+        for (const auto& column : columns) {
+            const std::string cell = row.at(column);
+            const std::size_t at = head.find(column);
+            INFO(words << ": " << column);
+            REQUIRE(at != std::string::npos);
+            if (!cell.empty()) CHECK(words.compare(at, cell.size(), cell) == 0);
+        }
+    }
+    CHECK(line == text.size());
+}
+
+}  // namespace
+
+TEST_CASE("list sweeps says what each runs over") {
+    const auto array = nlohmann::json::parse(run("list sweeps --json").out);
+    const auto axis_of = [&](const std::string& name) -> std::string {
+        for (const auto& row : array) {
+            if (row.at("name") == name) return row.at("axis");
+        }
+        return "missing";
+    };
+    CHECK(axis_of("sphere-height") == "radius x height");
+    CHECK(axis_of("sphere-direction") == "direction_length");
+    CHECK(axis_of("extremes/contact").ends_with(" cases"));
+    CHECK(axis_of("worst/near").starts_with("search for "));
+    for (const auto& row : array) CHECK_FALSE(row.at("title").get<std::string>().empty());
+    check_columns(run("list sweeps").out, array, {"name", "axis", "title"});
+}
+
+TEST_CASE("list claims has every claim that check would measure, with its verdict") {
+    const auto array = nlohmann::json::parse(run("list claims --json").out);
+    std::size_t refuted = 0, results = 0;
+    for (const auto& row : array) {
+        refuted += row.at("verdict") == "refuted" && row.at("profile") == "results";
+        results += row.at("profile") == "results";
+    }
+    const test::Scratch scratch;
+    const auto file = scratch.path() / "claims.json";
+    REQUIRE(run("check -q --filter 'float.*' --export-json '" + file.string() + "'").code == 0);
+    const auto measured = nlohmann::json::parse(test::contents(file));
+    REQUIRE(measured.size() > 5);
+    for (const auto& claim : measured) {
+        const auto same = std::ranges::find_if(array, [&](const auto& row) { return row.at("id") == claim.at("id"); });
+        REQUIRE(same != array.end());
+        CHECK(same->at("verdict") == claim.at("verdict"));
+        CHECK(same->at("statement") == claim.at("statement"));
+    }
+    CHECK(refuted > 10);
+    CHECK(results > refuted);
+    check_columns(run("list claims").out, array, {"id", "verdict", "profile", "subject", "statement"});
 }
 
 TEST_CASE("help and version go to stdout and end with 0") {
@@ -62,4 +121,16 @@ TEST_CASE("a full disk behind stdout is an error, not a silence") {
     const auto r = run("list intersectors >/dev/full");
     CHECK(r.code == 3);
     CHECK(r.err.find("standard output") != std::string::npos);
+}
+
+TEST_CASE("every sentence of a claim can be read alone") {
+    for (const auto& row : nlohmann::json::parse(run("list claims --json").out)) {
+        const std::string statement = row.at("statement");
+        INFO(row.at("id").get<std::string>() << ": " << statement);
+        CHECK(statement.size() > 10);
+        CHECK_FALSE(statement.starts_with("..."));
+        CHECK_FALSE(statement.ends_with("..."));
+        // Filtered, sorted or in a CI log it stands without the one before it.
+        for (const char* leaning : {"and ", "but ", "The same"}) CHECK_FALSE(statement.starts_with(leaning));
+    }
 }

@@ -115,7 +115,7 @@ TEST_CASE("a report counts and lists the claims that it is asked for") {
     CHECK(all_of(page, R"(<b>(\d+)</b> are refuted<)") == std::vector{std::to_string(refuted)});
     CHECK(all_of(page, "<tr id=\"claim-([^\"]*)\"").size() == held + refuted);
     // A claim about a form that the page does not show leads nowhere.
-    const auto links = all_of(page, "<a class=\"jump\" href=\"#([^\"]*)\">rtg-fig");
+    const auto links = all_of(page, "<a class=\"jump\" href=\"#scene-rtg-fig-7-3-4100\" data-view=\"([^\"]*)\">rtg-fig");
     CHECK(links.size() == 2);
     for (const auto& link : links) CHECK(link.find("form=sphere.schoolbook&amp;format=f32") != std::string::npos);
 }

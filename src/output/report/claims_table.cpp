@@ -1,12 +1,15 @@
 #include "output/report/claims_table.hpp"
 
 #include <fmt/format.h>
+#include <fnmatch.h>
 
 #include <algorithm>
+#include <cmath>
 #include <optional>
 
 #include "output/claim_files.hpp"
 #include "output/number_text.hpp"
+#include "output/report/assets.hpp"
 #include "output/report/sweep_data.hpp"
 #include "output/report/text.hpp"
 
@@ -16,39 +19,73 @@ namespace {
 using scene::Claim;
 using State = ClaimResult::State;
 
-/// The metric whose statistic or fraction a claim is about: `lost_bits` of `lost_bits_p99`; empty for outcomes.
-std::string metric_of(const std::string& column) {
-    std::string_view best;
-    for (const Metric& m : metrics()) {
-        if (column.starts_with(m.name) && m.name.size() > best.size()) best = m.name;
-    }
-    return std::string(best);
-}
-
 template <class Part>
 bool has_row(const Part& part, const Claim& c) {
     return std::ranges::find(part.rows, fmt::format("{}.{}", c.form, c.format)) != part.rows.end();
 }
 
-/// The view of the page that shows what a claim was measured on.
-std::optional<std::string> view_of(const Claim& c, const ClaimResult& r, const Report& report) {
-    if (!c.scene.empty()) {
-        const auto part = std::ranges::find(report.maps, c.scene, &MapPart::id);
-        if (part == report.maps.end() || !has_row(*part, c)) return {};
-        std::string view = fmt::format("scene={}&form={}&format={}", c.scene, c.form, c.format);
-        if (const std::string m = metric_of(c.metric); !m.empty()) view += "&metric=" + m;
-        if (r.witness.x >= 0 && part->own_size) view += fmt::format("&x={}&y={}", r.witness.x, r.witness.y);
-        return view;
+/// Where a page shows what a claim was measured on: an element for readers without scripts, and the view for the others.
+struct Place {
+    std::string anchor, view;
+    bool drawn = true;  ///< whether the quantity itself is among what is shown there
+};
+
+std::optional<Place> place_in_map(const Claim& c, const ClaimResult& r, const Report& report) {
+    const auto part = std::ranges::find(report.maps, c.scene, &MapPart::id);
+    if (part == report.maps.end() || !has_row(*part, c)) return {};
+    std::string view = fmt::format("scene={}&form={}&format={}", c.scene, c.form, c.format);
+    const Metric* const m = metric_of_column(c.metric);
+    const bool drawn = m == nullptr || std::ranges::find(part->metrics, m->name) != part->metrics.end();
+    if (m != nullptr && drawn) view += fmt::format("&metric={}", m->name);
+    if (part->own_size && c.step) view += "&x=0&y=0";  // the march of that pixel is what such a claim follows
+    else if (part->own_size && r.witness.x >= 0) view += fmt::format("&x={}&y={}", r.witness.x, r.witness.y);
+    return Place{"scene-" + c.scene, view, drawn};
+}
+
+/// `&u=…` and `&v=…`: the cell that a claim names, as the page numbers it: by rising values, or by the order of the cases. Empty where it names
+/// none, or a place between two. Steps of a power of two are rounded to 12 bits, claims are not: |step − at| ≤ 2^-12 |at| is the same place.
+std::string cell_of(const Claim& c, const SweepPart& part) {
+    if (part.kind == SweepPart::Kind::cases) {
+        const auto named = [&c](const std::string& name) { return fnmatch(c.case_name.c_str(), name.c_str(), 0) == 0; };
+        const auto found = std::ranges::find_if(part.cases, named);
+        return found == part.cases.end() ? "" : fmt::format("&judged={}&v={}", convention_name(c.convention), found - part.cases.begin());
     }
-    if (c.sweep.empty()) return {};
+    std::string text;
+    for (std::size_t a = 0; a < c.at.size(); ++a) {
+        if (a >= part.axes.size()) return "";
+        auto values = part.axes[a];
+        std::ranges::sort(values);
+        const auto found = std::ranges::find_if(values, [at = c.at[a]](double value) { return std::fabs(value - at) <= 0x1p-12 * std::fabs(at); });
+        if (found == values.end()) return "";
+        text += fmt::format("&{}={}", a == 0 ? "u" : "v", found - values.begin());
+    }
+    return text;
+}
+
+std::optional<Place> place_in_sweep(const Claim& c, const Report& report) {
     const std::string id = std::filesystem::path(c.sweep).stem().string();
     const auto part = std::ranges::find(report.sweeps, id, &SweepPart::id);
     if (part == report.sweeps.end() || !has_row(*part, c)) return {};
-    if (part->json.empty()) return "sweep-" + id;
+    if (part->kind == SweepPart::Kind::line && plot_script.text.empty()) return Place{"sweep-" + id, ""};
     std::string view = fmt::format("sweep={}&form={}&format={}", id, c.form, c.format);
     const std::string column = c.onset == "lost_bits" ? "lost_bits_" + c.statistic : c.onset.empty() ? c.metric : c.onset + "_fraction";
     if (std::ranges::any_of(sweep_statistics(), [&](const Statistic& s) { return s.name == column; })) view += "&statistic=" + column;
-    return view;
+    return Place{"sweep-" + id, view + cell_of(c, *part)};
+}
+
+std::optional<Place> place_of(const Claim& c, const ClaimResult& r, const Report& report) {
+    if (!c.scene.empty()) return place_in_map(c, r, report);
+    if (!c.sweep.empty()) return place_in_sweep(c, report);
+    return {};
+}
+
+/// What it was measured on: a link to where the page shows it, or else the command that shows it.
+std::string measured_on(const Claim& c, const ClaimResult& r, const Report& report) {
+    const std::string text = html(where_measured(c)), row = fmt::format("<br><small>{} {}</small>", html(c.form.empty() ? c.row : c.form), html(c.format));
+    const auto place = place_of(c, r, report);
+    if (!place) return fmt::format("{}{}<br><small>not on this page: <code>{}</code></small>", text, row, html(reproduce(c)));
+    const std::string link = fmt::format("<a class=\"jump\" href=\"#{}\"{}>{}</a>", html(place->anchor), place->view.empty() ? "" : fmt::format(" data-view=\"{}\"", html(place->view)), text);
+    return place->drawn ? link + row : fmt::format("{}{}<br><small>its picture: <code>{}</code></small>", link, row, html(reproduce(c)));
 }
 
 struct Word {
@@ -104,14 +141,12 @@ std::string claims_table(const Report& report) {
         const Claim& c = report.claims[i];
         const ClaimResult& r = report.results[i];
         const Word word = word_of(c, r);
-        std::string place = html(where_measured(c));
-        if (const auto view = view_of(c, r, report)) place = fmt::format("<a class=\"jump\" href=\"#{}\">{}</a>", html(*view), place);
         const std::string what = c.onset.empty() ? c.metric : fmt::format("onset of {} {} {}", c.onset, c.statistic, decimal(c.threshold));
         text += fmt::format("<tr id=\"claim-{}\" class=\"{}\" data-command=\"{}\"><td class=\"verdict\">{}</td><td>{}", html(c.id), word.style, html(reproduce(c)), word.text, html(c.statement));
         if (!c.note.empty()) text += fmt::format("<br><em>{}</em>", html(c.note));
         text += fmt::format("<br><small>{}{}<code>{}</code></small></td>", c.source == "-" ? "" : html(c.source), c.source == "-" ? "" : " &middot; ", html(c.id));
-        text += fmt::format("<td>{}<br><small>{} {}</small></td><td>{}</td><td class=\"n\">{}</td><td class=\"n\">{} to {}</td></tr>\n", place, html(c.form.empty() ? c.row : c.form),
-                            html(c.format), breakable(html(what)), r.state == State::agrees || r.state == State::disagrees ? shown(r.measured) : html(r.trouble), shown(c.low), shown(c.high));
+        text += fmt::format("<td>{}</td><td data-name=\"quantity\">{}</td><td class=\"n\" data-name=\"measured\">{}</td><td class=\"n\" data-name=\"expected\">{} to {}</td></tr>\n", measured_on(c, r, report),
+                            breakable(html(what)), r.state == State::agrees || r.state == State::disagrees ? shown(r.measured) : html(r.trouble), shown(c.low), shown(c.high));
     }
     return text + "</tbody></table>\n";
 }

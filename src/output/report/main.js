@@ -14,25 +14,48 @@ function scrollToSubject(hash) {
     document.getElementById(part)?.scrollIntoView();
 }
 
+/** Plots are drawn in the colours and the room of the moment. */
+function redraw() {
+    sweepParts.shown = tradeParts.shown = "";
+    return look({});
+}
+
 async function start() {
     document.querySelector("header").append(make("p", { id: "note", hidden: true, role: "status" }));
     if (index.maps.length > 0) {
         buildMaps();
         buildPanes();
     }
-    if (index.sweeps.length > 0 && hasPlots) buildSweeps();
+    if (index.sweeps.length > 0) buildSweeps();
     if (index.trades.length > 0 && hasPlots) buildTrade();
     if (document.getElementById("claim-view")) buildClaims();
     document.addEventListener("click", (event) => {
         const link = event.target.closest("a.jump");
+        if (link && !link.hash.includes("=")) document.querySelector(link.hash)?.setAttribute("open", "");
         if (!link || !link.hash.includes("=")) return;
         event.preventDefault();
         history.pushState(null, "", link.hash);
         follow();
         scrollToSubject(link.hash);
     });
+    for (const link of document.querySelectorAll("a[data-view]")) link.href = `#${link.dataset.view}`;  // without scripts they lead to its table and pictures
     addEventListener("popstate", follow);
     addEventListener("hashchange", follow);
+    // On paper nothing can be opened.
+    let closed = [];
+    addEventListener("beforeprint", () => {
+        closed = [...document.querySelectorAll("details:not([open])")];
+        for (const part of closed) part.open = true;
+    });
+    addEventListener("afterprint", () => {
+        for (const part of closed) part.open = false;
+    });
+    matchMedia("(prefers-color-scheme: dark)").addEventListener("change", redraw);
+    let waiting = 0;
+    addEventListener("resize", () => {
+        clearTimeout(waiting);
+        waiting = setTimeout(redraw, 100);
+    });
     for (const part of document.querySelectorAll("details.part")) part.open = false;  // they stand open where no script can
     settle();
     if (location.hash.includes("=")) await follow();

@@ -63,22 +63,25 @@ async function drawMap() {
     canvas.setAttribute("aria-label", `${map.title}: ${words(metric.name)} of ${title(rowNow())}${other ? ` against ${title(other)}` : ""}; arrow keys move from pixel to pixel`);
 }
 
+/** The ramp with its ticks, and what it is of. */
+function rampBar(ticks, text) {
+    const bar = make("canvas", { width: 256, height: 12, className: "bar", "aria-hidden": "true" }), context = bar.getContext("2d");
+    ramp.forEach((c, i) => {
+        context.fillStyle = `rgb(${c.join(",")})`;
+        context.fillRect(i, 0, 1, 12);
+    });
+    const scale = make("span", { className: "scale" }, bar);
+    for (const [position, label] of ticks) {
+        const tick = make("span", { className: "tick" }, label);
+        tick.style.left = `${position * 256}px`;
+        scale.append(tick);
+    }
+    return make("span", { className: "ramp" }, scale, make("span", { className: "unit" }, text));
+}
+
 function drawLegend() {
     const metric = metricNow(), row = rowNow(), children = [];
-    if (metric.ticks) {
-        const bar = make("canvas", { width: 256, height: 12, className: "bar", "aria-hidden": "true" }), context = bar.getContext("2d");
-        ramp.forEach((c, i) => {
-            context.fillStyle = `rgb(${c.join(",")})`;
-            context.fillRect(i, 0, 1, 12);
-        });
-        const scale = make("span", { className: "scale" }, bar);
-        for (const [position, text] of metric.ticks) {
-            const tick = make("span", { className: "tick" }, text);
-            tick.style.left = `${position * 256}px`;
-            scale.append(tick);
-        }
-        children.push(scale, make("span", { className: "unit" }, `${words(metric.name)}${metric.unit && metric.unit !== "1" && !metric.name.includes(metric.unit) ? `, ${metric.unit}` : ""}`));
-    }
+    if (metric.ticks) children.push(rampBar(metric.ticks, `${words(metric.name)}${metric.unit && metric.unit !== "1" && !metric.name.includes(metric.unit) ? `, ${metric.unit}` : ""}`));
     if (metric.categories) {
         for (const [name, colour] of metric.categories) children.push(make("span", { className: "class" }, swatch(colour), ` ${words(name)}`));
     }

@@ -41,10 +41,10 @@ std::string images(const std::vector<Picture>& pictures) {
     return text;
 }
 
-/// Pictures for a page without scripts; where the plots are missing altogether, for every page.
-std::string instead_of_plots(const std::vector<Picture>& pictures) {
-    return plot_script.text.empty() ? images(pictures) : fmt::format("<noscript>{}</noscript>\n", images(pictures));
-}
+std::string without_scripts(const std::vector<Picture>& pictures) { return fmt::format("<noscript>{}</noscript>\n", images(pictures)); }
+
+/// Pictures for a page without scripts; where uPlot is missing, for every page.
+std::string instead_of_plots(const std::vector<Picture>& pictures) { return plot_script.text.empty() ? images(pictures) : without_scripts(pictures); }
 
 std::string rgb(const Rgb8& c) { return fmt::format("[{},{},{}]", c.r, c.g, c.b); }
 
@@ -59,11 +59,18 @@ std::string colours_json() {
                        rgb(pixel_colour(any, Outcome::agree_hit, std::numeric_limits<double>::quiet_NaN())));
 }
 
+std::string sweep_index(const SweepPart& s) {
+    std::vector<std::string> rows;
+    for (const auto& key : s.rows) rows.push_back(json_text(key));
+    return fmt::format(R"({{"id":{},"title":{},"kind":"{}","rows":[{}]}})", json_text(s.id), json_text(s.title),
+                       s.kind == SweepPart::Kind::line ? "line" : s.kind == SweepPart::Kind::plane ? "plane" : "cases", fmt::join(rows, ","));
+}
+
 std::string index_json(const Report& report) {
     std::vector<std::string> maps, sweeps, trades;
     for (const MapPart& m : report.maps) maps.push_back(m.index);
     for (const SweepPart& s : report.sweeps) {
-        if (!s.json.empty()) sweeps.push_back(fmt::format(R"({{"id":{},"title":{}}})", json_text(s.id), json_text(s.title)));
+        sweeps.push_back(sweep_index(s));
     }
     for (const TradePart& t : report.trades) trades.push_back(t.json);
     return fmt::format(R"({{{},"maps":[{}],"sweeps":[{}],"trades":[{}]}})", colours_json(), fmt::join(maps, ","), fmt::join(sweeps, ","), fmt::join(trades, ","));
@@ -94,14 +101,15 @@ std::string sweeps_section(const Report& report) {
     if (plot_script.text.empty()) text += "<p>This program was built without uPlot, so the plots are pictures.</p>\n";
     for (const SweepPart& s : report.sweeps) {
         text += fmt::format("<details open class=\"part\" id=\"sweep-{}\"><summary>{} <code>{}</code></summary>\n{}{}{}</details>\n", html(s.id), html(s.title), html(s.id),
-                            about(s.note, s.source), s.table, s.json.empty() ? images(s.pictures) : instead_of_plots(s.pictures));
+                            about(s.note, s.source), s.table, s.kind == SweepPart::Kind::line ? instead_of_plots(s.pictures) : without_scripts(s.pictures));
     }
     return text + "</section>\n";
 }
 
 std::string trades_section(const Report& report) {
     if (report.trades.empty()) return "";
-    std::string text = "<section id=\"trade\"><h2>Speed against accuracy</h2>\n<p>Times are of the run that made this page, on its machine.</p>\n<div id=\"trade-view\" hidden></div>\n";
+    std::string text = fmt::format("<section id=\"trade\"><h2>Speed against accuracy</h2>\n<p>Times are short measurements of the run that made this page, on its machine{}: another run has other times.</p>\n<div id=\"trade-view\" hidden></div>\n",
+                                   report.processor.empty() ? "" : fmt::format(" ({})", html(report.processor)));
     for (const TradePart& t : report.trades) {
         text += fmt::format("<details open class=\"part\"><summary>{}</summary><pre>{}</pre>{}</details>\n", html(t.shape), html(t.words), instead_of_plots(t.pictures));
     }
@@ -143,7 +151,7 @@ std::string summary_table(const MapRequest& request, const std::vector<MapSummar
         for (const double q : reported_quantiles) text += fmt::format("<td class=\"n\">{}</td>", shown(lost.quantile(q)));
         text += fmt::format("<td class=\"n\">{}</td>", shown(s.metrics[place("excess_bits")].quantile(0.99)));
         if (s.worst.x < 0) text += "<td>&ndash;</td></tr>\n";
-        else text += fmt::format("<td><a class=\"jump\" href=\"#scene={}&amp;form={}&amp;format={}&amp;x={}&amp;y={}\">{}, {}</a></td></tr>\n", html(request.scene->id), html(row.form->info->name),
+        else text += fmt::format("<td><a class=\"jump\" href=\"#scene-{}\" data-view=\"scene={}&amp;form={}&amp;format={}&amp;x={}&amp;y={}\">{}, {}</a></td></tr>\n", html(request.scene->id), html(request.scene->id), html(row.form->info->name),
                                  row.format.name, s.worst.x, s.worst.y, s.worst.x, s.worst.y);
     }
     return text + "</tbody></table>\n";
@@ -166,7 +174,7 @@ std::string page(const Report& report) {
         }
     }
     for (const SweepPart& s : report.sweeps) {
-        if (!s.json.empty()) text += blob("sweep:" + s.id, pack(s.json));
+        text += blob("sweep:" + s.id, pack(s.json));
     }
     if (!plot_script.text.empty()) text += fmt::format("<!-- The plots are drawn by uPlot:\n{}-->\n<script>{}</script>\n", plot_licence.text, plot_script.text);
     text += fmt::format("<script>{}</script>\n</body></html>\n", page_script.text);

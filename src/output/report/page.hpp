@@ -24,15 +24,20 @@ struct MapPart {
     std::string table;  ///< HTML, see `summary_table`
     Picture sheet;
     bool own_size = true;  ///< the scene's: claims are measured on the same rays
+    std::vector<std::string> metrics = {};  ///< their names
 };
 
-/// A sweep, or a file of cases, which has pictures alone.
+/// A sweep along one axis or over a plane, or a file of cases.
 struct SweepPart {
+    enum class Kind { line, plane, cases };
+    Kind kind = Kind::line;
     std::string id, title, note, source;
     std::vector<std::string> rows;  ///< `row_key` of each
-    std::string json;  ///< of `sweep_json`; empty where there is nothing to plot
-    std::string table;
-    std::vector<Picture> pictures;  ///< shown where scripts or uPlot are missing; always where `json` is empty
+    std::vector<std::vector<double>> axes = {};  ///< the values of each as the page numbers them; of cases none
+    std::vector<std::string> cases = {};
+    std::string json = {};   ///< of `sweep_json`, `plane_json` or `case_json`
+    std::string table = {};
+    std::vector<Picture> pictures = {};  ///< for readers without scripts; of a line for all where uPlot is missing
 };
 
 struct TradePart {
@@ -47,6 +52,7 @@ struct Report {
     std::vector<TradePart> trades;
     std::vector<scene::Claim> claims;
     std::vector<ClaimResult> results;
+    std::string processor = {};  ///< that the times are of; empty where nothing tells
 };
 
 /// Forms and formats of a map: decisions, and p50, p99 and max of lost bits; each number carries the CSV's own decimal.

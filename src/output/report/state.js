@@ -3,7 +3,7 @@
 const classes = { name: "outcome", kind: "classes", unit: "", meaning: "what became of the ray" };
 const metricsOf = (map) => [...map.metrics, classes];
 
-const state = { scene: "", form: "", format: "", metric: "", other: "", split: 0.5, x: -1, y: -1, zoom: 1, cx: 0.5, cy: 0.5, sweep: "", statistic: "", shape: "", set: "" };
+const state = { scene: "", form: "", format: "", metric: "", other: "", split: 0.5, x: -1, y: -1, zoom: 1, cx: 0.5, cy: 0.5, sweep: "", statistic: "", line: "", judged: "", u: -1, v: -1, shape: "", set: "" };
 const listeners = [];
 const notes = [];
 
@@ -12,6 +12,8 @@ const rowNow = () => mapNow().rows.find((r) => r.form === state.form && r.format
 const otherRow = () => mapNow().rows.find((r) => keyOf(r) === state.other);
 const metricNow = () => metricsOf(mapNow()).find((m) => m.name === state.metric);
 
+const sweepHas = (key) => index.sweeps.find((s) => s.id === state.sweep)?.rows.includes(key) === true;
+
 /** Puts what does not exist right; `asked` says in words what a link asked for in vain. */
 function settle(asked = {}) {
     const choose = (key, names) => {
@@ -19,9 +21,13 @@ function settle(asked = {}) {
         if (asked[key]) notes.push(`${key} "${asked[key]}" is not on this page`);
         state[key] = names[0] ?? "";
     };
+    if (index.sweeps.length > 0) choose("sweep", index.sweeps.map((s) => s.id));
     if (index.maps.length > 0) {
         choose("scene", index.maps.map((m) => m.id));
         const map = mapNow();
+        // A link to a sweep names a row of it, which the map need not have.
+        const alongSweep = asked.sweep && !asked.scene && sweepHas(state.line);
+        if (alongSweep) asked = { ...asked, form: "", format: "" };
         choose("form", map.rows.map((r) => r.form));
         choose("format", map.rows.filter((r) => r.form === state.form).map((r) => r.format));
         const able = metricsOf(map).filter((m) => !m.marches || state.form.startsWith("sdf."));
@@ -35,7 +41,8 @@ function settle(asked = {}) {
     state.cx = limited(state.cx, margin, 1 - margin, 0.5);
     state.cy = limited(state.cy, margin, 1 - margin, 0.5);
     state.split = limited(state.split, 0, 1, 0.5);
-    if (index.sweeps.length > 0) choose("sweep", index.sweeps.map((s) => s.id));
+    if (state.line !== "" && !sweepHas(state.line)) state.line = "";
+    for (const key of ["u", "v"]) state[key] = state[key] >= 0 ? Math.trunc(state[key]) : -1;
     if (index.trades.length > 0) {
         choose("shape", index.trades.map((t) => t.shape));
         choose("set", index.trades.find((t) => t.shape === state.shape).sets.map((s) => s.name));
@@ -53,6 +60,11 @@ function hashOf() {
     }
     if (state.x >= 0) parts.push(`x=${state.x}`, `y=${state.y}`);
     if (state.zoom > 1) parts.push(`zoom=${short(state.zoom)}`, `cx=${short(state.cx)}`, `cy=${short(state.cy)}`);
+    if (state.line !== "" && state.line !== `${state.form}.${state.format}`) add("line", state.line);
+    if (state.judged !== "") add("judged", state.judged);
+    for (const key of ["u", "v"]) {
+        if (state[key] >= 0) parts.push(`${key}=${state[key]}`);
+    }
     if (state.other !== "") parts.push(`split=${short(state.split)}`);
     return "#" + parts.join("&");
 }
@@ -70,6 +82,10 @@ function readHash(hash) {
     if (!("zoom" in asked)) Object.assign(state, { zoom: 1, cx: 0.5, cy: 0.5 });
     if (asked.scene && !("x" in asked)) state.x = state.y = -1;
     if (asked.scene && !("other" in asked)) state.other = "";
+    for (const [key, none] of [["line", ""], ["judged", ""], ["u", -1], ["v", -1]]) {
+        if (!(key in asked)) state[key] = none;
+    }
+    if (asked.sweep && !asked.scene && asked.form) state.line = `${asked.form}.${asked.format ?? state.format}`;
     state.x = Math.trunc(state.x);
     state.y = Math.trunc(state.y);
     settle(asked);
@@ -78,6 +94,7 @@ function readHash(hash) {
 
 /** Changes what is looked at and shows it. */
 function look(changes) {
+    if (("form" in changes || "format" in changes) && !("line" in changes)) state.line = "";  // what the map shows is shown along the sweep
     Object.assign(state, changes);
     settle();
     history.replaceState(null, "", hashOf());

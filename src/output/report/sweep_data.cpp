@@ -47,20 +47,30 @@ const std::vector<Statistic>& sweep_statistics() {
     return all;
 }
 
+std::string row_fields(const MapRow& row, const std::vector<const Metric*>& metrics, std::size_t cells, const std::function<const MapSummary&(std::size_t)>& at) {
+    std::vector<std::string> values, outcomes;
+    for (const Statistic& s : sweep_statistics()) {
+        std::vector<std::string> all;
+        for (std::size_t c = 0; c < cells; ++c) all.push_back(number(s.of(at(c), metrics)));
+        values.push_back(fmt::format("[{}]", fmt::join(all, ",")));
+    }
+    for (std::size_t c = 0; c < cells; ++c) outcomes.push_back(fmt::format("[{}]", fmt::join(at(c).outcomes, ",")));
+    return fmt::format(R"("form":{},"format":{},"values":[{}],"outcomes":[{}])", json_text(row.form->info->name), json_text(row.format.name), fmt::join(values, ","), fmt::join(outcomes, ","));
+}
+
 std::string sweep_json(const SweepRequest& request, const std::vector<SweepStep>& steps, const std::vector<Onset>& onsets) {
     const scene::Axis& axis = request.sweep->axes.front();
     std::vector<std::string> rows;
     for (std::size_t r = 0; r < request.rows.size(); ++r) {
-        const auto values = list(sweep_statistics(), [&](const Statistic& s) { return list(steps, [&](const SweepStep& step) { return number(s.of(step.rows[r], request.metrics)); }); });
         std::vector<std::string> found;
         for (const Onset& o : onsets) {
             if (o.row != r || !o.found) continue;
             found.push_back(fmt::format("[{},{},{},{},{}]", json_text(o.event), json_text(o.statistic), number(o.threshold), o.from_start ? "null" : number(o.last_good), number(o.first_bad)));
         }
-        rows.push_back(fmt::format(R"({{"form":{},"format":{},"values":{},"onsets":[{}]}})", json_text(request.rows[r].form->info->name), json_text(request.rows[r].format.name), values,
-                                   fmt::join(found, ",")));
+        const auto numbers = row_fields(request.rows[r], request.metrics, steps.size(), [&](std::size_t k) -> const MapSummary& { return steps[k].rows[r]; });
+        rows.push_back(fmt::format(R"({{{},"onsets":[{}]}})", numbers, fmt::join(found, ",")));
     }
-    return fmt::format(R"({{"id":{},"title":{},"axis":{},"unit":{},"spacing":"{}","steps":{},"statistics":{},"rows":[{}]}})", json_text(request.sweep->id), json_text(request.sweep->title),
+    return fmt::format(R"({{"id":{},"title":{},"kind":"line","axis":{},"unit":{},"spacing":"{}","steps":{},"statistics":{},"rows":[{}]}})", json_text(request.sweep->id), json_text(request.sweep->title),
                        json_text(axis.name), json_text(axis.unit), spacing_name(axis.spacing), list(steps, [](const SweepStep& s) { return number(s.values.front()); }),
                        list(sweep_statistics(), [](const Statistic& s) { return json_text(s.name); }), fmt::join(rows, ","));
 }

@@ -1,6 +1,7 @@
 // Sweeps and trades as the page holds them.
 #pragma once
 
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -16,7 +17,10 @@ struct Statistic {
 };
 [[nodiscard]] const std::vector<Statistic>& sweep_statistics();
 
-/// A sweep along one axis: the axis with its values, and of every row each statistic at every step, as JSON.
+/// `"form":…,"format":…,"values":[statistic][cell],"outcomes":[cell][outcome]`: the numbers of a row at every step, cell or case.
+[[nodiscard]] std::string row_fields(const MapRow& row, const std::vector<const Metric*>& metrics, std::size_t cells, const std::function<const MapSummary&(std::size_t)>& at);
+
+/// A sweep along one axis: the axis with its values, and of every row outcomes and each statistic at every step, as JSON.
 [[nodiscard]] std::string sweep_json(const SweepRequest& request, const std::vector<SweepStep>& steps, const std::vector<Onset>& onsets);
 
 /// A table of a row each, with the places where things first go wrong, as HTML.

@@ -1,4 +1,4 @@
-// A statistic along a sweep, a line a form; the chosen form is the map's.
+// A statistic along a sweep, over a plane or for named cases: which one is looked at, and what is known of one of its cells.
 
 const sweepParts = { shown: "", plot: null };
 const sweepsRead = new Map();
@@ -8,97 +8,171 @@ function sweepOf(id) {
     return sweepsRead.get(id);
 }
 
-/** The rows that are plotted: of the chosen format where the sweep has it, otherwise of its first. */
-function plottedRows(sweep) {
-    const formats = sweep.rows.map((r) => r.format);
-    const format = formats.includes(state.format) ? state.format : formats[0];
-    return sweep.rows.filter((r) => r.format === format);
+const asNumber = (v) => (v === null ? NaN : v === "inf" ? Infinity : v === "-inf" ? -Infinity : v);
+const axisTitle = (axis) => words(axis.name) + (axis.unit ? `, ${axis.unit}` : "");
+
+/** The chosen row's key: the one that was asked for here, else the map's, else as near to it as the sweep has. */
+function sweepKey() {
+    const { rows } = index.sweeps.find((s) => s.id === state.sweep);
+    return [state.line, `${state.form}.${state.format}`].find((key) => rows.includes(key)) ?? rows.find((key) => state.form && key.startsWith(`${state.form}.`)) ??
+        rows.find((key) => key.endsWith(`.${state.format}`)) ?? rows[0];
 }
+
+/** Chooses a row of the sweep, and the same in the map where that has it. */
+function lookAlong(row, more = {}) {
+    const inMap = index.maps.length > 0 && mapNow().rows.some((r) => keyOf(r) === keyOf(row));
+    return look({ line: keyOf(row), ...(inMap ? { form: row.form, format: row.format } : {}), ...more });
+}
+
+const statisticsOf = (sweep) => (sweep.kind === "cases" ? ["verdict", ...sweep.statistics] : sweep.statistics);
 
 function statisticOf(sweep) {
-    return sweep.statistics.includes(state.statistic) ? state.statistic : sweep.statistics[1];
+    const all = statisticsOf(sweep);
+    return all.includes(state.statistic) ? state.statistic : all.includes("verdict") ? "verdict" : "lost_bits_p99";
 }
 
-function plotSweep(sweep, rows, statistic) {
-    const s = sweep.statistics.indexOf(statistic), log = sweep.spacing === "log2" && Math.min(...sweep.steps) > 0;
-    const order = sweep.steps.map((_, k) => k).sort((a, b) => sweep.steps[a] - sweep.steps[b]);  // some run downwards
-    const finite = (y) => (typeof y === "number" ? y : null);
-    const data = [order.map((k) => sweep.steps[k]), ...rows.map((r) => order.map((k) => finite(r.values[s][k])))];
-    const bits = statistic.includes("bits");
-    const { element } = sweepParts;
-    sweepParts.order = order;
-    element.replaceChildren();
-    return new uPlot({
-        ...plotSize(element),
-        scales: { x: { time: false, distr: log ? 3 : 1, log: 2, range: () => (log ? logEnds(sweep.steps) : [Math.min(...sweep.steps), Math.max(...sweep.steps)]) }, y: { range: (_, low, high) => [0, bits ? Math.max(2, high * 1.05) : Math.max(0.05, high * 1.05)] } },
-        axes: [{ ...axisLook(words(sweep.axis) + (sweep.unit ? `, ${sweep.unit}` : "")), values: (_, ticks) => ticks.map(tickText) }, axisLook(words(statistic))],
-        cursor: { focus: { prox: 24 }, points: { size: 6 } },
-        focus: { alpha: 0.25 },
-        legend: { live: true },
-        series: [{ label: words(sweep.axis), value: (_, x) => (typeof x === "number" ? rounded(x) : "–") },
-            ...rows.map((r, k) => ({ label: r.form, stroke: lineColours[k % lineColours.length], width: r.form === state.form ? 3.5 : 1.25, dash: k < lineColours.length ? undefined : [6, 4], points: { show: false },
-                value: (_, y) => (typeof y === "number" ? rounded(y) : "–") }))],
-        hooks: { setSeries: [(u, k, options) => { if (options.focus !== null) sweepParts.focused = k; }] },
-    }, data, element);
+/** What is looked at: the sweep, its rows of the chosen format and convention, the chosen one of them, and the statistic. */
+function sweepNow(sweep) {
+    const judged = sweep.conventions?.includes(state.judged) ? state.judged : sweep.conventions?.[0];
+    const all = sweep.rows.filter((r) => r.judged === judged), chosen = all.find((r) => keyOf(r) === sweepKey());
+    return { sweep, judged, rows: all.filter((r) => r.format === chosen.format), chosen, statistic: statisticOf(sweep) };
 }
 
-function onsetLines(row) {
-    if (!row || row.onsets.length === 0) return [make("p", {}, row ? "Nothing goes wrong along this sweep by the thresholds of lostbits." : "")];
-    const body = make("tbody");
-    for (const [event, statistic, threshold, good, bad] of row.onsets) body.append(cells("td", `${words(event)} ${statistic}`, decimal(threshold), good === null ? "–" : decimal(good), decimal(bad)));
-    return [make("details", {}, make("summary", {}, `Onsets of ${title(row)}: ${row.onsets.length}`), make("table", {}, header("event", "threshold", "last good", "first bad"), body))];
+/** A statistic of a cell of a row: a step, a cell of a plane, a case. */
+const cellValue = (sweep, row, statistic, cell) => asNumber(row.values[sweep.statistics.indexOf(statistic)][cell]);
+
+/** The chosen cell, or none: its row, its number there and its place, each a name, a value and the same exactly. */
+function cellNow() {
+    const { sweep, rows, chosen } = sweepParts.now;
+    if (sweep.kind === "line") return state.u < 0 ? null : stepAt(state.u);
+    const at = gridCell(sweep, rows, chosen);
+    return at && cellAt(...at);
 }
 
-/** A claim about the step under the cursor, or the last. */
-function sweepClaim(sweep, row, statistic) {
-    const at = sweepParts.order[sweepParts.plot?.cursor.idx ?? sweep.steps.length - 1], value = row.values[sweep.statistics.indexOf(statistic)][at];
+function factsTable({ row, cell, place }) {
+    const { sweep } = sweepParts.now, body = make("tbody"), rays = row.outcomes[cell].reduce((a, b) => a + b, 0);
+    const add = (name, value, exactly, key) => {
+        body.append(cells("td", name, value, ...(row.verdicts ? [] : [exactly])));
+        body.lastChild.dataset.fact = key;
+    };
+    for (const [name, value, exactly] of place) add(name, value, exactly, "place");
+    row.outcomes[cell].forEach((n, o) => n > 0 && add(words(outcomeNames[o]), `${n} of ${rays}`, "", outcomeNames[o]));
+    if (row.verdicts) add("verdict", words(row.verdicts[cell]), "", "verdict");
+    for (const statistic of sweep.statistics) {
+        const value = cellValue(sweep, row, statistic, cell);
+        add(words(statistic), Number.isNaN(value) ? "–" : decimal(value), "", statistic);
+    }
+    const [note] = row.verdicts ? [sweep.cases[cell][1]] : [""], by = row.judged && row.judged !== "own" ? `, judged by the ${row.judged} solid` : "";
+    return make("table", {}, make("caption", {}, `${title(row)}${by}${note ? `. ${note}` : ""}`), body);
+}
+
+/** The cell under the pointer in a line; the chosen one, or else that, in the table. */
+function showCell(under) {
+    const { sweep, statistic } = sweepParts.now, pinned = cellNow();
+    const line = ({ row, cell, place }) => {
+        const value = statistic === "verdict" ? words(row.verdicts[cell]) : rounded(cellValue(sweep, row, statistic, cell));
+        return `${title(row)}, ${place.map(([name, text]) => `${name} ${text}`).join("; ")}: ${words(statistic)} ${value === "nan" ? "has no value" : value}`;
+    };
+    sweepParts.under.textContent = under ? line(under) : "\u00a0";
+    const known = pinned ?? under;
+    sweepParts.facts.replaceChildren(known ? factsTable(known) : make("p", { className: "hint" }, sweep.kind === "line" ?
+        "Click the plot for the numbers of a step, or walk along it with the arrow keys; the line under the pointer becomes the chosen form. Drag to zoom, double-click to see all." :
+        "Point at a cell for its numbers; click, or walk with the arrow keys, to keep them; Escape lets them go."));
+}
+
+/** A claim about the chosen cell, or else the last step or the first cell. */
+function sweepClaim() {
+    const { sweep, statistic } = sweepParts.now, { row, cell } = cellNow() ?? (sweep.kind === "line" ? stepAt(sweep.steps.length - 1) : cellAt(0, 0));
+    const known = statistic !== "verdict" && Number.isFinite(cellValue(sweep, row, statistic, cell));
+    const [column, value] = known ? [statistic, cellValue(sweep, row, statistic, cell)] : ["agree_hit", row.outcomes[cell][agreeHit]];
+    const across = sweep.kind === "plane" ? sweep.axes[0].values.length : 1;
+    const at = sweep.kind === "cases" ? `case = ${JSON.stringify(sweep.cases[cell][0])}${row.judged === "own" ? "" : `\nconvention = "${row.judged}"`}` :
+        `at = [${(sweep.kind === "line" ? [sweep.steps[cell]] : [sweep.axes[0].values[cell % across], sweep.axes[1].values[Math.floor(cell / across)]]).map(decimal).join(", ")}]`;
     return `[[claim]]
-id = "my.${sweep.id}.${row.form}.${row.format}.${statistic}"
+id = "my.${sweep.id}.${row.form}.${row.format}.${column}"
 statement = "Say in a sentence what is to hold"
 source = "-"
 verdict = "holds"
 note = "From the report"
 [claim.given]
 sweep = "${sweep.id}"
-at = [${decimal(sweep.steps[at])}]
+${at}
 form = "${row.form}"
 format = "${row.format}"
 [claim.expect]
-metric = "${statistic}"
-in = [${typeof value === "number" ? `${decimal(value)}, ${decimal(value)}` : ""}]
+metric = "${column}"
+in = [${decimal(value)}, ${decimal(value)}]
 `;
+}
+
+function turnRow(by) {
+    const { rows, chosen } = sweepParts.now;
+    return lookAlong(rows[(rows.indexOf(chosen) + by + rows.length) % rows.length]);
+}
+
+const turnStatistic = (by) => {
+    const { sweep, statistic } = sweepParts.now, all = statisticsOf(sweep);
+    return look({ statistic: all[(all.indexOf(statistic) + by + all.length) % all.length] });
+};
+
+/** Arrows as `keys` has them; m and M change the statistic, [ and ] the form, as over a map. */
+function walkedByKeys(element, keys) {
+    const all = { ...keys, m: () => turnStatistic(1), M: () => turnStatistic(-1), "]": () => turnRow(1), "[": () => turnRow(-1) };
+    element.addEventListener("keydown", (event) => {
+        if (event.ctrlKey || event.metaKey || event.altKey || !all[event.key]) return;
+        all[event.key]();
+        event.preventDefault();
+    });
+}
+
+function drawSweepPickers() {
+    const { sweep, judged, rows, chosen, statistic } = sweepParts.now, held = document.activeElement?.id;
+    sweepParts.pickers.replaceChildren(
+        choice("sweep", "pick-sweep", index.sweeps.map((s) => [s.id, s.title]), sweep.id, (id) => look({ sweep: id, u: -1, v: -1 })),
+        choice("statistic", "pick-statistic", statisticsOf(sweep).map((s) => [s, words(s)]), statistic, (s) => look({ statistic: s })),
+        choice("format", "pick-sweep-format", [...new Set(sweep.rows.map((r) => r.format))].map((f) => [f, f]), chosen.format, (format) => {
+            const all = sweep.rows.filter((r) => r.format === format);
+            return lookAlong(all.find((r) => r.form === chosen.form) ?? all[0]);
+        }),
+        choice("form", "pick-sweep-form", rows.map((r) => [r.form, r.form]), chosen.form, (form) => lookAlong(rows.find((r) => r.form === form))));
+    if (sweep.conventions?.length > 1) sweepParts.pickers.append(choice("judged by", "pick-judged", sweep.conventions.map((c) => [c, `the ${c} solid`]), judged, (c) => look({ judged: c })));
+    if (held && sweepParts.pickers.querySelector(`#${held}`)) document.getElementById(held).focus();  // a picker that was just used keeps the keyboard
 }
 
 async function drawSweep() {
     const sweep = await sweepOf(state.sweep);
     if (sweep.id !== state.sweep) return;
-    const rows = plottedRows(sweep), statistic = statisticOf(sweep), chosen = rows.find((r) => r.form === state.form) ?? rows[0];
-    const shown = [sweep.id, statistic, chosen.format, state.form].join(" ");
-    if (shown === sweepParts.shown) return;
-    sweepParts.shown = shown;
-    sweepParts.pickers.replaceChildren(
-        choice("sweep", "pick-sweep", index.sweeps.map((s) => [s.id, s.title]), sweep.id, (id) => look({ sweep: id })),
-        choice("statistic", "pick-statistic", sweep.statistics.map((s) => [s, words(s)]), statistic, (s) => look({ statistic: s })),
-        choice("format", "pick-sweep-format", [...new Set(sweep.rows.map((r) => r.format))].map((f) => [f, f]), chosen.format, (format) => look({ format })),
-        choice("form", "pick-sweep-form", rows.map((r) => [r.form, r.form]), chosen.form, (form) => look({ form })));
-    sweepParts.plot?.destroy();
-    sweepParts.plot = plotSweep(sweep, rows, statistic);
-    sweepParts.onsets.replaceChildren(...onsetLines(chosen));
-    sweepParts.now = { sweep, rows, chosen, statistic };
+    const now = sweepNow(sweep), { element, grid, legend, onsets } = sweepParts, line = sweep.kind === "line";
+    sweepParts.now = now;
+    const [columns, lines] = line ? [sweep.steps.length, 1] : sweep.kind === "plane" ? sweep.axes.map((a) => a.values.length) : [1, sweep.cases.length];
+    if ((sweep.kind !== "cases" && !(state.u < columns)) || (!line && !(state.v < lines)) || (sweep.kind === "plane" && state.u < 0)) state.u = state.v = -1;
+    const shown = [sweep.id, now.statistic, keyOf(now.chosen), now.judged].join(" ");
+    if (shown !== sweepParts.shown) {
+        sweepParts.shown = shown;
+        drawSweepPickers();
+        sweepParts.plot?.destroy();
+        sweepParts.plot = null;
+        element.hidden = !line;
+        grid.hidden = line;
+        if (line) sweepParts.plot = plotSweep(now);
+        legend.replaceChildren(...(line ? [] : gridLegend()));
+        onsets.replaceChildren(...(line ? onsetLines(now.chosen) : []));
+    }
+    if (line) sweepParts.plot.redraw(false);
+    else drawGrid();
+    showCell(null);
 }
 
 function buildSweeps() {
     const root = document.getElementById("sweep-view");
-    Object.assign(sweepParts, { pickers: make("div", { className: "pickers" }), element: make("div", { className: "plot", id: "sweep-plot" }), onsets: make("div"), copied: make("pre", { className: "copied", hidden: true }) });
-    const { copied } = sweepParts;
-    root.append(sweepParts.pickers, sweepParts.element, make("p", { className: "hint" }, "The thick line is the form whose map is above: click a line to choose its form, drag to zoom, double-click to see all."), sweepParts.onsets,
-        make("div", { className: "buttons" },
-            make("button", { type: "button", onclick: () => copyText(`lostbits sweep ${state.sweep} -i ${sweepParts.now.chosen.form} -f ${sweepParts.now.chosen.format} -o out`, copied) }, "copy the command"),
-            make("button", { type: "button", id: "copy-sweep-claim", onclick: () => copyText(sweepClaim(sweepParts.now.sweep, sweepParts.now.chosen, sweepParts.now.statistic), copied) }, "copy as claim")), copied);
+    Object.assign(sweepParts, { pickers: make("div", { className: "pickers" }), element: buildLines(), grid: make("div", { className: "grid" }, buildGrid()), under: make("p", { className: "hint", id: "sweep-under" }, "\u00a0"),
+        legend: make("div", { className: "legend" }), facts: make("div", { className: "facts", id: "sweep-facts", "aria-live": "polite" }), onsets: make("div"), copied: make("pre", { className: "copied", hidden: true }) });
+    const { copied } = sweepParts, command = () => `lostbits sweep ${state.sweep} -i ${sweepParts.now.chosen.form} -f ${sweepParts.now.chosen.format} -o out`;
+    const button = (id, words, text) => make("button", { type: "button", id, onclick: () => copyText(text(), copied) }, words);
+    root.append(sweepParts.pickers, make("div", { className: "stage" }, make("div", { className: "picture wide" }, sweepParts.element, sweepParts.grid, sweepParts.under, sweepParts.legend),
+        make("div", { className: "side" }, sweepParts.facts,
+            make("div", { className: "buttons" }, button("copy-sweep-command", "copy the command", command), button("copy-sweep-claim", "copy as claim", sweepClaim), button("copy-sweep-link", "copy the link", () => location.href)), copied)),
+        sweepParts.onsets);
     root.hidden = false;
-    sweepParts.element.addEventListener("click", () => {
-        const row = sweepParts.now.rows[(sweepParts.focused ?? 0) - 1];
-        if (row && row.form !== state.form) look({ form: row.form });
-    });
     listeners.push(drawSweep);
 }

@@ -6,7 +6,7 @@ function plotTrade(set) {
     const points = set.points.filter((p) => typeof p.kept_bits === "number").sort((a, b) => a.time_ns - b.time_ns);
     const x = points.map((p) => p.time_ns), pick = (test) => points.map((p) => (test(p) ? p.kept_bits : null));
     const look32 = { stroke: "#4477aa", fill: "#4477aa" }, look64 = { stroke: "#ee6677", fill: "#ee6677" };
-    const dots = (label, look, filled, size) => ({ label, ...look, paths: () => null, points: { show: true, size, width: 1.5, stroke: look.stroke, fill: filled ? look.fill : "#fafaf8" } });
+    const dots = (label, look, filled, size) => ({ label, ...look, paths: () => null, points: { show: true, size, width: 1.5, stroke: look.stroke, fill: filled ? look.fill : ink("--page") } });
     const best = (p) => !p.dominated;
     tradeParts.points = points;
     tradeParts.element.replaceChildren();
@@ -14,9 +14,9 @@ function plotTrade(set) {
         ...plotSize(tradeParts.element),
         scales: { x: { time: false, distr: 3, log: 2, range: () => logEnds(x) }, y: { range: (_, low, high) => [0, Math.max(4, high + 2)] } },
         axes: [{ ...axisLook("time a ray, ns"), values: (_, ticks) => ticks.map(tickText) }, axisLook("bits that 99 % of the hits keep")],
-        legend: { live: false, markers: { fill: (u, k) => (k >= 4 ? "#fafaf8" : u.series[k].stroke()) } },
+        legend: { live: false, markers: { fill: (u, k) => (k >= 4 ? ink("--page") : u.series[k].stroke()) } },
         cursor: { points: { show: false } },
-        series: [{}, { label: "nothing beats these", stroke: "#202024", width: 1.25, spanGaps: true, paths: uPlot.paths.stepped({ align: 1 }), points: { show: false } },
+        series: [{}, { label: "nothing beats these", stroke: ink("--ink"), width: 1.25, spanGaps: true, paths: uPlot.paths.stepped({ align: 1 }), points: { show: false } },
             dots("f32", look32, true, 9), dots("f64", look64, true, 9), dots("f32, dominated or at times wrong", look32, false, 6), dots("f64, dominated or at times wrong", look64, false, 6)],
         hooks: { setCursor: [(u) => pointUnder(u)] },
     }, [x, pick(best), pick((p) => best(p) && p.wrong_fraction === 0 && p.format === "f32"), pick((p) => best(p) && p.wrong_fraction === 0 && p.format === "f64"),
@@ -31,8 +31,31 @@ function pointUnder(plot) {
         const d = Math.hypot(plot.valToPos(p.time_ns, "x") - left, plot.valToPos(p.kept_bits, "y") - top);
         if (d < least) [nearest, least] = [p, d];
     }
-    tradeParts.under = nearest;
-    tradeParts.words.textContent = nearest ? `${nearest.form} in ${nearest.format}, ${nearest.isa === "scalar" ? "one ray at a time" : `${nearest.isa}-bit registers`}: ${rounded(nearest.time_ns)} ns a ray, keeps ${rounded(nearest.kept_bits)} bits${nearest.wrong_fraction > 0 ? `, decides ${rounded(nearest.wrong_fraction)} of the rays wrongly` : ""}` : " ";
+    sayPoint(nearest);
+}
+
+function sayPoint(p) {
+    tradeParts.under = p;
+    const how = p && (p.isa === "scalar" ? "one ray at a time" : `${p.isa}-bit registers`), wrong = p && p.wrong_fraction > 0 ? `, decides ${rounded(p.wrong_fraction)} of the rays wrongly` : "";
+    tradeParts.words.textContent = p ? `${p.form} in ${p.format}, ${how}: ${rounded(p.time_ns)} ns a ray, keeps ${rounded(p.kept_bits)} bits${wrong}${mapOf(p) ? "; click, or Enter, for its map" : ""}` : "\u00a0";
+}
+
+/** The next point by time, with the cursor on it: for the keyboard. */
+function walkPoints(by) {
+    const { points, plot, under } = tradeParts, last = points.length - 1, p = points[under ? Math.min(last, Math.max(0, points.indexOf(under) + by)) : by > 0 ? 0 : last];
+    plot.setCursor({ left: plot.valToPos(p.time_ns, "x"), top: plot.valToPos(p.kept_bits, "y") }, false);
+    sayPoint(p);
+}
+
+const hasRow = (map, p) => map.rows.some((r) => r.form === p.name && r.format === p.format);
+/** The map that is shown where it has the point's form, otherwise the first that has. */
+const mapOf = (p) => (index.maps.length > 0 && hasRow(mapNow(), p) ? mapNow() : index.maps.find((m) => hasRow(m, p)));
+
+function showMapOf(p) {
+    const map = p && mapOf(p);
+    if (!map) return;
+    look({ form: p.name, format: p.format, ...(map === mapNow() ? {} : { scene: map.id, x: -1, y: -1 }) });
+    document.getElementById("maps").scrollIntoView();
 }
 
 function drawTrade() {
@@ -48,15 +71,15 @@ function drawTrade() {
 
 function buildTrade() {
     const root = document.getElementById("trade-view");
-    Object.assign(tradeParts, { pickers: make("div", { className: "pickers" }), element: make("div", { className: "plot", id: "trade-plot" }), words: make("p", { className: "hint", "aria-live": "polite" }, " ") });
+    Object.assign(tradeParts, { pickers: make("div", { className: "pickers" }), element: make("div", { className: "plot", id: "trade-plot", tabIndex: 0, role: "group", "aria-label": "time against kept bits; arrow keys move from point to point, Enter shows the map" }), words: make("p", { className: "hint", "aria-live": "polite" }, " ") });
     root.append(tradeParts.pickers, tradeParts.element, tradeParts.words);
     root.hidden = false;
-    tradeParts.element.addEventListener("click", () => {
-        const p = tradeParts.under, map = p && index.maps.find((m) => m.rows.some((r) => r.form === p.name && r.format === p.format));
-        if (!map) return;
-        const here = index.maps.length > 0 && mapNow().rows.some((r) => r.form === p.name && r.format === p.format);
-        look({ form: p.name, format: p.format, ...(here ? {} : { scene: map.id, x: -1, y: -1 }) });
-        document.getElementById("maps").scrollIntoView();
+    tradeParts.element.addEventListener("click", () => showMapOf(tradeParts.under));
+    const keys = { ArrowRight: () => walkPoints(1), ArrowLeft: () => walkPoints(-1), Enter: () => showMapOf(tradeParts.under) };
+    tradeParts.element.addEventListener("keydown", (event) => {
+        if (event.ctrlKey || event.metaKey || event.altKey || !keys[event.key]) return;
+        keys[event.key]();
+        event.preventDefault();
     });
     listeners.push(drawTrade);
 }

@@ -1,33 +1,9 @@
-// What the page promises, each held by a browser against files that other commands wrote.
+// What the page promises of maps: every pixel, colour and key, held by a browser against files that other commands wrote.
 "use strict";
 
 const assert = require("node:assert/strict");
-const fs = require("node:fs");
-const os = require("node:os");
-const path = require("node:path");
+const { schoolbook, stateOf, settled, near } = require("./common.js");
 const { readCsv, readNumber, readPng } = require("./files.js");
-
-const schoolbook = "#scene=near-benign&form=sphere.schoolbook&format=f32";
-const stateOf = (page) => page.evaluate(() => ({ ...state }));
-const settled = (page) => page.evaluate(() => new Promise((done) => setTimeout(done, 150)));
-/** To six digits, and for ulps to a millionth: the page keeps t* - RN64(t*) as a float. */
-const near = (a, b) => a === b || (Number.isNaN(a) && Number.isNaN(b)) || Math.abs(a - b) <= 1e-6 + 1e-6 * Math.abs(b);
-
-/** No request, no complaint, and the policy forbids both scripts and requests of others. */
-async function alone({ browser, report }) {
-    const page = await browser.page(report);
-    for (const key of ["m", "]", "ArrowRight", "+"]) await page.locator("#map").press(key);
-    await settled(page);
-    assert.deepEqual(page.requested.filter((url) => !url.startsWith("data:")), [page.url().replace(/#.*/, "")]);
-    assert.deepEqual(page.complaints, []);
-    const refused = await page.evaluate(async () => {
-        window.ran = false;
-        document.body.append(Object.assign(document.createElement("script"), { textContent: "window.ran = true;" }));
-        const fetched = await fetch(location.href).then(() => true, () => false);
-        return { ran: window.ran, fetched };
-    });
-    assert.deepEqual(refused, { ran: false, fetched: false });
-}
 
 /** Every pixel of every row is what the CSV says. */
 async function pixels({ browser, small, at }) {
@@ -141,21 +117,6 @@ async function keyboard({ browser, report }) {
     assert.equal(unnamed, 0);
 }
 
-/** A link restores the view, one to what is not there says so, and backwards goes back. */
-async function link({ browser, report }) {
-    const page = await browser.page(report, { hash: `${schoolbook}&metric=ulp_error&other=sphere.unified.f64&split=0.3&x=100&y=90&zoom=3.375&cx=0.4&cy=0.3&sweep=sphere-tilt&statistic=lost_bits_max` });
-    await page.locator("#map").press("ArrowDown");
-    await settled(page);
-    const picture = () => document.getElementById("map").toDataURL(), before = await stateOf(page);
-    const again = await browser.page(report, { hash: await page.evaluate(() => location.hash) });
-    assert.deepEqual(await stateOf(again), before);
-    assert.equal(await again.evaluate(picture), await page.evaluate(picture));
-    assert.equal(await again.locator("#pick-statistic").inputValue(), "lost_bits_max");
-    const wrong = await browser.page(report, { hash: "#scene=nowhere&x=5&y=5" });
-    assert.match(await wrong.locator("#note").innerText(), /scene "nowhere" is not on this page/);
-    assert.deepEqual(wrong.complaints, []);
-}
-
 /** The small pictures show the part that the large one shows. */
 async function zoom({ browser, report }) {
     const page = await browser.page(report, { hash: schoolbook });
@@ -203,120 +164,4 @@ async function compare({ browser, report }) {
     assert.equal(await differing(), 0);
 }
 
-/** The plot's numbers are those of samples.csv, and a line leads to its form's map. */
-async function sweeps({ browser, report, at, sweep }) {
-    const page = await browser.page(report, { hash: `#sweep=${sweep}` });
-    assert.ok(await page.locator("#sweep-plot canvas").count() > 0, "no plot");
-    const csv = readCsv(at(`sweep/${sweep}/samples.csv`)), plotted = await page.evaluate((id) => sweepOf(id), sweep);
-    assert.equal(plotted.rows.length * plotted.steps.length, csv.length);
-    let compared = 0;
-    for (const sample of csv) {
-        const row = plotted.rows.find((r) => r.form === sample.form && r.format === sample.format), k = plotted.steps.indexOf(Number(sample[plotted.axis]));
-        plotted.statistics.forEach((statistic, s) => {
-            const cell = sample[statistic];
-            assert.equal(String(row.values[s][k]), cell === "" ? "null" : String(Number(cell)), `${sample.form} ${sample.format} ${statistic} at ${sample[plotted.axis]}`);
-            ++compared;
-        });
-    }
-    assert.ok(compared > 1000);
-    await page.selectOption("#pick-sweep-form", "sphere.unified");
-    assert.equal((await stateOf(page)).form, "sphere.unified");
-    const ink = () => page.evaluate(() => document.querySelector("#sweep-plot canvas").toDataURL());
-    const before = await ink();
-    await page.selectOption("#pick-statistic", "excess_bits_p99");
-    await settled(page);
-    assert.notEqual(await ink(), before);
-}
-
-async function trade({ browser, report }) {
-    const page = await browser.page(report, { hash: "#shape=sphere" });
-    assert.ok(await page.locator("#trade-plot canvas").count() > 0, "no plot");
-    const place = await page.evaluate(() => {
-        const p = tradeParts.points.find((q) => q.name === "sphere.unified" && !q.dominated) ?? tradeParts.points[0], box = document.querySelector("#trade-plot .u-over").getBoundingClientRect();
-        return { name: p.name, x: box.left + tradeParts.plot.valToPos(p.time_ns, "x"), y: box.top + tradeParts.plot.valToPos(p.kept_bits, "y") };
-    });
-    await page.evaluate(() => document.getElementById("trade-plot").scrollIntoView());
-    const box = await page.locator("#trade-plot .u-over").boundingBox();
-    const local = await page.evaluate((name) => {
-        const p = tradeParts.points.find((q) => q.name === name);
-        return { x: tradeParts.plot.valToPos(p.time_ns, "x"), y: tradeParts.plot.valToPos(p.kept_bits, "y") };
-    }, place.name);
-    await page.mouse.move(box.x + local.x, box.y + local.y);
-    await settled(page);
-    assert.match(await page.locator("#trade-view .hint").innerText(), /ns a ray, keeps/);
-    const named = await page.evaluate(() => tradeParts.under.name);
-    await page.mouse.click(box.x + local.x, box.y + local.y);
-    assert.equal((await stateOf(page)).form, named);
-}
-
-/** A claim leads to its pixel or its plot; the filter leaves what it says. */
-async function claims({ browser, report }) {
-    const page = await browser.page(report);
-    const place = page.locator("table.claims a.jump[href*='scene=near-benign']").first(), target = await place.getAttribute("href");
-    await place.click();
-    const now = await stateOf(page), asked = new URLSearchParams(target.slice(1));
-    for (const key of ["scene", "form", "format"]) assert.equal(now[key], asked.get(key));
-    if (asked.has("x")) assert.equal(String(now.x), asked.get("x"));
-    await page.locator(`table.claims a.jump[href*='sweep=']`).first().click();
-    assert.equal((await stateOf(page)).sweep, "sphere-tilt");
-    await page.goBack();
-    await settled(page);
-    assert.equal((await stateOf(page)).scene, "near-benign");
-    const all = await page.locator("table.claims tbody tr").count();
-    await page.fill("#filter", "tilt schoolbook");
-    const left = await page.locator("table.claims tbody tr:visible").count();
-    assert.ok(left > 0 && left < all, `${left} of ${all}`);
-}
-
-/** What is copied runs: the command makes the map, the claims measure as stated. */
-async function copies({ browser, report, lostbits }) {
-    const folder = fs.mkdtempSync(path.join(os.tmpdir(), "lostbits-copies-"));
-    try {
-        const page = await browser.page(report, { hash: "#scene=rtg-fig-7-3-4100-oblique&form=sphere.schoolbook&format=f64&metric=ulp_error&sweep=sphere-tilt&statistic=lost_bits_p99" });
-        const copied = async (button) => {
-            await page.locator(button).click();
-            return page.locator(button).evaluate((e) => e.closest("section, .side").querySelector("pre.copied").textContent);
-        };
-        let text = 'schema = "lostbits-claims/1"\n' + (await copied("#copy-claim"));
-        await page.locator("#copy-sweep-claim").click();
-        text += await page.locator("#sweep-view pre.copied").textContent();
-        fs.writeFileSync(path.join(folder, "claims.toml"), text);
-        assert.equal(lostbits("check", path.join(folder, "claims.toml"), "--strict"), "", text);
-        const command = await copied("#copy-command");
-        assert.match(command, /^lostbits map rtg-fig-7-3-4100-oblique -i sphere.schoolbook -f f64 --metric ulp_error --pixels csv -o out$/);
-        lostbits(...command.replace("-o out", `-o ${folder}/out`).split(" ").slice(1));
-        assert.ok(fs.existsSync(path.join(folder, "out/rtg-fig-7-3-4100-oblique/sphere.schoolbook.f64.csv")));
-    } finally {
-        fs.rmSync(folder, { recursive: true });
-    }
-}
-
-/** Without scripts: counts, tables and pictures are there to be read. */
-async function plain({ browser, report }) {
-    const page = await browser.page(report, { scripts: false });
-    const text = await page.locator("body").innerText();
-    assert.match(text, /\d+\s+hold/);
-    assert.match(text, /\d+\s+are refuted/);
-    for (const part of ["Four spheres close by", "sphere.schoolbook", "lost bits p50", "p99 loses half"]) assert.ok(text.includes(part), `"${part}" cannot be read`);
-    assert.ok((await page.locator("table.claims tbody tr:visible").count()) > 0);
-    assert.equal(await page.locator("#map-view:visible").count(), 0);
-    const pictures = await page.locator("img:visible").count();
-    assert.ok(pictures >= 4, `${pictures} pictures`);
-    assert.deepEqual(page.requested.filter((url) => !url.startsWith("data:")), [page.url()]);
-}
-
-/** 512 x 512 rays with six layers: below 3 MB, and ready in a second. */
-async function ready({ browser, large }) {
-    const size = fs.statSync(large).size, times = [];
-    for (let k = 0; k < 3; ++k) {
-        const page = await browser.page(large);
-        assert.deepEqual(await page.evaluate(() => [mapNow().width, mapNow().height, mapNow().metrics.length >= 6]), [512, 512, true]);
-        times.push(Number(await page.evaluate(() => document.documentElement.dataset.ready)));
-        await page.context().close();
-    }
-    console.log(`${size} bytes; ready after ${times.join(", ")} ms`);
-    assert.ok(size < 3e6, `${size} bytes`);
-    assert.ok(Math.min(...times) < 1000, `ready after ${times.join(", ")} ms`);
-}
-
-module.exports = { alone, pixels, colours, inspector, keyboard, link, zoom, compare, sweeps, trade, claims, copies, plain, ready };
+module.exports = { pixels, colours, inspector, keyboard, zoom, compare };

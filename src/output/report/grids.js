@@ -1,0 +1,200 @@
+// Planes of two axes and tables of named cases: cells in the colours of the PNGs, with keys to walk on them.
+
+const gridParts = {};
+
+const isFraction = (statistic) => statistic.endsWith("_fraction");
+
+const shortTick = (x) => tickText(Number(x.toPrecision(3)));
+
+/** Columns and lines as they are drawn, lines from the top: the highest second value of a plane, the first case. */
+function layoutOf(sweep, rows) {
+    if (sweep.kind === "plane") {
+        const [x, y] = sweep.axes;
+        return { columns: x.values.length, lines: y.values.length, cell: (i, j) => [null, j * x.values.length + i], up: true, across: x.values.map(shortTick), down: y.values.map(shortTick) };
+    }
+    return { columns: rows.length, lines: sweep.cases.length, cell: (i, j) => [rows[i], j], up: false, across: rows.map((r) => r.form.slice(r.form.indexOf(".") + 1)), down: sweep.cases.map(([name]) => name) };
+}
+
+const wrongOutcomes = ["false_hit", "false_miss", "not_a_number"].map((name) => outcomeNames.indexOf(name));
+
+/** The most frequent wrong outcome, the first of equals, where more than half of the rays have one. */
+function mostlyWrong(counts) {
+    const rays = counts.reduce((a, b) => a + b, 0), wrong = wrongOutcomes.reduce((sum, o) => sum + counts[o], 0);
+    return wrong / rays > 0.5 ? wrongOutcomes.reduce((best, o) => (counts[o] > counts[best] ? o : best)) : -1;
+}
+
+/** Colour and text of a cell; no colour where there is no value. */
+function cellLook(sweep, row, statistic, cell) {
+    const counts = row.outcomes[cell];
+    if (statistic === "verdict") {
+        const verdict = row.verdicts[cell], outcome = outcomeNames.indexOf(verdict);
+        if (verdict === "right") return { colour: sweep.right, text: "" };
+        if (outcome < 0) {
+            const bits = cellValue(sweep, row, "lost_bits_max", cell);
+            return { colour: rampAt(sweep.scale, bits), text: bits.toFixed(0) };
+        }
+        const all = counts.reduce((a, b) => a + b, 0);
+        return { colour: index.outcomes[outcome][1], text: counts[outcome] < all ? String(counts[outcome]) : "" };
+    }
+    const value = cellValue(sweep, row, statistic, cell), wrong = isFraction(statistic) ? -1 : mostlyWrong(counts);
+    if (wrong >= 0) return { colour: index.outcomes[wrong][1], text: "" };
+    if (Number.isNaN(value)) return { colour: null, text: "" };
+    const colour = rampAt(isFraction(statistic) ? { lo: 0, hi: 1, log2: false } : sweep.scale, value);
+    const explained = statistic === "lost_bits_p99" && value >= 1 && cellValue(sweep, row, "excess_bits_p99", cell) < 1;  // the problem's, not the form's
+    return { colour: explained ? colour.map((x, k) => (x + sweep.paper[k]) >> 1) : colour, text: "" };
+}
+
+/** Black or white, whichever is read better on a colour: 0.18 of linear light is where both have the same contrast. */
+function inkOn(colour) {
+    const [r, g, b] = colour.map((x) => (x / 255 <= 0.04045 ? x / 255 / 12.92 : ((x / 255 + 0.055) / 1.055) ** 2.4));
+    return 0.2126 * r + 0.7152 * g + 0.0722 * b > 0.18 ? "#202024" : "#fff";
+}
+
+function paintCell(context, look, x, y, w, h) {
+    context.fillStyle = look.colour ? `rgb(${look.colour.join(",")})` : "#f0f0ee";
+    context.fillRect(x, y, w, h);
+    if (!look.colour) {
+        context.strokeStyle = "#c8c8ca";
+        context.beginPath();
+        context.moveTo(x, y + h);
+        context.lineTo(x + w, y);
+        context.stroke();
+    }
+    if (!look.text) return;
+    context.fillStyle = inkOn(look.colour);
+    context.textAlign = "center";
+    context.fillText(look.text, x + w / 2, y + h / 2 + 1);
+}
+
+/** Where the field lies in the canvas, in its own units: labels to the left, and above (names) or below (values). */
+function frameOf(context, sweep, layout) {
+    const wide = (texts) => Math.ceil(Math.max(...texts.map((t) => context.measureText(t).width)));
+    if (layout.up) {
+        const w = Math.max(3, Math.floor(560 / layout.columns)), h = Math.max(3, Math.floor(400 / layout.lines));
+        return { left: wide(layout.down) + 30, top: 6, w, h, gap: 0, below: 44 };
+    }
+    return { left: Math.min(420, wide(layout.down)) + 10, top: Math.min(240, wide(layout.across)) + 10, w: 26, h: 22, gap: 1, below: 4 };
+}
+
+function drawLabels(context, sweep, layout, frame) {
+    const { left, top, w, h } = frame, every = layout.up ? [Math.ceil(56 / w), Math.ceil(22 / h)] : [1, 1];
+    context.fillStyle = ink("--ink");
+    context.textAlign = "right";
+    layout.down.forEach((text, j) => j % every[1] === 0 && context.fillText(text, left - 6, top + (layout.up ? layout.lines - 1 - j : j) * h + h / 2, left - 8));
+    layout.across.forEach((text, i) => {
+        if (i % every[0] !== 0) return;
+        context.save();
+        context.translate(left + (i + 0.5) * w, layout.up ? top + layout.lines * h + 12 : top - 5);
+        if (!layout.up) context.rotate(-Math.PI / 2);
+        context.textAlign = layout.up ? "center" : "left";
+        context.fillText(text, 0, 0, layout.up ? undefined : top - 8);
+        context.restore();
+    });
+    if (!layout.up) return;
+    const [x, y] = sweep.axes.map(axisTitle);
+    context.textAlign = "center";
+    context.fillText(x, left + (layout.columns * w) / 2, top + layout.lines * h + 32);
+    context.translate(10, top + (layout.lines * h) / 2);
+    context.rotate(-Math.PI / 2);
+    context.fillText(y, 0, 0);
+}
+
+function drawGrid() {
+    const { sweep, rows, chosen, statistic } = sweepParts.now, canvas = gridParts.canvas, layout = layoutOf(sweep, rows), font = "12px sans-serif";
+    const sharp = Math.max(1, Math.min(3, Math.ceil(devicePixelRatio))), context = canvas.getContext("2d");
+    context.font = font;
+    const frame = frameOf(context, sweep, layout), width = frame.left + layout.columns * frame.w + 8, height = frame.top + layout.lines * frame.h + frame.below;
+    canvas.width = width * sharp;
+    canvas.height = height * sharp;
+    canvas.style.width = `${width}px`;
+    context.scale(sharp, sharp);
+    context.font = font;
+    context.textBaseline = "middle";
+    for (let j = 0; j < layout.lines; ++j) {
+        for (let i = 0; i < layout.columns; ++i) {
+            const [row, cell] = layout.cell(i, j), [x, y] = placeOf(layout, frame, i, j);
+            paintCell(context, cellLook(sweep, row ?? chosen, statistic, cell), x, y, frame.w - frame.gap, frame.h - frame.gap);
+        }
+    }
+    const at = gridCell(sweep, rows, chosen);
+    if (at) {
+        const [x, y] = placeOf(layout, frame, ...at);
+        for (const [colour, grow] of [["#fff", 2.5], ["#202024", 1.5]]) {
+            context.strokeStyle = colour;
+            context.strokeRect(x - grow, y - grow, frame.w - frame.gap + 2 * grow, frame.h - frame.gap + 2 * grow);
+        }
+    }
+    drawLabels(context, sweep, layout, frame);
+    Object.assign(gridParts, { layout, frame, width, height });
+    canvas.setAttribute("aria-label", `${sweep.title}: ${words(statistic)} ${layout.up ? `of ${title(chosen)}` : `in ${chosen.format}`}; arrow keys move from cell to cell`);
+}
+
+const placeOf = (layout, frame, i, j) => [frame.left + i * frame.w, frame.top + (layout.up ? layout.lines - 1 - j : j) * frame.h];
+
+/** The chosen cell: column and line of a plane, form and case of a table; none where nothing is chosen. */
+function gridCell(sweep, rows, chosen) {
+    if (state.v < 0) return null;
+    return sweep.kind === "plane" ? [state.u, state.v] : [rows.indexOf(chosen), state.v];
+}
+
+function gridUnder(event) {
+    const box = gridParts.canvas.getBoundingClientRect(), { layout, frame, width, height } = gridParts;
+    const i = Math.floor((((event.clientX - box.left) / box.width) * width - frame.left) / frame.w), line = Math.floor((((event.clientY - box.top) / box.height) * height - frame.top) / frame.h);
+    return i >= 0 && i < layout.columns && line >= 0 && line < layout.lines ? [i, layout.up ? layout.lines - 1 - line : line] : null;
+}
+
+/** What the cell in column i of line j is of: its row, its number and where it lies, in words. */
+function cellAt(i, j) {
+    const { sweep, rows, chosen } = sweepParts.now, [row, cell] = gridParts.layout.cell(i, j);
+    if (sweep.kind === "cases") return { row: row ?? chosen, cell, place: [["case", sweep.cases[cell][0], ""]] };
+    return { row: chosen, cell, place: [[sweep.axes[0], i], [sweep.axes[1], j]].map(([axis, k]) => [axisTitle(axis), decimal(axis.values[k]), hex(axis.values[k])]) };
+}
+
+function chooseCell(i, j) {
+    const { sweep, rows } = sweepParts.now;
+    return sweep.kind === "plane" ? look({ u: i, v: j }) : lookAlong(rows[i], { v: j });
+}
+
+function walkGrid(dx, dy) {
+    const { sweep, rows, chosen } = sweepParts.now, { layout } = gridParts, at = gridCell(sweep, rows, chosen);
+    if (!at) return chooseCell(sweep.kind === "plane" ? layout.columns >> 1 : rows.indexOf(chosen), sweep.kind === "plane" ? layout.lines >> 1 : 0);
+    const inside = (x, n) => Math.min(n - 1, Math.max(0, x));
+    return chooseCell(inside(at[0] + dx, layout.columns), inside(at[1] + (layout.up ? -dy : dy), layout.lines));
+}
+
+/** Bar and classes of what is drawn. */
+function gridLegend() {
+    const { sweep, rows, chosen, statistic } = sweepParts.now, seen = new Set(), shown = sweep.kind === "plane" ? [chosen] : rows;
+    for (const row of shown) {
+        row.outcomes.forEach((counts, cell) => {
+            const verdict = statistic === "verdict" ? outcomeNames.indexOf(row.verdicts[cell]) : isFraction(statistic) ? -1 : mostlyWrong(counts);
+            if (verdict >= 0) seen.add(verdict);
+        });
+    }
+    const scale = isFraction(statistic) ? [0, 0.25, 0.5, 0.75, 1].map((x) => [x, String(x)]) : sweep.scale.ticks;
+    const entries = [rampBar(scale, statistic === "verdict" ? "lost bits, max" : words(statistic))];
+    const add = (colour, text) => entries.push(make("span", { className: "class" }, swatch(colour), ` ${text}`));
+    if (statistic === "verdict") add(sweep.right, `right: every decision, and no answer more than ${decimal(sweep.within)} bits beyond the envelope; a number says of how many rays, or how many bits`);
+    for (const outcome of [...seen].sort()) add(index.outcomes[outcome][1], `${words(outcomeNames[outcome])}${statistic === "verdict" ? "" : " on most rays"}`);
+    if (statistic === "lost_bits_p99") entries.push(make("span", { className: "class" }, "paler: inside the envelope"));
+    return entries;
+}
+
+const gridKeys = { ArrowLeft: () => walkGrid(-1, 0), ArrowRight: () => walkGrid(1, 0), ArrowUp: () => walkGrid(0, -1), ArrowDown: () => walkGrid(0, 1), Escape: () => look({ u: -1, v: -1 }) };
+
+function buildGrid() {
+    const canvas = make("canvas", { id: "grid", tabIndex: 0, role: "img", "aria-label": "cells" });
+    gridParts.canvas = canvas;
+    canvas.addEventListener("click", (event) => {
+        const at = gridUnder(event);
+        canvas.focus();
+        if (at) chooseCell(...at);
+    });
+    canvas.addEventListener("pointermove", (event) => {
+        const at = gridUnder(event);
+        showCell(at && cellAt(...at));
+    });
+    canvas.addEventListener("pointerleave", () => showCell(null));
+    walkedByKeys(canvas, gridKeys);
+    return canvas;
+}
