@@ -8,13 +8,11 @@
 #include <set>
 
 #include "commands.hpp"
+#include "measure/culprit_order.hpp"
 #include "measure/culprits.hpp"
 #include "output/atomic_file.hpp"
 #include "output/map_files.hpp"
 #include "output/needed_files.hpp"
-#include "scene/did_you_mean.hpp"
-#include "scene/march_table.hpp"
-#include "scene/round.hpp"
 #include "scene/scene.hpp"
 #include "select.hpp"
 #include "signals.hpp"
@@ -93,19 +91,11 @@ struct SceneWork {
     }
 };
 
-/// Binds the metrics that depend on the forms and solids of the run.
-void bind_metrics(std::vector<const Metric*>& metrics, const scene::Scene& scene, const std::vector<MapRow>& rows) {
-    if (std::ranges::none_of(metrics, [](const Metric* m) { return m->by_run() || is_labelled(*m); })) return;
-    const std::vector<Solid<double>> solids = scene::shared_solids(scene);
-    std::optional<MarchConstants<double>> march;
-    if (scene.march) march = scene::round_march(*scene.march, binary32);
-    bind_to_run(metrics, forms_of(rows), {solids, march ? &*march : nullptr});
-}
-
 SceneWork work_on(const scene::Scene& scene, const MapOptions& o, const std::vector<MapRow>& rows, const std::vector<const Metric*>& wanted) {
     SceneWork work{{.scene = &scene, .rows = fitting(rows, [&](Shape shape) { return scene.meets(shape); }), .metrics = {}}, {}};
     work.map.metrics = measured(wanted, work.map.rows);
-    bind_metrics(work.map.metrics, scene, work.map.rows);
+    bind_to_run(work.map.metrics, forms_of(work.map.rows), SettingOf(scene).get());
+    order_culprits(work.map);
     if (o.bits_needed > 0) work.needed = NeededRequest{.scene = &scene, .forms = forms_of_any_width(work.map.rows), .bits = o.bits_needed};
     return work;
 }

@@ -5,8 +5,7 @@
 #include <map>
 
 #include "measure/claim.hpp"
-#include "scene/march_table.hpp"
-#include "scene/round.hpp"
+#include "scene/did_you_mean.hpp"
 
 namespace lostbits {
 namespace {
@@ -86,10 +85,6 @@ std::vector<std::string> meant_by(const std::string& word, const Claim& claim, c
 
 bool asks_for_attribution(const Claim& claim) {
     return std::ranges::any_of(std::initializer_list<const char*>{"culprit_", "cancellation", "contribution"}, [&](const char* start) { return claim.metric.starts_with(start); });
-}
-
-SettingOf::SettingOf(const scene::Scene& scene) : solids_(scene::shared_solids(scene)) {
-    if (scene.march) march_ = scene::round_march(*scene.march, binary32);
 }
 
 ClaimColumns::ClaimColumns(const std::vector<Claim>& claims, const std::vector<MapRow>& rows, const Setting& setting) : setting_(setting) {

@@ -1,30 +1,16 @@
 // What a claim may be about: the columns of a summary by name, and the shares of culprits.
 #pragma once
 
-#include <optional>
 #include <vector>
 
 #include "measure/culprits.hpp"
 #include "measure/map.hpp"
 #include "scene/claims_file.hpp"
-#include "scene/scene.hpp"
 
 namespace lostbits {
 
 /// Whether a claim is about culprits, cancellation or contributions: those need the tape of every ray.
 bool asks_for_attribution(const scene::Claim& claim);
-
-/// A scene's or a step's solids and constants as a `Setting`, kept while it lives.
-class SettingOf {
-public:
-    explicit SettingOf(const scene::Scene& scene);
-    explicit SettingOf(const scene::RayGroup& rays) : solids_(rays.solids), march_(rays.march) {}
-    [[nodiscard]] Setting get() const { return {solids_, march_ ? &*march_ : nullptr}; }
-
-private:
-    std::vector<Solid<double>> solids_;
-    std::optional<MarchConstants<double>> march_;
-};
 
 /// The columns that the claims about one subject name.
 class ClaimColumns {

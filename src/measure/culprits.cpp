@@ -14,6 +14,8 @@
 #include "measure/tape_text.hpp"
 #include "number/error.hpp"
 #include "scene/did_you_mean.hpp"
+#include "scene/march_table.hpp"
+#include "scene/round.hpp"
 
 namespace lostbits {
 namespace {
@@ -57,7 +59,7 @@ std::optional<Target<double>> target_of(const Intersector& form, const Setting& 
 bool can_err(TapeOp op) { return op == TapeOp::constant || (is_operation(op) && op != TapeOp::neg && op != TapeOp::abs); }
 
 double labelled_contribution(const Sample& s) {
-    if (!s.blame || is_decision((*s.blame->tape)[s.blame->attribution->subject].op)) return missing;
+    if (!s.blame || s.blame->attribution->subject == no_node || is_decision((*s.blame->tape)[s.blame->attribution->subject].op)) return missing;
     return contribution_of(*s.blame->tape, *s.blame->attribution, label_of(*s.metric)) / s.blame->ulp;
 }
 
@@ -75,6 +77,10 @@ constexpr std::array labelled{
              {"", "bits", "", "bits that the operation of that name cancels of operands which already carry error", needs_attribution, Ramp::bits, 0, 0, false, labelled_cancellation}}};
 
 }  // namespace
+
+SettingOf::SettingOf(const scene::Scene& scene) : solids_(scene::shared_solids(scene)) {
+    if (scene.march) march_ = scene::round_march(*scene.march, binary32);
+}
 
 std::vector<std::string> operations_of(const Intersector& form, const Setting& setting) {
     std::vector<std::string> operations;
@@ -206,7 +212,7 @@ Blame Blamer::of(const Ray<double>& ray, const Target<double>& target, double tm
     if (subject == no_node) return blame;
     const double size = std::fabs(attribution_.of[static_cast<std::size_t>(subject)].exact);
     blame.ulp = std::ldexp(1.0, static_cast<int>(ulp_exponent(format_.shape, size == 0 || !std::isfinite(size) ? -100000 : std::ilogb(size))));
-    if (categories_.empty()) return blame;
+    if (categories_.empty() || is_plain_miss(tape_, attribution_)) return blame;
     if (attribution_.culprit == no_node) {
         blame.culprit = 0;
         return blame;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <unordered_map>
@@ -10,6 +11,8 @@
 #include "intersect/table.hpp"
 #include "measure/attribution.hpp"
 #include "measure/metrics.hpp"
+#include "scene/family.hpp"
+#include "scene/scene.hpp"
 
 namespace lostbits {
 
@@ -25,6 +28,18 @@ struct Blame {
 struct Setting {
     std::span<const Solid<double>> solids;
     const MarchConstants<double>* march = nullptr;  ///< null: no form that marches is asked
+};
+
+/// A scene's or a step's solids and constants as a `Setting`, kept while it lives.
+class SettingOf {
+public:
+    explicit SettingOf(const scene::Scene& scene);
+    explicit SettingOf(const scene::RayGroup& rays) : solids_(rays.solids), march_(rays.march) {}
+    [[nodiscard]] Setting get() const { return {solids_, march_ ? &*march_ : nullptr}; }
+
+private:
+    std::vector<Solid<double>> solids_;
+    std::optional<MarchConstants<double>> march_;
 };
 
 /// Every operation of a form that can round or choose, in the order of its tape, each once, as maps and claims call it; empty where

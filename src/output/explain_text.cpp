@@ -130,7 +130,7 @@ std::string model_sentence(const Explanation& x) {
 
 std::string sums_sentence(const Explanation& x, const Words& words) {
     const Attribution& a = x.attribution;
-    if (a.subject == no_node || !std::isfinite(a.error)) return "";
+    if (a.subject == no_node || !std::isfinite(a.error) || is_plain_miss(x.tape, a)) return "";
     const double ulp = words.ulp(), rest = a.error - a.explained;
     std::string text = fmt::format("Contributions sum to {} of {} ulp{}.", short_number(a.explained / ulp), short_number(a.error / ulp),
                                    std::fabs(rest) <= 1e-6 * std::fabs(a.error) ? "" : fmt::format("; {} ulp are not attributed", short_number(rest / ulp)));
@@ -193,7 +193,7 @@ std::string verdict(const Explanation& x) {
 std::string culprit_sentence(const Explanation& x) {
     const Words words(x);
     const NodeId culprit = x.attribution.culprit;
-    if (x.attribution.subject == no_node) return "No decision of the form was turned by rounding.";
+    if (x.attribution.subject == no_node || is_plain_miss(x.tape, x.attribution)) return "No decision of the form was turned by rounding, so no operation is to blame.";
     if (culprit == no_node) return "No operation rounded on the way to the answer.";
     const TapeNode& n = x.tape[culprit];
     const std::string what = words.text().definition(culprit);
