@@ -224,6 +224,10 @@ std::string explain_text(const Explanation& x, bool all) {
     const Words words(x);
     std::string text = fmt::format("{} in {}: {}\n", x.form->info->name, x.format.name, x.form->info->title);
     if (x.solids > 1 && x.form->shape != Shape::sdf) text += fmt::format("asked of solid {} of {}\n", x.solid + 1, x.solids);
+    if (x.given) {
+        text += fmt::format("The direction ({}, {}, {}) is normalised and rounded: the form takes unit directions, and its t is a distance.\n", decimal(x.given->x), decimal(x.given->y),
+                            decimal(x.given->z));
+    }
     text += inputs_block(x) + "\n" + table(x, words, all);
     text += "\n* the culprit; - not on the way to the answer. local: bits lost by the operation alone on exact operands, each rounded once. own: its rounding, in ulps of itself.\n\n";
     text += outcome_sentence(x) + "\n" + culprit_sentence(x) + "\n" + sums_sentence(x, words) + split_sentence(x, words) + turned_sentences(x, words) + model_sentence(x) + verdict(x) + "\n" + better_sentence(x);
