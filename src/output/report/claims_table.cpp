@@ -106,7 +106,7 @@ std::string claims_table(const Report& report) {
         const Word word = word_of(c, r);
         std::string place = html(where_measured(c));
         if (const auto view = view_of(c, r, report)) place = fmt::format("<a class=\"jump\" href=\"#{}\">{}</a>", html(*view), place);
-        const std::string what = c.onset.empty() ? c.metric : fmt::format("onset of {} {} {}", c.onset, c.statistic, decimal(c.threshold));
+        const std::string what = quantity(c);
         text += fmt::format("<tr id=\"claim-{}\" class=\"{}\" data-command=\"{}\"><td class=\"verdict\">{}</td><td>{}", html(c.id), word.style, html(reproduce(c)), word.text, html(c.statement));
         if (!c.note.empty()) text += fmt::format("<br><em>{}</em>", html(c.note));
         text += fmt::format("<br><small>{}{}<code>{}</code></small></td>", c.source == "-" ? "" : html(c.source), c.source == "-" ? "" : " &middot; ", html(c.id));
