@@ -7,6 +7,7 @@
 #include <set>
 
 #include "commands.hpp"
+#include "measure/culprits.hpp"
 #include "output/atomic_file.hpp"
 #include "report_parts.hpp"
 #include "scene/case_file.hpp"
@@ -133,6 +134,12 @@ Work plan(const ReportOptions& o, const std::filesystem::path& data) {
     const auto claims = o.no_claims ? std::vector<Claim>{} : read_all_claims(data);
     const auto rows = cross(select_forms(o.forms.empty() ? defaults.forms : o.forms), select_formats(o.formats.empty() ? defaults.formats : o.formats));
     std::vector<const Metric*> asked = o.metrics.empty() ? std::vector<const Metric*>{} : select_metrics(o.metrics);
+    // A glob means those that a page has; a name means that one.
+    std::erase_if(asked, [&o](const Metric* m) {
+        if (m->by_run() && std::ranges::find(o.metrics, m->name) != o.metrics.end())
+            throw InputError(fmt::format("--metric {}: the page has no colours for operations; try `lostbits map --metric {}`, or cancellation and contribution:LABEL here", m->name, m->name));
+        return m->by_run();
+    });
     Work work;
     for (const scene::SceneName& name : subjects.scenes) {
         scene::LoadOptions options{.variant = name.variant};
@@ -143,6 +150,7 @@ Work plan(const ReportOptions& o, const std::filesystem::path& data) {
             std::vector<const Metric*> wanted = asked;
             for (const char* metric : {"lost_bits", "ulp_error", "condition", "inherent_bits", "excess_bits"}) wanted.push_back(find_metric(metric));
             auto all = measured(wanted, fit);
+            bind_to_run(all, forms_of(fit), SettingOf(scene).get());
             // Its float layer would be the largest part of most pages.
             std::erase_if(all, [&](const Metric* m) { return m->name == "residual" && std::ranges::find(asked, m) == asked.end(); });
             work.units += static_cast<std::uint64_t>(scene.width) * static_cast<std::uint64_t>(scene.height) * fit.size();

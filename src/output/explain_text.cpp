@@ -11,7 +11,9 @@
 namespace lostbits::output {
 namespace {
 
+/// NaN has a sign that says nothing and that machines choose differently.
 std::string short_number(double x) {
+    if (std::isnan(x)) return "nan";
     if (x == 0) return "0";
     return std::fabs(x) >= 0.01 && std::fabs(x) < 1e6 ? fmt::format("{:.3g}", x) : fmt::format("{:.2e}", x);
 }
@@ -73,7 +75,7 @@ constexpr std::size_t widest_expression = 54;
 std::string row_of(const Explanation& x, const Words& words, NodeId i) {
     const OperationError& e = words.of(i);
     const int digits = 1 + static_cast<int>(std::ceil(x.tape.format_of(i).precision * 0.30103));
-    const auto number = [digits](double v) { return fmt::format("{:>{}.{}g}", v, digits + 6, digits); };
+    const auto number = [digits](double v) { return fmt::format("{:>{}.{}g}", std::isnan(v) ? std::fabs(v) : v, digits + 6, digits); };
     const std::string mark = i == x.attribution.culprit ? "* " : e.live ? "  " : "- ";
     std::string name = words.text().name(i);
     std::string formula = words.text().expression(i);
