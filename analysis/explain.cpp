@@ -1,6 +1,8 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
 #include <memory>
 #include <optional>
 
@@ -9,6 +11,7 @@
 #include "output/explain_programs.hpp"
 #include "output/explain_text.hpp"
 #include "output/march_text.hpp"
+#include "output/number_text.hpp"
 #include "scene/parse_number.hpp"
 #include "scene/round.hpp"
 #include "select.hpp"
@@ -43,19 +46,31 @@ scene::Scene load_one(const ExplainOptions& o, const Common& common) {
     return std::move(scenes.front());
 }
 
+/// One number of `--pixel`, or of `--ray`, which is rounded to binary32.
+double number_of(const std::string& text, bool pixel) {
+    const char* const option = pixel ? "--pixel" : "--ray";
+    const auto read = scene::parse_number(text);
+    const auto* const fault = std::get_if<scene::NumberFault>(&read);
+    if (fault && !fault->too_large) throw InputError(fmt::format("{}: \"{}\" {}", option, text, fault->why));
+    if (pixel) return fault ? HUGE_VAL : static_cast<double>(std::get<Real>(read));
+    const double x = fault ? HUGE_VAL : scene::round_to_format(std::get<Real>(read), binary32);
+    if (!std::isfinite(x)) {
+        constexpr double largest = std::numeric_limits<float>::max();
+        throw InputError(fmt::format("--ray: \"{}\" is out of range: rays are stored in binary32, whose largest number is {} ({}); scale the scene and the ray down", text,
+                                     output::decimal(largest), output::hex(largest)));
+    }
+    return x;
+}
+
 OneRay ray_of(const ExplainOptions& o, const scene::Scene& scene) {
     if (o.pixel.empty() == o.ray.empty()) throw InputError("explain: name one ray: --pixel X,Y of the scene, or --ray OX,OY,OZ,DX,DY,DZ");
     const bool pixel = !o.pixel.empty();
     const auto parts = parts_of(pixel ? o.pixel : o.ray);
     std::vector<double> x;
-    for (const std::string& part : parts) {
-        const auto read = scene::parse_number(part);
-        const Real* const number = std::get_if<Real>(&read);
-        if (number == nullptr) throw InputError(fmt::format("{}: \"{}\" is no number; write decimals or hexadecimal floats", pixel ? "--pixel" : "--ray", part));
-        x.push_back(pixel ? static_cast<double>(*number) : scene::round_to_format(*number, binary32));
-    }
+    for (const std::string& part : parts) x.push_back(number_of(part, pixel));
     if (pixel) {
-        if (x.size() != 2 || x[0] != std::floor(x[0]) || x[1] != std::floor(x[1])) throw InputError("--pixel " + o.pixel + ": not a pixel; write its column and row, like 17,42");
+        constexpr double most = 1e9;  // more than any picture has, less than an int
+        if (x.size() != 2 || std::ranges::any_of(x, [](double v) { return v != std::floor(v) || std::fabs(v) > most; })) throw InputError("--pixel " + o.pixel + ": not a pixel; write its column and row, like 17,42");
         return {scene, static_cast<int>(x[0]), static_cast<int>(x[1])};
     }
     if (x.size() != 6) throw InputError("--ray " + o.ray + ": not a ray; write origin and direction, six numbers with commas between them");
@@ -73,7 +88,7 @@ Exit run(const ExplainOptions& o, const Common& common) {
     if (!scene.meets(form.shape)) {
         throw InputError(fmt::format("-i {}: scene {} has no solids, or no [march] table, for it; try -i '{}'", o.form, scene.id, globs_of([&](Shape shape) { return scene.meets(shape); })));
     }
-    if (!form.exists_in(formats.front())) throw InputError(fmt::format("-i {}: does not exist in {}", o.form, o.format));
+    if (!form.exists_in(formats.front())) throw InputError(fmt::format("-i {}: does not exist in {}; it is defined in f32 alone: try -f f32", o.form, o.format));
     const OneRay ray = ray_of(o, scene);
     if (!common.quiet) note_lost_constants(scene, {{&form, formats.front()}});
     const Explanation x = explain(form, formats.front(), ray);

@@ -1,10 +1,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <memory>
 #include <nlohmann/json.hpp>
 
 #include "commands.hpp"
+#include "measure/culprits.hpp"
 #include "scene/case_file.hpp"
 #include "scene/claims_file.hpp"
 #include "scene/scene.hpp"
@@ -42,6 +44,23 @@ Listing metric_table() {
     Listing l{{"name", "unit", "layer", "default", "meaning"}, {}};
     for (const Metric& m : metrics()) {
         l.rows.push_back({std::string(m.name), std::string(m.unit), std::string(m.layer), m.by_default ? "yes" : "no", std::string(m.meaning)});
+    }
+    for (const char* name : {"contribution:LABEL", "cancellation:LABEL"}) {
+        const Metric& m = *labelled_metric(name);
+        l.rows.push_back({name, std::string(m.unit), std::string(m.layer), "no", std::string(m.meaning) + "; `lostbits list labels` has the labels of each form"});
+    }
+    return l;
+}
+
+/// What each form names its operations: those of one solid of its shape.
+Listing labels() {
+    Listing l{{"name", "labels"}, {}};
+    const std::array<Solid<double>, 2> solids{Sphere<double>{{0, 0, 5}, 1}, Box<double>{{-1, -1, 4}, {1, 1, 6}}};
+    const MarchConstants<double> march{};  // labels do not depend on its numbers
+    for (const Intersector& form : lostbits::intersectors()) {
+        auto all = labels_of(form, {form.shape == Shape::sdf ? std::span(solids).first(1) : std::span(solids), &march});
+        std::ranges::sort(all);  // the order of the tape is the compiler's where arguments are evaluated
+        l.rows.push_back({std::string(form.info->name), fmt::format("{}", fmt::join(all, " "))});
     }
     return l;
 }
@@ -139,6 +158,7 @@ Exit run(const std::string& what, bool json, const Common& common) {
     const auto make = [&](const std::string& name) {
         if (name == "formats") return formats();
         if (name == "metrics") return metric_table();
+        if (name == "labels") return labels();
         if (name == "scenes") return scenes(common);
         if (name == "sweeps") return sweeps(common);
         if (name == "claims") return claims(common);
@@ -152,10 +172,10 @@ Exit run(const std::string& what, bool json, const Common& common) {
 }  // namespace
 
 void add_list(CLI::App& program, const Common& common, Command& chosen) {
-    auto* command = program.add_subcommand("list", "What there is: intersectors, formats, metrics, scenes, sweeps, claims");
+    auto* command = program.add_subcommand("list", "What there is: intersectors, labels of their operations, formats, metrics, scenes, sweeps, claims");
     const auto what = std::make_shared<std::string>("intersectors");
     const auto json = std::make_shared<bool>(false);
-    command->add_option("WHAT", *what, "What to list")->check(CLI::IsMember({"intersectors", "formats", "metrics", "scenes", "sweeps", "claims"}));
+    command->add_option("WHAT", *what, "What to list")->check(CLI::IsMember({"intersectors", "labels", "formats", "metrics", "scenes", "sweeps", "claims"}));
     command->add_flag("--json", *json, "As a JSON array");
     command->callback([what, json, &common, &chosen] { chosen = [what, json, &common] { return run(*what, *json, common); }; });
 }

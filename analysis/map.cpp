@@ -8,14 +8,12 @@
 #include <set>
 
 #include "commands.hpp"
+#include "measure/culprit_order.hpp"
 #include "measure/culprits.hpp"
 #include "number/interruption.hpp"
 #include "output/atomic_file.hpp"
 #include "output/map_files.hpp"
 #include "output/needed_files.hpp"
-#include "scene/did_you_mean.hpp"
-#include "scene/march_table.hpp"
-#include "scene/round.hpp"
 #include "scene/scene.hpp"
 #include "select.hpp"
 
@@ -93,35 +91,11 @@ struct SceneWork {
     }
 };
 
-/// Binds the metrics that depend on the forms and solids of the run. InputError for a label that no form has.
-void bind_to_run(std::vector<const Metric*>& metrics, const scene::Scene& scene, const std::vector<MapRow>& rows) {
-    std::vector<const Intersector*> forms;
-    for (const MapRow& row : rows) {
-        if (std::ranges::find(forms, row.form) == forms.end()) forms.push_back(row.form);
-    }
-    if (std::ranges::none_of(metrics, [](const Metric* m) { return m->by_run() || m->name.starts_with("contribution:"); })) return;
-    const std::vector<Solid<double>> solids = scene::shared_solids(scene);
-    std::optional<MarchConstants<double>> march;
-    if (scene.march) march = scene::round_march(*scene.march, binary32);
-    for (const Metric*& m : metrics) {
-        if (m->by_run()) m = culprit_among(forms, solids, march ? &*march : nullptr);
-        if (!m->name.starts_with("contribution:")) continue;
-        const std::string label(m->name.substr(m->name.find(':') + 1));
-        std::vector<std::string> labels;
-        for (const Intersector* form : forms) {
-            const auto fits = std::ranges::find(solids, form->shape, &Solid<double>::shape);
-            const Target<double> target = form->shape == Shape::sdf ? Target<double>(solids, *march) : Target<double>(*fits);
-            for (const auto& each : labels_of(*form, target)) labels.emplace_back(each);
-        }
-        if (std::ranges::find(labels, label) != labels.end()) continue;
-        throw InputError(fmt::format("--metric {}: no selected form names \"{}\"; {}", m->name, label, scene::did_you_mean(label, labels)));
-    }
-}
-
 SceneWork work_on(const scene::Scene& scene, const MapOptions& o, const std::vector<MapRow>& rows, const std::vector<const Metric*>& wanted) {
     SceneWork work{{.scene = &scene, .rows = fitting(rows, [&](Shape shape) { return scene.meets(shape); }), .metrics = {}}, {}};
     work.map.metrics = measured(wanted, work.map.rows);
-    bind_to_run(work.map.metrics, scene, work.map.rows);
+    bind_to_run(work.map.metrics, forms_of(work.map.rows), SettingOf(scene).get());
+    order_culprits(work.map);
     if (o.bits_needed > 0) work.needed = NeededRequest{.scene = &scene, .forms = forms_of_any_width(work.map.rows), .bits = o.bits_needed};
     return work;
 }

@@ -7,6 +7,7 @@
 #include <set>
 
 #include "commands.hpp"
+#include "measure/culprits.hpp"
 #include "measure/timing.hpp"
 #include "number/interruption.hpp"
 #include "output/atomic_file.hpp"
@@ -133,7 +134,7 @@ Work plan(const ReportOptions& o, const std::filesystem::path& data) {
     const Subjects subjects = subjects_of(o, defaults, data);
     const auto claims = o.no_claims ? std::vector<Claim>{} : read_all_claims(data);
     const auto rows = cross(select_forms(o.forms.empty() ? defaults.forms : o.forms), select_formats(o.formats.empty() ? defaults.formats : o.formats));
-    std::vector<const Metric*> asked = o.metrics.empty() ? std::vector<const Metric*>{} : select_metrics(o.metrics);
+    const std::vector<const Metric*> asked = o.metrics.empty() ? std::vector<const Metric*>{} : select_metrics(o.metrics);
     Work work;
     for (const scene::SceneName& name : subjects.scenes) {
         scene::LoadOptions options{.variant = name.variant};
@@ -144,6 +145,7 @@ Work plan(const ReportOptions& o, const std::filesystem::path& data) {
             std::vector<const Metric*> wanted = asked;
             for (const char* metric : {"lost_bits", "ulp_error", "condition", "inherent_bits", "excess_bits"}) wanted.push_back(find_metric(metric));
             auto all = measured(wanted, fit);
+            bind_to_run(all, forms_of(fit), SettingOf(scene).get());
             // Its float layer would be the largest part of most pages.
             std::erase_if(all, [&](const Metric* m) { return m->name == "residual" && std::ranges::find(asked, m) == asked.end(); });
             work.units += static_cast<std::uint64_t>(scene.width) * static_cast<std::uint64_t>(scene.height) * fit.size();

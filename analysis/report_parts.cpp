@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "measure/cases.hpp"
+#include "measure/culprit_order.hpp"
 #include "output/case_files.hpp"
 #include "output/report/grid_data.hpp"
 #include "output/report/picture.hpp"
@@ -117,6 +118,7 @@ page::SweepPart axes_part(const SweepWork& work, const Advance& advance) {
 page::MapPart map_part(MapWork& work, const Advance& advance) {
     const scene::Scene& scene = work.scene;
     MapRequest request{.scene = &scene, .rows = work.rows, .metrics = work.metrics};
+    order_culprits(request);
     request.progress = advance;
     const page::TemporaryFolder folder;
     const auto file = folder.path() / "contact.png";

@@ -59,7 +59,7 @@ std::vector<const Intersector*> select_forms(const std::vector<std::string>& glo
 std::vector<const Metric*> select_metrics(const std::vector<std::string>& globs) {
     std::vector<const Metric*> chosen;
     for (const std::string& glob : globs) {
-        if (const Metric* const one = contribution_metric(glob)) {
+        if (const Metric* const one = labelled_metric(glob)) {
             if (std::ranges::find(chosen, one) == chosen.end()) chosen.push_back(one);
             continue;
         }
@@ -93,7 +93,7 @@ std::vector<const Metric*> measured(const std::vector<const Metric*>& asked, con
         const bool named = std::ranges::find(asked, &m) != asked.end();
         if ((m.by_default || named) && (marches || m.over != Over::marches)) all.push_back(&m);
     }
-    std::ranges::copy_if(asked, std::back_inserter(all), [](const Metric* m) { return m->name.starts_with("contribution:"); });
+    std::ranges::copy_if(asked, std::back_inserter(all), [](const Metric* m) { return is_labelled(*m); });
     return all;
 }
 

@@ -6,6 +6,7 @@
 #include <memory>
 
 #include "commands.hpp"
+#include "measure/culprits.hpp"
 #include "number/interruption.hpp"
 #include "output/case_files.hpp"
 #include "output/sweep_files.hpp"
@@ -46,6 +47,7 @@ void run_case_file(const std::filesystem::path& path, const Chosen& chosen, cons
     const scene::CaseFile file(path);
     const auto rows = fitting(chosen.rows, [&](Shape shape) { return file.meets(shape); });
     CaseRequest request{.file = &file, .rows = {}, .metrics = measured(chosen.asked, rows)};
+    bind_to_run(request.metrics, forms_of(rows), SettingOf(file.rays(0, binary64).front()).get());
     for (MapRow row : rows) {
         for (const auto& judged : file.conventions) {
             row.judged = judged;
@@ -73,6 +75,7 @@ void run_axes(const std::filesystem::path& path, const Chosen& chosen, const Swe
         for (const char* name : {"model_error", "rounding_error"}) asked.push_back(find_metric(name));
     }
     request.metrics = measured(asked, request.rows);
+    bind_to_run(request.metrics, forms_of(request.rows), SettingOf(sweep.first_rays()).get());
     for (MapRow& row : request.rows) row.judged = sweep.convention;
     const auto folder = std::filesystem::path(o.out) / sweep.id;
     output::SweepFiles files(request, folder);
@@ -95,6 +98,9 @@ void run_search(const std::filesystem::path& path, const Chosen& chosen, const S
     const scene::SearchFile search(path);
     WorstRequest request{.search = &search, .rows = fitting(chosen.rows, [&](Shape shape) { return search.shape == shape; }), .metrics = {}};
     request.metrics = measured({find_metric(search.metric)}, request.rows);
+    Solid<double> any;  // labels do not depend on its numbers
+    any.shape = search.shape;
+    bind_to_run(request.metrics, forms_of(request.rows), {std::span(&any, 1)});
     const auto folder = std::filesystem::path(o.out) / search.id;
     { const output::AtomicFile probe(folder / "worst.csv"); }  // a folder that cannot be written ends the run before the search
     output::Progress progress(request.rows.size(), search.id, common.progress, common.quiet);
@@ -133,6 +139,8 @@ Meets check_file(const std::filesystem::path& path, scene::SweepKind kind, bool 
         for (const Metric& m : metrics()) names.emplace_back(m.name);
         throw InputError(path.string() + ":1:1: search.metric is \"" + search.metric + "\", which no metric is called; " + scene::did_you_mean(search.metric, names));
     }
+    if (find_metric(search.metric)->by_run())
+        throw InputError(path.string() + ":1:1: search.metric is \"" + search.metric + "\", which names an operation and has no largest value; try cancellation, or contribution:LABEL");
     return only(search.shape);
 }
 
@@ -140,12 +148,6 @@ Exit run(const SweepOptions& o, const Common& common) {
     Chosen chosen{cross(select_forms(o.forms), select_formats(o.formats)), {}};
     // A sweep always knows what the problem itself costs: its plots carry the envelope.
     if (!o.metrics.empty()) chosen.asked = select_metrics(o.metrics);
-    // A glob means those that a sweep has; a name means that one.
-    std::erase_if(chosen.asked, [&](const Metric* m) {
-        if (!m->by_run() && !m->name.starts_with("contribution:")) return false;
-        if (std::ranges::find(o.metrics, m->name) == o.metrics.end()) return true;
-        throw InputError(fmt::format("--metric {}: is drawn over the pixels of a scene alone; try `lostbits map`, or `lostbits explain` for one ray", m->name));
-    });
     for (const char* name : {"inherent_bits", "excess_bits"}) chosen.asked.push_back(find_metric(name));
     if (o.out.empty()) throw InputError("-o: the name of the folder is empty; write -o . for this one");
     const auto data = data_folder(common.data);

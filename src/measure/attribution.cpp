@@ -260,12 +260,19 @@ Attribution attributed(const Tape& tape, AttributionDepth depth, Subject subject
 
 }  // namespace
 
+bool is_plain_miss(const Tape& tape, const Attribution& found) {
+    const NodeId hit = tape.outputs.hit;
+    return hit != no_node && tape[hit].value == 0 && !found.exact_hit;
+}
+
 Attribution attribute(const Tape& tape, NodeId subject, AttributionDepth depth) {
     return attributed(tape, depth, [subject](auto&) { return subject; });
 }
 
 Attribution attribute(const Tape& tape, AttributionDepth depth) {
-    return attributed(tape, depth, [](auto& walk) { return walk.natural_subject(); });
+    Attribution found = attributed(tape, depth, [](auto& walk) { return walk.natural_subject(); });
+    if (is_plain_miss(tape, found)) found.culprit = no_node;
+    return found;
 }
 
 }  // namespace lostbits

@@ -54,7 +54,11 @@ struct AttributionDepth {
 /// larger of it and the computed one; otherwise 2048 bits, where values nearer to each other than 2^-1900 of themselves are equal.
 Attribution attribute(const Tape& tape, NodeId subject, AttributionDepth depth = {});
 
-/// What to ask of a tape: its t where the form's decision is the exact one, otherwise the decision.
+/// What to ask of a tape: its t where the form's decision is the exact one, otherwise the decision. The t of a miss is no answer,
+/// so no operation is the culprit of it.
 Attribution attribute(const Tape& tape, AttributionDepth depth = {});
+
+/// Whether the form misses, and would without rounding.
+bool is_plain_miss(const Tape& tape, const Attribution& found);
 
 }  // namespace lostbits

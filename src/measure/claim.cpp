@@ -4,10 +4,12 @@
 #include <cmath>
 #include <map>
 #include <set>
+#include <tuple>
 
 #include "intersect/packed.hpp"
 #include "measure/arithmetic.hpp"
 #include "measure/cases.hpp"
+#include "measure/claim_columns.hpp"
 #include "measure/claim_timing.hpp"
 #include "measure/closest.hpp"
 #include "measure/one_ray.hpp"
@@ -23,31 +25,6 @@ using scene::Claim;
 
 constexpr double missing = std::numeric_limits<double>::quiet_NaN();
 
-double share(std::uint64_t part, std::uint64_t whole) { return whole == 0 ? missing : static_cast<double>(part) / static_cast<double>(whole); }
-
-std::map<std::string, double> columns_of(const MapSummary& s, const std::vector<const Metric*>& metrics) {
-    std::map<std::string, double> columns;
-    for (std::size_t o = 0; o < outcome_names.size(); ++o) columns[std::string(outcome_names[o])] = static_cast<double>(s.outcomes[o]);
-    columns["rays"] = static_cast<double>(s.rays);
-    columns["wrong_object"] = static_cast<double>(s.wrong_object);
-    columns["false_hit_fraction"] = share(s.count(Outcome::false_hit), s.rays - s.true_hits - s.count(Outcome::unresolved));
-    columns["false_miss_fraction"] = share(s.count(Outcome::false_miss), s.true_hits);
-    columns["not_a_number_fraction"] = share(s.count(Outcome::not_a_number), s.rays);
-    for (std::size_t m = 0; m < metrics.size(); ++m) {
-        const std::string name(metrics[m]->name);
-        for (std::size_t c = 0; c < metrics[m]->categories.size(); ++c) {
-            columns[name + "_" + std::string(metrics[m]->categories[c])] = static_cast<double>(s.categories[m][c]);
-            columns[name + "_" + std::string(metrics[m]->categories[c]) + "_fraction"] = share(s.categories[m][c], s.rays);
-        }
-        if (!metrics[m]->categories.empty()) continue;
-        columns[name + "_mean"] = s.metrics[m].mean();
-        columns[name + "_p50"] = s.metrics[m].quantile(0.5);
-        columns[name + "_p99"] = s.metrics[m].quantile(0.99);
-        columns[name + "_max"] = s.metrics[m].quantile(1);
-    }
-    return columns;
-}
-
 Format format_of(const Claim& claim) {
     const auto format = find_format(claim.format);
     if (!format) scene::fail(claim.where, "unknown format \"" + claim.format + "\"; write f32, f64, fp16, bf16, tf32 or pN");
@@ -57,14 +34,18 @@ Format format_of(const Claim& claim) {
 /// The claims about one scene or sweep: their places in the list.
 using Places = std::vector<std::size_t>;
 
-/// The default metrics, and those whose columns a claim names: measuring all would evaluate every form exactly.
-std::vector<const Metric*> metrics_for(const std::vector<Claim>& claims, const Places& places) {
-    std::vector<const Metric*> wanted;
-    for (const Metric& m : metrics()) {
-        const bool named = std::ranges::any_of(places, [&](std::size_t i) { return claims[i].metric.starts_with(std::string(m.name) + "_"); });
-        if (m.by_default || named) wanted.push_back(&m);
-    }
-    return wanted;
+/// The rows of several claims, each once: its place.
+std::size_t place_in(std::vector<MapRow>& rows, const MapRow& row) {
+    const auto found = std::ranges::find(rows, row);
+    if (found != rows.end()) return static_cast<std::size_t>(found - rows.begin());
+    rows.push_back(row);
+    return rows.size() - 1;
+}
+
+std::vector<Claim> those_at(const std::vector<Claim>& claims, const Places& places) {
+    std::vector<Claim> some;
+    for (const std::size_t i : places) some.push_back(claims[i]);
+    return some;
 }
 
 ClaimResult judge(const Claim& claim, double measured, const MapSummary* summary) {
@@ -127,12 +108,16 @@ void measure_scene(const std::vector<Claim>& claims, const Places& places, const
         else pictures.push_back(i);
     }
     if (pictures.empty()) return;
-    MapRequest request{.scene = &scenes.front(), .rows = {}, .metrics = metrics_for(claims, pictures)};
-    for (const std::size_t i : pictures) request.rows.push_back(row_for(claims[i], scenes.front()));
+    MapRequest request{.scene = &scenes.front(), .rows = {}, .metrics = {}};
+    std::vector<std::size_t> rows;
+    for (const std::size_t i : pictures) rows.push_back(place_in(request.rows, row_for(claims[i], scenes.front())));
+    const SettingOf setting(scenes.front());
+    const ClaimColumns columns(those_at(claims, pictures), request.rows, setting.get());
+    request.metrics = columns.metrics();
     const auto summaries = run_map(request, {});
     for (std::size_t k = 0; k < pictures.size(); ++k) {
         const Claim& claim = claims[pictures[k]];
-        results[pictures[k]] = judge(claim, summary_value(summaries[k], request.metrics, claim.metric, claim.where.text()), &summaries[k]);
+        results[pictures[k]] = judge(claim, columns.value(claim, summaries[rows[k]]), &summaries[rows[k]]);
     }
 }
 
@@ -172,13 +157,16 @@ void measure_render(const std::vector<Claim>& claims, const Places& places, cons
 
 void measure_cases(const std::vector<Claim>& claims, const Places& places, const std::filesystem::path& path, std::vector<ClaimResult>& results) {
     const scene::CaseFile file(path);
-    CaseRequest request{.file = &file, .rows = {}, .metrics = metrics_for(claims, places)};
+    CaseRequest request{.file = &file, .rows = {}, .metrics = {}};
     for (const std::size_t i : places) request.rows.push_back(row_for(claims[i], file));
+    const SettingOf setting(file.rays(0, binary64).front());
+    const ClaimColumns columns(those_at(claims, places), request.rows, setting.get());
+    request.metrics = columns.metrics();
     for (std::size_t k = 0; k < places.size(); ++k) {
         const Claim& claim = claims[places[k]];
         if (claim.case_name.empty()) scene::fail(claim.where, "sweep \"" + claim.sweep + "\" has cases, not axes; write `case = \"...\"` in claim.given");
         const auto summary = run_cases_together(request, k, file.matching(claim.case_name, claim.where));
-        results[places[k]] = judge(claim, summary_value(summary, request.metrics, claim.metric, claim.where.text()), &summary);
+        results[places[k]] = judge(claim, columns.value(claim, summary), &summary);
     }
 }
 
@@ -232,13 +220,18 @@ void measure_sweep(const std::vector<Claim>& claims, const Places& places, const
         case scene::SweepKind::axes: break;
     }
     const scene::SweepFile sweep(path, data_dir);
-    SweepRequest request{.sweep = &sweep, .rows = {}, .metrics = metrics_for(claims, places)};
+    SweepRequest request{.sweep = &sweep, .rows = {}, .metrics = {}};
+    std::vector<std::size_t> rows;
     bool onsets_wanted = false;
     for (const std::size_t i : places) {
-        request.rows.push_back(row_for(claims[i], sweep));
-        if (!claims[i].convention) request.rows.back().judged = sweep.convention;
+        MapRow row = row_for(claims[i], sweep);
+        if (!claims[i].convention) row.judged = sweep.convention;
+        rows.push_back(place_in(request.rows, row));
         onsets_wanted |= !claims[i].onset.empty();
     }
+    const SettingOf setting(sweep.first_rays());
+    const ClaimColumns columns(those_at(claims, places), request.rows, setting.get());
+    request.metrics = columns.metrics();
     std::vector<Onset> onsets;
     if (onsets_wanted) onsets = find_onsets(request, run_sweep(request));
     for (std::size_t k = 0; k < places.size(); ++k) {
@@ -251,12 +244,12 @@ void measure_sweep(const std::vector<Claim>& claims, const Places& places, const
                 const auto [low, high] = std::minmax(sweep.axes[a].from, sweep.axes[a].to);
                 if (claim.at[a] < low || claim.at[a] > high) scene::fail(claim.where, "`at` lies outside of the axis " + sweep.axes[a].name + " of sweep \"" + claim.sweep + "\"; write a value between its ends");
             }
-            const auto summary = run_place(request, k, claim.at);
-            results[places[k]] = judge(claim, summary_value(summary, request.metrics, claim.metric, claim.where.text()), &summary);
+            const auto summary = run_place(request, rows[k], claim.at);
+            results[places[k]] = judge(claim, columns.value(claim, summary), &summary);
             continue;
         }
         const auto found = std::ranges::find_if(onsets, [&](const Onset& o) {
-            return o.row == k && o.event == claim.onset && o.statistic == claim.statistic && o.threshold == claim.threshold;
+            return o.row == rows[k] && o.event == claim.onset && o.statistic == claim.statistic && o.threshold == claim.threshold;
         });
         if (found == onsets.end()) {
             scene::fail(claim.where, "no onset of \"" + claim.onset + "\" by \"" + claim.statistic +
@@ -275,25 +268,17 @@ MapRow claim_row(const Claim& claim) {
         names.emplace_back(i.info->name);
         if (i.info->name != claim.form) continue;
         const Format format = format_of(claim);
-        if (!i.exists_in(format)) scene::fail(claim.where, claim.form + " does not exist in " + claim.format);
+        if (!i.exists_in(format)) scene::fail(claim.where, claim.form + " does not exist in " + claim.format + "; it exists in f32 alone");
         return {&i, format, claim.convention};
     }
     scene::fail(claim.where, "unknown form \"" + claim.form + "\"; " + scene::did_you_mean(claim.form, names));
 }
 
-double summary_value(const MapSummary& summary, const std::vector<const Metric*>& metrics, const std::string& column, const std::string& where) {
-    const auto columns = columns_of(summary, metrics);
-    const auto found = columns.find(column);
-    if (found != columns.end()) return found->second;
-    std::vector<std::string> names;
-    for (const auto& [name, value] : columns) names.push_back(name);
-    throw InputError(where + ": unknown metric \"" + column + "\"; " + scene::did_you_mean(column, names));
-}
-
 std::vector<ClaimResult> measure_claims(const std::vector<Claim>& claims, const std::filesystem::path& data_dir, const std::function<void()>& done) {
     std::vector<ClaimResult> results(claims.size());
     enum class Kind { scene, sweep, render, table, timing };
-    std::map<std::pair<Kind, std::string>, Places> subjects;
+    // Apart from the others those that need the tape of every ray: it costs more than all the rest of a map.
+    std::map<std::tuple<Kind, std::string, bool>, Places> subjects;
     for (std::size_t i = 0; i < claims.size(); ++i) {
         results[i].trouble = missing_for(claims[i]);
         if (!results[i].trouble.empty()) {
@@ -302,13 +287,14 @@ std::vector<ClaimResult> measure_claims(const std::vector<Claim>& claims, const 
         }
         const Claim& c = claims[i];
         const Kind kind = c.timing ? Kind::timing : !c.scene.empty() ? Kind::scene : !c.sweep.empty() ? Kind::sweep : !c.render.empty() ? Kind::render : Kind::table;
-        subjects[{kind, claims[i].subject()}].push_back(i);
+        subjects[{kind, c.subject(), asks_for_attribution(c)}].push_back(i);
     }
     for (const auto& [subject, places] : subjects) {
-        if (subject.first == Kind::scene) measure_scene(claims, places, data_dir, results);
-        else if (subject.first == Kind::sweep) measure_sweep(claims, places, data_dir, results);
-        else if (subject.first == Kind::render) measure_render(claims, places, data_dir, results);
-        else if (subject.first == Kind::table) measure_table(claims, places, results);
+        const Kind kind = std::get<Kind>(subject);
+        if (kind == Kind::scene) measure_scene(claims, places, data_dir, results);
+        else if (kind == Kind::sweep) measure_sweep(claims, places, data_dir, results);
+        else if (kind == Kind::render) measure_render(claims, places, data_dir, results);
+        else if (kind == Kind::table) measure_table(claims, places, results);
         else for (const std::size_t i : places) results[i] = judge(claims[i], timed_ratio(claims[i], done), nullptr);
         done();
     }

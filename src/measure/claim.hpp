@@ -20,10 +20,6 @@ struct ClaimResult {
     WorstRay witness;     ///< the worst ray of the measurement, where there is one
 };
 
-/// A column of the summary by its name in the CSV; NaN where it is missing there.
-/// InputError for an unknown name, with did-you-mean; `where` starts the message.
-double summary_value(const MapSummary& summary, const std::vector<const Metric*>& metrics, const std::string& column, const std::string& where);
-
 /// The form and format that a claim is about. InputError, with the claim's position, for names that do not exist.
 MapRow claim_row(const scene::Claim& claim);
 

@@ -1,14 +1,21 @@
 #include "measure/culprits.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <deque>
 #include <limits>
 #include <map>
 #include <mutex>
+#include <numeric>
+#include <optional>
 
 #include "intersect/recording.hpp"
 #include "measure/tape_text.hpp"
+#include "number/error.hpp"
+#include "scene/did_you_mean.hpp"
+#include "scene/march_table.hpp"
+#include "scene/round.hpp"
 
 namespace lostbits {
 namespace {
@@ -42,15 +49,55 @@ std::vector<std::string_view> steps_of(const Tape& tape) {
     return step;
 }
 
-double labelled_contribution(const Sample& s) {
-    if (!s.blame || is_decision((*s.blame->tape)[s.blame->attribution->subject].op)) return missing;
-    const std::string_view label = s.metric->name.substr(s.metric->name.find(':') + 1);
-    return contribution_of(*s.blame->tape, *s.blame->attribution, label) / s.blame->ulp;
+std::optional<Target<double>> target_of(const Intersector& form, const Setting& setting) {
+    if (form.shape == Shape::sdf) return setting.march ? std::optional(Target<double>(setting.solids, *setting.march)) : std::nullopt;
+    const auto fits = std::ranges::find(setting.solids, form.shape, &Solid<double>::shape);
+    return fits == setting.solids.end() ? std::nullopt : std::optional(Target<double>(*fits));
 }
+
+/// Not where the result is exact whatever the operands are.
+bool can_err(TapeOp op) { return op == TapeOp::constant || (is_operation(op) && op != TapeOp::neg && op != TapeOp::abs); }
+
+double labelled_contribution(const Sample& s) {
+    if (!s.blame || s.blame->attribution->subject == no_node || is_decision((*s.blame->tape)[s.blame->attribution->subject].op)) return missing;
+    return contribution_of(*s.blame->tape, *s.blame->attribution, label_of(*s.metric)) / s.blame->ulp;
+}
+
+double labelled_cancellation(const Sample& s) { return s.blame ? cancellation_of(*s.blame->tape, *s.blame->attribution, label_of(*s.metric)) : missing; }
+
+/// What there is of each label; `name` is to be filled in.
+struct Labelled {
+    std::string_view prefix, layer;
+    Metric metric;
+};
+constexpr std::array labelled{
+    Labelled{"contribution:", "contribution.",
+             {"", "ulp", "", "what the operations of that name add to t by their own rounding, in ulps of t without rounding", needs_attribution, Ramp::magnitude, 0x1p-4, 0x1p+24, false, labelled_contribution}},
+    Labelled{"cancellation:", "cancellation.",
+             {"", "bits", "", "bits that the operation of that name cancels of operands which already carry error", needs_attribution, Ramp::bits, 0, 0, false, labelled_cancellation}}};
 
 }  // namespace
 
-const Metric* culprit_among(std::span<const Intersector* const> forms, std::span<const Solid<double>> solids, const MarchConstants<double>* march) {
+SettingOf::SettingOf(const scene::Scene& scene) : solids_(scene::shared_solids(scene)) {
+    if (scene.march) march_ = scene::round_march(*scene.march, binary32);
+}
+
+std::vector<std::string> operations_of(const Intersector& form, const Setting& setting) {
+    std::vector<std::string> operations;
+    const auto target = target_of(form, setting);
+    if (!target) return operations;
+    Tape tape;
+    form.record_all(*target, tape);
+    const TapeText text(tape, input_names(form, *target), TapeText::Style::generic);
+    for (NodeId i = 0; i < tape.size(); ++i) {
+        if (!can_err(tape[i].op)) continue;
+        std::string category = text.category(i);
+        if (std::ranges::find(operations, category) == operations.end()) operations.push_back(std::move(category));
+    }
+    return operations;
+}
+
+const Metric* culprit_among(std::span<const Intersector* const> forms, const Setting& setting) {
     static std::mutex lock;
     static std::deque<std::string> texts;
     static std::deque<std::vector<std::string_view>> lists;
@@ -58,16 +105,8 @@ const Metric* culprit_among(std::span<const Intersector* const> forms, std::span
     const std::lock_guard guard(lock);
     auto& list = lists.emplace_back(std::vector{none});
     for (const Intersector* form : forms) {
-        const auto fits = std::ranges::find_if(solids, [form](const Solid<double>& s) { return s.shape == form->shape; });
-        if (form->shape != Shape::sdf && fits == solids.end()) continue;
-        const Target<double> target = form->shape == Shape::sdf ? Target<double>(solids, *march) : Target<double>(*fits);
-        Tape tape;
-        form->record_all(target, tape);
-        const TapeText text(tape, input_names(*form, target), TapeText::Style::generic);
-        for (NodeId i = 0; i < tape.size(); ++i) {
-            if (!is_operation(tape[i].op) && tape[i].op != TapeOp::constant) continue;
-            const std::string category = text.category(i);
-            if (std::ranges::find(list, category) == list.end()) list.push_back(texts.emplace_back(category));
+        for (const std::string& operation : operations_of(*form, setting)) {
+            if (std::ranges::find(list, operation) == list.end()) list.push_back(texts.emplace_back(operation));
         }
     }
     Metric row = *find_metric("culprit");
@@ -75,26 +114,53 @@ const Metric* culprit_among(std::span<const Intersector* const> forms, std::span
     return &rows.emplace_back(row);
 }
 
-const Metric* contribution_metric(std::string_view name) {
+const Metric* labelled_metric(std::string_view name) {
     static std::mutex lock;
     static std::deque<std::string> texts;
     static std::map<std::string, Metric, std::less<>> rows;
-    if (!name.starts_with("contribution:") || name.size() == std::string_view("contribution:").size()) return nullptr;
+    const auto kind = std::ranges::find_if(labelled, [&](const Labelled& l) { return name.starts_with(l.prefix) && name.size() > l.prefix.size(); });
+    if (kind == labelled.end()) return nullptr;
     const std::lock_guard guard(lock);
     if (const auto found = rows.find(name); found != rows.end()) return &found->second;
-    const std::string_view own = texts.emplace_back(name), layer = texts.emplace_back("contribution." + std::string(name.substr(name.find(':') + 1)));
-    const Metric row{own, "ulp", layer, "what the operations of that name add to t by their own rounding, in ulps of t without rounding", needs_attribution, Ramp::magnitude, 0x1p-4, 0x1p+24, false, labelled_contribution};
-    return &rows.emplace(own, row).first->second;
+    Metric row = kind->metric;
+    row.name = texts.emplace_back(name);
+    row.layer = texts.emplace_back(std::string(kind->layer) + std::string(name.substr(kind->prefix.size())));
+    return &rows.emplace(row.name, row).first->second;
 }
 
-std::vector<std::string_view> labels_of(const Intersector& form, const Target<double>& target) {
-    Tape tape;
-    form.record_all(target, tape);
+std::vector<std::string_view> labels_of(const Intersector& form, const Setting& setting) {
     std::vector<std::string_view> labels;
+    const auto target = target_of(form, setting);
+    if (!target) return labels;
+    Tape tape;
+    form.record_all(*target, tape);
     for (const TapeNode& n : tape.nodes) {
         if (!n.label.empty() && std::ranges::find(labels, n.label) == labels.end()) labels.push_back(n.label);
     }
     return labels;
+}
+
+void bind_to_run(std::vector<const Metric*>& metrics, const std::vector<const Intersector*>& forms, const Setting& setting) {
+    for (const Metric*& m : metrics) {
+        if (m->by_run()) m = culprit_among(forms, setting);
+        if (!is_labelled(*m)) continue;
+        const std::string label(label_of(*m));
+        std::vector<std::string> labels;
+        for (const Intersector* form : forms) {
+            for (const auto& each : labels_of(*form, setting)) {
+                if (std::ranges::find(labels, each) == labels.end()) labels.emplace_back(each);
+            }
+        }
+        if (std::ranges::find(labels, label) != labels.end()) continue;
+        throw InputError("--metric " + std::string(m->name) + ": no selected form names \"" + label + "\"; " + (labels.empty() ? "none of them names anything" : scene::did_you_mean(label, labels)));
+    }
+}
+
+double culprit_share(std::span<const std::uint64_t> counts, std::span<const std::size_t> places) {
+    const std::uint64_t all = std::accumulate(counts.begin() + 1, counts.end(), std::uint64_t{0});
+    std::uint64_t some = 0;
+    for (const std::size_t place : places) some += counts[place];
+    return all == 0 ? missing : static_cast<double>(some) / static_cast<double>(all);
 }
 
 double contribution_of(const Tape& tape, const Attribution& attribution, std::string_view label) {
@@ -113,6 +179,16 @@ int worst_cancellation(const Attribution& attribution) {
     int worst = 0;
     for (const OperationError& e : attribution.of) {
         if (e.live && e.carried) worst = std::max(worst, e.cancelled);
+    }
+    return worst;
+}
+
+double cancellation_of(const Tape& tape, const Attribution& attribution, std::string_view label) {
+    double worst = missing;
+    for (NodeId i = 0; i < tape.size(); ++i) {
+        if (tape[i].label != label) continue;
+        const OperationError& e = attribution.of[static_cast<std::size_t>(i)];
+        worst = std::fmax(worst, e.live && e.carried ? e.cancelled : 0);
     }
     return worst;
 }
@@ -136,7 +212,7 @@ Blame Blamer::of(const Ray<double>& ray, const Target<double>& target, double tm
     if (subject == no_node) return blame;
     const double size = std::fabs(attribution_.of[static_cast<std::size_t>(subject)].exact);
     blame.ulp = std::ldexp(1.0, static_cast<int>(ulp_exponent(format_.shape, size == 0 || !std::isfinite(size) ? -100000 : std::ilogb(size))));
-    if (categories_.empty()) return blame;
+    if (categories_.empty() || is_plain_miss(tape_, attribution_)) return blame;
     if (attribution_.culprit == no_node) {
         blame.culprit = 0;
         return blame;

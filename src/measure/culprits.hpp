@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <unordered_map>
@@ -10,6 +11,8 @@
 #include "intersect/table.hpp"
 #include "measure/attribution.hpp"
 #include "measure/metrics.hpp"
+#include "scene/family.hpp"
+#include "scene/scene.hpp"
 
 namespace lostbits {
 
@@ -21,15 +24,46 @@ struct Blame {
     double ulp = 0;             ///< of the format at the exact value of the subject
 };
 
-/// `culprit` with its categories: first `none`, then the operations of each form in the order of its tape, those that several forms
-/// share once. Lives as long as the program.
-const Metric* culprit_among(std::span<const Intersector* const> forms, std::span<const Solid<double>> solids, const MarchConstants<double>* march);
+/// What the forms of a run are asked of; a view.
+struct Setting {
+    std::span<const Solid<double>> solids;
+    const MarchConstants<double>* march = nullptr;  ///< null: no form that marches is asked
+};
 
-/// `contribution:LABEL`: the row of that label, or null where `name` is no such name. Lives as long as the program.
-const Metric* contribution_metric(std::string_view name);
+/// A scene's or a step's solids and constants as a `Setting`, kept while it lives.
+class SettingOf {
+public:
+    explicit SettingOf(const scene::Scene& scene);
+    explicit SettingOf(const scene::RayGroup& rays) : solids_(rays.solids), march_(rays.march) {}
+    [[nodiscard]] Setting get() const { return {solids_, march_ ? &*march_ : nullptr}; }
 
-/// Every label of a form.
-std::vector<std::string_view> labels_of(const Intersector& form, const Target<double>& target);
+private:
+    std::vector<Solid<double>> solids_;
+    std::optional<MarchConstants<double>> march_;
+};
+
+/// Every operation of a form that can round or choose, in the order of its tape, each once, as maps and claims call it; empty where
+/// the form cannot be asked.
+std::vector<std::string> operations_of(const Intersector& form, const Setting& setting);
+
+/// `culprit` with its categories: first `none`, then the operations of each form, those that several forms share once. Lives as
+/// long as the program.
+const Metric* culprit_among(std::span<const Intersector* const> forms, const Setting& setting);
+
+/// `contribution:LABEL` or `cancellation:LABEL`: the row of that label, or null where `name` is no such name. Lives as long as the program.
+const Metric* labelled_metric(std::string_view name);
+inline bool is_labelled(const Metric& metric) { return metric.name.find(':') != std::string_view::npos; }
+inline std::string_view label_of(const Metric& metric) { return metric.name.substr(metric.name.find(':') + 1); }
+
+/// Every label of a form, in the order of its tape; empty where the form cannot be asked.
+std::vector<std::string_view> labels_of(const Intersector& form, const Setting& setting);
+
+/// Gives `culprit` the operations of these forms. InputError for a label that none of them has, with did-you-mean.
+void bind_to_run(std::vector<const Metric*>& metrics, const std::vector<const Intersector*>& forms, const Setting& setting);
+
+/// The share of one category, or of several, in the rays that have a culprit, by the counts of `culprit`'s categories; NaN where no
+/// ray has one. Rays on which nothing rounds have none.
+double culprit_share(std::span<const std::uint64_t> counts, std::span<const std::size_t> places);
 
 /// The contributions of the operations that make up what the formula calls `label`: that operation and the unnamed ones that lead to it
 /// first, summed; NaN where none has that name.
@@ -37,6 +71,9 @@ double contribution_of(const Tape& tape, const Attribution& attribution, std::st
 
 /// The bits of the largest cancellation among the live operations whose operands carry error.
 int worst_cancellation(const Attribution& attribution);
+
+/// The same among the operations of that name; NaN where none has it.
+double cancellation_of(const Tape& tape, const Attribution& attribution, std::string_view label);
 
 /// Walks the tape of one ray after another for one form. Not for several threads at once.
 class Blamer {

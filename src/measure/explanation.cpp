@@ -91,7 +91,9 @@ Explanation explain(const Intersector& form, const Format& format, const OneRay&
     const OneRay::Inputs in = ray.inputs(form, format);
     const Answers answers = evaluate(form, in.all);
     const Truth& truth = ray.truth(*form.info);
-    Explanation x{.form = &form, .format = format, .names = {}, .inputs = {}, .tape = {}, .attribution = {}, .standing = {}, .true_t = {}, .better = {}};
+    Explanation x{.form = &form, .format = format, .names = {}, .inputs = {}, .given = {}, .tape = {}, .attribution = {}, .standing = {}, .true_t = {}, .better = {}};
+    const Vec<double> given = in.all.rays[in.index].direction, received = in.ray(*form.info).direction;
+    if (given.x != received.x || given.y != received.y || given.z != received.z) x.given = given;
     x.solids = static_cast<int>(in.all.solids.size());
     x.solid = std::max(0, answers.hit[in.index] != 0 ? answers.object[in.index] : truth.object);
     const Target<double> target = in.all.target_for(form, static_cast<std::size_t>(x.solid));

@@ -27,6 +27,7 @@ struct Explanation {
     Format format;
     std::vector<std::string> names;  ///< of the inputs, in the tape's order
     std::vector<double> inputs;      ///< as the form received them
+    std::optional<Vec<double>> given;  ///< the direction as the ray has it, where the form received it normalised and rounded
     int solid = 0, solids = 1;       ///< which of the scene's solids the form was asked of, from 0; of a march all together
     Tape tape;
     Attribution attribution;

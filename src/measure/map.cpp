@@ -118,6 +118,14 @@ std::map<std::string, BandNeeds> needs_by_format(const std::vector<MapRow>& rows
 
 }  // namespace
 
+std::vector<const Intersector*> forms_of(const std::vector<MapRow>& rows) {
+    std::vector<const Intersector*> forms;
+    for (const MapRow& row : rows) {
+        if (std::ranges::find(forms, row.form) == forms.end()) forms.push_back(row.form);
+    }
+    return forms;
+}
+
 MapSummary::MapSummary(const std::vector<const Metric*>& measured) : metrics(measured.size()) {
     for (const Metric* m : measured) categories.emplace_back(m->categories.size());
 }

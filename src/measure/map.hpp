@@ -24,7 +24,11 @@ struct MapRow {
     std::optional<Touching> judged = {};
 
     [[nodiscard]] Touching touching() const { return judged.value_or(form->info->touching); }
+    friend bool operator==(const MapRow&, const MapRow&) = default;
 };
+
+/// The forms of the rows, each once, in their order.
+std::vector<const Intersector*> forms_of(const std::vector<MapRow>& rows);
 
 /// A worst sample, in a form that can be pasted back.
 struct WorstRay {

@@ -155,7 +155,7 @@ std::span<const Metric> metrics() { return table; }
 
 const Metric* find_metric(std::string_view name) {
     const auto found = std::ranges::find(table, name, &Metric::name);
-    return found == table.end() ? contribution_metric(name) : &*found;
+    return found == table.end() ? labelled_metric(name) : &*found;
 }
 
 double lost_bits(double ulps, int precision) {

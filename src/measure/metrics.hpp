@@ -59,7 +59,7 @@ struct Metric {
 /// Every metric, in the order of layers and columns.
 std::span<const Metric> metrics();
 
-/// The row of that name, or null; of `contribution:LABEL` one that is in no table.
+/// The row of that name, or null; of `contribution:LABEL` and `cancellation:LABEL` one that is in no table.
 const Metric* find_metric(std::string_view name);
 
 /// Lost bits of an error of that many ulps: clamp(log2(2|ulps|), 0, p). Half an ulp loses none, 2^k ulps lose k + 1.

@@ -1,12 +1,14 @@
 #include "output/claim_files.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 #include <pugixml.hpp>
 
 #include <cmath>
 #include <sstream>
 
+#include "measure/claim_columns.hpp"
 #include "output/csv.hpp"
 #include "output/number_text.hpp"
 
@@ -18,8 +20,16 @@ using State = ClaimResult::State;
 
 const char* state_name(State s) { return s == State::agrees ? "agrees" : s == State::disagrees ? "disagrees" : s == State::broken ? "broken" : "skipped"; }
 const char* verdict_name(const Claim& c) { return c.verdict == Claim::Verdict::holds ? "holds" : "refuted"; }
-std::string quantity(const Claim& c) {
-    return c.onset.empty() ? c.metric : fmt::format("onset of {} {} {}", c.onset, c.statistic, decimal(c.threshold));
+/// ` --metric contribution:c` for a claim about contribution_c_p50: what a run does not measure unless it is told to.
+std::string metric_option(const Claim& c) {
+    if (!c.operations.empty()) return " --metric culprit";
+    if (!asks_for_attribution(c)) {
+        const Metric* const metric = metric_of_column(c.metric);
+        return metric != nullptr && !metric->by_default ? fmt::format(" --metric {}", metric->name) : "";
+    }
+    const std::string metric = c.metric.substr(0, c.metric.rfind('_'));
+    const auto label = metric.find('_');
+    return label == std::string::npos ? " --metric " + metric : fmt::format(" --metric \"{}:{}\"", metric.substr(0, label), metric.substr(label + 1));
 }
 
 /// XML 1.0 has no way to write most control characters.
@@ -38,6 +48,11 @@ std::string witness_text(const ClaimResult& r) {
 }
 
 }  // namespace
+
+std::string quantity(const Claim& c) {
+    if (!c.operations.empty()) return fmt::format("{} of {}", c.metric, fmt::join(c.operations, " and of "));
+    return c.onset.empty() ? c.metric : fmt::format("onset of {} {} {}", c.onset, c.statistic, decimal(c.threshold));
+}
 
 std::string explain(const Claim& c, const ClaimResult& r) {
     const std::string expected = fmt::format("expected {} in [{}, {}]", quantity(c), decimal(c.low), decimal(c.high));
@@ -58,9 +73,7 @@ std::string reproduce(const Claim& c) {
     if (!c.table.empty()) return fmt::format("lostbits check --filter '{}' --measure", c.id);
     if (!c.render.empty()) return fmt::format("lostbits render {}{} -i {} -f {} -o out", c.render, c.stage ? fmt::format(" --stage {}", name_of(*c.stage)) : "", c.form, c.format);
     if (c.step) return fmt::format("lostbits explain {} --pixel 0,0 -i {} -f {}", c.scene, c.form, c.format);
-    const Metric* const metric = metric_of_column(c.metric);
-    const std::string asked = metric != nullptr && !metric->by_default ? fmt::format(" --metric {}", metric->name) : "";
-    return fmt::format("lostbits {} {} -i {} -f {}{} -o out", c.scene.empty() ? "sweep" : "map", c.subject(), c.form, c.format, asked);
+    return fmt::format("lostbits {} {} -i {} -f {}{} -o out", c.scene.empty() ? "sweep" : "map", c.subject(), c.form, c.format, metric_option(c));
 }
 
 std::string where_measured(const Claim& c) {

@@ -19,6 +19,8 @@ void write_claims_csv(const std::filesystem::path& path, const std::vector<scene
 /// The same as an array; numbers that JSON cannot hold are strings.
 void write_claims_json(const std::filesystem::path& path, const std::vector<scene::Claim>& claims, const std::vector<ClaimResult>& results);
 
+/// What is measured: `lost_bits_p50`, `onset of false_hit count 1`, `culprit_fraction of c`.
+std::string quantity(const scene::Claim& claim);
 /// Why a claim does not agree, in one line: what was expected, what was measured.
 std::string explain(const scene::Claim& claim, const ClaimResult& result);
 /// Scene, sweep or table, and the place in it.

@@ -1,11 +1,13 @@
 #include "output/claim_report.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <map>
 #include <set>
 
+#include "measure/claim_columns.hpp"
 #include "output/atomic_file.hpp"
 #include "output/case_files.hpp"
 #include "output/claim_files.hpp"
@@ -108,10 +110,12 @@ Shown shown_of(const Subject& subject, const std::vector<Claim>& claims) {
     for (const std::size_t i : subject.claims) {
         const std::string& what = claims[i].onset.empty() ? claims[i].metric : claims[i].onset;
         const std::string& statistic = claims[i].onset.empty() ? claims[i].metric : claims[i].statistic;
-        const bool bits = what.find("bits") != std::string::npos;
+        // Bits of an operation are lost bits somewhere.
+        const bool bits = what.find("bits") != std::string::npos || asks_for_attribution(claims[i]);
         shown.wrong |= !bits;
-        shown.median |= bits && statistic.ends_with("p50");
-        shown.tail |= bits && !statistic.ends_with("p50");
+        const bool tail = statistic.ends_with("p99") || statistic.ends_with("max");
+        shown.median |= bits && !tail;
+        shown.tail |= bits && tail;
     }
     return shown;
 }
@@ -174,12 +178,13 @@ std::string row_text(const Claim& c, const ClaimResult& r) {
     const std::string verdict = r.state == State::agrees ? (c.verdict == Claim::Verdict::holds ? "holds" : "**refuted**")
                                 : r.state == State::skipped ? "skipped"
                                                             : "**no longer measures as stated**";
-    const std::string what = c.onset.empty() ? c.metric : fmt::format("onset of {} {} {}", c.onset, c.statistic, decimal(c.threshold));
+    // Expressions have stars.
+    const std::string what = c.operations.empty() ? quantity(c) : fmt::format("{} of `{}`", c.metric, fmt::join(c.operations, "`, `"));
     std::string place = c.stage ? "stage " + std::string(name_of(*c.stage)) : c.case_name;
     if (c.step) place = fmt::format("sample {}", *c.step);
     for (const double x : c.at) place += (place.empty() ? "at " : ", ") + decimal(x);
     return fmt::format("| {} | {}{} | {} | {} = {} | `{}` |\n", verdict, cell(c.statement), c.note.empty() ? "" : " <br> *" + cell(c.note) + "*",
-                       cell(fmt::format("{}{}{}", c.form.empty() ? c.row : c.form, " " + c.format, place.empty() ? "" : ", " + place)), what, rounded(r.measured), c.id);
+                       cell(fmt::format("{}{}{}", c.form.empty() ? c.row : c.form, " " + c.format, place.empty() ? "" : ", " + place)), cell(what), rounded(r.measured), c.id);
 }
 
 }  // namespace

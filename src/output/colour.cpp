@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <limits>
 #include <stdexcept>
 
 #include "output/number_text.hpp"
@@ -56,7 +57,66 @@ std::string tick_label(double value) {
     return {text, end};
 }
 
+/// Oklab (Ottosson 2020) in thousandths: whole numbers, so that the last bits of a machine's cbrt decide nothing.
+struct Lab {
+    int l, a, b;
+    explicit Lab(Rgb8 c) {
+        const auto linear = [](std::uint8_t x) { return linear_light(x) / 65535.0; };
+        const double r = linear(c.r), g = linear(c.g), blue = linear(c.b);
+        const double x = std::cbrt(0.4122214708 * r + 0.5363325363 * g + 0.0514459929 * blue);
+        const double y = std::cbrt(0.2119034982 * r + 0.6806995451 * g + 0.1073969566 * blue);
+        const double z = std::cbrt(0.0883024619 * r + 0.2817188376 * g + 0.6299787005 * blue);
+        const auto thousandths = [](double v) { return static_cast<int>(std::lround(1000 * v)); };
+        l = thousandths(0.2104542553 * x + 0.7936177850 * y - 0.0040720468 * z);
+        a = thousandths(1.9779984951 * x - 2.4285922050 * y + 0.4505937099 * z);
+        b = thousandths(0.0259040371 * x + 0.7827717662 * y - 0.8086757660 * z);
+    }
+    [[nodiscard]] int distance(const Lab& o) const { return (l - o.l) * (l - o.l) + (a - o.a) * (a - o.a) + (b - o.b) * (b - o.b); }
+};
+
+/// Every colour of a 17 x 17 x 17 cube with its distance from what is taken.
+class FarthestColours {
+public:
+    FarthestColours() {
+        for (int i = 0; i < 17 * 17 * 17; ++i) {
+            const auto level = [](int k) { return static_cast<std::uint8_t>(k * 255 / 16); };
+            const Rgb8 c{level(i / 289), level(i / 17 % 17), level(i % 17)};
+            candidates_.push_back({c, Lab(c), std::numeric_limits<int>::max()});
+        }
+    }
+    void take(Rgb8 c) {
+        const Lab lab(c);
+        for (Candidate& each : candidates_) each.nearest = std::min(each.nearest, each.lab.distance(lab));
+    }
+    Rgb8 next() {
+        const Rgb8 c = std::ranges::max_element(candidates_, {}, &Candidate::nearest)->colour;
+        take(c);
+        return c;
+    }
+
+private:
+    struct Candidate {
+        Rgb8 colour;
+        Lab lab;
+        int nearest;
+    };
+    std::vector<Candidate> candidates_;
+};
+
 }  // namespace
+
+Rgb8 distinct_colour(std::size_t place) {
+    static const auto colours = [] {
+        std::vector<Rgb8> all(object_colours.begin(), object_colours.end());
+        FarthestColours farthest;
+        for (const Rgb8 c : object_colours) farthest.take(c);
+        for (const Rgb8 c : outcome_colours) farthest.take(c);
+        farthest.take({255, 255, 255});
+        while (all.size() < 1000) all.push_back(farthest.next());
+        return all;
+    }();
+    return colours[place % colours.size()];
+}
 
 Rgb8 object_colour(std::uint32_t id) noexcept {
     return id == 0 ? outcome_colours[1] : object_colours[(id - 1) % object_colours.size()];

@@ -40,6 +40,10 @@ inline constexpr std::array<Rgb8, 4> stop_colours{{
 /// used again from the twenty-first object on.
 [[nodiscard]] Rgb8 object_colour(std::uint32_t id) noexcept;
 
+/// The colour of the place-th of many categories, from 0: the twenty of objects, then each time the one farthest in Oklab from all
+/// before it, from the outcomes' and from the page's. A thousand, no two alike; then they are used again.
+[[nodiscard]] Rgb8 distinct_colour(std::size_t place);
+
 /// Maps a metric to a colour: linear or log2 between two ends, clamped outside.
 class ColourScale {
 public:

@@ -1,9 +1,9 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <stdexcept>
 
 #include "measure/tape_text.hpp"
-#include "number/error.hpp"
 #include "output/explain_programs.hpp"
 #include "output/number_text.hpp"
 #include "output/tape_slice.hpp"
@@ -100,8 +100,17 @@ private:
             case TapeOp::max: return fmt::format("(if (> {0} {1}) {0} {1})", at(0), at(1));
             case TapeOp::select: return call("if", i);
             case TapeOp::convert: return call("cast", i);
-            default: throw InputError(fmt::format("--fpcore: {} moves to neighbouring numbers, for which FPCore has no operation; try --c", x_.form->info->name));
+            case TapeOp::next_up: return neighbour(i, "toPositive", "+");
+            case TapeOp::next_down: return neighbour(i, "toNegative", "-");
+            default: throw std::logic_error("an operation that is no number's");
         }
+    }
+
+    /// FPCore names no neighbours, but x + η rounded upward, η the smallest positive number of the format, is the next above any finite x; −∞ stays
+    /// what it is, and above −η comes +0 in place of −0.
+    [[nodiscard]] std::string neighbour(NodeId i, const char* direction, const char* sign) const {
+        const FloatFormat& f = x_.tape.format_of(i);
+        return fmt::format("(! :round {} ({} {} {}))", direction, sign, operand(x_.tape[i].operands[0]), rational(std::ldexp(1.0, f.emin - f.precision + 1)));
     }
 
     [[nodiscard]] std::string arguments() const {

@@ -11,8 +11,10 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// JSON knows no infinity and no NaN; nlohmann would write null for both.
+/// JSON knows no infinity and no NaN: a number that is one is the string "inf", "-inf" or "nan".
 Json number(double x) { return std::isfinite(x) ? Json(x) : Json(decimal(x)); }
+/// Of a number for which NaN stands for there being none: null then.
+Json if_any(double x) { return std::isnan(x) ? Json(nullptr) : number(x); }
 Json exact(double x) { return {{"decimal", number(x)}, {"hex", hex(x)}}; }
 Json node_or_null(const TapeText& text, NodeId i) { return i == no_node ? Json(nullptr) : Json(text.name(i)); }
 
@@ -49,7 +51,7 @@ Json operation(const Explanation& x, const TapeText& text, NodeId i) {
 }
 
 Json standing(const Standing& s) {
-    return {{"form", std::string(s.form->info->name)}, {"outcome", std::string(outcome_names[static_cast<std::size_t>(s.outcome)])}, {"t", number(s.t)}, {"ulp_error", number(s.ulps)}, {"lost_bits", number(s.lost)}};
+    return {{"form", std::string(s.form->info->name)}, {"outcome", std::string(outcome_names[static_cast<std::size_t>(s.outcome)])}, {"t", number(s.t)}, {"ulp_error", if_any(s.ulps)}, {"lost_bits", if_any(s.lost)}};
 }
 
 }  // namespace
@@ -59,19 +61,21 @@ std::string explain_json(const Explanation& x) {
     const Attribution& a = x.attribution;
     Json j{{"schema", "lostbits-explanation/1"}, {"form", std::string(x.form->info->name)}, {"format", x.format.name}, {"solid", x.solid}, {"solids", x.solids}};
     for (std::size_t i = 0; i < x.inputs.size(); ++i) j["inputs"][x.names[i]] = exact(x.inputs[i]);
+    j["given_direction"] = x.given ? Json({number(x.given->x), number(x.given->y), number(x.given->z)}) : Json(nullptr);
     j["hit"] = x.hit;
     j["t"] = exact(x.standing.t);
     j["truth"] = x.true_t ? Json(exact(*x.true_t)) : Json(nullptr);
     j["outcome"] = std::string(outcome_names[static_cast<std::size_t>(x.standing.outcome)]);
-    j["ulp_error"] = number(x.standing.ulps);
-    j["lost_bits"] = number(x.standing.lost);
-    j["condition"] = number(x.condition);
-    j["inherent_bits"] = number(x.inherent);
+    j["ulp_error"] = if_any(x.standing.ulps);
+    j["lost_bits"] = if_any(x.standing.lost);
+    j["condition"] = if_any(x.condition);
+    j["inherent_bits"] = if_any(x.inherent);
     j["verdict"] = verdict(x);
     j["sentence"] = culprit_sentence(x);
     j["culprit"] = node_or_null(text, a.culprit);
-    j["attribution"] = {{"subject", node_or_null(text, a.subject)}, {"exact_hit", a.exact_hit}, {"cut_short", a.cut_short}, {"error", number(a.error)}, {"explained", number(a.explained)},
-                        {"first_order", number(a.first_order)}, {"ulp", number(x.ulp_of_subject())}, {"shadow_bits", a.shadow_bits}};
+    const auto of_subject = [&a](double v) { return a.subject == no_node ? Json(nullptr) : number(v); };
+    j["attribution"] = {{"subject", node_or_null(text, a.subject)}, {"exact_hit", a.exact_hit}, {"cut_short", a.cut_short}, {"error", of_subject(a.error)}, {"explained", of_subject(a.explained)},
+                        {"first_order", of_subject(a.first_order)}, {"ulp", if_any(x.ulp_of_subject())}, {"shadow_bits", a.shadow_bits}};
     j["operations"] = Json::array();
     for (NodeId i = 0; i < x.tape.size(); ++i) j["operations"].push_back(operation(x, text, i));
     j["better"] = Json::array();

@@ -11,7 +11,9 @@
 namespace lostbits::output {
 namespace {
 
+/// NaN has a sign that says nothing and that machines choose differently.
 std::string short_number(double x) {
+    if (std::isnan(x)) return "nan";
     if (x == 0) return "0";
     return std::fabs(x) >= 0.01 && std::fabs(x) < 1e6 ? fmt::format("{:.3g}", x) : fmt::format("{:.2e}", x);
 }
@@ -73,7 +75,7 @@ constexpr std::size_t widest_expression = 54;
 std::string row_of(const Explanation& x, const Words& words, NodeId i) {
     const OperationError& e = words.of(i);
     const int digits = 1 + static_cast<int>(std::ceil(x.tape.format_of(i).precision * 0.30103));
-    const auto number = [digits](double v) { return fmt::format("{:>{}.{}g}", v, digits + 6, digits); };
+    const auto number = [digits](double v) { return fmt::format("{:>{}.{}g}", std::isnan(v) ? std::fabs(v) : v, digits + 6, digits); };
     const std::string mark = i == x.attribution.culprit ? "* " : e.live ? "  " : "- ";
     std::string name = words.text().name(i);
     std::string formula = words.text().expression(i);
@@ -130,7 +132,7 @@ std::string model_sentence(const Explanation& x) {
 
 std::string sums_sentence(const Explanation& x, const Words& words) {
     const Attribution& a = x.attribution;
-    if (a.subject == no_node || !std::isfinite(a.error)) return "";
+    if (a.subject == no_node || !std::isfinite(a.error) || is_plain_miss(x.tape, a)) return "";
     const double ulp = words.ulp(), rest = a.error - a.explained;
     std::string text = fmt::format("Contributions sum to {} of {} ulp{}.", short_number(a.explained / ulp), short_number(a.error / ulp),
                                    std::fabs(rest) <= 1e-6 * std::fabs(a.error) ? "" : fmt::format("; {} ulp are not attributed", short_number(rest / ulp)));
@@ -193,7 +195,7 @@ std::string verdict(const Explanation& x) {
 std::string culprit_sentence(const Explanation& x) {
     const Words words(x);
     const NodeId culprit = x.attribution.culprit;
-    if (x.attribution.subject == no_node) return "No decision of the form was turned by rounding.";
+    if (x.attribution.subject == no_node || is_plain_miss(x.tape, x.attribution)) return "No decision of the form was turned by rounding, so no operation is to blame.";
     if (culprit == no_node) return "No operation rounded on the way to the answer.";
     const TapeNode& n = x.tape[culprit];
     const std::string what = words.text().definition(culprit);
@@ -224,6 +226,10 @@ std::string explain_text(const Explanation& x, bool all) {
     const Words words(x);
     std::string text = fmt::format("{} in {}: {}\n", x.form->info->name, x.format.name, x.form->info->title);
     if (x.solids > 1 && x.form->shape != Shape::sdf) text += fmt::format("asked of solid {} of {}\n", x.solid + 1, x.solids);
+    if (x.given) {
+        text += fmt::format("The direction ({}, {}, {}) is normalised and rounded: the form takes unit directions, and its t is a distance.\n", decimal(x.given->x), decimal(x.given->y),
+                            decimal(x.given->z));
+    }
     text += inputs_block(x) + "\n" + table(x, words, all);
     text += "\n* the culprit; - not on the way to the answer. local: bits lost by the operation alone on exact operands, each rounded once. own: its rounding, in ulps of itself.\n\n";
     text += outcome_sentence(x) + "\n" + culprit_sentence(x) + "\n" + sums_sentence(x, words) + split_sentence(x, words) + turned_sentences(x, words) + model_sentence(x) + verdict(x) + "\n" + better_sentence(x);

@@ -17,7 +17,8 @@ std::string culprit_sentence(const Explanation& x);
 /// Whether the problem or the formula is to blame, by the envelope.
 std::string verdict(const Explanation& x);
 
-/// Everything in one JSON object; numbers as strings of hexadecimal floats beside decimals, since JSON knows no infinity.
+/// Everything in one JSON object. Inputs and results are there as decimals and as hexadecimal floats. A number that is infinite or NaN is the string "inf", "-inf" or
+/// "nan"; what there is not (the error of a miss, the culprit where nothing is lost, a direction that was not normalised) is null.
 std::string explain_json(const Explanation& x);
 
 /// The live operations as a LaTeX `align*`: cancellations under braces, the culprit in a box. Needs amsmath.

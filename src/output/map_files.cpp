@@ -2,7 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <optional>
+
 #include "output/contact_sheet.hpp"
+#include "output/culprit_table.hpp"
 #include "output/datapackage.hpp"
 #include "output/heatmap.hpp"
 #include "output/metric_paint.hpp"
@@ -187,12 +190,14 @@ struct MapFiles::Parts {
     std::vector<Sheet> sheets;
     std::vector<std::unique_ptr<RowFiles>> rows;
     std::unique_ptr<CsvWriter> summary;
+    std::optional<CulpritTable> culprits;
 };
 
 MapFiles::MapFiles(const MapRequest& request, const MapFilesOptions& options)
-    : parts_(new Parts{request, options, {request.metrics, request.scene->shapes()}, {}, {}, {}}) {
+    : parts_(new Parts{request, options, {request.metrics, request.scene->shapes()}, {}, {}, {}, {}}) {
     Parts& p = *parts_;
     p.summary = std::make_unique<CsvWriter>(options.folder / "summary.csv", p.table.columns());
+    if (CulpritTable::is_wanted(request.metrics)) p.culprits.emplace(options.folder / "culprits.csv", std::vector<Column>{}, request.metrics);
     p.sheets = sheets_of(request, options);
     for (const MapRow& row : request.rows) p.rows.push_back(std::make_unique<RowFiles>(request, row, options, image_backend(), p.sheets));
 }
@@ -226,9 +231,11 @@ void MapFiles::finish(const std::vector<MapSummary>& summaries) {
     for (std::size_t r = 0; r < summaries.size(); ++r) {
         p.table.add(*p.summary, p.request.rows[r], summaries[r]);
         p.summary->end_row();
+        if (p.culprits) p.culprits->add(p.request.rows[r], summaries[r]);
     }
 
     std::vector<DataResource> resources{{"summary.csv", "One row per form and format", p.table.columns()}};
+    if (p.culprits) resources.push_back({"culprits.csv", "One row per form, format and operation that is a culprit", CulpritTable::columns({})});
     if (p.options.pixels_csv) {
         for (const MapRow& row : p.request.rows) {
             const std::string stem = std::string(row.form->info->name) + "." + row.format.name;
@@ -237,6 +244,7 @@ void MapFiles::finish(const std::vector<MapSummary>& summaries) {
     }
     resources.insert(resources.end(), p.options.also.begin(), p.options.also.end());
     write_datapackage(p.options.folder / "datapackage.json", p.request.scene->title, resources);
+    if (p.culprits) p.culprits->close();
     p.summary->close();  // last: a folder with a summary is a finished one
 }
 

@@ -3,9 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
-#include <numeric>
 
+#include "measure/culprits.hpp"
 #include "output/number_text.hpp"
 
 namespace lostbits::output {
@@ -107,9 +108,9 @@ void SummaryTable::add(CsvWriter& csv, const MapRow& row, const MapSummary& s) c
     for (std::size_t m = 0; m < metrics.size(); ++m) {
         if (metrics[m]->by_run()) {
             const auto& counts = s.categories[m];
-            const auto most = std::ranges::max_element(counts);
-            const std::uint64_t all = std::accumulate(counts.begin(), counts.end(), std::uint64_t{0});
-            csv.add(all == 0 ? Cell() : Cell(metrics[m]->categories[static_cast<std::size_t>(most - counts.begin())])).add(all == 0 ? Cell() : fraction(*most, all));
+            const std::size_t most = static_cast<std::size_t>(std::max_element(counts.begin() + 1, counts.end()) - counts.begin());
+            const double share = culprit_share(counts, std::array{most});
+            csv.add(std::isnan(share) ? Cell() : Cell(metrics[m]->categories[most])).add(number_or_missing(share));
             continue;
         }
         // A form that does not march has none of these: missing, not zero.

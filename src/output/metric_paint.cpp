@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "output/culprit_table.hpp"
+
 namespace lostbits::output {
 namespace {
 
@@ -28,16 +30,6 @@ constexpr std::size_t most_culprits = 6;      ///< that a legend names
 constexpr std::size_t longest_culprit = 44;   ///< letters
 
 std::string shortened(std::string_view text, std::size_t letters) { return text.size() <= letters ? std::string(text) : std::string(text.substr(0, letters - 2)) + ".."; }
-
-/// The places of what occurred, most frequent first.
-std::vector<std::size_t> by_count(const std::vector<std::uint64_t>& counts) {
-    std::vector<std::size_t> order;
-    for (std::size_t c = 0; c < counts.size(); ++c) {
-        if (counts[c] > 0) order.push_back(c);
-    }
-    std::ranges::stable_sort(order, [&](std::size_t a, std::size_t b) { return counts[a] > counts[b]; });
-    return order;
-}
 
 /// Wrong decisions as shares of the rays that could be wrong so.
 std::vector<std::string> faults_of(const MapSummary& s) {
@@ -63,7 +55,7 @@ bool MetricPaint::shares_with(const Metric& other) const {
 }
 
 Rgb8 MetricPaint::category_colour(std::size_t category) const {
-    if (metric_->by_run() && category == 0) return no_culprit;
+    if (metric_->by_run()) return category == 0 ? no_culprit : distinct_colour(category - 1);
     if (metric_->categories.data() == stop_names.data()) return stop_colours[category];
     return object_colour(static_cast<std::uint32_t>(category + 1));
 }
@@ -78,7 +70,7 @@ Rgb8 MetricPaint::colour(Outcome outcome, double value) const {
 std::vector<LegendEntry> MetricPaint::widest(std::uint64_t pixels) const {
     if (metric_->over == Over::agreed_hits) return widest_legend(pixels);
     if (metric_->by_run()) {
-        std::vector<LegendEntry> entries(most_culprits + 1, {std::string(longest_culprit, 'e'), no_culprit, fmt::format("{} (>99.9%)", pixels)});
+        std::vector<LegendEntry> entries(most_culprits + 2, {std::string(longest_culprit, 'e'), no_culprit, fmt::format("{} (>99.9%)", pixels)});
         for (const Outcome o : {Outcome::agree_miss, Outcome::not_a_number, Outcome::unresolved})
             entries.push_back({plain_name(o), outcome_colours[static_cast<std::size_t>(o)], fmt::format("{} (>99.9%)", pixels)});
         return entries;
@@ -103,10 +95,11 @@ std::vector<LegendEntry> MetricPaint::culprit_legend(const MapSummary& summary, 
     const auto& counts = summary.categories[m];
     std::vector<LegendEntry> entries;
     std::uint64_t rest = 0;
-    for (const std::size_t c : by_count(counts)) {
+    for (const std::size_t c : culprits_by_count(counts)) {
         if (entries.size() < most_culprits) entries.push_back({shortened(metric_->categories[c], longest_culprit), category_colour(c), count_text(counts[c], summary.rays)});
         else rest += counts[c];
     }
+    if (counts.front() > 0) entries.push_back({shortened(metric_->categories.front(), longest_culprit), no_culprit, count_text(counts.front(), summary.rays)});
     if (rest > 0) entries.push_back({"other operations, colours of their own", style::page, count_text(rest, summary.rays)});
     for (std::size_t o = 0; o < summary.outcomes.size(); ++o) {
         const auto outcome = static_cast<Outcome>(o);
@@ -124,7 +117,7 @@ std::string MetricPaint::note() const {
 
 std::string MetricPaint::glance(const MapSummary& s, std::size_t m) const {
     if (metric_->by_run()) {
-        const auto order = by_count(s.categories[m]);
+        const auto order = culprits_by_count(s.categories[m]);
         if (order.empty()) return "no culprit";
         return fmt::format("{}\n{}", percent(s.categories[m][order.front()], s.rays), shortened(metric_->categories[order.front()], 48));
     }

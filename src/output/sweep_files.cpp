@@ -7,12 +7,17 @@
 namespace lostbits::output {
 namespace {
 
-std::vector<Column> sample_columns(const SweepRequest& request) {
+std::vector<Column> axis_columns(const SweepRequest& request) {
     std::vector<Column> columns;
     for (const scene::Axis& axis : request.sweep->axes) {
         columns.push_back({axis.name, "number", axis.unit, "value of the axis"});
         columns.push_back({axis.name + "_hex", "string", axis.unit, "the same, exactly"});
     }
+    return columns;
+}
+
+std::vector<Column> sample_columns(const SweepRequest& request) {
+    std::vector<Column> columns = axis_columns(request);
     // A sweep's rays have no picture: the place of the worst is its number in its set.
     for (Column& c : SummaryTable{request.metrics, request.sweep->shapes()}.columns()) {
         if (c.name == "worst_x") c.meaning = "ray with the largest |ulp_error| in its group, from 0";
@@ -43,15 +48,20 @@ SweepFiles::SweepFiles(const SweepRequest& request, const std::filesystem::path&
     : request_(request), folder_(folder), samples_(folder / "samples.csv", sample_columns(request)) {
     // An onset is a place on one axis.
     if (request.sweep->axes.size() == 1) onsets_.emplace(folder / "onsets.csv", onset_columns(request));
+    if (CulpritTable::is_wanted(request.metrics)) culprits_.emplace(folder / "culprits.csv", axis_columns(request), request.metrics);
 }
 
 void SweepFiles::finish(const std::vector<SweepStep>& steps, const std::vector<Onset>& onsets) {
     const SummaryTable table{request_.metrics, request_.sweep->shapes()};
     for (std::size_t r = 0; r < request_.rows.size(); ++r) {
         for (const SweepStep& step : steps) {
-            for (const double value : step.values) samples_.add(value).add(hex(value));
+            const auto put_axes = [&step](CsvWriter& csv) {
+                for (const double value : step.values) csv.add(value).add(hex(value));
+            };
+            put_axes(samples_);
             table.add(samples_, request_.rows[r], step.rows[r]);
             samples_.end_row();
+            if (culprits_) culprits_->add(request_.rows[r], step.rows[r], put_axes);
         }
     }
     std::vector<DataResource> resources{{"samples.csv", "One row per form, format and step", sample_columns(request_)}};
@@ -59,8 +69,10 @@ void SweepFiles::finish(const std::vector<SweepStep>& steps, const std::vector<O
         write_onsets(onsets);
         resources.push_back({"onsets.csv", "One row per form, format, event and threshold", onset_columns(request_)});
     }
+    if (culprits_) resources.push_back({"culprits.csv", "One row per form, format, step and operation that is a culprit", CulpritTable::columns(axis_columns(request_))});
     write_datapackage(folder_ / "datapackage.json", request_.sweep->title, resources);
     if (onsets_) onsets_->close();
+    if (culprits_) culprits_->close();
     samples_.close();
 }
 

@@ -1,4 +1,4 @@
-// The files of a sweep: samples.csv, onsets.csv (of a sweep with one axis) and datapackage.json.
+// The files of a sweep: samples.csv, onsets.csv (of a sweep with one axis), culprits.csv (where asked for) and datapackage.json.
 #pragma once
 
 #include <filesystem>
@@ -6,6 +6,7 @@
 
 #include "measure/sweep.hpp"
 #include "output/csv.hpp"
+#include "output/culprit_table.hpp"
 
 namespace lostbits::output {
 
@@ -22,6 +23,7 @@ private:
     std::filesystem::path folder_;
     CsvWriter samples_;
     std::optional<CsvWriter> onsets_;  ///< of a sweep with one axis
+    std::optional<CulpritTable> culprits_;
 };
 
 }  // namespace lostbits::output

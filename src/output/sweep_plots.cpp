@@ -3,10 +3,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <functional>
 #include <limits>
 
+#include "measure/culprits.hpp"
+#include "output/culprit_table.hpp"
 #include "output/line_plot.hpp"
 #include "output/map_colour.hpp"
 #include "output/sweep_planes.hpp"
@@ -145,6 +148,39 @@ void write_march_plots(ImageBackend& backend, const std::filesystem::path& folde
     }
 }
 
+/// Which operation is to blame along the axis, of one row: the shares of those that are to blame most anywhere, and of the others together.
+void write_culprit_plot(ImageBackend& backend, const std::filesystem::path& path, const SweepRequest& request, const std::vector<SweepStep>& steps, std::size_t r) {
+    constexpr std::size_t most = 7;
+    constexpr std::size_t longest = 70;
+    const MapRow& row = request.rows[r];
+    const auto m = static_cast<std::size_t>(std::ranges::find_if(request.metrics, &Metric::by_run) - request.metrics.begin());
+    std::vector<double> peak(request.metrics[m]->categories.size());
+    for (const SweepStep& step : steps) {
+        for (std::size_t c = 1; c < peak.size(); ++c) peak[c] = std::fmax(peak[c], culprit_share(step.rows[r].categories[m], std::array{c}));
+    }
+    std::vector<std::size_t> order;
+    for (std::size_t c = 1; c < peak.size(); ++c) {
+        if (peak[c] > 0) order.push_back(c);
+    }
+    if (order.empty()) return;
+    std::ranges::stable_sort(order, [&](std::size_t a, std::size_t b) { return peak[a] > peak[b]; });
+    LinePlotSpec spec{.title = fmt::format("Culprits of {} in {}", row.form->info->name, row.format.name),
+                      .subtitle = {request.sweep->title, fmt::format("{} rays a step; an operation's share of the rays that have a culprit", steps.front().rows[r].rays)},
+                      .x = plot_axis(request.sweep->axes.front()),
+                      .y = {"share of rays", output::Axis::Scale::linear, 0.0, 1.0},
+                      .series = {}};
+    const auto add = [&](const std::string& label, std::span<const std::size_t> places) {
+        spec.series.push_back(series_of(steps, r, label, [&](const MapSummary& s) { return culprit_share(s.categories[m], places); }));
+    };
+    const std::size_t named = order.size() <= most + 1 ? order.size() : most;
+    for (std::size_t k = 0; k < named; ++k) {
+        const std::string_view operation = request.metrics[m]->categories[order[k]];
+        add(operation.size() <= longest ? std::string(operation) : std::string(operation.substr(0, longest - 2)) + "..", std::span(order).subspan(k, 1));
+    }
+    if (named < order.size()) add(fmt::format("{} other operations", order.size() - named), std::span(order).subspan(named));
+    write_line_plot(backend, path, spec);
+}
+
 }  // namespace
 
 void write_sweep_plots(ImageBackend& backend, const std::filesystem::path& folder, const SweepRequest& request, const std::vector<SweepStep>& steps,
@@ -163,6 +199,10 @@ void write_sweep_plots(ImageBackend& backend, const std::filesystem::path& folde
         write_lost_bits_plot(backend, file("lost_bits_p99"), request, steps, onsets, format, 0.99);
         write_wrong_plot(backend, file("wrong"), request, steps, onsets, format);
         write_march_plots(backend, folder, request, steps, onsets, format);
+        for (std::size_t r = 0; r < request.rows.size(); ++r) {
+            const MapRow& row = request.rows[r];
+            if (row.format == format && CulpritTable::is_wanted(request.metrics)) write_culprit_plot(backend, file(fmt::format("culprit.{}", row.form->info->name).c_str()), request, steps, r);
+        }
     }
 }
 

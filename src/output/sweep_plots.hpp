@@ -10,7 +10,7 @@ namespace lostbits::output {
 
 /// One axis: `lost_bits_p50.<format>.png` and `lost_bits_p99.<format>.png` with every form, the conditioning envelope
 /// (inherent bits, where the request measures them) and the sweep's own marks; and `wrong.<format>.png`, the share of
-/// rays that are false hits, false misses or NaN. Two axes: `<form>.<format>.png`, the p99 of lost bits over the plane,
+/// rays that are false hits, false misses or NaN; where culprits are measured, `culprit.<form>.<format>.png`. Two axes: `<form>.<format>.png`, the p99 of lost bits over the plane,
 /// with the colour of the commonest wrong outcome where more than half of the rays are wrong.
 void write_sweep_plots(ImageBackend& backend, const std::filesystem::path& folder, const SweepRequest& request, const std::vector<SweepStep>& steps,
                        const std::vector<Onset>& onsets);

@@ -78,6 +78,16 @@ void read_given(TableReader table, Claim& claim) {
     table.reject_unknown_keys();
 }
 
+/// `operation = "c"`, or several.
+void read_operations(TableReader& table, Claim& claim) {
+    constexpr std::string_view share = "culprit_fraction", key = "operation";
+    if (claim.metric != share) return table.reject(key, "goes with metric = \"culprit_fraction\": it names whose share that is");
+    if (!table.has(key)) table.fail_at("metric", "needs an operation whose share it is: operation = \"c\", what the formula calls it, or an expression as `lostbits map --metric culprit` writes it");
+    claim.quantity = table.where(key);
+    claim.operations = table.node(key).kind == Node::Kind::array ? table.strings(key) : std::vector{table.string(key)};
+    if (claim.operations.empty()) table.fail_at(key, "is empty; name an operation");
+}
+
 void read_expect(TableReader table, Claim& claim) {
     claim.metric = table.optional_string("metric").value_or("");
     claim.onset = table.optional_string("onset").value_or("");
@@ -89,6 +99,8 @@ void read_expect(TableReader table, Claim& claim) {
     } else if (!claim.sweep.empty() && claim.at.empty() && claim.case_name.empty()) {
         table.fail_at("metric", "along a sweep needs `at` in claim.given, the place on the axis, or `case`");
     }
+    claim.quantity = table.where("metric");
+    read_operations(table, claim);
     const auto ends = table.numbers("in", 2);
     claim.low = static_cast<double>(ends[0]);
     claim.high = static_cast<double>(ends[1]);

@@ -49,6 +49,8 @@ struct Claim {
 
     // expect: a column of the summary, or an onset along the sweep
     std::string metric;
+    std::vector<std::string> operations;  ///< of `culprit_fraction`: the operations whose shares are summed
+    Where quantity;                       ///< of the metric, or of its operations, for messages
     std::string onset, statistic;  ///< event and statistic of `onsets.csv`
     double threshold = 0;
     double low = 0, high = 0;  ///< both ends count

@@ -72,7 +72,7 @@ std::variant<Real, NumberFault> parse_number(std::string_view text) {
             mpfr_nextabove(raw);
     }
     if (mpfr_cmpabs(raw, Real(std::numeric_limits<double>::max()).backend().data()) > 0)
-        return NumberFault{"is larger than the largest binary64, about 1.8e308; write a smaller number"};
+        return NumberFault{"is larger than the largest binary64, about 1.8e308; write a smaller number", true};
     return x;
 }
 

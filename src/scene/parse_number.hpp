@@ -12,6 +12,7 @@ namespace lostbits::scene {
 /// Why a text is no number, as the end of a sentence: `is not a number; …`, with what to try.
 struct NumberFault {
     std::string why;
+    bool too_large = false;  ///< a number, but above the largest binary64
 };
 
 /// Reads a decimal (`4100`, `-0.1`, `1e-3`) or a hexadecimal float (`0x1.004p+12`; the exponent is optional).

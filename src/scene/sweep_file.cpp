@@ -187,6 +187,12 @@ std::vector<RayGroup> SweepFile::rays(const std::vector<double>& values) const {
     return {std::move(group)};
 }
 
+RayGroup SweepFile::first_rays() const {
+    std::vector<double> values;
+    for (const Axis& axis : axes) values.push_back(axis.values.front());
+    return std::move(rays(values).front());
+}
+
 std::filesystem::path find_sweep(const std::string& name_or_path, const std::filesystem::path& data_dir) {
     if (std::filesystem::is_regular_file(name_or_path)) return name_or_path;
     std::vector<std::string> names;

@@ -55,6 +55,8 @@ public:
 
     /// The rays of one step, one value per axis.
     [[nodiscard]] std::vector<RayGroup> rays(const std::vector<double>& values) const;
+    /// The first group of the first step: what solids and constants are like.
+    [[nodiscard]] RayGroup first_rays() const;
 
 private:
     Node root_;

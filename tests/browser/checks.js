@@ -50,8 +50,8 @@ function make() {
     lostbits("sweep", sweep, ...forms, ...two, "-o", at("sweep"));
     const drawn = (...metrics) => metrics.flatMap((m) => ["--metric", m]), size = ["--size", "72x56"];
     const errors = drawn("lost_bits", "ulp_error", "excess_bits", "inherent_bits", "condition"), rest = [...size, "--pixels", "csv", "-o", at("map")];
-    lostbits("report", "near-benign", "world-offset", "grazing", "sdf-sphere", ...forms, ...three, ...size, "--metric", "residual", "--no-claims", "-o", at("small"));
-    lostbits("map", "near-benign", "world-offset", "grazing", ...forms, ...three, ...errors, ...rest);
+    lostbits("report", "near-benign", "world-offset", "grazing", "sdf-sphere", ...forms, ...three, ...size, "--metric", "residual", "--metric", "culprit", "--no-claims", "-o", at("small"));
+    lostbits("map", "near-benign", "world-offset", "grazing", ...forms, ...three, ...errors, ...drawn("culprit"), ...rest);
     lostbits("map", "sdf-sphere", ...forms, ...three, ...errors, ...drawn("iterations", "stop"), ...rest);
 }
 

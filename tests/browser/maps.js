@@ -36,14 +36,14 @@ async function pixels({ browser, small, at }) {
             });
         }
     }
-    for (const metric of ["lost_bits", "ulp_error", "relative_error", "residual", "condition", "inherent_bits", "excess_bits", "iterations", "stop"]) assert.ok(compared[metric] > 1000, `${metric}: ${compared[metric]} compared`);
+    for (const metric of ["lost_bits", "ulp_error", "relative_error", "residual", "condition", "inherent_bits", "excess_bits", "culprit", "iterations", "stop"]) assert.ok(compared[metric] > 1000, `${metric}: ${compared[metric]} compared`);
 }
 
 /** The field on the page is the field in the PNG, colour by colour, whatever is around it there. */
 async function colours({ browser, small, at }) {
     const page = await browser.page(small);
     const cases = [["near-benign", "sphere.schoolbook", "bf16", "lost_bits"], ["world-offset", "sphere.unified", "f32", "ulp_error"], ["near-benign", "sphere.unified", "f64", "excess_bits"],
-        ["sdf-sphere", "sdf.sphere_trace", "f32", "stop"], ["sdf-sphere", "sdf.sphere_trace", "f32", "iterations"]];
+        ["near-benign", "sphere.unified", "f32", "culprit"], ["grazing", "sphere.schoolbook", "bf16", "culprit"], ["sdf-sphere", "sdf.sphere_trace", "f32", "stop"], ["sdf-sphere", "sdf.sphere_trace", "f32", "iterations"]];
     for (const [id, form, format, metric] of cases) {
         const field = await page.evaluate(async ([id, form, format, metric]) => {
             const map = index.maps.find((m) => m.id === id), row = map.rows.find((r) => r.form === form && r.format === format);

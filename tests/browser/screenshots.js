@@ -6,6 +6,7 @@ const { Browser, missing } = require("./browser.js");
 
 const views = [
     { name: "maps", hash: "#scene=rtg-fig-7-3-4100-oblique&form=sphere.schoolbook&format=f32&other=sphere.half_b.f64&split=0.6&x=110&y=120", height: 1020 },
+    { name: "operations", hash: "#scene=rtg-fig-7-3-4100-oblique&form=sphere.schoolbook&format=f32&metric=culprit&x=110&y=120", at: "#maps", height: 1320 },
     { name: "sweeps", hash: "#sweep=sphere-distance&statistic=lost_bits_p99&form=sphere.unified&format=f32", at: "#sweeps", height: 720 },
     { name: "claims", at: "#claims", height: 720 },
 ];

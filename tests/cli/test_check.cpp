@@ -93,6 +93,48 @@ TEST_CASE("a claim about a case, a place of a plane and a row of a table") {
     CHECK(r.code == 0);
 }
 
+TEST_CASE("claims about culprits, cancellation and contributions") {
+    const Scratch scratch;
+    const std::string given = "scene = \"rtg-fig-7-3-4100-oblique\"\nform = \"sphere.schoolbook\"\nformat = \"f32\"\n", share = "metric = \"culprit_fraction\"\n";
+    const std::string fd = "\"dot(o - centre, d)\"", in = "in = [0, 1]\n";
+    const std::string file = scratch.write(
+        "c.toml", head + claim("fd", given, share + "operation = " + fd + "\nin = [0.45, 0.5]\n") + claim("c", given, share + "operation = \"c\"\nin = [0.34, 0.38]\n") +
+                      claim("both", given, share + "operation = [\"c\", " + fd + ", \"c\"]\nin = [0.8, 0.87]\n") + claim("median", given, "metric = \"contribution_c_p50\"\nin = [1900, 2000]\n") +
+                      claim("all", given, "metric = \"cancellation_p50\"\nin = [24, 24]\n") + claim("disc", given, "metric = \"cancellation_disc_max\"\nin = [24, 24]\n") +
+                      claim("none", given, "metric = \"cancellation_c_max\"\nin = [0, 0]\n") +
+                      claim("sweep", "sweep = \"sphere-distance\"\nat = 4100\nform = \"sphere.schoolbook\"\nformat = \"f32\"\n", share + "operation = \"c\"\nin = [0.4, 0.6]\n") +
+                      claim("case", "sweep = \"extremes/contact\"\ncase = \"*\"\nform = \"sphere.schoolbook\"\nformat = \"f32\"\n", "metric = \"cancellation_max\"\nin = [0, 24]\n"));
+    const std::string json = (scratch.path() / "c.json").string();
+    const auto r = run("check '" + file + "' --export-json '" + json + "'");
+    INFO(r.out << r.err);
+    CHECK(r.code == 0);
+    const auto array = nlohmann::json::parse(contents(json));
+    CHECK(array[0]["quantity"] == "culprit_fraction of dot(o - centre, d)");
+    CHECK(array[0]["reproduce"] == "lostbits map rtg-fig-7-3-4100-oblique -i sphere.schoolbook -f f32 --metric culprit -o out");
+    CHECK(array[5]["reproduce"] == "lostbits map rtg-fig-7-3-4100-oblique -i sphere.schoolbook -f f32 --metric \"cancellation:disc\" -o out");
+    CHECK(array[2]["measured"].get<double>() == Approx(array[0]["measured"].get<double>() + array[1]["measured"].get<double>()));
+
+    const std::string before = head + "[[claim]]\nid = \"a\"\nstatement = \"A sentence\"\nsource = \"-\"\nverdict = \"holds\"\n[claim.given]\n" + given + "[claim.expect]\n";
+    const std::pair<std::string, std::string> bad[] = {
+        {share + "operation = \"disk\"\n" + in, "c.toml:13:13: sphere.schoolbook has no operation \"disk\"; did you mean \"disc\"?"},
+        {share + "operation = \"dot(o - centre, e)\"\n" + in, "did you mean \"dot(o - centre, d)\"?"},
+        {share + "operation = \"|f|\"\n" + in, "sphere.schoolbook has no operation"},  // sphere.factored_c has
+        {share + in, "c.toml:12:10: claim[0].expect.metric needs an operation"},
+        {share + "operation = []\n" + in, "c.toml:13:13"},
+        {"metric = \"lost_bits_p50\"\noperation = \"c\"\n" + in, "c.toml:13:1: claim[0].expect.operation goes with metric"},
+        {"metric = \"contribution:c_p50\"\n" + in, "c.toml:12:10: unknown metric \"contribution:c_p50\" of sphere.schoolbook; did you mean \"contribution_c_p50\"?"},
+        {"metric = \"contribution_disk_p50\"\n" + in, "did you mean \"contribution_disc_p50\"?"},
+        {"metric = \"cancelation_p50\"\n" + in, "did you mean \"cancellation_p50\"?"},
+        {"metric = \"culprit_fracton\"\n" + in, "did you mean \"culprit_fraction\"?"},
+    };
+    for (const auto& [text, says] : bad) {
+        const auto refused = run("check '" + scratch.write("c.toml", before + text) + "'");
+        INFO(text << refused.err);
+        CHECK(refused.code == 2);
+        CHECK(refused.err.find(says) != std::string::npos);
+    }
+}
+
 TEST_CASE("what this machine lacks is skipped, what nobody knows is refused") {
     const Scratch scratch;
     const std::string junit = (scratch.path() / "j.xml").string();

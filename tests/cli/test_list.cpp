@@ -7,6 +7,7 @@
 
 using namespace lostbits;
 using test::run;
+using test::Scratch;
 
 TEST_CASE("list shows every intersector, as text and as JSON") {
     const auto text = run("list intersectors");
@@ -25,10 +26,36 @@ TEST_CASE("list shows every intersector, as text and as JSON") {
 
 TEST_CASE("list metrics is the metric table") {
     const auto array = nlohmann::json::parse(run("list metrics --json").out);
-    REQUIRE(array.size() == metrics().size());
-    for (std::size_t i = 0; i < array.size(); ++i) {
+    REQUIRE(array.size() == metrics().size() + 2);
+    for (std::size_t i = 0; i < metrics().size(); ++i) {
         CHECK(array[i]["name"] == std::string(metrics()[i].name));
         CHECK(array[i]["layer"] == std::string(metrics()[i].layer));
+    }
+}
+
+TEST_CASE("the metrics of labels are listed, and every form has labels to map") {
+    const auto text = run("list metrics").out;
+    for (const char* name : {"contribution:LABEL", "cancellation:LABEL"}) CHECK(text.find(name) != std::string::npos);
+    CHECK(text.find("lostbits list labels") != std::string::npos);
+    const auto array = nlohmann::json::parse(run("list labels --json").out);
+    REQUIRE(array.size() == intersectors().size());
+    const Scratch scratch;
+    int mapped = 0;
+    for (std::size_t i = 0; i < array.size(); ++i) {
+        const Intersector& form = intersectors()[i];
+        CHECK(array[i]["name"] == std::string(form.info->name));
+        const std::string labels = array[i]["labels"];
+        INFO(form.info->name << ": " << labels);
+        CHECK_FALSE(labels.empty());
+        const std::string last = labels.substr(labels.rfind(' ') + 1);
+        const char* const scene = form.shape == Shape::sphere ? "near-benign" : form.shape == Shape::box ? "box-one" : "sdf-sphere";
+        const auto r = run(std::string("map ") + scene + " --size 8x8 -f f32 -i " + std::string(form.info->name) + " --metric \"contribution:" + last + "\" -q -o out", scratch.path());
+        INFO(r.err);
+        mapped += r.code == 0;
+    }
+    CHECK(mapped == static_cast<int>(array.size()));
+    for (const auto& o : array) {
+        if (o["name"] == "sphere.schoolbook") CHECK(o["labels"] == "a b c disc t");
     }
 }
 

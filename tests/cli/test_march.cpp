@@ -40,7 +40,7 @@ TEST_CASE("explain says what is wrong with its arguments") {
     refused(scene + "-i sdf.sphere_trace", "--pixel X,Y");
     refused(scene + "--pixel 1,0 -i sdf.sphere_trace", "columns 0 to 0");
     refused(scene + "--pixel 0.5,0 -i sdf.sphere_trace", "not a pixel");
-    refused(scene + "--pixel a,0 -i sdf.sphere_trace", "is no number");
+    refused(scene + "--pixel a,0 -i sdf.sphere_trace", "is not a number");
     refused(scene + "--ray 0,0,3,0,0 -i sdf.sphere_trace", "six numbers");
     refused(scene + "--ray 0,0,3,0,0,0 -i sdf.sphere_trace", "direction not zero");
     refused(scene + "--pixel 0,0 -i sdf.sphere_trce", "sdf.sphere_trace");

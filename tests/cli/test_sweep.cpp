@@ -77,6 +77,53 @@ TEST_CASE("the same bytes for any number of threads") {
     }
 }
 
+TEST_CASE("a sweep takes culprits, cancellation and contributions: columns, a long table, a plot a row") {
+    const Scratch scratch;
+    const std::string file = scratch.write("s.toml", small_sweep);
+    const std::string what = "sweep '" + file + "' -i sphere.schoolbook -i sphere.unified -f f32 --metric culprit --metric cancellation --metric cancellation:c --metric contribution:c -q -j ";
+    for (const char* j : {"1", "2"}) REQUIRE(run(what + j + " -o '" + (scratch.path() / j).string() + "'").code == 0);
+    for (const char* name : {"samples.csv", "culprits.csv", "datapackage.json", "culprit.sphere.schoolbook.f32.png", "culprit.sphere.unified.f32.png"}) {
+        const std::string one = contents(scratch.path() / "1/s" / name);
+        CHECK_FALSE(one.empty());
+        CHECK(one == contents(scratch.path() / "2/s" / name));
+    }
+    std::map<std::pair<std::string, std::string>, std::pair<std::string, double>> steps;  // the first operation of each step, and all shares
+    for (const auto& row : read_csv(scratch.path() / "1/s/culprits.csv")) {
+        auto& [first, shares] = steps[{row.at("form"), row.at("distance_radii")}];
+        if (first.empty()) first = row.at("operation");
+        shares += number(row.at("culprit_fraction"));
+        CHECK(number(row.at("culprit_rays")) > 0);
+    }
+    CHECK(steps.size() == 40);
+    for (const auto& row : read_csv(scratch.path() / "1/s/samples.csv")) {
+        const auto& [first, shares] = steps.at({row.at("form"), row.at("distance_radii")});
+        CHECK(row.at("culprit") == first);
+        CHECK(std::fabs(shares - 1) < 1e-12);
+        CHECK_FALSE(row.at("contribution_c_p50").empty());
+        CHECK_FALSE(number(row.at("cancellation_c_max")) > number(row.at("cancellation_max")));
+    }
+    const auto refused = run("sweep sphere-distance -i sphere.schoolbook --metric contribution:disk -o '" + (scratch.path() / "no").string() + "'");
+    CHECK(refused.code == 2);
+    CHECK(refused.err.find("did you mean \"disc\"") != std::string::npos);
+    const std::string search = R"(schema = "lostbits-sweep/1"
+title = "A test"
+source = "-"
+[search]
+origin = [-8, 8]
+direction = [-1, 1]
+centre = [-1, 1]
+radius = [0.5, 2]
+metric = "culprit"
+seed = 1
+starts = 2
+generations = 2
+)";
+    const auto worst = run("sweep '" + scratch.write("w.toml", search) + "' --worst -i sphere.schoolbook -o '" + (scratch.path() / "no").string() + "'");
+    CHECK(worst.code == 2);
+    CHECK(worst.err.find("names an operation and has no largest value") != std::string::npos);
+    CHECK_FALSE(std::filesystem::exists(scratch.path() / "no"));
+}
+
 TEST_CASE("a sweep over a scene turns its numbers through the same overrides as --set") {
     const Scratch scratch;
     const std::string file = scratch.write("s.toml", R"(schema = "lostbits-sweep/1"

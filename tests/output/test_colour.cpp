@@ -118,6 +118,23 @@ TEST_CASE("objects differ and repeat only after twenty", "[colour]") {
     CHECK(object_colour(21) == object_colour(1));
 }
 
+TEST_CASE("a thousand categories have a colour each, the first of them the clearest", "[colour]") {
+    std::vector<Vector> seen;
+    for (const Rgb8 c : outcome_colours) seen.push_back(oklab(linear(c)));
+    for (std::size_t i = 0; i < 1000; ++i) {
+        const Vector mine = oklab(linear(distinct_colour(i)));
+        // 0.02 is a just noticeable difference. Agreed hits have no colour of their own beside categories.
+        const double least = i < 60 ? 0.06 : i < 200 ? 0.04 : 0.02;
+        for (std::size_t j = 1; j < seen.size(); ++j) {
+            INFO(i << " against " << j);
+            if (distance(mine, seen[j]) <= least) FAIL_CHECK(distance(mine, seen[j]));
+        }
+        seen.push_back(mine);
+    }
+    for (std::uint32_t i = 0; i < 20; ++i) CHECK(distinct_colour(i) == object_colour(i + 1));
+    CHECK(distinct_colour(1000) == distinct_colour(0));
+}
+
 TEST_CASE("a scale clamps, and refuses what has no colour", "[colour]") {
     const double inf = std::numeric_limits<double>::infinity();
     const ColourScale scale("grey", grey_ramp(), 0, 24);

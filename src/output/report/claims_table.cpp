@@ -35,7 +35,7 @@ std::optional<Place> place_in_map(const Claim& c, const ClaimResult& r, const Re
     if (part == report.maps.end() || !has_row(*part, c)) return {};
     std::string view = fmt::format("scene={}&form={}&format={}", c.scene, c.form, c.format);
     const Metric* const m = metric_of_column(c.metric);
-    const bool drawn = m == nullptr || std::ranges::find(part->metrics, m->name) != part->metrics.end();
+    const bool drawn = m == nullptr ? !asks_for_attribution(c) : std::ranges::find(part->metrics, m->name) != part->metrics.end();
     if (m != nullptr && drawn) view += fmt::format("&metric={}", m->name);
     if (part->own_size && c.step) view += "&x=0&y=0";  // the march of that pixel is what such a claim follows
     else if (part->own_size && r.witness.x >= 0) view += fmt::format("&x={}&y={}", r.witness.x, r.witness.y);
@@ -141,7 +141,7 @@ std::string claims_table(const Report& report) {
         const Claim& c = report.claims[i];
         const ClaimResult& r = report.results[i];
         const Word word = word_of(c, r);
-        const std::string what = c.onset.empty() ? c.metric : fmt::format("onset of {} {} {}", c.onset, c.statistic, decimal(c.threshold));
+        const std::string what = quantity(c);
         text += fmt::format("<tr id=\"claim-{}\" class=\"{}\" data-command=\"{}\"><td class=\"verdict\">{}</td><td>{}", html(c.id), word.style, html(reproduce(c)), word.text, html(c.statement));
         if (!c.note.empty()) text += fmt::format("<br><em>{}</em>", html(c.note));
         text += fmt::format("<br><small>{}{}<code>{}</code></small></td>", c.source == "-" ? "" : html(c.source), c.source == "-" ? "" : " &middot; ", html(c.id));

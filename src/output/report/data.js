@@ -168,6 +168,7 @@ function rampAt(metric, value) {
 
 function colourOf(metric, outcome, value) {
     if (metric.kind === "classes") return index.outcomes[outcome][1];
+    if (metric.blamed) return Number.isNaN(value) && outcome !== agreeHit ? index.outcomes[outcome][1] : metric.categories[Number.isNaN(value) ? 0 : value][1];
     if (metric.marches) {
         if (Number.isNaN(value)) return index.outcomes[outcomeNames.indexOf("not_a_number")][1];
         return metric.categories ? metric.categories[value][1] : rampAt(metric, value);

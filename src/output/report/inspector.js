@@ -65,7 +65,7 @@ function answerTable(facts) {
 function metricTable(facts) {
     const body = make("tbody");
     for (const [m, value] of facts.metrics) {
-        const text = Number.isNaN(value) ? "–" : m.categories ? words(m.categories[value][0]) : `${tidy(value)} ${m.unit === "1" ? "" : m.unit}`;
+        const text = Number.isNaN(value) ? "–" : m.categories ? categoryName(m, value) : `${tidy(value)} ${m.unit === "1" ? "" : m.unit}`;
         body.append(cells("td", words(m.name), text));
         body.lastChild.title = m.meaning;
         body.lastChild.dataset.metric = m.name;

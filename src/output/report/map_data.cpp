@@ -157,7 +157,7 @@ namespace {
 
 std::string metric_json(const Metric& m, std::span<const MapRow> rows) {
     const MetricPaint paint(m, rows, image_backend());
-    std::string text = fmt::format(R"({{"name":{},"unit":{},"meaning":{},"marches":{},"kind":"{}")", json_text(m.name), json_text(m.unit), json_text(m.meaning), m.over == Over::marches,
+    std::string text = fmt::format(R"({{"name":{},"unit":{},"meaning":{},"marches":{},"blamed":{},"kind":"{}")", json_text(m.name), json_text(m.unit), json_text(m.meaning), m.over == Over::marches, m.over == Over::blamed,
                                    is_derived(m) ? "derived" : is_condition(m) ? "shared" : "stored");
     if (const auto& scale = paint.scale()) {
         std::vector<std::string> ticks;

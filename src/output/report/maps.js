@@ -79,14 +79,30 @@ function rampBar(ticks, text) {
     return make("span", { className: "ramp" }, scale, make("span", { className: "unit" }, text));
 }
 
-function drawLegend() {
+/** An operation's expression, or a word of ours. */
+const categoryName = (metric, value) => (metric.blamed ? metric.categories[value][0] : words(metric.categories[value][0]));
+
+/** The operations that are to blame most often, and in how many pixels. */
+function culpritLegend(metric, pixels) {
+    const counts = new Map(), most = 8;
+    for (const c of pixels.stored[metric.name]) if (!Number.isNaN(c)) counts.set(c, (counts.get(c) ?? 0) + 1);
+    const order = [...counts].sort((a, b) => b[1] - a[1] || a[0] - b[0]), rest = order.slice(most).reduce((sum, [, n]) => sum + n, 0);
+    const shown = order.slice(0, most).map(([c, n]) => make("span", { className: "class" }, swatch(metric.categories[c][1]), ` ${metric.categories[c][0]} ${n}`));
+    return rest > 0 ? [...shown, make("span", { className: "class" }, `${order.length - most} more, in colours of their own ${rest}`)] : shown;
+}
+
+async function drawLegend() {
     const metric = metricNow(), row = rowNow(), children = [];
     if (metric.ticks) children.push(rampBar(metric.ticks, `${words(metric.name)}${metric.unit && metric.unit !== "1" && !metric.name.includes(metric.unit) ? `, ${metric.unit}` : ""}`));
-    if (metric.categories) {
+    if (metric.blamed) children.push(...culpritLegend(metric, await pixelsOf(mapNow(), row)));
+    else if (metric.categories) {
         for (const [name, colour] of metric.categories) children.push(make("span", { className: "class" }, swatch(colour), ` ${words(name)}`));
     }
+    if (metricNow() !== metric || rowNow() !== row) return;  // another is looked at by now
     if (!metric.marches) {
+        const wrongOnes = ["false_hit", "false_miss"].map((name) => outcomeNames.indexOf(name));  // a culprit is named for those too
         index.outcomes.forEach(([name, colour], o) => {
+            if (metric.blamed && wrongOnes.includes(o)) return;
             if (row.outcomes[o] > 0 && (o !== agreeHit || metric.kind === "classes")) children.push(make("span", { className: "class" }, swatch(colour), ` ${words(name)} ${row.outcomes[o]}`));
         });
     }
@@ -129,7 +145,7 @@ async function drawInspector(at) {
 async function hover({ x, y }) {
     const map = mapNow(), metric = metricNow(), pixels = await pixelsOf(map, rowNow()), i = y * map.width + x;
     const value = metric.kind === "classes" ? NaN : valueAt(pixels, metric, i);
-    const text = Number.isNaN(value) ? "" : `, ${words(metric.name)} ${metric.categories ? words(metric.categories[value][0]) : rounded(value)}`;
+    const text = Number.isNaN(value) ? "" : `, ${words(metric.name)} ${metric.categories ? categoryName(metric, value) : rounded(value)}`;
     mapParts.under.textContent = `${x}, ${y}: ${words(outcomeNames[pixels.outcome[i]])}${text}`;
     if (state.x < 0) await drawInspector({ x, y });
 }
@@ -231,7 +247,6 @@ function buildMaps() {
     slider.addEventListener("input", () => look({ split: Number(slider.value) }));
     listeners.push(async () => {
         drawPickers();
-        drawLegend();
-        await Promise.all([drawMap(), drawInspector()]);
+        await Promise.all([drawLegend(), drawMap(), drawInspector()]);
     });
 }
