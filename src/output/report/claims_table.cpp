@@ -7,6 +7,7 @@
 #include <cmath>
 #include <optional>
 
+#include "measure/claim_columns.hpp"
 #include "output/claim_files.hpp"
 #include "output/number_text.hpp"
 #include "output/report/assets.hpp"
