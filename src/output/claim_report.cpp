@@ -187,6 +187,17 @@ std::string row_text(const Claim& c, const ClaimResult& r) {
                        cell(fmt::format("{}{}{}", c.form.empty() ? c.row : c.form, " " + c.format, place.empty() ? "" : ", " + place)), cell(what), rounded(r.measured), c.id);
 }
 
+/// The pictures of `lostbits report`, which tests/browser/screenshots.js takes, as far as the folder has them.
+std::string screenshots_in(const std::filesystem::path& folder) {
+    std::string text;
+    for (const auto& [name, what] : {std::pair{"maps", "Lost bits of one form beside another, and one ray"}, std::pair{"operations", "Culprits, and the operations of one ray"},
+                                     std::pair{"sweeps", "Lost bits along a parameter"}, std::pair{"claims", "Claims, each leading to its pixels or its plot"}}) {
+        const std::string file = fmt::format("screenshots/{}.png", name);
+        if (std::filesystem::exists(folder / file)) text += fmt::format("\n![{}]({})\n", what, file);
+    }
+    return text.empty() ? "" : "\nIt looks like this:\n" + text;
+}
+
 }  // namespace
 
 void write_claim_report(const std::filesystem::path& folder, const std::vector<Claim>& claims, const std::vector<ClaimResult>& results,
@@ -199,9 +210,8 @@ void write_claim_report(const std::filesystem::path& folder, const std::vector<C
     }
     std::string text = fmt::format(
         "# What the sources say, and what is measured\n\nMade by `lostbits check --report reports`; do not edit. {} sentences and parts of sentences: {} hold, {} are refuted{}. Every "
-        "number is of the run that made this page; the tests of lostbits make it anew. `lostbits report` makes a page of them for a browser, where each leads to its pixels or its plot: "
-        "`reports/screenshots` shows what it looks like.\n",
-        claims.size(), held, refuted, other == 0 ? "" : fmt::format(", {} could not be judged or changed", other));
+        "number is of the run that made this page; the tests of lostbits make it anew. `lostbits report` makes a page of them for a browser, where each leads to its pixels or its plot.\n{}",
+        claims.size(), held, refuted, other == 0 ? "" : fmt::format(", {} could not be judged or changed", other), screenshots_in(folder));
     for (const Subject& subject : subjects_of(claims)) {
         const Claim& first = claims[subject.claims.front()];
         text += fmt::format("\n## {}\n\n", subject.name);

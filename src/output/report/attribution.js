@@ -110,6 +110,9 @@ class Walk {
         this.explained = 0;
         this.culprit = -1;
         if (this.subject >= 0) this.attribute(this.subject);
+        // The t of a miss is no answer, so no operation is the culprit of it.
+        this.plainMiss = !this.at(this.hit).value && !this.at(this.hit).turned;
+        if (this.plainMiss) this.culprit = -1;
     }
     at(i) {
         return this.nodes[i];

@@ -37,7 +37,7 @@ function isShown(walk, tape, i) {
 }
 
 function culpritSentence({ tape, walk }, ulp) {
-    if (walk.subject < 0) return "No decision of the form was turned by rounding.";
+    if (walk.subject < 0 || walk.plainMiss) return "No decision of the form was turned by rounding, so no operation is to blame.";
     const subject = walk.at(walk.subject), n = walk.at(walk.culprit);
     if (walk.culprit < 0) return "No operation rounded on the way to the answer.";
     const what = tape.names[walk.culprit] === tape.expressions[walk.culprit] ? tape.expressions[walk.culprit] : `${tape.names[walk.culprit]} = ${tape.expressions[walk.culprit]}`;
