@@ -133,7 +133,6 @@ TEST_CASE("a report that cannot be made leaves nothing") {
     refused("near-benign -i sphere.unifed", 2, "did you mean");
     refused("near-benign near-benign", 2, "given twice");
     refused("near-benign --size 0x4", 2, "--size");
-    refused("near-benign --metric culprit", 2, "lostbits map --metric culprit");
     refused("near-benign -i sphere.press --metric contribution:disk", 2, "did you mean \"disc\"?");
     refused("near-benign -i 'box.*'", 4, "none of the selected intersectors");
     const Scratch scratch;
