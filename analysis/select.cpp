@@ -63,6 +63,10 @@ std::vector<const Metric*> select_metrics(const std::vector<std::string>& globs)
             if (std::ranges::find(chosen, one) == chosen.end()) chosen.push_back(one);
             continue;
         }
+        if (glob == "contribution" || glob.ends_with(':')) {
+            const std::string of = glob.substr(0, glob.find(':'));
+            throw InputError(fmt::format("--metric {}: of which operation? write {}:LABEL, such as {}:c; `lostbits list labels` has every form's", glob, of, of));
+        }
         for (const Metric* m : select_rows(metrics(), {glob}, "metric", "--metric", [](const Metric& row) { return row.name; })) {
             if (std::ranges::find(chosen, m) == chosen.end()) chosen.push_back(m);
         }

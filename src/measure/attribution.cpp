@@ -41,7 +41,7 @@ public:
         for (NodeId i = subject; i >= 0; --i) backward(i);
         for (NodeId i = 0; i <= subject; ++i) sum_up(i);
         found_.error = is_decision(tape_[subject].op) ? apart(subject) : of(subject).error;
-        if (!is_decision(tape_[subject].op) && !std::isfinite(tape_[subject].value)) found_.culprit = origin(subject);
+        if (const NodeId broken = no_number_in(subject); broken != no_node) found_.culprit = origin(broken);
     }
 
 private:
@@ -222,6 +222,15 @@ private:
             decision = next;
         }
         return decision != no_node && of(decision).turned ? decision : no_node;
+    }
+
+    /// The subject where it is no finite number; of a comparison the side that is none and would be one without rounding.
+    NodeId no_number_in(NodeId subject) {
+        if (!is_decision(tape_[subject].op)) return std::isfinite(computed(subject)) ? no_node : subject;
+        for (const NodeId side : tape_[subject].operands) {
+            if (side != no_node && !std::isfinite(computed(side)) && std::isfinite(of(side).exact) && origin(side) != no_node) return side;
+        }
+        return no_node;
     }
 
     /// Where a value that is no finite number came from: the operation whose own operands still are.

@@ -33,7 +33,8 @@ std::vector<Standing> better_than(const Standing& mine, const Format& format, co
     for (const Intersector& other : intersectors(mine.form->shape)) {
         if (&other == mine.form || !other.exists_in(format)) continue;
         const Standing s = standing_of(other, format, ray);
-        if (s.beats(mine)) better.push_back(s);
+        const bool lost_all = s.outcome == Outcome::agree_hit && !(s.lost < format.shape.precision);
+        if (s.beats(mine) && !lost_all) better.push_back(s);
     }
     std::ranges::stable_sort(better, [](const Standing& a, const Standing& b) { return a.beats(b); });
     return better;

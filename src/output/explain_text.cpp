@@ -1,9 +1,11 @@
 #include "output/explain_text.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "measure/tape_text.hpp"
 #include "output/number_text.hpp"
@@ -37,7 +39,7 @@ public:
     [[nodiscard]] const TapeText& text() const { return text_; }
     /// In ulps of the format at the value itself.
     [[nodiscard]] double own_ulps(NodeId i, double error) const {
-        const double size = std::fabs(of(i).exact);
+        const double size = std::fabs(of(i).exact == 0 ? x_.tape[i].value : of(i).exact);
         return error / std::ldexp(1.0, static_cast<int>(ulp_exponent(x_.tape.format_of(i), size == 0 || !std::isfinite(size) ? -100000 : std::ilogb(size))));
     }
     [[nodiscard]] double contribution(NodeId i) const { return of(i).contribution / ulp_; }
@@ -138,7 +140,7 @@ std::string sums_sentence(const Explanation& x, const Words& words) {
                                    std::fabs(rest) <= 1e-6 * std::fabs(a.error) ? "" : fmt::format("; {} ulp are not attributed", short_number(rest / ulp)));
     if (!(std::fabs(a.first_order - a.error) <= 0.1 * std::fabs(a.error))) {
         text += fmt::format(" First order alone would say {}: it does not hold here, and the difference quotients are what is shown.",
-                            std::isfinite(a.first_order) ? short_number(a.first_order / ulp) : "infinity");
+                            std::isnan(a.first_order) ? "nothing at all" : std::isinf(a.first_order) ? "infinity" : short_number(a.first_order / ulp));
     }
     return text + "\n";
 }
@@ -147,7 +149,7 @@ std::string sums_sentence(const Explanation& x, const Words& words) {
 std::string split_sentence(const Explanation& x, const Words& words) {
     if (x.standing.outcome != Outcome::agree_hit || x.attribution.subject != x.tape.outputs.t) return "";
     const double rounding = x.attribution.error / words.ulp();
-    if (!(std::fabs(x.standing.ulps - rounding) > 0.5)) return "";
+    if (!(std::fabs(x.standing.ulps - rounding) > 0.01)) return "";
     return fmt::format("Rounding makes {} ulp of the {}; the rest is what the form gives without rounding, on inputs as the format holds them.\n", short_number(rounding), short_number(x.standing.ulps));
 }
 
@@ -159,13 +161,24 @@ std::string turned_sentences(const Explanation& x, const Words& words) {
             text += fmt::format("Rounding turned the choice in {}: the other side is {} away.\n", words.text().definition(i), short_number(std::fabs(words.of(i).rounding)));
             continue;
         }
-        const auto side = [&](std::size_t k) {
-            const NodeId s = n.operands[k];
-            return fmt::format("{} is {}, without rounding {}", words.text().operand(s), decimal(x.tape[s].value), decimal(words.of(s).exact));
-        };
-        text += fmt::format("Rounding turned the decision {}: {}; {}.\n", words.text().expression(i), side(0), side(1));
+        std::vector<std::string> sides;
+        for (const NodeId s : {n.operands[0], n.operands[1]}) {
+            if (x.tape[s].op == TapeOp::constant) continue;
+            sides.push_back(fmt::format("{} is {}, without rounding {}", words.text().operand(s), decimal(x.tape[s].value), decimal(words.of(s).exact)));
+        }
+        text += fmt::format("Rounding turned the decision {}: {}.\n", words.text().expression(i), fmt::join(sides, "; "));
     }
     return text;
+}
+
+/// Of an answer that is no number: the input that the format makes none of.
+std::optional<std::string> lost_input(const Explanation& x) {
+    const NodeId subject = x.attribution.subject;
+    if (is_decision(x.tape[subject].op) || std::isfinite(x.tape[subject].value)) return {};
+    for (std::size_t i = 0; i < x.inputs.size(); ++i) {
+        if (!std::isfinite(x.inputs[i]) && x.names[i] != "limit") return fmt::format("{} is {} in {}, an input: everything after it follows.", x.names[i], decimal(x.inputs[i]), x.format.name);
+    }
+    return {};
 }
 
 std::string better_sentence(const Explanation& x) {
@@ -196,11 +209,11 @@ std::string culprit_sentence(const Explanation& x) {
     const Words words(x);
     const NodeId culprit = x.attribution.culprit;
     if (x.attribution.subject == no_node || is_plain_miss(x.tape, x.attribution)) return "No decision of the form was turned by rounding, so no operation is to blame.";
-    if (culprit == no_node) return "No operation rounded on the way to the answer.";
+    if (culprit == no_node) return lost_input(x).value_or("No operation rounded on the way to the answer.");
     const TapeNode& n = x.tape[culprit];
     const std::string what = words.text().definition(culprit);
     const NodeId subject = x.attribution.subject;
-    if (!is_decision(x.tape[subject].op) && !std::isfinite(x.tape[subject].value)) return fmt::format("{} is {}: everything after it follows.", what, decimal(n.value));
+    if (!std::isfinite(n.value)) return fmt::format("{} is {}: everything after it follows.", what, decimal(n.value));
     const std::string arrives = is_decision(x.tape[subject].op) ? fmt::format("in {}", words.text().expression(subject)) : "in t";
     std::string text;
     if (const NodeId amplifier = x.amplifier(culprit); amplifier != no_node) {

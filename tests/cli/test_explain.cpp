@@ -279,3 +279,20 @@ TEST_CASE("a constant on the way to t is no place on the tape") {
     CHECK(told["outcome"] == "agree_hit");
     CHECK(has(told["sentence"], "arrives as"));
 }
+
+TEST_CASE("an overflow behind a turned decision is to blame, and not what rounds beside it") {
+    const auto r = run(far + "-i sphere.schoolbook -f fp16");
+    REQUIRE(r.code == 0);
+    CHECK(has(r.out, "b·b is inf: everything after it follows."));
+    CHECK(has(r.out, "Rounding turned the decision disc < 0: disc is nan, without rounding -4.378"));
+    CHECK_FALSE(has(r.out, "0 is 0"));
+    CHECK_FALSE(has(r.out, "11.0 bits lost"));  // a form that loses all of them does not do better
+    CHECK(has(run("explain world-offset-own --pixel 60,60 -i sphere.unified -f fp16").out, "o.x is inf in fp16, an input: everything after it follows."));
+}
+
+TEST_CASE("a ray is asked alone, however many spheres there are") {
+    // Its row of the picture in p2, where every sphere is a candidate, took minutes.
+    const auto r = run("explain sphereflake-near --pixel 100,100 -i sphere.unified -f p2 --json");
+    REQUIRE(r.code == 0);
+    CHECK(nlohmann::json::parse(r.out)["solids"] == 66431);
+}

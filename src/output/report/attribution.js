@@ -202,7 +202,8 @@ class Walk {
         for (let i = 0; i <= subject; ++i) this.sumUp(i);
         const n = this.at(subject), [a, b] = n.operands;
         this.error = isDecision(n) ? this.at(a).error - this.at(b).error : n.error;
-        if (!isDecision(n) && !Number.isFinite(n.value)) this.culprit = this.origin(subject);
+        const broken = this.noNumberIn(subject);
+        if (broken >= 0) this.culprit = this.origin(broken);
     }
     backward(n) {
         if (!n.live || n.op === "input" || n.op === "constant") return;
@@ -228,6 +229,12 @@ class Walk {
         while (decision !== undefined && !isComparison(this.at(decision))) decision = this.at(decision).operands.find((o) => this.at(o).turned);
         return decision !== undefined && this.at(decision).turned ? decision : -1;
     }
+    /** The subject where it is no finite number; of a comparison the side that is none and would be one without rounding. */
+    noNumberIn(subject) {
+        const n = this.at(subject);
+        if (!isDecision(n)) return Number.isFinite(n.value) ? -1 : subject;
+        return n.operands.find((o) => !Number.isFinite(this.at(o).value) && Number.isFinite(this.at(o).exact) && this.origin(o) >= 0) ?? -1;
+    }
     /** Where a value that is no finite number came from. */
     origin(i) {
         for (;;) {
@@ -244,6 +251,9 @@ class Walk {
         return ulpOf({ format }, Math.max(...sizes.map(Math.abs)));
     }
 }
+
+/** The ulp of a value in its own format, where it is zero without rounding the ulp of what was computed. */
+const ownUlp = (n) => ulpOf(n, n.exact === 0 ? n.value : n.exact);
 
 function ulpOf({ format }, x) {
     const e = x === 0 || !Number.isFinite(x) ? format.emin : Math.max(binade(x), format.emin);

@@ -16,11 +16,11 @@ async function walkOf(map, row, x, y) {
 }
 
 /** Three digits. */
-const brief = (x) => (x === 0 ? "0" : Math.abs(x) >= 0.01 && Math.abs(x) < 1e6 ? String(Number(x.toPrecision(3))) : x.toExponential(2));
+const brief = (x) => (!Number.isFinite(x) ? decimal(x) : x === 0 ? "0" : Math.abs(x) >= 0.01 && Math.abs(x) < 1e6 ? String(Number(x.toPrecision(3))) : x.toExponential(2));
 
 function operationRow({ tape, walk }, row, i, ulp) {
     const n = walk.at(i), digits = 1 + Math.ceil(n.format.precision * 0.30103), number = (x) => decimal(Number.isFinite(x) ? Number(x.toPrecision(digits)) : x);
-    const ownUlps = (error) => (error === 0 ? "" : brief(error / ulpOf(n, n.exact)));
+    const ownUlps = (error) => (error === 0 ? "" : brief(error / ownUlp(n)));
     const line = cells("td", tape.names[i], tape.expressions[i], number(n.value), number(n.exact), ownUlps(n.error), n.cancelled === 0 ? "" : `${n.cancelled} ${n.carried ? "catastrophic" : "benign"}`,
         n.local === 0 ? "" : n.local.toFixed(1), ownUlps(n.rounding), n.live && n.rounding !== 0 ? brief(n.contribution / ulp) : "");
     line.children[1].className = "expression";
@@ -39,11 +39,11 @@ function isShown(walk, tape, i) {
 function culpritSentence({ tape, walk }, ulp) {
     if (walk.subject < 0 || walk.plainMiss) return "No decision of the form was turned by rounding, so no operation is to blame.";
     const subject = walk.at(walk.subject), n = walk.at(walk.culprit);
-    if (walk.culprit < 0) return "No operation rounded on the way to the answer.";
+    if (walk.culprit < 0) return !isDecision(subject) && !Number.isFinite(subject.value) ? "An input is no number of the format: everything after it follows." : "No operation rounded on the way to the answer.";
     const what = tape.names[walk.culprit] === tape.expressions[walk.culprit] ? tape.expressions[walk.culprit] : `${tape.names[walk.culprit]} = ${tape.expressions[walk.culprit]}`;
-    if (!isDecision(subject) && !Number.isFinite(subject.value)) return `${what} is ${decimal(n.value)}: everything after it follows.`;
+    if (!Number.isFinite(n.value)) return `${what} is ${decimal(n.value)}: everything after it follows.`;
     const arrives = isDecision(subject) ? tape.expressions[walk.subject] : "t";
-    return `The largest contribution is that of ${what}: its ${n.turned ? "wrong turn" : "rounding"} of ${brief(Math.abs(n.rounding / ulpOf(n, n.exact)))} ulp arrives as ${brief(n.contribution / ulp)} ulp in ${arrives}. `
+    return `The largest contribution is that of ${what}: its ${n.turned ? "wrong turn" : "rounding"} of ${brief(Math.abs(n.rounding / ownUlp(n)))} ulp arrives as ${brief(n.contribution / ulp)} ulp in ${arrives}. `
         + `All contributions sum to ${brief(walk.explained / ulp)} of ${brief(walk.error / ulp)} ulp.`;
 }
 
