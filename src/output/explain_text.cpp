@@ -139,8 +139,9 @@ std::string sums_sentence(const Explanation& x, const Words& words) {
     std::string text = fmt::format("Contributions sum to {} of {} ulp{}.", short_number(a.explained / ulp), short_number(a.error / ulp),
                                    std::fabs(rest) <= 1e-6 * std::fabs(a.error) ? "" : fmt::format("; {} ulp are not attributed", short_number(rest / ulp)));
     if (!(std::fabs(a.first_order - a.error) <= 0.1 * std::fabs(a.error))) {
-        text += fmt::format(" First order alone would say {}: it does not hold here, and the difference quotients are what is shown.",
-                            std::isnan(a.first_order) ? "nothing at all" : std::isinf(a.first_order) ? "infinity" : short_number(a.first_order / ulp));
+        // Infinite parts of both signs have no sum.
+        text += fmt::format(" First order alone {}: it does not hold here, and the difference quotients are what is shown.",
+                            std::isfinite(a.first_order) ? "would say " + short_number(a.first_order / ulp) : "has infinite parts");
     }
     return text + "\n";
 }
