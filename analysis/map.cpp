@@ -94,7 +94,7 @@ struct SceneWork {
 SceneWork work_on(const scene::Scene& scene, const MapOptions& o, const std::vector<MapRow>& rows, const std::vector<const Metric*>& wanted) {
     SceneWork work{{.scene = &scene, .rows = fitting(rows, [&](Shape shape) { return scene.meets(shape); }), .metrics = {}}, {}};
     work.map.metrics = measured(wanted, work.map.rows);
-    bind_to_run(work.map.metrics, forms_of(work.map.rows), SettingOf(scene).get());
+    bind_to_run(work.map.metrics, forms_of(work.map.rows), [&scene] { return SettingOf(scene); });
     order_culprits(work.map);
     if (o.bits_needed > 0) work.needed = NeededRequest{.scene = &scene, .forms = forms_of_any_width(work.map.rows), .bits = o.bits_needed};
     return work;

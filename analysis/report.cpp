@@ -145,7 +145,7 @@ Work plan(const ReportOptions& o, const std::filesystem::path& data) {
             std::vector<const Metric*> wanted = asked;
             for (const char* metric : {"lost_bits", "ulp_error", "condition", "inherent_bits", "excess_bits"}) wanted.push_back(find_metric(metric));
             auto all = measured(wanted, fit);
-            bind_to_run(all, forms_of(fit), SettingOf(scene).get());
+            bind_to_run(all, forms_of(fit), [&scene] { return SettingOf(scene); });
             // Its float layer would be the largest part of most pages.
             std::erase_if(all, [&](const Metric* m) { return m->name == "residual" && std::ranges::find(asked, m) == asked.end(); });
             work.units += static_cast<std::uint64_t>(scene.width) * static_cast<std::uint64_t>(scene.height) * fit.size();

@@ -47,7 +47,7 @@ void run_case_file(const std::filesystem::path& path, const Chosen& chosen, cons
     const scene::CaseFile file(path);
     const auto rows = fitting(chosen.rows, [&](Shape shape) { return file.meets(shape); });
     CaseRequest request{.file = &file, .rows = {}, .metrics = measured(chosen.asked, rows)};
-    bind_to_run(request.metrics, forms_of(rows), SettingOf(file.rays(0, binary64).front()).get());
+    bind_to_run(request.metrics, forms_of(rows), [&file] { return SettingOf(file.rays(0, binary64).front()); });
     for (MapRow row : rows) {
         for (const auto& judged : file.conventions) {
             row.judged = judged;
@@ -75,7 +75,7 @@ void run_axes(const std::filesystem::path& path, const Chosen& chosen, const Swe
         for (const char* name : {"model_error", "rounding_error"}) asked.push_back(find_metric(name));
     }
     request.metrics = measured(asked, request.rows);
-    bind_to_run(request.metrics, forms_of(request.rows), SettingOf(sweep.first_rays()).get());
+    bind_to_run(request.metrics, forms_of(request.rows), [&sweep] { return SettingOf(sweep.first_rays()); });
     for (MapRow& row : request.rows) row.judged = sweep.convention;
     const auto folder = std::filesystem::path(o.out) / sweep.id;
     output::SweepFiles files(request, folder);

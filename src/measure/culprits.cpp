@@ -11,6 +11,7 @@
 #include <optional>
 
 #include "intersect/recording.hpp"
+#include "measure/operation_error.hpp"
 #include "measure/tape_text.hpp"
 #include "number/error.hpp"
 #include "scene/did_you_mean.hpp"
@@ -156,6 +157,11 @@ void bind_to_run(std::vector<const Metric*>& metrics, const std::vector<const In
     }
 }
 
+void bind_to_run(std::vector<const Metric*>& metrics, const std::vector<const Intersector*>& forms, const std::function<SettingOf()>& setting) {
+    if (std::ranges::none_of(metrics, [](const Metric* m) { return m->by_run() || is_labelled(*m); })) return;
+    bind_to_run(metrics, forms, setting().get());
+}
+
 double culprit_share(std::span<const std::uint64_t> counts, std::span<const std::size_t> places) {
     const std::uint64_t all = std::accumulate(counts.begin() + 1, counts.end(), std::uint64_t{0});
     std::uint64_t some = 0;
@@ -210,8 +216,7 @@ Blame Blamer::of(const Ray<double>& ray, const Target<double>& target, double tm
     Blame blame{missing, &tape_, &attribution_, missing};
     const NodeId subject = attribution_.subject;
     if (subject == no_node) return blame;
-    const double size = std::fabs(attribution_.of[static_cast<std::size_t>(subject)].exact);
-    blame.ulp = std::ldexp(1.0, static_cast<int>(ulp_exponent(format_.shape, size == 0 || !std::isfinite(size) ? -100000 : std::ilogb(size))));
+    blame.ulp = ulp_at(attribution_.of[static_cast<std::size_t>(subject)].exact, format_.shape);
     if (categories_.empty() || is_plain_miss(tape_, attribution_)) return blame;
     if (attribution_.culprit == no_node) {
         blame.culprit = 0;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <span>
 #include <string>
@@ -60,6 +61,8 @@ std::vector<std::string_view> labels_of(const Intersector& form, const Setting& 
 
 /// Gives `culprit` the operations of these forms. InputError for a label that none of them has, with did-you-mean.
 void bind_to_run(std::vector<const Metric*>& metrics, const std::vector<const Intersector*>& forms, const Setting& setting);
+/// The same of a setting that is made only where a metric depends on it: a scene may have millions of solids.
+void bind_to_run(std::vector<const Metric*>& metrics, const std::vector<const Intersector*>& forms, const std::function<SettingOf()>& setting);
 
 /// The share of one category, or of several, in the rays that have a culprit, by the counts of `culprit`'s categories; NaN where no
 /// ray has one. Rays on which nothing rounds have none.

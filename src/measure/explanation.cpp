@@ -6,6 +6,7 @@
 
 #include "intersect/recording.hpp"
 #include "measure/conditioning.hpp"
+#include "measure/operation_error.hpp"
 
 namespace lostbits {
 namespace {
@@ -38,10 +39,6 @@ std::vector<Standing> better_than(const Standing& mine, const Format& format, co
     }
     std::ranges::stable_sort(better, [](const Standing& a, const Standing& b) { return a.beats(b); });
     return better;
-}
-
-double ulp_at(double x, const FloatFormat& format) {
-    return std::ldexp(1.0, static_cast<int>(ulp_exponent(format, x == 0 || !std::isfinite(x) ? -100000 : std::ilogb(x))));
 }
 
 }  // namespace

@@ -128,6 +128,10 @@ int cancellation(const Tape& tape, NodeId i) {
     return std::max(0, std::ilogb(largest) - std::ilogb(n.value));
 }
 
+double ulp_at(double x, const FloatFormat& format) {
+    return std::ldexp(1.0, static_cast<int>(ulp_exponent(format, x == 0 || !std::isfinite(x) ? -100000 : std::ilogb(x))));
+}
+
 double apply(TapeOp op, const std::array<double, 3>& x, const FloatFormat& f) {
     switch (op) {
         case TapeOp::add: return rounding::add(x[0], x[1], f);

@@ -21,6 +21,9 @@ double rounding_of(const Tape& tape, NodeId i);
 /// operand is not; otherwise 0, and 0 for every other operation.
 int cancellation(const Tape& tape, NodeId i);
 
+/// The ulp of the format at x, of any sign: 2^(max(⌊log2|x|⌋, emin) − p + 1); the smallest for 0, infinity and NaN.
+double ulp_at(double x, const FloatFormat& format);
+
 /// The operation on numbers of the format, correctly rounded to it.
 double apply(TapeOp op, const std::array<double, 3>& x, const FloatFormat& format);
 

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <optional>
 
+#include "measure/operation_error.hpp"
 #include "measure/tape_text.hpp"
 #include "output/number_text.hpp"
 
@@ -39,8 +40,7 @@ public:
     [[nodiscard]] const TapeText& text() const { return text_; }
     /// In ulps of the format at the value itself.
     [[nodiscard]] double own_ulps(NodeId i, double error) const {
-        const double size = std::fabs(of(i).exact == 0 ? x_.tape[i].value : of(i).exact);
-        return error / std::ldexp(1.0, static_cast<int>(ulp_exponent(x_.tape.format_of(i), size == 0 || !std::isfinite(size) ? -100000 : std::ilogb(size))));
+        return error / ulp_at(of(i).exact == 0 ? x_.tape[i].value : of(i).exact, x_.tape.format_of(i));
     }
     [[nodiscard]] double contribution(NodeId i) const { return of(i).contribution / ulp_; }
     [[nodiscard]] std::string cancellation(NodeId i) const {
