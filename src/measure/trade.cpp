@@ -75,7 +75,7 @@ void count_all(const TradeRequest& request, TradeResult& result) {
     }
 }
 
-bool at_least_as_accurate(const Standing& a, const Standing& b) {
+bool at_least_as_accurate(const ParetoPoint& a, const ParetoPoint& b) {
     if (a.wrong_fraction != b.wrong_fraction) return a.wrong_fraction < b.wrong_fraction;
     return std::isnan(b.kept_bits) || a.kept_bits >= b.kept_bits;
 }
@@ -134,24 +134,24 @@ TradeResult run_trade(const TradeRequest& request) {
     return result;
 }
 
-Standing standing(const Timing& timing, const MapRow& row, const MapSummary& accuracy, const std::vector<const Metric*>& metrics) {
+ParetoPoint pareto_point(const Timing& timing, const MapRow& row, const MapSummary& accuracy, const std::vector<const Metric*>& metrics) {
     const auto lost = static_cast<std::size_t>(std::ranges::find(metrics, find_metric("lost_bits")) - metrics.begin());
     const auto wrong = accuracy.count(Outcome::false_hit) + accuracy.count(Outcome::false_miss) + accuracy.count(Outcome::not_a_number);
     const auto known = accuracy.rays - accuracy.count(Outcome::unresolved);
     return {timing.median * 1e9, known == 0 ? 0 : static_cast<double>(wrong) / static_cast<double>(known), row.format.shape.precision - accuracy.metrics[lost].quantile(0.99)};
 }
 
-std::vector<bool> dominated(const std::vector<Standing>& all) {
-    const auto beats = [](const Standing& a, const Standing& b) {
+std::vector<bool> dominated(const std::vector<ParetoPoint>& all) {
+    const auto beats = [](const ParetoPoint& a, const ParetoPoint& b) {
         if (a.time_ns > b.time_ns || !at_least_as_accurate(a, b)) return false;
         return a.time_ns < b.time_ns || !at_least_as_accurate(b, a);
     };
     std::vector<bool> out;
-    for (const Standing& s : all) out.push_back(std::ranges::any_of(all, [&](const Standing& other) { return beats(other, s); }));
+    for (const ParetoPoint& s : all) out.push_back(std::ranges::any_of(all, [&](const ParetoPoint& other) { return beats(other, s); }));
     return out;
 }
 
-std::optional<std::size_t> cheapest(const std::vector<Standing>& all, double kept_bits) {
+std::optional<std::size_t> cheapest(const std::vector<ParetoPoint>& all, double kept_bits) {
     std::optional<std::size_t> best;
     for (std::size_t i = 0; i < all.size(); ++i) {
         if (!all[i].never_wrong() || !(all[i].kept_bits >= kept_bits)) continue;

@@ -70,20 +70,20 @@ TradeResult run_trade(const TradeRequest& request);
 
 /// What a kernel is worth on a set of rays. More accurate is, first, what decides fewer rays wrongly, and among equals what
 /// keeps more bits.
-struct Standing {
+struct ParetoPoint {
     double time_ns;         ///< a ray
     double wrong_fraction;  ///< false hits, false misses and NaNs among the rays whose truth is known
     double kept_bits;       ///< p − p99 of lost_bits; NaN where no hit is agreed on: less than any number
 
     [[nodiscard]] bool never_wrong() const { return wrong_fraction == 0; }
 };
-Standing standing(const Timing& timing, const MapRow& row, const MapSummary& accuracy, const std::vector<const Metric*>& metrics);
+ParetoPoint pareto_point(const Timing& timing, const MapRow& row, const MapSummary& accuracy, const std::vector<const Metric*>& metrics);
 
 /// Of each: whether another is at least as fast and at least as accurate, and better in one of the two.
-std::vector<bool> dominated(const std::vector<Standing>& all);
+std::vector<bool> dominated(const std::vector<ParetoPoint>& all);
 
 /// The fastest that is never wrong and keeps so many bits, or nothing.
-std::optional<std::size_t> cheapest(const std::vector<Standing>& all, double kept_bits);
+std::optional<std::size_t> cheapest(const std::vector<ParetoPoint>& all, double kept_bits);
 
 /// The bits that are asked for in words.
 inline constexpr std::array<int, 6> asked_bits{8, 12, 16, 20, 22, 40};

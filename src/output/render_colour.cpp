@@ -24,7 +24,7 @@ constexpr std::array<Rgb8, shadow_names.size()> shadow_colours{of(Outcome::agree
 constexpr std::array<const char*, shadow_names.size()> shadow_labels{"not compared",     "both lit",         "both in shadow", "false shadow",
                                                                      "own shadow (acne)", "false light", "shadow not proved"};
 
-constexpr std::array<DifferenceKind, 3> kinds{{
+constexpr std::array<ErrorMapKind, 3> kinds{{
     {"difference of colour", "8-bit steps", "colour: largest |channel - true channel| x 255, clamped at both ends of the bar", 0x1p-18, 0x1p8},
     {"angle of the normal", "radians", "colour: angle between the computed and the true normal, clamped at both ends of the bar", 0x1p-30, 1},
     {"hit point off the surface", "radii", "colour: ||P - G| - r|/r of the computed point P, clamped at both ends of the bar", 0x1p-30, 1},
@@ -43,14 +43,14 @@ Rgb8 picture_colour(const Painted& p) {
 
 Rgb8 picture_colour(const TrueColour& c) { return c.certain ? Rgb8{c.byte[0], c.byte[1], c.byte[2]} : unproved_colour; }
 
-const DifferenceKind& difference_kind(Difference d) { return kinds[static_cast<std::size_t>(d)]; }
+const ErrorMapKind& error_map_kind(ErrorMap d) { return kinds[static_cast<std::size_t>(d)]; }
 
-ColourScale difference_scale(Difference d, ImageBackend& backend) {
-    const DifferenceKind& kind = difference_kind(d);
+ColourScale error_map_scale(ErrorMap d, ImageBackend& backend) {
+    const ErrorMapKind& kind = error_map_kind(d);
     return ColourScale("viridis", backend.ramp("viridis", 256), kind.low, kind.high, true);
 }
 
-Rgb8 difference_colour(const ColourScale& scale, Seen seen, double value) {
+Rgb8 error_map_colour(const ColourScale& scale, Seen seen, double value) {
     if (!alike(seen)) return seen_colours[static_cast<std::size_t>(seen)];
     if (seen == Seen::background && !(value > 0)) return seen_colours[static_cast<std::size_t>(seen)];
     return std::isnan(value) ? seen_colours[static_cast<std::size_t>(Seen::not_a_number)] : scale.map(value);

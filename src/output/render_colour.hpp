@@ -20,20 +20,20 @@ inline constexpr Rgb8 unproved_colour = outcome_colours[static_cast<std::size_t>
 [[nodiscard]] Rgb8 picture_colour(const TrueColour& colour);
 
 /// The difference maps that are numbers.
-enum class Difference : std::uint8_t { colour, normal, residual };
-inline constexpr std::array<const char*, 3> difference_names{"colour", "normal", "residual"};
+enum class ErrorMap : std::uint8_t { colour, normal, residual };
+inline constexpr std::array<const char*, 3> error_map_names{"colour", "normal", "residual"};
 
-struct DifferenceKind {
+struct ErrorMapKind {
     const char* title;
     const char* unit;
     const char* note;
     double low, high;  ///< ends of the colour bar, logarithmic
 };
-[[nodiscard]] const DifferenceKind& difference_kind(Difference d);
-[[nodiscard]] ColourScale difference_scale(Difference d, ImageBackend& backend);
+[[nodiscard]] const ErrorMapKind& error_map_kind(ErrorMap d);
+[[nodiscard]] ColourScale error_map_scale(ErrorMap d, ImageBackend& backend);
 
 /// On pixels that both see alike the value on the ramp (an unchanged background stays grey), else the class.
-[[nodiscard]] Rgb8 difference_colour(const ColourScale& scale, Seen seen, double value);
+[[nodiscard]] Rgb8 error_map_colour(const ColourScale& scale, Seen seen, double value);
 [[nodiscard]] Rgb8 shadow_colour(Seen seen, Shadow shadow);
 
 /// Classes of pixels with their counts; those without a pixel are left out. `widest_` lists all that may come.

@@ -34,7 +34,7 @@ HeatmapSpec map_spec(const RenderRequest& request, const MapRow& row, const std:
 
 /// A difference map of one row.
 struct DifferenceMap {
-    Difference kind;
+    ErrorMap kind;
     std::size_t stage;  ///< of the request; the differences of normal and residual have none
     ColourScale scale;
     std::unique_ptr<HeatmapWriter> heatmap;
@@ -55,10 +55,10 @@ class RenderRowFiles {
 public:
     RenderRowFiles(const RenderRequest& request, const MapRow& row, const RenderFilesOptions& options, ImageBackend& backend)
         : request_(request), exr_(backend, options.folder / (stem(row) + ".exr"), request, row, options.command) {
-        const auto open = [&](Difference d, std::size_t stage, const std::string& name, const std::string& title) {
-            const DifferenceKind& kind = difference_kind(d);
+        const auto open = [&](ErrorMap d, std::size_t stage, const std::string& name, const std::string& title) {
+            const ErrorMapKind& kind = error_map_kind(d);
             HeatmapSpec spec = map_spec(request, row, title, kind.note, widest_seen_legend(pixels_of(request)));
-            spec.scale = difference_scale(d, backend);
+            spec.scale = error_map_scale(d, backend);
             spec.unit = kind.unit;
             const ColourScale scale = *spec.scale;
             maps_.push_back({d, stage, scale, std::make_unique<HeatmapWriter>(backend, options.folder / name, std::move(spec))});
@@ -66,10 +66,10 @@ public:
         for (std::size_t s = 0; s < request.stages.size(); ++s) {
             const std::string stage(name_of(request.stages[s]));
             pictures_.push_back(backend.open_png(options.folder / fmt::format("{}.{}.png", stage, stem(row)), request.scene->width, request.scene->height));
-            open(Difference::colour, s, fmt::format("{}.{}.colour.png", stage, stem(row)), fmt::format("{}, {}", stage, difference_kind(Difference::colour).title));
+            open(ErrorMap::colour, s, fmt::format("{}.{}.colour.png", stage, stem(row)), fmt::format("{}, {}", stage, error_map_kind(ErrorMap::colour).title));
         }
-        open(Difference::residual, 0, stem(row) + ".residual.png", difference_kind(Difference::residual).title);
-        if (any_stage(request, &ShadeRule::diffuse)) open(Difference::normal, 0, stem(row) + ".normal.png", difference_kind(Difference::normal).title);
+        open(ErrorMap::residual, 0, stem(row) + ".residual.png", error_map_kind(ErrorMap::residual).title);
+        if (any_stage(request, &ShadeRule::diffuse)) open(ErrorMap::normal, 0, stem(row) + ".normal.png", error_map_kind(ErrorMap::normal).title);
         if (any_stage(request, &ShadeRule::shadows)) {
             const char* const note = "decisions of shadow where both see the same: on spheres that face the light, and on the background if it is a plane";
             shadow_ = std::make_unique<HeatmapWriter>(backend, options.folder / (stem(row) + ".shadow.png"),
@@ -85,7 +85,7 @@ public:
             pictures_[s]->write_rows(band.rows, field_);
         }
         for (DifferenceMap& map : maps_) {
-            for (std::size_t i = 0; i < n; ++i) field_[i] = difference_colour(map.scale, band.seen[i], value(map, band, i));
+            for (std::size_t i = 0; i < n; ++i) field_[i] = error_map_colour(map.scale, band.seen[i], value(map, band, i));
             map.heatmap->write_rows(field_);
         }
         if (shadow_) {
@@ -106,9 +106,9 @@ public:
 private:
     static double value(const DifferenceMap& map, const RenderBand& band, std::size_t i) {
         switch (map.kind) {
-            case Difference::colour: return band.painted[map.stage][i].error;
-            case Difference::normal: return band.normal_angle[i];
-            case Difference::residual: return band.residual[i];
+            case ErrorMap::colour: return band.painted[map.stage][i].error;
+            case ErrorMap::normal: return band.normal_angle[i];
+            case ErrorMap::residual: return band.residual[i];
         }
         return 0;
     }

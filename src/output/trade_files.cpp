@@ -73,11 +73,11 @@ std::string in_words(const TradeKernel& kernel) {
 
 }  // namespace
 
-std::vector<Standing> standings_of(const TradeRequest& request, const TradeResult& result, std::size_t set) {
-    std::vector<Standing> all;
+std::vector<ParetoPoint> pareto_points_of(const TradeRequest& request, const TradeResult& result, std::size_t set) {
+    std::vector<ParetoPoint> all;
     const std::size_t load = standing_load(request.loads);
     for (std::size_t k = 0; k < request.kernels.size(); ++k) {
-        all.push_back(standing(result.times[k][load].timing, request.kernels[k].measured, result.accuracy(set, k), request.metrics));
+        all.push_back(pareto_point(result.times[k][load].timing, request.kernels[k].measured, result.accuracy(set, k), request.metrics));
     }
     return all;
 }
@@ -86,7 +86,7 @@ std::string trade_in_words(const TradeRequest& request, const TradeResult& resul
     std::string text = "Time a ray of the easy set, working set l1, every other ray a hit; measured in this run, so it varies.\n";
     const auto sets = ray_sets(request.shape);
     for (std::size_t s = 0; s < sets.size(); ++s) {
-        const auto all = standings_of(request, result, s);
+        const auto all = pareto_points_of(request, result, s);
         text += fmt::format("\n{}: {}\n", sets[s].name, sets[s].title);
         for (const int bits : asked_bits) {
             const auto best = cheapest(all, bits);
@@ -117,7 +117,7 @@ void TradeFiles::write_times(const TradeResult& result) {
 void TradeFiles::write_standings(const TradeResult& result) {
     const auto sets = ray_sets(request_.shape);
     for (std::size_t s = 0; s < sets.size(); ++s) {
-        const auto all = standings_of(request_, result, s);
+        const auto all = pareto_points_of(request_, result, s);
         const auto beaten = dominated(all);
         for (std::size_t k = 0; k < all.size(); ++k) {
             const MapSummary& a = result.accuracy(s, k);

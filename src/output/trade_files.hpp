@@ -28,7 +28,7 @@ private:
 };
 
 /// What every kernel is worth on a set of rays, by its time on the standing load.
-std::vector<Standing> standings_of(const TradeRequest& request, const TradeResult& result, std::size_t set);
+std::vector<ParetoPoint> pareto_points_of(const TradeRequest& request, const TradeResult& result, std::size_t set);
 
 /// For each set of rays and number of bits: the cheapest that keeps them, or that none does.
 std::string trade_in_words(const TradeRequest& request, const TradeResult& result);

@@ -48,7 +48,7 @@ std::vector<ScatterPlotSpec::Key> keys_of(const TradeRequest& request) {
 }  // namespace
 
 ScatterPlotSpec trade_plot(const TradeRequest& request, const TradeResult& result, std::size_t set) {
-    const auto all = standings_of(request, result, set);
+    const auto all = pareto_points_of(request, result, set);
     const auto beaten = dominated(all);
     const std::size_t load = standing_load(request.loads);
     const RaySet& rays = ray_sets(request.shape)[set];

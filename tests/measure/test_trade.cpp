@@ -78,7 +78,7 @@ TEST_CASE("constants cost nothing, what is made of an input does", "[trade]") {
 }
 
 TEST_CASE("dominated is what another beats in one and matches in the other", "[trade]") {
-    const std::vector<Standing> all{
+    const std::vector<ParetoPoint> all{
         {1, 0, 20},       // on the front
         {2, 0, 20},       // slower, no better
         {2, 0, 22},       // on the front
@@ -94,7 +94,7 @@ TEST_CASE("dominated is what another beats in one and matches in the other", "[t
 }
 
 TEST_CASE("the cheapest is the fastest that is never wrong and keeps enough", "[trade]") {
-    const std::vector<Standing> all{{1, 0.001, 24}, {3, 0, 22}, {2, 0, 21.9}, {1.5, 0, no_bits}, {4, 0, 45}};
+    const std::vector<ParetoPoint> all{{1, 0.001, 24}, {3, 0, 22}, {2, 0, 21.9}, {1.5, 0, no_bits}, {4, 0, 45}};
     CHECK(cheapest(all, 20) == std::size_t{2});
     CHECK(cheapest(all, 22) == std::size_t{1});
     CHECK(cheapest(all, 40) == std::size_t{4});
@@ -109,7 +109,7 @@ TEST_CASE("a standing is made of the median, all wrong decisions and the 99th pe
     s.metrics = std::vector<Distribution>(1);
     for (int i = 1; i <= 100; ++i) s.metrics[0].add(i == 100 ? 20 : 4);
     s.metrics[0].seal();
-    const Standing got = standing({2e-9, 1e-9, 3e-9}, row("sphere.unified", "f32"), s, lost);
+    const ParetoPoint got = pareto_point({2e-9, 1e-9, 3e-9}, row("sphere.unified", "f32"), s, lost);
     CHECK(got.time_ns == Approx(2));
     CHECK(got.wrong_fraction == 4.0 / 96);
     CHECK(got.kept_bits == Approx(20).epsilon(0.001));

@@ -107,7 +107,7 @@ std::string trade_json(const TradeRequest& request, const TradeResult& result) {
     const auto sets = ray_sets(request.shape);
     std::vector<std::string> parts;
     for (std::size_t s = 0; s < sets.size(); ++s) {
-        const auto all = standings_of(request, result, s);
+        const auto all = pareto_points_of(request, result, s);
         const auto beaten = dominated(all);
         std::vector<std::string> points;
         for (std::size_t k = 0; k < all.size(); ++k) {
