@@ -7,10 +7,10 @@
 
 #include "commands.hpp"
 #include "number/interruption.hpp"
-#include "output/atomic_file.hpp"
-#include "output/claim_files.hpp"
-#include "output/claim_report.hpp"
-#include "output/number_text.hpp"
+#include "output/file/atomic_file.hpp"
+#include "output/claim/claim_files.hpp"
+#include "output/claim/claim_report.hpp"
+#include "output/file/number_text.hpp"
 #include "select.hpp"
 
 namespace lostbits::analysis {

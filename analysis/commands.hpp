@@ -7,7 +7,7 @@
 #include <string>
 
 #include "number/error.hpp"
-#include "output/progress.hpp"
+#include "output/file/progress.hpp"
 
 namespace lostbits::analysis {
 

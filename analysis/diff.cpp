@@ -7,8 +7,8 @@
 
 #include "commands.hpp"
 #include "number/interruption.hpp"
-#include "output/difference.hpp"
-#include "scene/did_you_mean.hpp"
+#include "output/diff/difference.hpp"
+#include "scene/toml/did_you_mean.hpp"
 
 namespace lostbits::analysis {
 namespace {

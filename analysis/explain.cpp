@@ -7,13 +7,13 @@
 #include <optional>
 
 #include "commands.hpp"
-#include "measure/one_ray.hpp"
-#include "output/explain_programs.hpp"
-#include "output/explain_text.hpp"
-#include "output/march_text.hpp"
-#include "output/number_text.hpp"
-#include "scene/parse_number.hpp"
-#include "scene/round.hpp"
+#include "measure/answer/one_ray.hpp"
+#include "output/blame/explain_programs.hpp"
+#include "output/blame/explain_text.hpp"
+#include "output/blame/march_text.hpp"
+#include "output/file/number_text.hpp"
+#include "scene/toml/parse_number.hpp"
+#include "scene/toml/round.hpp"
 #include "select.hpp"
 
 namespace lostbits::analysis {

@@ -6,12 +6,12 @@
 #include <nlohmann/json.hpp>
 
 #include "commands.hpp"
-#include "measure/culprits.hpp"
-#include "scene/case_file.hpp"
-#include "scene/claims_file.hpp"
-#include "scene/scene.hpp"
-#include "scene/search_file.hpp"
-#include "scene/sweep_file.hpp"
+#include "measure/blame/culprits.hpp"
+#include "scene/sweep/case_file.hpp"
+#include "scene/claim/claims_file.hpp"
+#include "scene/file/scene.hpp"
+#include "scene/sweep/search_file.hpp"
+#include "scene/sweep/sweep_file.hpp"
 #include "select.hpp"
 
 namespace lostbits::analysis {

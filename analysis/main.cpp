@@ -8,9 +8,9 @@
 #include <system_error>
 
 #include "commands.hpp"
-#include "intersect/packed.hpp"
-#include "output/atomic_file.hpp"
-#include "scene/did_you_mean.hpp"
+#include "intersect/simd/packed.hpp"
+#include "output/file/atomic_file.hpp"
+#include "scene/toml/did_you_mean.hpp"
 #include "signals.hpp"
 
 namespace lostbits::analysis {

@@ -1,4 +1,4 @@
-#include "measure/map.hpp"
+#include "measure/map/map.hpp"
 
 #include <fmt/format.h>
 
@@ -8,13 +8,13 @@
 #include <set>
 
 #include "commands.hpp"
-#include "measure/culprit_order.hpp"
-#include "measure/culprits.hpp"
+#include "measure/map/culprit_order.hpp"
+#include "measure/blame/culprits.hpp"
 #include "number/interruption.hpp"
-#include "output/atomic_file.hpp"
-#include "output/map_files.hpp"
-#include "output/needed_files.hpp"
-#include "scene/scene.hpp"
+#include "output/file/atomic_file.hpp"
+#include "output/map/map_files.hpp"
+#include "output/map/needed_files.hpp"
+#include "scene/file/scene.hpp"
 #include "select.hpp"
 
 namespace lostbits::analysis {

@@ -1,4 +1,4 @@
-#include "measure/render.hpp"
+#include "measure/picture/render.hpp"
 
 #include <fmt/format.h>
 
@@ -8,9 +8,9 @@
 
 #include "commands.hpp"
 #include "number/interruption.hpp"
-#include "output/atomic_file.hpp"
-#include "output/render_files.hpp"
-#include "scene/scene.hpp"
+#include "output/file/atomic_file.hpp"
+#include "output/picture/render_files.hpp"
+#include "scene/file/scene.hpp"
 #include "select.hpp"
 
 namespace lostbits::analysis {

@@ -7,16 +7,16 @@
 #include <set>
 
 #include "commands.hpp"
-#include "measure/culprits.hpp"
-#include "measure/timing.hpp"
+#include "measure/blame/culprits.hpp"
+#include "measure/speed/timing.hpp"
 #include "number/interruption.hpp"
-#include "output/atomic_file.hpp"
+#include "output/file/atomic_file.hpp"
 #include "report_parts.hpp"
-#include "scene/case_file.hpp"
-#include "scene/claims_file.hpp"
-#include "scene/did_you_mean.hpp"
-#include "scene/report_file.hpp"
-#include "scene/sweep_file.hpp"
+#include "scene/sweep/case_file.hpp"
+#include "scene/claim/claims_file.hpp"
+#include "scene/toml/did_you_mean.hpp"
+#include "scene/claim/report_file.hpp"
+#include "scene/sweep/sweep_file.hpp"
 #include "select.hpp"
 
 namespace lostbits::analysis {

@@ -5,19 +5,19 @@
 
 #include <fmt/format.h>
 
-#include "measure/cases.hpp"
-#include "measure/culprit_order.hpp"
-#include "output/case_files.hpp"
-#include "output/report/grid_data.hpp"
-#include "output/report/picture.hpp"
-#include "output/report/sweep_data.hpp"
-#include "output/report/text.hpp"
-#include "output/scene_sheet.hpp"
-#include "output/sweep_planes.hpp"
-#include "output/sweep_plots.hpp"
-#include "output/trade_files.hpp"
-#include "output/trade_plot.hpp"
-#include "scene/case_file.hpp"
+#include "measure/sweep/cases.hpp"
+#include "measure/map/culprit_order.hpp"
+#include "output/sweep/case_files.hpp"
+#include "output/page/grid_data.hpp"
+#include "output/page/picture.hpp"
+#include "output/page/sweep_data.hpp"
+#include "output/page/text.hpp"
+#include "output/map/scene_sheet.hpp"
+#include "output/sweep/sweep_planes.hpp"
+#include "output/sweep/sweep_plots.hpp"
+#include "output/speed/trade_files.hpp"
+#include "output/speed/trade_plot.hpp"
+#include "scene/sweep/case_file.hpp"
 #include "select.hpp"
 
 namespace lostbits::analysis {

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "output/report/page.hpp"
-#include "scene/scene.hpp"
+#include "output/page/page.hpp"
+#include "scene/file/scene.hpp"
 
 namespace lostbits::analysis {
 

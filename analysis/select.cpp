@@ -11,10 +11,10 @@
 #include <set>
 #include <thread>
 
-#include "measure/culprits.hpp"
+#include "measure/blame/culprits.hpp"
 #include "number/error.hpp"
-#include "scene/did_you_mean.hpp"
-#include "scene/march_table.hpp"
+#include "scene/toml/did_you_mean.hpp"
+#include "scene/file/march_table.hpp"
 
 namespace lostbits::analysis {
 namespace {

@@ -10,12 +10,12 @@
 #include <string>
 #include <vector>
 
-#include "intersect/table.hpp"
-#include "measure/map.hpp"
-#include "measure/metrics.hpp"
+#include "intersect/table/table.hpp"
+#include "measure/map/map.hpp"
+#include "measure/metric/metrics.hpp"
 #include "number/error.hpp"
 #include "number/format.hpp"
-#include "scene/scene.hpp"
+#include "scene/file/scene.hpp"
 
 namespace lostbits::analysis {
 

@@ -5,7 +5,7 @@
 #include <csignal>
 
 #include "number/interruption.hpp"
-#include "output/atomic_file.hpp"
+#include "output/file/atomic_file.hpp"
 
 namespace lostbits::analysis {
 namespace {

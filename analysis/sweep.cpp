@@ -1,4 +1,4 @@
-#include "measure/sweep.hpp"
+#include "measure/sweep/sweep.hpp"
 
 #include <fmt/format.h>
 
@@ -6,12 +6,12 @@
 #include <memory>
 
 #include "commands.hpp"
-#include "measure/culprits.hpp"
+#include "measure/blame/culprits.hpp"
 #include "number/interruption.hpp"
-#include "output/case_files.hpp"
-#include "output/sweep_files.hpp"
-#include "output/sweep_plots.hpp"
-#include "output/worst_files.hpp"
+#include "output/sweep/case_files.hpp"
+#include "output/sweep/sweep_files.hpp"
+#include "output/sweep/sweep_plots.hpp"
+#include "output/sweep/worst_files.hpp"
 #include "select.hpp"
 
 namespace lostbits::analysis {

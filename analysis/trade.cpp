@@ -5,9 +5,9 @@
 #include <memory>
 
 #include "commands.hpp"
-#include "measure/trade.hpp"
+#include "measure/speed/trade.hpp"
 #include "number/interruption.hpp"
-#include "output/trade_files.hpp"
+#include "output/speed/trade_files.hpp"
 #include "select.hpp"
 
 namespace lostbits::analysis {

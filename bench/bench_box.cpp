@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "by_hand.hpp"
-#include "measure/timing_work.hpp"
+#include "measure/speed/timing_work.hpp"
 #include "ratios.hpp"
 
 namespace {

@@ -13,11 +13,11 @@
 #include <vector>
 
 #include "by_hand.hpp"
-#include "intersect/packed.hpp"
-#include "intersect/table.hpp"
-#include "measure/self.hpp"
-#include "measure/timing_work.hpp"
-#include "measure/truth.hpp"
+#include "intersect/simd/packed.hpp"
+#include "intersect/table/table.hpp"
+#include "measure/answer/self.hpp"
+#include "measure/speed/timing_work.hpp"
+#include "measure/truth/truth.hpp"
 #include "number/real.hpp"
 #include "ratios.hpp"
 

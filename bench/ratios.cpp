@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cstdio>
 
-#include "measure/timing_work.hpp"
+#include "measure/speed/timing_work.hpp"
 
 namespace bench {
 namespace {

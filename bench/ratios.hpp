@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "measure/timing.hpp"
-#include "measure/timing_threads.hpp"
+#include "measure/speed/timing.hpp"
+#include "measure/speed/timing_threads.hpp"
 
 namespace bench {
 

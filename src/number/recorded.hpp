@@ -31,7 +31,7 @@ private:
 };
 
 /// F and its node on the thread's tape (`Tape::Scope`). The values are F's own, to the bit. What an exact computation would have
-/// given is found afterwards by running the tape again over an exact number (measure/attribution.hpp), so that a pixel of a map
+/// given is found afterwards by running the tape again over an exact number (measure/blame/attribution.hpp), so that a pixel of a map
 /// and a ray looked at closely share one recording and differ in the precision of what it is compared with.
 template <class F>
 class Recorded {

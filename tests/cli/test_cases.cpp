@@ -2,7 +2,7 @@
 #include <cstdlib>
 
 #include "catch.hpp"
-#include "output/read_csv.hpp"
+#include "output/file/read_csv.hpp"
 #include "program.hpp"
 
 using namespace lostbits::test;

@@ -4,7 +4,7 @@
 #include <limits>
 
 #include "catch.hpp"
-#include "output/image.hpp"
+#include "output/image/image.hpp"
 #include "program.hpp"
 
 using namespace lostbits::test;

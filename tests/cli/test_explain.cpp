@@ -6,7 +6,7 @@
 
 #include "catch.hpp"
 #include "fpcore.hpp"
-#include "intersect/table.hpp"
+#include "intersect/table/table.hpp"
 #include "program.hpp"
 
 using namespace lostbits;

@@ -2,7 +2,7 @@
 #include <algorithm>
 
 #include "catch.hpp"
-#include "intersect/packed.hpp"
+#include "intersect/simd/packed.hpp"
 #include "program.hpp"
 
 using namespace lostbits::test;

@@ -1,8 +1,8 @@
 #include <nlohmann/json.hpp>
 
 #include "catch.hpp"
-#include "intersect/table.hpp"
-#include "measure/metrics.hpp"
+#include "intersect/table/table.hpp"
+#include "measure/metric/metrics.hpp"
 #include "program.hpp"
 
 using namespace lostbits;

@@ -8,8 +8,8 @@
 #include <nlohmann/json.hpp>
 
 #include "catch.hpp"
-#include "measure/map.hpp"
-#include "output/image.hpp"
+#include "measure/map/map.hpp"
+#include "output/image/image.hpp"
 #include "program.hpp"
 
 using namespace lostbits::test;

@@ -6,10 +6,10 @@
 #include <nlohmann/json.hpp>
 
 #include "catch.hpp"
-#include "output/canvas.hpp"
-#include "output/image.hpp"
-#include "output/map_colour.hpp"
-#include "output/needed_files.hpp"
+#include "output/image/canvas.hpp"
+#include "output/image/image.hpp"
+#include "output/map/map_colour.hpp"
+#include "output/map/needed_files.hpp"
 #include "program.hpp"
 
 using namespace lostbits::test;

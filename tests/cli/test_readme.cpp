@@ -2,7 +2,7 @@
 #include <cstdlib>
 
 #include "catch.hpp"
-#include "output/image.hpp"
+#include "output/image/image.hpp"
 #include "program.hpp"
 
 using namespace lostbits::test;

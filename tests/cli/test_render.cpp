@@ -6,8 +6,8 @@
 #include <nlohmann/json.hpp>
 
 #include "catch.hpp"
-#include "measure/render.hpp"
-#include "output/image.hpp"
+#include "measure/picture/render.hpp"
+#include "output/image/image.hpp"
 #include "program.hpp"
 
 using namespace lostbits::test;

@@ -5,11 +5,11 @@
 
 #include "catch.hpp"
 #include "number/error.hpp"
-#include "output/report/pack.hpp"
+#include "output/page/pack.hpp"
 #include "program.hpp"
-#include "scene/report_file.hpp"
-#include "scene/scene.hpp"
-#include "scene/sweep_file.hpp"
+#include "scene/claim/report_file.hpp"
+#include "scene/file/scene.hpp"
+#include "scene/sweep/sweep_file.hpp"
 
 using namespace lostbits::test;
 

@@ -6,7 +6,7 @@
 #include "catch.hpp"
 #include "intersect/cases.hpp"
 #include "intersect/catalogue.hpp"
-#include "intersect/table.hpp"
+#include "intersect/table/table.hpp"
 #include "number/draw.hpp"
 #include "number/rounded.hpp"
 

@@ -4,7 +4,7 @@
 
 #include "catch.hpp"
 #include "intersect/catalogue.hpp"
-#include "intersect/table.hpp"
+#include "intersect/table/table.hpp"
 
 namespace lostbits::test {
 TEST_CASE("forms have names, titles and sources", "[intersect][info]") {

@@ -12,7 +12,7 @@
 #include <string_view>
 #include <vector>
 
-#include "measure/map.hpp"
+#include "measure/map/map.hpp"
 
 namespace lostbits::testing {
 

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "catch.hpp"
-#include "intersect/packed.hpp"
+#include "intersect/simd/packed.hpp"
 #include "number/draw.hpp"
 #include "number/pack_ops.hpp"
 

@@ -11,7 +11,7 @@
 #include <iterator>
 #include <string>
 
-#include "output/image.hpp"
+#include "output/image/image.hpp"
 
 namespace lostbits::output::test {
 

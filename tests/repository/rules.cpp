@@ -60,7 +60,7 @@ void find_all(const SourceFile& file, const std::string& code, const std::regex&
 }
 
 bool in_shape_folder(const SourceFile& file) {
-    static const std::regex path(R"(src/intersect/\w+/\w+\.hpp)");
+    static const std::regex path(R"(src/intersect/(sphere|box|sdf)/\w+\.hpp)");
     return std::regex_match(file.path, path);
 }
 

@@ -63,17 +63,17 @@ TEST_CASE("includes point one way", "[repository]") {
 
 TEST_CASE("an include to the right is caught", "[repository]") {
     CHECK(include_directions({"src/number/x.hpp", "#include \"geometry/vec.hpp\"\n"}).size() == 1);
-    CHECK(include_directions({"src/intersect/table.cpp", "#include <cmath>\n#include \"measure/truth.hpp\"\n"})
+    CHECK(include_directions({"src/intersect/table/table.cpp", "#include <cmath>\n#include \"measure/truth/truth.hpp\"\n"})
               .size() == 1);
-    CHECK(include_directions({"src/intersect/sphere/x.hpp", "  #  include <scene/camera.hpp>\n"}).size() == 1);
+    CHECK(include_directions({"src/intersect/sphere/x.hpp", "  #  include <scene/rays/camera.hpp>\n"}).size() == 1);
     CHECK(include_directions({"src/output/x.cpp", "#include \"analysis/main.hpp\"\n"}).size() == 1);
     CHECK(include_directions({"src/number/x.hpp", "#include \"../geometry/vec.hpp\"\n"}).size() == 1);
     CHECK(include_directions({"src/output/x.cpp", "#include \"csv.hpp\"\n"}).size() == 1);
     CHECK(include_directions({"src/extra/x.hpp", ""}).size() == 1);
     CHECK(include_directions({"src/measure/x.hpp",
-                              "#include \"number/real.hpp\"\n#include \"measure/truth.hpp\"\n#include <mpfr.h>\n"})
+                              "#include \"number/real.hpp\"\n#include \"measure/truth/truth.hpp\"\n#include <mpfr.h>\n"})
               .empty());
-    CHECK(include_directions({"analysis/x.cpp", "#include \"output/csv.hpp\"\n#include \"commands.hpp\"\n"}).empty());
+    CHECK(include_directions({"analysis/x.cpp", "#include \"output/file/csv.hpp\"\n#include \"commands.hpp\"\n"}).empty());
 }
 
 TEST_CASE("forms stand on number, geometry and intersect, and obey the rules of a formula", "[repository]") {
@@ -87,10 +87,10 @@ TEST_CASE("forms stand on number, geometry and intersect, and obey the rules of 
 
 TEST_CASE("a form that includes more is caught", "[repository]") {
     CHECK(form_includes(form("#include <cmath>\n")).size() == 1);
-    CHECK(form_includes(form("#include \"scene/camera.hpp\"\n")).size() == 1);
+    CHECK(form_includes(form("#include \"scene/rays/camera.hpp\"\n")).size() == 1);
     CHECK(form_includes(form("#include \"roots.hpp\"\n")).size() == 1);
     CHECK(form_includes(form("#include \"intersect/sphere/roots.hpp\"\n#include \"number/concept.hpp\"\n")).empty());
-    CHECK(form_includes({"src/intersect/table.cpp", "#include <array>\n"}).empty());
+    CHECK(form_includes({"src/intersect/table/table.cpp", "#include <array>\n"}).empty());
 }
 
 TEST_CASE("a formula that breaks a rule is caught", "[repository]") {
@@ -117,7 +117,7 @@ TEST_CASE("a formula that breaks a rule is caught", "[repository]") {
                             "std::numeric_limits<T>::epsilon();"}) {
         INFO(bad);
         CHECK(formula_rules(form(std::string("line one\n") + bad + "\n")).size() >= 1);
-        CHECK(formula_rules({"src/intersect/table.cpp", bad}).empty());
+        CHECK(formula_rules({"src/intersect/table/table.cpp", bad}).empty());
     }
     const Offences where = formula_rules(form("// std::sqrt(x) is mentioned here\n\nconst T l = std::sqrt(a);\n"));
     REQUIRE(where.size() == 1);
@@ -164,7 +164,7 @@ TEST_CASE("one unit alone is let out of the ban on fast math", "[repository]") {
     std::vector<std::string> defining;
     for (const SourceFile& file : read_tree({"src", "analysis", "bench"}))
         if (file.text.find("#define LOSTBITS_MEASURES_FAST_MATH") != std::string::npos) defining.push_back(file.path);
-    CHECK(defining == std::vector<std::string>{"src/intersect/variant_fastmath.cpp"});
+    CHECK(defining == std::vector<std::string>{"src/intersect/simd/variant_fastmath.cpp"});
 }
 
 TEST_CASE("no file has outgrown its page", "[repository]") {

@@ -10,8 +10,8 @@
 #include "catch.hpp"
 #include "number/error.hpp"
 #include "number/real.hpp"
-#include "scene/parse_number.hpp"
-#include "scene/scene.hpp"
+#include "scene/toml/parse_number.hpp"
+#include "scene/file/scene.hpp"
 
 /// A failure prints numbers that paste straight back into a scene.
 template <>

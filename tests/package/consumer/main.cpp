@@ -2,8 +2,8 @@
 #include <cstdio>
 
 #include "intersect/catalogue.hpp"
-#include "measure/metrics.hpp"
-#include "measure/truth.hpp"
+#include "measure/metric/metrics.hpp"
+#include "measure/truth/truth.hpp"
 
 int main() {
     using namespace lostbits;

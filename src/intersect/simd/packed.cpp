@@ -1,0 +1,168 @@
+#include "intersect/simd/packed.hpp"
+
+#include <algorithm>
+#include <atomic>
+#include <string>
+#include <utility>
+
+#include "intersect/catalogue.hpp"
+#include "intersect/simd/packed_target.hpp"
+#include "number/error.hpp"
+
+namespace lostbits {
+namespace {
+
+constexpr std::size_t forms = form_count;
+
+constexpr std::size_t bytes_of(Isa isa) { return isa == Isa::w512 ? 64 : isa == Isa::w256 ? 32 : 16; }
+
+template <class F>
+using RawKernel = void (*)(const RawBatch<F>&);
+
+/// The rays after the last whole pack, in buffers of a pack's size. Empty lanes repeat the last ray, so that no form loops
+/// longer on account of a ray that nobody asked for.
+template <class F>
+struct Tail {
+    static constexpr std::size_t most = 64 / sizeof(F);
+    F rays[6][most], tmax[most];
+    F t[most], near[most], far[most];
+    std::uint8_t hit[most];
+};
+
+template <class F>
+void run_tail(RawKernel<F> kernel, std::size_t lanes, const RawBatch<F>& rest) {
+    Tail<F> tail;
+    const auto fill = [&](F* to, const F* from) {
+        for (std::size_t k = 0; k < lanes; ++k) to[k] = from[std::min(k, rest.size - 1)];
+    };
+    for (int c = 0; c < 6; ++c) fill(tail.rays[c], rest.rays[c]);
+    if (rest.tmax) fill(tail.tmax, rest.tmax);
+    const auto& in = tail.rays;
+    kernel({{in[0], in[1], in[2], in[3], in[4], in[5]}, rest.tmax ? tail.tmax : nullptr, rest.target, tail.t, tail.near, tail.far, tail.hit, lanes});
+    std::copy_n(tail.t, rest.size, rest.t);
+    std::copy_n(tail.near, rest.size, rest.near);
+    std::copy_n(tail.far, rest.size, rest.far);
+    std::copy_n(tail.hit, rest.size, rest.hit);
+}
+
+template <class F>
+void run(RawKernel<F> kernel, std::size_t lanes, const RayBatch<F>& rays, const Target<F>& target, const HitBatch<F>& hits) {
+    const FlatTarget<F> flat(target);
+    const std::size_t left = rays.size() % lanes, whole = rays.size() - left;
+    if (whole) kernel(raw_batch(rays, flat.raw(), hits, 0, whole));
+    if (left) run_tail(kernel, lanes, raw_batch(rays, flat.raw(), hits, whole, left));
+}
+
+template <Isa isa>
+const std::array<RawRow, forms>& raw_rows() {
+    static const auto rows = [] {
+        std::array<RawRow, forms> filled{};
+        if constexpr (isa == Isa::w128) fill_packed_w128(filled.data());
+#if defined(LOSTBITS_PACKED_X86)
+        if constexpr (isa == Isa::w256) fill_packed_w256(filled.data());
+        if constexpr (isa == Isa::w512) fill_packed_w512(filled.data());
+#endif
+        return filled;
+    }();
+    return rows;
+}
+
+template <Isa isa, std::size_t form>
+void run32(const RayBatch<float>& rays, const Target<float>& target, const HitBatch<float>& hits) {
+    run(raw_rows<isa>()[form].f32, bytes_of(isa) / sizeof(float), rays, target, hits);
+}
+
+template <Isa isa, std::size_t form>
+void run64(const RayBatch<double>& rays, const Target<double>& target, const HitBatch<double>& hits) {
+    run(raw_rows<isa>()[form].f64, bytes_of(isa) / sizeof(double), rays, target, hits);
+}
+
+template <Isa isa>
+std::span<const PackedRow> rows_of() {
+    static const auto rows = []<std::size_t... form>(std::index_sequence<form...>) {
+        const auto scalar = intersectors();
+        const auto& raw = raw_rows<isa>();
+        return std::array<PackedRow, forms>{PackedRow{scalar[form].info, run32<isa, form>, raw[form].f64 ? run64<isa, form> : nullptr}...};
+    }(std::make_index_sequence<forms>{});
+    return rows;
+}
+
+std::span<const PackedRow> scalar_rows() {
+    static const auto rows = [] {
+        std::array<PackedRow, forms> filled{};
+        std::ranges::transform(intersectors(), filled.begin(), [](const Intersector& i) { return PackedRow{i.info, i.native32, i.native64}; });
+        return filled;
+    }();
+    return rows;
+}
+
+bool runs(Isa isa) {
+    switch (isa) {
+        case Isa::scalar:
+        case Isa::w128: return true;
+#if defined(LOSTBITS_PACKED_X86)
+        case Isa::w256: return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma");
+        case Isa::w512:
+            return runs(Isa::w256) && __builtin_cpu_supports("bmi2") && __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") &&
+                   __builtin_cpu_supports("avx512vl");
+#endif
+        default: return false;
+    }
+}
+
+}  // namespace
+
+std::optional<Isa> isa_named(std::string_view name) {
+    const auto found = std::ranges::find(isa_names, name);
+    if (found == isa_names.end()) return std::nullopt;
+    return static_cast<Isa>(found - isa_names.begin());
+}
+
+std::vector<Isa> available_isas() {
+    std::vector<Isa> all{Isa::scalar, Isa::w128, Isa::w256, Isa::w512};
+    std::erase_if(all, [](Isa isa) { return !runs(isa); });
+    return all;
+}
+
+Isa best_isa() { return available_isas().back(); }
+
+namespace {
+
+std::atomic<Isa>& chosen_isa() {
+    static std::atomic<Isa> isa = best_isa();
+    return isa;
+}
+
+}  // namespace
+
+void set_isa(Isa isa) {
+    if (!runs(isa)) {
+        std::string can;
+        for (const Isa other : available_isas()) can += (can.empty() ? "" : ", ") + std::string(name_of(other));
+        throw EnvironmentError("--isa " + std::string(name_of(isa)) + ": this processor has no registers of that width, or this build no code for them; try one of " +
+                               can + ", which give the same bits");
+    }
+    chosen_isa() = isa;
+}
+
+Isa current_isa() { return chosen_isa(); }
+
+std::span<const PackedRow> packed_rows(Isa isa) {
+    if (!runs(isa)) return {};
+    switch (isa) {
+        case Isa::scalar: return scalar_rows();
+        case Isa::w128: return rows_of<Isa::w128>();
+        case Isa::w256: return rows_of<Isa::w256>();
+        case Isa::w512: return rows_of<Isa::w512>();
+    }
+    return {};
+}
+
+PackedRow packed_kernels(const Intersector& form) {
+    const PackedRow own{form.info, form.native32, form.native64};
+    const auto scalar = scalar_rows();
+    const auto same = std::ranges::find_if(scalar, [&](const PackedRow& row) { return row.info == own.info && row.f32 == own.f32 && row.f64 == own.f64; });
+    return same == scalar.end() ? own : packed_rows(current_isa())[static_cast<std::size_t>(same - scalar.begin())];
+}
+
+}  // namespace lostbits

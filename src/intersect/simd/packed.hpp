@@ -1,0 +1,51 @@
+// The forms over SIMD packs, compiled for each register width and chosen at run time by what the processor has. Their answers
+// are the bits of the scalar rows (a NaN is a NaN); only the speed differs.
+#pragma once
+
+#include <array>
+#include <optional>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "intersect/table/table.hpp"
+
+namespace lostbits {
+
+/// How many rays at once: one, or as many as a register of 128, 256 or 512 bits holds.
+enum class Isa { scalar, w128, w256, w512 };
+
+inline constexpr std::array<std::string_view, 4> isa_names{"scalar", "128", "256", "512"};
+
+inline constexpr std::string_view name_of(Isa isa) { return isa_names[static_cast<std::size_t>(isa)]; }
+/// Nothing for a name that is not in `isa_names`.
+std::optional<Isa> isa_named(std::string_view name);
+
+/// What this build contains and this processor runs, narrowest first: `scalar` and `w128` everywhere; `w256` needs AVX2 and
+/// FMA, `w512` AVX-512 F, DQ and VL and BMI2 beside them.
+std::vector<Isa> available_isas();
+/// The widest of them.
+Isa best_isa();
+
+/// What `packed_kernels` of every thread takes from now on; `best_isa()` until then. EnvironmentError for a width that is not
+/// available: nothing changes then.
+void set_isa(Isa isa);
+Isa current_isa();
+
+/// A form's kernels; null where the form does not exist (see `Info::formats`). Batches of any size; nothing is read or
+/// written beyond the spans.
+struct PackedRow {
+    const Info* info;
+    decltype(Intersector::native32) f32;
+    decltype(Intersector::native64) f64;
+};
+
+/// Every form, in the order of `intersectors()`; `scalar` are the rows of the table themselves. Empty where `isa` is
+/// not available: calling such a kernel would be an illegal instruction.
+std::span<const PackedRow> packed_rows(Isa isa);
+
+/// The kernels at `current_isa()` of a row of the table; of a row that is not the table's (a form made up by a test, one
+/// from elsewhere) its own native ones.
+PackedRow packed_kernels(const Intersector& form);
+
+}  // namespace lostbits

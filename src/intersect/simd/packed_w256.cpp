@@ -1,0 +1,13 @@
+// The forms in 256-bit registers: AVX2 and FMA.
+#include "intersect/simd/packed_kernels.hpp"
+
+namespace lostbits {
+namespace {
+
+struct Width : Registers<32> {};
+
+}  // namespace
+
+void fill_packed_w256(RawRow* rows) { fill_raw<Width>(rows); }
+
+}  // namespace lostbits

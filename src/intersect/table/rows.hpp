@@ -1,0 +1,14 @@
+// The translation units that fill the table, one per family of arithmetic: they compile side by side.
+#pragma once
+
+#include "intersect/table/kernels.hpp"
+
+namespace lostbits {
+
+void fill_native(std::span<Intersector> rows);
+void fill_rounded(std::span<Intersector> rows);
+void fill_enclosed(std::span<Intersector> rows);
+void fill_logs(std::span<Intersector> rows);
+void fill_recorded(std::span<Intersector> rows);
+
+}  // namespace lostbits

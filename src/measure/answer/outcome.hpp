@@ -1,0 +1,26 @@
+// What became of a ray: classified before any error is measured.
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <string_view>
+
+#include "measure/truth/truth.hpp"
+
+namespace lostbits {
+
+/// Error metrics exist on `agree_hit` alone. `not_a_number` is a form that claims a hit at NaN.
+enum class Outcome : std::uint8_t { agree_hit, agree_miss, false_hit, false_miss, not_a_number, unresolved };
+
+inline constexpr std::array<std::string_view, 6> outcome_names{"agree_hit",  "agree_miss",   "false_hit",
+                                                               "false_miss", "not_a_number", "unresolved"};
+
+inline Outcome classify(Truth::Decision truth, bool hit, double t) {
+    if (truth == Truth::Decision::unresolved) return Outcome::unresolved;
+    if (hit && std::isnan(t)) return Outcome::not_a_number;
+    if (truth == Truth::Decision::hit) return hit ? Outcome::agree_hit : Outcome::false_miss;
+    return hit ? Outcome::false_hit : Outcome::agree_miss;
+}
+
+}  // namespace lostbits

@@ -1,0 +1,230 @@
+#include "measure/blame/culprits.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <deque>
+#include <limits>
+#include <map>
+#include <mutex>
+#include <numeric>
+#include <optional>
+
+#include "intersect/table/recording.hpp"
+#include "measure/blame/operation_error.hpp"
+#include "measure/blame/tape_text.hpp"
+#include "number/error.hpp"
+#include "scene/toml/did_you_mean.hpp"
+#include "scene/file/march_table.hpp"
+#include "scene/toml/round.hpp"
+
+namespace lostbits {
+namespace {
+
+constexpr double missing = std::numeric_limits<double>::quiet_NaN();
+constexpr std::string_view none = "none: nothing rounds";
+
+/// Whatever decides the names of operations: kinds, operands, labels. FNV-1a over 64 bits.
+std::uint64_t structure_of(const Tape& tape) {
+    std::uint64_t h = 14695981039346656037u;
+    const auto mix = [&h](std::uint64_t x) { h = (h ^ x) * 1099511628211u; };
+    for (const TapeNode& n : tape.nodes) {
+        mix(static_cast<std::uint64_t>(n.op));
+        for (const NodeId operand : n.operands) mix(static_cast<std::uint32_t>(operand));
+    }
+    return h;
+}
+
+/// The label that each operation leads to first; its own where it has one.
+std::vector<std::string_view> steps_of(const Tape& tape) {
+    std::vector<std::string_view> step(tape.nodes.size());
+    for (NodeId i = tape.size() - 1; i >= 0; --i) {
+        const TapeNode& n = tape[i];
+        if (!n.label.empty()) step[static_cast<std::size_t>(i)] = n.label;
+        if (n.op <= TapeOp::constant) continue;
+        // Users come later on the tape; the earliest of them is seen last and keeps its word.
+        for (const NodeId operand : n.operands) {
+            if (operand != no_node && tape[operand].label.empty() && !is_decision(n.op)) step[static_cast<std::size_t>(operand)] = step[static_cast<std::size_t>(i)];
+        }
+    }
+    return step;
+}
+
+std::optional<Target<double>> target_of(const Intersector& form, const Setting& setting) {
+    if (form.shape == Shape::sdf) return setting.march ? std::optional(Target<double>(setting.solids, *setting.march)) : std::nullopt;
+    const auto fits = std::ranges::find(setting.solids, form.shape, &Solid<double>::shape);
+    return fits == setting.solids.end() ? std::nullopt : std::optional(Target<double>(*fits));
+}
+
+/// Not where the result is exact whatever the operands are.
+bool can_err(TapeOp op) { return op == TapeOp::constant || (is_operation(op) && op != TapeOp::neg && op != TapeOp::abs); }
+
+double labelled_contribution(const Sample& s) {
+    if (!s.blame || s.blame->attribution->subject == no_node || is_decision((*s.blame->tape)[s.blame->attribution->subject].op)) return missing;
+    return contribution_of(*s.blame->tape, *s.blame->attribution, label_of(*s.metric)) / s.blame->ulp;
+}
+
+double labelled_cancellation(const Sample& s) { return s.blame ? cancellation_of(*s.blame->tape, *s.blame->attribution, label_of(*s.metric)) : missing; }
+
+/// What there is of each label; `name` is to be filled in.
+struct Labelled {
+    std::string_view prefix, layer;
+    Metric metric;
+};
+constexpr std::array labelled{
+    Labelled{"contribution:", "contribution.",
+             {"", "ulp", "", "what the operations of that name add to t by their own rounding, in ulps of t without rounding", needs_attribution, Ramp::magnitude, 0x1p-4, 0x1p+24, false, labelled_contribution}},
+    Labelled{"cancellation:", "cancellation.",
+             {"", "bits", "", "bits that the operation of that name cancels of operands which already carry error", needs_attribution, Ramp::bits, 0, 0, false, labelled_cancellation}}};
+
+}  // namespace
+
+SettingOf::SettingOf(const scene::Scene& scene) : solids_(scene::shared_solids(scene)) {
+    if (scene.march) march_ = scene::round_march(*scene.march, binary32);
+}
+
+std::vector<std::string> operations_of(const Intersector& form, const Setting& setting) {
+    std::vector<std::string> operations;
+    const auto target = target_of(form, setting);
+    if (!target) return operations;
+    Tape tape;
+    form.record_all(*target, tape);
+    const TapeText text(tape, input_names(form, *target), TapeText::Style::generic);
+    for (NodeId i = 0; i < tape.size(); ++i) {
+        if (!can_err(tape[i].op)) continue;
+        std::string category = text.category(i);
+        if (std::ranges::find(operations, category) == operations.end()) operations.push_back(std::move(category));
+    }
+    return operations;
+}
+
+const Metric* culprit_among(std::span<const Intersector* const> forms, const Setting& setting) {
+    static std::mutex lock;
+    static std::deque<std::string> texts;
+    static std::deque<std::vector<std::string_view>> lists;
+    static std::deque<Metric> rows;
+    const std::lock_guard guard(lock);
+    auto& list = lists.emplace_back(std::vector{none});
+    for (const Intersector* form : forms) {
+        for (const std::string& operation : operations_of(*form, setting)) {
+            if (std::ranges::find(list, operation) == list.end()) list.push_back(texts.emplace_back(operation));
+        }
+    }
+    Metric row = *find_metric("culprit");
+    row.categories = list;
+    return &rows.emplace_back(row);
+}
+
+const Metric* labelled_metric(std::string_view name) {
+    static std::mutex lock;
+    static std::deque<std::string> texts;
+    static std::map<std::string, Metric, std::less<>> rows;
+    const auto kind = std::ranges::find_if(labelled, [&](const Labelled& l) { return name.starts_with(l.prefix) && name.size() > l.prefix.size(); });
+    if (kind == labelled.end()) return nullptr;
+    const std::lock_guard guard(lock);
+    if (const auto found = rows.find(name); found != rows.end()) return &found->second;
+    Metric row = kind->metric;
+    row.name = texts.emplace_back(name);
+    row.layer = texts.emplace_back(std::string(kind->layer) + std::string(name.substr(kind->prefix.size())));
+    return &rows.emplace(row.name, row).first->second;
+}
+
+std::vector<std::string_view> labels_of(const Intersector& form, const Setting& setting) {
+    std::vector<std::string_view> labels;
+    const auto target = target_of(form, setting);
+    if (!target) return labels;
+    Tape tape;
+    form.record_all(*target, tape);
+    for (const TapeNode& n : tape.nodes) {
+        if (!n.label.empty() && std::ranges::find(labels, n.label) == labels.end()) labels.push_back(n.label);
+    }
+    return labels;
+}
+
+void bind_to_run(std::vector<const Metric*>& metrics, const std::vector<const Intersector*>& forms, const Setting& setting) {
+    for (const Metric*& m : metrics) {
+        if (m->by_run()) m = culprit_among(forms, setting);
+        if (!is_labelled(*m)) continue;
+        const std::string label(label_of(*m));
+        std::vector<std::string> labels;
+        for (const Intersector* form : forms) {
+            for (const auto& each : labels_of(*form, setting)) {
+                if (std::ranges::find(labels, each) == labels.end()) labels.emplace_back(each);
+            }
+        }
+        if (std::ranges::find(labels, label) != labels.end()) continue;
+        throw InputError("--metric " + std::string(m->name) + ": no selected form names \"" + label + "\"; " + (labels.empty() ? "none of them names anything" : scene::did_you_mean(label, labels)));
+    }
+}
+
+void bind_to_run(std::vector<const Metric*>& metrics, const std::vector<const Intersector*>& forms, const std::function<SettingOf()>& setting) {
+    if (std::ranges::none_of(metrics, [](const Metric* m) { return m->by_run() || is_labelled(*m); })) return;
+    bind_to_run(metrics, forms, setting().get());
+}
+
+double culprit_share(std::span<const std::uint64_t> counts, std::span<const std::size_t> places) {
+    const std::uint64_t all = std::accumulate(counts.begin() + 1, counts.end(), std::uint64_t{0});
+    std::uint64_t some = 0;
+    for (const std::size_t place : places) some += counts[place];
+    return all == 0 ? missing : static_cast<double>(some) / static_cast<double>(all);
+}
+
+double contribution_of(const Tape& tape, const Attribution& attribution, std::string_view label) {
+    const auto steps = steps_of(tape);
+    double sum = 0;
+    bool any = false;
+    for (std::size_t i = 0; i < steps.size(); ++i) {
+        if (steps[i] != label) continue;
+        any = true;
+        if (attribution.of[i].live) sum += attribution.of[i].contribution;
+    }
+    return any ? sum : missing;
+}
+
+int worst_cancellation(const Attribution& attribution) {
+    int worst = 0;
+    for (const OperationError& e : attribution.of) {
+        if (e.live && e.carried) worst = std::max(worst, e.cancelled);
+    }
+    return worst;
+}
+
+double cancellation_of(const Tape& tape, const Attribution& attribution, std::string_view label) {
+    double worst = missing;
+    for (NodeId i = 0; i < tape.size(); ++i) {
+        if (tape[i].label != label) continue;
+        const OperationError& e = attribution.of[static_cast<std::size_t>(i)];
+        worst = std::fmax(worst, e.live && e.carried ? e.cancelled : 0);
+    }
+    return worst;
+}
+
+const std::vector<std::int32_t>& Blamer::places(const Target<double>& target) {
+    const auto [found, fresh] = known_.try_emplace(structure_of(tape_));
+    if (!fresh) return found->second;
+    const TapeText text(tape_, input_names(form_, target), TapeText::Style::generic);
+    for (NodeId i = 0; i < tape_.size(); ++i) {
+        const auto place = std::ranges::find(categories_, text.category(i));
+        found->second.push_back(place == categories_.end() ? -1 : static_cast<std::int32_t>(place - categories_.begin()));
+    }
+    return found->second;
+}
+
+Blame Blamer::of(const Ray<double>& ray, const Target<double>& target, double tmax) {
+    form_.record(format_, ray, target, tmax, tape_);
+    attribution_ = attribute(tape_);
+    Blame blame{missing, &tape_, &attribution_, missing};
+    const NodeId subject = attribution_.subject;
+    if (subject == no_node) return blame;
+    blame.ulp = ulp_at(attribution_.of[static_cast<std::size_t>(subject)].exact, format_.shape);
+    if (categories_.empty() || is_plain_miss(tape_, attribution_)) return blame;
+    if (attribution_.culprit == no_node) {
+        blame.culprit = 0;
+        return blame;
+    }
+    const std::int32_t place = places(target)[static_cast<std::size_t>(attribution_.culprit)];
+    if (place >= 0) blame.culprit = place;
+    return blame;
+}
+
+}  // namespace lostbits

@@ -1,0 +1,101 @@
+// Culprits as the categories of a map: every operation of the forms of a run has one place in one list.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <span>
+#include <string>
+#include <unordered_map>
+#include <vector>
+
+#include "intersect/table/table.hpp"
+#include "measure/blame/attribution.hpp"
+#include "measure/metric/metrics.hpp"
+#include "scene/rays/family.hpp"
+#include "scene/file/scene.hpp"
+
+namespace lostbits {
+
+/// What is known of a ray whose tape was walked.
+struct Blame {
+    double culprit = 0;         ///< its place in the categories of the run; NaN where there is none to name
+    const Tape* tape = nullptr;
+    const Attribution* attribution = nullptr;
+    double ulp = 0;             ///< of the format at the exact value of the subject
+};
+
+/// What the forms of a run are asked of; a view.
+struct Setting {
+    std::span<const Solid<double>> solids;
+    const MarchConstants<double>* march = nullptr;  ///< null: no form that marches is asked
+};
+
+/// A scene's or a step's solids and constants as a `Setting`, kept while it lives.
+class SettingOf {
+public:
+    explicit SettingOf(const scene::Scene& scene);
+    explicit SettingOf(const scene::RayGroup& rays) : solids_(rays.solids), march_(rays.march) {}
+    [[nodiscard]] Setting get() const { return {solids_, march_ ? &*march_ : nullptr}; }
+
+private:
+    std::vector<Solid<double>> solids_;
+    std::optional<MarchConstants<double>> march_;
+};
+
+/// Every operation of a form that can round or choose, in the order of its tape, each once, as maps and claims call it; empty where
+/// the form cannot be asked.
+std::vector<std::string> operations_of(const Intersector& form, const Setting& setting);
+
+/// `culprit` with its categories: first `none`, then the operations of each form, those that several forms share once. Lives as
+/// long as the program.
+const Metric* culprit_among(std::span<const Intersector* const> forms, const Setting& setting);
+
+/// `contribution:LABEL` or `cancellation:LABEL`: the row of that label, or null where `name` is no such name. Lives as long as the program.
+const Metric* labelled_metric(std::string_view name);
+inline bool is_labelled(const Metric& metric) { return metric.name.find(':') != std::string_view::npos; }
+inline std::string_view label_of(const Metric& metric) { return metric.name.substr(metric.name.find(':') + 1); }
+
+/// Every label of a form, in the order of its tape; empty where the form cannot be asked.
+std::vector<std::string_view> labels_of(const Intersector& form, const Setting& setting);
+
+/// Gives `culprit` the operations of these forms. InputError for a label that none of them has, with did-you-mean.
+void bind_to_run(std::vector<const Metric*>& metrics, const std::vector<const Intersector*>& forms, const Setting& setting);
+/// The same of a setting that is made only where a metric depends on it: a scene may have millions of solids.
+void bind_to_run(std::vector<const Metric*>& metrics, const std::vector<const Intersector*>& forms, const std::function<SettingOf()>& setting);
+
+/// The share of one category, or of several, in the rays that have a culprit, by the counts of `culprit`'s categories; NaN where no
+/// ray has one. Rays on which nothing rounds have none.
+double culprit_share(std::span<const std::uint64_t> counts, std::span<const std::size_t> places);
+
+/// The contributions of the operations that make up what the formula calls `label`: that operation and the unnamed ones that lead to it
+/// first, summed; NaN where none has that name.
+double contribution_of(const Tape& tape, const Attribution& attribution, std::string_view label);
+
+/// The bits of the largest cancellation among the live operations whose operands carry error.
+int worst_cancellation(const Attribution& attribution);
+
+/// The same among the operations of that name; NaN where none has it.
+double cancellation_of(const Tape& tape, const Attribution& attribution, std::string_view label);
+
+/// Walks the tape of one ray after another for one form. Not for several threads at once.
+class Blamer {
+public:
+    /// `categories` are those of the run's `culprit`; empty where it is not asked for.
+    Blamer(const Intersector& form, const Format& format, std::span<const std::string_view> categories) : form_(form), format_(format), categories_(categories) {}
+
+    Blame of(const Ray<double>& ray, const Target<double>& target, double tmax);
+
+private:
+    /// A category for each node of the tape: of all tapes of the same structure.
+    const std::vector<std::int32_t>& places(const Target<double>& target);
+
+    const Intersector& form_;
+    const Format& format_;
+    std::span<const std::string_view> categories_;
+    Tape tape_;
+    Attribution attribution_;
+    std::unordered_map<std::uint64_t, std::vector<std::int32_t>> known_;
+};
+
+}  // namespace lostbits

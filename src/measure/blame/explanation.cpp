@@ -1,0 +1,118 @@
+#include "measure/blame/explanation.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "intersect/table/recording.hpp"
+#include "measure/truth/conditioning.hpp"
+#include "measure/blame/operation_error.hpp"
+
+namespace lostbits {
+namespace {
+
+constexpr double missing = std::numeric_limits<double>::quiet_NaN();
+
+Standing standing_of(const Intersector& form, const Format& format, const OneRay& ray, bool hit, double t) {
+    Standing s{&form, classify(ray.truth(*form.info).decision, hit, t), t, missing, missing};
+    if (s.outcome != Outcome::agree_hit) return s;
+    const Certified& truth = ray.true_t(*form.info);
+    s.ulps = std::isinf(t) ? t : scaled_difference(exactly(t), truth, ulp_exponent(format.shape, truth.floor_log2()));
+    s.lost = lost_bits(s.ulps, format.shape.precision);
+    return s;
+}
+
+/// The nearest answer over the solids of the scene, as a picture has it.
+Standing standing_of(const Intersector& form, const Format& format, const OneRay& ray) {
+    const OneRay::Inputs in = ray.inputs(form, format);
+    const Answers answers = evaluate(form, in.all);
+    return standing_of(form, format, ray, answers.hit[in.index] != 0, answers.t[in.index]);
+}
+
+std::vector<Standing> better_than(const Standing& mine, const Format& format, const OneRay& ray) {
+    std::vector<Standing> better;
+    for (const Intersector& other : intersectors(mine.form->shape)) {
+        if (&other == mine.form || !other.exists_in(format)) continue;
+        const Standing s = standing_of(other, format, ray);
+        const bool lost_all = s.outcome == Outcome::agree_hit && !(s.lost < format.shape.precision);
+        if (s.beats(mine) && !lost_all) better.push_back(s);
+    }
+    std::ranges::stable_sort(better, [](const Standing& a, const Standing& b) { return a.beats(b); });
+    return better;
+}
+
+}  // namespace
+
+bool Standing::beats(const Standing& other) const {
+    if (is_right() != other.is_right()) return is_right();
+    return outcome == Outcome::agree_hit && other.outcome == Outcome::agree_hit && lost < other.lost;
+}
+
+double Explanation::ulp_of_subject() const {
+    const NodeId s = attribution.subject;
+    if (s == no_node) return missing;
+    if (!is_decision(tape[s].op)) return ulp_at(attribution.of[static_cast<std::size_t>(s)].exact, format.shape);
+    const auto side = [&](std::size_t k) { return std::fabs(attribution.of[static_cast<std::size_t>(tape[s].operands[k])].exact); };
+    return ulp_at(std::max(side(0), side(1)), format.shape);
+}
+
+NodeId Explanation::amplifier(NodeId from) const {
+    if (from == no_node) return no_node;
+    std::vector<bool> reached(tape.nodes.size());
+    reached[static_cast<std::size_t>(from)] = true;
+    NodeId most = no_node;
+    int bits = 1;
+    for (NodeId i = from + 1; i < tape.size(); ++i) {
+        const OperationError& e = attribution.of[static_cast<std::size_t>(i)];
+        if (!e.live || tape[i].op <= TapeOp::constant) continue;  // whose operands are no places on the tape
+        for (const NodeId operand : tape[i].operands) {
+            if (operand != no_node && reached[static_cast<std::size_t>(operand)]) reached[static_cast<std::size_t>(i)] = true;
+        }
+        if (reached[static_cast<std::size_t>(i)] && e.carried && e.cancelled > bits) {
+            most = i;
+            bits = e.cancelled;
+        }
+    }
+    return most;
+}
+
+std::vector<NodeId> Explanation::turned() const {
+    std::vector<NodeId> all;
+    for (NodeId i = 0; i < tape.size(); ++i) {
+        const OperationError& e = attribution.of[static_cast<std::size_t>(i)];
+        if (e.turned && e.live && (is_decision(tape[i].op) || e.rounding != 0)) all.push_back(i);
+    }
+    return all;
+}
+
+Explanation explain(const Intersector& form, const Format& format, const OneRay& ray) {
+    const OneRay::Inputs in = ray.inputs(form, format);
+    const Answers answers = evaluate(form, in.all);
+    const Truth& truth = ray.truth(*form.info);
+    Explanation x{.form = &form, .format = format, .names = {}, .inputs = {}, .given = {}, .tape = {}, .attribution = {}, .standing = {}, .true_t = {}, .better = {}};
+    const Vec<double> given = in.all.rays[in.index].direction, received = in.ray(*form.info).direction;
+    if (given.x != received.x || given.y != received.y || given.z != received.z) x.given = given;
+    x.solids = static_cast<int>(in.all.solids.size());
+    x.solid = std::max(0, answers.hit[in.index] != 0 ? answers.object[in.index] : truth.object);
+    const Target<double> target = in.all.target_for(form, static_cast<std::size_t>(x.solid));
+    const double tmax = in.all.rays.tmax.empty() ? HUGE_VAL : in.all.rays.tmax[in.index];
+    form.record(format, in.ray(*form.info), target, tmax, x.tape);
+    x.names = input_names(form, target);
+    for (const TapeNode& n : x.tape.nodes) {
+        if (n.op == TapeOp::input) x.inputs.push_back(n.value);
+    }
+    x.attribution = attribute(x.tape, {.full = true});
+    x.hit = x.tape[x.tape.outputs.hit].value != 0;
+    x.standing = standing_of(form, format, ray, x.hit, x.tape[x.tape.outputs.t].value);
+    x.truth = truth.decision;
+    x.condition = x.inherent = missing;
+    if (truth.is_hit()) {
+        x.true_t = ray.rounded_truth(*form.info, binary64);
+        x.condition = ray.condition(*form.info);
+        x.inherent = inherent_bits(x.condition, format.shape.precision);
+    }
+    x.better = better_than(x.standing, format, ray);
+    return x;
+}
+
+}  // namespace lostbits

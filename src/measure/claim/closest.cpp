@@ -1,0 +1,45 @@
+#include "measure/claim/closest.hpp"
+
+#include <cmath>
+#include <vector>
+
+#include "number/error.hpp"
+#include "scene/rays/box_family.hpp"
+
+namespace lostbits {
+namespace {
+
+/// The nearest t over the solids, infinite for a miss.
+std::vector<double> nearest(const MapRow& row, const FormatInputs& in, bool pass_on) {
+    const std::size_t n = in.rays.size();
+    std::vector<double> best(n, HUGE_VAL);
+    for (const Solid<double>& solid : in.solids) {
+        FormatInputs one{.format = in.format, .rays = in.rays, .solids = {solid}, .march = {}, .unit_rays = {}, .own_truth = {}};
+        if (pass_on) one.rays.tmax = best;
+        const Answers answers = evaluate(*row.form, one);
+        for (std::size_t i = 0; i < n; ++i) {
+            if (answers.hit[i] != 0 && answers.t[i] < best[i]) best[i] = answers.t[i];
+        }
+    }
+    return best;
+}
+
+}  // namespace
+
+double differs_with_closest(const MapRow& row, double distance) {
+    if (row.form->shape != Shape::box) throw InputError(std::string(row.form->info->name) + " is not told where a ray ends");
+    scene::BoxFamily family;
+    family.adjoining = true;
+    family.distance = distance;
+    std::size_t rays = 0, different = 0;
+    for (scene::RayGroup& group : scene::box_family_rays(family)) {
+        const Band band(std::move(group));
+        const FormatInputs in = band.inputs(row.format, {});
+        const auto apart = nearest(row, in, false), passed = nearest(row, in, true);
+        rays += apart.size();
+        for (std::size_t i = 0; i < apart.size(); ++i) different += apart[i] != passed[i];
+    }
+    return static_cast<double>(different) / static_cast<double>(rays);
+}
+
+}  // namespace lostbits

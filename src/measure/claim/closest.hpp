@@ -1,0 +1,12 @@
+// Boxes one after another: does it matter whether the closest t so far is passed on as the end of the ray?
+#pragma once
+
+#include "measure/map/map.hpp"
+
+namespace lostbits {
+
+/// The share of seeded rays (16 times eight adjoining boxes, aimed at their shared edges, from `distance` sizes) on which the
+/// nearest t over all boxes differs, or the decision does, when every box is given the closest t so far as tmax.
+double differs_with_closest(const MapRow& row, double distance);
+
+}  // namespace lostbits

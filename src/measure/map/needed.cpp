@@ -1,0 +1,165 @@
+#include "measure/map/needed.hpp"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <string>
+
+#include "measure/map/map.hpp"
+#include "measure/answer/outcome.hpp"
+
+namespace lostbits {
+namespace {
+
+constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
+
+/// The rays `pixels` of what a form receives.
+FormatInputs only(const FormatInputs& all, const Info& info, const std::vector<std::uint32_t>& pixels) {
+    FormatInputs some{.format = all.format, .rays = {}, .solids = all.solids, .march = all.march, .unit_rays = {}, .own_truth = {}};
+    const scene::RayBlock& from = all.rays_for(info);
+    scene::RayBlock& to = info.direction == Direction::unit ? some.unit_rays : some.rays;
+    const auto gather = [&pixels](const std::vector<double>& x) {
+        std::vector<double> y(pixels.size());
+        for (std::size_t k = 0; k < pixels.size(); ++k) y[k] = x[pixels[k]];
+        return y;
+    };
+    to.ox = gather(from.ox), to.oy = gather(from.oy), to.oz = gather(from.oz);
+    to.dx = gather(from.dx), to.dy = gather(from.dy), to.dz = gather(from.dz);
+    return some;
+}
+
+/// The scan of one form over a part of a band: those pixels on which every width so far has sufficed.
+struct Scan {
+    std::size_t form;  ///< its place in the request
+    std::vector<std::uint32_t> pixels;
+};
+
+/// One width less: pixels on which it fails get their value and leave.
+void step(Scan& scan, const Intersector& form, const FormatInputs& inputs, int bits, NeededBand& result) {
+    if (scan.pixels.empty()) return;
+    const int width = inputs.format.shape.precision;
+    const Answers answers = evaluate(form, only(inputs, *form.info, scan.pixels));
+    std::size_t kept = 0;
+    for (std::size_t k = 0; k < scan.pixels.size(); ++k) {
+        const std::uint32_t i = scan.pixels[k];
+        if (suffices(result.truth(i), *form.info, width, answers.hit[k] != 0, answers.t[k], bits)) scan.pixels[kept++] = i;
+        else result.needed[i] = width == most_width ? needed_beyond : width + 1;
+    }
+    scan.pixels.resize(kept);
+}
+
+/// Every form over every part of the band. Parts are cut by the picture alone.
+std::vector<Scan> scans_of(const std::vector<NeededBand>& results) {
+    constexpr std::size_t part = 2048;  // small enough to share among threads, large enough that a batch pays
+    std::vector<Scan> scans;
+    for (std::size_t f = 0; f < results.size(); ++f) {
+        const std::size_t n = results[f].needed.size();
+        for (std::size_t begin = 0; begin < n; begin += part) {
+            Scan scan{f, {}};
+            for (std::size_t i = begin; i < std::min(n, begin + part); ++i) {
+                if (results[f].truth(i).decision != Truth::Decision::unresolved) scan.pixels.push_back(static_cast<std::uint32_t>(i));
+            }
+            scans.push_back(std::move(scan));
+        }
+    }
+    return scans;
+}
+
+}  // namespace
+
+bool keeps_bits(double t, const Certified& truth, int bits) {
+    if (!std::isfinite(t)) return false;
+    const long ulp = ulp_exponent({bits, binary64.emin, binary64.emax}, truth.floor_log2());
+    return std::fabs(scaled_difference(exactly(t), truth, ulp)) <= 0.5;
+}
+
+bool suffices(const Truth& truth, const Info& form, int width, bool hit, double t, int bits) {
+    switch (classify(truth.decision, hit, t)) {
+        case Outcome::agree_miss: return true;
+        case Outcome::agree_hit: return width >= bits && keeps_bits(t, form.direction == Direction::unit ? truth.distance : truth.t, bits);
+        default: return false;
+    }
+}
+
+void NeededSummary::add(const Truth& truth, double needed) {
+    if (std::isnan(needed)) {
+        ++unresolved;
+    } else if (needed == needed_beyond) {
+        ++(truth.is_hit() ? hits_beyond : misses_beyond);
+    } else {
+        ++(truth.is_hit() ? hits : misses)[static_cast<std::size_t>(needed)];
+    }
+}
+
+NeededSummary::Counts NeededSummary::all() const {
+    Counts sum = hits;
+    for (std::size_t w = 0; w < sum.size(); ++w) sum[w] += misses[w];
+    return sum;
+}
+
+std::uint64_t NeededSummary::pixels() const { return count(all()) + hits_beyond + misses_beyond + unresolved; }
+
+std::uint64_t count(const NeededSummary::Counts& counts) { return std::accumulate(counts.begin(), counts.end(), std::uint64_t{0}); }
+
+double mean(const NeededSummary::Counts& counts) {
+    std::uint64_t sum = 0;
+    for (std::size_t w = 0; w < counts.size(); ++w) sum += w * counts[w];
+    const std::uint64_t n = count(counts);
+    return n == 0 ? unknown : static_cast<double>(sum) / static_cast<double>(n);
+}
+
+double quantile(const NeededSummary::Counts& counts, double q) {
+    const std::uint64_t n = count(counts);
+    if (n == 0) return unknown;
+    const auto rank = std::clamp<std::uint64_t>(static_cast<std::uint64_t>(std::ceil(q * static_cast<double>(n))), 1, n);
+    std::uint64_t seen = 0;
+    std::size_t w = 0;
+    while ((seen += counts[w]) < rank) ++w;
+    return static_cast<double>(w);
+}
+
+std::uint64_t needed_units(const NeededRequest& request) {
+    constexpr std::uint64_t widths = most_width - least_width + 1;
+    return static_cast<std::uint64_t>(request.scene->width) * static_cast<std::uint64_t>(request.scene->height) * request.forms.size() * widths;
+}
+
+std::vector<NeededBand> measure_needed(const NeededRequest& request, const Band& band) {
+    std::vector<NeededBand> results;
+    for (const Intersector* form : request.forms) {
+        const int columns = static_cast<int>(band.pixels()) / std::max(1, band.rows());
+        results.push_back({band.y0(), band.rows(), columns, &band, form->info, std::vector<double>(band.pixels(), unknown)});
+    }
+    std::vector<Scan> scans = scans_of(results);
+    for (int width = most_width; width >= least_width; --width) {
+        const auto unit = [&](const Scan& s) { return !s.pixels.empty() && results[s.form].form->direction == Direction::unit; };
+        if (!std::ranges::all_of(scans, [](const Scan& s) { return s.pixels.empty(); })) {
+            const FormatInputs inputs = band.inputs(*find_format("p" + std::to_string(width)), {.unit_rays = std::ranges::any_of(scans, unit)});
+            tbb::parallel_for(std::size_t{0}, scans.size(), [&](std::size_t s) {
+                step(scans[s], *request.forms[scans[s].form], inputs, request.bits, results[scans[s].form]);
+            });
+        }
+        request.progress(band.pixels() * request.forms.size());
+    }
+    for (const Scan& s : scans) {
+        for (const std::uint32_t i : s.pixels) results[s.form].needed[i] = least_width;
+    }
+    return results;
+}
+
+std::vector<NeededSummary> run_needed(const NeededRequest& request, const std::vector<NeededSink*>& sinks) {
+    const scene::Scene& scene = *request.scene;
+    std::vector<NeededSummary> summaries(request.forms.size());
+    for (int y0 = 0; y0 < scene.height; y0 += band_rows(scene.width)) {
+        const Band band(scene, y0, std::min(scene.height, y0 + band_rows(scene.width)), request.limit);
+        const std::vector<NeededBand> results = measure_needed(request, band);
+        tbb::parallel_for(std::size_t{0}, results.size(), [&](std::size_t f) {
+            for (std::size_t i = 0; i < results[f].needed.size(); ++i) summaries[f].add(results[f].truth(i), results[f].needed[i]);
+            if (f < sinks.size() && sinks[f]) sinks[f]->band(results[f]);
+        });
+    }
+    return summaries;
+}
+
+}  // namespace lostbits

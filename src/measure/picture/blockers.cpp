@@ -1,0 +1,77 @@
+#include "measure/picture/blockers.hpp"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+
+#include "intersect/simd/packed.hpp"
+#include "number/interruption.hpp"
+
+namespace lostbits {
+namespace {
+
+template <class S>
+std::vector<S> stored(const std::vector<double>& x, std::size_t begin, std::size_t count) {
+    std::vector<S> y(count);
+    std::transform(x.begin() + static_cast<std::ptrdiff_t>(begin), x.begin() + static_cast<std::ptrdiff_t>(begin + count), y.begin(), [](double v) { return static_cast<S>(v); });
+    return y;
+}
+
+/// One chunk of shadow rays against all solids.
+template <class S, class Kernel>
+void hold_against(const Kernel& kernel, const ShadowRays& shadow, const std::vector<Solid<double>>& solids, bool own_counts, std::size_t begin, std::size_t count,
+                  std::vector<std::uint8_t>& blocked) {
+    const scene::RayBlock& r = shadow.rays;
+    const auto ox = stored<S>(r.ox, begin, count), oy = stored<S>(r.oy, begin, count), oz = stored<S>(r.oz, begin, count);
+    const auto dx = stored<S>(r.dx, begin, count), dy = stored<S>(r.dy, begin, count), dz = stored<S>(r.dz, begin, count);
+    const RayBatch<S> batch{ox, oy, oz, dx, dy, dz};
+    std::vector<S> t(count), near(count), far(count);
+    std::vector<std::uint8_t> hit(count);
+    for (std::size_t s = 0; s < solids.size(); ++s) {
+        kernel(batch, transformed(solids[s], [](double x) { return static_cast<S>(x); }), HitBatch<S>{t, near, far, hit});
+        for (std::size_t i = 0; i < count; ++i) {
+            const std::size_t p = begin + i;
+            const bool own = shadow.own[p] == static_cast<std::int32_t>(s);
+            if (hit[i] == 0 || (own && !own_counts)) continue;
+            const auto at = static_cast<double>(t[i]);
+            if (at > 0 && at < shadow.reach[p]) blocked[p] |= own ? blocked_by_own : blocked_by_other;
+        }
+    }
+}
+
+}  // namespace
+
+void ShadowRays::add(const Vec<double>& origin, const Vec<double>& direction, double light_t, std::int32_t leaves) {
+    rays.ox.push_back(origin.x);
+    rays.oy.push_back(origin.y);
+    rays.oz.push_back(origin.z);
+    rays.dx.push_back(direction.x);
+    rays.dy.push_back(direction.y);
+    rays.dz.push_back(direction.z);
+    reach.push_back(light_t);
+    own.push_back(leaves);
+}
+
+std::vector<std::uint8_t> find_blockers(const Intersector& form, const Format& format, const ShadowRays& shadow, const std::vector<Solid<double>>& solids,
+                                        bool own_counts) {
+    std::vector<std::uint8_t> blocked(shadow.rays.size(), blocked_by_nothing);
+    const PackedRow native = packed_kernels(form);
+    constexpr std::size_t chunk = 4096;
+    const std::size_t chunks = (blocked.size() + chunk - 1) / chunk;
+    tbb::parallel_for(std::size_t{0}, chunks, [&](std::size_t c) {
+        stop_if_interrupted();
+        const std::size_t begin = c * chunk, count = std::min(chunk, blocked.size() - begin);
+        switch (format.engine) {
+            case Format::Engine::native32: hold_against<float>(native.f32, shadow, solids, own_counts, begin, count, blocked); break;
+            case Format::Engine::native64: hold_against<double>(native.f64, shadow, solids, own_counts, begin, count, blocked); break;
+            case Format::Engine::rounded: {
+                const auto kernel = [&](const auto&... a) { form.rounded(format.shape, a...); };
+                hold_against<double>(kernel, shadow, solids, own_counts, begin, count, blocked);
+                break;
+            }
+        }
+    });
+    return blocked;
+}
+
+}  // namespace lostbits

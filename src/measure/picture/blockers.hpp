@@ -1,0 +1,29 @@
+// What stands between points and the light, by a form's own decision.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "measure/truth/band.hpp"
+
+namespace lostbits {
+
+/// Shadow rays in one format, as many as points; `reach[i]` is the light's t on ray i (1 where the direction is the whole
+/// way to the light, the distance where it was normalised), `own[i]` the sphere that ray i leaves (−1: none).
+struct ShadowRays {
+    scene::RayBlock rays;
+    std::vector<double> reach;
+    std::vector<std::int32_t> own;
+
+    void add(const Vec<double>& origin, const Vec<double>& direction, double light_t, std::int32_t leaves);
+};
+
+/// Bits of what `find_blockers` found of a ray.
+enum Blocked : std::uint8_t { blocked_by_nothing = 0, blocked_by_other = 1, blocked_by_own = 2 };
+
+/// A solid blocks a ray where the form decides on a hit at 0 < t < reach. A hit at NaN blocks nothing: every comparison
+/// with it is false. `own_counts`: whether the sphere that a ray leaves is held against it.
+std::vector<std::uint8_t> find_blockers(const Intersector& form, const Format& format, const ShadowRays& shadow, const std::vector<Solid<double>>& solids,
+                                        bool own_counts);
+
+}  // namespace lostbits

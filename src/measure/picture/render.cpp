@@ -1,0 +1,282 @@
+#include "measure/picture/render.hpp"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+
+#include "measure/picture/blockers.hpp"
+#include "measure/picture/look.hpp"
+#include "measure/truth/unit_direction.hpp"
+#include "number/interruption.hpp"
+#include "number/rounded.hpp"
+
+namespace lostbits {
+namespace {
+
+constexpr double missing = std::numeric_limits<double>::quiet_NaN();
+
+double drop(float x) { return x; }
+double drop(double x) { return x; }
+double drop(RoundedAny x) { return x.value(); }
+
+template <class T>
+Vec<double> drop(const Vec<T>& v) {
+    return {drop(v.x), drop(v.y), drop(v.z)};
+}
+
+template <class T>
+T lift_number(double x) {
+    return static_cast<T>(x);
+}
+template <class T>
+Vec<T> lift_number(const Vec<double>& v) {
+    return lifted(v, [](double x) { return lift_number<T>(x); });
+}
+
+/// Calls `work.operator()<T>(i)` for every pixel, T the number that the format is evaluated in.
+template <class Work>
+void for_each_pixel_in(const Format& format, std::size_t count, const Work& work) {
+    const auto all = [&]<class T>(const auto& range) {
+        for (std::size_t i = range.begin(); i < range.end(); ++i) {
+            stop_if_interrupted();
+            work.template operator()<T>(i);
+        }
+    };
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, 256), [&](const auto& range) {
+        switch (format.engine) {
+            case Format::Engine::native32: return all.template operator()<float>(range);
+            case Format::Engine::native64: return all.template operator()<double>(range);
+            case Format::Engine::rounded: {
+                const CurrentFormat::Scope scope(format.shape);
+                return all.template operator()<RoundedAny>(range);
+            }
+        }
+    });
+}
+
+bool is_finite(const Vec<double>& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
+
+Seen seen_of(const Truth& truth, bool hit, double t, std::int32_t object) {
+    if (truth.decision == Truth::Decision::unresolved) return Seen::unresolved;
+    if (hit && std::isnan(t)) return Seen::not_a_number;
+    if (!truth.is_hit()) return hit ? Seen::extra_sphere : Seen::background;
+    if (!hit) return Seen::lost_sphere;
+    return object == truth.object ? Seen::same_sphere : Seen::other_sphere;
+}
+
+/// Between n as computed (of any length) and the true unit normal: atan2(|n × N|, n·N), the products in double-double, for
+/// the cross product of vectors 2^-53 apart is all cancellation.
+double angle_between(const Vec<double>& n, const std::array<Tight, 3>& truth) {
+    if (!is_finite(n)) return missing;
+    const Vec<Ball> a(Ball(n.x), Ball(n.y), Ball(n.z));
+    const auto ball = [](const Tight& x) { return Ball(x.hi, x.lo, 0); };
+    const Vec<Ball> b(ball(truth[0]), ball(truth[1]), ball(truth[2]));
+    const Vec<Ball> c = cross<Ball>(a, b);
+    const double across = std::sqrt(c.x.hi() * c.x.hi() + c.y.hi() * c.y.hi() + c.z.hi() * c.z.hi());
+    return std::atan2(across, dot<Ball>(a, b).hi());
+}
+
+Shadow compare(TrueShadow truth, std::uint8_t blocked) {
+    const bool dark = blocked != blocked_by_nothing;
+    switch (truth) {
+        case TrueShadow::untested: return Shadow::not_compared;
+        case TrueShadow::unresolved: return Shadow::unresolved;
+        case TrueShadow::lit: return !dark ? Shadow::both_lit : blocked == blocked_by_own ? Shadow::own_shadow : Shadow::false_shadow;
+        case TrueShadow::shadowed: return dark ? Shadow::both_shadowed : Shadow::false_light;
+    }
+    return Shadow::not_compared;
+}
+
+/// What one format receives of a band, for all forms.
+struct Inputs {
+    FormatInputs geometry;
+    Look<double> look;
+    std::vector<Vec<double>> points;  ///< of the pixels at z = 0; empty under other cameras
+};
+
+/// One form in one format on one band.
+class RowRenderer {
+public:
+    RowRenderer(const RenderRequest& request, const MapRow& row, const Band& band, const Inputs& in, std::span<const TruePixel> truth)
+        : request_(request), row_(row), band_(band), in_(in), truth_(truth), appearance_(request.scene->appearance), n_(band.pixels()),
+          rays_(in.geometry.rays_for(*row.form->info)), answers_(evaluate(*row.form, in.geometry)),
+          out_{band.y0(), band.rows(), in.geometry.rays.width, &answers_, truth, std::vector<Seen>(n_), {}, std::vector<double>(n_, missing), std::vector<double>(n_, missing), {}, std::vector<std::int32_t>(n_, -1)} {}
+
+    const RenderBand& render() {
+        point_.assign(n_, Vec<double>(missing, missing, missing));
+        normal_ = point_;
+        see();
+        for (const scene::Stage stage : request_.stages) casts_ |= shade_rule(appearance_, stage).shadows;
+        blocked_.assign(n_, blocked_by_nothing);
+        if (casts_) cast();
+        for (const scene::Stage stage : request_.stages) paint(stage);
+        return out_;
+    }
+
+private:
+    [[nodiscard]] bool hit(std::size_t i) const { return answers_.hit[i] != 0; }
+    [[nodiscard]] const Solid<double>& solid(std::size_t i) const { return in_.geometry.solids[static_cast<std::size_t>(answers_.object[i])]; }
+    [[nodiscard]] bool unit() const { return row_.form->info->direction == Direction::unit; }
+
+    /// The point and the normal as the format computes them, and how far they are off.
+    void see() {
+        static const Metric* const residual = find_metric("residual");
+        for_each_pixel_in(row_.format, n_, [&]<class T>(std::size_t i) {
+            const Truth& truth = band_.truth(i, Touching::hit);
+            out_.truth_object[i] = truth.is_hit() ? truth.object : -1;
+            out_.seen[i] = seen_of(truth, hit(i), answers_.t[i], answers_.object[i]);
+            if (!hit(i)) return;
+            const Ray<double> ray = rays_[i];
+            const Vec<T> p = point_at<T>({lift_number<T>(ray.origin), lift_number<T>(ray.direction)}, lift_number<T>(answers_.t[i]));
+            const auto sphere = transformed(solid(i), [](double x) { return lift_number<T>(x); }).sphere();
+            point_[i] = drop(p);
+            normal_[i] = drop(normal_at<T>(p, sphere));
+            if (out_.seen[i] != Seen::same_sphere) return;
+            const Sample sample{answers_.t[i], &row_.format, nullptr, missing, nullptr, nullptr, missing, &ray, &solid(i)};
+            out_.residual[i] = std::fabs(residual->value(sample));
+            if (truth_[i].has_normal) out_.normal_angle[i] = angle_between(normal_[i], truth_[i].normal);
+        });
+    }
+
+    struct Cast {
+        Vec<double> origin{0, 0, 0}, direction{0, 0, 0};
+        double reach = 1;
+    };
+
+    /// The ray to the light, made in the format. A form that is entitled to unit directions gets one, and the light is then
+    /// as far as the format says.
+    template <class T>
+    [[nodiscard]] Cast towards_light(std::size_t i) const {
+        const auto& rule = *appearance_.shadows;
+        const Vec<T> light = lift_number<T>(in_.look.light);
+        Vec<T> start = hit(i) ? lift_number<T>(point_[i]) : lift_number<T>(in_.points[i]);
+        if (hit(i) && rule.own) start = shadow_origin<T>(start, lift_number<T>(normal_[i]), rule.offset, lift_number<T>(in_.look.epsilon), rule.ulps);
+        const Vec<T> way = light - start;
+        Cast cast{drop(start), drop(way), 1};
+        if (unit() && is_finite(cast.direction)) {
+            cast.reach = drop(length(way));
+            cast.direction = unit_direction(cast.direction, row_.format.shape);
+        }
+        return cast;
+    }
+
+    void cast() {
+        std::vector<Cast> casts(n_);
+        const auto is_cast = [&](std::size_t i) { return hit(i) ? !std::isnan(answers_.t[i]) : !in_.points.empty(); };
+        for_each_pixel_in(row_.format, n_, [&]<class T>(std::size_t i) {
+            if (is_cast(i)) casts[i] = towards_light<T>(i);
+        });
+        ShadowRays shadow;
+        std::vector<std::size_t> pixel;
+        for (std::size_t i = 0; i < n_; ++i) {
+            if (!is_cast(i)) continue;
+            shadow.add(casts[i].origin, casts[i].direction, casts[i].reach, hit(i) ? answers_.object[i] : -1);
+            pixel.push_back(i);
+        }
+        const auto blocked = find_blockers(*row_.form, row_.format, shadow, in_.geometry.solids, appearance_.shadows->own);
+        for (std::size_t k = 0; k < pixel.size(); ++k) blocked_[pixel[k]] = blocked[k];
+
+        out_.shadow.assign(n_, Shadow::not_compared);
+        for (std::size_t i = 0; i < n_; ++i) {
+            const bool compared = out_.seen[i] == Seen::background || (out_.seen[i] == Seen::same_sphere && (truth_[i].faces_light || truth_[i].shadow == TrueShadow::unresolved));
+            if (compared) out_.shadow[i] = compare(truth_[i].shadow, blocked_[i]);
+        }
+    }
+
+    void paint(scene::Stage stage) {
+        const ShadeRule rule = shade_rule(appearance_, stage);
+        auto& picture = out_.painted.emplace_back(n_);
+        for_each_pixel_in(row_.format, n_, [&]<class T>(std::size_t i) {
+            Painted& p = picture[i];
+            if (hit(i) && std::isnan(answers_.t[i])) p.colour = Vec<double>(missing, missing, missing);
+            else p.colour = drop(hit(i) ? surface<T>(rule, i) : background<T>(rule, i));
+            const TrueColour& truth = truth_[i].colours[static_cast<std::size_t>(stage)];
+            p.error = truth.certain ? 0 : missing;
+            for (int k = 0; k < 3; ++k) {
+                const Tight& c = truth.channel[static_cast<std::size_t>(k)];
+                const double off = 255 * std::fabs((p.colour[k] - c.hi) - c.lo);
+                p.error = std::isnan(off) || std::isnan(p.error) ? missing : std::max(p.error, off);
+                p.byte[static_cast<std::size_t>(k)] = byte_of(p.colour[k]);
+            }
+        });
+    }
+
+    template <class T>
+    [[nodiscard]] Vec<T> surface(const ShadeRule& rule, std::size_t i) const {
+        const Paint<T> paint = lifted(in_.look.paints[static_cast<std::size_t>(answers_.object[i])], [](double x) { return lift_number<T>(x); });
+        const Vec<T> p = lift_number<T>(point_[i]);
+        return shade<T>(paint, rule, blocked_[i] != blocked_by_nothing, lift_number<T>(normal_[i]), unit_of<T>(lift_number<T>(in_.look.light) - p),
+                        unit_of<T>(lift_number<T>(rays_[i].origin) - p));
+    }
+
+    template <class T>
+    [[nodiscard]] Vec<T> background(const ShadeRule& rule, std::size_t i) const {
+        const Vec<T> full = lift_number<T>(in_.look.background);
+        if (!rule.shadows || blocked_[i] == blocked_by_nothing) return full;
+        const T factor = lift_number<T>(in_.look.shadow_on_background);
+        return Vec<T>(factor * full.x, factor * full.y, factor * full.z);
+    }
+
+    const RenderRequest& request_;
+    const MapRow& row_;
+    const Band& band_;
+    const Inputs& in_;
+    std::span<const TruePixel> truth_;
+    const scene::Appearance& appearance_;
+    std::size_t n_;
+    const scene::RayBlock& rays_;
+    Answers answers_;
+    RenderBand out_;
+    bool casts_ = false;
+    std::vector<Vec<double>> point_, normal_;
+    std::vector<std::uint8_t> blocked_;
+};
+
+std::map<std::string, Inputs> inputs_of(const RenderRequest& request, const Band& band) {
+    std::map<std::string, BandNeeds> needs;
+    for (const MapRow& row : request.rows) needs[row.format.name].unit_rays |= row.form->info->direction == Direction::unit;
+    std::map<std::string, Inputs> inputs;
+    for (const auto& [name, need] : needs) {
+        const Format format = *find_format(name);
+        inputs.emplace(name, Inputs{band.inputs(format, need), input_look(*request.scene, format.shape),
+                                    input_pixel_points(*request.scene, band.y0(), band.y0() + band.rows(), format.shape)});
+    }
+    return inputs;
+}
+
+}  // namespace
+
+std::uint8_t byte_of(double channel) {
+    if (!(channel > 0)) return 0;
+    return static_cast<std::uint8_t>(std::min(255.0, std::floor(std::fma(255.0, std::min(channel, 2.0), 0.5))));
+}
+
+std::vector<RenderSummary> run_render(const RenderRequest& request, RenderSink* sink) {
+    const scene::Scene& scene = *request.scene;
+    const std::size_t stages = request.stages.size();
+    std::vector<RenderSummary> summaries(request.rows.size() * stages);
+    for (std::size_t k = 0; k < summaries.size(); ++k) {
+        summaries[k].stage = request.stages[k % stages];
+        summaries[k].rule = shade_rule(scene.appearance, summaries[k].stage);
+    }
+    const Look<double> look = input_look(scene, binary64);
+    for (int y0 = 0; y0 < scene.height; y0 += band_rows(scene.width)) {
+        const Band band(scene, y0, std::min(scene.height, y0 + band_rows(scene.width)));
+        const std::vector<TruePixel> truth = find_true_picture(scene, band, request.stages, request.limit);
+        if (sink) sink->reference(band.y0(), band.rows(), truth);
+        const auto inputs = inputs_of(request, band);
+        tbb::parallel_for(std::size_t{0}, request.rows.size(), [&](std::size_t r) {
+            RowRenderer renderer(request, request.rows[r], band, inputs.at(request.rows[r].format.name), truth);
+            const RenderBand& result = renderer.render();
+            for (std::size_t s = 0; s < stages; ++s) add_to_summary(result, s, look, summaries[r * stages + s]);
+            if (sink) sink->row(r, result);
+            request.progress(band.pixels());
+        });
+    }
+    return summaries;
+}
+
+}  // namespace lostbits

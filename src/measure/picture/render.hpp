@@ -1,0 +1,108 @@
+// A rendered picture: every stage in every format by a form's own hits and shadows, against the certified picture.
+#pragma once
+
+#include <array>
+#include <functional>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "measure/picture/look.hpp"
+#include "measure/map/map.hpp"
+#include "measure/picture/shade.hpp"
+#include "measure/picture/true_picture.hpp"
+
+namespace lostbits {
+
+/// What a pixel shows, form against truth.
+enum class Seen : std::uint8_t { same_sphere, background, other_sphere, lost_sphere, extra_sphere, not_a_number, unresolved };
+inline constexpr std::array<std::string_view, 7> seen_names{"same_sphere",  "background",   "other_sphere", "lost_sphere",
+                                                            "extra_sphere", "not_a_number", "unresolved"};
+
+/// The form's decision on shadow against the truth's. Compared where both see the background, or the same sphere at a point that
+/// truly faces the light: a point that faces away gets no light either way. `own_shadow` is a false shadow that the point's
+/// own sphere alone casts: acne.
+enum class Shadow : std::uint8_t { not_compared, both_lit, both_shadowed, false_shadow, own_shadow, false_light, unresolved };
+inline constexpr std::array<std::string_view, 7> shadow_names{"not_compared", "both_lit",    "both_shadowed", "false_shadow",
+                                                              "own_shadow",   "false_light", "unresolved"};
+
+struct Painted {
+    Vec<double> colour{0, 0, 0};        ///< numbers of the format, not clamped; NaN where the form's t is
+    std::array<std::uint8_t, 3> byte{};
+    double error = 0;                   ///< largest |channel - true channel|, in 8-bit steps; NaN where either is none
+};
+
+/// 255c rounded half up (once) and clamped to 0…255; a NaN gives 0 and is drawn as what it is.
+std::uint8_t byte_of(double channel);
+
+/// One form in one format over some scanlines.
+struct RenderBand {
+    int y0, rows, width;
+    const Answers* answers;
+    std::span<const TruePixel> truth;
+    std::vector<Seen> seen;
+    std::vector<Shadow> shadow;             ///< empty where no stage casts shadows
+    std::vector<double> normal_angle;       ///< between the computed and the true normal, radians; NaN but on `same_sphere`
+    std::vector<double> residual;           ///< the metric of that name; NaN but on `same_sphere`
+    std::vector<std::vector<Painted>> painted;  ///< a picture a stage, in the order of the request
+    std::vector<std::int32_t> truth_object;     ///< −1: background
+};
+
+/// What is known of one stage of one row when the whole picture has been seen.
+struct RenderSummary {
+    scene::Stage stage = scene::Stage::visible;
+    ShadeRule rule;
+    std::uint64_t pixels = 0;
+    std::array<std::uint64_t, seen_names.size()> seen{};
+    /// By what is compared: 0 points on spheres, 1 the background.
+    std::array<std::array<std::uint64_t, shadow_names.size()>, 2> shadow{};
+    std::uint64_t faces_away = 0;             ///< same sphere, truly seen from the unlit side
+    std::uint64_t true_shadow = 0;            ///< points on spheres that face the light and are truly in shadow
+    std::uint64_t light_in_true_shadow = 0;   ///< those of them that the true picture gives diffuse light all the same
+    std::uint64_t changed = 0;                ///< pixels with a byte that is not the true one
+    std::uint64_t colour_unresolved = 0, colour_not_a_number = 0;
+    Distribution colour_error, normal_angle, residual;
+
+    [[nodiscard]] std::uint64_t count(Seen s) const { return seen[static_cast<std::size_t>(s)]; }
+    [[nodiscard]] std::uint64_t count(bool on_background, Shadow s) const { return shadow[on_background ? 1 : 0][static_cast<std::size_t>(s)]; }
+    /// Shadow decisions that are not the truth's, its own sphere's shadows apart.
+    [[nodiscard]] std::uint64_t flips() const;
+    /// Pixels of which something is not proved: what is seen, the shadow, or the colour.
+    [[nodiscard]] std::uint64_t unresolved() const;
+};
+
+/// Adds a band to the summary of one stage, the `place`-th of the request, pixel by pixel from the top. `look` holds the scene's
+/// paint as binary64 is given it.
+void add_to_summary(const RenderBand& band, std::size_t place, const Look<double>& look, RenderSummary& summary);
+
+/// A column of the summary, after stage, form and format; the CSV and the claims read the same rows.
+struct RenderColumn {
+    std::string_view name, unit, meaning;
+    bool whole;  ///< a count
+    /// NaN where it is missing: a share of nothing, a shadow where none are cast.
+    double (*value)(const RenderSummary&);
+};
+std::span<const RenderColumn> render_columns();
+/// A column by its name. InputError for an unknown one, with did-you-mean; `where` starts the message.
+double render_value(const RenderSummary& summary, const std::string& column, const std::string& where);
+
+/// Receives the bands from top to bottom; `row` may come for different rows at the same time.
+class RenderSink {
+public:
+    virtual ~RenderSink() = default;
+    virtual void reference(int y0, int rows, std::span<const TruePixel> truth) = 0;
+    virtual void row(std::size_t row, const RenderBand& band) = 0;
+};
+
+struct RenderRequest {
+    const scene::Scene* scene = nullptr;   ///< of spheres
+    std::vector<scene::Stage> stages;      ///< in rising order, none beyond what the scene asks for
+    std::vector<MapRow> rows;
+    PictureLimit limit{};
+    std::function<void(std::uint64_t)> progress = [](std::uint64_t) {};  ///< as `MapRequest::progress`
+};
+
+/// A summary a row and stage: those of a row's stages side by side. The results do not depend on the number of threads.
+std::vector<RenderSummary> run_render(const RenderRequest& request, RenderSink* sink = nullptr);
+
+}  // namespace lostbits

@@ -1,0 +1,98 @@
+// The shading of seed 004, written once over any number: what the machine paints, and what is certainly right.
+#pragma once
+
+#include "geometry/shapes.hpp"
+#include "scene/file/appearance.hpp"
+
+namespace lostbits {
+
+/// A sphere's paint as numbers of T.
+template <class T>
+struct Paint {
+    Vec<T> colour;
+    T ambient, diffuse, specular;  ///< ka, kd, ks
+    int exponent = 1;              ///< n
+    bool shiny = false;            ///< ks > 0: gets a highlight
+};
+
+/// What is added to the bare colour.
+struct ShadeRule {
+    bool diffuse = false, shadows = false, phong = false;
+    bool half_diffuse = false;  ///< in shadow half of the diffuse light stays
+};
+
+/// What a scene asks for, up to a stage.
+inline ShadeRule shade_rule(const scene::Appearance& look, scene::Stage stage) {
+    using scene::Stage;
+    const auto wanted = [&](Stage s) { return s <= stage && look.asks_for(s); };
+    return {wanted(Stage::diffuse), wanted(Stage::shadows), wanted(Stage::phong), look.shadows && look.shadows->half_diffuse};
+}
+
+/// x = x0 + t·dx, and so on.
+template <Number T>
+Vec<T> point_at(const Ray<T>& ray, const T& t) {
+    return Vec<T>(ray.origin.x + t * ray.direction.x, ray.origin.y + t * ray.direction.y, ray.origin.z + t * ray.direction.z);
+}
+
+/// N = (P − G)/r, outward whichever side is seen: unit only as far as P lies on the sphere.
+template <Number T>
+Vec<T> normal_at(const Vec<T>& p, const Sphere<T>& sphere) {
+    return Vec<T>((p.x - sphere.centre.x) / sphere.radius, (p.y - sphere.centre.y) / sphere.radius, (p.z - sphere.centre.z) / sphere.radius);
+}
+
+/// v/|v|; 0/0 for v = 0.
+template <Number T>
+Vec<T> unit_of(const Vec<T>& v) {
+    const T size = length(v);
+    return Vec<T>(v.x / size, v.y / size, v.z / size);
+}
+
+/// xⁿ for n ≥ 1 by repeated squaring, from the highest bit of n down: at most 2·log2(n) products.
+template <Number T>
+T whole_power(const T& x, int n) {
+    int bit = 1;
+    while (bit <= n / 2) bit *= 2;
+    T power = x;
+    for (bit /= 2; bit > 0; bit /= 2) {
+        power = power * power;
+        if ((n & bit) != 0) power = power * x;
+    }
+    return power;
+}
+
+/// The start of a shadow ray that is also held against its own sphere: the point moved along the normal by `epsilon`, or by
+/// `ulps` units in the last place of its largest coordinate (none for numbers that stand for exact arithmetic).
+template <Number T>
+Vec<T> shadow_origin(const Vec<T>& p, const Vec<T>& n, scene::ShadowRule::Offset offset, const T& epsilon, int ulps) {
+    using Offset = scene::ShadowRule::Offset;
+    if (offset == Offset::none) return p;
+    T away = epsilon;
+    if (offset == Offset::ulp) {
+        const T size = max(max(abs(p.x), abs(p.y)), abs(p.z));
+        away = T(ulps) * (next_up(size) - size);
+    }
+    return Vec<T>(p.x + away * n.x, p.y + away * n.y, p.z + away * n.z);
+}
+
+/// C = ka S + kd max(0, N·L) S + ks max(0, H·N)ⁿ (1, 1, 1) with H = (L + V)/|L + V|, as far as `rule` goes. In shadow the
+/// diffuse term goes, or halves by the source's variant, and so does the highlight; a point that faces away from the light
+/// (N·L ≤ 0) has no highlight, being in its own sphere's shadow. The source has no max(0, ·): there N·L < 0 takes ambient
+/// light away. `l` and `v` are unit vectors from the point to the light and to the eye. A NaN stays one: max(0, x) gives x.
+template <Number T>
+Vec<T> shade(const Paint<T>& paint, const ShadeRule& rule, const mask_t<T>& shadowed, const Vec<T>& n, const Vec<T>& l, const Vec<T>& v) {
+    if (!rule.diffuse) return paint.colour;
+    const T zero(0);
+    const T facing = dot(n, l);
+    T diffuse = paint.diffuse * max(zero, facing);
+    if (rule.shadows) diffuse = select(shadowed, rule.half_diffuse ? T(T(1) / T(2) * diffuse) : zero, diffuse);
+    const Vec<T>& s = paint.colour;
+    Vec<T> colour(paint.ambient * s.x + diffuse * s.x, paint.ambient * s.y + diffuse * s.y, paint.ambient * s.z + diffuse * s.z);
+    if (!rule.phong || !paint.shiny) return colour;
+    const T highlight = paint.specular * whole_power<T>(max(zero, dot(unit_of<T>(l + v), n)), paint.exponent);
+    mask_t<T> dark = facing <= zero;
+    if (rule.shadows) dark = dark || shadowed;
+    const T added = select(dark, zero, highlight);
+    return Vec<T>(colour.x + added, colour.y + added, colour.z + added);
+}
+
+}  // namespace lostbits

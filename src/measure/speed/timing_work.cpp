@@ -1,0 +1,110 @@
+#include "measure/speed/timing_work.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <random>
+
+namespace lostbits {
+namespace {
+
+/// The row of a form in a table of rows; null if it has none.
+template <class Row>
+const Row* row_of(std::span<const Row> rows, std::string_view form) {
+    const auto found = std::ranges::find_if(rows, [form](const Row& row) { return row.info->name == form; });
+    return found == rows.end() ? nullptr : &*found;
+}
+
+template <class S>
+TimedWork by_packs(const std::shared_ptr<BoxField<S>>& field, ManyBoxes<S> kernel, bool warm) {
+    return {[field, kernel] { kernel(field->ray, field->arrays(), field->t); }, field->t.size(), warm};
+}
+
+template <class S, class Kernel>
+TimedWork by_packs(const std::shared_ptr<RayStore<S>>& store, Kernel kernel, bool warm) {
+    return {[store, kernel] { store->run(kernel); }, store->slice(), warm};
+}
+
+}  // namespace
+
+template <class S>
+BoxField<S>::BoxField(std::size_t bytes) : ray{{S(-3), S(0.1F), S(0.2F)}, {S(1), S(-0.25), S(0.125)}} {
+    constexpr std::size_t line = 64, stagger = 5 * line, numbers = 7;
+    const std::size_t boxes = std::max<std::size_t>(1, bytes / (numbers * sizeof(S)) / 64) * 64, column = boxes * sizeof(S) + stagger;
+    memory_.resize(numbers * column + line);
+    void* start = memory_.data();
+    std::size_t room = memory_.size();
+    std::align(line, numbers * column, start, room);
+    const auto span_of = [&](std::size_t c) { return std::span<S>(reinterpret_cast<S*>(static_cast<std::byte*>(start) + c * column), boxes); };
+    std::mt19937 engine(2);
+    std::uniform_real_distribution<float> place(-2, 2), side(0.1F, 1);
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        columns[axis] = span_of(axis);
+        columns[axis + 3] = span_of(axis + 3);
+        for (std::size_t i = 0; i < boxes; ++i) {
+            columns[axis][i] = place(engine);
+            columns[axis + 3][i] = columns[axis][i] + S(side(engine));
+        }
+    }
+    t = span_of(6);
+    std::ranges::fill(t, std::numeric_limits<S>::infinity());
+}
+
+template <class S>
+std::array<const S*, 6> BoxField<S>::pointers() const {
+    return {columns[0].data(), columns[1].data(), columns[2].data(), columns[3].data(), columns[4].data(), columns[5].data()};
+}
+
+template <class S>
+std::array<S, 6> BoxField<S>::ray_numbers() const {
+    return {ray.origin.x, ray.origin.y, ray.origin.z, ray.direction.x, ray.direction.y, ray.direction.z};
+}
+
+template class BoxField<float>;
+template class BoxField<double>;
+
+std::size_t working_set_bytes(std::string_view name, const CacheSizes& caches) {
+    constexpr std::size_t mebibyte = std::size_t{1} << 20;
+    if (name == "l1") return caches.l1 / 2;
+    if (name == "l2") return caches.l2 / 2;
+    return name == "memory" ? std::clamp(2 * caches.last, 64 * mebibyte, 1024 * mebibyte) : 0;
+}
+
+bool stay_in_cache(std::size_t bytes) { return bytes <= cache_sizes().l2; }
+
+const std::shared_ptr<std::vector<PlainBox>>& BoxWork::structs() {
+    const BoxField<float>& field = *f32();
+    auto& boxes = structs_(field.t.size());
+    for (std::size_t i = 0; i < field.t.size(); ++i)
+        for (std::size_t c = 0; c < 6; ++c) (*boxes)[i].numbers[c] = field.columns[c][i];
+    return boxes;
+}
+
+std::optional<TimedWork> BoxWork::on(const TimedKernel& k) {
+    const bool warm = stay_in_cache(bytes_);
+    const PlainRow* const plain = k.kernel.starts_with("plain-") && k.format == "f32" ? row_of(plain_rows(), k.form) : nullptr;
+    if (plain && k.kernel == "plain-256")
+        return TimedWork{[field = f32(), ray = f32()->ray_numbers(), boxes = f32()->pointers(), loop = plain->columns] { loop(ray.data(), boxes.data(), field->t.data(), field->t.size()); },
+                         f32()->t.size(), warm};
+    if (plain && k.kernel == "plain-structs-256")
+        return TimedWork{[field = f32(), ray = f32()->ray_numbers(), boxes = structs(), loop = plain->structs] { loop(ray.data(), boxes->data(), field->t.data(), field->t.size()); },
+                         f32()->t.size(), warm};
+    const auto isa = isa_named(k.kernel);
+    const ManyRow* const row = isa ? row_of(many_rows(*isa), k.form) : nullptr;
+    if (row && row->boxes32 && k.format == "f32") return by_packs(f32(), row->boxes32, warm);
+    if (row && row->boxes64 && k.format == "f64") return by_packs(f64(), row->boxes64, warm);
+    return std::nullopt;
+}
+
+std::optional<TimedWork> RayWork::on(const TimedKernel& k) {
+    const auto isa = isa_named(k.kernel);
+    const PackedRow* const row = isa ? row_of(packed_rows(*isa), k.form) : nullptr;
+    if (!row) return std::nullopt;
+    const bool warm = stay_in_cache(bytes_);
+    const Shape shape = intersectors()[static_cast<std::size_t>(row - packed_rows(*isa).data())].shape;
+    if (row->f32 && k.format == "f32") return by_packs(f32(shape), row->f32, warm);
+    if (row->f64 && k.format == "f64") return by_packs(f64(shape), row->f64, warm);
+    return std::nullopt;
+}
+
+}  // namespace lostbits

@@ -1,0 +1,112 @@
+// Work that kernels are timed on when their speeds are compared: one ray against many boxes, many rays against one solid.
+#pragma once
+
+#include <array>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "intersect/simd/packed_many.hpp"
+#include "intersect/simd/plain_many.hpp"
+#include "measure/speed/timing.hpp"
+#include "measure/speed/trade_rays.hpp"
+
+namespace lostbits {
+
+/// Boxes scattered about a ray's way, a column a number, and the t of each: infinite at first, where the ray enters once it was hit.
+/// Columns start at cache lines, each at another place of its page, so that reads and writes do not collide there.
+template <class S>
+class BoxField {
+public:
+    /// As many as fit into so many bytes, and a multiple of 64.
+    explicit BoxField(std::size_t bytes);
+    BoxField(const BoxField&) = delete;
+    BoxField& operator=(const BoxField&) = delete;
+
+    Ray<S> ray;
+    std::array<std::span<S>, 6> columns;  ///< lo x, y, z, hi x, y, z
+    std::span<S> t;
+
+    [[nodiscard]] BoxArrays<S> arrays() const { return {columns[0], columns[1], columns[2], columns[3], columns[4], columns[5]}; }
+    [[nodiscard]] std::array<const S*, 6> pointers() const;
+    [[nodiscard]] std::array<S, 6> ray_numbers() const;
+
+private:
+    std::vector<std::byte> memory_;
+};
+
+extern template class BoxField<float>;
+extern template class BoxField<double>;
+
+/// `l1`, `l2`, `memory`: half of the first cache, half of the second, twice the last (between 64 MiB and 1 GiB). Zero for another
+/// name.
+std::size_t working_set_bytes(std::string_view name, const CacheSizes& caches);
+
+/// A form in a kernel: `scalar`, `128`, `256`, `512` are those of `Isa`; `plain-256` and `plain-structs-256` the loops of
+/// `PlainRow`, for one ray against many boxes in float alone.
+struct TimedKernel {
+    std::string_view form, kernel, format;
+};
+
+/// A thing that is made when it is first asked for.
+template <class T>
+class Lazy {
+public:
+    template <class... A>
+    const std::shared_ptr<T>& operator()(A&&... a) {
+        if (!made_) made_ = std::make_shared<T>(std::forward<A>(a)...);
+        return made_;
+    }
+
+private:
+    std::shared_ptr<T> made_;
+};
+
+/// One ray against as many boxes as fit into so many bytes. All kernels of a format work on the same boxes, one at a time; the boxes live as
+/// long as any work on them.
+class BoxWork {
+public:
+    explicit BoxWork(std::size_t bytes) : bytes_(bytes) {}
+
+    /// Nothing where there is no such kernel, in this build or on this processor.
+    std::optional<TimedWork> on(const TimedKernel& kernel);
+    const std::shared_ptr<BoxField<float>>& f32() { return f32_(bytes_); }
+    const std::shared_ptr<BoxField<double>>& f64() { return f64_(bytes_); }
+
+private:
+    const std::shared_ptr<std::vector<PlainBox>>& structs();
+
+    std::size_t bytes_;
+    Lazy<BoxField<float>> f32_;
+    Lazy<BoxField<double>> f64_;
+    Lazy<std::vector<PlainBox>> structs_;
+};
+
+/// Many rays against the one solid of `ray_pool`, half of them hitting it; otherwise the same.
+class RayWork {
+public:
+    explicit RayWork(std::size_t bytes) : bytes_(bytes) {}
+
+    std::optional<TimedWork> on(const TimedKernel& kernel);
+    const std::shared_ptr<RayStore<float>>& f32(Shape shape) { return store(f32_, shape); }
+    const std::shared_ptr<RayStore<double>>& f64(Shape shape) { return store(f64_, shape); }
+
+private:
+    template <class S>
+    using Stores = std::array<Lazy<RayStore<S>>, shape_names.size()>;
+    template <class S>
+    const std::shared_ptr<RayStore<S>>& store(Stores<S>& stores, Shape shape) {
+        return stores[static_cast<std::size_t>(shape)](ray_pool(shape), bytes_, 0.5, std::size_t{0}, std::uint64_t{1});
+    }
+
+    std::size_t bytes_;
+    Stores<float> f32_;
+    Stores<double> f64_;
+};
+
+/// Whether a pass that is not timed brings so many bytes back to where they were.
+bool stay_in_cache(std::size_t bytes);
+
+}  // namespace lostbits

@@ -1,0 +1,91 @@
+// The trade: measured speed against measured accuracy, for every form, format and register width, in one run.
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "measure/map/map.hpp"
+#include "measure/speed/operations.hpp"
+#include "measure/speed/timing.hpp"
+#include "measure/speed/trade_rays.hpp"
+
+namespace lostbits {
+
+/// One thing that can be called: a form in a native format over registers of a width. Kernels of one form and format with the
+/// same `measured` give the same bits.
+struct TradeKernel {
+    MapRow measured;        ///< what its accuracy is that of
+    const Info* form;       ///< as it is written
+    std::string_view isa;   ///< `scalar`, `128`, ...
+    std::string_view variant = {};  ///< of compiler flags: `contract`, `fastmath`; empty: the form as it is written
+    decltype(Intersector::native32) f32 = nullptr;  ///< one of the two, by the format
+    decltype(Intersector::native64) f64 = nullptr;
+};
+
+/// Every selected row (f32 and f64 alone) on every instruction set that there is, and in every variant of compiler flags, in the
+/// order of rows, then widths, then variants.
+std::vector<TradeKernel> trade_kernels(const std::vector<MapRow>& rows);
+
+/// The rays that a kernel is timed on: so many bytes of them and their answers, of which so many hit.
+struct TradeLoad {
+    std::string_view working_set;  ///< `l1`, `l2`, `memory`
+    std::size_t bytes;             ///< about; half of the cache, and all that is walked round and round in `memory`
+    double hit_rate;
+};
+
+/// Each working set with each hit rate; `memory` is sized so that all arrays together are twice the last cache, within
+/// 32 and 96 MiB each.
+std::vector<TradeLoad> trade_loads(const CacheSizes& caches);
+/// The one whose times stand for a kernel: l1, every other ray a hit.
+std::size_t standing_load(const std::vector<TradeLoad>& loads);
+
+struct TradeRequest {
+    Shape shape = Shape::sphere;
+    std::vector<TradeKernel> kernels;
+    std::vector<const Metric*> metrics;  ///< with lost_bits and excess_bits
+    std::vector<TradeLoad> loads;
+    TimingPlan plan{};
+    TruthLimit limit{};
+};
+
+/// Units of progress that `run_trade` reports through the plan.
+std::uint64_t trade_units(const TradeRequest& request);
+
+/// Of each kernel, in the request's order.
+struct TradeResult {
+    struct Timed {
+        Timing timing;  ///< seconds a ray
+        std::size_t bytes, rays;
+    };
+    std::vector<std::vector<Timed>> times;    ///< [kernel][load]
+    std::vector<OperationCounts> operations;  ///< [kernel]
+    std::vector<std::size_t> row_of;          ///< [kernel]: where its accuracy is
+    std::vector<std::vector<MapSummary>> rows;  ///< [ray set][row]
+
+    [[nodiscard]] const MapSummary& accuracy(std::size_t set, std::size_t kernel) const { return rows[set][row_of[kernel]]; }
+};
+TradeResult run_trade(const TradeRequest& request);
+
+/// What a kernel is worth on a set of rays. More accurate is, first, what decides fewer rays wrongly, and among equals what
+/// keeps more bits.
+struct ParetoPoint {
+    double time_ns;         ///< a ray
+    double wrong_fraction;  ///< false hits, false misses and NaNs among the rays whose truth is known
+    double kept_bits;       ///< p − p99 of lost_bits; NaN where no hit is agreed on: less than any number
+
+    [[nodiscard]] bool never_wrong() const { return wrong_fraction == 0; }
+};
+ParetoPoint pareto_point(const Timing& timing, const MapRow& row, const MapSummary& accuracy, const std::vector<const Metric*>& metrics);
+
+/// Of each: whether another is at least as fast and at least as accurate, and better in one of the two.
+std::vector<bool> dominated(const std::vector<ParetoPoint>& all);
+
+/// The fastest that is never wrong and keeps so many bits, or nothing.
+std::optional<std::size_t> cheapest(const std::vector<ParetoPoint>& all, double kept_bits);
+
+/// The bits that are asked for in words.
+inline constexpr std::array<int, 6> asked_bits{8, 12, 16, 20, 22, 40};
+
+}  // namespace lostbits

@@ -1,0 +1,149 @@
+#include "measure/sweep/sweep.hpp"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <mutex>
+
+namespace lostbits {
+namespace {
+
+struct Statistic {
+    const char* name;
+    double q;
+};
+constexpr Statistic statistics[] = {{"p50", 0.5}, {"p99", 0.99}, {"max", 1.0}};
+
+/// The rows of one step.
+std::vector<MapSummary> run_step(const SweepRequest& request, const std::vector<MapRow>& rows, const std::vector<double>& values) {
+    return measure_groups(request.sweep->rays(values), rows, request.metrics, request.limit);
+}
+
+/// One thing that can first happen: its value at a step, NaN where there is none.
+struct Event {
+    std::string name, statistic;
+    double threshold;
+    std::function<double(const MapSummary&)> value;
+
+    [[nodiscard]] bool happens(const MapSummary& s) const { return value(s) >= threshold; }
+};
+
+/// The place of a metric among those of the request; their number where it is not there.
+std::size_t place_of(const std::vector<const Metric*>& metrics, const char* name) {
+    return static_cast<std::size_t>(std::ranges::find(metrics, find_metric(name)) - metrics.begin());
+}
+
+std::vector<Event> events_of(const MapRow& row, const std::vector<const Metric*>& metrics) {
+    const std::size_t lost = place_of(metrics, "lost_bits"), stop = place_of(metrics, "stop");
+    std::vector<Event> events;
+    const double p = row.format.shape.precision;
+    for (const Statistic& s : statistics) {
+        for (const double bits : {1.0, 4.0, 8.0, p / 2, p}) {
+            if (bits > p) continue;
+            events.push_back({"lost_bits", s.name, bits, [lost, s](const MapSummary& m) { return m.metrics[lost].quantile(s.q); }});
+        }
+    }
+    for (const Outcome o : {Outcome::false_hit, Outcome::false_miss, Outcome::not_a_number}) {
+        events.push_back({std::string(outcome_names[static_cast<std::size_t>(o)]), "count", 1, [o](const MapSummary& m) { return static_cast<double>(m.count(o)); }});
+    }
+    if (row.form->shape != Shape::sdf || stop == metrics.size()) return events;
+    for (const Stop why : {Stop::max_dist, Stop::max_steps, Stop::stagnated}) {
+        const auto c = static_cast<std::size_t>(why);
+        events.push_back({std::string(stop_names[c]), "count", 1, [stop, c](const MapSummary& m) { return static_cast<double>(m.categories[stop][c]); }});
+    }
+    return events;
+}
+
+/// Evaluates a row between the steps, remembering what it has seen: neighbouring events ask for the same places. Only
+/// what events are about is measured there, in the places that it has among the request's metrics; conditioning costs far more.
+class Between {
+public:
+    Between(SweepRequest request, std::size_t row) : request_(std::move(request)), row_{request_.rows[row]} {
+        for (const Metric*& m : request_.metrics) {
+            if (m->over != Over::marches) m = find_metric("lost_bits");
+        }
+    }
+    const MapSummary& at(double value) {
+        const auto [place, fresh] = seen_.try_emplace(value);
+        if (fresh) place->second = std::move(run_step(request_, row_, {value}).front());
+        return place->second;
+    }
+
+private:
+    SweepRequest request_;
+    std::vector<MapRow> row_;
+    std::map<double, MapSummary> seen_;
+};
+
+Onset locate(const SweepRequest& request, const std::vector<SweepStep>& steps, std::size_t row, const Event& event, Between& between) {
+    Onset onset{row, event.name, event.statistic, event.threshold};
+    const auto bad = std::ranges::find_if(steps, [&](const SweepStep& s) { return event.happens(s.rows[row]); });
+    if (bad == steps.end()) return onset;
+    onset.found = true;
+    onset.first_bad = bad->values.front();
+    onset.value_at_first_bad = event.value(bad->rows[row]);
+    if (bad == steps.begin()) {
+        onset.from_start = true;
+        return onset;
+    }
+    const scene::Axis& axis = request.sweep->axes.front();
+    onset.last_good = std::prev(bad)->values.front();
+    while (std::fabs(onset.first_bad - onset.last_good) > 0x1p-9 * std::fabs(onset.first_bad)) {
+        const double middle = axis.middle(onset.last_good, onset.first_bad);
+        if (middle == onset.last_good || middle == onset.first_bad) break;
+        const MapSummary& there = between.at(middle);
+        if (event.happens(there)) {
+            onset.first_bad = middle;
+            onset.value_at_first_bad = event.value(there);
+        } else {
+            onset.last_good = middle;
+        }
+    }
+    return onset;
+}
+
+}  // namespace
+
+std::vector<SweepStep> run_sweep(const SweepRequest& request) {
+    const auto& axes = request.sweep->axes;
+    std::vector<SweepStep> steps;
+    for (const double first : axes[0].values) {
+        if (axes.size() == 1) {
+            steps.push_back({{first}, {}});
+            continue;
+        }
+        for (const double second : axes[1].values) steps.push_back({{first, second}, {}});
+    }
+    tbb::parallel_for(std::size_t{0}, steps.size(), [&](std::size_t i) {
+        steps[i].rows = run_step(request, request.rows, steps[i].values);
+        request.progress(request.rows.size());
+    });
+    return steps;
+}
+
+MapSummary run_place(const SweepRequest& request, std::size_t row, const std::vector<double>& values) {
+    return std::move(run_step(request, {request.rows[row]}, values).front());
+}
+
+std::vector<Onset> find_onsets(const SweepRequest& request, const std::vector<SweepStep>& steps) {
+    if (request.sweep->axes.size() != 1) return {};
+    std::vector<std::vector<Onset>> found(request.rows.size());
+    tbb::parallel_for(std::size_t{0}, request.rows.size(), [&](std::size_t row) {
+        Between between(request, row);
+        for (const Event& event : events_of(request.rows[row], request.metrics)) found[row].push_back(locate(request, steps, row, event, between));
+        request.progress(steps.size());
+    });
+    std::vector<Onset> onsets;
+    for (auto& row : found) onsets.insert(onsets.end(), row.begin(), row.end());
+    return onsets;
+}
+
+std::uint64_t sweep_units(const SweepRequest& request) {
+    std::uint64_t steps = 1;
+    for (const auto& axis : request.sweep->axes) steps *= axis.values.size();
+    return request.rows.size() * steps * (request.sweep->axes.size() == 1 ? 2 : 1);
+}
+
+}  // namespace lostbits

@@ -1,0 +1,55 @@
+// The sweep: a map's numbers along a parameter, and the places where they first go wrong.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "measure/map/map.hpp"
+#include "scene/sweep/sweep_file.hpp"
+
+namespace lostbits {
+
+/// The rows at one step.
+struct SweepStep {
+    std::vector<double> values;  ///< one an axis
+    std::vector<MapSummary> rows;
+};
+
+/// Where a row first crosses a threshold along the first axis.
+struct Onset {
+    std::size_t row;
+    std::string event;      ///< `lost_bits`, an outcome, or why a march stopped
+    std::string statistic;  ///< `p50`, `p99`, `max`; `count` for the outcomes
+    double threshold;       ///< bits, or 1 for a count
+    bool found = false;
+    bool from_start = false;  ///< bad at the first step already: there is no last good value
+    double last_good = 0, first_bad = 0;
+    double value_at_first_bad = 0;  ///< of the statistic
+};
+
+struct SweepRequest {
+    const scene::SweepFile* sweep = nullptr;
+    std::vector<MapRow> rows;
+    std::vector<const Metric*> metrics;
+    TruthLimit limit{};
+    std::function<void(std::uint64_t)> progress = [](std::uint64_t) {};
+};
+
+/// Every step of one axis, or of the product of two (the second running fastest), in order; in parallel over steps.
+std::vector<SweepStep> run_sweep(const SweepRequest& request);
+
+/// One row at any place of the sweep, on its steps or between them.
+MapSummary run_place(const SweepRequest& request, std::size_t row, const std::vector<double>& values);
+
+/// The first crossings, along the first axis of a sweep with one axis, of 1, 4, 8, p/2 and p lost bits by the median, the
+/// 99th percentile and the largest, of the first false hit and false miss, and of the first march that ends at max_dist, at max_steps,
+/// or stagnated; each bracket [last good, first bad]
+/// narrowed by bisection until it is 2^-9 of its value wide, or holds no number of the axis. A crossing is the first in
+/// the order of the steps: a dip between two of them stays unseen.
+std::vector<Onset> find_onsets(const SweepRequest& request, const std::vector<SweepStep>& steps);
+
+/// Units of progress that both calls together report at most.
+std::uint64_t sweep_units(const SweepRequest& request);
+
+}  // namespace lostbits

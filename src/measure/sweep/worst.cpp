@@ -1,0 +1,190 @@
+#include "measure/sweep/worst.hpp"
+
+#include <tbb/parallel_for.h>
+
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "number/rounded.hpp"
+#include "scene/rays/random.hpp"
+
+namespace lostbits {
+namespace {
+
+constexpr int litter = 32;
+
+/// The number `steps` places after x in the format's order.
+double step_from(double x, std::int64_t steps, const FloatFormat& f) {
+    const std::int64_t n = ordinal(x, f) + steps;
+    const std::int64_t binade = std::int64_t{1} << (f.precision - 1);
+    const std::int64_t size = std::abs(n), e = size / binade, m = size % binade;
+    const double y = e == 0 ? std::ldexp(static_cast<double>(m), f.emin - f.precision + 1)
+                            : std::ldexp(static_cast<double>(binade + m), f.emin + static_cast<int>(e) - f.precision);
+    return n < 0 ? -y : y;
+}
+
+/// A ray and a solid as one list of numbers, in the order of the search's ranges.
+struct Place {
+    std::array<double, 12> x{};
+    [[nodiscard]] Ray<double> ray() const { return {{x[0], x[1], x[2]}, {x[3], x[4], x[5]}}; }
+    [[nodiscard]] Solid<double> solid(Shape shape) const {
+        Solid<double> s;
+        s.shape = shape;
+        for (std::size_t i = 0; i < s.used().size(); ++i) s.numbers[i] = x[6 + i];
+        return s;
+    }
+};
+
+/// What the sink of one litter remembers: the worst of it.
+class Judge final : public MapSink {
+public:
+    Judge(std::size_t metric, Direction unit_of) : metric_(metric), unit_of_(unit_of) {}
+    void band(const BandResult& result) override {
+        for (std::size_t i = 0; i < result.outcomes.size(); ++i) {
+            const Outcome o = result.outcomes[i];
+            if (o == Outcome::agree_miss || o == Outcome::unresolved) continue;
+            const double value = o == Outcome::agree_hit ? std::fabs(result.metrics[metric_][i]) : std::numeric_limits<double>::infinity();
+            if (!(value > score)) continue;
+            score = value;
+            place = i;
+            outcome = o;
+            t = result.answers->t[i];
+            truth = result.truth(i).is_hit() ? result.band->rounded_truth(i, binary64, unit_of_, result.touching) : std::numeric_limits<double>::quiet_NaN();
+        }
+    }
+    double score = -1;
+    std::size_t place = 0;
+    Outcome outcome = Outcome::agree_miss;
+    double t = 0, truth = 0;
+
+private:
+    std::size_t metric_;
+    Direction unit_of_;
+};
+
+class Search {
+public:
+    Search(const WorstRequest& request, const MapRow& row)
+        : request_(request), file_(*request.search), row_(row), random_(file_.seed),
+          metric_(static_cast<std::size_t>(std::ranges::find(request.metrics, find_metric(file_.metric)) - request.metrics.begin())) {}
+
+    std::optional<WorstFound> run() {
+        for (int start = 0; start < file_.starts && best_.outcome == Outcome::agree_hit; ++start) climb();
+        best_.evaluations = evaluations_;
+        return best_.value < 0 ? std::nullopt : std::optional(best_);
+    }
+
+private:
+    void climb() {
+        const auto first = draw();
+        if (!first) return;
+        Place here = *first;
+        double score = -1;
+        for (int g = 0; g < file_.generations; ++g) {
+            // One solid a litter: its rays share a band.
+            const Place parent = g == 0 ? here : moved(here, 6, file_.ranges.size(), random_.below(2));
+            std::vector<Place> children{parent};
+            while (children.size() < litter) children.push_back(moved(parent, 0, 6, 1 + random_.below(3)));
+            const Judge judge = judged(children);
+            if (judge.score < score) continue;
+            score = judge.score;
+            here = children[judge.place];
+            keep(judge, here);
+            if (best_.outcome != Outcome::agree_hit) return;
+        }
+    }
+
+    /// A random place of the box that the search allows, its ray aimed at its solid; nothing where 4096 tries find none.
+    std::optional<Place> draw() {
+        for (int attempt = 0; attempt < 4096; ++attempt) {
+            Place p;
+            for (std::size_t i = 0; i < file_.ranges.size(); ++i) {
+                const auto [low, high] = file_.ranges[i];
+                p.x[i] = low + random_.unit() * (high - low);
+            }
+            aim(p);
+            for (double& x : p.x) x = rounding::to_format(x, 0, row_.format.shape);
+            if (file_.holds(p.ray(), p.solid(file_.shape))) return p;
+        }
+        return std::nullopt;
+    }
+
+    /// Turns the direction to a point of the solid, its largest component kept: by chance few rays meet a far one.
+    void aim(Place& p) {
+        const Solid<double> solid = p.solid(file_.shape);
+        double to[3], largest = 0, size = 0;
+        for (std::size_t i = 0; i < 3; ++i) {
+            const double u = random_.unit();
+            const double point = solid.shape == Shape::sphere ? solid.numbers[i] + (2 * u - 1) * solid.numbers[3] : solid.numbers[i] + u * (solid.numbers[3 + i] - solid.numbers[i]);
+            to[i] = point - p.x[i];
+            largest = std::max(largest, std::fabs(to[i]));
+            size = std::max(size, std::fabs(p.x[3 + i]));
+        }
+        if (largest == 0) return;
+        for (std::size_t i = 0; i < 3; ++i) p.x[3 + i] = to[i] / largest * size;
+    }
+
+    Place moved(const Place& from, std::size_t begin, std::size_t end, int count) {
+        for (int attempt = 0; count > 0 && attempt < 16; ++attempt) {
+            Place p = from;
+            for (int k = 0; k < count; ++k) {
+                double& x = p.x[begin + static_cast<std::size_t>(random_.below(static_cast<int>(end - begin)))];
+                const auto steps = std::int64_t{1} << random_.below(row_.format.shape.precision + 2);
+                x = step_from(x, random_.below(2) == 0 ? steps : -steps, row_.format.shape);
+            }
+            if (file_.holds(p.ray(), p.solid(file_.shape))) return p;
+        }
+        return from;
+    }
+
+    Judge judged(const std::vector<Place>& places) {
+        scene::RayBlock rays;
+        for (const Place& p : places) {
+            rays.ox.push_back(p.x[0]);
+            rays.oy.push_back(p.x[1]);
+            rays.oz.push_back(p.x[2]);
+            rays.dx.push_back(p.x[3]);
+            rays.dy.push_back(p.x[4]);
+            rays.dz.push_back(p.x[5]);
+        }
+        rays.width = static_cast<int>(places.size());
+        rays.y1 = 1;
+        evaluations_ += places.size();
+        Band band(std::move(rays), {places.front().solid(file_.shape)}, request_.limit);
+        const unsigned needs = needs_of(request_.metrics);
+        if (needs & needs_condition) band.find_condition();
+        const auto inputs = band.inputs(row_.format, {row_.form->info->direction == Direction::unit, (needs & needs_own_truth) != 0});
+        MapSummary summary;
+        summary = MapSummary(request_.metrics);
+        Judge judge(metric_, row_.form->info->direction);
+        measure_row(row_, request_.metrics, band, inputs, summary, &judge);
+        return judge;
+    }
+
+    void keep(const Judge& judge, const Place& place) {
+        if (!(judge.score > best_.value)) return;
+        best_ = {judge.outcome, judge.score, place.ray(), place.solid(file_.shape), judge.t, judge.truth, 0};
+    }
+
+    const WorstRequest& request_;
+    const scene::SearchFile& file_;
+    const MapRow& row_;
+    scene::Random random_;
+    std::size_t metric_;
+    std::uint64_t evaluations_ = 0;
+    WorstFound best_;
+};
+
+}  // namespace
+
+std::vector<std::optional<WorstFound>> find_worst(const WorstRequest& request) {
+    std::vector<std::optional<WorstFound>> found(request.rows.size());
+    tbb::parallel_for(std::size_t{0}, found.size(), [&](std::size_t i) {
+        found[i] = Search(request, request.rows[i]).run();
+        request.progress(1);
+    });
+    return found;
+}
+
+}  // namespace lostbits

@@ -1,0 +1,156 @@
+#include "measure/truth/certified.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "number/rounded.hpp"
+
+namespace lostbits {
+namespace {
+
+/// ldexp that saturates: exponents here may exceed int.
+double scale(double x, std::int64_t e) { return std::ldexp(x, static_cast<int>(std::clamp<std::int64_t>(e, -5000, 5000))); }
+
+struct DoubleDouble {
+    double hi, lo;
+};
+
+DoubleDouble two_sum(double a, double b) {
+    const double s = a + b;
+    const double bb = s - a;
+    return {s, (a - (s - bb)) + (b - bb)};
+}
+
+Certified normalised(double hi, double lo, double bound, std::int64_t exponent) {
+    const DoubleDouble s = two_sum(hi, lo);
+    const int e = std::ilogb(s.hi);
+    Certified r{scale(s.hi, -e), scale(s.lo, -e), scale(bound, -e), exponent + e};
+    // Scaling is exact but where it underflows, by at most half of 2^-1074 in each of lo and bound.
+    if (scale(r.lo, e) != s.lo || scale(r.bound, e) != bound) r.bound += 0x1p-1074;
+    return r;
+}
+
+}  // namespace
+
+long Certified::floor_log2() const {
+    if (hi == 0) return std::numeric_limits<int>::min() / 2;
+    // hi = ±1 with lo pointing to zero lies in the binade below.
+    const bool below = std::fabs(hi) == 1 && ((hi > 0 && lo < 0) || (hi < 0 && lo > 0));
+    return static_cast<long>(exponent) - (below ? 1 : 0);
+}
+
+Certified exactly(double x) {
+    if (x == 0) return {};
+    const int e = std::ilogb(x);
+    return {scale(x, -e), 0, 0, e};
+}
+
+std::optional<Certified> certify(const Ball& x, double tightness) {
+    if (!x.is_bounded()) return std::nullopt;
+    if (x.hi() == 0) return x.is_exact() ? std::optional<Certified>(Certified{}) : std::nullopt;
+    if (x.radius() > tightness * std::fabs(x.hi())) return std::nullopt;
+    return normalised(x.hi(), x.lo(), x.radius(), 0);
+}
+
+std::optional<Certified> certify(const Interval& x, double tightness) {
+    if (!x.is_bounded()) return std::nullopt;
+    if (mpfr_zero_p(x.lower()) != 0 && mpfr_zero_p(x.upper()) != 0) return Certified{};
+    if (mpfr_sgn(x.lower()) * mpfr_sgn(x.upper()) <= 0) return std::nullopt;
+    const mpfr_exp_t e = mpfr_get_exp(x.lower()) - 1;
+    // All in units of 2^e: hi + lo is the lower end to 106 bits, the rest of the interval goes into the bound.
+    mpfr_t work;
+    mpfr_init2(work, std::max(mpfr_get_prec(x.lower()), mpfr_get_prec(x.upper())) + 64);
+    mpfr_sub(work, x.upper(), x.lower(), MPFR_RNDU);
+    mpfr_div_2si(work, work, e, MPFR_RNDU);
+    const double width = mpfr_get_d(work, MPFR_RNDU);
+    mpfr_div_2si(work, x.lower(), e, MPFR_RNDN);
+    const double hi = mpfr_get_d(work, MPFR_RNDN);
+    mpfr_sub_d(work, work, hi, MPFR_RNDN);
+    const double lo = mpfr_get_d(work, MPFR_RNDN);
+    mpfr_sub_d(work, work, lo, MPFR_RNDN);
+    mpfr_abs(work, work, MPFR_RNDU);
+    const double tail = mpfr_get_d(work, MPFR_RNDU);
+    mpfr_clear(work);
+    const double bound = (width + tail) * (1 + 0x1p-50);
+    if (!(bound <= tightness)) return std::nullopt;
+    return normalised(hi, lo, bound, e);
+}
+
+double scaled_difference(const Certified& x, const Certified& y, std::int64_t e) {
+    if (y.is_zero()) return scale(x.hi + x.lo, x.exponent - e);
+    if (x.is_zero()) return scale(-(y.hi + y.lo), y.exponent - e);
+    const std::int64_t top = std::max(x.exponent, y.exponent);
+    const DoubleDouble d = two_sum(scale(x.hi, x.exponent - top), -scale(y.hi, y.exponent - top));
+    const DoubleDouble tail = two_sum(scale(x.lo, x.exponent - top), -scale(y.lo, y.exponent - top));
+    // Where d.hi and tail.hi cancel, d.hi is itself the result of a cancellation and d.lo = 0: nothing is lost.
+    const DoubleDouble s = two_sum(d.hi, tail.hi);
+    return scale(s.hi + (s.lo + d.lo + tail.lo), top - e);
+}
+
+int compare(const Certified& x, const Certified& y) {
+    const std::int64_t top = std::max(x.is_zero() ? y.exponent : x.exponent, y.is_zero() ? x.exponent : y.exponent);
+    const double d = scaled_difference(x, y, top);
+    const double slack = (scale(x.bound, x.exponent - top) + scale(y.bound, y.exponent - top)) * (1 + 0x1p-40);
+    // d carries a relative error of a few 2^-53 of its own size, and what underflowed in scaling is below 2^-1000.
+    if (std::fabs(d) * (1 - 0x1p-40) > slack + 0x1p-1000) return d < 0 ? -1 : 1;
+    return 0;
+}
+
+Certified nearer(const Certified& x, const Certified& y) {
+    const int order = compare(x, y);
+    if (order != 0) return order < 0 ? x : y;
+    // Indistinguishable: the smaller of the two lies within both bounds and the distance of the midpoints of either.
+    Certified r = x;
+    if (x.is_zero()) return x;
+    const double apart = std::fabs(scaled_difference(x, y, x.exponent));
+    r.bound = (x.bound + scale(y.bound, y.exponent - x.exponent) + apart) * (1 + 0x1p-40);
+    return r;
+}
+
+Neighbours round_ends(const Certified& x, const FloatFormat& format) {
+    if (x.is_zero()) return {0, 0};
+    const auto rounded_at = [&](double shift) {
+        // hi + lo + shift = nearest double + rest, exactly: all that correct rounding needs is the sign of the rest.
+        const DoubleDouble outer = two_sum(x.lo, shift);
+        DoubleDouble s = two_sum(x.hi, outer.hi);
+        const DoubleDouble rest = two_sum(s.lo, outer.lo);
+        int residual = (rest.hi > 0) - (rest.hi < 0);
+        // The nearest double was chosen before outer.lo was seen; at a tie that choice may be one off.
+        const double towards = std::nextafter(s.hi, rest.hi > 0 ? HUGE_VAL : -HUGE_VAL);
+        if (rest.hi != 0 && towards - s.hi == 2 * rest.hi && rest.lo != 0 && (rest.lo > 0) == (rest.hi > 0)) {
+            s.hi = towards;
+            residual = -residual;
+        }
+        // Rounded in units of 2^exponent: a format whose exponents are moved by as much.
+        const auto moved = [&](std::int64_t bound) { return static_cast<int>(std::clamp<std::int64_t>(bound - x.exponent, -4000, 4000)); };
+        FloatFormat local{format.precision, moved(format.emin), 1000};
+        double r = rounding::to_format(s.hi, residual, local);
+        if (local.emin > 60) r = 0;  // far below the smallest subnormal
+        const int emax = moved(format.emax);
+        if (r != 0 && std::ilogb(r) > emax) return std::copysign(std::numeric_limits<double>::infinity(), r);
+        return scale(r, x.exponent);
+    };
+    return {rounded_at(-x.bound), rounded_at(x.bound)};
+}
+
+std::optional<double> round_certified(const Certified& x, const FloatFormat& format) {
+    const Neighbours ends = round_ends(x, format);
+    if (ends.lower == ends.upper) return ends.lower;
+    return std::nullopt;
+}
+
+std::int64_t ordinal(double x, const FloatFormat& f) {
+    const double size = std::fabs(x);
+    const std::int64_t binade = std::int64_t{1} << (f.precision - 1);
+    std::int64_t n = 0;
+    if (std::isinf(size)) {
+        n = binade * (f.emax - f.emin + 2);
+    } else if (size != 0) {
+        const int e = std::max(std::ilogb(size), f.emin);
+        n = binade * (e - f.emin) + static_cast<std::int64_t>(std::ldexp(size, f.precision - 1 - e));
+    }
+    return x < 0 ? -n : n;
+}
+
+}  // namespace lostbits

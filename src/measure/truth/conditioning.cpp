@@ -1,0 +1,93 @@
+#include "measure/truth/conditioning.hpp"
+
+#include <limits>
+#include <optional>
+#include <vector>
+
+#include "measure/metric/metrics.hpp"
+#include "number/dual.hpp"
+
+namespace lostbits {
+namespace {
+
+/// Every number of a problem with N of them as an input of its own: origin, direction, the solid's.
+template <class E, std::size_t N>
+struct Problem {
+    using Sensitive = Dual<E, N>;
+    std::vector<E> x;
+    Ray<Sensitive> ray;
+    Solid<Sensitive> solid;
+
+    template <class S>
+    Problem(const Ray<S>& r, const Solid<S>& s) : x(listed(r, s)), ray{vec(0), vec(3)} {
+        solid.shape = s.shape;
+        for (std::size_t i = 6; i < N; ++i) solid.numbers[i - 6] = Sensitive::input(x[i], i);
+    }
+
+private:
+    template <class S>
+    static std::vector<E> listed(const Ray<S>& r, const Solid<S>& s) {
+        std::vector<E> all;
+        for (const Vec<S>& v : {r.origin, r.direction}) {
+            for (int i = 0; i < 3; ++i) all.push_back(lift<E>(v[i]));
+        }
+        for (const S& n : s.used()) all.push_back(lift<E>(n));
+        return all;
+    }
+    [[nodiscard]] Vec<Sensitive> vec(std::size_t i) const {
+        return {Sensitive::input(x[i], i), Sensitive::input(x[i + 1], i + 1), Sensitive::input(x[i + 2], i + 2)};
+    }
+};
+
+constexpr double tightness = 0x1p-20;
+
+std::optional<double> close_enough(const Ball& k) {
+    if (!k.is_bounded() || !(k.radius() <= tightness * std::fabs(k.hi()))) return std::nullopt;
+    return k.hi();
+}
+
+std::optional<double> close_enough(const Interval& k) {
+    if (!k.is_bounded()) return std::nullopt;
+    const double low = mpfr_get_d(k.lower(), MPFR_RNDD), high = mpfr_get_d(k.upper(), MPFR_RNDU);
+    if (std::isinf(low)) return low;
+    if (!(high - low <= tightness * high)) return std::nullopt;
+    return mpfr_get_d(k.lower(), MPFR_RNDN);
+}
+
+/// κ at one precision; nothing where it is too low.
+template <class E, std::size_t N, class S>
+std::optional<double> condition_in(const Ray<S>& ray, const Solid<S>& solid) {
+    const Problem<E, N> problem(ray, solid);
+    const auto found = enclose(problem.ray, problem.solid);
+    if (found.hit.is_no()) return std::numeric_limits<double>::quiet_NaN();
+    if (!found.hit.is_yes()) return std::nullopt;
+    if (found.t.value().is_exact() && (found.t.value() <= E(0)).is_yes()) return std::numeric_limits<double>::infinity();
+    E sum(0);
+    for (std::size_t i = 0; i < N; ++i) sum = sum + abs(problem.x[i] * found.t.derivative(i));
+    return close_enough(sum / found.t.value());
+}
+
+template <std::size_t N, class S>
+double find_condition(const Ray<S>& ray, const Solid<S>& solid) {
+    if (const auto quick = condition_in<Ball, N>(ray, solid)) return *quick;
+    for (int bits = 384; bits <= 24576; bits *= 4) {
+        const Interval::Precision precision(bits);
+        if (const auto k = condition_in<Interval, N>(ray, solid)) return *k;
+    }
+    // What no precision settles is a division by a root that is exactly zero: a tangent.
+    return std::numeric_limits<double>::infinity();
+}
+
+template <class S>
+double condition_of(const Ray<S>& ray, const Solid<S>& solid) {
+    return solid.shape == Shape::sphere ? find_condition<10>(ray, solid) : find_condition<12>(ray, solid);
+}
+
+}  // namespace
+
+double condition(const Ray<double>& ray, const Solid<double>& solid) { return condition_of(ray, solid); }
+double condition(const Ray<Real>& ray, const Solid<Real>& solid) { return condition_of(ray, solid); }
+
+double inherent_bits(double condition, int precision) { return lost_bits(condition / 2, precision); }
+
+}  // namespace lostbits

@@ -1,0 +1,14 @@
+// The exact answer for any solid.
+#pragma once
+
+#include "measure/truth/enclose_box.hpp"
+
+namespace lostbits {
+
+/// The closed solid, whatever its shape. `tmax` (null: nowhere) ends the ray for boxes; a sphere's problem has no end.
+template <class E>
+Enclosed<E> enclose(const Ray<E>& ray, const Solid<E>& solid, const E* tmax = nullptr) {
+    return solid.shape == Shape::sphere ? enclose(ray, solid.sphere()) : enclose(ray, solid.box(), tmax, Touching::hit);
+}
+
+}  // namespace lostbits

@@ -1,0 +1,144 @@
+#include <fmt/format.h>
+
+#include <cmath>
+#include <stdexcept>
+
+#include "measure/blame/tape_text.hpp"
+#include "output/blame/explain_programs.hpp"
+#include "output/file/number_text.hpp"
+#include "output/blame/tape_slice.hpp"
+
+namespace lostbits::output {
+namespace {
+
+/// FPBench's names: `(float e n)` has e exponent bits and n bits in all.
+std::string precision_name(const FloatFormat& f) {
+    if (f == binary32) return "binary32";
+    if (f == binary64) return "binary64";
+    if (f == binary16) return "binary16";
+    const int exponent_bits = 1 + std::ilogb(static_cast<double>(f.emax + 1));
+    return fmt::format("(float {} {})", exponent_bits, exponent_bits + f.precision);
+}
+
+/// A double as an exact rational: integers of at most 53 bits and powers of two are all that it takes.
+std::string rational(double x) {
+    if (std::isnan(x)) return "NAN";
+    if (std::isinf(x)) return x < 0 ? "(- INFINITY)" : "INFINITY";
+    if (x == 0 || (x == std::floor(x) && std::fabs(x) < 0x1p53)) return fmt::format("{:.0f}", x);
+    int e = 0;
+    double k = std::frexp(x, &e);
+    for (; k != std::floor(k); --e) k *= 2;
+    if (e < 0 && e > -63) return fmt::format("{:.0f}/{}", k, std::uint64_t{1} << -e);
+    return fmt::format("(* {:.0f} (pow 2 {}))", k, e);
+}
+
+class Core {
+public:
+    explicit Core(const Explanation& x) : x_(x), text_(x.tape, x.names, TapeText::Style::plain), slice_(x.tape, {x.tape.outputs.t}) {}
+
+    std::string written() {
+        const NodeId t = x_.tape.outputs.t;
+        std::string body;
+        for (NodeId i = 0; i < x_.tape.size(); ++i) {
+            if (!slice_.needs(i) || !is_bound(i)) continue;
+            const std::string value = is_decision(x_.tape[i].op) ? fmt::format("(if {} 1 0)", decision(i)) : number(i);
+            body += fmt::format("    [{} {}]\n", text_.identifier(i), value);
+        }
+        return fmt::format("(FPCore ({})\n  :name \"{} in {}, t\"\n  :precision {}\n  :cite (lostbits)\n  :pre {}\n  (let* (\n{}    )\n    {}))\n", arguments(), x_.form->info->name, x_.format.name,
+                           precision_name(x_.format.shape), pre(), body, operand(t));
+    }
+
+private:
+    [[nodiscard]] bool is_input(NodeId i) const { return x_.tape[i].op == TapeOp::input; }
+    /// What has a line of its own: every number that is computed; of the decisions those that are used again.
+    [[nodiscard]] bool is_bound(NodeId i) const {
+        if (is_input(i)) return false;
+        if (is_decision(x_.tape[i].op)) return slice_.uses[static_cast<std::size_t>(i)] > 1;
+        return !slice_.is_constant(i);
+    }
+    [[nodiscard]] std::string operand(NodeId i) const {
+        if (is_decision(x_.tape[i].op)) return is_bound(i) ? fmt::format("(== {} 1)", text_.identifier(i)) : decision(i);
+        return slice_.is_constant(i) ? rational(x_.tape[i].value) : text_.identifier(i);
+    }
+    [[nodiscard]] std::string call(const char* f, NodeId i) const {
+        std::string text = fmt::format("({}", f);
+        for (const NodeId operand_id : x_.tape[i].operands) {
+            if (operand_id != no_node) text += " " + operand(operand_id);
+        }
+        return text + ")";
+    }
+    [[nodiscard]] std::string decision(NodeId i) const {
+        switch (x_.tape[i].op) {
+            case TapeOp::less: return call("<", i);
+            case TapeOp::less_equal: return call("<=", i);
+            case TapeOp::greater: return call(">", i);
+            case TapeOp::greater_equal: return call(">=", i);
+            case TapeOp::both: return call("and", i);
+            case TapeOp::either: return call("or", i);
+            case TapeOp::opposite: return call("not", i);
+            default: return operand(x_.tape[i].operands[0]);
+        }
+    }
+    [[nodiscard]] std::string number(NodeId i) const {
+        const std::string text = rounded(i);
+        const bool other = !(x_.tape.format_of(i) == x_.format.shape);
+        return other ? fmt::format("(! :precision {} {})", precision_name(x_.tape.format_of(i)), text) : text;
+    }
+    [[nodiscard]] std::string rounded(NodeId i) const {
+        const auto at = [&](std::size_t k) { return operand(x_.tape[i].operands[k]); };
+        switch (x_.tape[i].op) {
+            case TapeOp::add: return call("+", i);
+            case TapeOp::sub: return call("-", i);
+            case TapeOp::mul: return call("*", i);
+            case TapeOp::div: return call("/", i);
+            case TapeOp::sqrt: return call("sqrt", i);
+            case TapeOp::fma: return call("fma", i);
+            case TapeOp::neg: return call("-", i);
+            case TapeOp::abs: return call("fabs", i);
+            case TapeOp::copysign: return call("copysign", i);
+            case TapeOp::min: return fmt::format("(if (< {0} {1}) {0} {1})", at(0), at(1));
+            case TapeOp::max: return fmt::format("(if (> {0} {1}) {0} {1})", at(0), at(1));
+            case TapeOp::select: return call("if", i);
+            case TapeOp::convert: return call("cast", i);
+            case TapeOp::next_up: return neighbour(i, "toPositive", "+");
+            case TapeOp::next_down: return neighbour(i, "toNegative", "-");
+            default: throw std::logic_error("an operation that is no number's");
+        }
+    }
+
+    /// FPCore names no neighbours, but x + η rounded upward, η the smallest positive number of the format, is the next above any finite x; −∞ stays
+    /// what it is, and above −η comes +0 in place of −0.
+    [[nodiscard]] std::string neighbour(NodeId i, const char* direction, const char* sign) const {
+        const FloatFormat& f = x_.tape.format_of(i);
+        return fmt::format("(! :round {} ({} {} {}))", direction, sign, operand(x_.tape[i].operands[0]), rational(std::ldexp(1.0, f.emin - f.precision + 1)));
+    }
+
+    [[nodiscard]] std::string arguments() const {
+        std::string text;
+        for (NodeId i = 0; i < x_.tape.size(); ++i) {
+            if (is_input(i) && slice_.needs(i)) text += (text.empty() ? "" : " ") + text_.identifier(i);
+        }
+        return text;
+    }
+    [[nodiscard]] std::string pre() const {
+        std::string text = "(and";
+        for (NodeId i = 0; i < x_.tape.size(); ++i) {
+            if (!is_input(i) || !slice_.needs(i)) continue;
+            const double v = x_.tape[i].value, apart = std::fabs(v) * 0x1p-12;
+            const std::string name = text_.identifier(i);
+            if (v == 0 || !std::isfinite(v)) text += fmt::format("\n    (== {} {})", name, rational(v));
+            else text += fmt::format("\n    (<= {} {} {})", rational(v - apart), name, rational(v + apart));
+        }
+        return text + ")";
+    }
+
+    const Explanation& x_;
+    TapeText text_;
+    TapeSlice slice_;
+};
+
+}  // namespace
+
+std::string explain_fpcore(const Explanation& x) { return Core(x).written(); }
+
+}  // namespace lostbits::output

@@ -1,0 +1,86 @@
+#include <nlohmann/json.hpp>
+
+#include <cmath>
+
+#include "measure/blame/tape_text.hpp"
+#include "output/blame/explain_text.hpp"
+#include "output/file/number_text.hpp"
+
+namespace lostbits::output {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+/// JSON knows no infinity and no NaN: a number that is one is the string "inf", "-inf" or "nan".
+Json number(double x) { return std::isfinite(x) ? Json(x) : Json(decimal(x)); }
+/// Of a number for which NaN stands for there being none: null then.
+Json if_any(double x) { return std::isnan(x) ? Json(nullptr) : number(x); }
+Json exact(double x) { return {{"decimal", number(x)}, {"hex", hex(x)}}; }
+Json node_or_null(const TapeText& text, NodeId i) { return i == no_node ? Json(nullptr) : Json(text.name(i)); }
+
+Json operation(const Explanation& x, const TapeText& text, NodeId i) {
+    const TapeNode& n = x.tape[i];
+    const OperationError& e = x.attribution.of[static_cast<std::size_t>(i)];
+    Json operands = Json::array();
+    if (n.op != TapeOp::input && n.op != TapeOp::constant) {
+        for (const NodeId operand : n.operands) {
+            if (operand != no_node) operands.push_back(text.name(operand));
+        }
+    }
+    Json j{{"name", text.name(i)}, {"operation", std::string(tape_op_names[static_cast<std::size_t>(n.op)])}, {"operands", operands}, {"expression", text.expression(i)}};
+    if (!n.label.empty()) j["label"] = std::string(n.label);
+    j["turned"] = e.turned;
+    if (is_decision(n.op)) {
+        j["computed"] = n.value != 0;
+        j["exact"] = e.exact != 0;
+        return j;
+    }
+    j["precision"] = x.tape.format_of(i).precision;
+    j["computed"] = exact(n.value);
+    j["exact"] = number(e.exact);
+    j["error"] = number(e.error);
+    j["cancelled_bits"] = e.cancelled;
+    if (e.cancelled > 0) j["cancellation"] = e.carried ? "catastrophic" : "benign";
+    j["local_error_bits"] = number(e.local_bits);
+    j["rounding"] = number(e.rounding);
+    j["live"] = e.live;
+    j["adjoint"] = number(e.adjoint);
+    j["derivative"] = number(e.derivative);
+    j["contribution"] = number(e.contribution);
+    return j;
+}
+
+Json standing(const Standing& s) {
+    return {{"form", std::string(s.form->info->name)}, {"outcome", std::string(outcome_names[static_cast<std::size_t>(s.outcome)])}, {"t", number(s.t)}, {"ulp_error", if_any(s.ulps)}, {"lost_bits", if_any(s.lost)}};
+}
+
+}  // namespace
+
+std::string explain_json(const Explanation& x) {
+    const TapeText text(x.tape, x.names, TapeText::Style::plain);
+    const Attribution& a = x.attribution;
+    Json j{{"schema", "lostbits-explanation/1"}, {"form", std::string(x.form->info->name)}, {"format", x.format.name}, {"solid", x.solid}, {"solids", x.solids}};
+    for (std::size_t i = 0; i < x.inputs.size(); ++i) j["inputs"][x.names[i]] = exact(x.inputs[i]);
+    j["given_direction"] = x.given ? Json({number(x.given->x), number(x.given->y), number(x.given->z)}) : Json(nullptr);
+    j["hit"] = x.hit;
+    j["t"] = exact(x.standing.t);
+    j["truth"] = x.true_t ? Json(exact(*x.true_t)) : Json(nullptr);
+    j["outcome"] = std::string(outcome_names[static_cast<std::size_t>(x.standing.outcome)]);
+    j["ulp_error"] = if_any(x.standing.ulps);
+    j["lost_bits"] = if_any(x.standing.lost);
+    j["condition"] = if_any(x.condition);
+    j["inherent_bits"] = if_any(x.inherent);
+    j["verdict"] = verdict(x);
+    j["sentence"] = culprit_sentence(x);
+    j["culprit"] = node_or_null(text, a.culprit);
+    const auto of_subject = [&a](double v) { return a.subject == no_node ? Json(nullptr) : number(v); };
+    j["attribution"] = {{"subject", node_or_null(text, a.subject)}, {"exact_hit", a.exact_hit}, {"cut_short", a.cut_short}, {"error", of_subject(a.error)}, {"explained", of_subject(a.explained)},
+                        {"first_order", of_subject(a.first_order)}, {"ulp", if_any(x.ulp_of_subject())}, {"shadow_bits", a.shadow_bits}};
+    j["operations"] = Json::array();
+    for (NodeId i = 0; i < x.tape.size(); ++i) j["operations"].push_back(operation(x, text, i));
+    j["better"] = Json::array();
+    for (const Standing& s : x.better) j["better"].push_back(standing(s));
+    return j.dump(2) + "\n";
+}
+
+}  // namespace lostbits::output

@@ -1,0 +1,16 @@
+// A march as a table that a person reads.
+#pragma once
+
+#include <string>
+
+#include "measure/answer/one_ray.hpp"
+
+namespace lostbits::output {
+
+/// What became of a sample: `hit`, `step by d`, `miss: t > max_dist`, `no step: t + d = t`, `steps are up`.
+std::string action_of(const MarchLog& log, std::size_t step, const MarchConstants<double>& constants);
+
+/// Iteration, t, position, |p|, d and action of every sample, and what the answer is worth.
+std::string march_table(const Intersector& form, const Format& format, const OneRay& ray);
+
+}  // namespace lostbits::output

@@ -1,0 +1,238 @@
+#include "output/claim/claim_report.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <map>
+#include <set>
+
+#include "measure/claim/claim_columns.hpp"
+#include "output/file/atomic_file.hpp"
+#include "output/sweep/case_files.hpp"
+#include "output/claim/claim_files.hpp"
+#include "output/blame/march_text.hpp"
+#include "output/file/number_text.hpp"
+#include "output/picture/render_sheet.hpp"
+#include "output/map/scene_sheet.hpp"
+#include "output/sweep/sweep_planes.hpp"
+#include "output/sweep/sweep_plots.hpp"
+
+namespace lostbits::output {
+namespace {
+
+using scene::Claim;
+using State = ClaimResult::State;
+
+/// The claims about one scene, sweep or table, in the order of the first.
+struct Subject {
+    std::string name;
+    std::vector<std::size_t> claims;
+};
+
+std::vector<Subject> subjects_of(const std::vector<Claim>& claims) {
+    std::vector<Subject> subjects;
+    for (std::size_t i = 0; i < claims.size(); ++i) {
+        // One scene may be mapped for some claims and rendered for others.
+        const std::string name = claims[i].subject() + (claims[i].render.empty() ? "" : ", rendered");
+        auto found = std::ranges::find(subjects, name, &Subject::name);
+        if (found == subjects.end()) found = subjects.insert(subjects.end(), {name, {}});
+        found->claims.push_back(i);
+    }
+    return subjects;
+}
+
+/// The forms and formats that a subject's claims name, each once, in the order of the catalogue.
+std::vector<MapRow> rows_of(const Subject& subject, const std::vector<Claim>& claims) {
+    std::vector<MapRow> rows;
+    for (const std::size_t i : subject.claims) {
+        const MapRow row = claim_row(claims[i]);
+        const auto same = [&](const MapRow& r) { return r.form == row.form && r.format == row.format && r.judged == row.judged; };
+        if (std::ranges::none_of(rows, same)) rows.push_back(row);
+    }
+    std::ranges::stable_sort(rows, [](const MapRow& a, const MapRow& b) { return a.form < b.form; });
+    return rows;
+}
+
+std::vector<const Metric*> drawn_metrics() {
+    std::vector<const Metric*> all;
+    for (const char* name : {"lost_bits", "ulp_error", "inherent_bits", "excess_bits"}) all.push_back(find_metric(name));
+    return all;
+}
+
+std::string picture_scene(const std::filesystem::path& folder, const std::vector<MapRow>& rows, const std::string& name, const std::filesystem::path& data_dir) {
+    const auto found = scene::find_scene(name, data_dir);
+    const scene::Scene scene = scene::load_scene(found.path, {.variant = found.variant}).front();
+    const MapRequest request{.scene = &scene, .rows = rows, .metrics = {find_metric("lost_bits")}};
+    const std::string file = scene.id + ".png";
+    SceneSheet sheet(request, folder / "pictures" / file);
+    sheet.finish(run_map(request, sheet.sinks()));
+    return fmt::format("![{}](pictures/{})\n", scene.title, file);
+}
+
+/// The marches along a scene's first pixel, sample by sample.
+std::string trace_text(const std::vector<MapRow>& rows, const std::string& name, const std::filesystem::path& data_dir) {
+    const auto found = scene::find_scene(name, data_dir);
+    const OneRay ray(scene::load_scene(found.path, {.variant = found.variant}).front(), 0, 0);
+    std::string text;
+    for (const MapRow& row : rows) text += fmt::format("```\n{}```\n", march_table(*row.form, row.format, ray));
+    return text;
+}
+
+/// The pictures of a rendered scene, of all stages that its claims name.
+std::string picture_render(const std::filesystem::path& folder, const Subject& subject, const std::vector<Claim>& claims, const std::filesystem::path& data_dir) {
+    const auto found = scene::find_scene(claims[subject.claims.front()].render, data_dir);
+    const scene::Scene scene = scene::load_scene(found.path, {.variant = found.variant}).front();
+    std::set<scene::Stage> stages;
+    for (const std::size_t i : subject.claims) stages.insert(claims[i].stage.value_or(scene.appearance.furthest()));
+    RenderRequest request{.scene = &scene, .stages = {stages.begin(), stages.end()}, .rows = {}};
+    // Every form in every format that a claim names, for an empty place on the sheet reads as a format that the form lacks.
+    const std::vector<MapRow> claimed = rows_of(subject, claims);
+    for (const MapRow& a : claimed) {
+        for (const MapRow& b : claimed) {
+            const auto same = [&](const MapRow& r) { return r.form == a.form && r.format == b.format; };
+            if (a.form->exists_in(b.format) && std::ranges::none_of(request.rows, same)) request.rows.push_back({a.form, b.format});
+        }
+    }
+    const std::string file = scene.id + ".rendered.png";
+    RenderSheet sheet(image_backend(), folder / "pictures" / file, request);
+    sheet.finish(run_render(request, &sheet));
+    return fmt::format("![{}](pictures/{})\n", scene.title, file);
+}
+
+/// Which plots of a sweep its claims are about.
+struct Shown {
+    bool median = false, tail = false, wrong = false;
+};
+
+Shown shown_of(const Subject& subject, const std::vector<Claim>& claims) {
+    Shown shown;
+    for (const std::size_t i : subject.claims) {
+        const std::string& what = claims[i].onset.empty() ? claims[i].metric : claims[i].onset;
+        const std::string& statistic = claims[i].onset.empty() ? claims[i].metric : claims[i].statistic;
+        // Bits of an operation are lost bits somewhere.
+        const bool bits = what.find("bits") != std::string::npos || asks_for_attribution(claims[i]);
+        shown.wrong |= !bits;
+        const bool tail = statistic.ends_with("p99") || statistic.ends_with("max");
+        shown.median |= bits && !tail;
+        shown.tail |= bits && tail;
+    }
+    return shown;
+}
+
+/// The pictures of a sweep, as Markdown.
+std::string picture_sweep(const std::filesystem::path& folder, const std::vector<MapRow>& rows, const std::string& name, Shown shown, const std::filesystem::path& data_dir) {
+    const auto path = scene::find_sweep(name, data_dir);
+    if (scene::sweep_kind(path) == scene::SweepKind::cases) {
+        const scene::CaseFile file(path);
+        const CaseRequest request{.file = &file, .rows = rows, .metrics = drawn_metrics()};
+        const auto cases = run_cases(request);
+        std::string text;
+        for (const std::optional<Touching> judged : {std::optional<Touching>{}, std::optional{Touching::hit}, std::optional{Touching::miss}}) {
+            if (std::ranges::none_of(rows, [&](const MapRow& r) { return r.judged == judged; })) continue;
+            const std::string picture = judged ? fmt::format("{}.{}.png", file.id, convention_name(judged)) : file.id + ".png";
+            write_case_matrix(folder / "pictures" / picture, request, cases, judged);
+            text += fmt::format("![{}](pictures/{})\n", file.title, picture);
+        }
+        return text;
+    }
+    const scene::SweepFile sweep(path, data_dir);
+    SweepRequest request{.sweep = &sweep, .rows = rows, .metrics = drawn_metrics()};
+    for (MapRow& row : request.rows) row.judged = row.judged ? row.judged : sweep.convention;
+    const auto steps = run_sweep(request);
+    std::string text;
+    if (sweep.axes.size() == 2) {
+        for (std::size_t r = 0; r < rows.size(); ++r) {
+            const std::string file = fmt::format("{}.{}.{}.png", sweep.id, rows[r].form->info->name, rows[r].format.name);
+            write_plane_picture(image_backend(), folder / "pictures" / file, request, steps, r);
+            text += fmt::format("![{} in {}](pictures/{})\n", rows[r].form->info->name, rows[r].format.name, file);
+        }
+        return text;
+    }
+    const auto onsets = find_onsets(request, steps);
+    std::vector<Format> formats;
+    for (const MapRow& r : rows) {
+        if (std::ranges::find(formats, r.format) == formats.end()) formats.push_back(r.format);
+    }
+    for (const Format& format : formats) {
+        const auto show = [&](const char* what) {
+            const std::string file = fmt::format("{}.{}.{}.png", sweep.id, what, format.name);
+            text += fmt::format("![{}: {}, {}](pictures/{})\n", sweep.title, what, format.name, file);
+            return folder / "pictures" / file;
+        };
+        if (shown.median) write_lost_bits_plot(image_backend(), show("lost_bits_p50"), request, steps, onsets, format, 0.5);
+        if (shown.tail) write_lost_bits_plot(image_backend(), show("lost_bits_p99"), request, steps, onsets, format, 0.99);
+        if (shown.wrong) write_wrong_plot(image_backend(), show("wrong"), request, steps, onsets, format);
+    }
+    return text;
+}
+
+std::string cell(std::string text) {
+    for (std::size_t at = 0; (at = text.find('|', at)) != std::string::npos; at += 2) text.insert(at, "\\");
+    return text;
+}
+
+std::string rounded(double x) { return std::isfinite(x) ? fmt::format("{:.6g}", x) : decimal(x); }
+
+std::string row_text(const Claim& c, const ClaimResult& r) {
+    const std::string verdict = r.state == State::agrees ? (c.verdict == Claim::Verdict::holds ? "holds" : "**refuted**")
+                                : r.state == State::skipped ? "skipped"
+                                                            : "**no longer measures as stated**";
+    // Expressions have stars.
+    const std::string what = c.operations.empty() ? quantity(c) : fmt::format("{} of `{}`", c.metric, fmt::join(c.operations, "`, `"));
+    std::string place = c.stage ? "stage " + std::string(name_of(*c.stage)) : c.case_name;
+    if (c.step) place = fmt::format("sample {}", *c.step);
+    for (const double x : c.at) place += (place.empty() ? "at " : ", ") + decimal(x);
+    return fmt::format("| {} | {}{} | {} | {} = {} | `{}` |\n", verdict, cell(c.statement), c.note.empty() ? "" : " <br> *" + cell(c.note) + "*",
+                       cell(fmt::format("{}{}{}", c.form.empty() ? c.row : c.form, " " + c.format, place.empty() ? "" : ", " + place)), cell(what), rounded(r.measured), c.id);
+}
+
+/// The pictures of `lostbits report`, which tests/browser/screenshots.js takes, as far as the folder has them.
+std::string screenshots_in(const std::filesystem::path& folder) {
+    std::string text;
+    for (const auto& [name, what] : {std::pair{"maps", "Lost bits of one form beside another, and one ray"}, std::pair{"operations", "Culprits, and the operations of one ray"},
+                                     std::pair{"sweeps", "Lost bits along a parameter"}, std::pair{"claims", "Claims, each leading to its pixels or its plot"}}) {
+        const std::string file = fmt::format("screenshots/{}.png", name);
+        if (std::filesystem::exists(folder / file)) text += fmt::format("\n![{}]({})\n", what, file);
+    }
+    return text.empty() ? "" : "\nIt looks like this:\n" + text;
+}
+
+}  // namespace
+
+void write_claim_report(const std::filesystem::path& folder, const std::vector<Claim>& claims, const std::vector<ClaimResult>& results,
+                        const std::filesystem::path& data_dir) {
+    AtomicFile readme(folder / "README.md");
+    std::size_t held = 0, refuted = 0, other = 0;
+    for (std::size_t i = 0; i < claims.size(); ++i) {
+        if (results[i].state != State::agrees) ++other;
+        else ++(claims[i].verdict == Claim::Verdict::holds ? held : refuted);
+    }
+    std::string text = fmt::format(
+        "# What the sources say, and what is measured\n\nMade by `lostbits check --report reports`; do not edit. {} sentences and parts of sentences: {} hold, {} are refuted{}. Every "
+        "number is of the run that made this page; the tests of lostbits make it anew. `lostbits report` makes a page of them for a browser, where each leads to its pixels or its plot.\n{}",
+        claims.size(), held, refuted, other == 0 ? "" : fmt::format(", {} could not be judged or changed", other), screenshots_in(folder));
+    for (const Subject& subject : subjects_of(claims)) {
+        const Claim& first = claims[subject.claims.front()];
+        text += fmt::format("\n## {}\n\n", subject.name);
+        const bool traced = std::ranges::all_of(subject.claims, [&](std::size_t i) { return claims[i].step.has_value(); });
+        if (traced) text += trace_text(rows_of(subject, claims), subject.name, data_dir) + "\n";
+        else if (!first.scene.empty()) text += picture_scene(folder, rows_of(subject, claims), subject.name, data_dir) + "\n";
+        else if (!first.render.empty()) text += picture_render(folder, subject, claims, data_dir) + "\n";
+        else if (!first.sweep.empty()) text += picture_sweep(folder, rows_of(subject, claims), subject.name, shown_of(subject, claims), data_dir) + "\n";
+        std::string source;
+        for (const std::size_t i : subject.claims) {
+            if (claims[i].source != source) {
+                source = claims[i].source;
+                text += fmt::format("{}Source: {}\n\n| verdict | sentence | measured on | measured | claim |\n|---|---|---|---|---|\n", i == subject.claims.front() ? "" : "\n",
+                                    source == "-" ? "our own" : source);
+            }
+            text += row_text(claims[i], results[i]);
+        }
+    }
+    readme.write(text);
+    write_claims_csv(folder / "claims.csv", claims, results);
+    readme.commit();
+}
+
+}  // namespace lostbits::output

@@ -1,0 +1,87 @@
+// Where two tables or two pictures differ, and by how much. NaN, infinities and missing values are never forgiven.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "output/image/image.hpp"
+#include "output/file/read_csv.hpp"
+
+namespace lostbits::output {
+
+/// How far apart two finite numbers of a column or channel may be and still agree: |a − b| ≤ absolute, or
+/// |a − b| ≤ relative · max(|a|, |b|). Both are at least 0, and neither side is the reference. Under a tolerance, be it 0,
+/// −0 equals 0.
+struct Tolerance {
+    std::string column;            ///< a name or a glob (fnmatch)
+    CellValue absolute, relative;  ///< numbers
+};
+
+/// Reads `COLUMN=ABS` or `COLUMN=ABS,REL`. Throws InputError.
+[[nodiscard]] Tolerance parse_tolerance(const std::string& text);
+
+/// Whether `pattern`, a name or a glob, means the column or channel of that name.
+[[nodiscard]] bool names_column(const std::string& pattern, const std::string& name);
+
+struct CompareOptions {
+    std::vector<Tolerance> tolerances;  ///< the last that matches a column counts
+    std::vector<std::string> ignored;   ///< columns and channels, by name or glob, that are as good as not there
+    std::uint64_t most = 20;            ///< differences that are written out; the others are counted
+};
+
+/// One difference, as a line for people.
+struct Difference {
+    std::size_t line = 0;  ///< in the first file; 0 where lines mean nothing
+    std::string what;
+};
+
+/// The largest of something and its place; no place where there was nothing to measure.
+struct Largest {
+    double value = 0;
+    std::string at;
+};
+
+/// A column's or channel's share.
+struct ColumnDifference {
+    std::string name;
+    std::uint64_t count = 0;  ///< cells or samples that differ
+    std::uint64_t kinds = 0;  ///< those of them where a number meets NaN, infinity, nothing or text, or two of these meet
+    Largest absolute;         ///< |a − b| over all pairs of finite numbers that are not equal, tolerated or not
+    Largest relative;         ///< |a − b| / max(|a|, |b|) over the same
+};
+
+struct Comparison {
+    std::vector<Difference> differences;    ///< in the file's order, at most `CompareOptions::most`
+    std::uint64_t count = 0;                ///< all of them
+    std::vector<ColumnDifference> columns;  ///< those that both sides have and that were compared, in the first's order
+    std::vector<std::string> names;         ///< every column or channel of either side, ignored ones too
+
+    [[nodiscard]] bool same() const { return count == 0; }
+};
+
+/// Compares cell by cell: columns by name, rows by position. Columns that are missing, added or moved are differences,
+/// and so is another number of rows; what both sides have is compared all the same.
+///
+/// Numbers compare by their exact values (`1e3` equals `1000`, `-0` differs from `0`, no digit is too many), but as text in a
+/// column whose name ends in `_hex`, unless a tolerance names it. NaN equals NaN, empty equals empty, an infinity
+/// equals the one of its sign, text equals the same bytes; none of them equals anything else, whatever the tolerance.
+/// Differences of two numbers and tolerances are evaluated without rounding.
+[[nodiscard]] Comparison compare(const CsvTable& a, const CsvTable& b, const CompareOptions& options);
+
+/// Compares sizes, channels by name, their types, and every sample: bit by bit where no tolerance names the channel,
+/// but any NaN equals any NaN; `f32` differences are evaluated in double. `u32` samples are codes and halves of exact
+/// words, so no tolerance applies to them. String attributes are compared, except `lostbits:command` and
+/// `lostbits:compiler`, which say how a file was made and not what is in it.
+[[nodiscard]] Comparison compare(const ExrImage& a, const ExrImage& b, const CompareOptions& options);
+
+/// Compares sizes and decoded pixels, exactly; of the options only `most` counts. Its one column is `pixel`, and its
+/// largest difference is in steps of 8 bits, the relative one as a fraction of 255.
+[[nodiscard]] Comparison compare(const PngImage& a, const PngImage& b, const CompareOptions& options);
+
+/// Compares byte by byte; at most one difference, the first, with its line.
+[[nodiscard]] Comparison compare_bytes(std::string_view a, std::string_view b);
+
+}  // namespace lostbits::output

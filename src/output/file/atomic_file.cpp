@@ -1,0 +1,234 @@
+#include "output/file/atomic_file.hpp"
+
+#include <fcntl.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <csignal>
+#include <cstdlib>
+#include <cstring>
+#include <stdexcept>
+#include <system_error>
+
+#include "number/error.hpp"
+
+namespace lostbits::output {
+namespace {
+
+constexpr std::size_t buffer_bytes = std::size_t{256} * 1024;
+
+// A signal handler may not lock or allocate, so the registry is a fixed array. Whoever exchanges a slot to null
+// owns the string: the handler never frees what it took, which leaks a name in a process that is ending anyway.
+constexpr std::size_t slot_count = 4096;
+std::array<std::atomic<char*>, slot_count> slots{};
+static_assert(std::atomic<char*>::is_always_lock_free);
+
+std::atomic<char*>* register_partial(const std::string& partial) {
+    char* name = ::strdup(partial.c_str());
+    if (name == nullptr) throw std::bad_alloc();
+    for (auto& slot : slots) {
+        char* expected = nullptr;
+        if (slot.compare_exchange_strong(expected, name)) return &slot;
+    }
+    std::free(name);
+    throw EnvironmentError(partial + ": too many output files open at once (limit " +
+                           std::to_string(slot_count) + "); select fewer forms or formats");
+}
+
+/// True when this thread took the name back, false when a signal handler did (and removed the file).
+bool unregister_partial(std::atomic<char*>* slot) noexcept {
+    char* name = slot->exchange(nullptr);
+    std::free(name);
+    return name != nullptr;
+}
+
+const char* remedy(int error_number) {
+    switch (error_number) {
+        case ENOSPC:
+        case EDQUOT:
+        case EFBIG: return "free space or choose another -o";
+        case EACCES:
+        case EPERM:
+        case EROFS: return "choose an -o that you may write to";
+        case ENOTDIR: return "a part of the path is a file; choose another -o";
+        case EISDIR: return "a folder has that name; choose another -o";
+        case EMFILE:
+        case ENFILE: return "raise `ulimit -n` or select fewer forms";
+        case ENAMETOOLONG: return "choose a shorter name";
+        case ESPIPE: return "a pipe cannot hold this kind of file; give a file name";
+        default: return "choose another -o";
+    }
+}
+
+[[noreturn]] void refuse(const std::filesystem::path& path, const char* what, int error_number) {
+    throw EnvironmentError(path.string() + ": " + what + ": " + std::generic_category().message(error_number) +
+                           "; " + remedy(error_number));
+}
+
+void make_parent(const std::filesystem::path& path) {
+    const auto parent = path.parent_path();
+    if (parent.empty()) return;
+    std::error_code error;
+    std::filesystem::create_directories(parent, error);
+    // libstdc++ reports success for a parent that exists as a file in some versions, so ask again.
+    struct stat info{};
+    if (::stat(parent.c_str(), &info) == 0) {
+        if (!S_ISDIR(info.st_mode)) refuse(parent, "cannot use as a folder", ENOTDIR);
+        return;
+    }
+    refuse(parent, "cannot create the folder", error ? error.value() : errno);
+}
+
+int open_new(const std::string& name) {
+    const int flags = O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC;
+    int fd = ::open(name.c_str(), flags, 0666);
+    if (fd >= 0 || errno != EEXIST) return fd;
+    // Only a dead process with our id can have left it: the registry below keeps a live one from opening twice.
+    if (::unlink(name.c_str()) != 0) return -1;
+    return ::open(name.c_str(), flags, 0666);
+}
+
+bool is_live(const std::string& partial) {
+    return std::any_of(slots.begin(), slots.end(), [&](const std::atomic<char*>& slot) {
+        const char* name = slot.load();
+        return name != nullptr && partial == name;
+    });
+}
+
+}  // namespace
+
+AtomicFile::AtomicFile(const std::filesystem::path& path) : path_(path), final_(path) {
+    if (!path.has_filename()) refuse(path, "cannot write", EISDIR);
+    struct stat info{};
+    if (::lstat(path.c_str(), &info) == 0 && S_ISLNK(info.st_mode)) {
+        std::error_code error;
+        final_ = std::filesystem::weakly_canonical(path, error);
+        if (error) refuse(path, "cannot follow the link", error.value());
+    }
+    make_parent(final_);
+    if (::stat(final_.c_str(), &info) == 0) {
+        if (S_ISDIR(info.st_mode)) refuse(path, "cannot write", EISDIR);
+        if (!S_ISREG(info.st_mode)) {
+            fd_ = ::open(final_.c_str(), O_WRONLY | O_CLOEXEC);
+            if (fd_ < 0) refuse(path, "cannot open", errno);
+            return;
+        }
+        // A rename would replace a file that its owner made read-only.
+        if (::access(final_.c_str(), W_OK) != 0) refuse(path, "cannot overwrite", errno);
+    }
+    std::string name = ".";
+    name += final_.filename().string() + ".partial-" + std::to_string(::getpid());
+    partial_ = (final_.parent_path() / name).string();
+    if (is_live(partial_)) throw std::logic_error(path.string() + " is being written already");
+    slot_ = register_partial(partial_);
+    fd_ = open_new(partial_);
+    if (fd_ < 0) {
+        const int error_number = errno;
+        unregister_partial(slot_);
+        refuse(path, "cannot create", error_number);
+    }
+}
+
+AtomicFile::~AtomicFile() { abandon(); }
+
+void AtomicFile::abandon() noexcept {
+    if (fd_ >= 0) ::close(fd_);
+    fd_ = -1;
+    buffer_.reset();
+    buffered_ = 0;
+    if (slot_ != nullptr && unregister_partial(slot_)) ::unlink(partial_.c_str());
+    slot_ = nullptr;
+}
+
+void AtomicFile::fail(const char* what, int error_number) {
+    abandon();
+    refuse(path_, what, error_number);
+}
+
+void AtomicFile::flush() {
+    std::size_t done = 0;
+    while (done < buffered_) {
+        const ssize_t n = ::write(fd_, buffer_.get() + done, buffered_ - done);
+        if (n < 0 && errno == EINTR) continue;
+        if (n < 0) fail("cannot write", errno);
+        if (n == 0) fail("cannot write", ENOSPC);
+        done += static_cast<std::size_t>(n);
+    }
+    file_position_ += static_cast<std::int64_t>(buffered_);
+    buffered_ = 0;
+}
+
+void AtomicFile::write(std::span<const std::byte> bytes) {
+    if (fd_ < 0) throw std::logic_error(path_.string() + ": write after commit or failure");
+    if (!buffer_) buffer_ = std::make_unique_for_overwrite<std::byte[]>(buffer_bytes);
+    while (!bytes.empty()) {
+        const std::size_t n = std::min(bytes.size(), buffer_bytes - buffered_);
+        std::memcpy(buffer_.get() + buffered_, bytes.data(), n);
+        buffered_ += n;
+        bytes = bytes.subspan(n);
+        if (buffered_ == buffer_bytes) flush();
+    }
+}
+
+void AtomicFile::write(std::string_view text) { write(std::as_bytes(std::span(text))); }
+
+void AtomicFile::seek(std::int64_t offset) {
+    if (fd_ < 0) throw std::logic_error(path_.string() + ": seek after commit or failure");
+    if (offset == tell()) return;
+    flush();
+    if (::lseek(fd_, offset, SEEK_SET) < 0) fail("cannot seek", errno);
+    file_position_ = offset;
+}
+
+std::int64_t AtomicFile::tell() const noexcept {
+    return file_position_ + static_cast<std::int64_t>(buffered_);
+}
+
+void AtomicFile::commit() {
+    if (fd_ < 0) throw std::logic_error(path_.string() + ": commit after commit or failure");
+    flush();
+    buffer_.reset();
+    // A network file system may report a full disk only here. After EINTR Linux has closed the descriptor.
+    const int closed = ::close(fd_);
+    const int close_error = errno;
+    fd_ = -1;
+    if (closed != 0 && close_error != EINTR) fail("cannot write", close_error);
+    if (slot_ == nullptr) return;
+    if (slot_->load() == nullptr) {
+        slot_ = nullptr;
+        throw Interrupted();
+    }
+    if (::rename(partial_.c_str(), final_.c_str()) != 0) {
+        const int error_number = errno;
+        if (slot_->load() == nullptr) {
+            slot_ = nullptr;
+            throw Interrupted();
+        }
+        fail("cannot rename the finished file", error_number);
+    }
+    unregister_partial(slot_);
+    slot_ = nullptr;
+}
+
+void remove_partial_files() noexcept {
+    const int saved = errno;
+    for (auto& slot : slots) {
+        if (const char* name = slot.exchange(nullptr)) ::unlink(name);
+    }
+    errno = saved;
+}
+
+void raise_open_file_limit() noexcept {
+    rlimit limit{};
+    if (::getrlimit(RLIMIT_NOFILE, &limit) != 0 || limit.rlim_cur == limit.rlim_max) return;
+    limit.rlim_cur = limit.rlim_max;
+    ::setrlimit(RLIMIT_NOFILE, &limit);
+}
+
+void ignore_file_size_signal() noexcept { std::signal(SIGXFSZ, SIG_IGN); }
+
+}  // namespace lostbits::output

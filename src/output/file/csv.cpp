@@ -1,0 +1,147 @@
+#include "output/file/csv.hpp"
+
+#include <algorithm>
+#include <stdexcept>
+#include <unordered_set>
+
+#include "output/file/number_text.hpp"
+
+namespace lostbits::output {
+namespace {
+
+template <class... F>
+struct Overloaded : F... {
+    using F::operator()...;
+};
+template <class... F>
+Overloaded(F...) -> Overloaded<F...>;
+
+/// Bytes of the UTF-8 sequence at the head of `s`, or 0 when it is not one (overlong, surrogate, cut short).
+std::size_t sequence_length(std::string_view s) {
+    const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(s[i]); };
+    const unsigned char lead = byte(0);
+    if (lead < 0x80) return 1;
+    const std::size_t n = lead >= 0xC2 && lead <= 0xDF ? 2
+                        : (lead & 0xF0) == 0xE0        ? 3
+                        : lead >= 0xF0 && lead <= 0xF4 ? 4
+                                                       : 0;
+    if (n == 0 || s.size() < n) return 0;
+    for (std::size_t i = 1; i < n; ++i) {
+        if ((byte(i) & 0xC0) != 0x80) return 0;
+    }
+    if (lead == 0xE0 && byte(1) < 0xA0) return 0;
+    if (lead == 0xED && byte(1) > 0x9F) return 0;
+    if (lead == 0xF0 && byte(1) < 0x90) return 0;
+    if (lead == 0xF4 && byte(1) > 0x8F) return 0;
+    return n;
+}
+
+}  // namespace
+
+std::string valid_utf8(std::string_view text) {
+    std::string out;
+    out.reserve(text.size());
+    while (!text.empty()) {
+        const std::size_t n = sequence_length(text);
+        if (n == 0) {
+            out += "\xEF\xBF\xBD";
+        } else {
+            out += text.substr(0, n);
+        }
+        text.remove_prefix(std::max<std::size_t>(n, 1));
+    }
+    return out;
+}
+
+std::string csv_field(std::string_view text) {
+    if (text.find_first_of(",\"\r\n") == std::string_view::npos) return std::string(text);
+    std::string out = "\"";
+    for (const char c : text) {
+        if (c == '"') out += '"';
+        out += c;
+    }
+    return out + '"';
+}
+
+std::string Cell::text() const {
+    return std::visit(Overloaded{[](std::monostate) { return std::string(); },
+                                 [](bool b) { return std::string(b ? "1" : "0"); },
+                                 [](std::int64_t i) { return std::to_string(i); },
+                                 [](std::uint64_t i) { return std::to_string(i); },
+                                 [](float f) { return decimal(f); },
+                                 [](double d) { return decimal(d); },
+                                 [](const std::string& s) { return valid_utf8(s); }},
+                      value_);
+}
+
+bool Cell::fits(std::string_view type) const {
+    return std::visit(Overloaded{[](std::monostate) { return true; },
+                                 [&](bool) { return type == "boolean"; },
+                                 [&](std::int64_t) { return type == "integer" || type == "number"; },
+                                 [&](std::uint64_t) { return type == "integer" || type == "number"; },
+                                 [&](float) { return type == "number"; },
+                                 [&](double) { return type == "number"; },
+                                 [&](const std::string&) { return type == "string"; }},
+                      value_);
+}
+
+CsvWriter::CsvWriter(const std::filesystem::path& path, std::vector<Column> columns)
+    : columns_(std::move(columns)), file_(path) {
+    if (columns_.empty()) throw std::logic_error(path.string() + ": a CSV without columns");
+    std::unordered_set<std::string> names;
+    for (const auto& column : columns_) {
+        if (column.type != "string" && column.type != "integer" && column.type != "number" &&
+            column.type != "boolean") {
+            throw std::logic_error("column " + column.name + ": unknown type '" + column.type + "'");
+        }
+        if (!names.insert(column.name).second) {
+            throw std::logic_error("column " + column.name + " appears twice");
+        }
+        put(column.name);
+    }
+    end_row();
+}
+
+void CsvWriter::put(const std::string& text) {
+    if (filled_ > 0) line_ += ',';
+    line_ += csv_field(text);
+    ++filled_;
+}
+
+CsvWriter& CsvWriter::add(const Cell& cell) {
+    if (filled_ == columns_.size()) {
+        throw std::logic_error(file_.path().string() + ": a row has more cells than columns");
+    }
+    const Column& column = columns_[filled_];
+    if (!cell.fits(column.type)) {
+        throw std::logic_error(file_.path().string() + ": column " + column.name + " is of type " + column.type +
+                               " and cannot hold '" + cell.text() + "'");
+    }
+    put(cell.text());
+    return *this;
+}
+
+void CsvWriter::end_row() {
+    if (filled_ != columns_.size()) {
+        throw std::logic_error(file_.path().string() + ": a row has " + std::to_string(filled_) + " cells for " +
+                               std::to_string(columns_.size()) + " columns");
+    }
+    // A lone missing cell would be a blank line, which readers skip.
+    if (line_.empty()) line_ = "\"\"";
+    line_ += '\n';
+    file_.write(line_);
+    line_.clear();
+    filled_ = 0;
+}
+
+void CsvWriter::row(std::span<const Cell> cells) {
+    for (const Cell& cell : cells) add(cell);
+    end_row();
+}
+
+void CsvWriter::close() {
+    if (filled_ != 0) throw std::logic_error(file_.path().string() + ": closed in the middle of a row");
+    file_.commit();
+}
+
+}  // namespace lostbits::output

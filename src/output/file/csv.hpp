@@ -1,0 +1,90 @@
+// CSV that pandas, R, DuckDB and a spreadsheet read the same way.
+#pragma once
+
+#include <concepts>
+#include <cstdint>
+#include <filesystem>
+#include <span>
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+#include "output/file/atomic_file.hpp"
+
+namespace lostbits::output {
+
+/// One column: what the CSV header and `datapackage.json` say about it.
+struct Column {
+    std::string name;     ///< `snake_case_unit`, unique in its file
+    std::string type;     ///< `string`, `integer`, `number` or `boolean`
+    std::string unit;     ///< `bits`, `ulp`, `ns`, ...; empty when there is none
+    std::string meaning;  ///< one sentence
+};
+
+/// One value of a row. Default-constructed it is missing, which is written as nothing at all.
+class Cell {
+public:
+    Cell() = default;
+    Cell(bool value) : value_(value) {}
+    template <std::signed_integral I>
+    Cell(I value) : value_(static_cast<std::int64_t>(value)) {}
+    template <std::unsigned_integral I>
+        requires(!std::same_as<I, bool>)
+    Cell(I value) : value_(static_cast<std::uint64_t>(value)) {}
+    Cell(float value) : value_(value) {}
+    Cell(double value) : value_(value) {}
+    Cell(std::string value) : value_(std::move(value)) {}
+    Cell(std::string_view value) : value_(std::string(value)) {}
+    Cell(const char* value) : value_(std::string(value)) {}
+
+    /// The text between the commas, before quoting.
+    [[nodiscard]] std::string text() const;
+
+    /// Whether a column of this type may hold the cell: a missing one fits everywhere, an integer fits `number`.
+    [[nodiscard]] bool fits(std::string_view column_type) const;
+
+private:
+    std::variant<std::monostate, bool, std::int64_t, std::uint64_t, float, double, std::string> value_;
+};
+
+/// Writes one CSV file: UTF-8, LF, RFC 4180 quoting, a header, empty = missing, booleans 0/1.
+///
+/// The file has its final name only after `close`. A string that is not UTF-8 gets U+FFFD for each bad byte.
+class CsvWriter {
+public:
+    /// Opens the file and writes the header. Throws EnvironmentError, and std::logic_error for a column with an
+    /// unknown type or a name used twice.
+    CsvWriter(const std::filesystem::path& path, std::vector<Column> columns);
+
+    /// Adds one cell to the current row. Throws std::logic_error when the row is full or the column has another type.
+    CsvWriter& add(const Cell& cell);
+
+    /// Ends the current row. Throws std::logic_error when cells are lacking.
+    void end_row();
+
+    /// A whole row at once.
+    void row(std::span<const Cell> cells);
+    void row(std::initializer_list<Cell> cells) { row(std::span(cells.begin(), cells.size())); }
+
+    /// Gives the file its final name. Throws std::logic_error in the middle of a row.
+    void close();
+
+    [[nodiscard]] const std::vector<Column>& columns() const noexcept { return columns_; }
+
+private:
+    void put(const std::string& text);
+
+    std::vector<Column> columns_;
+    std::size_t filled_ = 0;
+    std::string line_;
+    AtomicFile file_;
+};
+
+/// `text` as one RFC 4180 field: quoted only when it holds a comma, a quote or a line break.
+[[nodiscard]] std::string csv_field(std::string_view text);
+
+/// `text` with each byte that is not part of valid UTF-8 replaced by U+FFFD.
+[[nodiscard]] std::string valid_utf8(std::string_view text);
+
+}  // namespace lostbits::output

@@ -1,0 +1,67 @@
+#include "output/file/datapackage.hpp"
+
+#include <cctype>
+#include <nlohmann/json.hpp>
+
+#include "output/file/atomic_file.hpp"
+
+namespace lostbits::output {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+/// Frictionless names are lower-case letters, digits, `.`, `_`, `-`, `/`.
+std::string slug(std::string_view text) {
+    std::string out;
+    for (const char c : text) {
+        const auto u = static_cast<unsigned char>(c);
+        const bool kept = std::isdigit(u) != 0 || (c >= 'a' && c <= 'z') || c == '.' || c == '_' || c == '-' ||
+                          c == '/';
+        out += kept ? c : (c >= 'A' && c <= 'Z') ? static_cast<char>(c - 'A' + 'a') : '-';
+    }
+    return out;
+}
+
+Json field(const Column& column) {
+    Json out{{"name", valid_utf8(column.name)}, {"type", column.type}};
+    if (column.type == "boolean") {
+        out["trueValues"] = Json::array({"1"});
+        out["falseValues"] = Json::array({"0"});
+    }
+    if (!column.unit.empty()) out["unit"] = valid_utf8(column.unit);
+    out["description"] = valid_utf8(column.meaning);
+    return out;
+}
+
+Json resource(const DataResource& data) {
+    Json fields = Json::array();
+    for (const auto& column : data.columns) fields.push_back(field(column));
+    std::string stem = data.file_name;
+    if (stem.ends_with(".csv")) stem.resize(stem.size() - 4);
+    return {{"name", slug(stem)},
+            {"path", valid_utf8(data.file_name)},
+            {"title", valid_utf8(data.title)},
+            {"profile", "tabular-data-resource"},
+            {"format", "csv"},
+            {"mediatype", "text/csv"},
+            {"encoding", "utf-8"},
+            {"dialect", {{"delimiter", ","}, {"lineTerminator", "\n"}, {"quoteChar", "\""}, {"doubleQuote", true}}},
+            {"schema", {{"fields", fields}, {"missingValues", Json::array({""})}}}};
+}
+
+}  // namespace
+
+void write_datapackage(const std::filesystem::path& path, const std::string& title,
+                       const std::vector<DataResource>& resources) {
+    Json list = Json::array();
+    for (const auto& data : resources) list.push_back(resource(data));
+    const Json package{{"profile", "tabular-data-package"},
+                       {"name", slug(title)},
+                       {"title", valid_utf8(title)},
+                       {"resources", list}};
+    AtomicFile file(path);
+    file.write(package.dump(2) + "\n");
+    file.commit();
+}
+
+}  // namespace lostbits::output

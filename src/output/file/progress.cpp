@@ -1,0 +1,135 @@
+#include "output/file/progress.hpp"
+
+#include <fmt/format.h>
+#include <sys/ioctl.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+
+namespace lostbits::output {
+namespace {
+
+constexpr std::int64_t first_draw_ms = 200;  // a run shorter than this shows nothing
+constexpr std::int64_t redraw_ms = 100;
+
+bool environment_set(const char* name) {
+    const char* value = std::getenv(name);
+    return value != nullptr && *value != '\0';
+}
+
+bool is_terminal(int fd) {
+    const char* term = std::getenv("TERM");
+    return ::isatty(fd) == 1 && !(term != nullptr && std::string_view(term) == "dumb");
+}
+
+int terminal_columns(int fd) {
+    winsize size{};
+    if (::ioctl(fd, TIOCGWINSZ, &size) == 0 && size.ws_col > 0) return size.ws_col;
+    return 80;
+}
+
+}  // namespace
+
+std::string duration_text(double seconds) {
+    if (!(seconds >= 0) || seconds > 1e7) return "?";
+    const auto s = static_cast<std::int64_t>(std::llround(seconds));
+    if (s < 60) return fmt::format("{}s", s);
+    if (s < 3600) return fmt::format("{}m{:02}s", s / 60, s % 60);
+    return fmt::format("{}h{:02}m", s / 3600, s / 60 % 60);
+}
+
+std::string progress_line(std::string_view label, std::uint64_t done, std::uint64_t total, double elapsed_s,
+                          int columns) {
+    const double part = total == 0 ? 0.0 : std::min(1.0, static_cast<double>(done) / static_cast<double>(total));
+    const std::string remaining = part > 0 ? duration_text(elapsed_s / part - elapsed_s) : "?";
+    const std::string tail = fmt::format(" {:3}%  {} elapsed, {} left", static_cast<int>(part * 100),
+                                         duration_text(elapsed_s), remaining);
+    const int room = columns - 1 - static_cast<int>(label.size() + tail.size()) - 3;  // the last column wraps
+    std::string line(label);
+    if (room >= 5) {
+        const int length = std::min(room, 40);
+        const int full = static_cast<int>(part * length);
+        line += " [" + std::string(static_cast<std::size_t>(full), '#') +
+                std::string(static_cast<std::size_t>(length - full), '.') + "]";
+    }
+    line += tail;
+    return line.substr(0, static_cast<std::size_t>(std::max(columns - 1, 0)));
+}
+
+Progress::Progress(std::uint64_t total, std::string label, Mode mode, bool quiet, int fd)
+    : total_(total),
+      label_(std::move(label)),
+      fd_(fd),
+      visible_(!quiet && (mode == Mode::bar || (mode == Mode::automatic && is_terminal(fd)))),
+      colour_(is_terminal(fd) && !environment_set("NO_COLOR")),
+      next_draw_ms_(mode == Mode::bar ? 0 : first_draw_ms) {}
+
+Progress::~Progress() { finish(); }
+
+void Progress::advance(std::uint64_t n) noexcept {
+    done_.fetch_add(n);
+    if (!visible_) return;
+    const auto now = std::chrono::duration_cast<std::chrono::milliseconds>(Clock::now() - start_).count();
+    std::int64_t due = next_draw_ms_.load();
+    if (now < due || !next_draw_ms_.compare_exchange_strong(due, now + redraw_ms)) return;
+    try {
+        const std::lock_guard lock(mutex_);
+        draw();
+    } catch (...) {
+        // A bar that cannot be drawn is no reason to stop the work.
+    }
+}
+
+void Progress::draw() {
+    if (!visible_) return;
+    const double elapsed = std::chrono::duration<double>(Clock::now() - start_).count();
+    const std::string line = progress_line(label_, done_.load(), total_, elapsed, terminal_columns(fd_));
+    std::string text = "\r" + line;
+    if (line.size() < drawn_) text.append(drawn_ - line.size(), ' ');
+    drawn_ = std::max(drawn_, line.size());
+    if (colour_) {
+        const auto open = text.find('['), end = text.find_last_of('#');
+        if (open != std::string::npos && end != std::string::npos && end > open) {
+            text.insert(end + 1, "\x1b[0m");
+            text.insert(open + 1, "\x1b[32m");
+        }
+    }
+    put(text);
+}
+
+void Progress::erase() {
+    if (drawn_ == 0) return;
+    std::string blank = "\r";
+    blank.append(drawn_, ' ');
+    put(blank += '\r');
+    drawn_ = 0;
+}
+
+void Progress::say(std::string_view message) {
+    const std::lock_guard lock(mutex_);
+    const bool was_drawn = drawn_ > 0;
+    erase();
+    put(std::string(message) + "\n");
+    if (was_drawn) draw();
+}
+
+void Progress::finish() noexcept {
+    try {
+        const std::lock_guard lock(mutex_);
+        erase();
+        visible_ = false;
+    } catch (...) {
+    }
+}
+
+void Progress::put(std::string_view text) noexcept {
+    while (!text.empty()) {
+        const ssize_t n = ::write(fd_, text.data(), text.size());
+        if (n <= 0) return;
+        text.remove_prefix(static_cast<std::size_t>(n));
+    }
+}
+
+}  // namespace lostbits::output

@@ -1,0 +1,202 @@
+#include "output/image/canvas.hpp"
+
+#include <algorithm>
+#include <stdexcept>
+
+namespace lostbits::output {
+namespace {
+
+constexpr int bar_width = 16;
+constexpr int swatch = 12;
+constexpr int swatch_gap = 6;
+constexpr int column_gap = 18;
+
+int line_height(int size) { return size + (size + 2) / 3; }
+
+std::uint8_t blend(std::uint8_t paper, std::uint8_t ink, int coverage) {
+    return static_cast<std::uint8_t>((paper * (255 - coverage) + ink * coverage + 127) / 255);
+}
+
+std::string entry_text(const LegendEntry& entry) {
+    return entry.count.empty() ? entry.label : entry.label + "  " + entry.count;
+}
+
+/// The most characters of `text` that fit `width`, at least one.
+std::size_t fitting_prefix(ImageBackend& backend, std::string_view text, int size, bool bold, int width) {
+    std::size_t lo = 1, hi = text.size();
+    while (lo < hi) {
+        const std::size_t middle = (lo + hi + 1) / 2;
+        if (backend.render_text(text.substr(0, middle), size, bold).width <= width) {
+            lo = middle;
+        } else {
+            hi = middle - 1;
+        }
+    }
+    return lo;
+}
+
+}  // namespace
+
+Canvas::Canvas(int width, int height, Rgb8 colour)
+    : width_(std::max(width, 0)),
+      height_(std::max(height, 0)),
+      pixels_(static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_), colour) {}
+
+std::span<const Rgb8> Canvas::row(int y) const {
+    const auto w = static_cast<std::size_t>(width_);
+    return std::span(pixels_).subspan(static_cast<std::size_t>(y) * w, w);
+}
+
+void Canvas::set(int x, int y, Rgb8 colour) noexcept {
+    if (x < 0 || y < 0 || x >= width_ || y >= height_) return;
+    pixels_[static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(x)] = colour;
+}
+
+void Canvas::fill(int x, int y, int width, int height, Rgb8 colour) noexcept {
+    for (int j = y; j < y + height; ++j) {
+        for (int i = x; i < x + width; ++i) set(i, j, colour);
+    }
+}
+
+void Canvas::frame(int x, int y, int width, int height, Rgb8 colour) noexcept {
+    fill(x - 1, y - 1, width + 2, 1, colour);
+    fill(x - 1, y + height, width + 2, 1, colour);
+    fill(x - 1, y, 1, height, colour);
+    fill(x + width, y, 1, height, colour);
+}
+
+void Canvas::text(int x, int y, const TextBitmap& text, Rgb8 colour) noexcept {
+    for (int j = 0; j < text.height; ++j) {
+        for (int i = 0; i < text.width; ++i) {
+            const int c = text.coverage[static_cast<std::size_t>(j * text.width + i)];
+            if (c == 0 || x + i < 0 || y + j < 0 || x + i >= width_ || y + j >= height_) continue;
+            const Rgb8 p = row(y + j)[static_cast<std::size_t>(x + i)];
+            set(x + i, y + j, {blend(p.r, colour.r, c), blend(p.g, colour.g, c), blend(p.b, colour.b, c)});
+        }
+    }
+}
+
+void Canvas::picture(int x, int y, const Canvas& other) noexcept {
+    for (int j = 0; j < other.height(); ++j) {
+        for (int i = 0; i < other.width(); ++i) set(x + i, y + j, other.row(j)[static_cast<std::size_t>(i)]);
+    }
+}
+
+std::vector<TextBitmap> wrap_text(ImageBackend& backend, std::string_view text, int size, bool bold, int width) {
+    std::vector<TextBitmap> lines;
+    while (!text.empty()) {
+        std::size_t n = fitting_prefix(backend, text, size, bold, width);
+        if (n < text.size()) {
+            const std::size_t space = text.substr(0, n + 1).rfind(' ');
+            if (space != std::string_view::npos && space > 0) n = space;
+        }
+        std::string_view line = text.substr(0, n);
+        while (line.ends_with(' ')) line.remove_suffix(1);
+        if (!line.empty()) lines.push_back(backend.render_text(line, size, bold));
+        text.remove_prefix(n);
+        while (text.starts_with(' ')) text.remove_prefix(1);
+    }
+    return lines;
+}
+
+TextBitmap fit_text(ImageBackend& backend, std::string_view text, int size, bool bold, int width) {
+    TextBitmap out = backend.render_text(text, size, bold);
+    for (int s = size - 1; out.width > width && s >= style::smallest_size; --s) {
+        out = backend.render_text(text, s, bold);
+    }
+    const int smallest = std::min(size, style::smallest_size);
+    for (std::size_t kept = text.size(); out.width > width && kept > 1;) {
+        --kept;
+        const std::size_t head = (kept + 1) / 2, tail = kept / 2;
+        const std::string shorter = std::string(text.substr(0, head)) + ".." +
+                                    std::string(text.substr(text.size() - tail));
+        out = backend.render_text(shorter, smallest, bold);
+    }
+    return out;
+}
+
+Canvas heading(ImageBackend& backend, std::string_view title, std::span<const std::string> subtitle, int width) {
+    struct Line {
+        TextBitmap text;
+        int height;
+        Rgb8 colour;
+    };
+    std::vector<Line> lines;
+    int height = 0;
+    const auto add = [&](std::string_view text, int size, bool bold, Rgb8 colour) {
+        for (auto& line : wrap_text(backend, text, size, bold, width)) {
+            lines.push_back({std::move(line), line_height(size), colour});
+            height += line_height(size);
+        }
+    };
+    add(title, style::title_size, true, style::ink);
+    for (const auto& text : subtitle) add(text, style::text_size, false, style::soft_ink);
+    Canvas out(width, height);
+    int y = 0;
+    for (const auto& line : lines) {
+        out.text(0, y, line.text, line.colour);
+        y += line.height;
+    }
+    return out;
+}
+
+Canvas colour_bar(ImageBackend& backend, const ColourScale& scale, std::string_view unit, int height) {
+    const int unit_height = line_height(style::text_size) + 4;
+    const int label_half = backend.render_text("0", style::text_size).height / 2;
+    // The frame and half a label stay inside the strip at the lower end.
+    const int top = unit_height + label_half, bar_height = std::max(height - top - label_half - 1, 2);
+    const TextBitmap unit_text = backend.render_text(unit, style::text_size);
+    const auto ticks = scale.ticks(std::clamp(bar_height / 24, 2, 9));
+    std::vector<TextBitmap> labels;
+    int width = std::max(unit_text.width, bar_width + 2);
+    for (const auto& tick : ticks) {
+        labels.push_back(backend.render_text(tick.label, style::text_size));
+        width = std::max(width, 1 + bar_width + 9 + labels.back().width);
+    }
+    Canvas out(width, height);
+    out.text(0, 0, unit_text, style::ink);
+    for (int y = 0; y < bar_height; ++y) {
+        out.fill(1, top + y, bar_width, 1, scale.at(1 - static_cast<double>(y) / (bar_height - 1)));
+    }
+    out.frame(1, top, bar_width, bar_height, style::line);
+    for (std::size_t i = 0; i < ticks.size(); ++i) {
+        const int y = top + static_cast<int>((1 - ticks[i].position) * (bar_height - 1) + 0.5);
+        out.fill(1 + bar_width, y, 5, 1, style::soft_ink);
+        // Digits reach from the baseline up to 0.73 em: their middle belongs on the tick.
+        out.text(1 + bar_width + 9, y - labels[i].baseline + style::text_size * 73 / 200, labels[i], style::ink);
+    }
+    return out;
+}
+
+Legend::Legend(ImageBackend& backend, std::span<const LegendEntry> widest, int width)
+    : backend_(backend), width_(width), capacity_(widest.size()) {
+    if (widest.empty()) return;
+    for (const auto& entry : widest) {
+        const int w = swatch + 2 + swatch_gap + backend.render_text(entry_text(entry), style::text_size).width;
+        column_width_ = std::max(column_width_, w);
+    }
+    column_width_ = std::min(column_width_, width);
+    const int count = static_cast<int>(widest.size());
+    columns_ = std::clamp((width + column_gap) / (column_width_ + column_gap), 1, count);
+    const int rows = (count + columns_ - 1) / columns_;
+    columns_ = (count + rows - 1) / rows;  // three and three, not five and one
+    height_ = rows * (line_height(style::text_size) + 4);
+}
+
+Canvas Legend::draw(std::span<const LegendEntry> entries) const {
+    if (entries.size() > capacity_) throw std::logic_error("a legend with more entries than were measured");
+    Canvas out(width_, height_);
+    for (std::size_t i = 0; i < entries.size(); ++i) {
+        const int x = static_cast<int>(i) % columns_ * (column_width_ + column_gap);
+        const int y = static_cast<int>(i) / columns_ * (line_height(style::text_size) + 4);
+        out.fill(x + 1, y + 3, swatch, swatch, entries[i].colour);
+        out.frame(x + 1, y + 3, swatch, swatch, style::line);
+        const int text_x = x + swatch + 2 + swatch_gap;
+        const auto text = fit_text(backend_, entry_text(entries[i]), style::text_size, false,
+                                   column_width_ - (swatch + 2 + swatch_gap));
+        out.text(text_x, y + 3 + swatch - text.baseline, text, style::ink);
+    }
+    return out;
+}
+
+}  // namespace lostbits::output

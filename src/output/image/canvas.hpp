@@ -1,0 +1,89 @@
+// A picture in memory, text on it, and the furniture that heatmaps and contact sheets share.
+#pragma once
+
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "output/image/colour.hpp"
+#include "output/image/image.hpp"
+
+namespace lostbits::output {
+
+/// The look of every picture: dark ink on a light page.
+namespace style {
+inline constexpr Rgb8 page{250, 250, 248};
+inline constexpr Rgb8 ink{32, 32, 36};
+inline constexpr Rgb8 soft_ink{96, 96, 104};
+inline constexpr Rgb8 line{176, 176, 180};
+inline constexpr int margin = 16;      // pixels around everything
+inline constexpr int title_size = 18;  // pixels to the em
+inline constexpr int text_size = 13;
+inline constexpr int small_size = 11;
+inline constexpr int smallest_size = 9;  // below this letters are no longer letters
+}  // namespace style
+
+/// Pixels row by row. Drawing outside is cut off.
+class Canvas {
+public:
+    Canvas(int width, int height, Rgb8 colour = style::page);
+
+    [[nodiscard]] int width() const noexcept { return width_; }
+    [[nodiscard]] int height() const noexcept { return height_; }
+    [[nodiscard]] std::span<const Rgb8> row(int y) const;
+    [[nodiscard]] std::span<const Rgb8> pixels() const noexcept { return pixels_; }
+
+    void set(int x, int y, Rgb8 colour) noexcept;
+    void fill(int x, int y, int width, int height, Rgb8 colour) noexcept;
+    /// A line one pixel wide just outside the rectangle.
+    void frame(int x, int y, int width, int height, Rgb8 colour) noexcept;
+    void text(int x, int y, const TextBitmap& text, Rgb8 colour) noexcept;
+    void picture(int x, int y, const Canvas& other) noexcept;
+
+private:
+    int width_, height_;
+    std::vector<Rgb8> pixels_;
+};
+
+/// `text` in lines of at most `width` pixels, broken between words, and inside a word only where it alone is wider.
+[[nodiscard]] std::vector<TextBitmap> wrap_text(ImageBackend& backend, std::string_view text, int size, bool bold,
+                                                int width);
+
+/// `text` in one line of at most `width` pixels: smaller letters first, then `..` in the middle.
+[[nodiscard]] TextBitmap fit_text(ImageBackend& backend, std::string_view text, int size, bool bold, int width);
+
+/// The heading of a picture `width` pixels wide: the title, and the smaller lines below it.
+[[nodiscard]] Canvas heading(ImageBackend& backend, std::string_view title, std::span<const std::string> subtitle,
+                             int width);
+
+/// The colour bar with its ticks to the right and its unit above, `height` pixels in all.
+[[nodiscard]] Canvas colour_bar(ImageBackend& backend, const ColourScale& scale, std::string_view unit, int height);
+
+/// One class in the legend: its colour, its name and how often it occurs.
+struct LegendEntry {
+    std::string label;  ///< `false miss`
+    Rgb8 colour;
+    std::string count;  ///< `1234 (3.1%)`, or empty
+};
+
+/// The legend below a picture. Its place is measured before the work, with the widest counts that can come; it is
+/// drawn after it, with the true ones.
+class Legend {
+public:
+    /// `widest` lists every entry that may come, with the widest `count` it can have.
+    Legend(ImageBackend& backend, std::span<const LegendEntry> widest, int width);
+
+    [[nodiscard]] int height() const noexcept { return height_; }
+
+    /// The legend as a picture of the measured size. Throws std::logic_error for more entries than were measured.
+    [[nodiscard]] Canvas draw(std::span<const LegendEntry> entries) const;
+
+private:
+    ImageBackend& backend_;
+    int width_, height_ = 0, columns_ = 1, column_width_ = 1;
+    std::size_t capacity_;
+};
+
+}  // namespace lostbits::output

@@ -1,0 +1,186 @@
+#include "output/image/colour.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+
+#include "output/file/number_text.hpp"
+
+namespace lostbits::output {
+namespace {
+
+// Kelly's idea of maximal contrast, in colours that keep apart on a screen.
+constexpr std::array<Rgb8, 20> object_colours{{
+    {230, 159, 0},   {86, 180, 233},  {0, 158, 115},   {240, 228, 66},  {0, 114, 178},
+    {213, 94, 0},    {204, 121, 167}, {153, 221, 85},  {136, 34, 85},   {170, 170, 255},
+    {153, 102, 51},  {68, 221, 221},  {255, 153, 136}, {102, 51, 170},  {187, 187, 119},
+    {34, 102, 51},   {255, 102, 187}, {119, 136, 153}, {255, 221, 187}, {0, 68, 119},
+}};
+
+const std::array<std::uint16_t, 256>& linear_table() {
+    static const auto table = [] {
+        std::array<std::uint16_t, 256> out{};
+        for (int i = 0; i < 256; ++i) {
+            const double c = i / 255.0;
+            const double l = c <= 0.04045 ? c / 12.92 : std::pow((c + 0.055) / 1.055, 2.4);
+            out[static_cast<std::size_t>(i)] = static_cast<std::uint16_t>(std::lround(l * 65535.0));
+        }
+        return out;
+    }();
+    return table;
+}
+
+bool divides(double step, double value) {
+    const double n = value / step;
+    return std::fabs(n - std::round(n)) < 1e-6;
+}
+
+/// A round step of at least `least`: one that lands on both ends where there is one, else 1, 2 or 5 times ten^k.
+double round_step(double least, double lo, double hi) {
+    const double ten = std::pow(10.0, std::floor(std::log10(least)));
+    const auto enough = [&](double m) { return m * ten >= least * (1 - 1e-9); };
+    for (const double m : {1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0}) {
+        if (enough(m) && divides(m * ten, lo) && divides(m * ten, hi)) return m * ten;
+    }
+    for (const double m : {1.0, 2.0, 5.0}) {
+        if (enough(m)) return m * ten;
+    }
+    return 10 * ten;
+}
+
+/// Six digits: a tick at 3 times 0.1 is not 0.30000000000000004.
+std::string tick_label(double value) {
+    char text[32];
+    const auto end = std::to_chars(text, text + sizeof text, value + 0.0, std::chars_format::general, 6).ptr;
+    return {text, end};
+}
+
+/// Oklab (Ottosson 2020) in thousandths: whole numbers, so that the last bits of a machine's cbrt decide nothing.
+struct Lab {
+    int l, a, b;
+    explicit Lab(Rgb8 c) {
+        const auto linear = [](std::uint8_t x) { return linear_light(x) / 65535.0; };
+        const double r = linear(c.r), g = linear(c.g), blue = linear(c.b);
+        const double x = std::cbrt(0.4122214708 * r + 0.5363325363 * g + 0.0514459929 * blue);
+        const double y = std::cbrt(0.2119034982 * r + 0.6806995451 * g + 0.1073969566 * blue);
+        const double z = std::cbrt(0.0883024619 * r + 0.2817188376 * g + 0.6299787005 * blue);
+        const auto thousandths = [](double v) { return static_cast<int>(std::lround(1000 * v)); };
+        l = thousandths(0.2104542553 * x + 0.7936177850 * y - 0.0040720468 * z);
+        a = thousandths(1.9779984951 * x - 2.4285922050 * y + 0.4505937099 * z);
+        b = thousandths(0.0259040371 * x + 0.7827717662 * y - 0.8086757660 * z);
+    }
+    [[nodiscard]] int distance(const Lab& o) const { return (l - o.l) * (l - o.l) + (a - o.a) * (a - o.a) + (b - o.b) * (b - o.b); }
+};
+
+/// Every colour of a 17 x 17 x 17 cube with its distance from what is taken.
+class FarthestColours {
+public:
+    FarthestColours() {
+        for (int i = 0; i < 17 * 17 * 17; ++i) {
+            const auto level = [](int k) { return static_cast<std::uint8_t>(k * 255 / 16); };
+            const Rgb8 c{level(i / 289), level(i / 17 % 17), level(i % 17)};
+            candidates_.push_back({c, Lab(c), std::numeric_limits<int>::max()});
+        }
+    }
+    void take(Rgb8 c) {
+        const Lab lab(c);
+        for (Candidate& each : candidates_) each.nearest = std::min(each.nearest, each.lab.distance(lab));
+    }
+    Rgb8 next() {
+        const Rgb8 c = std::ranges::max_element(candidates_, {}, &Candidate::nearest)->colour;
+        take(c);
+        return c;
+    }
+
+private:
+    struct Candidate {
+        Rgb8 colour;
+        Lab lab;
+        int nearest;
+    };
+    std::vector<Candidate> candidates_;
+};
+
+}  // namespace
+
+Rgb8 distinct_colour(std::size_t place) {
+    static const auto colours = [] {
+        std::vector<Rgb8> all(object_colours.begin(), object_colours.end());
+        FarthestColours farthest;
+        for (const Rgb8 c : object_colours) farthest.take(c);
+        for (const Rgb8 c : outcome_colours) farthest.take(c);
+        farthest.take({255, 255, 255});
+        while (all.size() < 1000) all.push_back(farthest.next());
+        return all;
+    }();
+    return colours[place % colours.size()];
+}
+
+Rgb8 object_colour(std::uint32_t id) noexcept {
+    return id == 0 ? outcome_colours[1] : object_colours[(id - 1) % object_colours.size()];
+}
+
+ColourScale::ColourScale(std::string name, std::vector<Rgb8> table, double lo, double hi, bool log2)
+    : name_(std::move(name)), table_(std::move(table)), lo_(lo), hi_(hi), log2_(log2) {
+    if (table_.size() < 2) throw std::invalid_argument("colour scale " + name_ + ": fewer than two colours");
+    if (!std::isfinite(lo) || !std::isfinite(hi) || !(hi > lo) || (log2 && !(lo > 0))) {
+        throw std::invalid_argument("colour scale " + name_ + ": no range from " + decimal(lo) + " to " + decimal(hi));
+    }
+}
+
+double ColourScale::position(double value) const {
+    if (std::isnan(value)) throw std::invalid_argument("colour scale " + name_ + ": a NaN has no colour");
+    if (value <= lo_) return 0;
+    if (value >= hi_) return 1;
+    // Halves first: hi - lo may overflow.
+    const double p = log2_ ? (std::log2(value) - std::log2(lo_)) / (std::log2(hi_) - std::log2(lo_))
+                           : (value / 2 - lo_ / 2) / (hi_ / 2 - lo_ / 2);
+    return std::clamp(p, 0.0, 1.0);
+}
+
+Rgb8 ColourScale::at(double position) const {
+    const double last = static_cast<double>(table_.size() - 1);
+    return table_[static_cast<std::size_t>(std::lround(std::clamp(position, 0.0, 1.0) * last))];
+}
+
+Rgb8 ColourScale::map(double value) const { return at(position(value)); }
+
+std::vector<ColourScale::Tick> ColourScale::ticks(int most) const {
+    most = std::max(most, 2);
+    std::vector<Tick> out;
+    if (log2_) {
+        const double first = std::ceil(std::log2(lo_)), last = std::floor(std::log2(hi_));
+        double step = 0;
+        for (const double s : {1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64, 128, 256, 512, 1024, 2048}) {
+            step = s;
+            if (std::floor((last - first) / s) + 1 <= most) break;
+        }
+        // Either all labels are powers or none is.
+        const bool plain = first >= -3 && last <= 10;
+        for (double e = first; e <= last; e += step) {
+            out.push_back({position(std::exp2(e)), plain || e == 0 ? decimal(std::exp2(e)) : "2^" + decimal(e)});
+        }
+    } else {
+        const double step = round_step((hi_ / 2 - lo_ / 2) / (most - 1) * 2, lo_, hi_);
+        for (double k = std::ceil(lo_ / step - 1e-9); k * step <= hi_ + step * 1e-9; k += 1) {
+            out.push_back({position(k * step), tick_label(k * step)});
+        }
+    }
+    // A range that holds no two round values is labelled at its ends.
+    if (out.size() < 2) out = {{0, tick_label(lo_)}, {1, tick_label(hi_)}};
+    return out;
+}
+
+std::uint16_t linear_light(std::uint8_t srgb) noexcept { return linear_table()[srgb]; }
+
+std::uint8_t srgb_byte(std::uint16_t linear) noexcept {
+    const auto& table = linear_table();
+    const auto above = std::lower_bound(table.begin(), table.end(), linear);
+    if (above == table.begin()) return 0;
+    const auto below = above - 1;
+    return static_cast<std::uint8_t>((*above - linear < linear - *below ? above : below) - table.begin());
+}
+
+}  // namespace lostbits::output

@@ -1,0 +1,91 @@
+// Colours: what a number, an outcome and an object look like, the same in every picture.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace lostbits::output {
+
+/// An 8-bit sRGB colour, three bytes without padding: a row of them is a row of a PNG.
+struct Rgb8 {
+    std::uint8_t r = 0, g = 0, b = 0;
+    friend bool operator==(const Rgb8&, const Rgb8&) = default;
+};
+static_assert(sizeof(Rgb8) == 3);
+
+/// One fixed colour an outcome, in the order of `Outcome` (measure/answer/outcome.hpp) and of the values of the `class` layer. All but `agree_hit` stay away from the whole viridis ramp and from each other, also
+/// for a deuteranope (tests hold the distances); their lightness differs too, so that a grey print still tells them
+/// apart. `agree_hit` is drawn with its metric's colour, and with this one only in a map of classes alone.
+inline constexpr std::array<Rgb8, 6> outcome_colours{{
+    {26, 152, 120},   // agree_hit: a colour of the ramp, on purpose
+    {222, 222, 222},  // agree_miss: neutral, recedes
+    {210, 30, 15},    // false_hit: red
+    {255, 150, 230},  // false_miss: pink
+    {0, 0, 0},        // not_a_number: black
+    {124, 120, 255},  // unresolved: periwinkle
+}};
+
+/// One fixed colour a reason for a march to stop, in the order of `Stop` (intersect/march.hpp).
+inline constexpr std::array<Rgb8, 4> stop_colours{{
+    {26, 152, 120},   // hit: a colour of the ramp, which such a map does not use
+    {222, 222, 222},  // max_dist: neutral, recedes
+    {244, 150, 30},   // max_steps: orange
+    {110, 20, 130},   // stagnated: purple
+}};
+
+/// The colour of an object id in a categorical map; 0 (no object) is the colour of `agree_miss`. Twenty colours,
+/// used again from the twenty-first object on.
+[[nodiscard]] Rgb8 object_colour(std::uint32_t id) noexcept;
+
+/// The colour of the place-th of many categories, from 0: the twenty of objects, then each time the one farthest in Oklab from all
+/// before it, from the outcomes' and from the page's. A thousand, no two alike; then they are used again.
+[[nodiscard]] Rgb8 distinct_colour(std::size_t place);
+
+/// Maps a metric to a colour: linear or log2 between two ends, clamped outside.
+class ColourScale {
+public:
+    /// `table` is the ramp from low to high, at least two colours (`ImageBackend::ramp`). `hi > lo`, both finite,
+    /// and `lo > 0` where `log2`. Throws std::invalid_argument otherwise.
+    ColourScale(std::string name, std::vector<Rgb8> table, double lo, double hi, bool log2 = false);
+
+    /// The colour of `value`; -inf and +inf take the ends, and so does what is not positive on a log2 scale. A NaN
+    /// has no place on the ramp: draw its outcome instead. Throws std::invalid_argument for it.
+    [[nodiscard]] Rgb8 map(double value) const;
+
+    /// The place of `value` on the ramp, clamped to 0..1.
+    [[nodiscard]] double position(double value) const;
+
+    /// The colour at a place 0..1 of the ramp.
+    [[nodiscard]] Rgb8 at(double position) const;
+
+    /// A tick of the colour bar.
+    struct Tick {
+        double position;    ///< 0..1
+        std::string label;  ///< `4`, `0.25`, `2^-10`
+    };
+
+    /// Round values between the ends, at most `most` (at least 2) of them.
+    [[nodiscard]] std::vector<Tick> ticks(int most) const;
+
+    [[nodiscard]] const std::string& name() const noexcept { return name_; }
+    [[nodiscard]] double lo() const noexcept { return lo_; }
+    [[nodiscard]] double hi() const noexcept { return hi_; }
+    [[nodiscard]] bool is_log2() const noexcept { return log2_; }
+
+private:
+    std::string name_;
+    std::vector<Rgb8> table_;
+    double lo_, hi_;
+    bool log2_;
+};
+
+/// Linear light of an sRGB byte, as 0..65535. Averages of pixels are taken in it.
+[[nodiscard]] std::uint16_t linear_light(std::uint8_t srgb) noexcept;
+
+/// The sRGB byte nearest in linear light to `linear` (0..65535).
+[[nodiscard]] std::uint8_t srgb_byte(std::uint16_t linear) noexcept;
+
+}  // namespace lostbits::output

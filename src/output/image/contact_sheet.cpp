@@ -1,0 +1,140 @@
+#include "output/image/contact_sheet.hpp"
+
+#include <algorithm>
+#include <stdexcept>
+
+namespace lostbits::output {
+namespace {
+
+constexpr std::size_t most_columns = 7;
+constexpr int least_cell = 164;      // room for most names of forms
+constexpr int least_content = 440;
+constexpr int most_bar = 480, least_bar = 150;
+constexpr int gap = 14;
+constexpr int block_gap = 10;
+constexpr int column_head = 22;      // the name of the form
+constexpr int note_line = 14;
+constexpr std::size_t note_lines = 3;
+
+}  // namespace
+
+ContactSheet::ContactSheet(ImageBackend& backend, const std::filesystem::path& path, SheetSpec spec)
+    : backend_(backend), spec_(std::move(spec)), cells_(spec_.forms.size() * spec_.formats.size()) {
+    if (cells_.empty()) throw std::logic_error(path.string() + ": a contact sheet without cells");
+    const Thumbnail size(spec_.field_width, spec_.field_height);
+    thumb_width_ = size.width();
+    thumb_height_ = size.height();
+    cell_width_ = std::max(thumb_width_ + 2, least_cell);
+
+    // Blocks as even as they come: 22 forms are 6 + 6 + 6 + 4 rather than 7 + 7 + 7 + 1.
+    const std::size_t blocks = (spec_.forms.size() + most_columns - 1) / most_columns;
+    columns_ = static_cast<int>((spec_.forms.size() + blocks - 1) / blocks);
+    for (const auto& format : spec_.formats) {
+        row_label_width_ = std::max(row_label_width_, backend.render_text(format, style::text_size, true).width);
+    }
+    row_height_ = thumb_height_ + 2 + 3 + static_cast<int>(note_lines) * note_line + gap;
+    block_height_ = column_head + static_cast<int>(spec_.formats.size()) * row_height_;
+    const int grid_height = static_cast<int>(blocks) * (block_height_ + block_gap) - block_gap;
+    grid_width_ = row_label_width_ + gap + columns_ * (cell_width_ + gap);
+
+    int content = grid_width_;
+    if (spec_.scale) {
+        bar_ = colour_bar(backend, *spec_.scale, spec_.unit,
+                          std::clamp(block_height_ - gap - static_cast<int>(note_lines) * note_line, least_bar, most_bar));
+        content += gap + bar_.width();
+    }
+    content = std::max(content, least_content);
+    heading_ = heading(backend, spec_.title, spec_.subtitle, content);
+    legend_.emplace(backend, spec_.legend, content);
+    page_width_ = content + 2 * style::margin;
+    page_height_ = style::margin + heading_.height() + gap + std::max(grid_height, bar_.height()) +
+                   legend_->height() + style::margin;
+    png_ = backend.open_png(path, page_width_, page_height_);
+}
+
+ContactSheet::Cell& ContactSheet::cell(std::size_t form, std::size_t format) {
+    if (form >= spec_.forms.size() || format >= spec_.formats.size()) {
+        throw std::logic_error("contact sheet: no such cell");
+    }
+    return cells_[format * spec_.forms.size() + form];
+}
+
+void ContactSheet::add_rows(std::size_t form, std::size_t format, int y_begin, std::span<const Rgb8> samples) {
+    Cell& target = cell(form, format);
+    if (!target.thumbnail) target.thumbnail.emplace(spec_.field_width, spec_.field_height);
+    target.thumbnail->add_rows(y_begin, samples);
+}
+
+void ContactSheet::set_note(std::size_t form, std::size_t format, std::string note) {
+    cell(form, format).note = std::move(note);
+}
+
+void ContactSheet::draw_cell(Canvas& page, int x, int y, const Cell& cell) const {
+    page.frame(x + 1, y + 1, thumb_width_, thumb_height_, style::line);
+    if (cell.thumbnail && cell.thumbnail->complete()) {
+        const auto& pixels = cell.thumbnail->pixels();
+        for (int j = 0; j < thumb_height_; ++j) {
+            for (int i = 0; i < thumb_width_; ++i) {
+                page.set(x + 1 + i, y + 1 + j, pixels[static_cast<std::size_t>(j * thumb_width_ + i)]);
+            }
+        }
+    } else {
+        const auto text = fit_text(backend_, "not in this format", style::small_size, false, thumb_width_ - 4);
+        page.text(x + 1 + (thumb_width_ - text.width) / 2, y + 1 + (thumb_height_ - text.height) / 2, text,
+                  style::soft_ink);
+    }
+    const auto lines = note_of(cell.note);
+    for (std::size_t i = 0; i < lines.size(); ++i) {
+        page.text(x, y + thumb_height_ + 5 + static_cast<int>(i) * note_line, lines[i], style::soft_ink);
+    }
+}
+
+std::vector<TextBitmap> ContactSheet::note_of(std::string_view note) const {
+    std::vector<TextBitmap> lines;
+    std::string_view rest = note;
+    while (!rest.empty()) {
+        const auto line = rest.substr(0, rest.find('\n'));
+        for (auto& text : wrap_text(backend_, line, style::small_size, false, cell_width_)) {
+            lines.push_back(std::move(text));
+        }
+        rest.remove_prefix(std::min(line.size() + 1, rest.size()));
+    }
+    if (lines.size() <= note_lines) return lines;
+    // Too long for its place: cut in two near the middle, each half small or shortened.
+    const auto space = note.find_last_of(" \n", note.size() / 2);
+    const auto cut = space == std::string_view::npos ? note.size() / 2 : space;
+    lines.clear();
+    for (const std::string_view half : {note.substr(0, cut), note.substr(cut)}) {
+        std::string flat(half.substr(std::min(half.find_first_not_of(" \n"), half.size())));
+        std::ranges::replace(flat, '\n', ' ');
+        lines.push_back(fit_text(backend_, flat, style::small_size, false, cell_width_));
+    }
+    return lines;
+}
+
+void ContactSheet::finish(std::span<const LegendEntry> legend) {
+    Canvas page(page_width_, page_height_);
+    page.picture(style::margin, style::margin, heading_);
+    const int top = style::margin + heading_.height() + gap;
+    const auto per_block = static_cast<std::size_t>(columns_);
+    for (std::size_t form = 0; form < spec_.forms.size(); ++form) {
+        const int x = style::margin + row_label_width_ + gap +
+                      static_cast<int>(form % per_block) * (cell_width_ + gap);
+        const int block_y = top + static_cast<int>(form / per_block) * (block_height_ + block_gap);
+        page.text(x, block_y, fit_text(backend_, spec_.forms[form], style::text_size, true, cell_width_), style::ink);
+        for (std::size_t format = 0; format < spec_.formats.size(); ++format) {
+            const int y = block_y + column_head + static_cast<int>(format) * row_height_;
+            if (form % per_block == 0) {
+                const auto label = backend_.render_text(spec_.formats[format], style::text_size, true);
+                page.text(style::margin, y + (thumb_height_ - label.height) / 2, label, style::ink);
+            }
+            draw_cell(page, x, y, cell(form, format));
+        }
+    }
+    if (spec_.scale) page.picture(style::margin + grid_width_ + gap, top, bar_);
+    page.picture(style::margin, page_height_ - style::margin - legend_->height(), legend_->draw(legend));
+    png_->write_rows(page_height_, page.pixels());
+    png_->close();
+}
+
+}  // namespace lostbits::output

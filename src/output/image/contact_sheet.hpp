@@ -1,0 +1,101 @@
+// Every form and format of a scene on one page.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "output/image/canvas.hpp"
+#include "output/image/colour.hpp"
+#include "output/image/image.hpp"
+
+namespace lostbits::output {
+
+/// A small picture of a field, at most 160 pixels on its longer side, made from rows in any order.
+///
+/// Larger fields are box-averaged in linear light: with integer weights and sums, so the result is exact and the
+/// order of the rows cannot show. Smaller ones are enlarged by a whole factor. Memory does not grow with the field.
+class Thumbnail {
+public:
+    Thumbnail(int field_width, int field_height);
+
+    [[nodiscard]] int width() const noexcept { return width_; }
+    [[nodiscard]] int height() const noexcept { return height_; }
+
+    /// Whole rows of the field, the first of which is `y_begin`; each row once. Throws std::logic_error for a part of
+    /// a row or a row outside.
+    void add_rows(int y_begin, std::span<const Rgb8> samples);
+
+    /// Whether every row has come.
+    [[nodiscard]] bool complete() const noexcept { return rows_ == field_height_; }
+
+    /// The picture; throws std::logic_error before it is complete.
+    [[nodiscard]] const std::vector<Rgb8>& pixels() const;
+
+private:
+    void add_row(int y, std::span<const Rgb8> samples);
+    void resolve();
+
+    int field_width_, field_height_, width_, height_;
+    int factor_ = 0;  // of enlargement; 0 = averaged
+    int rows_ = 0;
+    std::vector<std::uint64_t> sums_;
+    std::vector<Rgb8> pixels_;
+};
+
+/// What a contact sheet shows; all of it is known before the first pixel.
+struct SheetSpec {
+    std::string title;
+    std::vector<std::string> subtitle;
+    std::vector<std::string> forms;            ///< across
+    std::vector<std::string> formats;          ///< down
+    int field_width = 0, field_height = 0;     ///< of every cell, in samples
+    std::optional<ColourScale> scale;          ///< shared by all cells
+    std::string unit;                          ///< over the colour bar
+    std::vector<LegendEntry> legend;           ///< every class that may occur, with the widest count it may get
+};
+
+/// A grid of thumbnails: forms across, formats down, in blocks of at most seven forms. Cells may be fed at the same
+/// time, each by one thread; a cell that is never finished is drawn as `no data`.
+class ContactSheet {
+public:
+    /// Opens `path`. Throws EnvironmentError, and std::logic_error for a sheet without cells.
+    ContactSheet(ImageBackend& backend, const std::filesystem::path& path, SheetSpec spec);
+
+    /// Rows of the field of one cell, as Thumbnail::add_rows.
+    void add_rows(std::size_t form, std::size_t format, int y_begin, std::span<const Rgb8> samples);
+
+    /// The small text under one cell, such as `p99 3.2 bits\n4% false miss`: three lines of about 25 letters, wrapped
+    /// where there is no line break, and shortened where there are more.
+    void set_note(std::size_t form, std::size_t format, std::string note);
+
+    /// Draws the page and gives the file its final name; `legend` as for HeatmapWriter::finish.
+    void finish(std::span<const LegendEntry> legend);
+
+private:
+    struct Cell {
+        std::optional<Thumbnail> thumbnail;
+        std::string note;
+    };
+    Cell& cell(std::size_t form, std::size_t format);
+    [[nodiscard]] std::vector<TextBitmap> note_of(std::string_view note) const;
+    void draw_cell(Canvas& page, int x, int y, const Cell& cell) const;
+
+    ImageBackend& backend_;
+    SheetSpec spec_;
+    std::vector<Cell> cells_;  // format by format
+    int thumb_width_, thumb_height_;
+    int columns_ = 1, cell_width_ = 0, row_label_width_ = 0, row_height_ = 0, block_height_ = 0;
+    int page_width_ = 0, page_height_ = 0, grid_width_ = 0;
+    Canvas heading_{0, 0}, bar_{0, 0};
+    std::optional<Legend> legend_;
+    std::unique_ptr<PngWriter> png_;
+};
+
+}  // namespace lostbits::output

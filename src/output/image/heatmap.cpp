@@ -1,0 +1,88 @@
+#include "output/image/heatmap.hpp"
+
+#include <algorithm>
+#include <stdexcept>
+
+namespace lostbits::output {
+namespace {
+
+constexpr int narrow = 384;        // a field below this many samples across is enlarged
+constexpr int tallest = 2048;      // and not beyond this many pixels down
+constexpr int least_content = 440; // room for a title and a legend beside a thin field
+constexpr int least_bar = 150, most_bar = 480;
+constexpr int gap = 14;
+
+int choose_factor(int width, int height) {
+    if (width >= narrow) return 1;
+    return std::max(1, std::min((narrow + width - 1) / width, tallest / height));
+}
+
+}  // namespace
+
+HeatmapWriter::HeatmapWriter(ImageBackend& backend, const std::filesystem::path& path, HeatmapSpec spec)
+    : spec_(std::move(spec)) {
+    if (spec_.width <= 0 || spec_.height <= 0) throw std::logic_error(path.string() + ": a field without samples");
+    factor_ = choose_factor(spec_.width, spec_.height);
+    field_width_ = spec_.width * factor_;
+    field_height_ = spec_.height * factor_;
+    body_height_ = field_height_ + 2;  // the frame
+    int content = field_width_ + 2;
+    if (spec_.scale) {
+        bar_ = colour_bar(backend, *spec_.scale, spec_.unit, std::clamp(body_height_, least_bar, most_bar));
+        content += gap + bar_.width();
+        body_height_ = std::max(body_height_, bar_.height());
+    }
+    content = std::max(content, least_content);
+    page_width_ = content + 2 * style::margin;
+    const Canvas head = heading(backend, spec_.title, spec_.subtitle, content);
+    legend_.emplace(backend, spec_.legend, content);
+    const int head_height = style::margin + head.height() + (head.height() > 0 ? gap : 0);
+    const int foot_height = (legend_->height() > 0 ? gap + legend_->height() : 0) + style::margin;
+    png_ = backend.open_png(path, page_width_, head_height + body_height_ + foot_height);
+    Canvas top(page_width_, head_height);
+    top.picture(style::margin, style::margin, head);
+    png_->write_rows(top.height(), top.pixels());
+    const std::vector<Rgb8> rim(static_cast<std::size_t>(spec_.width), style::line);
+    put_body_row(rim);
+}
+
+void HeatmapWriter::put_body_row(std::span<const Rgb8> samples) {
+    line_.assign(static_cast<std::size_t>(page_width_), style::page);
+    auto out = line_.begin() + style::margin;
+    if (!samples.empty()) {
+        *out++ = style::line;
+        for (const Rgb8 sample : samples) out = std::fill_n(out, factor_, sample);
+        *out++ = style::line;
+    } else {
+        out += field_width_ + 2;
+    }
+    if (body_y_ < bar_.height()) std::ranges::copy(bar_.row(body_y_), out + gap);
+    png_->write_rows(1, line_);
+    ++body_y_;
+}
+
+void HeatmapWriter::write_rows(std::span<const Rgb8> samples) {
+    const auto width = static_cast<std::size_t>(spec_.width);
+    if (samples.size() % width != 0) throw std::logic_error("heatmap: a part of a row");
+    if (samples.size() / width > static_cast<std::size_t>(spec_.height - rows_)) {
+        throw std::logic_error("heatmap: more rows than the field has");
+    }
+    for (; !samples.empty(); samples = samples.subspan(width)) {
+        for (int i = 0; i < factor_; ++i) put_body_row(samples.first(width));
+        ++rows_;
+    }
+}
+
+void HeatmapWriter::finish(std::span<const LegendEntry> legend) {
+    if (rows_ != spec_.height) throw std::logic_error("heatmap: rows are lacking");
+    const std::vector<Rgb8> rim(static_cast<std::size_t>(spec_.width), style::line);
+    put_body_row(rim);
+    while (body_y_ < body_height_) put_body_row({});
+    const int legend_height = legend_->height();
+    Canvas foot(page_width_, (legend_height > 0 ? gap + legend_height : 0) + style::margin);
+    foot.picture(style::margin, gap, legend_->draw(legend));
+    png_->write_rows(foot.height(), foot.pixels());
+    png_->close();
+}
+
+}  // namespace lostbits::output

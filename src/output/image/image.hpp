@@ -1,0 +1,135 @@
+// The face of the image module: EXR, PNG, colour ramps and text, without a type of the library behind it.
+//
+// OpenImageIO costs 180 ms to load, so it sits in a module of its own (`lostbits_image`) that
+// `image_backend()` loads when a command first writes a picture.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "output/file/atomic_file.hpp"
+#include "output/image/colour.hpp"
+
+namespace lostbits::output {
+
+/// A channel of an EXR file: 32 bits a sample, never HALF.
+struct Channel {
+    enum class Type { f32, u32 };
+    std::string name;  ///< `layer.channel` with one dot, or R, G, B
+    Type type = Type::f32;
+};
+
+/// The header of an EXR file.
+struct ExrSpec {
+    int width = 0, height = 0;
+    std::vector<Channel> channels;
+    std::vector<std::pair<std::string, std::string>> attributes;  ///< `lostbits:scene`, ...; written as strings
+};
+
+/// Writes one EXR file from top to bottom: single part, scan lines, ZIP, no date. Memory does not grow with the
+/// height. One thread at a time.
+class ExrWriter {
+public:
+    virtual ~ExrWriter() = default;
+
+    /// The next `rows` rows, the first of which is `y_begin`. `pixels` holds rows · width · channels samples of four
+    /// bytes in native byte order, the channels of a pixel side by side in the order of the spec. Throws
+    /// EnvironmentError (a full disk), and std::logic_error for rows out of order or a wrong size.
+    virtual void write_rows(int y_begin, int rows, std::span<const std::byte> pixels) = 0;
+
+    /// Gives the file its final name. Throws EnvironmentError, and std::logic_error when rows are lacking.
+    virtual void close() = 0;
+};
+
+/// Writes one RGB PNG file from top to bottom, 8 bits, sRGB.
+class PngWriter {
+public:
+    virtual ~PngWriter() = default;
+
+    /// The next `rows` rows. Throws as ExrWriter::write_rows does.
+    virtual void write_rows(int rows, std::span<const Rgb8> pixels) = 0;
+
+    /// As ExrWriter::close.
+    virtual void close() = 0;
+};
+
+/// A line of text as coverage, 0 (paper) to 255 (ink), row by row. All lines of one size share height and baseline.
+struct TextBitmap {
+    int width = 0, height = 0;
+    int baseline = 0;  ///< rows from the top to the line that the letters stand on
+    std::vector<std::uint8_t> coverage;
+};
+
+/// One channel as it was read back, bit for bit.
+struct ExrChannel {
+    std::string name;
+    std::variant<std::vector<float>, std::vector<std::uint32_t>> samples;  ///< row by row
+};
+
+/// An EXR file in memory, channels sorted by name.
+struct ExrImage {
+    int width = 0, height = 0;
+    std::vector<ExrChannel> channels;
+    std::vector<std::pair<std::string, std::string>> attributes;  ///< the string attributes, sorted by name
+
+    /// The channel of that name, or nullptr.
+    [[nodiscard]] const ExrChannel* find(std::string_view name) const;
+};
+
+/// A PNG file in memory.
+struct PngImage {
+    int width = 0, height = 0;
+    std::vector<Rgb8> pixels;
+};
+
+/// What the module does. Safe to use from several threads.
+class ImageBackend {
+public:
+    virtual ~ImageBackend() = default;
+
+    /// Opens `path` at once, as AtomicFile does. Throws EnvironmentError, and std::logic_error for a spec without
+    /// pixels or channels, or with a channel name used twice.
+    [[nodiscard]] std::unique_ptr<ExrWriter> open_exr(const std::filesystem::path& path, const ExrSpec& spec);
+
+    /// Opens `path` for width × height RGB pixels. Throws as open_exr does.
+    [[nodiscard]] std::unique_ptr<PngWriter> open_png(const std::filesystem::path& path, int width, int height);
+
+    /// `steps` (at least 2) colours of the ramp, low to high: viridis, inferno, magma, plasma or turbo. Throws
+    /// InputError for another name.
+    [[nodiscard]] virtual std::vector<Rgb8> ramp(std::string_view name, int steps) = 0;
+
+    /// One line of text with letters `size` pixels to the em. Latin letters lose their accents; any other character outside
+    /// ASCII becomes `?`.
+    /// Throws EnvironmentError when DejaVu Sans is not installed.
+    [[nodiscard]] virtual TextBitmap render_text(std::string_view ascii, int size, bool bold = false) = 0;
+
+    /// Reads an EXR, HALF channels widened to float. Throws InputError.
+    [[nodiscard]] virtual ExrImage read_exr(const std::filesystem::path& path) = 0;
+
+    /// Reads an 8-bit RGB PNG. Throws InputError.
+    [[nodiscard]] virtual PngImage read_png(const std::filesystem::path& path) = 0;
+
+protected:
+    virtual std::unique_ptr<ExrWriter> make_exr(std::unique_ptr<ByteSink> sink, const std::string& path,
+                                                const ExrSpec& spec) = 0;
+    virtual std::unique_ptr<PngWriter> make_png(std::unique_ptr<ByteSink> sink, const std::string& path, int width,
+                                                int height) = 0;
+};
+
+/// Grows with every change of this header; a module of another build is refused rather than misread.
+inline constexpr int image_module_abi = 1;
+
+/// The module, loaded on the first call; later calls cost nothing. Looks at $LOSTBITS_IMAGE_MODULE (then nowhere
+/// else), beside the program, in its `../lib/lostbits` and in its `src/output`. Throws EnvironmentError that says
+/// what to install or build.
+[[nodiscard]] ImageBackend& image_backend();
+
+}  // namespace lostbits::output

@@ -1,0 +1,86 @@
+#include <dlfcn.h>
+
+#include <cstdlib>
+#include <mutex>
+#include <set>
+#include <stdexcept>
+#include <system_error>
+
+#include "number/error.hpp"
+#include "output/image/image.hpp"
+
+namespace lostbits::output {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* module_name = "lostbits_image.so";
+
+fs::path find_module() {
+    if (const char* named = std::getenv("LOSTBITS_IMAGE_MODULE"); named != nullptr && *named != '\0') return named;
+    std::error_code error;
+    const fs::path here = fs::read_symlink("/proc/self/exe", error).parent_path();
+    std::string tried;
+    for (const fs::path& folder : {here, here / "../lib/lostbits", here / "src/output"}) {
+        const fs::path candidate = folder / module_name;
+        if (fs::exists(candidate, error)) return candidate;
+        tried += "\n  " + candidate.lexically_normal().string();
+    }
+    throw EnvironmentError(
+        "cannot write images: the image module is missing; build the target `lostbits_image` (needs "
+        "libopenimageio-dev) or set LOSTBITS_IMAGE_MODULE to its path. Looked at:" + tried);
+}
+
+[[noreturn]] void cannot_load(const fs::path& path, const char* why) {
+    throw EnvironmentError(path.string() + ": cannot load the image module: " + (why != nullptr ? why : "unknown") +
+                           "; install OpenImageIO (Debian: libopenimageio2.4) and rebuild the target `lostbits_image`");
+}
+
+ImageBackend& load() {
+    const fs::path path = find_module();
+    // Never closed: the library behind it starts threads and registers exit handlers.
+    void* handle = ::dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL);
+    if (handle == nullptr) cannot_load(path, ::dlerror());
+    const auto abi = reinterpret_cast<int (*)()>(::dlsym(handle, "lostbits_image_abi"));
+    const auto get = reinterpret_cast<ImageBackend* (*)()>(::dlsym(handle, "lostbits_image_backend"));
+    if (abi == nullptr || get == nullptr) cannot_load(path, "not an image module");
+    if (abi() != image_module_abi) cannot_load(path, "it belongs to another build");
+    return *get();
+}
+
+}  // namespace
+
+ImageBackend& image_backend() {
+    static std::mutex mutex;
+    static ImageBackend* backend = nullptr;  // a failed load is tried again, and so reported again
+    const std::lock_guard lock(mutex);
+    if (backend == nullptr) backend = &load();
+    return *backend;
+}
+
+std::unique_ptr<ExrWriter> ImageBackend::open_exr(const fs::path& path, const ExrSpec& spec) {
+    if (spec.width <= 0 || spec.height <= 0 || spec.channels.empty()) {
+        throw std::logic_error(path.string() + ": an EXR without pixels or channels");
+    }
+    std::set<std::string_view> names;
+    for (const auto& channel : spec.channels) {
+        if (!names.insert(channel.name).second) {
+            throw std::logic_error(path.string() + ": channel " + channel.name + " appears twice");
+        }
+    }
+    return make_exr(std::make_unique<AtomicFile>(path), path.string(), spec);
+}
+
+std::unique_ptr<PngWriter> ImageBackend::open_png(const fs::path& path, int width, int height) {
+    if (width <= 0 || height <= 0) throw std::logic_error(path.string() + ": a PNG without pixels");
+    return make_png(std::make_unique<AtomicFile>(path), path.string(), width, height);
+}
+
+const ExrChannel* ExrImage::find(std::string_view name) const {
+    for (const auto& channel : channels) {
+        if (channel.name == name) return &channel;
+    }
+    return nullptr;
+}
+
+}  // namespace lostbits::output

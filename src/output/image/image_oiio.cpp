@@ -1,0 +1,229 @@
+// The image module: all of OpenImageIO that the program touches. Built as `lostbits_image`, loaded at run time. Here
+// is what it reads and draws; image_oiio_write.cpp writes.
+#include <OpenImageIO/imagebuf.h>
+#include <OpenImageIO/imagebufalgo.h>
+#include <OpenImageIO/imageio.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <map>
+#include <mutex>
+#include <stdexcept>
+
+#include "number/error.hpp"
+#include "output/image/image_oiio.hpp"
+
+namespace lostbits::output {
+namespace {
+
+std::uint8_t to_srgb8(float linear) {
+    const float l = std::clamp(linear, 0.0f, 1.0f);
+    const float s = l <= 0.0031308f ? 12.92f * l : 1.055f * std::pow(l, 1 / 2.4f) - 0.055f;
+    return static_cast<std::uint8_t>(std::lround(s * 255.0f));
+}
+
+std::unique_ptr<OIIO::ImageInput> open_input(const std::filesystem::path& path, std::string_view format) {
+    auto in = OIIO::ImageInput::open(path.string());
+    if (!in) {
+        throw InputError(path.string() + ": cannot read: " + OIIO::geterror() + "; give an existing " +
+                         std::string(format) + " file");
+    }
+    if (format != in->format_name()) {
+        throw InputError(path.string() + ": is " + in->format_name() + ", not " + std::string(format));
+    }
+    return in;
+}
+
+/// OpenImageIO 2.4 draws ASCII alone: Latin letters lose their accents, dashes and quotes become plain, and whatever
+/// else is left becomes one `?` a character.
+std::string plain_ascii(std::string_view utf8) {
+    static constexpr std::string_view latin = "AAAAAAACEEEEIIIIDNOOOOOxOUUUUYPsaaaaaaaceeeeiiiidnooooo/ouuuuypy";  // U+00C0 to U+00FF
+    std::string text;
+    for (std::size_t i = 0; i < utf8.size();) {
+        const auto lead = static_cast<unsigned char>(utf8[i]);
+        std::size_t size = lead < 0x80 ? 1 : lead >= 0xF0 ? 4 : lead >= 0xE0 ? 3 : 2;
+        size = std::min(size, utf8.size() - i);
+        char c = '?';
+        if (size == 1 && lead >= ' ' && lead <= '~') c = utf8[i];
+        if (size == 2) {
+            const unsigned code = (lead & 0x1FU) << 6 | (static_cast<unsigned char>(utf8[i + 1]) & 0x3FU);
+            if (code >= 0xC0 && code <= 0xFF) c = latin[code - 0xC0];
+            if (code == 0xB2) c = '2';
+        }
+        const std::string_view symbol = utf8.substr(i, size);
+        if (symbol == "\u2013" || symbol == "\u2014" || symbol == "\u2212") c = '-';
+        if (symbol == "\u2018" || symbol == "\u2019") c = '\'';
+        if (symbol == "\u201C" || symbol == "\u201D") c = '"';
+        text += c;
+        i += size;
+    }
+    return text;
+}
+
+class OiioBackend final : public ImageBackend {
+public:
+    OiioBackend() {
+        // The caller spreads files over its own threads; the library's pools would only fight them.
+        OIIO::attribute("threads", 1);
+        OIIO::attribute("exr_threads", -1);
+    }
+
+    std::vector<Rgb8> ramp(std::string_view name, int steps) override {
+        static constexpr std::string_view known[] = {"viridis", "inferno", "magma", "plasma", "turbo"};
+        if (std::find(std::begin(known), std::end(known), name) == std::end(known)) {
+            throw InputError("unknown colour ramp '" + std::string(name) +
+                             "'; try viridis, inferno, magma, plasma or turbo");
+        }
+        if (steps < 2) throw std::logic_error("a colour ramp of fewer than two steps");
+        OIIO::ImageBuf positions(OIIO::ImageSpec(steps, 1, 1, OIIO::TypeDesc::FLOAT));
+        for (int i = 0; i < steps; ++i) {
+            const float p = static_cast<float>(i) / static_cast<float>(steps - 1);
+            positions.setpixel(i, 0, &p, 1);
+        }
+        const OIIO::ImageBuf colours =
+            OIIO::ImageBufAlgo::color_map(positions, 0, OIIO::string_view(name.data(), name.size()));
+        if (colours.has_error()) throw EnvironmentError("cannot make the colour ramp: " + colours.geterror());
+        std::vector<Rgb8> out;
+        for (int i = 0; i < steps; ++i) {
+            float rgb[3] = {};
+            colours.getpixel(i, 0, rgb, 3);
+            out.push_back({to_srgb8(rgb[0]), to_srgb8(rgb[1]), to_srgb8(rgb[2])});
+        }
+        return out;
+    }
+
+    TextBitmap render_text(std::string_view ascii, int size, bool bold) override {
+        const std::string text = plain_ascii(ascii);
+        // A map draws the same titles and ticks on dozens of pictures, and drawing them costs more than a small field.
+        const std::lock_guard lock(text_mutex_);
+        if (drawn_.size() > 4096) drawn_.clear();
+        const auto [place, fresh] = drawn_.try_emplace({text, size, bold});
+        if (fresh) {
+            try {
+                place->second = draw_text(text, size, bold);
+            } catch (...) {
+                drawn_.erase(place);
+                throw;
+            }
+        }
+        return place->second;
+    }
+
+    ExrImage read_exr(const std::filesystem::path& path) override;
+    PngImage read_png(const std::filesystem::path& path) override;
+
+protected:
+    std::unique_ptr<ExrWriter> make_exr(std::unique_ptr<ByteSink> sink, const std::string& path,
+                                        const ExrSpec& spec) override {
+        return oiio_exr(std::move(sink), path, spec);
+    }
+    std::unique_ptr<PngWriter> make_png(std::unique_ptr<ByteSink> sink, const std::string& path, int width,
+                                        int height) override {
+        return oiio_png(std::move(sink), path, width, height);
+    }
+
+private:
+    static TextBitmap draw_text(const std::string& text, int size, bool bold) {
+        const char* font = bold ? "DejaVuSans-Bold" : "DejaVuSans";
+        // The box of DejaVu Sans in em: a common line box keeps the baselines of different words level.
+        TextBitmap out;
+        out.baseline = static_cast<int>(std::ceil(0.93 * size));
+        out.height = out.baseline + static_cast<int>(std::ceil(0.24 * size));
+        // A leading or trailing space has no ink, and text_size measures ink: frame it with two bars.
+        const OIIO::ROI bar = OIIO::ImageBufAlgo::text_size("||", size, font);
+        const OIIO::ROI framed = OIIO::ImageBufAlgo::text_size("|" + text + "|", size, font);
+        if (!bar.defined() || !framed.defined()) {
+            throw EnvironmentError(std::string("cannot draw text: font ") + font +
+                                   " not found; install the package fonts-dejavu-core");
+        }
+        out.width = std::max(framed.width() - bar.width(), 0);
+        out.coverage.assign(static_cast<std::size_t>(out.width) * static_cast<std::size_t>(out.height), 0);
+        if (out.width == 0) return out;
+        OIIO::ImageBuf ink(OIIO::ImageSpec(out.width, out.height, 1, OIIO::TypeDesc::FLOAT));
+        OIIO::ImageBufAlgo::zero(ink);
+        if (!OIIO::ImageBufAlgo::render_text(ink, 0, out.baseline, text, size, font, 1.0f)) {
+            throw EnvironmentError("cannot draw text: " + ink.geterror());
+        }
+        for (int y = 0; y < out.height; ++y) {
+            for (int x = 0; x < out.width; ++x) {
+                float c = 0;
+                ink.getpixel(x, y, &c, 1);
+                out.coverage[static_cast<std::size_t>(y * out.width + x)] =
+                    static_cast<std::uint8_t>(std::lround(std::clamp(c, 0.0f, 1.0f) * 255.0f));
+            }
+        }
+        return out;
+    }
+
+    std::mutex text_mutex_;
+    std::map<std::tuple<std::string, int, bool>, TextBitmap> drawn_;
+};
+
+ExrImage OiioBackend::read_exr(const std::filesystem::path& path) {
+    const auto in = open_input(path, "openexr");
+    const OIIO::ImageSpec& spec = in->spec();
+    const auto count = static_cast<std::size_t>(spec.width) * static_cast<std::size_t>(spec.height);
+    const auto stride = spec.pixel_bytes(true);
+    std::vector<std::byte> pixels(count * stride);
+    if (!in->read_image(0, 0, 0, spec.nchannels, OIIO::TypeDesc::UNKNOWN, pixels.data())) {
+        throw InputError(path.string() + ": cannot read: " + in->geterror());
+    }
+    ExrImage out{spec.width, spec.height, {}, {}};
+    std::size_t offset = 0;
+    for (int c = 0; c < spec.nchannels; ++c) {
+        const OIIO::TypeDesc type = spec.channelformat(c);
+        const auto gather = [&](auto convert) {
+            std::vector<decltype(convert(pixels.data()))> samples(count);
+            for (std::size_t i = 0; i < count; ++i) samples[i] = convert(pixels.data() + i * stride + offset);
+            out.channels.push_back({spec.channel_name(c), std::move(samples)});
+        };
+        if (type == OIIO::TypeDesc::UINT) {
+            gather([](const std::byte* p) { std::uint32_t u; std::memcpy(&u, p, sizeof u); return u; });
+        } else if (type == OIIO::TypeDesc::FLOAT) {
+            gather([](const std::byte* p) { float f; std::memcpy(&f, p, sizeof f); return f; });
+        } else {
+            gather([type](const std::byte* p) {
+                float f = 0;
+                OIIO::convert_pixel_values(type, p, OIIO::TypeDesc::FLOAT, &f, 1);
+                return f;
+            });
+        }
+        offset += type.size();
+    }
+    std::sort(out.channels.begin(), out.channels.end(), [](auto& a, auto& b) { return a.name < b.name; });
+    for (const auto& attribute : spec.extra_attribs) {
+        if (attribute.type() == OIIO::TypeDesc::STRING) {
+            out.attributes.emplace_back(attribute.name().string(), attribute.get_string());
+        }
+    }
+    std::sort(out.attributes.begin(), out.attributes.end());
+    return out;
+}
+
+PngImage OiioBackend::read_png(const std::filesystem::path& path) {
+    const auto in = open_input(path, "png");
+    const OIIO::ImageSpec& spec = in->spec();
+    if (spec.nchannels != 3 || spec.format != OIIO::TypeDesc::UINT8) {
+        throw InputError(path.string() + ": not an 8-bit RGB picture");
+    }
+    PngImage out{spec.width, spec.height, {}};
+    out.pixels.resize(static_cast<std::size_t>(spec.width) * static_cast<std::size_t>(spec.height));
+    if (!in->read_image(0, 0, 0, 3, OIIO::TypeDesc::UINT8, out.pixels.data())) {
+        throw InputError(path.string() + ": cannot read: " + in->geterror());
+    }
+    return out;
+}
+
+}  // namespace
+}  // namespace lostbits::output
+
+extern "C" __attribute__((visibility("default"))) int lostbits_image_abi() {
+    return lostbits::output::image_module_abi;
+}
+
+/// The one instance, never destroyed: files may still be open when static objects go.
+extern "C" __attribute__((visibility("default"))) lostbits::output::ImageBackend* lostbits_image_backend() {
+    static auto* backend = new lostbits::output::OiioBackend;
+    return backend;
+}

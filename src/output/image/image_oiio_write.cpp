@@ -1,0 +1,191 @@
+// The writing half of the image module.
+#include "output/image/image_oiio.hpp"
+
+#include <OpenImageIO/filesystem.h>
+#include <OpenImageIO/imageio.h>
+
+#include <exception>
+#include <stdexcept>
+
+#include "number/error.hpp"
+
+namespace lostbits::output {
+namespace {
+
+/// Hands the library's bytes to a ByteSink and keeps the first error: the library would turn it into a flag, or, in
+/// a destructor, into nothing.
+class SinkProxy final : public OIIO::Filesystem::IOProxy {
+public:
+    SinkProxy(std::unique_ptr<ByteSink> sink, const std::string& path)
+        : IOProxy(path, Write), sink_(std::move(sink)) {}
+
+    const char* proxytype() const override { return "lostbits"; }
+    bool opened() const override { return true; }
+    std::int64_t tell() override { return sink_->tell(); }
+
+    bool seek(std::int64_t offset) override {
+        return guarded([&] { sink_->seek(offset); });
+    }
+
+    std::size_t write(const void* data, std::size_t size) override {
+        const auto* bytes = static_cast<const std::byte*>(data);
+        return guarded([&] { sink_->write({bytes, size}); }) ? size : 0;
+    }
+
+    /// From here on bytes go nowhere: the library writes a tail even when it is told to stop.
+    void discard() noexcept { discarding_ = true; }
+
+    [[nodiscard]] bool failed() const noexcept { return failure_ != nullptr; }
+
+    void rethrow() const {
+        if (failure_) std::rethrow_exception(failure_);
+    }
+
+    void commit() { sink_->commit(); }
+
+private:
+    template <class Action>
+    bool guarded(Action action) noexcept {
+        if (discarding_) return true;
+        if (failure_) return false;
+        try {
+            action();
+            return true;
+        } catch (...) {
+            failure_ = std::current_exception();
+            return false;
+        }
+    }
+
+    std::unique_ptr<ByteSink> sink_;
+    std::exception_ptr failure_;
+    bool discarding_ = false;
+};
+
+/// What EXR and PNG share: an ImageOutput on a SinkProxy, rows in order, errors rethrown.
+class ScanlineFile {
+public:
+    ScanlineFile(std::unique_ptr<ByteSink> sink, const std::string& path, const char* format,
+                 const OIIO::ImageSpec& spec)
+        : path_(path), format_(format), height_(spec.height), proxy_(std::move(sink), path), out_(OIIO::ImageOutput::create(format)) {
+        if (!out_ || !out_->supports("ioproxy")) {
+            throw EnvironmentError(path + ": OpenImageIO was built without a usable " + format + " writer");
+        }
+        out_->set_ioproxy(&proxy_);
+        check(out_->open(path, spec));
+        row_bytes_ = out_->spec().scanline_bytes(true);
+    }
+
+    /// A file that was not closed ends here, and its bytes go nowhere. libpng insists on finishing a picture: with rows
+    /// lacking it complains on stderr or, after a failed write, compresses for ever. Its writer is let go instead: a
+    /// leak of one row's buffers in a run that is ending anyway.
+    ~ScanlineFile() {
+        if (!out_) return;
+        proxy_.discard();
+        if (format_ == "png") static_cast<void>(out_.release());
+    }
+    ScanlineFile(const ScanlineFile&) = delete;
+    ScanlineFile& operator=(const ScanlineFile&) = delete;
+
+    void write(int y_begin, int rows, std::span<const std::byte> pixels) {
+        if (!out_) throw std::logic_error(path_ + ": rows after close");
+        if (y_begin != next_ || rows < 0 || rows > height_ - next_) {
+            throw std::logic_error(path_ + ": rows " + std::to_string(y_begin) + " + " + std::to_string(rows) +
+                                   " out of order, " + std::to_string(next_) + " was next");
+        }
+        if (pixels.size() != row_bytes_ * static_cast<std::size_t>(rows)) {
+            throw std::logic_error(path_ + ": " + std::to_string(pixels.size()) + " bytes for " +
+                                   std::to_string(rows) + " rows of " + std::to_string(row_bytes_));
+        }
+        if (rows == 0) return;
+        check(out_->write_scanlines(y_begin, y_begin + rows, 0, OIIO::TypeDesc::UNKNOWN, pixels.data()));
+        next_ += rows;
+    }
+
+    void close() {
+        if (!out_) throw std::logic_error(path_ + ": closed twice");
+        if (next_ != height_) {
+            throw std::logic_error(path_ + ": closed after " + std::to_string(next_) + " of " +
+                                   std::to_string(height_) + " rows");
+        }
+        check(out_->close());
+        out_.reset();  // some formats write their tail only here
+        proxy_.rethrow();
+        proxy_.commit();
+    }
+
+    [[nodiscard]] int next() const noexcept { return next_; }
+
+private:
+    void check(bool fine) {
+        proxy_.rethrow();
+        if (!fine) throw EnvironmentError(path_ + ": cannot write: " + out_->geterror());
+    }
+
+    std::string path_, format_;
+    int height_;
+    int next_ = 0;
+    std::size_t row_bytes_ = 0;
+    SinkProxy proxy_;  // outlives out_, whose destructor still writes to it
+    std::unique_ptr<OIIO::ImageOutput> out_;
+};
+
+OIIO::ImageSpec exr_spec(const ExrSpec& in) {
+    OIIO::ImageSpec spec(in.width, in.height, static_cast<int>(in.channels.size()), OIIO::TypeDesc::FLOAT);
+    spec.channelnames.clear();
+    spec.channelformats.clear();
+    for (const auto& channel : in.channels) {
+        spec.channelnames.push_back(channel.name);
+        spec.channelformats.emplace_back(channel.type == Channel::Type::u32 ? OIIO::TypeDesc::UINT
+                                                                           : OIIO::TypeDesc::FLOAT);
+    }
+    spec.alpha_channel = -1;
+    spec.z_channel = -1;
+    spec.attribute("compression", "zip");
+    for (const auto& [key, value] : in.attributes) spec.attribute(key, value);
+    spec.attribute("DateTime", "");  // left out, the library writes the time of day
+    return spec;
+}
+
+class OiioExr final : public ExrWriter {
+public:
+    OiioExr(std::unique_ptr<ByteSink> sink, const std::string& path, const ExrSpec& spec)
+        : file_(std::move(sink), path, "openexr", exr_spec(spec)) {}
+    void write_rows(int y_begin, int rows, std::span<const std::byte> pixels) override {
+        file_.write(y_begin, rows, pixels);
+    }
+    void close() override { file_.close(); }
+
+private:
+    ScanlineFile file_;
+};
+
+class OiioPng final : public PngWriter {
+public:
+    OiioPng(std::unique_ptr<ByteSink> sink, const std::string& path, int width, int height)
+        : file_(std::move(sink), path, "png", png_spec(width, height)) {}
+    void write_rows(int rows, std::span<const Rgb8> pixels) override {
+        file_.write(file_.next(), rows, std::as_bytes(pixels));
+    }
+    void close() override { file_.close(); }
+
+private:
+    static OIIO::ImageSpec png_spec(int width, int height) {
+        OIIO::ImageSpec spec(width, height, 3, OIIO::TypeDesc::UINT8);
+        spec.attribute("oiio:ColorSpace", "sRGB");
+        return spec;
+    }
+    ScanlineFile file_;
+};
+
+}  // namespace
+
+std::unique_ptr<ExrWriter> oiio_exr(std::unique_ptr<ByteSink> sink, const std::string& path, const ExrSpec& spec) {
+    return std::make_unique<OiioExr>(std::move(sink), path, spec);
+}
+
+std::unique_ptr<PngWriter> oiio_png(std::unique_ptr<ByteSink> sink, const std::string& path, int width, int height) {
+    return std::make_unique<OiioPng>(std::move(sink), path, width, height);
+}
+
+}  // namespace lostbits::output

@@ -1,0 +1,251 @@
+#include "output/map/map_files.hpp"
+
+#include <fmt/format.h>
+
+#include <optional>
+
+#include "output/image/contact_sheet.hpp"
+#include "output/map/culprit_table.hpp"
+#include "output/file/datapackage.hpp"
+#include "output/image/heatmap.hpp"
+#include "output/map/metric_paint.hpp"
+#include "output/map/map_exr.hpp"
+#include "output/map/map_tables.hpp"
+
+namespace lostbits::output {
+namespace {
+
+std::size_t index_of(const std::vector<const Metric*>& all, const Metric* one) {
+    return static_cast<std::size_t>(std::ranges::find(all, one) - all.begin());
+}
+
+std::string short_name(const Info& info) { return std::string(info.name.substr(info.name.find('.') + 1)); }
+
+/// `contribution.c`: a metric's name where no colon may be.
+std::string file_word(const Metric& metric) {
+    std::string word(metric.name);
+    std::ranges::replace(word, ':', '.');
+    return word;
+}
+
+bool is_enveloped(const MapFilesOptions& options, const Metric& drawn) { return options.envelope && &drawn == find_metric("lost_bits"); }
+
+LegendEntry envelope_entry(const ColourScale& scale, std::string count) {
+    return {"paler: inside the envelope", paler(scale.map(scale.hi() / 2)), std::move(count)};
+}
+
+/// Every class that may occur, with the widest count, in a picture of so many pixels.
+std::vector<LegendEntry> possible_legend(const MapFilesOptions& options, const MetricPaint& paint, std::uint64_t pixels) {
+    auto entries = paint.widest(pixels);
+    if (is_enveloped(options, paint.metric())) entries.push_back(envelope_entry(*paint.scale(), fmt::format("{} (>99.9%)", pixels)));
+    return entries;
+}
+
+/// Those that occurred; `inside` of the pixels are drawn paler.
+std::vector<LegendEntry> final_legend(const MetricPaint& paint, const MapSummary& summary, std::size_t m, std::uint64_t inside) {
+    auto entries = paint.legend(summary, m);
+    if (inside > 0) entries.push_back(envelope_entry(*paint.scale(), count_text(inside, summary.rays)));
+    return entries;
+}
+
+std::uint64_t pixels_of(const MapRequest& request) { return static_cast<std::uint64_t>(request.scene->width) * static_cast<std::uint64_t>(request.scene->height); }
+
+/// A contact sheet: forms across; down, each format with each of the metrics that share a bar.
+struct Sheet {
+    MetricPaint paint;  ///< of all its metrics
+    std::vector<const Metric*> metrics;
+    std::unique_ptr<ContactSheet> page;
+    std::vector<std::string> forms, lines;
+
+    [[nodiscard]] std::size_t form_of(const MapRow& row) const { return place(forms, short_name(*row.form->info)); }
+    [[nodiscard]] std::size_t line_of(const MapRow& row, const Metric& metric) const { return place(lines, line_name(row, metric)); }
+    [[nodiscard]] std::string line_name(const MapRow& row, const Metric& metric) const {
+        return metrics.size() == 1 ? row.format.name : fmt::format("{} {}", row.format.name, metric.name);
+    }
+    static std::size_t place(const std::vector<std::string>& names, const std::string& name) { return static_cast<std::size_t>(std::ranges::find(names, name) - names.begin()); }
+    static void add(std::vector<std::string>& names, const std::string& name) {
+        if (std::ranges::find(names, name) == names.end()) names.push_back(name);
+    }
+
+    void open(const MapRequest& request, const MapFilesOptions& options, bool first) {
+        for (const MapRow& row : request.rows) {
+            if (!paint.applies_to(row)) continue;
+            add(forms, short_name(*row.form->info));
+            for (const Metric* m : metrics) add(lines, line_name(row, *m));
+        }
+        const std::string name = first ? "contact.png" : fmt::format("contact.{}.png", file_word(*metrics.front()));
+        page = std::make_unique<ContactSheet>(image_backend(), options.folder / name,
+                                              SheetSpec{.title = request.scene->title,
+                                                        .subtitle = {fmt::format("{}, {} x {} rays", request.scene->id, request.scene->width, request.scene->height), paint.note()},
+                                                        .forms = forms,
+                                                        .formats = lines,
+                                                        .field_width = request.scene->width,
+                                                        .field_height = request.scene->height,
+                                                        .scale = paint.scale(),
+                                                        .unit = std::string(paint.metric().unit),
+                                                        .legend = possible_legend(options, paint, pixels_of(request) * request.rows.size())});
+    }
+};
+
+/// Metrics that are drawn alike share a sheet.
+std::vector<Sheet> sheets_of(const MapRequest& request, const MapFilesOptions& options) {
+    std::vector<Sheet> sheets;
+    for (const Metric* m : options.drawn) {
+        const auto same = std::ranges::find_if(sheets, [m](const Sheet& s) { return s.paint.shares_with(*m); });
+        if (same != sheets.end()) same->metrics.push_back(m);
+        else sheets.push_back({MetricPaint(*m, request.rows, image_backend()), {m}, nullptr, {}, {}});
+    }
+    for (Sheet& sheet : sheets) sheet.open(request, options, &sheet == sheets.data());
+    return sheets;
+}
+
+}  // namespace
+
+/// The files of one row.
+class RowFiles final : public MapSink {
+public:
+    struct Drawing {
+        std::size_t metric;
+        MetricPaint paint;
+        Sheet* sheet;
+        bool enveloped;
+        std::unique_ptr<HeatmapWriter> heatmap;
+    };
+
+    RowFiles(const MapRequest& request, const MapRow& row, const MapFilesOptions& options, ImageBackend& backend, std::vector<Sheet>& sheets)
+        : request_(request), row_(row), lost_(index_of(request.metrics, find_metric("lost_bits"))), excess_(index_of(request.metrics, find_metric("excess_bits"))) {
+        const std::string stem = std::string(row.form->info->name) + "." + row.format.name;
+        exr_ = std::make_unique<MapExr>(backend, options.folder / (stem + ".exr"), request, row, options.command);
+        for (const Metric* m : options.drawn) {
+            Sheet& sheet = *std::ranges::find_if(sheets, [m](const Sheet& s) { return std::ranges::find(s.metrics, m) != s.metrics.end(); });
+            const MetricPaint paint(*m, request.rows, backend);
+            if (!paint.applies_to(row)) continue;
+            const std::string suffix = options.drawn.size() == 1 ? "" : "." + file_word(*m);
+            HeatmapSpec spec{.title = fmt::format("{} in {}: {}", row.form->info->name, row.format.name, m->name),
+                             .subtitle = {request.scene->title, std::string(row.form->info->title), paint.note()},
+                             .width = request.scene->width,
+                             .height = request.scene->height,
+                             .scale = paint.scale(),
+                             .unit = std::string(m->unit),
+                             .legend = possible_legend(options, paint, pixels_of(request))};
+            drawings_.push_back({index_of(request.metrics, m), paint, &sheet, is_enveloped(options, *m),
+                                 std::make_unique<HeatmapWriter>(backend, options.folder / (stem + suffix + ".png"), std::move(spec))});
+        }
+        if (options.pixels_csv) csv_ = std::make_unique<CsvWriter>(options.folder / (stem + ".csv"), pixel_columns(request));
+    }
+
+    void band(const BandResult& result) override {
+        for (Drawing& d : drawings_) {
+            field_.resize(result.outcomes.size());
+            for (std::size_t i = 0; i < field_.size(); ++i) field_[i] = d.paint.colour(result.outcomes[i], result.metrics[d.metric][i]);
+            if (d.enveloped) draw_envelope(result);
+            d.heatmap->write_rows(field_);
+            d.sheet->page->add_rows(d.sheet->form_of(row_), d.sheet->line_of(row_, d.paint.metric()), result.y0, field_);
+            if (&d == drawings_.data()) exr_->write(result, field_);
+        }
+        if (drawings_.empty()) {  // none of the metrics applies to this row: its preview shows the outcomes
+            field_.resize(result.outcomes.size());
+            for (std::size_t i = 0; i < field_.size(); ++i) field_[i] = outcome_colours[static_cast<std::size_t>(result.outcomes[i])];
+            exr_->write(result, field_);
+        }
+        if (csv_) write_pixels(*csv_, request_, row_, result);
+    }
+
+    void finish(const MapSummary& summary) {
+        exr_->close();
+        for (Drawing& d : drawings_) {
+            d.heatmap->finish(final_legend(d.paint, summary, d.metric, d.enveloped ? inside_ : 0));
+            d.sheet->page->set_note(d.sheet->form_of(row_), d.sheet->line_of(row_, d.paint.metric()), d.paint.glance(summary, d.metric));
+        }
+        if (csv_) csv_->close();
+    }
+
+    /// Pixels drawn paler, in any of the pictures of lost bits.
+    [[nodiscard]] std::uint64_t inside() const { return inside_; }
+
+private:
+    /// NaN, where a metric does not exist, is inside nothing.
+    void draw_envelope(const BandResult& result) {
+        for (std::size_t i = 0; i < field_.size(); ++i) {
+            if (!inside_envelope(result.metrics[lost_][i], result.metrics[excess_][i])) continue;
+            field_[i] = paler(field_[i]);
+            ++inside_;
+        }
+    }
+
+    const MapRequest& request_;
+    const MapRow& row_;
+    std::size_t lost_, excess_;  ///< metrics of the request; `excess_` is none without an envelope
+    std::uint64_t inside_ = 0;
+    std::unique_ptr<MapExr> exr_;
+    std::vector<Drawing> drawings_;
+    std::unique_ptr<CsvWriter> csv_;
+    std::vector<Rgb8> field_;
+};
+
+struct MapFiles::Parts {
+    const MapRequest& request;
+    MapFilesOptions options;
+    SummaryTable table;
+    std::vector<Sheet> sheets;
+    std::vector<std::unique_ptr<RowFiles>> rows;
+    std::unique_ptr<CsvWriter> summary;
+    std::optional<CulpritTable> culprits;
+};
+
+MapFiles::MapFiles(const MapRequest& request, const MapFilesOptions& options)
+    : parts_(new Parts{request, options, {request.metrics, request.scene->shapes()}, {}, {}, {}, {}}) {
+    Parts& p = *parts_;
+    p.summary = std::make_unique<CsvWriter>(options.folder / "summary.csv", p.table.columns());
+    if (CulpritTable::is_wanted(request.metrics)) p.culprits.emplace(options.folder / "culprits.csv", std::vector<Column>{}, request.metrics);
+    p.sheets = sheets_of(request, options);
+    for (const MapRow& row : request.rows) p.rows.push_back(std::make_unique<RowFiles>(request, row, options, image_backend(), p.sheets));
+}
+
+MapFiles::~MapFiles() = default;
+
+std::vector<MapSink*> MapFiles::sinks() {
+    std::vector<MapSink*> sinks;
+    for (const auto& row : parts_->rows) sinks.push_back(row.get());
+    return sinks;
+}
+
+void MapFiles::finish(const std::vector<MapSummary>& summaries) {
+    Parts& p = *parts_;
+    std::uint64_t inside = 0;
+    for (std::size_t r = 0; r < p.rows.size(); ++r) {
+        p.rows[r]->finish(summaries[r]);
+        inside += p.rows[r]->inside();
+    }
+    for (Sheet& sheet : p.sheets) {
+        const std::size_t m = index_of(p.request.metrics, sheet.metrics.front());
+        MapSummary total(p.request.metrics);
+        for (std::size_t r = 0; r < p.rows.size(); ++r) {
+            if (!sheet.paint.applies_to(p.request.rows[r])) continue;
+            total.rays += summaries[r].rays;
+            for (std::size_t o = 0; o < total.outcomes.size(); ++o) total.outcomes[o] += summaries[r].outcomes[o];
+            for (std::size_t c = 0; c < total.categories[m].size(); ++c) total.categories[m][c] += summaries[r].categories[m][c];
+        }
+        sheet.page->finish(final_legend(sheet.paint, total, m, is_enveloped(p.options, sheet.paint.metric()) ? inside : 0));
+    }
+    for (std::size_t r = 0; r < summaries.size(); ++r) {
+        p.table.add(*p.summary, p.request.rows[r], summaries[r]);
+        p.summary->end_row();
+        if (p.culprits) p.culprits->add(p.request.rows[r], summaries[r]);
+    }
+
+    std::vector<DataResource> resources{{"summary.csv", "One row per form and format", p.table.columns()}};
+    if (p.culprits) resources.push_back({"culprits.csv", "One row per form, format and operation that is a culprit", CulpritTable::columns({})});
+    if (p.options.pixels_csv) {
+        for (const MapRow& row : p.request.rows) {
+            const std::string stem = std::string(row.form->info->name) + "." + row.format.name;
+            resources.push_back({stem + ".csv", fmt::format("One row per pixel: {} in {}", row.form->info->name, row.format.name), pixel_columns(p.request)});
+        }
+    }
+    resources.insert(resources.end(), p.options.also.begin(), p.options.also.end());
+    write_datapackage(p.options.folder / "datapackage.json", p.request.scene->title, resources);
+    if (p.culprits) p.culprits->close();
+    p.summary->close();  // last: a folder with a summary is a finished one
+}
+
+}  // namespace lostbits::output

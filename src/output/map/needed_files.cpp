@@ -1,0 +1,203 @@
+#include "output/map/needed_files.hpp"
+
+#include <fmt/format.h>
+
+#include <bit>
+#include <cmath>
+
+#include "output/file/csv.hpp"
+#include "output/image/heatmap.hpp"
+#include "output/map/map_colour.hpp"
+
+namespace lostbits::output {
+namespace {
+
+constexpr Rgb8 unresolved_colour = outcome_colours[static_cast<std::size_t>(Outcome::unresolved)];
+constexpr const char* truth_names[] = {"miss", "hit", "unresolved"};
+
+std::string stem(const Info& form) { return std::string(form.name) + ".needed"; }
+
+LegendEntry beyond_entry(std::string count) { return {fmt::format("not even {} bits suffice", most_width), beyond_colour, std::move(count)}; }
+LegendEntry unresolved_entry(std::string count) { return {plain_name(Outcome::unresolved), unresolved_colour, std::move(count)}; }
+
+HeatmapSpec heatmap_spec(const NeededRequest& request, const Info& form, const ColourScale& scale) {
+    const auto widest = fmt::format("{} (>99.9%)", static_cast<std::uint64_t>(request.scene->width) * static_cast<std::uint64_t>(request.scene->height));
+    return {.title = fmt::format("{}: significand bits needed for {} correct {}", form.name, request.bits, request.bits == 1 ? "one" : "ones"),
+            .subtitle = {request.scene->title, std::string(form.title),
+                         fmt::format("colour: the smallest width that decides rightly and, on a hit, keeps {} correct bits, as every wider one up to {} does; "
+                                     "inputs are rounded to the width too", request.bits, most_width)},
+            .width = request.scene->width,
+            .height = request.scene->height,
+            .scale = scale,
+            .unit = "bits",
+            .legend = {beyond_entry(widest), unresolved_entry(widest)}};
+}
+
+ExrSpec exr_spec(const NeededRequest& request, const Info& form, const std::string& command) {
+    using enum Channel::Type;
+    return {.width = request.scene->width,
+            .height = request.scene->height,
+            .channels = {{"R", f32}, {"G", f32}, {"B", f32}, {"bits.needed", f32}, {"class.truth", u32}, {"class.truth_object", u32}},
+            .attributes = {{"lostbits:command", command},
+                           {"lostbits:schema", "lostbits-needed/1"},
+                           {"lostbits:scene", request.scene->id},
+                           {"lostbits:form", std::string(form.name)},
+                           {"lostbits:format", fmt::format("p{}..p{}", least_width, most_width)},
+                           {"lostbits:bits", std::to_string(request.bits)},
+                           {"lostbits:compiler", LOSTBITS_COMPILER},
+                           {"lostbits:truths", "0 miss, 1 hit, 2 unresolved"},
+                           {"lostbits:objects", "0 none, otherwise the solid's place in the scene, from 1"}}};
+}
+
+struct Statistic {
+    const char* name;
+    const char* meaning;
+    double (*of)(const NeededSummary::Counts&);
+};
+constexpr Statistic statistics[] = {
+    {"mean", "mean", mean},
+    {"p50", "median", [](const NeededSummary::Counts& c) { return quantile(c, 0.5); }},
+    {"p99", "99th percentile", [](const NeededSummary::Counts& c) { return quantile(c, 0.99); }},
+    {"max", "largest", [](const NeededSummary::Counts& c) { return quantile(c, 1); }},
+};
+
+std::vector<Column> table_columns() {
+    std::vector<Column> columns{{"form", "string", "", "form under test"},
+                                {"bits_asked", "integer", "bits", "B: the answer is to be within half an ulp of B significand bits"},
+                                {"pixels", "integer", "", "rays, one a pixel"}};
+    for (const Statistic& s : statistics) {
+        columns.push_back({std::string("needed_") + s.name, "number", "bits", std::string(s.meaning) + " of the widths needed, over the pixels that have one"});
+    }
+    for (const Statistic& s : statistics) {
+        columns.push_back({std::string("hit_needed_") + s.name, "number", "bits", std::string(s.meaning) + " of the same over the rays that truly hit"});
+    }
+    columns.push_back({"hits_beyond_53", "integer", "", "rays that truly hit and on which not even 53 bits suffice"});
+    columns.push_back({"misses_beyond_53", "integer", "", "rays that truly miss and that even 53 bits hit"});
+    columns.push_back({"unresolved", "integer", "", "rays whose truth was not proved within the stated limit"});
+    return columns;
+}
+
+std::vector<Column> pixel_columns(int bits) {
+    return {{"x", "integer", "pixel", "column, from the left"},
+            {"y", "integer", "pixel", "row, from the top"},
+            {"truth", "string", "", "hit, miss or unresolved"},
+            {"truth_object", "integer", "", "solid that the ray truly hits first, from 0"},
+            {"needed", "number", "bits", fmt::format("smallest width that suffices for {} correct bits, as every wider one does; inf where not even 53 bits do", bits)}};
+}
+
+void add_row(CsvWriter& csv, const NeededRequest& request, const Info& form, const NeededSummary& s) {
+    csv.add(form.name).add(request.bits).add(s.pixels());
+    for (const NeededSummary::Counts& counts : {s.all(), s.hits}) {
+        for (const Statistic& statistic : statistics) csv.add(count(counts) == 0 ? Cell() : Cell(statistic.of(counts)));
+    }
+    csv.add(s.hits_beyond).add(s.misses_beyond).add(s.unresolved);
+    csv.end_row();
+}
+
+std::uint32_t float_word(double x) { return std::bit_cast<std::uint32_t>(static_cast<float>(x)); }
+
+}  // namespace
+
+/// The files of one form.
+class NeededFormFiles final : public NeededSink {
+public:
+    NeededFormFiles(const NeededRequest& request, const Info& form, const NeededFilesOptions& options, ImageBackend& backend)
+        : scale_("viridis", backend.ramp("viridis", 256), least_width, most_width),
+          heatmap_(backend, options.folder / (stem(form) + ".png"), heatmap_spec(request, form, scale_)),
+          exr_(backend.open_exr(options.folder / (stem(form) + ".exr"), exr_spec(request, form, options.command))) {
+        if (options.pixels_csv) csv_ = std::make_unique<CsvWriter>(options.folder / (stem(form) + ".csv"), pixel_columns(request.bits));
+    }
+
+    void band(const NeededBand& result) override {
+        field_.resize(result.needed.size());
+        for (std::size_t i = 0; i < field_.size(); ++i) field_[i] = colour(result.needed[i]);
+        heatmap_.write_rows(field_);
+        write_exr(result);
+        if (csv_) write_pixels(result);
+    }
+
+    void finish(const NeededSummary& s) {
+        std::vector<LegendEntry> legend;
+        if (const auto n = s.hits_beyond + s.misses_beyond) legend.push_back(beyond_entry(count_text(n, s.pixels())));
+        if (s.unresolved) legend.push_back(unresolved_entry(count_text(s.unresolved, s.pixels())));
+        heatmap_.finish(legend);
+        exr_->close();
+        if (csv_) csv_->close();
+    }
+
+private:
+    [[nodiscard]] Rgb8 colour(double needed) const {
+        if (std::isnan(needed)) return unresolved_colour;
+        return needed == needed_beyond ? beyond_colour : scale_.map(needed);
+    }
+
+    void write_exr(const NeededBand& result) {
+        samples_.clear();
+        for (std::size_t i = 0; i < field_.size(); ++i) {
+            for (const std::uint8_t c : {field_[i].r, field_[i].g, field_[i].b}) samples_.push_back(float_word(linear_light(c) / 65535.0));
+            const Truth& truth = result.truth(i);
+            samples_.push_back(float_word(result.needed[i]));
+            samples_.push_back(static_cast<std::uint32_t>(truth.decision));
+            samples_.push_back(truth.is_hit() ? static_cast<std::uint32_t>(truth.object + 1) : 0);
+        }
+        exr_->write_rows(result.y0, result.rows, std::as_bytes(std::span(samples_)));
+    }
+
+    void write_pixels(const NeededBand& result) {
+        const auto width = static_cast<std::size_t>(result.width);
+        for (std::size_t i = 0; i < result.needed.size(); ++i) {
+            const Truth& truth = result.truth(i);
+            csv_->add(i % width).add(static_cast<std::size_t>(result.y0) + i / width).add(truth_names[static_cast<std::size_t>(truth.decision)]);
+            csv_->add(truth.is_hit() ? Cell(truth.object) : Cell()).add(std::isnan(result.needed[i]) ? Cell() : Cell(result.needed[i]));
+            csv_->end_row();
+        }
+    }
+
+    ColourScale scale_;
+    HeatmapWriter heatmap_;
+    std::unique_ptr<ExrWriter> exr_;
+    std::unique_ptr<CsvWriter> csv_;
+    std::vector<Rgb8> field_;
+    std::vector<std::uint32_t> samples_;
+};
+
+struct NeededFiles::Parts {
+    const NeededRequest& request;
+    NeededFilesOptions options;
+    CsvWriter table;
+    std::vector<std::unique_ptr<NeededFormFiles>> forms;
+};
+
+NeededFiles::NeededFiles(const NeededRequest& request, const NeededFilesOptions& options)
+    : parts_(new Parts{request, options, CsvWriter(options.folder / "needed.csv", table_columns()), {}}) {
+    for (const Intersector* form : request.forms) parts_->forms.push_back(std::make_unique<NeededFormFiles>(request, *form->info, options, image_backend()));
+}
+
+NeededFiles::~NeededFiles() = default;
+
+std::vector<NeededSink*> NeededFiles::sinks() {
+    std::vector<NeededSink*> sinks;
+    for (const auto& form : parts_->forms) sinks.push_back(form.get());
+    return sinks;
+}
+
+std::vector<DataResource> NeededFiles::resources() const {
+    const NeededRequest& request = parts_->request;
+    std::vector<DataResource> resources{{"needed.csv", fmt::format("One row per form: significand bits needed for {} correct ones", request.bits), table_columns()}};
+    if (!parts_->options.pixels_csv) return resources;
+    for (const Intersector* form : request.forms) {
+        resources.push_back({stem(*form->info) + ".csv", fmt::format("One row per pixel: bits needed by {}", form->info->name), pixel_columns(request.bits)});
+    }
+    return resources;
+}
+
+void NeededFiles::finish(const std::vector<NeededSummary>& summaries) {
+    Parts& p = *parts_;
+    for (std::size_t f = 0; f < p.forms.size(); ++f) {
+        p.forms[f]->finish(summaries[f]);
+        add_row(p.table, p.request, *p.request.forms[f]->info, summaries[f]);
+    }
+    p.table.close();
+}
+
+}  // namespace lostbits::output

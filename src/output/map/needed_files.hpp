@@ -1,0 +1,48 @@
+// The files of `--bits-needed`: a heatmap and an EXR a form, and needed.csv.
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "measure/map/needed.hpp"
+#include "output/image/colour.hpp"
+#include "output/file/datapackage.hpp"
+
+namespace lostbits::output {
+
+/// A pixel on which not even 53 bits suffice: rust, as far from the ramp and from every outcome's colour as those are
+/// from each other (a test holds it).
+inline constexpr Rgb8 beyond_colour{120, 30, 0};
+
+struct NeededFilesOptions {
+    std::filesystem::path folder;  ///< of this scene; made if missing
+    bool pixels_csv = false;       ///< a row a pixel in `<form>.needed.csv`
+    std::string command;           ///< what to type to make these files again, for the EXR header
+};
+
+/// `<form>.needed.png`: the width on viridis from 2 to 53. `<form>.needed.exr`, channels of 32 bits: `R`, `G`, `B` (the
+/// picture in linear light), `bits.needed` (FLOAT: 2 to 53, infinity where not even 53 suffice, NaN where the truth is
+/// unresolved), `class.truth` (UINT: 0 miss, 1 hit, 2 unresolved) and `class.truth_object` (UINT: from 1, 0 is none).
+/// `needed.csv`: a row a form. Opened, served and finished as MapFiles; finish it before the map of the same folder, whose
+/// summary.csv says that all is there.
+class NeededFiles {
+public:
+    NeededFiles(const NeededRequest& request, const NeededFilesOptions& options);
+    ~NeededFiles();
+    NeededFiles(const NeededFiles&) = delete;
+    NeededFiles& operator=(const NeededFiles&) = delete;
+
+    /// One sink a form of the request, in its order.
+    [[nodiscard]] std::vector<NeededSink*> sinks();
+    /// For the folder's datapackage.json.
+    [[nodiscard]] std::vector<DataResource> resources() const;
+    void finish(const std::vector<NeededSummary>& summaries);
+
+private:
+    struct Parts;
+    std::unique_ptr<Parts> parts_;
+};
+
+}  // namespace lostbits::output

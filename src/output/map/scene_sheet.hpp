@@ -1,0 +1,30 @@
+// A contact sheet of lost bits while a scene is mapped: forms across, formats down.
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <vector>
+
+#include "measure/map/map.hpp"
+
+namespace lostbits::output {
+
+/// Draws the metric `lost_bits` of a map, which must be among the request's. Opened before the map; the file has its name after
+/// `finish`.
+class SceneSheet {
+public:
+    SceneSheet(const MapRequest& request, const std::filesystem::path& path);
+    ~SceneSheet();
+    SceneSheet(const SceneSheet&) = delete;
+    SceneSheet& operator=(const SceneSheet&) = delete;
+
+    /// One a row of the request, in its order.
+    [[nodiscard]] std::vector<MapSink*> sinks();
+    void finish(const std::vector<MapSummary>& summaries);
+
+private:
+    struct Parts;
+    std::unique_ptr<Parts> parts_;
+};
+
+}  // namespace lostbits::output

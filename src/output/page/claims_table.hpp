@@ -1,0 +1,20 @@
+// Claims as HTML: how many hold, and each with its number and the place it was measured at.
+#pragma once
+
+#include <string>
+
+#include "output/page/page.hpp"
+
+namespace lostbits::output::report {
+
+struct VerdictCounts {
+    std::size_t held = 0, refuted = 0, differing = 0, broken = 0, skipped = 0;
+};
+[[nodiscard]] VerdictCounts count_verdicts(const Report& report);
+
+/// The counts as tiles, the gravest first to be seen.
+[[nodiscard]] std::string verdict_tiles(const VerdictCounts& counts);
+/// A row a claim; where the page shows what it was measured on, its place is a link to it.
+[[nodiscard]] std::string claims_table(const Report& report);
+
+}  // namespace lostbits::output::report

@@ -1,0 +1,222 @@
+#include "output/page/map_data.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <set>
+
+#include "output/map/metric_paint.hpp"
+#include "output/file/number_text.hpp"
+#include "output/page/tapes.hpp"
+#include "output/page/text.hpp"
+
+namespace lostbits::output::report {
+namespace {
+
+/// Functions of t, t* and κ alone; src/output/page/script/numbers.js has them again, and the browser test holds every pixel of a map
+/// against its CSV.
+constexpr std::array<std::string_view, 7> derived_metrics{"lost_bits", "correct_bits", "ulp_error", "relative_error", "absolute_error", "inherent_bits", "excess_bits"};
+
+bool is_derived(const Metric& m) { return std::ranges::find(derived_metrics, m.name) != derived_metrics.end(); }
+bool is_condition(const Metric& m) { return m.name == "condition"; }
+
+constexpr std::int16_t exact_bound = -32768;
+
+/// The least power of two that the bound does not exceed, as its exponent.
+std::int16_t bound_exponent(const Certified& x) {
+    if (x.bound == 0) return exact_bound;
+    int e = 0;
+    const double m = std::frexp(x.bound, &e);  // bound = m 2^e, 1/2 <= m < 1
+    return static_cast<std::int16_t>(std::clamp<std::int64_t>(x.exponent + e - (m == 0.5), -32767, 32767));
+}
+
+std::uint64_t bits32(double x) { return std::bit_cast<std::uint32_t>(static_cast<float>(x)); }
+
+}  // namespace
+
+/// What rows with the same truth share. Filled by the first of them alone.
+struct MapData::Group {
+    Direction direction;
+    Touching touching;
+    Layer hit, object, truth, rest, bound, condition;
+    std::set<int> places;  ///< of the solids that a ray truly meets
+
+    Group(const MapRow& row, std::size_t n)
+        : direction(row.form->info->direction), touching(row.touching()), hit(1, n), object(4, n), truth(8, n), rest(4, n), bound(2, n), condition(4, n) {}
+
+    /// Neighbours' truths lie nearly on a line: of each is kept how far its bits are from where the two before it point to.
+    /// A band holds whole rows, so within one no neighbour is missing.
+    [[nodiscard]] static std::uint64_t pointed_to(std::uint64_t before, std::uint64_t last) { return 2 * last - before; }
+
+    [[nodiscard]] bool is_of(const MapRow& row) const { return direction == row.form->info->direction && touching == row.touching(); }
+
+    std::uint64_t last_ = 0, before_ = 0;  ///< bits of the two true hits before, in this row of the picture; 0: none
+
+    void take(std::size_t at, std::size_t i, const BandResult& result, bool with_condition) {
+        const Truth& t = result.truth(i);
+        hit.set(at, static_cast<std::uint64_t>(t.decision));
+        object.set(at, static_cast<std::uint64_t>(t.object + 1));
+        if (t.object >= 0) places.insert(t.object);
+        if (i % static_cast<std::size_t>(result.width) == 0) last_ = before_ = 0;  // every row begins anew
+        if (!t.is_hit()) return;
+        const Certified& exact = direction == Direction::unit ? t.distance : t.t;
+        const double rounded = result.band->rounded_truth(i, binary64, direction, touching);
+        const auto bits = std::bit_cast<std::uint64_t>(rounded);
+        truth.set(at, folded_difference(bits, before_ == 0 ? last_ : pointed_to(before_, last_), 8));
+        before_ = last_;
+        last_ = bits;
+        rest.set(at, static_cast<float>(scaled_difference(exact, exactly(rounded), 0)));
+        bound.set(at, std::uint64_t{static_cast<std::uint16_t>(bound_exponent(exact))});
+        if (with_condition) condition.set(at, static_cast<float>(result.band->condition(i, touching)));
+    }
+};
+
+class MapData::Row final : public MapSink {
+public:
+    Row(const MapRequest& request, const MapRow& row, std::size_t n, std::size_t group, Group* filled)
+        : row_(row), group_(group), filled_(filled), outcome_(1, n), object_(4, n), t_(row.format.engine == Format::Engine::native32 ? 4 : 8, n) {
+        for (std::size_t m = 0; m < request.metrics.size(); ++m) {
+            with_condition_ |= (needs_of({request.metrics[m]}) & needs_condition) != 0;
+            if (!is_derived(*request.metrics[m]) && !is_condition(*request.metrics[m])) stored_.push_back({m, Layer(4, n)});
+        }
+    }
+
+    void band(const BandResult& result) override {
+        for (std::size_t i = 0; i < result.outcomes.size(); ++i) {
+            const std::size_t at = static_cast<std::size_t>(result.y0) * static_cast<std::size_t>(result.width) + i;
+            if (filled_) filled_->take(at, i, result, with_condition_);
+            outcome_.set(at, static_cast<std::uint64_t>(result.outcomes[i]));
+            for (auto& [m, layer] : stored_) layer.set(at, static_cast<float>(result.metrics[m][i]));
+            if (!result.answers->hit[i]) continue;
+            object_.set(at, static_cast<std::uint64_t>(result.answers->object[i] + 1));
+            places_.insert(result.answers->object[i]);
+            t_.set(at, difference(result.answers->t[i], result, i));
+        }
+    }
+
+    /// `outcome, object, t`, then the stored metrics.
+    [[nodiscard]] std::string bytes() const {
+        std::string all(outcome_.planes());
+        all += object_.planes();
+        all += t_.planes();
+        for (const auto& [m, layer] : stored_) all += layer.planes();
+        return all;
+    }
+    [[nodiscard]] std::size_t group() const { return group_; }
+    [[nodiscard]] const std::set<int>& places() const { return places_; }
+    [[nodiscard]] const MapRow& row() const { return row_; }
+
+private:
+    /// Of formats other than the native two, the bits of t in binary64, whose low ones are zero anyway.
+    [[nodiscard]] std::uint64_t difference(double t, const BandResult& result, std::size_t i) const {
+        const double near = result.truth(i).is_hit() ? result.band->rounded_truth(i, binary64, row_.form->info->direction, result.touching) : 0;
+        switch (row_.format.engine) {
+            case Format::Engine::native32: return folded_difference(bits32(t), bits32(near), 4);
+            case Format::Engine::native64: return folded_difference(std::bit_cast<std::uint64_t>(t), std::bit_cast<std::uint64_t>(near), 8);
+            case Format::Engine::rounded: break;
+        }
+        return std::bit_cast<std::uint64_t>(t);
+    }
+
+    struct Stored {
+        std::size_t metric;
+        Layer layer;
+    };
+    const MapRow& row_;
+    std::size_t group_;
+    Group* filled_;
+    bool with_condition_ = false;
+    std::set<int> places_;  ///< of the solids that the form answers
+    Layer outcome_, object_, t_;
+    std::vector<Stored> stored_;
+};
+
+MapData::MapData(const MapRequest& request) : request_(request) {
+    const std::size_t n = static_cast<std::size_t>(request.scene->width) * static_cast<std::size_t>(request.scene->height);
+    for (const MapRow& row : request.rows) {
+        const auto found = std::ranges::find_if(groups_, [&row](const auto& g) { return g->is_of(row); });
+        const auto g = static_cast<std::size_t>(found - groups_.begin());
+        const bool first = found == groups_.end();
+        if (first) groups_.push_back(std::make_unique<Group>(row, n));
+        rows_.push_back(std::make_unique<Row>(request, row, n, g, first ? groups_[g].get() : nullptr));
+    }
+}
+
+MapData::~MapData() = default;
+
+std::vector<MapSink*> MapData::sinks() {
+    std::vector<MapSink*> all;
+    for (const auto& row : rows_) all.push_back(row.get());
+    return all;
+}
+
+namespace {
+
+std::string metric_json(const Metric& m, std::span<const MapRow> rows) {
+    const MetricPaint paint(m, rows, image_backend());
+    std::string text = fmt::format(R"({{"name":{},"unit":{},"meaning":{},"marches":{},"blamed":{},"kind":"{}")", json_text(m.name), json_text(m.unit), json_text(m.meaning), m.over == Over::marches, m.over == Over::blamed,
+                                   is_derived(m) ? "derived" : is_condition(m) ? "shared" : "stored");
+    if (const auto& scale = paint.scale()) {
+        std::vector<std::string> ticks;
+        for (const auto& tick : scale->ticks(7)) ticks.push_back(fmt::format("[{},{}]", number(tick.position), json_text(tick.label)));
+        return text + fmt::format(R"(,"lo":{},"hi":{},"log2":{},"ticks":[{}]}})", number(scale->lo()), number(scale->hi()), scale->is_log2(), fmt::join(ticks, ","));
+    }
+    std::vector<std::string> categories;
+    for (std::size_t c = 0; c < m.categories.size(); ++c) {
+        const Rgb8 colour = paint.colour(Outcome::agree_hit, static_cast<double>(c));
+        categories.push_back(fmt::format("[{},[{},{},{}]]", json_text(m.categories[c]), colour.r, colour.g, colour.b));
+    }
+    return text + fmt::format(R"(,"categories":[{}]}})", fmt::join(categories, ","));
+}
+
+/// A march is no one tape: how many samples it takes is each ray's own.
+bool is_taped(const MapRow& row) { return row.form->shape != Shape::sdf; }
+
+std::string summary_json(const MapRequest& request, const MapRow& row, const MapSummary& s, std::size_t group) {
+    std::vector<std::string> statistics;
+    for (std::size_t m = 0; m < request.metrics.size(); ++m) {
+        if (!request.metrics[m]->categories.empty()) continue;
+        const Distribution& d = s.metrics[m];
+        statistics.push_back(fmt::format("{}:[{},{},{}]", json_text(request.metrics[m]->name), number(d.quantile(0.5)), number(d.quantile(0.99)), number(d.quantile(1))));
+    }
+    const std::string worst = s.worst.x < 0 ? "null" : fmt::format(R"({{"x":{},"y":{}}})", s.worst.x, s.worst.y);
+    const FloatFormat& f = row.format.shape;
+    return fmt::format(R"({{"form":{},"format":{},"title":{},"precision":{},"emin":{},"emax":{},"taped":{},"coding":"{}","direction":"{}","group":{},"outcomes":[{}],"statistics":{{{}}},"worst":{}}})",
+                       json_text(row.form->info->name), json_text(row.format.name), json_text(row.form->info->title), f.precision, f.emin, f.emax, is_taped(row),
+                       row.format.engine == Format::Engine::native32 ? "bits32" : row.format.engine == Format::Engine::native64 ? "bits64" : "plain64",
+                       row.form->info->direction == Direction::unit ? "unit" : "any", group, fmt::join(s.outcomes, ","), fmt::join(statistics, ","), worst);
+}
+
+}  // namespace
+
+std::string MapData::index(const std::vector<MapSummary>& summaries, bool own_size) const {
+    const scene::Scene& scene = *request_.scene;
+    std::vector<std::string> metrics, rows;
+    for (const Metric* m : request_.metrics) metrics.push_back(metric_json(*m, request_.rows));
+    for (std::size_t r = 0; r < rows_.size(); ++r) rows.push_back(summary_json(request_, request_.rows[r], summaries[r], rows_[r]->group()));
+    std::set<int> places{0};
+    for (const auto& group : groups_) places.insert(group->places.begin(), group->places.end());
+    for (const auto& row : rows_) places.insert(row->places().begin(), row->places().end());
+    return fmt::format(R"({{"id":{},"title":{},"note":{},"inputs":"{}","camera":{},"solids":{},"solid_count":{},"width":{},"height":{},"own_size":{},"metrics":[{}],"rows":[{}]}})", json_text(scene.id), json_text(scene.title), json_text(scene.note),
+                       scene.inputs == scene::Inputs::own ? "own" : "shared", camera_json(scene), solids_json(scene, places), scene.solid_count(), scene.width, scene.height, own_size, fmt::join(metrics, ","), fmt::join(rows, ","));
+}
+
+std::vector<Blob> MapData::blobs() const {
+    std::vector<Blob> all;
+    for (std::size_t g = 0; g < groups_.size(); ++g) {
+        std::string bytes;
+        const Group& group = *groups_[g];
+        for (const Layer* layer : {&group.hit, &group.object, &group.truth, &group.rest, &group.bound, &group.condition}) bytes += layer->planes();
+        all.push_back({fmt::format("truth:{}:{}", request_.scene->id, g), pack(bytes)});
+    }
+    for (const auto& row : rows_) {
+        if (is_taped(row->row())) all.push_back({fmt::format("tape:{}", row_key(row->row())), pack(tape_json(*row->row().form, row->row().format))});
+        all.push_back({fmt::format("row:{}:{}", request_.scene->id, row_key(row->row())), pack(row->bytes())});
+    }
+    return all;
+}
+
+}  // namespace lostbits::output::report

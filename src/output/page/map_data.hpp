@@ -1,0 +1,50 @@
+// The pixels of a map as the page holds them: what the CSV says of every ray, in a few bytes each.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "measure/map/map.hpp"
+#include "output/page/pack.hpp"
+
+namespace lostbits::output::report {
+
+/// A packed piece of data and the name that the page finds it by.
+struct Blob {
+    std::string name, packed;
+};
+
+/// Takes the results of a map row by row and keeps, exactly,
+///  - once for all rows that share a truth (by direction and touching): whether the ray truly hits, RN64(t*) (as its distance from where the two hits to the left point), the rest
+///    t* − RN64(t*) as a float, the bound as a power of two, and κ as a float;
+///  - for each row: the outcome, the solid, and the bits of t less those of the truth (both as the format holds them):
+///    most answers are a few ulps away, so most of these are small;
+///  - every other metric as a float;
+///  - the camera, the solids and the tapes of the forms, from which the page runs the operations of any ray again.
+/// What follows from t and t* alone (`derived_metrics`) the page works out itself.
+class MapData {
+public:
+    explicit MapData(const MapRequest& request);
+    ~MapData();
+    MapData(const MapData&) = delete;
+    MapData& operator=(const MapData&) = delete;
+
+    /// One a row of the request, in its order.
+    [[nodiscard]] std::vector<MapSink*> sinks();
+
+    /// After the map: everything but pixels, as JSON. `own_size`: no other size was asked for than the scene's, so that claims have
+    /// the same rays.
+    [[nodiscard]] std::string index(const std::vector<MapSummary>& summaries, bool own_size) const;
+    /// The pixels, and the tapes of the forms, which other maps may have too.
+    [[nodiscard]] std::vector<Blob> blobs() const;
+
+private:
+    struct Group;
+    class Row;
+    const MapRequest& request_;
+    std::vector<std::unique_ptr<Group>> groups_;
+    std::vector<std::unique_ptr<Row>> rows_;
+};
+
+}  // namespace lostbits::output::report

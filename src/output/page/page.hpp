@@ -1,0 +1,64 @@
+// One self-contained HTML file: no request beyond it, a strict policy, readable without scripts.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "measure/claim/claim.hpp"
+#include "output/page/map_data.hpp"
+
+namespace lostbits::output::report {
+
+/// A PNG and what it shows.
+struct Picture {
+    std::string alt;
+    std::string png;  ///< its bytes
+};
+
+struct MapPart {
+    std::string id, title, note, source;
+    std::vector<std::string> rows;  ///< `row_key` of each
+    std::string index;  ///< JSON of `MapData::index`
+    std::vector<Blob> blobs;
+    std::string table;  ///< HTML, see `summary_table`
+    Picture sheet;
+    bool own_size = true;  ///< the scene's: claims are measured on the same rays
+    std::vector<std::string> metrics = {};  ///< their names
+};
+
+/// A sweep along one axis or over a plane, or a file of cases.
+struct SweepPart {
+    enum class Kind { line, plane, cases };
+    Kind kind = Kind::line;
+    std::string id, title, note, source;
+    std::vector<std::string> rows;  ///< `row_key` of each
+    std::vector<std::vector<double>> axes = {};  ///< the values of each as the page numbers them; of cases none
+    std::vector<std::string> cases = {};
+    std::string json = {};   ///< of `sweep_json`, `plane_json` or `case_json`
+    std::string table = {};
+    std::vector<Picture> pictures = {};  ///< for readers without scripts; of a line for all where uPlot is missing
+};
+
+struct TradePart {
+    std::string shape, json, words;
+    std::vector<Picture> pictures;
+};
+
+struct Report {
+    std::string command;  ///< what to type to make the page again
+    std::vector<MapPart> maps;
+    std::vector<SweepPart> sweeps;
+    std::vector<TradePart> trades;
+    std::vector<scene::Claim> claims;
+    std::vector<ClaimResult> results;
+    std::string processor = {};  ///< that the times are of; empty where nothing tells
+};
+
+/// Forms and formats of a map: decisions, and p50, p99 and max of lost bits; each number carries the CSV's own decimal.
+[[nodiscard]] std::string summary_table(const MapRequest& request, const std::vector<MapSummary>& summaries);
+
+/// The page, the same bytes for the same report.
+[[nodiscard]] std::string page(const Report& report);
+
+}  // namespace lostbits::output::report

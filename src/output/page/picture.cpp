@@ -1,0 +1,41 @@
+#include "output/page/picture.hpp"
+
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdlib>
+#include <cstring>
+#include <fstream>
+#include <sstream>
+
+#include "number/error.hpp"
+
+namespace lostbits::output::report {
+
+TemporaryFolder::TemporaryFolder() {
+    std::string name = (std::filesystem::temp_directory_path() / "lostbits-report-XXXXXX").string();
+    if (mkdtemp(name.data()) == nullptr) throw EnvironmentError(name + ": the folder could not be made: " + std::strerror(errno) + "; set TMPDIR to one that can be written");
+    path_ = name;
+}
+
+TemporaryFolder::~TemporaryFolder() {
+    std::error_code ignored;
+    std::filesystem::remove_all(path_, ignored);
+}
+
+std::string bytes_of(const std::filesystem::path& file) {
+    std::ifstream in(file, std::ios::binary);
+    std::ostringstream bytes;
+    bytes << in.rdbuf();
+    if (!in) throw EnvironmentError(file.string() + ": could not be read back");
+    return bytes.str();
+}
+
+Picture picture(std::string alt, const std::function<void(const std::filesystem::path&)>& draw) {
+    const TemporaryFolder folder;
+    const auto file = folder.path() / "picture.png";
+    draw(file);
+    return {std::move(alt), bytes_of(file)};
+}
+
+}  // namespace lostbits::output::report

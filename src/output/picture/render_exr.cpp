@@ -1,0 +1,66 @@
+#include "output/picture/render_exr.hpp"
+
+#include <bit>
+#include <span>
+
+#include "output/picture/render_colour.hpp"
+
+namespace lostbits::output {
+namespace {
+
+ExrSpec spec_of(const RenderRequest& request, const MapRow& row, const std::string& command) {
+    using enum Channel::Type;
+    ExrSpec spec{.width = request.scene->width, .height = request.scene->height, .channels = {{"R", f32}, {"G", f32}, {"B", f32}}, .attributes = {}};
+    for (const scene::Stage stage : request.stages) {
+        const std::string name(name_of(stage));
+        for (const char* channel : {".r", ".g", ".b", "_true.r", "_true.g", "_true.b", ".difference"}) spec.channels.push_back({name + channel, f32});
+    }
+    for (const char* name : {"normal.angle", "point.residual"}) spec.channels.push_back({name, f32});
+    for (const char* name : {"class.seen", "class.shadow", "class.object", "class.true_object"}) spec.channels.push_back({name, u32});
+    const auto list = [](const auto& names) {
+        std::string text;
+        for (std::size_t k = 0; k < names.size(); ++k) text += (k ? ", " : "") + std::to_string(k) + " " + std::string(names[k]);
+        return text;
+    };
+    spec.attributes = {{"lostbits:command", command},
+                       {"lostbits:schema", "lostbits-render/1"},
+                       {"lostbits:scene", request.scene->id},
+                       {"lostbits:form", std::string(row.form->info->name)},
+                       {"lostbits:format", row.format.name},
+                       {"lostbits:compiler", LOSTBITS_COMPILER},
+                       {"lostbits:seen", list(seen_names)},
+                       {"lostbits:shadow", list(shadow_names)},
+                       {"lostbits:objects", "0 none, otherwise the sphere's place in the scene, from 1"}};
+    return spec;
+}
+
+std::uint32_t word(double x) { return std::bit_cast<std::uint32_t>(static_cast<float>(x)); }
+
+}  // namespace
+
+RenderExr::RenderExr(ImageBackend& backend, const std::filesystem::path& path, const RenderRequest& request, const MapRow& row, const std::string& command)
+    : request_(request), writer_(backend.open_exr(path, spec_of(request, row, command))) {}
+
+void RenderExr::write(const RenderBand& band) {
+    samples_.clear();
+    for (std::size_t i = 0; i < band.seen.size(); ++i) {
+        const Rgb8 preview = picture_colour(band.painted.back()[i]);
+        for (const std::uint8_t c : {preview.r, preview.g, preview.b}) samples_.push_back(word(linear_light(c) / 65535.0));
+        for (std::size_t s = 0; s < request_.stages.size(); ++s) {
+            const Painted& p = band.painted[s][i];
+            const TrueColour& truth = band.truth[i].colours[static_cast<std::size_t>(request_.stages[s])];
+            for (int k = 0; k < 3; ++k) samples_.push_back(word(p.colour[k]));
+            for (const Tight& c : truth.channel) samples_.push_back(truth.certain ? word(c.hi) : word(std::numeric_limits<double>::quiet_NaN()));
+            samples_.push_back(word(p.error));
+        }
+        samples_.push_back(word(band.normal_angle[i]));
+        samples_.push_back(word(band.residual[i]));
+        samples_.push_back(static_cast<std::uint32_t>(band.seen[i]));
+        samples_.push_back(band.shadow.empty() ? 0 : static_cast<std::uint32_t>(band.shadow[i]));
+        samples_.push_back(band.answers->hit[i] != 0 ? static_cast<std::uint32_t>(band.answers->object[i] + 1) : 0);
+        samples_.push_back(static_cast<std::uint32_t>(band.truth_object[i] + 1));
+    }
+    writer_->write_rows(band.y0, band.rows, std::as_bytes(std::span(samples_)));
+}
+
+}  // namespace lostbits::output

@@ -1,0 +1,31 @@
+// The EXR of one form in one format: every number that its pictures and difference maps were made of.
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "measure/picture/render.hpp"
+#include "output/image/image.hpp"
+
+namespace lostbits::output {
+
+/// Channels, all 32 bits: `R`, `G`, `B` (the last stage's picture in linear light); for each stage `<stage>.r`, `.g`, `.b`
+/// (FLOAT, display numbers as the format computed them, not clamped), `<stage>_true.r`, `.g`, `.b` (the certified ones) and
+/// `<stage>.difference` (8-bit steps); `normal.angle`, `point.residual`; `class.seen`, `class.shadow` (UINT, in the order of
+/// the attributes `lostbits:seen` and `lostbits:shadow`), `class.object`, `class.true_object` (from 1, 0 is none).
+class RenderExr {
+public:
+    RenderExr(ImageBackend& backend, const std::filesystem::path& path, const RenderRequest& request, const MapRow& row, const std::string& command);
+
+    void write(const RenderBand& band);
+    void close() { writer_->close(); }
+
+private:
+    const RenderRequest& request_;
+    std::unique_ptr<ExrWriter> writer_;
+    std::vector<std::uint32_t> samples_;
+};
+
+}  // namespace lostbits::output

@@ -1,0 +1,182 @@
+#include "output/picture/render_files.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "output/file/datapackage.hpp"
+#include "output/image/heatmap.hpp"
+#include "output/map/map_colour.hpp"
+#include "output/picture/render_colour.hpp"
+#include "output/picture/render_exr.hpp"
+#include "output/picture/render_sheet.hpp"
+
+namespace lostbits::output {
+namespace {
+
+std::string stem(const MapRow& row) { return fmt::format("{}.{}", row.form->info->name, row.format.name); }
+std::uint64_t pixels_of(const RenderRequest& r) { return static_cast<std::uint64_t>(r.scene->width) * static_cast<std::uint64_t>(r.scene->height); }
+
+bool any_stage(const RenderRequest& request, bool ShadeRule::* asks) {
+    return std::ranges::any_of(request.stages, [&](scene::Stage s) { return shade_rule(request.scene->appearance, s).*asks; });
+}
+
+HeatmapSpec map_spec(const RenderRequest& request, const MapRow& row, const std::string& title, const std::string& note, std::vector<LegendEntry> legend) {
+    return {.title = fmt::format("{} in {}: {}", row.form->info->name, row.format.name, title),
+            .subtitle = {request.scene->title, std::string(row.form->info->title), note},
+            .width = request.scene->width,
+            .height = request.scene->height,
+            .scale = std::nullopt,
+            .unit = "",
+            .legend = std::move(legend)};
+}
+
+/// A difference map of one row.
+struct DifferenceMap {
+    ErrorMap kind;
+    std::size_t stage;  ///< of the request; the differences of normal and residual have none
+    ColourScale scale;
+    std::unique_ptr<HeatmapWriter> heatmap;
+};
+
+}  // namespace
+
+std::vector<Column> render_summary_columns() {
+    std::vector<Column> columns{{"stage", "string", "", "how far the picture goes: visible, diffuse, shadows, phong"},
+                                {"form", "string", "", "form that finds hits and shadows"},
+                                {"format", "string", "", "format that everything is computed in"}};
+    for (const RenderColumn& c : render_columns()) columns.push_back({std::string(c.name), c.whole ? "integer" : "number", std::string(c.unit), std::string(c.meaning)});
+    return columns;
+}
+
+/// The files of one form in one format.
+class RenderRowFiles {
+public:
+    RenderRowFiles(const RenderRequest& request, const MapRow& row, const RenderFilesOptions& options, ImageBackend& backend)
+        : request_(request), exr_(backend, options.folder / (stem(row) + ".exr"), request, row, options.command) {
+        const auto open = [&](ErrorMap d, std::size_t stage, const std::string& name, const std::string& title) {
+            const ErrorMapKind& kind = error_map_kind(d);
+            HeatmapSpec spec = map_spec(request, row, title, kind.note, widest_seen_legend(pixels_of(request)));
+            spec.scale = error_map_scale(d, backend);
+            spec.unit = kind.unit;
+            const ColourScale scale = *spec.scale;
+            maps_.push_back({d, stage, scale, std::make_unique<HeatmapWriter>(backend, options.folder / name, std::move(spec))});
+        };
+        for (std::size_t s = 0; s < request.stages.size(); ++s) {
+            const std::string stage(name_of(request.stages[s]));
+            pictures_.push_back(backend.open_png(options.folder / fmt::format("{}.{}.png", stage, stem(row)), request.scene->width, request.scene->height));
+            open(ErrorMap::colour, s, fmt::format("{}.{}.colour.png", stage, stem(row)), fmt::format("{}, {}", stage, error_map_kind(ErrorMap::colour).title));
+        }
+        open(ErrorMap::residual, 0, stem(row) + ".residual.png", error_map_kind(ErrorMap::residual).title);
+        if (any_stage(request, &ShadeRule::diffuse)) open(ErrorMap::normal, 0, stem(row) + ".normal.png", error_map_kind(ErrorMap::normal).title);
+        if (any_stage(request, &ShadeRule::shadows)) {
+            const char* const note = "decisions of shadow where both see the same: on spheres that face the light, and on the background if it is a plane";
+            shadow_ = std::make_unique<HeatmapWriter>(backend, options.folder / (stem(row) + ".shadow.png"),
+                                                      map_spec(request, row, "shadow decisions", note, widest_shadow_legend(pixels_of(request))));
+        }
+    }
+
+    void band(const RenderBand& band) {
+        const std::size_t n = band.seen.size();
+        field_.resize(n);
+        for (std::size_t s = 0; s < pictures_.size(); ++s) {
+            for (std::size_t i = 0; i < n; ++i) field_[i] = picture_colour(band.painted[s][i]);
+            pictures_[s]->write_rows(band.rows, field_);
+        }
+        for (DifferenceMap& map : maps_) {
+            for (std::size_t i = 0; i < n; ++i) field_[i] = error_map_colour(map.scale, band.seen[i], value(map, band, i));
+            map.heatmap->write_rows(field_);
+        }
+        if (shadow_) {
+            for (std::size_t i = 0; i < n; ++i) field_[i] = shadow_colour(band.seen[i], band.shadow[i]);
+            shadow_->write_rows(field_);
+        }
+        exr_.write(band);
+    }
+
+    /// `summaries`: one a stage.
+    void finish(std::span<const RenderSummary> summaries) {
+        for (const auto& picture : pictures_) picture->close();
+        for (DifferenceMap& map : maps_) map.heatmap->finish(seen_legend(summaries[map.stage]));
+        if (shadow_) shadow_->finish(shadow_legend(summaries.back()));
+        exr_.close();
+    }
+
+private:
+    static double value(const DifferenceMap& map, const RenderBand& band, std::size_t i) {
+        switch (map.kind) {
+            case ErrorMap::colour: return band.painted[map.stage][i].error;
+            case ErrorMap::normal: return band.normal_angle[i];
+            case ErrorMap::residual: return band.residual[i];
+        }
+        return 0;
+    }
+
+    const RenderRequest& request_;
+    RenderExr exr_;
+    std::vector<std::unique_ptr<PngWriter>> pictures_;
+    std::vector<DifferenceMap> maps_;
+    std::unique_ptr<HeatmapWriter> shadow_;
+    std::vector<Rgb8> field_;
+};
+
+struct RenderFiles::Parts {
+    const RenderRequest& request;
+    RenderFilesOptions options;
+    CsvWriter table;
+    RenderSheet sheet;
+    std::vector<std::unique_ptr<PngWriter>> references{};  ///< one a stage
+    std::vector<std::unique_ptr<RenderRowFiles>> rows{};
+};
+
+RenderFiles::RenderFiles(const RenderRequest& request, const RenderFilesOptions& options)
+    : parts_(new Parts{request, options, CsvWriter(options.folder / "summary.csv", render_summary_columns()),
+                       RenderSheet(image_backend(), options.folder / "contact.png", request)}) {
+    const scene::Scene& scene = *request.scene;
+    for (const scene::Stage stage : request.stages) {
+        parts_->references.push_back(image_backend().open_png(options.folder / fmt::format("{}.reference.png", name_of(stage)), scene.width, scene.height));
+    }
+    for (const MapRow& row : request.rows) parts_->rows.push_back(std::make_unique<RenderRowFiles>(request, row, options, image_backend()));
+}
+
+RenderFiles::~RenderFiles() = default;
+
+void RenderFiles::reference(int y0, int rows, std::span<const TruePixel> truth) {
+    Parts& p = *parts_;
+    std::vector<Rgb8> field(truth.size());
+    for (std::size_t s = 0; s < p.references.size(); ++s) {
+        const auto stage = static_cast<std::size_t>(p.request.stages[s]);
+        std::ranges::transform(truth, field.begin(), [stage](const TruePixel& pixel) { return picture_colour(pixel.colours[stage]); });
+        p.references[s]->write_rows(rows, field);
+    }
+    p.sheet.reference(y0, rows, truth);
+}
+
+void RenderFiles::row(std::size_t row, const RenderBand& band) {
+    parts_->rows[row]->band(band);
+    parts_->sheet.row(row, band);
+}
+
+void RenderFiles::finish(const std::vector<RenderSummary>& summaries) {
+    Parts& p = *parts_;
+    const std::size_t stages = p.request.stages.size();
+    for (std::size_t r = 0; r < p.rows.size(); ++r) p.rows[r]->finish(std::span(summaries).subspan(r * stages, stages));
+    for (const auto& picture : p.references) picture->close();
+    p.sheet.finish(summaries);
+
+    for (std::size_t s = 0; s < stages; ++s) {
+        for (std::size_t r = 0; r < p.rows.size(); ++r) {
+            p.table.add(name_of(p.request.stages[s])).add(p.request.rows[r].form->info->name).add(p.request.rows[r].format.name);
+            for (const RenderColumn& c : render_columns()) {
+                const double x = c.value(summaries[r * stages + s]);
+                p.table.add(std::isnan(x) ? Cell() : c.whole ? Cell(static_cast<std::uint64_t>(x)) : Cell(x));
+            }
+            p.table.end_row();
+        }
+    }
+    write_datapackage(p.options.folder / "datapackage.json", p.request.scene->title, {{"summary.csv", "One row per stage, form and format", render_summary_columns()}});
+    p.table.close();  // last: a folder with a summary is a finished one
+}
+
+}  // namespace lostbits::output

@@ -1,0 +1,49 @@
+// A sweep as a picture: a value against a parameter, for as many forms and formats as there are.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "output/image/image.hpp"
+#include "output/plot/plot_axis.hpp"
+
+namespace lostbits::output {
+
+/// One line. The points are joined in their order; x of a line should not fall.
+struct Series {
+    std::string label;
+    std::vector<double> x, y;       ///< a NaN breaks the line; an infinite y lies at the edge, with a triangle
+    std::vector<double> low, high;  ///< a band, drawn faint; both empty, or as long as x
+    bool dashed = false;
+    std::string family = {};  ///< series of one family share colour and marker (a form in two formats); empty = none
+};
+
+/// A vertical line with a label above the frame: an onset, a prediction.
+struct PlotMark {
+    double x;
+    std::string label;
+};
+
+struct LinePlotSpec {
+    std::string title;
+    std::vector<std::string> subtitle;
+    Axis x, y;
+    std::vector<Series> series;
+    std::optional<Series> envelope = {};  ///< what no form can be better than: grey below it
+    std::vector<PlotMark> marks = {};
+    int width = 1100, height = 620;  ///< the height grows where legend or marks need it
+};
+
+/// Writes the plot as a PNG; the same spec gives the same bytes.
+///
+/// Series with the same points (and band) are drawn once and share one line of the legend, since many forms agree bit
+/// for bit. The legend is sorted as the lines end, from top to bottom. Colours are handed out in the order of the
+/// series; when there are more than eight, markers tell them apart. What cannot be drawn is counted in a footnote.
+///
+/// Throws EnvironmentError for an unwritable file, and std::invalid_argument for x, y and bands of different lengths,
+/// ends of axes as AxisRange, and a picture of less than 400 by 200 pixels.
+void write_line_plot(ImageBackend& backend, const std::filesystem::path& path, const LinePlotSpec& spec);
+
+}  // namespace lostbits::output

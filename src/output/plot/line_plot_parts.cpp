@@ -1,0 +1,256 @@
+#include "output/plot/line_plot_parts.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <stdexcept>
+
+#include "output/plot/plot_frame.hpp"
+
+namespace lostbits::output {
+namespace {
+
+// Okabe and Ito 2008 without the yellow, which a light page swallows, and with a wine red in its place.
+constexpr std::array<Rgb8, 8> palette{{
+    {0, 114, 178}, {213, 94, 0}, {0, 158, 115}, {204, 121, 167}, {32, 32, 36}, {230, 159, 0}, {86, 180, 233},
+    {136, 34, 85},
+}};
+constexpr int marker_kinds = 6;
+
+constexpr std::array<double, 2> dash{7, 4}, dots{2, 3};
+constexpr std::array<double, 4> dash_dot{11, 3, 2, 3};
+constexpr std::array<double, 6> dash_dot_dot{11, 3, 2, 3, 2, 3};
+
+constexpr double marker_radius = 3.6;
+constexpr int sample_width = 34, sample_gap = 7, column_gap = 16, entry_gap = 4;
+constexpr int mark_gap = 8;
+
+int line_height(int size) { return size + (size + 2) / 3; }
+
+bool same(const std::vector<double>& a, const std::vector<double>& b) {
+    // A NaN is where a NaN is; 0 and -0 are drawn alike.
+    return std::ranges::equal(a, b, [](double p, double q) { return p == q || (std::isnan(p) && std::isnan(q)); });
+}
+
+std::span<const double> dashes_of(int pattern) {
+    switch (pattern % 5) {
+        case 1: return dash;
+        case 2: return dash_dot;
+        case 3: return dots;
+        case 4: return dash_dot_dot;
+        default: return {};
+    }
+}
+
+void check(const Series& series) {
+    const bool band = !series.low.empty() || !series.high.empty();
+    if (series.x.size() != series.y.size() ||
+        (band && (series.low.size() != series.x.size() || series.high.size() != series.x.size()))) {
+        throw std::invalid_argument("line plot: series " + series.label + " has columns of different lengths");
+    }
+}
+
+}  // namespace
+
+std::vector<PlotLine> plot_lines(std::span<const Series> series) {
+    std::vector<PlotLine> lines;
+    for (const auto& one : series) {
+        check(one);
+        const auto twin = std::ranges::find_if(lines, [&](const PlotLine& line) {
+            const Series& other = *line.series;
+            return same(one.x, other.x) && same(one.y, other.y) && same(one.low, other.low) &&
+                   same(one.high, other.high);
+        });
+        if (twin == lines.end()) {
+            lines.push_back({&one, one.label, {}, 0, {}});
+        } else {
+            twin->label += ", " + one.label;
+            if (!one.dashed && twin->series->dashed) twin->series = &one;
+        }
+    }
+    std::map<std::string, std::size_t> families;
+    std::map<std::size_t, std::vector<int>> taken;
+    std::size_t next = 0;
+    for (auto& line : lines) {
+        std::size_t look = next;
+        if (!line.series->family.empty()) look = families.try_emplace(line.series->family, next).first->second;
+        if (look == next) ++next;
+        line.colour = palette[look % palette.size()];
+        line.marker = static_cast<int>(look / palette.size()) % marker_kinds;
+        int pattern = line.series->dashed ? 1 : 0;
+        while (std::ranges::count(taken[look], pattern) > 0) pattern = std::max(pattern + 1, 1);
+        taken[look].push_back(pattern);
+        line.dashes = dashes_of(pattern);
+    }
+    return lines;
+}
+
+void draw_marker(Stroke& stroke, Point c, int kind) {
+    const double r = marker_radius;
+    const auto polygon = [&](std::vector<Point> corners) {
+        for (auto& corner : corners) corner = {c.x + corner.x, c.y + corner.y};
+        stroke.polygon(corners);
+    };
+    const auto bar = [&](Point a, Point b) {
+        const std::array<Point, 2> ends{{{c.x + a.x, c.y + a.y}, {c.x + b.x, c.y + b.y}}};
+        stroke.polyline(ends, line_thickness);
+    };
+    switch (kind % marker_kinds) {
+        case 0: stroke.disc(c, 3.1); break;
+        case 1: polygon({{-3, -3}, {3, -3}, {3, 3}, {-3, 3}}); break;
+        case 2: polygon({{0, -r - 1}, {r + 0.6, r - 1}, {-r - 0.6, r - 1}}); break;
+        case 3: polygon({{0, -r - 1}, {r, 0}, {0, r + 1}, {-r, 0}}); break;
+        case 4:
+            bar({-r, -r}, {r, r});
+            bar({-r, r}, {r, -r});
+            break;
+        default:
+            bar({0, -r - 1}, {0, r + 1});
+            bar({-r - 1, 0}, {r + 1, 0});
+    }
+}
+
+void draw_edge_triangle(Stroke& stroke, Point tip, bool up) {
+    const double base = tip.y + (up ? 7 : -7);
+    stroke.polygon(std::array<Point, 3>{{tip, {tip.x + 4.5, base}, {tip.x - 4.5, base}}});
+}
+
+PlotLegend::PlotLegend(ImageBackend& backend, std::span<const PlotLine> lines, const std::string* envelope,
+                       bool markers, int width, int height)
+    : markers_(markers) {
+    struct Try {
+        int size, columns, per_cent;  // of the width, for all columns
+    };
+    for (const auto& [size, columns, per_cent] :
+         {Try{style::text_size, 1, 26}, Try{12, 1, 26}, Try{style::small_size, 1, 26}, Try{style::small_size, 2, 40},
+          Try{10, 2, 40}}) {
+        const int room = (width * per_cent / 100 - (columns - 1) * column_gap) / columns;
+        if (arrange(backend, lines, envelope, size, columns, room, height)) return;
+    }
+}
+
+bool PlotLegend::arrange(ImageBackend& backend, std::span<const PlotLine> lines, const std::string* envelope,
+                         int size, int columns, int room, int height) {
+    entries_.clear();
+    size_ = size;
+    const int text_room = std::max(room - sample_width - sample_gap, 40);
+    int total = 0, highest = 0;
+    const auto add = [&](const std::string& label, const PlotLine* line) {
+        Entry entry{{}, line};
+        auto whole = power_text(backend, label, size);
+        if (whole.width <= text_room) {
+            entry.text.push_back(std::move(whole));
+        } else {
+            entry.text = wrap_text(backend, label, size, false, text_room);
+        }
+        const int rows = std::max<int>(static_cast<int>(entry.text.size()), 1);
+        highest = std::max(highest, rows * line_height(size) + entry_gap);
+        total += rows * line_height(size) + entry_gap;
+        entries_.push_back(std::move(entry));
+    };
+    for (const auto& line : lines) add(line.label, &line);
+    if (envelope != nullptr) add(*envelope, nullptr);
+
+    // Columns of even height: the least that holds all entries in order.
+    int limit = std::max(total / columns, highest);
+    for (;; limit += 2) {
+        int column = 0, y = 0;
+        height_ = 0;
+        for (auto& entry : entries_) {
+            const int h = std::max<int>(static_cast<int>(entry.text.size()), 1) * line_height(size) + entry_gap;
+            if (y + h > limit && y > 0) {
+                ++column;
+                y = 0;
+            }
+            entry.column = column;
+            entry.y = y;
+            y += h;
+            height_ = std::max(height_, y);
+        }
+        if (column < columns) break;
+    }
+    column_x_.assign(static_cast<std::size_t>(columns), 0);
+    width_ = 0;
+    for (int column = 0; column < columns; ++column) {
+        const int x = width_ + (column > 0 ? column_gap : 0);
+        column_x_[static_cast<std::size_t>(column)] = x;
+        for (const auto& entry : entries_) {
+            if (entry.column != column) continue;
+            for (const auto& text : entry.text) width_ = std::max(width_, x + sample_width + sample_gap + text.width);
+        }
+    }
+    return height_ <= height;
+}
+
+void PlotLegend::draw(Canvas& canvas, int x0, int y0) const {
+    for (const auto& entry : entries_) {
+        const int x = x0 + column_x_[static_cast<std::size_t>(entry.column)], y = y0 + entry.y;
+        int text_y = y;
+        for (const auto& text : entry.text) {
+            // Raised exponents make a line higher at its top; baselines stay where they are.
+            canvas.text(x + sample_width + sample_gap, text_y + size_ - text.baseline, text, style::ink);
+            text_y += line_height(size_);
+        }
+        const double middle = y + size_ - size_ * 73 / 200 + 0.5;
+        if (entry.line == nullptr) {
+            canvas.fill(x, static_cast<int>(middle) - 5, sample_width, 11, envelope_fill);
+            canvas.fill(x, static_cast<int>(middle) - 5, sample_width, 1, envelope_edge);
+            continue;
+        }
+        Stroke stroke(x, y - 6, sample_width, line_height(size_) + 12);
+        stroke.polyline(std::array<Point, 2>{{{x + 1.5, middle}, {x + sample_width - 1.5, middle}}}, line_thickness,
+                        entry.line->dashes);
+        if (markers_ || entry.line->marker > 0) {
+            draw_marker(stroke, {x + sample_width / 2.0, middle}, entry.line->marker);
+        }
+        stroke.paint(canvas, entry.line->colour);
+    }
+}
+
+MarkLabels::MarkLabels(ImageBackend& backend, std::vector<Mark> marks, int limit) {
+    std::ranges::stable_sort(marks, {}, &Mark::x);
+    for (const auto& mark : marks) {
+        Placed placed{mark.x, {}};
+        const int room = std::max(limit - static_cast<int>(mark.x), 40);
+        auto whole = power_text(backend, mark.label, style::small_size);
+        if (whole.width <= room) {
+            placed.text.push_back(std::move(whole));
+        } else {
+            placed.text = wrap_text(backend, mark.label, style::small_size, false, room);
+        }
+        for (const auto& text : placed.text) {
+            placed.width = std::max(placed.width, text.width);
+            placed.height += text.height;
+        }
+        placed_.push_back(std::move(placed));
+    }
+    // From the right: a label clears the tops of all labels whose lines begin under it.
+    for (std::size_t i = placed_.size(); i-- > 0;) {
+        Placed& one = placed_[i];
+        one.rise = 3;
+        for (std::size_t k = i + 1; k < placed_.size(); ++k) {
+            const Placed& other = placed_[k];
+            if (other.x <= one.x + one.width + mark_gap) one.rise = std::max(one.rise, other.rise + other.height + 1);
+        }
+        height_ = std::max(height_, one.rise + one.height + 2);
+    }
+}
+
+void MarkLabels::draw(Canvas& canvas, int top, int foot) const {
+    constexpr std::array<double, 2> dashes{4, 3};
+    for (const auto& one : placed_) {
+        const int x = static_cast<int>(std::floor(one.x));
+        const int label_foot = top - one.rise;
+        Stroke stroke(x - 2, label_foot, 5, foot - label_foot);
+        stroke.polyline(std::array<Point, 2>{{{x + 0.5, label_foot + 0.5}, {x + 0.5, foot + 1.0}}}, 1, dashes);
+        stroke.paint(canvas, style::soft_ink);
+        int y = label_foot - one.height;
+        for (const auto& text : one.text) {
+            canvas.text(x, y, text, style::ink);
+            y += text.height;
+        }
+    }
+}
+
+}  // namespace lostbits::output

@@ -1,0 +1,89 @@
+// The parts of a line plot that have a place of their own: what a line looks like, the legend, the labels of marks.
+#pragma once
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include "output/plot/line_plot.hpp"
+#include "output/image/stroke.hpp"
+
+namespace lostbits::output {
+
+/// Series that agree in every point, as the one line that is drawn for them.
+struct PlotLine {
+    const Series* series;
+    std::string label;  ///< `schoolbook, half_b, press`
+    Rgb8 colour;
+    int marker;  ///< 0 for the first eight families, which need none
+    std::span<const double> dashes;
+};
+
+/// One line for each group of series with the same points, in the order of the series, each with its own look as long
+/// as there are at most 48 families.
+[[nodiscard]] std::vector<PlotLine> plot_lines(std::span<const Series> series);
+
+/// A filled marker of the given kind about 7 pixels across.
+void draw_marker(Stroke& stroke, Point centre, int kind);
+
+/// A triangle that points to the edge above or below its point.
+void draw_edge_triangle(Stroke& stroke, Point tip, bool up);
+
+inline constexpr double line_thickness = 1.8;
+inline constexpr Rgb8 envelope_fill{222, 222, 220};
+inline constexpr Rgb8 envelope_edge{150, 150, 150};
+
+/// The legend at the right: lines in the order given, the envelope last.
+class PlotLegend {
+public:
+    /// Takes small letters and a second column before it is higher than `height`, and at most two fifths of `width`.
+    PlotLegend(ImageBackend& backend, std::span<const PlotLine> lines, const std::string* envelope, bool markers,
+               int width, int height);
+
+    [[nodiscard]] int width() const noexcept { return width_; }
+    [[nodiscard]] int height() const noexcept { return height_; }
+    void draw(Canvas& canvas, int x, int y) const;
+
+private:
+    struct Entry {
+        std::vector<TextBitmap> text;
+        const PlotLine* line;  // nullptr for the envelope
+        int column = 0, y = 0;
+    };
+    bool arrange(ImageBackend& backend, std::span<const PlotLine> lines, const std::string* envelope, int size,
+                 int columns, int room, int height);
+
+    std::vector<Entry> entries_;
+    bool markers_;
+    std::vector<int> column_x_;
+    int size_ = 0, width_ = 0, height_ = 0;
+};
+
+/// The labels of marks in rows above the frame. A label begins at its line and is higher than every line that it
+/// spans, so neither labels nor lines cross.
+class MarkLabels {
+public:
+    /// A mark at pixel `x`; the label may reach to pixel `limit`.
+    struct Mark {
+        double x;
+        std::string label;
+    };
+    MarkLabels(ImageBackend& backend, std::vector<Mark> marks, int limit);
+
+    [[nodiscard]] int height() const noexcept { return height_; }
+
+    /// Draws labels and lines; the labels end at `top`, the lines at `foot`.
+    void draw(Canvas& canvas, int top, int foot) const;
+
+private:
+    struct Placed {
+        double x;
+        std::vector<TextBitmap> text;
+        int width = 0, height = 0;
+        int rise = 0;  // of the label's foot above the frame
+    };
+    std::vector<Placed> placed_;
+    int height_ = 0;
+};
+
+}  // namespace lostbits::output

@@ -1,0 +1,142 @@
+#include "output/plot/plot_axis.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+
+namespace lostbits::output {
+namespace {
+
+/// A range narrower than this, relative to its ends, has no round values that a double could tell apart.
+constexpr double least_extent = 1e-12;
+/// What is smaller is taken for 0: a step between subnormal numbers is not round any more.
+constexpr double least_size = 1e-300;
+
+/// Multiples of 1, 2 or 5 times ten^k from `lo` to `hi`, at most `most` + 1 of them.
+std::vector<double> round_values(double lo, double hi, int most) {
+    const double least = (hi / 2 - lo / 2) / most * 2;
+    const double ten = std::pow(10.0, std::floor(std::log10(least)));
+    double step = 10 * ten;
+    for (const double m : {5.0, 2.0, 1.0}) {
+        if (m * ten >= least * (1 - 1e-9)) step = m * ten;
+    }
+    std::vector<double> out;
+    const auto inside = [&](double value) { return std::isfinite(value) && value <= hi + step * 1e-9; };
+    for (double k = std::ceil(lo / step - 1e-9); inside(k * step); k += 1) out.push_back(k * step);
+    return out;
+}
+
+/// As many digits as tell the ticks apart, and none of the noise of 3 times 0.1.
+std::vector<std::string> labels_of(const std::vector<double>& values) {
+    double largest = 0, step = 0;
+    for (std::size_t i = 0; i < values.size(); ++i) {
+        largest = std::max(largest, std::fabs(values[i]));
+        if (i == 1) step = values[1] - values[0];
+    }
+    const double digits = step > 0 && std::isfinite(step) ? std::ceil(std::log10(largest / step)) + 1 : 6;
+    std::vector<std::string> out;
+    for (const double value : values) {
+        char text[40];
+        const auto end = std::to_chars(text, text + sizeof text, value + 0.0, std::chars_format::general,
+                                       static_cast<int>(std::clamp(digits, 6.0, 16.0))).ptr;
+        out.emplace_back(text, end);
+    }
+    return out;
+}
+
+}  // namespace
+
+AxisRange::AxisRange(const Axis& axis, const std::vector<double>& values) : scale_(axis.scale) {
+    for (const auto& end : {axis.low, axis.high}) {
+        if (end && (!std::isfinite(*end) || (is_log() && !(*end > 0)))) {
+            throw std::invalid_argument("axis " + axis.title + ": an end without a place");
+        }
+    }
+    if (axis.low && axis.high && !(*axis.low < *axis.high)) {
+        throw std::invalid_argument("axis " + axis.title + ": its ends are not in order");
+    }
+    double lo = std::numeric_limits<double>::infinity(), hi = -lo;
+    for (const double value : values) {
+        if (!std::isfinite(value) || !has_place(value)) continue;
+        lo = std::min(lo, scaled(value));
+        hi = std::max(hi, scaled(value));
+    }
+    if (lo > hi) lo = hi = 0;
+    if (!is_log() && !axis.low && lo > 0 && lo < hi / 4) lo = 0;
+    lo_ = axis.low ? scaled(*axis.low) : lo;
+    hi_ = axis.high ? scaled(*axis.high) : hi;
+    widen(axis.low.has_value(), axis.high.has_value());
+}
+
+void AxisRange::widen(bool low_fixed, bool high_fixed) {
+    const double size = std::max(std::fabs(lo_), std::fabs(hi_));
+    if (size > least_size && hi_ / 2 - lo_ / 2 > size * least_extent) return;
+    const double by = is_log() || size <= least_size ? 1 : size / 10;
+    constexpr double most = std::numeric_limits<double>::max();
+    if (high_fixed && !low_fixed) {
+        lo_ = std::max(hi_ - by, -most);
+    } else if (low_fixed && !high_fixed) {
+        hi_ = std::min(lo_ + by, most);
+    } else {
+        lo_ = std::max(lo_ - by, -most);
+        hi_ = std::min(hi_ + by, most);
+    }
+}
+
+bool AxisRange::has_place(double value) const noexcept { return is_log() ? value > 0 : !std::isnan(value); }
+
+double AxisRange::scaled(double value) const noexcept {
+    return scale_ == Axis::Scale::linear ? value : scale_ == Axis::Scale::log2 ? std::log2(value) : std::log10(value);
+}
+
+double AxisRange::place(double s) const noexcept {
+    // Halves first: hi - lo may overflow.
+    return std::clamp((s / 2 - lo_ / 2) / (hi_ / 2 - lo_ / 2), -1e4, 1e4);
+}
+
+double AxisRange::position(double value) const noexcept {
+    if (std::isinf(value)) return value > 0 ? 1 : 0;
+    return place(scaled(value));
+}
+
+std::vector<AxisRange::Tick> AxisRange::exponent_ticks(int most) const {
+    const bool two = scale_ == Axis::Scale::log2;
+    double step = 1;
+    const std::vector<double> steps = two ? std::vector<double>{1, 2, 4, 8, 16, 32, 64, 128, 256, 512, 1024}
+                                          : std::vector<double>{1, 2, 5, 10, 20, 50, 100, 200, 500};
+    for (const double s : steps) {
+        step = s;
+        if (std::floor(hi_ / s + 1e-9) - std::ceil(lo_ / s - 1e-9) + 1 <= most) break;
+    }
+    std::vector<double> exponents;
+    for (double k = std::ceil(lo_ / step - 1e-9); k * step <= hi_ + 1e-9; k += 1) exponents.push_back(k * step);
+    // Less than an octave or a decade between the ends: exponents with a fraction.
+    if (exponents.size() < 2) exponents = round_values(lo_, hi_, most);
+    std::vector<Tick> out;
+    const auto labels = labels_of(exponents);
+    for (std::size_t i = 0; i < labels.size(); ++i) {
+        out.push_back({place(exponents[i]), (two ? "2^" : "10^") + labels[i]});
+    }
+    if (two || step != 1 || hi_ - lo_ > 12) return out;
+    for (double decade = std::floor(lo_); decade <= hi_; decade += 1) {
+        for (int m = 2; m < 10; ++m) {
+            const double s = decade + std::log10(m);
+            if (s > lo_ && s < hi_) out.push_back({place(s), {}});
+        }
+    }
+    return out;
+}
+
+std::vector<AxisRange::Tick> AxisRange::ticks(int most) const {
+    most = std::max(most, 2);
+    if (is_log()) return exponent_ticks(most);
+    const auto values = round_values(lo_, hi_, most);
+    const auto labels = labels_of(values);
+    std::vector<Tick> out;
+    for (std::size_t i = 0; i < values.size(); ++i) out.push_back({place(values[i]), labels[i]});
+    return out;
+}
+
+}  // namespace lostbits::output

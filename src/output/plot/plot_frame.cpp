@@ -1,0 +1,138 @@
+#include "output/plot/plot_frame.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace lostbits::output {
+namespace {
+
+constexpr Rgb8 grid_colour{228, 228, 226};
+constexpr int tick_length = 5, minor_length = 3, label_gap = 4, title_gap = 6;
+constexpr int tick_pitch_x = 76, tick_pitch_y = 44;  // pixels a labelled tick should have
+
+/// Puts `part` beside what is there; `top` rows below the top of `whole`, which is high enough.
+void append(TextBitmap& whole, const TextBitmap& part, int top) {
+    TextBitmap out{whole.width + part.width, whole.height, whole.baseline, {}};
+    out.coverage.resize(static_cast<std::size_t>(out.width) * static_cast<std::size_t>(out.height));
+    const auto copy = [&](const TextBitmap& from, int x, int y) {
+        for (int j = 0; j < from.height && y + j < out.height; ++j) {
+            const auto row = from.coverage.begin() + static_cast<std::ptrdiff_t>(j) * from.width;
+            std::copy(row, row + from.width, out.coverage.begin() + static_cast<std::ptrdiff_t>(y + j) * out.width + x);
+        }
+    };
+    copy(whole, 0, 0);
+    copy(part, whole.width, top);
+    whole = std::move(out);
+}
+
+}  // namespace
+
+TextBitmap turned(const TextBitmap& text) {
+    TextBitmap out{text.height, text.width, text.width, {}};
+    out.coverage.resize(text.coverage.size());
+    for (int y = 0; y < text.height; ++y) {
+        for (int x = 0; x < text.width; ++x) {
+            out.coverage[static_cast<std::size_t>((text.width - 1 - x) * text.height + y)] =
+                text.coverage[static_cast<std::size_t>(y * text.width + x)];
+        }
+    }
+    return out;
+}
+
+TextBitmap power_text(ImageBackend& backend, std::string_view text, int size, bool bold) {
+    if (text.find('^') == std::string_view::npos) return backend.render_text(text, size, bold);
+    const int small = std::max(size * 3 / 4, style::smallest_size - 1), rise = (size * 2 + 2) / 5;
+    const TextBitmap base = backend.render_text("0", size, bold), raised = backend.render_text("0", small, bold);
+    const int extra = std::max(0, raised.baseline + rise - base.baseline);
+    TextBitmap out{0, base.height + extra, base.baseline + extra, {}};
+    while (!text.empty()) {
+        const bool power = text.front() == '^' && text.find_first_of("-+.0123456789", 1) == 1;
+        if (power) text.remove_prefix(1);
+        const std::size_t from = power ? 0 : 1;
+        const std::size_t end = power ? text.find_first_not_of("-+.0123456789") : text.find('^', from);
+        const auto part = backend.render_text(text.substr(0, end), power ? small : size, bold);
+        append(out, part, out.baseline - part.baseline - (power ? rise : 0));
+        text.remove_prefix(std::min(end, text.size()));
+    }
+    return out;
+}
+
+double PlotFrame::across(double position) const noexcept {
+    return pad > 0 ? x + pad + 0.5 + position * (width - 2 * pad - 1) : x + position * width;
+}
+
+double PlotFrame::up(double position) const noexcept {
+    return pad > 0 ? y + pad + 0.5 + (1 - position) * (height - 2 * pad - 1) : y + (1 - position) * height;
+}
+
+std::vector<PlotAxes::Tick> PlotAxes::render(ImageBackend& backend, const AxisRange& range, int most) {
+    std::vector<Tick> out;
+    for (const auto& [position, label] : range.ticks(most)) {
+        out.push_back({position, label.empty() ? TextBitmap{} : power_text(backend, label, style::text_size)});
+    }
+    return out;
+}
+
+PlotAxes::PlotAxes(ImageBackend& backend, const Axis& x, const AxisRange& x_range, const Axis& y,
+                   const AxisRange& y_range, int width, int height)
+    : x_ticks_(render(backend, x_range, width / tick_pitch_x)),
+      y_ticks_(render(backend, y_range, height / tick_pitch_y)),
+      digit_rise_(style::text_size * 73 / 200) {
+    int widest = 0, highest = 0;
+    for (const auto& tick : y_ticks_) {
+        widest = std::max(widest, tick.label.width);
+        above_ = std::max(above_, tick.label.height / 2 + 2);
+    }
+    for (const auto& tick : x_ticks_) {
+        highest = std::max(highest, tick.label.height);
+        right_ = std::max(right_, tick.label.width / 2 + 2);
+    }
+    left_ = std::max(1 + tick_length + label_gap + widest, right_);
+    below_ = 1 + tick_length + label_gap + highest;
+    if (!x.title.empty()) {
+        x_title_ = fit_text(backend, x.title, style::text_size, false, width);
+        if (x.title.find('^') != std::string::npos) {
+            auto raised = power_text(backend, x.title, style::text_size);
+            if (raised.width <= width) x_title_ = std::move(raised);
+        }
+        below_ += title_gap + x_title_.height;
+    }
+    if (!y.title.empty()) {
+        y_title_ = turned(fit_text(backend, y.title, style::text_size, false, height));
+        left_ += title_gap + y_title_.width;
+    }
+}
+
+void PlotAxes::draw_grid(Canvas& canvas, const PlotFrame& frame) const {
+    for (const auto& tick : x_ticks_) {
+        const int x = static_cast<int>(std::floor(frame.across(tick.position)));
+        if (tick.label.width > 0) canvas.fill(x, frame.y, 1, frame.height, grid_colour);
+    }
+    for (const auto& tick : y_ticks_) {
+        const int y = static_cast<int>(std::floor(frame.up(tick.position)));
+        if (tick.label.width > 0) canvas.fill(frame.x, y, frame.width, 1, grid_colour);
+    }
+}
+
+void PlotAxes::draw(Canvas& canvas, const PlotFrame& frame) const {
+    canvas.frame(frame.x, frame.y, frame.width, frame.height, style::line);
+    const int foot = frame.y + frame.height + 1, label_y = foot + tick_length + label_gap;
+    int highest = 0;
+    for (const auto& tick : x_ticks_) {
+        const int x = static_cast<int>(std::floor(frame.across(tick.position)));
+        canvas.fill(x, foot, 1, tick.label.width > 0 ? tick_length : minor_length, style::soft_ink);
+        canvas.text(x - tick.label.width / 2, label_y, tick.label, style::ink);
+        highest = std::max(highest, tick.label.height);
+    }
+    for (const auto& tick : y_ticks_) {
+        const int y = static_cast<int>(std::floor(frame.up(tick.position)));
+        const int length = tick.label.width > 0 ? tick_length : minor_length;
+        canvas.fill(frame.x - 1 - length, y, length, 1, style::soft_ink);
+        canvas.text(frame.x - 1 - tick_length - label_gap - tick.label.width, y - tick.label.baseline + digit_rise_,
+                    tick.label, style::ink);
+    }
+    canvas.text(frame.x + (frame.width - x_title_.width) / 2, label_y + highest + title_gap, x_title_, style::ink);
+    canvas.text(frame.x - left_, frame.y + (frame.height - y_title_.height) / 2, y_title_, style::ink);
+}
+
+}  // namespace lostbits::output

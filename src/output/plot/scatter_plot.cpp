@@ -1,0 +1,199 @@
+#include "output/plot/scatter_plot.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "output/plot/label_placement.hpp"
+#include "output/plot/line_plot_parts.hpp"
+#include "output/plot/plot_frame.hpp"
+
+namespace lostbits::output {
+namespace {
+
+constexpr int gap = 14, frame_pad = 14;
+constexpr double marker_half = 5, hole = 1.7, front_thickness = 1.6, leader_from = 13;
+constexpr std::array<Rgb8, 4> palette{{{0, 114, 178}, {213, 94, 0}, {0, 158, 115}, {136, 34, 85}}};
+constexpr Rgb8 faint_colour{186, 186, 188}, front_colour{120, 120, 126};
+constexpr std::array<double, 2> dashes{5, 4};
+
+Rgb8 colour_of(std::size_t colour, bool faint) { return faint ? faint_colour : palette[colour % palette.size()]; }
+
+void paint_marker(Canvas& canvas, Stroke& stroke, Point at, int marker, Rgb8 colour, bool hollow) {
+    draw_marker(stroke, at, marker);
+    stroke.paint(canvas, colour);
+    if (!hollow) return;
+    stroke.disc(at, hole);
+    stroke.paint(canvas, style::page);
+}
+
+Box2 around(Point p, double half) { return {p.x - half, p.y - half, 2 * half, 2 * half}; }
+
+Box2 around(Point a, Point b) {
+    return {std::min(a.x, b.x) - 1, std::min(a.y, b.y) - 1, std::fabs(a.x - b.x) + 2, std::fabs(a.y - b.y) + 2};
+}
+
+/// The keys side by side, in as many lines as they need.
+class Keys {
+public:
+    Keys(ImageBackend& backend, const std::vector<ScatterPlotSpec::Key>& keys, int width) {
+        int x = 0, y = 0;
+        for (const auto& key : keys) {
+            TextBitmap text = backend.render_text(key.label, style::text_size);
+            const int wide = marker_room + text.width + key_gap;
+            if (x > 0 && x + wide > width) {
+                x = 0;
+                y += line;
+            }
+            placed_.push_back({&key, std::move(text), x, y});
+            x += wide;
+        }
+        if (!keys.empty()) height_ = y + line;
+    }
+    [[nodiscard]] int height() const { return height_; }
+
+    void draw(Canvas& canvas, int x, int y) const {
+        Stroke stroke(0, 0, canvas.width(), canvas.height());
+        for (const auto& p : placed_) {
+            const Point at{x + p.x + marker_room / 2.0, y + p.y + line / 2.0};
+            paint_marker(canvas, stroke, at, p.key->marker, colour_of(p.key->colour, p.key->faint), p.key->hollow);
+            canvas.text(x + p.x + marker_room, y + p.y + (line - p.text.height) / 2, p.text, style::ink);
+        }
+    }
+
+private:
+    static constexpr int marker_room = 18, key_gap = 20, line = 20;
+    struct Placed {
+        const ScatterPlotSpec::Key* key;
+        TextBitmap text;
+        int x, y;
+    };
+    std::vector<Placed> placed_;
+    int height_ = 0;
+};
+
+bool has_place(const ScatterPoint& p, const AxisRange& x, const AxisRange& y) { return !std::isnan(p.x) && !std::isnan(p.y) && x.has_place(p.x) && y.has_place(p.y); }
+
+/// Draws what is inside the frame.
+class Scatter {
+public:
+    Scatter(const ScatterPlotSpec& spec, const AxisRange& x, const AxisRange& y, const PlotFrame& frame, Canvas& canvas)
+        : spec_(spec), x_(x), y_(y), frame_(frame), canvas_(canvas), stroke_(frame.x, frame.y, frame.width, frame.height) {}
+
+    void front() {
+        for (const bool firm : {true, false}) {
+            for (std::size_t i = 0; i + 1 < spec_.front.size(); ++i) {
+                if (spec_.front[i].firm != firm) continue;
+                const Point a = place(spec_.front[i].x, spec_.front[i].y), b = place(spec_.front[i + 1].x, spec_.front[i + 1].y);
+                const std::array<Point, 3> step{a, {b.x, a.y}, b};
+                stroke_.polyline(step, front_thickness, firm ? std::span<const double>() : dashes);
+            }
+            stroke_.paint(canvas_, front_colour);
+        }
+    }
+
+    void points(bool faint) {
+        for (const auto& p : spec_.points) {
+            if (p.faint != faint || !has_place(p, x_, y_)) continue;
+            const Rgb8 colour = colour_of(p.colour, p.faint);
+            if (!faint) {
+                const std::array<Point, 2> spread{place(p.x_low, p.y), place(p.x_high, p.y)};
+                stroke_.polyline(spread, 1);
+                stroke_.paint(canvas_, colour);
+            }
+            paint_marker(canvas_, stroke_, place(p.x, p.y), p.marker, colour, p.hollow);
+        }
+    }
+
+    void labels(ImageBackend& backend) {
+        std::vector<Box2> taken, avoided;
+        std::vector<LabelWish> wishes;
+        std::vector<TextBitmap> texts;
+        std::vector<Rgb8> colours;
+        for (const auto& p : spec_.points) {
+            if (!has_place(p, x_, y_)) continue;
+            (p.faint ? avoided : taken).push_back(around(place(p.x, p.y), marker_half));
+            if (p.faint || p.label.empty()) continue;
+            texts.push_back(backend.render_text(p.label, style::text_size));
+            wishes.push_back({place(p.x, p.y), static_cast<double>(texts.back().width), static_cast<double>(texts.back().height)});
+            colours.push_back(colour_of(p.colour, false));
+        }
+        for (std::size_t i = 0; i + 1 < spec_.front.size(); ++i) {
+            const Point a = place(spec_.front[i].x, spec_.front[i].y), b = place(spec_.front[i + 1].x, spec_.front[i + 1].y);
+            avoided.push_back(around(a, {b.x, a.y}));
+            avoided.push_back(around({b.x, a.y}, b));
+        }
+        const Box2 room{frame_.x + 2.0, frame_.y + 2.0, frame_.width - 4.0, frame_.height - 4.0};
+        const auto placed = place_labels(wishes, {room, taken, avoided});
+        for (std::size_t i = 0; i < placed.size(); ++i) draw_label(wishes[i].at, placed[i], texts[i], colours[i]);
+    }
+
+private:
+    [[nodiscard]] Point place(double x, double y) const { return {frame_.across(x_.position(x)), frame_.up(y_.position(y))}; }
+
+    void draw_label(Point at, const std::optional<Box2>& box, const TextBitmap& text, Rgb8 colour) {
+        if (!box) return;
+        const Point near = box->nearest(at);
+        if (std::hypot(near.x - at.x, near.y - at.y) > leader_from) {
+            const std::array<Point, 2> ends{at, near};
+            stroke_.polyline(ends, 0.8);
+            stroke_.paint(canvas_, colour, 0.6);
+        }
+        canvas_.text(static_cast<int>(std::lround(box->x)), static_cast<int>(std::lround(box->y)), text, colour);
+    }
+
+    const ScatterPlotSpec& spec_;
+    const AxisRange &x_, &y_;
+    const PlotFrame& frame_;
+    Canvas& canvas_;
+    Stroke stroke_;
+};
+
+AxisRange range_of(const ScatterPlotSpec& spec, const Axis& axis, bool is_x) {
+    std::vector<double> values;
+    for (const auto& p : spec.points) {
+        if (std::isnan(p.x) || std::isnan(p.y)) continue;
+        values.push_back(is_x ? p.x : p.y);
+    }
+    return {axis, values};
+}
+
+std::string note(int count, const char* one, const char* many) { return count == 0 ? std::string() : std::to_string(count) + (count == 1 ? one : many); }
+
+}  // namespace
+
+void write_scatter_plot(ImageBackend& backend, const std::filesystem::path& path, const ScatterPlotSpec& spec) {
+    const AxisRange x = range_of(spec, spec.x, true), y = range_of(spec, spec.y, false);
+    const int content = spec.width - 2 * style::margin;
+    const Canvas head = heading(backend, spec.title, spec.subtitle, content);
+    const Keys keys(backend, spec.keys, content);
+    const PlotAxes axes(backend, spec.x, x, spec.y, y, content - 60, spec.height - 200);
+    const auto lacking = static_cast<int>(std::ranges::count_if(spec.points, [&](const ScatterPoint& p) { return !has_place(p, x, y); }));
+    const std::string absent = note(lacking, " point has no value and is not drawn.", " points have no value and are not drawn.");
+    const std::vector<std::string> lines = absent.empty() ? std::vector<std::string>{} : std::vector{absent};
+    const Canvas notes = heading(backend, {}, lines, content);
+
+    PlotFrame frame{style::margin + axes.left(), 0, 1, 1, frame_pad};
+    frame.width = spec.width - style::margin - axes.right() - 1 - frame.x;
+    frame.y = style::margin + head.height() + gap + axes.above();
+    const int foot = 1 + axes.below() + gap + keys.height() + notes.height() + style::margin;
+    frame.height = std::max(spec.height - frame.y - foot, 200);
+
+    Canvas page(spec.width, frame.y + frame.height + foot);
+    page.picture(style::margin, style::margin, head);
+    axes.draw_grid(page, frame);
+    Scatter scatter(spec, x, y, frame, page);
+    scatter.points(true);
+    scatter.front();
+    scatter.points(false);
+    scatter.labels(backend);
+    axes.draw(page, frame);
+    keys.draw(page, style::margin, frame.y + frame.height + 1 + axes.below() + gap);
+    page.picture(style::margin, page.height() - style::margin - notes.height(), notes);
+
+    const auto png = backend.open_png(path, page.width(), page.height());
+    png->write_rows(page.height(), page.pixels());
+    png->close();
+}
+
+}  // namespace lostbits::output

@@ -1,0 +1,46 @@
+// What costs what: points of two properties, those that nothing beats joined by a stepped line and named.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "output/image/canvas.hpp"
+#include "output/plot/plot_axis.hpp"
+
+namespace lostbits::output {
+
+struct ScatterPoint {
+    double x, y;
+    double x_low, x_high;    ///< the spread of x, drawn as a thin bar
+    int marker = 0;          ///< as `draw_marker` has them
+    std::size_t colour = 0;  ///< of the palette
+    bool faint = false;      ///< grey, small and without a name
+    bool hollow = false;
+    std::string label = {};
+};
+
+struct ScatterPlotSpec {
+    std::string title;
+    std::vector<std::string> subtitle;
+    Axis x, y;
+    std::vector<ScatterPoint> points;  ///< a point with a NaN has no place; it is counted in a footnote
+    struct Step {
+        double x, y;
+        bool firm = true;  ///< the way to the next step is drawn solid; otherwise dashed
+    };
+    std::vector<Step> front;           ///< x does not fall; each step leads right, then up or down
+    struct Key {
+        std::string label;
+        int marker;
+        std::size_t colour;
+        bool faint = false, hollow = false;
+    };
+    std::vector<Key> keys;             ///< the legend below the frame
+    int width = 1100, height = 760;
+};
+
+/// Writes the plot as a PNG; the same spec gives the same bytes. Throws EnvironmentError for an unwritable file.
+void write_scatter_plot(ImageBackend& backend, const std::filesystem::path& path, const ScatterPlotSpec& spec);
+
+}  // namespace lostbits::output

@@ -1,0 +1,131 @@
+#include "output/sweep/sweep_planes.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+
+#include "output/map/map_colour.hpp"
+#include "output/file/number_text.hpp"
+#include "output/plot/plane_plot.hpp"
+
+namespace lostbits::output {
+namespace {
+
+std::size_t index_of(const SweepRequest& request, const char* metric) {
+    return static_cast<std::size_t>(std::ranges::find(request.metrics, find_metric(metric)) - request.metrics.begin());
+}
+
+std::string joined(const std::vector<double>& values) {
+    std::string text;
+    for (const double v : values) text += (text.empty() ? "" : " ") + decimal(v);
+    return text;
+}
+
+struct Layer {
+    const char* name;
+    std::function<float(const MapSummary&)> value;
+};
+
+std::vector<Layer> layers_of(const SweepRequest& request) {
+    const auto quantile = [&](const char* metric, double q) {
+        return [i = index_of(request, metric), q](const MapSummary& s) { return static_cast<float>(s.metrics[i].quantile(q)); };
+    };
+    const auto share = [](Outcome o) { return [o](const MapSummary& s) { return static_cast<float>(static_cast<double>(s.count(o)) / static_cast<double>(s.rays)); }; };
+    return {{"bits.lost_p50", quantile("lost_bits", 0.5)},
+            {"bits.lost_p99", quantile("lost_bits", 0.99)},
+            {"bits.lost_max", quantile("lost_bits", 1)},
+            {"condition.inherent_p99", quantile("inherent_bits", 0.99)},
+            {"condition.excess_p99", quantile("excess_bits", 0.99)},
+            {"class.false_hit", share(Outcome::false_hit)},
+            {"class.false_miss", share(Outcome::false_miss)},
+            {"class.not_a_number", share(Outcome::not_a_number)}};
+}
+
+void write_exr(ImageBackend& backend, const std::filesystem::path& path, const SweepRequest& request, const Plane& plane, std::size_t r) {
+    const MapRow& row = request.rows[r];
+    ExrSpec spec;
+    spec.width = static_cast<int>(plane.x.size());
+    spec.height = static_cast<int>(plane.y.size());
+    const auto layers = layers_of(request);
+    for (const Layer& layer : layers) spec.channels.push_back({layer.name, Channel::Type::f32});
+    const auto& axes = request.sweep->axes;
+    spec.attributes = {{"lostbits:schema", "lostbits-plane/1"},     {"lostbits:sweep", request.sweep->id},
+                       {"lostbits:form", std::string(row.form->info->name)}, {"lostbits:format", row.format.name},
+                       {"lostbits:x", axes[0].name},                 {"lostbits:x_values", joined(plane.x)},
+                       {"lostbits:y", axes[1].name},                 {"lostbits:y_values", joined({plane.y.rbegin(), plane.y.rend()})}};
+    std::vector<float> samples;
+    for (std::size_t line = plane.y.size(); line-- > 0;) {
+        for (std::size_t column = 0; column < plane.x.size(); ++column) {
+            for (const Layer& layer : layers) samples.push_back(layer.value(plane.at(r, column, line)));
+        }
+    }
+    const auto exr = backend.open_exr(path, spec);
+    exr->write_rows(0, spec.height, std::as_bytes(std::span(samples)));
+    exr->close();
+}
+
+}  // namespace
+
+Plane::Plane(const SweepRequest& request, const std::vector<SweepStep>& steps)
+    : x(request.sweep->axes[0].values), y(request.sweep->axes[1].values), steps_(steps), x_falls_(x.front() > x.back()), y_falls_(y.front() > y.back()) {
+    if (x_falls_) std::ranges::reverse(x);
+    if (y_falls_) std::ranges::reverse(y);
+}
+
+const MapSummary& Plane::at(std::size_t row, std::size_t column, std::size_t line) const {
+    const std::size_t i = x_falls_ ? x.size() - 1 - column : column, j = y_falls_ ? y.size() - 1 - line : line;
+    return steps_[i * y.size() + j].rows[row];
+}
+
+void write_plane_picture(ImageBackend& backend, const std::filesystem::path& path, const SweepRequest& request, const std::vector<SweepStep>& steps, std::size_t row) {
+    const auto& axes = request.sweep->axes;
+    const MapRow& what = request.rows[row];
+    const std::size_t lost = index_of(request, "lost_bits"), excess = index_of(request, "excess_bits");
+    const Plane plane(request, steps);
+    PlanePlotSpec spec{.title = fmt::format("{} in {}: lost bits, p99", what.form->info->name, what.format.name),
+                       .subtitle = {request.sweep->title},
+                       .x_axis = plot_axis(axes[0]),
+                       .y_axis = plot_axis(axes[1]),
+                       .x = plane.x,
+                       .y = plane.y,
+                       .cells = {},
+                       .scale = metric_scale(*find_metric("lost_bits"), request.rows, backend),
+                       .unit = "lost bits",
+                       .legend = {}};
+    MapSummary drawn;
+    bool any_inside = false;
+    for (std::size_t line = 0; line < plane.y.size(); ++line) {
+        for (std::size_t column = 0; column < plane.x.size(); ++column) {
+            const MapSummary& s = plane.at(row, column, line);
+            PlaneCell cell;
+            ++drawn.rays;
+            if (wrong_share(s) <= 0.5) {
+                cell.value = s.metrics[lost].quantile(0.99);
+                if (inside_envelope(cell.value, s.metrics[excess].quantile(0.99))) {
+                    cell.colour = paler(spec.scale->map(cell.value));
+                    any_inside = true;
+                }
+            } else {
+                const Outcome worst =
+                    std::max({Outcome::false_hit, Outcome::false_miss, Outcome::not_a_number}, [&](Outcome a, Outcome b) { return s.count(a) < s.count(b); });
+                cell.colour = outcome_colours[static_cast<std::size_t>(worst)];
+                ++drawn.outcomes[static_cast<std::size_t>(worst)];
+            }
+            spec.cells.push_back(cell);
+        }
+    }
+    spec.legend = outcome_legend(drawn);
+    if (any_inside) spec.legend.push_back({"paler: inside the envelope", paler(spec.scale->map(spec.scale->hi() / 2)), {}});
+    write_plane_plot(backend, path, spec);
+}
+
+void write_plane(ImageBackend& backend, const std::filesystem::path& folder, const SweepRequest& request, const std::vector<SweepStep>& steps, std::size_t row) {
+    const MapRow& what = request.rows[row];
+    const std::string stem = fmt::format("{}.{}", what.form->info->name, what.format.name);
+    write_plane_picture(backend, folder / (stem + ".png"), request, steps, row);
+    write_exr(backend, folder / (stem + ".exr"), request, Plane(request, steps), row);
+}
+
+}  // namespace lostbits::output

@@ -1,0 +1,39 @@
+// The planes of sweeps with two axes: a picture and an EXR a row.
+#pragma once
+
+#include <filesystem>
+#include <vector>
+
+#include "measure/sweep/sweep.hpp"
+#include "output/image/image.hpp"
+#include "output/plot/plot_axis.hpp"
+
+namespace lostbits::output {
+
+/// A sweep's axis as a plot shows it.
+Axis plot_axis(const scene::Axis& axis);
+/// Rays with a wrong decision or NaN, among all.
+double wrong_share(const MapSummary& s);
+
+/// The steps of a sweep over two axes as a plane: columns by rising first axis, lines by rising second.
+class Plane {
+public:
+    Plane(const SweepRequest& request, const std::vector<SweepStep>& steps);
+    /// The numbers of one row of the request.
+    [[nodiscard]] const MapSummary& at(std::size_t row, std::size_t column, std::size_t line) const;
+    std::vector<double> x, y;
+
+private:
+    const std::vector<SweepStep>& steps_;
+    bool x_falls_, y_falls_;
+};
+
+/// `<form>.<format>.png`: the 99th percentile of lost bits, the colour of the most frequent wrong outcome where most rays
+/// have one, paler where the envelope explains the loss. `<form>.<format>.exr`: columns are the first axis's values in
+/// rising order, rows the second's from the top, the highest first; the values stand in the attributes.
+void write_plane(ImageBackend& backend, const std::filesystem::path& folder, const SweepRequest& request, const std::vector<SweepStep>& steps, std::size_t row);
+
+/// The picture alone.
+void write_plane_picture(ImageBackend& backend, const std::filesystem::path& path, const SweepRequest& request, const std::vector<SweepStep>& steps, std::size_t row);
+
+}  // namespace lostbits::output

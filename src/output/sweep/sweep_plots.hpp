@@ -1,0 +1,31 @@
+// The pictures of a sweep: lines along one axis, a plane over two.
+#pragma once
+
+#include <filesystem>
+
+#include "measure/sweep/sweep.hpp"
+#include "output/image/image.hpp"
+
+namespace lostbits::output {
+
+/// One axis: `lost_bits_p50.<format>.png` and `lost_bits_p99.<format>.png` with every form, the conditioning envelope
+/// (inherent bits, where the request measures them) and the sweep's own marks; and `wrong.<format>.png`, the share of
+/// rays that are false hits, false misses or NaN; where culprits are measured, `culprit.<form>.<format>.png`. Two axes: `<form>.<format>.png`, the p99 of lost bits over the plane,
+/// with the colour of the commonest wrong outcome where more than half of the rays are wrong.
+void write_sweep_plots(ImageBackend& backend, const std::filesystem::path& folder, const SweepRequest& request, const std::vector<SweepStep>& steps,
+                       const std::vector<Onset>& onsets);
+
+/// Of a picture, in pixels.
+struct PlotSize {
+    int width = 1100, height = 620;
+};
+
+/// One of them: the quantile q (0.5 or 0.99) of lost bits in one format.
+void write_lost_bits_plot(ImageBackend& backend, const std::filesystem::path& path, const SweepRequest& request, const std::vector<SweepStep>& steps,
+                          const std::vector<Onset>& onsets, const Format& format, double q, PlotSize size = {});
+
+/// The share of rays with the wrong answer, in one format.
+void write_wrong_plot(ImageBackend& backend, const std::filesystem::path& path, const SweepRequest& request, const std::vector<SweepStep>& steps,
+                      const std::vector<Onset>& onsets, const Format& format, PlotSize size = {});
+
+}  // namespace lostbits::output

@@ -1,0 +1,95 @@
+#include "output/sweep/worst_files.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "output/file/csv.hpp"
+#include "output/file/datapackage.hpp"
+#include "output/file/number_text.hpp"
+
+namespace lostbits::output {
+namespace {
+
+constexpr const char* ray_names[] = {"origin_x", "origin_y", "origin_z", "direction_x", "direction_y", "direction_z"};
+
+std::vector<double> ray_numbers(const WorstFound& w) {
+    return {w.ray.origin.x, w.ray.origin.y, w.ray.origin.z, w.ray.direction.x, w.ray.direction.y, w.ray.direction.z};
+}
+
+std::vector<Column> worst_columns(const WorstRequest& request) {
+    const Metric& metric = *find_metric(request.search->metric);
+    std::vector<Column> columns{{"form", "string", "", "form under test"},
+                                {"format", "string", "", "format it computes in"},
+                                {"found", "boolean", "", "whether any ray of the box was hit"},
+                                {"outcome", "string", "", "class of the worst ray"},
+                                {std::string(metric.name), "number", std::string(metric.unit), "of the worst ray; missing where the decision is wrong"},
+                                {"evaluations", "integer", "", "rays tried"},
+                                {"t_hex", "string", "t", "the form's answer"},
+                                {"truth_hex", "string", "t", "t*, correctly rounded to binary64; missing for a miss"}};
+    for (const char* name : ray_names) columns.push_back({std::string(name) + "_hex", "string", "", "of the worst ray"});
+    for (const auto name : number_names(request.search->shape)) columns.push_back({std::string(name) + "_hex", "string", "", "of its solid"});
+    return columns;
+}
+
+std::string hex_list(const std::vector<double>& x, std::size_t begin, std::size_t count) {
+    std::string text;
+    for (std::size_t i = begin; i < begin + count; ++i) text += (i > begin ? ", \"" : "\"") + hex(x[i]) + "\"";
+    return "[" + text + "]";
+}
+
+/// A TOML basic string: a title may hold quotes.
+std::string quoted(const std::string& text) {
+    std::string out = "\"";
+    for (const char c : text) {
+        if (c == '"' || c == '\\') out += '\\';
+        if (static_cast<unsigned char>(c) < 0x20) out += fmt::format("\\u{:04X}", static_cast<unsigned>(c));
+        else out += c;
+    }
+    return out + '"';
+}
+
+std::string case_text(const WorstRequest& request, const MapRow& row, const WorstFound& w) {
+    const bool decided = w.outcome == Outcome::agree_hit;
+    const std::string what = decided ? fmt::format("{} {:.6g}", request.search->metric, w.value) : std::string(outcome_names[static_cast<std::size_t>(w.outcome)]);
+    const auto ray = ray_numbers(w);
+    const std::vector<double> solid(w.solid.used().begin(), w.solid.used().end());
+    std::string text = fmt::format("\n[[case]]\nname = \"{} in {}: {}\"\n", row.form->info->name, row.format.name, what);
+    if (request.search->shape == Shape::sphere) text += fmt::format("spheres = [{{ centre = {}, radius = \"{}\" }}]\n", hex_list(solid, 0, 3), hex(solid[3]));
+    else text += fmt::format("boxes = [{{ lo = {}, hi = {} }}]\n", hex_list(solid, 0, 3), hex_list(solid, 3, 3));
+    return text + fmt::format("rays = [{{ origin = {}, direction = {} }}]\n", hex_list(ray, 0, 3), hex_list(ray, 3, 3));
+}
+
+}  // namespace
+
+void write_worst(const std::filesystem::path& folder, const WorstRequest& request, const std::vector<std::optional<WorstFound>>& found) {
+    const scene::SearchFile& search = *request.search;
+    CsvWriter csv(folder / "worst.csv", worst_columns(request));
+    AtomicFile hard(folder / "hard.toml");
+    std::string text = fmt::format(
+        "schema = \"lostbits-sweep/1\"\ntitle = {}\nsource = {}\n", quoted("The worst rays of each form: " + search.title),
+        quoted(fmt::format("lostbits sweep {} --worst: seed {}, {} starts of {} generations of 32, largest {}", search.id, search.seed, search.starts, search.generations,
+                           search.metric)));
+    for (std::size_t r = 0; r < found.size(); ++r) {
+        const MapRow& row = request.rows[r];
+        csv.add(row.form->info->name).add(row.format.name).add(found[r].has_value());
+        if (!found[r]) {
+            for (std::size_t i = 3; i < worst_columns(request).size(); ++i) csv.add(Cell());
+            csv.end_row();
+            continue;
+        }
+        const WorstFound& w = *found[r];
+        csv.add(outcome_names[static_cast<std::size_t>(w.outcome)]).add(w.outcome == Outcome::agree_hit ? Cell(w.value) : Cell()).add(w.evaluations).add(hex(w.t));
+        csv.add(std::isnan(w.truth) ? Cell() : Cell(hex(w.truth)));
+        for (const double x : ray_numbers(w)) csv.add(hex(x));
+        for (const double x : w.solid.used()) csv.add(hex(x));
+        csv.end_row();
+        text += case_text(request, row, w);
+    }
+    hard.write(text);
+    write_datapackage(folder / "datapackage.json", search.title, {{"worst.csv", "One row per form and format: the worst ray found", worst_columns(request)}});
+    hard.commit();
+    csv.close();
+}
+
+}  // namespace lostbits::output

@@ -1,0 +1,15 @@
+// The files of a search: worst.csv, and hard.toml with the rays as cases that can be run again.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <vector>
+
+#include "measure/sweep/worst.hpp"
+
+namespace lostbits::output {
+
+/// Writes both; `hard.toml` is a sweep of cases, one a row, its numbers in hexadecimal.
+void write_worst(const std::filesystem::path& folder, const WorstRequest& request, const std::vector<std::optional<WorstFound>>& found);
+
+}  // namespace lostbits::output

@@ -1,0 +1,152 @@
+#include "scene/claim/claims_file.hpp"
+
+#include <algorithm>
+#include <set>
+
+#include "scene/toml/toml_reader.hpp"
+
+namespace lostbits::scene {
+namespace {
+
+using V = Claim::Verdict;
+using S = Claim::Severity;
+constexpr std::pair<std::string_view, V> verdicts[] = {{"holds", V::holds}, {"refuted", V::refuted}};
+constexpr std::pair<std::string_view, S> severities[] = {{"error", S::error}, {"warn", S::warn}};
+constexpr std::pair<std::string_view, Claim::Profile> profiles[] = {{"results", Claim::Profile::results}, {"timing", Claim::Profile::timing}};
+
+void read_timing(TableReader table, Claim& claim) {
+    Claim::Timing timing;
+    timing.work = table.string("timing");
+    claim.form = table.string("form");
+    timing.kernel = table.string("kernel");
+    claim.format = table.string("format");
+    timing.data = table.string("data");
+    timing.all_processors = table.optional_boolean("all_processors").value_or(false);
+    if (auto over = table.optional_table("over")) {
+        if (timing.all_processors) table.reject("over", "goes with no all_processors: that is over one processor");
+        timing.over_form = over->optional_string("form").value_or(claim.form);
+        timing.over_kernel = over->optional_string("kernel").value_or(timing.kernel);
+        over->reject_unknown_keys();
+    } else if (!timing.all_processors) {
+        fail(table.where(), "claim.given needs `over = { form = \"...\", kernel = \"...\" }`, whose speed is 1, or `all_processors = true`");
+    }
+    claim.timing = std::move(timing);
+    claim.requirements = table.optional_strings("requires").value_or(std::vector<std::string>{});
+    table.reject_unknown_keys();
+}
+
+void read_given(TableReader table, Claim& claim) {
+    claim.scene = table.optional_string("scene").value_or("");
+    claim.sweep = table.optional_string("sweep").value_or("");
+    claim.table = table.optional_string("table").value_or("");
+    if (table.has("timing")) table.reject("timing", "needs `profile = \"timing\"` at the head of the file, which keeps it from gating anything");
+    claim.render = table.optional_string("render").value_or("");
+    if (int{!claim.scene.empty()} + int{!claim.sweep.empty()} + int{!claim.table.empty()} + int{!claim.render.empty()} != 1) {
+        fail(table.where(), "claim.given names a scene, a sweep, a table or a scene to render; write one of them");
+    }
+    if (!claim.render.empty()) {
+        for (const char* key : {"at", "case", "convention"}) table.reject(key, "has no meaning for a rendered scene; leave it out");
+        static constexpr std::pair<std::string_view, Stage> stages[] = {
+            {"visible", Stage::visible}, {"diffuse", Stage::diffuse}, {"shadows", Stage::shadows}, {"phong", Stage::phong}};
+        claim.stage = table.optional_one_of<Stage>("stage", stages);
+    } else {
+        table.reject("stage", "needs a scene to render: render = \"raycast-course.pixels\"");
+    }
+    if (claim.table.empty()) claim.form = table.string("form");
+    else claim.row = table.string("row");
+    claim.format = table.string("format");
+    if (table.has("at")) {
+        if (!claim.scene.empty()) table.reject("at", "needs a sweep or a table: it is a place on their axes");
+        if (table.node("at").kind == Node::Kind::array) {
+            for (const Real& x : table.numbers("at")) claim.at.push_back(static_cast<double>(x));
+        } else {
+            claim.at.push_back(static_cast<double>(table.number("at")));
+        }
+    }
+    if (!claim.table.empty() && claim.at.size() != 1) fail(table.where(), "a table's row needs `at`, its argument");
+    if (const auto name = table.optional_string("case")) {
+        if (claim.sweep.empty() || !claim.at.empty()) table.reject("case", "needs a sweep of cases, and no `at`");
+        claim.case_name = *name;
+    }
+    if (const auto step = table.optional_integer("step", 0, 100000)) {
+        if (claim.scene.empty()) table.reject("step", "needs a scene: it is a sample of the march along the scene's pixel (0, 0)");
+        claim.step = static_cast<int>(*step);
+    }
+    static constexpr std::pair<std::string_view, Touching> conventions[] = {{"closed", Touching::hit}, {"open", Touching::miss}};
+    claim.convention = table.optional_one_of<Touching>("convention", conventions);
+    claim.requirements = table.optional_strings("requires").value_or(std::vector<std::string>{});
+    table.reject_unknown_keys();
+}
+
+/// `operation = "c"`, or several.
+void read_operations(TableReader& table, Claim& claim) {
+    constexpr std::string_view share = "culprit_fraction", key = "operation";
+    if (claim.metric != share) return table.reject(key, "goes with metric = \"culprit_fraction\": it names whose share that is");
+    if (!table.has(key)) table.fail_at("metric", "needs an operation whose share it is: operation = \"c\", what the formula calls it, or an expression as `lostbits map --metric culprit` writes it");
+    claim.quantity = table.where(key);
+    claim.operations = table.node(key).kind == Node::Kind::array ? table.strings(key) : std::vector{table.string(key)};
+    if (claim.operations.empty()) table.fail_at(key, "is empty; name an operation");
+}
+
+void read_expect(TableReader table, Claim& claim) {
+    claim.metric = table.optional_string("metric").value_or("");
+    claim.onset = table.optional_string("onset").value_or("");
+    if (claim.metric.empty() == claim.onset.empty()) fail(table.where(), "claim.expect names either a metric or an onset; write one of them");
+    if (!claim.onset.empty()) {
+        if (claim.sweep.empty() || !claim.at.empty() || !claim.case_name.empty()) table.fail_at("onset", "needs a sweep in claim.given, and no `at`");
+        claim.statistic = table.optional_string("statistic").value_or("count");
+        claim.threshold = static_cast<double>(table.optional_number("threshold").value_or(Real(1)));
+    } else if (!claim.sweep.empty() && claim.at.empty() && claim.case_name.empty()) {
+        table.fail_at("metric", "along a sweep needs `at` in claim.given, the place on the axis, or `case`");
+    }
+    claim.quantity = table.where("metric");
+    read_operations(table, claim);
+    const auto ends = table.numbers("in", 2);
+    claim.low = static_cast<double>(ends[0]);
+    claim.high = static_cast<double>(ends[1]);
+    if (!(claim.low <= claim.high)) table.fail_at("in", "is [low, high] with low <= high");
+    table.reject_unknown_keys();
+}
+
+}  // namespace
+
+std::vector<Claim> read_claims(const std::filesystem::path& path) {
+    const Node root = read_toml(path);
+    TableReader file(root);
+    require_schema(file, "lostbits-claims/1");
+    const auto profile = file.optional_one_of<Claim::Profile>("profile", profiles).value_or(Claim::Profile::results);
+    std::vector<Claim> claims;
+    std::set<std::string> ids;
+    for (TableReader& table : file.tables("claim")) {
+        Claim claim;
+        claim.where = table.where();
+        claim.id = table.string("id");
+        if (!ids.insert(claim.id).second) table.fail_at("id", "is given twice; ids are unique");
+        claim.statement = table.string("statement");
+        claim.source = table.string("source");
+        claim.note = table.optional_string("note").value_or("");
+        claim.verdict = table.one_of<V>("verdict", verdicts);
+        claim.profile = profile;
+        if (profile == Claim::Profile::timing && table.has("severity")) table.reject("severity", "has no meaning where nothing can fail: times gate nothing");
+        claim.severity = table.optional_one_of<S>("severity", severities).value_or(S::error);
+        if (profile == Claim::Profile::timing) read_timing(table.table("given"), claim);
+        else read_given(table.table("given"), claim);
+        read_expect(table.table("expect"), claim);
+        table.reject_unknown_keys();
+        claims.push_back(std::move(claim));
+    }
+    file.reject_unknown_keys();
+    return claims;
+}
+
+std::vector<std::filesystem::path> claim_files(const std::filesystem::path& file_or_folder) {
+    if (!std::filesystem::is_directory(file_or_folder)) return {file_or_folder};
+    std::vector<std::filesystem::path> files;
+    for (const auto& entry : std::filesystem::directory_iterator(file_or_folder)) {
+        if (entry.path().extension() == ".toml") files.push_back(entry.path());
+    }
+    std::ranges::sort(files);
+    return files;
+}
+
+}  // namespace lostbits::scene

@@ -1,0 +1,116 @@
+// A scene: the ideal numbers of a picture, before any format has rounded them.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "geometry/solid.hpp"
+#include "intersect/march.hpp"
+#include "number/real.hpp"
+#include "scene/file/appearance.hpp"
+#include "scene/file/sphereflake.hpp"
+#include "scene/toml/toml_tree.hpp"
+
+namespace lostbits::scene {
+
+/// Who rounds the scene. `shared`: it is rounded once to binary32 and every format gets the same numbers, so that a
+/// difference is arithmetic alone. `own`: each format rounds the ideal scene itself, so that input error appears.
+enum class Inputs { shared, own };
+
+/// Solids as written, in world units.
+using SphereSpec = Sphere<Real>;
+using BoxSpec = Box<Real>;
+
+struct Camera {
+    enum class Kind { orthographic, pinhole, pixel_plane };
+    Kind kind = Kind::pinhole;
+    Vec<Real> eye;      ///< pinhole, pixel_plane: where all rays start; orthographic: the centre of the picture
+    Vec<Real> look_at;  ///< the rays' direction is look_at − eye, of any length
+    Vec<Real> up;       ///< appears upright in the picture; need be neither unit nor perpendicular
+    Real width;  ///< orthographic: the picture's width in world units; the height follows, pixels being square
+    Real fov_deg;  ///< pinhole: the vertical field of view in degrees
+    /// Moves the window on the picture plane, right and up, in picture widths; the view direction stays.
+    Real shift_right, shift_up;
+    bool normalise = true;  ///< pinhole: directions are divided by their length, in the camera's arithmetic
+    /// pixel_plane: the part of the plane z = 0 that the picture covers, in world units. A ray goes from the eye through
+    /// the middle of its pixel there; its direction is the difference of the two points, never normalised, so that
+    /// t = 1 is the plane.
+    Real left, bottom, right, top;
+};
+
+struct Scene {
+    std::string id;  ///< the file's stem, and `.variant` where it has variants
+    std::string title;
+    std::string source;  ///< what the scene reproduces, or "-"
+    std::string note;    ///< what to look for
+    Inputs inputs = Inputs::shared;
+    int width = 256;  ///< pixels
+    int height = 256;
+    Camera camera;
+    std::vector<SphereSpec> spheres;  ///< a scene has spheres or boxes; both only with `march`
+    std::vector<BoxSpec> boxes;
+    std::optional<Sphereflake> flake;  ///< its spheres come after the others
+    std::optional<MarchConstants<Real>> march;  ///< absent: the scene asks for no sphere tracing
+    Appearance appearance;  ///< for pictures of it
+    std::filesystem::path path;
+
+    /// Whether the forms of a shape can be asked about the scene: all of its solids are of that shape, or, for `sdf`, the scene
+    /// has constants for the march.
+    [[nodiscard]] bool meets(Shape shape) const;
+    /// The shapes of its solids, each once.
+    [[nodiscard]] std::vector<Shape> shapes() const;
+    /// All of them, in the file's order: spheres, boxes, the flake. Some 300 bytes each: see `shared_solids` for many.
+    [[nodiscard]] std::vector<Solid<Real>> solids() const;
+    [[nodiscard]] std::size_t solid_count() const { return spheres.size() + boxes.size() + (flake ? flake->size() : 0); }
+};
+
+struct LoadOptions {
+    std::optional<std::string> variant = std::nullopt;       ///< this one alone; all where absent
+    std::optional<std::pair<int, int>> size = std::nullopt;  ///< width and height in pixels
+    std::vector<Override> overrides = {};                    ///< applied after the variant's own, in order
+};
+
+/// A parsed scene file. Parse once, interpret under as many overrides as a sweep needs.
+class SceneFile {
+public:
+    explicit SceneFile(const std::filesystem::path& path);
+
+    [[nodiscard]] const std::filesystem::path& path() const { return path_; }
+    [[nodiscard]] std::vector<std::string> variants() const;
+
+    /// The scenes that the options select: one per variant, in the file's order, or the single one of a file without
+    /// variants. InputError, with a position, for anything that makes no picture: see `Scene` for what each number is;
+    /// radii, widths > 0 and fields of view inside (0, 180), also once rounded to binary32 where inputs are shared.
+    [[nodiscard]] std::vector<Scene> load(const LoadOptions& options = {}) const;
+
+private:
+    struct Variant {
+        std::string name;
+        std::vector<Override> changes;
+    };
+    [[nodiscard]] Scene interpret(const Variant* variant, const LoadOptions& options) const;
+
+    std::filesystem::path path_;
+    Node root_;  ///< without the variants
+    std::vector<Variant> variants_;
+};
+
+/// `SceneFile(path).load(options)`.
+std::vector<Scene> load_scene(const std::filesystem::path& path, const LoadOptions& options = {});
+
+/// All `data_dir/scenes/*.toml`, sorted by name. InputError when the folder is missing.
+std::vector<std::filesystem::path> scene_files(const std::filesystem::path& data_dir);
+
+struct SceneName {
+    std::filesystem::path path;
+    std::optional<std::string> variant = std::nullopt;
+};
+
+/// A path to a file, or the id of one in `data_dir/scenes`: `rtg-fig-7-4`, or `rtg-fig-7-4.r1e3` for one variant.
+/// InputError with did-you-mean for a name that is neither. The variant itself is checked when it is loaded.
+SceneName find_scene(const std::string& name_or_path, const std::filesystem::path& data_dir);
+
+}  // namespace lostbits::scene

@@ -1,0 +1,101 @@
+#include "scene/file/sphereflake.hpp"
+
+#include <unistd.h>
+
+#include <array>
+#include <cmath>
+
+#include "number/interruption.hpp"
+#include "scene/toml/round.hpp"
+
+namespace lostbits::scene {
+namespace {
+
+Vec<double> unit(const Vec<double>& v) {
+    const double size = length(v);
+    return {v.x / size, v.y / size, v.z / size};
+}
+
+/// Where the nine children sit, in the parent's (u, v, w).
+const std::array<Vec<double>, 9>& seats() {
+    static const auto nine = [] {
+        const double half_root3 = std::sqrt(3.0) / 2, height = std::sqrt(2.0 / 3.0), aside = std::sqrt(1.0 / 3.0);
+        return std::array<Vec<double>, 9>{{{1, 0, 0},
+                                           {0.5, half_root3, 0},
+                                           {-0.5, half_root3, 0},
+                                           {-1, 0, 0},
+                                           {-0.5, -half_root3, 0},
+                                           {0.5, -half_root3, 0},
+                                           {aside * half_root3, aside * 0.5, height},
+                                           {-aside * half_root3, aside * 0.5, height},
+                                           {0, -aside, height}}};
+    }();
+    return nine;
+}
+
+void grow(const Sphere<double>& sphere, const Vec<double>& w, int levels, const std::function<void(const Sphere<double>&)>& take) {
+    take(sphere);
+    if (levels == 0) return;
+    const Vec<double> e = std::fabs(w.x) > 0.8 ? Vec<double>(0, 1, 0) : Vec<double>(1, 0, 0);
+    const Vec<double> u = unit(cross(e, w)), v = cross(w, u);
+    const double reach = sphere.radius + sphere.radius / 3;
+    for (const Vec<double>& seat : seats()) {
+        const Vec<double> away = unit(seat.x * u + seat.y * v + seat.z * w);
+        grow({sphere.centre + reach * away, sphere.radius / 3}, away, levels - 1, take);
+    }
+}
+
+double stored(const Real& x) { return round_to_format(x, binary64); }
+Vec<double> stored(const Vec<Real>& v) { return {stored(v.x), stored(v.y), stored(v.z)}; }
+
+}  // namespace
+
+std::size_t Sphereflake::size() const {
+    std::size_t count = 1, generation = 1;
+    for (int level = 0; level < levels; ++level) count += generation *= 9;
+    return count;
+}
+
+Sphereflake read_sphereflake(TableReader table) {
+    Sphereflake flake;
+    const Real levels = table.number("levels");
+    if (levels != floor(levels) || levels < 0 || levels > most_flake_levels) {
+        table.fail_at("levels", "must be a whole number from 0 to " + std::to_string(most_flake_levels) + "; 5 makes 66430 spheres, each more nine times as many");
+    }
+    flake.levels = static_cast<int>(levels);
+    if (const auto centre = table.optional_vec3("centre")) flake.centre = stored(*centre);
+    if (const auto radius = table.optional_number("radius")) flake.radius = stored(*radius);
+    // The smallest sphere must still be one in binary32.
+    if (!(flake.radius >= 0x1p-100) || !(flake.radius <= 0x1p100)) table.fail_at("radius", "must lie between 2^-100 and 2^100; write 1");
+    for (int i = 0; i < 3; ++i) {
+        if (!(std::fabs(flake.centre[i]) <= 0x1p100)) table.fail_at("centre", "must lie within 2^100 of the origin");
+    }
+    if (const auto axis = table.optional_vec3("axis")) {
+        const Vec<double> a = stored(*axis);
+        const double size = length(a);
+        if (!(size > 0) || !std::isfinite(size)) table.fail_at("axis", "gives no direction in binary64; write [0, 0, 1]");
+        flake.axis = a;
+    }
+    table.reject_unknown_keys();
+    return flake;
+}
+
+void require_room_for(const Sphereflake& flake) {
+    constexpr double bytes_a_sphere = 470, gigabyte = 1e9;
+    const double there = 0.75 * static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGESIZE));
+    const double needed = bytes_a_sphere * static_cast<double>(flake.size());
+    if (needed <= there) return;
+    Sphereflake smaller = flake;
+    while (smaller.levels > 0 && bytes_a_sphere * static_cast<double>(smaller.size()) > there) --smaller.levels;
+    throw EnvironmentError("sphereflake.levels = " + std::to_string(flake.levels) + ": a map of its " + std::to_string(flake.size()) + " spheres needs about " +
+                           std::to_string(static_cast<long>(needed / gigabyte)) + " GB, more than three quarters of this machine's memory; levels = " + std::to_string(smaller.levels) + " fits");
+}
+
+void for_each_sphere(const Sphereflake& flake, const std::function<void(const Sphere<double>&)>& take) {
+    grow({flake.centre, flake.radius}, unit(flake.axis), flake.levels, [&take](const Sphere<double>& s) {
+        stop_if_interrupted();
+        take(s);
+    });
+}
+
+}  // namespace lostbits::scene

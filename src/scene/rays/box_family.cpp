@@ -1,0 +1,147 @@
+#include "scene/rays/box_family.hpp"
+
+#include <array>
+#include <cmath>
+
+#include "scene/rays/random.hpp"
+
+namespace lostbits::scene {
+namespace {
+
+double stored(double x) { return static_cast<double>(static_cast<float>(x)); }
+
+/// Random sides between a half and all of the size; one of them of the stated thickness; not centred anywhere special.
+Box<double> draw_box(Random& random, const BoxFamily& f) {
+    Box<double> box;
+    const int thin = random.below(3);
+    const Vec<double> away = f.offset * Vec<double>(1, 0.6875, -0.4375);
+    for (int i = 0; i < 3; ++i) {
+        const double side = f.size * (i == thin && f.thickness < 1 ? f.thickness : random.between(0.5, 1));
+        box.lo[i] = stored(away[i] + f.size * random.between(-0.75, -0.25));
+        box.hi[i] = stored(box.lo[i] + side);
+    }
+    return box;
+}
+
+/// The eight boxes around a point inside of one.
+std::vector<Solid<double>> cut(const Box<double>& box, const Vec<double>& at) {
+    std::vector<Solid<double>> parts;
+    for (int n = 0; n < 8; ++n) {
+        Box<double> part = box;
+        for (int i = 0; i < 3; ++i) ((n >> i & 1) != 0 ? part.lo : part.hi)[i] = at[i];
+        parts.emplace_back(part);
+    }
+    return parts;
+}
+
+/// A point of a face, edge or corner, and the directions (±1 or 0 an axis) in which the box ends there.
+struct Feature {
+    Vec<double> point;
+    Vec<double> outward;
+};
+
+Feature draw_feature(Random& random, const BoxFamily& f, const Box<double>& box) {
+    using A = BoxFamily::Aim;
+    const int fixed = f.aim == A::inside ? 0 : f.aim == A::face ? 1 : f.aim == A::edge ? 2 : 3;
+    const int first = random.below(3);
+    Feature feature{{0, 0, 0}, {0, 0, 0}};
+    for (int k = 0; k < 3; ++k) {
+        const int axis = (first + k) % 3;
+        const double share = random.between(0.05, 0.95);
+        feature.point[axis] = box.lo[axis] + share * (box.hi[axis] - box.lo[axis]);
+        if (k >= fixed) continue;
+        feature.outward[axis] = random.sign();
+        feature.point[axis] = feature.outward[axis] > 0 ? box.hi[axis] : box.lo[axis];
+    }
+    return feature;
+}
+
+/// A direction of length about 1 whose line meets the box in nothing but the feature: it goes in across one of the faces
+/// that meet there and out across another; along the face where there is only one.
+Vec<double> draw_direction(Random& random, const Feature& feature) {
+    Vec<double> d(0, 0, 0);
+    int ends = 0;
+    double last = 0;
+    for (int i = 0; i < 3; ++i) {
+        d[i] = random.sign() * random.between(0.1, 1);
+        if (feature.outward[i] == 0) continue;
+        // The second face is left the other way than the first; a third as it comes.
+        if (++ends == 2) d[i] = -std::copysign(d[i], last * feature.outward[i]);
+        last = d[i] * feature.outward[i];
+    }
+    if (ends == 1) {
+        for (int i = 0; i < 3; ++i) d[i] = feature.outward[i] != 0 ? 0 : d[i];
+    }
+    return d / length(d);
+}
+
+void push(RayBlock& r, const Vec<double>& o, const Vec<double>& d) {
+    r.ox.push_back(stored(o.x));
+    r.oy.push_back(stored(o.y));
+    r.oz.push_back(stored(o.z));
+    r.dx.push_back(stored(d.x));
+    r.dy.push_back(stored(d.y));
+    r.dz.push_back(stored(d.z));
+}
+
+RayGroup box_rays(Random& random, const BoxFamily& f) {
+    const Box<double> box = draw_box(random, f);
+    Vec<double> middle(0, 0, 0);
+    for (int i = 0; i < 3; ++i) middle[i] = stored(box.lo[i] + random.between(0.3, 0.7) * (box.hi[i] - box.lo[i]));
+    RayGroup group;
+    if (f.adjoining) group.solids = cut(box, middle);
+    else group.solids.emplace_back(box);
+    const double magnitude = std::ldexp(1.0, std::ilogb(f.direction_magnitude * std::sqrt(2.0)));
+    for (int i = 0; i < f.rays; ++i) {
+        Feature feature = draw_feature(random, f, box);
+        Vec<double> d = draw_direction(random, feature);
+        if (f.adjoining) {
+            // What is shared lies on the planes through the middle; the line goes through to the inside of the whole.
+            for (int k = 0; k < 3; ++k) {
+                if (feature.outward[k] != 0) feature.point[k] = middle[k];
+            }
+        }
+        const Vec<double> moved = feature.point + (f.gap * f.size) * feature.outward;
+        push(group.rays, moved - (f.distance * f.size) * d, magnitude * d);
+    }
+    group.rays.width = f.rays;
+    group.rays.y1 = 1;
+    return group;
+}
+
+}  // namespace
+
+BoxFamily read_box_family(TableReader table) {
+    using A = BoxFamily::Aim;
+    static constexpr std::pair<std::string_view, A> aims[] = {{"face", A::face}, {"edge", A::edge}, {"corner", A::corner}, {"inside", A::inside}};
+    BoxFamily f;
+    f.aim = table.optional_one_of<A>("aim", aims).value_or(f.aim);
+    f.adjoining = table.optional_boolean("adjoining").value_or(false);
+    const auto number = [&](const char* key, double& target, double low, double high) {
+        const auto x = table.optional_number(key);
+        if (!x) return;
+        target = static_cast<double>(*x);
+        if (!(target >= low && target <= high)) table.fail_at(key, "must lie between " + std::to_string(low) + " and " + std::to_string(high));
+    };
+    number("size", f.size, 0x1p-100, 0x1p+100);
+    number("thickness", f.thickness, 0, 1);
+    number("distance", f.distance, 0, 0x1p+100);
+    number("gap", f.gap, -0.25, 0.25);
+    number("direction_magnitude", f.direction_magnitude, 0x1p-120, 0x1p+120);
+    number("offset", f.offset, -0x1p+100, 0x1p+100);
+    if (f.adjoining && f.thickness == 0) table.fail_at("thickness", "must be above 0 with adjoining boxes");
+    f.views = static_cast<int>(table.optional_integer("views", 1, 4096).value_or(f.views));
+    f.rays = static_cast<int>(table.optional_integer("rays", 1, 65536).value_or(f.rays));
+    f.seed = static_cast<std::uint64_t>(table.optional_integer("seed", 0, 1LL << 53).value_or(1));
+    table.reject_unknown_keys();
+    return f;
+}
+
+std::vector<RayGroup> box_family_rays(const BoxFamily& family) {
+    Random random(family.seed);
+    std::vector<RayGroup> groups;
+    for (int v = 0; v < family.views; ++v) groups.push_back(box_rays(random, family));
+    return groups;
+}
+
+}  // namespace lostbits::scene

@@ -1,0 +1,33 @@
+// Families of rays at boxes: seeded, aimed at faces, edges and corners, and past them by a stated gap.
+#pragma once
+
+#include "scene/rays/family.hpp"
+
+namespace lostbits::scene {
+
+/// A box of random sides, and rays that would touch it in one point of an edge or a corner, or run along a face, if they
+/// were not moved away from it by `gap`. With `adjoining` the box is one of eight that share three planes, and
+/// the rays are aimed at what they share: none can slip between.
+struct BoxFamily {
+    enum class Aim { face, edge, corner, inside };
+
+    Aim aim = Aim::edge;
+    bool adjoining = false;
+    double size = 1;                 ///< longest side, world units
+    double thickness = 1;            ///< shortest side, in sizes; 0: flat
+    double distance = 4;             ///< from the eye to the point aimed at, in sizes
+    double gap = 0;                  ///< in sizes; positive: outward, a miss by so much
+    double direction_magnitude = 1;  ///< length of the directions, to the nearest power of two
+    double offset = 0;               ///< everything is moved by offset·(1, 0.6875, −0.4375)
+    int views = 16;                  ///< boxes
+    int rays = 64;                   ///< rays a box
+    std::uint64_t seed = 1;
+};
+
+/// Reads `[box_family]`. InputError with a position for anything out of range.
+BoxFamily read_box_family(TableReader table);
+
+/// The rays of a family: shared inputs, each number rounded once to binary32.
+std::vector<RayGroup> box_family_rays(const BoxFamily& family);
+
+}  // namespace lostbits::scene

@@ -1,0 +1,56 @@
+// Families of rays: one sphere and a seeded set of rays around it, with the numbers a sweep turns.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "scene/rays/rays.hpp"
+#include "scene/toml/toml_reader.hpp"
+
+namespace lostbits::scene {
+
+/// A ray set with the solids it is aimed at: what a step of a sweep evaluates.
+struct RayGroup {
+    RayBlock rays;
+    std::vector<Solid<double>> solids;
+    std::optional<MarchConstants<double>> march = {};  ///< absent: no form that marches may be asked
+};
+
+/// One sphere seen along directions w = (a, b, c)/n with whole a² + b² + c² = n² (Pythagorean quadruples), so that the
+/// distances a sweep asks for exist exactly in binary32, in oblique directions too.
+struct Family {
+    /// parallel: rays along w from a disc at the world's origin, the centre at M·(a, b, c), which is `distance` radii
+    /// away to 12 bits of M. point: the surface passes through the world's origin exactly, and all rays of a view start
+    /// `height` above it, along −w and aside of it.
+    enum class Projection { parallel, point };
+    /// tilted: w ∥ (1, tilt, 0.6875·tilt), each component to 12 bits, and the distance to 12 bits too.
+    enum class Views { oblique, axis, tilted };
+    enum class Weighting { disc, silhouette };
+
+    Projection projection = Projection::parallel;
+    Views directions = Views::oblique;
+    Weighting weighting = Weighting::disc;
+    double radius = 1;               ///< world units
+    double distance = 4;             ///< parallel: eye to centre, in radii
+    double height = 1;               ///< point: eye to surface, world units
+    double impact_from = 0;          ///< distance of the line from the centre, in radii: disc: uniform in area between
+    double impact_to = 0.999;        ///< these; silhouette: uniform in log2(1 − impact)
+    double silhouette_gap = 0;       ///< > 0: all lines pass at 1 − gap radii, in place of the impacts above
+    bool away = false;               ///< point: rays along +w, away from the centre
+    double direction_magnitude = 1;  ///< length of the directions, to the nearest power of two
+    double tilt = 0;                 ///< tilted: tangent of the angle to the x axis, in the xy plane
+    double offset = 0;               ///< everything is moved by offset·(1, 0.6875, −0.4375)
+    int views = 16;                  ///< directions w
+    int rays = 64;                   ///< rays a view
+    std::uint64_t seed = 1;
+};
+
+/// Reads `[family]`. InputError with a position for anything out of range.
+Family read_family(TableReader table);
+
+/// The rays of a family: shared inputs, each number rounded once to binary32. The random numbers depend on the seed
+/// alone, so neighbouring steps of a sweep see the same rays in the sphere's own proportions.
+std::vector<RayGroup> family_rays(const Family& family);
+
+}  // namespace lostbits::scene

@@ -1,0 +1,96 @@
+#include "scene/rays/rays.hpp"
+
+#include <algorithm>
+
+#include "number/rounded.hpp"
+#include "scene/rays/camera.hpp"
+#include "scene/toml/round.hpp"
+
+namespace lostbits::scene {
+namespace {
+
+template <class T>
+BasicRayBlock<T> make_rays(const Scene& scene, int y0, int y1) {
+    const CameraFrame<T> frame = make_frame<T>(scene);
+    BasicRayBlock<T> block{scene.width, y0, y1, {}, {}, {}, {}, {}, {}, {}};
+    const std::size_t count = static_cast<std::size_t>(scene.width) * static_cast<std::size_t>(y1 - y0);
+    for (auto* component : {&block.ox, &block.oy, &block.oz, &block.dx, &block.dy, &block.dz})
+        component->reserve(count);
+    for (int y = y0; y < y1; ++y) {
+        for (int x = 0; x < scene.width; ++x) {
+            const Ray<T> r = ray(frame, x, y);
+            block.ox.push_back(r.origin.x);
+            block.oy.push_back(r.origin.y);
+            block.oz.push_back(r.origin.z);
+            block.dx.push_back(r.direction.x);
+            block.dy.push_back(r.direction.y);
+            block.dz.push_back(r.direction.z);
+        }
+    }
+    return block;
+}
+
+template <class T, class Round>
+RayBlock rounded(const BasicRayBlock<T>& from, Round round) {
+    RayBlock to{from.width, from.y0, from.y1, {}, {}, {}, {}, {}, {}, {}};
+    const auto all = [&](const std::vector<T>& in, std::vector<double>& out) {
+        out.resize(in.size());
+        std::transform(in.begin(), in.end(), out.begin(), round);
+    };
+    all(from.ox, to.ox);
+    all(from.oy, to.oy);
+    all(from.oz, to.oz);
+    all(from.dx, to.dx);
+    all(from.dy, to.dy);
+    all(from.dz, to.dz);
+    return to;
+}
+
+}  // namespace
+
+RayBlock make_shared_rays(const Scene& scene, int y0, int y1) {
+    return round_block(make_rays<double>(scene, y0, y1), binary32);
+}
+
+IdealRayBlock make_own_rays(const Scene& scene, int y0, int y1) { return make_rays<Real>(scene, y0, y1); }
+
+RayBlock round_rays(const IdealRayBlock& ideal, const FloatFormat& f) {
+    return rounded(ideal, [&f](const Real& x) { return round_to_format(x, f); });
+}
+
+RayBlock round_block(const RayBlock& block, const FloatFormat& f) {
+    const auto round = [&f](double x) { return rounding::to_format(x, 0, f); };
+    RayBlock to = rounded(block, round);
+    for (const double t : block.tmax) to.tmax.push_back(round(t));
+    return to;
+}
+
+std::vector<Solid<double>> shared_solids(const Scene& scene) {
+    if (scene.flake) require_room_for(*scene.flake);
+    std::vector<Solid<double>> all;
+    all.reserve(scene.solid_count());
+    for (const SphereSpec& s : scene.spheres) all.push_back(round_solid(Solid<Real>(s), binary32));
+    for (const BoxSpec& b : scene.boxes) all.push_back(round_solid(Solid<Real>(b), binary32));
+    if (scene.flake) for_each_sphere(*scene.flake, [&all](const Sphere<double>& s) { all.push_back(round_solid(Solid<double>(s), binary32)); });
+    return all;
+}
+
+Solid<double> round_solid(const Solid<Real>& spec, const FloatFormat& f) {
+    return transformed(spec, [&f](const Real& x) { return round_to_format(x, f); });
+}
+
+Solid<double> round_solid(const Solid<double>& solid, const FloatFormat& f) {
+    return transformed(solid, [&f](double x) { return rounding::to_format(x, 0, f); });
+}
+
+RayBlock input_rays(const Scene& scene, int y0, int y1, const FloatFormat& f) {
+    if (scene.inputs == Inputs::own) return round_rays(make_own_rays(scene, y0, y1), f);
+    return round_block(make_shared_rays(scene, y0, y1), f);
+}
+
+Solid<double> input_solid(const Scene& scene, std::size_t solid, const FloatFormat& f) {
+    const Solid<Real> spec = scene.solids().at(solid);
+    return scene.inputs == Inputs::own ? round_solid(spec, f) : round_solid(round_solid(spec, binary32), f);
+}
+
+}  // namespace lostbits::scene

@@ -1,0 +1,57 @@
+// The rays of a picture, made once and stored as the numbers that every form is given.
+#pragma once
+
+#include <vector>
+
+#include "geometry/solid.hpp"
+#include "number/format.hpp"
+#include "scene/file/scene.hpp"
+
+namespace lostbits::scene {
+
+/// Rays of the pixel rows [y0, y1), a component an array: ray (y − y0)·width + x is pixel (x, y).
+template <class T>
+struct BasicRayBlock {
+    int width = 0;
+    int y0 = 0;
+    int y1 = 0;
+    std::vector<T> ox, oy, oz, dx, dy, dz;
+    std::vector<double> tmax = {};  ///< where each ray ends, for the forms that are told; empty: nowhere
+
+    [[nodiscard]] std::size_t size() const { return ox.size(); }
+    [[nodiscard]] Ray<T> operator[](std::size_t i) const {
+        return {{ox[i], oy[i], oz[i]}, {dx[i], dy[i], dz[i]}};
+    }
+};
+
+/// Numbers of a format, held in doubles.
+using RayBlock = BasicRayBlock<double>;
+/// The ideal rays. About 500 bytes each: ask for a few rows at a time.
+using IdealRayBlock = BasicRayBlock<Real>;
+
+/// Shared inputs: the camera in double, each component then rounded once to binary32.
+RayBlock make_shared_rays(const Scene& scene, int y0, int y1);
+
+/// Own inputs: the ideal rays, for `round_rays`.
+IdealRayBlock make_own_rays(const Scene& scene, int y0, int y1);
+
+/// Each component of the ideal rays, rounded once to F. A direction that rounds to zero is kept: what a form makes
+/// of it is for the measurement to say.
+RayBlock round_rays(const IdealRayBlock& ideal, const FloatFormat& f);
+
+/// Each component rounded once to F: shared inputs in a format narrower than binary32. The identity where F holds them.
+RayBlock round_block(const RayBlock& block, const FloatFormat& f);
+
+/// The solids of a scene, in its order, each number rounded once to binary32.
+std::vector<Solid<double>> shared_solids(const Scene& scene);
+
+/// The solid, each number rounded once to F. A radius that rounds to zero is kept, as above.
+Solid<double> round_solid(const Solid<Real>& spec, const FloatFormat& f);
+Solid<double> round_solid(const Solid<double>& solid, const FloatFormat& f);
+
+/// What a form in format F is given, whatever the scene's `inputs`: shared inputs rounded to binary32 and then, where
+/// F is narrower, to F; own inputs rounded once to F.
+RayBlock input_rays(const Scene& scene, int y0, int y1, const FloatFormat& f);
+Solid<double> input_solid(const Scene& scene, std::size_t solid, const FloatFormat& f);
+
+}  // namespace lostbits::scene

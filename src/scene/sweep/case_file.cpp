@@ -1,0 +1,184 @@
+#include "scene/sweep/case_file.hpp"
+
+#include <fnmatch.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+
+namespace lostbits::scene {
+namespace {
+
+constexpr std::string_view schema = "lostbits-sweep/1";
+
+std::vector<Quantity> quantities(TableReader& table, std::string_view key, std::size_t count, bool special) {
+    const Node& node = table.node(key);
+    if (node.kind != Node::Kind::array || node.items.size() != count) table.fail_at(key, "is " + node.describe() + " where " + std::to_string(count) + " numbers are expected");
+    std::vector<Quantity> all;
+    for (const Node& item : node.items) all.emplace_back(item, special);
+    return all;
+}
+
+/// x → sign·x of another axis, for all three axes: one of the 48 symmetries of a cube.
+struct Symmetry {
+    std::array<int, 3> from;
+    std::array<double, 3> sign;
+
+    [[nodiscard]] Vec<double> of(const Vec<double>& v) const { return {sign[0] * v[from[0]], sign[1] * v[from[1]], sign[2] * v[from[2]]}; }
+    [[nodiscard]] Solid<double> of(const Solid<double>& s) const {
+        if (s.shape == Shape::sphere) return Sphere<double>{of(s.sphere().centre), s.sphere().radius};
+        const Vec<double> a = of(s.box().lo), b = of(s.box().hi);
+        Box<double> box;
+        for (int i = 0; i < 3; ++i) {
+            box.lo[i] = std::min(a[i], b[i]);
+            box.hi[i] = std::max(a[i], b[i]);
+        }
+        return box;
+    }
+};
+
+std::vector<Symmetry> symmetries(bool all) {
+    if (!all) return {{{0, 1, 2}, {1, 1, 1}}};
+    std::vector<Symmetry> found;
+    std::array<int, 3> order{0, 1, 2};
+    do {
+        for (int signs = 0; signs < 8; ++signs) {
+            found.push_back({order, {(signs & 1) != 0 ? -1.0 : 1.0, (signs & 2) != 0 ? -1.0 : 1.0, (signs & 4) != 0 ? -1.0 : 1.0}});
+        }
+    } while (std::ranges::next_permutation(order).found);
+    return found;
+}
+
+Vec<double> vec_in(const std::vector<Quantity>& v, const FloatFormat& f, int exponent) {
+    return {v[0].in(f, exponent), v[1].in(f, exponent), v[2].in(f, exponent)};
+}
+
+void push(RayBlock& block, const Vec<double>& o, const Vec<double>& d) {
+    block.ox.push_back(o.x);
+    block.oy.push_back(o.y);
+    block.oz.push_back(o.z);
+    block.dx.push_back(d.x);
+    block.dy.push_back(d.y);
+    block.dz.push_back(d.z);
+}
+
+}  // namespace
+
+CaseFile::Case CaseFile::read_case(TableReader& table) {
+    Case c;
+    c.name = table.string("name");
+    c.note = table.optional_string("note").value_or("");
+    if (table.has("lengths")) c.lengths = Exponent(table.node("lengths"));
+    if (table.has("directions")) c.directions = Exponent(table.node("directions"));
+    if (const auto zeros = table.optional_string("zeros")) {
+        if (*zeros != "+0" && *zeros != "-0") table.fail_at("zeros", "is \"" + *zeros + "\"; write \"+0\" or \"-0\", or leave it out");
+        c.zeros = *zeros == "-0" ? -0.0 : 0.0;
+    }
+    c.symmetric = table.optional_boolean("symmetric").value_or(false);
+    for (TableReader& sphere : table.tables("spheres")) {
+        SolidSpec spec{Shape::sphere, quantities(sphere, "centre", 3, false)};
+        spec.numbers.emplace_back(sphere.node("radius"), false);
+        sphere.reject_unknown_keys();
+        c.solids.push_back(std::move(spec));
+    }
+    for (TableReader& box : table.tables("boxes")) {
+        SolidSpec spec{Shape::box, quantities(box, "lo", 3, false)};
+        std::ranges::move(quantities(box, "hi", 3, false), std::back_inserter(spec.numbers));
+        box.reject_unknown_keys();
+        c.solids.push_back(std::move(spec));
+    }
+    if (c.solids.empty()) fail(table.where(), "a case has spheres = [{ centre, radius }, …] or boxes = [{ lo, hi }, …]; write one of them");
+    for (TableReader& ray : table.tables("rays")) {
+        c.rays.push_back({quantities(ray, "origin", 3, true), quantities(ray, "direction", 3, true), {}});
+        if (ray.has("tmax")) c.rays.back().tmax.emplace_back(ray.node("tmax"), true);
+        ray.reject_unknown_keys();
+    }
+    if (c.rays.empty()) fail(table.where(), "a case has rays = [{ origin, direction }, …]; write at least one");
+    table.reject_unknown_keys();
+    return c;
+}
+
+CaseFile::CaseFile(const std::filesystem::path& path) : id(path.stem().string()) {
+    const Node root = read_toml(path);
+    TableReader file(root);
+    require_schema(file, schema);
+    title = file.string("title");
+    source = file.string("source");
+    note = file.optional_string("note").value_or("");
+    if (const auto bits = file.optional_number("right_within_bits")) right_within_bits = static_cast<double>(*bits);
+    if (const auto names = file.optional_strings("conventions")) {
+        conventions.clear();
+        for (const std::string& name : *names) {
+            if (name == "own") conventions.emplace_back(std::nullopt);
+            else if (name == "closed") conventions.emplace_back(Touching::hit);
+            else if (name == "open") conventions.emplace_back(Touching::miss);
+            else file.fail_at("conventions", "holds \"" + name + "\"; there are own, closed and open");
+        }
+        if (conventions.empty()) file.fail_at("conventions", "is empty; leave it out, or name own, closed or open");
+    }
+    for (TableReader& table : file.tables("case")) {
+        Case c = read_case(table);
+        if (std::ranges::find(cases_, c.name, &Case::name) != cases_.end()) table.fail_at("name", "is \"" + c.name + "\", as another case is; name each once");
+        const auto other = [&](const SolidSpec& s) { return s.shape != (cases_.empty() ? c : cases_.front()).solids.front().shape; };
+        if (std::ranges::any_of(c.solids, other)) fail(table.where(), "has another shape than the cases before it; a file is about one shape");
+        for (const SolidSpec& spec : c.solids) {
+            std::vector<double> x;
+            for (const Quantity& q : spec.numbers) x.push_back(q.in(binary64, 0));
+            if (spec.shape == Shape::sphere && !(x[3] > 0)) fail(table.where(), "has a sphere whose radius is not greater than 0; write a positive number");
+            for (std::size_t k = 0; spec.shape == Shape::box && k < 3; ++k) {
+                if (x[k] > x[k + 3]) fail(table.where(), "has a box whose hi lies below its lo in a component; a box has lo <= hi in each");
+            }
+        }
+        cases_.push_back(std::move(c));
+    }
+    file.reject_unknown_keys();
+    if (cases_.empty()) fail(file.where(), "has no [[case]]");
+}
+
+std::vector<std::size_t> CaseFile::matching(const std::string& glob, const Where& where) const {
+    std::vector<std::string> names;
+    std::vector<std::size_t> found;
+    for (std::size_t i = 0; i < cases_.size(); ++i) {
+        names.push_back(cases_[i].name);
+        if (fnmatch(glob.c_str(), cases_[i].name.c_str(), 0) == 0) found.push_back(i);
+    }
+    if (found.empty()) fail(where, "no case \"" + glob + "\" in " + id + "; " + did_you_mean(glob, names));
+    return found;
+}
+
+std::vector<RayGroup> CaseFile::rays(std::size_t i, const FloatFormat& format) const {
+    const Case& c = cases_[i];
+    const int lengths = c.lengths.in(format), directions = c.directions.in(format);
+    std::vector<RayGroup> groups;
+    for (const Symmetry& symmetry : symmetries(c.symmetric)) {
+        RayGroup group;
+        for (const SolidSpec& spec : c.solids) {
+            Solid<double> solid;
+            solid.shape = spec.shape;
+            for (std::size_t k = 0; k < spec.numbers.size(); ++k) solid.numbers[k] = spec.numbers[k].in(format, lengths);
+            group.solids.push_back(symmetry.of(solid));
+        }
+        for (const RaySpec& ray : c.rays) {
+            Vec<double> d = symmetry.of(vec_in(ray.direction, format, directions));
+            for (int k = 0; c.zeros && k < 3; ++k) d[k] = d[k] == 0 ? *c.zeros : d[k];
+            push(group.rays, symmetry.of(vec_in(ray.origin, format, lengths)), d);
+        }
+        const bool ends = std::ranges::any_of(c.rays, [](const RaySpec& ray) { return !ray.tmax.empty(); });
+        for (const RaySpec& ray : c.rays) {
+            // A parameter, not a length: it is not scaled.
+            if (ends) group.rays.tmax.push_back(ray.tmax.empty() ? HUGE_VAL : ray.tmax.front().in(format, 0));
+        }
+        group.rays.width = static_cast<int>(c.rays.size());
+        group.rays.y1 = 1;
+        groups.push_back(std::move(group));
+    }
+    return groups;
+}
+
+SweepKind sweep_kind(const std::filesystem::path& path) {
+    const Node root = read_toml(path);
+    return root.find("case") != nullptr ? SweepKind::cases : root.find("search") != nullptr ? SweepKind::search : SweepKind::axes;
+}
+
+}  // namespace lostbits::scene

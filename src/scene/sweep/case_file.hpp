@@ -1,0 +1,65 @@
+// Named cases: rays and solids at the extremes of a format, the same in every format's own measure.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "intersect/info.hpp"
+#include "scene/rays/family.hpp"
+#include "scene/toml/quantity.hpp"
+
+namespace lostbits::scene {
+
+/// A sweep over `[[case]]` tables in place of axes.
+class CaseFile {
+public:
+    /// InputError with a position for anything that is no file of cases.
+    explicit CaseFile(const std::filesystem::path& path);
+
+    std::string id, title, source, note;
+    /// An answer within so many bits of the envelope is right, if its decision is.
+    double right_within_bits = 3;
+    /// By which conventions on touching the forms are judged, one after another; nothing stands for each by its own.
+    std::vector<std::optional<Touching>> conventions{std::nullopt};
+
+    [[nodiscard]] std::size_t size() const { return cases_.size(); }
+    [[nodiscard]] const std::string& name(std::size_t i) const { return cases_[i].name; }
+    [[nodiscard]] const std::string& note_of(std::size_t i) const { return cases_[i].note; }
+    [[nodiscard]] Shape shape() const { return cases_.front().solids.front().shape; }
+    [[nodiscard]] bool meets(Shape form) const { return form == shape(); }
+    /// The places of the cases whose name matches a glob; InputError with did-you-mean, `where` in front.
+    [[nodiscard]] std::vector<std::size_t> matching(const std::string& glob, const Where& where) const;
+
+    /// The rays of a case as numbers of the format, by groups that share their solids. They need be no proper rays:
+    /// components may be NaN or infinite, directions zero.
+    [[nodiscard]] std::vector<RayGroup> rays(std::size_t i, const FloatFormat& format) const;
+
+private:
+    struct SolidSpec {
+        Shape shape;
+        std::vector<Quantity> numbers;
+    };
+    struct RaySpec {
+        std::vector<Quantity> origin, direction;
+        std::vector<Quantity> tmax;  ///< one, or none: the ray has no end
+    };
+    struct Case {
+        std::string name, note;
+        Exponent lengths, directions;  ///< every length, every direction is times two to this
+        std::optional<double> zeros;   ///< +0 or −0: every zero of a direction is this one
+        bool symmetric = false;        ///< once under each of the 48 symmetries of the axes, ray and solid alike
+        std::vector<SolidSpec> solids;
+        std::vector<RaySpec> rays;
+    };
+    static Case read_case(TableReader& table);
+
+    std::vector<Case> cases_;
+};
+
+/// What a sweep file holds, by its tables.
+enum class SweepKind { axes, cases, search };
+SweepKind sweep_kind(const std::filesystem::path& path);
+
+}  // namespace lostbits::scene

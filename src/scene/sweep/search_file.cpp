@@ -1,0 +1,66 @@
+#include "scene/sweep/search_file.hpp"
+
+#include <cmath>
+
+namespace lostbits::scene {
+namespace {
+
+Range read_range(TableReader& table, std::string_view key) {
+    const auto ends = table.numbers(key, 2);
+    const Range range{static_cast<double>(ends[0]), static_cast<double>(ends[1])};
+    if (!(range.low <= range.high)) table.fail_at(key, "is [low, high] with low <= high");
+    return range;
+}
+
+}  // namespace
+
+SearchFile::SearchFile(const std::filesystem::path& path) : id(path.stem().string()) {
+    const Node root = read_toml(path);
+    TableReader file(root);
+    require_schema(file, "lostbits-sweep/1");
+    title = file.string("title");
+    source = file.string("source");
+    note = file.optional_string("note").value_or("");
+    TableReader table = file.table("search");
+    const auto thrice = [&](std::string_view key) { ranges.insert(ranges.end(), 3, read_range(table, key)); };
+    thrice("origin");
+    thrice("direction");
+    if (table.has("lo")) {
+        shape = Shape::box;
+        thrice("lo");
+        thrice("hi");
+    } else {
+        thrice("centre");
+        ranges.push_back(read_range(table, "radius"));
+        if (table.has("distance_radii")) distance_radii = read_range(table, "distance_radii");
+        if (table.has("impact_radii")) impact_radii = read_range(table, "impact_radii");
+    }
+    metric = table.optional_string("metric").value_or("lost_bits");
+    seed = static_cast<std::uint64_t>(table.optional_integer("seed", 0, 1LL << 53).value_or(1));
+    starts = static_cast<int>(table.optional_integer("starts", 1, 4096).value_or(starts));
+    generations = static_cast<int>(table.optional_integer("generations", 1, 65536).value_or(generations));
+    table.reject_unknown_keys();
+    file.reject_unknown_keys();
+}
+
+bool SearchFile::holds(const Ray<double>& ray, const Solid<double>& solid) const {
+    std::size_t i = 0;
+    for (const Vec<double>& v : {ray.origin, ray.direction}) {
+        for (int k = 0; k < 3; ++k) {
+            if (!ranges[i++].holds(v[k])) return false;
+        }
+    }
+    for (const double x : solid.used()) {
+        if (!ranges[i++].holds(x)) return false;
+    }
+    if (shape == Shape::box) {
+        const Box<double> box = solid.box();
+        return box.lo.x <= box.hi.x && box.lo.y <= box.hi.y && box.lo.z <= box.hi.z && ray.direction != Vec<double>(0, 0, 0);
+    }
+    const Sphere<double> sphere = solid.sphere();
+    const Vec<double> f = ray.origin - sphere.centre;
+    const double impact = length(cross(f, ray.direction)) / length(ray.direction);
+    return distance_radii.holds(length(f) / sphere.radius) && impact_radii.holds(impact / sphere.radius);
+}
+
+}  // namespace lostbits::scene

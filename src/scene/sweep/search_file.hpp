@@ -1,0 +1,42 @@
+// A search: ranges of every number of a ray and a solid, in which the worst ray of a form is looked for.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "geometry/solid.hpp"
+#include "scene/toml/toml_reader.hpp"
+
+namespace lostbits::scene {
+
+struct Range {
+    double low = 0, high = 0;
+    [[nodiscard]] bool holds(double x) const { return low <= x && x <= high; }
+};
+
+/// A sweep file with a `[search]` table in place of axes.
+class SearchFile {
+public:
+    /// InputError with a position for anything that is no search.
+    explicit SearchFile(const std::filesystem::path& path);
+
+    std::string id, title, source, note;
+    Shape shape = Shape::sphere;
+    /// Of origin x, y, z, direction x, y, z, and the solid's numbers, in this order: one after another.
+    std::vector<Range> ranges;
+    /// Spheres only: eye to centre and line to centre, in radii. What a ray near the silhouette or a far one loses is no
+    /// surprise; these keep the search to rays that should be easy.
+    Range distance_radii{0, 0x1p1000}, impact_radii{0, 0x1p1000};
+    std::string metric;   ///< made as large as possible; a wrong decision beats any value
+    std::uint64_t seed = 1;
+    int starts = 16;      ///< random rays that the search begins from
+    int generations = 64;  ///< of 32 neighbours each, from every start
+
+    /// Whether a ray and a solid lie in the ranges (the derived ones to double precision), and are a ray and a solid.
+    [[nodiscard]] bool holds(const Ray<double>& ray, const Solid<double>& solid) const;
+};
+
+}  // namespace lostbits::scene

@@ -1,0 +1,72 @@
+// A sweep: a scene or a family of rays, and one or two numbers of it that take many values.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "intersect/info.hpp"
+#include "scene/rays/box_family.hpp"
+#include "scene/file/scene.hpp"
+
+namespace lostbits::scene {
+
+struct Axis {
+    enum class Spacing { linear, log2, every_float, whole };
+    std::string name;  ///< column and label: `distance_over_radius`
+    std::string unit;
+    Spacing spacing = Spacing::log2;
+    double from = 1, to = 2;
+    std::vector<double> values;  ///< in order; log2 steps are rounded to 12 significant bits
+    struct Target {
+        std::string path;   ///< in the scene, or in the family's table
+        double factor = 1;  ///< the path is set to factor · value
+    };
+    std::vector<Target> targets;
+
+    /// Half way between two values in the axis's own spacing; equal to one of them when nothing lies between.
+    [[nodiscard]] double middle(double a, double b) const;
+};
+
+class SweepFile {
+public:
+    /// InputError with a position for anything that is no sweep. A scene is looked up in `data_dir`.
+    SweepFile(const std::filesystem::path& path, const std::filesystem::path& data_dir);
+
+    std::string id, title, source, note;
+    std::vector<Axis> axes;  ///< one or two
+    std::optional<Touching> convention;  ///< all forms are judged as if touching were this; absent: each by its own word
+
+    /// A place on the first axis that a plot points out: a prediction, with the format it is made for (all if empty), and
+    /// perhaps the form whose measured onset is to be drawn beside it.
+    struct Mark {
+        double at;
+        std::string label, format;
+        std::string form, event, statistic;  ///< as in onsets.csv; empty: nothing beside it
+        double threshold = 1;
+    };
+    std::vector<Mark> marks;
+
+    /// Whether the forms of a shape can be asked along the sweep.
+    [[nodiscard]] bool meets(Shape shape) const { return shape == Shape::sdf ? marches_ : shapes_ == std::vector{shape}; }
+    /// The shapes of its solids, each once.
+    [[nodiscard]] const std::vector<Shape>& shapes() const { return shapes_; }
+
+    /// The rays of one step, one value per axis.
+    [[nodiscard]] std::vector<RayGroup> rays(const std::vector<double>& values) const;
+    /// The first group of the first step: what solids and constants are like.
+    [[nodiscard]] RayGroup first_rays() const;
+
+private:
+    Node root_;
+    std::optional<SceneFile> scene_;
+    std::optional<std::string> variant_;
+    std::vector<Shape> shapes_;
+    bool marches_ = false;
+};
+
+/// A path to a file, or the id of one in `data_dir/sweeps`. InputError with did-you-mean.
+std::filesystem::path find_sweep(const std::string& name_or_path, const std::filesystem::path& data_dir);
+
+}  // namespace lostbits::scene

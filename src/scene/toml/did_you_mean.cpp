@@ -1,0 +1,64 @@
+#include "scene/toml/did_you_mean.hpp"
+
+#include <algorithm>
+
+namespace lostbits::scene {
+namespace {
+
+constexpr std::size_t most_listed = 12;
+
+char lower(char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; }
+
+int most_edits(std::size_t letters) {
+    if (letters <= 5) return 1;
+    if (letters <= 8) return 2;
+    return static_cast<int>(letters / 3);
+}
+
+std::string quoted(const std::string& word) { return '"' + word + '"'; }
+
+}  // namespace
+
+int edit_distance(std::string_view a, std::string_view b) {
+    // Three rows of the table are alive: a swap looks two rows back.
+    std::vector<int> two_back(b.size() + 1), last(b.size() + 1), row(b.size() + 1);
+    for (std::size_t j = 0; j <= b.size(); ++j) row[j] = static_cast<int>(j);
+    for (std::size_t i = 1; i <= a.size(); ++i) {
+        two_back.swap(last);
+        last.swap(row);
+        row[0] = static_cast<int>(i);
+        for (std::size_t j = 1; j <= b.size(); ++j) {
+            const bool same = lower(a[i - 1]) == lower(b[j - 1]);
+            row[j] = std::min({last[j] + 1, row[j - 1] + 1, last[j - 1] + (same ? 0 : 1)});
+            const bool swapped =
+                i > 1 && j > 1 && lower(a[i - 1]) == lower(b[j - 2]) && lower(a[i - 2]) == lower(b[j - 1]);
+            if (swapped) row[j] = std::min(row[j], two_back[j - 2] + 1);
+        }
+    }
+    return row[b.size()];
+}
+
+std::optional<std::string> closest(std::string_view word, const std::vector<std::string>& candidates) {
+    std::optional<std::string> best;
+    int fewest = most_edits(word.size()) + 1;
+    for (const std::string& candidate : candidates) {
+        const int edits = edit_distance(word, candidate);
+        if (edits >= fewest) continue;
+        fewest = edits;
+        best = candidate;
+    }
+    return best;
+}
+
+std::string did_you_mean(std::string_view word, const std::vector<std::string>& candidates) {
+    if (candidates.empty()) return "";
+    if (const auto near = closest(word, candidates)) return "did you mean " + quoted(*near) + "?";
+    std::string text = "known here: ";
+    for (std::size_t i = 0; i < std::min(candidates.size(), most_listed); ++i)
+        text += (i > 0 ? ", " : "") + quoted(candidates[i]);
+    if (candidates.size() > most_listed)
+        text += " and " + std::to_string(candidates.size() - most_listed) + " more";
+    return text;
+}
+
+}  // namespace lostbits::scene

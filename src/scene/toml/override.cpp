@@ -1,0 +1,106 @@
+// Overrides: one mechanism for variants, `--set` and sweep axes.
+#include <algorithm>
+#include <charconv>
+
+#include "scene/toml/did_you_mean.hpp"
+#include "scene/toml/toml_tree.hpp"
+
+namespace lostbits::scene {
+namespace {
+
+/// A key, or with `is_index` the position in an array; `end` is where it ends in the path.
+struct Step {
+    bool is_index;
+    std::string key;
+    std::size_t index;
+    std::size_t end;
+};
+
+std::vector<Step> steps_of(const Override& change) {
+    const std::string& path = change.path;
+    const auto malformed = [&](const std::string& why) {
+        fail(change.where,
+            "the path \"" + path + "\" " + why + "; write keys and indices from 0, as in sphere[0].radius");
+    };
+    std::vector<Step> steps;
+    std::size_t i = 0;
+    while (true) {
+        const std::size_t end = std::min(path.find_first_of(".[", i), path.size());
+        if (end == i) malformed("has an empty key");
+        steps.push_back({false, path.substr(i, end - i), 0, end});
+        i = end;
+        while (i < path.size() && path[i] == '[') {
+            std::size_t index = 0;
+            const auto [stop, error] = std::from_chars(path.data() + i + 1, path.data() + path.size(), index);
+            if (error != std::errc{} || stop == path.data() + path.size() || *stop != ']')
+                malformed("has an index that is no whole number");
+            i = static_cast<std::size_t>(stop - path.data()) + 1;
+            steps.push_back({true, "", index, i});
+        }
+        if (i == path.size()) return steps;
+        if (path[i] != '.') malformed("goes on after an index without a dot");
+        ++i;
+    }
+}
+
+}  // namespace
+
+void apply_override(Node& root, const Override& change) {
+    const std::vector<Step> steps = steps_of(change);
+    Node* node = &root;
+    std::string so_far;  // for errors: the path to `node`
+    for (std::size_t i = 0; i < steps.size(); ++i) {
+        const Step& step = steps[i];
+        const bool last = i + 1 == steps.size();
+        const std::string here = so_far.empty() ? "the file" : so_far;
+        const std::string unknown = "unknown path \"" + change.path + "\": ";
+        if (step.is_index) {
+            if (node->kind != Node::Kind::array)
+                fail(change.where,
+                    unknown + here + " is " + node->describe() + ", which has no indices; leave [...] out");
+            if (step.index >= node->items.size()) {
+                const std::string advice =
+                    node->items.empty() ? ""
+                                        : "; indices go from 0 to " + std::to_string(node->items.size() - 1);
+                fail(change.where, unknown + here + " is " + node->describe() + advice);
+            }
+            node->where = change.where;  // what is wrong with the whole is now the override's doing
+            node = &node->items[step.index];
+        } else {
+            if (node->kind == Node::Kind::array)
+                fail(change.where,
+                    unknown + here + " is " + node->describe() + "; say which: " + here + "[0]." + step.key);
+            if (node->kind != Node::Kind::table)
+                fail(change.where,
+                    unknown + here + " is " + node->describe() + ", which has no keys; end the path there");
+            Node* next = node->find(step.key);
+            if (next == nullptr && !last) {
+                const std::string hint = did_you_mean(step.key, node->keys());
+                fail(change.where,
+                    unknown + here + " has no \"" + step.key + '"' + (hint.empty() ? "" : "; " + hint));
+            }
+            if (next == nullptr) {
+                node->entries.push_back({step.key, change.where, {}});
+                next = &node->entries.back().value;
+            }
+            node = next;
+        }
+        so_far = change.path.substr(0, step.end);
+    }
+    *node = change.value;
+}
+
+std::vector<Override> overrides_in(const Node& table) {
+    std::vector<Override> all;
+    for (const Node::Entry& entry : table.entries) {
+        if (entry.value.kind != Node::Kind::table) {
+            all.push_back({entry.key, entry.value, entry.key_where});
+            continue;
+        }
+        for (Override& inner : overrides_in(entry.value))
+            all.push_back({entry.key + '.' + inner.path, std::move(inner.value), inner.where});
+    }
+    return all;
+}
+
+}  // namespace lostbits::scene

@@ -1,0 +1,115 @@
+#include "scene/toml/quantity.hpp"
+
+#include <cctype>
+#include <charconv>
+#include <cmath>
+#include <limits>
+
+#include "number/rounded.hpp"
+#include "scene/toml/parse_number.hpp"
+#include "scene/toml/round.hpp"
+
+namespace lostbits::scene {
+namespace {
+
+bool is_part_of_a_word(char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '.'; }
+
+/// The text without the spaces around its operators; "1 2" is not twelve.
+std::string text_of(const Node& node) {
+    if (node.kind == Node::Kind::integer) return std::to_string(node.integer);
+    if (node.kind != Node::Kind::string && node.kind != Node::Kind::floating) fail(node.where, "is " + node.describe() + " where a number or a string is expected");
+    std::string out;
+    bool space = false;
+    for (const char c : node.text) {
+        if (std::isspace(static_cast<unsigned char>(c)) != 0) {
+            space = true;
+            continue;
+        }
+        if (space && !out.empty() && is_part_of_a_word(out.back()) && is_part_of_a_word(c)) fail(node.where, "\"" + node.text + "\" holds a space inside a number or word; take it out");
+        space = false;
+        out += c;
+    }
+    return out;
+}
+
+/// ⌊n/d⌋ for negative n too.
+int floor_quotient(int n, int d) { return n / d - (n % d < 0 ? 1 : 0); }
+
+bool ends(std::string& text, std::string_view tail) {
+    if (!text.ends_with(tail)) return false;
+    text.erase(text.size() - tail.size());
+    return true;
+}
+
+}  // namespace
+
+Exponent::Exponent(const Node& node) {
+    const std::string text = text_of(node);
+    const auto bad = [&] { fail(node.where, "\"" + text + "\" is no exponent; write a sum of whole numbers, emax, emin and p, each perhaps over 2 or 4, such as \"emax/2 + 1\""); };
+    std::size_t at = 0;
+    while (at < text.size()) {
+        Term term{1, 0, Term::Word::none, 1};
+        if (text[at] == '+' || text[at] == '-') term.sign = text[at++] == '-' ? -1 : 1;
+        else if (at > 0) bad();
+        const std::string_view rest = std::string_view(text).substr(at);
+        if (rest.starts_with("emax")) term.word = Term::Word::emax, at += 4;
+        else if (rest.starts_with("emin")) term.word = Term::Word::emin, at += 4;
+        else if (rest.starts_with("p")) term.word = Term::Word::p, at += 1;
+        else {
+            const auto [stop, error] = std::from_chars(rest.data(), rest.data() + rest.size(), term.number);
+            if (error != std::errc{} || term.number < 0 || term.number > 10000) bad();
+            at += static_cast<std::size_t>(stop - rest.data());
+        }
+        if (text.compare(at, 2, "/2") == 0 || text.compare(at, 2, "/4") == 0) term.divisor = text[at + 1] - '0', at += 2;
+        terms_.push_back(term);
+    }
+    if (terms_.empty()) bad();
+}
+
+int Exponent::in(const FloatFormat& f) const {
+    int sum = 0;
+    for (const Term& t : terms_) {
+        using W = Term::Word;
+        const int n = t.word == W::emax ? f.emax : t.word == W::emin ? f.emin : t.word == W::p ? f.precision : t.number;
+        sum += t.sign * floor_quotient(n, t.divisor);
+    }
+    return sum;
+}
+
+Quantity::Quantity(const Node& node, bool special) {
+    std::string text = text_of(node);
+    if (ends(text, "+ulp")) step_ = 1;
+    else if (ends(text, "-ulp")) step_ = -1;
+    std::string_view rest = text;
+    const bool sign = !rest.empty() && (rest.front() == '-' || rest.front() == '+');
+    const bool minus = sign && rest.front() == '-';
+    constexpr std::pair<std::string_view, Word> words[] = {{"nan", Word::nan}, {"inf", Word::inf}, {"max", Word::max}, {"min", Word::min}, {"tiny", Word::tiny}};
+    for (const auto& [name, word] : words) {
+        if (rest.substr(sign ? 1 : 0) != name) continue;
+        if (!special && (word == Word::nan || word == Word::inf)) fail(node.where, "is " + std::string(name) + ", which only a ray may hold");
+        word_ = word;
+        negative_ = minus;
+        return;
+    }
+    const auto parsed = parse_number(rest);
+    if (const auto* fault = std::get_if<NumberFault>(&parsed)) fail(node.where, "\"" + text + "\" " + fault->why + "; or write max, min, tiny, nan or inf");
+    base_ = std::get<Real>(parsed);
+}
+
+double Quantity::in(const FloatFormat& f, int exponent) const {
+    double x = 0;
+    switch (word_) {
+        case Word::none: x = round_to_format(base_ == 0 ? base_ : Real(ldexp(base_, exponent)), f); break;
+        case Word::nan: x = std::numeric_limits<double>::quiet_NaN(); break;
+        case Word::inf: x = std::numeric_limits<double>::infinity(); break;
+        case Word::max: x = std::ldexp(2 - std::ldexp(1.0, 1 - f.precision), f.emax); break;
+        case Word::min: x = std::ldexp(1.0, f.emin); break;
+        case Word::tiny: x = std::ldexp(1.0, f.emin - f.precision + 1); break;
+    }
+    if (negative_) x = -x;
+    if (step_ > 0) return rounding::next_up(x, f);
+    if (step_ < 0) return -rounding::next_up(-x, f);
+    return x;
+}
+
+}  // namespace lostbits::scene

@@ -1,0 +1,254 @@
+#include "scene/toml/toml_reader.hpp"
+
+#include <algorithm>
+#include <charconv>
+
+#include "scene/toml/parse_number.hpp"
+
+namespace lostbits::scene {
+namespace {
+
+using Kind = Node::Kind;
+
+[[noreturn]] void wrong_type(const Node& node, const std::string& name, std::string_view expected) {
+    fail(node.where, name + " is " + node.describe() + ", but " + std::string(expected) + " is expected here");
+}
+
+void require_kind(const Node& node, Kind kind, const std::string& name, std::string_view expected) {
+    if (node.kind != kind) wrong_type(node, name, expected);
+}
+
+std::string element(const std::string& name, std::size_t i) { return name + '[' + std::to_string(i) + ']'; }
+
+constexpr std::string_view a_number = R"(a number (4100, 1e-3, "0x1.004p+12"))";
+
+Real as_number(const Node& node, const std::string& name) {
+    if (node.kind == Kind::integer) return Real(node.integer);
+    if (node.kind != Kind::string && node.kind != Kind::floating) wrong_type(node, name, a_number);
+    const auto parsed = parse_number(node.text);
+    if (const auto* fault = std::get_if<NumberFault>(&parsed)) {
+        const std::string shown = node.kind == Kind::string ? '"' + node.text + '"' : node.text;
+        fail(node.where, name + " = " + shown + ' ' + fault->why);
+    }
+    return std::get<Real>(parsed);
+}
+
+long long as_integer(const Node& node, const std::string& name, long long lowest, long long highest) {
+    const std::string range =
+        "a whole number from " + std::to_string(lowest) + " to " + std::to_string(highest);
+    require_kind(node, Kind::integer, name, range);
+    if (node.integer < lowest || node.integer > highest) wrong_type(node, name, range);
+    return node.integer;
+}
+
+std::string array_of(std::size_t count, std::string_view what) {
+    return count == 0 ? "an array of " + std::string(what)
+                      : "an array of " + std::to_string(count) + ' ' + std::string(what);
+}
+
+const std::vector<Node>& as_array(
+    const Node& node, const std::string& name, std::size_t count, std::string_view what) {
+    const bool right_length = count == 0 ? !node.items.empty() : node.items.size() == count;
+    if (node.kind != Kind::array || !right_length) wrong_type(node, name, array_of(count, what));
+    return node.items;
+}
+
+std::vector<Real> as_numbers(const Node& node, const std::string& name, std::size_t count) {
+    std::vector<Real> values;
+    for (const Node& item : as_array(node, name, count, "numbers"))
+        values.push_back(as_number(item, element(name, values.size())));
+    return values;
+}
+
+std::vector<std::string> as_strings(const Node& node, const std::string& name) {
+    std::vector<std::string> values;
+    for (const Node& item : as_array(node, name, 0, "strings")) {
+        require_kind(item, Kind::string, element(name, values.size()), "a string");
+        values.push_back(item.text);
+    }
+    return values;
+}
+
+}  // namespace
+
+TableReader::TableReader(const Node& table, std::string path) : table_(&table), path_(std::move(path)) {
+    require_kind(table, Kind::table, path_.empty() ? "the file" : path_, "a table");
+}
+
+std::string TableReader::path_to(std::string_view key) const {
+    return path_.empty() ? std::string(key) : path_ + '.' + std::string(key);
+}
+
+Where TableReader::where(std::string_view key) const {
+    const Node* node = table_->find(key);
+    return node == nullptr ? table_->where : node->where;
+}
+
+void TableReader::fail_at(std::string_view key, const std::string& message) const {
+    fail(where(key), path_to(key) + ' ' + message);
+}
+
+const Node* TableReader::seek(std::string_view key) {
+    if (std::find(asked_for_.begin(), asked_for_.end(), key) == asked_for_.end()) asked_for_.emplace_back(key);
+    return table_->find(key);
+}
+
+const Node& TableReader::demand(std::string_view key, std::string_view expected) {
+    const Node* node = seek(key);
+    if (node != nullptr) return *node;
+    const std::string missing = path_to(key) + " is missing";
+    // A misspelt key shows as a missing one first: point at the misspelling.
+    std::vector<std::string> unread;
+    for (const std::string& present : table_->keys())
+        if (std::find(asked_for_.begin(), asked_for_.end(), present) == asked_for_.end())
+            unread.push_back(present);
+    if (const auto near = closest(key, unread)) {
+        for (const Node::Entry& entry : table_->entries)
+            if (entry.key == *near)
+                fail(entry.key_where, missing + ", but there is " + path_to(*near) + "; did you mean \"" +
+                                          std::string(key) + "\"?");
+    }
+    fail(table_->where, missing + "; give it " + std::string(expected));
+}
+
+std::string TableReader::string(std::string_view key) {
+    const Node& node = demand(key, "a string");
+    require_kind(node, Kind::string, path_to(key), "a string");
+    return node.text;
+}
+
+std::optional<std::string> TableReader::optional_string(std::string_view key) {
+    if (seek(key) == nullptr) return std::nullopt;
+    return string(key);
+}
+
+std::vector<std::string> TableReader::strings(std::string_view key) {
+    return as_strings(demand(key, "an array of strings"), path_to(key));
+}
+
+std::optional<std::vector<std::string>> TableReader::optional_strings(std::string_view key) {
+    if (seek(key) == nullptr) return std::nullopt;
+    return strings(key);
+}
+
+std::optional<bool> TableReader::optional_boolean(std::string_view key) {
+    const Node* node = seek(key);
+    if (node == nullptr) return std::nullopt;
+    require_kind(*node, Kind::boolean, path_to(key), "true or false");
+    return node->boolean;
+}
+
+long long TableReader::integer(std::string_view key, long long lowest, long long highest) {
+    return as_integer(demand(key, "a whole number"), path_to(key), lowest, highest);
+}
+
+std::optional<long long> TableReader::optional_integer(
+    std::string_view key, long long lowest, long long highest) {
+    if (seek(key) == nullptr) return std::nullopt;
+    return integer(key, lowest, highest);
+}
+
+std::optional<std::vector<long long>> TableReader::optional_integers(
+    std::string_view key, std::size_t count, long long lowest, long long highest) {
+    const Node* node = seek(key);
+    if (node == nullptr) return std::nullopt;
+    std::vector<long long> values;
+    for (const Node& item : as_array(*node, path_to(key), count, "whole numbers"))
+        values.push_back(as_integer(item, element(path_to(key), values.size()), lowest, highest));
+    return values;
+}
+
+Real TableReader::number(std::string_view key) { return as_number(demand(key, a_number), path_to(key)); }
+
+std::optional<Real> TableReader::optional_number(std::string_view key) {
+    if (seek(key) == nullptr) return std::nullopt;
+    return number(key);
+}
+
+std::vector<Real> TableReader::numbers(std::string_view key, std::size_t count) {
+    return as_numbers(demand(key, array_of(count, "numbers")), path_to(key), count);
+}
+
+std::optional<std::vector<Real>> TableReader::optional_numbers(std::string_view key, std::size_t count) {
+    if (seek(key) == nullptr) return std::nullopt;
+    return numbers(key, count);
+}
+
+Vec<Real> TableReader::vec3(std::string_view key) {
+    const std::vector<Real> xyz = numbers(key, 3);
+    return {xyz[0], xyz[1], xyz[2]};
+}
+
+std::optional<Vec<Real>> TableReader::optional_vec3(std::string_view key) {
+    if (seek(key) == nullptr) return std::nullopt;
+    return vec3(key);
+}
+
+std::size_t TableReader::choice(std::string_view key, const std::vector<std::string>& names) {
+    const std::string name = string(key);
+    const auto found = std::find(names.begin(), names.end(), name);
+    if (found == names.end())
+        fail_at(key, "is \"" + name + "\", which is not known; " + did_you_mean(name, names));
+    return static_cast<std::size_t>(found - names.begin());
+}
+
+const Node& TableReader::node(std::string_view key) { return demand(key, "a value"); }
+
+TableReader TableReader::table(std::string_view key) {
+    return TableReader(demand(key, "a table of that name"), path_to(key));
+}
+
+std::optional<TableReader> TableReader::optional_table(std::string_view key) {
+    if (seek(key) == nullptr) return std::nullopt;
+    return table(key);
+}
+
+std::vector<TableReader> TableReader::tables(std::string_view key) {
+    std::vector<TableReader> readers;
+    const Node* node = seek(key);
+    if (node == nullptr) return readers;
+    const std::string expected = "an array of tables, [[" + path_to(key) + "]],";
+    require_kind(*node, Kind::array, path_to(key), expected);
+    for (const Node& item : node->items) {
+        require_kind(item, Kind::table, element(path_to(key), readers.size()), "a table");
+        readers.emplace_back(item, element(path_to(key), readers.size()));
+    }
+    return readers;
+}
+
+void TableReader::reject(std::string_view key, std::string_view why) {
+    for (const Node::Entry& entry : table_->entries)
+        if (entry.key == key) fail(entry.key_where, path_to(key) + ' ' + std::string(why));
+}
+
+void TableReader::reject_unknown_keys() const {
+    for (const Node::Entry& entry : table_->entries) {
+        if (std::find(asked_for_.begin(), asked_for_.end(), entry.key) != asked_for_.end()) continue;
+        fail(entry.key_where, "unknown key " + path_to(entry.key) + "; " + did_you_mean(entry.key, asked_for_));
+    }
+}
+
+void require_schema(TableReader& file, std::string_view schema) {
+    const std::string expected = "schema = \"" + std::string(schema) + '"';
+    if (!file.optional_string("schema"))
+        fail(file.where(),
+            "schema is missing, so what the keys mean is not known; write " + expected + " first");
+    const std::string found = file.string("schema");
+    if (found == schema) return;
+
+    const auto split = [](std::string_view name) {
+        const std::size_t slash = std::min(name.find('/'), name.size());
+        int version = 0;
+        if (slash < name.size()) std::from_chars(name.data() + slash + 1, name.data() + name.size(), version);
+        return std::pair(name.substr(0, slash), version);
+    };
+    const auto [kind, version] = split(found);
+    const auto [wanted_kind, newest] = split(schema);
+    if (kind == wanted_kind && version > newest)
+        file.fail_at("schema",
+            "is \"" + found + "\", newer than this program reads; use a newer lostbits, or write " + expected);
+    file.fail_at(
+        "schema", "is \"" + found + "\", which is not the kind of file wanted here; write " + expected);
+}
+
+}  // namespace lostbits::scene

@@ -1,0 +1,103 @@
+// Typed reading of a TOML table: scenes, sweeps and claims. Every error says where, what, why and what to try.
+#pragma once
+
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "geometry/vec.hpp"
+#include "scene/toml/did_you_mean.hpp"
+#include "scene/toml/toml_tree.hpp"
+
+namespace lostbits::scene {
+
+/// Reads one table, key by key, and remembers which keys were asked for: at the end `reject_unknown_keys` knows the
+/// rest to be mistakes. `x(key)` demands the key, `optional_x(key)` does not; a key of the wrong type, a number that
+/// is not finite or a missing key is an InputError at the value (a missing key: at the table).
+/// The tree must outlive the reader.
+class TableReader {
+public:
+    /// `path` is what errors and overrides call the table: `camera`, `sphere[0]`, empty for the file itself.
+    explicit TableReader(const Node& table, std::string path = "");
+
+    std::string string(std::string_view key);
+    std::optional<std::string> optional_string(std::string_view key);
+    std::vector<std::string> strings(std::string_view key);
+    std::optional<std::vector<std::string>> optional_strings(std::string_view key);
+    std::optional<bool> optional_boolean(std::string_view key);
+
+    /// A whole number in [lowest, highest].
+    long long integer(std::string_view key, long long lowest, long long highest);
+    std::optional<long long> optional_integer(std::string_view key, long long lowest, long long highest);
+    /// Exactly `count` whole numbers in [lowest, highest].
+    std::optional<std::vector<long long>> optional_integers(
+        std::string_view key, std::size_t count, long long lowest, long long highest);
+
+    /// A TOML integer or float, or a string: a decimal or a hexadecimal float. Read exactly, rounded once
+    /// (`parse_number`): 0.1 and "0.1" are both one tenth, not the nearest double.
+    Real number(std::string_view key);
+    std::optional<Real> optional_number(std::string_view key);
+    /// `count` numbers, or any positive number of them for count = 0.
+    std::vector<Real> numbers(std::string_view key, std::size_t count = 0);
+    std::optional<std::vector<Real>> optional_numbers(std::string_view key, std::size_t count = 0);
+    Vec<Real> vec3(std::string_view key);
+    std::optional<Vec<Real>> optional_vec3(std::string_view key);
+
+    /// A string that is one of the given names.
+    template <class E>
+    E one_of(std::string_view key, std::span<const std::pair<std::string_view, E>> choices) {
+        return choices[choice(key, names_of(choices))].second;
+    }
+    template <class E>
+    std::optional<E> optional_one_of(
+        std::string_view key, std::span<const std::pair<std::string_view, E>> choices) {
+        if (seek(key) == nullptr) return std::nullopt;
+        return one_of(key, choices);
+    }
+
+    [[nodiscard]] bool has(std::string_view key) { return seek(key) != nullptr; }
+    /// The value as it stands, for a notation of its own.
+    const Node& node(std::string_view key);
+
+    TableReader table(std::string_view key);
+    std::optional<TableReader> optional_table(std::string_view key);
+    /// The elements of an array of tables, `[[key]]`; none when the key is missing.
+    std::vector<TableReader> tables(std::string_view key);
+
+    /// A key that has no meaning here for the given reason: `why` goes on after `path.key`.
+    void reject(std::string_view key, std::string_view why);
+    /// Call last: every key that nothing asked for is an error with did-you-mean.
+    void reject_unknown_keys() const;
+
+    /// Where the value stands; the table, if the key is missing.
+    [[nodiscard]] Where where(std::string_view key) const;
+    [[nodiscard]] Where where() const { return table_->where; }
+    /// `camera.eye`.
+    [[nodiscard]] std::string path_to(std::string_view key) const;
+    /// Throws InputError `file:line:col: path.key message`.
+    [[noreturn]] void fail_at(std::string_view key, const std::string& message) const;
+
+private:
+    const Node* seek(std::string_view key);
+    const Node& demand(std::string_view key, std::string_view expected);
+    std::size_t choice(std::string_view key, const std::vector<std::string>& names);
+
+    template <class E>
+    static std::vector<std::string> names_of(std::span<const std::pair<std::string_view, E>> choices) {
+        std::vector<std::string> names;
+        for (const auto& each : choices) names.emplace_back(each.first);
+        return names;
+    }
+
+    const Node* table_;
+    std::string path_;
+    std::vector<std::string> asked_for_;
+};
+
+/// Checks the key `schema` of a file against e.g. "lostbits-scene/1". A missing, another or a newer one is an error.
+void require_schema(TableReader& file, std::string_view schema);
+
+}  // namespace lostbits::scene

@@ -1,0 +1,237 @@
+#include "scene/toml/toml_tree.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+#include <utility>
+
+#include <toml++/toml.h>
+
+#include "scene/toml/did_you_mean.hpp"
+#include "scene/toml/parse_number.hpp"
+
+namespace lostbits::scene {
+namespace {
+
+constexpr std::size_t most_bytes = std::size_t{16} << 20;
+
+/// Turns toml++'s tree into ours. A float is read again from the text: toml++ keeps only the nearest double.
+class Converter {
+public:
+    Converter(std::string_view text, std::string source) : source_(std::move(source)) {
+        while (true) {
+            const std::size_t end = text.find('\n');
+            lines_.push_back(text.substr(0, end));
+            if (end == std::string_view::npos) break;
+            text.remove_prefix(end + 1);
+        }
+    }
+
+    [[nodiscard]] Node convert(const toml::node& from) const {
+        Node node;
+        node.where = at(from.source());
+        if (const auto* table = from.as_table()) {
+            node.kind = Node::Kind::table;
+            for (auto&& [key, value] : *table)
+                node.entries.push_back({std::string(key.str()), at(key.source()), convert(value)});
+            // toml++ sorts by name; overrides apply in the order of writing.
+            std::stable_sort(
+                node.entries.begin(), node.entries.end(), [](const Node::Entry& a, const Node::Entry& b) {
+                    return std::pair(a.key_where.line, a.key_where.column) <
+                           std::pair(b.key_where.line, b.key_where.column);
+                });
+        } else if (const auto* array = from.as_array()) {
+            node.kind = Node::Kind::array;
+            for (const toml::node& item : *array) node.items.push_back(convert(item));
+        } else if (const auto* string = from.as_string()) {
+            node.kind = Node::Kind::string;
+            node.text = string->get();
+        } else if (const auto* integer = from.as_integer()) {
+            node.kind = Node::Kind::integer;
+            node.integer = integer->get();
+        } else if (from.is_floating_point()) {
+            node.kind = Node::Kind::floating;
+            node.text = digits_at(node.where);
+        } else if (const auto* boolean = from.as_boolean()) {
+            node.kind = Node::Kind::boolean;
+            node.boolean = boolean->get();
+        }
+        return node;
+    }
+
+private:
+    [[nodiscard]] Where at(const toml::source_region& region) const {
+        return {source_, static_cast<int>(region.begin.line), static_cast<int>(region.begin.column)};
+    }
+
+    [[nodiscard]] std::string digits_at(const Where& where) const {
+        const std::string_view line = lines_.at(static_cast<std::size_t>(where.line) - 1);
+        std::size_t byte = 0;  // columns count characters: the continuation bytes of UTF-8 are not counted
+        for (int column = 1; byte < line.size(); ++byte) {
+            if ((line[byte] & 0xc0) == 0x80) continue;
+            if (column++ == where.column) break;
+        }
+        constexpr std::string_view of_numbers = "0123456789+-._eEinfa";
+        std::string digits;
+        for (; byte < line.size() && of_numbers.find(line[byte]) != std::string_view::npos; ++byte)
+            if (line[byte] != '_') digits += line[byte];
+        return digits;
+    }
+
+    std::string source_;
+    std::vector<std::string_view> lines_;
+};
+
+Node parse(std::string_view text, const std::string& source) {
+    // A byte order mark is no character of the first line.
+    if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
+    try {
+        const toml::table table = toml::parse(text, std::string_view(source));
+        return Converter(text, source).convert(table);
+    } catch (const toml::parse_error& error) {
+        const auto& begin = error.source().begin;
+        std::string description(error.description());
+        std::string remedy = "; see https://toml.io for the notation";
+        if (description.find("hexadecimal floating-point") != std::string::npos)
+            remedy = R"(; write a hexadecimal float as a string: "0x1.004p+12")";
+        fail({source, static_cast<int>(begin.line), static_cast<int>(begin.column)},
+            "not valid TOML: " + description + remedy);
+    }
+}
+
+}  // namespace
+
+std::string Where::text() const {
+    return line == 0 ? source : source + ':' + std::to_string(line) + ':' + std::to_string(column);
+}
+
+void fail(const Where& where, const std::string& message) { throw InputError(where.text() + ": " + message); }
+
+const Node* Node::find(std::string_view key) const {
+    for (const Entry& entry : entries)
+        if (entry.key == key) return &entry.value;
+    return nullptr;
+}
+
+Node* Node::find(std::string_view key) { return const_cast<Node*>(std::as_const(*this).find(key)); }
+
+std::vector<std::string> Node::keys() const {
+    std::vector<std::string> names;
+    for (const Entry& entry : entries) names.push_back(entry.key);
+    return names;
+}
+
+std::string Node::describe() const {
+    switch (kind) {
+        case Kind::table: return "a table";
+        case Kind::array: return "an array of " + std::to_string(items.size());
+        case Kind::string: return "the string \"" + text + '"';
+        case Kind::integer: return "the integer " + std::to_string(integer);
+        case Kind::floating: return "the number " + text;
+        case Kind::boolean: return boolean ? "the boolean true" : "the boolean false";
+        case Kind::other: break;
+    }
+    return "a date or time";
+}
+
+Node Node::of_string(std::string text, Where where) {
+    Node node;
+    node.kind = Kind::string;
+    node.where = std::move(where);
+    node.text = std::move(text);
+    return node;
+}
+
+Node Node::of_integer(std::int64_t value, Where where) {
+    Node node;
+    node.kind = Kind::integer;
+    node.where = std::move(where);
+    node.integer = value;
+    return node;
+}
+
+Node Node::of_number(const Real& value, Where where) { return of_string(exact_text(value), std::move(where)); }
+
+Node Node::of_array(std::vector<Node> items, Where where) {
+    Node node;
+    node.kind = Kind::array;
+    node.where = std::move(where);
+    node.items = std::move(items);
+    return node;
+}
+
+namespace {
+
+/// toml++ 3.3 recurses once a part of a dotted key and overflows the stack on a key of 50000 parts.
+void reject_endless_keys(const std::string& text, const std::string& source) {
+    constexpr int most_parts = 256;
+    int line = 1, dots = 0;
+    for (const char c : text) {
+        if (c == '\n') ++line;
+        if (c == '\n' || c == '=' || c == ',' || c == '{') dots = 0;
+        else if (c == '.' && ++dots > most_parts) fail({source, line, 1}, "has a key of more than 256 parts, which no file by hand has; check the path");
+    }
+}
+
+}  // namespace
+
+Node read_toml(const std::filesystem::path& path) {
+    const Where start{path.string(), 1, 1};
+    std::error_code ignored;
+    if (std::filesystem::is_directory(path, ignored)) fail(start, "is a folder; name a .toml file in it");
+    std::ifstream file(path, std::ios::binary);
+    if (!file)
+        fail(start,
+            std::string("cannot be read: ") + std::strerror(errno) + "; check the path and its permissions");
+
+    std::string text;
+    std::array<char, 65536> chunk;
+    while (file && text.size() <= most_bytes) {
+        file.read(chunk.data(), chunk.size());
+        text.append(chunk.data(), static_cast<std::size_t>(file.gcount()));
+    }
+    if (file.bad()) fail(start, "reading failed half way; check the disk");
+    if (text.size() > most_bytes)
+        fail(start, "is larger than 16 MiB, which no file of numbers by hand is; check the path");
+    reject_endless_keys(text, start.source);
+    return parse(text, start.source);
+}
+
+Override parse_override(std::string_view assignment, std::string_view option) {
+    const Where where{std::string(option) + ' ' + std::string(assignment), 0, 0};
+    const std::size_t equals = assignment.find('=');
+    if (equals == std::string_view::npos || equals == 0)
+        fail(where, "is no assignment; write path=value, as in sphere[0].radius=1e3");
+    const auto trimmed = [](std::string_view s) {
+        while (!s.empty() && s.front() == ' ') s.remove_prefix(1);
+        while (!s.empty() && s.back() == ' ') s.remove_suffix(1);
+        return s;
+    };
+    const std::string path(trimmed(assignment.substr(0, equals)));
+    const std::string text(trimmed(assignment.substr(equals + 1)));
+    if (text.empty()) fail(where, "has no value after =; write path=value, as in sphere[0].radius=1e3");
+
+    Node value = Node::of_string(text, where);
+    if (text.find('\n') == std::string::npos) {
+        try {
+            value = parse("value = " + text, "").entries.at(0).value;
+        } catch (const InputError&) {
+            // Not TOML: a bare word or a hexadecimal float, which its reader judges as the string that it is.
+        }
+    }
+    // No column inside the value is worth reporting: the option is the place.
+    const auto relocate = [&where](auto&& self, Node& node) -> void {
+        node.where = where;
+        for (Node& item : node.items) self(self, item);
+        for (Node::Entry& entry : node.entries) {
+            entry.key_where = where;
+            self(self, entry.value);
+        }
+    };
+    relocate(relocate, value);
+    return {path, std::move(value), where};
+}
+
+}  // namespace lostbits::scene

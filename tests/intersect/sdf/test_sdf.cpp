@@ -1,0 +1,214 @@
+// The forms that march: what they say of themselves, against plain loops, across registers, and in enclosures.
+#include "catch.hpp"
+#include "intersect/catalogue.hpp"
+#include "intersect/table/kernels.hpp"
+#include "intersect/simd/packed.hpp"
+#include "intersect/sdf/sdf_draw.hpp"
+#include "number/real.hpp"
+
+namespace lostbits::test {
+namespace {
+
+template <class S>
+struct Batch {
+    std::vector<S> column[6], t, near, far;
+    std::vector<std::uint8_t> hit;
+    std::vector<MarchRecord> march;
+
+    explicit Batch(const std::vector<Ray<double>>& rays) {
+        for (const Ray<double>& r : rays) {
+            for (int i = 0; i < 3; ++i) {
+                column[i].push_back(static_cast<S>(r.origin[i]));
+                column[3 + i].push_back(static_cast<S>(r.direction[i]));
+            }
+        }
+        const std::size_t n = rays.size();
+        t.resize(n), near.resize(n), far.resize(n), hit.resize(n), march.resize(n);
+    }
+    [[nodiscard]] RayBatch<S> rays() const { return {column[0], column[1], column[2], column[3], column[4], column[5]}; }
+    HitBatch<S> hits(bool records) { return {t, near, far, hit, records ? std::span(march) : std::span<MarchRecord>()}; }
+};
+
+template <class S, class Kernel>
+Batch<S> run(const Kernel& kernel, const DrawnField& field, bool records) {
+    Batch<S> batch(field.rays);
+    const LiftedTarget<S> target(field.target(), [](double x) { return static_cast<S>(x); });
+    kernel(batch.rays(), target.get(), batch.hits(records));
+    return batch;
+}
+
+template <class S>
+void compare_widths(std::uint64_t seed) {
+    Random random(seed);
+    std::size_t hits = 0, misses = 0;
+    for (int k = 0; k < 60; ++k) {
+        const DrawnField field = draw_field(random, static_cast<std::size_t>(random.between(0, 70)));
+        for (std::size_t form = 0; form < form_count; ++form) {
+            if (intersectors()[form].shape != Shape::sdf) continue;
+            const auto kernel_of = [](const PackedRow& row) {
+                if constexpr (std::same_as<S, float>) return row.f32;
+                else return row.f64;
+            };
+            const auto want = run<S>(kernel_of(packed_rows(Isa::scalar)[form]), field, false);
+            for (const auto h : want.hit) ++(h ? hits : misses);
+            for (const Isa isa : available_isas()) {
+                const auto got = run<S>(kernel_of(packed_rows(isa)[form]), field, false);
+                INFO(intersectors()[form].info->name << " at " << name_of(isa));
+                CHECK(got.hit == want.hit);
+                CHECK(got.t == want.t);
+                CHECK(got.near == want.near);
+                CHECK(got.far == want.far);
+            }
+        }
+    }
+    CHECK(hits > 1000);
+    CHECK(misses > 1000);
+}
+
+/// The loop of seed 003 as anybody would write it.
+template <class S>
+std::pair<bool, S> plain_march(const Ray<S>& ray, const Sphere<S>& sphere, S eps, int steps, S most, int& samples) {
+    S t = 0;
+    for (samples = 1; samples <= steps; ++samples) {
+        const S x = ray.origin.x + t * ray.direction.x - sphere.centre.x;
+        const S y = ray.origin.y + t * ray.direction.y - sphere.centre.y;
+        const S z = ray.origin.z + t * ray.direction.z - sphere.centre.z;
+        const S d = std::sqrt(x * x + y * y + z * z) - sphere.radius;
+        if (d < eps) return {true, t};
+        t += d;
+        if (t > most) return {false, t};
+    }
+    samples = steps;
+    return {false, t};
+}
+
+}  // namespace
+
+TEST_CASE("forms that march have names, unit directions and one intersection", "[intersect][sdf]") {
+    const char* names[] = {"sdf.sphere_trace", "sdf.relative_eps", "sdf.cone_eps", "sdf.over_relaxed", "sdf.accumulated", "sdf.secant_refined", "sdf.bisect_refined"};
+    const auto rows = intersectors(Shape::sdf);
+    REQUIRE(rows.size() == std::size(names));
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+        CHECK(rows[i].info->name == names[i]);
+        CHECK(rows[i].info->direction == Direction::unit);
+        CHECK(rows[i].info->roots == Roots::first_only);
+        CHECK(rows[i].log != nullptr);
+    }
+    for (const Intersector& row : intersectors(Shape::sphere)) CHECK(row.log == nullptr);
+}
+
+TEST_CASE("distance fields: the seed's table, and a box from every side", "[intersect][sdf]") {
+    const Sphere<double> unit{{0, 0, 0}, 1};
+    const double at[] = {0, 0.5, 1, 2, 5}, is[] = {-1, -0.5, 0, 1, 4};
+    for (std::size_t i = 0; i < 5; ++i) CHECK(sdf::distance(unit, Vec<double>(at[i], 0, 0)) == is[i]);
+    const Box<double> box{{-1, -2, -3}, {1, 2, 3}};
+    CHECK(sdf::distance(box, Vec<double>(0, 0, 0)) == -1);
+    CHECK(sdf::distance(box, Vec<double>(0.75, 0, 0)) == -0.25);
+    CHECK(sdf::distance(box, Vec<double>(1, 2, 3)) == 0);
+    CHECK(sdf::distance(box, Vec<double>(-4, 0, 0)) == 3);
+    CHECK(sdf::distance(box, Vec<double>(4, 6, 0)) == 5);        // 3-4-5 beside an edge
+    CHECK(sdf::distance(box, Vec<double>(-3, 5, -9)) == 7);      // 2-3-6-7 off a corner
+    const Solid<double> both[] = {Solid<double>(unit), Solid<double>(Box<double>{{2, -1, -1}, {3, 1, 1}})};
+    const sdf::Union<double> field{std::span<const Solid<double>>(both)};
+    CHECK(field({1.25, 0, 0}) == 0.25);
+    CHECK(field({1.75, 0, 0}) == 0.25);
+    CHECK(field({2.25, 0, 0}) == -0.25);
+}
+
+TEST_CASE("packed marches give the bits of the native rows", "[intersect][sdf][packed]") {
+    compare_widths<float>(7);
+    compare_widths<double>(8);
+}
+
+TEST_CASE("sphere_trace is the seed's loop", "[intersect][sdf]") {
+    Random random(11);
+    for (int k = 0; k < 400; ++k) {
+        DrawnField field = draw_field(random, 4);
+        field.solids = {Solid<double>(Sphere<double>{{0.5, -0.25, 0.125}, 0.75})};
+        const auto got = run<double>(intersectors(Shape::sdf).front().native64, field, true);
+        for (std::size_t i = 0; i < field.rays.size(); ++i) {
+            int samples = 0;
+            const auto [hit, t] = plain_march<double>(field.rays[i], field.solids[0].sphere(), field.march.hit_eps, field.march.max_steps, field.march.max_dist, samples);
+            CHECK((got.hit[i] != 0) == hit);
+            CHECK(got.t[i] == t);
+            CHECK(got.march[i].iterations == samples);
+            const Stop stop = hit ? Stop::hit : t > field.march.max_dist ? Stop::max_dist : got.march[i].stop;
+            CHECK(got.march[i].stop == stop);
+        }
+    }
+}
+
+TEST_CASE("a march stands still where t + d is t", "[intersect][sdf]") {
+    DrawnField field;
+    field.solids = {Solid<double>(Sphere<double>{{0, 0, 0}, 1})};
+    field.march = {0x1p-40, 100, 1e-3, 1e-3, 1.4, 200, 2, 4};
+    const double d = static_cast<double>(static_cast<float>(1 / std::sqrt(3.0)));
+    field.rays = {{{4, 4, 4}, {-d, -d, -d}}};
+    const auto row = intersectors(Shape::sdf).front();
+    const auto got = run<float>(row.native32, field, true);
+    CHECK(got.hit[0] == 0);
+    CHECK(got.march[0].stop == Stop::stagnated);
+    CHECK(got.march[0].iterations == 200);
+    CHECK(got.march[0].least > 0x1p-40);
+    CHECK(got.march[0].least < 0x1p-20);
+    const MarchLog log = row.log(*find_format("f32"), field.rays[0], field.target());
+    REQUIRE(log.steps.size() == 200);
+    CHECK(log.steps[199].t == log.steps[198].t);
+    CHECK(log.steps[199].d > 0);
+    CHECK(log.hit.t == static_cast<double>(got.t[0]));
+}
+
+TEST_CASE("enclosures of the marches contain what they give unrounded", "[intersect][sdf][containment]") {
+    using Wide = BasicReal<1024>;
+    Random random(5);
+    std::size_t form = 0;
+    SdfForms::for_each([&]<class Form>() {
+        const Intersector& row = intersectors(Shape::sdf)[form++];
+        int decided = 0, asked = 0, wrong = 0;
+        for (int k = 0; k < 60; ++k) {
+            const DrawnField field = draw_field(random, 3);
+            const LiftedTarget<Wide> wide(field.target(), [](double x) { return Wide(x); });
+            for (const Ray<double>& r : field.rays) {
+                sdf::Unwatched unwatched;
+                const auto lift = [](const Vec<double>& v) { return Vec<Wide>(Wide(v.x), Wide(v.y), Wide(v.z)); };
+                const Hit<Wide> want = intersect_target<Form>(Ray<Wide>{lift(r.origin), lift(r.direction)}, wide.get(), Wide(0), unwatched);
+                const LiftedTarget<Ball> balls(field.target(), [](double x) { return Ball(x); });
+                const Hit<Ball> quick = row.ball({{Ball(r.origin.x), Ball(r.origin.y), Ball(r.origin.z)}, {Ball(r.direction.x), Ball(r.direction.y), Ball(r.direction.z)}}, balls.get());
+                const Wide room = ldexp(Wide(1) + abs(want.t), -500);
+                wrong += (quick.hit.is_yes() && !want.hit) || (quick.hit.is_no() && want.hit);
+                if (quick.t.is_bounded()) wrong += abs(want.t - Wide(quick.t.hi()) - Wide(quick.t.lo())) > Wide(quick.t.radius()) + room;
+                for (const long bits : {100L, 300L, 900L}) {
+                    const Interval::Precision precision(bits);
+                    const LiftedTarget<Interval> boxes(field.target(), [](double x) { return Interval(x); });
+                    const auto in = [](double x) { return Interval(x); };
+                    const Hit<Interval> got = row.interval({{in(r.origin.x), in(r.origin.y), in(r.origin.z)}, {in(r.direction.x), in(r.direction.y), in(r.direction.z)}}, boxes.get());
+                    wrong += (got.hit.is_yes() && !want.hit) || (got.hit.is_no() && want.hit);
+                    if (got.t.is_bounded()) wrong += mpfr_cmp(got.t.lower(), Wide(want.t + room).backend().data()) > 0 || mpfr_cmp(got.t.upper(), Wide(want.t - room).backend().data()) < 0;
+                    if (bits == 900) decided += !got.hit.is_unknown();
+                }
+                ++asked;
+            }
+        }
+        INFO(Form::info.name << " decided " << decided << " of " << asked);
+        CHECK(wrong == 0);
+        CHECK(decided > asked * 9 / 10);
+    });
+}
+
+TEST_CASE("p += d dir is o + t dir where nothing is rounded", "[intersect][sdf]") {
+    using Wide = BasicReal<1024>;
+    Random random(21);
+    for (int k = 0; k < 200; ++k) {
+        const DrawnField field = draw_field(random, 1);
+        const LiftedTarget<Wide> target(field.target(), [](double x) { return Wide(x); });
+        const auto lift = [](const Vec<double>& v) { return Vec<Wide>(Wide(v.x), Wide(v.y), Wide(v.z)); };
+        const Ray<Wide> ray{lift(field.rays[0].origin), lift(field.rays[0].direction)};
+        sdf::Unwatched unwatched;
+        const auto one = intersect_target<sdf::SphereTrace>(ray, target.get(), Wide(0), unwatched);
+        const auto other = intersect_target<sdf::Accumulated>(ray, target.get(), Wide(0), unwatched);
+        CHECK(one.hit == other.hit);
+        CHECK(abs(one.t - other.t) <= ldexp(Wide(1) + abs(one.t), -700));
+    }
+}
+
+}  // namespace lostbits::test

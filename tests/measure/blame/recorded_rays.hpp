@@ -1,0 +1,73 @@
+// Rays for every form of every shape, and a form run on one of them through the plain rows of the table.
+#pragma once
+
+#include <cmath>
+#include <optional>
+#include <vector>
+
+#include "intersect/table/table.hpp"
+#include "measure/truth/band.hpp"
+#include "number/random.hpp"
+#include "number/rounded.hpp"
+
+namespace lostbits::test {
+
+/// What a form is given: a ray, and what it is aimed at.
+struct Setting {
+    Ray<double> ray;
+    std::vector<Solid<double>> solids;
+    MarchConstants<double> march{};
+
+    [[nodiscard]] Target<double> target(const Intersector& form) const { return form.shape == Shape::sdf ? Target<double>(solids, march) : Target<double>(solids.front()); }
+};
+
+/// A ray from outside or inside at a solid of the form's shape (of a field: two), most of which hit; every number one of the format.
+/// `far` multiplies the distance. Unit directions are of unit length but for their rounding.
+inline Setting draw_setting(Random& random, const Intersector& form, const Format& format, double far) {
+    const auto in_format = [&](double x) { return rounding::to_format(x, 0, format.shape); };
+    const auto any = [&] { return 2 * random.unit() - 1; };
+    const auto vec = [&](double scale) { return Vec<double>(in_format(scale * any()), in_format(scale * any()), in_format(scale * any())); };
+    Setting s{{Vec<double>(0, 0, 0), Vec<double>(0, 0, 0)}, {}};
+    const Vec<double> centre = vec(3);
+    const double radius = in_format(0.3 + random.unit());
+    const Vec<double> half(in_format(0.2 + random.unit()), in_format(0.2 + random.unit()), in_format(0.2 + random.unit()));
+    const auto box_at = [&](const Vec<double>& at) {
+        Box<double> box{at, at};
+        for (int i = 0; i < 3; ++i) {
+            box.lo[i] = in_format(at[i] - half[i]);
+            box.hi[i] = in_format(at[i] + half[i]);
+        }
+        return Solid<double>(box);
+    };
+    if (form.shape == Shape::box) s.solids.push_back(box_at(centre));
+    else s.solids.push_back(Sphere<double>{centre, radius});
+    if (form.shape == Shape::sdf) s.solids.push_back(box_at(vec(3)));
+    s.ray.origin = Vec<double>(in_format(far * 6 * any()), in_format(far * 6 * any()), in_format(far * 6 * any()));
+    const Vec<double> aim = vec(0.8);
+    Vec<double> d(centre.x + aim.x * radius - s.ray.origin.x, centre.y + aim.y * radius - s.ray.origin.y, centre.z + aim.z * radius - s.ray.origin.z);
+    const double size = form.info->direction == Direction::unit ? std::sqrt(d.x * d.x + d.y * d.y + d.z * d.z) : std::fabs(d.x) * (1 + random.unit());
+    for (int i = 0; i < 3; ++i) s.ray.direction[i] = in_format(d[i] / size);
+    s.march = MarchConstants<double>{in_format(1e-3), in_format(100), in_format(1e-3), in_format(1e-3), in_format(1.4)};
+    return s;
+}
+
+/// The answer of the plain row.
+inline Hit<double> plain(const Intersector& form, const Format& format, const Setting& s) {
+    const auto run = [&]<class S>(const auto& kernel) {
+        const auto narrow = [](double x) { return static_cast<S>(x); };
+        std::array<S, 10> x{narrow(s.ray.origin.x), narrow(s.ray.origin.y), narrow(s.ray.origin.z), narrow(s.ray.direction.x), narrow(s.ray.direction.y), narrow(s.ray.direction.z)};
+        std::uint8_t hit = 0;
+        const auto one = [&](std::size_t i) { return std::span<S>(&x[i], 1); };
+        const LiftedTarget<S> target(s.target(form), narrow);
+        kernel(RayBatch<S>{one(0), one(1), one(2), one(3), one(4), one(5)}, target.get(), HitBatch<S>{one(6), one(7), one(8), std::span(&hit, 1)});
+        return Hit<double>{hit != 0, x[6], x[7], x[8]};
+    };
+    switch (format.engine) {
+        case Format::Engine::native32: return run.template operator()<float>(form.native32);
+        case Format::Engine::native64: return run.template operator()<double>(form.native64);
+        case Format::Engine::rounded: break;
+    }
+    return run.template operator()<double>([&](const auto&... a) { form.rounded(format.shape, a...); });
+}
+
+}  // namespace lostbits::test

@@ -1,0 +1,283 @@
+// Errors shared out among operations: what is recorded is what the machine does, exact values are exact, and nothing is left over.
+#include "measure/blame/attribution.hpp"
+
+#include "catch.hpp"
+#include "intersect/catalogue.hpp"
+#include "measure/blame/operation_error.hpp"
+#include "measure/blame/recorded_rays.hpp"
+#include "measure/answer/self.hpp"
+#include "number/dual.hpp"
+#include "number/oracle.hpp"
+#include "number/recorded.hpp"
+
+namespace lostbits::test {
+namespace {
+
+Format format_named(const char* name) { return *find_format(name); }
+
+/// Every form in every format that it exists in, on `count` rays.
+template <class See>
+void on_every_form(const std::vector<const char*>& formats, int count, double far, See see) {
+    for (const char* name : formats) {
+        const Format format = format_named(name);
+        for (const Intersector& form : intersectors()) {
+            if (!form.exists_in(format)) continue;
+            Random random(2026);
+            for (int i = 0; i < count; ++i) {
+                const Setting s = draw_setting(random, form, format, far);
+                Tape tape;
+                form.record(format, s.ray, s.target(form), HUGE_VAL, tape);
+                INFO(form.info->name << " in " << name << ", ray " << i);
+                see(form, format, s, tape);
+            }
+        }
+    }
+}
+
+double sum_of_sizes(const Attribution& a) {
+    double sum = 0;
+    for (const OperationError& e : a.of) sum += e.live ? std::fabs(e.contribution) : 0;
+    return sum;
+}
+
+}  // namespace
+
+TEST_CASE("a recorded form answers what the plain one does, to the bit", "[attribution]") {
+    int hits = 0;
+    on_every_form({"f32", "f64", "bf16", "fp16", "p30"}, 60, 1, [&](const Intersector& form, const Format& format, const Setting& s, const Tape& tape) {
+        const Hit<double> want = plain(form, format, s);
+        REQUIRE((tape[tape.outputs.hit].value != 0) == want.hit);
+        REQUIRE(same_number(tape[tape.outputs.t].value, want.t));
+        REQUIRE(same_number(tape[tape.outputs.near].value, want.near));
+        REQUIRE(same_number(tape[tape.outputs.far].value, want.far));
+        hits += want.hit;
+    });
+    CHECK(hits > 3000);
+}
+
+TEST_CASE("every operation on a tape is the operation of the format on its operands", "[attribution]") {
+    on_every_form({"f32", "p12"}, 3, 1, [](const Intersector&, const Format&, const Setting&, const Tape& tape) {
+        for (NodeId i = 0; i < tape.size(); ++i) {
+            const TapeNode& n = tape[i];
+            if (!is_operation(n.op)) continue;
+            if (const NodeId side = chosen(tape, i); side != no_node) {
+                REQUIRE(same_number(n.value, tape[side].value));
+                continue;
+            }
+            std::array<double, 3> x{};
+            for (std::size_t k = 0; k < 3; ++k) x[k] = n.operands[k] == no_node ? 0 : tape[n.operands[k]].value;
+            REQUIRE(same_number(n.value, apply(n.op, x, tape.format_of(i))));
+        }
+    });
+}
+
+TEST_CASE("the exact value of an answer is that of the form without rounding", "[attribution]") {
+    int compared = 0;
+    on_every_form({"f32", "f64"}, 25, 10, [&](const Intersector& form, const Format&, const Setting& s, const Tape& tape) {
+        const Attribution a = attribute(tape, tape.outputs.t);
+        const auto self = without_rounding(form, s.ray, s.target(form));
+        if (!self || a.cut_short) return;
+        REQUIRE(a.exact_hit);
+        const double exact = a.of[static_cast<std::size_t>(tape.outputs.t)].exact;
+        REQUIRE(std::fabs(scaled_difference(exactly(exact), *self, self->exponent)) <= 0x1p-50);
+        ++compared;
+    });
+    CHECK(compared > 1000);
+}
+
+TEST_CASE("contributions sum to the error, and to first order derivatives do", "[attribution]") {
+    int seen = 0, first_order = 0;
+    on_every_form({"f32", "f64", "bf16", "p18"}, 25, 1, [&](const Intersector& form, const Format&, const Setting&, const Tape& tape) {
+        for (const bool full : {false, true}) {
+            const Attribution a = attribute(tape, tape.outputs.t, {.full = full});
+            if (a.cut_short || !std::isfinite(a.error)) continue;
+            // Difference quotients leave no remainder: what differs is the rounding of these sums themselves, in binary64.
+            REQUIRE(std::fabs(a.explained - a.error) <= 0x1p-36 * (sum_of_sizes(a) + std::fabs(a.error)) + 1e-300);
+            ++seen;
+            if (!full || a.of[static_cast<std::size_t>(tape.outputs.t)].turned || form.shape == Shape::sdf) continue;
+            // Second order: each derivative is off by the relative errors of the values it is taken at, a few of them in a row.
+            double worst = 0;
+            bool turned = false;
+            for (NodeId i = 0; i < tape.size(); ++i) {
+                const OperationError& e = a.of[static_cast<std::size_t>(i)];
+                if (!e.live) continue;
+                turned |= e.turned;
+                if (e.exact != 0) worst = std::max(worst, std::fabs(e.error / e.exact));
+            }
+            if (turned || worst > 0x1p-10) continue;
+            REQUIRE(std::fabs(a.first_order - a.error) <= 64 * worst * sum_of_sizes(a) + 0x1p-36 * std::fabs(a.error));
+            first_order += a.error != 0;
+        }
+    });
+    CHECK(seen > 4000);
+    CHECK(first_order > 700);
+}
+
+TEST_CASE("the quick shadow and the deep one agree", "[attribution]") {
+    int quick = 0;
+    on_every_form({"f32", "f64"}, 12, 100, [&](const Intersector&, const Format&, const Setting&, const Tape& tape) {
+        const Attribution a = attribute(tape), b = attribute(tape, {.full = true});
+        REQUIRE(b.shadow_bits == 2048);
+        quick += a.shadow_bits == 106;
+        REQUIRE(a.subject == b.subject);
+        REQUIRE(a.exact_hit == b.exact_hit);
+        if (!std::isfinite(b.error)) return;
+        REQUIRE(std::fabs(a.error - b.error) <= 0x1p-40 * std::fabs(b.error));
+        for (std::size_t i = 0; i < a.of.size(); ++i) REQUIRE(std::fabs(a.of[i].contribution - b.of[i].contribution) <= 0x1p-30 * sum_of_sizes(b));
+    });
+    CHECK(quick > 700);
+}
+
+TEST_CASE("the derivative by an input is that of forward differentiation", "[attribution]") {
+    int compared = 0;
+    const Format f64 = format_named("f64");
+    SphereForms::for_each([&]<class Form>() {
+        if constexpr (Form::info.formats == Formats::all) {
+            using T = Dual<double, 10>;
+            const Intersector& form = *std::ranges::find_if(intersectors(), [](const Intersector& i) { return i.info->name == Form::info.name; });
+            Random random(7);
+            for (int k = 0; k < 20; ++k) {
+                const Setting s = draw_setting(random, form, f64, 1);
+                Tape tape;
+                form.record(f64, s.ray, s.target(form), HUGE_VAL, tape);
+                if (tape[tape.outputs.hit].value == 0) continue;
+                const auto& n = s.solids.front().numbers;
+                const Ray<T> ray{{T::input(s.ray.origin.x, 0), T::input(s.ray.origin.y, 1), T::input(s.ray.origin.z, 2)},
+                                 {T::input(s.ray.direction.x, 3), T::input(s.ray.direction.y, 4), T::input(s.ray.direction.z, 5)}};
+                const Hit<T> hit = Form::intersect(ray, Sphere<T>{{T::input(n[0], 6), T::input(n[1], 7), T::input(n[2], 8)}, T::input(n[3], 9)});
+                const Attribution a = attribute(tape, tape.outputs.t, {.full = true});
+                std::size_t input = 0;
+                for (NodeId i = 0; i < tape.size() && input < 10; ++i) {
+                    if (tape[i].op != TapeOp::input) continue;
+                    const double want = hit.t.derivative(input++);
+                    REQUIRE(std::fabs(a.of[static_cast<std::size_t>(i)].derivative - want) <= 1e-6 * (std::fabs(want) + 1));
+                    ++compared;
+                }
+            }
+        }
+    });
+    CHECK(compared > 2000);
+}
+
+TEST_CASE("a ray by hand: two roundings, one cancellation", "[attribution]") {
+    // x = 1 + 2^-12 in binary32. x² = 1 + 2^-11 + 2^-24, which ties to 1 + 2^-11: rounding −2^-24. x² − 1 = 2^-11 is exact and cancels
+    // 11 bits; the difference then carries −2^-24 of 2^-11 + 2^-24. y = (x² − 1)·3 = 3·2^-11, exact.
+    Tape tape;
+    const Tape::Scope scope(tape);
+    using T = Recorded<float>;
+    const T x(1 + 0x1p-12f);
+    const T square = named("square", x * x);
+    const T rest = named("rest", square - T(1));
+    const T y = rest * T(3);
+    const Attribution a = attribute(tape, y.node(), {.full = true});
+    const auto of = [&](const T& v) { return a.of[static_cast<std::size_t>(v.node())]; };
+    CHECK(of(square).rounding == -0x1p-24);
+    CHECK(of(square).adjoint == 3);
+    CHECK(of(square).contribution == -3 * 0x1p-24);
+    CHECK(of(rest).cancelled == 11);
+    CHECK(of(rest).carried);
+    CHECK(of(rest).rounding == 0);
+    CHECK(of(rest).exact == 0x1p-11 + 0x1p-24);
+    // On exact operands, each rounded: RN(x²) − 1 = 2^-11, off by 2^-24 where an ulp is 2^-34: 2^10 ulp, 11 bits.
+    CHECK(of(rest).local_bits == 11);
+    CHECK(of(square).local_bits == 0);
+    CHECK(a.error == -3 * 0x1p-24);
+    CHECK(a.explained == a.error);
+    CHECK(a.culprit == square.node());
+    CHECK_FALSE(of(x).carried);
+    CHECK_FALSE(of(square).carried);
+}
+
+TEST_CASE("a decision that rounding turned is attributed to what is compared", "[attribution]") {
+    // (1 + 2^-12)² − (1 + 2^-11) is 2^-24 > 0 and computes as 0: `< tiny` turns.
+    Tape tape;
+    const Tape::Scope scope(tape);
+    using T = Recorded<float>;
+    const T x(1 + 0x1p-12f), y(1 + 0x1p-11f), tiny(0x1p-25f);
+    const T square = x * x;
+    const T disc = named("disc", square - y);
+    const RecordedMask missed = disc < tiny;
+    const RecordedMask hit = !(missed || disc < T(0));
+    const T t = select(hit, disc, tiny);
+    tape.outputs = {hit.node(), t.node(), t.node(), t.node()};
+    const Attribution a = attribute(tape);
+    CHECK(a.subject == missed.node());
+    CHECK(a.exact_hit);
+    CHECK(a.error == -0x1p-24);
+    CHECK(a.explained == -0x1p-24);
+    CHECK(a.culprit == square.node());
+    const Attribution of_t = attribute(tape, t.node());
+    CHECK(of_t.culprit == t.node());  // the choice of the wrong side is an error of its own: 2^-25 in place of 2^-24
+    CHECK(of_t.error == -0x1p-25);
+    CHECK(of_t.explained == of_t.error);
+}
+
+TEST_CASE("a root of a difference that vanished is attributed without remainder", "[attribution]") {
+    // √((1 + 2^-12)² − (1 + 2^-11)) = 2^-12, computed 0: the derivative is infinite, the difference quotient 1/(0 + 2^-12).
+    Tape tape;
+    const Tape::Scope scope(tape);
+    using T = Recorded<float>;
+    const T x(1 + 0x1p-12f), y(1 + 0x1p-11f);
+    const T root = sqrt(x * x - y);
+    const Attribution a = attribute(tape, root.node(), {.full = true});
+    CHECK(a.error == -0x1p-12);
+    CHECK(a.explained == -0x1p-12);
+    CHECK(std::isinf(a.first_order));
+}
+
+TEST_CASE("what is zero without rounding has no sign of noise", "[attribution]") {
+    // k/7 and its likes are cut at 2048 bits, and (1/k)k − 1 is then some 2^-2050 of either sign.
+    for (int k = 3; k < 60; k += 2) {
+        Tape tape;
+        const Tape::Scope scope(tape);
+        using T = Recorded<Rounded<8>>;
+        const T nothing = T(1) / T(k) * T(k) - T(1);
+        const RecordedMask below = nothing < T(0), above = nothing > T(0);
+        const T t = select(below || above, nothing, T(1));
+        const Attribution a = attribute(tape, t.node(), {.full = true});
+        INFO("k = " << k);
+        CHECK(a.of[static_cast<std::size_t>(below.node())].exact == 0);
+        CHECK(a.of[static_cast<std::size_t>(above.node())].exact == 0);
+    }
+}
+
+TEST_CASE("an input is exact, an infinite one too", "[attribution]") {
+    Tape tape;
+    const Tape::Scope scope(tape);
+    using T = Recorded<float>;
+    const T x(0.1f), end(HUGE_VALF);
+    const T t = min(x * x, end);
+    for (const bool full : {false, true}) {
+        const Attribution a = attribute(tape, t.node(), {.full = full});
+        CHECK(a.of[static_cast<std::size_t>(x.node())].exact == 0.1f);
+        CHECK(a.of[static_cast<std::size_t>(end.node())].exact == HUGE_VAL);
+        CHECK(a.of[static_cast<std::size_t>(x.node())].error == 0);
+    }
+}
+
+TEST_CASE("what lies on the side not taken has no part", "[attribution]") {
+    Tape tape;
+    const Tape::Scope scope(tape);
+    using T = Recorded<float>;
+    const T a(0.1f), b(0.3f), c(7);
+    const T dead = a * b, live = a / b;
+    const T smaller = min(c, live);
+    const T t = select(a < b, smaller, dead);
+    const Attribution found = attribute(tape, t.node());
+    CHECK_FALSE(found.of[static_cast<std::size_t>(dead.node())].live);
+    CHECK(found.of[static_cast<std::size_t>(live.node())].live);
+    CHECK_FALSE(found.of[static_cast<std::size_t>(c.node())].live);
+    CHECK(found.culprit == live.node());
+}
+
+TEST_CASE("an answer that is no number is the operation's that made it so", "[attribution]") {
+    Tape tape;
+    const Tape::Scope scope(tape);
+    using T = Recorded<float>;
+    const T zero = T(1.5f) - T(1.5f);
+    const T quotient = zero / zero;
+    const T t = quotient + T(1);
+    CHECK(attribute(tape, t.node()).culprit == quotient.node());
+}
+
+}  // namespace lostbits::test

@@ -1,0 +1,133 @@
+// What is measured of marches: the split of their error, their records, one ray looked at closely.
+#include <cmath>
+
+#include "catch.hpp"
+#include "measure/map/map.hpp"
+#include "measure/answer/one_ray.hpp"
+#include "scene/sweep/sweep_file.hpp"
+
+namespace lostbits::test {
+namespace {
+
+const std::filesystem::path data = LOSTBITS_DATA_DIR;
+
+scene::Scene scene_of(const std::string& name, int size) {
+    const auto found = scene::find_scene(name, data);
+    return scene::load_scene(found.path, {.variant = found.variant, .size = std::pair{size, size}}).front();
+}
+
+std::vector<MapRow> marches(const scene::Scene& scene, std::initializer_list<const char*> formats) {
+    std::vector<MapRow> rows;
+    for (const Intersector& form : intersectors()) {
+        if (form.shape != Shape::sdf || !scene.meets(form.shape)) continue;
+        for (const char* format : formats) rows.push_back({&form, *find_format(format)});
+    }
+    return rows;
+}
+
+/// Checks ray by ray what a band shows.
+class Checker final : public MapSink {
+public:
+    explicit Checker(int max_steps) : max_steps_(max_steps) {}
+    void band(const BandResult& result) override {
+        for (std::size_t i = 0; i < result.outcomes.size(); ++i) {
+            const MarchRecord& m = result.answers->march[i];
+            const double ulps = result.metrics[0][i], model = result.metrics[1][i], rounding = result.metrics[2][i], input = result.metrics[3][i];
+            wrong += m.iterations < 1 || m.iterations > max_steps_;
+            wrong += (m.stop == Stop::hit) != (result.answers->hit[i] != 0);
+            wrong += (m.stop == Stop::max_steps || m.stop == Stop::stagnated) && m.iterations != max_steps_;
+            wrong += result.metrics[4][i] != m.iterations || result.metrics[5][i] != static_cast<double>(m.stop);
+            if (result.outcomes[i] != Outcome::agree_hit) {
+                wrong += !std::isnan(ulps);
+                continue;
+            }
+            if (std::isnan(model)) {
+                ++without_self;
+                continue;
+            }
+            ++compared;
+            wrong += !(std::fabs(model + rounding + input - ulps) <= 1e-6 * (1 + std::fabs(model) + std::fabs(rounding)));
+        }
+    }
+    int wrong = 0, compared = 0, without_self = 0;
+
+private:
+    int max_steps_;
+};
+
+}  // namespace
+
+TEST_CASE("input, model and rounding error of a march sum to its error", "[measure][march]") {
+    const auto scene = scene_of("sdf-union", 24);
+    MapRequest request{.scene = &scene, .rows = marches(scene, {"f32", "f64", "bf16"}), .metrics = {}};
+    for (const char* name : {"ulp_error", "model_error", "rounding_error", "input_error", "iterations", "stop"}) request.metrics.push_back(find_metric(name));
+    std::vector<Checker> checkers(request.rows.size(), Checker(scene.march->max_steps));
+    std::vector<MapSink*> sinks;
+    for (Checker& c : checkers) sinks.push_back(&c);
+    const auto summaries = run_map(request, sinks);
+    for (std::size_t r = 0; r < request.rows.size(); ++r) {
+        INFO(request.rows[r].form->info->name << " in " << request.rows[r].format.name << ", without a value " << checkers[r].without_self);
+        CHECK(checkers[r].wrong == 0);
+        CHECK(checkers[r].compared > 50);  // in bf16 most of the union is missed
+        CHECK(checkers[r].without_self < checkers[r].compared / 20);
+        std::uint64_t stops = 0;
+        for (const std::uint64_t n : summaries[r].categories[5]) stops += n;
+        CHECK(stops == summaries[r].rays);
+        CHECK(summaries[r].metrics[4].count() == summaries[r].rays);
+    }
+}
+
+TEST_CASE("forms that do not march have no such metrics", "[measure][march]") {
+    const auto scene = scene_of("sdf-sphere", 16);
+    MapRequest request{.scene = &scene, .rows = {{&intersectors().front(), *find_format("f32")}}, .metrics = {find_metric("lost_bits"), find_metric("iterations"), find_metric("stop")}};
+    const auto summary = std::move(run_map(request, {}).front());
+    CHECK(summary.metrics[0].count() > 0);
+    CHECK(summary.metrics[1].count() == 0);
+    CHECK(summary.categories[2] == std::vector<std::uint64_t>(stop_names.size(), 0));
+}
+
+TEST_CASE("refinement takes the model error away", "[measure][march]") {
+    const auto scene = scene_of("sdf-sphere", 24);
+    MapRequest request{.scene = &scene, .rows = marches(scene, {"f64"}), .metrics = {find_metric("model_error")}};
+    const auto summaries = run_map(request, {});
+    const double plain = summaries[0].metrics[0].quantile(0.5);
+    for (std::size_t r = 0; r < request.rows.size(); ++r) {
+        const auto name = request.rows[r].form->info->name;
+        if (name == "sdf.secant_refined" || name == "sdf.bisect_refined") CHECK(summaries[r].metrics[0].quantile(0.5) < plain / 1000);
+    }
+    // hit_eps over the cosine of incidence, in ulps of a t between 2 and 4: at least hit_eps / 2 of 2^-51 for most.
+    CHECK(plain > 1e-5 / 0x1p-51);
+    CHECK(plain < 1e-2 / 0x1p-51);
+}
+
+TEST_CASE("mixed solids are met by marches alone", "[measure][march]") {
+    const auto scene = scene_of("sdf-union", 8);
+    CHECK(scene.meets(Shape::sdf));
+    CHECK_FALSE(scene.meets(Shape::sphere));
+    CHECK_FALSE(scene.meets(Shape::box));
+    CHECK(scene.shapes() == std::vector{Shape::sphere, Shape::box});
+    CHECK_FALSE(scene_of("near-benign", 8).meets(Shape::sdf));
+}
+
+TEST_CASE("one ray is the pixel of the map", "[measure][march]") {
+    const auto scene = scene_of("sdf-union", 16);
+    const Intersector& form = intersectors(Shape::sdf).front();
+    Band band(scene, 0, 16);
+    const auto inputs = band.inputs(*find_format("f32"), {.unit_rays = true, .own_truth = false});
+    const Answers all = evaluate(form, inputs);
+    for (const auto& [x, y] : {std::pair{3, 4}, std::pair{8, 9}, std::pair{15, 0}}) {
+        const OneRay one(scene, x, y);
+        const MarchLog log = march_log(form, *find_format("f32"), one);
+        const std::size_t i = static_cast<std::size_t>(y * 16 + x);
+        CHECK(log.hit.hit == (all.hit[i] != 0));
+        if (log.hit.hit) CHECK(log.hit.t == all.t[i]);
+        CHECK(static_cast<int>(log.steps.size()) == all.march[i].iterations);
+        CHECK(one.truth(*form.info).is_hit() == band.truth(i, Touching::hit).is_hit());
+        const OneRay again(scene, inputs.rays[i]);
+        CHECK(march_log(form, *find_format("f32"), again).hit.t == log.hit.t);
+    }
+    CHECK_THROWS_AS(OneRay(scene, 16, 0), InputError);
+    CHECK_THROWS_AS(OneRay(scene, 0, -1), InputError);
+}
+
+}  // namespace lostbits::test

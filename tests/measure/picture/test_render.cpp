@@ -1,0 +1,267 @@
+// Rendered pictures: against plain arithmetic in 256 bits, between stages, formats and forms.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+
+#include "catch.hpp"
+#include "measure/picture/render.hpp"
+#include "scene/rays/rays.hpp"
+#include "scene/rays/camera.hpp"
+#include "scene/toml/round.hpp"
+
+using namespace lostbits;
+using scene::Stage;
+
+namespace {
+
+const std::vector<Stage> all_stages{Stage::visible, Stage::diffuse, Stage::shadows, Stage::phong};
+
+scene::Scene load(const char* name, int width, int height) {
+    const auto found = scene::find_scene(name, LOSTBITS_DATA_DIR);
+    return scene::load_scene(found.path, {.variant = found.variant, .size = std::pair{width, height}}).front();
+}
+
+std::vector<MapRow> rows_of(const std::vector<std::string>& formats, std::string_view only = "") {
+    std::vector<MapRow> rows;
+    for (const Intersector& f : sphere_intersectors()) {
+        for (const auto& name : formats)
+            if ((only.empty() || f.info->name == only) && f.exists_in(*find_format(name))) rows.push_back({&f, *find_format(name)});
+    }
+    return rows;
+}
+
+/// Everything that a run hands out.
+struct Collected final : RenderSink {
+    explicit Collected(const RenderRequest& request) : pictures(request.rows.size()), shadows(pictures.size()), residuals(pictures.size()) {
+        for (auto& p : pictures) p.resize(request.stages.size());
+        summaries = run_render(request, this);
+    }
+    void reference(int, int, std::span<const TruePixel> band) override { truth.insert(truth.end(), band.begin(), band.end()); }
+    void row(std::size_t r, const RenderBand& band) override {
+        for (std::size_t s = 0; s < band.painted.size(); ++s) pictures[r][s].insert(pictures[r][s].end(), band.painted[s].begin(), band.painted[s].end());
+        shadows[r].insert(shadows[r].end(), band.shadow.begin(), band.shadow.end());
+        residuals[r].insert(residuals[r].end(), band.residual.begin(), band.residual.end());
+    }
+    std::vector<std::vector<std::vector<Painted>>> pictures;  ///< row, stage, pixel
+    std::vector<std::vector<Shadow>> shadows;
+    std::vector<std::vector<double>> residuals;
+    std::vector<TruePixel> truth;
+    std::vector<RenderSummary> summaries;
+};
+
+bool same(double a, double b) { return a == b || (std::isnan(a) && std::isnan(b)); }
+bool same(const std::vector<Painted>& a, const std::vector<Painted>& b) {
+    return std::ranges::equal(a, b, [](const Painted& x, const Painted& y) {
+        return same(x.colour.x, y.colour.x) && same(x.colour.y, y.colour.y) && same(x.colour.z, y.colour.z) && x.byte == y.byte;
+    });
+}
+
+// --- the same picture by plain formulas in 256 bits, sharing nothing with the one under test ---------------------
+
+Real rounded(const Real& x) { return Real(scene::round_to_format(x, binary32)); }
+Vec<Real> rounded(const Vec<Real>& v) { return {rounded(v.x), rounded(v.y), rounded(v.z)}; }
+
+/// The first t ≥ 0 of a line through a sphere, by the schoolbook.
+std::optional<Real> first(const Vec<Real>& o, const Vec<Real>& d, const Vec<Real>& centre, const Real& r) {
+    const Vec<Real> f = o - centre;
+    const Real a = dot(d, d), h = dot(f, d), disc = h * h - a * (dot(f, f) - r * r);
+    if (disc < 0) return std::nullopt;
+    const Real root = sqrt(disc), near = (-h - root) / a, far = (-h + root) / a;
+    if (far < 0) return std::nullopt;
+    return near < 0 ? far : near;
+}
+
+struct Plain {
+    std::array<Vec<Real>, 4> colour;  ///< by stage
+    bool shadowed = false;
+    bool beyond = false;  ///< a sphere behind the light would cast a shadow, were it not for the light's place
+};
+
+Plain plain_pixel(const scene::Scene& s, std::size_t i, const scene::RayBlock& rays) {
+    const auto& look = s.appearance;
+    const Vec<Real> o(Real(rays.ox[i]), Real(rays.oy[i]), Real(rays.oz[i])), d(Real(rays.dx[i]), Real(rays.dy[i]), Real(rays.dz[i]));
+    const Vec<Real> light = rounded(*look.light);
+    std::optional<Real> best;
+    std::size_t seen = 0;
+    const auto meets = [&](const Vec<Real>& from, const Vec<Real>& way, std::size_t k) { return first(from, way, rounded(s.spheres[k].centre), rounded(s.spheres[k].radius)); };
+    for (std::size_t k = 0; k < s.spheres.size(); ++k) {
+        const auto t = meets(o, d, k);
+        if (t && (!best || *t < *best)) {
+            best = t;
+            seen = k;
+        }
+    }
+    Plain plain;
+    const auto shadowed = [&](const Vec<Real>& p, std::size_t own) {
+        for (std::size_t k = 0; k < s.spheres.size(); ++k) {
+            const auto t = meets(p, light - p, k);
+            if (k != own && t && *t < 1) return true;
+            plain.beyond |= k != own && t;
+        }
+        return false;
+    };
+    if (!best) {
+        const int width = s.width;
+        const auto p = scene::pixel_point(scene::make_frame<Real>(s), static_cast<int>(i) % width, static_cast<int>(i) / width);
+        plain.shadowed = shadowed(rounded(p), s.spheres.size());
+        plain.colour.fill(rounded(look.background));
+        if (plain.shadowed) plain.colour[2] = plain.colour[3] = plain.colour[0] * rounded(look.shadows->background);
+        return plain;
+    }
+    const scene::Material& m = look.materials[seen];
+    const Vec<Real> p = o + d * *best, c = rounded(m.colour);
+    const auto unit = [](const Vec<Real>& v) { return v * (1 / length(v)); };
+    const Vec<Real> n = unit(p - rounded(s.spheres[seen].centre)), l = unit(light - p), h = unit(l + unit(o - p));
+    plain.shadowed = shadowed(p, seen);
+    const Real facing = dot(n, l) > 0 ? dot(n, l) : Real(0);
+    const Real ka = rounded(m.ambient), kd = rounded(m.diffuse), ks = rounded(m.specular);
+    plain.colour[0] = c;
+    plain.colour[1] = c * (ka + kd * facing);
+    plain.colour[2] = plain.shadowed ? c * ka : plain.colour[1];
+    const bool glints = !plain.shadowed && dot(n, l) > 0 && dot(h, n) > 0;
+    const Real highlight = glints ? Real(ks * pow(Real(dot(h, n)), m.exponent)) : Real(0);
+    plain.colour[3] = plain.colour[2] + Vec<Real>(highlight, highlight, highlight);
+    return plain;
+}
+
+}  // namespace
+
+TEST_CASE("the certified picture is that of plain formulas in 256 bits, channel for channel") {
+    std::size_t beyond = 0;
+    for (const char* name : {"raycast-course.pixels", "raycast-course.small", "among the spheres"}) {
+        const bool among = std::string_view(name) == "among the spheres";
+        scene::Scene s = load(among ? "raycast-course.pixels" : name, 64, 48);
+        if (among) s.appearance.light = Vec<Real>(Real(112), Real(140), Real(30));
+        const Collected run({.scene = &s, .stages = all_stages, .rows = rows_of({"f64"}, "sphere.unified")});
+        const auto rays = scene::make_shared_rays(s, 0, s.height);
+        std::size_t shadows = 0, highlights = 0;
+        for (std::size_t i = 0; i < run.truth.size(); ++i) {
+            CAPTURE(name, i);
+            const Plain plain = plain_pixel(s, i, rays);
+            for (std::size_t stage = 0; stage < 4; ++stage) {
+                const TrueColour& c = run.truth[i].colours[stage];
+                REQUIRE(c.certain);
+                for (int k = 0; k < 3; ++k) {
+                    const Tight& channel = c.channel[static_cast<std::size_t>(k)];
+                    REQUIRE(abs(Real(channel.hi) + Real(channel.lo) - plain.colour[stage][k]) < 0x1p-70);
+                    const Real byte = std::clamp(Real(floor(255 * plain.colour[stage][k] + Real(0.5))), Real(0), Real(255));
+                    REQUIRE(byte == static_cast<int>(c.byte[static_cast<std::size_t>(k)]));
+                }
+            }
+            REQUIRE((run.truth[i].shadow == TrueShadow::shadowed) == plain.shadowed);
+            shadows += plain.shadowed;
+            beyond += plain.beyond && !plain.shadowed;
+            highlights += plain.colour[3].x > plain.colour[2].x + Real(0.25);
+        }
+        CHECK(shadows > 300);
+        CHECK((among || highlights > 5));
+        for (const RenderSummary& summary : run.summaries) {
+            CHECK(summary.unresolved() == 0);
+            CHECK(summary.colour_error.quantile(1) < 1e-9);
+            CHECK(summary.flips() == 0);
+        }
+    }
+    CHECK(beyond > 50);
+}
+
+TEST_CASE("a stage that adds nothing leaves every pixel as it was, in every form and format") {
+    const auto rows = rows_of({"f32", "bf16", "p17"});
+    const auto compare = [&](const scene::Scene& s, std::size_t simpler, std::size_t fuller) {
+        const Collected run({.scene = &s, .stages = all_stages, .rows = rows});
+        for (std::size_t r = 0; r < rows.size(); ++r) {
+            CAPTURE(rows[r].form->info->name, rows[r].format.name);
+            CHECK(same(run.pictures[r][simpler], run.pictures[r][fuller]));
+        }
+        for (const TruePixel& p : run.truth) REQUIRE(p.colours[simpler].byte == p.colours[fuller].byte);
+    };
+    scene::Scene s = load("raycast-course.small", 32, 24);
+    {
+        const Collected run({.scene = &s, .stages = all_stages, .rows = rows});
+        for (std::size_t stage = 1; stage < 4; ++stage) CHECK_FALSE(same(run.pictures[0][stage - 1], run.pictures[0][stage]));
+    }
+    for (auto& m : s.appearance.materials) m.specular = 0;
+    compare(s, 2, 3);
+    scene::Scene alone = s;  // nothing to cast a shadow on a sphere, and no plane behind it
+    alone.spheres.resize(1);
+    alone.appearance.materials.resize(1);
+    alone.camera.kind = scene::Camera::Kind::pinhole;
+    alone.camera.look_at = alone.spheres[0].centre;
+    alone.camera.up = Vec<Real>(Real(0), Real(1), Real(0));
+    alone.camera.fov_deg = 12;
+    alone.camera.shift_right = alone.camera.shift_up = 0;
+    compare(alone, 1, 2);
+    s.appearance.shadows.reset();
+    compare(s, 1, 2);
+    s.appearance.light.reset();
+    compare(s, 0, 1);
+}
+
+TEST_CASE("a picture in p53 is that in f64 to the bit, and one in p24 that in f32") {
+    for (const char* name : {"raycast-course.pixels", "raycast-acne.none", "raycast-acne.ulp4", "raycast-far.at2p12"}) {
+        const scene::Scene s = load(name, 32, 24);
+        for (const auto& [native, emulated] : {std::pair{"f64", "p53"}, std::pair{"f32", "p24"}}) {
+            for (const Intersector& f : sphere_intersectors()) {
+                if (f.info->formats != Formats::all) continue;
+                CAPTURE(name, f.info->name, native);
+                const std::vector<MapRow> rows{{&f, *find_format(native)}, {&f, *find_format(emulated)}};
+                const Collected run({.scene = &s, .stages = {s.appearance.furthest()}, .rows = rows});
+                CHECK(same(run.pictures[0][0], run.pictures[1][0]));
+                CHECK(run.shadows[0] == run.shadows[1]);
+                CHECK(std::ranges::equal(run.residuals[0], run.residuals[1], [](double a, double b) { return same(a, b); }));
+            }
+        }
+    }
+}
+
+TEST_CASE("the certified picture does not depend on who is held against it, nor on own shadows and offsets") {
+    const scene::Scene skipped = load("raycast-acne.skipped", 48, 36), far_off = load("raycast-acne.eps1em1", 48, 36);
+    const Collected a({.scene = &skipped, .stages = {Stage::shadows}, .rows = rows_of({"f32"}, "sphere.expanded")});
+    const Collected b({.scene = &far_off, .stages = {Stage::diffuse, Stage::shadows}, .rows = rows_of({"bf16"}, "sphere.unit_half_b")});
+    REQUIRE(a.truth.size() == b.truth.size());
+    for (std::size_t i = 0; i < a.truth.size(); ++i) {
+        REQUIRE(a.truth[i].colours[2].byte == b.truth[i].colours[2].byte);
+        REQUIRE(a.truth[i].shadow == b.truth[i].shadow);
+    }
+}
+
+TEST_CASE("acne is the own sphere's alone: none where it is skipped, none in the near-root form, much elsewhere") {
+    const auto acne = [](const char* scene_name, const char* form, const char* format) {
+        const scene::Scene s = load(scene_name, 64, 48);
+        const Collected run({.scene = &s, .stages = {Stage::shadows}, .rows = rows_of({format}, form)});
+        const RenderSummary& r = run.summaries.front();
+        const auto lit = r.count(false, Shadow::both_lit) + r.count(false, Shadow::own_shadow) + r.count(false, Shadow::false_shadow);
+        REQUIRE(lit > 500);
+        return static_cast<double>(r.count(false, Shadow::own_shadow)) / static_cast<double>(lit);
+    };
+    for (const char* format : {"f32", "f64"}) {
+        CHECK(acne("raycast-acne.skipped", "sphere.unified", format) == 0);
+        CHECK(acne("raycast-acne.none", "sphere.expanded", format) == 0);
+        CHECK(acne("raycast-acne.none", "sphere.unified", format) > 0.2);
+        CHECK(acne("raycast-acne.eps1em3", "sphere.unified", format) == 0);
+    }
+    CHECK(acne("raycast-acne.eps1em7", "sphere.unified", "f32") > acne("raycast-acne.eps1em7", "sphere.unified", "f64"));
+    CHECK(acne("raycast-acne.none", "sphere.unified", "f32") > acne("raycast-acne.ulp4", "sphere.unified", "f32"));
+}
+
+TEST_CASE("own inputs: each format rounds light and colours itself, and the reference does not round at all") {
+    scene::Scene s = load("raycast-course.pixels", 32, 24);
+    s.inputs = scene::Inputs::own;
+    const Collected run({.scene = &s, .stages = {Stage::visible}, .rows = rows_of({"f32", "f64"}, "sphere.unified")});
+    const TruePixel& corner = run.truth.front();  // background 0.55
+    CHECK(abs(Real(corner.colours[0].channel[0].hi) + Real(corner.colours[0].channel[0].lo) - Real(55) / 100) < 0x1p-70);
+    CHECK(run.pictures[0][0][0].colour.x == static_cast<double>(0.55F));
+    CHECK(run.pictures[1][0][0].colour.x == 0.55);
+    CHECK(run.pictures[0][0][0].error > 0);
+
+    // The background's green, 0.7, is 178.5 of 255 to the 250th bit, and some spheres' 0.9 and 0.3 are 229.5 and 76.5: 106 bits
+    // prove no byte there, and say so; the sphere of 0.95, 0.8, 0.2 needs no more.
+    CHECK(run.summaries[0].unresolved() == 0);
+    const Collected hasty({.scene = &s, .stages = {Stage::visible}, .rows = rows_of({"f64"}, "sphere.unified"), .limit = {.bits = 106}});
+    const RenderSummary& r = hasty.summaries[0];
+    CHECK(r.count(Seen::background) > 100);
+    CHECK(r.unresolved() > r.count(Seen::background));
+    CHECK(r.unresolved() < r.pixels);
+    CHECK(r.colour_error.count() == r.pixels - r.unresolved());
+    CHECK_FALSE(hasty.truth.front().colours[0].certain);
+}

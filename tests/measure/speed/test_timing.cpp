@@ -1,0 +1,108 @@
+// Quotients of speeds: a real difference is seen, none is claimed between equals, and every kernel that is timed does its work.
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <cmath>
+#include <thread>
+
+#include "catch.hpp"
+#include "measure/rows.hpp"
+#include "measure/speed/timing_threads.hpp"
+#include "measure/speed/timing_work.hpp"
+
+using namespace lostbits;
+using namespace lostbits::testing;
+
+namespace {
+
+TimedWork adds(int times) {
+    return {[times] {
+                volatile double x = 1;
+                for (int i = 0; i < times; ++i) x = x * 1.0000001;
+            },
+            1, true};
+}
+
+/// The t of boxes after one pass from a fresh start.
+std::vector<float> after_a_pass(const TimedKernel& kernel) {
+    BoxWork work(1 << 14);
+    const auto timed = work.on(kernel);
+    REQUIRE(timed.has_value());
+    CHECK(timed->items == work.f32()->t.size());
+    timed->pass();
+    return {work.f32()->t.begin(), work.f32()->t.end()};
+}
+
+}  // namespace
+
+TEST_CASE("a quotient is the median of the rounds' own quotients", "[timing]") {
+    const std::vector<double> a{2, 40, 6}, b{1, 10, 2};  // 2, 4, 3
+    CHECK(ratio_of(a, b).median == 3);
+    CHECK(ratio_of(a, b).low_quartile == 2.5);
+    CHECK(ratio_of(b, b).high_quartile == 1);
+}
+
+TEST_CASE("twelve times the work is seen as more, the same work as the same", "[timing]") {
+    const TimedWork work[] = {adds(500), adds(6000), adds(500)};
+    const auto samples = sample_interleaved(work, {.repetitions = 31, .least_seconds = 2e-4});
+    CHECK(ratio_of(samples[1], samples[0]).median > 4);
+    CHECK(ratio_of(samples[1], samples[0]).median < 36);
+    CHECK(ratio_of(samples[2], samples[0]).median > 0.5);
+    CHECK(ratio_of(samples[2], samples[0]).median < 2);
+}
+
+TEST_CASE("every thread works, on its own, and one alone is the measure", "[timing]") {
+    std::array<std::atomic<int>, 3> passes{};
+    std::array<std::atomic<bool>, 3> busy{};
+    std::atomic<int> faults{0};
+    const auto caller = std::this_thread::get_id();
+    const auto quotients = thread_speedups(
+        [&](std::size_t i) {
+            return [&, i] {
+                faults += busy[i].exchange(true) || std::this_thread::get_id() == caller;
+                ++passes[i];
+                busy[i] = false;
+            };
+        },
+        {.repetitions = 4, .least_seconds = 1e-3, .threads = 3});
+    CHECK(quotients.size() == 4);
+    for (const double q : quotients) CHECK((q > 0 && std::isfinite(q)));
+    for (const auto& n : passes) CHECK(n > 4);
+    CHECK(faults == 0);
+    int asked = 0;
+    CHECK_THROWS_AS(thread_speedups([](std::size_t) { return [] {}; }, {.repetitions = 3, .least_seconds = 1e-4, .threads = 1, .stop = [&] { if (++asked == 2) throw std::runtime_error("stop"); }}),
+                    std::runtime_error);
+    CHECK_FALSE(allowed_processors().empty());
+}
+
+TEST_CASE("plain loops, packs and scalar loops are the same work", "[timing]") {
+    for (const Intersector& form : intersectors(Shape::box)) {
+        const std::string_view name = form.info->name;
+        INFO(name);
+        const auto scalar = after_a_pass({name, "scalar", "f32"});
+        const auto hits = std::ranges::count_if(scalar, [](float t) { return std::isfinite(t); });
+        CHECK(hits > 4);
+        CHECK(hits < static_cast<std::ptrdiff_t>(scalar.size()) - 4);
+        CHECK(after_a_pass({name, "128", "f32"}) == scalar);
+        if (plain_rows().empty()) continue;
+        CHECK(after_a_pass({name, "plain-256", "f32"}) == scalar);
+        CHECK(after_a_pass({name, "plain-structs-256", "f32"}) == scalar);
+    }
+}
+
+TEST_CASE("what is not there is not timed", "[timing]") {
+    BoxWork boxes(1 << 12);
+    CHECK_FALSE(boxes.on({"box.sign", "128", "f32"}).has_value());
+    CHECK_FALSE(boxes.on({"sphere.unified", "128", "f32"}).has_value());
+    CHECK_FALSE(boxes.on({"box.signs", "plain-256", "f64"}).has_value());
+    CHECK_FALSE(boxes.on({"box.signs", "127", "f32"}).has_value());
+    CHECK_FALSE(boxes.on({"box.signs", "128", "f16"}).has_value());
+    RayWork rays(1 << 12);
+    CHECK_FALSE(rays.on({"sphere.unified", "plain-256", "f32"}).has_value());
+    CHECK_FALSE(rays.on({"sphere.double_inside", "128", "f64"}).has_value());
+    REQUIRE(rays.on({"sphere.unified", "128", "f64"}).has_value());
+    rays.on({"sphere.unified", "128", "f64"})->pass();
+    CHECK(std::abs(rays.f64(Shape::sphere)->found() - 0.5) < 0.02);
+    CHECK(working_set_bytes("l2", {1000, 2000, 4000}) == 1000);
+    CHECK(working_set_bytes("l3", {1000, 2000, 4000}) == 0);
+}

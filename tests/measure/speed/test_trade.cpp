@@ -1,0 +1,207 @@
+// Speed against accuracy: what is judged by what, on rays that are what they are said to be. No test asserts a time.
+#include <sched.h>
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "catch.hpp"
+#include "intersect/simd/variants.hpp"
+#include "measure/rows.hpp"
+#include "measure/speed/trade.hpp"
+
+using namespace lostbits;
+using namespace lostbits::testing;
+
+namespace {
+
+constexpr double no_bits = std::numeric_limits<double>::quiet_NaN();
+
+OperationCounts operations(std::string_view form) {
+    const RayPool pool = ray_pool(form_named(form).shape);
+    const auto narrow = [](const Vec<double>& v) { return Vec<float>(static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)); };
+    return operations_of(*form_named(form).info, {narrow(pool.hits[0].origin), narrow(pool.hits[0].direction)}, transformed(pool.solid, [](double x) { return static_cast<float>(x); }),
+                         HUGE_VALF);
+}
+
+OperationCounts counts(std::initializer_list<std::pair<Operation, std::uint64_t>> some) {
+    OperationCounts c;
+    for (const auto& [o, n] : some) c[o] = n;
+    return c;
+}
+
+std::string text(const OperationCounts& c) {
+    std::string s;
+    for (std::size_t i = 0; i < operation_names.size(); ++i) s += std::string(operation_names[i]) + " " + std::to_string(c.of[i]) + ", ";
+    return s;
+}
+
+template <class S, class Native>
+void check_store(Native native, const RayPool& pool) {
+    for (const double rate : {0.0, 0.5, 1.0, 0.3}) {
+        for (const std::size_t slice : {std::size_t{0}, std::size_t{128}}) {
+            RayStore<S> store(pool, 50000, rate, slice, 3);
+            CHECK(store.bytes() <= 50000);
+            CHECK(store.bytes() > 40000);
+            CHECK(store.slice() == (slice == 0 ? store.rays() : slice));
+            std::size_t calls = 0;
+            for (std::size_t seen = 0; seen < store.rays(); seen += store.slice(), ++calls) store.run(native);
+            // What is left over at the end of the slices is never touched.
+            const double whole = static_cast<double>(store.rays() / store.slice() * store.slice()) / static_cast<double>(store.rays());
+            CHECK(store.found() <= rate + 1e-3);
+            CHECK(store.found() >= rate * whole - 0.02);
+            if (slice == 0) CHECK(std::fabs(store.found() - rate) <= 1.0 / static_cast<double>(store.rays()));
+        }
+    }
+}
+
+}  // namespace
+
+TEST_CASE("operations are those that one counts by hand", "[trade]") {
+    using O = Operation;
+    INFO(text(operations("sphere.schoolbook")));
+    CHECK(operations("sphere.schoolbook") == counts({{O::add, 13}, {O::mul, 16}, {O::div, 2}, {O::sqrt, 1}, {O::compare, 3}, {O::choose, 1}, {O::sign, 2}}));
+    INFO(text(operations("sphere.unified")));
+    CHECK(operations("sphere.unified") == counts({{O::add, 17}, {O::mul, 18}, {O::div, 3}, {O::sqrt, 1}, {O::compare, 4}, {O::choose, 4}, {O::sign, 2}}));
+    INFO(text(operations("box.signs")));
+    CHECK(operations("box.signs") == counts({{O::add, 6}, {O::mul, 6}, {O::div, 3}, {O::compare, 4}, {O::choose, 12}, {O::sign, 3}}));
+    CHECK(operations("sphere.double_inside")[O::convert] == 13);
+    CHECK(operations("sphere.kahan_discriminant")[O::fma] > 0);
+}
+
+TEST_CASE("constants cost nothing, what is made of an input does", "[trade]") {
+    operation_counts() = {};
+    const Counted<float> half = Counted<float>(1) / Counted<float>(2);
+    CHECK(operation_counts() == OperationCounts{});
+    CHECK((half * Counted<float>(3.0F)).value() == 1.5F);
+    CHECK(operation_counts() == counts({{Operation::mul, 1}}));
+}
+
+TEST_CASE("dominated is what another beats in one and matches in the other", "[trade]") {
+    const std::vector<ParetoPoint> all{
+        {1, 0, 20},       // on the front
+        {2, 0, 20},       // slower, no better
+        {2, 0, 22},       // on the front
+        {2, 0, 22},       // its equal: neither beats the other
+        {1, 0.1, 30},     // more bits, but wrong decisions come first
+        {0.5, 0.1, 10},   // the fastest
+        {0.5, 0.1, no_bits},  // as fast and as often wrong, without a bit
+        {0.4, 1, no_bits},    // faster still: nothing is as fast
+        {3, 0, no_bits},      // never wrong, but slower than others that are not
+    };
+    CHECK(dominated(all) == std::vector<bool>{false, true, false, false, true, false, true, false, true});
+    CHECK(dominated({}).empty());
+}
+
+TEST_CASE("the cheapest is the fastest that is never wrong and keeps enough", "[trade]") {
+    const std::vector<ParetoPoint> all{{1, 0.001, 24}, {3, 0, 22}, {2, 0, 21.9}, {1.5, 0, no_bits}, {4, 0, 45}};
+    CHECK(cheapest(all, 20) == std::size_t{2});
+    CHECK(cheapest(all, 22) == std::size_t{1});
+    CHECK(cheapest(all, 40) == std::size_t{4});
+    CHECK_FALSE(cheapest(all, 46).has_value());
+}
+
+TEST_CASE("a standing is made of the median, all wrong decisions and the 99th percentile", "[trade]") {
+    const std::vector<const Metric*> lost{find_metric("lost_bits")};
+    MapSummary s;
+    s.rays = 100;
+    s.outcomes = {90, 2, 1, 2, 1, 4};
+    s.metrics = std::vector<Distribution>(1);
+    for (int i = 1; i <= 100; ++i) s.metrics[0].add(i == 100 ? 20 : 4);
+    s.metrics[0].seal();
+    const ParetoPoint got = pareto_point({2e-9, 1e-9, 3e-9}, row("sphere.unified", "f32"), s, lost);
+    CHECK(got.time_ns == Approx(2));
+    CHECK(got.wrong_fraction == 4.0 / 96);
+    CHECK(got.kept_bits == Approx(20).epsilon(0.001));
+    CHECK_FALSE(got.never_wrong());
+}
+
+TEST_CASE("stores hold the stated share of hits", "[trade]") {
+    check_store<float>(form_named("sphere.unified").native32, ray_pool(Shape::sphere));
+    check_store<double>(form_named("sphere.unified_unit").native64, ray_pool(Shape::sphere));
+    check_store<float>(form_named("box.signs").native32, ray_pool(Shape::box));
+    check_store<double>(form_named("box.divide").native64, ray_pool(Shape::box));
+}
+
+TEST_CASE("the sets of rays are always the same and have names of their own", "[trade]") {
+    for (const Shape shape : {Shape::sphere, Shape::box}) {
+        std::set<std::string_view> names;
+        for (const RaySet& set : ray_sets(shape)) {
+            names.insert(set.name);
+            const auto one = set.groups(), two = set.groups();
+            REQUIRE(one.size() == two.size());
+            for (std::size_t i = 0; i < one.size(); ++i) {
+                CHECK(one[i].rays.dx == two[i].rays.dx);
+                CHECK(one[i].solids.front().shape == shape);
+            }
+        }
+        CHECK(names.size() == ray_sets(shape).size());
+        CHECK(ray_sets(shape).front().name == "easy");
+    }
+}
+
+TEST_CASE("a kernel for every row, width and variant", "[trade]") {
+    const auto kernels = trade_kernels({row("sphere.unified", "f32"), row("sphere.double_inside", "f32"), row("box.signs", "f64")});
+    CHECK(kernels.size() == 3 * (available_isas().size() + variants().size()));
+    for (const TradeKernel& k : kernels) {
+        CHECK((k.f32 != nullptr) == (k.measured.format.name == "f32"));
+        CHECK((k.f64 != nullptr) == (k.measured.format.name == "f64"));
+        if (k.isa == "scalar" && k.f32) CHECK(k.f32 == k.measured.form->native32);
+        if (k.variant.empty()) CHECK(k.form == k.measured.form->info);
+        else CHECK(k.measured.form->info->name == std::string(k.form->name) + "+" + std::string(k.variant));
+    }
+}
+
+TEST_CASE("median and quartiles", "[trade]") {
+    const Timing odd = timing_of({5, 1, 4, 2, 3});
+    CHECK(odd.median == 3);
+    CHECK(odd.low_quartile == 2);
+    CHECK(odd.high_quartile == 4);
+    const Timing even = timing_of({4, 1});
+    CHECK(even.median == 2.5);
+    CHECK(even.low_quartile == 1.75);
+    CHECK(timing_of({7}).high_quartile == 7);
+}
+
+TEST_CASE("everything is timed in every round, and the thread may go where it could before", "[trade]") {
+    const auto allowed = [] {
+        cpu_set_t set;
+        CPU_ZERO(&set);
+        REQUIRE(sched_getaffinity(0, sizeof set, &set) == 0);
+        return set;
+    };
+    const cpu_set_t before = allowed();
+    std::vector<int> calls(3), processors;
+    std::vector<TimedWork> work;
+    for (std::size_t i = 0; i < calls.size(); ++i) {
+        work.push_back({[&calls, &processors, i] {
+                            ++calls[i];
+                            processors.push_back(sched_getcpu());
+                        },
+                        10, i == 0});
+    }
+    std::uint64_t done = 0;
+    const auto timings = time_interleaved(work, {.repetitions = 4, .least_seconds = 1e-6, .seed = 2, .progress = [&done](std::uint64_t n) { done += n; }});
+    REQUIRE(timings.size() == 3);
+    for (const Timing& t : timings) CHECK((t.median > 0 && t.low_quartile <= t.median && t.median <= t.high_quartile));
+    for (const int n : calls) CHECK(n > 4);
+    CHECK(done == 12);
+    CHECK(std::ranges::all_of(processors, [&](int p) { return p == processors.front(); }));
+    const cpu_set_t after = allowed();
+    CHECK(CPU_EQUAL(&before, &after));
+    CHECK_THROWS_AS(time_interleaved(work, {.repetitions = 2, .least_seconds = 1e-6, .progress = [](std::uint64_t n) { if (n > 0) throw std::runtime_error("stop"); }}), std::runtime_error);
+    const cpu_set_t stopped = allowed();
+    CHECK(CPU_EQUAL(&before, &stopped));
+}
+
+TEST_CASE("loads are every working set with every share of hits", "[trade]") {
+    const auto loads = trade_loads({48 << 10, 2 << 20, std::size_t{260} << 20});
+    REQUIRE(loads.size() == 9);
+    CHECK(loads[0].bytes == 24 << 10);
+    CHECK(loads[3].bytes == 1 << 20);
+    CHECK(loads[6].bytes == (std::size_t{520} << 20) / 6);
+    CHECK(loads[standing_load(loads)].working_set == "l1");
+    CHECK(loads[standing_load(loads)].hit_rate == 0.5);
+    CHECK(trade_loads({1, 1, 1})[8].bytes == std::size_t{32} << 20);
+    CHECK(cache_sizes().l1 > 0);
+}

@@ -1,0 +1,163 @@
+#include "measure/truth/exact_reference.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+namespace lostbits::testing {
+
+Dyadic::Dyadic(double x) {
+    int e = 0;
+    m_ = static_cast<std::int64_t>(std::ldexp(std::frexp(x, &e), 53));
+    e_ = x == 0 ? 0 : e - 53;
+}
+
+Dyadic::Dyadic(mpfr_srcptr x) {
+    if (mpfr_zero_p(x) == 0) e_ = mpfr_get_z_2exp(m_.backend().data(), x);
+}
+
+Dyadic Dyadic::scaled(std::int64_t e) const {
+    Dyadic r = *this;
+    r.e_ += e;
+    return r;
+}
+
+Dyadic operator+(const Dyadic& a, const Dyadic& b) {
+    if (a.sign() == 0) return b;
+    if (b.sign() == 0) return a;
+    if (a.e_ < b.e_) return b + a;
+    Dyadic r = a;
+    r.m_ <<= static_cast<unsigned long>(a.e_ - b.e_);
+    r.m_ += b.m_;
+    r.e_ = b.e_;
+    return r;
+}
+
+Dyadic operator-(const Dyadic& a) {
+    Dyadic r = a;
+    r.m_.backend().negate();
+    return r;
+}
+
+Dyadic operator*(const Dyadic& a, const Dyadic& b) {
+    Dyadic r;
+    r.m_ = a.m_ * b.m_;
+    r.e_ = a.e_ + b.e_;
+    return r;
+}
+
+namespace {
+
+Dyadic square(const Dyadic& x) { return x * x; }
+
+/// The sign of u + v/√a for a > 0: that of the larger of u² a and v² where the two differ in sign.
+int sign_of_sum(const Dyadic& u, const Dyadic& v, const Dyadic& a) {
+    if (u.sign() == 0 || v.sign() == 0 || u.sign() == v.sign()) return u.sign() != 0 ? u.sign() : v.sign();
+    return u.sign() * compare(square(u) * a, square(v));
+}
+
+}  // namespace
+
+ExactHit::ExactHit(const Ray<double>& ray, const Sphere<double>& sphere) {
+    for (int i = 0; i < 3; ++i) {
+        f_[i] = Dyadic(ray.origin[i]) - Dyadic(sphere.centre[i]);
+        d_[i] = Dyadic(ray.direction[i]);
+    }
+    r2_ = square(Dyadic(sphere.radius));
+    prepare();
+}
+
+ExactHit::ExactHit(const Ray<Real>& ray, const Sphere<Real>& sphere) {
+    for (int i = 0; i < 3; ++i) {
+        f_[i] = Dyadic(ray.origin[i]) - Dyadic(sphere.centre[i]);
+        d_[i] = Dyadic(ray.direction[i]);
+    }
+    r2_ = square(Dyadic(sphere.radius));
+    prepare();
+}
+
+// a t² + 2 h t + c = 0: an origin on or in the sphere hits; one outside hits where the roots are real and positive.
+void ExactHit::prepare() {
+    a_ = square(d_[0]) + square(d_[1]) + square(d_[2]);
+    h_ = f_[0] * d_[0] + f_[1] * d_[1] + f_[2] * d_[2];
+    c_ = square(f_[0]) + square(f_[1]) + square(f_[2]) - r2_;
+    discriminant_ = square(h_) - a_ * c_;
+    hit_ = c_.sign() <= 0 || (h_.sign() < 0 && discriminant_.sign() >= 0);
+}
+
+// Q(x) = |f + x d|² − r² tells whether the point at x is outside; (f + x d)·d whether it is past the closest approach.
+// From outside t* is the near root: above x where the point is outside and not past. From inside it is the far one:
+// above x ≥ 0 where the point is still inside.
+int ExactHit::side(const Dyadic& x) const {
+    if (on_surface() || x.sign() < 0) return -x.sign();
+    Dyadic q = -r2_, past;
+    for (int i = 0; i < 3; ++i) {
+        const Dyadic p = f_[i] + x * d_[i];
+        q = q + square(p);
+        past = past + p * d_[i];
+    }
+    if (is_inside()) return -q.sign();
+    if (past.sign() > 0) return -1;
+    return q.sign();
+}
+
+// With s = t·|d| and the unit direction d/√a: Q = c + s² + 2 h s/√a, and (f + t d)·d/√a = s + h/√a.
+int ExactHit::distance_side(const Dyadic& x) const {
+    if (on_surface() || x.sign() < 0) return -x.sign();
+    const int q = sign_of_sum(c_ + square(x), (h_ * x).scaled(1), a_);
+    if (is_inside()) return -q;
+    if (sign_of_sum(x, h_, a_) > 0) return -1;
+    return q;
+}
+
+Dyadic lower_end(const Certified& x) { return Dyadic(x) - Dyadic(x.bound).scaled(x.exponent); }
+Dyadic upper_end(const Certified& x) { return Dyadic(x) + Dyadic(x.bound).scaled(x.exponent); }
+
+bool encloses(const Certified& t, const ExactHit& exact) {
+    return exact.side(lower_end(t)) >= 0 && exact.side(upper_end(t)) <= 0;
+}
+
+bool encloses_distance(const Certified& s, const ExactHit& exact) {
+    return exact.distance_side(lower_end(s)) >= 0 && exact.distance_side(upper_end(s)) <= 0;
+}
+
+bool is_rounded(double rounded, const std::function<int(const Dyadic&)>& side, const FloatFormat& f) {
+    if (!(rounded >= 0)) return false;
+    const Dyadic tick = Dyadic(1.0).scaled(f.emin - f.precision);  // half the smallest subnormal
+    const Dyadic end = Dyadic(1.0).scaled(f.emax + 1);             // what infinity stands in place of
+    Dyadic value = end;
+    std::int64_t half_below = f.emax - f.precision, half_above = 0;  // exponents of half the gap to either neighbour
+    bool even = true;
+    if (rounded < HUGE_VAL) {
+        value = Dyadic(rounded);
+        int e = f.emin;
+        bool power_of_two = false;
+        if (rounded != 0) {
+            int exponent = 0;
+            power_of_two = std::frexp(rounded, &exponent) == 0.5;
+            e = std::max(exponent - 1, f.emin);
+        }
+        half_above = e - f.precision;
+        half_below = power_of_two && e > f.emin ? half_above - 1 : half_above;
+        const double significand = std::ldexp(rounded, static_cast<int>(f.precision - 1 - e));
+        if (significand != std::floor(significand) || compare(value, end) >= 0) return false;  // not a number of the format
+        even = std::fmod(significand, 2) == 0;
+    }
+    if (rounded > 0) {
+        const int low = side(value - Dyadic(1.0).scaled(half_below));
+        if (low < 0 || (low == 0 && !even)) return false;
+    }
+    if (rounded == HUGE_VAL) return true;
+    const int high = side(value + (rounded == 0 ? tick : Dyadic(1.0).scaled(half_above)));
+    return high < 0 || (high == 0 && even);
+}
+
+std::string paste(const Ray<double>& ray, const Sphere<double>& sphere) {
+    const Vec<double>&o = ray.origin, &d = ray.direction, &c = sphere.centre;
+    char text[512];
+    std::snprintf(text, sizeof text, "Ray<double> ray{{%a, %a, %a}, {%a, %a, %a}}; Sphere<double> sphere{{%a, %a, %a}, %a};", o.x, o.y, o.z, d.x,
+                  d.y, d.z, c.x, c.y, c.z, sphere.radius);
+    return text;
+}
+
+}  // namespace lostbits::testing

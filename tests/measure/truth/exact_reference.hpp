@@ -1,0 +1,77 @@
+// The same question answered in exact integers, by another derivation: no enclosure, no root, no rounding.
+#pragma once
+
+#include <functional>
+#include <string>
+
+#include <boost/multiprecision/gmp.hpp>
+
+#include "geometry/shapes.hpp"
+#include "measure/truth/certified.hpp"
+#include "number/real.hpp"
+
+namespace lostbits::testing {
+
+/// m·2^e, exactly.
+class Dyadic {
+public:
+    Dyadic() = default;
+    explicit Dyadic(double x);
+    explicit Dyadic(mpfr_srcptr x);
+    explicit Dyadic(const Real& x) : Dyadic(x.backend().data()) {}
+    explicit Dyadic(const Certified& x) : Dyadic((Dyadic(x.hi) + Dyadic(x.lo)).scaled(x.exponent)) {}
+
+    [[nodiscard]] int sign() const { return m_.sign(); }
+    [[nodiscard]] Dyadic scaled(std::int64_t e) const;
+    friend Dyadic operator+(const Dyadic& a, const Dyadic& b);
+    friend Dyadic operator-(const Dyadic& a);
+    friend Dyadic operator-(const Dyadic& a, const Dyadic& b) { return a + -b; }
+    friend Dyadic operator*(const Dyadic& a, const Dyadic& b);
+    friend int compare(const Dyadic& a, const Dyadic& b) { return (a - b).sign(); }
+
+private:
+    using Integer = boost::multiprecision::number<boost::multiprecision::gmp_int, boost::multiprecision::et_off>;
+    Integer m_ = 0;
+    std::int64_t e_ = 0;
+};
+
+/// The first root t* ≥ 0 of |f + t d|² = r², known by its defining signs alone.
+class ExactHit {
+public:
+    ExactHit(const Ray<double>& ray, const Sphere<double>& sphere);
+    ExactHit(const Ray<Real>& ray, const Sphere<Real>& sphere);
+
+    [[nodiscard]] bool hit() const { return hit_; }
+    [[nodiscard]] bool on_surface() const { return c_.sign() == 0; }
+    [[nodiscard]] bool is_inside() const { return c_.sign() < 0; }
+    [[nodiscard]] bool is_tangent_line() const { return discriminant_.sign() == 0; }
+    /// The sign of t* − x, for a hit.
+    [[nodiscard]] int side(const Dyadic& x) const;
+    /// The sign of t*·|d| − x, for a hit.
+    [[nodiscard]] int distance_side(const Dyadic& x) const;
+
+private:
+    void prepare();
+
+    Dyadic f_[3], d_[3], r2_;
+    Dyadic a_, h_, c_, discriminant_;
+    bool hit_ = false;
+};
+
+/// (hi + lo ∓ bound)·2^exponent.
+Dyadic lower_end(const Certified& x);
+Dyadic upper_end(const Certified& x);
+
+/// Whether t* lies between both ends; the same for the distance.
+bool encloses(const Certified& t, const ExactHit& exact);
+bool encloses_distance(const Certified& distance, const ExactHit& exact);
+
+/// Whether `rounded` is a number x* ≥ 0 rounded to nearest, ties to even, where `side(m)` is the sign of x* − m: x*
+/// lies between the midpoints on either side of `rounded`, and on one of them only where `rounded` is the even
+/// neighbour. Beyond the largest number stands infinity.
+bool is_rounded(double rounded, const std::function<int(const Dyadic&)>& side, const FloatFormat& format);
+
+/// The inputs as C++ that compiles.
+std::string paste(const Ray<double>& ray, const Sphere<double>& sphere);
+
+}  // namespace lostbits::testing

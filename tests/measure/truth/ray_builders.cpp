@@ -1,0 +1,115 @@
+#include "measure/truth/ray_builders.hpp"
+
+namespace lostbits::testing {
+
+Frame frame(Seeded& rng, std::int64_t largest) {
+    std::int64_t w = 0, x = 0, y = 0, z = 0;
+    while (w == 0 && x == 0 && y == 0 && z == 0) {
+        w = rng.integer(-largest, largest);
+        x = rng.integer(-largest, largest);
+        y = rng.integer(-largest, largest);
+        z = rng.integer(-largest, largest);
+    }
+    Frame f;
+    f.u = {w * w + x * x - y * y - z * z, 2 * (x * y + w * z), 2 * (x * z - w * y)};
+    f.v = {2 * (x * y - w * z), w * w - x * x + y * y - z * z, 2 * (y * z + w * x)};
+    f.w = {2 * (x * z + w * y), 2 * (y * z - w * x), w * w - x * x - y * y + z * z};
+    f.length = w * w + x * x + y * y + z * z;
+    return f;
+}
+
+Triple triple(Seeded& rng, std::int64_t largest_scale) {
+    static constexpr Triple known[] = {{1, 0, 1}, {0, 1, 1}, {3, 4, 5}, {4, -3, 5}, {5, 12, 13}, {-15, 8, 17}};
+    Triple t = known[rng.index(6)];
+    const std::int64_t k = rng.integer(1, largest_scale);
+    return {t.p * k, t.q * k, t.g * k};
+}
+
+Vec<double> combine(std::int64_t a, const Integers& u, std::int64_t b, const Integers& v, std::int64_t c, const Integers& w) {
+    const auto at = [&](int i) { return static_cast<double>(a * u[i] + b * v[i] + c * w[i]); };
+    return {at(0), at(1), at(2)};
+}
+
+RaySample rescaled(RaySample s, int lengths, int direction) {
+    for (int i = 0; i < 3; ++i) {
+        s.ray.origin[i] = std::ldexp(s.ray.origin[i], lengths);
+        s.ray.direction[i] = std::ldexp(s.ray.direction[i], direction);
+        s.sphere.centre[i] = std::ldexp(s.sphere.centre[i], lengths);
+    }
+    s.sphere.radius = std::ldexp(s.sphere.radius, lengths);
+    return s;
+}
+
+RaySample shuffled(Seeded& rng, const RaySample& s) {
+    const int first = rng.index(3), step = 1 + rng.index(2);
+    RaySample r = s;
+    for (int i = 0; i < 3; ++i) {
+        const int from = (first + i * step) % 3;
+        const double sign = rng.sign();
+        r.ray.origin[i] = sign * s.ray.origin[from];
+        r.ray.direction[i] = sign * s.ray.direction[from];
+        r.sphere.centre[i] = sign * s.sphere.centre[from];
+    }
+    return r;
+}
+
+RaySample stored(const RaySample& s, const FloatFormat& f) {
+    return {{stored(s.ray.origin, f), stored(s.ray.direction, f)}, {stored(s.sphere.centre, f), stored(s.sphere.radius, f)}};
+}
+
+Vec<double> unit_vector(Seeded& rng) {
+    Vec<double> v = rng.vec(-1, 1);
+    while (dot(v, v) > 1 || dot(v, v) < 0.01) v = rng.vec(-1, 1);
+    const double size = length(v);
+    return {v.x / size, v.y / size, v.z / size};
+}
+
+Vec<double> normal_to(Seeded& rng, const Vec<double>& d) {
+    Vec<double> n = cross(d, unit_vector(rng));
+    while (dot(n, n) < 0.01 * dot(d, d)) n = cross(d, unit_vector(rng));
+    const double size = length(n);
+    return {n.x / size, n.y / size, n.z / size};
+}
+
+RaySample integer_scene(Seeded& rng) {
+    const auto number = [&](std::int64_t size) { return static_cast<double>(rng.integer(-size, size)); };
+    const auto vec = [&](std::int64_t size) { return Vec<double>{number(size), number(size), number(size)}; };
+    RaySample s{{vec(1000), {0, 0, 0}}, {vec(1000), static_cast<double>(rng.integer(1, 400))}};
+    s.ray.direction = s.sphere.centre - s.ray.origin + vec(static_cast<std::int64_t>(s.sphere.radius));
+    if (dot(s.ray.direction, s.ray.direction) == 0) s.ray.direction.x = 1;
+    if (rng.index(8) == 0) s.ray.direction = -s.ray.direction;
+    return s;
+}
+
+// f = −s·u + p·v + q·w and d = u: the line's distance from the centre is g·|v| = r, exactly.
+RaySample integer_tangent(Seeded& rng, const FloatFormat& storage) {
+    const bool narrow = storage == binary32;
+    const Frame e = frame(rng, narrow ? 3 : 200);
+    const Triple g = triple(rng, narrow ? 50 : 1 << 20);
+    const std::int64_t far = narrow ? 1 << 10 : 1 << 30;
+    const std::int64_t s = rng.index(8) == 0 ? 0 : rng.integer(-far / 4, far);
+    const Integers c = {rng.integer(-far, far), rng.integer(-far, far), rng.integer(-far, far)};
+    const Vec<double> centre(static_cast<double>(c[0]), static_cast<double>(c[1]), static_cast<double>(c[2]));
+    const Vec<double> f = combine(-s, e.u, g.p, e.v, g.q, e.w);
+    return {{centre + f, combine(1, e.u, 0, e.v, 0, e.w)}, {centre, static_cast<double>(g.g * e.length)}};
+}
+
+// f = p·v + q·w has the length g·|v| = r: the origin is on the surface.
+RaySample integer_contact(Seeded& rng, const FloatFormat& storage) {
+    RaySample s = integer_tangent(rng, storage);
+    const bool narrow = storage == binary32;
+    const Frame e = frame(rng, narrow ? 3 : 200);
+    const Triple g = triple(rng, narrow ? 50 : 1 << 20);
+    const Vec<double> f = combine(0, e.u, g.p, e.v, g.q, e.w);
+    s.ray.origin = s.sphere.centre + f;
+    s.sphere.radius = static_cast<double>(g.g * e.length);
+    switch (rng.index(4)) {
+    case 0: s.ray.direction = combine(1, e.u, 0, e.v, 0, e.w); break;  // along the surface
+    case 1: s.ray.direction = f; break;                                // straight out
+    case 2: s.ray.direction = -f; break;                               // through the centre
+    default: break;                                                    // the other frame's: any way
+    }
+    return s;
+}
+
+}  // namespace lostbits::testing

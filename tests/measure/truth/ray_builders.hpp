@@ -1,0 +1,43 @@
+// Pieces that the families share: integer frames in which tangency and contact are exact, scaling, permuting.
+#pragma once
+
+#include "measure/truth/ray_families.hpp"
+
+namespace lostbits::testing {
+
+using Integers = std::array<std::int64_t, 3>;
+
+/// Three orthogonal integer vectors of the same integer length: the columns of a quaternion's rotation matrix,
+/// w² + x² + y² + z² times as long.
+struct Frame {
+    Integers u, v, w;
+    std::int64_t length;
+};
+Frame frame(Seeded& rng, std::int64_t largest);
+
+/// (p, q, g) with p² + q² = g².
+struct Triple {
+    std::int64_t p, q, g;
+};
+Triple triple(Seeded& rng, std::int64_t largest_scale);
+
+/// a·u + b·v + c·w, exactly (the families keep within 2^53).
+Vec<double> combine(std::int64_t a, const Integers& u, std::int64_t b, const Integers& v, std::int64_t c, const Integers& w);
+
+/// Multiplies all lengths by 2^lengths and the direction by 2^direction.
+RaySample rescaled(RaySample s, int lengths, int direction);
+/// Permutes the axes and flips their signs.
+RaySample shuffled(Seeded& rng, const RaySample& s);
+RaySample stored(const RaySample& s, const FloatFormat& storage);
+
+/// Any unit vector (to rounding), and one at right angles to `d`.
+Vec<double> unit_vector(Seeded& rng);
+Vec<double> normal_to(Seeded& rng, const Vec<double>& d);
+
+/// A scene of small integers, the ray aimed near the sphere more often than not.
+RaySample integer_scene(Seeded& rng);
+/// Integer tangents and contacts that fit binary32 or binary64.
+RaySample integer_tangent(Seeded& rng, const FloatFormat& storage);
+RaySample integer_contact(Seeded& rng, const FloatFormat& storage);
+
+}  // namespace lostbits::testing

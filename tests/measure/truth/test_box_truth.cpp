@@ -1,0 +1,241 @@
+// Truth of rays and boxes against exact fractions: every ray of every family, closed box and open.
+#include <cstdio>
+#include <ctime>
+
+#include "catch.hpp"
+#include "intersect/box/box_exact.hpp"
+#include "measure/truth/box_families.hpp"
+#include "measure/truth/enclose_solid.hpp"
+#include "measure/truth/truth.hpp"
+#include "measure/truth/enclose_box.hpp"
+#include "number/dual.hpp"
+
+using namespace lostbits;
+using namespace lostbits::testing;
+using lostbits::test::BoxCase;
+using lostbits::test::Rational;
+using lostbits::test::Span;
+
+namespace {
+
+struct Tally {
+    int rays = 0, closed = 0, open = 0, escalated = 0, bits = 0, straddled = 0, decided_low = 0, asked_low = 0;
+};
+
+/// A problem, and its exact answers.
+struct Question {
+    const BoxSample& sample;
+    BoxCase exact;
+    Span closed, open;
+    explicit Question(const BoxSample& s)
+        : sample(s), exact(test::exactly(s.ray, s.box, s.tmax)), closed(ray_in_box(exact, true)), open(ray_in_box(exact, false)) {}
+};
+
+bool keeps(BoxFamily::Promise promise, const Question& q) {
+    BoxCase at_origin = q.exact;
+    at_origin.tmax = 0;
+    const bool in_closed = !ray_in_box(at_origin, true).is_empty(), in_open = !ray_in_box(at_origin, false).is_empty();
+    switch (promise) {
+    case BoxFamily::Promise::none: return true;
+    case BoxFamily::Promise::touches: return !line_in_box(q.exact, true).is_empty() && line_in_box(q.exact, false).is_empty();
+    case BoxFamily::Promise::inside: return in_open;
+    case BoxFamily::Promise::on_boundary: return in_closed && !in_open;
+    case BoxFamily::Promise::flat: return line_in_box(q.exact, false).is_empty();
+    case BoxFamily::Promise::at_end: return !q.closed.is_empty() && q.open.is_empty() && q.closed.start() == *q.exact.tmax;
+    }
+    return false;
+}
+
+Rational two_to(std::int64_t e) {
+    using boost::multiprecision::mpz_int;
+    const mpz_int power = mpz_int(1) << static_cast<unsigned long>(e < 0 ? -e : e);
+    return e < 0 ? Rational(1, power) : Rational(power);
+}
+
+/// Whether x lies within the bound of c.
+bool encloses(const Certified& c, const Rational& x) {
+    const Rational unit = two_to(c.exponent), off = x - (Rational(c.hi) + Rational(c.lo)) * unit;
+    return abs(off) <= Rational(c.bound) * unit;
+}
+
+/// The same for x = t·|d|, by squares: (middle − bound)² ≤ x² ≤ (middle + bound)².
+bool encloses_root(const Certified& c, const Rational& squared) {
+    const Rational unit = two_to(c.exponent), middle = (Rational(c.hi) + Rational(c.lo)) * unit, bound = Rational(c.bound) * unit;
+    const Rational low = middle - bound, high = middle + bound;
+    return (low.sign() <= 0 || low * low <= squared) && high.sign() >= 0 && squared <= high * high;
+}
+
+/// x rounded to nearest even by MPFR, subnormals and overflow included.
+double rounded(const Rational& x, const FloatFormat& f) {
+    const mpfr_exp_t emin = mpfr_get_emin(), emax = mpfr_get_emax();
+    mpfr_set_emin(f.emin - f.precision + 2);
+    mpfr_set_emax(f.emax + 1);
+    mpfr_t r;
+    mpfr_init2(r, f.precision);
+    mpfr_subnormalize(r, mpfr_set_q(r, x.backend().data(), MPFR_RNDN), MPFR_RNDN);
+    const double result = mpfr_get_d(r, MPFR_RNDN);
+    mpfr_clear(r);
+    mpfr_set_emin(emin);
+    mpfr_set_emax(emax);
+    return result;
+}
+
+bool contains(const Interval& x, const Rational& q) {
+    return x.is_bounded() && mpfr_cmp_q(x.lower(), q.backend().data()) <= 0 && mpfr_cmp_q(x.upper(), q.backend().data()) >= 0;
+}
+
+/// What is wrong with the proved answer, or nothing.
+std::string disagreement(const Question& q, Touching convention, Tally& tally) {
+    const BoxSample& s = q.sample;
+    const Span& want = convention == Touching::hit ? q.closed : q.open;
+    const Truth truth = find_truth(s.ray, s.box, {}, convention, s.tmax);
+    tally.escalated += truth.bits > 106;
+    tally.bits = std::max(tally.bits, truth.bits);
+    if (truth.decision == Truth::Decision::unresolved) return "unresolved";
+    if (truth.is_hit() == want.is_empty()) return truth.is_hit() ? "a hit that fractions miss" : "a miss that fractions hit";
+    if (truth.touches != (q.closed.is_empty() != q.open.is_empty())) return "the conventions differ otherwise";
+    if (!truth.is_hit()) return truth.object == -1 ? "" : "a miss names an object";
+
+    const Rational& t = want.start();
+    if (truth.object != 0) return "a hit without object";
+    if (!encloses(truth.t, t)) return "t is not within its bound";
+    if (truth.t.is_zero() != (t == 0)) return "t is zero, or is not, wrongly";
+    if (!encloses_root(truth.distance, t * t * test::dot(q.exact.direction, q.exact.direction))) return "the distance is not within its bound";
+    if (truth.t.bound > certified_tightness * std::fabs(truth.t.hi)) return "t is not tight";
+    for (const FloatFormat& f : {binary64, binary32, binary16}) {
+        if (round_truth(truth, s.ray, s.box, f) != rounded(t, f)) return "t is not correctly rounded to " + std::to_string(f.precision) + " bits";
+        tally.straddled += !round_certified(truth.t, f);
+    }
+    return "";
+}
+
+/// Too few bits may leave open, and must not get wrong: the inputs themselves are intervals at these precisions.
+std::string contradiction(const Question& q, Touching convention, Tally& tally) {
+    const BoxSample& s = q.sample;
+    const Span& want = convention == Touching::hit ? q.closed : q.open;
+    for (const long bits : {6, 20, 53, 120}) {
+        const Interval::Precision precision(bits);
+        const Box<Interval> box{lift_vec<Interval>(s.box.lo), lift_vec<Interval>(s.box.hi)};
+        const Interval end(std::isinf(s.tmax) ? 0.0 : s.tmax);
+        const auto e = enclose(lift_ray<Interval>(s.ray), box, std::isinf(s.tmax) ? nullptr : &end, convention);
+        ++tally.asked_low;
+        tally.decided_low += !e.hit.is_unknown();
+        const std::string at = " at " + std::to_string(bits) + " bits";
+        if (!e.hit.is_unknown() && e.hit.is_yes() == want.is_empty()) return "guessed" + at;
+        if (e.hit.is_yes() && !contains(e.t, want.start())) return "t escapes" + at;
+        if (e.hit.is_yes() && e.touching != (q.closed.is_empty() != q.open.is_empty())) return "touching guessed" + at;
+    }
+    return "";
+}
+
+void check(const BoxFamily& family, const FloatFormat& storage, std::uint64_t seed) {
+    Seeded rng(seed);
+    Tally tally;
+    const std::clock_t start = std::clock();
+    std::string report;
+    int failures = 0;
+    for (int i = 0; i < family.rays; ++i) {
+        const BoxSample s = family.make(rng, storage);
+        const Question q(s);
+        std::string what = keeps(family.promise, q) ? "" : "the generator missed its aim";
+        for (const Touching convention : {Touching::hit, Touching::miss}) {
+            if (what.empty()) what = disagreement(q, convention, tally);
+            if (what.empty() && i % 4 == 0) what = contradiction(q, convention, tally);
+        }
+        ++tally.rays;
+        tally.closed += !q.closed.is_empty();
+        tally.open += !q.open.is_empty();
+        if (what.empty() || ++failures > 3) continue;
+        report += std::string(family.name) + ", seed " + std::to_string(seed) + ", index " + std::to_string(i) + ": " + what + "\n    " + paste(s) + "\n";
+    }
+    std::printf("%-16s f%d %6d rays %6d closed %6d open %6d escalated %5d bits %6d straddled %3.0f %% decided low %5.1f s\n", family.name,
+                storage == binary32 ? 32 : 64, tally.rays, tally.closed, tally.open, tally.escalated, tally.bits, tally.straddled,
+                100.0 * tally.decided_low / tally.asked_low, static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC);
+    std::fflush(stdout);
+    INFO(failures << " of " << tally.rays << " rays disagree; the first:\n" << report);
+    CHECK(failures == 0);
+    // A family that only ever hits or only ever misses tests half of what it seems to.
+    const bool always = family.promise == BoxFamily::Promise::inside || family.promise == BoxFamily::Promise::on_boundary ||
+                        family.promise == BoxFamily::Promise::at_end;
+    CHECK(tally.closed > tally.rays / 20);
+    if (!always) CHECK(tally.closed < tally.rays);
+}
+
+}  // namespace
+
+TEST_CASE("truth of boxes agrees with fractions on binary32 inputs", "[box][binary32]") {
+    for (const BoxFamily& f : box_families) check(f, binary32, 1);
+}
+
+TEST_CASE("truth of boxes agrees with fractions on binary64 inputs", "[box][binary64]") {
+    for (const BoxFamily& f : box_families) check(f, binary64, 2);
+}
+
+TEST_CASE("a ray without length, and one that ends before it starts", "[box]") {
+    const Box<double> box{Vec<double>(-1), Vec<double>(1)};
+    const auto shoot = [&](double x, double tmax, Touching convention) {
+        return find_truth({{x, 0, 0}, {1, 0, 0}}, box, {}, convention, tmax).is_hit();
+    };
+    for (const Touching convention : {Touching::hit, Touching::miss}) {
+        const bool closed = convention == Touching::hit;
+        CHECK(shoot(0, 0, convention));                // the origin inside is enough
+        CHECK(shoot(-1, 0, convention) == closed);     // on the boundary it is for the closed box alone
+        CHECK(shoot(-1, 0x1p-1074, convention));       // the least bit of length is inside
+        CHECK(shoot(1, 5, convention) == closed);      // leaving
+        CHECK_FALSE(shoot(0, -0x1p-1074, convention));
+        CHECK_FALSE(shoot(0, -HUGE_VAL, convention));
+        CHECK(shoot(0, HUGE_VAL, convention));
+        CHECK(shoot(0, -0.0, convention));
+    }
+}
+
+namespace {
+
+/// ∂t/∂(inputs in the order origin, direction, lo, hi) of t = (plane − o)/d: −1/d, −t/d and 1/d on the entered axis, else 0.
+template <class E>
+void check_gradient(const BoxSample& s) {
+    using D = Dual<E, 12>;
+    const auto vec = [](const Vec<double>& v, std::size_t first) {
+        return Vec<D>(D::input(E(v.x), first), D::input(E(v.y), first + 1), D::input(E(v.z), first + 2));
+    };
+    const auto e = enclose<D>({vec(s.ray.origin, 0), vec(s.ray.direction, 3)}, {vec(s.box.lo, 6), vec(s.box.hi, 9)}, nullptr, Touching::hit);
+    const Span want = ray_in_box(test::exactly(s.ray, s.box, HUGE_VAL), true);
+    REQUIRE(e.hit.is_yes() == !want.is_empty());
+    if (!e.hit.is_yes()) return;
+    std::array<Rational, 12> gradient{};
+    for (int axis = 0; axis < 3 && want.start() > 0; ++axis) {
+        const auto i = static_cast<std::size_t>(axis);
+        const Rational d(s.ray.direction[axis]);
+        const double plane = s.ray.direction[axis] > 0 ? s.box.lo[axis] : s.box.hi[axis];
+        if (d == 0 || Rational(plane) - Rational(s.ray.origin[axis]) != want.start() * d) continue;
+        gradient[i] = -1 / d;
+        gradient[3 + i] = -want.start() / d;
+        gradient[(d > 0 ? 6 : 9) + i] = 1 / d;
+    }
+    const auto midpoint = [](const E& x) {
+        if constexpr (std::same_as<E, Ball>) return x.hi();
+        else return mpfr_get_d(x.lower(), MPFR_RNDN);
+    };
+    INFO(paste(s));
+    for (std::size_t i = 0; i < 12; ++i) {
+        CHECK(e.t.derivative(i).is_bounded());
+        const double got = midpoint(e.t.derivative(i)), expected = rounded(gradient[i], binary64);
+        CHECK(std::fabs(got - expected) <= 0x1p-50 * std::fabs(expected));
+    }
+}
+
+}  // namespace
+
+TEST_CASE("the enclosed t of a box differentiates", "[box][conditioning]") {
+    Seeded rng(3);
+    int hits = 0;
+    for (int i = 0; i < 1500; ++i) {
+        BoxSample s = box_families[0].make(rng, binary32);
+        s.tmax = HUGE_VAL;
+        hits += find_truth(s.ray, s.box, {}, Touching::hit, s.tmax).is_hit();
+        check_gradient<Ball>(s);
+        const Interval::Precision precision(300);
+        check_gradient<Interval>(s);
+    }
+    CHECK(hits > 100);
+}

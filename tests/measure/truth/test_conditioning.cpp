@@ -1,0 +1,149 @@
+// κ against what can be worked out by hand, and against central differences.
+#include <cmath>
+
+#include "catch.hpp"
+#include "measure/truth/conditioning.hpp"
+#include "measure/metric/metrics.hpp"
+#include "measure/truth/truth.hpp"
+#include "number/dual.hpp"
+#include "measure/seeded.hpp"
+
+using namespace lostbits;
+
+namespace {
+
+using Wide = BasicReal<1024>;
+
+/// The first t ≥ 0 by the textbook, in 1024 bits.
+Wide first_root(const std::array<Wide, 10>& x) {
+    const Vec<Wide> f(x[0] - x[6], x[1] - x[7], x[2] - x[8]), d(x[3], x[4], x[5]);
+    const Wide a = dot(d, d), h = dot(f, d), c = dot(f, f) - x[9] * x[9];
+    const Wide root = sqrt(Wide(h * h - a * c));
+    const Wide near = (-h - root) / a;
+    return near < 0 ? Wide((-h + root) / a) : near;
+}
+
+std::array<double, 10> numbers(const Ray<double>& r, const Sphere<double>& s) {
+    return {r.origin.x, r.origin.y, r.origin.z, r.direction.x, r.direction.y, r.direction.z, s.centre.x, s.centre.y, s.centre.z, s.radius};
+}
+
+double by_differences(const Ray<double>& ray, const Sphere<double>& sphere) {
+    const auto x = numbers(ray, sphere);
+    std::array<Wide, 10> at;
+    for (std::size_t i = 0; i < 10; ++i) at[i] = x[i];
+    const Wide t = first_root(at);
+    Wide sum = 0;
+    for (std::size_t i = 0; i < 10; ++i) {
+        const Wide step = ldexp(Wide(1), -300);
+        auto up = at, down = at;
+        up[i] += step;
+        down[i] -= step;
+        sum += abs(Wide(at[i] * (first_root(up) - first_root(down)) / (2 * step)));
+    }
+    return static_cast<double>(Wide(sum / abs(t)));
+}
+
+}  // namespace
+
+TEST_CASE("the condition of a head-on ray is (D + t + r)/t") {
+    for (const double distance : {2.0, 5.0, 4100.0, 0x1p40}) {
+        const Ray<double> ray{{0, 0, distance}, {0, 0, -1}};
+        const Sphere<double> sphere{{0, 0, 0}, 1};
+        const double t = distance - 1;
+        CHECK(condition(ray, sphere) == Approx((distance + t + 1) / t).epsilon(0x1p-19));
+    }
+}
+
+TEST_CASE("towards a tangent the condition grows as one over the cosine, and on it it is infinite") {
+    // x = sin: the ray's offset; ∂t/∂x = x/√(1 − x²), and the other inputs add their own.
+    for (int k = 2; k <= 50; k += 4) {
+        const double x = 1 - std::ldexp(1, -k);
+        const Ray<double> ray{{x, 0, 4}, {0, 0, -1}};
+        const Sphere<double> sphere{{0, 0, 0}, 1};
+        // t = 4 − w, w² = (1 − x)(1 + x), which is exact enough in double. Σ|xᵢ∂t| = x²/w + 4 + t + 1/w.
+        const double w = std::sqrt((1 - x) * (1 + x)), t = 4 - w;
+        CHECK(condition(ray, sphere) == Approx((x * x / w + 4 + t + 1 / w) / t).epsilon(1e-5));
+    }
+    CHECK(std::isinf(condition(Ray<double>{{1, 0, 4}, {0, 0, -1}}, Sphere<double>{{0, 0, 0}, 1})));
+}
+
+TEST_CASE("on the surface the condition is infinite, for a miss there is none") {
+    CHECK(std::isinf(condition(Ray<double>{{0, 0, 1}, {0, 0, -1}}, Sphere<double>{{0, 0, 0}, 1})));
+    CHECK(std::isnan(condition(Ray<double>{{2, 0, 4}, {0, 0, -1}}, Sphere<double>{{0, 0, 0}, 1})));
+}
+
+TEST_CASE("the condition agrees with central differences at 1024 bits") {
+    testing::Seeded random(7301);
+    int hits = 0, inside = 0;
+    for (int i = 0; i < 4000; ++i) {
+        const double size = std::ldexp(1, static_cast<int>(random.index(40)) - 10);
+        const auto near = [&] { return 2 * random.unit() - 1; };
+        const Sphere<double> sphere{{size * near(), size * near(), size * near()}, 0.1 + random.unit()};
+        Ray<double> ray{{size * near(), size * near(), size * near()}, {}};
+        for (int a = 0; a < 3; ++a) ray.direction[a] = sphere.centre[a] + 0.9 * sphere.radius * near() - ray.origin[a];
+        const Truth truth = find_truth(ray, sphere);
+        if (!truth.is_hit()) continue;
+        ++hits;
+        const Vec<double> f = ray.origin - sphere.centre;
+        inside += f.x * f.x + f.y * f.y + f.z * f.z < sphere.radius * sphere.radius;
+        CHECK(condition(ray, sphere) == Approx(by_differences(ray, sphere)).epsilon(1e-5));
+    }
+    CHECK(hits > 2000);
+    CHECK(inside > 50);
+}
+
+TEST_CASE("Real inputs have the condition of the same numbers") {
+    const Ray<double> ray{{1.25, -2.5, 6}, {-0.25, 0.5, -1.5}};
+    const Sphere<double> sphere{{0.5, -0.75, 1}, 1.5};
+    const auto real = [](const Vec<double>& v) { return Vec<Real>(Real(v.x), Real(v.y), Real(v.z)); };
+    CHECK(condition(Ray<Real>{real(ray.origin), real(ray.direction)}, Sphere<Real>{real(sphere.centre), Real(sphere.radius)}) ==
+          Approx(condition(ray, sphere)).epsilon(1e-5));
+}
+
+TEST_CASE("inherent bits are the lost bits of the envelope max(1/2, kappa/2)") {
+    CHECK(inherent_bits(0.5, 24) == 0);
+    CHECK(inherent_bits(1, 24) == 0);
+    CHECK(inherent_bits(1024, 24) == 10);
+    CHECK(inherent_bits(HUGE_VAL, 24) == 24);
+}
+
+TEST_CASE("every operation of Dual differentiates as a central difference does") {
+    using D = Dual<Wide, 3>;
+    testing::Seeded random(99);
+    const auto draw = [&] { return Wide((0.2 + random.unit()) * (random.index(2) == 0 ? 1 : -1)); };
+    struct Operation {
+        const char* name;
+        D (*dual)(const D&, const D&, const D&);
+        Wide (*plain)(const Wide&, const Wide&, const Wide&);
+    };
+    const Operation operations[] = {
+        {"+", [](const D& a, const D& b, const D&) { return a + b; }, [](const Wide& a, const Wide& b, const Wide&) { return Wide(a + b); }},
+        {"-", [](const D& a, const D& b, const D&) { return a - b; }, [](const Wide& a, const Wide& b, const Wide&) { return Wide(a - b); }},
+        {"*", [](const D& a, const D& b, const D&) { return a * b; }, [](const Wide& a, const Wide& b, const Wide&) { return Wide(a * b); }},
+        {"/", [](const D& a, const D& b, const D&) { return a / b; }, [](const Wide& a, const Wide& b, const Wide&) { return Wide(a / b); }},
+        {"neg", [](const D& a, const D&, const D&) { return -a; }, [](const Wide& a, const Wide&, const Wide&) { return Wide(-a); }},
+        {"sqrt", [](const D& a, const D&, const D&) { return sqrt(a * a + D(1)); }, [](const Wide& a, const Wide&, const Wide&) { return Wide(sqrt(Wide(a * a + 1))); }},
+        {"fma", [](const D& a, const D& b, const D& c) { return fma(a, b, c); }, [](const Wide& a, const Wide& b, const Wide& c) { return Wide(a * b + c); }},
+        {"abs", [](const D& a, const D&, const D&) { return abs(a); }, [](const Wide& a, const Wide&, const Wide&) { return Wide(abs(a)); }},
+        {"copysign", [](const D& a, const D& b, const D&) { return copysign(a, b); },
+         [](const Wide& a, const Wide& b, const Wide&) { return (a < 0) == (b < 0) ? a : Wide(-a); }},
+        {"select", [](const D& a, const D& b, const D& c) { return select(c > D(0), a * b, a + b); },
+         [](const Wide& a, const Wide& b, const Wide& c) { return c > 0 ? Wide(a * b) : Wide(a + b); }},
+    };
+    for (const Operation& operation : operations) {
+        INFO(operation.name);
+        for (int round = 0; round < 50; ++round) {
+            const std::array<Wide, 3> x{draw(), draw(), draw()};
+            const D result = operation.dual(D::input(x[0], 0), D::input(x[1], 1), D::input(x[2], 2));
+            CHECK(abs(Wide(result.value() - operation.plain(x[0], x[1], x[2]))) < 1e-200);
+            for (std::size_t i = 0; i < 3; ++i) {
+                auto up = x, down = x;
+                const Wide step = ldexp(Wide(1), -300);
+                up[i] += step;
+                down[i] -= step;
+                const Wide slope = (operation.plain(up[0], up[1], up[2]) - operation.plain(down[0], down[1], down[2])) / (2 * step);
+                CHECK(abs(Wide(result.derivative(i) - slope)) < 1e-100);
+            }
+        }
+    }
+}

@@ -1,0 +1,115 @@
+// Culling changes nothing: answers and truths with an index against brute force, for every form.
+#include "catch.hpp"
+#include "measure/map/map.hpp"
+#include "number/random.hpp"
+#include "scene/file/scene.hpp"
+#include "scene/scene_text.hpp"
+
+namespace lostbits::test {
+namespace {
+
+/// A flake and a large sphere below it, seen from `eye`.
+scene::Scene flake_scene(int levels, const std::string& eye, const std::string& camera, const std::string& inputs = "shared") {
+    const scene::test::Folder folder;
+    const std::string text = R"(schema = "lostbits-scene/1"
+title = "A test"
+inputs = ")" + inputs + R"("
+size = [20, 20]
+[camera]
+eye = )" + eye + R"(
+look_at = [0, 0, 0]
+)" + camera + R"(
+[sphereflake]
+levels = )" + std::to_string(levels) + R"(
+axis = [0.2, 0.9, 0.4]
+[[sphere]]
+centre = [0, -1001.5, 0]
+radius = 1000
+)";
+    return scene::load_scene(folder.write("flake.toml", text)).front();
+}
+
+struct Counts {
+    std::size_t hits = 0, few = 0, rays = 0;
+};
+
+/// Every sphere form in some formats with and without the index.
+Counts compare(const scene::Scene& scene, std::initializer_list<const char*> formats) {
+    Culler culler(scene);
+    const Band quick(scene, 0, scene.height, {}, &culler), slow(scene, 0, scene.height);
+    REQUIRE(culler.for_truth() != nullptr);
+    Counts counts;
+    for (std::size_t i = 0; i < quick.pixels(); ++i) {
+        for (const Touching touching : {Touching::hit, Touching::miss}) {
+            const Truth &a = quick.truth(i, touching), &b = slow.truth(i, touching);
+            CHECK(a.decision == b.decision);
+            CHECK(a.object == b.object);
+            CHECK(a.touches == b.touches);
+            if (a.is_hit() && b.is_hit()) CHECK(compare(a.t, b.t) == 0);
+        }
+    }
+    for (const char* name : formats) {
+        const Format format = *find_format(name);
+        const FormatInputs in = quick.inputs(format, {.unit_rays = true, .own_truth = true}), all = slow.inputs(format, {.unit_rays = true, .own_truth = true});
+        CHECK(all.index == nullptr);
+        for (std::size_t i = 0; i < in.own_truth.size(); ++i) CHECK(in.own_truth[i].object == all.own_truth[i].object);
+        std::vector<std::uint32_t> found;
+        for (std::size_t i = 0; in.index && i < in.rays.size(); ++i, ++counts.rays) counts.few += in.index->candidates(in.rays[i], found);
+        for (const Intersector& form : intersectors(Shape::sphere)) {
+            if (!form.exists_in(format)) continue;
+            const Answers got = evaluate(form, in), want = evaluate(form, all);
+            INFO(form.info->name << " in " << name);
+            CHECK(got.hit == want.hit);
+            CHECK(got.object == want.object);
+            std::size_t different = 0;
+            for (std::size_t i = 0; i < got.t.size(); ++i) different += !(got.t[i] == want.t[i] || (std::isnan(got.t[i]) && std::isnan(want.t[i])));
+            CHECK(different == 0);
+            for (const auto h : want.hit) counts.hits += h;
+        }
+    }
+    return counts;
+}
+
+const std::string pinhole = "kind = \"pinhole\"\nfov_deg = ";
+
+}  // namespace
+
+TEST_CASE("an index of many spheres changes no answer: near", "[measure][culling]") {
+    const Counts c = compare(flake_scene(3, "[2.1, 1.3, 1.7]", pinhole + "60"), {"f32", "f64", "p20", "fp16", "bf16"});
+    CHECK(c.hits > 1000);
+    CHECK(c.few > c.rays / 3);
+}
+
+TEST_CASE("an index of many spheres changes no answer: far, where rounding makes hits of misses", "[measure][culling]") {
+    const Counts c = compare(flake_scene(3, "[210, 130, 170]", pinhole + "0.66"), {"f32", "f64", "p30"});
+    CHECK(c.hits > 1000);
+    CHECK(c.few > c.rays / 3);
+    compare(flake_scene(2, "[2100, 1300, 1700]", pinhole + "0.066"), {"f32", "p40"});
+}
+
+TEST_CASE("an index of many spheres changes no answer: from inside, along the ground, parallel, of its own inputs", "[measure][culling]") {
+    compare(flake_scene(3, "[0.1, 0.05, 0.3]", pinhole + "120"), {"f32", "f64"});
+    compare(flake_scene(3, "[9, -1.4375, 7]", pinhole + "50"), {"f32", "f64"});
+    compare(flake_scene(3, "[30, 20, 10]", "kind = \"orthographic\"\nwidth = 4"), {"f32", "f64"});
+    compare(flake_scene(2, "[2.1, 1.3, 1.7]", pinhole + "60\nnormalise = false", "own"), {"f32", "f64", "bf16"});
+}
+
+TEST_CASE("no index where squares leave the format, where spheres are few, or solids no spheres", "[measure][culling]") {
+    const RayBounds bounds{3, 1, 1};
+    std::vector<Solid<double>> solids;
+    for (int i = 0; i < 100; ++i) solids.emplace_back(Sphere<double>{{0.5 * i, 0, 0}, 0.25});
+    const FloatFormat half = find_format("fp16")->shape;
+    const bool embree = SphereIndex::make(solids, bounds, &binary32) != nullptr;
+    if (!embree) WARN("this build has no Embree: nothing is culled");
+    CHECK((SphereIndex::make(solids, bounds, &binary64) != nullptr) == embree);
+    CHECK(SphereIndex::make(solids, bounds, &half) == nullptr);  // 64·50² > 65504
+    CHECK(SphereIndex::make(std::span(solids).first(63), bounds, &binary32) == nullptr);
+    CHECK(SphereIndex::make(solids, {0x1p70, 1, 1}, &binary32) == nullptr);
+    CHECK(SphereIndex::make(solids, {3, 0x1p-70, 1}, &binary32) == nullptr);
+    CHECK(SphereIndex::make(solids, {3, 0, 1}, nullptr) == nullptr);
+    CHECK(SphereIndex::make(solids, {HUGE_VAL, 1, 1}, nullptr) == nullptr);
+    solids[7] = Box<double>{{0, 0, 0}, {1, 1, 1}};
+    CHECK(SphereIndex::make(solids, bounds, &binary64) == nullptr);
+}
+
+}  // namespace lostbits::test

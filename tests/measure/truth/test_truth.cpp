@@ -1,0 +1,105 @@
+// Truth against two independent computations: exact integers and Arb. Every ray of every family must agree.
+#include <cstdio>
+#include <ctime>
+#include <span>
+
+#include "catch.hpp"
+#include "measure/truth/arb_reference.hpp"
+#include "measure/truth/exact_reference.hpp"
+#include "measure/truth/ray_families.hpp"
+#include "measure/truth/truth.hpp"
+
+using namespace lostbits;
+using namespace lostbits::testing;
+
+namespace {
+
+/// What a family's run is known by afterwards.
+struct Tally {
+    int rays = 0, hits = 0, escalated = 0, bits = 0, ties = 0;
+    long arb_bits = 0;
+};
+
+bool keeps(RayFamily::Promise promise, const ExactHit& exact) {
+    switch (promise) {
+    case RayFamily::Promise::tangent_line: return exact.is_tangent_line();
+    case RayFamily::Promise::on_surface: return exact.on_surface();
+    case RayFamily::Promise::inside: return exact.is_inside();
+    case RayFamily::Promise::none: return true;
+    }
+    return false;
+}
+
+/// Empty where everything agrees, else what does not.
+std::string disagreement(const RaySample& s, RayFamily::Promise promise, ArbReference& arb, Tally& tally) {
+    const ExactHit exact(s.ray, s.sphere);
+    if (!keeps(promise, exact)) return "the generator missed its aim";
+    const Truth truth = find_truth(s.ray, s.sphere);
+    const ArbReference::Answer ball = arb.find(s.ray, s.sphere);
+
+    tally.escalated += truth.bits > 106;
+    tally.bits = std::max(tally.bits, truth.bits);
+    tally.arb_bits = std::max(tally.arb_bits, ball.bits);
+    if (truth.decision == Truth::Decision::unresolved) return "unresolved";
+    if (ball.decision == ArbReference::Decision::undecided) return "Arb did not decide";
+    if (truth.is_hit() != exact.hit()) return truth.is_hit() ? "a hit that exact integers miss" : "a miss that exact integers hit";
+    if (truth.is_hit() != (ball.decision == ArbReference::Decision::hit)) return "Arb decides otherwise";
+    if (!truth.is_hit()) return truth.object == -1 ? "" : "a miss names an object";
+
+    ++tally.hits;
+    if (truth.object != 0) return "a hit without object";
+    if (!encloses(truth.t, exact)) return "t is not within its bound";
+    if (!encloses_distance(truth.distance, exact)) return "the distance is not within its bound";
+    if (truth.t.bound > certified_tightness * std::fabs(truth.t.hi)) return "t is not tight";
+    if (truth.distance.bound > certified_tightness * std::fabs(truth.distance.hi)) return "the distance is not tight";
+    const auto side = [&](const Dyadic& x) { return exact.side(x); };
+    for (const FloatFormat& f : {binary64, binary32, binary16, bfloat16, FloatFormat{52, -1022, 1023}}) {
+        const double rounded = round_truth(truth, s.ray, s.sphere, f);
+        if (!is_rounded(rounded, side, f)) return "t is not correctly rounded to " + std::to_string(f.precision) + " bits";
+        if (f == binary64 && ball.rounded && rounded != ball.t) return "Arb rounds otherwise";
+        tally.ties += !round_certified(truth.t, f);
+    }
+    if (!ball.rounded) return "Arb could not round";
+    return "";
+}
+
+void check(const RayFamily& family, const FloatFormat& storage, int rays, std::uint64_t seed) {
+    Seeded rng(seed);
+    ArbReference arb;
+    Tally tally;
+    const std::clock_t start = std::clock();
+    std::string report;
+    int failures = 0;
+    for (int i = 0; i < rays; ++i) {
+        const RaySample s = family.make(rng, storage);
+        const std::string what = disagreement(s, family.promise, arb, tally);
+        if (what.empty() || ++failures > 3) continue;
+        report += std::string(family.name) + ", seed " + std::to_string(seed) + ", index " + std::to_string(i) + ": " + what + "\n    " +
+                  paste(s.ray, s.sphere) + "\n";
+    }
+    tally.rays = rays;
+    std::printf("%-17s f%d  %7d rays  %7d hits  %6d escalated  %5d bits  %6d straddled  %6ld bits in Arb  %5.1f s\n", family.name,
+                storage == binary32 ? 32 : 64, tally.rays, tally.hits, tally.escalated, tally.bits, tally.ties, tally.arb_bits,
+                static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC);
+    std::fflush(stdout);
+    INFO(failures << " of " << rays << " rays disagree; the first:\n" << report);
+    CHECK(failures == 0);
+    if (storage == binary32) CHECK(tally.escalated <= family.most_escalated);
+}
+
+}  // namespace
+
+TEST_CASE("truth agrees with exact integers and with Arb on binary32 inputs", "[near][binary32]") {
+    for (const RayFamily& f : near_families) check(f, binary32, f.rays_binary32, 1);
+}
+
+TEST_CASE("truth agrees with exact integers and with Arb on binary64 inputs", "[near][binary64]") {
+    for (const RayFamily& f : near_families) check(f, binary64, f.rays_binary64, 2);
+}
+
+TEST_CASE("truth agrees where exponents are wide and where t is a tie", "[wide]") {
+    for (const RayFamily& f : wide_families) {
+        check(f, binary32, f.rays_binary32, 3);
+        check(f, binary64, f.rays_binary64, 4);
+    }
+}

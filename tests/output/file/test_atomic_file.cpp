@@ -1,0 +1,214 @@
+#include <sys/resource.h>
+#include <sys/stat.h>
+
+#include <csignal>
+#include <string>
+#include <vector>
+
+#include "catch.hpp"
+#include "number/error.hpp"
+#include "output/file/atomic_file.hpp"
+#include "output/scratch.hpp"
+
+using namespace lostbits;
+using namespace lostbits::output;
+using namespace lostbits::output::test;
+
+namespace {
+
+/// The message of the EnvironmentError that `work` ends in; empty when it ends in none.
+template <class Work>
+std::string refusal(Work work) {
+    try {
+        work();
+    } catch (const EnvironmentError& error) {
+        return error.what();
+    }
+    return {};
+}
+
+bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+
+}  // namespace
+
+TEST_CASE("a file has its final name only after commit", "[atomic_file]") {
+    const Scratch folder;
+    AtomicFile file(folder / "a.csv");
+    REQUIRE(folder.entries() == 1);
+    file.write("one,");
+    file.write("two\n");
+    REQUIRE_FALSE(fs::exists(folder / "a.csv"));
+    REQUIRE(fs::exists(folder / (".a.csv.partial-" + std::to_string(::getpid()))));
+    file.commit();
+    REQUIRE(slurp(folder / "a.csv") == "one,two\n");
+    REQUIRE(folder.entries() == 1);
+    REQUIRE_THROWS_AS(file.write("late"), std::logic_error);
+    REQUIRE_THROWS_AS(file.commit(), std::logic_error);
+}
+
+TEST_CASE("an abandoned file leaves the old one as it was", "[atomic_file]") {
+    const Scratch folder;
+    { AtomicFile(folder / "a").write("lost"); }
+    REQUIRE(folder.entries() == 0);
+    {
+        AtomicFile file(folder / "a");
+        file.write("old");
+        file.commit();
+    }
+    { AtomicFile(folder / "a").write("new, cut short"); }
+    REQUIRE(slurp(folder / "a") == "old");
+    REQUIRE(folder.entries() == 1);
+}
+
+TEST_CASE("seek overwrites across the buffer's edge and tell follows", "[atomic_file]") {
+    const Scratch folder;
+    std::string expected(600000, 'x');
+    AtomicFile file(folder / "a");
+    file.write(expected);
+    REQUIRE(file.tell() == 600000);
+    for (const std::int64_t at : {0, 262143, 599998}) {
+        file.seek(at);
+        REQUIRE(file.tell() == at);
+        file.write("ab");
+        expected.replace(static_cast<std::size_t>(at), 2, "ab");
+        REQUIRE(file.tell() == at + 2);
+    }
+    file.commit();
+    REQUIRE(slurp(folder / "a") == expected);
+}
+
+TEST_CASE("missing folders are made, and what cannot be written is refused at once", "[atomic_file]") {
+    const Scratch folder;
+    AtomicFile(folder / "x/y/z.csv").commit();
+    REQUIRE(fs::exists(folder / "x/y/z.csv"));
+
+    const auto a_folder = refusal([&] { AtomicFile(folder / "x"); });
+    REQUIRE(contains(a_folder, (folder / "x").string() + ": cannot write: Is a directory; "));
+    const auto below_a_file = refusal([&] { AtomicFile(folder / "x/y/z.csv/w.csv"); });
+    REQUIRE(contains(below_a_file, "z.csv"));
+    REQUIRE(contains(below_a_file, "Not a directory"));
+    const auto deep_below_a_file = refusal([&] { AtomicFile(folder / "x/y/z.csv/deep/w.csv"); });
+    REQUIRE(contains(deep_below_a_file, "Not a directory"));
+    const auto long_name = refusal([&] { AtomicFile(folder / std::string(300, 'n')); });
+    REQUIRE(contains(long_name, "File name too long"));
+    REQUIRE(folder.entries() == 1);
+}
+
+TEST_CASE("an unwritable folder or file is refused before any work", "[atomic_file]") {
+    const Scratch folder;
+    { AtomicFile(folder / "mine").commit(); }
+    ::chmod((folder / "mine").c_str(), 0444);
+    ::chmod(folder.path().c_str(), 0555);
+    const int answer = in_child([&] {
+        if (::getuid() == 0 && ::setuid(65534) != 0) return 9;  // permissions do not bind root
+        if (!contains(refusal([&] { AtomicFile(folder / "a"); }), "a: cannot create: Permission denied; ")) return 1;
+        if (!contains(refusal([&] { AtomicFile(folder / "s/a"); }), "cannot create the folder: Permission")) return 2;
+        if (!contains(refusal([&] { AtomicFile(folder / "mine"); }), "cannot overwrite: Permission denied")) return 3;
+        return 0;
+    });
+    ::chmod(folder.path().c_str(), 0755);
+    REQUIRE(answer == 0);
+    REQUIRE(folder.entries() == 1);
+}
+
+TEST_CASE("a full disk is reported and leaves nothing", "[atomic_file]") {
+    const Scratch folder;
+    const auto fill = [&](std::size_t bytes) {
+        return in_child([&] {
+            ignore_file_size_signal();
+            const rlimit limit{100000, 100000};
+            ::setrlimit(RLIMIT_FSIZE, &limit);
+            const std::string message = refusal([&] {
+                AtomicFile file(folder / "big");
+                file.write(std::string(bytes, 'x'));
+                file.commit();
+            });
+            if (message.empty()) return 1;
+            return message == (folder / "big").string() +
+                                  ": cannot write: File too large; free space or choose another -o"
+                       ? 0
+                       : 2;
+        });
+    };
+    REQUIRE(fill(90000) == 1);  // it fits
+    REQUIRE(fs::file_size(folder / "big") == 90000);
+    fs::remove(folder / "big");
+    REQUIRE(fill(110000) == 0);    // seen in commit
+    REQUIRE(fill(1000000) == 0);   // seen in write
+    REQUIRE(folder.entries() == 0);
+}
+
+TEST_CASE("a device is written in place, never replaced", "[atomic_file]") {
+    const std::string message = refusal([] {
+        AtomicFile file("/dev/full");
+        file.write("x");
+        file.commit();
+    });
+    REQUIRE(message == "/dev/full: cannot write: No space left on device; free space or choose another -o");
+    REQUIRE(fs::is_character_file("/dev/full"));
+    AtomicFile null("/dev/null");
+    null.write("x");
+    null.commit();
+    REQUIRE(fs::is_character_file("/dev/null"));
+}
+
+TEST_CASE("a symbolic link stays and its target is replaced", "[atomic_file]") {
+    const Scratch folder;
+    { AtomicFile(folder / "real/target").commit(); }
+    fs::create_symlink("real/target", folder / "link");
+    AtomicFile file(folder / "link");
+    file.write("new");
+    file.commit();
+    REQUIRE(fs::is_symlink(folder / "link"));
+    REQUIRE(slurp(folder / "real/target") == "new");
+}
+
+TEST_CASE("what a dead process of the same id left is replaced; a second live writer is refused", "[atomic_file]") {
+    const Scratch folder;
+    { std::ofstream(folder / (".a.partial-" + std::to_string(::getpid()))) << "stale and longer than the new text"; }
+    AtomicFile file(folder / "a");
+    file.write("new");
+    REQUIRE_THROWS_AS(AtomicFile(folder / "a"), std::logic_error);
+    file.commit();
+    REQUIRE(slurp(folder / "a") == "new");
+    REQUIRE(folder.entries() == 1);
+}
+
+TEST_CASE("a signal handler removes the partial files and keeps the finished ones", "[atomic_file]") {
+    const Scratch folder;
+    const int answer = in_child([&] {
+        std::signal(SIGTERM, [](int) { remove_partial_files(); ::_exit(42); });
+        AtomicFile finished(folder / "finished");
+        finished.commit();
+        std::vector<std::unique_ptr<AtomicFile>> files;
+        for (int i = 0; i < 200; ++i) files.push_back(std::make_unique<AtomicFile>(folder / std::to_string(i)));
+        if (folder.entries() != 201) return 1;
+        std::raise(SIGTERM);
+        return 2;
+    });
+    REQUIRE(answer == 42);
+    REQUIRE(folder.entries() == 1);
+    REQUIRE(fs::exists(folder / "finished"));
+}
+
+TEST_CASE("commit after the signal handler ran says interrupted", "[atomic_file]") {
+    const Scratch folder;
+    AtomicFile file(folder / "a");
+    file.write("x");
+    remove_partial_files();
+    REQUIRE_THROWS_AS(file.commit(), Interrupted);
+    REQUIRE(folder.entries() == 0);
+}
+
+TEST_CASE("the limit on open files rises to the hard one", "[atomic_file]") {
+    REQUIRE(in_child([] {
+        rlimit limit{};
+        ::getrlimit(RLIMIT_NOFILE, &limit);
+        limit.rlim_cur = 64;
+        ::setrlimit(RLIMIT_NOFILE, &limit);
+        raise_open_file_limit();
+        rlimit after{};
+        ::getrlimit(RLIMIT_NOFILE, &after);
+        return after.rlim_cur == limit.rlim_max && after.rlim_cur > 64 ? 0 : 1;
+    }) == 0);
+}

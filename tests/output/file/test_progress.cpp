@@ -1,0 +1,84 @@
+#include <unistd.h>
+
+#include <cstdlib>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "catch.hpp"
+#include "output/file/progress.hpp"
+
+using namespace lostbits::output;
+
+namespace {
+
+/// What `work` writes to the descriptor it is given.
+template <class Work>
+std::string written(Work work) {
+    int ends[2];
+    REQUIRE(::pipe(ends) == 0);
+    work(ends[1]);
+    ::close(ends[1]);
+    std::string out;
+    char buffer[4096];
+    for (ssize_t n = 0; (n = ::read(ends[0], buffer, sizeof buffer)) > 0;) out.append(buffer, static_cast<size_t>(n));
+    ::close(ends[0]);
+    return out;
+}
+
+}  // namespace
+
+TEST_CASE("a line of progress says how far and how long", "[progress]") {
+    CHECK(progress_line("map", 1, 4, 30, 80) ==
+          "map [##########..............................]  25%  30s elapsed, 1m30s left");
+    CHECK(progress_line("map", 0, 4, 1, 36) == "map   0%  1s elapsed, ? left");
+    CHECK(progress_line("map", 4, 4, 1, 80).find("100%") != std::string::npos);
+    CHECK(progress_line("map", 9, 4, 1, 80).find("100%") != std::string::npos);
+    for (int columns = 1; columns < 200; ++columns) {
+        REQUIRE(progress_line("a label", 3, 7, 4000, columns).size() < static_cast<std::size_t>(columns));
+    }
+}
+
+TEST_CASE("durations", "[progress]") {
+    CHECK(duration_text(7) == "7s");
+    CHECK(duration_text(125) == "2m05s");
+    CHECK(duration_text(3780) == "1h03m");
+    CHECK(duration_text(-1) == "?");
+}
+
+TEST_CASE("nothing is drawn on a pipe, when quiet, or when told not to", "[progress]") {
+    const auto run = [](Progress::Mode mode, bool quiet) {
+        return written([&](int fd) {
+            Progress bar(2, "map", mode, quiet, fd);
+            bar.advance();
+            std::this_thread::sleep_for(std::chrono::milliseconds(210));
+            bar.advance();
+        });
+    };
+    CHECK(run(Progress::Mode::automatic, false).empty());
+    CHECK(run(Progress::Mode::bar, true).empty());
+    CHECK(run(Progress::Mode::none, false).empty());
+    CHECK_FALSE(run(Progress::Mode::bar, false).empty());
+}
+
+TEST_CASE("the bar counts from all threads and erases itself", "[progress]") {
+    const std::string out = written([](int fd) {
+        Progress bar(4000, "map", Progress::Mode::bar, false, fd);
+        bar.advance(0);
+        bar.say("note");
+        std::vector<std::thread> threads;
+        for (int t = 0; t < 4; ++t) {
+            threads.emplace_back([&] { for (int i = 0; i < 1000; ++i) bar.advance(); });
+        }
+        for (auto& thread : threads) thread.join();
+        REQUIRE(bar.done() == 4000);
+        bar.finish();
+        bar.advance();
+    });
+    CHECK(out.find("map [") != std::string::npos);
+    CHECK(out.find("note\n") != std::string::npos);
+    CHECK(out.find('\x1b') == std::string::npos);  // no colours off a terminal
+    REQUIRE(out.ends_with('\r'));
+    const auto last = out.find_last_of('\r', out.size() - 2);
+    CHECK(out.find_first_not_of(' ', last + 1) == out.size() - 1);  // the last thing on the screen is blank
+}

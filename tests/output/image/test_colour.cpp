@@ -1,0 +1,194 @@
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "catch.hpp"
+#include "number/error.hpp"
+#include "measure/answer/outcome.hpp"
+#include "output/image/colour.hpp"
+#include "output/map/needed_files.hpp"
+#include "output/scratch.hpp"
+
+using namespace lostbits::output;
+using namespace lostbits::output::test;
+
+namespace {
+
+using Vector = std::array<double, 3>;
+
+Vector linear(Rgb8 c) {
+    return {linear_light(c.r) / 65535.0, linear_light(c.g) / 65535.0, linear_light(c.b) / 65535.0};
+}
+
+/// What a deuteranope sees: Machado, Oliveira and Fernandes 2009, severity 1, on linear light.
+Vector deuteranope(const Vector& c) {
+    const auto clip = [](double x) { return std::min(1.0, std::max(0.0, x)); };
+    return {clip(0.367322 * c[0] + 0.860646 * c[1] - 0.227968 * c[2]),
+            clip(0.280085 * c[0] + 0.672501 * c[1] + 0.047413 * c[2]),
+            clip(-0.011820 * c[0] + 0.042940 * c[1] + 0.968881 * c[2])};
+}
+
+/// Ottosson's OKLab.
+Vector oklab(const Vector& c) {
+    const double l = std::cbrt(0.4122214708 * c[0] + 0.5363325363 * c[1] + 0.0514459929 * c[2]);
+    const double m = std::cbrt(0.2119034982 * c[0] + 0.6806995451 * c[1] + 0.1073969566 * c[2]);
+    const double s = std::cbrt(0.0883024619 * c[0] + 0.2817188376 * c[1] + 0.6299787005 * c[2]);
+    return {0.2104542553 * l + 0.7936177850 * m - 0.0040720468 * s,
+            1.9779984951 * l - 2.4285922050 * m + 0.4505937099 * s,
+            0.0259040371 * l + 0.7827717662 * m - 0.8086757660 * s};
+}
+
+double distance(const Vector& a, const Vector& b) { return std::hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]); }
+
+std::vector<Rgb8> grey_ramp() {
+    std::vector<Rgb8> out;
+    for (int i = 0; i < 101; ++i) out.push_back(Rgb8{static_cast<std::uint8_t>(i), 0, 0});
+    return out;
+}
+
+}  // namespace
+
+TEST_CASE("the ramps rise from dark to light and are the published ones", "[colour]") {
+    const auto viridis = backend().ramp("viridis", 256);
+    REQUIRE(viridis.size() == 256);
+    const auto near = [](Rgb8 a, Rgb8 b) {
+        return std::abs(a.r - b.r) <= 2 && std::abs(a.g - b.g) <= 2 && std::abs(a.b - b.b) <= 2;
+    };
+    // matplotlib's ends and middle, in sRGB: a ramp left in linear light fails here.
+    CHECK(near(viridis.front(), {68, 1, 84}));
+    CHECK(near(viridis[128], {33, 145, 140}));
+    CHECK(near(viridis.back(), {253, 231, 37}));
+    for (const auto* name : {"viridis", "inferno", "magma", "plasma"}) {
+        const auto ramp = backend().ramp(name, 64);
+        for (std::size_t i = 1; i < ramp.size(); ++i) {
+            INFO(name << " step " << i);
+            CHECK(oklab(linear(ramp[i]))[0] > oklab(linear(ramp[i - 1]))[0]);
+        }
+    }
+    CHECK(backend().ramp("turbo", 3)[0] != backend().ramp("turbo", 3)[1]);
+    CHECK_THROWS_AS(backend().ramp("jet", 3), lostbits::InputError);
+}
+
+TEST_CASE("no outcome looks like a value or like another outcome", "[colour]") {
+    const auto ramp = backend().ramp("viridis", 256);
+    // 0.02 is a just noticeable difference in OKLab: five of them at the very least, for every eye.
+    const auto check = [&](auto eye, double least) {
+        for (std::size_t i = 1; i < outcome_colours.size(); ++i) {
+            const Vector mine = oklab(eye(linear(outcome_colours[i])));
+            for (const Rgb8 value : ramp) {
+                INFO(lostbits::outcome_names[i] << " against " << int(value.r) << ' ' << int(value.g) << ' ' << int(value.b));
+                CHECK(distance(mine, oklab(eye(linear(value)))) > least);
+            }
+            for (std::size_t j = 0; j < i; ++j) {
+                INFO(lostbits::outcome_names[i] << " against " << lostbits::outcome_names[j]);
+                CHECK(distance(mine, oklab(eye(linear(outcome_colours[j])))) > least);
+            }
+        }
+    };
+    check([](const Vector& c) { return c; }, 0.15);
+    check(deuteranope, 0.10);
+    // In grey the drawn outcomes still differ.
+    for (std::size_t i = 1; i < outcome_colours.size(); ++i) {
+        for (std::size_t j = 1; j < i; ++j) {
+            INFO(lostbits::outcome_names[i] << " against " << lostbits::outcome_names[j]);
+            CHECK(std::abs(oklab(linear(outcome_colours[i]))[0] - oklab(linear(outcome_colours[j]))[0]) > 0.07);
+        }
+    }
+}
+
+TEST_CASE("what no width suffices for looks like no value and like no outcome", "[colour]") {
+    const auto ramp = backend().ramp("viridis", 256);
+    const auto check = [&](auto eye, double least) {
+        const Vector mine = oklab(eye(linear(beyond_colour)));
+        for (const Rgb8 value : ramp) CHECK(distance(mine, oklab(eye(linear(value)))) > least);
+        for (const Rgb8 outcome : outcome_colours) CHECK(distance(mine, oklab(eye(linear(outcome)))) > least);
+    };
+    check([](const Vector& c) { return c; }, 0.15);
+    check(deuteranope, 0.10);
+}
+
+TEST_CASE("objects differ and repeat only after twenty", "[colour]") {
+    CHECK(object_colour(0) == outcome_colours[1]);
+    for (std::uint32_t i = 0; i <= 20; ++i) {
+        for (std::uint32_t j = 0; j < i; ++j) {
+            INFO(i << " against " << j);
+            CHECK(distance(oklab(linear(object_colour(i))), oklab(linear(object_colour(j)))) > 0.06);
+        }
+    }
+    CHECK(object_colour(21) == object_colour(1));
+}
+
+TEST_CASE("a thousand categories have a colour each, the first of them the clearest", "[colour]") {
+    std::vector<Vector> seen;
+    for (const Rgb8 c : outcome_colours) seen.push_back(oklab(linear(c)));
+    for (std::size_t i = 0; i < 1000; ++i) {
+        const Vector mine = oklab(linear(distinct_colour(i)));
+        // 0.02 is a just noticeable difference. Agreed hits have no colour of their own beside categories.
+        const double least = i < 60 ? 0.06 : i < 200 ? 0.04 : 0.02;
+        for (std::size_t j = 1; j < seen.size(); ++j) {
+            INFO(i << " against " << j);
+            if (distance(mine, seen[j]) <= least) FAIL_CHECK(distance(mine, seen[j]));
+        }
+        seen.push_back(mine);
+    }
+    for (std::uint32_t i = 0; i < 20; ++i) CHECK(distinct_colour(i) == object_colour(i + 1));
+    CHECK(distinct_colour(1000) == distinct_colour(0));
+}
+
+TEST_CASE("a scale clamps, and refuses what has no colour", "[colour]") {
+    const double inf = std::numeric_limits<double>::infinity();
+    const ColourScale scale("grey", grey_ramp(), 0, 24);
+    CHECK(scale.map(0) == Rgb8{0, 0, 0});
+    CHECK(scale.map(12) == Rgb8{50, 0, 0});
+    CHECK(scale.map(-1) == Rgb8{0, 0, 0});
+    CHECK(scale.map(inf) == Rgb8{100, 0, 0});
+    CHECK(scale.map(-inf) == Rgb8{0, 0, 0});
+    CHECK_THROWS_AS(scale.map(std::nan("")), std::invalid_argument);
+    const ColourScale log("grey", grey_ramp(), 1, 16, true);
+    CHECK(log.map(4) == Rgb8{50, 0, 0});
+    CHECK(log.map(0) == Rgb8{0, 0, 0});
+    CHECK(log.map(-3) == Rgb8{0, 0, 0});
+    const ColourScale wide("grey", grey_ramp(), -1.7e308, 1.7e308);
+    CHECK(wide.map(0) == Rgb8{50, 0, 0});
+    CHECK_THROWS_AS(ColourScale("grey", grey_ramp(), 1, 1), std::invalid_argument);
+    CHECK_THROWS_AS(ColourScale("grey", grey_ramp(), 0, inf), std::invalid_argument);
+    CHECK_THROWS_AS(ColourScale("grey", grey_ramp(), 0, 1, true), std::invalid_argument);
+    CHECK_THROWS_AS(ColourScale("grey", {Rgb8{}}, 0, 1), std::invalid_argument);
+}
+
+TEST_CASE("ticks are round, within the range and few", "[colour]") {
+    const auto labels = [](const ColourScale& scale, int most) {
+        std::string out;
+        for (const auto& tick : scale.ticks(most)) {
+            CHECK(tick.position >= 0);
+            CHECK(tick.position <= 1);
+            out += tick.label + ' ';
+        }
+        return out;
+    };
+    CHECK(labels({"g", grey_ramp(), 0, 24}, 6) == "0 6 12 18 24 ");
+    CHECK(labels({"g", grey_ramp(), 0, 1}, 6) == "0 0.2 0.4 0.6 0.8 1 ");
+    CHECK(labels({"g", grey_ramp(), -3, 3}, 4) == "-3 0 3 ");
+    CHECK(labels({"g", grey_ramp(), 0, 1e-12}, 3) == "0 5e-13 1e-12 ");
+    CHECK(labels({"g", grey_ramp(), 0, 53}, 7) == "0 10 20 30 40 50 ");
+    CHECK(labels({"g", grey_ramp(), 1.5, 1.6}, 2) == "1.5 1.6 ");
+    CHECK(labels({"g", grey_ramp(), 1.5, 3, true}, 5) == "1.5 3 ");
+    CHECK(labels({"g", grey_ramp(), 1, 16, true}, 9) == "1 2 4 8 16 ");
+    CHECK(labels({"g", grey_ramp(), 0x1p-24, 0x1p24, true}, 5) == "2^-24 2^-12 1 2^12 2^24 ");
+    CHECK(labels({"g", grey_ramp(), 0x1p-4, 1, true}, 9) == "2^-4 2^-3 2^-2 2^-1 1 ");
+    for (int most = 2; most < 12; ++most) {
+        for (const double hi : {0.3, 1.0, 7.0, 24.0, 53.0, 1e9}) {
+            INFO(most << ' ' << hi);
+            const auto count = ColourScale("g", grey_ramp(), 0, hi).ticks(most).size();
+            CHECK(count >= 2);
+            CHECK(count <= static_cast<std::size_t>(most));
+        }
+    }
+}
+
+TEST_CASE("linear light goes there and back", "[colour]") {
+    for (int i = 0; i < 256; ++i) {
+        CHECK(srgb_byte(linear_light(static_cast<std::uint8_t>(i))) == i);
+    }
+    CHECK(srgb_byte(0x8000) == 188);
+}

@@ -1,0 +1,169 @@
+// The tables and the picture of named cases, and the files of a search, read back.
+#include "output/sweep/case_files.hpp"
+
+#include <cmath>
+
+#include "catch.hpp"
+#include "measure/rows.hpp"
+#include "output/map/map_colour.hpp"
+#include "output/image/pixels.hpp"
+#include "output/file/read_csv.hpp"
+#include "output/sweep/worst_files.hpp"
+#include "output/scratch.hpp"
+
+using namespace lostbits;
+using namespace lostbits::output;
+using namespace lostbits::output::test;
+using lostbits::testing::row;
+using lostbits::testing::TextFile;
+
+namespace {
+
+/// What the schoolbook form does here follows by hand: tests/measure/sweep/test_cases.cpp has the numbers.
+const std::string cases_text = R"(schema = "lostbits-sweep/1"
+title = "A test"
+source = "-"
+[[case]]
+name = "exact, and \"quoted\""
+spheres = [{ centre = [0, 0, 5], radius = 2 }]
+rays = [{ origin = [0, 0, 0], direction = [0, 0, 1] }]
+[[case]]
+name = "radius lost"
+spheres = [{ centre = [0, 0, 4097], radius = 1 }]
+rays = [{ origin = [0, 0, 0], direction = [0, 0, 1] }]
+[[case]]
+name = "c overflows"
+spheres = [{ centre = [0, 0, "0x1p66"], radius = "0x1p60" }]
+rays = [{ origin = [0, 0, 0], direction = [0, 0, "0x1p-10"] }]
+[[case]]
+name = "c underflows"
+spheres = [{ centre = ["0x1p-98", 0, "0x1p-98"], radius = "0x1p-100" }]
+rays = [{ origin = [0, 0, 0], direction = [0, 0, 1] }]
+[[case]]
+name = "a overflows, once"
+spheres = [{ centre = [0, 0, 5], radius = 2 }]
+rays = [{ origin = [0, 0, 0], direction = [0, 0, "0x1p100"] }, { origin = [0, 0, 0], direction = [0, 0, 1] }]
+)";
+
+std::string cell(const CsvTable& table, const char* column, std::size_t row) {
+    const CsvColumn* c = table.find(column);
+    if (c == nullptr) throw std::logic_error(std::string("no column ") + column);
+    return std::string(c->cells.at(row));
+}
+
+}  // namespace
+
+TEST_CASE("cases.csv and matrix.png say what each form makes of each case") {
+    const Scratch folder;
+    const TextFile text(cases_text);
+    const scene::CaseFile file(text.path());
+    // f64 stands between two rows of f32: the picture gathers a format's forms, the table keeps the order.
+    const CaseRequest request{.file = &file,
+                              .rows = {row("sphere.schoolbook", "f32"), row("sphere.schoolbook", "f64"), row("sphere.schoolbook_strict", "f32")},
+                              .metrics = lostbits::testing::case_metrics};
+    static_cast<void>(backend());
+    CaseFiles files(request, folder.path());
+    CHECK_FALSE(fs::exists(folder / "cases.csv"));
+    files.finish(run_cases(request));
+
+    const CsvTable table = read_csv(folder / "cases.csv");
+    REQUIRE(table.rows() == 5 * 3);
+    const std::string expected[] = {"right", "wrong_value", "false_miss", "false_hit", "not_a_number"};
+    for (std::size_t i = 0; i < 5; ++i) {
+        for (std::size_t r = 0; r < 3; ++r) {
+            CAPTURE(i, r);
+            CHECK(cell(table, "case", 3 * i + r) == file.name(i));
+            CHECK(cell(table, "form", 3 * i + r) == request.rows[r].form->info->name);
+            CHECK(cell(table, "format", 3 * i + r) == request.rows[r].format.name);
+            CHECK(cell(table, "rays", 3 * i + r) == (i == 4 ? "2" : "1"));
+            if (r == 1) CHECK(cell(table, "verdict", 3 * i + r) == "right");
+            if (r == 0) CHECK(cell(table, "verdict", 3 * i + r) == expected[i]);
+        }
+    }
+    CHECK(cell(table, "case", 0) == "exact, and \"quoted\"");
+    CHECK(cell(table, "lost_bits_max", 3) == "12");
+    CHECK(cell(table, "lost_bits_max", 0) == "0");
+    CHECK(cell(table, "lost_bits_max", 6).empty());
+    CHECK(cell(table, "worst_t_hex", 3) == "0x1.001p+12");
+    CHECK(cell(table, "worst_radius_hex", 3) == "0x1p+0");
+    CHECK(cell(table, "not_a_number", 12) == "1");
+    CHECK(cell(table, "agree_hit", 12) == "1");
+    CHECK(cell(table, "false_miss_fraction", 6) == "1");
+    CHECK(slurp(folder / "datapackage.json").find("\"cases.csv\"") != std::string::npos);
+
+    const auto image = backend().read_png(folder / "matrix.png");
+    CHECK(rim_is_blank(image));
+    const ColourScale scale = metric_scale(*find_metric("lost_bits"), request.rows, backend());
+    const auto first = find_block(image, {226, 238, 226}, 25, 21);
+    REQUIRE(first.has_value());
+    const auto corner = [&](int column, int line) { return pixel(image, first->first + column, first->second + 22 * line); };
+    const Rgb8 colours[] = {{226, 238, 226}, scale.map(12), outcome_colours[3], outcome_colours[2], outcome_colours[4]};
+    CHECK(scale.map(12) != scale.map(0));
+    for (int i = 0; i < 5; ++i) {
+        CAPTURE(i);
+        CHECK(corner(0, i) == colours[i]);
+        CHECK(corner(2 * 26 + 14, i) == colours[0]);  // f64, in a group of its own
+    }
+    // All rays alike: the colour alone. One of two, or a value: a number in the cell.
+    const auto flat = [&](int line) {
+        for (int y = 0; y < 21; ++y) {
+            for (int x = 0; x < 25; ++x) {
+                if (pixel(image, first->first + x, first->second + 22 * line + y) != colours[line]) return false;
+            }
+        }
+        return true;
+    };
+    CHECK((flat(0) && flat(2) && flat(3)));
+    CHECK_FALSE(flat(1));
+    CHECK_FALSE(flat(4));
+
+    write_case_matrix(folder / "alone.png", request, run_cases(request));
+    CHECK(slurp(folder / "alone.png") == slurp(folder / "matrix.png"));
+}
+
+TEST_CASE("what a search leaves can be run again: hard.toml has the rays to the bit") {
+    const Scratch folder;
+    const TextFile text(R"(schema = "lostbits-sweep/1"
+title = 'Rays that are "hard" \ wrong'
+source = "-"
+[search]
+origin = [-8, 8]
+direction = [-1, 1]
+centre = [-1, 1]
+radius = [0.5, 2]
+)");
+    const scene::SearchFile search(text.path());
+    const WorstRequest request{.search = &search,
+                               .rows = {row("sphere.schoolbook", "f32"), row("sphere.press", "f64"), row("sphere.unified", "bf16")},
+                               .metrics = lostbits::testing::case_metrics};
+    const Ray<double> ray{{0x1.79c78ap+2, -0x1.3d574ap-1, 0}, {-0x1.e0c60cp-1, 0x1p-149, -1}};
+    const Sphere<double> sphere{{0x1.921fb54442d18p+0, -0.0, 0x1p-1074}, 0x1.fffffffffffffp+0};
+    const std::vector<std::optional<WorstFound>> found{
+        WorstFound{Outcome::agree_hit, 6.400023458, ray, sphere, 5.5, 5.25, 640},
+        WorstFound{Outcome::false_hit, HUGE_VAL, {{1, 2, 3}, {0, 0, 1}}, sphere, 0x1p-3, std::nan(""), 32},
+        std::nullopt};
+    write_worst(folder.path(), request, found);
+
+    const CsvTable table = read_csv(folder / "worst.csv");
+    REQUIRE(table.rows() == 3);
+    CHECK((cell(table, "form", 0) == "sphere.schoolbook" && cell(table, "format", 0) == "f32" && cell(table, "found", 0) == "1"));
+    CHECK((cell(table, "outcome", 0) == "agree_hit" && cell(table, "lost_bits", 0) == "6.400023458" && cell(table, "evaluations", 0) == "640"));
+    CHECK((cell(table, "t_hex", 0) == "0x1.6p+2" && cell(table, "truth_hex", 0) == "0x1.5p+2"));
+    CHECK((cell(table, "origin_x_hex", 0) == "0x1.79c78ap+2" && cell(table, "direction_y_hex", 0) == "0x1p-149" && cell(table, "radius_hex", 0) == "0x1.fffffffffffffp+0"));
+    CHECK((cell(table, "outcome", 1) == "false_hit" && cell(table, "lost_bits", 1).empty() && cell(table, "truth_hex", 1).empty()));
+    CHECK((cell(table, "found", 2) == "0" && cell(table, "outcome", 2).empty() && cell(table, "origin_x_hex", 2).empty()));
+
+    const scene::CaseFile hard(folder / "hard.toml");
+    CHECK(hard.title == "The worst rays of each form: Rays that are \"hard\" \\ wrong");
+    CHECK(hard.source == "lostbits sweep t --worst: seed 1, 16 starts of 64 generations of 32, largest lost_bits");
+    REQUIRE(hard.size() == 2);
+    CHECK(hard.name(0) == "sphere.schoolbook in f32: lost_bits 6.40002");
+    CHECK(hard.name(1) == "sphere.press in f64: false_hit");
+    const scene::RayGroup group = hard.rays(0, binary64).at(0);
+    CHECK(group.rays[0].origin == ray.origin);
+    CHECK(group.rays[0].direction == ray.direction);
+    CHECK(group.solids.at(0).numbers == Solid<double>(sphere).numbers);
+    CHECK(std::signbit(group.solids[0].numbers[1]));
+    CHECK(hard.rays(1, binary32).at(0).rays[0].origin == Vec<double>(1, 2, 3));
+    CHECK(folder.entries() == 3);
+}

@@ -1,0 +1,161 @@
+// Families of rays by exact arithmetic: where the eye is, how far the centre, how close the line passes.
+#include "scene/rays/family.hpp"
+
+#include <cmath>
+
+#include "catch.hpp"
+#include "scene/scene_text.hpp"
+
+using namespace lostbits;
+using namespace lostbits::scene;
+using namespace lostbits::scene::test;
+
+namespace {
+
+Vec<Real> lifted(const Vec<double>& v) { return {Real(v.x), Real(v.y), Real(v.z)}; }
+
+/// A ray against its sphere, in 256 bits; all lengths in radii.
+struct Geometry {
+    Geometry(const RayGroup& group, std::size_t i) {
+        const Ray<double> ray = group.rays[i];
+        const Sphere<double> sphere = group.solids.front().sphere();
+        const Vec<Real> f = lifted(ray.origin) - lifted(sphere.centre), d = lifted(ray.direction), c = cross<Real>(f, d);
+        const Real r(sphere.radius), size = length(d);
+        eye = static_cast<double>(Real(length(f) / r));
+        impact = static_cast<double>(Real(length(c) / (size * r)));
+        along = static_cast<double>(Real(dot(f, d) / (size * r)));
+    }
+    double eye;     ///< from eye to centre
+    double impact;  ///< from line to centre
+    double along;   ///< negative where the ray goes toward the centre
+};
+
+Family family_of(const std::string& text) {
+    const Folder folder;
+    const Node root = read_toml(folder.write("f.toml", text));
+    return read_family(TableReader(root));
+}
+std::string family_error(const std::string& text) {
+    const Folder folder;
+    const fs::path file = folder.write("f.toml", text);
+    return error_in(folder, [&] {
+        const Node root = read_toml(file);
+        read_family(TableReader(root));
+    });
+}
+
+}  // namespace
+
+TEST_CASE("tilted views go along (1, t, 11/16 t), the centre on the axis, as far as asked to 12 bits") {
+    for (const double tilt : {0.0, 0x1p-24, 0x1p-7, 0.3, 1.0}) {
+        for (const double distance : {4.0, 1000.0, 777.7}) {
+            Family f = family_of("directions = \"tilted\"\nimpact_to = 0.99\nviews = 3\nrays = 8\n");
+            f.tilt = tilt;
+            f.distance = distance;
+            const auto groups = family_rays(f);
+            REQUIRE(groups.size() == 3);
+            for (const RayGroup& g : groups) {
+                const Vec<double> c = g.solids.front().sphere().centre;
+                const Vec<Real> centre = lifted(c);
+                CHECK(std::fabs(static_cast<double>(length(centre)) / distance - 1) <= 0x1p-12);
+                for (std::size_t i = 0; i < g.rays.size(); ++i) {
+                    const Vec<double> d = g.rays[i].direction;
+                    CAPTURE(tilt, distance, d.x, d.y, d.z);
+                    CHECK(d.x > 0);
+                    CHECK(std::fabs(d.y - tilt * d.x) <= 0x1p-12 * tilt * d.x);
+                    CHECK(std::fabs(d.z - 0.6875 * tilt * d.x) <= 0x1p-12 * tilt * d.x);
+                    if (tilt == 0x1p-7) CHECK((d.y == 0x1p-7 * d.x && d.z == 0x1.6p-8 * d.x));
+                    // Exactly along the centre's direction: every product of 12-bit numbers is a float.
+                    CHECK((c.x * d.y == c.y * d.x && c.y * d.z == c.z * d.y && c.x * d.z == c.z * d.x));
+                    const Geometry at(g, i);
+                    CHECK(at.impact < 0.9901);
+                    CHECK(at.along < -0.99 * distance + 1);
+                }
+            }
+        }
+    }
+}
+
+TEST_CASE("a silhouette gap puts every line at 1 - gap radii, from both projections") {
+    for (const char* projection : {"parallel", "point"}) {
+        for (const double gap : {0.5, 0x1p-5, 0x1p-10}) {
+            for (const double radius : {1.0, 48.0}) {
+                Family f = family_of("projection = \"" + std::string(projection) + "\"\nimpact_from = 0.25\nweighting = \"silhouette\"\nviews = 4\nrays = 16\n");
+                f.silhouette_gap = gap;
+                f.radius = radius;
+                f.distance = 16;
+                f.height = 3 * radius;
+                for (const RayGroup& g : family_rays(f)) {
+                    for (std::size_t i = 0; i < g.rays.size(); ++i) {
+                        const Geometry at(g, i);
+                        CAPTURE(projection, gap, radius, i);
+                        CHECK(std::fabs(at.impact - (1 - gap)) < 0x1p-20);  // every number is rounded to a float
+                        CHECK(at.eye > 1);
+                        CHECK(at.along < 0);
+                    }
+                }
+            }
+        }
+    }
+    // Without one the impacts are spread.
+    double least = 1, most = 0;
+    for (const RayGroup& g : family_rays(family_of("impact_to = 0.99"))) {
+        for (std::size_t i = 0; i < g.rays.size(); ++i) {
+            least = std::min(least, Geometry(g, i).impact);
+            most = std::max(most, Geometry(g, i).impact);
+        }
+    }
+    CHECK(least < 0.2);
+    CHECK(most > 0.95);
+}
+
+TEST_CASE("rays away leave the centre behind; those that do not are the same, turned") {
+    for (const double height : {1.0, 0.0, -0x1p-6, -0.5}) {
+        Family f = family_of("projection = \"point\"\nimpact_to = 0.5\nradius = 1\nviews = 6\nrays = 16\n");
+        f.height = height;
+        const auto toward = family_rays(f);
+        f.away = true;
+        const auto away = family_rays(f);
+        REQUIRE(away.size() == toward.size());
+        for (std::size_t v = 0; v < away.size(); ++v) {
+            CHECK(away[v].solids.front().numbers == toward[v].solids.front().numbers);
+            for (std::size_t i = 0; i < away[v].rays.size(); ++i) {
+                const Geometry a(away[v], i), b(toward[v], i);
+                CAPTURE(height, v, i);
+                CHECK(away[v].rays[i].origin == toward[v].rays[i].origin);
+                CHECK(std::fabs(a.eye - (1 + height)) < 0x1p-10);  // the radius has 12 bits
+                CHECK((a.eye < 1) == (height < 0));
+                CHECK(a.along > 0);
+                CHECK(b.along < 0);
+                CHECK(a.impact == Approx(b.impact).margin(1e-6));
+                CHECK(a.impact < 0.51);
+            }
+        }
+    }
+}
+
+TEST_CASE("an eye under the centre still has rays") {
+    for (const double height : {-0.99, -1.0, -1.5, -3.0}) {
+        Family f = family_of("projection = \"point\"\nimpact_to = 0.99\nradius = 1\nviews = 4\nrays = 32\n");
+        f.height = height;
+        for (const RayGroup& g : family_rays(f)) {
+            for (std::size_t i = 0; i < g.rays.size(); ++i) {
+                const Geometry at(g, i);
+                CAPTURE(height, i);
+                CHECK(std::fabs(at.eye - std::fabs(1 + height)) < 0x1p-10);
+                CHECK(at.impact <= std::min(0.9901, at.eye + 1e-6));  // no line passes further than its eye
+            }
+        }
+    }
+}
+
+TEST_CASE("what a family cannot be is refused where it is written") {
+    CHECK(family_error("tilt = 0.5\nsilhouette_gap = 1\naway = true\ndirections = \"tilted\"") == "no error");
+    CHECK(family_error("radius = 1\ntilt = 1.5").starts_with("f.toml:2:8: tilt must lie between 0"));
+    CHECK(family_error("tilt = -0.5").starts_with("f.toml:1:8: tilt must lie between"));
+    CHECK(family_error("silhouette_gap = 1.25").starts_with("f.toml:1:18: silhouette_gap must lie between"));
+    CHECK(family_error("silhouette_gap = -1").starts_with("f.toml:1:18: silhouette_gap must lie between"));
+    CHECK(family_error("away = 1").starts_with("f.toml:1:8: away is the integer 1, but true or false"));
+    CHECK(family_error("directions = \"tilt\"").starts_with("f.toml:1:14: directions is \"tilt\""));
+    CHECK(family_error("awy = true").find("did you mean \"away\"") != std::string::npos);
+}

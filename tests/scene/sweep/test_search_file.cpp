@@ -1,0 +1,145 @@
+#include "scene/sweep/search_file.hpp"
+
+#include "catch.hpp"
+#include "scene/sweep/sweep_file.hpp"
+#include "scene/scene_text.hpp"
+
+using namespace lostbits;
+using namespace lostbits::scene;
+using namespace lostbits::scene::test;
+
+namespace {
+
+/// Keep the line numbers.
+const std::string good_search = R"(schema = "lostbits-sweep/1"
+title = "A test"
+source = "-"
+[search]
+origin = [-8, 8]
+direction = [-1, 1]
+centre = [-2, 2]
+radius = [0.5, 2]
+distance_radii = [2, 5]
+impact_radii = [0, 0.5]
+)";
+
+SearchFile loaded_search(const std::string& text) {
+    const Folder folder;
+    return SearchFile(folder.write("s.toml", text));
+}
+std::string broken(const std::string& from, const std::string& to) {
+    const Folder folder;
+    const fs::path file = folder.write("s.toml", replaced(good_search, from, to));
+    return error_in(folder, [&] { SearchFile{file}; });
+}
+
+}  // namespace
+
+TEST_CASE("a search holds a range for every number of ray and solid") {
+    const SearchFile s = loaded_search(good_search);
+    CHECK(s.id == "s");
+    CHECK(s.shape == Shape::sphere);
+    REQUIRE(s.ranges.size() == 10);
+    CHECK(s.ranges[2].high == 8);
+    CHECK(s.ranges[5].low == -1);
+    CHECK(s.ranges[8].high == 2);
+    CHECK(s.ranges[9].low == 0.5);
+    CHECK(s.metric == "lost_bits");
+    CHECK(s.seed == 1);
+    const SearchFile box = loaded_search(replaced(replaced(replaced(replaced(good_search, "centre", "lo"), "radius = [0.5, 2]", "hi = [1, 3]"), "distance_radii = [2, 5]\n", ""),
+                                                  "impact_radii = [0, 0.5]\n", "metric = \"ulp_error\"\nseed = 7\nstarts = 3\ngenerations = 5\n"));
+    CHECK(box.shape == Shape::box);
+    REQUIRE(box.ranges.size() == 12);
+    CHECK(box.ranges[11].high == 3);
+    CHECK(box.metric == "ulp_error");
+    CHECK((box.seed == 7 && box.starts == 3 && box.generations == 5));
+    const Ray<double> ray{{0, 0, 0}, {1, 0, 0}};
+    CHECK(box.holds(ray, Box<double>{{0, 0, 0}, {1, 1, 1}}));
+    CHECK(box.holds(ray, Box<double>{{2, 0, 0}, {2, 1, 1}}));  // a side of no thickness
+    CHECK_FALSE(box.holds(ray, Box<double>{{2, 0, 0}, {1, 1, 1}}));
+    CHECK_FALSE(box.holds(ray, Box<double>{{0, 0, 0}, {1, 1, 3.5}}));
+    CHECK_FALSE(box.holds(Ray<double>{{0, 0, 0}, {0, 0, 0}}, Box<double>{{0, 0, 0}, {1, 1, 1}}));
+}
+
+TEST_CASE("a search holds what lies in all its ranges, the derived ones too") {
+    const SearchFile s = loaded_search(good_search);
+    const auto holds = [&](const Vec<double>& o, const Vec<double>& d, double r) { return s.holds({o, d}, Sphere<double>{{0, 0, 0}, r}); };
+    CHECK(holds({0, 0, 4}, {0, 0, -1}, 1));
+    CHECK(holds({0.5, 0, 4}, {0, 0, -1}, 1));         // impact 0.5
+    CHECK_FALSE(holds({0.5, 0.125, 4}, {0, 0, -1}, 1));
+    CHECK(holds({0.5, 0.125, 4}, {0, 0, -1}, 2));     // in radii
+    CHECK(holds({0.5, 0, 4}, {0, 0, -0.25}, 1));      // whatever the direction's length
+    CHECK(holds({0, 0, 5}, {0, 0, -1}, 1));
+    CHECK(holds({0, 0, 8}, {0, 0, -1}, 2));
+    CHECK_FALSE(holds({0, 0, 5.5}, {0, 0, -1}, 1));   // too far
+    CHECK_FALSE(holds({0, 0, 1.5}, {0, 0, -1}, 1));   // too near
+    CHECK_FALSE(holds({0, 0, 4}, {0, 0, -1.5}, 1));
+    CHECK_FALSE(holds({0, 0, 4}, {0, 0, -1}, 0.25));
+    CHECK_FALSE(holds({0, 0, 4}, {0, 0, 0}, 1));
+    CHECK_FALSE(s.holds({{0, 0, 4}, {0, 0, -1}}, Sphere<double>{{0, 0, 3}, 1}));
+}
+
+TEST_CASE("what is no search is refused where it is wrong") {
+    CHECK(broken("title", "title") == "no error");
+    CHECK(broken("origin = [-8, 8]", "origin = [8, -8]") == "s.toml:5:10: search.origin is [low, high] with low <= high");
+    CHECK(broken("origin = [-8, 8]", "origin = [-8, 8, 9]").starts_with("s.toml:5:10: search.origin is an array of 3"));
+    CHECK(broken("radius = [0.5, 2]", "radius = 2").starts_with("s.toml:8:10: search.radius is the integer 2"));
+    CHECK(broken("radius = [0.5, 2]\n", "").starts_with("s.toml:4:1: search.radius is missing"));
+    CHECK(broken("direction = [-1, 1]", "direction = [-1, inf]").starts_with("s.toml:6:18: "));
+    CHECK(broken("impact_radii", "impact_radi").starts_with("s.toml:10:1: unknown key search.impact_radi"));
+    CHECK(broken("impact_radii = [0, 0.5]", "starts = 0").starts_with("s.toml:10:10: search.starts is the integer 0"));
+    CHECK(broken("centre = [-2, 2]", "lo = [-2, 2]").starts_with("s.toml:4:1: search.hi is missing"));
+    CHECK(broken("[search]", "[serch]").starts_with("s.toml:4:2: search is missing, but there is serch"));
+    CHECK(broken("source = \"-\"", "source = \"-\"\nscene = \"x\"").find("unknown key scene") != std::string::npos);
+}
+
+TEST_CASE("a mark may name the measured onset that is drawn beside it") {
+    const std::string head = R"(schema = "lostbits-sweep/1"
+title = "A test"
+source = "-"
+[family]
+[[axis]]
+name = "d"
+spacing = "log2"
+from = 2
+to = 64
+steps = 3
+set = ["distance"]
+[[mark]]
+at = 16
+label = "here"
+)";
+    const Folder folder;
+    const auto file = [&](const std::string& line) { return folder.write("m.toml", head + line + "\n"); };
+    const auto mark = [&](const std::string& line) { return SweepFile(file(line), LOSTBITS_DATA_DIR).marks.at(0); };
+    const auto error = [&](const std::string& line) { return error_in(folder, [&] { SweepFile(file(line), LOSTBITS_DATA_DIR); }); };
+    CHECK(mark("format = \"f32\"").form.empty());
+    CHECK(mark("format = \"f32\"").format == "f32");
+    const auto plain = mark("measured = { form = \"sphere.press\", threshold = 26.5 }");
+    CHECK((plain.form == "sphere.press" && plain.event == "lost_bits" && plain.statistic == "p50" && plain.threshold == 26.5));
+    const auto full = mark("measured = { form = \"sphere.press\", event = \"lost_bits\", statistic = \"p99\", threshold = 1 }");
+    CHECK(full.statistic == "p99");
+    const auto miss = mark("measured = { form = \"sphere.press\", event = \"false_miss\", threshold = 1 }");
+    CHECK((miss.event == "false_miss" && miss.statistic == "count"));
+    CHECK(error("measured = { form = \"sphere.pres\", threshold = 1 }").starts_with("m.toml:15:21: mark[0].measured.form is \"sphere.pres\"; did you mean \"sphere.press\""));
+    CHECK(error("measured = { form = \"sphere.press\", event = \"lost_bit\", threshold = 1 }").find("did you mean \"lost_bits\"") != std::string::npos);
+    CHECK(error("measured = { form = \"sphere.press\", statistic = \"p51\", threshold = 1 }").find("mark[0].measured.statistic is \"p51\"") != std::string::npos);
+    CHECK(error("measured = { form = \"sphere.press\" }").starts_with("m.toml:15:12: mark[0].measured.threshold is missing"));
+    CHECK(error("measured = { form = \"sphere.press\", threshold = 1, colour = 2 }").find("unknown key mark[0].measured.colour") != std::string::npos);
+    CHECK(error("measured = \"sphere.press\"").starts_with("m.toml:15:12: mark[0].measured is the string"));
+}
+
+TEST_CASE("a sweep goes by its path below data/sweeps, or by its own name where only one is called so") {
+    const Folder data;
+    const fs::path near = data.write("sweeps/worst/near.toml", ""), one = data.write("sweeps/a/both.toml", "");
+    data.write("sweeps/b/both.toml", "");
+    const fs::path top = data.write("sweeps/c/top.toml", ""), upper = data.write("sweeps/top.toml", "");
+    CHECK(find_sweep("worst/near", data.path()) == near);
+    CHECK(find_sweep("near", data.path()) == near);
+    CHECK(find_sweep("a/both", data.path()) == one);
+    CHECK(find_sweep("top", data.path()) == upper);
+    CHECK(find_sweep("c/top", data.path()) == top);
+    CHECK(find_sweep(near.string(), "nowhere") == near);
+    CHECK(error_of([&] { find_sweep("both", data.path()); }).find("\"a/both\"") != std::string::npos);
+    CHECK(error_of([&] { find_sweep("nar", data.path()); }).starts_with("nar:1:1: no such sweep file"));
+}

@@ -1,0 +1,39 @@
+#include "scene/toml/did_you_mean.hpp"
+
+#include "catch.hpp"
+
+using namespace lostbits::scene;
+
+TEST_CASE("the edit distance counts inserted, deleted, replaced and swapped letters") {
+    CHECK(edit_distance("", "") == 0);
+    CHECK(edit_distance("", "abc") == 3);
+    CHECK(edit_distance("abc", "") == 3);
+    CHECK(edit_distance("radius", "radius") == 0);
+    CHECK(edit_distance("raduis", "radius") == 1);
+    CHECK(edit_distance("radis", "radius") == 1);
+    CHECK(edit_distance("radiuus", "radius") == 1);
+    CHECK(edit_distance("redius", "radius") == 1);
+    CHECK(edit_distance("Radius", "radius") == 0);
+    CHECK(edit_distance("kitten", "sitting") == 3);
+    CHECK(edit_distance("sitting", "kitten") == 3);
+}
+
+TEST_CASE("the closest name is one that a slip explains") {
+    const std::vector<std::string> forms{"sphere.schoolbook", "sphere.press", "sphere.half_b"};
+    CHECK(closest("sphere.schoolbok", forms) == "sphere.schoolbook");
+    CHECK(closest("sphere.prss", forms) == "sphere.press");
+    CHECK_FALSE(closest("box.slab", forms));
+    CHECK(closest("F32", {"f16", "f32"}) == "f32");
+    CHECK_FALSE(closest("eye", {"fov_deg"}));
+    CHECK(closest("ab", {"aa", "bb"}) == "aa");  // the first of equals
+    CHECK_FALSE(closest("word", {}));
+}
+
+TEST_CASE("an error ends in what to try") {
+    CHECK(did_you_mean("camra", {"size", "camera"}) == R"(did you mean "camera"?)");
+    CHECK(did_you_mean("zzz", {"size", "camera"}) == R"(known here: "size", "camera")");
+    CHECK(did_you_mean("zzz", {}).empty());
+    const std::vector<std::string> many{
+        "a0", "a1", "a2", "a3", "a4", "a5", "a6", "a7", "a8", "a9", "b0", "b1", "b2", "b3"};
+    CHECK(did_you_mean("zzzzz", many).ends_with(R"("b1" and 2 more)"));
+}

@@ -1,0 +1,126 @@
+#include "scene/toml/parse_number.hpp"
+
+#include <cmath>
+#include <cstdlib>
+
+#include <mpfr.h>
+
+#include "catch.hpp"
+#include "scene/toml/round.hpp"
+#include "scene/scene_text.hpp"
+
+using namespace lostbits;
+using namespace lostbits::scene;
+using test::real;
+
+namespace {
+
+std::string fault(const std::string& text) {
+    const auto parsed = parse_number(text);
+    const auto* why = std::get_if<NumberFault>(&parsed);
+    return why == nullptr ? "no fault" : why->why;
+}
+
+/// Exact comparison of Real with a decimal, through 4000 bits of MPFR: the sign of (x − text).
+int compare_with_text(const Real& x, const std::string& text) {
+    mpfr_t exact;
+    mpfr_init2(exact, 4000);
+    mpfr_set_str(exact, text.c_str(), 10, MPFR_RNDN);
+    const int sign = mpfr_cmp(x.backend().data(), exact);
+    mpfr_clear(exact);
+    return sign;
+}
+
+}  // namespace
+
+TEST_CASE("decimals and hexadecimal floats are read exactly where Real holds them") {
+    CHECK(real("4100") == 4100);
+    CHECK(real("+4100") == 4100);
+    CHECK(real("-1e-3") * 1000 + 1 < ldexp(Real(1), -200));
+    CHECK(real("-0.5") == Real(-0.5));
+    CHECK(real(".5") == Real(0.5));
+    CHECK(real("5.") == 5);
+    CHECK(real("1E3") == 1000);
+    CHECK(real("0x1.004p+12") == 4100);
+    CHECK(real("-0x1.8P-1") == Real(-0.75));
+    CHECK(real("0X10") == 16);
+    CHECK(real("0x.8p0") == Real(0.5));
+    CHECK(real("0x1p-149") == ldexp(Real(1), -149));
+    CHECK(real("9007199254740993") == (Real(9007199254740992) + 1));
+    CHECK(mpfr_signbit(real("-0").backend().data()) != 0);
+}
+
+TEST_CASE("one tenth is one tenth and not the nearest double") {
+    CHECK(real("0.1") != Real(0.1));
+    CHECK(abs(real("0.1") * 10 - 1) < ldexp(Real(1), -250));
+    CHECK(round_to_format(real("0.1"), binary64) == 0.1);
+    CHECK(round_to_format(real("0.1"), binary32) == static_cast<double>(0.1f));
+}
+
+TEST_CASE("a decimal is rounded once to a format, not by way of double") {
+    // Just above the middle of 1 and the next float: the nearest double is the middle itself, and ties go to even.
+    const std::string above = "1.00000005960464477539062500000000000001";
+    REQUIRE(static_cast<float>(std::strtod(above.c_str(), nullptr)) == 1.0f);
+    CHECK(round_to_format(real(above), binary32) == 1 + 0x1p-23);
+    CHECK(round_to_format(real("1.000000059604644775390625"), binary32) == 1);
+    const std::string below = "1.00000017881393432617187499999999999999";
+    REQUIRE(static_cast<float>(std::strtod(below.c_str(), nullptr)) == 1 + 0x1p-22f);
+    CHECK(round_to_format(real(below), binary32) == 1 + 0x1p-23);
+}
+
+TEST_CASE("nor does the width of Real round twice") {
+    // Nearer to the middle than Real can tell: read to nearest, these would be the middle, which goes to even.
+    const std::string zeros(300, '0');
+    const std::string nines(300, '9');
+    CHECK(round_to_format(real("1.000000059604644775390625" + zeros + "1"), binary32) == 1 + 0x1p-23);
+    CHECK(round_to_format(real("-1.000000059604644775390625" + zeros + "1"), binary32) == -1 - 0x1p-23);
+    CHECK(round_to_format(real("1.000000178813934326171874" + nines), binary32) == 1 + 0x1p-23);
+    CHECK(round_to_format(real("-1.000000178813934326171874" + nines), binary32) == -1 - 0x1p-23);
+}
+
+TEST_CASE("a decimal that is not exact ends in a set bit next to it") {
+    for (const std::string text :
+        {"0.1", "-0.1", "0.3", "1e-3", "3.14159", "1e300", "-7e-300", "2.2250738585072011e-308"}) {
+        const Real x = real(text);
+        CHECK(mpfr_min_prec(x.backend().data()) == static_cast<mpfr_prec_t>(mpfr_get_prec(x.backend().data())));
+        Real up = x, down = x;
+        mpfr_nextabove(up.backend().data());
+        mpfr_nextbelow(down.backend().data());
+        CHECK(compare_with_text(up, text) > 0);
+        CHECK(compare_with_text(down, text) < 0);
+    }
+}
+
+TEST_CASE("what is no finite number is refused, with what to try") {
+    for (const std::string text : {"", " ", "abc", "1e", "1e+", "e5", ".", "-", "--1", "1.2.3", "1 ", " 1",
+             "1,5", "0x", "0x.p1", "0x1p", "0x1.8e4.", "1e5.0", "1_000", "1f", "1@5", "0b101", "infinite"}) {
+        CAPTURE(text);
+        CHECK(
+            fault(text) ==
+            R"(is not a number; write a decimal such as 4100 or "1e-3", or a hexadecimal float such as "0x1.004p+12")");
+    }
+    for (const std::string text : {"inf", "-inf", "+Inf", "INFINITY", "nan", "-NaN"}) {
+        CAPTURE(text);
+        CHECK(fault(text).starts_with("is not finite; write a decimal"));
+    }
+    for (const std::string text :
+        {"1e400", "-1e400", "1.8e308", "0x1p1024", "1e999999999999999999999", "-1e999999999999999999999"}) {
+        CAPTURE(text);
+        CHECK(fault(text).starts_with("is larger than the largest binary64"));
+    }
+    CHECK(fault("1.7976931348623157e308") == "no fault");
+}
+
+TEST_CASE("a tiny number is not zero") {
+    CHECK(real("1e-400") > 0);
+    CHECK(real("-1e-400") < 0);
+    CHECK(real("1e-999999999999999999999") > 0);
+    CHECK(real("-1e-999999999999999999999") < 0);
+}
+
+TEST_CASE("the exact text of a number reads back as the number") {
+    for (const std::string text : {"0.1", "-4100", "1e-300", "0x1.004p+12", "0", "1.7976931348623157e308"}) {
+        CAPTURE(text);
+        CHECK(real(exact_text(real(text))) == real(text));
+    }
+}

@@ -1,0 +1,195 @@
+// Numbers and exponents in a format's own measure.
+#include "scene/toml/quantity.hpp"
+
+#include <cmath>
+#include <limits>
+
+#include "catch.hpp"
+#include "scene/scene_text.hpp"
+
+using namespace lostbits;
+using namespace lostbits::scene;
+using namespace lostbits::scene::test;
+
+namespace {
+
+constexpr FloatFormat p5{5, -1022, 1023};
+constexpr FloatFormat every_format[] = {binary16, bfloat16, tensor_float32, binary32, binary64, p5};
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+const Where here{"t.toml", 3, 7};
+Node word(const std::string& text) { return Node::of_string(text, here); }
+
+int exponent(const std::string& text, const FloatFormat& f) { return Exponent(word(text)).in(f); }
+double quantity(const std::string& text, const FloatFormat& f, int scale = 0) { return Quantity(word(text), true).in(f, scale); }
+
+std::string exponent_error(const std::string& text) {
+    return error_of([&] { Exponent{word(text)}; });
+}
+std::string solid_error(const std::string& text) {
+    return error_of([&] { Quantity(word(text), false); });
+}
+std::string ray_error(const std::string& text) {
+    return error_of([&] { Quantity(word(text), true); });
+}
+
+}  // namespace
+
+TEST_CASE("an exponent is a sum of whole numbers and a format's own, quotients rounded down") {
+    for (const FloatFormat& f : every_format) {
+        CAPTURE(f.precision, f.emax);
+        CHECK(Exponent{}.in(f) == 0);
+        CHECK(exponent("-60", f) == -60);
+        CHECK(Exponent(Node::of_integer(-60, here)).in(f) == -60);
+        CHECK(exponent("emax", f) == f.emax);
+        CHECK(exponent("emin", f) == f.emin);
+        CHECK(exponent("p", f) == f.precision);
+        CHECK(exponent(" - emin + p - 3 ", f) == -f.emin + f.precision - 3);
+        CHECK(exponent("emin-p+1+2+4", f) == f.emin - f.precision + 7);
+    }
+    // By hand: ⌊127/4⌋ = 31, ⌊−126/4⌋ = −32, ⌊−14/4⌋ = −4, ⌊1023/2⌋ = 511, ⌊−1022/4⌋ = −256.
+    CHECK(exponent("emax/2 + 1", binary32) == 64);
+    CHECK(exponent("emax/4", binary32) == 31);
+    CHECK(exponent("emin/2", binary32) == -63);
+    CHECK(exponent("emin/4", binary32) == -32);
+    CHECK(exponent("emin/4", binary16) == -4);
+    CHECK(exponent("emax/4", binary16) == 3);
+    CHECK(exponent("emax/2", binary64) == 511);
+    CHECK(exponent("emin/4", binary64) == -256);
+    CHECK(exponent("emin/2 - p/2", binary64) == -511 - 26);
+    CHECK(exponent("p/2 + p/4", binary32) == 18);
+    CHECK(exponent("p/2", p5) == 2);
+    CHECK(exponent("7/2", p5) == 3);
+    CHECK(exponent("10000", binary32) == 10000);
+}
+
+TEST_CASE("what is no exponent is refused where it stands") {
+    for (const std::string text : {"", "+", "emx", "max", "emax/3", "emax/", "emax/22", "emax*2", "2emax", "p3", "emax emin", "1.5", "0x10", "1e3", "10001",
+                                   "99999999999999999999", "emax + -3", "--3", "3 + + 4", "--2147483648", "emax+", "(emax)"}) {
+        CAPTURE(text);
+        const std::string error = exponent_error(text);
+        CHECK(error.starts_with("t.toml:3:7: "));
+    }
+    CHECK(exponent_error("emax/3") ==
+          "t.toml:3:7: \"emax/3\" is no exponent; write a sum of whole numbers, emax, emin and p, each perhaps over 2 or 4, such as \"emax/2 + 1\"");
+    CHECK(exponent_error("e max") == "t.toml:3:7: \"e max\" holds a space inside a number or word; take it out");
+    Node flag;
+    flag.kind = Node::Kind::boolean;
+    flag.where = here;
+    CHECK(error_of([&] { Exponent{flag}; }) == "t.toml:3:7: is " + flag.describe() + " where a number or a string is expected");
+    CHECK(error_of([&] { Quantity(flag, true); }) == "t.toml:3:7: is " + flag.describe() + " where a number or a string is expected");
+}
+
+TEST_CASE("the words are a format's own numbers, whatever the scale, with either sign") {
+    for (const FloatFormat& f : every_format) {
+        CAPTURE(f.precision, f.emax);
+        for (const int scale : {0, 40, -40}) {
+            CHECK(quantity("max", f, scale) == std::ldexp(2, f.emax - 1) * (2 - std::ldexp(1, 1 - f.precision)));
+            CHECK(quantity("min", f, scale) == std::ldexp(1, f.emin));
+            CHECK(quantity("tiny", f, scale) == std::ldexp(1, f.emin - f.precision + 1));
+            CHECK(quantity("inf", f, scale) == infinity);
+            CHECK(std::isnan(quantity("nan", f, scale)));
+        }
+        for (const std::string name : {"max", "min", "tiny", "inf"}) {
+            CHECK(quantity("-" + name, f) == -quantity(name, f));
+            CHECK(quantity("+" + name, f) == quantity(name, f));
+            CHECK(quantity(" - " + name, f) == -quantity(name, f));
+        }
+    }
+    CHECK(quantity("max", binary32) == std::numeric_limits<float>::max());
+    CHECK(quantity("min", binary32) == std::numeric_limits<float>::min());
+    CHECK(quantity("tiny", binary32) == std::numeric_limits<float>::denorm_min());
+    CHECK(quantity("max", binary64) == std::numeric_limits<double>::max());
+    CHECK(quantity("tiny", binary64) == std::numeric_limits<double>::denorm_min());
+    CHECK(quantity("max", binary16) == 65504);
+    CHECK(quantity("tiny", binary16) == 0x1p-24);
+    CHECK(quantity("max", p5) == 0x1.fp1023);
+}
+
+TEST_CASE("a number is scaled exactly and rounded once") {
+    for (const FloatFormat& f : every_format) {
+        const std::string half_way = "0x1.08p0";  // 1 + 2^-5: half way in five bits, to even below
+        CHECK(quantity(half_way, f) == (f.precision == 5 ? 1 : 1.03125));
+        CHECK(quantity("3", f, 2) == 12);
+        CHECK(quantity("-3", f, 0) == -3);
+        CHECK(quantity("+0x1.8p1", f) == 3);
+        CHECK(quantity("3e0", f) == 3);
+    }
+    CHECK(Quantity(Node::of_integer(-3, here), false).in(binary32, -1) == -1.5);
+    CHECK(quantity("0.1", binary32) == 0.1f);
+    CHECK(quantity("0.1", binary64) == 0.1);
+    CHECK(quantity("0.1", bfloat16) == 0x1.9ap-4);
+    CHECK(!std::signbit(quantity("0", binary32, 99)));
+    CHECK(std::signbit(quantity("-0", binary32, -99)));
+    // Into the subnormals: tiny is the last place there, and a tie goes to even.
+    for (const FloatFormat& f : every_format) {
+        const double tiny = quantity("tiny", f);
+        const int last = f.emin - f.precision + 1;
+        CHECK(quantity("1", f, last) == tiny);
+        CHECK(quantity("1", f, last - 1) == 0);
+        CHECK(quantity("1.5", f, last) == 2 * tiny);
+        CHECK(quantity("2.5", f, last) == 2 * tiny);
+        CHECK(quantity("0.50001", f, last) == tiny);
+        CHECK(std::signbit(quantity("-1", f, last - 5)));
+        CHECK(quantity("1.75", f, f.emax) < infinity);
+        CHECK(quantity("2", f, f.emax) == infinity);
+        CHECK(quantity("-2", f, f.emax) == -infinity);
+        CHECK(quantity("1", f, 5000) == infinity);
+        CHECK(quantity("1", f, -5000) == 0);
+        // Half a last place above max rounds to infinity, less does not.
+        CHECK(quantity("0x1.ffffffffffffffp0", f, f.emax) == infinity);
+        CHECK(quantity(f.precision == 53 ? "0x1.fffffffffffff7p0" : "0x1.8p0", f, f.emax) < infinity);
+    }
+}
+
+TEST_CASE("an ulp away is the neighbour, across binades, zero and both ends") {
+    CHECK(quantity("3 + ulp", binary32) == std::nextafter(3.0f, 4.0f));
+    CHECK(quantity("3+ulp", binary64) == std::nextafter(3.0, 4.0));
+    CHECK(quantity("-3 - ulp", binary32) == std::nextafter(-3.0f, -4.0f));
+    CHECK(quantity("-3 + ulp", binary32) == std::nextafter(-3.0f, 0.0f));
+    for (const FloatFormat& f : every_format) {
+        CAPTURE(f.precision, f.emax);
+        const double ulp = std::ldexp(1, 1 - f.precision), tiny = quantity("tiny", f);
+        CHECK(quantity("1 + ulp", f) == 1 + ulp);
+        CHECK(quantity("1 - ulp", f) == 1 - ulp / 2);
+        CHECK(quantity("-1 - ulp", f) == -1 - ulp);
+        CHECK(quantity("-1 + ulp", f) == -1 + ulp / 2);
+        CHECK(quantity("1 + ulp", f, 2) == 4 + 4 * ulp);  // scaled first
+        CHECK(quantity("0 + ulp", f) == tiny);
+        CHECK(quantity("0 - ulp", f) == -tiny);
+        CHECK(quantity("tiny - ulp", f) == 0);
+        CHECK(quantity("tiny + ulp", f) == 2 * tiny);
+        CHECK(quantity("-tiny + ulp", f) == 0);
+        CHECK(quantity("min - ulp", f) == std::ldexp(1, f.emin) - tiny);
+        CHECK(quantity("min + ulp", f) == std::ldexp(1, f.emin) + tiny);
+        CHECK(quantity("max + ulp", f) == infinity);
+        CHECK(quantity("-max - ulp", f) == -infinity);
+        CHECK(quantity("max - ulp", f) == quantity("max", f) - std::ldexp(1, f.emax - f.precision + 1));
+        CHECK(quantity("inf - ulp", f) == quantity("max", f));
+        CHECK(quantity("inf + ulp", f) == infinity);
+        CHECK(quantity("-inf + ulp", f) == -quantity("max", f));
+        CHECK(std::isnan(quantity("nan + ulp", f)));
+    }
+}
+
+TEST_CASE("what is no quantity is refused where it stands; a solid is finite") {
+    for (const std::string text : {"", "big", "max2", "2max", "maximum", "ulp", "+ ulp", "3 + 2 ulp", "3 + ulp + ulp", "--3", "3 +", "nan nan", "MAX", "1e400"}) {
+        CAPTURE(text);
+        CHECK(ray_error(text).starts_with("t.toml:3:7: "));
+    }
+    CHECK(ray_error("1 2") == "t.toml:3:7: \"1 2\" holds a space inside a number or word; take it out");
+    CHECK(ray_error("big").find("max, min, tiny, nan or inf") != std::string::npos);
+    CHECK(solid_error("nan") == "t.toml:3:7: is nan, which only a ray may hold");
+    CHECK(solid_error("-inf") == "t.toml:3:7: is inf, which only a ray may hold");
+    CHECK(solid_error("inf - ulp").starts_with("t.toml:3:7: is inf"));
+    CHECK(solid_error("max") == "no error");
+    CHECK(ray_error("-nan") == "no error");
+    // TOML's own words arrive as floats.
+    const Folder folder;
+    const Node root = read_toml(folder.write("t.toml", "a = [nan, -inf, inf, 1e-3]\n"));
+    const std::vector<Node>& items = root.find("a")->items;
+    CHECK(std::isnan(Quantity(items[0], true).in(binary32, 0)));
+    CHECK(Quantity(items[1], true).in(binary32, 0) == -infinity);
+    CHECK(error_in(folder, [&] { Quantity(items[2], false); }) == "t.toml:1:17: is inf, which only a ray may hold");
+    CHECK(Quantity(items[3], false).in(binary64, 0) == 1e-3);
+}
