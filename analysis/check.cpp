@@ -14,9 +14,12 @@
 #include "select.hpp"
 
 namespace lostbits::analysis {
+
+using measure::claim::ClaimResult;
+
 namespace {
 
-using scene::Claim;
+using scene::claim::Claim;
 using State = ClaimResult::State;
 
 struct CheckOptions {
@@ -36,9 +39,9 @@ std::vector<Claim> load(const CheckOptions& o, const std::filesystem::path& data
     std::size_t others = 0;
     const auto given = o.files.empty() ? std::vector<std::string>{(data / "claims").string()} : o.files;
     for (const std::string& word : given) {
-        for (const auto& path : scene::claim_files(word)) {
-            for (Claim& claim : scene::read_claims(path)) {
-                if (!ids.insert(claim.id).second) scene::fail(claim.where, "the id \"" + claim.id + "\" stands in another file too; ids are unique");
+        for (const auto& path : scene::claim::claim_files(word)) {
+            for (Claim& claim : scene::claim::read_claims(path)) {
+                if (!ids.insert(claim.id).second) scene::toml::fail(claim.where, "the id \"" + claim.id + "\" stands in another file too; ids are unique");
                 const bool chosen = o.filters.empty() ||
                                     std::ranges::any_of(o.filters, [&](const std::string& f) { return fnmatch(f.c_str(), claim.id.c_str(), 0) == 0; });
                 if (chosen && claim.profile != profile) ++others;
@@ -54,21 +57,21 @@ std::vector<Claim> load(const CheckOptions& o, const std::filesystem::path& data
 void print(const Claim& claim, const ClaimResult& r, const CheckOptions& o, bool verbose) {
     const char* verdict = claim.verdict == Claim::Verdict::holds ? "holds" : "refuted";
     if (r.state == State::agrees) {
-        if (verbose) fmt::print("ok       {} ({}): {}\n", claim.id, verdict, output::decimal(r.measured));
+        if (verbose) fmt::print("ok       {} ({}): {}\n", claim.id, verdict, output::file::decimal(r.measured));
         return;
     }
     const char* word = r.state != State::skipped && claim.severity == Claim::Severity::warn && !o.strict ? "warning" : r.state == State::broken ? "broken" : r.state == State::skipped ? "skipped" : "FAILED";
     fmt::print("{:<8} {} ({}: {})\n", word, claim.id, verdict, claim.statement);
-    fmt::print("         {}: {}\n", claim.where.text(), output::explain(claim, r));
+    fmt::print("         {}: {}\n", claim.where.text(), output::claim::explain(claim, r));
     if (r.witness.x >= 0) {
-        fmt::print("         worst ray: origin {} {} {}, direction {} {} {}\n", output::hex(r.witness.ray.origin.x), output::hex(r.witness.ray.origin.y),
-                   output::hex(r.witness.ray.origin.z), output::hex(r.witness.ray.direction.x), output::hex(r.witness.ray.direction.y),
-                   output::hex(r.witness.ray.direction.z));
+        fmt::print("         worst ray: origin {} {} {}, direction {} {} {}\n", output::file::hex(r.witness.ray.origin.x), output::file::hex(r.witness.ray.origin.y),
+                   output::file::hex(r.witness.ray.origin.z), output::file::hex(r.witness.ray.direction.x), output::file::hex(r.witness.ray.direction.y),
+                   output::file::hex(r.witness.ray.direction.z));
     }
-    fmt::print("         again: {}\n", output::reproduce(claim));
+    fmt::print("         again: {}\n", output::claim::reproduce(claim));
     if (o.annotations == "github" && r.state != State::skipped) {
         fmt::print("::{} file={},line={},title={}::{}\n", std::string_view(word) == "warning" ? "warning" : "error", claim.where.source, claim.where.line, claim.id,
-                   output::explain(claim, r));
+                   output::claim::explain(claim, r));
     }
 }
 
@@ -93,12 +96,12 @@ Exit run(const CheckOptions& o, const Common& common) {
     const ThreadLimit limit(common.threads);
     // The reports' places are tried before the work; the files themselves are small and written after it.
     for (const std::string& path : {o.junit, o.csv, o.json}) {
-        if (!path.empty()) output::AtomicFile probe(path);
+        if (!path.empty()) output::file::AtomicFile probe(path);
     }
-    const auto results = measure_claims(claims, data, stop_if_interrupted);
+    const auto results = measure::claim::measure_claims(claims, data, stop_if_interrupted);
     if (o.timing() && !o.measure) return report_times(claims, results);
     if (o.measure) {
-        for (std::size_t i = 0; i < claims.size(); ++i) fmt::print("{} = {}\n", claims[i].id, output::decimal(results[i].measured));
+        for (std::size_t i = 0; i < claims.size(); ++i) fmt::print("{} = {}\n", claims[i].id, output::file::decimal(results[i].measured));
         return Exit::done;
     }
     std::size_t agreed = 0, failed = 0, skipped = 0;
@@ -108,10 +111,10 @@ Exit run(const CheckOptions& o, const Common& common) {
         skipped += results[i].state == State::skipped;
         failed += results[i].state != State::agrees && results[i].state != State::skipped && (o.strict || claims[i].severity == Claim::Severity::error);
     }
-    if (!o.junit.empty()) output::write_junit(o.junit, claims, results, o.strict);
-    if (!o.csv.empty()) output::write_claims_csv(o.csv, claims, results);
-    if (!o.json.empty()) output::write_claims_json(o.json, claims, results);
-    if (!o.report.empty()) output::write_claim_report(o.report, claims, results, data);
+    if (!o.junit.empty()) output::claim::write_junit(o.junit, claims, results, o.strict);
+    if (!o.csv.empty()) output::claim::write_claims_csv(o.csv, claims, results);
+    if (!o.json.empty()) output::claim::write_claims_json(o.json, claims, results);
+    if (!o.report.empty()) output::claim::write_claim_report(o.report, claims, results, data);
     if (!common.quiet) {
         fmt::print("{} claims: {} measure as stated, {} do not{}\n", claims.size(), agreed, claims.size() - agreed - skipped,
                    skipped == 0 ? "" : fmt::format(", {} skipped", skipped));

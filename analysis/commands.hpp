@@ -14,7 +14,7 @@ namespace lostbits::analysis {
 /// Options of every command.
 struct Common {
     std::string data;  ///< the data folder, see `data_folder`
-    output::Progress::Mode progress = output::Progress::Mode::automatic;
+    output::file::Progress::Mode progress = output::file::Progress::Mode::automatic;
     bool quiet = false;
     bool verbose = false;
     int threads = 0;  ///< 0: one a core

@@ -11,10 +11,13 @@
 #include "scene/toml/did_you_mean.hpp"
 
 namespace lostbits::analysis {
+
+using output::diff::CompareOptions;
+
 namespace {
 
 namespace fs = std::filesystem;
-using output::Comparison;
+using output::diff::Comparison;
 
 struct DiffWords {
     std::string a, b;
@@ -42,18 +45,18 @@ const char* name_of(FileKind kind) {
 
 /// Two files of one kind. Pictures with the same bytes hold the same pixels, which spares loading the image module;
 /// the channels of an EXR have to be known, though, where options name some.
-Comparison compare_files(const fs::path& a, const fs::path& b, FileKind kind, const output::CompareOptions& options) {
+Comparison compare_files(const fs::path& a, const fs::path& b, FileKind kind, const CompareOptions& options) {
     // One after the other: the order of arguments is the compiler's, and the first bad file is the one to name.
     const auto both = [&](auto read) {
         const auto left = read(a);
-        return output::compare(left, read(b), options);
+        return output::diff::compare(left, read(b), options);
     };
-    if (kind == FileKind::csv) return both(output::read_csv);
-    const std::string left = output::read_file(a);
-    Comparison bytes = output::compare_bytes(left, output::read_file(b));
+    if (kind == FileKind::csv) return both(output::file::read_csv);
+    const std::string left = output::file::read_file(a);
+    Comparison bytes = output::diff::compare_bytes(left, output::file::read_file(b));
     const bool named = !options.tolerances.empty() || !options.ignored.empty();
     if (kind == FileKind::bytes || (bytes.same() && !(kind == FileKind::exr && named))) return bytes;
-    auto& images = output::image_backend();
+    auto& images = output::image::image_backend();
     if (kind == FileKind::exr) return both([&](const fs::path& path) { return images.read_exr(path); });
     return both([&](const fs::path& path) { return images.read_png(path); });
 }
@@ -82,7 +85,7 @@ std::set<fs::path> files_below(const fs::path& folder) {
     return files;
 }
 
-std::vector<Result> compare_folders(const DiffWords& w, const output::CompareOptions& options) {
+std::vector<Result> compare_folders(const DiffWords& w, const CompareOptions& options) {
     const fs::path a = w.a, b = w.b;
     const auto left = files_below(a), right = files_below(b);
     auto all = left;
@@ -102,7 +105,7 @@ std::vector<Result> compare_folders(const DiffWords& w, const output::CompareOpt
 }
 
 /// The two words of the command line: two folders, or two files of one kind.
-std::vector<Result> compare_all(const DiffWords& w, const output::CompareOptions& options) {
+std::vector<Result> compare_all(const DiffWords& w, const CompareOptions& options) {
     const auto status = [](const std::string& path) {
         std::error_code error;
         const auto s = fs::status(path, error);
@@ -123,19 +126,19 @@ std::vector<Result> compare_all(const DiffWords& w, const output::CompareOptions
 }
 
 /// A name that no file knows would loosen or skip nothing, silently.
-void refuse_unknown_columns(const output::CompareOptions& options, const std::vector<Result>& results) {
+void refuse_unknown_columns(const CompareOptions& options, const std::vector<Result>& results) {
     std::set<std::string> names;
     for (const Result& r : results) names.insert(r.comparison.names.begin(), r.comparison.names.end());
     const auto check = [&](const char* option, const std::string& pattern) {
-        if (std::ranges::any_of(names, [&](const std::string& name) { return output::names_column(pattern, name); })) return;
-        const std::string hint = scene::did_you_mean(pattern, {names.begin(), names.end()});
+        if (std::ranges::any_of(names, [&](const std::string& name) { return output::diff::names_column(pattern, name); })) return;
+        const std::string hint = scene::toml::did_you_mean(pattern, {names.begin(), names.end()});
         throw InputError(fmt::format("{} {}: unknown column; {}", option, pattern, hint.empty() ? "nothing here has columns or channels" : hint));
     };
     for (const auto& t : options.tolerances) check("--tolerance", t.column);
     for (const auto& pattern : options.ignored) check("--ignore", pattern);
 }
 
-void print_largest(const char* name, const output::Largest& largest) {
+void print_largest(const char* name, const output::diff::Largest& largest) {
     if (!largest.at.empty()) fmt::print(", largest {} {:.4g} at {}", name, largest.value, largest.at);
 }
 
@@ -163,8 +166,8 @@ void print(const Result& r, bool verbose) {
 }
 
 Exit run(const DiffWords& w, const Common& common) {
-    output::CompareOptions options;
-    for (const std::string& text : w.tolerances) options.tolerances.push_back(output::parse_tolerance(text));
+    CompareOptions options;
+    for (const std::string& text : w.tolerances) options.tolerances.push_back(output::diff::parse_tolerance(text));
     options.ignored = w.ignored;
     if (common.verbose) options.most = UINT64_MAX;
     // Nothing is printed before every file is read: bad input is not to look like half an answer.

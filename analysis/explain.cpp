@@ -17,6 +17,9 @@
 #include "select.hpp"
 
 namespace lostbits::analysis {
+
+using scene::file::Scene;
+
 namespace {
 
 struct ExplainOptions {
@@ -36,12 +39,12 @@ std::vector<std::string> parts_of(const std::string& text) {
 }
 
 /// The scene of that name: one alone.
-scene::Scene load_one(const ExplainOptions& o, const Common& common) {
-    const scene::SceneName name = scene::find_scene(o.scene, data_folder(common.data));
-    scene::LoadOptions options{.variant = name.variant};
+Scene load_one(const ExplainOptions& o, const Common& common) {
+    const scene::file::SceneName name = scene::file::find_scene(o.scene, data_folder(common.data));
+    scene::file::LoadOptions options{.variant = name.variant};
     if (!o.size.empty()) options.size = parse_size(o.size);
-    for (const auto& s : o.set) options.overrides.push_back(scene::parse_override(s));
-    auto scenes = scene::load_scene(name.path, options);
+    for (const auto& s : o.set) options.overrides.push_back(scene::toml::parse_override(s));
+    auto scenes = scene::file::load_scene(name.path, options);
     if (scenes.size() != 1) throw InputError(o.scene + ": has variants; name one, such as " + scenes.front().id);
     return std::move(scenes.front());
 }
@@ -49,20 +52,20 @@ scene::Scene load_one(const ExplainOptions& o, const Common& common) {
 /// One number of `--pixel`, or of `--ray`, which is rounded to binary32.
 double number_of(const std::string& text, bool pixel) {
     const char* const option = pixel ? "--pixel" : "--ray";
-    const auto read = scene::parse_number(text);
-    const auto* const fault = std::get_if<scene::NumberFault>(&read);
+    const auto read = scene::toml::parse_number(text);
+    const auto* const fault = std::get_if<scene::toml::NumberFault>(&read);
     if (fault && !fault->too_large) throw InputError(fmt::format("{}: \"{}\" {}", option, text, fault->why));
     if (pixel) return fault ? HUGE_VAL : static_cast<double>(std::get<Real>(read));
-    const double x = fault ? HUGE_VAL : scene::round_to_format(std::get<Real>(read), binary32);
+    const double x = fault ? HUGE_VAL : scene::toml::round_to_format(std::get<Real>(read), binary32);
     if (!std::isfinite(x)) {
         constexpr double largest = std::numeric_limits<float>::max();
         throw InputError(fmt::format("--ray: \"{}\" is out of range: rays are stored in binary32, whose largest number is {} ({}); scale the scene and the ray down", text,
-                                     output::decimal(largest), output::hex(largest)));
+                                     output::file::decimal(largest), output::file::hex(largest)));
     }
     return x;
 }
 
-OneRay ray_of(const ExplainOptions& o, const scene::Scene& scene) {
+measure::answer::OneRay ray_of(const ExplainOptions& o, const Scene& scene) {
     if (o.pixel.empty() == o.ray.empty()) throw InputError("explain: name one ray: --pixel X,Y of the scene, or --ray OX,OY,OZ,DX,DY,DZ");
     const bool pixel = !o.pixel.empty();
     const auto parts = parts_of(pixel ? o.pixel : o.ray);
@@ -75,30 +78,30 @@ OneRay ray_of(const ExplainOptions& o, const scene::Scene& scene) {
     }
     if (x.size() != 6) throw InputError("--ray " + o.ray + ": not a ray; write origin and direction, six numbers with commas between them");
     const Ray<double> ray{{x[0], x[1], x[2]}, {x[3], x[4], x[5]}};
-    if (!is_proper(ray)) throw InputError("--ray " + o.ray + ": no ray in binary32; its numbers must be finite and its direction not zero");
+    if (!measure::truth::is_proper(ray)) throw InputError("--ray " + o.ray + ": no ray in binary32; its numbers must be finite and its direction not zero");
     return {scene, ray};
 }
 
 Exit run(const ExplainOptions& o, const Common& common) {
-    const scene::Scene scene = load_one(o, common);
+    const Scene scene = load_one(o, common);
     const auto forms = select_forms({o.form});
     const auto formats = select_formats({o.format});
     if (forms.size() != 1 || formats.size() != 1) throw InputError("explain: name one form and one format");
-    const Intersector& form = *forms.front();
+    const intersect::table::Intersector& form = *forms.front();
     if (!scene.meets(form.shape)) {
         throw InputError(fmt::format("-i {}: scene {} has no solids, or no [march] table, for it; try -i '{}'", o.form, scene.id, globs_of([&](Shape shape) { return scene.meets(shape); })));
     }
     if (!form.exists_in(formats.front())) throw InputError(fmt::format("-i {}: does not exist in {}; it is defined in f32 alone: try -f f32", o.form, o.format));
-    const OneRay ray = ray_of(o, scene);
+    const measure::answer::OneRay ray = ray_of(o, scene);
     if (!common.quiet) note_lost_constants(scene, {{&form, formats.front()}});
-    const Explanation x = explain(form, formats.front(), ray);
-    if (o.json) fmt::print("{}", output::explain_json(x));
-    else if (o.fpcore) fmt::print("{}", output::explain_fpcore(x));
-    else if (o.latex) fmt::print("{}", output::explain_latex(x));
-    else if (o.c) fmt::print("{}", output::explain_c(x));
+    const measure::blame::Explanation x = measure::blame::explain(form, formats.front(), ray);
+    if (o.json) fmt::print("{}", output::blame::explain_json(x));
+    else if (o.fpcore) fmt::print("{}", output::blame::explain_fpcore(x));
+    else if (o.latex) fmt::print("{}", output::blame::explain_latex(x));
+    else if (o.c) fmt::print("{}", output::blame::explain_c(x));
     else {
-        if (form.log) fmt::print("{}\n", output::march_table(form, formats.front(), ray));
-        fmt::print("{}", output::explain_text(x, common.verbose));
+        if (form.log) fmt::print("{}\n", output::blame::march_table(form, formats.front(), ray));
+        fmt::print("{}", output::blame::explain_text(x, common.verbose));
     }
     return Exit::done;
 }

@@ -15,6 +15,10 @@
 #include "select.hpp"
 
 namespace lostbits::analysis {
+
+using scene::claim::Claim;
+using scene::sweep::SweepKind;
+
 namespace {
 
 /// A list as a table of words: the first column names, the others explain.
@@ -25,11 +29,11 @@ struct Listing {
 
 Listing intersectors() {
     Listing l{{"name", "title", "direction", "roots", "touching", "formats", "source"}, {}};
-    for (const Intersector& i : lostbits::intersectors()) {
-        const Info& info = *i.info;
-        const char* roots = info.roots == Roots::both ? "both" : info.roots == Roots::near_only ? "near only" : "first only";
-        l.rows.push_back({std::string(info.name), std::string(info.title), info.direction == Direction::unit ? "unit" : "any", roots,
-                          info.touching == Touching::hit ? "hits" : "misses", info.formats == Formats::all ? "all" : "f32", std::string(info.source)});
+    for (const intersect::table::Intersector& i : lostbits::intersect::table::intersectors()) {
+        const intersect::Info& info = *i.info;
+        const char* roots = info.roots == intersect::Roots::both ? "both" : info.roots == intersect::Roots::near_only ? "near only" : "first only";
+        l.rows.push_back({std::string(info.name), std::string(info.title), info.direction == intersect::Direction::unit ? "unit" : "any", roots,
+                          info.touching == intersect::Touching::hit ? "hits" : "misses", info.formats == intersect::Formats::all ? "all" : "f32", std::string(info.source)});
     }
     return l;
 }
@@ -42,11 +46,11 @@ Listing formats() {
 
 Listing metric_table() {
     Listing l{{"name", "unit", "layer", "default", "meaning"}, {}};
-    for (const Metric& m : metrics()) {
+    for (const measure::metric::Metric& m : measure::metric::metrics()) {
         l.rows.push_back({std::string(m.name), std::string(m.unit), std::string(m.layer), m.by_default ? "yes" : "no", std::string(m.meaning)});
     }
     for (const char* name : {"contribution:LABEL", "cancellation:LABEL"}) {
-        const Metric& m = *labelled_metric(name);
+        const measure::metric::Metric& m = *measure::blame::labelled_metric(name);
         l.rows.push_back({name, std::string(m.unit), std::string(m.layer), "no", std::string(m.meaning) + "; `lostbits list labels` has the labels of each form"});
     }
     return l;
@@ -56,9 +60,9 @@ Listing metric_table() {
 Listing labels() {
     Listing l{{"name", "labels"}, {}};
     const std::array<Solid<double>, 2> solids{Sphere<double>{{0, 0, 5}, 1}, Box<double>{{-1, -1, 4}, {1, 1, 6}}};
-    const MarchConstants<double> march{};  // labels do not depend on its numbers
-    for (const Intersector& form : lostbits::intersectors()) {
-        auto all = labels_of(form, {form.shape == Shape::sdf ? std::span(solids).first(1) : std::span(solids), &march});
+    const intersect::MarchConstants<double> march{};  // labels do not depend on its numbers
+    for (const intersect::table::Intersector& form : lostbits::intersect::table::intersectors()) {
+        auto all = measure::blame::labels_of(form, {form.shape == Shape::sdf ? std::span(solids).first(1) : std::span(solids), &march});
         std::ranges::sort(all);  // the order of the tape is the compiler's where arguments are evaluated
         l.rows.push_back({std::string(form.info->name), fmt::format("{}", fmt::join(all, " "))});
     }
@@ -67,10 +71,10 @@ Listing labels() {
 
 Listing scenes(const Common& common) {
     Listing l{{"name", "variants", "inputs", "title"}, {}};
-    for (const auto& path : scene::scene_files(data_folder(common.data))) {
-        const scene::SceneFile file(path);
+    for (const auto& path : scene::file::scene_files(data_folder(common.data))) {
+        const scene::file::SceneFile file(path);
         const auto all = file.load();
-        l.rows.push_back({path.stem().string(), fmt::format("{}", fmt::join(file.variants(), " ")), all.front().inputs == scene::Inputs::shared ? "shared" : "own",
+        l.rows.push_back({path.stem().string(), fmt::format("{}", fmt::join(file.variants(), " ")), all.front().inputs == scene::file::Inputs::shared ? "shared" : "own",
                           all.front().title});
     }
     return l;
@@ -78,23 +82,23 @@ Listing scenes(const Common& common) {
 
 /// What a sweep runs over: its axes, the number of its cases, or the metric that a search makes large.
 std::string axis_of(const std::filesystem::path& path, const std::filesystem::path& data, std::string& title) {
-    switch (scene::sweep_kind(path)) {
-        case scene::SweepKind::cases: {
-            const scene::CaseFile file(path);
+    switch (scene::sweep::sweep_kind(path)) {
+        case SweepKind::cases: {
+            const scene::sweep::CaseFile file(path);
             title = file.title;
             return fmt::format("{} cases", file.size());
         }
-        case scene::SweepKind::search: {
-            const scene::SearchFile file(path);
+        case SweepKind::search: {
+            const scene::sweep::SearchFile file(path);
             title = file.title;
             return "search for " + file.metric;
         }
-        case scene::SweepKind::axes: break;
+        case SweepKind::axes: break;
     }
-    const scene::SweepFile file(path, data);
+    const scene::sweep::SweepFile file(path, data);
     title = file.title;
     std::string text;
-    for (const scene::Axis& axis : file.axes) text += (text.empty() ? "" : " x ") + axis.name;
+    for (const scene::sweep::Axis& axis : file.axes) text += (text.empty() ? "" : " x ") + axis.name;
     return text;
 }
 
@@ -116,9 +120,9 @@ Listing claims(const Common& common) {
     Listing l{{"id", "verdict", "profile", "subject", "form", "format", "statement"}, {}};
     const auto root = data_folder(common.data) / "claims";
     if (!std::filesystem::exists(root)) return l;
-    for (const auto& path : scene::claim_files(root)) {
-        for (const scene::Claim& c : scene::read_claims(path)) {
-            l.rows.push_back({c.id, c.verdict == scene::Claim::Verdict::holds ? "holds" : "refuted", c.profile == scene::Claim::Profile::results ? "results" : "timing", c.subject(),
+    for (const auto& path : scene::claim::claim_files(root)) {
+        for (const Claim& c : scene::claim::read_claims(path)) {
+            l.rows.push_back({c.id, c.verdict == Claim::Verdict::holds ? "holds" : "refuted", c.profile == Claim::Profile::results ? "results" : "timing", c.subject(),
                               c.form.empty() ? c.row : c.form, c.format, c.statement});
         }
     }

@@ -21,7 +21,7 @@ constexpr const char* description =
     "whether the formula or the problem is to blame, and what the safer form costs.";
 
 void add_common(CLI::App& program, Common& common) {
-    using Mode = output::Progress::Mode;
+    using Mode = output::file::Progress::Mode;
     static const std::map<std::string, Mode> modes{{"auto", Mode::automatic}, {"bar", Mode::bar}, {"none", Mode::none}};
     program.add_option("--data", common.data, "Folder with scenes/, sweeps/, claims/ (default: $LOSTBITS_DATA, ./data, the installed one)");
     program.add_option("--progress", common.progress, "Progress on stderr: auto (on a terminal), bar, none")
@@ -31,7 +31,7 @@ void add_common(CLI::App& program, Common& common) {
     program.add_flag("-v,--verbose", common.verbose, "Say more");
     program.add_option("-j,--threads", common.threads, "Threads (default: one a core); results do not depend on it")->check(CLI::Range(1, 1024));
     program.add_option("--isa", common.isa, "Width of the registers: scalar, 128, 256, 512 (default: the widest here); results do not depend on it")
-        ->check(CLI::IsMember(std::vector<std::string>(isa_names.begin(), isa_names.end())));
+        ->check(CLI::IsMember(std::vector<std::string>(intersect::simd::isa_names.begin(), intersect::simd::isa_names.end())));
 }
 
 /// CLI11's own message, and what the user may have meant where a word is unknown.
@@ -40,7 +40,7 @@ void explain(const CLI::App& program, const CLI::ParseError& error, int argc, ch
     std::vector<std::string> commands;
     for (const CLI::App* sub : program.get_subcommands({})) commands.push_back(sub->get_name());
     if (argc > 1 && argv[1][0] != '-' && program.get_subcommands().empty()) {
-        fmt::print(stderr, "lostbits: \"{}\" is no command; {}\n", argv[1], scene::did_you_mean(argv[1], commands));
+        fmt::print(stderr, "lostbits: \"{}\" is no command; {}\n", argv[1], scene::toml::did_you_mean(argv[1], commands));
     } else {
         fmt::print(stderr, "lostbits: see `lostbits{} --help`\n", program.get_subcommands().empty() ? "" : " " + program.get_subcommands().front()->get_name());
     }
@@ -71,7 +71,7 @@ Exit run(int argc, char** argv) {
         explain(program, error, argc, argv);
         return Exit::bad_input;
     }
-    if (const auto isa = isa_named(common.isa)) set_isa(*isa);
+    if (const auto isa = intersect::simd::isa_named(common.isa)) intersect::simd::set_isa(*isa);
     return chosen();
 }
 
@@ -82,7 +82,7 @@ namespace {
 
 /// A library that gives up (a thread pool without memory for its threads) ends here: no partial file stays.
 [[noreturn]] void on_terminate() {
-    lostbits::output::remove_partial_files();
+    lostbits::output::file::remove_partial_files();
     std::fputs("lostbits: stopped by a library; out of memory or threads? Try fewer forms, a smaller --size, or -j 1\n", stderr);
     std::_Exit(static_cast<int>(std::current_exception() ? lostbits::Exit::internal : lostbits::Exit::environment));
 }
@@ -92,7 +92,7 @@ namespace {
 int main(int argc, char** argv) {
     using namespace lostbits;
     analysis::install_signal_handlers();
-    output::raise_open_file_limit();
+    output::file::raise_open_file_limit();
     std::set_terminate(on_terminate);
     // stdio, not fmt: what cannot be written because stderr is closed must not throw while an error is reported.
     const auto fail = [](Exit code, const char* message) {

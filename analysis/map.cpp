@@ -18,6 +18,13 @@
 #include "select.hpp"
 
 namespace lostbits::analysis {
+
+using measure::answer::Outcome;
+using measure::map::MapRow;
+using measure::map::NeededRequest;
+using measure::metric::Metric;
+using scene::file::Scene;
+
 namespace {
 
 struct MapOptions {
@@ -38,7 +45,7 @@ struct Commands {
     std::string map, needed;
 };
 
-Commands canonical_commands(const scene::Scene& scene, const MapOptions& o) {
+Commands canonical_commands(const Scene& scene, const MapOptions& o) {
     std::string forms, what, input;
     for (const auto& f : o.forms) forms += " -i '" + f + "'";
     for (const auto& f : o.formats) what += " -f " + f;
@@ -50,31 +57,31 @@ Commands canonical_commands(const scene::Scene& scene, const MapOptions& o) {
     return {start + what + input, fmt::format("{} --bits-needed {}{}", start, o.bits_needed, input)};
 }
 
-void print_table(const MapRequest& request, const std::vector<MapSummary>& summaries) {
-    const auto lost = static_cast<std::size_t>(std::ranges::find(request.metrics, find_metric("lost_bits")) - request.metrics.begin());
+void print_table(const measure::map::MapRequest& request, const std::vector<measure::map::MapSummary>& summaries) {
+    const auto lost = static_cast<std::size_t>(std::ranges::find(request.metrics, measure::metric::find_metric("lost_bits")) - request.metrics.begin());
     fmt::print("  {:<28} {:<5} {:>10} {:>10} {:>9} {:>6} {:>9} {:>9}\n", "form", "fmt", "false hit", "false miss", "NaN", "bits:", "p50", "p99");
     for (std::size_t r = 0; r < summaries.size(); ++r) {
-        const MapSummary& s = summaries[r];
+        const measure::map::MapSummary& s = summaries[r];
         fmt::print("  {:<28} {:<5} {:>10} {:>10} {:>9} {:>6} {:>9.2f} {:>9.2f}\n", request.rows[r].form->info->name, request.rows[r].format.name,
                    s.count(Outcome::false_hit), s.count(Outcome::false_miss), s.count(Outcome::not_a_number), "", s.metrics[lost].quantile(0.5),
                    s.metrics[lost].quantile(0.99));
     }
 }
 
-void print_table(const NeededRequest& request, const std::vector<NeededSummary>& summaries) {
+void print_table(const NeededRequest& request, const std::vector<measure::map::NeededSummary>& summaries) {
     fmt::print("  {:<28} {:>3} bits need: {:>6} {:>6} {:>6} {:>10} {:>10}\n", "form", request.bits, "p50", "p99", "max", "hit > 53", "miss > 53");
     for (std::size_t f = 0; f < summaries.size(); ++f) {
         const auto all = summaries[f].all();
-        fmt::print("  {:<28} {:>14} {:>6} {:>6} {:>6} {:>10} {:>10}\n", request.forms[f]->info->name, "", quantile(all, 0.5), quantile(all, 0.99), quantile(all, 1),
+        fmt::print("  {:<28} {:>14} {:>6} {:>6} {:>6} {:>10} {:>10}\n", request.forms[f]->info->name, "", measure::map::quantile(all, 0.5), measure::map::quantile(all, 0.99), measure::map::quantile(all, 1),
                    summaries[f].hits_beyond, summaries[f].misses_beyond);
     }
 }
 
 /// The forms whose bits needed are asked for: those of the rows that exist in every width.
-std::vector<const Intersector*> forms_of_any_width(const std::vector<MapRow>& rows) {
-    std::vector<const Intersector*> forms;
+std::vector<const intersect::table::Intersector*> forms_of_any_width(const std::vector<MapRow>& rows) {
+    std::vector<const intersect::table::Intersector*> forms;
     for (const MapRow& row : rows) {
-        if (row.form->info->formats == Formats::all && std::ranges::find(forms, row.form) == forms.end()) forms.push_back(row.form);
+        if (row.form->info->formats == intersect::Formats::all && std::ranges::find(forms, row.form) == forms.end()) forms.push_back(row.form);
     }
     if (forms.empty()) throw NothingSelected("--bits-needed: all of the selected intersectors exist in binary32 only; `lostbits list intersectors` says which");
     return forms;
@@ -82,20 +89,20 @@ std::vector<const Intersector*> forms_of_any_width(const std::vector<MapRow>& ro
 
 /// The work on one scene.
 struct SceneWork {
-    MapRequest map;
+    measure::map::MapRequest map;
     std::optional<NeededRequest> needed;
 
     [[nodiscard]] std::uint64_t units() const {
         const auto pixels = static_cast<std::uint64_t>(map.scene->width) * static_cast<std::uint64_t>(map.scene->height);
-        return pixels * map.rows.size() + (needed ? needed_units(*needed) : 0);
+        return pixels * map.rows.size() + (needed ? measure::map::needed_units(*needed) : 0);
     }
 };
 
-SceneWork work_on(const scene::Scene& scene, const MapOptions& o, const std::vector<MapRow>& rows, const std::vector<const Metric*>& wanted) {
+SceneWork work_on(const Scene& scene, const MapOptions& o, const std::vector<MapRow>& rows, const std::vector<const Metric*>& wanted) {
     SceneWork work{{.scene = &scene, .rows = fitting(rows, [&](Shape shape) { return scene.meets(shape); }), .metrics = {}}, {}};
     work.map.metrics = measured(wanted, work.map.rows);
-    bind_to_run(work.map.metrics, forms_of(work.map.rows), [&scene] { return SettingOf(scene); });
-    order_culprits(work.map);
+    measure::blame::bind_to_run(work.map.metrics, measure::map::forms_of(work.map.rows), [&scene] { return measure::blame::SettingOf(scene); });
+    measure::map::order_culprits(work.map);
     if (o.bits_needed > 0) work.needed = NeededRequest{.scene = &scene, .forms = forms_of_any_width(work.map.rows), .bits = o.bits_needed};
     return work;
 }
@@ -105,8 +112,8 @@ void note_skipped(const std::vector<SceneWork>& works) {
     std::set<std::string_view> said;
     for (const SceneWork& work : works) {
         for (const MapRow& row : work.map.rows) {
-            const Info& info = *row.form->info;
-            if (info.formats == Formats::all || !said.insert(info.name).second) continue;
+            const intersect::Info& info = *row.form->info;
+            if (info.formats == intersect::Formats::all || !said.insert(info.name).second) continue;
             fmt::print(stderr, "lostbits: --bits-needed leaves out {}: it exists in binary32 only\n", info.name);
         }
     }
@@ -114,18 +121,18 @@ void note_skipped(const std::vector<SceneWork>& works) {
 
 /// Maps one scene; the number of its rays without a proved truth.
 std::uint64_t map_scene(const SceneWork& work, const MapOptions& o, const Common& common, const std::vector<const Metric*>& drawn) {
-    const scene::Scene& scene = *work.map.scene;
+    const Scene& scene = *work.map.scene;
     const auto folder = std::filesystem::path(o.out) / scene.id;
     const Commands commands = canonical_commands(scene, o);
     const bool pixels = o.pixels == "csv";
-    std::optional<output::NeededFiles> needed_files;
-    if (work.needed) needed_files.emplace(*work.needed, output::NeededFilesOptions{folder, pixels, commands.needed});
-    output::MapFiles files(work.map, {folder, drawn, pixels, commands.map, o.envelope, needed_files ? needed_files->resources() : std::vector<output::DataResource>{}});
+    std::optional<output::map::NeededFiles> needed_files;
+    if (work.needed) needed_files.emplace(*work.needed, output::map::NeededFilesOptions{folder, pixels, commands.needed});
+    output::map::MapFiles files(work.map, {folder, drawn, pixels, commands.map, o.envelope, needed_files ? needed_files->resources() : std::vector<output::file::DataResource>{}});
 
-    const auto summaries = run_map(work.map, files.sinks());
-    std::vector<NeededSummary> needed;
+    const auto summaries = measure::map::run_map(work.map, files.sinks());
+    std::vector<measure::map::NeededSummary> needed;
     if (work.needed) {
-        needed = run_needed(*work.needed, needed_files->sinks());
+        needed = measure::map::run_needed(*work.needed, needed_files->sinks());
         needed_files->finish(needed);
     }
     files.finish(summaries);
@@ -147,22 +154,22 @@ std::vector<const Metric*> drawn_of(std::vector<const Metric*> asked, const Scen
 Exit run(const MapOptions& o, const Common& common) {
     if (o.out.empty()) throw InputError("-o: the name of the folder is empty; write -o . for this one");
     const auto rows = cross(select_forms(o.forms), select_formats(o.formats));
-    const auto drawn = o.metrics.empty() ? std::vector{find_metric("lost_bits")} : select_metrics(o.metrics);
+    const auto drawn = o.metrics.empty() ? std::vector{measure::metric::find_metric("lost_bits")} : select_metrics(o.metrics);
     auto wanted = drawn;
     if (o.envelope) {
-        if (std::ranges::find(drawn, find_metric("lost_bits")) == drawn.end())
+        if (std::ranges::find(drawn, measure::metric::find_metric("lost_bits")) == drawn.end())
             throw InputError("--envelope marks pictures of lost_bits, and --metric leaves them out; add --metric lost_bits");
-        wanted.push_back(find_metric("excess_bits"));
+        wanted.push_back(measure::metric::find_metric("excess_bits"));
     }
     auto scenes = load_scenes({o.scenes, o.size, o.variant, o.set}, data_folder(common.data));
-    drop_unfitting(scenes, rows, common.quiet, [](const scene::Scene& s, Shape shape) { return s.meets(shape); }, [](const scene::Scene& s) { return s.id; });
+    drop_unfitting(scenes, rows, common.quiet, [](const Scene& s, Shape shape) { return s.meets(shape); }, [](const Scene& s) { return s.id; });
     const ThreadLimit limit(common.threads);
 
     std::vector<SceneWork> works;
     for (const auto& scene : scenes) works.push_back(work_on(scene, o, rows, wanted));
     for (const SceneWork& work : works) that_apply(drawn, work.map.rows, "scene " + work.map.scene->id);
     // A folder that cannot be written ends the run before the first ray, not after the tenth scene.
-    for (const auto& scene : scenes) output::AtomicFile probe(std::filesystem::path(o.out) / scene.id / "summary.csv");
+    for (const auto& scene : scenes) output::file::AtomicFile probe(std::filesystem::path(o.out) / scene.id / "summary.csv");
     if (o.bits_needed > 0 && !common.quiet) note_skipped(works);
     if (!common.quiet) {
         for (const SceneWork& work : works) note_lost_constants(*work.map.scene, work.map.rows);
@@ -170,7 +177,7 @@ Exit run(const MapOptions& o, const Common& common) {
 
     std::uint64_t units = 0, unresolved = 0;
     for (const SceneWork& work : works) units += work.units();
-    output::Progress progress(units, "map", common.progress, common.quiet);
+    output::file::Progress progress(units, "map", common.progress, common.quiet);
     const auto advance = [&progress](std::uint64_t done) {
         progress.advance(done);
         stop_if_interrupted();
@@ -182,7 +189,7 @@ Exit run(const MapOptions& o, const Common& common) {
     }
     progress.finish();
     if (unresolved == 0) return Exit::done;
-    fmt::print(stderr, "lostbits: the truth of {} rays was not proved within {} bits; they are classed `unresolved`\n", unresolved, TruthLimit{}.bits);
+    fmt::print(stderr, "lostbits: the truth of {} rays was not proved within {} bits; they are classed `unresolved`\n", unresolved, measure::truth::TruthLimit{}.bits);
     return Exit::internal;
 }
 

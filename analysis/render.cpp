@@ -14,6 +14,11 @@
 #include "select.hpp"
 
 namespace lostbits::analysis {
+
+using measure::picture::RenderRequest;
+using measure::picture::RenderSummary;
+using scene::file::Scene;
+
 namespace {
 
 struct RenderOptions {
@@ -27,7 +32,7 @@ struct RenderOptions {
 };
 
 /// What to type to make these files again.
-std::string canonical_command(const scene::Scene& scene, const RenderOptions& o) {
+std::string canonical_command(const Scene& scene, const RenderOptions& o) {
     std::string text = "lostbits render " + scene.id;
     for (const auto& f : o.forms) text += " -i '" + f + "'";
     for (const auto& f : o.formats) text += " -f " + f;
@@ -38,8 +43,8 @@ std::string canonical_command(const scene::Scene& scene, const RenderOptions& o)
 }
 
 /// The scenes themselves; InputError where one has no spheres with colours.
-std::vector<scene::Scene> renderable(std::vector<scene::Scene> scenes) {
-    for (const scene::Scene& scene : scenes) {
+std::vector<Scene> renderable(std::vector<Scene> scenes) {
+    for (const Scene& scene : scenes) {
         if (scene.flake) throw InputError(fmt::format("{}: the spheres of [sphereflake] have no colours, so that there is no picture to render; `lostbits map` takes it", scene.path.string()));
         if (!scene.meets(Shape::sphere)) throw InputError(fmt::format("{}: render shades spheres, and scene \"{}\" has none; `lostbits map` takes it", scene.path.string(), scene.id));
     }
@@ -47,12 +52,12 @@ std::vector<scene::Scene> renderable(std::vector<scene::Scene> scenes) {
 }
 
 /// The stages to draw, in rising order; a stage that the scene does not ask for becomes the last one before it that it does.
-std::vector<scene::Stage> stages_of(const scene::Scene& scene, const RenderOptions& o, bool quiet) {
-    using scene::Stage;
+std::vector<scene::file::Stage> stages_of(const Scene& scene, const RenderOptions& o, bool quiet) {
+    using scene::file::Stage;
     if (o.stages.empty()) return {scene.appearance.furthest()};
     std::set<Stage> stages;
     for (const std::string& word : o.stages) {
-        const auto asked = static_cast<Stage>(std::ranges::find(scene::stage_names, word) - scene::stage_names.begin());
+        const auto asked = static_cast<Stage>(std::ranges::find(scene::file::stage_names, word) - scene::file::stage_names.begin());
         const Stage drawn = scene.appearance.last_up_to(asked);
         stages.insert(drawn);
         if (drawn != asked && !quiet) fmt::print(stderr, "lostbits: {} does not ask for {}; its last stage before that is {}\n", scene.id, word, name_of(drawn));
@@ -64,17 +69,17 @@ void print_table(const RenderRequest& request, const std::vector<RenderSummary>&
     fmt::print("  {:<8} {:<28} {:<5} {:>9} {:>9} {:>9} {:>10} {:>9}\n", "stage", "form", "fmt", "changed", "acne", "flips", "p99 steps", "unproved");
     for (std::size_t k = 0; k < summaries.size(); ++k) {
         const RenderSummary& s = summaries[k];
-        const MapRow& row = request.rows[k / request.stages.size()];
+        const measure::map::MapRow& row = request.rows[k / request.stages.size()];
         fmt::print("  {:<8} {:<28} {:<5} {:>9} {:>9} {:>9} {:>10.3g} {:>9}\n", name_of(s.stage), row.form->info->name, row.format.name, s.changed,
-                   s.count(false, Shadow::own_shadow), s.flips(), s.colour_error.quantile(0.99), s.unresolved());
+                   s.count(false, measure::picture::Shadow::own_shadow), s.flips(), s.colour_error.quantile(0.99), s.unresolved());
     }
 }
 
 /// Renders one scene; the number of its pixels of which something is not proved.
 std::uint64_t render_scene(const RenderRequest& request, const RenderOptions& o, const Common& common) {
     const auto folder = std::filesystem::path(o.out) / request.scene->id;
-    output::RenderFiles files(request, {folder, canonical_command(*request.scene, o)});
-    const auto summaries = run_render(request, &files);
+    output::picture::RenderFiles files(request, {folder, canonical_command(*request.scene, o)});
+    const auto summaries = measure::picture::run_render(request, &files);
     files.finish(summaries);
     if (!common.quiet) fmt::print("{}\n", (folder / "contact.png").string());
     if (common.verbose) print_table(request, summaries);
@@ -97,9 +102,9 @@ Exit run(const RenderOptions& o, const Common& common) {
         units += static_cast<std::uint64_t>(scene.width) * static_cast<std::uint64_t>(scene.height) * rows.size();
     }
     // A folder that cannot be written ends the run before the first ray, not after the tenth scene.
-    for (const auto& scene : scenes) output::AtomicFile probe(std::filesystem::path(o.out) / scene.id / "summary.csv");
+    for (const auto& scene : scenes) output::file::AtomicFile probe(std::filesystem::path(o.out) / scene.id / "summary.csv");
 
-    output::Progress progress(units, "render", common.progress, common.quiet);
+    output::file::Progress progress(units, "render", common.progress, common.quiet);
     for (RenderRequest& request : requests) {
         request.progress = [&progress](std::uint64_t done) {
             progress.advance(done);
@@ -109,7 +114,7 @@ Exit run(const RenderOptions& o, const Common& common) {
     }
     progress.finish();
     if (unproved > 0 && !common.quiet)
-        fmt::print(stderr, "lostbits: {} pixels have something that {} bits did not prove; they are counted as `unresolved` and drawn as such\n", unproved, PictureLimit{}.bits);
+        fmt::print(stderr, "lostbits: {} pixels have something that {} bits did not prove; they are counted as `unresolved` and drawn as such\n", unproved, measure::picture::PictureLimit{}.bits);
     return unproved == 0 ? Exit::done : Exit::internal;
 }
 
@@ -122,7 +127,7 @@ void add_render(CLI::App& program, const Common& common, Command& chosen) {
     command->add_option("-i,--intersector", o->forms, "Forms that find hits and shadows, by name or glob (default: sphere.expanded)");
     command->add_option("-f,--format", o->formats, "Formats: f32, f64, fp16, bf16, tf32, pN, pA..pB (default: f32)");
     command->add_option("--stage", o->stages, "visible, diffuse, shadows, phong; may be repeated (default: the last that the scene asks for)")
-        ->check(CLI::IsMember(std::vector<std::string>(scene::stage_names.begin(), scene::stage_names.end())));
+        ->check(CLI::IsMember(std::vector<std::string>(scene::file::stage_names.begin(), scene::file::stage_names.end())));
     command->add_option("--size", o->size, "Picture size, WxH in pixels (default: the scene's)");
     command->add_option("--variant", o->variant, "One variant of a scene that has several (default: all)");
     command->add_option("--set", o->set, "Change a number of the scene first: light.position=[9,9,9]");

@@ -20,9 +20,14 @@
 #include "select.hpp"
 
 namespace lostbits::analysis {
+
+using measure::claim::ClaimResult;
+using measure::map::MapRow;
+using measure::metric::Metric;
+
 namespace {
 
-using scene::Claim;
+using scene::claim::Claim;
 
 struct ReportOptions {
     std::vector<std::string> subjects, forms, formats, metrics, claims;
@@ -32,7 +37,7 @@ struct ReportOptions {
 
 /// What a report is about: files of scenes (some with one variant) and of sweeps.
 struct Subjects {
-    std::vector<scene::SceneName> scenes;
+    std::vector<scene::file::SceneName> scenes;
     std::vector<std::filesystem::path> sweeps;
 };
 
@@ -46,8 +51,8 @@ std::vector<std::string> ids_in(const std::filesystem::path& folder) {
 }
 
 bool is_sweep_file(const std::filesystem::path& path) {
-    const scene::Node root = scene::read_toml(path);
-    const scene::Node* const schema = root.find("schema");
+    const scene::toml::Node root = scene::toml::read_toml(path);
+    const scene::toml::Node* const schema = root.find("schema");
     return schema != nullptr && schema->text.starts_with("lostbits-sweep/");
 }
 
@@ -62,31 +67,31 @@ void add_subject(Subjects& subjects, const std::string& word, const std::filesys
     const auto sweeps = ids_in(data / "sweeps");
     const auto has = [&word](const std::vector<std::string>& all) { return std::ranges::find(all, word) != all.end(); };
     const bool scene = std::ranges::any_of(names, [&word](const std::string& n) { return word == n || word.starts_with(n + "."); });
-    if (scene) subjects.scenes.push_back(scene::find_scene(word, data));
-    else if (has(sweeps) || word.find('/') != std::string::npos) subjects.sweeps.push_back(scene::find_sweep(word, data));
+    if (scene) subjects.scenes.push_back(scene::file::find_scene(word, data));
+    else if (has(sweeps) || word.find('/') != std::string::npos) subjects.sweeps.push_back(scene::sweep::find_sweep(word, data));
     else {
         names.insert(names.end(), sweeps.begin(), sweeps.end());
-        throw InputError(word + ": neither a file nor a scene or sweep under " + data.string() + "; " + scene::did_you_mean(word, names));
+        throw InputError(word + ": neither a file nor a scene or sweep under " + data.string() + "; " + scene::toml::did_you_mean(word, names));
     }
 }
 
-Subjects subjects_of(const ReportOptions& o, const scene::ReportFile& defaults, const std::filesystem::path& data) {
+Subjects subjects_of(const ReportOptions& o, const scene::claim::ReportFile& defaults, const std::filesystem::path& data) {
     Subjects subjects;
     for (const auto& word : o.subjects) add_subject(subjects, word, data);
     if (o.all) {
-        for (const auto& path : scene::scene_files(data)) subjects.scenes.push_back({path});
+        for (const auto& path : scene::file::scene_files(data)) subjects.scenes.push_back({path});
         for (const auto& id : ids_in(data / "sweeps")) subjects.sweeps.push_back(data / "sweeps" / (id + ".toml"));
     } else if (o.subjects.empty()) {
-        for (const auto& word : defaults.scenes) subjects.scenes.push_back(scene::find_scene(word, data));
-        for (const auto& word : defaults.sweeps) subjects.sweeps.push_back(scene::find_sweep(word, data));
+        for (const auto& word : defaults.scenes) subjects.scenes.push_back(scene::file::find_scene(word, data));
+        for (const auto& word : defaults.sweeps) subjects.sweeps.push_back(scene::sweep::find_sweep(word, data));
     }
     return subjects;
 }
 
 std::vector<Claim> read_all_claims(const std::filesystem::path& data) {
     std::vector<Claim> claims;
-    for (const auto& path : scene::claim_files((data / "claims").string())) {
-        for (Claim& claim : scene::read_claims(path)) {
+    for (const auto& path : scene::claim::claim_files((data / "claims").string())) {
+        for (Claim& claim : scene::claim::read_claims(path)) {
             if (claim.profile == Claim::Profile::results) claims.push_back(std::move(claim));
         }
     }
@@ -97,10 +102,10 @@ std::vector<Claim> read_all_claims(const std::filesystem::path& data) {
 std::vector<MapRow> rows_for(const std::string& subject, std::vector<MapRow> rows, const std::vector<Claim>& claims, bool with_claims) {
     for (const Claim& c : claims) {
         if (!with_claims || c.form.empty() || !(c.scene == subject || std::filesystem::path(c.sweep).stem() == subject)) continue;
-        const MapRow row{claim_row(c).form, claim_row(c).format};
+        const MapRow row{measure::claim::claim_row(c).form, measure::claim::claim_row(c).format};
         if (std::ranges::none_of(rows, [&row](const MapRow& r) { return r.form == row.form && r.format == row.format; })) rows.push_back(row);
     }
-    const auto place = [](const MapRow& row) { return row.form - lostbits::intersectors().data(); };
+    const auto place = [](const MapRow& row) { return row.form - lostbits::intersect::table::intersectors().data(); };
     std::ranges::stable_sort(rows, [&place](const MapRow& a, const MapRow& b) { return place(a) < place(b); });
     return rows;
 }
@@ -114,10 +119,10 @@ struct Work {
 
 void plan_sweep(Work& work, const std::filesystem::path& path, const std::filesystem::path& data, const std::vector<MapRow>& rows) {
     std::vector<MapRow> fit;
-    const auto kind = scene::sweep_kind(path);
-    if (kind == scene::SweepKind::search) return;  // a search is no picture
-    if (kind == scene::SweepKind::cases) fit = fitting(rows, [file = scene::CaseFile(path)](Shape shape) { return file.meets(shape); });
-    else fit = fitting(rows, [sweep = scene::SweepFile(path, data)](Shape shape) { return sweep.meets(shape); });
+    const auto kind = scene::sweep::sweep_kind(path);
+    if (kind == scene::sweep::SweepKind::search) return;  // a search is no picture
+    if (kind == scene::sweep::SweepKind::cases) fit = fitting(rows, [file = scene::sweep::CaseFile(path)](Shape shape) { return file.meets(shape); });
+    else fit = fitting(rows, [sweep = scene::sweep::SweepFile(path, data)](Shape shape) { return sweep.meets(shape); });
     if (!fit.empty()) work.sweeps.push_back({path, data, fit});
 }
 
@@ -130,22 +135,22 @@ bool is_chosen(const Claim& c, const ReportOptions& o, const Work& work) {
 }
 
 Work plan(const ReportOptions& o, const std::filesystem::path& data) {
-    const scene::ReportFile defaults = scene::read_report_file(data / "report.toml");
+    const scene::claim::ReportFile defaults = scene::claim::read_report_file(data / "report.toml");
     const Subjects subjects = subjects_of(o, defaults, data);
     const auto claims = o.no_claims ? std::vector<Claim>{} : read_all_claims(data);
     const auto rows = cross(select_forms(o.forms.empty() ? defaults.forms : o.forms), select_formats(o.formats.empty() ? defaults.formats : o.formats));
     const std::vector<const Metric*> asked = o.metrics.empty() ? std::vector<const Metric*>{} : select_metrics(o.metrics);
     Work work;
-    for (const scene::SceneName& name : subjects.scenes) {
-        scene::LoadOptions options{.variant = name.variant};
+    for (const scene::file::SceneName& name : subjects.scenes) {
+        scene::file::LoadOptions options{.variant = name.variant};
         if (!o.size.empty()) options.size = parse_size(o.size);
-        for (scene::Scene& scene : scene::load_scene(name.path, options)) {
+        for (scene::file::Scene& scene : scene::file::load_scene(name.path, options)) {
             auto fit = fitting(rows_for(scene.id, rows, claims, o.forms.empty()), [&](Shape shape) { return scene.meets(shape); });
             if (fit.empty()) continue;
             std::vector<const Metric*> wanted = asked;
-            for (const char* metric : {"lost_bits", "ulp_error", "condition", "inherent_bits", "excess_bits"}) wanted.push_back(find_metric(metric));
+            for (const char* metric : {"lost_bits", "ulp_error", "condition", "inherent_bits", "excess_bits"}) wanted.push_back(measure::metric::find_metric(metric));
             auto all = measured(wanted, fit);
-            bind_to_run(all, forms_of(fit), [&scene] { return SettingOf(scene); });
+            measure::blame::bind_to_run(all, measure::map::forms_of(fit), [&scene] { return measure::blame::SettingOf(scene); });
             // Its float layer would be the largest part of most pages.
             std::erase_if(all, [&](const Metric* m) { return m->name == "residual" && std::ranges::find(asked, m) == asked.end(); });
             work.units += static_cast<std::uint64_t>(scene.width) * static_cast<std::uint64_t>(scene.height) * fit.size();
@@ -183,35 +188,35 @@ Exit run(const ReportOptions& o, const Common& common) {
     const auto data = data_folder(common.data);
     Work work = plan(o, data);
     const ThreadLimit limit(common.threads);
-    output::AtomicFile file(std::filesystem::path(o.out) / "index.html");
+    output::file::AtomicFile file(std::filesystem::path(o.out) / "index.html");
     // A sweep counts as a map of 100 x 100 pixels under ten rows, the claims as ten of them.
     constexpr std::uint64_t sweep_units = 100'000, claims_units = 1'000'000;
-    output::Progress progress(work.units + sweep_units * work.sweeps.size() + (work.claims.empty() ? 0 : claims_units), "report", common.progress, common.quiet);
+    output::file::Progress progress(work.units + sweep_units * work.sweeps.size() + (work.claims.empty() ? 0 : claims_units), "report", common.progress, common.quiet);
     const auto advance = [&progress](std::uint64_t done) {
         progress.advance(done);
         stop_if_interrupted();
     };
-    output::report::Report report{.command = canonical_command(o), .maps = {}, .sweeps = {}, .trades = {}, .claims = work.claims, .results = {}};
+    output::page::Report report{.command = canonical_command(o), .maps = {}, .sweeps = {}, .trades = {}, .claims = work.claims, .results = {}};
     std::uint64_t unresolved = 0;
     for (MapWork& map : work.maps) {
         report.maps.push_back(map_part(map, advance));
         unresolved += map.unresolved;
     }
     for (const SweepWork& sweep : work.sweeps) report.sweeps.push_back(sweep_part(sweep, [&](std::uint64_t done) { advance(done * sweep_units); }));
-    if (!work.claims.empty()) report.results = measure_claims(work.claims, data, stop_if_interrupted);
+    if (!work.claims.empty()) report.results = measure::claim::measure_claims(work.claims, data, stop_if_interrupted);
     if (o.trade) {
-        report.processor = processor_name();
+        report.processor = measure::speed::processor_name();
         for (const Shape shape : {Shape::sphere, Shape::box}) {
             const auto rows = fitting(cross(select_forms(o.forms.empty() ? std::vector<std::string>{"*"} : o.forms), {*find_format("f32"), *find_format("f64")}), [shape](Shape form) { return form == shape; });
             if (!rows.empty()) report.trades.push_back(trade_part(shape, rows, [](std::uint64_t) { stop_if_interrupted(); }));
         }
     }
     progress.finish();
-    file.write(output::report::page(report));
+    file.write(output::page::page(report));
     file.commit();
     if (!common.quiet) fmt::print("{}\n", file.path().string());
     if (unresolved > 0) {
-        fmt::print(stderr, "lostbits: the truth of {} rays was not proved within {} bits; they are classed `unresolved`\n", unresolved, TruthLimit{}.bits);
+        fmt::print(stderr, "lostbits: the truth of {} rays was not proved within {} bits; they are classed `unresolved`\n", unresolved, measure::truth::TruthLimit{}.bits);
         return Exit::internal;
     }
     const bool all_agree = std::ranges::all_of(report.results, [](const ClaimResult& r) { return r.state == ClaimResult::State::agrees || r.state == ClaimResult::State::skipped; });

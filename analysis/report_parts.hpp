@@ -16,22 +16,22 @@ using Advance = std::function<void(std::uint64_t)>;
 
 /// A scene under rows that fit it.
 struct MapWork {
-    scene::Scene scene;
-    std::vector<MapRow> rows;
-    std::vector<const Metric*> metrics;
+    scene::file::Scene scene;
+    std::vector<measure::map::MapRow> rows;
+    std::vector<const measure::metric::Metric*> metrics;
     bool own_size = true;  ///< the scene's own, not --size
     std::uint64_t unresolved = 0;  ///< after `map_part`: rays without a proved truth
 };
-output::report::MapPart map_part(MapWork& work, const Advance& advance);
+output::page::MapPart map_part(MapWork& work, const Advance& advance);
 
 /// A sweep along one axis, over a plane, or over named cases, under rows that fit it.
 struct SweepWork {
     std::filesystem::path path, data;
-    std::vector<MapRow> rows;
+    std::vector<measure::map::MapRow> rows;
 };
-output::report::SweepPart sweep_part(const SweepWork& work, const Advance& advance);
+output::page::SweepPart sweep_part(const SweepWork& work, const Advance& advance);
 
 /// Short measurements of the rows of one shape.
-output::report::TradePart trade_part(Shape shape, const std::vector<MapRow>& rows, const Advance& advance);
+output::page::TradePart trade_part(Shape shape, const std::vector<measure::map::MapRow>& rows, const Advance& advance);
 
 }  // namespace lostbits::analysis

@@ -17,6 +17,12 @@
 #include "scene/file/march_table.hpp"
 
 namespace lostbits::analysis {
+
+using intersect::table::Intersector;
+using measure::map::MapRow;
+using measure::metric::Metric;
+using scene::file::Scene;
+
 namespace {
 
 bool is_glob(const std::string& text) { return text.find_first_of("*?[") != std::string::npos; }
@@ -35,7 +41,7 @@ std::vector<const Row*> select_rows(std::span<const Row> table, const std::vecto
         }
         if (any) continue;
         if (is_glob(word)) throw NothingSelected(fmt::format("{} {}: no {} matches this pattern; `lostbits list {}s` shows all", option, word, what, what));
-        throw InputError(fmt::format("{} {}: unknown {}; {}", option, word, what, scene::did_you_mean(word, names)));
+        throw InputError(fmt::format("{} {}: unknown {}; {}", option, word, what, scene::toml::did_you_mean(word, names)));
     }
     std::vector<const Row*> rows;
     for (std::size_t i = 0; i < table.size(); ++i) {
@@ -46,20 +52,20 @@ std::vector<const Row*> select_rows(std::span<const Row> table, const std::vecto
 
 [[noreturn]] void unknown_format(const std::string& name) {
     std::vector<std::string> names{"f32", "f64", "fp16", "bf16", "tf32"};
-    std::string hint = scene::did_you_mean(name, names);
+    std::string hint = scene::toml::did_you_mean(name, names);
     throw InputError(fmt::format("-f {}: unknown format; {} (or pN with 2 <= N <= 53, or a range p5..p12)", name, hint));
 }
 
 }  // namespace
 
 std::vector<const Intersector*> select_forms(const std::vector<std::string>& globs) {
-    return select_rows(intersectors(), globs, "intersector", "-i", [](const Intersector& i) { return i.info->name; });
+    return select_rows(intersect::table::intersectors(), globs, "intersector", "-i", [](const Intersector& i) { return i.info->name; });
 }
 
 std::vector<const Metric*> select_metrics(const std::vector<std::string>& globs) {
     std::vector<const Metric*> chosen;
     for (const std::string& glob : globs) {
-        if (const Metric* const one = labelled_metric(glob)) {
+        if (const Metric* const one = measure::blame::labelled_metric(glob)) {
             if (std::ranges::find(chosen, one) == chosen.end()) chosen.push_back(one);
             continue;
         }
@@ -67,7 +73,7 @@ std::vector<const Metric*> select_metrics(const std::vector<std::string>& globs)
             const std::string of = glob.substr(0, glob.find(':'));
             throw InputError(fmt::format("--metric {}: of which operation? write {}:LABEL, such as {}:c; `lostbits list labels` has every form's", glob, of, of));
         }
-        for (const Metric* m : select_rows(metrics(), {glob}, "metric", "--metric", [](const Metric& row) { return row.name; })) {
+        for (const Metric* m : select_rows(measure::metric::metrics(), {glob}, "metric", "--metric", [](const Metric& row) { return row.name; })) {
             if (std::ranges::find(chosen, m) == chosen.end()) chosen.push_back(m);
         }
     }
@@ -85,7 +91,7 @@ bool any_marches(const std::vector<MapRow>& rows) {
 std::vector<const Metric*> that_apply(std::vector<const Metric*> asked, const std::vector<MapRow>& rows, const std::string& what) {
     if (asked.empty() || any_marches(rows)) return asked;
     const std::string first(asked.front()->name);
-    std::erase_if(asked, [](const Metric* m) { return m->over == Over::marches; });
+    std::erase_if(asked, [](const Metric* m) { return m->over == measure::metric::Over::marches; });
     if (asked.empty()) throw InputError(fmt::format("--metric {}: {} is asked of no form that marches; add -i 'sdf.*', or a [march] table to it", first, what));
     return asked;
 }
@@ -93,11 +99,11 @@ std::vector<const Metric*> that_apply(std::vector<const Metric*> asked, const st
 std::vector<const Metric*> measured(const std::vector<const Metric*>& asked, const std::vector<MapRow>& rows) {
     const bool marches = any_marches(rows);
     std::vector<const Metric*> all;
-    for (const Metric& m : metrics()) {
+    for (const Metric& m : measure::metric::metrics()) {
         const bool named = std::ranges::find(asked, &m) != asked.end();
-        if ((m.by_default || named) && (marches || m.over != Over::marches)) all.push_back(&m);
+        if ((m.by_default || named) && (marches || m.over != measure::metric::Over::marches)) all.push_back(&m);
     }
-    std::ranges::copy_if(asked, std::back_inserter(all), [](const Metric* m) { return is_labelled(*m); });
+    std::ranges::copy_if(asked, std::back_inserter(all), [](const Metric* m) { return measure::blame::is_labelled(*m); });
     return all;
 }
 
@@ -122,12 +128,12 @@ std::vector<Format> select_formats(const std::vector<std::string>& names) {
     return formats;
 }
 
-void note_lost_constants(const scene::Scene& scene, const std::vector<MapRow>& rows) {
+void note_lost_constants(const Scene& scene, const std::vector<MapRow>& rows) {
     std::vector<std::string> seen;
     for (const MapRow& row : rows) {
         if (row.form->shape != Shape::sdf || std::ranges::find(seen, row.format.name) != seen.end()) continue;
         seen.push_back(row.format.name);
-        for (const std::string& lost : scene::lost_constants(scene, row.format.shape)) fmt::print(stderr, "lostbits: {} in {}: march.{}\n", scene.id, row.format.name, lost);
+        for (const std::string& lost : scene::file::lost_constants(scene, row.format.shape)) fmt::print(stderr, "lostbits: {} in {}: march.{}\n", scene.id, row.format.name, lost);
     }
 }
 
@@ -150,17 +156,17 @@ std::string globs_of(const std::function<bool(Shape)>& meets) {
     return globs;
 }
 
-std::vector<scene::Scene> load_scenes(const SceneChoice& choice, const std::filesystem::path& data) {
-    scene::LoadOptions options;
+std::vector<Scene> load_scenes(const SceneChoice& choice, const std::filesystem::path& data) {
+    scene::file::LoadOptions options;
     if (!choice.size.empty()) options.size = parse_size(choice.size);
-    for (const auto& s : choice.set) options.overrides.push_back(scene::parse_override(s));
-    std::vector<scene::Scene> scenes;
+    for (const auto& s : choice.set) options.overrides.push_back(scene::toml::parse_override(s));
+    std::vector<Scene> scenes;
     std::set<std::string> ids;
     for (const std::string& word : choice.names) {
-        const scene::SceneName name = scene::find_scene(word, data);
+        const scene::file::SceneName name = scene::file::find_scene(word, data);
         options.variant = name.variant;
         if (!choice.variant.empty()) options.variant = choice.variant;
-        for (auto& scene : scene::load_scene(name.path, options)) {
+        for (auto& scene : scene::file::load_scene(name.path, options)) {
             if (!ids.insert(scene.id).second) throw InputError(fmt::format("{}: scene \"{}\" is given twice; both would write to the same folder", word, scene.id));
             scenes.push_back(std::move(scene));
         }

@@ -21,32 +21,32 @@ namespace lostbits::analysis {
 
 /// Forms whose name matches any of the globs (`sphere.*`, `*press*`), in the catalogue's order. A name without a glob
 /// character that is unknown is bad input, with did-you-mean; a glob that matches nothing selects nothing (exit 4).
-std::vector<const Intersector*> select_forms(const std::vector<std::string>& globs);
+std::vector<const intersect::table::Intersector*> select_forms(const std::vector<std::string>& globs);
 
 /// Formats by name, or ranges `p5..p12`; duplicates are dropped. InputError with did-you-mean.
 std::vector<Format> select_formats(const std::vector<std::string>& names);
 
 /// Metrics by name or glob, in the order asked for. InputError with did-you-mean.
-std::vector<const Metric*> select_metrics(const std::vector<std::string>& globs);
+std::vector<const measure::metric::Metric*> select_metrics(const std::vector<std::string>& globs);
 
 /// Those of the metrics that any of the rows has: the ones of marches go where no row marches. InputError where that leaves none;
 /// `what` is the scene or sweep.
-std::vector<const Metric*> that_apply(std::vector<const Metric*> asked, const std::vector<MapRow>& rows, const std::string& what);
+std::vector<const measure::metric::Metric*> that_apply(std::vector<const measure::metric::Metric*> asked, const std::vector<measure::map::MapRow>& rows, const std::string& what);
 
 /// The default metrics and those that were asked for, as far as they apply, in the table's order.
-std::vector<const Metric*> measured(const std::vector<const Metric*>& asked, const std::vector<MapRow>& rows);
+std::vector<const measure::metric::Metric*> measured(const std::vector<const measure::metric::Metric*>& asked, const std::vector<measure::map::MapRow>& rows);
 
 /// Says on stderr which constants of a scene's march the formats of the rows cannot hold.
-void note_lost_constants(const scene::Scene& scene, const std::vector<MapRow>& rows);
+void note_lost_constants(const scene::file::Scene& scene, const std::vector<measure::map::MapRow>& rows);
 
 /// Every selected form in every selected format that it exists in. NothingSelected where that leaves none.
-std::vector<MapRow> cross(const std::vector<const Intersector*>& forms, const std::vector<Format>& formats);
+std::vector<measure::map::MapRow> cross(const std::vector<const intersect::table::Intersector*>& forms, const std::vector<Format>& formats);
 
 /// Those rows whose forms can be asked: `meets(Shape)` tells of which shapes.
 template <class Meets>
-std::vector<MapRow> fitting(const std::vector<MapRow>& rows, const Meets& meets) {
-    std::vector<MapRow> chosen;
-    std::ranges::copy_if(rows, std::back_inserter(chosen), [&](const MapRow& row) { return meets(row.form->shape); });
+std::vector<measure::map::MapRow> fitting(const std::vector<measure::map::MapRow>& rows, const Meets& meets) {
+    std::vector<measure::map::MapRow> chosen;
+    std::ranges::copy_if(rows, std::back_inserter(chosen), [&](const measure::map::MapRow& row) { return meets(row.form->shape); });
     return chosen;
 }
 
@@ -56,7 +56,7 @@ std::string globs_of(const std::function<bool(Shape)>& meets);
 /// Drops what no selected form can be asked about and says so on stderr unless `quiet`; `meets(thing, Shape)` tells of which shapes the
 /// forms must be, `name_of` a thing's name. NothingSelected where that leaves none.
 template <class Things, class Meets, class NameOf>
-void drop_unfitting(Things& things, const std::vector<MapRow>& rows, bool quiet, Meets meets, NameOf name_of) {
+void drop_unfitting(Things& things, const std::vector<measure::map::MapRow>& rows, bool quiet, Meets meets, NameOf name_of) {
     std::vector<std::string> left_out;
     std::erase_if(things, [&](const auto& thing) {
         const auto can = [&](Shape shape) { return meets(thing, shape); };
@@ -91,7 +91,7 @@ struct SceneChoice {
 };
 
 /// Every scene chosen. InputError for a scene given twice: results lie in a folder of its name.
-std::vector<scene::Scene> load_scenes(const SceneChoice& choice, const std::filesystem::path& data);
+std::vector<scene::file::Scene> load_scenes(const SceneChoice& choice, const std::filesystem::path& data);
 
 /// `WxH` in pixels. InputError otherwise.
 std::pair<int, int> parse_size(const std::string& text);

@@ -12,7 +12,7 @@ namespace {
 
 void on_signal(int) {
     if (!asked_to_stop.exchange(true)) return;
-    output::remove_partial_files();
+    output::file::remove_partial_files();
     _exit(static_cast<int>(Exit::interrupted));
 }
 
@@ -22,7 +22,7 @@ void install_signal_handlers() {
     struct sigaction action {};
     action.sa_handler = on_signal;
     for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGXCPU}) sigaction(signal, &action, nullptr);
-    output::ignore_file_size_signal();
+    output::file::ignore_file_size_signal();
 }
 
 }  // namespace lostbits::analysis

@@ -15,6 +15,11 @@
 #include "select.hpp"
 
 namespace lostbits::analysis {
+
+using measure::map::MapRow;
+using output::file::Progress;
+using scene::sweep::SweepKind;
+
 namespace {
 
 struct SweepOptions {
@@ -26,9 +31,9 @@ struct SweepOptions {
     bool worst = false;
 };
 
-void print_onsets(const SweepRequest& request, const std::vector<Onset>& onsets) {
+void print_onsets(const measure::sweep::SweepRequest& request, const std::vector<measure::sweep::Onset>& onsets) {
     fmt::print("  {:<28} {:<5} {:<13} {:<5} {:>9} {:>14} {:>14}\n", "form", "fmt", "event", "stat", "threshold", "last good", "first bad");
-    for (const Onset& o : onsets) {
+    for (const measure::sweep::Onset& o : onsets) {
         if (!o.found) continue;
         const MapRow& row = request.rows[o.row];
         // Bad at the first step already: there is no last good value.
@@ -39,15 +44,15 @@ void print_onsets(const SweepRequest& request, const std::vector<Onset>& onsets)
 
 struct Chosen {
     std::vector<MapRow> rows;
-    std::vector<const Metric*> asked;  ///< metrics beside the default ones
+    std::vector<const measure::metric::Metric*> asked;  ///< metrics beside the default ones
 };
 
 /// What a run over named cases leaves: the matrix.
 void run_case_file(const std::filesystem::path& path, const Chosen& chosen, const SweepOptions& o, const Common& common) {
-    const scene::CaseFile file(path);
+    const scene::sweep::CaseFile file(path);
     const auto rows = fitting(chosen.rows, [&](Shape shape) { return file.meets(shape); });
-    CaseRequest request{.file = &file, .rows = {}, .metrics = measured(chosen.asked, rows)};
-    bind_to_run(request.metrics, forms_of(rows), [&file] { return SettingOf(file.rays(0, binary64).front()); });
+    measure::sweep::CaseRequest request{.file = &file, .rows = {}, .metrics = measured(chosen.asked, rows)};
+    measure::blame::bind_to_run(request.metrics, measure::map::forms_of(rows), [&file] { return measure::blame::SettingOf(file.rays(0, binary64).front()); });
     for (MapRow row : rows) {
         for (const auto& judged : file.conventions) {
             row.judged = judged;
@@ -55,38 +60,38 @@ void run_case_file(const std::filesystem::path& path, const Chosen& chosen, cons
         }
     }
     const auto folder = std::filesystem::path(o.out) / file.id;
-    output::CaseFiles files(request, folder);
-    output::Progress progress(file.size() * request.rows.size(), file.id, common.progress, common.quiet);
+    output::sweep::CaseFiles files(request, folder);
+    Progress progress(file.size() * request.rows.size(), file.id, common.progress, common.quiet);
     request.progress = [&progress](std::uint64_t done) {
         progress.advance(done);
         stop_if_interrupted();
     };
-    files.finish(run_cases(request));
+    files.finish(measure::sweep::run_cases(request));
     progress.finish();
     if (!common.quiet) fmt::print("{}\n", (folder / "cases.csv").string());
 }
 
 void run_axes(const std::filesystem::path& path, const Chosen& chosen, const SweepOptions& o, const Common& common) {
-    const scene::SweepFile sweep(path, data_folder(common.data));
-    SweepRequest request{.sweep = &sweep, .rows = fitting(chosen.rows, [&](Shape shape) { return sweep.meets(shape); }), .metrics = {}};
+    const scene::sweep::SweepFile sweep(path, data_folder(common.data));
+    measure::sweep::SweepRequest request{.sweep = &sweep, .rows = fitting(chosen.rows, [&](Shape shape) { return sweep.meets(shape); }), .metrics = {}};
     auto asked = chosen.asked;
     // Where forms stop short on purpose, the error by itself says little.
     if (std::ranges::any_of(request.rows, [](const MapRow& row) { return row.form->shape == Shape::sdf; })) {
-        for (const char* name : {"model_error", "rounding_error"}) asked.push_back(find_metric(name));
+        for (const char* name : {"model_error", "rounding_error"}) asked.push_back(measure::metric::find_metric(name));
     }
     request.metrics = measured(asked, request.rows);
-    bind_to_run(request.metrics, forms_of(request.rows), [&sweep] { return SettingOf(sweep.first_rays()); });
+    measure::blame::bind_to_run(request.metrics, measure::map::forms_of(request.rows), [&sweep] { return measure::blame::SettingOf(sweep.first_rays()); });
     for (MapRow& row : request.rows) row.judged = sweep.convention;
     const auto folder = std::filesystem::path(o.out) / sweep.id;
-    output::SweepFiles files(request, folder);
-    output::Progress progress(sweep_units(request), sweep.id, common.progress, common.quiet);
+    output::sweep::SweepFiles files(request, folder);
+    Progress progress(measure::sweep::sweep_units(request), sweep.id, common.progress, common.quiet);
     request.progress = [&progress](std::uint64_t done) {
         progress.advance(done);
         stop_if_interrupted();
     };
-    const auto steps = run_sweep(request);
-    const auto onsets = find_onsets(request, steps);
-    output::write_sweep_plots(output::image_backend(), folder, request, steps, onsets);
+    const auto steps = measure::sweep::run_sweep(request);
+    const auto onsets = measure::sweep::find_onsets(request, steps);
+    output::sweep::write_sweep_plots(output::image::image_backend(), folder, request, steps, onsets);
     files.finish(steps, onsets);
     progress.finish();
     if (common.quiet) return;
@@ -95,25 +100,25 @@ void run_axes(const std::filesystem::path& path, const Chosen& chosen, const Swe
 }
 
 void run_search(const std::filesystem::path& path, const Chosen& chosen, const SweepOptions& o, const Common& common) {
-    const scene::SearchFile search(path);
-    WorstRequest request{.search = &search, .rows = fitting(chosen.rows, [&](Shape shape) { return search.shape == shape; }), .metrics = {}};
-    request.metrics = measured({find_metric(search.metric)}, request.rows);
+    const scene::sweep::SearchFile search(path);
+    measure::sweep::WorstRequest request{.search = &search, .rows = fitting(chosen.rows, [&](Shape shape) { return search.shape == shape; }), .metrics = {}};
+    request.metrics = measured({measure::metric::find_metric(search.metric)}, request.rows);
     Solid<double> any;  // labels do not depend on its numbers
     any.shape = search.shape;
-    bind_to_run(request.metrics, forms_of(request.rows), {std::span(&any, 1)});
+    measure::blame::bind_to_run(request.metrics, measure::map::forms_of(request.rows), {std::span(&any, 1)});
     const auto folder = std::filesystem::path(o.out) / search.id;
-    { const output::AtomicFile probe(folder / "worst.csv"); }  // a folder that cannot be written ends the run before the search
-    output::Progress progress(request.rows.size(), search.id, common.progress, common.quiet);
+    { const output::file::AtomicFile probe(folder / "worst.csv"); }  // a folder that cannot be written ends the run before the search
+    Progress progress(request.rows.size(), search.id, common.progress, common.quiet);
     request.progress = [&progress](std::uint64_t done) {
         progress.advance(done);
         stop_if_interrupted();
     };
-    const auto found = find_worst(request);
+    const auto found = measure::sweep::find_worst(request);
     progress.finish();
     if (std::ranges::none_of(found, [](const auto& w) { return w.has_value(); })) {
         throw NothingSelected(path.string() + ": no ray of these ranges was hit by any form; distance_radii and impact_radii must leave something of the other ranges");
     }
-    output::write_worst(folder, request, found);
+    output::sweep::write_worst(folder, request, found);
     if (!common.quiet) fmt::print("{}\n", (folder / "worst.csv").string());
 }
 
@@ -121,25 +126,25 @@ void run_search(const std::filesystem::path& path, const Chosen& chosen, const S
 using Meets = std::function<bool(Shape)>;
 
 /// Reads the file and forgets it: InputError for what is wrong with it; the forms that it can be asked of.
-Meets check_file(const std::filesystem::path& path, scene::SweepKind kind, bool worst, const std::filesystem::path& data) {
-    using K = scene::SweepKind;
+Meets check_file(const std::filesystem::path& path, SweepKind kind, bool worst, const std::filesystem::path& data) {
+    using K = SweepKind;
     if (worst && kind != K::search) throw InputError(path.string() + ":1:1: --worst needs a [search] table: the ranges to search; see data/sweeps/worst");
     if (!worst && kind == K::search) throw InputError(path.string() + ":1:1: a [search] table is for --worst; add it");
     const auto only = [](Shape shape) { return [shape](Shape form) { return form == shape; }; };
-    if (kind == K::cases) return only(scene::CaseFile(path).shape());
+    if (kind == K::cases) return only(scene::sweep::CaseFile(path).shape());
     if (kind == K::axes) {
-        const scene::SweepFile sweep(path, data);
+        const scene::sweep::SweepFile sweep(path, data);
         return [sphere = sweep.meets(Shape::sphere), box = sweep.meets(Shape::box), sdf = sweep.meets(Shape::sdf)](Shape form) {
             return form == Shape::sphere ? sphere : form == Shape::box ? box : sdf;
         };
     }
-    const scene::SearchFile search(path);
-    if (find_metric(search.metric) == nullptr) {
+    const scene::sweep::SearchFile search(path);
+    if (measure::metric::find_metric(search.metric) == nullptr) {
         std::vector<std::string> names;
-        for (const Metric& m : metrics()) names.emplace_back(m.name);
-        throw InputError(path.string() + ":1:1: search.metric is \"" + search.metric + "\", which no metric is called; " + scene::did_you_mean(search.metric, names));
+        for (const measure::metric::Metric& m : measure::metric::metrics()) names.emplace_back(m.name);
+        throw InputError(path.string() + ":1:1: search.metric is \"" + search.metric + "\", which no metric is called; " + scene::toml::did_you_mean(search.metric, names));
     }
-    if (find_metric(search.metric)->by_run())
+    if (measure::metric::find_metric(search.metric)->by_run())
         throw InputError(path.string() + ":1:1: search.metric is \"" + search.metric + "\", which names an operation and has no largest value; try cancellation, or contribution:LABEL");
     return only(search.shape);
 }
@@ -148,19 +153,19 @@ Exit run(const SweepOptions& o, const Common& common) {
     Chosen chosen{cross(select_forms(o.forms), select_formats(o.formats)), {}};
     // A sweep always knows what the problem itself costs: its plots carry the envelope.
     if (!o.metrics.empty()) chosen.asked = select_metrics(o.metrics);
-    for (const char* name : {"inherent_bits", "excess_bits"}) chosen.asked.push_back(find_metric(name));
+    for (const char* name : {"inherent_bits", "excess_bits"}) chosen.asked.push_back(measure::metric::find_metric(name));
     if (o.out.empty()) throw InputError("-o: the name of the folder is empty; write -o . for this one");
     const auto data = data_folder(common.data);
     // Every file is read before the first is worked on: bad input leaves nothing behind.
     struct Sweep {
         std::filesystem::path path;
-        scene::SweepKind kind;
+        SweepKind kind;
         Meets meets;
     };
     std::vector<Sweep> sweeps;
     for (const std::string& word : o.sweeps) {
-        const auto path = scene::find_sweep(word, data);
-        const auto kind = scene::sweep_kind(path);
+        const auto path = scene::sweep::find_sweep(word, data);
+        const auto kind = scene::sweep::sweep_kind(path);
         for (const Sweep& other : sweeps) {
             if (other.path.stem() == path.stem()) throw InputError(word + ": sweep \"" + path.stem().string() + "\" is given twice; both would write to the same folder");
         }
@@ -169,8 +174,8 @@ Exit run(const SweepOptions& o, const Common& common) {
     drop_unfitting(sweeps, chosen.rows, common.quiet, [](const Sweep& s, Shape shape) { return s.meets(shape); }, [](const Sweep& s) { return s.path.stem().string(); });
     const ThreadLimit limit(common.threads);
     for (const auto& [path, kind, meets] : sweeps) {
-        if (kind == scene::SweepKind::cases) run_case_file(path, chosen, o, common);
-        else if (kind == scene::SweepKind::axes) run_axes(path, chosen, o, common);
+        if (kind == SweepKind::cases) run_case_file(path, chosen, o, common);
+        else if (kind == SweepKind::axes) run_axes(path, chosen, o, common);
         else run_search(path, chosen, o, common);
     }
     return Exit::done;

@@ -30,8 +30,8 @@ std::vector<Format> native_formats(const std::vector<std::string>& names) {
     return formats;
 }
 
-TimingPlan plan_of(const TradeOptions& o) {
-    TimingPlan plan;
+measure::speed::TimingPlan plan_of(const TradeOptions& o) {
+    measure::speed::TimingPlan plan;
     if (o.quick) {
         plan.repetitions = 5;
         plan.least_seconds = 1e-4;
@@ -45,20 +45,20 @@ Exit run(const TradeOptions& o, const Common& common) {
     const Shape shape = o.shape == "box" ? Shape::box : Shape::sphere;
     const auto rows = fitting(cross(select_forms(o.forms), native_formats(o.formats)), [shape](Shape form) { return form == shape; });
     if (rows.empty()) throw NothingSelected(fmt::format("--shape {0}: none of the selected intersectors is about a {0}; try -i '{0}.*' or another --shape", o.shape));
-    TradeRequest request{.shape = shape, .kernels = trade_kernels(rows), .metrics = {}, .loads = trade_loads(cache_sizes()), .plan = plan_of(o)};
-    for (const char* name : {"lost_bits", "excess_bits"}) request.metrics.push_back(find_metric(name));
+    measure::speed::TradeRequest request{.shape = shape, .kernels = measure::speed::trade_kernels(rows), .metrics = {}, .loads = measure::speed::trade_loads(measure::speed::cache_sizes()), .plan = plan_of(o)};
+    for (const char* name : {"lost_bits", "excess_bits"}) request.metrics.push_back(measure::metric::find_metric(name));
     const auto folder = std::filesystem::path(o.out) / o.shape;
-    output::TradeFiles files(request, folder);
+    output::speed::TradeFiles files(request, folder);
     const ThreadLimit limit(common.threads);
-    output::Progress progress(trade_units(request), fmt::format("trade {}", o.shape), common.progress, common.quiet);
+    output::file::Progress progress(measure::speed::trade_units(request), fmt::format("trade {}", o.shape), common.progress, common.quiet);
     request.plan.progress = [&progress](std::uint64_t done) {
         progress.advance(done);
         stop_if_interrupted();
     };
-    const TradeResult result = run_trade(request);
+    const measure::speed::TradeResult result = measure::speed::run_trade(request);
     files.finish(result);
     progress.finish();
-    if (!common.quiet) fmt::print("{}\n{}\n", output::trade_in_words(request, result), (folder / "pareto.csv").string());
+    if (!common.quiet) fmt::print("{}\n{}\n", output::speed::trade_in_words(request, result), (folder / "pareto.csv").string());
     return Exit::done;
 }
 

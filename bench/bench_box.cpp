@@ -22,19 +22,19 @@ using bench::Contestant;
 constexpr std::string_view sizes[] = {"l1", "l2", "memory"};
 constexpr std::string_view forms[] = {"box.baseline", "box.exclusive", "box.inclusive", "box.signs"};
 
-std::size_t bytes_of(std::string_view size) { return working_set_bytes(size, cache_sizes()); }
+std::size_t bytes_of(std::string_view size) { return measure::speed::working_set_bytes(size, measure::speed::cache_sizes()); }
 
 #if defined(LOSTBITS_BY_HAND)
 template <class S>
-Contestant by_hand_on(const std::string& name, const std::shared_ptr<BoxField<S>>& field, by_hand::Boxes<S> loop, bool warm) {
+Contestant by_hand_on(const std::string& name, const std::shared_ptr<measure::speed::BoxField<S>>& field, by_hand::Boxes<S> loop, bool warm) {
     const auto ray = field->ray_numbers();
     const auto columns = field->pointers();
     return {name, "", 8 * sizeof(S), {[=] { loop(ray.data(), columns.data(), field->t.data(), field->t.size()); }, field->t.size(), warm}};
 }
 
-void add_by_hand(std::vector<Contestant>& all, BoxWork& work, Isa isa, bool warm) {
-    if (isa != Isa::w256 && isa != Isa::w512) return;
-    const by_hand::Width loops = isa == Isa::w256 ? by_hand::width_256() : by_hand::width_512();
+void add_by_hand(std::vector<Contestant>& all, measure::speed::BoxWork& work, intersect::simd::Isa isa, bool warm) {
+    if (isa != intersect::simd::Isa::w256 && isa != intersect::simd::Isa::w512) return;
+    const by_hand::Width loops = isa == intersect::simd::Isa::w256 ? by_hand::width_256() : by_hand::width_512();
     const std::string hand = std::string(name_of(isa)) + "/by hand, ";
     all.push_back(by_hand_on(hand + "box.inclusive/f32", work.f32(), loops.f32.inclusive, warm));
     all.push_back(by_hand_on(hand + "box.signs/f32", work.f32(), loops.f32.signs, warm));
@@ -42,32 +42,32 @@ void add_by_hand(std::vector<Contestant>& all, BoxWork& work, Isa isa, bool warm
     all.push_back(by_hand_on(hand + "box.signs/f64", work.f64(), loops.f64.signs, warm));
 }
 #else
-void add_by_hand(std::vector<Contestant>&, BoxWork&, Isa, bool) {}
+void add_by_hand(std::vector<Contestant>&, measure::speed::BoxWork&, intersect::simd::Isa, bool) {}
 #endif
 
 /// Seven numbers are read for a box and one is written.
 std::vector<Contestant> contestants(std::size_t bytes) {
     std::vector<Contestant> all;
-    BoxWork work(bytes);
+    measure::speed::BoxWork work(bytes);
     const auto add = [&](const std::string& kernel, std::string_view form, const std::string& format) {
         const std::string end = std::string(form) + "/" + format;
         if (auto w = work.on({form, kernel, format})) all.push_back({kernel + "/" + end, kernel + "/by hand, " + end, format == "f32" ? 32.0 : 64.0, std::move(*w)});
     };
     for (const std::string_view form : forms)
         for (const char* const plain : {"plain-256", "plain-structs-256"}) add(plain, form, "f32");
-    for (const Isa isa : available_isas()) {
+    for (const intersect::simd::Isa isa : intersect::simd::available_isas()) {
         for (const char* const format : {"f32", "f64"})
             for (const std::string_view form : forms) add(std::string(name_of(isa)), form, format);
-        add_by_hand(all, work, isa, stay_in_cache(bytes));
+        add_by_hand(all, work, isa, measure::speed::stay_in_cache(bytes));
     }
     return all;
 }
 
 void print_all() {
     for (const std::string_view size : sizes) bench::print_ratios(std::string(size), contestants(bytes_of(size)), bytes_of(size));
-    const std::string widest(name_of(best_isa()));
+    const std::string widest(name_of(intersect::simd::best_isa()));
     for (const std::string_view size : sizes)
-        bench::print_speedup(widest + "/box.signs/f32", std::string(size), [&](std::size_t) { return BoxWork(bytes_of(size)).on({"box.signs", widest, "f32"})->pass; });
+        bench::print_speedup(widest + "/box.signs/f32", std::string(size), [&](std::size_t) { return measure::speed::BoxWork(bytes_of(size)).on({"box.signs", widest, "f32"})->pass; });
 }
 
 }  // namespace

@@ -66,7 +66,7 @@ void count_rays(benchmark::State& state) { state.SetItemsProcessed(state.iterati
 void truth(benchmark::State& state, const RaySet& (*rays)()) {
     const RaySet& set = rays();
     for (auto _ : state) {
-        for (std::size_t i = 0; i < ray_count; ++i) benchmark::DoNotOptimize(find_truth(set[i], set.sphere));
+        for (std::size_t i = 0; i < ray_count; ++i) benchmark::DoNotOptimize(measure::truth::find_truth(set[i], set.sphere));
     }
     count_rays(state);
 }
@@ -104,17 +104,17 @@ void form(benchmark::State& state, const Kernel& kernel) {
     std::vector<S> t(ray_count), near(ray_count), far(ray_count);
     std::vector<std::uint8_t> hit(ray_count);
     for (auto _ : state) {
-        kernel(RayBatch<S>{ox, oy, oz, dx, dy, dz}, sphere, HitBatch<S>{t, near, far, hit});
+        kernel(intersect::table::RayBatch<S>{ox, oy, oz, dx, dy, dz}, sphere, intersect::table::HitBatch<S>{t, near, far, hit});
         benchmark::ClobberMemory();
     }
     count_rays(state);
 }
 
-void self(benchmark::State& state, const Intersector& i) {
+void self(benchmark::State& state, const intersect::table::Intersector& i) {
     const RaySet& set = near_rays();
     const Solid<double> sphere(set.sphere);
     for (auto _ : state) {
-        for (std::size_t r = 0; r < ray_count; ++r) benchmark::DoNotOptimize(without_rounding(i, set[r], sphere));
+        for (std::size_t r = 0; r < ray_count; ++r) benchmark::DoNotOptimize(measure::answer::without_rounding(i, set[r], sphere));
     }
     count_rays(state);
 }
@@ -124,7 +124,7 @@ void register_all() {
     benchmark::RegisterBenchmark("mpfr_256/near", plain_mpfr, near_rays);
     benchmark::RegisterBenchmark("truth/far", truth, far_rays);
     benchmark::RegisterBenchmark("mpfr_256/far", plain_mpfr, far_rays);
-    for (const Intersector& i : sphere_intersectors()) {
+    for (const intersect::table::Intersector& i : intersect::table::sphere_intersectors()) {
         const std::string name(i.info->name);
         benchmark::RegisterBenchmark((name + "/f32").c_str(), [&i](benchmark::State& s) { form<float>(s, i.native32); });
         if (i.native64) benchmark::RegisterBenchmark((name + "/f64").c_str(), [&i](benchmark::State& s) { form<double>(s, i.native64); });
@@ -135,8 +135,8 @@ void register_all() {
         }
         benchmark::RegisterBenchmark((name + "/without_rounding").c_str(), [&i](benchmark::State& s) { self(s, i); });
     }
-    for (const Isa isa : available_isas())
-        for (const PackedRow& row : packed_rows(isa).first(sphere_intersectors().size())) {
+    for (const intersect::simd::Isa isa : intersect::simd::available_isas())
+        for (const intersect::simd::PackedRow& row : intersect::simd::packed_rows(isa).first(intersect::table::sphere_intersectors().size())) {
             const std::string name = "packed_" + std::string(name_of(isa)) + "/" + std::string(row.info->name);
             benchmark::RegisterBenchmark((name + "/f32").c_str(), [&row](benchmark::State& s) { form<float>(s, row.f32); });
             if (row.f64) benchmark::RegisterBenchmark((name + "/f64").c_str(), [&row](benchmark::State& s) { form<double>(s, row.f64); });
@@ -145,8 +145,8 @@ void register_all() {
 
 #if defined(LOSTBITS_BY_HAND)
 template <class S>
-bench::Contestant by_hand_on(const std::string& name, const std::shared_ptr<RayStore<S>>& store, by_hand::Sphere<S> loop, bool warm) {
-    const auto kernel = [loop](const RayBatch<S>& rays, const Solid<S>& sphere, const HitBatch<S>& hits) {
+bench::Contestant by_hand_on(const std::string& name, const std::shared_ptr<measure::speed::RayStore<S>>& store, by_hand::Sphere<S> loop, bool warm) {
+    const auto kernel = [loop](const intersect::table::RayBatch<S>& rays, const Solid<S>& sphere, const intersect::table::HitBatch<S>& hits) {
         const S* const in[] = {rays.ox.data(), rays.oy.data(), rays.oz.data(), rays.dx.data(), rays.dy.data(), rays.dz.data()};
         S* const out[] = {hits.t.data(), hits.near.data(), hits.far.data()};
         loop(in, sphere.numbers.data(), out, hits.hit.data(), rays.size());
@@ -154,9 +154,9 @@ bench::Contestant by_hand_on(const std::string& name, const std::shared_ptr<RayS
     return {name, "", 9 * sizeof(S) + 1, {[store, kernel] { store->run(kernel); }, store->slice(), warm}};
 }
 
-void add_by_hand(std::vector<bench::Contestant>& all, RayWork& work, Isa isa, bool warm) {
-    if (isa != Isa::w256 && isa != Isa::w512) return;
-    const by_hand::Width loops = isa == Isa::w256 ? by_hand::width_256() : by_hand::width_512();
+void add_by_hand(std::vector<bench::Contestant>& all, measure::speed::RayWork& work, intersect::simd::Isa isa, bool warm) {
+    if (isa != intersect::simd::Isa::w256 && isa != intersect::simd::Isa::w512) return;
+    const by_hand::Width loops = isa == intersect::simd::Isa::w256 ? by_hand::width_256() : by_hand::width_512();
     const std::string hand = std::string(name_of(isa)) + "/by hand, ";
     all.push_back(by_hand_on(hand + "sphere.schoolbook/f32", work.f32(Shape::sphere), loops.f32.schoolbook, warm));
     all.push_back(by_hand_on(hand + "sphere.unified/f32", work.f32(Shape::sphere), loops.f32.unified, warm));
@@ -164,29 +164,29 @@ void add_by_hand(std::vector<bench::Contestant>& all, RayWork& work, Isa isa, bo
     all.push_back(by_hand_on(hand + "sphere.unified/f64", work.f64(Shape::sphere), loops.f64.unified, warm));
 }
 #else
-void add_by_hand(std::vector<bench::Contestant>&, RayWork&, Isa, bool) {}
+void add_by_hand(std::vector<bench::Contestant>&, measure::speed::RayWork&, intersect::simd::Isa, bool) {}
 #endif
 
 /// Many rays against one sphere; six numbers are read for a ray, three and a byte written.
 void print_all() {
     constexpr std::string_view sizes[] = {"l1", "l2", "memory"};
-    const auto bytes_of = [](std::string_view size) { return working_set_bytes(size, cache_sizes()); };
+    const auto bytes_of = [](std::string_view size) { return measure::speed::working_set_bytes(size, measure::speed::cache_sizes()); };
     for (const std::string_view size : sizes) {
         std::vector<bench::Contestant> all;
-        RayWork work(bytes_of(size));
-        for (const Isa isa : available_isas()) {
+        measure::speed::RayWork work(bytes_of(size));
+        for (const intersect::simd::Isa isa : intersect::simd::available_isas()) {
             const std::string kernel(name_of(isa));
             for (const std::string format : {"f32", "f64"})
                 for (const std::string form : {"sphere.schoolbook", "sphere.unified"})
                     if (auto w = work.on({form, kernel, format}))
                         all.push_back({kernel + "/" + form + "/" + format, kernel + "/by hand, " + form + "/" + format, format == "f32" ? 37.0 : 73.0, std::move(*w)});
-            add_by_hand(all, work, isa, stay_in_cache(bytes_of(size)));
+            add_by_hand(all, work, isa, measure::speed::stay_in_cache(bytes_of(size)));
         }
         bench::print_ratios(std::string(size), std::move(all), bytes_of(size));
     }
-    const std::string widest(name_of(best_isa()));
+    const std::string widest(name_of(intersect::simd::best_isa()));
     for (const std::string_view size : sizes)
-        bench::print_speedup(widest + "/sphere.unified/f32", std::string(size), [&](std::size_t) { return RayWork(bytes_of(size)).on({"sphere.unified", widest, "f32"})->pass; });
+        bench::print_speedup(widest + "/sphere.unified/f32", std::string(size), [&](std::size_t) { return measure::speed::RayWork(bytes_of(size)).on({"sphere.unified", widest, "f32"})->pass; });
 }
 
 }  // namespace

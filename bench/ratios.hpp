@@ -16,7 +16,7 @@ struct Contestant {
     std::string name;
     std::string rival;  ///< the one written by hand to hold it against; may be empty
     double bytes;       ///< read and written for an item
-    lostbits::TimedWork work;
+    lostbits::measure::speed::TimedWork work;
 };
 
 /// A table on stdout: items a second, their quotient with the rival's (median and quartiles of quotients within a repetition), and, where the data come from
@@ -24,6 +24,6 @@ struct Contestant {
 void print_ratios(const std::string& data, std::vector<Contestant> all, std::size_t bytes);
 
 /// A line on stdout: the rate of all processors over that of one.
-void print_speedup(const std::string& name, const std::string& data, const lostbits::WorkOfThread& work);
+void print_speedup(const std::string& name, const std::string& data, const lostbits::measure::speed::WorkOfThread& work);
 
 }  // namespace bench

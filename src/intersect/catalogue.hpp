@@ -40,7 +40,7 @@
 #include "intersect/sphere/unified_unit.hpp"
 #include "intersect/sphere/unit_half_b.hpp"
 
-namespace lostbits {
+namespace lostbits::intersect {
 
 /// A list of form types, in the order in which every table shows them.
 template <class... Form>
@@ -109,4 +109,4 @@ void for_each_form(Visitor&& visit) {
     SdfForms::for_each(visit);
 }
 
-}  // namespace lostbits
+}  // namespace lostbits::intersect

@@ -4,7 +4,7 @@
 #include <optional>
 #include <string_view>
 
-namespace lostbits {
+namespace lostbits::intersect {
 
 /// The direction a form is entitled to. `unit` forms receive it normalised and rounded to their format.
 enum class Direction { any, unit };
@@ -42,4 +42,4 @@ struct Info {
     Formats formats = Formats::all;
 };
 
-}  // namespace lostbits
+}  // namespace lostbits::intersect

@@ -6,7 +6,7 @@
 #include <string_view>
 #include <type_traits>
 
-namespace lostbits {
+namespace lostbits::intersect {
 
 /// The constants of a march, numbers of the arithmetic it runs in. Lengths are in world units, and t is one of them: the forms
 /// that march are given unit directions. Which form reads which: see each form.
@@ -45,4 +45,4 @@ struct MarchRecord {
     double deepest = 0;  ///< the smallest field, with its sign: below zero the march went through the surface
 };
 
-}  // namespace lostbits
+}  // namespace lostbits::intersect

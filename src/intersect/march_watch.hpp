@@ -6,7 +6,7 @@
 #include "geometry/shapes.hpp"
 #include "intersect/march.hpp"
 
-namespace lostbits {
+namespace lostbits::intersect {
 
 /// Counts the samples and keeps the smallest.
 template <class T>
@@ -60,4 +60,4 @@ private:
     std::vector<MarchStep> steps_;
 };
 
-}  // namespace lostbits
+}  // namespace lostbits::intersect

@@ -5,7 +5,7 @@
 
 #include "geometry/solid.hpp"
 
-namespace lostbits {
+namespace lostbits::intersect {
 
 /// The shape that a form is of, by what its `intersect` takes: a sphere, a box and the ray's end, or any field.
 template <class Form>
@@ -15,4 +15,4 @@ inline constexpr Shape shape_of = [] {
     else return Shape::sdf;
 }();
 
-}  // namespace lostbits
+}  // namespace lostbits::intersect

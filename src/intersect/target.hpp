@@ -8,7 +8,7 @@
 #include "geometry/solid.hpp"
 #include "intersect/march.hpp"
 
-namespace lostbits {
+namespace lostbits::intersect {
 
 /// A view: the solids and constants outlive it.
 template <class S>
@@ -38,4 +38,4 @@ private:
     std::optional<MarchConstants<T>> march_;
 };
 
-}  // namespace lostbits
+}  // namespace lostbits::intersect

@@ -28,7 +28,7 @@ generations = 8
 
 std::string replaced(std::string text, const std::string& what, const std::string& by) { return text.replace(text.find(what), what.size(), by); }
 
-std::string cell(const lostbits::output::CsvTable& table, const char* column, std::size_t row) { return std::string(table.find(column)->cells.at(row)); }
+std::string cell(const lostbits::output::file::CsvTable& table, const char* column, std::size_t row) { return std::string(table.find(column)->cells.at(row)); }
 
 }  // namespace
 
@@ -49,7 +49,7 @@ TEST_CASE("a file of cases leaves a table and a picture, the same for any number
         }
     }
     CHECK(scratch.files().size() == 2 * 2 * 3);
-    const auto table = lostbits::output::read_csv(scratch.path() / "1/scale/cases.csv");
+    const auto table = lostbits::output::file::read_csv(scratch.path() / "1/scale/cases.csv");
     CHECK(table.rows() % (3 * 2) == 0);
     CHECK(cell(table, "case", 0) == "ordinary lengths");
     std::size_t right = 0, wrong = 0;
@@ -74,12 +74,12 @@ TEST_CASE("a search leaves its worst rays as cases that can be run, and measure 
         CHECK_FALSE(one.empty());
         CHECK(one == contents(scratch.path() / "2/s" / name));
     }
-    const auto worst = lostbits::output::read_csv(scratch.path() / "1/s/worst.csv");
+    const auto worst = lostbits::output::file::read_csv(scratch.path() / "1/s/worst.csv");
     REQUIRE(worst.rows() == 4);
     const auto again = run("sweep '" + (scratch.path() / "1/s/hard.toml").string() + "' -i sphere.schoolbook -i sphere.unified -f f32 -f bf16 -o '" + scratch.path().string() + "'");
     INFO(again.err);
     REQUIRE(again.code == 0);
-    const auto cases = lostbits::output::read_csv(scratch.path() / "hard/cases.csv");
+    const auto cases = lostbits::output::file::read_csv(scratch.path() / "hard/cases.csv");
     REQUIRE(cases.rows() == 4 * 4);
     int values = 0;
     for (std::size_t w = 0; w < 4; ++w) {

@@ -20,13 +20,13 @@ Outcome diff(const std::string& a, const std::string& b, const std::string& opti
     return run("diff a.csv b.csv " + options, scratch.path());
 }
 
-output::ImageBackend& backend() {
+output::image::ImageBackend& backend() {
     setenv("LOSTBITS_IMAGE_MODULE", LOSTBITS_IMAGE_MODULE_FILE, 1);
-    return output::image_backend();
+    return output::image::image_backend();
 }
 
 void write_exr(const std::filesystem::path& path, float x, const char* command = "map") {
-    auto exr = backend().open_exr(path, {2, 1, {{"err.ulp", output::Channel::Type::f32}}, {{"lostbits:command", command}}});
+    auto exr = backend().open_exr(path, {2, 1, {{"err.ulp", output::image::Channel::Type::f32}}, {{"lostbits:command", command}}});
     const float samples[] = {1, x};
     exr->write_rows(0, 1, std::as_bytes(std::span(samples)));
     exr->close();
@@ -34,7 +34,7 @@ void write_exr(const std::filesystem::path& path, float x, const char* command =
 
 void write_png(const std::filesystem::path& path, std::uint8_t blue) {
     auto png = backend().open_png(path, 2, 1);
-    const output::Rgb8 pixels[] = {{1, 2, 3}, {4, 5, blue}};
+    const output::image::Rgb8 pixels[] = {{1, 2, 3}, {4, 5, blue}};
     png->write_rows(1, pixels);
     png->close();
 }

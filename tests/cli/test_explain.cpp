@@ -79,9 +79,9 @@ TEST_CASE("C programs compile alone, compute the recorded bits, and say so in th
     const Scratch scratch;
     int compiled = 0;
     std::vector<std::pair<std::string, std::string>> asked;
-    for (const Intersector& form : intersectors()) {
+    for (const intersect::table::Intersector& form : intersect::table::intersectors()) {
         for (const char* format : {"f32", "f64", "bf16", "p52"}) {  // of 52 bits half of all results lie half way
-            if (form.info->formats == Formats::binary32_only && format != std::string("f32")) continue;
+            if (form.info->formats == intersect::Formats::binary32_only && format != std::string("f32")) continue;
             asked.emplace_back(setting_of(form.shape) + " -i " + std::string(form.info->name), format);
         }
     }
@@ -113,9 +113,9 @@ TEST_CASE("C programs compile alone, compute the recorded bits, and say so in th
 
 TEST_CASE("FPCore reads as s-expressions and evaluates to the recorded bits") {
     int evaluated = 0;
-    for (const Intersector& form : intersectors()) {
+    for (const intersect::table::Intersector& form : intersect::table::intersectors()) {
         for (const std::string format : {"f32", "f64"}) {
-            if (form.info->formats == Formats::binary32_only && format != "f32") continue;
+            if (form.info->formats == intersect::Formats::binary32_only && format != "f32") continue;
             const std::string where = "explain " + setting_of(form.shape) + " -i " + std::string(form.info->name) + " -f " + format;
             const auto r = run(where + " --fpcore");
             INFO(where << ": " << r.err);
@@ -153,7 +153,7 @@ TEST_CASE("FPCore says how a neighbour and another precision are had") {
 }
 
 TEST_CASE("LaTeX closes what it opens") {
-    for (const Intersector& form : intersectors()) {
+    for (const intersect::table::Intersector& form : intersect::table::intersectors()) {
         const auto r = run("explain " + setting_of(form.shape) + " -i " + std::string(form.info->name) + " --latex");
         REQUIRE(r.code == 0);
         int depth = 0;

@@ -12,9 +12,9 @@ namespace {
 
 /// Every file that `command` leaves under each available width has the bytes that `scalar` leaves.
 void same_for_every_isa(const Scratch& scratch, const std::string& command, std::size_t least) {
-    const auto isas = available_isas();
+    const auto isas = intersect::simd::available_isas();
     REQUIRE(isas.size() >= 2);
-    for (const Isa isa : isas) {
+    for (const intersect::simd::Isa isa : isas) {
         const std::string name(name_of(isa));
         const auto r = run(command + " --isa " + name + " -o '" + (scratch.path() / name).string() + "'");
         INFO(name << ": " << r.err);
@@ -25,7 +25,7 @@ void same_for_every_isa(const Scratch& scratch, const std::string& command, std:
     for (const std::string& file : files) {
         if (file.rfind("scalar/", 0) != 0) continue;
         const std::string rest = file.substr(7), bytes = contents(scratch.path() / file);
-        for (const Isa isa : isas) {
+        for (const intersect::simd::Isa isa : isas) {
             INFO(rest << " at " << name_of(isa));
             CHECK(bytes == contents(scratch.path() / std::string(name_of(isa)) / rest));
         }
@@ -69,8 +69,8 @@ TEST_CASE("an unknown register width is refused, one that the processor lacks is
     CHECK(unknown.code == 2);
     CHECK(unknown.err.find("--isa") != std::string::npos);
     CHECK(unknown.err.find("256") != std::string::npos);
-    const auto isas = available_isas();
-    for (const Isa isa : {Isa::scalar, Isa::w128, Isa::w256, Isa::w512}) {
+    const auto isas = intersect::simd::available_isas();
+    for (const intersect::simd::Isa isa : {intersect::simd::Isa::scalar, intersect::simd::Isa::w128, intersect::simd::Isa::w256, intersect::simd::Isa::w512}) {
         const auto r = run("list intersectors --isa " + std::string(name_of(isa)));
         INFO(r.err);
         const bool available = std::ranges::find(isas, isa) != isas.end();

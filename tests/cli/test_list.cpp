@@ -15,9 +15,9 @@ TEST_CASE("list shows every intersector, as text and as JSON") {
     REQUIRE(text.code == 0);
     REQUIRE(json.code == 0);
     const auto array = nlohmann::json::parse(json.out);
-    REQUIRE(array.size() == intersectors().size());
+    REQUIRE(array.size() == intersect::table::intersectors().size());
     for (std::size_t i = 0; i < array.size(); ++i) {
-        const std::string name(intersectors()[i].info->name);
+        const std::string name(intersect::table::intersectors()[i].info->name);
         CHECK(array[i]["name"] == name);
         CHECK_FALSE(array[i]["source"].get<std::string>().empty());
         CHECK(text.out.find("\n" + name + " ") != std::string::npos);
@@ -26,10 +26,10 @@ TEST_CASE("list shows every intersector, as text and as JSON") {
 
 TEST_CASE("list metrics is the metric table") {
     const auto array = nlohmann::json::parse(run("list metrics --json").out);
-    REQUIRE(array.size() == metrics().size() + 2);
-    for (std::size_t i = 0; i < metrics().size(); ++i) {
-        CHECK(array[i]["name"] == std::string(metrics()[i].name));
-        CHECK(array[i]["layer"] == std::string(metrics()[i].layer));
+    REQUIRE(array.size() == measure::metric::metrics().size() + 2);
+    for (std::size_t i = 0; i < measure::metric::metrics().size(); ++i) {
+        CHECK(array[i]["name"] == std::string(measure::metric::metrics()[i].name));
+        CHECK(array[i]["layer"] == std::string(measure::metric::metrics()[i].layer));
     }
 }
 
@@ -38,11 +38,11 @@ TEST_CASE("the metrics of labels are listed, and every form has labels to map") 
     for (const char* name : {"contribution:LABEL", "cancellation:LABEL"}) CHECK(text.find(name) != std::string::npos);
     CHECK(text.find("lostbits list labels") != std::string::npos);
     const auto array = nlohmann::json::parse(run("list labels --json").out);
-    REQUIRE(array.size() == intersectors().size());
+    REQUIRE(array.size() == intersect::table::intersectors().size());
     const Scratch scratch;
     int mapped = 0;
     for (std::size_t i = 0; i < array.size(); ++i) {
-        const Intersector& form = intersectors()[i];
+        const intersect::table::Intersector& form = intersect::table::intersectors()[i];
         CHECK(array[i]["name"] == std::string(form.info->name));
         const std::string labels = array[i]["labels"];
         INFO(form.info->name << ": " << labels);

@@ -13,13 +13,13 @@
 #include "program.hpp"
 
 using namespace lostbits::test;
-using lostbits::output::ExrImage;
+using lostbits::output::image::ExrImage;
 
 namespace {
 
 ExrImage read_exr(const std::filesystem::path& path) {
     setenv("LOSTBITS_IMAGE_MODULE", LOSTBITS_IMAGE_MODULE_FILE, 1);
-    return lostbits::output::image_backend().read_exr(path);
+    return lostbits::output::image::image_backend().read_exr(path);
 }
 
 const std::vector<std::uint32_t>& words(const ExrImage& exr, const char* name) {
@@ -46,7 +46,7 @@ TEST_CASE("map writes every file of every form and format") {
     REQUIRE(r.code == 0);
     CHECK(r.out == (scratch.path() / "scene/contact.png").string() + "\n");
     std::size_t rows = 0;
-    for (const auto& form : lostbits::sphere_intersectors()) {
+    for (const auto& form : lostbits::intersect::table::sphere_intersectors()) {
         for (const char* format : {"f32", "f64", "bf16"}) {
             const std::string stem = std::string(form.info->name) + "." + format;
             const bool expected = form.exists_in(*lostbits::find_format(format));
@@ -60,7 +60,7 @@ TEST_CASE("map writes every file of every form and format") {
     for (const auto& row : summary) {
         CHECK(row.at("rays") == "384");
         double sum = 0;
-        for (const auto name : lostbits::outcome_names) sum += number(row.at(std::string(name)));
+        for (const auto name : lostbits::measure::answer::outcome_names) sum += number(row.at(std::string(name)));
         CHECK(sum == 384);
         CHECK(row.at("unresolved") == "0");
     }
@@ -108,7 +108,7 @@ TEST_CASE("EXR, pixel CSV and summary tell the same story") {
         for (std::size_t i = 0; i < pixels.size(); ++i) {
             const auto& pixel = pixels[i];
             ++counts[pixel.at("outcome")];
-            CHECK(lostbits::outcome_names[words(exr, "class.outcome")[i]] == pixel.at("outcome"));
+            CHECK(lostbits::measure::answer::outcome_names[words(exr, "class.outcome")[i]] == pixel.at("outcome"));
             const auto t = std::bit_cast<double>(std::uint64_t{words(exr, "t.word1")[i]} << 32 | words(exr, "t.word0")[i]);
             CHECK((pixel.at("t_hex").empty() ? std::isnan(t) : t == number(pixel.at("t_hex"))));
             CHECK((pixel.at("t").empty() || number(pixel.at("t")) == t));
@@ -124,7 +124,7 @@ TEST_CASE("EXR, pixel CSV and summary tell the same story") {
             CHECK(parts == Approx(number(cell)).margin(1e-6).epsilon(1e-9));
             CHECK(number(pixel.at("lost_bits")) + number(pixel.at("correct_bits")) == Approx(summary.at("format") == "f32" ? 24 : 53));
         }
-        for (const auto name : lostbits::outcome_names) CHECK(number(summary.at(std::string(name))) == static_cast<double>(counts[std::string(name)]));
+        for (const auto name : lostbits::measure::answer::outcome_names) CHECK(number(summary.at(std::string(name))) == static_cast<double>(counts[std::string(name)]));
         std::ranges::sort(ulps);
         REQUIRE_FALSE(ulps.empty());
         CHECK(number(summary.at("ulp_error_max")) == ulps.back());

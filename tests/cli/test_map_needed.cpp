@@ -14,10 +14,12 @@
 
 using namespace lostbits::test;
 using namespace lostbits::output;
+using namespace lostbits::output::image;
+using namespace lostbits::output::map;
 
 namespace {
 
-ImageBackend& backend() {
+lostbits::output::image::ImageBackend& backend() {
     setenv("LOSTBITS_IMAGE_MODULE", LOSTBITS_IMAGE_MODULE_FILE, 1);
     return image_backend();
 }
@@ -31,16 +33,16 @@ const std::vector<Sample>& samples(const ExrImage& exr, const char* name) {
 
 double number(const std::string& cell) { return cell.empty() ? std::nan("") : std::strtod(cell.c_str(), nullptr); }
 
-std::string attribute(const ExrImage& exr, const std::string& name) {
+std::string attribute(const lostbits::output::image::ExrImage& exr, const std::string& name) {
     for (const auto& [key, value] : exr.attributes) {
         if (key == name) return value;
     }
     return {};
 }
 
-std::size_t count_of(const PngImage& png, Rgb8 colour) { return static_cast<std::size_t>(std::ranges::count(png.pixels, colour)); }
+std::size_t count_of(const lostbits::output::image::PngImage& png, lostbits::output::image::Rgb8 colour) { return static_cast<std::size_t>(std::ranges::count(png.pixels, colour)); }
 
-Rgb8 preview(const ExrImage& exr, std::size_t i) {
+lostbits::output::image::Rgb8 preview(const ExrImage& exr, std::size_t i) {
     const auto byte = [&](const char* c) { return srgb_byte(static_cast<std::uint16_t>(std::lround(samples<float>(exr, c)[i] * 65535.0F))); };
     return {byte("R"), byte("G"), byte("B")};
 }
@@ -61,9 +63,9 @@ TEST_CASE("picture, EXR, pixels and table of the bits needed tell the same story
         const std::string stem = row.at("form") + ".needed";
         INFO(stem);
         const auto pixels = read_csv(folder / (stem + ".csv"));
-        const ExrImage exr = backend().read_exr(folder / (stem + ".exr"));
-        const PngImage png = backend().read_png(folder / (stem + ".png"));
-        const ColourScale scale("viridis", backend().ramp("viridis", 256), 2, 53);
+        const lostbits::output::image::ExrImage exr = backend().read_exr(folder / (stem + ".exr"));
+        const lostbits::output::image::PngImage png = backend().read_png(folder / (stem + ".png"));
+        const lostbits::output::image::ColourScale scale("viridis", backend().ramp("viridis", 256), 2, 53);
         REQUIRE(pixels.size() == 48 * 40);
         std::vector<double> all, hits;
         double hits_beyond = 0, misses_beyond = 0;
@@ -73,7 +75,7 @@ TEST_CASE("picture, EXR, pixels and table of the bits needed tell the same story
             CHECK(samples<float>(exr, "bits.needed")[i] == static_cast<float>(needed));
             CHECK(samples<std::uint32_t>(exr, "class.truth")[i] == (hit ? 1 : 0));
             CHECK((samples<std::uint32_t>(exr, "class.truth_object")[i] == 1) == hit);
-            CHECK(preview(exr, i) == (std::isinf(needed) ? beyond_colour : scale.map(needed)));
+            CHECK(preview(exr, i) == (std::isinf(needed) ? lostbits::output::map::beyond_colour : scale.map(needed)));
             if (std::isinf(needed)) {
                 CHECK(pixels[i].at("needed") == "inf");
                 ++(hit ? hits_beyond : misses_beyond);
@@ -84,7 +86,7 @@ TEST_CASE("picture, EXR, pixels and table of the bits needed tell the same story
         }
         beyond_in_all += hits_beyond;
         // 48 samples across are drawn eight pixels a side; the legend's swatch comes on top.
-        CHECK((count_of(png, beyond_colour) > 64 * static_cast<std::size_t>(hits_beyond + misses_beyond)) == (hits_beyond + misses_beyond > 0));
+        CHECK((count_of(png, lostbits::output::map::beyond_colour) > 64 * static_cast<std::size_t>(hits_beyond + misses_beyond)) == (hits_beyond + misses_beyond > 0));
         CHECK(number(row.at("bits_asked")) == 45);
         CHECK(number(row.at("pixels")) == 48 * 40);
         CHECK(number(row.at("hits_beyond_53")) == hits_beyond);
@@ -183,17 +185,17 @@ TEST_CASE("the envelope draws lost bits paler exactly where the problem explains
     const std::string what = "map grazing --size 96x96 -i sphere.schoolbook -f f32 -f f64 --metric lost_bits --metric excess_bits -o '";
     REQUIRE(run(what + (scratch.path() / "with").string() + "' --envelope").code == 0);
     REQUIRE(run(what + (scratch.path() / "without").string() + "'").code == 0);
-    const ColourScale scale("viridis", backend().ramp("viridis", 256), 0, 24);
-    const Rgb8 swatch = paler(scale.map(12));
+    const lostbits::output::image::ColourScale scale("viridis", backend().ramp("viridis", 256), 0, 24);
+    const lostbits::output::image::Rgb8 swatch = paler(scale.map(12));
     for (const char* format : {"f32", "f64"}) {
         INFO(format);
         const std::string stem = std::string("grazing/sphere.schoolbook.") + format;
-        const ExrImage with = backend().read_exr(scratch.path() / "with" / (stem + ".exr")), without = backend().read_exr(scratch.path() / "without" / (stem + ".exr"));
+        const lostbits::output::image::ExrImage with = backend().read_exr(scratch.path() / "with" / (stem + ".exr")), without = backend().read_exr(scratch.path() / "without" / (stem + ".exr"));
         std::size_t inside = 0, lossy_outside = 0;
         for (std::size_t i = 0; i < 96 * 96; ++i) {
             const float lost = samples<float>(with, "bits.lost")[i], excess = samples<float>(with, "condition.excess")[i];
             const bool in = lost >= 1 && excess < 1;
-            CHECK(preview(with, i) == (in ? paler(preview(without, i)) : preview(without, i)));
+            CHECK(preview(with, i) == (in ? lostbits::output::map::paler(preview(without, i)) : preview(without, i)));
             inside += in;
             lossy_outside += lost >= 1 && !in;
         }

@@ -14,7 +14,7 @@ TEST_CASE("the picture and the table of the README are what the program makes") 
     const auto made = scratch.path() / "rtg-fig-7-3-4100-oblique";
     const std::filesystem::path kept = LOSTBITS_REPORTS_DIR "/readme";
     CHECK(contents(made / "summary.csv") == contents(kept / "summary.csv"));
-    auto& backend = lostbits::output::image_backend();
+    auto& backend = lostbits::output::image::image_backend();
     const auto now = backend.read_png(made / "contact.png"), then = backend.read_png(kept / "contact.png");
     CHECK(now.width == then.width);
     CHECK(now.height == then.height);

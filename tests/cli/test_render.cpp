@@ -11,15 +11,15 @@
 #include "program.hpp"
 
 using namespace lostbits::test;
-using lostbits::Seen;
-using lostbits::Shadow;
-using lostbits::output::ExrImage;
+using lostbits::measure::picture::Seen;
+using lostbits::measure::picture::Shadow;
+using lostbits::output::image::ExrImage;
 
 namespace {
 
 auto& backend() {
     setenv("LOSTBITS_IMAGE_MODULE", LOSTBITS_IMAGE_MODULE_FILE, 1);
-    return lostbits::output::image_backend();
+    return lostbits::output::image::image_backend();
 }
 
 template <class T>
@@ -104,7 +104,7 @@ TEST_CASE("the layers, the pictures and the table say the same") {
     }
     for (const auto kind : {Seen::same_sphere, Seen::background, Seen::other_sphere, Seen::lost_sphere, Seen::extra_sphere, Seen::not_a_number}) {
         const auto k = static_cast<std::size_t>(kind);
-        CHECK(number(row.at(std::string(lostbits::seen_names[k]))) == seen_counts[k]);
+        CHECK(number(row.at(std::string(lostbits::measure::picture::seen_names[k]))) == seen_counts[k]);
     }
     CHECK(number(row.at("own_shadow")) == shadow_counts[static_cast<std::size_t>(Shadow::own_shadow)]);
     CHECK(number(row.at("own_shadow")) > 100);

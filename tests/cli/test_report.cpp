@@ -143,20 +143,20 @@ TEST_CASE("a report that cannot be made leaves nothing") {
 
 TEST_CASE("data/report.toml names what exists") {
     const auto data = std::filesystem::path(LOSTBITS_DATA_DIR);
-    const auto report = lostbits::scene::read_report_file(data / "report.toml");
+    const auto report = lostbits::scene::claim::read_report_file(data / "report.toml");
     REQUIRE(report.scenes.size() >= 5);
     REQUIRE(report.sweeps.size() >= 5);
     for (const auto& name : report.scenes) {
-        const auto found = lostbits::scene::find_scene(name, data);
-        CHECK(lostbits::scene::load_scene(found.path, {.variant = found.variant}).size() == 1);
+        const auto found = lostbits::scene::file::find_scene(name, data);
+        CHECK(lostbits::scene::file::load_scene(found.path, {.variant = found.variant}).size() == 1);
     }
-    for (const auto& name : report.sweeps) CHECK(std::filesystem::exists(lostbits::scene::find_sweep(name, data)));
+    for (const auto& name : report.sweeps) CHECK(std::filesystem::exists(lostbits::scene::sweep::find_sweep(name, data)));
     for (const auto& form : report.forms) CHECK(run("list intersectors --data '" + data.string() + "'").out.find(form + " ") != std::string::npos);
     const Scratch scratch;
     const auto file = scratch.write("report.toml", "schema = \"lostbits-report/1\"\nscenes = [\"a\"]\nsweeps = [\"b\"]\nforms = [\"*\"]\nformats = [\"f32\"]\nsceens = [\"a\"]\n");
     std::string error;
     try {
-        (void)lostbits::scene::read_report_file(file);
+        (void)lostbits::scene::claim::read_report_file(file);
     } catch (const lostbits::InputError& e) {
         error = e.what();
     }
@@ -165,18 +165,18 @@ TEST_CASE("data/report.toml names what exists") {
 }
 
 TEST_CASE("what is packed for a page") {
-    using namespace lostbits::output::report;
-    for (const auto& [bytes, text] : {std::pair{"", ""}, {"f", "Zg=="}, {"fo", "Zm8="}, {"foo", "Zm9v"}, {"foob", "Zm9vYg=="}, {"fooba", "Zm9vYmE="}, {"foobar", "Zm9vYmFy"}}) CHECK(base64(bytes) == text);
+    using namespace lostbits::output::page;
+    for (const auto& [bytes, text] : {std::pair{"", ""}, {"f", "Zg=="}, {"fo", "Zm8="}, {"foo", "Zm9v"}, {"foob", "Zm9vYg=="}, {"fooba", "Zm9vYmE="}, {"foobar", "Zm9vYmFy"}}) CHECK(lostbits::output::page::base64(bytes) == text);
     // RFC 4648's examples above; below, differences in two's complement: 0, -1, 1, -2, 2 become 0, 1, 2, 3, 4.
     for (const int width : {4, 8}) {
-        CHECK(folded_difference(7, 7, width) == 0);
+        CHECK(lostbits::output::page::folded_difference(7, 7, width) == 0);
         CHECK(folded_difference(6, 7, width) == 1);
         CHECK(folded_difference(8, 7, width) == 2);
         CHECK(folded_difference(5, 7, width) == 3);
     }
-    CHECK(folded_difference(0, 1, 8) == 1);
+    CHECK(lostbits::output::page::folded_difference(0, 1, 8) == 1);
     CHECK(folded_difference(0x80000000u, 0, 4) == 0xffffffffu);  // the farthest there is
-    Layer layer(4, 2);
+    lostbits::output::page::Layer layer(4, 2);
     layer.set(0, std::uint64_t{0x04030201});
     layer.set(1, std::uint64_t{0x14131211});
     CHECK(layer.planes() == std::string("\x01\x11\x02\x12\x03\x13\x04\x14"));

@@ -8,6 +8,8 @@
 
 namespace lostbits::test {
 
+using intersect::FormList;
+
 /// Taking a form's address over the archetype compiles its body.
 template <class... Form>
 std::array<Hit<Archetype> (*)(const Ray<Archetype>&, const Sphere<Archetype>&), sizeof...(Form)> instantiate(
@@ -15,7 +17,7 @@ std::array<Hit<Archetype> (*)(const Ray<Archetype>&, const Sphere<Archetype>&), 
     return {&Form::template intersect<Archetype>...};
 }
 
-extern const auto spheres_over_archetype = instantiate(SphereForms{});
+extern const auto spheres_over_archetype = instantiate(intersect::SphereForms{});
 
 template <class... Form>
 std::array<Hit<Archetype> (*)(const Ray<Archetype>&, const Box<Archetype>&, const Archetype&), sizeof...(Form)>
@@ -23,18 +25,18 @@ instantiate_boxes(FormList<Form...>) {
     return {&Form::template intersect<Archetype>...};
 }
 
-extern const auto boxes_over_archetype = instantiate_boxes(BoxForms{});
+extern const auto boxes_over_archetype = instantiate_boxes(intersect::BoxForms{});
 
 using ArchetypeField = Archetype (*)(const Vec<Archetype>&);
 
 template <class... Form>
-std::array<Hit<Archetype> (*)(const Ray<Archetype>&, const ArchetypeField&, const MarchConstants<Archetype>&, sdf::Unwatched&), sizeof...(Form)>
+std::array<Hit<Archetype> (*)(const Ray<Archetype>&, const ArchetypeField&, const intersect::MarchConstants<Archetype>&, intersect::sdf::Unwatched&), sizeof...(Form)>
 instantiate_marches(FormList<Form...>) {
-    return {&Form::template intersect<Archetype, ArchetypeField, sdf::Unwatched>...};
+    return {&Form::template intersect<Archetype, ArchetypeField, intersect::sdf::Unwatched>...};
 }
 
-extern const auto marches_over_archetype = instantiate_marches(SdfForms{});
-extern Archetype (*const sphere_over_archetype)(const Sphere<Archetype>&, const Vec<Archetype>&) = &sdf::distance<Archetype>;
-extern Archetype (*const box_over_archetype)(const Box<Archetype>&, const Vec<Archetype>&) = &sdf::distance<Archetype>;
+extern const auto marches_over_archetype = instantiate_marches(intersect::SdfForms{});
+extern Archetype (*const sphere_over_archetype)(const Sphere<Archetype>&, const Vec<Archetype>&) = &intersect::sdf::distance<Archetype>;
+extern Archetype (*const box_over_archetype)(const Box<Archetype>&, const Vec<Archetype>&) = &intersect::sdf::distance<Archetype>;
 
 }  // namespace lostbits::test

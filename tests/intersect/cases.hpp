@@ -87,12 +87,12 @@ inline double as_double(const Rational& q) { return real_from<BasicReal<53>>(q).
 
 /// The case as it would be stored: every number rounded to S; the direction normalised first where a form asks for that.
 template <class S>
-Case as_stored(Case x, Direction direction = Direction::any) {
+Case as_stored(Case x, intersect::Direction direction = intersect::Direction::any) {
     const auto round = [](Rational& q) { q = Rational(static_cast<double>(static_cast<S>(as_double(q)))); };
     for (auto* v : {&x.origin, &x.direction, &x.centre})
         for (Rational& q : *v) round(q);
     round(x.radius);
-    if (direction == Direction::unit) {
+    if (direction == intersect::Direction::unit) {
         const double dx = as_double(x.direction[0]), dy = as_double(x.direction[1]), dz = as_double(x.direction[2]);
         const double length = std::sqrt(dx * dx + dy * dy + dz * dz);
         x.direction = {Rational(dx / length), Rational(dy / length), Rational(dz / length)};

@@ -98,16 +98,16 @@ struct Expected {
     bool first_is_far = false;
 };
 
-inline Expected expect(const Info& info, const Solution& s) {
+inline Expected expect(const intersect::Info& info, const Solution& s) {
     Expected e;
-    if (info.roots == Roots::near_only && s.height < 0) e.asked = false;
-    if (s.discriminant < 0 || (s.discriminant == 0 && info.touching == Touching::miss)) return e;
-    const bool zero_counts = info.at_origin == AtOrigin::hit;
+    if (info.roots == intersect::Roots::near_only && s.height < 0) e.asked = false;
+    if (s.discriminant < 0 || (s.discriminant == 0 && info.touching == intersect::Touching::miss)) return e;
+    const bool zero_counts = info.at_origin == intersect::AtOrigin::hit;
     const bool near_is_zero = s.height == 0 && s.ahead >= 0, far_is_zero = s.height == 0 && s.ahead <= 0;
     const bool near_counts = near_is_zero ? zero_counts : !s.near_is_negative();
     const bool far_counts = far_is_zero ? zero_counts : !s.far_is_negative();
     e.first_is_far = !near_counts;
-    e.hit = near_counts || (far_counts && info.roots != Roots::near_only);
+    e.hit = near_counts || (far_counts && info.roots != intersect::Roots::near_only);
     return e;
 }
 

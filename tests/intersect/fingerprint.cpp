@@ -107,7 +107,7 @@ BoxSample<T> draw_box(Random& random, int kind) {
 template <class Form, class T>
 Hit<T> shoot(Random& random, int kind) {
     if constexpr (std::is_invocable_v<decltype(&Form::template intersect<T>), const Ray<T>&, const Sphere<T>&>) {
-        const Sample<T> x = draw<T>(random, kind, Form::info.direction == Direction::unit);
+        const Sample<T> x = draw<T>(random, kind, Form::info.direction == intersect::Direction::unit);
         return Form::intersect(x.ray, x.sphere);
     } else {
         const BoxSample<T> x = draw_box<T>(random, kind);
@@ -139,10 +139,10 @@ void print(const char* type) {
 void print_every_form() {
     const auto print_form = []<class Form>() {
         print<Form, float>("f32");
-        if constexpr (Form::info.formats == Formats::all) print<Form, double>("f64");
+        if constexpr (Form::info.formats == intersect::Formats::all) print<Form, double>("f64");
     };
-    SphereForms::for_each(print_form);
-    BoxForms::for_each(print_form);
+    intersect::SphereForms::for_each(print_form);
+    intersect::BoxForms::for_each(print_form);
 }
 
 }  // namespace lostbits::test

@@ -11,6 +11,10 @@
 #include "number/rounded.hpp"
 
 namespace lostbits::test {
+
+using intersect::Direction;
+using intersect::table::Intersector;
+
 namespace {
 
 /// Rays against one sphere, columns as the table wants them.
@@ -23,8 +27,8 @@ struct Batch {
     void add(const std::array<S, 6>& ray) {
         for (std::size_t i = 0; i < 6; ++i) column[i].push_back(ray[i]);
     }
-    RayBatch<S> rays() const { return {column[0], column[1], column[2], column[3], column[4], column[5]}; }
-    HitBatch<S> hits() {
+    intersect::table::RayBatch<S> rays() const { return {column[0], column[1], column[2], column[3], column[4], column[5]}; }
+    intersect::table::HitBatch<S> hits() {
         for (auto* v : {&t, &near, &far}) v->assign(column[0].size(), S(-12345));
         hit.assign(column[0].size(), 77);
         return {t, near, far, hit};
@@ -139,13 +143,13 @@ auto native_of(const Intersector& row) {
 template <class S>
 void compare_rows() {
     const auto all = scenes<S>();
-    const auto rows = sphere_intersectors();
+    const auto rows = intersect::table::sphere_intersectors();
     std::size_t i = 0;
     Tally total;
-    SphereForms::for_each([&]<class Form>() {
+    intersect::SphereForms::for_each([&]<class Form>() {
         const Intersector& row = rows[i++];
         INFO(Form::info.name);
-        if (Form::info.formats == Formats::binary32_only && std::same_as<S, double>) return;
+        if (Form::info.formats == intersect::Formats::binary32_only && std::same_as<S, double>) return;
         using Same = std::conditional_t<std::same_as<S, float>, Rounded<24, -126, 127>, Rounded<53>>;
         const FloatFormat f = format_of<S>;
         const CurrentFormat::Scope scope(f);
@@ -202,11 +206,11 @@ TEST_CASE("binary64: the row, the form, Rounded<53> and RoundedAny are the same 
 }
 
 TEST_CASE("a narrower row rounds its inputs on the way in", "[intersect][bits]") {
-    const Intersector& row = sphere_intersectors()[0];
+    const Intersector& row = intersect::table::sphere_intersectors()[0];
     Batch<double> batch;
     batch.add({0.1, 0, -5, 0, 0, 1});
     row.rounded(binary16, batch.rays(), Solid<double>(Sphere<double>{Vec<double>(0, 0, 0), 1.0}), batch.hits());
-    const Hit<Half> want = sphere::Schoolbook::intersect(
+    const Hit<Half> want = intersect::sphere::Schoolbook::intersect(
         Ray<Half>{Vec<Half>(Half(0.1), Half(0), Half(-5)), Vec<Half>(Half(0), Half(0), Half(1))},
         Sphere<Half>{Vec<Half>(Half(0), Half(0), Half(0)), Half(1)});
     CHECK(batch.hit[0] == 1);

@@ -9,6 +9,9 @@
 #include "number/interval.hpp"
 
 namespace lostbits::test {
+
+using intersect::SphereForms;
+
 namespace {
 
 constexpr long precisions[] = {12, 24, 53, 113, 250, 600};

@@ -7,6 +7,10 @@
 #include "intersect/table/table.hpp"
 
 namespace lostbits::test {
+
+using intersect::Info;
+using intersect::SphereForms;
+
 TEST_CASE("forms have names, titles and sources", "[intersect][info]") {
     std::set<std::string_view> names, titles;
     SphereForms::for_each([&]<class Form>() {
@@ -24,17 +28,17 @@ TEST_CASE("forms have names, titles and sources", "[intersect][info]") {
 }
 
 TEST_CASE("the table shows every form in the catalogue's order", "[intersect][info]") {
-    const auto rows = sphere_intersectors();
+    const auto rows = intersect::table::sphere_intersectors();
     REQUIRE(rows.size() == SphereForms::size);
     std::size_t i = 0;
     SphereForms::for_each([&]<class Form>() {
-        const Intersector& row = rows[i++];
+        const intersect::table::Intersector& row = rows[i++];
         INFO(Form::info.name);
         CHECK(row.info == &Form::info);
         CHECK(row.native32 != nullptr);
         CHECK(row.ball != nullptr);
         CHECK(row.interval != nullptr);
-        const bool everywhere = Form::info.formats == Formats::all;
+        const bool everywhere = Form::info.formats == intersect::Formats::all;
         CHECK((row.native64 != nullptr) == everywhere);
         CHECK((row.rounded != nullptr) == everywhere);
         CHECK(row.exists_in(*find_format("f32")));
@@ -47,25 +51,25 @@ TEST_CASE("the seeds' forms come first and have the contracts of their words", "
     const char* first[] = {"sphere.schoolbook",  "sphere.schoolbook_strict", "sphere.expanded",
                            "sphere.unit_half_b", "sphere.hearn_baker",       "sphere.press",
                            "sphere.unified",     "sphere.unified_unit",      "sphere.early_exit"};
-    const auto rows = sphere_intersectors();
+    const auto rows = intersect::table::sphere_intersectors();
     for (std::size_t i = 0; i < std::size(first); ++i) CHECK(rows[i].info->name == first[i]);
 
     const auto names_where = [&](auto property) {
         std::set<std::string_view> names;
-        for (const Intersector& row : rows)
+        for (const intersect::table::Intersector& row : rows)
             if (property(*row.info)) names.insert(row.info->name);
         return names;
     };
     using Names = std::set<std::string_view>;
-    CHECK(names_where([](const Info& f) { return f.direction == Direction::unit; }) ==
+    CHECK(names_where([](const Info& f) { return f.direction == intersect::Direction::unit; }) ==
           Names{"sphere.unit_half_b", "sphere.unified_unit", "sphere.pythagoras"});
-    CHECK(names_where([](const Info& f) { return f.roots == Roots::near_only; }) ==
+    CHECK(names_where([](const Info& f) { return f.roots == intersect::Roots::near_only; }) ==
           Names{"sphere.unit_half_b", "sphere.expanded"});
-    CHECK(names_where([](const Info& f) { return f.roots == Roots::first_only; }) == Names{"sphere.early_exit"});
-    CHECK(names_where([](const Info& f) { return f.touching == Touching::miss; }) ==
+    CHECK(names_where([](const Info& f) { return f.roots == intersect::Roots::first_only; }) == Names{"sphere.early_exit"});
+    CHECK(names_where([](const Info& f) { return f.touching == intersect::Touching::miss; }) ==
           Names{"sphere.schoolbook_strict", "sphere.two_step"});
-    CHECK(names_where([](const Info& f) { return f.at_origin == AtOrigin::miss; }) == Names{"sphere.pbrt_interval"});
-    CHECK(names_where([](const Info& f) { return f.formats == Formats::binary32_only; }) ==
+    CHECK(names_where([](const Info& f) { return f.at_origin == intersect::AtOrigin::miss; }) == Names{"sphere.pbrt_interval"});
+    CHECK(names_where([](const Info& f) { return f.formats == intersect::Formats::binary32_only; }) ==
           Names{"sphere.double_inside"});
 }
 

@@ -16,28 +16,28 @@
 
 namespace lostbits::testing {
 
-inline const Intersector& form_named(std::string_view name) {
-    for (const Intersector& form : intersectors()) {
+inline const intersect::table::Intersector& form_named(std::string_view name) {
+    for (const intersect::table::Intersector& form : intersect::table::intersectors()) {
         if (form.info->name == name) return form;
     }
     throw std::logic_error("no form " + std::string(name));
 }
 
-inline MapRow row(std::string_view form, std::string_view format) { return {&form_named(form), find_format(format).value()}; }
+inline measure::map::MapRow row(std::string_view form, std::string_view format) { return {&form_named(form), find_format(format).value()}; }
 
 /// Every form of the shape in every of these formats that it exists in.
-inline std::vector<MapRow> all_rows(Shape shape, std::initializer_list<std::string_view> formats) {
-    std::vector<MapRow> rows;
+inline std::vector<measure::map::MapRow> all_rows(Shape shape, std::initializer_list<std::string_view> formats) {
+    std::vector<measure::map::MapRow> rows;
     for (const std::string_view name : formats) {
         const Format format = find_format(name).value();
-        for (const Intersector& form : intersectors(shape)) {
+        for (const intersect::table::Intersector& form : intersect::table::intersectors(shape)) {
             if (form.exists_in(format)) rows.push_back({&form, format});
         }
     }
     return rows;
 }
 
-inline const std::vector<const Metric*> case_metrics{find_metric("lost_bits"), find_metric("excess_bits")};
+inline const std::vector<const measure::metric::Metric*> case_metrics{measure::metric::find_metric("lost_bits"), measure::metric::find_metric("excess_bits")};
 
 /// A file that goes away with the test.
 class TextFile {

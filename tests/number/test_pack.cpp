@@ -10,6 +10,9 @@
 #include "number/pack_ops.hpp"
 
 namespace lostbits::test {
+
+using intersect::simd::Isa;
+
 namespace {
 
 template <class F>
@@ -126,7 +129,7 @@ TEST_CASE("every lane of a pack holds the bits of the scalar operation", "[numbe
     const Numbers<float> floats(random);
     const Numbers<double> doubles(random);
     REQUIRE(floats.a.size() > 60000);
-    for (const Isa isa : available_isas()) {
+    for (const Isa isa : intersect::simd::available_isas()) {
         if (isa == Isa::scalar) continue;
         REQUIRE(ask_of<float>(isa) != nullptr);
         compare(isa, floats);
@@ -156,7 +159,7 @@ TEST_CASE("fma in a pack is fused", "[number][pack]") {
     std::fill(x.a.begin(), x.a.end(), a);
     std::fill(x.b.begin(), x.b.end(), a);
     std::fill(x.c.begin(), x.c.end(), c);
-    for (const Isa isa : available_isas()) {
+    for (const Isa isa : intersect::simd::available_isas()) {
         if (isa == Isa::scalar) continue;
         INFO(name_of(isa));
         const Answers<float> got(ask_of<float>(isa), 9, x);

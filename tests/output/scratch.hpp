@@ -64,9 +64,9 @@ int in_child(Work work) {
 }
 
 /// The module that this build made, wherever the test program lies.
-inline ImageBackend& backend() {
+inline output::image::ImageBackend& backend() {
     ::setenv("LOSTBITS_IMAGE_MODULE", LOSTBITS_TEST_IMAGE_MODULE, 0);
-    return image_backend();
+    return output::image::image_backend();
 }
 
 }  // namespace lostbits::output::test

@@ -16,7 +16,7 @@
 /// A failure prints numbers that paste straight back into a scene.
 template <>
 struct Catch::StringMaker<lostbits::Real> {
-    static std::string convert(const lostbits::Real& x) { return lostbits::scene::exact_text(x); }
+    static std::string convert(const lostbits::Real& x) { return lostbits::scene::toml::exact_text(x); }
 };
 
 namespace lostbits::scene::test {
@@ -71,7 +71,7 @@ std::string error_in(const Folder& folder, Work work) {
     return text;
 }
 
-inline Real real(const std::string& text) { return std::get<Real>(parse_number(text)); }
+inline Real real(const std::string& text) { return std::get<Real>(scene::toml::parse_number(text)); }
 
 inline std::string replaced(std::string text, const std::string& from, const std::string& to) {
     const std::size_t at = text.find(from);
@@ -98,18 +98,18 @@ radius = 1
 )";
 
 /// Load `text` as scene.toml in a fresh folder and return the error.
-inline std::string scene_error(const std::string& text, const LoadOptions& options = {}) {
+inline std::string scene_error(const std::string& text, const scene::file::LoadOptions& options = {}) {
     const Folder folder;
     const fs::path file = folder.write("scene.toml", text);
-    return error_in(folder, [&] { load_scene(file, options); });
+    return error_in(folder, [&] { scene::file::load_scene(file, options); });
 }
 
-inline std::vector<Scene> all_loaded(const std::string& text, const LoadOptions& options = {}) {
+inline std::vector<scene::file::Scene> all_loaded(const std::string& text, const scene::file::LoadOptions& options = {}) {
     const Folder folder;
-    return load_scene(folder.write("scene.toml", text), options);
+    return scene::file::load_scene(folder.write("scene.toml", text), options);
 }
 
-inline Scene loaded(const std::string& text, const LoadOptions& options = {}) {
+inline scene::file::Scene loaded(const std::string& text, const scene::file::LoadOptions& options = {}) {
     return all_loaded(text, options).at(0);
 }
 

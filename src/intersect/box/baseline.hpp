@@ -6,7 +6,7 @@
 
 #include "intersect/box/slab.hpp"
 
-namespace lostbits::box {
+namespace lostbits::intersect::box {
 
 struct Baseline {
     static constexpr Info info{
@@ -30,4 +30,4 @@ struct Baseline {
     }
 };
 
-}  // namespace lostbits::box
+}  // namespace lostbits::intersect::box

@@ -4,7 +4,7 @@
 
 #include "intersect/box/slab.hpp"
 
-namespace lostbits::box {
+namespace lostbits::intersect::box {
 
 struct Divide {
     static constexpr Info info{
@@ -26,4 +26,4 @@ struct Divide {
     }
 };
 
-}  // namespace lostbits::box
+}  // namespace lostbits::intersect::box

@@ -6,7 +6,7 @@
 
 #include "intersect/box/slab.hpp"
 
-namespace lostbits::box {
+namespace lostbits::intersect::box {
 
 struct EmbreeFma {
     static constexpr Info info{
@@ -31,4 +31,4 @@ struct EmbreeFma {
     }
 };
 
-}  // namespace lostbits::box
+}  // namespace lostbits::intersect::box

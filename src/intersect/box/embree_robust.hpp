@@ -4,7 +4,7 @@
 
 #include "intersect/box/slab.hpp"
 
-namespace lostbits::box {
+namespace lostbits::intersect::box {
 
 struct EmbreeRobust {
     static constexpr Info info{
@@ -23,4 +23,4 @@ struct EmbreeRobust {
     }
 };
 
-}  // namespace lostbits::box
+}  // namespace lostbits::intersect::box

@@ -4,7 +4,7 @@
 
 #include "intersect/box/slab.hpp"
 
-namespace lostbits::box {
+namespace lostbits::intersect::box {
 
 struct Exclusive {
     static constexpr Info info{
@@ -28,4 +28,4 @@ struct Exclusive {
     }
 };
 
-}  // namespace lostbits::box
+}  // namespace lostbits::intersect::box

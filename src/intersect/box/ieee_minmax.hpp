@@ -5,7 +5,7 @@
 
 #include "intersect/box/slab.hpp"
 
-namespace lostbits::box {
+namespace lostbits::intersect::box {
 
 struct IeeeMinmax {
     static constexpr Info info{
@@ -28,4 +28,4 @@ struct IeeeMinmax {
     }
 };
 
-}  // namespace lostbits::box
+}  // namespace lostbits::intersect::box

@@ -4,7 +4,7 @@
 
 #include "intersect/box/slab.hpp"
 
-namespace lostbits::box {
+namespace lostbits::intersect::box {
 
 struct Inclusive {
     static constexpr Info info{
@@ -27,4 +27,4 @@ struct Inclusive {
     }
 };
 
-}  // namespace lostbits::box
+}  // namespace lostbits::intersect::box

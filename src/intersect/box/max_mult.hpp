@@ -6,7 +6,7 @@
 
 #include "intersect/box/slab.hpp"
 
-namespace lostbits::box {
+namespace lostbits::intersect::box {
 
 struct MaxMult {
     static constexpr Info info{
@@ -24,4 +24,4 @@ struct MaxMult {
     }
 };
 
-}  // namespace lostbits::box
+}  // namespace lostbits::intersect::box

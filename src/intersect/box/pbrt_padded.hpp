@@ -4,7 +4,7 @@
 
 #include "intersect/box/slab.hpp"
 
-namespace lostbits::box {
+namespace lostbits::intersect::box {
 
 struct PbrtPadded {
     static constexpr Info info{
@@ -29,4 +29,4 @@ struct PbrtPadded {
     }
 };
 
-}  // namespace lostbits::box
+}  // namespace lostbits::intersect::box

@@ -5,7 +5,7 @@
 
 #include "intersect/box/slab.hpp"
 
-namespace lostbits::box {
+namespace lostbits::intersect::box {
 
 struct Signs {
     static constexpr Info info{
@@ -22,4 +22,4 @@ struct Signs {
     }
 };
 
-}  // namespace lostbits::box
+}  // namespace lostbits::intersect::box

@@ -5,7 +5,7 @@
 #include "geometry/shapes.hpp"
 #include "intersect/info.hpp"
 
-namespace lostbits::box {
+namespace lostbits::intersect::box {
 
 /// What the slabs so far have left of the ray: the t from tmin to tmax; nothing where tmin > tmax.
 template <Number T>
@@ -82,4 +82,4 @@ T gamma_bound(int n) {
     return nu / (T(1) - nu);
 }
 
-}  // namespace lostbits::box
+}  // namespace lostbits::intersect::box

@@ -3,7 +3,7 @@
 
 #include "intersect/sdf/march_loop.hpp"
 
-namespace lostbits::sdf {
+namespace lostbits::intersect::sdf {
 
 /// p += d·dir in place of p = o + t·dir; the same in exact arithmetic. Reads hit_eps, max_dist, max_steps.
 struct Accumulated {
@@ -34,4 +34,4 @@ struct Accumulated {
     }
 };
 
-}  // namespace lostbits::sdf
+}  // namespace lostbits::intersect::sdf

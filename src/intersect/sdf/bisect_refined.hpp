@@ -3,7 +3,7 @@
 
 #include "intersect/sdf/march_loop.hpp"
 
-namespace lostbits::sdf {
+namespace lostbits::intersect::sdf {
 
 /// After the hit of `sphere_trace`: a point inside is looked for at hit_eps, 2 hit_eps, … `doublings` times beyond it
 /// (2^7 hit_eps at most: a ray that meets the surface at a cosine below 2^-7 is left where it is), and bisect_steps halvings
@@ -40,4 +40,4 @@ struct BisectRefined {
     }
 };
 
-}  // namespace lostbits::sdf
+}  // namespace lostbits::intersect::sdf

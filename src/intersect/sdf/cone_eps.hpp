@@ -3,7 +3,7 @@
 
 #include "intersect/sdf/march_loop.hpp"
 
-namespace lostbits::sdf {
+namespace lostbits::intersect::sdf {
 
 /// A hit where d < cone·t, answered with the sample before it, which was certainly outside of the cone. Reads cone,
 /// max_dist, max_steps.
@@ -21,4 +21,4 @@ struct ConeEps {
     }
 };
 
-}  // namespace lostbits::sdf
+}  // namespace lostbits::intersect::sdf

@@ -4,7 +4,7 @@
 
 #include "geometry/shapes.hpp"
 
-namespace lostbits::sdf {
+namespace lostbits::intersect::sdf {
 
 /// |p − G| − r
 template <Number T>
@@ -23,4 +23,4 @@ T distance(const Box<T>& box, const Vec<T>& p) {
     return outside + min(max(q.x, max(q.y, q.z)), zero);
 }
 
-}  // namespace lostbits::sdf
+}  // namespace lostbits::intersect::sdf

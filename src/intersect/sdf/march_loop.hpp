@@ -5,7 +5,7 @@
 #include "intersect/info.hpp"
 #include "intersect/march.hpp"
 
-namespace lostbits::sdf {
+namespace lostbits::intersect::sdf {
 
 /// Sees every sample of a march: where it was taken, and whether the march was still under way. This one looks away.
 struct Unwatched {
@@ -53,4 +53,4 @@ Hit<T> only(const mask_t<T>& hit, const T& t) {
     return {hit, t, t, t};
 }
 
-}  // namespace lostbits::sdf
+}  // namespace lostbits::intersect::sdf

@@ -3,7 +3,7 @@
 
 #include "intersect/sdf/march_loop.hpp"
 
-namespace lostbits::sdf {
+namespace lostbits::intersect::sdf {
 
 /// Steps of ω·d. Where the sphere around the new point does not reach the one around the last (|d| + |d_last| < step) something
 /// may lie between: the step is taken back to the safe one, t_last + d_last, and ω is 1 from there on. A hit where d < hit_eps
@@ -41,4 +41,4 @@ struct OverRelaxed {
     }
 };
 
-}  // namespace lostbits::sdf
+}  // namespace lostbits::intersect::sdf

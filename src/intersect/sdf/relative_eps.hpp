@@ -3,7 +3,7 @@
 
 #include "intersect/sdf/march_loop.hpp"
 
-namespace lostbits::sdf {
+namespace lostbits::intersect::sdf {
 
 /// A hit where d < relative_eps·t. Reads relative_eps, max_dist, max_steps.
 struct RelativeEps {
@@ -20,4 +20,4 @@ struct RelativeEps {
     }
 };
 
-}  // namespace lostbits::sdf
+}  // namespace lostbits::intersect::sdf

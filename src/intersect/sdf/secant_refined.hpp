@@ -3,7 +3,7 @@
 
 #include "intersect/sdf/march_loop.hpp"
 
-namespace lostbits::sdf {
+namespace lostbits::intersect::sdf {
 
 /// After the hit of `sphere_trace`, secant_steps times t − d·(t − t')/(d − d'), kept where it brings |d| down: a ray that
 /// passes the surface within hit_eps without meeting it has no root to go to. Reads hit_eps, max_dist, max_steps, secant_steps.
@@ -33,4 +33,4 @@ struct SecantRefined {
     }
 };
 
-}  // namespace lostbits::sdf
+}  // namespace lostbits::intersect::sdf

@@ -3,7 +3,7 @@
 
 #include "intersect/sdf/march_loop.hpp"
 
-namespace lostbits::sdf {
+namespace lostbits::intersect::sdf {
 
 /// A hit where d < hit_eps, at the t of that sample: it stops short of the surface by up to hit_eps over the cosine of the
 /// angle of incidence. Reads hit_eps, max_dist, max_steps.
@@ -21,4 +21,4 @@ struct SphereTrace {
     }
 };
 
-}  // namespace lostbits::sdf
+}  // namespace lostbits::intersect::sdf

@@ -9,7 +9,11 @@
 #include "intersect/simd/packed_target.hpp"
 #include "number/error.hpp"
 
-namespace lostbits {
+namespace lostbits::intersect::simd {
+
+using table::HitBatch;
+using table::RayBatch;
+
 namespace {
 
 constexpr std::size_t forms = form_count;
@@ -80,7 +84,7 @@ void run64(const RayBatch<double>& rays, const Target<double>& target, const Hit
 template <Isa isa>
 std::span<const PackedRow> rows_of() {
     static const auto rows = []<std::size_t... form>(std::index_sequence<form...>) {
-        const auto scalar = intersectors();
+        const auto scalar = table::intersectors();
         const auto& raw = raw_rows<isa>();
         return std::array<PackedRow, forms>{PackedRow{scalar[form].info, run32<isa, form>, raw[form].f64 ? run64<isa, form> : nullptr}...};
     }(std::make_index_sequence<forms>{});
@@ -90,7 +94,7 @@ std::span<const PackedRow> rows_of() {
 std::span<const PackedRow> scalar_rows() {
     static const auto rows = [] {
         std::array<PackedRow, forms> filled{};
-        std::ranges::transform(intersectors(), filled.begin(), [](const Intersector& i) { return PackedRow{i.info, i.native32, i.native64}; });
+        std::ranges::transform(table::intersectors(), filled.begin(), [](const table::Intersector& i) { return PackedRow{i.info, i.native32, i.native64}; });
         return filled;
     }();
     return rows;
@@ -158,11 +162,11 @@ std::span<const PackedRow> packed_rows(Isa isa) {
     return {};
 }
 
-PackedRow packed_kernels(const Intersector& form) {
+PackedRow packed_kernels(const table::Intersector& form) {
     const PackedRow own{form.info, form.native32, form.native64};
     const auto scalar = scalar_rows();
     const auto same = std::ranges::find_if(scalar, [&](const PackedRow& row) { return row.info == own.info && row.f32 == own.f32 && row.f64 == own.f64; });
     return same == scalar.end() ? own : packed_rows(current_isa())[static_cast<std::size_t>(same - scalar.begin())];
 }
 
-}  // namespace lostbits
+}  // namespace lostbits::intersect::simd

@@ -10,7 +10,7 @@
 
 #include "intersect/table/table.hpp"
 
-namespace lostbits {
+namespace lostbits::intersect::simd {
 
 /// How many rays at once: one, or as many as a register of 128, 256 or 512 bits holds.
 enum class Isa { scalar, w128, w256, w512 };
@@ -36,8 +36,8 @@ Isa current_isa();
 /// written beyond the spans.
 struct PackedRow {
     const Info* info;
-    decltype(Intersector::native32) f32;
-    decltype(Intersector::native64) f64;
+    decltype(table::Intersector::native32) f32;
+    decltype(table::Intersector::native64) f64;
 };
 
 /// Every form, in the order of `intersectors()`; `scalar` are the rows of the table themselves. Empty where `isa` is
@@ -46,6 +46,6 @@ std::span<const PackedRow> packed_rows(Isa isa);
 
 /// The kernels at `current_isa()` of a row of the table; of a row that is not the table's (a form made up by a test, one
 /// from elsewhere) its own native ones.
-PackedRow packed_kernels(const Intersector& form);
+PackedRow packed_kernels(const table::Intersector& form);
 
-}  // namespace lostbits
+}  // namespace lostbits::intersect::simd

@@ -13,7 +13,7 @@
 #include "intersect/takes.hpp"
 #include "number/pack.hpp"
 
-namespace lostbits {
+namespace lostbits::intersect::simd {
 
 template <class P, class F>
 Sphere<P> sphere_at(const RawTarget<F>& target, std::size_t k) {
@@ -86,4 +86,4 @@ void fill_raw(RawRow* row) {
     });
 }
 
-}  // namespace lostbits
+}  // namespace lostbits::intersect::simd

@@ -6,7 +6,7 @@
 #include "intersect/table/kernels.hpp"
 #include "intersect/simd/packed_raw.hpp"
 
-namespace lostbits {
+namespace lostbits::intersect::simd {
 namespace {
 
 template <class F>
@@ -142,8 +142,8 @@ std::span<const ManyRow> rows_of() {
 
 }  // namespace
 
-ManyRow many_kernels(const Intersector& form) {
-    const auto table = intersectors();
+ManyRow many_kernels(const table::Intersector& form) {
+    const auto table = table::intersectors();
     for (std::size_t i = 0; i < table.size(); ++i) {
         if (table[i].info == form.info && table[i].native32 == form.native32 && table[i].native64 == form.native64) return many_rows(current_isa())[i];
     }
@@ -161,4 +161,4 @@ std::span<const ManyRow> many_rows(Isa isa) {
     return {};
 }
 
-}  // namespace lostbits
+}  // namespace lostbits::intersect::simd

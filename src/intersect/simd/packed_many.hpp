@@ -4,7 +4,7 @@
 
 #include "intersect/simd/packed.hpp"
 
-namespace lostbits {
+namespace lostbits::intersect::simd {
 
 /// n boxes; S is float or double.
 template <class S>
@@ -43,6 +43,6 @@ struct ManyRow {
 std::span<const ManyRow> many_rows(Isa isa);
 
 /// The kernels at `current_isa()` of a row of the table; all null for a row that is not the table's.
-ManyRow many_kernels(const Intersector& form);
+ManyRow many_kernels(const table::Intersector& form);
 
-}  // namespace lostbits
+}  // namespace lostbits::intersect::simd

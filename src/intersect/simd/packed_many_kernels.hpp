@@ -9,7 +9,7 @@
 #include "intersect/takes.hpp"
 #include "number/pack.hpp"
 
-namespace lostbits {
+namespace lostbits::intersect::simd {
 
 /// The forms that take a box's planes in the order of the sign of 1/d, which is the sign of d, the same for all boxes. (Not
 /// box.embree_fma: there the sign of a tiny d changes. Of a NaN neither sign nor order matters: every t is NaN.)
@@ -27,10 +27,13 @@ inline constexpr bool orders_planes<box::EmbreeRobust> = true;
 /// Registers of boxes whose planes are in order.
 template <class Width>
 struct InOrder : Width {};
-namespace box {
+
+}  // namespace lostbits::intersect::simd
+
 template <class F, class Width>
-inline constexpr bool planes_in_order<Pack<F, InOrder<Width>>> = true;
-}
+inline constexpr bool lostbits::intersect::box::planes_in_order<lostbits::Pack<F, lostbits::intersect::simd::InOrder<Width>>> = true;
+
+namespace lostbits::intersect::simd {
 
 /// Whether the ray meets hi first along an axis with this direction, of a form that asks.
 template <class Form, class F>
@@ -93,4 +96,4 @@ void fill_many_raw(RawManyRow* row) {
     });
 }
 
-}  // namespace lostbits
+}  // namespace lostbits::intersect::simd

@@ -1,7 +1,7 @@
 // One ray against many solids in 256-bit registers: AVX2 and FMA.
 #include "intersect/simd/packed_many_kernels.hpp"
 
-namespace lostbits {
+namespace lostbits::intersect::simd {
 namespace {
 
 struct Width : Registers<32> {};
@@ -10,4 +10,4 @@ struct Width : Registers<32> {};
 
 void fill_many_w256(RawManyRow* rows) { fill_many_raw<Width>(rows); }
 
-}  // namespace lostbits
+}  // namespace lostbits::intersect::simd

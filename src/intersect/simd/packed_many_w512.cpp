@@ -1,7 +1,7 @@
 // One ray against many solids in 512-bit registers: AVX-512 F, DQ and VL.
 #include "intersect/simd/packed_many_kernels.hpp"
 
-namespace lostbits {
+namespace lostbits::intersect::simd {
 namespace {
 
 struct Width : Registers<64> {};
@@ -10,4 +10,4 @@ struct Width : Registers<64> {};
 
 void fill_many_w512(RawManyRow* rows) { fill_many_raw<Width>(rows); }
 
-}  // namespace lostbits
+}  // namespace lostbits::intersect::simd

@@ -6,7 +6,7 @@
 
 #include "intersect/march.hpp"
 
-namespace lostbits {
+namespace lostbits::intersect::simd {
 
 /// What a form is aimed at.
 template <class F>
@@ -57,4 +57,4 @@ void fill_many_w128(RawManyRow* rows);
 void fill_many_w256(RawManyRow* rows);
 void fill_many_w512(RawManyRow* rows);
 
-}  // namespace lostbits
+}  // namespace lostbits::intersect::simd

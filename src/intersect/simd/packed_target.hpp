@@ -6,7 +6,7 @@
 #include "intersect/simd/packed_raw.hpp"
 #include "intersect/table/table.hpp"
 
-namespace lostbits {
+namespace lostbits::intersect::simd {
 
 /// The numbers of a target in one row; lives as long as the batches that point to it.
 template <class F>
@@ -41,7 +41,7 @@ private:
 
 /// `size` rays from ray i on.
 template <class F>
-RawBatch<F> raw_batch(const RayBatch<F>& rays, const RawTarget<F>& target, const HitBatch<F>& hits, std::size_t i, std::size_t size) {
+RawBatch<F> raw_batch(const table::RayBatch<F>& rays, const RawTarget<F>& target, const table::HitBatch<F>& hits, std::size_t i, std::size_t size) {
     return {{rays.ox.data() + i, rays.oy.data() + i, rays.oz.data() + i, rays.dx.data() + i, rays.dy.data() + i, rays.dz.data() + i},
             rays.tmax.empty() ? nullptr : rays.tmax.data() + i,
             &target,
@@ -52,4 +52,4 @@ RawBatch<F> raw_batch(const RayBatch<F>& rays, const RawTarget<F>& target, const
             size};
 }
 
-}  // namespace lostbits
+}  // namespace lostbits::intersect::simd

@@ -1,7 +1,7 @@
 // The forms in 256-bit registers: AVX2 and FMA.
 #include "intersect/simd/packed_kernels.hpp"
 
-namespace lostbits {
+namespace lostbits::intersect::simd {
 namespace {
 
 struct Width : Registers<32> {};
@@ -10,4 +10,4 @@ struct Width : Registers<32> {};
 
 void fill_packed_w256(RawRow* rows) { fill_raw<Width>(rows); }
 
-}  // namespace lostbits
+}  // namespace lostbits::intersect::simd

@@ -6,7 +6,7 @@
 #include "intersect/catalogue.hpp"
 #include "intersect/simd/packed.hpp"
 
-namespace lostbits {
+namespace lostbits::intersect::simd {
 
 std::span<const PlainRow> plain_rows() {
 #if defined(LOSTBITS_PACKED_X86)
@@ -23,4 +23,4 @@ std::span<const PlainRow> plain_rows() {
     return {};
 }
 
-}  // namespace lostbits
+}  // namespace lostbits::intersect::simd

@@ -7,7 +7,7 @@
 
 #include "intersect/info.hpp"
 
-namespace lostbits {
+namespace lostbits::intersect::simd {
 
 /// lo x, y, z, hi x, y, z.
 struct PlainBox {
@@ -28,4 +28,4 @@ std::span<const PlainRow> plain_rows();
 /// The translation unit with those flags; fills a row for each box form, but for `info`.
 void fill_plain_w256(PlainRow* rows);
 
-}  // namespace lostbits
+}  // namespace lostbits::intersect::simd

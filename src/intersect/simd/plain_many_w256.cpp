@@ -2,7 +2,7 @@
 #include "intersect/catalogue.hpp"
 #include "intersect/simd/plain_many.hpp"
 
-namespace lostbits {
+namespace lostbits::intersect::simd {
 namespace {
 
 /// Nobody else writes what these point to: that is all the help that the compiler gets.
@@ -37,4 +37,4 @@ void fill_plain_w256(PlainRow* row) {
     });
 }
 
-}  // namespace lostbits
+}  // namespace lostbits::intersect::simd

@@ -3,7 +3,7 @@
 #include "intersect/simd/packed_kernels.hpp"
 #include "intersect/simd/variant_raw.hpp"
 
-namespace lostbits {
+namespace lostbits::intersect::simd {
 namespace {
 
 struct Width : Registers<32> {};
@@ -12,4 +12,4 @@ struct Width : Registers<32> {};
 
 void fill_variant_contract(RawRow* rows) { fill_raw<Width>(rows); }
 
-}  // namespace lostbits
+}  // namespace lostbits::intersect::simd

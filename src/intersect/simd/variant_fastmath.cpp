@@ -4,7 +4,7 @@
 #include "intersect/simd/packed_kernels.hpp"
 #include "intersect/simd/variant_raw.hpp"
 
-namespace lostbits {
+namespace lostbits::intersect::simd {
 namespace {
 
 struct Width : Registers<32> {};
@@ -13,4 +13,4 @@ struct Width : Registers<32> {};
 
 void fill_variant_fastmath(RawRow* rows) { fill_raw<Width>(rows); }
 
-}  // namespace lostbits
+}  // namespace lostbits::intersect::simd

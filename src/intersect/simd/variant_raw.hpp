@@ -3,10 +3,10 @@
 
 #include "intersect/simd/packed_raw.hpp"
 
-namespace lostbits {
+namespace lostbits::intersect::simd {
 
 /// One function a variant, each in an object of its own: fills a row for each form, in the order of the tables.
 void fill_variant_contract(RawRow* rows);
 void fill_variant_fastmath(RawRow* rows);
 
-}  // namespace lostbits
+}  // namespace lostbits::intersect::simd

@@ -10,7 +10,12 @@
 #include "intersect/simd/packed_target.hpp"
 #include "intersect/simd/variant_raw.hpp"
 
-namespace lostbits {
+namespace lostbits::intersect::simd {
+
+using table::HitBatch;
+using table::Intersector;
+using table::RayBatch;
+
 namespace {
 
 constexpr std::size_t register_bytes = 32;
@@ -82,7 +87,7 @@ std::span<const Intersector> rows_of(std::string_view variant) {
     static std::array<std::string, form_count> names;
     static std::array<Info, form_count> infos;
     static const auto rows = [variant]<std::size_t... form>(std::index_sequence<form...>) {
-        const auto table = intersectors();
+        const auto table = table::intersectors();
         for (std::size_t i = 0; i < form_count; ++i) {
             names[i] = std::string(table[i].info->name) + "+" + std::string(variant);
             infos[i] = *table[i].info;
@@ -113,4 +118,4 @@ std::span<const Variant> variants() {
 #endif
 }
 
-}  // namespace lostbits
+}  // namespace lostbits::intersect::simd

@@ -7,16 +7,16 @@
 
 #include "intersect/simd/packed.hpp"
 
-namespace lostbits {
+namespace lostbits::intersect::simd {
 
 /// `contract` is -ffp-contract=fast with FMA, `fastmath` is -ffast-math with FMA.
 struct Variant {
     std::string_view name;
     Isa isa;                            ///< the registers that it is compiled for
-    std::span<const Intersector> rows;  ///< in the order of `intersectors()`, as `sphere.unified+contract`; native kernels alone
+    std::span<const table::Intersector> rows;  ///< in the order of `intersectors()`, as `sphere.unified+contract`; native kernels alone
 };
 
 /// Those that this build contains and this processor runs. Their rows are in no other table: nobody gets them who does not ask.
 std::span<const Variant> variants();
 
-}  // namespace lostbits
+}  // namespace lostbits::intersect::simd

@@ -4,7 +4,7 @@
 
 #include "intersect/sphere/roots.hpp"
 
-namespace lostbits::sphere {
+namespace lostbits::intersect::sphere {
 
 struct ClosestApproach {
     static constexpr Info info{
@@ -28,4 +28,4 @@ struct ClosestApproach {
     }
 };
 
-}  // namespace lostbits::sphere
+}  // namespace lostbits::intersect::sphere

@@ -4,7 +4,7 @@
 
 #include "intersect/sphere/roots.hpp"
 
-namespace lostbits::sphere {
+namespace lostbits::intersect::sphere {
 
 struct DoubleInside {
     static constexpr Info info{
@@ -30,4 +30,4 @@ struct DoubleInside {
     }
 };
 
-}  // namespace lostbits::sphere
+}  // namespace lostbits::intersect::sphere

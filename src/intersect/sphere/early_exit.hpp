@@ -5,7 +5,7 @@
 
 #include "intersect/sphere/roots.hpp"
 
-namespace lostbits::sphere {
+namespace lostbits::intersect::sphere {
 
 struct EarlyExit {
     static constexpr Info info{
@@ -34,4 +34,4 @@ struct EarlyExit {
     }
 };
 
-}  // namespace lostbits::sphere
+}  // namespace lostbits::intersect::sphere

@@ -3,7 +3,7 @@
 
 #include "intersect/sphere/roots.hpp"
 
-namespace lostbits::sphere {
+namespace lostbits::intersect::sphere {
 
 struct FactoredC {
     static constexpr Info info{
@@ -26,4 +26,4 @@ struct FactoredC {
     }
 };
 
-}  // namespace lostbits::sphere
+}  // namespace lostbits::intersect::sphere

@@ -4,7 +4,7 @@
 
 #include "intersect/sphere/roots.hpp"
 
-namespace lostbits::sphere {
+namespace lostbits::intersect::sphere {
 
 struct NewtonRefined {
     static constexpr Info info{
@@ -33,4 +33,4 @@ struct NewtonRefined {
     }
 };
 
-}  // namespace lostbits::sphere
+}  // namespace lostbits::intersect::sphere

@@ -4,7 +4,7 @@
 
 #include "geometry/vec.hpp"
 
-namespace lostbits::sphere {
+namespace lostbits::intersect::sphere {
 
 /// [lo, hi] over the number under test. In exact arithmetic, where numbers have no neighbours, lo = hi = the value.
 template <Number T>
@@ -42,4 +42,4 @@ struct Outward {
     [[nodiscard]] T middle() const { return (lo + hi) / T(2); }
 };
 
-}  // namespace lostbits::sphere
+}  // namespace lostbits::intersect::sphere

@@ -3,7 +3,7 @@
 
 #include "intersect/sphere/roots.hpp"
 
-namespace lostbits::sphere {
+namespace lostbits::intersect::sphere {
 
 struct PbrtFactored {
     static constexpr Info info{
@@ -24,4 +24,4 @@ struct PbrtFactored {
     }
 };
 
-}  // namespace lostbits::sphere
+}  // namespace lostbits::intersect::sphere

@@ -6,7 +6,7 @@
 #include "intersect/sphere/outward.hpp"
 #include "intersect/sphere/roots.hpp"
 
-namespace lostbits::sphere {
+namespace lostbits::intersect::sphere {
 
 struct PbrtInterval {
     static constexpr Info info{
@@ -48,4 +48,4 @@ struct PbrtInterval {
     }
 };
 
-}  // namespace lostbits::sphere
+}  // namespace lostbits::intersect::sphere

@@ -4,7 +4,7 @@
 
 #include "intersect/sphere/roots.hpp"
 
-namespace lostbits::sphere {
+namespace lostbits::intersect::sphere {
 
 struct Pythagoras {
     static constexpr Info info{
@@ -25,4 +25,4 @@ struct Pythagoras {
     }
 };
 
-}  // namespace lostbits::sphere
+}  // namespace lostbits::intersect::sphere

@@ -4,7 +4,7 @@
 #include "geometry/shapes.hpp"
 #include "intersect/info.hpp"
 
-namespace lostbits::sphere {
+namespace lostbits::intersect::sphere {
 
 template <Number T>
 T half() {
@@ -72,4 +72,4 @@ RootPair<T> unified_roots(const T& a, const T& minus_b, const T& c, const T& roo
     });
 }
 
-}  // namespace lostbits::sphere
+}  // namespace lostbits::intersect::sphere

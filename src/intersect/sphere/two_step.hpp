@@ -5,7 +5,7 @@
 
 #include "intersect/sphere/roots.hpp"
 
-namespace lostbits::sphere {
+namespace lostbits::intersect::sphere {
 
 struct TwoStep {
     static constexpr Info info{
@@ -37,4 +37,4 @@ struct TwoStep {
     }
 };
 
-}  // namespace lostbits::sphere
+}  // namespace lostbits::intersect::sphere

@@ -3,7 +3,7 @@
 
 #include "intersect/sphere/roots.hpp"
 
-namespace lostbits::sphere {
+namespace lostbits::intersect::sphere {
 
 struct UnifiedUnit {
     static constexpr Info info{
@@ -28,4 +28,4 @@ struct UnifiedUnit {
     }
 };
 
-}  // namespace lostbits::sphere
+}  // namespace lostbits::intersect::sphere

@@ -4,7 +4,7 @@
 
 #include "intersect/sphere/roots.hpp"
 
-namespace lostbits::sphere {
+namespace lostbits::intersect::sphere {
 
 struct UnitHalfB {
     static constexpr Info info{
@@ -29,4 +29,4 @@ struct UnitHalfB {
     }
 };
 
-}  // namespace lostbits::sphere
+}  // namespace lostbits::intersect::sphere

@@ -9,14 +9,14 @@
 #include "intersect/takes.hpp"
 #include "intersect/table/union_field.hpp"
 
-namespace lostbits {
+namespace lostbits::intersect::table {
 
 /// `Form::intersect` on a target; `tmax` reaches the forms that are told where a ray ends, `watch` those that march.
 template <class Form, class T, class Watch>
 Hit<T> intersect_target(const Ray<T>& ray, const Target<T>& target, const T& tmax, Watch& watch) {
     if constexpr (shape_of<Form> == Shape::sphere) return Form::intersect(ray, target.solids.front().sphere());
     else if constexpr (shape_of<Form> == Shape::box) return Form::intersect(ray, target.solids.front().box(), tmax);
-    else return Form::intersect(ray, sdf::Union<T>(target.solids), *target.march, watch);
+    else return Form::intersect(ray, Union<T>(target.solids), *target.march, watch);
 }
 
 /// `lift(S) -> T` brings a stored number into the arithmetic, `drop(T) -> S` takes the answer back, both exactly or
@@ -47,4 +47,4 @@ void native_batch(const RayBatch<T>& rays, const Target<T>& target, const HitBat
     intersect_batch<Form, T>(rays, target, hits, same, same);
 }
 
-}  // namespace lostbits
+}  // namespace lostbits::intersect::table

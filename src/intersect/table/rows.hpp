@@ -3,7 +3,7 @@
 
 #include "intersect/table/kernels.hpp"
 
-namespace lostbits {
+namespace lostbits::intersect::table {
 
 void fill_native(std::span<Intersector> rows);
 void fill_rounded(std::span<Intersector> rows);
@@ -11,4 +11,4 @@ void fill_enclosed(std::span<Intersector> rows);
 void fill_logs(std::span<Intersector> rows);
 void fill_recorded(std::span<Intersector> rows);
 
-}  // namespace lostbits
+}  // namespace lostbits::intersect::table

@@ -1,6 +1,6 @@
 #include "intersect/table/rows.hpp"
 
-namespace lostbits {
+namespace lostbits::intersect::table {
 namespace {
 
 /// "Nowhere", for enclosures, whose arithmetic has no infinity: beyond every t that double precision can name.
@@ -23,4 +23,4 @@ void fill_enclosed(std::span<Intersector> rows) {
     });
 }
 
-}  // namespace lostbits
+}  // namespace lostbits::intersect::table

@@ -1,7 +1,7 @@
 #include "intersect/table/rows.hpp"
 #include "number/rounded.hpp"
 
-namespace lostbits {
+namespace lostbits::intersect::table {
 namespace {
 
 template <class Form, class T, class Lift, class Drop>
@@ -36,4 +36,4 @@ void fill_logs(std::span<Intersector> rows) {
     });
 }
 
-}  // namespace lostbits
+}  // namespace lostbits::intersect::table

@@ -1,6 +1,6 @@
 #include "intersect/table/rows.hpp"
 
-namespace lostbits {
+namespace lostbits::intersect::table {
 
 void fill_native(std::span<Intersector> rows) {
     std::size_t i = 0;
@@ -13,4 +13,4 @@ void fill_native(std::span<Intersector> rows) {
     });
 }
 
-}  // namespace lostbits
+}  // namespace lostbits::intersect::table

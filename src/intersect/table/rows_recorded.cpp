@@ -2,7 +2,7 @@
 #include "intersect/table/rows.hpp"
 #include "number/recorded.hpp"
 
-namespace lostbits {
+namespace lostbits::intersect::table {
 namespace {
 
 /// Marks where the samples of a march end, and gives its operations the names that seed 003 has for them.
@@ -93,4 +93,4 @@ std::vector<std::string> input_names(const Intersector& form, const Target<doubl
     return names;
 }
 
-}  // namespace lostbits
+}  // namespace lostbits::intersect::table

@@ -1,7 +1,7 @@
 #include "intersect/table/rows.hpp"
 #include "number/rounded.hpp"
 
-namespace lostbits {
+namespace lostbits::intersect::table {
 namespace {
 
 template <class Form>
@@ -21,4 +21,4 @@ void fill_rounded(std::span<Intersector> rows) {
     });
 }
 
-}  // namespace lostbits
+}  // namespace lostbits::intersect::table

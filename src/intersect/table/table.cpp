@@ -3,7 +3,7 @@
 
 #include "intersect/table/rows.hpp"
 
-namespace lostbits {
+namespace lostbits::intersect::table {
 
 std::span<const Intersector> intersectors() {
     static const auto rows = [] {
@@ -25,4 +25,4 @@ std::span<const Intersector> intersectors(Shape shape) {
     return {first, last};
 }
 
-}  // namespace lostbits
+}  // namespace lostbits::intersect::table

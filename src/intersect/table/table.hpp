@@ -14,7 +14,7 @@
 #include "number/interval.hpp"
 #include "number/tape.hpp"
 
-namespace lostbits {
+namespace lostbits::intersect::table {
 
 /// n rays, structure of arrays; S is the storage type (float, or double for every other format).
 template <class S>
@@ -68,4 +68,4 @@ std::span<const Intersector> intersectors();
 std::span<const Intersector> intersectors(Shape shape);
 inline std::span<const Intersector> sphere_intersectors() { return intersectors(Shape::sphere); }
 
-}  // namespace lostbits
+}  // namespace lostbits::intersect::table

@@ -6,11 +6,11 @@
 #include "geometry/solid.hpp"
 #include "intersect/sdf/field.hpp"
 
-namespace lostbits::sdf {
+namespace lostbits::intersect::table {
 
 template <Number T>
 T distance(const Solid<T>& solid, const Vec<T>& p) {
-    return solid.shape == Shape::sphere ? distance(solid.sphere(), p) : distance(solid.box(), p);
+    return solid.shape == Shape::sphere ? sdf::distance(solid.sphere(), p) : sdf::distance(solid.box(), p);
 }
 
 /// The union of solids: the least of their distances, taken in their order.
@@ -28,4 +28,4 @@ private:
     std::span<const Solid<T>> solids_;
 };
 
-}  // namespace lostbits::sdf
+}  // namespace lostbits::intersect::table

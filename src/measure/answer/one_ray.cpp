@@ -3,28 +3,31 @@
 #include "number/error.hpp"
 #include "scene/file/march_table.hpp"
 
-namespace lostbits {
+namespace lostbits::measure::answer {
+
+using scene::file::Scene;
+using truth::Band;
 
 namespace {
 
 /// A ray alone: with its neighbours of the row, many spheres would be asked of each.
-std::unique_ptr<Band> band_of(const scene::Scene& scene, const Ray<double>& ray) {
-    scene::RayGroup group;
+std::unique_ptr<Band> band_of(const Scene& scene, const Ray<double>& ray) {
+    scene::rays::RayGroup group;
     group.rays = {1, 0, 1, {ray.origin.x}, {ray.origin.y}, {ray.origin.z}, {ray.direction.x}, {ray.direction.y}, {ray.direction.z}};
-    group.solids = scene::shared_solids(scene);
-    if (scene.march) group.march = scene::round_march(*scene.march, binary32);
+    group.solids = scene::rays::shared_solids(scene);
+    if (scene.march) group.march = scene::file::round_march(*scene.march, binary32);
     return std::make_unique<Band>(std::move(group));
 }
 
 }  // namespace
 
-OneRay::OneRay(const scene::Scene& scene, int x, int y) {
+OneRay::OneRay(const Scene& scene, int x, int y) {
     if (x < 0 || y < 0 || x >= scene.width || y >= scene.height) {
         throw InputError("--pixel " + std::to_string(x) + "," + std::to_string(y) + ": scene " + scene.id + " has columns 0 to " + std::to_string(scene.width - 1) +
                          " and rows 0 to " + std::to_string(scene.height - 1));
     }
-    if (scene.inputs == scene::Inputs::shared) {
-        const Ray<double> ray = scene::make_shared_rays(scene, y, y + 1)[static_cast<std::size_t>(x)];
+    if (scene.inputs == scene::file::Inputs::shared) {
+        const Ray<double> ray = scene::rays::make_shared_rays(scene, y, y + 1)[static_cast<std::size_t>(x)];
         band_ = band_of(scene, ray);
         return;
     }
@@ -32,28 +35,28 @@ OneRay::OneRay(const scene::Scene& scene, int x, int y) {
     index_ = static_cast<std::size_t>(x);
 }
 
-OneRay::OneRay(const scene::Scene& scene, const Ray<double>& ray) {
-    if (scene.inputs != scene::Inputs::shared) throw InputError("--ray: scene " + scene.id + " has inputs = \"own\", which are ideal numbers that no ray is given in; use --pixel");
+OneRay::OneRay(const Scene& scene, const Ray<double>& ray) {
+    if (scene.inputs != scene::file::Inputs::shared) throw InputError("--ray: scene " + scene.id + " has inputs = \"own\", which are ideal numbers that no ray is given in; use --pixel");
     band_ = band_of(scene, ray);
 }
 
-OneRay::Inputs OneRay::inputs(const Intersector& form, const Format& format) const {
-    return {band_->inputs(format, {.unit_rays = form.info->direction == Direction::unit, .own_truth = false}), index_};
+OneRay::Inputs OneRay::inputs(const intersect::table::Intersector& form, const Format& format) const {
+    return {band_->inputs(format, {.unit_rays = form.info->direction == intersect::Direction::unit, .own_truth = false}), index_};
 }
 
-double OneRay::condition(const Info& info) const {
+double OneRay::condition(const intersect::Info& info) const {
     band_->find_condition();
     return band_->condition(index_, info.touching);
 }
 
-const Certified& OneRay::true_t(const Info& info) const {
-    const Truth& found = truth(info);
-    return info.direction == Direction::unit ? found.distance : found.t;
+const truth::Certified& OneRay::true_t(const intersect::Info& info) const {
+    const truth::Truth& found = truth(info);
+    return info.direction == intersect::Direction::unit ? found.distance : found.t;
 }
 
-MarchLog march_log(const Intersector& form, const Format& format, const OneRay& ray) {
+intersect::table::MarchLog march_log(const intersect::table::Intersector& form, const Format& format, const OneRay& ray) {
     const OneRay::Inputs in = ray.inputs(form, format);
     return form.log(format, in.ray(*form.info), in.all.target_for(form, 0));
 }
 
-}  // namespace lostbits
+}  // namespace lostbits::measure::answer

@@ -9,37 +9,37 @@
 #include "measure/answer/outcome.hpp"
 #include "scene/file/scene.hpp"
 
-namespace lostbits {
+namespace lostbits::measure::answer {
 
 /// A pixel of a scene, or a ray of one's own among its solids, with its truth: what a form in a format is given there.
 class OneRay {
 public:
     /// The ray of pixel (x, y). InputError where the picture has no such pixel.
-    OneRay(const scene::Scene& scene, int x, int y);
+    OneRay(const scene::file::Scene& scene, int x, int y);
     /// `ray` is stored as it is; the scene's inputs must be shared (InputError otherwise: an ideal ray has no stored numbers).
-    OneRay(const scene::Scene& scene, const Ray<double>& ray);
+    OneRay(const scene::file::Scene& scene, const Ray<double>& ray);
 
     /// What a form in a format receives: the ray as it takes directions, and its target. Valid as long as this is.
     struct Inputs {
-        FormatInputs all;
+        truth::FormatInputs all;
         std::size_t index;
-        [[nodiscard]] Ray<double> ray(const Info& info) const { return all.rays_for(info)[index]; }
+        [[nodiscard]] Ray<double> ray(const intersect::Info& info) const { return all.rays_for(info)[index]; }
     };
-    [[nodiscard]] Inputs inputs(const Intersector& form, const Format& format) const;
+    [[nodiscard]] Inputs inputs(const intersect::table::Intersector& form, const Format& format) const;
     /// By the form's own word on touching.
-    [[nodiscard]] const Truth& truth(const Info& info) const { return band_->truth(index_, info.touching); }
+    [[nodiscard]] const truth::Truth& truth(const intersect::Info& info) const { return band_->truth(index_, info.touching); }
     /// κ of the true hit; NaN for a miss.
-    [[nodiscard]] double condition(const Info& info) const;
+    [[nodiscard]] double condition(const intersect::Info& info) const;
     /// t* in the unit of the form's answer; for a hit only.
-    [[nodiscard]] const Certified& true_t(const Info& info) const;
-    [[nodiscard]] double rounded_truth(const Info& info, const FloatFormat& format) const { return band_->rounded_truth(index_, format, info.direction, info.touching); }
+    [[nodiscard]] const truth::Certified& true_t(const intersect::Info& info) const;
+    [[nodiscard]] double rounded_truth(const intersect::Info& info, const FloatFormat& format) const { return band_->rounded_truth(index_, format, info.direction, info.touching); }
 
 private:
-    std::unique_ptr<Band> band_;
+    std::unique_ptr<truth::Band> band_;
     std::size_t index_ = 0;
 };
 
 /// The march of a form that marches (`form.log`) along a ray.
-MarchLog march_log(const Intersector& form, const Format& format, const OneRay& ray);
+intersect::table::MarchLog march_log(const intersect::table::Intersector& form, const Format& format, const OneRay& ray);
 
-}  // namespace lostbits
+}  // namespace lostbits::measure::answer

@@ -8,7 +8,7 @@
 
 #include "measure/truth/truth.hpp"
 
-namespace lostbits {
+namespace lostbits::measure::answer {
 
 /// Error metrics exist on `agree_hit` alone. `not_a_number` is a form that claims a hit at NaN.
 enum class Outcome : std::uint8_t { agree_hit, agree_miss, false_hit, false_miss, not_a_number, unresolved };
@@ -16,11 +16,11 @@ enum class Outcome : std::uint8_t { agree_hit, agree_miss, false_hit, false_miss
 inline constexpr std::array<std::string_view, 6> outcome_names{"agree_hit",  "agree_miss",   "false_hit",
                                                                "false_miss", "not_a_number", "unresolved"};
 
-inline Outcome classify(Truth::Decision truth, bool hit, double t) {
-    if (truth == Truth::Decision::unresolved) return Outcome::unresolved;
+inline Outcome classify(truth::Truth::Decision truth, bool hit, double t) {
+    if (truth == truth::Truth::Decision::unresolved) return Outcome::unresolved;
     if (hit && std::isnan(t)) return Outcome::not_a_number;
-    if (truth == Truth::Decision::hit) return hit ? Outcome::agree_hit : Outcome::false_miss;
+    if (truth == truth::Truth::Decision::hit) return hit ? Outcome::agree_hit : Outcome::false_miss;
     return hit ? Outcome::false_hit : Outcome::agree_miss;
 }
 
-}  // namespace lostbits
+}  // namespace lostbits::measure::answer

@@ -2,7 +2,10 @@
 
 #include "measure/truth/enclose.hpp"
 
-namespace lostbits {
+namespace lostbits::measure::answer {
+
+using truth::Certified;
+
 namespace {
 
 /// True when this precision has the last word; `answer` is then set where there is one.
@@ -11,22 +14,22 @@ bool settle(const Hit<E>& hit, std::optional<Certified>& answer) {
     if (hit.hit.is_unknown()) return false;
     if (hit.hit.is_no()) return true;
     if (hit.t.undefined() == Undefined::always) return true;
-    answer = certify(hit.t);
+    answer = truth::certify(hit.t);
     return answer.has_value();
 }
 
 }  // namespace
 
-std::optional<Certified> without_rounding(const Intersector& form, const Ray<double>& ray, const Target<double>& target, int limit_bits) {
+std::optional<Certified> without_rounding(const intersect::table::Intersector& form, const Ray<double>& ray, const intersect::Target<double>& target, int limit_bits) {
     std::optional<Certified> answer;
-    const LiftedTarget<Ball> quick(target, [](double x) { return Ball(x); });
-    if (settle(form.ball(lift_ray<Ball>(ray), quick.get()), answer)) return answer;
+    const intersect::LiftedTarget<Ball> quick(target, [](double x) { return Ball(x); });
+    if (settle(form.ball(truth::lift_ray<Ball>(ray), quick.get()), answer)) return answer;
     for (int bits = 192; bits <= limit_bits; bits *= 2) {
         const Interval::Precision precision(bits);
-        const LiftedTarget<Interval> lifted(target, [](double x) { return Interval(x); });
-        if (settle(form.interval(lift_ray<Interval>(ray), lifted.get()), answer)) return answer;
+        const intersect::LiftedTarget<Interval> lifted(target, [](double x) { return Interval(x); });
+        if (settle(form.interval(truth::lift_ray<Interval>(ray), lifted.get()), answer)) return answer;
     }
     return std::nullopt;
 }
 
-}  // namespace lostbits
+}  // namespace lostbits::measure::answer

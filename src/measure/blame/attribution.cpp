@@ -8,7 +8,7 @@
 #include "number/rounded.hpp"
 #include "measure/blame/shadow.hpp"
 
-namespace lostbits {
+namespace lostbits::measure::blame {
 namespace {
 
 /// One tape over one kind of exact number: forward for the exact values, backward for the adjoints.
@@ -166,7 +166,7 @@ private:
         if (!std::isfinite(off) || off == 0) return 0;
         const double size = std::fabs(of(i).exact);
         const long e = ulp_exponent(tape_.format_of(as), size == 0 ? -100000 : std::ilogb(size));
-        return lost_bits(std::ldexp(off, static_cast<int>(-e)), tape_.format_of(as).precision);
+        return metric::lost_bits(std::ldexp(off, static_cast<int>(-e)), tape_.format_of(as).precision);
     }
 
     void seed(NodeId subject) {
@@ -284,4 +284,4 @@ Attribution attribute(const Tape& tape, AttributionDepth depth) {
     return found;
 }
 
-}  // namespace lostbits
+}  // namespace lostbits::measure::blame

@@ -6,7 +6,7 @@
 
 #include "number/tape.hpp"
 
-namespace lostbits {
+namespace lostbits::measure::blame {
 
 /// What is known of one node of a tape. `exact` is what it is without any rounding, every decision taken by exact values.
 ///
@@ -61,4 +61,4 @@ Attribution attribute(const Tape& tape, AttributionDepth depth = {});
 /// Whether the form misses, and would without rounding.
 bool is_plain_miss(const Tape& tape, const Attribution& found);
 
-}  // namespace lostbits
+}  // namespace lostbits::measure::blame

@@ -18,7 +18,12 @@
 #include "scene/file/march_table.hpp"
 #include "scene/toml/round.hpp"
 
-namespace lostbits {
+namespace lostbits::measure::blame {
+
+using intersect::Target;
+using intersect::table::Intersector;
+using metric::Metric;
+
 namespace {
 
 constexpr double missing = std::numeric_limits<double>::quiet_NaN();
@@ -59,12 +64,12 @@ std::optional<Target<double>> target_of(const Intersector& form, const Setting& 
 /// Not where the result is exact whatever the operands are.
 bool can_err(TapeOp op) { return op == TapeOp::constant || (is_operation(op) && op != TapeOp::neg && op != TapeOp::abs); }
 
-double labelled_contribution(const Sample& s) {
+double labelled_contribution(const metric::Sample& s) {
     if (!s.blame || s.blame->attribution->subject == no_node || is_decision((*s.blame->tape)[s.blame->attribution->subject].op)) return missing;
     return contribution_of(*s.blame->tape, *s.blame->attribution, label_of(*s.metric)) / s.blame->ulp;
 }
 
-double labelled_cancellation(const Sample& s) { return s.blame ? cancellation_of(*s.blame->tape, *s.blame->attribution, label_of(*s.metric)) : missing; }
+double labelled_cancellation(const metric::Sample& s) { return s.blame ? cancellation_of(*s.blame->tape, *s.blame->attribution, label_of(*s.metric)) : missing; }
 
 /// What there is of each label; `name` is to be filled in.
 struct Labelled {
@@ -73,14 +78,14 @@ struct Labelled {
 };
 constexpr std::array labelled{
     Labelled{"contribution:", "contribution.",
-             {"", "ulp", "", "what the operations of that name add to t by their own rounding, in ulps of t without rounding", needs_attribution, Ramp::magnitude, 0x1p-4, 0x1p+24, false, labelled_contribution}},
+             {"", "ulp", "", "what the operations of that name add to t by their own rounding, in ulps of t without rounding", metric::needs_attribution, metric::Ramp::magnitude, 0x1p-4, 0x1p+24, false, labelled_contribution}},
     Labelled{"cancellation:", "cancellation.",
-             {"", "bits", "", "bits that the operation of that name cancels of operands which already carry error", needs_attribution, Ramp::bits, 0, 0, false, labelled_cancellation}}};
+             {"", "bits", "", "bits that the operation of that name cancels of operands which already carry error", metric::needs_attribution, metric::Ramp::bits, 0, 0, false, labelled_cancellation}}};
 
 }  // namespace
 
-SettingOf::SettingOf(const scene::Scene& scene) : solids_(scene::shared_solids(scene)) {
-    if (scene.march) march_ = scene::round_march(*scene.march, binary32);
+SettingOf::SettingOf(const scene::file::Scene& scene) : solids_(scene::rays::shared_solids(scene)) {
+    if (scene.march) march_ = scene::file::round_march(*scene.march, binary32);
 }
 
 std::vector<std::string> operations_of(const Intersector& form, const Setting& setting) {
@@ -89,7 +94,7 @@ std::vector<std::string> operations_of(const Intersector& form, const Setting& s
     if (!target) return operations;
     Tape tape;
     form.record_all(*target, tape);
-    const TapeText text(tape, input_names(form, *target), TapeText::Style::generic);
+    const TapeText text(tape, intersect::table::input_names(form, *target), TapeText::Style::generic);
     for (NodeId i = 0; i < tape.size(); ++i) {
         if (!can_err(tape[i].op)) continue;
         std::string category = text.category(i);
@@ -110,7 +115,7 @@ const Metric* culprit_among(std::span<const Intersector* const> forms, const Set
             if (std::ranges::find(list, operation) == list.end()) list.push_back(texts.emplace_back(operation));
         }
     }
-    Metric row = *find_metric("culprit");
+    Metric row = *metric::find_metric("culprit");
     row.categories = list;
     return &rows.emplace_back(row);
 }
@@ -153,7 +158,7 @@ void bind_to_run(std::vector<const Metric*>& metrics, const std::vector<const In
             }
         }
         if (std::ranges::find(labels, label) != labels.end()) continue;
-        throw InputError("--metric " + std::string(m->name) + ": no selected form names \"" + label + "\"; " + (labels.empty() ? "none of them names anything" : scene::did_you_mean(label, labels)));
+        throw InputError("--metric " + std::string(m->name) + ": no selected form names \"" + label + "\"; " + (labels.empty() ? "none of them names anything" : scene::toml::did_you_mean(label, labels)));
     }
 }
 
@@ -202,7 +207,7 @@ double cancellation_of(const Tape& tape, const Attribution& attribution, std::st
 const std::vector<std::int32_t>& Blamer::places(const Target<double>& target) {
     const auto [found, fresh] = known_.try_emplace(structure_of(tape_));
     if (!fresh) return found->second;
-    const TapeText text(tape_, input_names(form_, target), TapeText::Style::generic);
+    const TapeText text(tape_, intersect::table::input_names(form_, target), TapeText::Style::generic);
     for (NodeId i = 0; i < tape_.size(); ++i) {
         const auto place = std::ranges::find(categories_, text.category(i));
         found->second.push_back(place == categories_.end() ? -1 : static_cast<std::int32_t>(place - categories_.begin()));
@@ -227,4 +232,4 @@ Blame Blamer::of(const Ray<double>& ray, const Target<double>& target, double tm
     return blame;
 }
 
-}  // namespace lostbits
+}  // namespace lostbits::measure::blame

@@ -15,7 +15,7 @@
 #include "scene/rays/family.hpp"
 #include "scene/file/scene.hpp"
 
-namespace lostbits {
+namespace lostbits::measure::blame {
 
 /// What is known of a ray whose tape was walked.
 struct Blame {
@@ -28,41 +28,41 @@ struct Blame {
 /// What the forms of a run are asked of; a view.
 struct Setting {
     std::span<const Solid<double>> solids;
-    const MarchConstants<double>* march = nullptr;  ///< null: no form that marches is asked
+    const intersect::MarchConstants<double>* march = nullptr;  ///< null: no form that marches is asked
 };
 
 /// A scene's or a step's solids and constants as a `Setting`, kept while it lives.
 class SettingOf {
 public:
-    explicit SettingOf(const scene::Scene& scene);
-    explicit SettingOf(const scene::RayGroup& rays) : solids_(rays.solids), march_(rays.march) {}
+    explicit SettingOf(const scene::file::Scene& scene);
+    explicit SettingOf(const scene::rays::RayGroup& rays) : solids_(rays.solids), march_(rays.march) {}
     [[nodiscard]] Setting get() const { return {solids_, march_ ? &*march_ : nullptr}; }
 
 private:
     std::vector<Solid<double>> solids_;
-    std::optional<MarchConstants<double>> march_;
+    std::optional<intersect::MarchConstants<double>> march_;
 };
 
 /// Every operation of a form that can round or choose, in the order of its tape, each once, as maps and claims call it; empty where
 /// the form cannot be asked.
-std::vector<std::string> operations_of(const Intersector& form, const Setting& setting);
+std::vector<std::string> operations_of(const intersect::table::Intersector& form, const Setting& setting);
 
 /// `culprit` with its categories: first `none`, then the operations of each form, those that several forms share once. Lives as
 /// long as the program.
-const Metric* culprit_among(std::span<const Intersector* const> forms, const Setting& setting);
+const metric::Metric* culprit_among(std::span<const intersect::table::Intersector* const> forms, const Setting& setting);
 
 /// `contribution:LABEL` or `cancellation:LABEL`: the row of that label, or null where `name` is no such name. Lives as long as the program.
-const Metric* labelled_metric(std::string_view name);
-inline bool is_labelled(const Metric& metric) { return metric.name.find(':') != std::string_view::npos; }
-inline std::string_view label_of(const Metric& metric) { return metric.name.substr(metric.name.find(':') + 1); }
+const metric::Metric* labelled_metric(std::string_view name);
+inline bool is_labelled(const metric::Metric& metric) { return metric.name.find(':') != std::string_view::npos; }
+inline std::string_view label_of(const metric::Metric& metric) { return metric.name.substr(metric.name.find(':') + 1); }
 
 /// Every label of a form, in the order of its tape; empty where the form cannot be asked.
-std::vector<std::string_view> labels_of(const Intersector& form, const Setting& setting);
+std::vector<std::string_view> labels_of(const intersect::table::Intersector& form, const Setting& setting);
 
 /// Gives `culprit` the operations of these forms. InputError for a label that none of them has, with did-you-mean.
-void bind_to_run(std::vector<const Metric*>& metrics, const std::vector<const Intersector*>& forms, const Setting& setting);
+void bind_to_run(std::vector<const metric::Metric*>& metrics, const std::vector<const intersect::table::Intersector*>& forms, const Setting& setting);
 /// The same of a setting that is made only where a metric depends on it: a scene may have millions of solids.
-void bind_to_run(std::vector<const Metric*>& metrics, const std::vector<const Intersector*>& forms, const std::function<SettingOf()>& setting);
+void bind_to_run(std::vector<const metric::Metric*>& metrics, const std::vector<const intersect::table::Intersector*>& forms, const std::function<SettingOf()>& setting);
 
 /// The share of one category, or of several, in the rays that have a culprit, by the counts of `culprit`'s categories; NaN where no
 /// ray has one. Rays on which nothing rounds have none.
@@ -82,15 +82,15 @@ double cancellation_of(const Tape& tape, const Attribution& attribution, std::st
 class Blamer {
 public:
     /// `categories` are those of the run's `culprit`; empty where it is not asked for.
-    Blamer(const Intersector& form, const Format& format, std::span<const std::string_view> categories) : form_(form), format_(format), categories_(categories) {}
+    Blamer(const intersect::table::Intersector& form, const Format& format, std::span<const std::string_view> categories) : form_(form), format_(format), categories_(categories) {}
 
-    Blame of(const Ray<double>& ray, const Target<double>& target, double tmax);
+    Blame of(const Ray<double>& ray, const intersect::Target<double>& target, double tmax);
 
 private:
     /// A category for each node of the tape: of all tapes of the same structure.
-    const std::vector<std::int32_t>& places(const Target<double>& target);
+    const std::vector<std::int32_t>& places(const intersect::Target<double>& target);
 
-    const Intersector& form_;
+    const intersect::table::Intersector& form_;
     const Format& format_;
     std::span<const std::string_view> categories_;
     Tape tape_;
@@ -98,4 +98,4 @@ private:
     std::unordered_map<std::uint64_t, std::vector<std::int32_t>> known_;
 };
 
-}  // namespace lostbits
+}  // namespace lostbits::measure::blame

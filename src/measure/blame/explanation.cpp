@@ -8,30 +8,35 @@
 #include "measure/truth/conditioning.hpp"
 #include "measure/blame/operation_error.hpp"
 
-namespace lostbits {
+namespace lostbits::measure::blame {
+
+using answer::OneRay;
+using answer::Outcome;
+using intersect::table::Intersector;
+
 namespace {
 
 constexpr double missing = std::numeric_limits<double>::quiet_NaN();
 
 Standing standing_of(const Intersector& form, const Format& format, const OneRay& ray, bool hit, double t) {
-    Standing s{&form, classify(ray.truth(*form.info).decision, hit, t), t, missing, missing};
+    Standing s{&form, answer::classify(ray.truth(*form.info).decision, hit, t), t, missing, missing};
     if (s.outcome != Outcome::agree_hit) return s;
-    const Certified& truth = ray.true_t(*form.info);
-    s.ulps = std::isinf(t) ? t : scaled_difference(exactly(t), truth, ulp_exponent(format.shape, truth.floor_log2()));
-    s.lost = lost_bits(s.ulps, format.shape.precision);
+    const truth::Certified& truth = ray.true_t(*form.info);
+    s.ulps = std::isinf(t) ? t : truth::scaled_difference(truth::exactly(t), truth, ulp_exponent(format.shape, truth.floor_log2()));
+    s.lost = metric::lost_bits(s.ulps, format.shape.precision);
     return s;
 }
 
 /// The nearest answer over the solids of the scene, as a picture has it.
 Standing standing_of(const Intersector& form, const Format& format, const OneRay& ray) {
     const OneRay::Inputs in = ray.inputs(form, format);
-    const Answers answers = evaluate(form, in.all);
+    const truth::Answers answers = truth::evaluate(form, in.all);
     return standing_of(form, format, ray, answers.hit[in.index] != 0, answers.t[in.index]);
 }
 
 std::vector<Standing> better_than(const Standing& mine, const Format& format, const OneRay& ray) {
     std::vector<Standing> better;
-    for (const Intersector& other : intersectors(mine.form->shape)) {
+    for (const Intersector& other : intersect::table::intersectors(mine.form->shape)) {
         if (&other == mine.form || !other.exists_in(format)) continue;
         const Standing s = standing_of(other, format, ray);
         const bool lost_all = s.outcome == Outcome::agree_hit && !(s.lost < format.shape.precision);
@@ -87,17 +92,17 @@ std::vector<NodeId> Explanation::turned() const {
 
 Explanation explain(const Intersector& form, const Format& format, const OneRay& ray) {
     const OneRay::Inputs in = ray.inputs(form, format);
-    const Answers answers = evaluate(form, in.all);
-    const Truth& truth = ray.truth(*form.info);
+    const truth::Answers answers = truth::evaluate(form, in.all);
+    const truth::Truth& truth = ray.truth(*form.info);
     Explanation x{.form = &form, .format = format, .names = {}, .inputs = {}, .given = {}, .tape = {}, .attribution = {}, .standing = {}, .true_t = {}, .better = {}};
     const Vec<double> given = in.all.rays[in.index].direction, received = in.ray(*form.info).direction;
     if (given.x != received.x || given.y != received.y || given.z != received.z) x.given = given;
     x.solids = static_cast<int>(in.all.solids.size());
     x.solid = std::max(0, answers.hit[in.index] != 0 ? answers.object[in.index] : truth.object);
-    const Target<double> target = in.all.target_for(form, static_cast<std::size_t>(x.solid));
+    const intersect::Target<double> target = in.all.target_for(form, static_cast<std::size_t>(x.solid));
     const double tmax = in.all.rays.tmax.empty() ? HUGE_VAL : in.all.rays.tmax[in.index];
     form.record(format, in.ray(*form.info), target, tmax, x.tape);
-    x.names = input_names(form, target);
+    x.names = intersect::table::input_names(form, target);
     for (const TapeNode& n : x.tape.nodes) {
         if (n.op == TapeOp::input) x.inputs.push_back(n.value);
     }
@@ -109,10 +114,10 @@ Explanation explain(const Intersector& form, const Format& format, const OneRay&
     if (truth.is_hit()) {
         x.true_t = ray.rounded_truth(*form.info, binary64);
         x.condition = ray.condition(*form.info);
-        x.inherent = inherent_bits(x.condition, format.shape.precision);
+        x.inherent = truth::inherent_bits(x.condition, format.shape.precision);
     }
     x.better = better_than(x.standing, format, ray);
     return x;
 }
 
-}  // namespace lostbits
+}  // namespace lostbits::measure::blame

@@ -8,22 +8,22 @@
 #include "measure/blame/attribution.hpp"
 #include "measure/answer/one_ray.hpp"
 
-namespace lostbits {
+namespace lostbits::measure::blame {
 
 /// How a form fares on the ray.
 struct Standing {
-    const Intersector* form;
-    Outcome outcome;
+    const intersect::table::Intersector* form;
+    answer::Outcome outcome;
     double t;      ///< its answer
     double ulps;   ///< (t − t*)/ulp(t*); NaN unless both hit
     double lost;   ///< bits; NaN unless both hit
-    bool is_right() const { return outcome == Outcome::agree_hit || outcome == Outcome::agree_miss; }
+    bool is_right() const { return outcome == answer::Outcome::agree_hit || outcome == answer::Outcome::agree_miss; }
     /// A right decision before a wrong one, then fewer lost bits.
     bool beats(const Standing& other) const;
 };
 
 struct Explanation {
-    const Intersector* form;
+    const intersect::table::Intersector* form;
     Format format;
     std::vector<std::string> names;  ///< of the inputs, in the tape's order
     std::vector<double> inputs;      ///< as the form received them
@@ -33,7 +33,7 @@ struct Explanation {
     Attribution attribution;
     Standing standing;
     bool hit = false;                ///< the form's decision
-    Truth::Decision truth = Truth::Decision::miss;
+    truth::Truth::Decision truth = truth::Truth::Decision::miss;
     std::optional<double> true_t;    ///< t*, correctly rounded to binary64
     double condition = 0;            ///< κ; NaN for a miss
     double inherent = 0;             ///< bits of the envelope; NaN for a miss
@@ -49,6 +49,6 @@ struct Explanation {
     [[nodiscard]] std::vector<NodeId> turned() const;
 };
 
-Explanation explain(const Intersector& form, const Format& format, const OneRay& ray);
+Explanation explain(const intersect::table::Intersector& form, const Format& format, const answer::OneRay& ray);
 
-}  // namespace lostbits
+}  // namespace lostbits::measure::blame

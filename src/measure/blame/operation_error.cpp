@@ -6,7 +6,7 @@
 #include "number/rounded.hpp"
 #include "number/real.hpp"
 
-namespace lostbits {
+namespace lostbits::measure::blame {
 namespace {
 
 /// An error-free residual needs its lowest bit, some 2·53 places below the result, to be representable.
@@ -194,4 +194,4 @@ Weights quotients(const TapeNode& n, const std::array<Operand, 3>& x, NodeId cho
     }
 }
 
-}  // namespace lostbits
+}  // namespace lostbits::measure::blame

@@ -5,7 +5,7 @@
 
 #include "number/tape.hpp"
 
-namespace lostbits {
+namespace lostbits::measure::blame {
 
 /// The operand that a select, min or max took; none for any other operation.
 NodeId chosen(const Tape& tape, NodeId i);
@@ -41,4 +41,4 @@ struct Weights {
 /// The difference quotients of `OperationError`, or, where `slopes`, the derivatives at the computed operands.
 Weights quotients(const TapeNode& n, const std::array<Operand, 3>& x, NodeId chosen, bool slopes);
 
-}  // namespace lostbits
+}  // namespace lostbits::measure::blame

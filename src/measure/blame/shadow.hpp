@@ -8,7 +8,7 @@
 #include "number/ball.hpp"
 #include "number/real.hpp"
 
-namespace lostbits {
+namespace lostbits::measure::blame {
 
 /// Double-double with bounds: what a map affords.
 struct QuickShadow {
@@ -57,4 +57,4 @@ private:
     static bool same(const Number& a, const Number& b) { return sum(a, -b) == 0; }
 };
 
-}  // namespace lostbits
+}  // namespace lostbits::measure::blame

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace lostbits {
+namespace lostbits::measure::blame {
 namespace {
 
 constexpr std::size_t short_enough = 40, short_in_latex = 120;  ///< letters of an expression that is written out within another
@@ -267,4 +267,4 @@ std::string TapeText::category(NodeId i) const {
     return plain;
 }
 
-}  // namespace lostbits
+}  // namespace lostbits::measure::blame

@@ -8,7 +8,7 @@
 
 #include "number/tape.hpp"
 
-namespace lostbits {
+namespace lostbits::measure::blame {
 
 /// Names and expressions of the operations of one tape. The formula's own letters where it names them (a letter that comes again, in
 /// a loop over axes, is numbered: `tmin`, `tmin2`); sums of three products as dot products; the three components of a vector that
@@ -61,4 +61,4 @@ private:
     std::vector<NodeId> part_of_dot_;  ///< the dot product that a partial sum or product belongs to
 };
 
-}  // namespace lostbits
+}  // namespace lostbits::measure::blame

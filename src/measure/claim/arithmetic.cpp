@@ -5,7 +5,7 @@
 
 #include "number/rounded.hpp"
 
-namespace lostbits {
+namespace lostbits::measure::claim {
 namespace {
 
 constexpr int samples = 4096;
@@ -86,4 +86,4 @@ constexpr ArithmeticRow rows[] = {
 
 std::span<const ArithmeticRow> arithmetic_rows() { return rows; }
 
-}  // namespace lostbits
+}  // namespace lostbits::measure::claim

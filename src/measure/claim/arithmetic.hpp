@@ -6,7 +6,7 @@
 
 #include "number/format.hpp"
 
-namespace lostbits {
+namespace lostbits::measure::claim {
 
 /// A row of the table "arithmetic": a share of seeded samples, mostly of those whose result an operand does not influence.
 struct ArithmeticRow {
@@ -19,4 +19,4 @@ struct ArithmeticRow {
 /// All rows. Their samples are 4096 significands drawn with one seed, every result correctly rounded in the format.
 std::span<const ArithmeticRow> arithmetic_rows();
 
-}  // namespace lostbits
+}  // namespace lostbits::measure::claim

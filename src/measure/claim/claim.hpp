@@ -7,7 +7,7 @@
 #include "measure/sweep/sweep.hpp"
 #include "scene/claim/claims_file.hpp"
 
-namespace lostbits {
+namespace lostbits::measure::claim {
 
 /// What became of a claim.
 struct ClaimResult {
@@ -17,14 +17,14 @@ struct ClaimResult {
     State state = State::broken;
     double measured = 0;
     std::string trouble;  ///< why it is broken or skipped
-    WorstRay witness;     ///< the worst ray of the measurement, where there is one
+    map::WorstRay witness;     ///< the worst ray of the measurement, where there is one
 };
 
 /// The form and format that a claim is about. InputError, with the claim's position, for names that do not exist.
-MapRow claim_row(const scene::Claim& claim);
+map::MapRow claim_row(const scene::claim::Claim& claim);
 
 /// Measures every claim; scenes and sweeps that several claims share are run once. `done` is called after each subject.
 /// InputError, with the claim's position, for names that do not exist.
-std::vector<ClaimResult> measure_claims(const std::vector<scene::Claim>& claims, const std::filesystem::path& data_dir, const std::function<void()>& done = [] {});
+std::vector<ClaimResult> measure_claims(const std::vector<scene::claim::Claim>& claims, const std::filesystem::path& data_dir, const std::function<void()>& done = [] {});
 
-}  // namespace lostbits
+}  // namespace lostbits::measure::claim

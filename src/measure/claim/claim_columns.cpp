@@ -7,10 +7,16 @@
 #include "measure/claim/claim.hpp"
 #include "scene/toml/did_you_mean.hpp"
 
-namespace lostbits {
+namespace lostbits::measure::claim {
+
+using answer::Outcome;
+using map::MapSummary;
+using metric::Distribution;
+using metric::Metric;
+
 namespace {
 
-using scene::Claim;
+using scene::claim::Claim;
 
 constexpr double missing = std::numeric_limits<double>::quiet_NaN();
 
@@ -34,7 +40,7 @@ std::string column_of(const Metric& metric) {
 
 std::map<std::string, double> columns_of(const MapSummary& s, const std::vector<const Metric*>& metrics) {
     std::map<std::string, double> columns;
-    for (std::size_t o = 0; o < outcome_names.size(); ++o) columns[std::string(outcome_names[o])] = static_cast<double>(s.outcomes[o]);
+    for (std::size_t o = 0; o < answer::outcome_names.size(); ++o) columns[std::string(answer::outcome_names[o])] = static_cast<double>(s.outcomes[o]);
     columns["rays"] = static_cast<double>(s.rays);
     columns["wrong_object"] = static_cast<double>(s.wrong_object);
     columns["false_hit_fraction"] = share(s.count(Outcome::false_hit), s.rays - s.true_hits - s.count(Outcome::unresolved));
@@ -55,7 +61,7 @@ std::map<std::string, double> columns_of(const MapSummary& s, const std::vector<
 
 /// What else a claim could have meant: columns of metrics that no claim about this subject names.
 void add_columns_of_the_others(std::vector<std::string>& names) {
-    for (const Metric& m : metrics()) {
+    for (const Metric& m : metric::metrics()) {
         if (m.by_run()) names.emplace_back("culprit_fraction");
         else if (m.categories.empty()) for (const Statistic& statistic : statistics) names.push_back(column_of(m) + statistic.name);
     }
@@ -68,7 +74,7 @@ std::string label_in(const std::string& operation) {
 }
 
 /// The operations of a form that a word stands for: that expression, or those of that label. InputError with did-you-mean.
-std::vector<std::string> meant_by(const std::string& word, const Claim& claim, const Setting& setting) {
+std::vector<std::string> meant_by(const std::string& word, const Claim& claim, const blame::Setting& setting) {
     const auto operations = operations_of(*claim_row(claim).form, setting);
     std::vector<std::string> meant, known;
     for (const std::string& operation : operations) {
@@ -78,7 +84,7 @@ std::vector<std::string> meant_by(const std::string& word, const Claim& claim, c
     }
     if (!meant.empty()) return meant;
     known.insert(known.end(), operations.begin(), operations.end());
-    scene::fail(claim.quantity, claim.form + " has no operation \"" + word + "\"; " + scene::did_you_mean(word, known));
+    scene::toml::fail(claim.quantity, claim.form + " has no operation \"" + word + "\"; " + scene::toml::did_you_mean(word, known));
 }
 
 }  // namespace
@@ -87,8 +93,8 @@ bool asks_for_attribution(const Claim& claim) {
     return std::ranges::any_of(std::initializer_list<const char*>{"culprit_", "cancellation", "contribution"}, [&](const char* start) { return claim.metric.starts_with(start); });
 }
 
-ClaimColumns::ClaimColumns(const std::vector<Claim>& claims, const std::vector<MapRow>& rows, const Setting& setting) : setting_(setting) {
-    for (const Metric& m : lostbits::metrics()) {
+ClaimColumns::ClaimColumns(const std::vector<Claim>& claims, const std::vector<map::MapRow>& rows, const blame::Setting& setting) : setting_(setting) {
+    for (const Metric& m : lostbits::measure::metric::metrics()) {
         const bool named = std::ranges::any_of(claims, [&](const Claim& c) { return c.metric.starts_with(std::string(m.name) + "_"); });
         if (m.by_default || named) metrics_.push_back(&m);
     }
@@ -96,7 +102,7 @@ ClaimColumns::ClaimColumns(const std::vector<Claim>& claims, const std::vector<M
         for (const std::string& word : claim.operations) meant_by(word, claim, setting_);  // refused before the work
         add_labelled(claim);
     }
-    bind_to_run(metrics_, forms_of(rows), setting_);
+    blame::bind_to_run(metrics_, map::forms_of(rows), setting_);
 }
 
 /// `contribution_c_p50`, `cancellation_disc_max`: of what the claim's form names.
@@ -104,8 +110,8 @@ void ClaimColumns::add_labelled(const Claim& claim) {
     std::vector<std::string> names;
     for (const char* kind : {"contribution", "cancellation"}) {
         if (!claim.metric.starts_with(kind)) continue;
-        for (const std::string_view label : labels_of(*claim_row(claim).form, setting_)) {
-            const Metric* const metric = labelled_metric(std::string(kind) + ":" + std::string(label));
+        for (const std::string_view label : blame::labels_of(*claim_row(claim).form, setting_)) {
+            const Metric* const metric = blame::labelled_metric(std::string(kind) + ":" + std::string(label));
             for (const Statistic& statistic : statistics) {
                 names.push_back(column_of(*metric) + statistic.name);
                 if (names.back() != claim.metric) continue;
@@ -118,7 +124,7 @@ void ClaimColumns::add_labelled(const Claim& claim) {
         if (claim.metric == "cancellation" + statistic.name) return;
         if (!names.empty()) names.push_back("cancellation" + statistic.name);
     }
-    if (!names.empty()) scene::fail(claim.quantity, "unknown metric \"" + claim.metric + "\" of " + claim.form + "; " + scene::did_you_mean(claim.metric, names));
+    if (!names.empty()) scene::toml::fail(claim.quantity, "unknown metric \"" + claim.metric + "\" of " + claim.form + "; " + scene::toml::did_you_mean(claim.metric, names));
 }
 
 double ClaimColumns::culprits(const Claim& claim, const MapSummary& summary) const {
@@ -131,7 +137,7 @@ double ClaimColumns::culprits(const Claim& claim, const MapSummary& summary) con
             if (std::ranges::find(places, place) == places.end()) places.push_back(place);
         }
     }
-    return culprit_share(summary.categories[m], places);
+    return blame::culprit_share(summary.categories[m], places);
 }
 
 double ClaimColumns::value(const Claim& claim, const MapSummary& summary) const {
@@ -142,7 +148,7 @@ double ClaimColumns::value(const Claim& claim, const MapSummary& summary) const 
     std::vector<std::string> names;
     for (const auto& [name, value] : columns) names.push_back(name);
     add_columns_of_the_others(names);
-    scene::fail(claim.quantity, "unknown metric \"" + claim.metric + "\"; " + scene::did_you_mean(claim.metric, names));
+    scene::toml::fail(claim.quantity, "unknown metric \"" + claim.metric + "\"; " + scene::toml::did_you_mean(claim.metric, names));
 }
 
-}  // namespace lostbits
+}  // namespace lostbits::measure::claim

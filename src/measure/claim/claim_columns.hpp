@@ -7,28 +7,28 @@
 #include "measure/map/map.hpp"
 #include "scene/claim/claims_file.hpp"
 
-namespace lostbits {
+namespace lostbits::measure::claim {
 
 /// Whether a claim is about culprits, cancellation or contributions: those need the tape of every ray.
-bool asks_for_attribution(const scene::Claim& claim);
+bool asks_for_attribution(const scene::claim::Claim& claim);
 
 /// The columns that the claims about one subject name.
 class ClaimColumns {
 public:
     /// InputError, with the claim's position, for operations and labels that its form does not have. The setting must outlive this.
-    ClaimColumns(const std::vector<scene::Claim>& claims, const std::vector<MapRow>& rows, const Setting& setting);
+    ClaimColumns(const std::vector<scene::claim::Claim>& claims, const std::vector<map::MapRow>& rows, const blame::Setting& setting);
 
     /// What must be measured: the default metrics and those whose columns a claim names; measuring all would evaluate every form exactly.
-    [[nodiscard]] const std::vector<const Metric*>& metrics() const { return metrics_; }
+    [[nodiscard]] const std::vector<const metric::Metric*>& metrics() const { return metrics_; }
     /// The claim's column of a summary of `metrics()`; NaN where it is missing. InputError for an unknown name, with did-you-mean.
-    [[nodiscard]] double value(const scene::Claim& claim, const MapSummary& summary) const;
+    [[nodiscard]] double value(const scene::claim::Claim& claim, const map::MapSummary& summary) const;
 
 private:
-    void add_labelled(const scene::Claim& claim);
-    [[nodiscard]] double culprits(const scene::Claim& claim, const MapSummary& summary) const;
+    void add_labelled(const scene::claim::Claim& claim);
+    [[nodiscard]] double culprits(const scene::claim::Claim& claim, const map::MapSummary& summary) const;
 
-    Setting setting_;
-    std::vector<const Metric*> metrics_;
+    blame::Setting setting_;
+    std::vector<const metric::Metric*> metrics_;
 };
 
-}  // namespace lostbits
+}  // namespace lostbits::measure::claim

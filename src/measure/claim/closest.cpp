@@ -6,17 +6,20 @@
 #include "number/error.hpp"
 #include "scene/rays/box_family.hpp"
 
-namespace lostbits {
+namespace lostbits::measure::claim {
+
+using truth::FormatInputs;
+
 namespace {
 
 /// The nearest t over the solids, infinite for a miss.
-std::vector<double> nearest(const MapRow& row, const FormatInputs& in, bool pass_on) {
+std::vector<double> nearest(const map::MapRow& row, const FormatInputs& in, bool pass_on) {
     const std::size_t n = in.rays.size();
     std::vector<double> best(n, HUGE_VAL);
     for (const Solid<double>& solid : in.solids) {
         FormatInputs one{.format = in.format, .rays = in.rays, .solids = {solid}, .march = {}, .unit_rays = {}, .own_truth = {}};
         if (pass_on) one.rays.tmax = best;
-        const Answers answers = evaluate(*row.form, one);
+        const truth::Answers answers = truth::evaluate(*row.form, one);
         for (std::size_t i = 0; i < n; ++i) {
             if (answers.hit[i] != 0 && answers.t[i] < best[i]) best[i] = answers.t[i];
         }
@@ -26,14 +29,14 @@ std::vector<double> nearest(const MapRow& row, const FormatInputs& in, bool pass
 
 }  // namespace
 
-double differs_with_closest(const MapRow& row, double distance) {
+double differs_with_closest(const map::MapRow& row, double distance) {
     if (row.form->shape != Shape::box) throw InputError(std::string(row.form->info->name) + " is not told where a ray ends");
-    scene::BoxFamily family;
+    scene::rays::BoxFamily family;
     family.adjoining = true;
     family.distance = distance;
     std::size_t rays = 0, different = 0;
-    for (scene::RayGroup& group : scene::box_family_rays(family)) {
-        const Band band(std::move(group));
+    for (scene::rays::RayGroup& group : scene::rays::box_family_rays(family)) {
+        const truth::Band band(std::move(group));
         const FormatInputs in = band.inputs(row.format, {});
         const auto apart = nearest(row, in, false), passed = nearest(row, in, true);
         rays += apart.size();
@@ -42,4 +45,4 @@ double differs_with_closest(const MapRow& row, double distance) {
     return static_cast<double>(different) / static_cast<double>(rays);
 }
 
-}  // namespace lostbits
+}  // namespace lostbits::measure::claim

@@ -7,13 +7,17 @@
 
 #include "measure/blame/culprits.hpp"
 
-namespace lostbits {
+namespace lostbits::measure::map {
+
+using metric::Metric;
+using scene::file::Scene;
+
 namespace {
 
 constexpr int most_across = 96;
 
-scene::Scene small_picture_of(const scene::Scene& scene) {
-    scene::Scene small = scene;
+Scene small_picture_of(const Scene& scene) {
+    Scene small = scene;
     const int across = std::max(scene.width, scene.height);
     if (across <= most_across) return small;
     small.width = std::max(1, scene.width * most_across / across);
@@ -39,7 +43,7 @@ const Metric* reordered(const Metric& culprit, const std::vector<std::size_t>& o
 void order_culprits(MapRequest& request) {
     const auto culprit = std::ranges::find_if(request.metrics, &Metric::by_run);
     if (culprit == request.metrics.end()) return;
-    const scene::Scene small = small_picture_of(*request.scene);
+    const Scene small = small_picture_of(*request.scene);
     const auto summaries = run_map({.scene = &small, .rows = request.rows, .metrics = {*culprit}, .limit = request.limit}, {});
     std::vector<std::uint64_t> total((*culprit)->categories.size());
     for (const MapSummary& s : summaries) std::ranges::transform(total, s.categories.front(), total.begin(), std::plus{});
@@ -49,4 +53,4 @@ void order_culprits(MapRequest& request) {
     *culprit = reordered(**culprit, order);
 }
 
-}  // namespace lostbits
+}  // namespace lostbits::measure::map

@@ -10,14 +10,25 @@
 #include "measure/blame/culprits.hpp"
 #include "measure/answer/self.hpp"
 
-namespace lostbits {
+namespace lostbits::measure::map {
+
+using answer::Outcome;
+using blame::Blame;
+using metric::Metric;
+using metric::Over;
+using metric::Sample;
+using truth::Band;
+using truth::BandNeeds;
+using truth::FormatInputs;
+using truth::Truth;
+
 namespace {
 
 constexpr double missing = std::numeric_limits<double>::quiet_NaN();
 
-const Certified* in_unit_of(const Truth& truth, const Info& info) {
+const truth::Certified* in_unit_of(const Truth& truth, const intersect::Info& info) {
     if (!truth.is_hit()) return nullptr;
-    return info.direction == Direction::unit ? &truth.distance : &truth.t;
+    return info.direction == intersect::Direction::unit ? &truth.distance : &truth.t;
 }
 
 /// The metrics of the samples where form and truth agree that there is a hit.
@@ -27,24 +38,24 @@ public:
         : metrics_(metrics), row_(row), result_(result), needs_(needs_of(metrics)), blamer_(*row.form, row.format, culprits_of(metrics)) {}
 
     void measure(std::size_t i, MapSummary& summary) {
-        const Answers& answers = *result_.answers;
+        const truth::Answers& answers = *result_.answers;
         const FormatInputs& in = *result_.inputs;
         const Truth& truth = result_.truth(i);
-        const Info& info = *row_.form->info;
+        const intersect::Info& info = *row_.form->info;
         const Ray<double> ray = in.rays_for(info)[i];
         const Solid<double>& solid = in.solids[static_cast<std::size_t>(answers.object[i])];
         Sample sample{answers.t[i], &row_.format, in_unit_of(truth, info), missing, nullptr, nullptr, missing, &ray, &solid, march_of(i)};
 
-        if (needs_ & needs_rounded_truth) sample.truth_rounded = result_.band->rounded_truth(i, row_.format.shape, info.direction, row_.touching());
-        if (needs_ & needs_own_truth) sample.own = in.ideal ? sample.truth : in_unit_of(in.own_truth[i], info);
-        if (needs_ & needs_condition) sample.condition = result_.band->condition(i, row_.touching());
-        std::optional<Certified> self;
-        if (needs_ & needs_self) {
-            self = without_rounding(*row_.form, ray, in.target_for(*row_.form, static_cast<std::size_t>(truth.object)));
+        if (needs_ & metric::needs_rounded_truth) sample.truth_rounded = result_.band->rounded_truth(i, row_.format.shape, info.direction, row_.touching());
+        if (needs_ & metric::needs_own_truth) sample.own = in.ideal ? sample.truth : in_unit_of(in.own_truth[i], info);
+        if (needs_ & metric::needs_condition) sample.condition = result_.band->condition(i, row_.touching());
+        std::optional<truth::Certified> self;
+        if (needs_ & metric::needs_self) {
+            self = answer::without_rounding(*row_.form, ray, in.target_for(*row_.form, static_cast<std::size_t>(truth.object)));
             if (self) sample.self = &*self;
         }
         const Blame blame = blame_of(i, answers.object[i]);
-        if (needs_ & needs_attribution) sample.blame = &blame;
+        if (needs_ & metric::needs_attribution) sample.blame = &blame;
         take(i, sample, Over::agreed_hits, summary);
         take(i, sample, Over::blamed, summary);
         keep_worst(i, sample, summary);
@@ -52,7 +63,7 @@ public:
 
     /// The metrics of a false hit or a false miss.
     void measure_fault(std::size_t i, MapSummary& summary) {
-        if (!(needs_ & needs_attribution)) return;
+        if (!(needs_ & metric::needs_attribution)) return;
         const int object = result_.answers->hit[i] != 0 ? result_.answers->object[i] : result_.truth(i).object;
         const Ray<double> ray = result_.inputs->rays_for(*row_.form->info)[i];
         const Blame blame = blame_of(i, object);
@@ -72,13 +83,13 @@ private:
     }
 
     Blame blame_of(std::size_t i, std::int32_t object) {
-        if (!(needs_ & needs_attribution)) return {};
+        if (!(needs_ & metric::needs_attribution)) return {};
         const FormatInputs& in = *result_.inputs;
         const auto& rays = in.rays_for(*row_.form->info);
         return blamer_.of(rays[i], in.target_for(*row_.form, static_cast<std::size_t>(std::max(0, object))), rays.tmax.empty() ? HUGE_VAL : rays.tmax[i]);
     }
 
-    [[nodiscard]] const MarchRecord* march_of(std::size_t i) const { return result_.answers->march.empty() ? nullptr : &result_.answers->march[i]; }
+    [[nodiscard]] const intersect::MarchRecord* march_of(std::size_t i) const { return result_.answers->march.empty() ? nullptr : &result_.answers->march[i]; }
 
     void take(std::size_t i, Sample sample, Over over, MapSummary& summary) {
         for (std::size_t m = 0; m < metrics_.size(); ++m) {
@@ -91,7 +102,7 @@ private:
     }
 
     void keep_worst(std::size_t i, const Sample& sample, MapSummary& summary) {
-        static const Metric* const ulps = find_metric("ulp_error");
+        static const Metric* const ulps = metric::find_metric("ulp_error");
         const double size = std::fabs(ulps->value(sample));
         if (!(size > summary.worst.size)) return;
         const int x = static_cast<int>(i % static_cast<std::size_t>(result_.width));
@@ -103,23 +114,23 @@ private:
     const MapRow& row_;
     BandResult& result_;
     unsigned needs_;
-    Blamer blamer_;
+    blame::Blamer blamer_;
 };
 
 std::map<std::string, BandNeeds> needs_by_format(const std::vector<MapRow>& rows, const std::vector<const Metric*>& metrics) {
     std::map<std::string, BandNeeds> formats;
     for (const MapRow& row : rows) {
         BandNeeds& needs = formats[row.format.name];
-        needs.unit_rays |= row.form->info->direction == Direction::unit;
-        needs.own_truth |= (needs_of(metrics) & needs_own_truth) != 0;
+        needs.unit_rays |= row.form->info->direction == intersect::Direction::unit;
+        needs.own_truth |= (needs_of(metrics) & metric::needs_own_truth) != 0;
     }
     return formats;
 }
 
 }  // namespace
 
-std::vector<const Intersector*> forms_of(const std::vector<MapRow>& rows) {
-    std::vector<const Intersector*> forms;
+std::vector<const intersect::table::Intersector*> forms_of(const std::vector<MapRow>& rows) {
+    std::vector<const intersect::table::Intersector*> forms;
     for (const MapRow& row : rows) {
         if (std::ranges::find(forms, row.form) == forms.end()) forms.push_back(row.form);
     }
@@ -136,21 +147,21 @@ void MapSummary::add(std::size_t m, const Metric& metric, double value) {
 }
 
 unsigned needs_of(const std::vector<const Metric*>& metrics) {
-    unsigned needs = needs_nothing;
+    unsigned needs = metric::needs_nothing;
     for (const Metric* m : metrics) needs |= m->needs;
     return needs;
 }
 
 void measure_row(const MapRow& row, const std::vector<const Metric*>& metrics, const Band& band, const FormatInputs& inputs, MapSummary& summary,
                  MapSink* sink) {
-    const Answers answers = evaluate(*row.form, inputs);
+    const truth::Answers answers = truth::evaluate(*row.form, inputs);
     const std::size_t n = band.pixels();
     BandResult result{band.y0(), band.rows(), inputs.rays.width, &band, &inputs, &answers, row.touching(), std::vector<Outcome>(n), {}};
     result.metrics.assign(metrics.size(), std::vector<double>(n, missing));
     Measurement measurement(metrics, row, result);
     for (std::size_t i = 0; i < n; ++i) {
         const Truth& truth = result.truth(i);
-        const Outcome outcome = classify(truth.decision, answers.hit[i] != 0, answers.t[i]);
+        const Outcome outcome = answer::classify(truth.decision, answers.hit[i] != 0, answers.t[i]);
         result.outcomes[i] = outcome;
         ++summary.outcomes[static_cast<std::size_t>(outcome)];
         summary.true_hits += truth.is_hit();
@@ -164,19 +175,19 @@ void measure_row(const MapRow& row, const std::vector<const Metric*>& metrics, c
     if (sink) sink->band(result);
 }
 
-std::vector<MapSummary> measure_groups(std::vector<scene::RayGroup> groups, const std::vector<MapRow>& rows, const std::vector<const Metric*>& metrics,
-                                       TruthLimit limit) {
+std::vector<MapSummary> measure_groups(std::vector<scene::rays::RayGroup> groups, const std::vector<MapRow>& rows, const std::vector<const Metric*>& metrics,
+                                       truth::TruthLimit limit) {
     std::vector<MapSummary> summaries;
     for (std::size_t r = 0; r < rows.size(); ++r) summaries.emplace_back(metrics);
-    for (scene::RayGroup& group : groups) {
+    for (scene::rays::RayGroup& group : groups) {
         Band band(std::move(group), limit);
-        if (needs_of(metrics) & needs_condition) band.find_condition();
+        if (needs_of(metrics) & metric::needs_condition) band.find_condition();
         std::map<std::string, FormatInputs> inputs;
         for (const auto& [name, needs] : needs_by_format(rows, metrics)) inputs.emplace(name, band.inputs(*find_format(name), needs));
         for (std::size_t r = 0; r < rows.size(); ++r) measure_row(rows[r], metrics, band, inputs.at(rows[r].format.name), summaries[r]);
     }
     for (MapSummary& s : summaries) {
-        for (Distribution& d : s.metrics) d.seal();
+        for (metric::Distribution& d : s.metrics) d.seal();
     }
     return summaries;
 }
@@ -187,15 +198,15 @@ int band_rows(int width) {
 }
 
 std::vector<MapSummary> run_map(const MapRequest& request, const std::vector<MapSink*>& sinks) {
-    const scene::Scene& scene = *request.scene;
+    const scene::file::Scene& scene = *request.scene;
     std::vector<MapSummary> summaries;
     for (std::size_t r = 0; r < request.rows.size(); ++r) summaries.emplace_back(request.metrics);
 
     const auto formats = needs_by_format(request.rows, request.metrics);
-    Culler culler(scene);
+    truth::Culler culler(scene);
     for (int y0 = 0; y0 < scene.height; y0 += band_rows(scene.width)) {
         Band band(scene, y0, std::min(scene.height, y0 + band_rows(scene.width)), request.limit, &culler);
-        if (needs_of(request.metrics) & needs_condition) band.find_condition();
+        if (needs_of(request.metrics) & metric::needs_condition) band.find_condition();
         std::map<std::string, FormatInputs> inputs;
         for (const auto& [name, needs] : formats) inputs.emplace(name, band.inputs(*find_format(name), needs));
         tbb::parallel_for(std::size_t{0}, request.rows.size(), [&](std::size_t r) {
@@ -207,4 +218,4 @@ std::vector<MapSummary> run_map(const MapRequest& request, const std::vector<Map
     return summaries;
 }
 
-}  // namespace lostbits
+}  // namespace lostbits::measure::map

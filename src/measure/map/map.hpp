@@ -14,21 +14,21 @@
 #include "measure/metric/statistics.hpp"
 #include "scene/rays/family.hpp"
 
-namespace lostbits {
+namespace lostbits::measure::map {
 
 /// One row of the work: a form in a format.
 struct MapRow {
-    const Intersector* form;
+    const intersect::table::Intersector* form;
     Format format;
     /// By whose convention on touching it is judged; its own where absent.
-    std::optional<Touching> judged = {};
+    std::optional<intersect::Touching> judged = {};
 
-    [[nodiscard]] Touching touching() const { return judged.value_or(form->info->touching); }
+    [[nodiscard]] intersect::Touching touching() const { return judged.value_or(form->info->touching); }
     friend bool operator==(const MapRow&, const MapRow&) = default;
 };
 
 /// The forms of the rows, each once, in their order.
-std::vector<const Intersector*> forms_of(const std::vector<MapRow>& rows);
+std::vector<const intersect::table::Intersector*> forms_of(const std::vector<MapRow>& rows);
 
 /// A worst sample, in a form that can be pasted back.
 struct WorstRay {
@@ -43,34 +43,34 @@ struct WorstRay {
 /// What is known of a row when the whole picture has been seen.
 struct MapSummary {
     std::uint64_t rays = 0;
-    std::array<std::uint64_t, outcome_names.size()> outcomes{};
+    std::array<std::uint64_t, answer::outcome_names.size()> outcomes{};
     std::uint64_t true_hits = 0;     ///< rays that truly hit, whatever the form says
     std::uint64_t wrong_object = 0;  ///< agree_hit, but on another solid
-    std::vector<Distribution> metrics;  ///< in the order of the request's metrics
+    std::vector<metric::Distribution> metrics;  ///< in the order of the request's metrics
     /// For each metric that names a category, how many rays are of each; empty for the others.
     std::vector<std::vector<std::uint64_t>> categories;
     WorstRay worst;
 
     MapSummary() = default;
-    explicit MapSummary(const std::vector<const Metric*>& measured);
+    explicit MapSummary(const std::vector<const metric::Metric*>& measured);
     /// To the distribution of metric m, or to the counts of its categories.
-    void add(std::size_t m, const Metric& metric, double value);
-    [[nodiscard]] std::uint64_t count(Outcome o) const { return outcomes[static_cast<std::size_t>(o)]; }
+    void add(std::size_t m, const metric::Metric& metric, double value);
+    [[nodiscard]] std::uint64_t count(answer::Outcome o) const { return outcomes[static_cast<std::size_t>(o)]; }
 };
 
 /// A row's results over some scanlines.
 struct BandResult {
     int y0, rows, width;
-    const Band* band;
-    const FormatInputs* inputs;
-    const Answers* answers;
-    Touching touching;
-    std::vector<Outcome> outcomes;
+    const truth::Band* band;
+    const truth::FormatInputs* inputs;
+    const truth::Answers* answers;
+    intersect::Touching touching;
+    std::vector<answer::Outcome> outcomes;
     /// One vector per requested metric; NaN where the metric does not exist.
     std::vector<std::vector<double>> metrics;
 
     /// By the convention that the row is judged by.
-    [[nodiscard]] const Truth& truth(std::size_t i) const { return band->truth(i, touching); }
+    [[nodiscard]] const truth::Truth& truth(std::size_t i) const { return band->truth(i, touching); }
 };
 
 /// Where a row's results go: files, plots, tests. Called band by band from top to bottom, never concurrently for
@@ -83,21 +83,21 @@ public:
 
 /// Evaluates one row on a band, adds what it finds to `summary` (made for these metrics) and shows the
 /// result to the sink, if any.
-void measure_row(const MapRow& row, const std::vector<const Metric*>& metrics, const Band& band, const FormatInputs& inputs, MapSummary& summary,
+void measure_row(const MapRow& row, const std::vector<const metric::Metric*>& metrics, const truth::Band& band, const truth::FormatInputs& inputs, MapSummary& summary,
                  MapSink* sink = nullptr);
 
 /// Every row over all groups of rays, one summary a row, their distributions sealed.
-std::vector<MapSummary> measure_groups(std::vector<scene::RayGroup> groups, const std::vector<MapRow>& rows, const std::vector<const Metric*>& metrics,
-                                       TruthLimit limit);
+std::vector<MapSummary> measure_groups(std::vector<scene::rays::RayGroup> groups, const std::vector<MapRow>& rows, const std::vector<const metric::Metric*>& metrics,
+                                       truth::TruthLimit limit);
 
 /// What the metrics need computed first: `Needs`, or-ed.
-unsigned needs_of(const std::vector<const Metric*>& metrics);
+unsigned needs_of(const std::vector<const metric::Metric*>& metrics);
 
 struct MapRequest {
-    const scene::Scene* scene = nullptr;
+    const scene::file::Scene* scene = nullptr;
     std::vector<MapRow> rows;
-    std::vector<const Metric*> metrics;
-    TruthLimit limit{};
+    std::vector<const metric::Metric*> metrics;
+    truth::TruthLimit limit{};
     /// Called after each band with the number of (pixel, row) pairs done; may throw to stop.
     std::function<void(std::uint64_t)> progress = [](std::uint64_t) {};
 };
@@ -109,4 +109,4 @@ std::vector<MapSummary> run_map(const MapRequest& request, const std::vector<Map
 /// Scanlines per band: about 32768 pixels, in multiples of EXR's 16-line blocks.
 int band_rows(int width);
 
-}  // namespace lostbits
+}  // namespace lostbits::measure::map

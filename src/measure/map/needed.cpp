@@ -10,16 +10,21 @@
 #include "measure/map/map.hpp"
 #include "measure/answer/outcome.hpp"
 
-namespace lostbits {
+namespace lostbits::measure::map {
+
+using intersect::Direction;
+using truth::FormatInputs;
+using truth::Truth;
+
 namespace {
 
 constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 
 /// The rays `pixels` of what a form receives.
-FormatInputs only(const FormatInputs& all, const Info& info, const std::vector<std::uint32_t>& pixels) {
+FormatInputs only(const FormatInputs& all, const intersect::Info& info, const std::vector<std::uint32_t>& pixels) {
     FormatInputs some{.format = all.format, .rays = {}, .solids = all.solids, .march = all.march, .unit_rays = {}, .own_truth = {}};
-    const scene::RayBlock& from = all.rays_for(info);
-    scene::RayBlock& to = info.direction == Direction::unit ? some.unit_rays : some.rays;
+    const scene::rays::RayBlock& from = all.rays_for(info);
+    scene::rays::RayBlock& to = info.direction == Direction::unit ? some.unit_rays : some.rays;
     const auto gather = [&pixels](const std::vector<double>& x) {
         std::vector<double> y(pixels.size());
         for (std::size_t k = 0; k < pixels.size(); ++k) y[k] = x[pixels[k]];
@@ -37,10 +42,10 @@ struct Scan {
 };
 
 /// One width less: pixels on which it fails get their value and leave.
-void step(Scan& scan, const Intersector& form, const FormatInputs& inputs, int bits, NeededBand& result) {
+void step(Scan& scan, const intersect::table::Intersector& form, const FormatInputs& inputs, int bits, NeededBand& result) {
     if (scan.pixels.empty()) return;
     const int width = inputs.format.shape.precision;
-    const Answers answers = evaluate(form, only(inputs, *form.info, scan.pixels));
+    const truth::Answers answers = truth::evaluate(form, only(inputs, *form.info, scan.pixels));
     std::size_t kept = 0;
     for (std::size_t k = 0; k < scan.pixels.size(); ++k) {
         const std::uint32_t i = scan.pixels[k];
@@ -69,16 +74,16 @@ std::vector<Scan> scans_of(const std::vector<NeededBand>& results) {
 
 }  // namespace
 
-bool keeps_bits(double t, const Certified& truth, int bits) {
+bool keeps_bits(double t, const truth::Certified& truth, int bits) {
     if (!std::isfinite(t)) return false;
     const long ulp = ulp_exponent({bits, binary64.emin, binary64.emax}, truth.floor_log2());
-    return std::fabs(scaled_difference(exactly(t), truth, ulp)) <= 0.5;
+    return std::fabs(truth::scaled_difference(truth::exactly(t), truth, ulp)) <= 0.5;
 }
 
-bool suffices(const Truth& truth, const Info& form, int width, bool hit, double t, int bits) {
-    switch (classify(truth.decision, hit, t)) {
-        case Outcome::agree_miss: return true;
-        case Outcome::agree_hit: return width >= bits && keeps_bits(t, form.direction == Direction::unit ? truth.distance : truth.t, bits);
+bool suffices(const Truth& truth, const intersect::Info& form, int width, bool hit, double t, int bits) {
+    switch (answer::classify(truth.decision, hit, t)) {
+        case answer::Outcome::agree_miss: return true;
+        case answer::Outcome::agree_hit: return width >= bits && keeps_bits(t, form.direction == Direction::unit ? truth.distance : truth.t, bits);
         default: return false;
     }
 }
@@ -125,9 +130,9 @@ std::uint64_t needed_units(const NeededRequest& request) {
     return static_cast<std::uint64_t>(request.scene->width) * static_cast<std::uint64_t>(request.scene->height) * request.forms.size() * widths;
 }
 
-std::vector<NeededBand> measure_needed(const NeededRequest& request, const Band& band) {
+std::vector<NeededBand> measure_needed(const NeededRequest& request, const truth::Band& band) {
     std::vector<NeededBand> results;
-    for (const Intersector* form : request.forms) {
+    for (const intersect::table::Intersector* form : request.forms) {
         const int columns = static_cast<int>(band.pixels()) / std::max(1, band.rows());
         results.push_back({band.y0(), band.rows(), columns, &band, form->info, std::vector<double>(band.pixels(), unknown)});
     }
@@ -149,10 +154,10 @@ std::vector<NeededBand> measure_needed(const NeededRequest& request, const Band&
 }
 
 std::vector<NeededSummary> run_needed(const NeededRequest& request, const std::vector<NeededSink*>& sinks) {
-    const scene::Scene& scene = *request.scene;
+    const scene::file::Scene& scene = *request.scene;
     std::vector<NeededSummary> summaries(request.forms.size());
     for (int y0 = 0; y0 < scene.height; y0 += band_rows(scene.width)) {
-        const Band band(scene, y0, std::min(scene.height, y0 + band_rows(scene.width)), request.limit);
+        const truth::Band band(scene, y0, std::min(scene.height, y0 + band_rows(scene.width)), request.limit);
         const std::vector<NeededBand> results = measure_needed(request, band);
         tbb::parallel_for(std::size_t{0}, results.size(), [&](std::size_t f) {
             for (std::size_t i = 0; i < results[f].needed.size(); ++i) summaries[f].add(results[f].truth(i), results[f].needed[i]);
@@ -162,4 +167,4 @@ std::vector<NeededSummary> run_needed(const NeededRequest& request, const std::v
     return summaries;
 }
 
-}  // namespace lostbits
+}  // namespace lostbits::measure::map

@@ -9,7 +9,7 @@
 
 #include "measure/truth/band.hpp"
 
-namespace lostbits {
+namespace lostbits::measure::map {
 
 /// The widths that are tried: formats pP with binary64's exponents.
 inline constexpr int least_width = 2, most_width = 53;
@@ -19,12 +19,12 @@ inline constexpr double needed_beyond = std::numeric_limits<double>::infinity();
 /// Whether t keeps B correct bits: |t − t*| ≤ ½ ulp_B(t*), the ulp of B significand bits with binary64's exponents. t* is
 /// the midpoint of its certificate, as in every metric: known to 2^-72 of itself, so a t that close to the boundary may fall
 /// on either side of it.
-bool keeps_bits(double t, const Certified& truth, int bits);
+bool keeps_bits(double t, const truth::Certified& truth, int bits);
 
 /// What a width P must do on one ray: decide as the truth does (by the form's own convention on touching) and, on a hit,
 /// keep B bits and have them, that is correct_bits = P − lost_bits(P) ≥ B. So P ≥ B on a hit: a narrower number that
 /// lies near t* by luck carries no B bits.
-bool suffices(const Truth& truth, const Info& form, int width, bool hit, double t, int bits);
+bool suffices(const truth::Truth& truth, const intersect::Info& form, int width, bool hit, double t, int bits);
 
 /// Of one form over a picture. Counts by width: exact statistics of whole numbers.
 struct NeededSummary {
@@ -34,7 +34,7 @@ struct NeededSummary {
     std::uint64_t hits_beyond = 0, misses_beyond = 0;  ///< not even `most_width` bits suffice
     std::uint64_t unresolved = 0;
 
-    void add(const Truth& truth, double needed);
+    void add(const truth::Truth& truth, double needed);
     /// Hits and misses together.
     [[nodiscard]] Counts all() const;
     [[nodiscard]] std::uint64_t pixels() const;
@@ -49,12 +49,12 @@ double quantile(const NeededSummary::Counts& counts, double q);
 /// A form's results over some scanlines.
 struct NeededBand {
     int y0, rows, width;
-    const Band* band;
-    const Info* form;
+    const truth::Band* band;
+    const intersect::Info* form;
     std::vector<double> needed;  ///< `least_width` to `most_width`, `needed_beyond`, or NaN where unresolved
 
     /// By the form's own convention.
-    [[nodiscard]] const Truth& truth(std::size_t i) const { return band->truth(i, form->touching); }
+    [[nodiscard]] const truth::Truth& truth(std::size_t i) const { return band->truth(i, form->touching); }
 };
 
 /// Where a form's results go. Called band by band from top to bottom, never concurrently.
@@ -65,10 +65,10 @@ public:
 };
 
 struct NeededRequest {
-    const scene::Scene* scene = nullptr;
-    std::vector<const Intersector*> forms;  ///< none of them `Formats::binary32_only`
+    const scene::file::Scene* scene = nullptr;
+    std::vector<const intersect::table::Intersector*> forms;  ///< none of them `Formats::binary32_only`
     int bits = 12;                          ///< B, 1 to 52
-    TruthLimit limit{};
+    truth::TruthLimit limit{};
     /// Called with the number of (pixel, form, width) triples done, `needed_units` in all; may throw to stop.
     std::function<void(std::uint64_t)> progress = [](std::uint64_t) {};
 };
@@ -82,9 +82,9 @@ std::uint64_t needed_units(const NeededRequest& request);
 ///
 /// As for every format, inputs are rounded to pP too: shared inputs are binary32 numbers, so widths below 24 (own inputs:
 /// all widths) see input error on top of the form's own rounding, and the value is that of the whole pipeline at P bits.
-std::vector<NeededBand> measure_needed(const NeededRequest& request, const Band& band);
+std::vector<NeededBand> measure_needed(const NeededRequest& request, const truth::Band& band);
 
 /// The whole picture, band by band; sinks[i] (may be null) receives forms[i]. Neither the number of threads nor the set of forms changes a result.
 std::vector<NeededSummary> run_needed(const NeededRequest& request, const std::vector<NeededSink*>& sinks = {});
 
-}  // namespace lostbits
+}  // namespace lostbits::measure::map

@@ -9,7 +9,7 @@
 #include "measure/blame/culprits.hpp"
 #include "number/rounded.hpp"
 
-namespace lostbits {
+namespace lostbits::measure::metric {
 namespace {
 
 constexpr double missing = std::numeric_limits<double>::quiet_NaN();
@@ -17,11 +17,11 @@ constexpr double missing = std::numeric_limits<double>::quiet_NaN();
 std::int64_t ulp_of_truth(const Sample& s) { return ulp_exponent(s.format->shape, s.truth->floor_log2()); }
 
 /// (x − y) in ulps of the format at t*.
-double in_ulps(const Sample& s, const Certified& x, const Certified& y) { return scaled_difference(x, y, ulp_of_truth(s)); }
+double in_ulps(const Sample& s, const truth::Certified& x, const truth::Certified& y) { return truth::scaled_difference(x, y, ulp_of_truth(s)); }
 
 double ulp_error(const Sample& s) {
     if (std::isinf(s.t)) return s.t;
-    return in_ulps(s, exactly(s.t), *s.truth);
+    return in_ulps(s, truth::exactly(s.t), *s.truth);
 }
 
 double lost(const Sample& s) { return lost_bits(ulp_error(s), s.format->shape.precision); }
@@ -29,19 +29,19 @@ double correct(const Sample& s) { return s.format->shape.precision - lost(s); }
 
 double herbie(const Sample& s) {
     const FloatFormat& f = s.format->shape;
-    const auto apart = static_cast<double>(std::abs(ordinal(s.t, f) - ordinal(s.truth_rounded, f)));
+    const auto apart = static_cast<double>(std::abs(truth::ordinal(s.t, f) - truth::ordinal(s.truth_rounded, f)));
     return std::log2(1 + apart);
 }
 
 double absolute(const Sample& s) {
     if (std::isinf(s.t)) return HUGE_VAL;
-    return std::fabs(scaled_difference(exactly(s.t), *s.truth, 0));
+    return std::fabs(truth::scaled_difference(truth::exactly(s.t), *s.truth, 0));
 }
 
 double relative(const Sample& s) {
     if (std::isinf(s.t)) return HUGE_VAL;
     if (s.truth->is_zero()) return s.t == 0 ? 0.0 : HUGE_VAL;
-    return std::fabs(scaled_difference(exactly(s.t), *s.truth, s.truth->exponent) / (s.truth->hi + s.truth->lo));
+    return std::fabs(truth::scaled_difference(truth::exactly(s.t), *s.truth, s.truth->exponent) / (s.truth->hi + s.truth->lo));
 }
 
 /// P = o + t·d as the format computes it: a product and a sum, each rounded.
@@ -99,11 +99,11 @@ double input_error(const Sample& s) { return s.own ? in_ulps(s, *s.own, *s.truth
 double model_error(const Sample& s) { return s.own && s.self ? in_ulps(s, *s.self, *s.own) : missing; }
 double rounding_error(const Sample& s) {
     if (!s.self) return missing;
-    return std::isinf(s.t) ? s.t : in_ulps(s, exactly(s.t), *s.self);
+    return std::isinf(s.t) ? s.t : in_ulps(s, truth::exactly(s.t), *s.self);
 }
 
 double condition_number(const Sample& s) { return s.condition; }
-double inherent(const Sample& s) { return inherent_bits(s.condition, s.format->shape.precision); }
+double inherent(const Sample& s) { return truth::inherent_bits(s.condition, s.format->shape.precision); }
 double excess(const Sample& s) { return std::max(0.0, lost(s) - inherent(s)); }
 
 double iterations(const Sample& s) { return s.march ? s.march->iterations : missing; }
@@ -112,7 +112,7 @@ double overshoot(const Sample& s) { return s.march ? std::max(0.0, -s.march->dee
 double least_field(const Sample& s) { return s.march ? s.march->least : missing; }
 
 double culprit(const Sample& s) { return s.blame ? s.blame->culprit : missing; }
-double cancelled(const Sample& s) { return s.blame ? worst_cancellation(*s.blame->attribution) : missing; }
+double cancelled(const Sample& s) { return s.blame ? blame::worst_cancellation(*s.blame->attribution) : missing; }
 
 constexpr unsigned split = needs_own_truth | needs_self;
 
@@ -142,7 +142,7 @@ constexpr std::array table{
            Ramp::categories, 0, 0, false, culprit, Over::blamed},
     Metric{"iterations", "samples", "march.iterations", "samples of the field that the march took", needs_nothing, Ramp::magnitude, 1, 0x1p+8, true, iterations, Over::marches},
     Metric{"stop", "", "march.stop", "why the march ended; stagnated: at the step cap, with t + d == t", needs_nothing, Ramp::categories, 0, 0, true, stop, Over::marches,
-           stop_names},
+           intersect::stop_names},
     Metric{"least_field", "length", "march.least_field", "smallest |field| that the march sampled", needs_nothing, Ramp::magnitude, 0x1p-30, 0x1p+4, true, least_field,
            Over::marches},
     Metric{"overshoot", "length", "march.overshoot", "how deep inside the march sampled the field: max(0, -field); from outside it is 0 in exact arithmetic", needs_nothing,
@@ -155,7 +155,7 @@ std::span<const Metric> metrics() { return table; }
 
 const Metric* find_metric(std::string_view name) {
     const auto found = std::ranges::find(table, name, &Metric::name);
-    return found == table.end() ? labelled_metric(name) : &*found;
+    return found == table.end() ? blame::labelled_metric(name) : &*found;
 }
 
 double lost_bits(double ulps, int precision) {
@@ -164,4 +164,4 @@ double lost_bits(double ulps, int precision) {
     return std::min(std::log2(size) + 1, static_cast<double>(precision));
 }
 
-}  // namespace lostbits
+}  // namespace lostbits::measure::metric

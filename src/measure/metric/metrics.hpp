@@ -9,9 +9,12 @@
 #include "intersect/march.hpp"
 #include "measure/truth/certified.hpp"
 
-namespace lostbits {
-
+namespace lostbits::measure::blame {
 struct Blame;
+}
+
+namespace lostbits::measure::metric {
+
 struct Metric;
 
 /// All that is known of one ray on which form and truth agree that there is a hit; of any other ray `format`, `ray` and `march`
@@ -20,15 +23,15 @@ struct Metric;
 struct Sample {
     double t;                 ///< the form's answer, a number of the format
     const Format* format;     ///< the format of the form under test
-    const Certified* truth;   ///< t*, in the unit of the form's answer (a distance for unit-direction forms)
+    const truth::Certified* truth;   ///< t*, in the unit of the form's answer (a distance for unit-direction forms)
     double truth_rounded;     ///< RN_F(t*)
-    const Certified* own;     ///< the truth of the inputs as the format holds them
-    const Certified* self;    ///< the form without rounding, on the inputs as the format holds them
+    const truth::Certified* own;     ///< the truth of the inputs as the format holds them
+    const truth::Certified* self;    ///< the form without rounding, on the inputs as the format holds them
     double condition;         ///< κ of the problem at its ideal inputs
     const Ray<double>* ray;   ///< the inputs as the form received them
     const Solid<double>* solid;  ///< the solid that the form hit, as it received it
-    const MarchRecord* march = nullptr;  ///< null for the forms that do not march
-    const Blame* blame = nullptr;        ///< which operation lost the bits
+    const intersect::MarchRecord* march = nullptr;  ///< null for the forms that do not march
+    const blame::Blame* blame = nullptr;        ///< which operation lost the bits
     const Metric* metric = nullptr;      ///< the one that is being measured
 };
 
@@ -65,4 +68,4 @@ const Metric* find_metric(std::string_view name);
 /// Lost bits of an error of that many ulps: clamp(log2(2|ulps|), 0, p). Half an ulp loses none, 2^k ulps lose k + 1.
 double lost_bits(double ulps, int precision);
 
-}  // namespace lostbits
+}  // namespace lostbits::measure::metric

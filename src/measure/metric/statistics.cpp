@@ -6,7 +6,7 @@
 #include <limits>
 #include <stdexcept>
 
-namespace lostbits {
+namespace lostbits::measure::metric {
 
 void Quantiles::add(double x) {
     ++count_;
@@ -69,4 +69,4 @@ void Distribution::seal() {
     quantiles_.reset();
 }
 
-}  // namespace lostbits
+}  // namespace lostbits::measure::metric

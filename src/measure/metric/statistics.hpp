@@ -6,7 +6,7 @@
 #include <memory>
 #include <vector>
 
-namespace lostbits {
+namespace lostbits::measure::metric {
 
 /// Mean and variance by Welford's recurrence: no sum of squares, no cancellation.
 class Moments {
@@ -67,4 +67,4 @@ private:
     bool infinite_ = false;
 };
 
-}  // namespace lostbits
+}  // namespace lostbits::measure::metric

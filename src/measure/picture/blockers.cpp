@@ -7,7 +7,7 @@
 #include "intersect/simd/packed.hpp"
 #include "number/interruption.hpp"
 
-namespace lostbits {
+namespace lostbits::measure::picture {
 namespace {
 
 template <class S>
@@ -21,14 +21,14 @@ std::vector<S> stored(const std::vector<double>& x, std::size_t begin, std::size
 template <class S, class Kernel>
 void hold_against(const Kernel& kernel, const ShadowRays& shadow, const std::vector<Solid<double>>& solids, bool own_counts, std::size_t begin, std::size_t count,
                   std::vector<std::uint8_t>& blocked) {
-    const scene::RayBlock& r = shadow.rays;
+    const scene::rays::RayBlock& r = shadow.rays;
     const auto ox = stored<S>(r.ox, begin, count), oy = stored<S>(r.oy, begin, count), oz = stored<S>(r.oz, begin, count);
     const auto dx = stored<S>(r.dx, begin, count), dy = stored<S>(r.dy, begin, count), dz = stored<S>(r.dz, begin, count);
-    const RayBatch<S> batch{ox, oy, oz, dx, dy, dz};
+    const intersect::table::RayBatch<S> batch{ox, oy, oz, dx, dy, dz};
     std::vector<S> t(count), near(count), far(count);
     std::vector<std::uint8_t> hit(count);
     for (std::size_t s = 0; s < solids.size(); ++s) {
-        kernel(batch, transformed(solids[s], [](double x) { return static_cast<S>(x); }), HitBatch<S>{t, near, far, hit});
+        kernel(batch, transformed(solids[s], [](double x) { return static_cast<S>(x); }), intersect::table::HitBatch<S>{t, near, far, hit});
         for (std::size_t i = 0; i < count; ++i) {
             const std::size_t p = begin + i;
             const bool own = shadow.own[p] == static_cast<std::int32_t>(s);
@@ -52,10 +52,10 @@ void ShadowRays::add(const Vec<double>& origin, const Vec<double>& direction, do
     own.push_back(leaves);
 }
 
-std::vector<std::uint8_t> find_blockers(const Intersector& form, const Format& format, const ShadowRays& shadow, const std::vector<Solid<double>>& solids,
+std::vector<std::uint8_t> find_blockers(const intersect::table::Intersector& form, const Format& format, const ShadowRays& shadow, const std::vector<Solid<double>>& solids,
                                         bool own_counts) {
     std::vector<std::uint8_t> blocked(shadow.rays.size(), blocked_by_nothing);
-    const PackedRow native = packed_kernels(form);
+    const intersect::simd::PackedRow native = intersect::simd::packed_kernels(form);
     constexpr std::size_t chunk = 4096;
     const std::size_t chunks = (blocked.size() + chunk - 1) / chunk;
     tbb::parallel_for(std::size_t{0}, chunks, [&](std::size_t c) {
@@ -74,4 +74,4 @@ std::vector<std::uint8_t> find_blockers(const Intersector& form, const Format& f
     return blocked;
 }
 
-}  // namespace lostbits
+}  // namespace lostbits::measure::picture

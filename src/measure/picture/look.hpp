@@ -8,7 +8,7 @@
 #include "number/format.hpp"
 #include "scene/file/scene.hpp"
 
-namespace lostbits {
+namespace lostbits::measure::picture {
 
 /// S is double (shared inputs: every number rounded once to binary32; or any format's numbers) or Real (own inputs).
 template <class S>
@@ -42,16 +42,16 @@ auto lifted(const Look<S>& look, Lift lift) {
 }
 
 /// The ideal numbers.
-Look<Real> own_look(const scene::Appearance& appearance);
+Look<Real> own_look(const scene::file::Appearance& appearance);
 /// The same, each rounded once to binary32: what every format shares.
-Look<double> shared_look(const scene::Appearance& appearance);
+Look<double> shared_look(const scene::file::Appearance& appearance);
 /// What a form in format F is given, as `scene::input_solid`.
-Look<double> input_look(const scene::Scene& scene, const FloatFormat& f);
+Look<double> input_look(const scene::file::Scene& scene, const FloatFormat& f);
 
 /// The points of the pixels of rows [y0, y1) in the plane z = 0, where the camera has them there: S as above.
 template <class S>
-std::vector<Vec<S>> pixel_points(const scene::Scene& scene, int y0, int y1);
+std::vector<Vec<S>> pixel_points(const scene::file::Scene& scene, int y0, int y1);
 /// The same as a form in format F is given them.
-std::vector<Vec<double>> input_pixel_points(const scene::Scene& scene, int y0, int y1, const FloatFormat& f);
+std::vector<Vec<double>> input_pixel_points(const scene::file::Scene& scene, int y0, int y1, const FloatFormat& f);
 
-}  // namespace lostbits
+}  // namespace lostbits::measure::picture

@@ -13,7 +13,13 @@
 #include "number/interruption.hpp"
 #include "number/rounded.hpp"
 
-namespace lostbits {
+namespace lostbits::measure::picture {
+
+using map::MapRow;
+using scene::file::Stage;
+using truth::Band;
+using truth::Truth;
+
 namespace {
 
 constexpr double missing = std::numeric_limits<double>::quiet_NaN();
@@ -92,7 +98,7 @@ Shadow compare(TrueShadow truth, std::uint8_t blocked) {
 
 /// What one format receives of a band, for all forms.
 struct Inputs {
-    FormatInputs geometry;
+    truth::FormatInputs geometry;
     Look<double> look;
     std::vector<Vec<double>> points;  ///< of the pixels at z = 0; empty under other cameras
 };
@@ -102,30 +108,30 @@ class RowRenderer {
 public:
     RowRenderer(const RenderRequest& request, const MapRow& row, const Band& band, const Inputs& in, std::span<const TruePixel> truth)
         : request_(request), row_(row), band_(band), in_(in), truth_(truth), appearance_(request.scene->appearance), n_(band.pixels()),
-          rays_(in.geometry.rays_for(*row.form->info)), answers_(evaluate(*row.form, in.geometry)),
+          rays_(in.geometry.rays_for(*row.form->info)), answers_(truth::evaluate(*row.form, in.geometry)),
           out_{band.y0(), band.rows(), in.geometry.rays.width, &answers_, truth, std::vector<Seen>(n_), {}, std::vector<double>(n_, missing), std::vector<double>(n_, missing), {}, std::vector<std::int32_t>(n_, -1)} {}
 
     const RenderBand& render() {
         point_.assign(n_, Vec<double>(missing, missing, missing));
         normal_ = point_;
         see();
-        for (const scene::Stage stage : request_.stages) casts_ |= shade_rule(appearance_, stage).shadows;
+        for (const Stage stage : request_.stages) casts_ |= shade_rule(appearance_, stage).shadows;
         blocked_.assign(n_, blocked_by_nothing);
         if (casts_) cast();
-        for (const scene::Stage stage : request_.stages) paint(stage);
+        for (const Stage stage : request_.stages) paint(stage);
         return out_;
     }
 
 private:
     [[nodiscard]] bool hit(std::size_t i) const { return answers_.hit[i] != 0; }
     [[nodiscard]] const Solid<double>& solid(std::size_t i) const { return in_.geometry.solids[static_cast<std::size_t>(answers_.object[i])]; }
-    [[nodiscard]] bool unit() const { return row_.form->info->direction == Direction::unit; }
+    [[nodiscard]] bool unit() const { return row_.form->info->direction == intersect::Direction::unit; }
 
     /// The point and the normal as the format computes them, and how far they are off.
     void see() {
-        static const Metric* const residual = find_metric("residual");
+        static const metric::Metric* const residual = metric::find_metric("residual");
         for_each_pixel_in(row_.format, n_, [&]<class T>(std::size_t i) {
-            const Truth& truth = band_.truth(i, Touching::hit);
+            const Truth& truth = band_.truth(i, intersect::Touching::hit);
             out_.truth_object[i] = truth.is_hit() ? truth.object : -1;
             out_.seen[i] = seen_of(truth, hit(i), answers_.t[i], answers_.object[i]);
             if (!hit(i)) return;
@@ -135,7 +141,7 @@ private:
             point_[i] = drop(p);
             normal_[i] = drop(normal_at<T>(p, sphere));
             if (out_.seen[i] != Seen::same_sphere) return;
-            const Sample sample{answers_.t[i], &row_.format, nullptr, missing, nullptr, nullptr, missing, &ray, &solid(i)};
+            const metric::Sample sample{answers_.t[i], &row_.format, nullptr, missing, nullptr, nullptr, missing, &ray, &solid(i)};
             out_.residual[i] = std::fabs(residual->value(sample));
             if (truth_[i].has_normal) out_.normal_angle[i] = angle_between(normal_[i], truth_[i].normal);
         });
@@ -158,7 +164,7 @@ private:
         Cast cast{drop(start), drop(way), 1};
         if (unit() && is_finite(cast.direction)) {
             cast.reach = drop(length(way));
-            cast.direction = unit_direction(cast.direction, row_.format.shape);
+            cast.direction = truth::unit_direction(cast.direction, row_.format.shape);
         }
         return cast;
     }
@@ -186,7 +192,7 @@ private:
         }
     }
 
-    void paint(scene::Stage stage) {
+    void paint(Stage stage) {
         const ShadeRule rule = shade_rule(appearance_, stage);
         auto& picture = out_.painted.emplace_back(n_);
         for_each_pixel_in(row_.format, n_, [&]<class T>(std::size_t i) {
@@ -225,10 +231,10 @@ private:
     const Band& band_;
     const Inputs& in_;
     std::span<const TruePixel> truth_;
-    const scene::Appearance& appearance_;
+    const scene::file::Appearance& appearance_;
     std::size_t n_;
-    const scene::RayBlock& rays_;
-    Answers answers_;
+    const scene::rays::RayBlock& rays_;
+    truth::Answers answers_;
     RenderBand out_;
     bool casts_ = false;
     std::vector<Vec<double>> point_, normal_;
@@ -236,8 +242,8 @@ private:
 };
 
 std::map<std::string, Inputs> inputs_of(const RenderRequest& request, const Band& band) {
-    std::map<std::string, BandNeeds> needs;
-    for (const MapRow& row : request.rows) needs[row.format.name].unit_rays |= row.form->info->direction == Direction::unit;
+    std::map<std::string, truth::BandNeeds> needs;
+    for (const MapRow& row : request.rows) needs[row.format.name].unit_rays |= row.form->info->direction == intersect::Direction::unit;
     std::map<std::string, Inputs> inputs;
     for (const auto& [name, need] : needs) {
         const Format format = *find_format(name);
@@ -255,7 +261,7 @@ std::uint8_t byte_of(double channel) {
 }
 
 std::vector<RenderSummary> run_render(const RenderRequest& request, RenderSink* sink) {
-    const scene::Scene& scene = *request.scene;
+    const scene::file::Scene& scene = *request.scene;
     const std::size_t stages = request.stages.size();
     std::vector<RenderSummary> summaries(request.rows.size() * stages);
     for (std::size_t k = 0; k < summaries.size(); ++k) {
@@ -263,8 +269,8 @@ std::vector<RenderSummary> run_render(const RenderRequest& request, RenderSink* 
         summaries[k].rule = shade_rule(scene.appearance, summaries[k].stage);
     }
     const Look<double> look = input_look(scene, binary64);
-    for (int y0 = 0; y0 < scene.height; y0 += band_rows(scene.width)) {
-        const Band band(scene, y0, std::min(scene.height, y0 + band_rows(scene.width)));
+    for (int y0 = 0; y0 < scene.height; y0 += map::band_rows(scene.width)) {
+        const Band band(scene, y0, std::min(scene.height, y0 + map::band_rows(scene.width)));
         const std::vector<TruePixel> truth = find_true_picture(scene, band, request.stages, request.limit);
         if (sink) sink->reference(band.y0(), band.rows(), truth);
         const auto inputs = inputs_of(request, band);
@@ -279,4 +285,4 @@ std::vector<RenderSummary> run_render(const RenderRequest& request, RenderSink* 
     return summaries;
 }
 
-}  // namespace lostbits
+}  // namespace lostbits::measure::picture

@@ -12,7 +12,7 @@
 #include "measure/picture/shade.hpp"
 #include "measure/picture/true_picture.hpp"
 
-namespace lostbits {
+namespace lostbits::measure::picture {
 
 /// What a pixel shows, form against truth.
 enum class Seen : std::uint8_t { same_sphere, background, other_sphere, lost_sphere, extra_sphere, not_a_number, unresolved };
@@ -38,7 +38,7 @@ std::uint8_t byte_of(double channel);
 /// One form in one format over some scanlines.
 struct RenderBand {
     int y0, rows, width;
-    const Answers* answers;
+    const truth::Answers* answers;
     std::span<const TruePixel> truth;
     std::vector<Seen> seen;
     std::vector<Shadow> shadow;             ///< empty where no stage casts shadows
@@ -50,7 +50,7 @@ struct RenderBand {
 
 /// What is known of one stage of one row when the whole picture has been seen.
 struct RenderSummary {
-    scene::Stage stage = scene::Stage::visible;
+    scene::file::Stage stage = scene::file::Stage::visible;
     ShadeRule rule;
     std::uint64_t pixels = 0;
     std::array<std::uint64_t, seen_names.size()> seen{};
@@ -61,7 +61,7 @@ struct RenderSummary {
     std::uint64_t light_in_true_shadow = 0;   ///< those of them that the true picture gives diffuse light all the same
     std::uint64_t changed = 0;                ///< pixels with a byte that is not the true one
     std::uint64_t colour_unresolved = 0, colour_not_a_number = 0;
-    Distribution colour_error, normal_angle, residual;
+    metric::Distribution colour_error, normal_angle, residual;
 
     [[nodiscard]] std::uint64_t count(Seen s) const { return seen[static_cast<std::size_t>(s)]; }
     [[nodiscard]] std::uint64_t count(bool on_background, Shadow s) const { return shadow[on_background ? 1 : 0][static_cast<std::size_t>(s)]; }
@@ -95,9 +95,9 @@ public:
 };
 
 struct RenderRequest {
-    const scene::Scene* scene = nullptr;   ///< of spheres
-    std::vector<scene::Stage> stages;      ///< in rising order, none beyond what the scene asks for
-    std::vector<MapRow> rows;
+    const scene::file::Scene* scene = nullptr;   ///< of spheres
+    std::vector<scene::file::Stage> stages;      ///< in rising order, none beyond what the scene asks for
+    std::vector<map::MapRow> rows;
     PictureLimit limit{};
     std::function<void(std::uint64_t)> progress = [](std::uint64_t) {};  ///< as `MapRequest::progress`
 };
@@ -105,4 +105,4 @@ struct RenderRequest {
 /// A summary a row and stage: those of a row's stages side by side. The results do not depend on the number of threads.
 std::vector<RenderSummary> run_render(const RenderRequest& request, RenderSink* sink = nullptr);
 
-}  // namespace lostbits
+}  // namespace lostbits::measure::picture

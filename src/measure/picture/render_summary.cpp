@@ -8,7 +8,10 @@
 #include "number/error.hpp"
 #include "scene/toml/did_you_mean.hpp"
 
-namespace lostbits {
+namespace lostbits::measure::picture {
+
+using metric::Distribution;
+
 namespace {
 
 constexpr double missing = std::numeric_limits<double>::quiet_NaN();
@@ -122,7 +125,7 @@ double render_value(const RenderSummary& summary, const std::string& column, con
         if (c.name == column) return c.value(summary);
         names.emplace_back(c.name);
     }
-    throw InputError(where + ": unknown metric \"" + column + "\" of a rendered scene; " + scene::did_you_mean(column, names));
+    throw InputError(where + ": unknown metric \"" + column + "\" of a rendered scene; " + scene::toml::did_you_mean(column, names));
 }
 
 std::uint64_t RenderSummary::flips() const {
@@ -136,4 +139,4 @@ std::uint64_t RenderSummary::unresolved() const {
     return count(Seen::unresolved) + std::max(colour_unresolved, count(false, Shadow::unresolved) + count(true, Shadow::unresolved));
 }
 
-}  // namespace lostbits
+}  // namespace lostbits::measure::picture

@@ -4,7 +4,7 @@
 #include "geometry/shapes.hpp"
 #include "scene/file/appearance.hpp"
 
-namespace lostbits {
+namespace lostbits::measure::picture {
 
 /// A sphere's paint as numbers of T.
 template <class T>
@@ -22,8 +22,8 @@ struct ShadeRule {
 };
 
 /// What a scene asks for, up to a stage.
-inline ShadeRule shade_rule(const scene::Appearance& look, scene::Stage stage) {
-    using scene::Stage;
+inline ShadeRule shade_rule(const scene::file::Appearance& look, scene::file::Stage stage) {
+    using scene::file::Stage;
     const auto wanted = [&](Stage s) { return s <= stage && look.asks_for(s); };
     return {wanted(Stage::diffuse), wanted(Stage::shadows), wanted(Stage::phong), look.shadows && look.shadows->half_diffuse};
 }
@@ -63,8 +63,8 @@ T whole_power(const T& x, int n) {
 /// The start of a shadow ray that is also held against its own sphere: the point moved along the normal by `epsilon`, or by
 /// `ulps` units in the last place of its largest coordinate (none for numbers that stand for exact arithmetic).
 template <Number T>
-Vec<T> shadow_origin(const Vec<T>& p, const Vec<T>& n, scene::ShadowRule::Offset offset, const T& epsilon, int ulps) {
-    using Offset = scene::ShadowRule::Offset;
+Vec<T> shadow_origin(const Vec<T>& p, const Vec<T>& n, scene::file::ShadowRule::Offset offset, const T& epsilon, int ulps) {
+    using Offset = scene::file::ShadowRule::Offset;
     if (offset == Offset::none) return p;
     T away = epsilon;
     if (offset == Offset::ulp) {
@@ -95,4 +95,4 @@ Vec<T> shade(const Paint<T>& paint, const ShadeRule& rule, const mask_t<T>& shad
     return Vec<T>(colour.x + added, colour.y + added, colour.z + added);
 }
 
-}  // namespace lostbits
+}  // namespace lostbits::measure::picture

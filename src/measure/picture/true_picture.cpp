@@ -9,7 +9,11 @@
 #include "measure/picture/look.hpp"
 #include "number/interruption.hpp"
 
-namespace lostbits {
+namespace lostbits::measure::picture {
+
+using scene::file::Stage;
+using truth::Band;
+
 namespace {
 
 bool tighten(const Ball& x, Tight& out) {
@@ -61,7 +65,7 @@ bool settle(const Vec<E>& colour, TrueColour& out) {
 /// The sphere stands between p and the light: hit at 0 < t < 1 of the way.
 template <class E>
 Tri blocks(const Sphere<E>& sphere, const Vec<E>& p, const Vec<E>& light) {
-    const Enclosed<E> e = enclose<E>(Ray<E>{p, light - p}, sphere);
+    const truth::Enclosed<E> e = truth::enclose<E>(Ray<E>{p, light - p}, sphere);
     if (!e.hit.is_yes()) return e.hit;
     return e.t > E(0) && e.t < E(1);
 }
@@ -75,27 +79,27 @@ bool settle(Tri shadowed, TrueShadow& out) {
 template <class S>
 class Reference {
 public:
-    Reference(const scene::Scene& scene, const Band& band, std::span<const scene::Stage> stages, PictureLimit limit)
+    Reference(const scene::file::Scene& scene, const Band& band, std::span<const Stage> stages, PictureLimit limit)
         : band_(band), limit_(limit), has_light_(scene.appearance.light.has_value()), points_(pixel_points<S>(scene, band.y0(), band.y0() + band.rows())) {
         if constexpr (std::is_same_v<S, double>) {
-            rays_ = scene::make_shared_rays(scene, band.y0(), band.y0() + band.rows());
-            solids_ = scene::shared_solids(scene);
+            rays_ = scene::rays::make_shared_rays(scene, band.y0(), band.y0() + band.rows());
+            solids_ = scene::rays::shared_solids(scene);
             look_ = shared_look(scene.appearance);
         } else {
-            rays_ = scene::make_own_rays(scene, band.y0(), band.y0() + band.rows());
+            rays_ = scene::rays::make_own_rays(scene, band.y0(), band.y0() + band.rows());
             solids_ = scene.solids();
             look_ = own_look(scene.appearance);
         }
-        for (const scene::Stage stage : stages) {
+        for (const Stage stage : stages) {
             rules_.emplace_back(static_cast<std::size_t>(stage), shade_rule(scene.appearance, stage));
             casts_ |= rules_.back().second.shadows;
         }
     }
 
     [[nodiscard]] TruePixel find(std::size_t i) const {
-        const Truth& truth = band_.truth(i, Touching::hit);
+        const truth::Truth& truth = band_.truth(i, intersect::Touching::hit);
         TruePixel pixel;
-        if (truth.decision == Truth::Decision::unresolved) {
+        if (truth.decision == truth::Truth::Decision::unresolved) {
             if (casts_) pixel.shadow = TrueShadow::unresolved;
             return pixel;
         }
@@ -114,9 +118,9 @@ public:
 private:
     template <class E>
     bool surface(std::size_t i, std::size_t object, TruePixel& out) const {
-        const Ray<E> ray = lift_ray<E>(rays_[i]);
-        const Sphere<E> sphere = lift_solid<E>(solids_[object]).sphere();
-        const Enclosed<E> e = enclose<E>(ray, sphere);
+        const Ray<E> ray = truth::lift_ray<E>(rays_[i]);
+        const Sphere<E> sphere = truth::lift_solid<E>(solids_[object]).sphere();
+        const truth::Enclosed<E> e = truth::enclose<E>(ray, sphere);
         if (!e.hit.is_yes()) return false;
         const Vec<E> p = point_at<E>(ray, e.t), n = normal_at<E>(p, sphere);
         out.has_normal = true;
@@ -126,7 +130,7 @@ private:
         Vec<E> l(E(0), E(0), E(0)), v = l;
         Tri shadowed = Tri::no;
         if (has_light_) {
-            const Vec<E> light = lift_vec<E>(look_.light);
+            const Vec<E> light = truth::lift_vec<E>(look_.light);
             l = unit_of<E>(light - p);
             v = unit_of<E>(ray.origin - p);
             const Tri faces = dot(n, l) > E(0);
@@ -136,7 +140,7 @@ private:
                 settled &= settle(faces.is_unknown() ? Tri(Tri::unknown) : shadowed, out.shadow);
             }
         }
-        const Paint<E> paint = lifted(look_.paints[object], lift<E, S>);
+        const Paint<E> paint = lifted(look_.paints[object], truth::lift<E, S>);
         for (const auto& [stage, rule] : rules_) settled &= settle(shade<E>(paint, rule, shadowed, n, l, v), out.colours[stage]);
         return settled;
     }
@@ -146,11 +150,11 @@ private:
         bool settled = true;
         Tri shadowed = Tri::no;
         if (casts_ && !points_.empty()) {
-            shadowed = in_shadow<E>(lift_vec<E>(points_[i]), lift_vec<E>(look_.light), solids_.size());
+            shadowed = in_shadow<E>(truth::lift_vec<E>(points_[i]), truth::lift_vec<E>(look_.light), solids_.size());
             settled &= settle(shadowed, out.shadow);
         }
-        const Vec<E> full = lift_vec<E>(look_.background);
-        const E factor = lift<E>(look_.shadow_on_background);
+        const Vec<E> full = truth::lift_vec<E>(look_.background);
+        const E factor = truth::lift<E>(look_.shadow_on_background);
         for (const auto& [stage, rule] : rules_) {
             Vec<E> colour = full;
             for (int k = 0; rule.shadows && k < 3; ++k) colour[k] = select(shadowed, factor * full[k], full[k]);
@@ -163,7 +167,7 @@ private:
     Tri in_shadow(const Vec<E>& p, const Vec<E>& light, std::size_t own) const {
         Tri shadowed = Tri::no;
         for (std::size_t s = 0; s < solids_.size() && !shadowed.is_yes(); ++s) {
-            if (s != own) shadowed = shadowed || blocks<E>(lift_solid<E>(solids_[s]).sphere(), p, light);
+            if (s != own) shadowed = shadowed || blocks<E>(truth::lift_solid<E>(solids_[s]).sphere(), p, light);
         }
         return shadowed;
     }
@@ -171,7 +175,7 @@ private:
     const Band& band_;
     PictureLimit limit_;
     bool has_light_, casts_ = false;
-    scene::BasicRayBlock<S> rays_;
+    scene::rays::BasicRayBlock<S> rays_;
     std::vector<Solid<S>> solids_;
     std::vector<Vec<S>> points_;
     Look<S> look_;
@@ -192,9 +196,9 @@ std::vector<TruePixel> find_all(const Reference<S>& reference, std::size_t count
 
 }  // namespace
 
-std::vector<TruePixel> find_true_picture(const scene::Scene& scene, const Band& band, std::span<const scene::Stage> stages, PictureLimit limit) {
-    if (scene.inputs == scene::Inputs::own) return find_all(Reference<Real>(scene, band, stages, limit), band.pixels());
+std::vector<TruePixel> find_true_picture(const scene::file::Scene& scene, const Band& band, std::span<const Stage> stages, PictureLimit limit) {
+    if (scene.inputs == scene::file::Inputs::own) return find_all(Reference<Real>(scene, band, stages, limit), band.pixels());
     return find_all(Reference<double>(scene, band, stages, limit), band.pixels());
 }
 
-}  // namespace lostbits
+}  // namespace lostbits::measure::picture

@@ -9,7 +9,7 @@
 #include "measure/truth/band.hpp"
 #include "scene/file/appearance.hpp"
 
-namespace lostbits {
+namespace lostbits::measure::picture {
 
 /// Enclosures start at double-double and go to MPFI at 192 bits, doubling to here. A colour of a point is irrational almost
 /// always, so a decision that is exactly on its edge (a shadow ray that touches, N·L = 0, a channel on the edge between two
@@ -38,13 +38,13 @@ struct TruePixel {
     bool has_normal = false;      ///< a sphere is seen and its normal is tight
     TrueShadow shadow = TrueShadow::untested;
     bool faces_light = false;     ///< N·L > 0, certainly
-    std::array<TrueColour, scene::stage_names.size()> colours;  ///< of the stages asked for
+    std::array<TrueColour, scene::file::stage_names.size()> colours;  ///< of the stages asked for
     int bits = 0;                 ///< of precision that the last attempt had
 };
 
 /// The true pixels of a band for some stages, in parallel. Solids are closed: touching is a hit, for the eye and for shadows.
 /// It knows no form: the reference of all forms is one. The spheres' shadows on the background are those on the plane of
 /// pixels z = 0 (`Camera::Kind::pixel_plane`); under other cameras the background is nowhere, and unshadowed.
-std::vector<TruePixel> find_true_picture(const scene::Scene& scene, const Band& band, std::span<const scene::Stage> stages, PictureLimit limit = {});
+std::vector<TruePixel> find_true_picture(const scene::file::Scene& scene, const truth::Band& band, std::span<const scene::file::Stage> stages, PictureLimit limit = {});
 
-}  // namespace lostbits
+}  // namespace lostbits::measure::picture

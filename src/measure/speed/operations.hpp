@@ -4,10 +4,10 @@
 #include "intersect/table/table.hpp"
 #include "number/counted.hpp"
 
-namespace lostbits {
+namespace lostbits::measure::speed {
 
 /// The operations of one evaluation in binary32, as the form is written (see `Counted`). Forms select and do not branch, so
 /// only those that iterate depend on the ray. All zero for a form that is not in the catalogue.
-OperationCounts operations_of(const Info& form, const Ray<float>& ray, const Solid<float>& solid, float tmax);
+OperationCounts operations_of(const intersect::Info& form, const Ray<float>& ray, const Solid<float>& solid, float tmax);
 
-}  // namespace lostbits
+}  // namespace lostbits::measure::speed

@@ -14,7 +14,7 @@
 #include <numeric>
 #include <random>
 
-namespace lostbits {
+namespace lostbits::measure::speed {
 namespace {
 
 /// The compiler may not move, drop or join what lies before and after.
@@ -135,4 +135,4 @@ std::vector<Timing> time_interleaved(std::span<const TimedWork> work, const Timi
     return timings;
 }
 
-}  // namespace lostbits
+}  // namespace lostbits::measure::speed

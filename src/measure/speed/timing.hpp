@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-namespace lostbits {
+namespace lostbits::measure::speed {
 
 /// Keeps the calling thread on the processor that it runs on, and lets it go where it could before. Does nothing where the
 /// system refuses.
@@ -67,4 +67,4 @@ Timing timing_of(std::vector<double> samples);
 /// Of a[i]/b[i], quotients within a round: what slows a round down slows both. As many of both, at least one.
 Timing ratio_of(std::span<const double> a, std::span<const double> b);
 
-}  // namespace lostbits
+}  // namespace lostbits::measure::speed

@@ -9,7 +9,7 @@
 #include <numeric>
 #include <thread>
 
-namespace lostbits {
+namespace lostbits::measure::speed {
 namespace {
 
 using Clock = std::chrono::steady_clock;
@@ -90,4 +90,4 @@ std::vector<double> thread_speedups(const WorkOfThread& work, const ThreadPlan& 
     return quotients;
 }
 
-}  // namespace lostbits
+}  // namespace lostbits::measure::speed

@@ -5,7 +5,7 @@
 #include <functional>
 #include <vector>
 
-namespace lostbits {
+namespace lostbits::measure::speed {
 
 /// The processors that the calling thread may use; {0} where the system does not say.
 std::vector<int> allowed_processors();
@@ -24,4 +24,4 @@ using WorkOfThread = std::function<std::function<void()>(std::size_t thread)>;
 /// repetition, the one taking turns on the processors. Perfect scaling is the number of threads. By steady_clock.
 std::vector<double> thread_speedups(const WorkOfThread& work, const ThreadPlan& plan);
 
-}  // namespace lostbits
+}  // namespace lostbits::measure::speed

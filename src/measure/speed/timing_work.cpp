@@ -5,7 +5,7 @@
 #include <limits>
 #include <random>
 
-namespace lostbits {
+namespace lostbits::measure::speed {
 namespace {
 
 /// The row of a form in a table of rows; null if it has none.
@@ -16,7 +16,7 @@ const Row* row_of(std::span<const Row> rows, std::string_view form) {
 }
 
 template <class S>
-TimedWork by_packs(const std::shared_ptr<BoxField<S>>& field, ManyBoxes<S> kernel, bool warm) {
+TimedWork by_packs(const std::shared_ptr<BoxField<S>>& field, intersect::simd::ManyBoxes<S> kernel, bool warm) {
     return {[field, kernel] { kernel(field->ray, field->arrays(), field->t); }, field->t.size(), warm};
 }
 
@@ -72,7 +72,7 @@ std::size_t working_set_bytes(std::string_view name, const CacheSizes& caches) {
 
 bool stay_in_cache(std::size_t bytes) { return bytes <= cache_sizes().l2; }
 
-const std::shared_ptr<std::vector<PlainBox>>& BoxWork::structs() {
+const std::shared_ptr<std::vector<intersect::simd::PlainBox>>& BoxWork::structs() {
     const BoxField<float>& field = *f32();
     auto& boxes = structs_(field.t.size());
     for (std::size_t i = 0; i < field.t.size(); ++i)
@@ -82,29 +82,29 @@ const std::shared_ptr<std::vector<PlainBox>>& BoxWork::structs() {
 
 std::optional<TimedWork> BoxWork::on(const TimedKernel& k) {
     const bool warm = stay_in_cache(bytes_);
-    const PlainRow* const plain = k.kernel.starts_with("plain-") && k.format == "f32" ? row_of(plain_rows(), k.form) : nullptr;
+    const intersect::simd::PlainRow* const plain = k.kernel.starts_with("plain-") && k.format == "f32" ? row_of(intersect::simd::plain_rows(), k.form) : nullptr;
     if (plain && k.kernel == "plain-256")
         return TimedWork{[field = f32(), ray = f32()->ray_numbers(), boxes = f32()->pointers(), loop = plain->columns] { loop(ray.data(), boxes.data(), field->t.data(), field->t.size()); },
                          f32()->t.size(), warm};
     if (plain && k.kernel == "plain-structs-256")
         return TimedWork{[field = f32(), ray = f32()->ray_numbers(), boxes = structs(), loop = plain->structs] { loop(ray.data(), boxes->data(), field->t.data(), field->t.size()); },
                          f32()->t.size(), warm};
-    const auto isa = isa_named(k.kernel);
-    const ManyRow* const row = isa ? row_of(many_rows(*isa), k.form) : nullptr;
+    const auto isa = intersect::simd::isa_named(k.kernel);
+    const intersect::simd::ManyRow* const row = isa ? row_of(intersect::simd::many_rows(*isa), k.form) : nullptr;
     if (row && row->boxes32 && k.format == "f32") return by_packs(f32(), row->boxes32, warm);
     if (row && row->boxes64 && k.format == "f64") return by_packs(f64(), row->boxes64, warm);
     return std::nullopt;
 }
 
 std::optional<TimedWork> RayWork::on(const TimedKernel& k) {
-    const auto isa = isa_named(k.kernel);
-    const PackedRow* const row = isa ? row_of(packed_rows(*isa), k.form) : nullptr;
+    const auto isa = intersect::simd::isa_named(k.kernel);
+    const intersect::simd::PackedRow* const row = isa ? row_of(intersect::simd::packed_rows(*isa), k.form) : nullptr;
     if (!row) return std::nullopt;
     const bool warm = stay_in_cache(bytes_);
-    const Shape shape = intersectors()[static_cast<std::size_t>(row - packed_rows(*isa).data())].shape;
+    const Shape shape = intersect::table::intersectors()[static_cast<std::size_t>(row - intersect::simd::packed_rows(*isa).data())].shape;
     if (row->f32 && k.format == "f32") return by_packs(f32(shape), row->f32, warm);
     if (row->f64 && k.format == "f64") return by_packs(f64(shape), row->f64, warm);
     return std::nullopt;
 }
 
-}  // namespace lostbits
+}  // namespace lostbits::measure::speed

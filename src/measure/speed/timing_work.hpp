@@ -13,7 +13,7 @@
 #include "measure/speed/timing.hpp"
 #include "measure/speed/trade_rays.hpp"
 
-namespace lostbits {
+namespace lostbits::measure::speed {
 
 /// Boxes scattered about a ray's way, a column a number, and the t of each: infinite at first, where the ray enters once it was hit.
 /// Columns start at cache lines, each at another place of its page, so that reads and writes do not collide there.
@@ -29,7 +29,7 @@ public:
     std::array<std::span<S>, 6> columns;  ///< lo x, y, z, hi x, y, z
     std::span<S> t;
 
-    [[nodiscard]] BoxArrays<S> arrays() const { return {columns[0], columns[1], columns[2], columns[3], columns[4], columns[5]}; }
+    [[nodiscard]] intersect::simd::BoxArrays<S> arrays() const { return {columns[0], columns[1], columns[2], columns[3], columns[4], columns[5]}; }
     [[nodiscard]] std::array<const S*, 6> pointers() const;
     [[nodiscard]] std::array<S, 6> ray_numbers() const;
 
@@ -76,12 +76,12 @@ public:
     const std::shared_ptr<BoxField<double>>& f64() { return f64_(bytes_); }
 
 private:
-    const std::shared_ptr<std::vector<PlainBox>>& structs();
+    const std::shared_ptr<std::vector<intersect::simd::PlainBox>>& structs();
 
     std::size_t bytes_;
     Lazy<BoxField<float>> f32_;
     Lazy<BoxField<double>> f64_;
-    Lazy<std::vector<PlainBox>> structs_;
+    Lazy<std::vector<intersect::simd::PlainBox>> structs_;
 };
 
 /// Many rays against the one solid of `ray_pool`, half of them hitting it; otherwise the same.
@@ -109,4 +109,4 @@ private:
 /// Whether a pass that is not timed brings so many bytes back to where they were.
 bool stay_in_cache(std::size_t bytes);
 
-}  // namespace lostbits
+}  // namespace lostbits::measure::speed

@@ -7,7 +7,12 @@
 
 #include "intersect/simd/variants.hpp"
 
-namespace lostbits {
+namespace lostbits::measure::speed {
+
+using answer::Outcome;
+using intersect::table::Intersector;
+using map::MapRow;
+
 namespace {
 
 constexpr std::size_t slice_in_memory = std::size_t{1} << 14;  // rays: about 600 kB a call
@@ -60,7 +65,7 @@ void measure_all(const TradeRequest& request, TradeResult& result) {
         if (same == rows.end()) rows.push_back(k.measured);
     }
     for (const RaySet& set : ray_sets(request.shape)) {
-        result.rows.push_back(measure_groups(set.groups(), rows, request.metrics, request.limit));
+        result.rows.push_back(map::measure_groups(set.groups(), rows, request.metrics, request.limit));
         request.plan.progress(0);
     }
 }
@@ -91,14 +96,14 @@ std::vector<TradeKernel> trade_kernels(const std::vector<MapRow>& rows) {
         if (kernel.f32 || kernel.f64) kernels.push_back(std::move(kernel));
     };
     for (const MapRow& row : rows) {
-        const Info* const form = row.form->info;
-        for (const Isa isa : available_isas()) {
-            const auto packed = packed_rows(isa);
-            const auto found = std::ranges::find(packed, form, &PackedRow::info);
+        const intersect::Info* const form = row.form->info;
+        for (const intersect::simd::Isa isa : intersect::simd::available_isas()) {
+            const auto packed = intersect::simd::packed_rows(isa);
+            const auto found = std::ranges::find(packed, form, &intersect::simd::PackedRow::info);
             if (found != packed.end()) add({.measured = row, .form = form, .isa = name_of(isa)}, found->f32, found->f64);
         }
-        const auto number = static_cast<std::size_t>(row.form - intersectors().data());
-        for (const Variant& variant : variants()) {
+        const auto number = static_cast<std::size_t>(row.form - intersect::table::intersectors().data());
+        for (const intersect::simd::Variant& variant : intersect::simd::variants()) {
             const Intersector& made = variant.rows[number];
             add({.measured = {&made, row.format}, .form = form, .isa = name_of(variant.isa), .variant = variant.name}, made.native32, made.native64);
         }
@@ -134,8 +139,8 @@ TradeResult run_trade(const TradeRequest& request) {
     return result;
 }
 
-ParetoPoint pareto_point(const Timing& timing, const MapRow& row, const MapSummary& accuracy, const std::vector<const Metric*>& metrics) {
-    const auto lost = static_cast<std::size_t>(std::ranges::find(metrics, find_metric("lost_bits")) - metrics.begin());
+ParetoPoint pareto_point(const Timing& timing, const MapRow& row, const map::MapSummary& accuracy, const std::vector<const metric::Metric*>& metrics) {
+    const auto lost = static_cast<std::size_t>(std::ranges::find(metrics, metric::find_metric("lost_bits")) - metrics.begin());
     const auto wrong = accuracy.count(Outcome::false_hit) + accuracy.count(Outcome::false_miss) + accuracy.count(Outcome::not_a_number);
     const auto known = accuracy.rays - accuracy.count(Outcome::unresolved);
     return {timing.median * 1e9, known == 0 ? 0 : static_cast<double>(wrong) / static_cast<double>(known), row.format.shape.precision - accuracy.metrics[lost].quantile(0.99)};
@@ -160,4 +165,4 @@ std::optional<std::size_t> cheapest(const std::vector<ParetoPoint>& all, double 
     return best;
 }
 
-}  // namespace lostbits
+}  // namespace lostbits::measure::speed

@@ -11,22 +11,22 @@
 #include "measure/speed/timing.hpp"
 #include "measure/speed/trade_rays.hpp"
 
-namespace lostbits {
+namespace lostbits::measure::speed {
 
 /// One thing that can be called: a form in a native format over registers of a width. Kernels of one form and format with the
 /// same `measured` give the same bits.
 struct TradeKernel {
-    MapRow measured;        ///< what its accuracy is that of
-    const Info* form;       ///< as it is written
+    map::MapRow measured;        ///< what its accuracy is that of
+    const intersect::Info* form;       ///< as it is written
     std::string_view isa;   ///< `scalar`, `128`, ...
     std::string_view variant = {};  ///< of compiler flags: `contract`, `fastmath`; empty: the form as it is written
-    decltype(Intersector::native32) f32 = nullptr;  ///< one of the two, by the format
-    decltype(Intersector::native64) f64 = nullptr;
+    decltype(intersect::table::Intersector::native32) f32 = nullptr;  ///< one of the two, by the format
+    decltype(intersect::table::Intersector::native64) f64 = nullptr;
 };
 
 /// Every selected row (f32 and f64 alone) on every instruction set that there is, and in every variant of compiler flags, in the
 /// order of rows, then widths, then variants.
-std::vector<TradeKernel> trade_kernels(const std::vector<MapRow>& rows);
+std::vector<TradeKernel> trade_kernels(const std::vector<map::MapRow>& rows);
 
 /// The rays that a kernel is timed on: so many bytes of them and their answers, of which so many hit.
 struct TradeLoad {
@@ -44,10 +44,10 @@ std::size_t standing_load(const std::vector<TradeLoad>& loads);
 struct TradeRequest {
     Shape shape = Shape::sphere;
     std::vector<TradeKernel> kernels;
-    std::vector<const Metric*> metrics;  ///< with lost_bits and excess_bits
+    std::vector<const metric::Metric*> metrics;  ///< with lost_bits and excess_bits
     std::vector<TradeLoad> loads;
     TimingPlan plan{};
-    TruthLimit limit{};
+    truth::TruthLimit limit{};
 };
 
 /// Units of progress that `run_trade` reports through the plan.
@@ -62,9 +62,9 @@ struct TradeResult {
     std::vector<std::vector<Timed>> times;    ///< [kernel][load]
     std::vector<OperationCounts> operations;  ///< [kernel]
     std::vector<std::size_t> row_of;          ///< [kernel]: where its accuracy is
-    std::vector<std::vector<MapSummary>> rows;  ///< [ray set][row]
+    std::vector<std::vector<map::MapSummary>> rows;  ///< [ray set][row]
 
-    [[nodiscard]] const MapSummary& accuracy(std::size_t set, std::size_t kernel) const { return rows[set][row_of[kernel]]; }
+    [[nodiscard]] const map::MapSummary& accuracy(std::size_t set, std::size_t kernel) const { return rows[set][row_of[kernel]]; }
 };
 TradeResult run_trade(const TradeRequest& request);
 
@@ -77,7 +77,7 @@ struct ParetoPoint {
 
     [[nodiscard]] bool never_wrong() const { return wrong_fraction == 0; }
 };
-ParetoPoint pareto_point(const Timing& timing, const MapRow& row, const MapSummary& accuracy, const std::vector<const Metric*>& metrics);
+ParetoPoint pareto_point(const Timing& timing, const map::MapRow& row, const map::MapSummary& accuracy, const std::vector<const metric::Metric*>& metrics);
 
 /// Of each: whether another is at least as fast and at least as accurate, and better in one of the two.
 std::vector<bool> dominated(const std::vector<ParetoPoint>& all);
@@ -88,4 +88,4 @@ std::optional<std::size_t> cheapest(const std::vector<ParetoPoint>& all, double 
 /// The bits that are asked for in words.
 inline constexpr std::array<int, 6> asked_bits{8, 12, 16, 20, 22, 40};
 
-}  // namespace lostbits
+}  // namespace lostbits::measure::speed

@@ -6,26 +6,26 @@
 
 #include "measure/truth/unit_direction.hpp"
 
-namespace lostbits {
+namespace lostbits::measure::speed {
 namespace {
 
-using scene::BoxFamily;
-using scene::Family;
-using scene::RayGroup;
+using scene::rays::BoxFamily;
+using scene::rays::Family;
+using scene::rays::RayGroup;
 
-std::vector<RayGroup> easy_spheres() { return scene::family_rays({.distance = 4, .impact_to = 0.9}); }
-std::vector<RayGroup> far_small_spheres() { return scene::family_rays({.distance = 4096, .impact_to = 0.9}); }
+std::vector<RayGroup> easy_spheres() { return scene::rays::family_rays({.distance = 4, .impact_to = 0.9}); }
+std::vector<RayGroup> far_small_spheres() { return scene::rays::family_rays({.distance = 4096, .impact_to = 0.9}); }
 std::vector<RayGroup> near_huge_spheres() {
-    return scene::family_rays({.projection = Family::Projection::point, .radius = 1e6, .height = 1, .impact_to = 0.9});
+    return scene::rays::family_rays({.projection = Family::Projection::point, .radius = 1e6, .height = 1, .impact_to = 0.9});
 }
-std::vector<RayGroup> grazing_spheres() { return scene::family_rays({.distance = 4, .silhouette_gap = 0x1p-10}); }
+std::vector<RayGroup> grazing_spheres() { return scene::rays::family_rays({.distance = 4, .silhouette_gap = 0x1p-10}); }
 
-std::vector<RayGroup> easy_boxes() { return scene::box_family_rays({.aim = BoxFamily::Aim::inside}); }
+std::vector<RayGroup> easy_boxes() { return scene::rays::box_family_rays({.aim = BoxFamily::Aim::inside}); }
 
 /// Half of the rays inside by the gap, half outside.
 std::vector<RayGroup> edge_boxes() {
-    auto groups = scene::box_family_rays({.aim = BoxFamily::Aim::edge, .gap = -0x1p-23});
-    std::ranges::move(scene::box_family_rays({.aim = BoxFamily::Aim::edge, .gap = 0x1p-23}), std::back_inserter(groups));
+    auto groups = scene::rays::box_family_rays({.aim = BoxFamily::Aim::edge, .gap = -0x1p-23});
+    std::ranges::move(scene::rays::box_family_rays({.aim = BoxFamily::Aim::edge, .gap = 0x1p-23}), std::back_inserter(groups));
     return groups;
 }
 
@@ -48,7 +48,7 @@ std::vector<Ray<double>> unit_rays(const RayGroup& group) {
     std::vector<Ray<double>> rays;
     for (std::size_t i = 0; i < group.rays.size(); ++i) {
         const Ray<double> ray = group.rays[i];
-        rays.push_back({ray.origin, unit_direction(ray.direction, binary32)});
+        rays.push_back({ray.origin, truth::unit_direction(ray.direction, binary32)});
     }
     return rays;
 }
@@ -67,11 +67,11 @@ std::span<const RaySet> ray_sets(Shape shape) {
 RayPool ray_pool(Shape shape) {
     // The first draw of a family is its solid: the same seed gives both halves the same one.
     if (shape == Shape::sphere) {
-        return pool_of(scene::family_rays({.distance = 4, .impact_to = 0.9, .views = 1, .rays = pool_rays, .seed = pool_seed}),
-                       scene::family_rays({.distance = 4, .impact_from = 1.1, .impact_to = 1.5, .views = 1, .rays = pool_rays, .seed = pool_seed}));
+        return pool_of(scene::rays::family_rays({.distance = 4, .impact_to = 0.9, .views = 1, .rays = pool_rays, .seed = pool_seed}),
+                       scene::rays::family_rays({.distance = 4, .impact_from = 1.1, .impact_to = 1.5, .views = 1, .rays = pool_rays, .seed = pool_seed}));
     }
-    return pool_of(scene::box_family_rays({.aim = BoxFamily::Aim::inside, .views = 1, .rays = pool_rays, .seed = pool_seed}),
-                   scene::box_family_rays({.aim = BoxFamily::Aim::edge, .gap = 0.25, .views = 1, .rays = pool_rays, .seed = pool_seed}));
+    return pool_of(scene::rays::box_family_rays({.aim = BoxFamily::Aim::inside, .views = 1, .rays = pool_rays, .seed = pool_seed}),
+                   scene::rays::box_family_rays({.aim = BoxFamily::Aim::edge, .gap = 0.25, .views = 1, .rays = pool_rays, .seed = pool_seed}));
 }
 
 template <class S>
@@ -113,4 +113,4 @@ double RayStore<S>::found() const {
 template class RayStore<float>;
 template class RayStore<double>;
 
-}  // namespace lostbits
+}  // namespace lostbits::measure::speed

@@ -10,13 +10,13 @@
 #include "intersect/table/table.hpp"
 #include "scene/rays/box_family.hpp"
 
-namespace lostbits {
+namespace lostbits::measure::speed {
 
 /// Rays on which forms are compared.
 struct RaySet {
     std::string_view name;     ///< in files
     std::string_view title;    ///< what the rays are
-    std::vector<scene::RayGroup> (*groups)();
+    std::vector<scene::rays::RayGroup> (*groups)();
 };
 
 /// The sets of a shape, the easy one first. Seeded: always the same rays.
@@ -50,7 +50,7 @@ public:
     void run(const Kernel& kernel) {
         const auto in = [this](std::size_t c) { return std::span<const S>(columns_[c] + at_, slice_); };
         const auto out = [this](std::size_t c) { return std::span<S>(columns_[c] + at_, slice_); };
-        kernel(RayBatch<S>{in(0), in(1), in(2), in(3), in(4), in(5)}, solid_, HitBatch<S>{out(6), out(7), out(8), {hit_ + at_, slice_}});
+        kernel(intersect::table::RayBatch<S>{in(0), in(1), in(2), in(3), in(4), in(5)}, solid_, intersect::table::HitBatch<S>{out(6), out(7), out(8), {hit_ + at_, slice_}});
         at_ += slice_;
         if (at_ + slice_ > rays_) at_ = 0;
     }
@@ -74,4 +74,4 @@ private:
 extern template class RayStore<float>;
 extern template class RayStore<double>;
 
-}  // namespace lostbits
+}  // namespace lostbits::measure::speed

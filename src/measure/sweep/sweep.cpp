@@ -7,7 +7,14 @@
 #include <map>
 #include <mutex>
 
-namespace lostbits {
+namespace lostbits::measure::sweep {
+
+using answer::Outcome;
+using intersect::Stop;
+using map::MapRow;
+using map::MapSummary;
+using metric::Metric;
+
 namespace {
 
 struct Statistic {
@@ -18,7 +25,7 @@ constexpr Statistic statistics[] = {{"p50", 0.5}, {"p99", 0.99}, {"max", 1.0}};
 
 /// The rows of one step.
 std::vector<MapSummary> run_step(const SweepRequest& request, const std::vector<MapRow>& rows, const std::vector<double>& values) {
-    return measure_groups(request.sweep->rays(values), rows, request.metrics, request.limit);
+    return map::measure_groups(request.sweep->rays(values), rows, request.metrics, request.limit);
 }
 
 /// One thing that can first happen: its value at a step, NaN where there is none.
@@ -32,7 +39,7 @@ struct Event {
 
 /// The place of a metric among those of the request; their number where it is not there.
 std::size_t place_of(const std::vector<const Metric*>& metrics, const char* name) {
-    return static_cast<std::size_t>(std::ranges::find(metrics, find_metric(name)) - metrics.begin());
+    return static_cast<std::size_t>(std::ranges::find(metrics, metric::find_metric(name)) - metrics.begin());
 }
 
 std::vector<Event> events_of(const MapRow& row, const std::vector<const Metric*>& metrics) {
@@ -46,12 +53,12 @@ std::vector<Event> events_of(const MapRow& row, const std::vector<const Metric*>
         }
     }
     for (const Outcome o : {Outcome::false_hit, Outcome::false_miss, Outcome::not_a_number}) {
-        events.push_back({std::string(outcome_names[static_cast<std::size_t>(o)]), "count", 1, [o](const MapSummary& m) { return static_cast<double>(m.count(o)); }});
+        events.push_back({std::string(answer::outcome_names[static_cast<std::size_t>(o)]), "count", 1, [o](const MapSummary& m) { return static_cast<double>(m.count(o)); }});
     }
     if (row.form->shape != Shape::sdf || stop == metrics.size()) return events;
     for (const Stop why : {Stop::max_dist, Stop::max_steps, Stop::stagnated}) {
         const auto c = static_cast<std::size_t>(why);
-        events.push_back({std::string(stop_names[c]), "count", 1, [stop, c](const MapSummary& m) { return static_cast<double>(m.categories[stop][c]); }});
+        events.push_back({std::string(intersect::stop_names[c]), "count", 1, [stop, c](const MapSummary& m) { return static_cast<double>(m.categories[stop][c]); }});
     }
     return events;
 }
@@ -62,7 +69,7 @@ class Between {
 public:
     Between(SweepRequest request, std::size_t row) : request_(std::move(request)), row_{request_.rows[row]} {
         for (const Metric*& m : request_.metrics) {
-            if (m->over != Over::marches) m = find_metric("lost_bits");
+            if (m->over != metric::Over::marches) m = metric::find_metric("lost_bits");
         }
     }
     const MapSummary& at(double value) {
@@ -88,7 +95,7 @@ Onset locate(const SweepRequest& request, const std::vector<SweepStep>& steps, s
         onset.from_start = true;
         return onset;
     }
-    const scene::Axis& axis = request.sweep->axes.front();
+    const scene::sweep::Axis& axis = request.sweep->axes.front();
     onset.last_good = std::prev(bad)->values.front();
     while (std::fabs(onset.first_bad - onset.last_good) > 0x1p-9 * std::fabs(onset.first_bad)) {
         const double middle = axis.middle(onset.last_good, onset.first_bad);
@@ -146,4 +153,4 @@ std::uint64_t sweep_units(const SweepRequest& request) {
     return request.rows.size() * steps * (request.sweep->axes.size() == 1 ? 2 : 1);
 }
 
-}  // namespace lostbits
+}  // namespace lostbits::measure::sweep

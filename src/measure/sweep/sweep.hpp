@@ -8,12 +8,12 @@
 #include "measure/map/map.hpp"
 #include "scene/sweep/sweep_file.hpp"
 
-namespace lostbits {
+namespace lostbits::measure::sweep {
 
 /// The rows at one step.
 struct SweepStep {
     std::vector<double> values;  ///< one an axis
-    std::vector<MapSummary> rows;
+    std::vector<map::MapSummary> rows;
 };
 
 /// Where a row first crosses a threshold along the first axis.
@@ -29,10 +29,10 @@ struct Onset {
 };
 
 struct SweepRequest {
-    const scene::SweepFile* sweep = nullptr;
-    std::vector<MapRow> rows;
-    std::vector<const Metric*> metrics;
-    TruthLimit limit{};
+    const scene::sweep::SweepFile* sweep = nullptr;
+    std::vector<map::MapRow> rows;
+    std::vector<const metric::Metric*> metrics;
+    truth::TruthLimit limit{};
     std::function<void(std::uint64_t)> progress = [](std::uint64_t) {};
 };
 
@@ -40,7 +40,7 @@ struct SweepRequest {
 std::vector<SweepStep> run_sweep(const SweepRequest& request);
 
 /// One row at any place of the sweep, on its steps or between them.
-MapSummary run_place(const SweepRequest& request, std::size_t row, const std::vector<double>& values);
+map::MapSummary run_place(const SweepRequest& request, std::size_t row, const std::vector<double>& values);
 
 /// The first crossings, along the first axis of a sweep with one axis, of 1, 4, 8, p/2 and p lost bits by the median, the
 /// 99th percentile and the largest, of the first false hit and false miss, and of the first march that ends at max_dist, at max_steps,
@@ -52,4 +52,4 @@ std::vector<Onset> find_onsets(const SweepRequest& request, const std::vector<Sw
 /// Units of progress that both calls together report at most.
 std::uint64_t sweep_units(const SweepRequest& request);
 
-}  // namespace lostbits
+}  // namespace lostbits::measure::sweep

@@ -9,14 +9,18 @@
 #include "number/rounded.hpp"
 #include "scene/rays/random.hpp"
 
-namespace lostbits {
+namespace lostbits::measure::sweep {
+
+using answer::Outcome;
+using intersect::Direction;
+
 namespace {
 
 constexpr int litter = 32;
 
 /// The number `steps` places after x in the format's order.
 double step_from(double x, std::int64_t steps, const FloatFormat& f) {
-    const std::int64_t n = ordinal(x, f) + steps;
+    const std::int64_t n = truth::ordinal(x, f) + steps;
     const std::int64_t binade = std::int64_t{1} << (f.precision - 1);
     const std::int64_t size = std::abs(n), e = size / binade, m = size % binade;
     const double y = e == 0 ? std::ldexp(static_cast<double>(m), f.emin - f.precision + 1)
@@ -37,10 +41,10 @@ struct Place {
 };
 
 /// What the sink of one litter remembers: the worst of it.
-class Judge final : public MapSink {
+class Judge final : public map::MapSink {
 public:
     Judge(std::size_t metric, Direction unit_of) : metric_(metric), unit_of_(unit_of) {}
-    void band(const BandResult& result) override {
+    void band(const map::BandResult& result) override {
         for (std::size_t i = 0; i < result.outcomes.size(); ++i) {
             const Outcome o = result.outcomes[i];
             if (o == Outcome::agree_miss || o == Outcome::unresolved) continue;
@@ -65,9 +69,9 @@ private:
 
 class Search {
 public:
-    Search(const WorstRequest& request, const MapRow& row)
+    Search(const WorstRequest& request, const map::MapRow& row)
         : request_(request), file_(*request.search), row_(row), random_(file_.seed),
-          metric_(static_cast<std::size_t>(std::ranges::find(request.metrics, find_metric(file_.metric)) - request.metrics.begin())) {}
+          metric_(static_cast<std::size_t>(std::ranges::find(request.metrics, metric::find_metric(file_.metric)) - request.metrics.begin())) {}
 
     std::optional<WorstFound> run() {
         for (int start = 0; start < file_.starts && best_.outcome == Outcome::agree_hit; ++start) climb();
@@ -139,7 +143,7 @@ private:
     }
 
     Judge judged(const std::vector<Place>& places) {
-        scene::RayBlock rays;
+        scene::rays::RayBlock rays;
         for (const Place& p : places) {
             rays.ox.push_back(p.x[0]);
             rays.oy.push_back(p.x[1]);
@@ -151,14 +155,14 @@ private:
         rays.width = static_cast<int>(places.size());
         rays.y1 = 1;
         evaluations_ += places.size();
-        Band band(std::move(rays), {places.front().solid(file_.shape)}, request_.limit);
-        const unsigned needs = needs_of(request_.metrics);
-        if (needs & needs_condition) band.find_condition();
-        const auto inputs = band.inputs(row_.format, {row_.form->info->direction == Direction::unit, (needs & needs_own_truth) != 0});
-        MapSummary summary;
-        summary = MapSummary(request_.metrics);
+        truth::Band band(std::move(rays), {places.front().solid(file_.shape)}, request_.limit);
+        const unsigned needs = map::needs_of(request_.metrics);
+        if (needs & metric::needs_condition) band.find_condition();
+        const auto inputs = band.inputs(row_.format, {row_.form->info->direction == Direction::unit, (needs & metric::needs_own_truth) != 0});
+        map::MapSummary summary;
+        summary = map::MapSummary(request_.metrics);
         Judge judge(metric_, row_.form->info->direction);
-        measure_row(row_, request_.metrics, band, inputs, summary, &judge);
+        map::measure_row(row_, request_.metrics, band, inputs, summary, &judge);
         return judge;
     }
 
@@ -168,9 +172,9 @@ private:
     }
 
     const WorstRequest& request_;
-    const scene::SearchFile& file_;
-    const MapRow& row_;
-    scene::Random random_;
+    const scene::sweep::SearchFile& file_;
+    const map::MapRow& row_;
+    scene::rays::Random random_;
     std::size_t metric_;
     std::uint64_t evaluations_ = 0;
     WorstFound best_;
@@ -187,4 +191,4 @@ std::vector<std::optional<WorstFound>> find_worst(const WorstRequest& request) {
     return found;
 }
 
-}  // namespace lostbits
+}  // namespace lostbits::measure::sweep

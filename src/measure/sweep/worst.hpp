@@ -8,11 +8,11 @@
 #include "measure/map/map.hpp"
 #include "scene/sweep/search_file.hpp"
 
-namespace lostbits {
+namespace lostbits::measure::sweep {
 
 /// What a search came to, for one row.
 struct WorstFound {
-    Outcome outcome = Outcome::agree_hit;
+    answer::Outcome outcome = answer::Outcome::agree_hit;
     double value = -1;  ///< of the metric; means nothing for a wrong decision
     Ray<double> ray{};  ///< numbers of the format
     Solid<double> solid{};
@@ -22,10 +22,10 @@ struct WorstFound {
 };
 
 struct WorstRequest {
-    const scene::SearchFile* search = nullptr;
-    std::vector<MapRow> rows;
-    std::vector<const Metric*> metrics;  ///< the search's own, by `searched`
-    TruthLimit limit{};
+    const scene::sweep::SearchFile* search = nullptr;
+    std::vector<map::MapRow> rows;
+    std::vector<const metric::Metric*> metrics;  ///< the search's own, by `searched`
+    truth::TruthLimit limit{};
     std::function<void(std::uint64_t)> progress = [](std::uint64_t) {};
 };
 
@@ -35,4 +35,4 @@ struct WorstRequest {
 /// alone, not on the number of threads.
 std::vector<std::optional<WorstFound>> find_worst(const WorstRequest& request);
 
-}  // namespace lostbits
+}  // namespace lostbits::measure::sweep

@@ -18,7 +18,14 @@
 #include "number/interruption.hpp"
 #include "scene/file/march_table.hpp"
 
-namespace lostbits {
+namespace lostbits::measure::truth {
+
+using intersect::Target;
+using intersect::Touching;
+using intersect::simd::SphereArrays;
+using intersect::table::HitBatch;
+using scene::rays::RayBlock;
+
 namespace {
 
 template <class Function>
@@ -34,8 +41,8 @@ void for_each_pixel(std::size_t count, Function&& function) {
 template <class S>
 using Solids = std::span<const Solid<S>>;
 
-scene::RayBlock normalised(const scene::RayBlock& rays, const FloatFormat& format) {
-    scene::RayBlock unit = rays;
+RayBlock normalised(const RayBlock& rays, const FloatFormat& format) {
+    RayBlock unit = rays;
     for_each_pixel(rays.size(), [&](std::size_t i) {
         const Vec<double> u = unit_direction(Vec<double>(rays.dx[i], rays.dy[i], rays.dz[i]), format);
         unit.dx[i] = u.x;
@@ -55,12 +62,12 @@ std::vector<S> stored(const std::vector<double>& x, std::size_t begin, std::size
 /// Rays begin to begin + count as the kernels take them, and room for their answers.
 template <class S>
 struct Chunk {
-    Chunk(const scene::RayBlock& rays, std::size_t first, std::size_t size)
+    Chunk(const RayBlock& rays, std::size_t first, std::size_t size)
         : begin(first), count(size), ox(stored<S>(rays.ox, begin, count)), oy(stored<S>(rays.oy, begin, count)), oz(stored<S>(rays.oz, begin, count)),
           dx(stored<S>(rays.dx, begin, count)), dy(stored<S>(rays.dy, begin, count)), dz(stored<S>(rays.dz, begin, count)),
           tmax(rays.tmax.empty() ? std::vector<S>() : stored<S>(rays.tmax, begin, count)), t(count), near(count), far(count), hit(count) {}
 
-    [[nodiscard]] RayBatch<S> batch() const { return {ox, oy, oz, dx, dy, dz, tmax}; }
+    [[nodiscard]] intersect::table::RayBatch<S> batch() const { return {ox, oy, oz, dx, dy, dz, tmax}; }
     [[nodiscard]] HitBatch<S> hits() { return {t, near, far, hit}; }
 
     std::size_t begin, count;
@@ -81,7 +88,7 @@ void keep_nearest(S t, std::size_t p, std::int32_t object, Answers& answers) {
 
 /// One chunk of rays against all solids, keeping the nearest.
 template <class S, class Kernel>
-void nearest_of(const Kernel& kernel, const scene::RayBlock& rays, const FormatInputs& in, std::size_t begin, std::size_t count, Answers& answers) {
+void nearest_of(const Kernel& kernel, const RayBlock& rays, const FormatInputs& in, std::size_t begin, std::size_t count, Answers& answers) {
     Chunk<S> chunk(rays, begin, count);
     for (std::size_t s = 0; s < in.solids.size(); ++s) {
         stop_if_interrupted();
@@ -116,7 +123,7 @@ void for_each_hit(std::span<const std::uint8_t> hit, const Take& take) {
 
 /// Rays one by one, each against the spheres that it can meet, in their order: what `nearest_of` finds, without the rest.
 template <class S>
-void nearest_among(const OneToMany<S>& kernel, const scene::RayBlock& rays, const FormatInputs& in, Answers& answers) {
+void nearest_among(const OneToMany<S>& kernel, const RayBlock& rays, const FormatInputs& in, Answers& answers) {
     const SphereIndex& index = *in.index;
     const SphereArrays<S> all{index.column<S>(0), index.column<S>(1), index.column<S>(2), index.column<S>(3)};
     std::vector<std::uint32_t> found;
@@ -151,15 +158,15 @@ OneToMany<S> one_by_one(const Kernel& kernel) {
         S near{}, far{};
         for (std::size_t i = 0; i < spheres.size(); ++i) {
             const Solid<S> solid(Sphere<S>{{spheres.x[i], spheres.y[i], spheres.z[i]}, spheres.radius[i]});
-            kernel(RayBatch<S>{one(o.x), one(o.y), one(o.z), one(d.x), one(d.y), one(d.z)}, Target<S>(solid),
+            kernel(intersect::table::RayBatch<S>{one(o.x), one(o.y), one(o.z), one(d.x), one(d.y), one(d.z)}, Target<S>(solid),
                    HitBatch<S>{t.subspan(i, 1), std::span(&near, 1), std::span(&far, 1), hit.subspan(i, 1)});
         }
     };
 }
 
 /// The same over all spheres that a ray can meet; a row that is not the table's has no kernel for many spheres.
-void meet_many(const Intersector& form, const scene::RayBlock& rays, const FormatInputs& in, Answers& answers) {
-    const ManyRow many = many_kernels(form);
+void meet_many(const intersect::table::Intersector& form, const RayBlock& rays, const FormatInputs& in, Answers& answers) {
+    const intersect::simd::ManyRow many = intersect::simd::many_kernels(form);
     switch (in.format.engine) {
         case Format::Engine::native32: return nearest_among<float>(many.spheres32 ? OneToMany<float>(many.spheres32) : one_by_one<float>(form.native32), rays, in, answers);
         case Format::Engine::native64: return nearest_among<double>(many.spheres64 ? OneToMany<double>(many.spheres64) : one_by_one<double>(form.native64), rays, in, answers);
@@ -170,19 +177,19 @@ void meet_many(const Intersector& form, const scene::RayBlock& rays, const Forma
 
 /// The solid whose surface is nearest to the point at t, by double precision: of the solids of a field none says "I was it".
 std::int32_t nearest_solid(const Ray<double>& ray, double t, const std::vector<Solid<double>>& solids) {
-    const Vec<double> p = sdf::along(ray, t);
-    const auto size = [&p](const Solid<double>& s) { return std::fabs(sdf::distance(s, p)); };
+    const Vec<double> p = intersect::sdf::along(ray, t);
+    const auto size = [&p](const Solid<double>& s) { return std::fabs(intersect::table::distance(s, p)); };
     return static_cast<std::int32_t>(std::ranges::min_element(solids, {}, size) - solids.begin());
 }
 
 /// One chunk of rays against the field of all solids.
 template <class S, class Kernel>
-void march_to(const Kernel& kernel, const scene::RayBlock& rays, const FormatInputs& in, std::size_t begin, std::size_t count, Answers& answers) {
+void march_to(const Kernel& kernel, const RayBlock& rays, const FormatInputs& in, std::size_t begin, std::size_t count, Answers& answers) {
     stop_if_interrupted();
     Chunk<S> chunk(rays, begin, count);
     HitBatch<S> hits = chunk.hits();
     hits.march = std::span(answers.march).subspan(begin, count);
-    const LiftedTarget<S> target(Target<double>(in.solids, in.march.value()), [](double x) { return static_cast<S>(x); });
+    const intersect::LiftedTarget<S> target(Target<double>(in.solids, in.march.value()), [](double x) { return static_cast<S>(x); });
     kernel(chunk.batch(), target.get(), hits);
     for (std::size_t i = 0; i < count; ++i) {
         if (chunk.hit[i] != 0) keep_nearest(chunk.t[i], begin + i, nearest_solid(rays[begin + i], static_cast<double>(chunk.t[i]), in.solids), answers);
@@ -196,19 +203,19 @@ auto Band::with_ray(std::size_t i, Function&& function) const {
     return ideal_ ? function((*ideal_)[i], Solids<Real>(ideal_solids_)) : function(shared_[i], Solids<double>(shared_solids_));
 }
 
-Band::Band(const scene::Scene& scene, int y0, int y1, TruthLimit limit, Culler* culler) : culler_(culler), scene_(&scene), y0_(y0), rows_(y1 - y0), limit_(limit) {
-    if (scene.inputs == scene::Inputs::shared) {
-        shared_ = scene::make_shared_rays(scene, y0, y1);
-        shared_solids_ = culler ? culler->shared_solids() : scene::shared_solids(scene);
+Band::Band(const scene::file::Scene& scene, int y0, int y1, TruthLimit limit, Culler* culler) : culler_(culler), scene_(&scene), y0_(y0), rows_(y1 - y0), limit_(limit) {
+    if (scene.inputs == scene::file::Inputs::shared) {
+        shared_ = scene::rays::make_shared_rays(scene, y0, y1);
+        shared_solids_ = culler ? culler->shared_solids() : scene::rays::shared_solids(scene);
     } else {
-        ideal_ = scene::make_own_rays(scene, y0, y1);
+        ideal_ = scene::rays::make_own_rays(scene, y0, y1);
         ideal_solids_ = scene.solids();
     }
-    if (scene.march) shared_march_ = scene::round_march(*scene.march, binary32);
+    if (scene.march) shared_march_ = scene::file::round_march(*scene.march, binary32);
     find_truth_of_all();
 }
 
-Band::Band(scene::RayGroup group, TruthLimit limit)
+Band::Band(scene::rays::RayGroup group, TruthLimit limit)
     : y0_(group.rays.y0), rows_(group.rays.y1 - group.rays.y0), limit_(limit), shared_(std::move(group.rays)), shared_solids_(std::move(group.solids)),
       shared_march_(group.march) {
     find_truth_of_all();
@@ -251,7 +258,7 @@ const Truth& Band::truth(std::size_t i, Touching touching) const {
 void Band::find_condition() {
     const auto of = [&](std::size_t i, const Truth& truth) {
         if (!truth.is_hit()) return std::numeric_limits<double>::quiet_NaN();
-        return with_ray(i, [&](const auto& ray, auto solids) { return lostbits::condition(ray, solids[static_cast<std::size_t>(truth.object)]); });
+        return with_ray(i, [&](const auto& ray, auto solids) { return lostbits::measure::truth::condition(ray, solids[static_cast<std::size_t>(truth.object)]); });
     };
     condition_.resize(pixels());
     for_each_pixel(pixels(), [&](std::size_t i) { condition_[i] = of(i, truth_[i]); });
@@ -267,15 +274,15 @@ FormatInputs Band::inputs(const Format& format, BandNeeds needs) const {
     FormatInputs in{.format = format, .rays = {}, .solids = {}, .march = {}, .unit_rays = {}, .own_truth = {}};
     const FloatFormat& shape = format.shape;
     if (ideal_) {
-        in.rays = scene::round_rays(*ideal_, shape);
-        for (const auto& s : ideal_solids_) in.solids.push_back(scene::round_solid(s, shape));
+        in.rays = scene::rays::round_rays(*ideal_, shape);
+        for (const auto& s : ideal_solids_) in.solids.push_back(scene::rays::round_solid(s, shape));
     } else {
         in.ideal = shape.precision >= binary32.precision && shape.emin <= binary32.emin && shape.emax >= binary32.emax;
-        in.rays = in.ideal ? shared_ : scene::round_block(shared_, shape);
-        for (const auto& s : shared_solids_) in.solids.push_back(scene::round_solid(s, shape));
+        in.rays = in.ideal ? shared_ : scene::rays::round_block(shared_, shape);
+        for (const auto& s : shared_solids_) in.solids.push_back(scene::rays::round_solid(s, shape));
     }
-    if (ideal_ && scene_->march) in.march = scene::round_march(*scene_->march, shape);
-    else if (shared_march_) in.march = scene::round_march(*shared_march_, shape);
+    if (ideal_ && scene_->march) in.march = scene::file::round_march(*scene_->march, shape);
+    else if (shared_march_) in.march = scene::file::round_march(*shared_march_, shape);
     if (needs.unit_rays) in.unit_rays = normalised(in.rays, shape);
     if (culler_) in.index = culler_->for_format(shape, in.solids);
     if (needs.own_truth && !in.ideal) {
@@ -290,9 +297,9 @@ FormatInputs Band::inputs(const Format& format, BandNeeds needs) const {
     return in;
 }
 
-double Band::rounded_truth(std::size_t i, const FloatFormat& format, Direction unit_of, Touching touching) const {
+double Band::rounded_truth(std::size_t i, const FloatFormat& format, intersect::Direction unit_of, Touching touching) const {
     const Truth& truth = this->truth(i, touching);
-    if (unit_of == Direction::unit) {
+    if (unit_of == intersect::Direction::unit) {
         // A distance is irrational but where |d| is rational; a bound that straddles is settled as the midpoint rounds.
         Certified middle = truth.distance;
         if (const auto r = round_certified(middle, format)) return *r;
@@ -302,13 +309,13 @@ double Band::rounded_truth(std::size_t i, const FloatFormat& format, Direction u
     return with_ray(i, [&](const auto& ray, auto solids) { return round_truth(truth, ray, solids[static_cast<std::size_t>(truth.object)], format); });
 }
 
-Answers evaluate(const Intersector& form, const FormatInputs& inputs) {
-    const scene::RayBlock& rays = inputs.rays_for(*form.info);
+Answers evaluate(const intersect::table::Intersector& form, const FormatInputs& inputs) {
+    const RayBlock& rays = inputs.rays_for(*form.info);
     const std::size_t n = rays.size();
     const bool marches = form.shape == Shape::sdf;
     Answers answers{std::vector<double>(n), std::vector<std::uint8_t>(n), std::vector<std::int32_t>(n, -1)};
     // Packs keep no records of the marches in their lanes.
-    const PackedRow native = marches ? PackedRow{form.info, form.native32, form.native64} : packed_kernels(form);
+    const intersect::simd::PackedRow native = marches ? intersect::simd::PackedRow{form.info, form.native32, form.native64} : intersect::simd::packed_kernels(form);
     if (marches) answers.march.resize(n);
     if (inputs.index && form.shape == Shape::sphere) {
         meet_many(form, rays, inputs, answers);
@@ -332,4 +339,4 @@ Answers evaluate(const Intersector& form, const FormatInputs& inputs) {
     return answers;
 }
 
-}  // namespace lostbits
+}  // namespace lostbits::measure::truth

@@ -6,7 +6,7 @@
 
 #include "number/rounded.hpp"
 
-namespace lostbits {
+namespace lostbits::measure::truth {
 namespace {
 
 /// ldexp that saturates: exponents here may exceed int.
@@ -153,4 +153,4 @@ std::int64_t ordinal(double x, const FloatFormat& f) {
     return x < 0 ? -n : n;
 }
 
-}  // namespace lostbits
+}  // namespace lostbits::measure::truth

@@ -8,7 +8,7 @@
 #include "number/format.hpp"
 #include "number/interval.hpp"
 
-namespace lostbits {
+namespace lostbits::measure::truth {
 
 /// x = (hi + lo)·2^exponent with 1 ≤ |hi| < 2 (or x = 0 exactly), |x − (hi + lo)·2^exponent| ≤ bound·2^exponent.
 /// The exponent is apart so that numbers beyond the range of double are values like any other.
@@ -55,4 +55,4 @@ std::optional<double> round_certified(const Certified& x, const FloatFormat& for
 /// Infinity follows the largest finite number. x must be a number of the format.
 std::int64_t ordinal(double x, const FloatFormat& format);
 
-}  // namespace lostbits
+}  // namespace lostbits::measure::truth

@@ -7,7 +7,7 @@
 #include "measure/metric/metrics.hpp"
 #include "number/dual.hpp"
 
-namespace lostbits {
+namespace lostbits::measure::truth {
 namespace {
 
 /// Every number of a problem with N of them as an input of its own: origin, direction, the solid's.
@@ -88,6 +88,6 @@ double condition_of(const Ray<S>& ray, const Solid<S>& solid) {
 double condition(const Ray<double>& ray, const Solid<double>& solid) { return condition_of(ray, solid); }
 double condition(const Ray<Real>& ray, const Solid<Real>& solid) { return condition_of(ray, solid); }
 
-double inherent_bits(double condition, int precision) { return lost_bits(condition / 2, precision); }
+double inherent_bits(double condition, int precision) { return metric::lost_bits(condition / 2, precision); }
 
-}  // namespace lostbits
+}  // namespace lostbits::measure::truth

@@ -3,7 +3,7 @@
 
 #include "measure/truth/enclose_solid.hpp"
 
-namespace lostbits {
+namespace lostbits::measure::truth {
 
 /// κ = Σ |xᵢ ∂t/∂xᵢ| / |t| of the true first intersection, over all inputs: origin, direction, the solid's numbers.
 /// Relative errors of δ in each input alone move t by at most κ·δ in all, to first order. Good to 2^-20 of itself.
@@ -14,4 +14,4 @@ double condition(const Ray<Real>& ray, const Solid<Real>& solid);
 /// The bits that half an ulp in each input alone would cost: the lost bits of the envelope max(½, κ/2) ulp.
 double inherent_bits(double condition, int precision);
 
-}  // namespace lostbits
+}  // namespace lostbits::measure::truth

@@ -7,7 +7,7 @@
 #include <embree3/rtcore.h>
 #endif
 
-namespace lostbits {
+namespace lostbits::measure::truth {
 namespace {
 
 constexpr std::size_t least_spheres = 64;
@@ -46,7 +46,7 @@ bool squares_are_safe(const Extent& e, const RayBounds& rays, const FloatFormat&
 
 }  // namespace
 
-RayBounds bounds_of(const scene::RayBlock& rays) {
+RayBounds bounds_of(const scene::rays::RayBlock& rays) {
     RayBounds b{0, HUGE_VAL, 0};
     for (std::size_t i = 0; i < rays.size(); ++i) {
         const Ray<double> r = rays[i];
@@ -64,10 +64,10 @@ RayBounds join(const RayBounds& a, const RayBounds& b) {
     return {std::max(a.origin, b.origin), std::min(a.least_direction, b.least_direction), std::max(a.direction, b.direction)};
 }
 
-Culler::Culler(const scene::Scene& scene) : shared_(scene::shared_solids(scene)), many_(shared_.size() >= least_spheres), bounds_{0, 1, 1} {
+Culler::Culler(const scene::file::Scene& scene) : shared_(scene::rays::shared_solids(scene)), many_(shared_.size() >= least_spheres), bounds_{0, 1, 1} {
     constexpr int rows = 16;
     for (int y = 0; many_ && y < scene.height; y += rows) {
-        bounds_ = join(bounds_, bounds_of(scene::input_rays(scene, y, std::min(scene.height, y + rows), binary64)));
+        bounds_ = join(bounds_, bounds_of(scene::rays::input_rays(scene, y, std::min(scene.height, y + rows), binary64)));
     }
 }
 
@@ -222,4 +222,4 @@ bool SphereIndex::candidates(const Ray<double>&, std::vector<std::uint32_t>&) co
 
 #endif
 
-}  // namespace lostbits
+}  // namespace lostbits::measure::truth

@@ -13,7 +13,7 @@
 #include "number/format.hpp"
 #include "scene/rays/rays.hpp"
 
-namespace lostbits {
+namespace lostbits::measure::truth {
 
 /// How large the numbers of a picture are: bounds over all of its rays.
 struct RayBounds {
@@ -22,7 +22,7 @@ struct RayBounds {
 };
 
 /// Of the rays in a block, or of both.
-RayBounds bounds_of(const scene::RayBlock& rays);
+RayBounds bounds_of(const scene::rays::RayBlock& rays);
 RayBounds join(const RayBounds& a, const RayBounds& b);
 
 /// Candidates among n spheres for rays within stated bounds: supersets, never missing one that matters.
@@ -65,7 +65,7 @@ private:
 /// The solids of a picture and their indices, made once for all of its bands. One thread at a time.
 class Culler {
 public:
-    explicit Culler(const scene::Scene& scene);
+    explicit Culler(const scene::file::Scene& scene);
 
     /// As `scene::shared_solids`.
     [[nodiscard]] const std::vector<Solid<double>>& shared_solids() const { return shared_; }
@@ -81,4 +81,4 @@ private:
     std::map<std::array<int, 3>, std::shared_ptr<const SphereIndex>> formats_;
 };
 
-}  // namespace lostbits
+}  // namespace lostbits::measure::truth

@@ -7,7 +7,7 @@
 #include "number/ball.hpp"
 #include "number/interval.hpp"
 
-namespace lostbits {
+namespace lostbits::measure::truth {
 
 /// What one precision can say about one solid, all of it only where `hit` is certain.
 template <class E>
@@ -84,4 +84,4 @@ Solid<E> lift_solid(const Solid<S>& solid) {
     return transformed(solid, [](const S& x) { return lift<E>(x); });
 }
 
-}  // namespace lostbits
+}  // namespace lostbits::measure::truth

@@ -7,7 +7,7 @@
 #include "intersect/info.hpp"
 #include "measure/truth/enclose.hpp"
 
-namespace lostbits {
+namespace lostbits::measure::truth {
 
 /// n/m with m > 0 for certain. Fractions are compared by n₁ m₂ against n₂ m₁: of equal fractions these become the same
 /// number at some precision, which the quotients need not.
@@ -109,7 +109,7 @@ std::optional<Fraction<E>> first_entry(const Slabs<E>& slabs) {
 /// `touching` says that the two conventions differ; it is known, like everything else, only where `hit` is. A Dual's gradient
 /// is that of the axis that was chosen: where two entries are equal t has a kink, and the gradient is one-sided.
 template <class E>
-Enclosed<E> enclose(const Ray<E>& ray, const Box<E>& box, const E* tmax, Touching convention) {
+Enclosed<E> enclose(const Ray<E>& ray, const Box<E>& box, const E* tmax, intersect::Touching convention) {
     const E zero(0);
     const Enclosed<E> unknown{Tri::unknown, zero, zero};
     const auto slabs = slabs_of(ray, box);
@@ -118,7 +118,7 @@ Enclosed<E> enclose(const Ray<E>& ray, const Box<E>& box, const E* tmax, Touchin
     if (in.closed.is_no()) return {Tri::no, zero, zero};
     if (in.closed.is_unknown() || in.open.is_unknown()) return unknown;
     const bool touching = in.open.is_no();
-    if (touching && convention == Touching::miss) return {Tri::no, zero, zero, touching};
+    if (touching && convention == intersect::Touching::miss) return {Tri::no, zero, zero, touching};
 
     const auto first = first_entry(*slabs);
     if (!first) return unknown;
@@ -141,4 +141,4 @@ std::optional<int> side_of(const Ray<E>& ray, const Box<E>& box, const E& m) {
     return std::nullopt;
 }
 
-}  // namespace lostbits
+}  // namespace lostbits::measure::truth

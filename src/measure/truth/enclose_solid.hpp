@@ -3,12 +3,12 @@
 
 #include "measure/truth/enclose_box.hpp"
 
-namespace lostbits {
+namespace lostbits::measure::truth {
 
 /// The closed solid, whatever its shape. `tmax` (null: nowhere) ends the ray for boxes; a sphere's problem has no end.
 template <class E>
 Enclosed<E> enclose(const Ray<E>& ray, const Solid<E>& solid, const E* tmax = nullptr) {
-    return solid.shape == Shape::sphere ? enclose(ray, solid.sphere()) : enclose(ray, solid.box(), tmax, Touching::hit);
+    return solid.shape == Shape::sphere ? enclose(ray, solid.sphere()) : enclose(ray, solid.box(), tmax, intersect::Touching::hit);
 }
 
-}  // namespace lostbits
+}  // namespace lostbits::measure::truth

@@ -7,7 +7,10 @@
 #include "measure/truth/enclose_solid.hpp"
 #include "number/error.hpp"
 
-namespace lostbits {
+namespace lostbits::measure::truth {
+
+using intersect::Touching;
+
 namespace {
 
 /// Fills in a miss or a tightly enclosed hit; false where this precision does not settle it.
@@ -151,7 +154,7 @@ double round_exactly(const Truth& truth, const Ray<S>& ray, const Solid<S>& soli
         const Interval middle = std::isinf(upper) ? Interval(lower) + Interval(std::ldexp(1.0, format.emax - format.precision))
                                                   : (Interval(lower) + Interval(upper)) / Interval(2);
         const auto lifted = lift_solid<Interval>(solid);
-        const auto side = solid.shape == Shape::sphere ? side_of(lift_ray<Interval>(ray), lifted.sphere(), middle) : side_of(lift_ray<Interval>(ray), lifted.box(), middle);
+        const auto side = solid.shape == Shape::sphere ? side_of(lift_ray<Interval>(ray), lifted.sphere(), middle) : truth::side_of(lift_ray<Interval>(ray), lifted.box(), middle);
         if (!side) continue;
         if (*side != 0) return *side < 0 ? lower : upper;
         return ordinal(lower, format) % 2 == 0 ? lower : upper;
@@ -187,4 +190,4 @@ double round_truth(const Truth& truth, const Ray<Real>& ray, const Solid<Real>& 
     return round_exactly(truth, ray, solid, format);
 }
 
-}  // namespace lostbits
+}  // namespace lostbits::measure::truth

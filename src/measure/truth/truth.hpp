@@ -8,7 +8,7 @@
 #include "intersect/info.hpp"
 #include "measure/truth/certified.hpp"
 
-namespace lostbits {
+namespace lostbits::measure::truth {
 
 /// The first intersection with t ≥ 0 of a ray with solids: closed ones (touching counts, the origin on the surface
 /// counts), or, where a form says so, those that the line does not merely touch.
@@ -42,22 +42,22 @@ struct TruthLimit {
 /// `ray` and `solids` in any exact storage: double (which holds every format up to binary64) or Real (own inputs).
 /// A ray with a number that is not finite or a direction of zero is none and meets nothing; nor does anything meet a
 /// solid with such a number, a sphere without a positive radius, a box with lo > hi.
-Truth find_truth(const Ray<double>& ray, std::span<const Solid<double>> solids, TruthLimit limit = {}, Touching touching = Touching::hit, double tmax = HUGE_VAL);
-Truth find_truth(const Ray<Real>& ray, std::span<const Solid<Real>> solids, TruthLimit limit = {}, Touching touching = Touching::hit, double tmax = HUGE_VAL);
+Truth find_truth(const Ray<double>& ray, std::span<const Solid<double>> solids, TruthLimit limit = {}, intersect::Touching touching = intersect::Touching::hit, double tmax = HUGE_VAL);
+Truth find_truth(const Ray<Real>& ray, std::span<const Solid<Real>> solids, TruthLimit limit = {}, intersect::Touching touching = intersect::Touching::hit, double tmax = HUGE_VAL);
 
 /// The same where the ray can meet none but the solids named by `among`, which are in rising order.
-Truth find_truth_among(const Ray<double>& ray, std::span<const Solid<double>> solids, std::span<const std::uint32_t> among, TruthLimit limit, Touching touching);
-Truth find_truth_among(const Ray<Real>& ray, std::span<const Solid<Real>> solids, std::span<const std::uint32_t> among, TruthLimit limit, Touching touching);
+Truth find_truth_among(const Ray<double>& ray, std::span<const Solid<double>> solids, std::span<const std::uint32_t> among, TruthLimit limit, intersect::Touching touching);
+Truth find_truth_among(const Ray<Real>& ray, std::span<const Solid<Real>> solids, std::span<const std::uint32_t> among, TruthLimit limit, intersect::Touching touching);
 
 bool is_proper(const Ray<double>& ray);
 bool is_proper(const Ray<Real>& ray);
 bool is_proper(const Solid<double>& solid);
 bool is_proper(const Solid<Real>& solid);
 
-inline Truth find_truth(const Ray<double>& ray, const Solid<double>& solid, TruthLimit limit = {}, Touching touching = Touching::hit, double tmax = HUGE_VAL) {
+inline Truth find_truth(const Ray<double>& ray, const Solid<double>& solid, TruthLimit limit = {}, intersect::Touching touching = intersect::Touching::hit, double tmax = HUGE_VAL) {
     return find_truth(ray, std::span(&solid, 1), limit, touching, tmax);
 }
-inline Truth find_truth(const Ray<Real>& ray, const Solid<Real>& solid, TruthLimit limit = {}, Touching touching = Touching::hit, double tmax = HUGE_VAL) {
+inline Truth find_truth(const Ray<Real>& ray, const Solid<Real>& solid, TruthLimit limit = {}, intersect::Touching touching = intersect::Touching::hit, double tmax = HUGE_VAL) {
     return find_truth(ray, std::span(&solid, 1), limit, touching, tmax);
 }
 
@@ -66,4 +66,4 @@ inline Truth find_truth(const Ray<Real>& ray, const Solid<Real>& solid, TruthLim
 double round_truth(const Truth& truth, const Ray<double>& ray, const Solid<double>& solid, const FloatFormat& format);
 double round_truth(const Truth& truth, const Ray<Real>& ray, const Solid<Real>& solid, const FloatFormat& format);
 
-}  // namespace lostbits
+}  // namespace lostbits::measure::truth

@@ -4,7 +4,7 @@
 
 #include "measure/truth/certified.hpp"
 
-namespace lostbits {
+namespace lostbits::measure::truth {
 namespace {
 
 /// One component at one precision; nothing where the enclosure straddles a rounding boundary.
@@ -45,4 +45,4 @@ Vec<double> unit_direction(const Vec<double>& d, const FloatFormat& format) {
     return Vec<double>(part(d.x), part(d.y), part(d.z));
 }
 
-}  // namespace lostbits
+}  // namespace lostbits::measure::truth

@@ -4,9 +4,9 @@
 #include "geometry/vec.hpp"
 #include "number/format.hpp"
 
-namespace lostbits {
+namespace lostbits::measure::truth {
 
 /// d/|d|, each component correctly rounded to the format. Zero and non-finite directions give NaN.
 Vec<double> unit_direction(const Vec<double>& d, const FloatFormat& format);
 
-}  // namespace lostbits
+}  // namespace lostbits::measure::truth

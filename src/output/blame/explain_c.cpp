@@ -8,13 +8,16 @@
 #include "output/file/number_text.hpp"
 #include "output/blame/tape_slice.hpp"
 
-namespace lostbits::output {
+namespace lostbits::output::blame {
+
+using measure::blame::Explanation;
+
 namespace {
 
 class Program {
 public:
     explicit Program(const Explanation& x)
-        : x_(x), text_(x.tape, x.names, TapeText::Style::plain), slice_(x.tape, {x.tape.outputs.t, x.tape.outputs.hit}), rounds_(x.format.engine == Format::Engine::rounded) {
+        : x_(x), text_(x.tape, x.names, measure::blame::TapeText::Style::plain), slice_(x.tape, {x.tape.outputs.t, x.tape.outputs.hit}), rounds_(x.format.engine == Format::Engine::rounded) {
         wide_ = rounds_ && x.format.shape.precision > 25;
     }
 
@@ -31,7 +34,7 @@ private:
     [[nodiscard]] std::string literal(double v, bool as_double) const {
         if (std::isnan(v)) return "NAN";
         if (std::isinf(v)) return v < 0 ? "-INFINITY" : "INFINITY";
-        return hex(v) + (as_double ? "" : "f");
+        return file::hex(v) + (as_double ? "" : "f");
     }
     /// A variable, or the digits of what depends on constants alone.
     [[nodiscard]] std::string operand(NodeId i) const {
@@ -105,7 +108,7 @@ private:
         else see(n.value);
         if (exact || safe) return;
         throw InputError(fmt::format("--c: {} is {}, so near to the ends of double's range that what it leaves out is no double, which {} bits need; try -f f64, or a format of at most 25 bits",
-                                     text_.definition(i), decimal(n.value), x_.format.shape.precision));
+                                     text_.definition(i), file::decimal(n.value), x_.format.shape.precision));
     }
 
     [[nodiscard]] std::string rounding_functions(const std::string& body) const {
@@ -145,14 +148,14 @@ private:
         const NodeId t = x_.tape.outputs.t, hit = x_.tape.outputs.hit;
         const std::string recorded = literal(x_.tape[t].value, true);
         std::string text = fmt::format("\n    show(\"computed\", {}, {});\n", text_.identifier(hit), operand(t));
-        if (x_.truth == Truth::Decision::unresolved) text += "    puts(\"true      not proved\");\n";
+        if (x_.truth == measure::truth::Truth::Decision::unresolved) text += "    puts(\"true      not proved\");\n";
         else text += x_.true_t ? fmt::format("    show(\"true\", 1, {});\n", literal(*x_.true_t, true)) : "    puts(\"true      miss\");\n";
         text += fmt::format("    show(\"recorded\", {}, {});\n", x_.hit ? 1 : 0, recorded);
         return text + fmt::format("    return is_same({}, {}) && {}{} ? 0 : 1;\n}}\n", operand(t), recorded, x_.hit ? "" : "!", text_.identifier(hit));
     }
 
     const Explanation& x_;
-    TapeText text_;
+    measure::blame::TapeText text_;
     TapeSlice slice_;
     bool rounds_, wide_ = false;
 };
@@ -161,4 +164,4 @@ private:
 
 std::string explain_c(const Explanation& x) { return Program(x).written(); }
 
-}  // namespace lostbits::output
+}  // namespace lostbits::output::blame

@@ -8,7 +8,10 @@
 #include "output/file/number_text.hpp"
 #include "output/blame/tape_slice.hpp"
 
-namespace lostbits::output {
+namespace lostbits::output::blame {
+
+using measure::blame::Explanation;
+
 namespace {
 
 /// FPBench's names: `(float e n)` has e exponent bits and n bits in all.
@@ -34,7 +37,7 @@ std::string rational(double x) {
 
 class Core {
 public:
-    explicit Core(const Explanation& x) : x_(x), text_(x.tape, x.names, TapeText::Style::plain), slice_(x.tape, {x.tape.outputs.t}) {}
+    explicit Core(const Explanation& x) : x_(x), text_(x.tape, x.names, measure::blame::TapeText::Style::plain), slice_(x.tape, {x.tape.outputs.t}) {}
 
     std::string written() {
         const NodeId t = x_.tape.outputs.t;
@@ -133,7 +136,7 @@ private:
     }
 
     const Explanation& x_;
-    TapeText text_;
+    measure::blame::TapeText text_;
     TapeSlice slice_;
 };
 
@@ -141,4 +144,4 @@ private:
 
 std::string explain_fpcore(const Explanation& x) { return Core(x).written(); }
 
-}  // namespace lostbits::output
+}  // namespace lostbits::output::blame

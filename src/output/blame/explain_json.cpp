@@ -6,21 +6,24 @@
 #include "output/blame/explain_text.hpp"
 #include "output/file/number_text.hpp"
 
-namespace lostbits::output {
+namespace lostbits::output::blame {
+
+using measure::blame::TapeText;
+
 namespace {
 
 using Json = nlohmann::ordered_json;
 
 /// JSON knows no infinity and no NaN: a number that is one is the string "inf", "-inf" or "nan".
-Json number(double x) { return std::isfinite(x) ? Json(x) : Json(decimal(x)); }
+Json number(double x) { return std::isfinite(x) ? Json(x) : Json(file::decimal(x)); }
 /// Of a number for which NaN stands for there being none: null then.
 Json if_any(double x) { return std::isnan(x) ? Json(nullptr) : number(x); }
-Json exact(double x) { return {{"decimal", number(x)}, {"hex", hex(x)}}; }
+Json exact(double x) { return {{"decimal", number(x)}, {"hex", file::hex(x)}}; }
 Json node_or_null(const TapeText& text, NodeId i) { return i == no_node ? Json(nullptr) : Json(text.name(i)); }
 
-Json operation(const Explanation& x, const TapeText& text, NodeId i) {
+Json operation(const measure::blame::Explanation& x, const TapeText& text, NodeId i) {
     const TapeNode& n = x.tape[i];
-    const OperationError& e = x.attribution.of[static_cast<std::size_t>(i)];
+    const measure::blame::OperationError& e = x.attribution.of[static_cast<std::size_t>(i)];
     Json operands = Json::array();
     if (n.op != TapeOp::input && n.op != TapeOp::constant) {
         for (const NodeId operand : n.operands) {
@@ -50,22 +53,22 @@ Json operation(const Explanation& x, const TapeText& text, NodeId i) {
     return j;
 }
 
-Json standing(const Standing& s) {
-    return {{"form", std::string(s.form->info->name)}, {"outcome", std::string(outcome_names[static_cast<std::size_t>(s.outcome)])}, {"t", number(s.t)}, {"ulp_error", if_any(s.ulps)}, {"lost_bits", if_any(s.lost)}};
+Json standing(const measure::blame::Standing& s) {
+    return {{"form", std::string(s.form->info->name)}, {"outcome", std::string(measure::answer::outcome_names[static_cast<std::size_t>(s.outcome)])}, {"t", number(s.t)}, {"ulp_error", if_any(s.ulps)}, {"lost_bits", if_any(s.lost)}};
 }
 
 }  // namespace
 
-std::string explain_json(const Explanation& x) {
+std::string explain_json(const measure::blame::Explanation& x) {
     const TapeText text(x.tape, x.names, TapeText::Style::plain);
-    const Attribution& a = x.attribution;
+    const measure::blame::Attribution& a = x.attribution;
     Json j{{"schema", "lostbits-explanation/1"}, {"form", std::string(x.form->info->name)}, {"format", x.format.name}, {"solid", x.solid}, {"solids", x.solids}};
     for (std::size_t i = 0; i < x.inputs.size(); ++i) j["inputs"][x.names[i]] = exact(x.inputs[i]);
     j["given_direction"] = x.given ? Json({number(x.given->x), number(x.given->y), number(x.given->z)}) : Json(nullptr);
     j["hit"] = x.hit;
     j["t"] = exact(x.standing.t);
     j["truth"] = x.true_t ? Json(exact(*x.true_t)) : Json(nullptr);
-    j["outcome"] = std::string(outcome_names[static_cast<std::size_t>(x.standing.outcome)]);
+    j["outcome"] = std::string(measure::answer::outcome_names[static_cast<std::size_t>(x.standing.outcome)]);
     j["ulp_error"] = if_any(x.standing.ulps);
     j["lost_bits"] = if_any(x.standing.lost);
     j["condition"] = if_any(x.condition);
@@ -79,8 +82,8 @@ std::string explain_json(const Explanation& x) {
     j["operations"] = Json::array();
     for (NodeId i = 0; i < x.tape.size(); ++i) j["operations"].push_back(operation(x, text, i));
     j["better"] = Json::array();
-    for (const Standing& s : x.better) j["better"].push_back(standing(s));
+    for (const measure::blame::Standing& s : x.better) j["better"].push_back(standing(s));
     return j.dump(2) + "\n";
 }
 
-}  // namespace lostbits::output
+}  // namespace lostbits::output::blame

@@ -4,16 +4,16 @@
 #include "output/blame/explain_text.hpp"
 #include "output/file/number_text.hpp"
 
-namespace lostbits::output {
+namespace lostbits::output::blame {
 
-std::string explain_latex(const Explanation& x) {
-    const TapeText text(x.tape, x.names, TapeText::Style::latex);
+std::string explain_latex(const measure::blame::Explanation& x) {
+    const measure::blame::TapeText text(x.tape, x.names, measure::blame::TapeText::Style::latex);
     std::string form;
     for (const char c : x.form->info->name) form += c == '_' ? "\\_" : std::string(1, c);
     std::string latex = fmt::format("% {} in {}; needs amsmath. Boxed: the culprit. Under braces: bits that cancel.\n\\begin{{align*}}\n", x.form->info->name, x.format.name);
     std::string lines;
     for (NodeId i = 0; i < x.tape.size(); ++i) {
-        const OperationError& e = x.attribution.of[static_cast<std::size_t>(i)];
+        const measure::blame::OperationError& e = x.attribution.of[static_cast<std::size_t>(i)];
         const bool culprit = i == x.attribution.culprit;
         if (!e.live || !is_operation(x.tape[i].op)) continue;
         if (x.tape[i].label.empty() && !culprit && e.cancelled < 2) continue;
@@ -26,4 +26,4 @@ std::string explain_latex(const Explanation& x) {
     return latex + "\n\\end{align*}\n";
 }
 
-}  // namespace lostbits::output
+}  // namespace lostbits::output::blame

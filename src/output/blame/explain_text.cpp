@@ -11,7 +11,13 @@
 #include "measure/blame/tape_text.hpp"
 #include "output/file/number_text.hpp"
 
-namespace lostbits::output {
+namespace lostbits::output::blame {
+
+using measure::answer::Outcome;
+using measure::blame::Explanation;
+using measure::blame::OperationError;
+using measure::blame::TapeText;
+
 namespace {
 
 /// NaN has a sign that says nothing and that machines choose differently.
@@ -40,7 +46,7 @@ public:
     [[nodiscard]] const TapeText& text() const { return text_; }
     /// In ulps of the format at the value itself.
     [[nodiscard]] double own_ulps(NodeId i, double error) const {
-        return error / ulp_at(of(i).exact == 0 ? x_.tape[i].value : of(i).exact, x_.tape.format_of(i));
+        return error / measure::blame::ulp_at(of(i).exact == 0 ? x_.tape[i].value : of(i).exact, x_.tape.format_of(i));
     }
     [[nodiscard]] double contribution(NodeId i) const { return of(i).contribution / ulp_; }
     [[nodiscard]] std::string cancellation(NodeId i) const {
@@ -67,7 +73,7 @@ std::string inputs_block(const Explanation& x) {
     for (const auto& name : x.names) width = std::max(width, name.size());
     for (std::size_t i = 0; i < x.inputs.size(); ++i) {
         if (x.names[i] == "limit" && std::isinf(x.inputs[i])) continue;
-        text += fmt::format("  {:<{}} = {:<22} {}\n", x.names[i], width, hex(x.inputs[i]), decimal(x.inputs[i]));
+        text += fmt::format("  {:<{}} = {:<22} {}\n", x.names[i], width, file::hex(x.inputs[i]), file::decimal(x.inputs[i]));
     }
     return text;
 }
@@ -115,26 +121,26 @@ std::string outcome_sentence(const Explanation& x) {
     const std::string form(x.form->info->name);
     switch (x.standing.outcome) {
         case Outcome::agree_miss: return fmt::format("{} misses, and so does the ray.", form);
-        case Outcome::false_hit: return fmt::format("{} answers {}; truly the ray misses: a false hit.", form, decimal(x.standing.t));
-        case Outcome::false_miss: return fmt::format("{} misses; truly the ray hits at {}: a false miss.", form, decimal(x.true_t.value_or(0)));
+        case Outcome::false_hit: return fmt::format("{} answers {}; truly the ray misses: a false hit.", form, file::decimal(x.standing.t));
+        case Outcome::false_miss: return fmt::format("{} misses; truly the ray hits at {}: a false miss.", form, file::decimal(x.true_t.value_or(0)));
         case Outcome::not_a_number: return fmt::format("{} answers a hit at NaN.", form);
         case Outcome::unresolved: return "The truth of this ray was not proved.";
         case Outcome::agree_hit: break;
     }
-    return fmt::format("t = {} ({}); truly {}: {:.4g} ulp off, {:.1f} of {} bits lost.", decimal(x.standing.t), hex(x.standing.t), decimal(x.true_t.value_or(0)), x.standing.ulps,
+    return fmt::format("t = {} ({}); truly {}: {:.4g} ulp off, {:.1f} of {} bits lost.", file::decimal(x.standing.t), file::hex(x.standing.t), file::decimal(x.true_t.value_or(0)), x.standing.ulps,
                        x.standing.lost, x.format.shape.precision);
 }
 
 std::string model_sentence(const Explanation& x) {
     if (x.attribution.cut_short) return "Without rounding the march would have gone on; exact values end where the computed ones did.\n";
-    const bool truly = x.truth == Truth::Decision::hit;
-    if (x.truth == Truth::Decision::unresolved || x.attribution.exact_hit == truly) return "";
+    const bool truly = x.truth == measure::truth::Truth::Decision::hit;
+    if (x.truth == measure::truth::Truth::Decision::unresolved || x.attribution.exact_hit == truly) return "";
     return fmt::format("Without rounding the form {}, on inputs as the format holds them: what parts it from the truth there is what it assumes, or the inputs.\n", x.attribution.exact_hit ? "hits" : "misses");
 }
 
 std::string sums_sentence(const Explanation& x, const Words& words) {
-    const Attribution& a = x.attribution;
-    if (a.subject == no_node || !std::isfinite(a.error) || is_plain_miss(x.tape, a)) return "";
+    const measure::blame::Attribution& a = x.attribution;
+    if (a.subject == no_node || !std::isfinite(a.error) || measure::blame::is_plain_miss(x.tape, a)) return "";
     const double ulp = words.ulp(), rest = a.error - a.explained;
     std::string text = fmt::format("Contributions sum to {} of {} ulp{}.", short_number(a.explained / ulp), short_number(a.error / ulp),
                                    std::fabs(rest) <= 1e-6 * std::fabs(a.error) ? "" : fmt::format("; {} ulp are not attributed", short_number(rest / ulp)));
@@ -165,7 +171,7 @@ std::string turned_sentences(const Explanation& x, const Words& words) {
         std::vector<std::string> sides;
         for (const NodeId s : {n.operands[0], n.operands[1]}) {
             if (x.tape[s].op == TapeOp::constant) continue;
-            sides.push_back(fmt::format("{} is {}, without rounding {}", words.text().operand(s), decimal(x.tape[s].value), decimal(words.of(s).exact)));
+            sides.push_back(fmt::format("{} is {}, without rounding {}", words.text().operand(s), file::decimal(x.tape[s].value), file::decimal(words.of(s).exact)));
         }
         text += fmt::format("Rounding turned the decision {}: {}.\n", words.text().expression(i), fmt::join(sides, "; "));
     }
@@ -177,7 +183,7 @@ std::optional<std::string> lost_input(const Explanation& x) {
     const NodeId subject = x.attribution.subject;
     if (is_decision(x.tape[subject].op) || std::isfinite(x.tape[subject].value)) return {};
     for (std::size_t i = 0; i < x.inputs.size(); ++i) {
-        if (!std::isfinite(x.inputs[i]) && x.names[i] != "limit") return fmt::format("{} is {} in {}, an input: everything after it follows.", x.names[i], decimal(x.inputs[i]), x.format.name);
+        if (!std::isfinite(x.inputs[i]) && x.names[i] != "limit") return fmt::format("{} is {} in {}, an input: everything after it follows.", x.names[i], file::decimal(x.inputs[i]), x.format.name);
     }
     return {};
 }
@@ -187,7 +193,7 @@ std::string better_sentence(const Explanation& x) {
     std::string text = "Better on this ray:";
     constexpr std::size_t most = 6;
     for (std::size_t i = 0; i < std::min(most, x.better.size()); ++i) {
-        const Standing& s = x.better[i];
+        const measure::blame::Standing& s = x.better[i];
         text += fmt::format("{} {} ({})", i ? "," : "", s.form->info->name, s.outcome == Outcome::agree_hit ? fmt::format("{:.1f} bits lost", s.lost) : "rightly a miss");
     }
     return text + (x.better.size() > most ? fmt::format(" and {} more.\n", x.better.size() - most) : ".\n");
@@ -209,12 +215,12 @@ std::string verdict(const Explanation& x) {
 std::string culprit_sentence(const Explanation& x) {
     const Words words(x);
     const NodeId culprit = x.attribution.culprit;
-    if (x.attribution.subject == no_node || is_plain_miss(x.tape, x.attribution)) return "No decision of the form was turned by rounding, so no operation is to blame.";
+    if (x.attribution.subject == no_node || measure::blame::is_plain_miss(x.tape, x.attribution)) return "No decision of the form was turned by rounding, so no operation is to blame.";
     if (culprit == no_node) return lost_input(x).value_or("No operation rounded on the way to the answer.");
     const TapeNode& n = x.tape[culprit];
     const std::string what = words.text().definition(culprit);
     const NodeId subject = x.attribution.subject;
-    if (!std::isfinite(n.value)) return fmt::format("{} is {}: everything after it follows.", what, decimal(n.value));
+    if (!std::isfinite(n.value)) return fmt::format("{} is {}: everything after it follows.", what, file::decimal(n.value));
     const std::string arrives = is_decision(x.tape[subject].op) ? fmt::format("in {}", words.text().expression(subject)) : "in t";
     std::string text;
     if (const NodeId amplifier = x.amplifier(culprit); amplifier != no_node) {
@@ -241,8 +247,8 @@ std::string explain_text(const Explanation& x, bool all) {
     std::string text = fmt::format("{} in {}: {}\n", x.form->info->name, x.format.name, x.form->info->title);
     if (x.solids > 1 && x.form->shape != Shape::sdf) text += fmt::format("asked of solid {} of {}\n", x.solid + 1, x.solids);
     if (x.given) {
-        text += fmt::format("The direction ({}, {}, {}) is normalised and rounded: the form takes unit directions, and its t is a distance.\n", decimal(x.given->x), decimal(x.given->y),
-                            decimal(x.given->z));
+        text += fmt::format("The direction ({}, {}, {}) is normalised and rounded: the form takes unit directions, and its t is a distance.\n", file::decimal(x.given->x), file::decimal(x.given->y),
+                            file::decimal(x.given->z));
     }
     text += inputs_block(x) + "\n" + table(x, words, all);
     text += "\n* the culprit; - not on the way to the answer. local: bits lost by the operation alone on exact operands, each rounded once. own: its rounding, in ulps of itself.\n\n";
@@ -250,4 +256,4 @@ std::string explain_text(const Explanation& x, bool all) {
     return text;
 }
 
-}  // namespace lostbits::output
+}  // namespace lostbits::output::blame

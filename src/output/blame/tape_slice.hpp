@@ -6,7 +6,7 @@
 
 #include "number/tape.hpp"
 
-namespace lostbits::output {
+namespace lostbits::output::blame {
 
 /// What the roots are computed from, on both sides of every select; and which of it depends on constants alone.
 struct TapeSlice {
@@ -35,4 +35,4 @@ struct TapeSlice {
     [[nodiscard]] bool is_constant(NodeId i) const { return constant[static_cast<std::size_t>(i)]; }
 };
 
-}  // namespace lostbits::output
+}  // namespace lostbits::output::blame

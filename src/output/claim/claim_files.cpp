@@ -12,10 +12,14 @@
 #include "output/file/csv.hpp"
 #include "output/file/number_text.hpp"
 
-namespace lostbits::output {
+namespace lostbits::output::claim {
+
+using measure::claim::ClaimResult;
+using measure::metric::Metric;
+
 namespace {
 
-using scene::Claim;
+using scene::claim::Claim;
 using State = ClaimResult::State;
 
 const char* state_name(State s) { return s == State::agrees ? "agrees" : s == State::disagrees ? "disagrees" : s == State::broken ? "broken" : "skipped"; }
@@ -23,7 +27,7 @@ const char* verdict_name(const Claim& c) { return c.verdict == Claim::Verdict::h
 /// ` --metric contribution:c` for a claim about contribution_c_p50: what a run does not measure unless it is told to.
 std::string metric_option(const Claim& c) {
     if (!c.operations.empty()) return " --metric culprit";
-    if (!asks_for_attribution(c)) {
+    if (!measure::claim::asks_for_attribution(c)) {
         const Metric* const metric = metric_of_column(c.metric);
         return metric != nullptr && !metric->by_default ? fmt::format(" --metric {}", metric->name) : "";
     }
@@ -35,34 +39,34 @@ std::string metric_option(const Claim& c) {
 /// XML 1.0 has no way to write most control characters.
 std::string xml_safe(std::string text) {
     std::erase_if(text, [](unsigned char c) { return c < ' ' && c != '\n' && c != '\t'; });
-    return valid_utf8(text);
+    return file::valid_utf8(text);
 }
 
 std::string witness_text(const ClaimResult& r) {
     if (r.witness.x < 0) return "";
     const auto& w = r.witness;
-    std::string text = fmt::format("origin {} {} {} direction {} {} {}", hex(w.ray.origin.x), hex(w.ray.origin.y), hex(w.ray.origin.z),
-                                   hex(w.ray.direction.x), hex(w.ray.direction.y), hex(w.ray.direction.z));
-    for (std::size_t i = 0; i < w.solid.used().size(); ++i) text += fmt::format(" {} {}", number_names(w.solid.shape)[i], hex(w.solid.numbers[i]));
-    return text + " t " + hex(w.t);
+    std::string text = fmt::format("origin {} {} {} direction {} {} {}", file::hex(w.ray.origin.x), file::hex(w.ray.origin.y), file::hex(w.ray.origin.z),
+                                   file::hex(w.ray.direction.x), file::hex(w.ray.direction.y), file::hex(w.ray.direction.z));
+    for (std::size_t i = 0; i < w.solid.used().size(); ++i) text += fmt::format(" {} {}", number_names(w.solid.shape)[i], file::hex(w.solid.numbers[i]));
+    return text + " t " + file::hex(w.t);
 }
 
 }  // namespace
 
 std::string quantity(const Claim& c) {
     if (!c.operations.empty()) return fmt::format("{} of {}", c.metric, fmt::join(c.operations, " and of "));
-    return c.onset.empty() ? c.metric : fmt::format("onset of {} {} {}", c.onset, c.statistic, decimal(c.threshold));
+    return c.onset.empty() ? c.metric : fmt::format("onset of {} {} {}", c.onset, c.statistic, file::decimal(c.threshold));
 }
 
 std::string explain(const Claim& c, const ClaimResult& r) {
-    const std::string expected = fmt::format("expected {} in [{}, {}]", quantity(c), decimal(c.low), decimal(c.high));
+    const std::string expected = fmt::format("expected {} in [{}, {}]", quantity(c), file::decimal(c.low), file::decimal(c.high));
     if (r.state == State::broken || r.state == State::skipped) return fmt::format("{}, but {}", expected, r.trouble);
-    return fmt::format("{}, measured {}", expected, decimal(r.measured));
+    return fmt::format("{}, measured {}", expected, file::decimal(r.measured));
 }
 
 const Metric* metric_of_column(const std::string& column) {
     const Metric* best = nullptr;
-    for (const Metric& m : metrics()) {
+    for (const Metric& m : measure::metric::metrics()) {
         if (column.starts_with(m.name) && (best == nullptr || m.name.size() > best->name.size())) best = &m;
     }
     return best;
@@ -81,8 +85,8 @@ std::string where_measured(const Claim& c) {
     if (!c.row.empty()) text += " " + c.row;
     if (!c.render.empty()) text += fmt::format(", rendered{}", c.stage ? fmt::format(" to stage {}", name_of(*c.stage)) : "");
     if (!c.case_name.empty()) text += ": " + c.case_name;
-    if (c.convention) text += fmt::format(" ({})", convention_name(c.convention));
-    for (const double x : c.at) text += (&x == c.at.data() ? " at " : ", ") + decimal(x);
+    if (c.convention) text += fmt::format(" ({})", intersect::convention_name(c.convention));
+    for (const double x : c.at) text += (&x == c.at.data() ? " at " : ", ") + file::decimal(x);
     return text;
 }
 
@@ -122,13 +126,13 @@ void write_junit(const std::filesystem::path& path, const std::vector<Claim>& cl
     pugi::xml_attribute(skipped).set_value(static_cast<unsigned long long>(skips));
     std::ostringstream text;
     document.save(text, "  ");
-    AtomicFile file(path);
+    file::AtomicFile file(path);
     file.write(text.str());
     file.commit();
 }
 
 void write_claims_csv(const std::filesystem::path& path, const std::vector<Claim>& claims, const std::vector<ClaimResult>& results) {
-    CsvWriter csv(path, {{"id", "string", "", "the claim"},
+    file::CsvWriter csv(path, {{"id", "string", "", "the claim"},
                          {"statement", "string", "", "its sentence"},
                          {"source", "string", "", "where the sentence is from"},
                          {"verdict", "string", "", "what was found: holds or refuted"},
@@ -145,13 +149,13 @@ void write_claims_csv(const std::filesystem::path& path, const std::vector<Claim
         const Claim& c = claims[i];
         const ClaimResult& r = results[i];
         csv.row({c.id, c.statement, c.source, verdict_name(c), where_measured(c), c.form, c.format, quantity(c), c.low, c.high,
-                 std::isnan(r.measured) ? Cell() : Cell(r.measured), state_name(r.state), witness_text(r)});
+                 std::isnan(r.measured) ? file::Cell() : file::Cell(r.measured), state_name(r.state), witness_text(r)});
     }
     csv.close();
 }
 
 void write_claims_json(const std::filesystem::path& path, const std::vector<Claim>& claims, const std::vector<ClaimResult>& results) {
-    const auto number = [](double x) { return std::isfinite(x) ? nlohmann::ordered_json(x) : nlohmann::ordered_json(decimal(x)); };
+    const auto number = [](double x) { return std::isfinite(x) ? nlohmann::ordered_json(x) : nlohmann::ordered_json(file::decimal(x)); };
     auto array = nlohmann::ordered_json::array();
     for (std::size_t i = 0; i < claims.size(); ++i) {
         const Claim& c = claims[i];
@@ -170,9 +174,9 @@ void write_claims_json(const std::filesystem::path& path, const std::vector<Clai
                          {"witness", witness_text(results[i])},
                          {"reproduce", reproduce(c)}});
     }
-    AtomicFile file(path);
+    file::AtomicFile file(path);
     file.write(array.dump(2) + "\n");
     file.commit();
 }
 
-}  // namespace lostbits::output
+}  // namespace lostbits::output::claim

@@ -6,28 +6,28 @@
 
 #include "measure/claim/claim.hpp"
 
-namespace lostbits::output {
+namespace lostbits::output::claim {
 
 /// `<failure>` for a claim that no longer measures as stated, `<error>` for a broken one, `<skipped>` for one
 /// that this machine cannot measure. A claim of severity `warn`
 /// is reported as passed, with its trouble in `<system-out>`, unless `strict`.
-void write_junit(const std::filesystem::path& path, const std::vector<scene::Claim>& claims, const std::vector<ClaimResult>& results, bool strict);
+void write_junit(const std::filesystem::path& path, const std::vector<scene::claim::Claim>& claims, const std::vector<measure::claim::ClaimResult>& results, bool strict);
 
 /// One row a claim: sentence, verdict, expectation, measurement, state, and the witness in hexadecimal floats.
-void write_claims_csv(const std::filesystem::path& path, const std::vector<scene::Claim>& claims, const std::vector<ClaimResult>& results);
+void write_claims_csv(const std::filesystem::path& path, const std::vector<scene::claim::Claim>& claims, const std::vector<measure::claim::ClaimResult>& results);
 
 /// The same as an array; numbers that JSON cannot hold are strings.
-void write_claims_json(const std::filesystem::path& path, const std::vector<scene::Claim>& claims, const std::vector<ClaimResult>& results);
+void write_claims_json(const std::filesystem::path& path, const std::vector<scene::claim::Claim>& claims, const std::vector<measure::claim::ClaimResult>& results);
 
 /// What is measured: `lost_bits_p50`, `onset of false_hit count 1`, `culprit_fraction of c`.
-std::string quantity(const scene::Claim& claim);
+std::string quantity(const scene::claim::Claim& claim);
 /// Why a claim does not agree, in one line: what was expected, what was measured.
-std::string explain(const scene::Claim& claim, const ClaimResult& result);
+std::string explain(const scene::claim::Claim& claim, const measure::claim::ClaimResult& result);
 /// Scene, sweep or table, and the place in it.
-std::string where_measured(const scene::Claim& claim);
+std::string where_measured(const scene::claim::Claim& claim);
 /// The metric whose statistic or fraction a column of a summary is: lost_bits of `lost_bits_p99`; none of an outcome.
-const Metric* metric_of_column(const std::string& column);
+const measure::metric::Metric* metric_of_column(const std::string& column);
 /// The command that measures it again with every file.
-std::string reproduce(const scene::Claim& claim);
+std::string reproduce(const scene::claim::Claim& claim);
 
-}  // namespace lostbits::output
+}  // namespace lostbits::output::claim

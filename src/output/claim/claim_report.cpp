@@ -18,10 +18,15 @@
 #include "output/sweep/sweep_planes.hpp"
 #include "output/sweep/sweep_plots.hpp"
 
-namespace lostbits::output {
+namespace lostbits::output::claim {
+
+using intersect::Touching;
+using measure::claim::ClaimResult;
+using measure::map::MapRow;
+
 namespace {
 
-using scene::Claim;
+using scene::claim::Claim;
 using State = ClaimResult::State;
 
 /// The claims about one scene, sweep or table, in the order of the first.
@@ -46,7 +51,7 @@ std::vector<Subject> subjects_of(const std::vector<Claim>& claims) {
 std::vector<MapRow> rows_of(const Subject& subject, const std::vector<Claim>& claims) {
     std::vector<MapRow> rows;
     for (const std::size_t i : subject.claims) {
-        const MapRow row = claim_row(claims[i]);
+        const MapRow row = measure::claim::claim_row(claims[i]);
         const auto same = [&](const MapRow& r) { return r.form == row.form && r.format == row.format && r.judged == row.judged; };
         if (std::ranges::none_of(rows, same)) rows.push_back(row);
     }
@@ -54,38 +59,38 @@ std::vector<MapRow> rows_of(const Subject& subject, const std::vector<Claim>& cl
     return rows;
 }
 
-std::vector<const Metric*> drawn_metrics() {
-    std::vector<const Metric*> all;
-    for (const char* name : {"lost_bits", "ulp_error", "inherent_bits", "excess_bits"}) all.push_back(find_metric(name));
+std::vector<const measure::metric::Metric*> drawn_metrics() {
+    std::vector<const measure::metric::Metric*> all;
+    for (const char* name : {"lost_bits", "ulp_error", "inherent_bits", "excess_bits"}) all.push_back(measure::metric::find_metric(name));
     return all;
 }
 
 std::string picture_scene(const std::filesystem::path& folder, const std::vector<MapRow>& rows, const std::string& name, const std::filesystem::path& data_dir) {
-    const auto found = scene::find_scene(name, data_dir);
-    const scene::Scene scene = scene::load_scene(found.path, {.variant = found.variant}).front();
-    const MapRequest request{.scene = &scene, .rows = rows, .metrics = {find_metric("lost_bits")}};
+    const auto found = scene::file::find_scene(name, data_dir);
+    const scene::file::Scene scene = scene::file::load_scene(found.path, {.variant = found.variant}).front();
+    const measure::map::MapRequest request{.scene = &scene, .rows = rows, .metrics = {measure::metric::find_metric("lost_bits")}};
     const std::string file = scene.id + ".png";
-    SceneSheet sheet(request, folder / "pictures" / file);
-    sheet.finish(run_map(request, sheet.sinks()));
+    map::SceneSheet sheet(request, folder / "pictures" / file);
+    sheet.finish(measure::map::run_map(request, sheet.sinks()));
     return fmt::format("![{}](pictures/{})\n", scene.title, file);
 }
 
 /// The marches along a scene's first pixel, sample by sample.
 std::string trace_text(const std::vector<MapRow>& rows, const std::string& name, const std::filesystem::path& data_dir) {
-    const auto found = scene::find_scene(name, data_dir);
-    const OneRay ray(scene::load_scene(found.path, {.variant = found.variant}).front(), 0, 0);
+    const auto found = scene::file::find_scene(name, data_dir);
+    const measure::answer::OneRay ray(scene::file::load_scene(found.path, {.variant = found.variant}).front(), 0, 0);
     std::string text;
-    for (const MapRow& row : rows) text += fmt::format("```\n{}```\n", march_table(*row.form, row.format, ray));
+    for (const MapRow& row : rows) text += fmt::format("```\n{}```\n", blame::march_table(*row.form, row.format, ray));
     return text;
 }
 
 /// The pictures of a rendered scene, of all stages that its claims name.
 std::string picture_render(const std::filesystem::path& folder, const Subject& subject, const std::vector<Claim>& claims, const std::filesystem::path& data_dir) {
-    const auto found = scene::find_scene(claims[subject.claims.front()].render, data_dir);
-    const scene::Scene scene = scene::load_scene(found.path, {.variant = found.variant}).front();
-    std::set<scene::Stage> stages;
+    const auto found = scene::file::find_scene(claims[subject.claims.front()].render, data_dir);
+    const scene::file::Scene scene = scene::file::load_scene(found.path, {.variant = found.variant}).front();
+    std::set<scene::file::Stage> stages;
     for (const std::size_t i : subject.claims) stages.insert(claims[i].stage.value_or(scene.appearance.furthest()));
-    RenderRequest request{.scene = &scene, .stages = {stages.begin(), stages.end()}, .rows = {}};
+    measure::picture::RenderRequest request{.scene = &scene, .stages = {stages.begin(), stages.end()}, .rows = {}};
     // Every form in every format that a claim names, for an empty place on the sheet reads as a format that the form lacks.
     const std::vector<MapRow> claimed = rows_of(subject, claims);
     for (const MapRow& a : claimed) {
@@ -95,8 +100,8 @@ std::string picture_render(const std::filesystem::path& folder, const Subject& s
         }
     }
     const std::string file = scene.id + ".rendered.png";
-    RenderSheet sheet(image_backend(), folder / "pictures" / file, request);
-    sheet.finish(run_render(request, &sheet));
+    picture::RenderSheet sheet(image::image_backend(), folder / "pictures" / file, request);
+    sheet.finish(measure::picture::run_render(request, &sheet));
     return fmt::format("![{}](pictures/{})\n", scene.title, file);
 }
 
@@ -111,7 +116,7 @@ Shown shown_of(const Subject& subject, const std::vector<Claim>& claims) {
         const std::string& what = claims[i].onset.empty() ? claims[i].metric : claims[i].onset;
         const std::string& statistic = claims[i].onset.empty() ? claims[i].metric : claims[i].statistic;
         // Bits of an operation are lost bits somewhere.
-        const bool bits = what.find("bits") != std::string::npos || asks_for_attribution(claims[i]);
+        const bool bits = what.find("bits") != std::string::npos || measure::claim::asks_for_attribution(claims[i]);
         shown.wrong |= !bits;
         const bool tail = statistic.ends_with("p99") || statistic.ends_with("max");
         shown.median |= bits && !tail;
@@ -122,34 +127,34 @@ Shown shown_of(const Subject& subject, const std::vector<Claim>& claims) {
 
 /// The pictures of a sweep, as Markdown.
 std::string picture_sweep(const std::filesystem::path& folder, const std::vector<MapRow>& rows, const std::string& name, Shown shown, const std::filesystem::path& data_dir) {
-    const auto path = scene::find_sweep(name, data_dir);
-    if (scene::sweep_kind(path) == scene::SweepKind::cases) {
-        const scene::CaseFile file(path);
-        const CaseRequest request{.file = &file, .rows = rows, .metrics = drawn_metrics()};
-        const auto cases = run_cases(request);
+    const auto path = scene::sweep::find_sweep(name, data_dir);
+    if (scene::sweep::sweep_kind(path) == scene::sweep::SweepKind::cases) {
+        const scene::sweep::CaseFile file(path);
+        const measure::sweep::CaseRequest request{.file = &file, .rows = rows, .metrics = drawn_metrics()};
+        const auto cases = measure::sweep::run_cases(request);
         std::string text;
         for (const std::optional<Touching> judged : {std::optional<Touching>{}, std::optional{Touching::hit}, std::optional{Touching::miss}}) {
             if (std::ranges::none_of(rows, [&](const MapRow& r) { return r.judged == judged; })) continue;
-            const std::string picture = judged ? fmt::format("{}.{}.png", file.id, convention_name(judged)) : file.id + ".png";
-            write_case_matrix(folder / "pictures" / picture, request, cases, judged);
+            const std::string picture = judged ? fmt::format("{}.{}.png", file.id, intersect::convention_name(judged)) : file.id + ".png";
+            sweep::write_case_matrix(folder / "pictures" / picture, request, cases, judged);
             text += fmt::format("![{}](pictures/{})\n", file.title, picture);
         }
         return text;
     }
-    const scene::SweepFile sweep(path, data_dir);
-    SweepRequest request{.sweep = &sweep, .rows = rows, .metrics = drawn_metrics()};
+    const scene::sweep::SweepFile sweep(path, data_dir);
+    measure::sweep::SweepRequest request{.sweep = &sweep, .rows = rows, .metrics = drawn_metrics()};
     for (MapRow& row : request.rows) row.judged = row.judged ? row.judged : sweep.convention;
-    const auto steps = run_sweep(request);
+    const auto steps = measure::sweep::run_sweep(request);
     std::string text;
     if (sweep.axes.size() == 2) {
         for (std::size_t r = 0; r < rows.size(); ++r) {
             const std::string file = fmt::format("{}.{}.{}.png", sweep.id, rows[r].form->info->name, rows[r].format.name);
-            write_plane_picture(image_backend(), folder / "pictures" / file, request, steps, r);
+            sweep::write_plane_picture(image::image_backend(), folder / "pictures" / file, request, steps, r);
             text += fmt::format("![{} in {}](pictures/{})\n", rows[r].form->info->name, rows[r].format.name, file);
         }
         return text;
     }
-    const auto onsets = find_onsets(request, steps);
+    const auto onsets = measure::sweep::find_onsets(request, steps);
     std::vector<Format> formats;
     for (const MapRow& r : rows) {
         if (std::ranges::find(formats, r.format) == formats.end()) formats.push_back(r.format);
@@ -160,9 +165,9 @@ std::string picture_sweep(const std::filesystem::path& folder, const std::vector
             text += fmt::format("![{}: {}, {}](pictures/{})\n", sweep.title, what, format.name, file);
             return folder / "pictures" / file;
         };
-        if (shown.median) write_lost_bits_plot(image_backend(), show("lost_bits_p50"), request, steps, onsets, format, 0.5);
-        if (shown.tail) write_lost_bits_plot(image_backend(), show("lost_bits_p99"), request, steps, onsets, format, 0.99);
-        if (shown.wrong) write_wrong_plot(image_backend(), show("wrong"), request, steps, onsets, format);
+        if (shown.median) sweep::write_lost_bits_plot(image::image_backend(), show("lost_bits_p50"), request, steps, onsets, format, 0.5);
+        if (shown.tail) sweep::write_lost_bits_plot(image::image_backend(), show("lost_bits_p99"), request, steps, onsets, format, 0.99);
+        if (shown.wrong) sweep::write_wrong_plot(image::image_backend(), show("wrong"), request, steps, onsets, format);
     }
     return text;
 }
@@ -172,7 +177,7 @@ std::string cell(std::string text) {
     return text;
 }
 
-std::string rounded(double x) { return std::isfinite(x) ? fmt::format("{:.6g}", x) : decimal(x); }
+std::string rounded(double x) { return std::isfinite(x) ? fmt::format("{:.6g}", x) : file::decimal(x); }
 
 std::string row_text(const Claim& c, const ClaimResult& r) {
     const std::string verdict = r.state == State::agrees ? (c.verdict == Claim::Verdict::holds ? "holds" : "**refuted**")
@@ -182,7 +187,7 @@ std::string row_text(const Claim& c, const ClaimResult& r) {
     const std::string what = c.operations.empty() ? quantity(c) : fmt::format("{} of `{}`", c.metric, fmt::join(c.operations, "`, `"));
     std::string place = c.stage ? "stage " + std::string(name_of(*c.stage)) : c.case_name;
     if (c.step) place = fmt::format("sample {}", *c.step);
-    for (const double x : c.at) place += (place.empty() ? "at " : ", ") + decimal(x);
+    for (const double x : c.at) place += (place.empty() ? "at " : ", ") + file::decimal(x);
     return fmt::format("| {} | {}{} | {} | {} = {} | `{}` |\n", verdict, cell(c.statement), c.note.empty() ? "" : " <br> *" + cell(c.note) + "*",
                        cell(fmt::format("{}{}{}", c.form.empty() ? c.row : c.form, " " + c.format, place.empty() ? "" : ", " + place)), cell(what), rounded(r.measured), c.id);
 }
@@ -202,7 +207,7 @@ std::string screenshots_in(const std::filesystem::path& folder) {
 
 void write_claim_report(const std::filesystem::path& folder, const std::vector<Claim>& claims, const std::vector<ClaimResult>& results,
                         const std::filesystem::path& data_dir) {
-    AtomicFile readme(folder / "README.md");
+    file::AtomicFile readme(folder / "README.md");
     std::size_t held = 0, refuted = 0, other = 0;
     for (std::size_t i = 0; i < claims.size(); ++i) {
         if (results[i].state != State::agrees) ++other;
@@ -235,4 +240,4 @@ void write_claim_report(const std::filesystem::path& folder, const std::vector<C
     readme.commit();
 }
 
-}  // namespace lostbits::output
+}  // namespace lostbits::output::claim

@@ -14,7 +14,14 @@
 #include "number/error.hpp"
 #include "output/file/number_text.hpp"
 
-namespace lostbits::output {
+namespace lostbits::output::diff {
+
+using file::CellValue;
+using file::CsvColumn;
+using file::CsvTable;
+using image::ExrChannel;
+using image::ExrImage;
+
 namespace {
 
 using Kind = CellValue::Kind;
@@ -63,7 +70,7 @@ struct Verdict {
 };
 
 Verdict judge_cells(std::string_view a, std::string_view b, const Tolerance* tolerance, bool as_text) {
-    const CellValue x = read_cell(a), y = read_cell(b);
+    const CellValue x = file::read_cell(a), y = file::read_cell(b);
     if (x.kind != Kind::number || y.kind != Kind::number) {
         const bool both_text = x.kind == Kind::text && y.kind == Kind::text;
         return {.differs = !(x == y), .kinds = !both_text};
@@ -107,7 +114,7 @@ std::string in_quotes(std::string_view text) {
 }
 
 std::string shown(std::string_view cell) {
-    const Kind kind = read_cell(cell).kind;
+    const Kind kind = file::read_cell(cell).kind;
     return kind == Kind::missing ? "(empty)" : kind == Kind::text ? in_quotes(cell) : std::string(cell);
 }
 
@@ -213,7 +220,7 @@ void compare_samples(const std::string& name, const std::vector<Sample>& a, cons
         const auto place = [&] { return fmt::format("{},{}", i % width, i / width); };
         if (!book(column, v, place)) continue;
         add(result, options, 0, [&] {
-            if constexpr (std::is_same_v<Sample, float>) return fmt::format("{} at {}: {} != {}{}", name, place(), decimal(a[i]), decimal(b[i]), distances(v));
+            if constexpr (std::is_same_v<Sample, float>) return fmt::format("{} at {}: {} != {}{}", name, place(), file::decimal(a[i]), file::decimal(b[i]), distances(v));
             else return fmt::format("{} at {}: {} != {}", name, place(), a[i], b[i]);
         });
     }
@@ -236,7 +243,7 @@ Tolerance parse_tolerance(const std::string& text) {
     const std::string numbers = text.substr(equals + 1);
     const auto comma = numbers.find(',');
     const auto read = [&text](const std::string& word) {
-        const CellValue value = read_cell(word);
+        const CellValue value = file::read_cell(word);
         if (value.kind == Kind::number && !value.negative) return value;
         throw InputError(fmt::format("--tolerance {}: \"{}\" is no finite number of at least 0; write one, or --ignore the column", text, word));
     };
@@ -290,13 +297,13 @@ Comparison compare(const ExrImage& a, const ExrImage& b, const CompareOptions& o
     return result;
 }
 
-Comparison compare(const PngImage& a, const PngImage& b, const CompareOptions& options) {
+Comparison compare(const image::PngImage& a, const image::PngImage& b, const CompareOptions& options) {
     Comparison result;
     if (!same_size(a, b, options, result)) return result;
     ColumnDifference& column = result.columns.emplace_back();
     column.name = "pixel";
     for (std::size_t i = 0; i < a.pixels.size(); ++i) {
-        const Rgb8 p = a.pixels[i], q = b.pixels[i];
+        const image::Rgb8 p = a.pixels[i], q = b.pixels[i];
         if (p == q) continue;
         const int steps = std::max({std::abs(p.r - q.r), std::abs(p.g - q.g), std::abs(p.b - q.b)});
         const auto width = static_cast<std::size_t>(a.width);
@@ -316,4 +323,4 @@ Comparison compare_bytes(std::string_view a, std::string_view b) {
     return result;
 }
 
-}  // namespace lostbits::output
+}  // namespace lostbits::output::diff

@@ -10,14 +10,14 @@
 #include "output/image/image.hpp"
 #include "output/file/read_csv.hpp"
 
-namespace lostbits::output {
+namespace lostbits::output::diff {
 
 /// How far apart two finite numbers of a column or channel may be and still agree: |a − b| ≤ absolute, or
 /// |a − b| ≤ relative · max(|a|, |b|). Both are at least 0, and neither side is the reference. Under a tolerance, be it 0,
 /// −0 equals 0.
 struct Tolerance {
     std::string column;            ///< a name or a glob (fnmatch)
-    CellValue absolute, relative;  ///< numbers
+    file::CellValue absolute, relative;  ///< numbers
 };
 
 /// Reads `COLUMN=ABS` or `COLUMN=ABS,REL`. Throws InputError.
@@ -69,19 +69,19 @@ struct Comparison {
 /// column whose name ends in `_hex`, unless a tolerance names it. NaN equals NaN, empty equals empty, an infinity
 /// equals the one of its sign, text equals the same bytes; none of them equals anything else, whatever the tolerance.
 /// Differences of two numbers and tolerances are evaluated without rounding.
-[[nodiscard]] Comparison compare(const CsvTable& a, const CsvTable& b, const CompareOptions& options);
+[[nodiscard]] Comparison compare(const file::CsvTable& a, const file::CsvTable& b, const CompareOptions& options);
 
 /// Compares sizes, channels by name, their types, and every sample: bit by bit where no tolerance names the channel,
 /// but any NaN equals any NaN; `f32` differences are evaluated in double. `u32` samples are codes and halves of exact
 /// words, so no tolerance applies to them. String attributes are compared, except `lostbits:command` and
 /// `lostbits:compiler`, which say how a file was made and not what is in it.
-[[nodiscard]] Comparison compare(const ExrImage& a, const ExrImage& b, const CompareOptions& options);
+[[nodiscard]] Comparison compare(const image::ExrImage& a, const image::ExrImage& b, const CompareOptions& options);
 
 /// Compares sizes and decoded pixels, exactly; of the options only `most` counts. Its one column is `pixel`, and its
 /// largest difference is in steps of 8 bits, the relative one as a fraction of 255.
-[[nodiscard]] Comparison compare(const PngImage& a, const PngImage& b, const CompareOptions& options);
+[[nodiscard]] Comparison compare(const image::PngImage& a, const image::PngImage& b, const CompareOptions& options);
 
 /// Compares byte by byte; at most one difference, the first, with its line.
 [[nodiscard]] Comparison compare_bytes(std::string_view a, std::string_view b);
 
-}  // namespace lostbits::output
+}  // namespace lostbits::output::diff

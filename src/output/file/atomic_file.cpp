@@ -16,7 +16,7 @@
 
 #include "number/error.hpp"
 
-namespace lostbits::output {
+namespace lostbits::output::file {
 namespace {
 
 constexpr std::size_t buffer_bytes = std::size_t{256} * 1024;
@@ -231,4 +231,4 @@ void raise_open_file_limit() noexcept {
 
 void ignore_file_size_signal() noexcept { std::signal(SIGXFSZ, SIG_IGN); }
 
-}  // namespace lostbits::output
+}  // namespace lostbits::output::file

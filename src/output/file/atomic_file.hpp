@@ -10,7 +10,7 @@
 #include <string>
 #include <string_view>
 
-namespace lostbits::output {
+namespace lostbits::output::file {
 
 /// Where a writer puts its bytes. The image module writes through this face, so that the one registry of
 /// partial files and the one set of error messages live in the program and not a second time in the module.
@@ -84,4 +84,4 @@ void raise_open_file_limit() noexcept;
 /// Lets a write past RLIMIT_FSIZE fail with EFBIG, which is reported, rather than kill the process by SIGXFSZ.
 void ignore_file_size_signal() noexcept;
 
-}  // namespace lostbits::output
+}  // namespace lostbits::output::file

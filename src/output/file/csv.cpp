@@ -6,7 +6,7 @@
 
 #include "output/file/number_text.hpp"
 
-namespace lostbits::output {
+namespace lostbits::output::file {
 namespace {
 
 template <class... F>
@@ -144,4 +144,4 @@ void CsvWriter::close() {
     file_.commit();
 }
 
-}  // namespace lostbits::output
+}  // namespace lostbits::output::file

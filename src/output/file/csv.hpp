@@ -12,7 +12,7 @@
 
 #include "output/file/atomic_file.hpp"
 
-namespace lostbits::output {
+namespace lostbits::output::file {
 
 /// One column: what the CSV header and `datapackage.json` say about it.
 struct Column {
@@ -87,4 +87,4 @@ private:
 /// `text` with each byte that is not part of valid UTF-8 replaced by U+FFFD.
 [[nodiscard]] std::string valid_utf8(std::string_view text);
 
-}  // namespace lostbits::output
+}  // namespace lostbits::output::file

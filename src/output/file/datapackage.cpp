@@ -5,7 +5,7 @@
 
 #include "output/file/atomic_file.hpp"
 
-namespace lostbits::output {
+namespace lostbits::output::file {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -64,4 +64,4 @@ void write_datapackage(const std::filesystem::path& path, const std::string& tit
     file.commit();
 }
 
-}  // namespace lostbits::output
+}  // namespace lostbits::output::file

@@ -7,7 +7,7 @@
 
 #include "output/file/csv.hpp"
 
-namespace lostbits::output {
+namespace lostbits::output::file {
 
 /// One CSV file of a data package.
 struct DataResource {
@@ -21,4 +21,4 @@ struct DataResource {
 void write_datapackage(const std::filesystem::path& path, const std::string& title,
                        const std::vector<DataResource>& resources);
 
-}  // namespace lostbits::output
+}  // namespace lostbits::output::file

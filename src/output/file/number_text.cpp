@@ -3,7 +3,7 @@
 #include <charconv>
 #include <cmath>
 
-namespace lostbits::output {
+namespace lostbits::output::file {
 namespace {
 
 template <class F>
@@ -27,4 +27,4 @@ std::string hex(double value) {
     return (std::signbit(value) ? "-0x" : "0x") + std::string(text, end);
 }
 
-}  // namespace lostbits::output
+}  // namespace lostbits::output::file

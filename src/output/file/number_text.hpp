@@ -3,7 +3,7 @@
 
 #include <string>
 
-namespace lostbits::output {
+namespace lostbits::output::file {
 
 /// The shortest decimal that reads back to the same double; `nan` (any NaN), `inf`, `-inf`, and `-0` keeps its sign.
 [[nodiscard]] std::string decimal(double value);
@@ -15,4 +15,4 @@ namespace lostbits::output {
 /// double exactly, so one function serves both.
 [[nodiscard]] std::string hex(double value);
 
-}  // namespace lostbits::output
+}  // namespace lostbits::output::file

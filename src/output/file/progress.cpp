@@ -8,7 +8,7 @@
 #include <cmath>
 #include <cstdlib>
 
-namespace lostbits::output {
+namespace lostbits::output::file {
 namespace {
 
 constexpr std::int64_t first_draw_ms = 200;  // a run shorter than this shows nothing
@@ -132,4 +132,4 @@ void Progress::put(std::string_view text) noexcept {
     }
 }
 
-}  // namespace lostbits::output
+}  // namespace lostbits::output::file

@@ -8,7 +8,7 @@
 #include <string>
 #include <string_view>
 
-namespace lostbits::output {
+namespace lostbits::output::file {
 
 /// A progress bar on stderr with elapsed and remaining time.
 class Progress {
@@ -59,4 +59,4 @@ private:
 /// A duration as `7s`, `2m05s` or `1h03m`.
 [[nodiscard]] std::string duration_text(double seconds);
 
-}  // namespace lostbits::output
+}  // namespace lostbits::output::file

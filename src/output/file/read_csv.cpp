@@ -12,7 +12,7 @@
 
 #include "number/error.hpp"
 
-namespace lostbits::output {
+namespace lostbits::output::file {
 namespace {
 
 /// Walks once over the text. Doubled quotes close up in place, so that each cell is one piece of it.
@@ -207,4 +207,4 @@ CellValue read_cell(std::string_view cell) {
     return value;
 }
 
-}  // namespace lostbits::output
+}  // namespace lostbits::output::file

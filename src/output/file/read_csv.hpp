@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-namespace lostbits::output {
+namespace lostbits::output::file {
 
 /// One column of a table that was read.
 struct CsvColumn {
@@ -62,4 +62,4 @@ struct CellValue {
 /// is text, and so is a number of more than 10000 digits or with an exponent beyond ±10000: no format reaches there.
 [[nodiscard]] CellValue read_cell(std::string_view cell);
 
-}  // namespace lostbits::output
+}  // namespace lostbits::output::file

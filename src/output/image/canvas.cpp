@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <stdexcept>
 
-namespace lostbits::output {
+namespace lostbits::output::image {
 namespace {
 
 constexpr int bar_width = 16;
@@ -199,4 +199,4 @@ Canvas Legend::draw(std::span<const LegendEntry> entries) const {
     return out;
 }
 
-}  // namespace lostbits::output
+}  // namespace lostbits::output::image

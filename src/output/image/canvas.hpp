@@ -10,7 +10,7 @@
 #include "output/image/colour.hpp"
 #include "output/image/image.hpp"
 
-namespace lostbits::output {
+namespace lostbits::output::image {
 
 /// The look of every picture: dark ink on a light page.
 namespace style {
@@ -86,4 +86,4 @@ private:
     std::size_t capacity_;
 };
 
-}  // namespace lostbits::output
+}  // namespace lostbits::output::image

@@ -8,7 +8,7 @@
 
 #include "output/file/number_text.hpp"
 
-namespace lostbits::output {
+namespace lostbits::output::image {
 namespace {
 
 // Kelly's idea of maximal contrast, in colours that keep apart on a screen.
@@ -126,7 +126,7 @@ ColourScale::ColourScale(std::string name, std::vector<Rgb8> table, double lo, d
     : name_(std::move(name)), table_(std::move(table)), lo_(lo), hi_(hi), log2_(log2) {
     if (table_.size() < 2) throw std::invalid_argument("colour scale " + name_ + ": fewer than two colours");
     if (!std::isfinite(lo) || !std::isfinite(hi) || !(hi > lo) || (log2 && !(lo > 0))) {
-        throw std::invalid_argument("colour scale " + name_ + ": no range from " + decimal(lo) + " to " + decimal(hi));
+        throw std::invalid_argument("colour scale " + name_ + ": no range from " + file::decimal(lo) + " to " + file::decimal(hi));
     }
 }
 
@@ -160,7 +160,7 @@ std::vector<ColourScale::Tick> ColourScale::ticks(int most) const {
         // Either all labels are powers or none is.
         const bool plain = first >= -3 && last <= 10;
         for (double e = first; e <= last; e += step) {
-            out.push_back({position(std::exp2(e)), plain || e == 0 ? decimal(std::exp2(e)) : "2^" + decimal(e)});
+            out.push_back({position(std::exp2(e)), plain || e == 0 ? file::decimal(std::exp2(e)) : "2^" + file::decimal(e)});
         }
     } else {
         const double step = round_step((hi_ / 2 - lo_ / 2) / (most - 1) * 2, lo_, hi_);
@@ -183,4 +183,4 @@ std::uint8_t srgb_byte(std::uint16_t linear) noexcept {
     return static_cast<std::uint8_t>((*above - linear < linear - *below ? above : below) - table.begin());
 }
 
-}  // namespace lostbits::output
+}  // namespace lostbits::output::image

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-namespace lostbits::output {
+namespace lostbits::output::image {
 
 /// An 8-bit sRGB colour, three bytes without padding: a row of them is a row of a PNG.
 struct Rgb8 {
@@ -88,4 +88,4 @@ private:
 /// The sRGB byte nearest in linear light to `linear` (0..65535).
 [[nodiscard]] std::uint8_t srgb_byte(std::uint16_t linear) noexcept;
 
-}  // namespace lostbits::output
+}  // namespace lostbits::output::image

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <stdexcept>
 
-namespace lostbits::output {
+namespace lostbits::output::image {
 namespace {
 
 constexpr std::size_t most_columns = 7;
@@ -137,4 +137,4 @@ void ContactSheet::finish(std::span<const LegendEntry> legend) {
     png_->close();
 }
 
-}  // namespace lostbits::output
+}  // namespace lostbits::output::image

@@ -15,7 +15,7 @@
 #include "output/image/colour.hpp"
 #include "output/image/image.hpp"
 
-namespace lostbits::output {
+namespace lostbits::output::image {
 
 /// A small picture of a field, at most 160 pixels on its longer side, made from rows in any order.
 ///
@@ -98,4 +98,4 @@ private:
     std::unique_ptr<PngWriter> png_;
 };
 
-}  // namespace lostbits::output
+}  // namespace lostbits::output::image

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <stdexcept>
 
-namespace lostbits::output {
+namespace lostbits::output::image {
 namespace {
 
 constexpr int narrow = 384;        // a field below this many samples across is enlarged
@@ -85,4 +85,4 @@ void HeatmapWriter::finish(std::span<const LegendEntry> legend) {
     png_->close();
 }
 
-}  // namespace lostbits::output
+}  // namespace lostbits::output::image

@@ -12,7 +12,7 @@
 #include "output/image/colour.hpp"
 #include "output/image/image.hpp"
 
-namespace lostbits::output {
+namespace lostbits::output::image {
 
 /// What a heatmap shows; all of it is known before the first pixel.
 struct HeatmapSpec {
@@ -56,4 +56,4 @@ private:
     std::unique_ptr<PngWriter> png_;
 };
 
-}  // namespace lostbits::output
+}  // namespace lostbits::output::image

@@ -18,7 +18,7 @@
 #include "output/file/atomic_file.hpp"
 #include "output/image/colour.hpp"
 
-namespace lostbits::output {
+namespace lostbits::output::image {
 
 /// A channel of an EXR file: 32 bits a sample, never HALF.
 struct Channel {
@@ -118,9 +118,9 @@ public:
     [[nodiscard]] virtual PngImage read_png(const std::filesystem::path& path) = 0;
 
 protected:
-    virtual std::unique_ptr<ExrWriter> make_exr(std::unique_ptr<ByteSink> sink, const std::string& path,
+    virtual std::unique_ptr<ExrWriter> make_exr(std::unique_ptr<file::ByteSink> sink, const std::string& path,
                                                 const ExrSpec& spec) = 0;
-    virtual std::unique_ptr<PngWriter> make_png(std::unique_ptr<ByteSink> sink, const std::string& path, int width,
+    virtual std::unique_ptr<PngWriter> make_png(std::unique_ptr<file::ByteSink> sink, const std::string& path, int width,
                                                 int height) = 0;
 };
 
@@ -132,4 +132,4 @@ inline constexpr int image_module_abi = 1;
 /// what to install or build.
 [[nodiscard]] ImageBackend& image_backend();
 
-}  // namespace lostbits::output
+}  // namespace lostbits::output::image

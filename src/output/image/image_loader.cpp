@@ -9,7 +9,7 @@
 #include "number/error.hpp"
 #include "output/image/image.hpp"
 
-namespace lostbits::output {
+namespace lostbits::output::image {
 namespace {
 
 namespace fs = std::filesystem;
@@ -68,12 +68,12 @@ std::unique_ptr<ExrWriter> ImageBackend::open_exr(const fs::path& path, const Ex
             throw std::logic_error(path.string() + ": channel " + channel.name + " appears twice");
         }
     }
-    return make_exr(std::make_unique<AtomicFile>(path), path.string(), spec);
+    return make_exr(std::make_unique<file::AtomicFile>(path), path.string(), spec);
 }
 
 std::unique_ptr<PngWriter> ImageBackend::open_png(const fs::path& path, int width, int height) {
     if (width <= 0 || height <= 0) throw std::logic_error(path.string() + ": a PNG without pixels");
-    return make_png(std::make_unique<AtomicFile>(path), path.string(), width, height);
+    return make_png(std::make_unique<file::AtomicFile>(path), path.string(), width, height);
 }
 
 const ExrChannel* ExrImage::find(std::string_view name) const {
@@ -83,4 +83,4 @@ const ExrChannel* ExrImage::find(std::string_view name) const {
     return nullptr;
 }
 
-}  // namespace lostbits::output
+}  // namespace lostbits::output::image

@@ -14,7 +14,7 @@
 #include "number/error.hpp"
 #include "output/image/image_oiio.hpp"
 
-namespace lostbits::output {
+namespace lostbits::output::image {
 namespace {
 
 std::uint8_t to_srgb8(float linear) {
@@ -114,11 +114,11 @@ public:
     PngImage read_png(const std::filesystem::path& path) override;
 
 protected:
-    std::unique_ptr<ExrWriter> make_exr(std::unique_ptr<ByteSink> sink, const std::string& path,
+    std::unique_ptr<ExrWriter> make_exr(std::unique_ptr<file::ByteSink> sink, const std::string& path,
                                         const ExrSpec& spec) override {
         return oiio_exr(std::move(sink), path, spec);
     }
-    std::unique_ptr<PngWriter> make_png(std::unique_ptr<ByteSink> sink, const std::string& path, int width,
+    std::unique_ptr<PngWriter> make_png(std::unique_ptr<file::ByteSink> sink, const std::string& path, int width,
                                         int height) override {
         return oiio_png(std::move(sink), path, width, height);
     }
@@ -216,14 +216,14 @@ PngImage OiioBackend::read_png(const std::filesystem::path& path) {
 }
 
 }  // namespace
-}  // namespace lostbits::output
+}  // namespace lostbits::output::image
 
 extern "C" __attribute__((visibility("default"))) int lostbits_image_abi() {
-    return lostbits::output::image_module_abi;
+    return lostbits::output::image::image_module_abi;
 }
 
 /// The one instance, never destroyed: files may still be open when static objects go.
-extern "C" __attribute__((visibility("default"))) lostbits::output::ImageBackend* lostbits_image_backend() {
-    static auto* backend = new lostbits::output::OiioBackend;
+extern "C" __attribute__((visibility("default"))) lostbits::output::image::ImageBackend* lostbits_image_backend() {
+    static auto* backend = new lostbits::output::image::OiioBackend;
     return backend;
 }

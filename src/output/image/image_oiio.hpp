@@ -6,12 +6,12 @@
 
 #include "output/image/image.hpp"
 
-namespace lostbits::output {
+namespace lostbits::output::image {
 
 /// The writers behind ImageBackend::open_exr and open_png. Bytes go to `sink`; `path` is for messages.
-[[nodiscard]] std::unique_ptr<ExrWriter> oiio_exr(std::unique_ptr<ByteSink> sink, const std::string& path,
+[[nodiscard]] std::unique_ptr<ExrWriter> oiio_exr(std::unique_ptr<file::ByteSink> sink, const std::string& path,
                                                   const ExrSpec& spec);
-[[nodiscard]] std::unique_ptr<PngWriter> oiio_png(std::unique_ptr<ByteSink> sink, const std::string& path, int width,
+[[nodiscard]] std::unique_ptr<PngWriter> oiio_png(std::unique_ptr<file::ByteSink> sink, const std::string& path, int width,
                                                   int height);
 
-}  // namespace lostbits::output
+}  // namespace lostbits::output::image

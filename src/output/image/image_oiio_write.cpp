@@ -9,7 +9,10 @@
 
 #include "number/error.hpp"
 
-namespace lostbits::output {
+namespace lostbits::output::image {
+
+using file::ByteSink;
+
 namespace {
 
 /// Hands the library's bytes to a ByteSink and keeps the first error: the library would turn it into a flag, or, in
@@ -188,4 +191,4 @@ std::unique_ptr<PngWriter> oiio_png(std::unique_ptr<ByteSink> sink, const std::s
     return std::make_unique<OiioPng>(std::move(sink), path, width, height);
 }
 
-}  // namespace lostbits::output
+}  // namespace lostbits::output::image

@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 
-namespace lostbits::output {
+namespace lostbits::output::image {
 namespace {
 
 constexpr int area_columns = 4;  // samples across a pixel; down it the coverage is exact
@@ -148,4 +148,4 @@ void Stroke::paint(Canvas& canvas, Rgb8 colour, double opacity) {
     }
 }
 
-}  // namespace lostbits::output
+}  // namespace lostbits::output::image

@@ -6,7 +6,7 @@
 
 #include "output/image/canvas.hpp"
 
-namespace lostbits::output {
+namespace lostbits::output::image {
 
 /// A place on a canvas: pixel (i, j) covers i..i+1 by j..j+1, so its middle is at i + 1/2.
 struct Point {
@@ -44,4 +44,4 @@ private:
     std::vector<float> coverage_;
 };
 
-}  // namespace lostbits::output
+}  // namespace lostbits::output::image

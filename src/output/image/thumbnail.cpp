@@ -4,7 +4,7 @@
 
 #include "output/image/contact_sheet.hpp"
 
-namespace lostbits::output {
+namespace lostbits::output::image {
 namespace {
 
 constexpr int longest = 160;
@@ -98,4 +98,4 @@ const std::vector<Rgb8>& Thumbnail::pixels() const {
     return pixels_;
 }
 
-}  // namespace lostbits::output
+}  // namespace lostbits::output::image

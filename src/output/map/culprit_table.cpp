@@ -5,7 +5,10 @@
 
 #include "measure/blame/culprits.hpp"
 
-namespace lostbits::output {
+namespace lostbits::output::map {
+
+using file::Column;
+using measure::metric::Metric;
 
 std::vector<std::size_t> culprits_by_count(const std::vector<std::uint64_t>& counts) {
     std::vector<std::size_t> order;
@@ -30,13 +33,13 @@ bool CulpritTable::is_wanted(const std::vector<const Metric*>& metrics) { return
 CulpritTable::CulpritTable(const std::filesystem::path& path, const std::vector<Column>& before, const std::vector<const Metric*>& metrics)
     : csv_(path, columns(before)), place_(static_cast<std::size_t>(std::ranges::find_if(metrics, &Metric::by_run) - metrics.begin())), categories_(metrics.at(place_)->categories) {}
 
-void CulpritTable::add(const MapRow& row, const MapSummary& summary, const std::function<void(CsvWriter&)>& put) {
+void CulpritTable::add(const measure::map::MapRow& row, const measure::map::MapSummary& summary, const std::function<void(file::CsvWriter&)>& put) {
     const auto& counts = summary.categories[place_];
     for (const std::size_t c : culprits_by_count(counts)) {
         put(csv_);
-        csv_.add(row.form->info->name).add(row.format.name).add(categories_[c]).add(counts[c]).add(culprit_share(counts, std::array{c}));
+        csv_.add(row.form->info->name).add(row.format.name).add(categories_[c]).add(counts[c]).add(measure::blame::culprit_share(counts, std::array{c}));
         csv_.end_row();
     }
 }
 
-}  // namespace lostbits::output
+}  // namespace lostbits::output::map

@@ -5,7 +5,13 @@
 
 #include <fmt/format.h>
 
-namespace lostbits::output {
+namespace lostbits::output::map {
+
+using image::ColourScale;
+using image::LegendEntry;
+using image::Rgb8;
+using measure::answer::Outcome;
+
 namespace {
 
 /// A hit on which both agree and for which the metric does not exist (a form with no exact value there).
@@ -21,44 +27,44 @@ std::string count_text(std::uint64_t count, std::uint64_t total) {
 
 Rgb8 paler(Rgb8 c) {
     const auto mixed = [](std::uint8_t x, std::uint8_t page) { return static_cast<std::uint8_t>((x + page) / 2); };
-    return {mixed(c.r, style::page.r), mixed(c.g, style::page.g), mixed(c.b, style::page.b)};
+    return {mixed(c.r, image::style::page.r), mixed(c.g, image::style::page.g), mixed(c.b, image::style::page.b)};
 }
 
 std::string plain_name(Outcome o) {
-    std::string name(outcome_names[static_cast<std::size_t>(o)]);
+    std::string name(measure::answer::outcome_names[static_cast<std::size_t>(o)]);
     std::ranges::replace(name, '_', ' ');
     return name;
 }
 
-ColourScale metric_scale(const Metric& metric, std::span<const MapRow> rows, ImageBackend& backend) {
+ColourScale metric_scale(const measure::metric::Metric& metric, std::span<const measure::map::MapRow> rows, image::ImageBackend& backend) {
     double high = metric.high;
     if (high == 0) {
-        for (const MapRow& row : rows) high = std::max<double>(high, row.format.shape.precision);
+        for (const measure::map::MapRow& row : rows) high = std::max<double>(high, row.format.shape.precision);
         high = std::min<double>(high, binary32.precision);
     }
-    return ColourScale("viridis", backend.ramp("viridis", 256), metric.low, high, metric.ramp == Ramp::magnitude);
+    return ColourScale("viridis", backend.ramp("viridis", 256), metric.low, high, metric.ramp == measure::metric::Ramp::magnitude);
 }
 
 Rgb8 pixel_colour(const ColourScale& scale, Outcome outcome, double value) {
-    if (outcome != Outcome::agree_hit) return outcome_colours[static_cast<std::size_t>(outcome)];
+    if (outcome != Outcome::agree_hit) return image::outcome_colours[static_cast<std::size_t>(outcome)];
     return std::isnan(value) ? no_value : scale.map(std::fabs(value));
 }
 
-std::vector<LegendEntry> outcome_legend(const MapSummary& summary) {
+std::vector<LegendEntry> outcome_legend(const measure::map::MapSummary& summary) {
     std::vector<LegendEntry> entries;
     for (std::size_t o = 1; o < summary.outcomes.size(); ++o) {
         if (summary.outcomes[o] == 0) continue;
-        entries.push_back({plain_name(static_cast<Outcome>(o)), outcome_colours[o], count_text(summary.outcomes[o], summary.rays)});
+        entries.push_back({plain_name(static_cast<Outcome>(o)), image::outcome_colours[o], count_text(summary.outcomes[o], summary.rays)});
     }
     return entries;
 }
 
 std::vector<LegendEntry> widest_legend(std::uint64_t pixels) {
     std::vector<LegendEntry> entries;
-    for (std::size_t o = 1; o < outcome_colours.size(); ++o) {
-        entries.push_back({plain_name(static_cast<Outcome>(o)), outcome_colours[o], fmt::format("{} (>99.9%)", pixels)});
+    for (std::size_t o = 1; o < image::outcome_colours.size(); ++o) {
+        entries.push_back({plain_name(static_cast<Outcome>(o)), image::outcome_colours[o], fmt::format("{} (>99.9%)", pixels)});
     }
     return entries;
 }
 
-}  // namespace lostbits::output
+}  // namespace lostbits::output::map

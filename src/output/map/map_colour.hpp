@@ -9,29 +9,29 @@
 #include "output/image/image.hpp"
 #include "output/image/canvas.hpp"
 
-namespace lostbits::output {
+namespace lostbits::output::map {
 
 /// The scale of a metric for a set of formats: compared pictures share one range. A metric in bits runs from 0 to the
 /// widest of the significands but at most a float's 24: a double that has lost 24 bits is as bad as pictures get.
-ColourScale metric_scale(const Metric& metric, std::span<const MapRow> rows, ImageBackend& backend);
+image::ColourScale metric_scale(const measure::metric::Metric& metric, std::span<const measure::map::MapRow> rows, image::ImageBackend& backend);
 
 /// The colour of one pixel. `value` is the metric's, signed; magnitudes are drawn.
-Rgb8 pixel_colour(const ColourScale& scale, Outcome outcome, double value);
+image::Rgb8 pixel_colour(const image::ColourScale& scale, measure::answer::Outcome outcome, double value);
 
 /// Whether the problem explains a loss: there is one, and less than one bit of it lies beyond the envelope.
 inline bool inside_envelope(double lost, double excess) { return lost >= 1 && excess < 1; }
 /// A colour drawn back: half of it is page. Marks what the problem, not the form, is to blame for.
-Rgb8 paler(Rgb8 colour);
+image::Rgb8 paler(image::Rgb8 colour);
 
 /// `false miss`: an outcome in words.
-std::string plain_name(Outcome o);
+std::string plain_name(measure::answer::Outcome o);
 
 /// `1234 (3.1%)`: a count and its share, as legends have it.
 std::string count_text(std::uint64_t count, std::uint64_t total);
 
 /// The legend of a finished row; entries without a pixel are left out.
-std::vector<LegendEntry> outcome_legend(const MapSummary& summary);
+std::vector<image::LegendEntry> outcome_legend(const measure::map::MapSummary& summary);
 /// Every class that may occur in a picture of so many pixels, with the widest count it can have.
-std::vector<LegendEntry> widest_legend(std::uint64_t pixels);
+std::vector<image::LegendEntry> widest_legend(std::uint64_t pixels);
 
-}  // namespace lostbits::output
+}  // namespace lostbits::output::map

@@ -4,13 +4,16 @@
 #include <cmath>
 #include <limits>
 
-namespace lostbits::output {
+namespace lostbits::output::map {
+
+using image::ExrSpec;
+
 namespace {
 
 constexpr double missing = std::numeric_limits<double>::quiet_NaN();
 
-ExrSpec spec_of(const MapRequest& request, const MapRow& row, const std::string& command) {
-    using enum Channel::Type;
+ExrSpec spec_of(const measure::map::MapRequest& request, const measure::map::MapRow& row, const std::string& command) {
+    using enum image::Channel::Type;
     ExrSpec spec;
     spec.width = request.scene->width;
     spec.height = request.scene->height;
@@ -23,9 +26,9 @@ ExrSpec spec_of(const MapRequest& request, const MapRow& row, const std::string&
         spec.channels.push_back({name + ".word0", u32});
     }
     for (const char* name : {"class.outcome", "class.object", "class.truth_object"}) spec.channels.push_back({name, u32});
-    for (const Metric* m : request.metrics) spec.channels.push_back({std::string(m->layer), f32});
+    for (const measure::metric::Metric* m : request.metrics) spec.channels.push_back({std::string(m->layer), f32});
     std::string outcomes;
-    for (std::size_t o = 0; o < outcome_names.size(); ++o) outcomes += (o ? ", " : "") + std::to_string(o) + " " + std::string(outcome_names[o]);
+    for (std::size_t o = 0; o < measure::answer::outcome_names.size(); ++o) outcomes += (o ? ", " : "") + std::to_string(o) + " " + std::string(measure::answer::outcome_names[o]);
     spec.attributes = {
         {"lostbits:command", command},
         {"lostbits:schema", "lostbits-map/1"},
@@ -36,7 +39,7 @@ ExrSpec spec_of(const MapRequest& request, const MapRow& row, const std::string&
         {"lostbits:outcomes", outcomes},
         {"lostbits:objects", "0 none, otherwise the solid's place in the scene, from 1"},
     };
-    for (const Metric* m : request.metrics) {
+    for (const measure::metric::Metric* m : request.metrics) {
         if (!m->by_run()) continue;
         std::string names;
         for (std::size_t c = 0; c < m->categories.size(); ++c) names += (c ? "; " : "") + std::to_string(c) + " " + std::string(m->categories[c]);
@@ -59,18 +62,18 @@ std::uint32_t* put(std::uint32_t* out, double x) {
     return out;
 }
 
-float linear(std::uint8_t srgb) { return static_cast<float>(linear_light(srgb)) / 65535.0F; }
+float linear(std::uint8_t srgb) { return static_cast<float>(image::linear_light(srgb)) / 65535.0F; }
 
 }  // namespace
 
-MapExr::MapExr(ImageBackend& backend, const std::filesystem::path& path, const MapRequest& request, const MapRow& row, const std::string& command)
+MapExr::MapExr(image::ImageBackend& backend, const std::filesystem::path& path, const measure::map::MapRequest& request, const measure::map::MapRow& row, const std::string& command)
     : row_(&row) {
     const ExrSpec spec = spec_of(request, row, command);
     channels_ = spec.channels.size();
     writer_ = backend.open_exr(path, spec);
 }
 
-void MapExr::write(const BandResult& result, std::span<const Rgb8> preview) {
+void MapExr::write(const measure::map::BandResult& result, std::span<const image::Rgb8> preview) {
     const std::size_t n = result.outcomes.size();
     samples_.resize(n * channels_);
     std::uint32_t* out = samples_.data();
@@ -79,7 +82,7 @@ void MapExr::write(const BandResult& result, std::span<const Rgb8> preview) {
         for (const std::uint8_t c : {preview[i].r, preview[i].g, preview[i].b}) *out++ = std::bit_cast<std::uint32_t>(linear(c));
         const bool hit = result.answers->hit[i] != 0;
         out = put(out, hit ? result.answers->t[i] : missing);
-        const Truth& truth = result.truth(i);
+        const measure::truth::Truth& truth = result.truth(i);
         out = put(out, truth.is_hit() ? result.band->rounded_truth(i, binary64, row_->form->info->direction, result.touching) : missing);
         *out++ = static_cast<std::uint32_t>(result.outcomes[i]);
         *out++ = id(hit ? result.answers->object[i] : -1);
@@ -89,4 +92,4 @@ void MapExr::write(const BandResult& result, std::span<const Rgb8> preview) {
     writer_->write_rows(result.y0, result.rows, std::as_bytes(std::span(samples_)));
 }
 
-}  // namespace lostbits::output
+}  // namespace lostbits::output::map

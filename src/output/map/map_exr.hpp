@@ -10,7 +10,7 @@
 #include "output/image/colour.hpp"
 #include "output/image/image.hpp"
 
-namespace lostbits::output {
+namespace lostbits::output::map {
 
 /// Channels, all 32 bits: `R`, `G`, `B` (the heatmap in linear light); `t.hi`, `t.lo` and `truth.hi`, `truth.lo` (FLOAT,
 /// hi + lo, good to 48 bits, for viewers); `t.word1`, `t.word0` and `truth.word1`, `truth.word0` (UINT, the high and low
@@ -19,16 +19,16 @@ namespace lostbits::output {
 /// t is the form's answer in its own unit, and the truth with it: a distance for unit-direction forms.
 class MapExr {
 public:
-    MapExr(ImageBackend& backend, const std::filesystem::path& path, const MapRequest& request, const MapRow& row, const std::string& command);
+    MapExr(image::ImageBackend& backend, const std::filesystem::path& path, const measure::map::MapRequest& request, const measure::map::MapRow& row, const std::string& command);
 
-    void write(const BandResult& result, std::span<const Rgb8> preview);
+    void write(const measure::map::BandResult& result, std::span<const image::Rgb8> preview);
     void close() { writer_->close(); }
 
 private:
-    const MapRow* row_;
+    const measure::map::MapRow* row_;
     std::size_t channels_;
-    std::unique_ptr<ExrWriter> writer_;
+    std::unique_ptr<image::ExrWriter> writer_;
     std::vector<std::uint32_t> samples_;
 };
 
-}  // namespace lostbits::output
+}  // namespace lostbits::output::map

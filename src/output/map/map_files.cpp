@@ -12,14 +12,23 @@
 #include "output/map/map_exr.hpp"
 #include "output/map/map_tables.hpp"
 
-namespace lostbits::output {
+namespace lostbits::output::map {
+
+using file::CsvWriter;
+using image::LegendEntry;
+using measure::map::MapRequest;
+using measure::map::MapRow;
+using measure::map::MapSink;
+using measure::map::MapSummary;
+using measure::metric::Metric;
+
 namespace {
 
 std::size_t index_of(const std::vector<const Metric*>& all, const Metric* one) {
     return static_cast<std::size_t>(std::ranges::find(all, one) - all.begin());
 }
 
-std::string short_name(const Info& info) { return std::string(info.name.substr(info.name.find('.') + 1)); }
+std::string short_name(const intersect::Info& info) { return std::string(info.name.substr(info.name.find('.') + 1)); }
 
 /// `contribution.c`: a metric's name where no colon may be.
 std::string file_word(const Metric& metric) {
@@ -28,9 +37,9 @@ std::string file_word(const Metric& metric) {
     return word;
 }
 
-bool is_enveloped(const MapFilesOptions& options, const Metric& drawn) { return options.envelope && &drawn == find_metric("lost_bits"); }
+bool is_enveloped(const MapFilesOptions& options, const Metric& drawn) { return options.envelope && &drawn == measure::metric::find_metric("lost_bits"); }
 
-LegendEntry envelope_entry(const ColourScale& scale, std::string count) {
+LegendEntry envelope_entry(const image::ColourScale& scale, std::string count) {
     return {"paler: inside the envelope", paler(scale.map(scale.hi() / 2)), std::move(count)};
 }
 
@@ -54,7 +63,7 @@ std::uint64_t pixels_of(const MapRequest& request) { return static_cast<std::uin
 struct Sheet {
     MetricPaint paint;  ///< of all its metrics
     std::vector<const Metric*> metrics;
-    std::unique_ptr<ContactSheet> page;
+    std::unique_ptr<image::ContactSheet> page;
     std::vector<std::string> forms, lines;
 
     [[nodiscard]] std::size_t form_of(const MapRow& row) const { return place(forms, short_name(*row.form->info)); }
@@ -74,8 +83,8 @@ struct Sheet {
             for (const Metric* m : metrics) add(lines, line_name(row, *m));
         }
         const std::string name = first ? "contact.png" : fmt::format("contact.{}.png", file_word(*metrics.front()));
-        page = std::make_unique<ContactSheet>(image_backend(), options.folder / name,
-                                              SheetSpec{.title = request.scene->title,
+        page = std::make_unique<image::ContactSheet>(image::image_backend(), options.folder / name,
+                                              image::SheetSpec{.title = request.scene->title,
                                                         .subtitle = {fmt::format("{}, {} x {} rays", request.scene->id, request.scene->width, request.scene->height), paint.note()},
                                                         .forms = forms,
                                                         .formats = lines,
@@ -93,7 +102,7 @@ std::vector<Sheet> sheets_of(const MapRequest& request, const MapFilesOptions& o
     for (const Metric* m : options.drawn) {
         const auto same = std::ranges::find_if(sheets, [m](const Sheet& s) { return s.paint.shares_with(*m); });
         if (same != sheets.end()) same->metrics.push_back(m);
-        else sheets.push_back({MetricPaint(*m, request.rows, image_backend()), {m}, nullptr, {}, {}});
+        else sheets.push_back({MetricPaint(*m, request.rows, image::image_backend()), {m}, nullptr, {}, {}});
     }
     for (Sheet& sheet : sheets) sheet.open(request, options, &sheet == sheets.data());
     return sheets;
@@ -109,11 +118,11 @@ public:
         MetricPaint paint;
         Sheet* sheet;
         bool enveloped;
-        std::unique_ptr<HeatmapWriter> heatmap;
+        std::unique_ptr<image::HeatmapWriter> heatmap;
     };
 
-    RowFiles(const MapRequest& request, const MapRow& row, const MapFilesOptions& options, ImageBackend& backend, std::vector<Sheet>& sheets)
-        : request_(request), row_(row), lost_(index_of(request.metrics, find_metric("lost_bits"))), excess_(index_of(request.metrics, find_metric("excess_bits"))) {
+    RowFiles(const MapRequest& request, const MapRow& row, const MapFilesOptions& options, image::ImageBackend& backend, std::vector<Sheet>& sheets)
+        : request_(request), row_(row), lost_(index_of(request.metrics, measure::metric::find_metric("lost_bits"))), excess_(index_of(request.metrics, measure::metric::find_metric("excess_bits"))) {
         const std::string stem = std::string(row.form->info->name) + "." + row.format.name;
         exr_ = std::make_unique<MapExr>(backend, options.folder / (stem + ".exr"), request, row, options.command);
         for (const Metric* m : options.drawn) {
@@ -121,7 +130,7 @@ public:
             const MetricPaint paint(*m, request.rows, backend);
             if (!paint.applies_to(row)) continue;
             const std::string suffix = options.drawn.size() == 1 ? "" : "." + file_word(*m);
-            HeatmapSpec spec{.title = fmt::format("{} in {}: {}", row.form->info->name, row.format.name, m->name),
+            image::HeatmapSpec spec{.title = fmt::format("{} in {}: {}", row.form->info->name, row.format.name, m->name),
                              .subtitle = {request.scene->title, std::string(row.form->info->title), paint.note()},
                              .width = request.scene->width,
                              .height = request.scene->height,
@@ -129,12 +138,12 @@ public:
                              .unit = std::string(m->unit),
                              .legend = possible_legend(options, paint, pixels_of(request))};
             drawings_.push_back({index_of(request.metrics, m), paint, &sheet, is_enveloped(options, *m),
-                                 std::make_unique<HeatmapWriter>(backend, options.folder / (stem + suffix + ".png"), std::move(spec))});
+                                 std::make_unique<image::HeatmapWriter>(backend, options.folder / (stem + suffix + ".png"), std::move(spec))});
         }
         if (options.pixels_csv) csv_ = std::make_unique<CsvWriter>(options.folder / (stem + ".csv"), pixel_columns(request));
     }
 
-    void band(const BandResult& result) override {
+    void band(const measure::map::BandResult& result) override {
         for (Drawing& d : drawings_) {
             field_.resize(result.outcomes.size());
             for (std::size_t i = 0; i < field_.size(); ++i) field_[i] = d.paint.colour(result.outcomes[i], result.metrics[d.metric][i]);
@@ -145,7 +154,7 @@ public:
         }
         if (drawings_.empty()) {  // none of the metrics applies to this row: its preview shows the outcomes
             field_.resize(result.outcomes.size());
-            for (std::size_t i = 0; i < field_.size(); ++i) field_[i] = outcome_colours[static_cast<std::size_t>(result.outcomes[i])];
+            for (std::size_t i = 0; i < field_.size(); ++i) field_[i] = image::outcome_colours[static_cast<std::size_t>(result.outcomes[i])];
             exr_->write(result, field_);
         }
         if (csv_) write_pixels(*csv_, request_, row_, result);
@@ -165,7 +174,7 @@ public:
 
 private:
     /// NaN, where a metric does not exist, is inside nothing.
-    void draw_envelope(const BandResult& result) {
+    void draw_envelope(const measure::map::BandResult& result) {
         for (std::size_t i = 0; i < field_.size(); ++i) {
             if (!inside_envelope(result.metrics[lost_][i], result.metrics[excess_][i])) continue;
             field_[i] = paler(field_[i]);
@@ -180,7 +189,7 @@ private:
     std::unique_ptr<MapExr> exr_;
     std::vector<Drawing> drawings_;
     std::unique_ptr<CsvWriter> csv_;
-    std::vector<Rgb8> field_;
+    std::vector<image::Rgb8> field_;
 };
 
 struct MapFiles::Parts {
@@ -197,9 +206,9 @@ MapFiles::MapFiles(const MapRequest& request, const MapFilesOptions& options)
     : parts_(new Parts{request, options, {request.metrics, request.scene->shapes()}, {}, {}, {}, {}}) {
     Parts& p = *parts_;
     p.summary = std::make_unique<CsvWriter>(options.folder / "summary.csv", p.table.columns());
-    if (CulpritTable::is_wanted(request.metrics)) p.culprits.emplace(options.folder / "culprits.csv", std::vector<Column>{}, request.metrics);
+    if (CulpritTable::is_wanted(request.metrics)) p.culprits.emplace(options.folder / "culprits.csv", std::vector<file::Column>{}, request.metrics);
     p.sheets = sheets_of(request, options);
-    for (const MapRow& row : request.rows) p.rows.push_back(std::make_unique<RowFiles>(request, row, options, image_backend(), p.sheets));
+    for (const MapRow& row : request.rows) p.rows.push_back(std::make_unique<RowFiles>(request, row, options, image::image_backend(), p.sheets));
 }
 
 MapFiles::~MapFiles() = default;
@@ -234,7 +243,7 @@ void MapFiles::finish(const std::vector<MapSummary>& summaries) {
         if (p.culprits) p.culprits->add(p.request.rows[r], summaries[r]);
     }
 
-    std::vector<DataResource> resources{{"summary.csv", "One row per form and format", p.table.columns()}};
+    std::vector<file::DataResource> resources{{"summary.csv", "One row per form and format", p.table.columns()}};
     if (p.culprits) resources.push_back({"culprits.csv", "One row per form, format and operation that is a culprit", CulpritTable::columns({})});
     if (p.options.pixels_csv) {
         for (const MapRow& row : p.request.rows) {
@@ -243,9 +252,9 @@ void MapFiles::finish(const std::vector<MapSummary>& summaries) {
         }
     }
     resources.insert(resources.end(), p.options.also.begin(), p.options.also.end());
-    write_datapackage(p.options.folder / "datapackage.json", p.request.scene->title, resources);
+    file::write_datapackage(p.options.folder / "datapackage.json", p.request.scene->title, resources);
     if (p.culprits) p.culprits->close();
     p.summary->close();  // last: a folder with a summary is a finished one
 }
 
-}  // namespace lostbits::output
+}  // namespace lostbits::output::map

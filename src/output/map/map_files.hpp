@@ -9,34 +9,34 @@
 #include "measure/map/map.hpp"
 #include "output/file/datapackage.hpp"
 
-namespace lostbits::output {
+namespace lostbits::output::map {
 
 struct MapFilesOptions {
     std::filesystem::path folder;       ///< of this scene; made if missing
-    std::vector<const Metric*> drawn;   ///< one heatmap each; the first is also the contact sheet's and the preview's
+    std::vector<const measure::metric::Metric*> drawn;   ///< one heatmap each; the first is also the contact sheet's and the preview's
     bool pixels_csv = false;            ///< a row a pixel in `<form>.<format>.csv`
     std::string command;                ///< what to type to make these files again, for the EXR header
     /// Draws lost bits paler where the problem explains them (`inside_envelope`); `excess_bits` must be measured then.
     bool envelope = false;
-    std::vector<DataResource> also = {};  ///< tables that others write into the folder, for datapackage.json
+    std::vector<file::DataResource> also = {};  ///< tables that others write into the folder, for datapackage.json
 };
 
 /// Opens every file of a map at once, before any work; serves as the sinks of its rows; and gives all files their final
 /// names in `finish`. Destroyed without `finish`, it leaves nothing under a final name.
 class MapFiles {
 public:
-    MapFiles(const MapRequest& request, const MapFilesOptions& options);
+    MapFiles(const measure::map::MapRequest& request, const MapFilesOptions& options);
     ~MapFiles();
     MapFiles(const MapFiles&) = delete;
     MapFiles& operator=(const MapFiles&) = delete;
 
     /// One sink a row of the request, in its order.
-    [[nodiscard]] std::vector<MapSink*> sinks();
-    void finish(const std::vector<MapSummary>& summaries);
+    [[nodiscard]] std::vector<measure::map::MapSink*> sinks();
+    void finish(const std::vector<measure::map::MapSummary>& summaries);
 
 private:
     struct Parts;
     std::unique_ptr<Parts> parts_;
 };
 
-}  // namespace lostbits::output
+}  // namespace lostbits::output::map

@@ -9,7 +9,15 @@
 #include "measure/blame/culprits.hpp"
 #include "output/file/number_text.hpp"
 
-namespace lostbits::output {
+namespace lostbits::output::map {
+
+using file::Cell;
+using file::Column;
+using measure::answer::Outcome;
+using measure::map::WorstRay;
+using measure::metric::Distribution;
+using measure::metric::Metric;
+
 namespace {
 
 struct Statistic {
@@ -69,14 +77,14 @@ const char* outcome_meaning(Outcome o) {
 std::vector<Column> SummaryTable::columns() const {
     std::vector<Column> columns{{"form", "string", "", "form under test"}, {"format", "string", "", "format it computes in"},
                                 {"rays", "integer", "", "rays, one a pixel"}};
-    for (std::size_t o = 0; o < outcome_names.size(); ++o) {
-        columns.push_back({std::string(outcome_names[o]), "integer", "", outcome_meaning(static_cast<Outcome>(o))});
+    for (std::size_t o = 0; o < measure::answer::outcome_names.size(); ++o) {
+        columns.push_back({std::string(measure::answer::outcome_names[o]), "integer", "", outcome_meaning(static_cast<Outcome>(o))});
     }
     columns.push_back({"false_hit_fraction", "number", "1", "false_hit among the rays that truly miss"});
     columns.push_back({"false_miss_fraction", "number", "1", "false_miss among the rays that truly hit"});
     columns.push_back({"wrong_object", "integer", "", "agree_hit, but the form found another solid first"});
     for (const Metric* m : metrics) {
-        const std::string name = column_name(*m), over = m->over == Over::marches ? " over all rays" : " over agree_hit";
+        const std::string name = column_name(*m), over = m->over == measure::metric::Over::marches ? " over all rays" : " over agree_hit";
         if (m->by_run()) {
             columns.push_back({name, "string", "", std::string(m->meaning) + ": the most frequent"});
             columns.push_back({name + "_fraction", "number", "1", "its share of the rays that have a culprit"});
@@ -99,7 +107,7 @@ std::vector<Column> SummaryTable::columns() const {
     return columns;
 }
 
-void SummaryTable::add(CsvWriter& csv, const MapRow& row, const MapSummary& s) const {
+void SummaryTable::add(file::CsvWriter& csv, const measure::map::MapRow& row, const measure::map::MapSummary& s) const {
     csv.add(row.form->info->name).add(row.format.name).add(s.rays);
     for (const std::uint64_t count : s.outcomes) csv.add(count);
     // A NaN is an answer to a ray that truly hits or truly misses; it is in neither fraction's numerator.
@@ -109,7 +117,7 @@ void SummaryTable::add(CsvWriter& csv, const MapRow& row, const MapSummary& s) c
         if (metrics[m]->by_run()) {
             const auto& counts = s.categories[m];
             const std::size_t most = static_cast<std::size_t>(std::max_element(counts.begin() + 1, counts.end()) - counts.begin());
-            const double share = culprit_share(counts, std::array{most});
+            const double share = measure::blame::culprit_share(counts, std::array{most});
             csv.add(std::isnan(share) ? Cell() : Cell(metrics[m]->categories[most])).add(number_or_missing(share));
             continue;
         }
@@ -120,14 +128,14 @@ void SummaryTable::add(CsvWriter& csv, const MapRow& row, const MapSummary& s) c
     }
     const bool any = s.worst.x >= 0;
     csv.add(any ? Cell(s.worst.x) : Cell()).add(any ? Cell(s.worst.y) : Cell()).add(any ? Cell(s.worst.object) : Cell());
-    for (const HexPart& p : worst_parts) csv.add(any ? Cell(hex(p.of(s.worst))) : Cell());
+    for (const HexPart& p : worst_parts) csv.add(any ? Cell(file::hex(p.of(s.worst))) : Cell());
     for (const Shape shape : shapes) {
         const bool of_it = any && s.worst.solid.shape == shape;
-        for (std::size_t i = 0; i < number_names(shape).size(); ++i) csv.add(of_it ? Cell(hex(s.worst.solid.numbers[i])) : Cell());
+        for (std::size_t i = 0; i < number_names(shape).size(); ++i) csv.add(of_it ? Cell(file::hex(s.worst.solid.numbers[i])) : Cell());
     }
 }
 
-std::vector<Column> pixel_columns(const MapRequest& request) {
+std::vector<Column> pixel_columns(const measure::map::MapRequest& request) {
     std::vector<Column> columns{{"x", "integer", "pixel", "column, from the left"},
                                 {"y", "integer", "pixel", "row, from the top"},
                                 {"outcome", "string", "", "class of the ray"},
@@ -141,15 +149,15 @@ std::vector<Column> pixel_columns(const MapRequest& request) {
     return columns;
 }
 
-void write_pixels(CsvWriter& csv, const MapRequest& request, const MapRow& row, const BandResult& result) {
+void write_pixels(file::CsvWriter& csv, const measure::map::MapRequest& request, const measure::map::MapRow& row, const measure::map::BandResult& result) {
     for (std::size_t i = 0; i < result.outcomes.size(); ++i) {
         const auto width = static_cast<std::size_t>(result.width);
         csv.add(i % width).add(static_cast<std::size_t>(result.y0) + i / width);
-        csv.add(outcome_names[static_cast<std::size_t>(result.outcomes[i])]);
+        csv.add(measure::answer::outcome_names[static_cast<std::size_t>(result.outcomes[i])]);
         const bool hit = result.answers->hit[i] != 0;
-        const Truth& truth = result.truth(i);
+        const measure::truth::Truth& truth = result.truth(i);
         csv.add(hit ? Cell(result.answers->object[i]) : Cell()).add(truth.is_hit() ? Cell(truth.object) : Cell());
-        const auto exact = [&](bool there, double x) { csv.add(there ? Cell(x) : Cell()).add(there ? Cell(hex(x)) : Cell()); };
+        const auto exact = [&](bool there, double x) { csv.add(there ? Cell(x) : Cell()).add(there ? Cell(file::hex(x)) : Cell()); };
         exact(hit, result.answers->t[i]);
         exact(truth.is_hit(), truth.is_hit() ? result.band->rounded_truth(i, binary64, row.form->info->direction, result.touching) : 0);
         for (std::size_t m = 0; m < request.metrics.size(); ++m) {
@@ -161,4 +169,4 @@ void write_pixels(CsvWriter& csv, const MapRequest& request, const MapRow& row, 
     }
 }
 
-}  // namespace lostbits::output
+}  // namespace lostbits::output::map

@@ -7,7 +7,15 @@
 
 #include "output/map/culprit_table.hpp"
 
-namespace lostbits::output {
+namespace lostbits::output::map {
+
+using image::LegendEntry;
+using image::Rgb8;
+using measure::answer::Outcome;
+using measure::map::MapSummary;
+using measure::metric::Metric;
+using measure::metric::Over;
+
 namespace {
 
 std::string percent(std::uint64_t part, std::uint64_t whole) {
@@ -43,11 +51,11 @@ std::vector<std::string> faults_of(const MapSummary& s) {
 
 }  // namespace
 
-MetricPaint::MetricPaint(const Metric& metric, std::span<const MapRow> rows, ImageBackend& backend) : metric_(&metric) {
-    if (metric.ramp != Ramp::categories) scale_ = metric_scale(metric, rows, backend);
+MetricPaint::MetricPaint(const Metric& metric, std::span<const measure::map::MapRow> rows, image::ImageBackend& backend) : metric_(&metric) {
+    if (metric.ramp != measure::metric::Ramp::categories) scale_ = metric_scale(metric, rows, backend);
 }
 
-bool MetricPaint::applies_to(const MapRow& row) const { return metric_->over != Over::marches || row.form->shape == Shape::sdf; }
+bool MetricPaint::applies_to(const measure::map::MapRow& row) const { return metric_->over != Over::marches || row.form->shape == Shape::sdf; }
 
 bool MetricPaint::shares_with(const Metric& other) const {
     const Metric& m = *metric_;
@@ -55,16 +63,16 @@ bool MetricPaint::shares_with(const Metric& other) const {
 }
 
 Rgb8 MetricPaint::category_colour(std::size_t category) const {
-    if (metric_->by_run()) return category == 0 ? no_culprit : distinct_colour(category - 1);
-    if (metric_->categories.data() == stop_names.data()) return stop_colours[category];
-    return object_colour(static_cast<std::uint32_t>(category + 1));
+    if (metric_->by_run()) return category == 0 ? no_culprit : image::distinct_colour(category - 1);
+    if (metric_->categories.data() == intersect::stop_names.data()) return image::stop_colours[category];
+    return image::object_colour(static_cast<std::uint32_t>(category + 1));
 }
 
 Rgb8 MetricPaint::colour(Outcome outcome, double value) const {
     if (metric_->over == Over::agreed_hits) return pixel_colour(*scale_, outcome, value);
-    if (metric_->over == Over::blamed && std::isnan(value)) return outcome == Outcome::agree_hit ? no_culprit : outcome_colours[static_cast<std::size_t>(outcome)];
+    if (metric_->over == Over::blamed && std::isnan(value)) return outcome == Outcome::agree_hit ? no_culprit : image::outcome_colours[static_cast<std::size_t>(outcome)];
     if (!scale_) return category_colour(static_cast<std::size_t>(value));
-    return std::isnan(value) ? outcome_colours[static_cast<std::size_t>(Outcome::not_a_number)] : scale_->map(value);
+    return std::isnan(value) ? image::outcome_colours[static_cast<std::size_t>(Outcome::not_a_number)] : scale_->map(value);
 }
 
 std::vector<LegendEntry> MetricPaint::widest(std::uint64_t pixels) const {
@@ -72,7 +80,7 @@ std::vector<LegendEntry> MetricPaint::widest(std::uint64_t pixels) const {
     if (metric_->by_run()) {
         std::vector<LegendEntry> entries(most_culprits + 2, {std::string(longest_culprit, 'e'), no_culprit, fmt::format("{} (>99.9%)", pixels)});
         for (const Outcome o : {Outcome::agree_miss, Outcome::not_a_number, Outcome::unresolved})
-            entries.push_back({plain_name(o), outcome_colours[static_cast<std::size_t>(o)], fmt::format("{} (>99.9%)", pixels)});
+            entries.push_back({plain_name(o), image::outcome_colours[static_cast<std::size_t>(o)], fmt::format("{} (>99.9%)", pixels)});
         return entries;
     }
     std::vector<LegendEntry> entries;
@@ -100,18 +108,18 @@ std::vector<LegendEntry> MetricPaint::culprit_legend(const MapSummary& summary, 
         else rest += counts[c];
     }
     if (counts.front() > 0) entries.push_back({shortened(metric_->categories.front(), longest_culprit), no_culprit, count_text(counts.front(), summary.rays)});
-    if (rest > 0) entries.push_back({"other operations, colours of their own", style::page, count_text(rest, summary.rays)});
+    if (rest > 0) entries.push_back({"other operations, colours of their own", image::style::page, count_text(rest, summary.rays)});
     for (std::size_t o = 0; o < summary.outcomes.size(); ++o) {
         const auto outcome = static_cast<Outcome>(o);
         if (summary.outcomes[o] == 0 || outcome == Outcome::agree_hit || outcome == Outcome::false_hit || outcome == Outcome::false_miss) continue;
-        entries.push_back({plain_name(outcome), outcome_colours[o], count_text(summary.outcomes[o], summary.rays)});
+        entries.push_back({plain_name(outcome), image::outcome_colours[o], count_text(summary.outcomes[o], summary.rays)});
     }
     return entries;
 }
 
 std::string MetricPaint::note() const {
     if (!scale_) return fmt::format("colour: {}", metric_->meaning);
-    if (metric_->ramp == Ramp::magnitude) return fmt::format("colour: |{}|, clamped at both ends of the bar", metric_->name);
+    if (metric_->ramp == measure::metric::Ramp::magnitude) return fmt::format("colour: |{}|, clamped at both ends of the bar", metric_->name);
     return fmt::format("colour: {} from 0 to {:g}; more is drawn as {:g}", metric_->name, scale_->hi(), scale_->hi());
 }
 
@@ -128,7 +136,7 @@ std::string MetricPaint::glance(const MapSummary& s, std::size_t m) const {
         }
         return fmt::format("{}", fmt::join(shares, "\n"));
     }
-    const Distribution& d = s.metrics[m];
+    const measure::metric::Distribution& d = s.metrics[m];
     if (metric_->over == Over::marches) return fmt::format("median {}\nlargest {}", short_number(d.quantile(0.5)), short_number(d.quantile(1)));
     const auto faults = faults_of(s);
     if (s.count(Outcome::agree_hit) == 0 && faults.empty()) return "nothing hit";
@@ -140,4 +148,4 @@ std::string MetricPaint::glance(const MapSummary& s, std::size_t m) const {
     return fmt::format("{}{}{}", text, faults.empty() ? "" : "\n", fmt::join(faults, "\n"));
 }
 
-}  // namespace lostbits::output
+}  // namespace lostbits::output::map

@@ -7,37 +7,37 @@
 
 #include "output/map/map_colour.hpp"
 
-namespace lostbits::output {
+namespace lostbits::output::map {
 
 class MetricPaint {
 public:
-    MetricPaint(const Metric& metric, std::span<const MapRow> rows, ImageBackend& backend);
+    MetricPaint(const measure::metric::Metric& metric, std::span<const measure::map::MapRow> rows, image::ImageBackend& backend);
 
-    [[nodiscard]] const Metric& metric() const { return *metric_; }
+    [[nodiscard]] const measure::metric::Metric& metric() const { return *metric_; }
     /// None for categories.
-    [[nodiscard]] const std::optional<ColourScale>& scale() const { return scale_; }
+    [[nodiscard]] const std::optional<image::ColourScale>& scale() const { return scale_; }
     /// Whether a row has such a picture.
-    [[nodiscard]] bool applies_to(const MapRow& row) const;
+    [[nodiscard]] bool applies_to(const measure::map::MapRow& row) const;
     /// Whether both are drawn alike, so that they may share a bar.
-    [[nodiscard]] bool shares_with(const Metric& other) const;
+    [[nodiscard]] bool shares_with(const measure::metric::Metric& other) const;
 
-    [[nodiscard]] Rgb8 colour(Outcome outcome, double value) const;
+    [[nodiscard]] image::Rgb8 colour(measure::answer::Outcome outcome, double value) const;
     /// Every class that may occur in a picture of so many pixels, with the widest count it can have.
-    [[nodiscard]] std::vector<LegendEntry> widest(std::uint64_t pixels) const;
+    [[nodiscard]] std::vector<image::LegendEntry> widest(std::uint64_t pixels) const;
     /// Those that occurred; `m` is the metric's place in the summary.
-    [[nodiscard]] std::vector<LegendEntry> legend(const MapSummary& summary, std::size_t m) const;
+    [[nodiscard]] std::vector<image::LegendEntry> legend(const measure::map::MapSummary& summary, std::size_t m) const;
 
     /// What the colours mean, in one line.
     [[nodiscard]] std::string note() const;
     /// What a glance at a row should take away, in at most three short lines.
-    [[nodiscard]] std::string glance(const MapSummary& summary, std::size_t m) const;
+    [[nodiscard]] std::string glance(const measure::map::MapSummary& summary, std::size_t m) const;
 
 private:
-    [[nodiscard]] Rgb8 category_colour(std::size_t category) const;
-    [[nodiscard]] std::vector<LegendEntry> culprit_legend(const MapSummary& summary, std::size_t m) const;
+    [[nodiscard]] image::Rgb8 category_colour(std::size_t category) const;
+    [[nodiscard]] std::vector<image::LegendEntry> culprit_legend(const measure::map::MapSummary& summary, std::size_t m) const;
 
-    const Metric* metric_;
-    std::optional<ColourScale> scale_;
+    const measure::metric::Metric* metric_;
+    std::optional<image::ColourScale> scale_;
 };
 
-}  // namespace lostbits::output
+}  // namespace lostbits::output::map

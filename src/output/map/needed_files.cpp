@@ -9,23 +9,35 @@
 #include "output/image/heatmap.hpp"
 #include "output/map/map_colour.hpp"
 
-namespace lostbits::output {
+namespace lostbits::output::map {
+
+using file::Cell;
+using file::Column;
+using file::CsvWriter;
+using image::LegendEntry;
+using image::Rgb8;
+using intersect::Info;
+using measure::map::NeededBand;
+using measure::map::NeededRequest;
+using measure::map::NeededSink;
+using measure::map::NeededSummary;
+
 namespace {
 
-constexpr Rgb8 unresolved_colour = outcome_colours[static_cast<std::size_t>(Outcome::unresolved)];
+constexpr Rgb8 unresolved_colour = image::outcome_colours[static_cast<std::size_t>(measure::answer::Outcome::unresolved)];
 constexpr const char* truth_names[] = {"miss", "hit", "unresolved"};
 
 std::string stem(const Info& form) { return std::string(form.name) + ".needed"; }
 
-LegendEntry beyond_entry(std::string count) { return {fmt::format("not even {} bits suffice", most_width), beyond_colour, std::move(count)}; }
-LegendEntry unresolved_entry(std::string count) { return {plain_name(Outcome::unresolved), unresolved_colour, std::move(count)}; }
+LegendEntry beyond_entry(std::string count) { return {fmt::format("not even {} bits suffice", measure::map::most_width), beyond_colour, std::move(count)}; }
+LegendEntry unresolved_entry(std::string count) { return {plain_name(measure::answer::Outcome::unresolved), unresolved_colour, std::move(count)}; }
 
-HeatmapSpec heatmap_spec(const NeededRequest& request, const Info& form, const ColourScale& scale) {
+image::HeatmapSpec heatmap_spec(const NeededRequest& request, const Info& form, const image::ColourScale& scale) {
     const auto widest = fmt::format("{} (>99.9%)", static_cast<std::uint64_t>(request.scene->width) * static_cast<std::uint64_t>(request.scene->height));
     return {.title = fmt::format("{}: significand bits needed for {} correct {}", form.name, request.bits, request.bits == 1 ? "one" : "ones"),
             .subtitle = {request.scene->title, std::string(form.title),
                          fmt::format("colour: the smallest width that decides rightly and, on a hit, keeps {} correct bits, as every wider one up to {} does; "
-                                     "inputs are rounded to the width too", request.bits, most_width)},
+                                     "inputs are rounded to the width too", request.bits, measure::map::most_width)},
             .width = request.scene->width,
             .height = request.scene->height,
             .scale = scale,
@@ -33,8 +45,8 @@ HeatmapSpec heatmap_spec(const NeededRequest& request, const Info& form, const C
             .legend = {beyond_entry(widest), unresolved_entry(widest)}};
 }
 
-ExrSpec exr_spec(const NeededRequest& request, const Info& form, const std::string& command) {
-    using enum Channel::Type;
+image::ExrSpec exr_spec(const NeededRequest& request, const Info& form, const std::string& command) {
+    using enum image::Channel::Type;
     return {.width = request.scene->width,
             .height = request.scene->height,
             .channels = {{"R", f32}, {"G", f32}, {"B", f32}, {"bits.needed", f32}, {"class.truth", u32}, {"class.truth_object", u32}},
@@ -42,7 +54,7 @@ ExrSpec exr_spec(const NeededRequest& request, const Info& form, const std::stri
                            {"lostbits:schema", "lostbits-needed/1"},
                            {"lostbits:scene", request.scene->id},
                            {"lostbits:form", std::string(form.name)},
-                           {"lostbits:format", fmt::format("p{}..p{}", least_width, most_width)},
+                           {"lostbits:format", fmt::format("p{}..p{}", measure::map::least_width, measure::map::most_width)},
                            {"lostbits:bits", std::to_string(request.bits)},
                            {"lostbits:compiler", LOSTBITS_COMPILER},
                            {"lostbits:truths", "0 miss, 1 hit, 2 unresolved"},
@@ -55,10 +67,10 @@ struct Statistic {
     double (*of)(const NeededSummary::Counts&);
 };
 constexpr Statistic statistics[] = {
-    {"mean", "mean", mean},
-    {"p50", "median", [](const NeededSummary::Counts& c) { return quantile(c, 0.5); }},
-    {"p99", "99th percentile", [](const NeededSummary::Counts& c) { return quantile(c, 0.99); }},
-    {"max", "largest", [](const NeededSummary::Counts& c) { return quantile(c, 1); }},
+    {"mean", "mean", measure::map::mean},
+    {"p50", "median", [](const NeededSummary::Counts& c) { return measure::map::quantile(c, 0.5); }},
+    {"p99", "99th percentile", [](const NeededSummary::Counts& c) { return measure::map::quantile(c, 0.99); }},
+    {"max", "largest", [](const NeededSummary::Counts& c) { return measure::map::quantile(c, 1); }},
 };
 
 std::vector<Column> table_columns() {
@@ -88,7 +100,7 @@ std::vector<Column> pixel_columns(int bits) {
 void add_row(CsvWriter& csv, const NeededRequest& request, const Info& form, const NeededSummary& s) {
     csv.add(form.name).add(request.bits).add(s.pixels());
     for (const NeededSummary::Counts& counts : {s.all(), s.hits}) {
-        for (const Statistic& statistic : statistics) csv.add(count(counts) == 0 ? Cell() : Cell(statistic.of(counts)));
+        for (const Statistic& statistic : statistics) csv.add(measure::map::count(counts) == 0 ? Cell() : Cell(statistic.of(counts)));
     }
     csv.add(s.hits_beyond).add(s.misses_beyond).add(s.unresolved);
     csv.end_row();
@@ -101,8 +113,8 @@ std::uint32_t float_word(double x) { return std::bit_cast<std::uint32_t>(static_
 /// The files of one form.
 class NeededFormFiles final : public NeededSink {
 public:
-    NeededFormFiles(const NeededRequest& request, const Info& form, const NeededFilesOptions& options, ImageBackend& backend)
-        : scale_("viridis", backend.ramp("viridis", 256), least_width, most_width),
+    NeededFormFiles(const NeededRequest& request, const Info& form, const NeededFilesOptions& options, image::ImageBackend& backend)
+        : scale_("viridis", backend.ramp("viridis", 256), measure::map::least_width, measure::map::most_width),
           heatmap_(backend, options.folder / (stem(form) + ".png"), heatmap_spec(request, form, scale_)),
           exr_(backend.open_exr(options.folder / (stem(form) + ".exr"), exr_spec(request, form, options.command))) {
         if (options.pixels_csv) csv_ = std::make_unique<CsvWriter>(options.folder / (stem(form) + ".csv"), pixel_columns(request.bits));
@@ -128,14 +140,14 @@ public:
 private:
     [[nodiscard]] Rgb8 colour(double needed) const {
         if (std::isnan(needed)) return unresolved_colour;
-        return needed == needed_beyond ? beyond_colour : scale_.map(needed);
+        return needed == measure::map::needed_beyond ? beyond_colour : scale_.map(needed);
     }
 
     void write_exr(const NeededBand& result) {
         samples_.clear();
         for (std::size_t i = 0; i < field_.size(); ++i) {
-            for (const std::uint8_t c : {field_[i].r, field_[i].g, field_[i].b}) samples_.push_back(float_word(linear_light(c) / 65535.0));
-            const Truth& truth = result.truth(i);
+            for (const std::uint8_t c : {field_[i].r, field_[i].g, field_[i].b}) samples_.push_back(float_word(image::linear_light(c) / 65535.0));
+            const measure::truth::Truth& truth = result.truth(i);
             samples_.push_back(float_word(result.needed[i]));
             samples_.push_back(static_cast<std::uint32_t>(truth.decision));
             samples_.push_back(truth.is_hit() ? static_cast<std::uint32_t>(truth.object + 1) : 0);
@@ -146,16 +158,16 @@ private:
     void write_pixels(const NeededBand& result) {
         const auto width = static_cast<std::size_t>(result.width);
         for (std::size_t i = 0; i < result.needed.size(); ++i) {
-            const Truth& truth = result.truth(i);
+            const measure::truth::Truth& truth = result.truth(i);
             csv_->add(i % width).add(static_cast<std::size_t>(result.y0) + i / width).add(truth_names[static_cast<std::size_t>(truth.decision)]);
             csv_->add(truth.is_hit() ? Cell(truth.object) : Cell()).add(std::isnan(result.needed[i]) ? Cell() : Cell(result.needed[i]));
             csv_->end_row();
         }
     }
 
-    ColourScale scale_;
-    HeatmapWriter heatmap_;
-    std::unique_ptr<ExrWriter> exr_;
+    image::ColourScale scale_;
+    image::HeatmapWriter heatmap_;
+    std::unique_ptr<image::ExrWriter> exr_;
     std::unique_ptr<CsvWriter> csv_;
     std::vector<Rgb8> field_;
     std::vector<std::uint32_t> samples_;
@@ -170,7 +182,7 @@ struct NeededFiles::Parts {
 
 NeededFiles::NeededFiles(const NeededRequest& request, const NeededFilesOptions& options)
     : parts_(new Parts{request, options, CsvWriter(options.folder / "needed.csv", table_columns()), {}}) {
-    for (const Intersector* form : request.forms) parts_->forms.push_back(std::make_unique<NeededFormFiles>(request, *form->info, options, image_backend()));
+    for (const intersect::table::Intersector* form : request.forms) parts_->forms.push_back(std::make_unique<NeededFormFiles>(request, *form->info, options, image::image_backend()));
 }
 
 NeededFiles::~NeededFiles() = default;
@@ -181,11 +193,11 @@ std::vector<NeededSink*> NeededFiles::sinks() {
     return sinks;
 }
 
-std::vector<DataResource> NeededFiles::resources() const {
+std::vector<file::DataResource> NeededFiles::resources() const {
     const NeededRequest& request = parts_->request;
-    std::vector<DataResource> resources{{"needed.csv", fmt::format("One row per form: significand bits needed for {} correct ones", request.bits), table_columns()}};
+    std::vector<file::DataResource> resources{{"needed.csv", fmt::format("One row per form: significand bits needed for {} correct ones", request.bits), table_columns()}};
     if (!parts_->options.pixels_csv) return resources;
-    for (const Intersector* form : request.forms) {
+    for (const intersect::table::Intersector* form : request.forms) {
         resources.push_back({stem(*form->info) + ".csv", fmt::format("One row per pixel: bits needed by {}", form->info->name), pixel_columns(request.bits)});
     }
     return resources;
@@ -200,4 +212,4 @@ void NeededFiles::finish(const std::vector<NeededSummary>& summaries) {
     p.table.close();
 }
 
-}  // namespace lostbits::output
+}  // namespace lostbits::output::map

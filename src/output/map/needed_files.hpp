@@ -10,11 +10,11 @@
 #include "output/image/colour.hpp"
 #include "output/file/datapackage.hpp"
 
-namespace lostbits::output {
+namespace lostbits::output::map {
 
 /// A pixel on which not even 53 bits suffice: rust, as far from the ramp and from every outcome's colour as those are
 /// from each other (a test holds it).
-inline constexpr Rgb8 beyond_colour{120, 30, 0};
+inline constexpr image::Rgb8 beyond_colour{120, 30, 0};
 
 struct NeededFilesOptions {
     std::filesystem::path folder;  ///< of this scene; made if missing
@@ -29,20 +29,20 @@ struct NeededFilesOptions {
 /// summary.csv says that all is there.
 class NeededFiles {
 public:
-    NeededFiles(const NeededRequest& request, const NeededFilesOptions& options);
+    NeededFiles(const measure::map::NeededRequest& request, const NeededFilesOptions& options);
     ~NeededFiles();
     NeededFiles(const NeededFiles&) = delete;
     NeededFiles& operator=(const NeededFiles&) = delete;
 
     /// One sink a form of the request, in its order.
-    [[nodiscard]] std::vector<NeededSink*> sinks();
+    [[nodiscard]] std::vector<measure::map::NeededSink*> sinks();
     /// For the folder's datapackage.json.
-    [[nodiscard]] std::vector<DataResource> resources() const;
-    void finish(const std::vector<NeededSummary>& summaries);
+    [[nodiscard]] std::vector<file::DataResource> resources() const;
+    void finish(const std::vector<measure::map::NeededSummary>& summaries);
 
 private:
     struct Parts;
     std::unique_ptr<Parts> parts_;
 };
 
-}  // namespace lostbits::output
+}  // namespace lostbits::output::map

@@ -7,7 +7,12 @@
 #include "output/image/contact_sheet.hpp"
 #include "output/map/map_colour.hpp"
 
-namespace lostbits::output {
+namespace lostbits::output::map {
+
+using image::ColourScale;
+using image::ContactSheet;
+using measure::map::MapSink;
+
 namespace {
 
 /// Hands a row's lost bits on to the contact sheet.
@@ -15,8 +20,8 @@ class SheetRow final : public MapSink {
 public:
     SheetRow(ContactSheet& sheet, std::size_t form, std::size_t format, const ColourScale& scale, std::size_t metric)
         : sheet_(sheet), form_(form), format_(format), scale_(scale), metric_(metric) {}
-    void band(const BandResult& result) override {
-        std::vector<Rgb8> field(result.outcomes.size());
+    void band(const measure::map::BandResult& result) override {
+        std::vector<image::Rgb8> field(result.outcomes.size());
         for (std::size_t i = 0; i < field.size(); ++i) field[i] = pixel_colour(scale_, result.outcomes[i], result.metrics[metric_][i]);
         sheet_.add_rows(form_, format_, result.y0, field);
     }
@@ -42,9 +47,9 @@ struct SceneSheet::Parts {
     std::vector<std::unique_ptr<SheetRow>> rows;
 };
 
-SceneSheet::SceneSheet(const MapRequest& request, const std::filesystem::path& path) {
-    const Metric* const lost = find_metric("lost_bits");
-    ImageBackend& backend = image_backend();
+SceneSheet::SceneSheet(const measure::map::MapRequest& request, const std::filesystem::path& path) {
+    const measure::metric::Metric* const lost = measure::metric::find_metric("lost_bits");
+    image::ImageBackend& backend = image::image_backend();
     const auto metric = static_cast<std::size_t>(std::ranges::find(request.metrics, lost) - request.metrics.begin());
     parts_ = std::unique_ptr<Parts>(new Parts{metric, metric_scale(*lost, request.rows, backend), {}, nullptr, {}});
     Parts& p = *parts_;
@@ -54,15 +59,15 @@ SceneSheet::SceneSheet(const MapRequest& request, const std::filesystem::path& p
         if (static_cast<std::size_t>(at) == names.size()) names.push_back(one);
         return static_cast<std::size_t>(at);
     };
-    for (const MapRow& r : request.rows) {
+    for (const measure::map::MapRow& r : request.rows) {
         const auto full = r.form->info->name;
         const std::size_t form = place(forms, std::string(full.substr(full.find('.') + 1)));
         p.places.push_back({form, place(formats, r.format.name)});
     }
-    const scene::Scene& scene = *request.scene;
+    const scene::file::Scene& scene = *request.scene;
     const auto pixels = static_cast<std::uint64_t>(scene.width) * static_cast<std::uint64_t>(scene.height);
     p.sheet = std::make_unique<ContactSheet>(backend, path,
-                                             SheetSpec{.title = scene.title, .subtitle = {fmt::format("{}, {} x {} rays", scene.id, scene.width, scene.height)}, .forms = forms,
+                                             image::SheetSpec{.title = scene.title, .subtitle = {fmt::format("{}, {} x {} rays", scene.id, scene.width, scene.height)}, .forms = forms,
                                                        .formats = formats, .field_width = scene.width, .field_height = scene.height, .scale = p.scale, .unit = "lost bits",
                                                        .legend = widest_legend(pixels * request.rows.size())});
     for (const auto& [form, format] : p.places) p.rows.push_back(std::make_unique<SheetRow>(*p.sheet, form, format, p.scale, metric));
@@ -76,9 +81,9 @@ std::vector<MapSink*> SceneSheet::sinks() {
     return all;
 }
 
-void SceneSheet::finish(const std::vector<MapSummary>& summaries) {
+void SceneSheet::finish(const std::vector<measure::map::MapSummary>& summaries) {
     Parts& p = *parts_;
-    MapSummary total;
+    measure::map::MapSummary total;
     for (std::size_t r = 0; r < summaries.size(); ++r) {
         total.rays += summaries[r].rays;
         for (std::size_t o = 0; o < total.outcomes.size(); ++o) total.outcomes[o] += summaries[r].outcomes[o];
@@ -87,4 +92,4 @@ void SceneSheet::finish(const std::vector<MapSummary>& summaries) {
     p.sheet->finish(outcome_legend(total));
 }
 
-}  // namespace lostbits::output
+}  // namespace lostbits::output::map

@@ -7,24 +7,24 @@
 
 #include "measure/map/map.hpp"
 
-namespace lostbits::output {
+namespace lostbits::output::map {
 
 /// Draws the metric `lost_bits` of a map, which must be among the request's. Opened before the map; the file has its name after
 /// `finish`.
 class SceneSheet {
 public:
-    SceneSheet(const MapRequest& request, const std::filesystem::path& path);
+    SceneSheet(const measure::map::MapRequest& request, const std::filesystem::path& path);
     ~SceneSheet();
     SceneSheet(const SceneSheet&) = delete;
     SceneSheet& operator=(const SceneSheet&) = delete;
 
     /// One a row of the request, in its order.
-    [[nodiscard]] std::vector<MapSink*> sinks();
-    void finish(const std::vector<MapSummary>& summaries);
+    [[nodiscard]] std::vector<measure::map::MapSink*> sinks();
+    void finish(const std::vector<measure::map::MapSummary>& summaries);
 
 private:
     struct Parts;
     std::unique_ptr<Parts> parts_;
 };
 
-}  // namespace lostbits::output
+}  // namespace lostbits::output::map

@@ -3,7 +3,7 @@
 
 #include <string_view>
 
-namespace lostbits::output::report {
+namespace lostbits::output::page {
 
 /// The text of an inline element and its SHA-256, in hexadecimal digits.
 struct Asset {
@@ -14,4 +14,4 @@ extern const Asset page_style, page_script;
 /// uPlot, where node_modules had it when the program was configured; otherwise empty.
 extern const Asset plot_style, plot_script, plot_licence;
 
-}  // namespace lostbits::output::report
+}  // namespace lostbits::output::page

@@ -14,10 +14,13 @@
 #include "output/page/sweep_data.hpp"
 #include "output/page/text.hpp"
 
-namespace lostbits::output::report {
+namespace lostbits::output::page {
+
+using measure::claim::ClaimResult;
+
 namespace {
 
-using scene::Claim;
+using scene::claim::Claim;
 using State = ClaimResult::State;
 
 template <class Part>
@@ -35,8 +38,8 @@ std::optional<Place> place_in_map(const Claim& c, const ClaimResult& r, const Re
     const auto part = std::ranges::find(report.maps, c.scene, &MapPart::id);
     if (part == report.maps.end() || !has_row(*part, c)) return {};
     std::string view = fmt::format("scene={}&form={}&format={}", c.scene, c.form, c.format);
-    const Metric* const m = metric_of_column(c.metric);
-    const bool drawn = m == nullptr ? !asks_for_attribution(c) : std::ranges::find(part->metrics, m->name) != part->metrics.end();
+    const measure::metric::Metric* const m = claim::metric_of_column(c.metric);
+    const bool drawn = m == nullptr ? !measure::claim::asks_for_attribution(c) : std::ranges::find(part->metrics, m->name) != part->metrics.end();
     if (m != nullptr && drawn) view += fmt::format("&metric={}", m->name);
     if (part->own_size && c.step) view += "&x=0&y=0";  // the march of that pixel is what such a claim follows
     else if (part->own_size && r.witness.x >= 0) view += fmt::format("&x={}&y={}", r.witness.x, r.witness.y);
@@ -49,7 +52,7 @@ std::string cell_of(const Claim& c, const SweepPart& part) {
     if (part.kind == SweepPart::Kind::cases) {
         const auto named = [&c](const std::string& name) { return fnmatch(c.case_name.c_str(), name.c_str(), 0) == 0; };
         const auto found = std::ranges::find_if(part.cases, named);
-        return found == part.cases.end() ? "" : fmt::format("&judged={}&v={}", convention_name(c.convention), found - part.cases.begin());
+        return found == part.cases.end() ? "" : fmt::format("&judged={}&v={}", intersect::convention_name(c.convention), found - part.cases.begin());
     }
     std::string text;
     for (std::size_t a = 0; a < c.at.size(); ++a) {
@@ -82,11 +85,11 @@ std::optional<Place> place_of(const Claim& c, const ClaimResult& r, const Report
 
 /// What it was measured on: a link to where the page shows it, or else the command that shows it.
 std::string measured_on(const Claim& c, const ClaimResult& r, const Report& report) {
-    const std::string text = html(where_measured(c)), row = fmt::format("<br><small>{} {}</small>", html(c.form.empty() ? c.row : c.form), html(c.format));
+    const std::string text = html(claim::where_measured(c)), row = fmt::format("<br><small>{} {}</small>", html(c.form.empty() ? c.row : c.form), html(c.format));
     const auto place = place_of(c, r, report);
-    if (!place) return fmt::format("{}{}<br><small>not on this page: <code>{}</code></small>", text, row, html(reproduce(c)));
+    if (!place) return fmt::format("{}{}<br><small>not on this page: <code>{}</code></small>", text, row, html(claim::reproduce(c)));
     const std::string link = fmt::format("<a class=\"jump\" href=\"#{}\"{}>{}</a>", html(place->anchor), place->view.empty() ? "" : fmt::format(" data-view=\"{}\"", html(place->view)), text);
-    return place->drawn ? link + row : fmt::format("{}{}<br><small>its picture: <code>{}</code></small>", link, row, html(reproduce(c)));
+    return place->drawn ? link + row : fmt::format("{}{}<br><small>its picture: <code>{}</code></small>", link, row, html(claim::reproduce(c)));
 }
 
 struct Word {
@@ -142,8 +145,8 @@ std::string claims_table(const Report& report) {
         const Claim& c = report.claims[i];
         const ClaimResult& r = report.results[i];
         const Word word = word_of(c, r);
-        const std::string what = quantity(c);
-        text += fmt::format("<tr id=\"claim-{}\" class=\"{}\" data-command=\"{}\"><td class=\"verdict\">{}</td><td>{}", html(c.id), word.style, html(reproduce(c)), word.text, html(c.statement));
+        const std::string what = claim::quantity(c);
+        text += fmt::format("<tr id=\"claim-{}\" class=\"{}\" data-command=\"{}\"><td class=\"verdict\">{}</td><td>{}", html(c.id), word.style, html(claim::reproduce(c)), word.text, html(c.statement));
         if (!c.note.empty()) text += fmt::format("<br><em>{}</em>", html(c.note));
         text += fmt::format("<br><small>{}{}<code>{}</code></small></td>", c.source == "-" ? "" : html(c.source), c.source == "-" ? "" : " &middot; ", html(c.id));
         text += fmt::format("<td>{}</td><td data-name=\"quantity\">{}</td><td class=\"n\" data-name=\"measured\">{}</td><td class=\"n\" data-name=\"expected\">{} to {}</td></tr>\n", measured_on(c, r, report),
@@ -152,4 +155,4 @@ std::string claims_table(const Report& report) {
     return text + "</tbody></table>\n";
 }
 
-}  // namespace lostbits::output::report
+}  // namespace lostbits::output::page

@@ -5,7 +5,7 @@
 
 #include "output/page/page.hpp"
 
-namespace lostbits::output::report {
+namespace lostbits::output::page {
 
 struct VerdictCounts {
     std::size_t held = 0, refuted = 0, differing = 0, broken = 0, skipped = 0;
@@ -17,4 +17,4 @@ struct VerdictCounts {
 /// A row a claim; where the page shows what it was measured on, its place is a link to it.
 [[nodiscard]] std::string claims_table(const Report& report);
 
-}  // namespace lostbits::output::report
+}  // namespace lostbits::output::page

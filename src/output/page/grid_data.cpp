@@ -9,22 +9,25 @@
 #include "output/page/text.hpp"
 #include "output/sweep/sweep_planes.hpp"
 
-namespace lostbits::output::report {
+namespace lostbits::output::page {
+
+using measure::map::MapSummary;
+
 namespace {
 
-std::string rgb(const Rgb8& c) { return fmt::format("[{},{},{}]", c.r, c.g, c.b); }
+std::string rgb(const image::Rgb8& c) { return fmt::format("[{},{},{}]", c.r, c.g, c.b); }
 
 /// What all grids need to be painted as the PNGs are: the scale of lost bits, and the paper that paler colours are mixed with.
-std::string paint_fields(const std::vector<MapRow>& rows) {
-    const ColourScale scale = metric_scale(*find_metric("lost_bits"), rows, image_backend());
+std::string paint_fields(const std::vector<measure::map::MapRow>& rows) {
+    const image::ColourScale scale = map::metric_scale(*measure::metric::find_metric("lost_bits"), rows, image::image_backend());
     std::vector<std::string> ticks, names;
     for (const auto& tick : scale.ticks(7)) ticks.push_back(fmt::format("[{},{}]", number(tick.position), json_text(tick.label)));
     for (const Statistic& s : sweep_statistics()) names.push_back(json_text(s.name));
-    return fmt::format(R"("scale":{{"lo":{},"hi":{},"log2":{},"ticks":[{}]}},"paper":{},"statistics":[{}])", number(scale.lo()), number(scale.hi()), scale.is_log2(), fmt::join(ticks, ","), rgb(style::page),
+    return fmt::format(R"("scale":{{"lo":{},"hi":{},"log2":{},"ticks":[{}]}},"paper":{},"statistics":[{}])", number(scale.lo()), number(scale.hi()), scale.is_log2(), fmt::join(ticks, ","), rgb(image::style::page),
                        fmt::join(names, ","));
 }
 
-std::string axis_json(const scene::Axis& axis, const std::vector<double>& values) {
+std::string axis_json(const scene::sweep::Axis& axis, const std::vector<double>& values) {
     std::vector<std::string> all;
     for (const double v : values) all.push_back(number(v));
     return fmt::format(R"({{"name":{},"unit":{},"values":[{}]}})", json_text(axis.name), json_text(axis.unit), fmt::join(all, ","));
@@ -32,8 +35,8 @@ std::string axis_json(const scene::Axis& axis, const std::vector<double>& values
 
 }  // namespace
 
-std::string plane_json(const SweepRequest& request, const std::vector<SweepStep>& steps) {
-    const Plane plane(request, steps);
+std::string plane_json(const measure::sweep::SweepRequest& request, const std::vector<measure::sweep::SweepStep>& steps) {
+    const sweep::Plane plane(request, steps);
     const std::size_t columns = plane.x.size();
     std::vector<std::string> rows;
     for (std::size_t r = 0; r < request.rows.size(); ++r) {
@@ -45,19 +48,19 @@ std::string plane_json(const SweepRequest& request, const std::vector<SweepStep>
                        axis_json(axes[1], plane.y), paint_fields(request.rows), fmt::join(rows, ","));
 }
 
-std::string case_json(const CaseRequest& request, const std::vector<std::vector<MapSummary>>& cases) {
-    const scene::CaseFile& file = *request.file;
+std::string case_json(const measure::sweep::CaseRequest& request, const std::vector<std::vector<MapSummary>>& cases) {
+    const scene::sweep::CaseFile& file = *request.file;
     std::vector<std::string> names, conventions, rows;
     for (std::size_t i = 0; i < file.size(); ++i) names.push_back(fmt::format("[{},{}]", json_text(file.name(i)), json_text(file.note_of(i))));
-    for (const auto& judged : file.conventions) conventions.push_back(json_text(convention_name(judged)));
+    for (const auto& judged : file.conventions) conventions.push_back(json_text(intersect::convention_name(judged)));
     for (std::size_t r = 0; r < request.rows.size(); ++r) {
         std::vector<std::string> verdicts;
-        for (const auto& each : cases) verdicts.push_back(json_text(verdict_names[static_cast<std::size_t>(verdict_of(each[r], request.metrics, file.right_within_bits))]));
+        for (const auto& each : cases) verdicts.push_back(json_text(measure::sweep::verdict_names[static_cast<std::size_t>(measure::sweep::verdict_of(each[r], request.metrics, file.right_within_bits))]));
         const auto at = [&](std::size_t cell) -> const MapSummary& { return cases[cell][r]; };
-        rows.push_back(fmt::format(R"({{{},"judged":{},"verdicts":[{}]}})", row_fields(request.rows[r], request.metrics, cases.size(), at), json_text(convention_name(request.rows[r].judged)), fmt::join(verdicts, ",")));
+        rows.push_back(fmt::format(R"({{{},"judged":{},"verdicts":[{}]}})", row_fields(request.rows[r], request.metrics, cases.size(), at), json_text(intersect::convention_name(request.rows[r].judged)), fmt::join(verdicts, ",")));
     }
     return fmt::format(R"({{"id":{},"title":{},"kind":"cases","cases":[{}],"within":{},"right":{},"conventions":[{}],{},"rows":[{}]}})", json_text(file.id), json_text(file.title), fmt::join(names, ","),
-                       number(file.right_within_bits), rgb(case_right_colour), fmt::join(conventions, ","), paint_fields(request.rows), fmt::join(rows, ","));
+                       number(file.right_within_bits), rgb(sweep::case_right_colour), fmt::join(conventions, ","), paint_fields(request.rows), fmt::join(rows, ","));
 }
 
-}  // namespace lostbits::output::report
+}  // namespace lostbits::output::page

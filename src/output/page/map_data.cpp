@@ -13,7 +13,15 @@
 #include "output/page/tapes.hpp"
 #include "output/page/text.hpp"
 
-namespace lostbits::output::report {
+namespace lostbits::output::page {
+
+using intersect::Direction;
+using measure::map::BandResult;
+using measure::map::MapRequest;
+using measure::map::MapRow;
+using measure::map::MapSink;
+using measure::metric::Metric;
+
 namespace {
 
 /// Functions of t, t* and κ alone; src/output/page/script/numbers.js has them again, and the browser test holds every pixel of a map
@@ -26,7 +34,7 @@ bool is_condition(const Metric& m) { return m.name == "condition"; }
 constexpr std::int16_t exact_bound = -32768;
 
 /// The least power of two that the bound does not exceed, as its exponent.
-std::int16_t bound_exponent(const Certified& x) {
+std::int16_t bound_exponent(const measure::truth::Certified& x) {
     if (x.bound == 0) return exact_bound;
     int e = 0;
     const double m = std::frexp(x.bound, &e);  // bound = m 2^e, 1/2 <= m < 1
@@ -40,7 +48,7 @@ std::uint64_t bits32(double x) { return std::bit_cast<std::uint32_t>(static_cast
 /// What rows with the same truth share. Filled by the first of them alone.
 struct MapData::Group {
     Direction direction;
-    Touching touching;
+    intersect::Touching touching;
     Layer hit, object, truth, rest, bound, condition;
     std::set<int> places;  ///< of the solids that a ray truly meets
 
@@ -56,19 +64,19 @@ struct MapData::Group {
     std::uint64_t last_ = 0, before_ = 0;  ///< bits of the two true hits before, in this row of the picture; 0: none
 
     void take(std::size_t at, std::size_t i, const BandResult& result, bool with_condition) {
-        const Truth& t = result.truth(i);
+        const measure::truth::Truth& t = result.truth(i);
         hit.set(at, static_cast<std::uint64_t>(t.decision));
         object.set(at, static_cast<std::uint64_t>(t.object + 1));
         if (t.object >= 0) places.insert(t.object);
         if (i % static_cast<std::size_t>(result.width) == 0) last_ = before_ = 0;  // every row begins anew
         if (!t.is_hit()) return;
-        const Certified& exact = direction == Direction::unit ? t.distance : t.t;
+        const measure::truth::Certified& exact = direction == Direction::unit ? t.distance : t.t;
         const double rounded = result.band->rounded_truth(i, binary64, direction, touching);
         const auto bits = std::bit_cast<std::uint64_t>(rounded);
         truth.set(at, folded_difference(bits, before_ == 0 ? last_ : pointed_to(before_, last_), 8));
         before_ = last_;
         last_ = bits;
-        rest.set(at, static_cast<float>(scaled_difference(exact, exactly(rounded), 0)));
+        rest.set(at, static_cast<float>(measure::truth::scaled_difference(exact, measure::truth::exactly(rounded), 0)));
         bound.set(at, std::uint64_t{static_cast<std::uint16_t>(bound_exponent(exact))});
         if (with_condition) condition.set(at, static_cast<float>(result.band->condition(i, touching)));
     }
@@ -79,7 +87,7 @@ public:
     Row(const MapRequest& request, const MapRow& row, std::size_t n, std::size_t group, Group* filled)
         : row_(row), group_(group), filled_(filled), outcome_(1, n), object_(4, n), t_(row.format.engine == Format::Engine::native32 ? 4 : 8, n) {
         for (std::size_t m = 0; m < request.metrics.size(); ++m) {
-            with_condition_ |= (needs_of({request.metrics[m]}) & needs_condition) != 0;
+            with_condition_ |= (measure::map::needs_of({request.metrics[m]}) & measure::metric::needs_condition) != 0;
             if (!is_derived(*request.metrics[m]) && !is_condition(*request.metrics[m])) stored_.push_back({m, Layer(4, n)});
         }
     }
@@ -156,8 +164,8 @@ std::vector<MapSink*> MapData::sinks() {
 namespace {
 
 std::string metric_json(const Metric& m, std::span<const MapRow> rows) {
-    const MetricPaint paint(m, rows, image_backend());
-    std::string text = fmt::format(R"({{"name":{},"unit":{},"meaning":{},"marches":{},"blamed":{},"kind":"{}")", json_text(m.name), json_text(m.unit), json_text(m.meaning), m.over == Over::marches, m.over == Over::blamed,
+    const map::MetricPaint paint(m, rows, image::image_backend());
+    std::string text = fmt::format(R"({{"name":{},"unit":{},"meaning":{},"marches":{},"blamed":{},"kind":"{}")", json_text(m.name), json_text(m.unit), json_text(m.meaning), m.over == measure::metric::Over::marches, m.over == measure::metric::Over::blamed,
                                    is_derived(m) ? "derived" : is_condition(m) ? "shared" : "stored");
     if (const auto& scale = paint.scale()) {
         std::vector<std::string> ticks;
@@ -166,7 +174,7 @@ std::string metric_json(const Metric& m, std::span<const MapRow> rows) {
     }
     std::vector<std::string> categories;
     for (std::size_t c = 0; c < m.categories.size(); ++c) {
-        const Rgb8 colour = paint.colour(Outcome::agree_hit, static_cast<double>(c));
+        const image::Rgb8 colour = paint.colour(measure::answer::Outcome::agree_hit, static_cast<double>(c));
         categories.push_back(fmt::format("[{},[{},{},{}]]", json_text(m.categories[c]), colour.r, colour.g, colour.b));
     }
     return text + fmt::format(R"(,"categories":[{}]}})", fmt::join(categories, ","));
@@ -175,11 +183,11 @@ std::string metric_json(const Metric& m, std::span<const MapRow> rows) {
 /// A march is no one tape: how many samples it takes is each ray's own.
 bool is_taped(const MapRow& row) { return row.form->shape != Shape::sdf; }
 
-std::string summary_json(const MapRequest& request, const MapRow& row, const MapSummary& s, std::size_t group) {
+std::string summary_json(const MapRequest& request, const MapRow& row, const measure::map::MapSummary& s, std::size_t group) {
     std::vector<std::string> statistics;
     for (std::size_t m = 0; m < request.metrics.size(); ++m) {
         if (!request.metrics[m]->categories.empty()) continue;
-        const Distribution& d = s.metrics[m];
+        const measure::metric::Distribution& d = s.metrics[m];
         statistics.push_back(fmt::format("{}:[{},{},{}]", json_text(request.metrics[m]->name), number(d.quantile(0.5)), number(d.quantile(0.99)), number(d.quantile(1))));
     }
     const std::string worst = s.worst.x < 0 ? "null" : fmt::format(R"({{"x":{},"y":{}}})", s.worst.x, s.worst.y);
@@ -192,8 +200,8 @@ std::string summary_json(const MapRequest& request, const MapRow& row, const Map
 
 }  // namespace
 
-std::string MapData::index(const std::vector<MapSummary>& summaries, bool own_size) const {
-    const scene::Scene& scene = *request_.scene;
+std::string MapData::index(const std::vector<measure::map::MapSummary>& summaries, bool own_size) const {
+    const scene::file::Scene& scene = *request_.scene;
     std::vector<std::string> metrics, rows;
     for (const Metric* m : request_.metrics) metrics.push_back(metric_json(*m, request_.rows));
     for (std::size_t r = 0; r < rows_.size(); ++r) rows.push_back(summary_json(request_, request_.rows[r], summaries[r], rows_[r]->group()));
@@ -201,7 +209,7 @@ std::string MapData::index(const std::vector<MapSummary>& summaries, bool own_si
     for (const auto& group : groups_) places.insert(group->places.begin(), group->places.end());
     for (const auto& row : rows_) places.insert(row->places().begin(), row->places().end());
     return fmt::format(R"({{"id":{},"title":{},"note":{},"inputs":"{}","camera":{},"solids":{},"solid_count":{},"width":{},"height":{},"own_size":{},"metrics":[{}],"rows":[{}]}})", json_text(scene.id), json_text(scene.title), json_text(scene.note),
-                       scene.inputs == scene::Inputs::own ? "own" : "shared", camera_json(scene), solids_json(scene, places), scene.solid_count(), scene.width, scene.height, own_size, fmt::join(metrics, ","), fmt::join(rows, ","));
+                       scene.inputs == scene::file::Inputs::own ? "own" : "shared", camera_json(scene), solids_json(scene, places), scene.solid_count(), scene.width, scene.height, own_size, fmt::join(metrics, ","), fmt::join(rows, ","));
 }
 
 std::vector<Blob> MapData::blobs() const {
@@ -219,4 +227,4 @@ std::vector<Blob> MapData::blobs() const {
     return all;
 }
 
-}  // namespace lostbits::output::report
+}  // namespace lostbits::output::page

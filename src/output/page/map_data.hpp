@@ -8,7 +8,7 @@
 #include "measure/map/map.hpp"
 #include "output/page/pack.hpp"
 
-namespace lostbits::output::report {
+namespace lostbits::output::page {
 
 /// A packed piece of data and the name that the page finds it by.
 struct Blob {
@@ -25,26 +25,26 @@ struct Blob {
 /// What follows from t and t* alone (`derived_metrics`) the page works out itself.
 class MapData {
 public:
-    explicit MapData(const MapRequest& request);
+    explicit MapData(const measure::map::MapRequest& request);
     ~MapData();
     MapData(const MapData&) = delete;
     MapData& operator=(const MapData&) = delete;
 
     /// One a row of the request, in its order.
-    [[nodiscard]] std::vector<MapSink*> sinks();
+    [[nodiscard]] std::vector<measure::map::MapSink*> sinks();
 
     /// After the map: everything but pixels, as JSON. `own_size`: no other size was asked for than the scene's, so that claims have
     /// the same rays.
-    [[nodiscard]] std::string index(const std::vector<MapSummary>& summaries, bool own_size) const;
+    [[nodiscard]] std::string index(const std::vector<measure::map::MapSummary>& summaries, bool own_size) const;
     /// The pixels, and the tapes of the forms, which other maps may have too.
     [[nodiscard]] std::vector<Blob> blobs() const;
 
 private:
     struct Group;
     class Row;
-    const MapRequest& request_;
+    const measure::map::MapRequest& request_;
     std::vector<std::unique_ptr<Group>> groups_;
     std::vector<std::unique_ptr<Row>> rows_;
 };
 
-}  // namespace lostbits::output::report
+}  // namespace lostbits::output::page

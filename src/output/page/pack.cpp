@@ -4,7 +4,7 @@
 
 #include <stdexcept>
 
-namespace lostbits::output::report {
+namespace lostbits::output::page {
 
 std::string base64(std::string_view bytes) {
     static constexpr char letters[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
@@ -28,4 +28,4 @@ std::string pack(std::string_view bytes) {
     return base64(packed);
 }
 
-}  // namespace lostbits::output::report
+}  // namespace lostbits::output::page

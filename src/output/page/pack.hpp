@@ -9,7 +9,7 @@
 #include <string_view>
 #include <vector>
 
-namespace lostbits::output::report {
+namespace lostbits::output::page {
 
 /// Numbers of one width, a pixel each, gathered before they are packed.
 class Layer {
@@ -47,4 +47,4 @@ private:
     return ((d << 1) & all) ^ (negative ? all : 0);
 }
 
-}  // namespace lostbits::output::report
+}  // namespace lostbits::output::page

@@ -13,7 +13,10 @@
 #include "output/page/claims_table.hpp"
 #include "output/page/text.hpp"
 
-namespace lostbits::output::report {
+namespace lostbits::output::page {
+
+using measure::answer::Outcome;
+
 namespace {
 
 /// `'sha256-…'` of a content security policy.
@@ -46,17 +49,17 @@ std::string without_scripts(const std::vector<Picture>& pictures) { return fmt::
 /// Pictures for a page without scripts; where uPlot is missing, for every page.
 std::string instead_of_plots(const std::vector<Picture>& pictures) { return plot_script.text.empty() ? images(pictures) : without_scripts(pictures); }
 
-std::string rgb(const Rgb8& c) { return fmt::format("[{},{},{}]", c.r, c.g, c.b); }
+std::string rgb(const image::Rgb8& c) { return fmt::format("[{},{},{}]", c.r, c.g, c.b); }
 
 /// The colours of the PNGs: the ramp, the outcomes and the hit without a value.
 std::string colours_json() {
-    ImageBackend& backend = image_backend();
+    image::ImageBackend& backend = image::image_backend();
     std::vector<std::string> ramp, outcomes;
-    for (const Rgb8& c : backend.ramp("viridis", 256)) ramp.push_back(fmt::format("{:02x}{:02x}{:02x}", c.r, c.g, c.b));
-    for (std::size_t o = 0; o < outcome_colours.size(); ++o) outcomes.push_back(fmt::format("[{},{}]", json_text(outcome_names[o]), rgb(outcome_colours[o])));
-    const ColourScale any("viridis", backend.ramp("viridis", 2), 0, 1);
+    for (const image::Rgb8& c : backend.ramp("viridis", 256)) ramp.push_back(fmt::format("{:02x}{:02x}{:02x}", c.r, c.g, c.b));
+    for (std::size_t o = 0; o < image::outcome_colours.size(); ++o) outcomes.push_back(fmt::format("[{},{}]", json_text(measure::answer::outcome_names[o]), rgb(image::outcome_colours[o])));
+    const image::ColourScale any("viridis", backend.ramp("viridis", 2), 0, 1);
     return fmt::format(R"("ramp":"{}","outcomes":[{}],"no_value":{})", fmt::join(ramp, ""), fmt::join(outcomes, ","),
-                       rgb(pixel_colour(any, Outcome::agree_hit, std::numeric_limits<double>::quiet_NaN())));
+                       rgb(map::pixel_colour(any, Outcome::agree_hit, std::numeric_limits<double>::quiet_NaN())));
 }
 
 std::string sweep_index(const SweepPart& s) {
@@ -136,19 +139,19 @@ std::string heading(const Report& report) {
 
 }  // namespace
 
-std::string summary_table(const MapRequest& request, const std::vector<MapSummary>& summaries) {
-    const auto place = [&](const char* name) { return static_cast<std::size_t>(std::ranges::find(request.metrics, find_metric(name)) - request.metrics.begin()); };
+std::string summary_table(const measure::map::MapRequest& request, const std::vector<measure::map::MapSummary>& summaries) {
+    const auto place = [&](const char* name) { return static_cast<std::size_t>(std::ranges::find(request.metrics, measure::metric::find_metric(name)) - request.metrics.begin()); };
     std::string text =
         "<table><thead><tr><th scope=\"col\">form</th><th scope=\"col\">format</th><th scope=\"col\">false hits</th><th scope=\"col\">false misses</th><th scope=\"col\">NaN</th>"
         "<th scope=\"col\">unresolved</th><th scope=\"col\">lost bits p50</th><th scope=\"col\">p99</th><th scope=\"col\">max</th><th scope=\"col\">excess p99</th>"
         "<th scope=\"col\">worst pixel</th></tr></thead><tbody>\n";
     for (std::size_t r = 0; r < summaries.size(); ++r) {
-        const MapSummary& s = summaries[r];
-        const MapRow& row = request.rows[r];
+        const measure::map::MapSummary& s = summaries[r];
+        const measure::map::MapRow& row = request.rows[r];
         text += fmt::format("<tr data-row=\"{}\"><th scope=\"row\">{}</th><td>{}</td>", html(row_key(row)), html(row.form->info->name), row.format.name);
         for (const Outcome o : {Outcome::false_hit, Outcome::false_miss, Outcome::not_a_number, Outcome::unresolved}) text += fmt::format("<td class=\"n\">{}</td>", s.count(o));
-        const Distribution& lost = s.metrics[place("lost_bits")];
-        for (const double q : reported_quantiles) text += fmt::format("<td class=\"n\">{}</td>", shown(lost.quantile(q)));
+        const measure::metric::Distribution& lost = s.metrics[place("lost_bits")];
+        for (const double q : measure::metric::reported_quantiles) text += fmt::format("<td class=\"n\">{}</td>", shown(lost.quantile(q)));
         text += fmt::format("<td class=\"n\">{}</td>", shown(s.metrics[place("excess_bits")].quantile(0.99)));
         if (s.worst.x < 0) text += "<td>&ndash;</td></tr>\n";
         else text += fmt::format("<td><a class=\"jump\" href=\"#scene-{}\" data-view=\"scene={}&amp;form={}&amp;format={}&amp;x={}&amp;y={}\">{}, {}</a></td></tr>\n", html(request.scene->id), html(request.scene->id), html(row.form->info->name),
@@ -181,4 +184,4 @@ std::string page(const Report& report) {
     return text;
 }
 
-}  // namespace lostbits::output::report
+}  // namespace lostbits::output::page

@@ -8,7 +8,7 @@
 #include "measure/claim/claim.hpp"
 #include "output/page/map_data.hpp"
 
-namespace lostbits::output::report {
+namespace lostbits::output::page {
 
 /// A PNG and what it shows.
 struct Picture {
@@ -50,15 +50,15 @@ struct Report {
     std::vector<MapPart> maps;
     std::vector<SweepPart> sweeps;
     std::vector<TradePart> trades;
-    std::vector<scene::Claim> claims;
-    std::vector<ClaimResult> results;
+    std::vector<scene::claim::Claim> claims;
+    std::vector<measure::claim::ClaimResult> results;
     std::string processor = {};  ///< that the times are of; empty where nothing tells
 };
 
 /// Forms and formats of a map: decisions, and p50, p99 and max of lost bits; each number carries the CSV's own decimal.
-[[nodiscard]] std::string summary_table(const MapRequest& request, const std::vector<MapSummary>& summaries);
+[[nodiscard]] std::string summary_table(const measure::map::MapRequest& request, const std::vector<measure::map::MapSummary>& summaries);
 
 /// The page, the same bytes for the same report.
 [[nodiscard]] std::string page(const Report& report);
 
-}  // namespace lostbits::output::report
+}  // namespace lostbits::output::page

@@ -10,7 +10,7 @@
 
 #include "number/error.hpp"
 
-namespace lostbits::output::report {
+namespace lostbits::output::page {
 
 TemporaryFolder::TemporaryFolder() {
     std::string name = (std::filesystem::temp_directory_path() / "lostbits-report-XXXXXX").string();
@@ -38,4 +38,4 @@ Picture picture(std::string alt, const std::function<void(const std::filesystem:
     return {std::move(alt), bytes_of(file)};
 }
 
-}  // namespace lostbits::output::report
+}  // namespace lostbits::output::page

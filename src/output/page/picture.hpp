@@ -6,7 +6,7 @@
 
 #include "output/page/page.hpp"
 
-namespace lostbits::output::report {
+namespace lostbits::output::page {
 
 /// A folder of its own under the system's folder for temporary files, removed with all that is in it.
 class TemporaryFolder {
@@ -27,4 +27,4 @@ private:
 /// What `draw` writes into the file that it is given.
 [[nodiscard]] Picture picture(std::string alt, const std::function<void(const std::filesystem::path&)>& draw);
 
-}  // namespace lostbits::output::report
+}  // namespace lostbits::output::page

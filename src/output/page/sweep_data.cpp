@@ -10,11 +10,16 @@
 #include "output/page/text.hpp"
 #include "output/speed/trade_files.hpp"
 
-namespace lostbits::output::report {
+namespace lostbits::output::page {
+
+using measure::map::MapSummary;
+using measure::metric::Metric;
+using measure::sweep::Onset;
+
 namespace {
 
 double quantile(const MapSummary& s, const std::vector<const Metric*>& metrics, const char* name, double q) {
-    const auto at = std::ranges::find(metrics, find_metric(name));
+    const auto at = std::ranges::find(metrics, measure::metric::find_metric(name));
     return at == metrics.end() ? std::numeric_limits<double>::quiet_NaN() : s.metrics[static_cast<std::size_t>(at - metrics.begin())].quantile(q);
 }
 
@@ -27,8 +32,8 @@ std::string list(const Items& items, const Text& text) {
     return fmt::format("[{}]", fmt::join(all, ","));
 }
 
-const char* spacing_name(scene::Axis::Spacing s) {
-    using S = scene::Axis::Spacing;
+const char* spacing_name(scene::sweep::Axis::Spacing s) {
+    using S = scene::sweep::Axis::Spacing;
     return s == S::log2 ? "log2" : s == S::linear ? "linear" : s == S::whole ? "whole" : "every_float";
 }
 
@@ -47,7 +52,7 @@ const std::vector<Statistic>& sweep_statistics() {
     return all;
 }
 
-std::string row_fields(const MapRow& row, const std::vector<const Metric*>& metrics, std::size_t cells, const std::function<const MapSummary&(std::size_t)>& at) {
+std::string row_fields(const measure::map::MapRow& row, const std::vector<const Metric*>& metrics, std::size_t cells, const std::function<const MapSummary&(std::size_t)>& at) {
     std::vector<std::string> values, outcomes;
     for (const Statistic& s : sweep_statistics()) {
         std::vector<std::string> all;
@@ -58,8 +63,8 @@ std::string row_fields(const MapRow& row, const std::vector<const Metric*>& metr
     return fmt::format(R"("form":{},"format":{},"values":[{}],"outcomes":[{}])", json_text(row.form->info->name), json_text(row.format.name), fmt::join(values, ","), fmt::join(outcomes, ","));
 }
 
-std::string sweep_json(const SweepRequest& request, const std::vector<SweepStep>& steps, const std::vector<Onset>& onsets) {
-    const scene::Axis& axis = request.sweep->axes.front();
+std::string sweep_json(const measure::sweep::SweepRequest& request, const std::vector<measure::sweep::SweepStep>& steps, const std::vector<Onset>& onsets) {
+    const scene::sweep::Axis& axis = request.sweep->axes.front();
     std::vector<std::string> rows;
     for (std::size_t r = 0; r < request.rows.size(); ++r) {
         std::vector<std::string> found;
@@ -71,11 +76,11 @@ std::string sweep_json(const SweepRequest& request, const std::vector<SweepStep>
         rows.push_back(fmt::format(R"({{{},"onsets":[{}]}})", numbers, fmt::join(found, ",")));
     }
     return fmt::format(R"({{"id":{},"title":{},"kind":"line","axis":{},"unit":{},"spacing":"{}","steps":{},"statistics":{},"rows":[{}]}})", json_text(request.sweep->id), json_text(request.sweep->title),
-                       json_text(axis.name), json_text(axis.unit), spacing_name(axis.spacing), list(steps, [](const SweepStep& s) { return number(s.values.front()); }),
+                       json_text(axis.name), json_text(axis.unit), spacing_name(axis.spacing), list(steps, [](const measure::sweep::SweepStep& s) { return number(s.values.front()); }),
                        list(sweep_statistics(), [](const Statistic& s) { return json_text(s.name); }), fmt::join(rows, ","));
 }
 
-std::string onset_table(const SweepRequest& request, const std::vector<Onset>& onsets) {
+std::string onset_table(const measure::sweep::SweepRequest& request, const std::vector<Onset>& onsets) {
     struct Wanted {
         const char *title, *event, *statistic;
         double share;  ///< of the significand; 0: the threshold is one
@@ -90,7 +95,7 @@ std::string onset_table(const SweepRequest& request, const std::vector<Onset>& o
     for (const Wanted& w : wanted) text += fmt::format("<th scope=\"col\">{}</th>", w.title);
     text += "</tr></thead><tbody>\n";
     for (std::size_t r = 0; r < request.rows.size(); ++r) {
-        const MapRow& row = request.rows[r];
+        const measure::map::MapRow& row = request.rows[r];
         text += fmt::format("<tr><th scope=\"row\">{}</th><td>{}</td>", html(row.form->info->name), row.format.name);
         for (const Wanted& w : wanted) {
             const double threshold = w.share == 0 ? 1 : w.share == 4 ? 4 : w.share * row.format.shape.precision;
@@ -103,15 +108,15 @@ std::string onset_table(const SweepRequest& request, const std::vector<Onset>& o
     return text + "</tbody></table>\n";
 }
 
-std::string trade_json(const TradeRequest& request, const TradeResult& result) {
-    const auto sets = ray_sets(request.shape);
+std::string trade_json(const measure::speed::TradeRequest& request, const measure::speed::TradeResult& result) {
+    const auto sets = measure::speed::ray_sets(request.shape);
     std::vector<std::string> parts;
     for (std::size_t s = 0; s < sets.size(); ++s) {
-        const auto all = pareto_points_of(request, result, s);
-        const auto beaten = dominated(all);
+        const auto all = speed::pareto_points_of(request, result, s);
+        const auto beaten = measure::speed::dominated(all);
         std::vector<std::string> points;
         for (std::size_t k = 0; k < all.size(); ++k) {
-            const TradeKernel& kernel = request.kernels[k];
+            const measure::speed::TradeKernel& kernel = request.kernels[k];
             points.push_back(fmt::format(R"({{"form":{},"name":{},"format":{},"isa":{},"time_ns":{},"kept_bits":{},"wrong_fraction":{},"dominated":{}}})",
                                          json_text(kernel.form->name), json_text(kernel.measured.form->info->name), json_text(kernel.measured.format.name), json_text(kernel.isa),
                                          number(all[k].time_ns), number(all[k].kept_bits), number(all[k].wrong_fraction), beaten[k] ? "true" : "false"));
@@ -121,4 +126,4 @@ std::string trade_json(const TradeRequest& request, const TradeResult& result) {
     return fmt::format(R"({{"shape":{},"sets":[{}]}})", json_text(shape_names[static_cast<std::size_t>(request.shape)]), fmt::join(parts, ","));
 }
 
-}  // namespace lostbits::output::report
+}  // namespace lostbits::output::page

@@ -13,7 +13,10 @@
 #include "scene/rays/camera.hpp"
 #include "scene/rays/rays.hpp"
 
-namespace lostbits::output::report {
+namespace lostbits::output::page {
+
+using scene::file::Scene;
+
 namespace {
 
 std::string exact_text(double x) { return number(x); }
@@ -35,14 +38,14 @@ std::string exact_text(const Vec<T>& v) {
 }
 
 template <class T>
-std::string frame_json(const scene::Scene& scene) {
-    const auto f = scene::make_frame<T>(scene);
-    if (f.kind == scene::Camera::Kind::pixel_plane) {
+std::string frame_json(const Scene& scene) {
+    const auto f = scene::rays::make_frame<T>(scene);
+    if (f.kind == scene::file::Camera::Kind::pixel_plane) {
         return fmt::format(R"({{"kind":"pixel_plane","origin":{},"left":{},"top":{},"pitch":{},"pitch_down":{}}})", exact_text(f.origin), exact_text(f.left), exact_text(f.top), exact_text(f.pitch),
                            exact_text(f.pitch_down));
     }
     return fmt::format(R"({{"kind":"{}","normalise":{},"origin":{},"right":{},"up":{},"forward":{},"pitch":{},"centre_x":{},"centre_y":{}}})",
-                       f.kind == scene::Camera::Kind::orthographic ? "orthographic" : "pinhole", f.normalise, exact_text(f.origin), exact_text(f.right), exact_text(f.up), exact_text(f.forward),
+                       f.kind == scene::file::Camera::Kind::orthographic ? "orthographic" : "pinhole", f.normalise, exact_text(f.origin), exact_text(f.right), exact_text(f.up), exact_text(f.forward),
                        exact_text(f.pitch), exact_text(f.centre_x), exact_text(f.centre_y));
 }
 
@@ -68,20 +71,20 @@ std::string node_json(const TapeNode& n) {
 
 }  // namespace
 
-std::string camera_json(const scene::Scene& scene) { return scene.inputs == scene::Inputs::own ? frame_json<Real>(scene) : frame_json<double>(scene); }
+std::string camera_json(const Scene& scene) { return scene.inputs == scene::file::Inputs::own ? frame_json<Real>(scene) : frame_json<double>(scene); }
 
-std::string solids_json(const scene::Scene& scene, const std::set<int>& places) {
-    return scene.inputs == scene::Inputs::own ? numbers_of(scene.solids(), places) : numbers_of(scene::shared_solids(scene), places);
+std::string solids_json(const Scene& scene, const std::set<int>& places) {
+    return scene.inputs == scene::file::Inputs::own ? numbers_of(scene.solids(), places) : numbers_of(scene::rays::shared_solids(scene), places);
 }
 
-std::string tape_json(const Intersector& form, const Format& format) {
+std::string tape_json(const intersect::table::Intersector& form, const Format& format) {
     Solid<double> solid;
     solid.shape = form.shape;
     solid.numbers = {1, 2, 3, 4, 5, 6};
-    const Target<double> target(solid);
+    const intersect::Target<double> target(solid);
     Tape tape;
     form.record(format, {Vec<double>(1, 2, 3), Vec<double>(4, 5, 6)}, target, HUGE_VAL, tape);
-    const TapeText text(tape, input_names(form, target), TapeText::Style::pretty);
+    const measure::blame::TapeText text(tape, intersect::table::input_names(form, target), measure::blame::TapeText::Style::pretty);
     std::vector<std::string> formats, nodes, names, expressions, labelled;
     for (const FloatFormat& f : tape.formats) formats.push_back(fmt::format(R"({{"precision":{},"emin":{},"emax":{}}})", f.precision, f.emin, f.emax));
     for (NodeId i = 0; i < tape.size(); ++i) {
@@ -94,4 +97,4 @@ std::string tape_json(const Intersector& form, const Format& format) {
                        fmt::join(expressions, ","), fmt::join(labelled, ","), tape.outputs.hit, tape.outputs.t);
 }
 
-}  // namespace lostbits::output::report
+}  // namespace lostbits::output::page

@@ -7,16 +7,16 @@
 #include "intersect/table/table.hpp"
 #include "scene/file/scene.hpp"
 
-namespace lostbits::output::report {
+namespace lostbits::output::page {
 
 /// `scene::CameraFrame` of double, or of Real where the scene's inputs are its own, number by number and exactly.
-[[nodiscard]] std::string camera_json(const scene::Scene& scene);
+[[nodiscard]] std::string camera_json(const scene::file::Scene& scene);
 
 /// `{"0":[…],…}`: the numbers, exactly, of the solids named by their places in the scene. A sphereflake has more than a page should hold.
-[[nodiscard]] std::string solids_json(const scene::Scene& scene, const std::set<int>& places);
+[[nodiscard]] std::string solids_json(const scene::file::Scene& scene, const std::set<int>& places);
 
 /// The tape of a form that does not march, which is the same for every ray but for the numbers on it: operations with the places of
 /// their formats and operands, and their names and expressions as `lostbits explain` writes them.
-[[nodiscard]] std::string tape_json(const Intersector& form, const Format& format);
+[[nodiscard]] std::string tape_json(const intersect::table::Intersector& form, const Format& format);
 
-}  // namespace lostbits::output::report
+}  // namespace lostbits::output::page

@@ -8,7 +8,10 @@
 #include "output/file/csv.hpp"
 #include "output/file/number_text.hpp"
 
-namespace lostbits::output::report {
+namespace lostbits::output::page {
+
+using measure::answer::Outcome;
+
 namespace {
 
 double fraction(std::uint64_t part, std::uint64_t whole) {
@@ -19,7 +22,7 @@ double fraction(std::uint64_t part, std::uint64_t whole) {
 
 std::string html(std::string_view text) {
     std::string out;
-    for (const char c : valid_utf8(text)) {
+    for (const char c : file::valid_utf8(text)) {
         if (c == '&') out += "&amp;";
         else if (c == '<') out += "&lt;";
         else if (c == '>') out += "&gt;";
@@ -31,7 +34,7 @@ std::string html(std::string_view text) {
 
 std::string json_text(std::string_view text) {
     std::string out = "\"";
-    for (const char c : valid_utf8(text)) {
+    for (const char c : file::valid_utf8(text)) {
         if (c == '"' || c == '\\') out += {'\\', c};
         else if (c == '\n') out += "\\n";
         else if (c == '<' || static_cast<unsigned char>(c) < 0x20) out += fmt::format("\\u{:04x}", static_cast<unsigned>(c));
@@ -42,18 +45,18 @@ std::string json_text(std::string_view text) {
 
 std::string number(double value) {
     if (std::isnan(value)) return "null";
-    return std::isinf(value) ? json_text(decimal(value)) : decimal(value);
+    return std::isinf(value) ? json_text(file::decimal(value)) : file::decimal(value);
 }
 
 std::string shown(double value) {
     if (std::isnan(value)) return "&ndash;";
     const std::string look = value != 0 && (std::fabs(value) < 1e-3 || std::fabs(value) >= 1e7) ? fmt::format("{:.2e}", value) : fmt::format("{:.4g}", value);
-    return fmt::format("<data value=\"{}\">{}</data>", decimal(value), value == std::floor(value) && std::fabs(value) < 1e7 ? decimal(value) : look);
+    return fmt::format("<data value=\"{}\">{}</data>", file::decimal(value), value == std::floor(value) && std::fabs(value) < 1e7 ? file::decimal(value) : look);
 }
 
-std::string row_key(const MapRow& row) { return std::string(row.form->info->name) + "." + row.format.name; }
+std::string row_key(const measure::map::MapRow& row) { return std::string(row.form->info->name) + "." + row.format.name; }
 
-double false_hit_fraction(const MapSummary& s) { return fraction(s.count(Outcome::false_hit), s.rays - s.true_hits - s.count(Outcome::unresolved)); }
-double false_miss_fraction(const MapSummary& s) { return fraction(s.count(Outcome::false_miss), s.true_hits); }
+double false_hit_fraction(const measure::map::MapSummary& s) { return fraction(s.count(Outcome::false_hit), s.rays - s.true_hits - s.count(Outcome::unresolved)); }
+double false_miss_fraction(const measure::map::MapSummary& s) { return fraction(s.count(Outcome::false_miss), s.true_hits); }
 
-}  // namespace lostbits::output::report
+}  // namespace lostbits::output::page

@@ -6,7 +6,7 @@
 
 #include "measure/map/map.hpp"
 
-namespace lostbits::output::report {
+namespace lostbits::output::page {
 
 /// With &, <, > and quotes written as entities.
 [[nodiscard]] std::string html(std::string_view text);
@@ -21,10 +21,10 @@ namespace lostbits::output::report {
 [[nodiscard]] std::string shown(double value);
 
 /// `sphere.unified.f32`: how the page calls a row.
-[[nodiscard]] std::string row_key(const MapRow& row);
+[[nodiscard]] std::string row_key(const measure::map::MapRow& row);
 
 /// `false_hit` among the rays that truly miss and `false_miss` among those that truly hit, as summary.csv has them; NaN where there are none.
-[[nodiscard]] double false_hit_fraction(const MapSummary& summary);
-[[nodiscard]] double false_miss_fraction(const MapSummary& summary);
+[[nodiscard]] double false_hit_fraction(const measure::map::MapSummary& summary);
+[[nodiscard]] double false_miss_fraction(const measure::map::MapSummary& summary);
 
-}  // namespace lostbits::output::report
+}  // namespace lostbits::output::page

@@ -6,22 +6,29 @@
 
 #include "output/map/map_colour.hpp"
 
-namespace lostbits::output {
+namespace lostbits::output::picture {
+
+using image::ColourScale;
+using image::LegendEntry;
+using image::Rgb8;
+using measure::answer::Outcome;
+using measure::picture::Seen;
+
 namespace {
 
-constexpr Rgb8 of(Outcome o) { return outcome_colours[static_cast<std::size_t>(o)]; }
+constexpr Rgb8 of(Outcome o) { return image::outcome_colours[static_cast<std::size_t>(o)]; }
 
-constexpr std::array<Rgb8, seen_names.size()> seen_colours{of(Outcome::agree_hit),   of(Outcome::agree_miss), {160, 82, 45},
+constexpr std::array<Rgb8, measure::picture::seen_names.size()> seen_colours{of(Outcome::agree_hit),   of(Outcome::agree_miss), {160, 82, 45},
                                                            of(Outcome::false_miss),  of(Outcome::false_hit),  of(Outcome::not_a_number),
                                                            of(Outcome::unresolved)};
-constexpr std::array<const char*, seen_names.size()> seen_labels{"same sphere", "background", "another sphere", "sphere lost", "sphere where none is", "not a number", "not proved"};
+constexpr std::array<const char*, measure::picture::seen_names.size()> seen_labels{"same sphere", "background", "another sphere", "sphere lost", "sphere where none is", "not a number", "not proved"};
 
 /// A map of shadow decisions has red and pink for these, so pixels that show something else have one colour there.
 constexpr const char* seen_otherwise = "seen otherwise";
 
-constexpr std::array<Rgb8, shadow_names.size()> shadow_colours{of(Outcome::agree_miss), {255, 246, 205}, {105, 110, 122}, of(Outcome::false_hit),
+constexpr std::array<Rgb8, measure::picture::shadow_names.size()> shadow_colours{of(Outcome::agree_miss), {255, 246, 205}, {105, 110, 122}, of(Outcome::false_hit),
                                                                {255, 140, 0},           of(Outcome::false_miss), of(Outcome::unresolved)};
-constexpr std::array<const char*, shadow_names.size()> shadow_labels{"not compared",     "both lit",         "both in shadow", "false shadow",
+constexpr std::array<const char*, measure::picture::shadow_names.size()> shadow_labels{"not compared",     "both lit",         "both in shadow", "false shadow",
                                                                      "own shadow (acne)", "false light", "shadow not proved"};
 
 constexpr std::array<ErrorMapKind, 3> kinds{{
@@ -36,16 +43,16 @@ std::string widest_count(std::uint64_t pixels) { return fmt::format("{} (>99.9%)
 
 }  // namespace
 
-Rgb8 picture_colour(const Painted& p) {
+Rgb8 picture_colour(const measure::picture::Painted& p) {
     if (std::isnan(p.colour.x) || std::isnan(p.colour.y) || std::isnan(p.colour.z)) return nan_colour;
     return {p.byte[0], p.byte[1], p.byte[2]};
 }
 
-Rgb8 picture_colour(const TrueColour& c) { return c.certain ? Rgb8{c.byte[0], c.byte[1], c.byte[2]} : unproved_colour; }
+Rgb8 picture_colour(const measure::picture::TrueColour& c) { return c.certain ? Rgb8{c.byte[0], c.byte[1], c.byte[2]} : unproved_colour; }
 
 const ErrorMapKind& error_map_kind(ErrorMap d) { return kinds[static_cast<std::size_t>(d)]; }
 
-ColourScale error_map_scale(ErrorMap d, ImageBackend& backend) {
+ColourScale error_map_scale(ErrorMap d, image::ImageBackend& backend) {
     const ErrorMapKind& kind = error_map_kind(d);
     return ColourScale("viridis", backend.ramp("viridis", 256), kind.low, kind.high, true);
 }
@@ -56,35 +63,35 @@ Rgb8 error_map_colour(const ColourScale& scale, Seen seen, double value) {
     return std::isnan(value) ? seen_colours[static_cast<std::size_t>(Seen::not_a_number)] : scale.map(value);
 }
 
-Rgb8 shadow_colour(Seen seen, Shadow shadow) {
+Rgb8 shadow_colour(Seen seen, measure::picture::Shadow shadow) {
     if (alike(seen)) return shadow_colours[static_cast<std::size_t>(shadow)];
     return seen == Seen::not_a_number || seen == Seen::unresolved ? seen_colours[static_cast<std::size_t>(seen)] : seen_colours[static_cast<std::size_t>(Seen::other_sphere)];
 }
 
-std::vector<LegendEntry> seen_legend(const RenderSummary& s) {
+std::vector<LegendEntry> seen_legend(const measure::picture::RenderSummary& s) {
     std::vector<LegendEntry> entries;
-    for (std::size_t k = 1; k < seen_names.size(); ++k) {
-        if (s.seen[k] > 0) entries.push_back({seen_labels[k], seen_colours[k], count_text(s.seen[k], s.pixels)});
+    for (std::size_t k = 1; k < measure::picture::seen_names.size(); ++k) {
+        if (s.seen[k] > 0) entries.push_back({seen_labels[k], seen_colours[k], map::count_text(s.seen[k], s.pixels)});
     }
     return entries;
 }
 
 std::vector<LegendEntry> widest_seen_legend(std::uint64_t pixels) {
     std::vector<LegendEntry> entries;
-    for (std::size_t k = 1; k < seen_names.size(); ++k) entries.push_back({seen_labels[k], seen_colours[k], widest_count(pixels)});
+    for (std::size_t k = 1; k < measure::picture::seen_names.size(); ++k) entries.push_back({seen_labels[k], seen_colours[k], widest_count(pixels)});
     return entries;
 }
 
-std::vector<LegendEntry> shadow_legend(const RenderSummary& s) {
+std::vector<LegendEntry> shadow_legend(const measure::picture::RenderSummary& s) {
     std::vector<LegendEntry> entries;
     const std::uint64_t not_alike = s.pixels - s.count(Seen::same_sphere) - s.count(Seen::background);
-    for (std::size_t k = 0; k < shadow_names.size(); ++k) {
+    for (std::size_t k = 0; k < measure::picture::shadow_names.size(); ++k) {
         // What is not seen alike is not compared either, and drawn as what it is.
         const std::uint64_t n = s.shadow[0][k] + s.shadow[1][k] - (k == 0 ? not_alike : 0);
-        if (n > 0) entries.push_back({shadow_labels[k], shadow_colours[k], count_text(n, s.pixels)});
+        if (n > 0) entries.push_back({shadow_labels[k], shadow_colours[k], map::count_text(n, s.pixels)});
     }
     const auto seen = [&](const char* label, Seen colour, std::uint64_t n) {
-        if (n > 0) entries.push_back({label, seen_colours[static_cast<std::size_t>(colour)], count_text(n, s.pixels)});
+        if (n > 0) entries.push_back({label, seen_colours[static_cast<std::size_t>(colour)], map::count_text(n, s.pixels)});
     };
     seen(seen_otherwise, Seen::other_sphere, s.count(Seen::other_sphere) + s.count(Seen::lost_sphere) + s.count(Seen::extra_sphere));
     for (const Seen each : {Seen::not_a_number, Seen::unresolved}) seen(seen_labels[static_cast<std::size_t>(each)], each, s.count(each));
@@ -93,11 +100,11 @@ std::vector<LegendEntry> shadow_legend(const RenderSummary& s) {
 
 std::vector<LegendEntry> widest_shadow_legend(std::uint64_t pixels) {
     std::vector<LegendEntry> entries;
-    for (std::size_t k = 0; k < shadow_names.size(); ++k) entries.push_back({shadow_labels[k], shadow_colours[k], widest_count(pixels)});
+    for (std::size_t k = 0; k < measure::picture::shadow_names.size(); ++k) entries.push_back({shadow_labels[k], shadow_colours[k], widest_count(pixels)});
     const auto seen = [&](const char* label, Seen colour) { entries.push_back({label, seen_colours[static_cast<std::size_t>(colour)], widest_count(pixels)}); };
     seen(seen_otherwise, Seen::other_sphere);
     for (const Seen each : {Seen::not_a_number, Seen::unresolved}) seen(seen_labels[static_cast<std::size_t>(each)], each);
     return entries;
 }
 
-}  // namespace lostbits::output
+}  // namespace lostbits::output::picture

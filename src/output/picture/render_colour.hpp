@@ -10,14 +10,14 @@
 #include "output/image/colour.hpp"
 #include "output/image/image.hpp"
 
-namespace lostbits::output {
+namespace lostbits::output::picture {
 
 /// In a picture: a channel at NaN, and a colour that is not proved. Neither is a colour of the picture.
-inline constexpr Rgb8 nan_colour{255, 0, 255};
-inline constexpr Rgb8 unproved_colour = outcome_colours[static_cast<std::size_t>(Outcome::unresolved)];
+inline constexpr image::Rgb8 nan_colour{255, 0, 255};
+inline constexpr image::Rgb8 unproved_colour = image::outcome_colours[static_cast<std::size_t>(measure::answer::Outcome::unresolved)];
 
-[[nodiscard]] Rgb8 picture_colour(const Painted& pixel);
-[[nodiscard]] Rgb8 picture_colour(const TrueColour& colour);
+[[nodiscard]] image::Rgb8 picture_colour(const measure::picture::Painted& pixel);
+[[nodiscard]] image::Rgb8 picture_colour(const measure::picture::TrueColour& colour);
 
 /// The difference maps that are numbers.
 enum class ErrorMap : std::uint8_t { colour, normal, residual };
@@ -30,16 +30,16 @@ struct ErrorMapKind {
     double low, high;  ///< ends of the colour bar, logarithmic
 };
 [[nodiscard]] const ErrorMapKind& error_map_kind(ErrorMap d);
-[[nodiscard]] ColourScale error_map_scale(ErrorMap d, ImageBackend& backend);
+[[nodiscard]] image::ColourScale error_map_scale(ErrorMap d, image::ImageBackend& backend);
 
 /// On pixels that both see alike the value on the ramp (an unchanged background stays grey), else the class.
-[[nodiscard]] Rgb8 error_map_colour(const ColourScale& scale, Seen seen, double value);
-[[nodiscard]] Rgb8 shadow_colour(Seen seen, Shadow shadow);
+[[nodiscard]] image::Rgb8 error_map_colour(const image::ColourScale& scale, measure::picture::Seen seen, double value);
+[[nodiscard]] image::Rgb8 shadow_colour(measure::picture::Seen seen, measure::picture::Shadow shadow);
 
 /// Classes of pixels with their counts; those without a pixel are left out. `widest_` lists all that may come.
-[[nodiscard]] std::vector<LegendEntry> seen_legend(const RenderSummary& s);
-[[nodiscard]] std::vector<LegendEntry> widest_seen_legend(std::uint64_t pixels);
-[[nodiscard]] std::vector<LegendEntry> shadow_legend(const RenderSummary& s);
-[[nodiscard]] std::vector<LegendEntry> widest_shadow_legend(std::uint64_t pixels);
+[[nodiscard]] std::vector<image::LegendEntry> seen_legend(const measure::picture::RenderSummary& s);
+[[nodiscard]] std::vector<image::LegendEntry> widest_seen_legend(std::uint64_t pixels);
+[[nodiscard]] std::vector<image::LegendEntry> shadow_legend(const measure::picture::RenderSummary& s);
+[[nodiscard]] std::vector<image::LegendEntry> widest_shadow_legend(std::uint64_t pixels);
 
-}  // namespace lostbits::output
+}  // namespace lostbits::output::picture

@@ -5,13 +5,13 @@
 
 #include "output/picture/render_colour.hpp"
 
-namespace lostbits::output {
+namespace lostbits::output::picture {
 namespace {
 
-ExrSpec spec_of(const RenderRequest& request, const MapRow& row, const std::string& command) {
-    using enum Channel::Type;
-    ExrSpec spec{.width = request.scene->width, .height = request.scene->height, .channels = {{"R", f32}, {"G", f32}, {"B", f32}}, .attributes = {}};
-    for (const scene::Stage stage : request.stages) {
+image::ExrSpec spec_of(const measure::picture::RenderRequest& request, const measure::map::MapRow& row, const std::string& command) {
+    using enum image::Channel::Type;
+    image::ExrSpec spec{.width = request.scene->width, .height = request.scene->height, .channels = {{"R", f32}, {"G", f32}, {"B", f32}}, .attributes = {}};
+    for (const scene::file::Stage stage : request.stages) {
         const std::string name(name_of(stage));
         for (const char* channel : {".r", ".g", ".b", "_true.r", "_true.g", "_true.b", ".difference"}) spec.channels.push_back({name + channel, f32});
     }
@@ -28,8 +28,8 @@ ExrSpec spec_of(const RenderRequest& request, const MapRow& row, const std::stri
                        {"lostbits:form", std::string(row.form->info->name)},
                        {"lostbits:format", row.format.name},
                        {"lostbits:compiler", LOSTBITS_COMPILER},
-                       {"lostbits:seen", list(seen_names)},
-                       {"lostbits:shadow", list(shadow_names)},
+                       {"lostbits:seen", list(measure::picture::seen_names)},
+                       {"lostbits:shadow", list(measure::picture::shadow_names)},
                        {"lostbits:objects", "0 none, otherwise the sphere's place in the scene, from 1"}};
     return spec;
 }
@@ -38,19 +38,19 @@ std::uint32_t word(double x) { return std::bit_cast<std::uint32_t>(static_cast<f
 
 }  // namespace
 
-RenderExr::RenderExr(ImageBackend& backend, const std::filesystem::path& path, const RenderRequest& request, const MapRow& row, const std::string& command)
+RenderExr::RenderExr(image::ImageBackend& backend, const std::filesystem::path& path, const measure::picture::RenderRequest& request, const measure::map::MapRow& row, const std::string& command)
     : request_(request), writer_(backend.open_exr(path, spec_of(request, row, command))) {}
 
-void RenderExr::write(const RenderBand& band) {
+void RenderExr::write(const measure::picture::RenderBand& band) {
     samples_.clear();
     for (std::size_t i = 0; i < band.seen.size(); ++i) {
-        const Rgb8 preview = picture_colour(band.painted.back()[i]);
-        for (const std::uint8_t c : {preview.r, preview.g, preview.b}) samples_.push_back(word(linear_light(c) / 65535.0));
+        const image::Rgb8 preview = picture_colour(band.painted.back()[i]);
+        for (const std::uint8_t c : {preview.r, preview.g, preview.b}) samples_.push_back(word(image::linear_light(c) / 65535.0));
         for (std::size_t s = 0; s < request_.stages.size(); ++s) {
-            const Painted& p = band.painted[s][i];
-            const TrueColour& truth = band.truth[i].colours[static_cast<std::size_t>(request_.stages[s])];
+            const measure::picture::Painted& p = band.painted[s][i];
+            const measure::picture::TrueColour& truth = band.truth[i].colours[static_cast<std::size_t>(request_.stages[s])];
             for (int k = 0; k < 3; ++k) samples_.push_back(word(p.colour[k]));
-            for (const Tight& c : truth.channel) samples_.push_back(truth.certain ? word(c.hi) : word(std::numeric_limits<double>::quiet_NaN()));
+            for (const measure::picture::Tight& c : truth.channel) samples_.push_back(truth.certain ? word(c.hi) : word(std::numeric_limits<double>::quiet_NaN()));
             samples_.push_back(word(p.error));
         }
         samples_.push_back(word(band.normal_angle[i]));
@@ -63,4 +63,4 @@ void RenderExr::write(const RenderBand& band) {
     writer_->write_rows(band.y0, band.rows, std::as_bytes(std::span(samples_)));
 }
 
-}  // namespace lostbits::output
+}  // namespace lostbits::output::picture

@@ -9,7 +9,7 @@
 #include "measure/picture/render.hpp"
 #include "output/image/image.hpp"
 
-namespace lostbits::output {
+namespace lostbits::output::picture {
 
 /// Channels, all 32 bits: `R`, `G`, `B` (the last stage's picture in linear light); for each stage `<stage>.r`, `.g`, `.b`
 /// (FLOAT, display numbers as the format computed them, not clamped), `<stage>_true.r`, `.g`, `.b` (the certified ones) and
@@ -17,15 +17,15 @@ namespace lostbits::output {
 /// the attributes `lostbits:seen` and `lostbits:shadow`), `class.object`, `class.true_object` (from 1, 0 is none).
 class RenderExr {
 public:
-    RenderExr(ImageBackend& backend, const std::filesystem::path& path, const RenderRequest& request, const MapRow& row, const std::string& command);
+    RenderExr(image::ImageBackend& backend, const std::filesystem::path& path, const measure::picture::RenderRequest& request, const measure::map::MapRow& row, const std::string& command);
 
-    void write(const RenderBand& band);
+    void write(const measure::picture::RenderBand& band);
     void close() { writer_->close(); }
 
 private:
-    const RenderRequest& request_;
-    std::unique_ptr<ExrWriter> writer_;
+    const measure::picture::RenderRequest& request_;
+    std::unique_ptr<image::ExrWriter> writer_;
     std::vector<std::uint32_t> samples_;
 };
 
-}  // namespace lostbits::output
+}  // namespace lostbits::output::picture

@@ -12,17 +12,25 @@
 #include "output/picture/render_exr.hpp"
 #include "output/picture/render_sheet.hpp"
 
-namespace lostbits::output {
+namespace lostbits::output::picture {
+
+using file::Cell;
+using image::HeatmapWriter;
+using measure::map::MapRow;
+using measure::picture::RenderBand;
+using measure::picture::RenderRequest;
+using measure::picture::ShadeRule;
+
 namespace {
 
 std::string stem(const MapRow& row) { return fmt::format("{}.{}", row.form->info->name, row.format.name); }
 std::uint64_t pixels_of(const RenderRequest& r) { return static_cast<std::uint64_t>(r.scene->width) * static_cast<std::uint64_t>(r.scene->height); }
 
 bool any_stage(const RenderRequest& request, bool ShadeRule::* asks) {
-    return std::ranges::any_of(request.stages, [&](scene::Stage s) { return shade_rule(request.scene->appearance, s).*asks; });
+    return std::ranges::any_of(request.stages, [&](scene::file::Stage s) { return measure::picture::shade_rule(request.scene->appearance, s).*asks; });
 }
 
-HeatmapSpec map_spec(const RenderRequest& request, const MapRow& row, const std::string& title, const std::string& note, std::vector<LegendEntry> legend) {
+image::HeatmapSpec map_spec(const RenderRequest& request, const MapRow& row, const std::string& title, const std::string& note, std::vector<image::LegendEntry> legend) {
     return {.title = fmt::format("{} in {}: {}", row.form->info->name, row.format.name, title),
             .subtitle = {request.scene->title, std::string(row.form->info->title), note},
             .width = request.scene->width,
@@ -36,31 +44,31 @@ HeatmapSpec map_spec(const RenderRequest& request, const MapRow& row, const std:
 struct DifferenceMap {
     ErrorMap kind;
     std::size_t stage;  ///< of the request; the differences of normal and residual have none
-    ColourScale scale;
+    image::ColourScale scale;
     std::unique_ptr<HeatmapWriter> heatmap;
 };
 
 }  // namespace
 
-std::vector<Column> render_summary_columns() {
-    std::vector<Column> columns{{"stage", "string", "", "how far the picture goes: visible, diffuse, shadows, phong"},
+std::vector<file::Column> render_summary_columns() {
+    std::vector<file::Column> columns{{"stage", "string", "", "how far the picture goes: visible, diffuse, shadows, phong"},
                                 {"form", "string", "", "form that finds hits and shadows"},
                                 {"format", "string", "", "format that everything is computed in"}};
-    for (const RenderColumn& c : render_columns()) columns.push_back({std::string(c.name), c.whole ? "integer" : "number", std::string(c.unit), std::string(c.meaning)});
+    for (const measure::picture::RenderColumn& c : measure::picture::render_columns()) columns.push_back({std::string(c.name), c.whole ? "integer" : "number", std::string(c.unit), std::string(c.meaning)});
     return columns;
 }
 
 /// The files of one form in one format.
 class RenderRowFiles {
 public:
-    RenderRowFiles(const RenderRequest& request, const MapRow& row, const RenderFilesOptions& options, ImageBackend& backend)
+    RenderRowFiles(const RenderRequest& request, const MapRow& row, const RenderFilesOptions& options, image::ImageBackend& backend)
         : request_(request), exr_(backend, options.folder / (stem(row) + ".exr"), request, row, options.command) {
         const auto open = [&](ErrorMap d, std::size_t stage, const std::string& name, const std::string& title) {
             const ErrorMapKind& kind = error_map_kind(d);
-            HeatmapSpec spec = map_spec(request, row, title, kind.note, widest_seen_legend(pixels_of(request)));
+            image::HeatmapSpec spec = map_spec(request, row, title, kind.note, widest_seen_legend(pixels_of(request)));
             spec.scale = error_map_scale(d, backend);
             spec.unit = kind.unit;
-            const ColourScale scale = *spec.scale;
+            const image::ColourScale scale = *spec.scale;
             maps_.push_back({d, stage, scale, std::make_unique<HeatmapWriter>(backend, options.folder / name, std::move(spec))});
         };
         for (std::size_t s = 0; s < request.stages.size(); ++s) {
@@ -96,7 +104,7 @@ public:
     }
 
     /// `summaries`: one a stage.
-    void finish(std::span<const RenderSummary> summaries) {
+    void finish(std::span<const measure::picture::RenderSummary> summaries) {
         for (const auto& picture : pictures_) picture->close();
         for (DifferenceMap& map : maps_) map.heatmap->finish(seen_legend(summaries[map.stage]));
         if (shadow_) shadow_->finish(shadow_legend(summaries.back()));
@@ -115,39 +123,39 @@ private:
 
     const RenderRequest& request_;
     RenderExr exr_;
-    std::vector<std::unique_ptr<PngWriter>> pictures_;
+    std::vector<std::unique_ptr<image::PngWriter>> pictures_;
     std::vector<DifferenceMap> maps_;
     std::unique_ptr<HeatmapWriter> shadow_;
-    std::vector<Rgb8> field_;
+    std::vector<image::Rgb8> field_;
 };
 
 struct RenderFiles::Parts {
     const RenderRequest& request;
     RenderFilesOptions options;
-    CsvWriter table;
+    file::CsvWriter table;
     RenderSheet sheet;
-    std::vector<std::unique_ptr<PngWriter>> references{};  ///< one a stage
+    std::vector<std::unique_ptr<image::PngWriter>> references{};  ///< one a stage
     std::vector<std::unique_ptr<RenderRowFiles>> rows{};
 };
 
 RenderFiles::RenderFiles(const RenderRequest& request, const RenderFilesOptions& options)
-    : parts_(new Parts{request, options, CsvWriter(options.folder / "summary.csv", render_summary_columns()),
-                       RenderSheet(image_backend(), options.folder / "contact.png", request)}) {
-    const scene::Scene& scene = *request.scene;
-    for (const scene::Stage stage : request.stages) {
-        parts_->references.push_back(image_backend().open_png(options.folder / fmt::format("{}.reference.png", name_of(stage)), scene.width, scene.height));
+    : parts_(new Parts{request, options, file::CsvWriter(options.folder / "summary.csv", render_summary_columns()),
+                       RenderSheet(image::image_backend(), options.folder / "contact.png", request)}) {
+    const scene::file::Scene& scene = *request.scene;
+    for (const scene::file::Stage stage : request.stages) {
+        parts_->references.push_back(image::image_backend().open_png(options.folder / fmt::format("{}.reference.png", name_of(stage)), scene.width, scene.height));
     }
-    for (const MapRow& row : request.rows) parts_->rows.push_back(std::make_unique<RenderRowFiles>(request, row, options, image_backend()));
+    for (const MapRow& row : request.rows) parts_->rows.push_back(std::make_unique<RenderRowFiles>(request, row, options, image::image_backend()));
 }
 
 RenderFiles::~RenderFiles() = default;
 
-void RenderFiles::reference(int y0, int rows, std::span<const TruePixel> truth) {
+void RenderFiles::reference(int y0, int rows, std::span<const measure::picture::TruePixel> truth) {
     Parts& p = *parts_;
-    std::vector<Rgb8> field(truth.size());
+    std::vector<image::Rgb8> field(truth.size());
     for (std::size_t s = 0; s < p.references.size(); ++s) {
         const auto stage = static_cast<std::size_t>(p.request.stages[s]);
-        std::ranges::transform(truth, field.begin(), [stage](const TruePixel& pixel) { return picture_colour(pixel.colours[stage]); });
+        std::ranges::transform(truth, field.begin(), [stage](const measure::picture::TruePixel& pixel) { return picture_colour(pixel.colours[stage]); });
         p.references[s]->write_rows(rows, field);
     }
     p.sheet.reference(y0, rows, truth);
@@ -158,7 +166,7 @@ void RenderFiles::row(std::size_t row, const RenderBand& band) {
     parts_->sheet.row(row, band);
 }
 
-void RenderFiles::finish(const std::vector<RenderSummary>& summaries) {
+void RenderFiles::finish(const std::vector<measure::picture::RenderSummary>& summaries) {
     Parts& p = *parts_;
     const std::size_t stages = p.request.stages.size();
     for (std::size_t r = 0; r < p.rows.size(); ++r) p.rows[r]->finish(std::span(summaries).subspan(r * stages, stages));
@@ -168,15 +176,15 @@ void RenderFiles::finish(const std::vector<RenderSummary>& summaries) {
     for (std::size_t s = 0; s < stages; ++s) {
         for (std::size_t r = 0; r < p.rows.size(); ++r) {
             p.table.add(name_of(p.request.stages[s])).add(p.request.rows[r].form->info->name).add(p.request.rows[r].format.name);
-            for (const RenderColumn& c : render_columns()) {
+            for (const measure::picture::RenderColumn& c : measure::picture::render_columns()) {
                 const double x = c.value(summaries[r * stages + s]);
                 p.table.add(std::isnan(x) ? Cell() : c.whole ? Cell(static_cast<std::uint64_t>(x)) : Cell(x));
             }
             p.table.end_row();
         }
     }
-    write_datapackage(p.options.folder / "datapackage.json", p.request.scene->title, {{"summary.csv", "One row per stage, form and format", render_summary_columns()}});
+    file::write_datapackage(p.options.folder / "datapackage.json", p.request.scene->title, {{"summary.csv", "One row per stage, form and format", render_summary_columns()}});
     p.table.close();  // last: a folder with a summary is a finished one
 }
 
-}  // namespace lostbits::output
+}  // namespace lostbits::output::picture

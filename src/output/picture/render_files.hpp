@@ -9,7 +9,7 @@
 #include "measure/picture/render.hpp"
 #include "output/file/csv.hpp"
 
-namespace lostbits::output {
+namespace lostbits::output::picture {
 
 struct RenderFilesOptions {
     std::filesystem::path folder;  ///< of this scene; made if missing
@@ -17,27 +17,27 @@ struct RenderFilesOptions {
 };
 
 /// The columns of summary.csv: stage, form, format and `render_columns`.
-[[nodiscard]] std::vector<Column> render_summary_columns();
+[[nodiscard]] std::vector<file::Column> render_summary_columns();
 
 /// Opens every file at once, before any work, and gives all their final names in `finish`; see `MapFiles`.
 ///
 /// `<stage>.reference.png` and `<stage>.<form>.<format>.png` are the bare pictures, a pixel a pixel; `….colour.png` is the
 /// difference of the two, and `<form>.<format>.residual.png`, `.normal.png`, `.shadow.png` are the differences that all
 /// stages share, the last two where a stage needs them.
-class RenderFiles final : public RenderSink {
+class RenderFiles final : public measure::picture::RenderSink {
 public:
-    RenderFiles(const RenderRequest& request, const RenderFilesOptions& options);
+    RenderFiles(const measure::picture::RenderRequest& request, const RenderFilesOptions& options);
     ~RenderFiles() override;
     RenderFiles(const RenderFiles&) = delete;
     RenderFiles& operator=(const RenderFiles&) = delete;
 
-    void reference(int y0, int rows, std::span<const TruePixel> truth) override;
-    void row(std::size_t row, const RenderBand& band) override;
-    void finish(const std::vector<RenderSummary>& summaries);
+    void reference(int y0, int rows, std::span<const measure::picture::TruePixel> truth) override;
+    void row(std::size_t row, const measure::picture::RenderBand& band) override;
+    void finish(const std::vector<measure::picture::RenderSummary>& summaries);
 
 private:
     struct Parts;
     std::unique_ptr<Parts> parts_;
 };
 
-}  // namespace lostbits::output
+}  // namespace lostbits::output::picture

@@ -6,10 +6,13 @@
 
 #include "output/picture/render_colour.hpp"
 
-namespace lostbits::output {
+namespace lostbits::output::picture {
+
+using measure::picture::Seen;
+
 namespace {
 
-std::string short_name(const Info& info) { return std::string(info.name.substr(info.name.find('.') + 1)); }
+std::string short_name(const intersect::Info& info) { return std::string(info.name.substr(info.name.find('.') + 1)); }
 
 std::string percent(std::uint64_t part, std::uint64_t whole) {
     const double share = 100.0 * static_cast<double>(part) / static_cast<double>(whole);
@@ -17,12 +20,12 @@ std::string percent(std::uint64_t part, std::uint64_t whole) {
 }
 
 /// The note under a thumbnail: what a glance should take away.
-std::string glance(const RenderSummary& s) {
+std::string glance(const measure::picture::RenderSummary& s) {
     std::string text = s.changed == 0 ? "every pixel right" : percent(s.changed, s.pixels) + " of pixels wrong";
     const std::uint64_t wrong = s.pixels - s.count(Seen::same_sphere) - s.count(Seen::background) - s.count(Seen::unresolved);
     if (wrong > 0) text += fmt::format("\n{} seen wrong", percent(wrong, s.pixels));
     if (!s.rule.shadows) return text;
-    const auto acne = s.count(false, Shadow::own_shadow);
+    const auto acne = s.count(false, measure::picture::Shadow::own_shadow);
     if (acne > 0) text += fmt::format("\n{} acne", percent(acne, s.pixels));
     if (const auto flips = s.flips()) text += fmt::format("{}{} shadow flips", acne > 0 ? ", " : "\n", flips);
     return text;
@@ -30,18 +33,18 @@ std::string glance(const RenderSummary& s) {
 
 }  // namespace
 
-RenderSheet::RenderSheet(ImageBackend& backend, const std::filesystem::path& path, const RenderRequest& request) : request_(request) {
+RenderSheet::RenderSheet(image::ImageBackend& backend, const std::filesystem::path& path, const measure::picture::RenderRequest& request) : request_(request) {
     const auto place = [](std::vector<std::string>& names, const std::string& one) {
         const auto at = static_cast<std::size_t>(std::ranges::find(names, one) - names.begin());
         if (at == names.size()) names.push_back(one);
         return at;
     };
-    for (const MapRow& row : request.rows) {
+    for (const measure::map::MapRow& row : request.rows) {
         column_.push_back(place(forms_, short_name(*row.form->info)));
         format_.push_back(place(formats_, row.format.name));
     }
-    const scene::Scene& scene = *request.scene;
-    SheetSpec spec{.title = scene.title,
+    const scene::file::Scene& scene = *request.scene;
+    image::SheetSpec spec{.title = scene.title,
                    .subtitle = {fmt::format("{}, {} x {} pixels", scene.id, scene.width, scene.height), "the picture of each form in each format, beside the certified one"},
                    .forms = forms_,
                    .formats = {},
@@ -50,30 +53,30 @@ RenderSheet::RenderSheet(ImageBackend& backend, const std::filesystem::path& pat
                    .scale = std::nullopt,
                    .unit = "",
                    .legend = {{"not a number", nan_colour, ""}, {"colour not proved", unproved_colour, ""}}};
-    for (const scene::Stage stage : request.stages) {
+    for (const scene::file::Stage stage : request.stages) {
         for (const std::string& format : formats_) spec.formats.push_back(fmt::format("{}, {}", name_of(stage), format));
     }
     sheet_.emplace(backend, path, std::move(spec));
 }
 
-void RenderSheet::reference(int y0, int, std::span<const TruePixel> truth) {
-    std::vector<Rgb8> field(truth.size());
+void RenderSheet::reference(int y0, int, std::span<const measure::picture::TruePixel> truth) {
+    std::vector<image::Rgb8> field(truth.size());
     for (std::size_t s = 0; s < request_.stages.size(); ++s) {
         const auto stage = static_cast<std::size_t>(request_.stages[s]);
-        std::ranges::transform(truth, field.begin(), [stage](const TruePixel& p) { return picture_colour(p.colours[stage]); });
+        std::ranges::transform(truth, field.begin(), [stage](const measure::picture::TruePixel& p) { return picture_colour(p.colours[stage]); });
         for (std::size_t f = 0; f < formats_.size(); ++f) sheet_->add_rows(0, line(s, f), y0, field);
     }
 }
 
-void RenderSheet::row(std::size_t row, const RenderBand& band) {
-    std::vector<Rgb8> field(band.seen.size());
+void RenderSheet::row(std::size_t row, const measure::picture::RenderBand& band) {
+    std::vector<image::Rgb8> field(band.seen.size());
     for (std::size_t s = 0; s < request_.stages.size(); ++s) {
-        std::ranges::transform(band.painted[s], field.begin(), [](const Painted& p) { return picture_colour(p); });
+        std::ranges::transform(band.painted[s], field.begin(), [](const measure::picture::Painted& p) { return picture_colour(p); });
         sheet_->add_rows(column_[row], line(s, format_[row]), band.y0, field);
     }
 }
 
-void RenderSheet::finish(const std::vector<RenderSummary>& summaries) {
+void RenderSheet::finish(const std::vector<measure::picture::RenderSummary>& summaries) {
     const std::size_t stages = request_.stages.size();
     bool any_nan = false, any_unproved = false;
     for (std::size_t k = 0; k < summaries.size(); ++k) {
@@ -81,10 +84,10 @@ void RenderSheet::finish(const std::vector<RenderSummary>& summaries) {
         any_nan |= summaries[k].colour_not_a_number > 0;
         any_unproved |= summaries[k].unresolved() > 0;
     }
-    std::vector<LegendEntry> legend;
+    std::vector<image::LegendEntry> legend;
     if (any_nan) legend.push_back({"not a number", nan_colour, ""});
     if (any_unproved) legend.push_back({"colour not proved", unproved_colour, ""});
     sheet_->finish(legend);
 }
 
-}  // namespace lostbits::output
+}  // namespace lostbits::output::picture

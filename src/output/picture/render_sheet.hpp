@@ -8,26 +8,26 @@
 #include "measure/picture/render.hpp"
 #include "output/image/contact_sheet.hpp"
 
-namespace lostbits::output {
+namespace lostbits::output::picture {
 
 /// Forms across, the certified picture first; stages and formats down.
-class RenderSheet final : public RenderSink {
+class RenderSheet final : public measure::picture::RenderSink {
 public:
     /// Opens `path`. `request` must outlive it.
-    RenderSheet(ImageBackend& backend, const std::filesystem::path& path, const RenderRequest& request);
+    RenderSheet(image::ImageBackend& backend, const std::filesystem::path& path, const measure::picture::RenderRequest& request);
 
-    void reference(int y0, int rows, std::span<const TruePixel> truth) override;
-    void row(std::size_t row, const RenderBand& band) override;
+    void reference(int y0, int rows, std::span<const measure::picture::TruePixel> truth) override;
+    void row(std::size_t row, const measure::picture::RenderBand& band) override;
     /// Draws the page and gives the file its final name.
-    void finish(const std::vector<RenderSummary>& summaries);
+    void finish(const std::vector<measure::picture::RenderSummary>& summaries);
 
 private:
     [[nodiscard]] std::size_t line(std::size_t stage, std::size_t format) const { return stage * formats_.size() + format; }
 
-    const RenderRequest& request_;
+    const measure::picture::RenderRequest& request_;
     std::vector<std::string> forms_{"certified"}, formats_;
     std::vector<std::size_t> column_, format_;  ///< of each row of the request
-    std::optional<ContactSheet> sheet_;
+    std::optional<image::ContactSheet> sheet_;
 };
 
-}  // namespace lostbits::output
+}  // namespace lostbits::output::picture

@@ -5,7 +5,10 @@
 #include <cmath>
 #include <utility>
 
-namespace lostbits::output {
+namespace lostbits::output::plot {
+
+using image::Point;
+
 namespace {
 
 constexpr std::array<double, 10> distances{6, 11, 18, 27, 40, 56, 76, 100, 130, 170};  // pixels from the point
@@ -87,4 +90,4 @@ std::vector<std::optional<Box2>> place_labels(std::span<const LabelWish> wishes,
     return out;
 }
 
-}  // namespace lostbits::output
+}  // namespace lostbits::output::plot

@@ -7,7 +7,7 @@
 
 #include "output/image/stroke.hpp"
 
-namespace lostbits::output {
+namespace lostbits::output::plot {
 
 /// On a page, y downwards.
 struct Box2 {
@@ -18,12 +18,12 @@ struct Box2 {
         return x <= o.x && y <= o.y && o.x + o.width <= x + width && o.y + o.height <= y + height;
     }
     /// The place inside that is nearest to a point.
-    [[nodiscard]] Point nearest(Point to) const;
+    [[nodiscard]] image::Point nearest(image::Point to) const;
 };
 
 /// A name of so many pixels for a point.
 struct LabelWish {
-    Point at;
+    image::Point at;
     double width, height;
 };
 
@@ -38,4 +38,4 @@ struct LabelPlaces {
 /// Neither a label nor the straight line from its point to it lies on another label.
 std::vector<std::optional<Box2>> place_labels(std::span<const LabelWish> wishes, const LabelPlaces& places);
 
-}  // namespace lostbits::output
+}  // namespace lostbits::output::plot

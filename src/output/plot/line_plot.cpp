@@ -8,7 +8,11 @@
 #include "output/plot/line_plot_parts.hpp"
 #include "output/plot/plot_frame.hpp"
 
-namespace lostbits::output {
+namespace lostbits::output::plot {
+
+using image::Canvas;
+using image::Point;
+
 namespace {
 
 constexpr int gap = 14;
@@ -162,7 +166,7 @@ private:
     const LinePlotSpec& spec_;
     const AxisRange &x_, &y_;
     const PlotFrame& frame_;
-    Stroke stroke_;
+    image::Stroke stroke_;
 };
 
 /// Where a line ends on the page, as it is drawn: 0..1 from the foot, below that when it is nowhere drawn.
@@ -178,7 +182,7 @@ double end_of(const PlotLine& line, const AxisRange& x, const AxisRange& y) {
 
 }  // namespace
 
-void write_line_plot(ImageBackend& backend, const std::filesystem::path& path, const LinePlotSpec& spec) {
+void write_line_plot(image::ImageBackend& backend, const std::filesystem::path& path, const LinePlotSpec& spec) {
     if (spec.width < 400 || spec.height < 200) throw std::invalid_argument(path.string() + ": too small for a plot");
     auto lines = plot_lines(spec.series);
     if (spec.envelope) static_cast<void>(plot_lines({&*spec.envelope, 1}));  // its columns are checked like any
@@ -192,18 +196,18 @@ void write_line_plot(ImageBackend& backend, const std::filesystem::path& path, c
     std::ranges::stable_sort(sorted, std::ranges::greater{}, [&](const PlotLine& line) { return end_of(line, x, y); });
     const bool markers = std::ranges::all_of(lines, [](const PlotLine& l) { return l.series->x.size() <= few_points; });
 
-    const int content = spec.width - 2 * style::margin;
-    const Canvas head = heading(backend, spec.title, spec.subtitle, content);
-    const int top = style::margin + head.height() + (head.height() > 0 ? gap : 0);
-    const int nominal = std::max(spec.height - top - style::margin - 60, 100);
+    const int content = spec.width - 2 * image::style::margin;
+    const Canvas head = image::heading(backend, spec.title, spec.subtitle, content);
+    const int top = image::style::margin + head.height() + (head.height() > 0 ? gap : 0);
+    const int nominal = std::max(spec.height - top - image::style::margin - 60, 100);
     const PlotLegend legend(backend, sorted, spec.envelope ? &spec.envelope->label : nullptr, markers, content,
                             nominal);
     const int right = std::max(legend.width() > 0 ? legend_gap + legend.width() : 0,
                                spec.marks.empty() ? 0 : least_right);
     const PlotAxes axes(backend, spec.x, x, spec.y, y, content - right - 60, nominal);
 
-    PlotFrame frame{style::margin + axes.left(), 0, 1, 1, frame_pad};
-    frame.width = spec.width - style::margin - std::max(right, axes.right()) - 1 - frame.x;
+    PlotFrame frame{image::style::margin + axes.left(), 0, 1, 1, frame_pad};
+    frame.width = spec.width - image::style::margin - std::max(right, axes.right()) - 1 - frame.x;
     Lacking lacking;
     std::vector<MarkLabels::Mark> marks;
     for (const auto& mark : spec.marks) {
@@ -214,17 +218,17 @@ void write_line_plot(ImageBackend& backend, const std::filesystem::path& path, c
             ++lacking.marks;
         }
     }
-    const MarkLabels labels(backend, marks, spec.width - style::margin);
+    const MarkLabels labels(backend, marks, spec.width - image::style::margin);
     frame.y = top + std::max(labels.height(), axes.above());
     Plot measured(spec, x, y, frame);
     for (const auto& series : spec.series) measured.count(series, lacking);
     if (spec.envelope) measured.count(*spec.envelope, lacking);
-    const Canvas notes = heading(backend, {}, lacking.notes(), content);
-    const int foot = 1 + axes.below() + (notes.height() > 0 ? gap + notes.height() : 0) + style::margin;
+    const Canvas notes = image::heading(backend, {}, lacking.notes(), content);
+    const int foot = 1 + axes.below() + (notes.height() > 0 ? gap + notes.height() : 0) + image::style::margin;
     frame.height = std::max({spec.height - frame.y - foot, nominal / 2, legend.height()});
 
     Canvas page(spec.width, frame.y + frame.height + foot);
-    page.picture(style::margin, style::margin, head);
+    page.picture(image::style::margin, image::style::margin, head);
     Plot plot(spec, x, y, frame);
     if (spec.envelope) plot.envelope(page);
     axes.draw_grid(page, frame);
@@ -236,16 +240,16 @@ void write_line_plot(ImageBackend& backend, const std::filesystem::path& path, c
     for (const auto i : order) plot.line(page, lines[i], markers, i);
     axes.draw(page, frame);
     if (std::ranges::all_of(lines, [&](const PlotLine& line) { return end_of(line, x, y) < 0; })) {
-        const auto text = backend.render_text("no data", style::text_size);
+        const auto text = backend.render_text("no data", image::style::text_size);
         page.text(frame.x + (frame.width - text.width) / 2, frame.y + (frame.height - text.height) / 2, text,
-                  style::soft_ink);
+                  image::style::soft_ink);
     }
-    legend.draw(page, spec.width - style::margin - legend.width(), frame.y);
-    page.picture(style::margin, page.height() - style::margin - notes.height(), notes);
+    legend.draw(page, spec.width - image::style::margin - legend.width(), frame.y);
+    page.picture(image::style::margin, page.height() - image::style::margin - notes.height(), notes);
 
     const auto png = backend.open_png(path, page.width(), page.height());
     png->write_rows(page.height(), page.pixels());
     png->close();
 }
 
-}  // namespace lostbits::output
+}  // namespace lostbits::output::plot

@@ -9,7 +9,7 @@
 #include "output/image/image.hpp"
 #include "output/plot/plot_axis.hpp"
 
-namespace lostbits::output {
+namespace lostbits::output::plot {
 
 /// One line. The points are joined in their order; x of a line should not fall.
 struct Series {
@@ -44,6 +44,6 @@ struct LinePlotSpec {
 ///
 /// Throws EnvironmentError for an unwritable file, and std::invalid_argument for x, y and bands of different lengths,
 /// ends of axes as AxisRange, and a picture of less than 400 by 200 pixels.
-void write_line_plot(ImageBackend& backend, const std::filesystem::path& path, const LinePlotSpec& spec);
+void write_line_plot(image::ImageBackend& backend, const std::filesystem::path& path, const LinePlotSpec& spec);
 
-}  // namespace lostbits::output
+}  // namespace lostbits::output::plot

@@ -8,11 +8,16 @@
 
 #include "output/plot/plot_frame.hpp"
 
-namespace lostbits::output {
+namespace lostbits::output::plot {
+
+using image::ImageBackend;
+using image::Point;
+using image::Stroke;
+
 namespace {
 
 // Okabe and Ito 2008 without the yellow, which a light page swallows, and with a wine red in its place.
-constexpr std::array<Rgb8, 8> palette{{
+constexpr std::array<image::Rgb8, 8> palette{{
     {0, 114, 178}, {213, 94, 0}, {0, 158, 115}, {204, 121, 167}, {32, 32, 36}, {230, 159, 0}, {86, 180, 233},
     {136, 34, 85},
 }};
@@ -123,7 +128,7 @@ PlotLegend::PlotLegend(ImageBackend& backend, std::span<const PlotLine> lines, c
         int size, columns, per_cent;  // of the width, for all columns
     };
     for (const auto& [size, columns, per_cent] :
-         {Try{style::text_size, 1, 26}, Try{12, 1, 26}, Try{style::small_size, 1, 26}, Try{style::small_size, 2, 40},
+         {Try{image::style::text_size, 1, 26}, Try{12, 1, 26}, Try{image::style::small_size, 1, 26}, Try{image::style::small_size, 2, 40},
           Try{10, 2, 40}}) {
         const int room = (width * per_cent / 100 - (columns - 1) * column_gap) / columns;
         if (arrange(backend, lines, envelope, size, columns, room, height)) return;
@@ -142,7 +147,7 @@ bool PlotLegend::arrange(ImageBackend& backend, std::span<const PlotLine> lines,
         if (whole.width <= text_room) {
             entry.text.push_back(std::move(whole));
         } else {
-            entry.text = wrap_text(backend, label, size, false, text_room);
+            entry.text = image::wrap_text(backend, label, size, false, text_room);
         }
         const int rows = std::max<int>(static_cast<int>(entry.text.size()), 1);
         highest = std::max(highest, rows * line_height(size) + entry_gap);
@@ -183,13 +188,13 @@ bool PlotLegend::arrange(ImageBackend& backend, std::span<const PlotLine> lines,
     return height_ <= height;
 }
 
-void PlotLegend::draw(Canvas& canvas, int x0, int y0) const {
+void PlotLegend::draw(image::Canvas& canvas, int x0, int y0) const {
     for (const auto& entry : entries_) {
         const int x = x0 + column_x_[static_cast<std::size_t>(entry.column)], y = y0 + entry.y;
         int text_y = y;
         for (const auto& text : entry.text) {
             // Raised exponents make a line higher at its top; baselines stay where they are.
-            canvas.text(x + sample_width + sample_gap, text_y + size_ - text.baseline, text, style::ink);
+            canvas.text(x + sample_width + sample_gap, text_y + size_ - text.baseline, text, image::style::ink);
             text_y += line_height(size_);
         }
         const double middle = y + size_ - size_ * 73 / 200 + 0.5;
@@ -213,11 +218,11 @@ MarkLabels::MarkLabels(ImageBackend& backend, std::vector<Mark> marks, int limit
     for (const auto& mark : marks) {
         Placed placed{mark.x, {}};
         const int room = std::max(limit - static_cast<int>(mark.x), 40);
-        auto whole = power_text(backend, mark.label, style::small_size);
+        auto whole = power_text(backend, mark.label, image::style::small_size);
         if (whole.width <= room) {
             placed.text.push_back(std::move(whole));
         } else {
-            placed.text = wrap_text(backend, mark.label, style::small_size, false, room);
+            placed.text = image::wrap_text(backend, mark.label, image::style::small_size, false, room);
         }
         for (const auto& text : placed.text) {
             placed.width = std::max(placed.width, text.width);
@@ -237,20 +242,20 @@ MarkLabels::MarkLabels(ImageBackend& backend, std::vector<Mark> marks, int limit
     }
 }
 
-void MarkLabels::draw(Canvas& canvas, int top, int foot) const {
+void MarkLabels::draw(image::Canvas& canvas, int top, int foot) const {
     constexpr std::array<double, 2> dashes{4, 3};
     for (const auto& one : placed_) {
         const int x = static_cast<int>(std::floor(one.x));
         const int label_foot = top - one.rise;
         Stroke stroke(x - 2, label_foot, 5, foot - label_foot);
         stroke.polyline(std::array<Point, 2>{{{x + 0.5, label_foot + 0.5}, {x + 0.5, foot + 1.0}}}, 1, dashes);
-        stroke.paint(canvas, style::soft_ink);
+        stroke.paint(canvas, image::style::soft_ink);
         int y = label_foot - one.height;
         for (const auto& text : one.text) {
-            canvas.text(x, y, text, style::ink);
+            canvas.text(x, y, text, image::style::ink);
             y += text.height;
         }
     }
 }
 
-}  // namespace lostbits::output
+}  // namespace lostbits::output::plot

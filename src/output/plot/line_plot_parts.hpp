@@ -8,13 +8,13 @@
 #include "output/plot/line_plot.hpp"
 #include "output/image/stroke.hpp"
 
-namespace lostbits::output {
+namespace lostbits::output::plot {
 
 /// Series that agree in every point, as the one line that is drawn for them.
 struct PlotLine {
     const Series* series;
     std::string label;  ///< `schoolbook, half_b, press`
-    Rgb8 colour;
+    image::Rgb8 colour;
     int marker;  ///< 0 for the first eight families, which need none
     std::span<const double> dashes;
 };
@@ -24,33 +24,33 @@ struct PlotLine {
 [[nodiscard]] std::vector<PlotLine> plot_lines(std::span<const Series> series);
 
 /// A filled marker of the given kind about 7 pixels across.
-void draw_marker(Stroke& stroke, Point centre, int kind);
+void draw_marker(image::Stroke& stroke, image::Point centre, int kind);
 
 /// A triangle that points to the edge above or below its point.
-void draw_edge_triangle(Stroke& stroke, Point tip, bool up);
+void draw_edge_triangle(image::Stroke& stroke, image::Point tip, bool up);
 
 inline constexpr double line_thickness = 1.8;
-inline constexpr Rgb8 envelope_fill{222, 222, 220};
-inline constexpr Rgb8 envelope_edge{150, 150, 150};
+inline constexpr image::Rgb8 envelope_fill{222, 222, 220};
+inline constexpr image::Rgb8 envelope_edge{150, 150, 150};
 
 /// The legend at the right: lines in the order given, the envelope last.
 class PlotLegend {
 public:
     /// Takes small letters and a second column before it is higher than `height`, and at most two fifths of `width`.
-    PlotLegend(ImageBackend& backend, std::span<const PlotLine> lines, const std::string* envelope, bool markers,
+    PlotLegend(image::ImageBackend& backend, std::span<const PlotLine> lines, const std::string* envelope, bool markers,
                int width, int height);
 
     [[nodiscard]] int width() const noexcept { return width_; }
     [[nodiscard]] int height() const noexcept { return height_; }
-    void draw(Canvas& canvas, int x, int y) const;
+    void draw(image::Canvas& canvas, int x, int y) const;
 
 private:
     struct Entry {
-        std::vector<TextBitmap> text;
+        std::vector<image::TextBitmap> text;
         const PlotLine* line;  // nullptr for the envelope
         int column = 0, y = 0;
     };
-    bool arrange(ImageBackend& backend, std::span<const PlotLine> lines, const std::string* envelope, int size,
+    bool arrange(image::ImageBackend& backend, std::span<const PlotLine> lines, const std::string* envelope, int size,
                  int columns, int room, int height);
 
     std::vector<Entry> entries_;
@@ -68,17 +68,17 @@ public:
         double x;
         std::string label;
     };
-    MarkLabels(ImageBackend& backend, std::vector<Mark> marks, int limit);
+    MarkLabels(image::ImageBackend& backend, std::vector<Mark> marks, int limit);
 
     [[nodiscard]] int height() const noexcept { return height_; }
 
     /// Draws labels and lines; the labels end at `top`, the lines at `foot`.
-    void draw(Canvas& canvas, int top, int foot) const;
+    void draw(image::Canvas& canvas, int top, int foot) const;
 
 private:
     struct Placed {
         double x;
-        std::vector<TextBitmap> text;
+        std::vector<image::TextBitmap> text;
         int width = 0, height = 0;
         int rise = 0;  // of the label's foot above the frame
     };
@@ -86,4 +86,4 @@ private:
     int height_ = 0;
 };
 
-}  // namespace lostbits::output
+}  // namespace lostbits::output::plot

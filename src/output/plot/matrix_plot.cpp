@@ -5,15 +5,20 @@
 
 #include "output/plot/plot_frame.hpp"
 
-namespace lostbits::output {
+namespace lostbits::output::plot {
+
+using image::Canvas;
+using image::Rgb8;
+using image::TextBitmap;
+
 namespace {
 
 constexpr int cell_width = 26, cell_height = 22, group_gap = 14, label_gap = 8, block_gap = 12;
 
 /// Luminance decides the ink: 0.18 linear is where black and white on a colour have the same contrast.
 Rgb8 ink_on(Rgb8 c) {
-    const double light = (0.2126 * linear_light(c.r) + 0.7152 * linear_light(c.g) + 0.0722 * linear_light(c.b)) / 65535;
-    return light > 0.18 ? style::ink : Rgb8{255, 255, 255};
+    const double light = (0.2126 * image::linear_light(c.r) + 0.7152 * image::linear_light(c.g) + 0.0722 * image::linear_light(c.b)) / 65535;
+    return light > 0.18 ? image::style::ink : Rgb8{255, 255, 255};
 }
 
 std::size_t column_count(const MatrixPlotSpec& spec) {
@@ -33,62 +38,62 @@ std::vector<int> column_places(const MatrixPlotSpec& spec) {
     return places;
 }
 
-void draw_cell(Canvas& page, ImageBackend& backend, int x, int y, const MatrixCell& cell) {
+void draw_cell(Canvas& page, image::ImageBackend& backend, int x, int y, const MatrixCell& cell) {
     page.fill(x, y, cell_width - 1, cell_height - 1, cell.colour);
     if (cell.text.empty()) return;
-    const TextBitmap text = fit_text(backend, cell.text, style::small_size, false, cell_width - 3);
+    const TextBitmap text = image::fit_text(backend, cell.text, image::style::small_size, false, cell_width - 3);
     page.text(x + (cell_width - 1 - text.width) / 2, y + (cell_height - 1 - text.height) / 2, text, ink_on(cell.colour));
 }
 
 }  // namespace
 
-void write_matrix_plot(ImageBackend& backend, const std::filesystem::path& path, const MatrixPlotSpec& spec) {
+void write_matrix_plot(image::ImageBackend& backend, const std::filesystem::path& path, const MatrixPlotSpec& spec) {
     const std::size_t columns = column_count(spec);
     if (columns == 0 || spec.rows.empty() || spec.cells.size() != columns * spec.rows.size()) throw std::invalid_argument(path.string() + ": not one cell a row and column");
     std::vector<TextBitmap> row_labels, column_labels, group_labels;
     int left = 0, head_room = 0;
     for (const auto& r : spec.rows) {
-        row_labels.push_back(backend.render_text(r, style::text_size));
+        row_labels.push_back(backend.render_text(r, image::style::text_size));
         left = std::max(left, row_labels.back().width);
     }
     for (const auto& g : spec.groups) {
-        group_labels.push_back(backend.render_text(g.label, style::text_size, true));
+        group_labels.push_back(backend.render_text(g.label, image::style::text_size, true));
         for (const auto& c : g.columns) {
-            column_labels.push_back(turned(backend.render_text(c, style::text_size)));
+            column_labels.push_back(turned(backend.render_text(c, image::style::text_size)));
             head_room = std::max(head_room, column_labels.back().height);
         }
     }
     const auto places = column_places(spec);
     const int field_width = places.back() + cell_width, field_height = static_cast<int>(spec.rows.size()) * cell_height;
-    const Canvas bar = spec.scale ? colour_bar(backend, *spec.scale, spec.unit, std::max(field_height, 160)) : Canvas(0, 0);
+    const Canvas bar = spec.scale ? image::colour_bar(backend, *spec.scale, spec.unit, std::max(field_height, 160)) : Canvas(0, 0);
     const int content = left + label_gap + field_width + (bar.width() > 0 ? block_gap + bar.width() : 0);
-    const Canvas head = heading(backend, spec.title, spec.subtitle, content);
-    const Legend legend(backend, spec.legend, content);
-    const int x0 = style::margin + left + label_gap;
-    const int group_y = style::margin + head.height() + block_gap;
+    const Canvas head = image::heading(backend, spec.title, spec.subtitle, content);
+    const image::Legend legend(backend, spec.legend, content);
+    const int x0 = image::style::margin + left + label_gap;
+    const int group_y = image::style::margin + head.height() + block_gap;
     const int y0 = group_y + group_labels.front().height + head_room + 2 * label_gap;
     const int below = y0 + std::max(field_height, bar.height()) + block_gap;
-    Canvas page(content + 2 * style::margin, below + legend.height() + style::margin);
-    page.picture(style::margin, style::margin, head);
+    Canvas page(content + 2 * image::style::margin, below + legend.height() + image::style::margin);
+    page.picture(image::style::margin, image::style::margin, head);
 
     std::size_t c = 0;
     for (std::size_t g = 0; g < spec.groups.size(); ++g) {
-        page.text(x0 + places[c], group_y, group_labels[g], style::ink);
+        page.text(x0 + places[c], group_y, group_labels[g], image::style::ink);
         for (std::size_t k = 0; k < spec.groups[g].columns.size(); ++k, ++c) {
             const TextBitmap& label = column_labels[c];
-            page.text(x0 + places[c] + (cell_width - 1 - label.width) / 2, y0 - label_gap / 2 - label.height, label, style::ink);
+            page.text(x0 + places[c] + (cell_width - 1 - label.width) / 2, y0 - label_gap / 2 - label.height, label, image::style::ink);
         }
     }
     for (std::size_t r = 0; r < spec.rows.size(); ++r) {
         const int y = y0 + static_cast<int>(r) * cell_height;
-        page.text(x0 - label_gap - row_labels[r].width, y + (cell_height - row_labels[r].height) / 2, row_labels[r], style::ink);
+        page.text(x0 - label_gap - row_labels[r].width, y + (cell_height - row_labels[r].height) / 2, row_labels[r], image::style::ink);
         for (std::size_t k = 0; k < columns; ++k) draw_cell(page, backend, x0 + places[k], y, spec.cells[r * columns + k]);
     }
     page.picture(x0 + field_width + block_gap, y0, bar);
-    page.picture(style::margin, below, legend.draw(spec.legend));
+    page.picture(image::style::margin, below, legend.draw(spec.legend));
     const auto png = backend.open_png(path, page.width(), page.height());
     png->write_rows(page.height(), page.pixels());
     png->close();
 }
 
-}  // namespace lostbits::output
+}  // namespace lostbits::output::plot

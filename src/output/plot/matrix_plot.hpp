@@ -7,10 +7,10 @@
 
 #include "output/image/canvas.hpp"
 
-namespace lostbits::output {
+namespace lostbits::output::plot {
 
 struct MatrixCell {
-    Rgb8 colour = style::page;
+    image::Rgb8 colour = image::style::page;
     std::string text = {};  ///< short: `12`; in dark or light ink, whichever is read better
 };
 
@@ -24,13 +24,13 @@ struct MatrixPlotSpec {
     std::vector<Group> groups;        ///< side by side
     std::vector<std::string> rows;
     std::vector<MatrixCell> cells;    ///< row by row, over all groups
-    std::vector<LegendEntry> legend;
-    std::optional<ColourScale> scale = {};  ///< drawn as a bar to the right
+    std::vector<image::LegendEntry> legend;
+    std::optional<image::ColourScale> scale = {};  ///< drawn as a bar to the right
     std::string unit = {};                  ///< above the bar
 };
 
 /// Writes the picture as a PNG; the same spec gives the same bytes. Throws EnvironmentError for an unwritable file, and
 /// std::invalid_argument for a wrong number of cells or none.
-void write_matrix_plot(ImageBackend& backend, const std::filesystem::path& path, const MatrixPlotSpec& spec);
+void write_matrix_plot(image::ImageBackend& backend, const std::filesystem::path& path, const MatrixPlotSpec& spec);
 
-}  // namespace lostbits::output
+}  // namespace lostbits::output::plot

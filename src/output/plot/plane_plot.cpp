@@ -6,12 +6,15 @@
 
 #include "output/plot/plot_frame.hpp"
 
-namespace lostbits::output {
+namespace lostbits::output::plot {
+
+using image::Canvas;
+
 namespace {
 
 constexpr int gap = 14;
 constexpr int least_width = 560, least_height = 420;  // of the field, in pixels
-constexpr Rgb8 hatch_paper{240, 240, 238}, hatch_ink{200, 200, 202};
+constexpr image::Rgb8 hatch_paper{240, 240, 238}, hatch_ink{200, 200, 202};
 constexpr int hatch_pitch = 6;
 
 double on_scale(Axis::Scale scale, double value) {
@@ -59,7 +62,7 @@ AxisRange range_of(const Axis& axis, const std::vector<double>& edges) {
 
 }  // namespace
 
-void write_plane_plot(ImageBackend& backend, const std::filesystem::path& path, const PlanePlotSpec& spec) {
+void write_plane_plot(image::ImageBackend& backend, const std::filesystem::path& path, const PlanePlotSpec& spec) {
     if (spec.x.empty() || spec.y.empty() || spec.cells.size() != spec.x.size() * spec.y.size()) {
         throw std::invalid_argument(path.string() + ": not one cell a pair of parameters");
     }
@@ -74,18 +77,18 @@ void write_plane_plot(ImageBackend& backend, const std::filesystem::path& path, 
     const AxisRange x = range_of(spec.x_axis, x_edges), y = range_of(spec.y_axis, y_edges);
     PlotFrame frame{0, 0, extent(spec.x.size(), least_width), extent(spec.y.size(), least_height)};
     const PlotAxes axes(backend, spec.x_axis, x, spec.y_axis, y, frame.width, frame.height);
-    const Canvas bar = spec.scale ? colour_bar(backend, *spec.scale, spec.unit, frame.height + 2) : Canvas(0, 0);
+    const Canvas bar = spec.scale ? image::colour_bar(backend, *spec.scale, spec.unit, frame.height + 2) : Canvas(0, 0);
     const int beside = std::max(axes.right(), bar.width() > 0 ? gap + bar.width() : 0);
     const int content = axes.left() + frame.width + 1 + beside;
-    const Canvas head = heading(backend, spec.title, spec.subtitle, content);
-    std::vector<LegendEntry> entries = spec.legend;
+    const Canvas head = image::heading(backend, spec.title, spec.subtitle, content);
+    std::vector<image::LegendEntry> entries = spec.legend;
     if (hatched) entries.push_back({"no value", hatch_paper, {}});
-    const Legend legend(backend, entries, content);
-    frame.x = style::margin + axes.left();
-    frame.y = style::margin + head.height() + (head.height() > 0 ? gap : 0) + axes.above();
-    const int foot = 1 + axes.below() + (legend.height() > 0 ? gap + legend.height() : 0) + style::margin;
-    Canvas page(content + 2 * style::margin, frame.y + frame.height + foot);
-    page.picture(style::margin, style::margin, head);
+    const image::Legend legend(backend, entries, content);
+    frame.x = image::style::margin + axes.left();
+    frame.y = image::style::margin + head.height() + (head.height() > 0 ? gap : 0) + axes.above();
+    const int foot = 1 + axes.below() + (legend.height() > 0 ? gap + legend.height() : 0) + image::style::margin;
+    Canvas page(content + 2 * image::style::margin, frame.y + frame.height + foot);
+    page.picture(image::style::margin, image::style::margin, head);
 
     const auto pixel = [](double place) { return static_cast<int>(std::lround(place)); };
     const auto column = [&](std::size_t i) { return pixel(frame.across(x.position(x_edges[i]))); };
@@ -105,11 +108,11 @@ void write_plane_plot(ImageBackend& backend, const std::filesystem::path& path, 
     }
     axes.draw(page, frame);
     page.picture(frame.x + frame.width + 1 + gap, frame.y - 1, bar);
-    page.picture(style::margin, page.height() - style::margin - legend.height(), legend.draw(entries));
+    page.picture(image::style::margin, page.height() - image::style::margin - legend.height(), legend.draw(entries));
 
     const auto png = backend.open_png(path, page.width(), page.height());
     png->write_rows(page.height(), page.pixels());
     png->close();
 }
 
-}  // namespace lostbits::output
+}  // namespace lostbits::output::plot

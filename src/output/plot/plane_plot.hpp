@@ -10,12 +10,12 @@
 #include "output/image/canvas.hpp"
 #include "output/plot/plot_axis.hpp"
 
-namespace lostbits::output {
+namespace lostbits::output::plot {
 
 /// One pair of parameters: an outcome's colour, or else a value; a NaN without a colour is left hatched.
 struct PlaneCell {
     double value = std::numeric_limits<double>::quiet_NaN();
-    std::optional<Rgb8> colour = {};
+    std::optional<image::Rgb8> colour = {};
 };
 
 struct PlanePlotSpec {
@@ -24,9 +24,9 @@ struct PlanePlotSpec {
     Axis x_axis, y_axis;               ///< title and scale; the ends follow from the cells
     std::vector<double> x, y;          ///< the parameters of columns (to the right) and rows (upwards), rising
     std::vector<PlaneCell> cells;      ///< row by row, the row of y[0] first
-    std::optional<ColourScale> scale;  ///< required where a cell shows its value
+    std::optional<image::ColourScale> scale;  ///< required where a cell shows its value
     std::string unit;                  ///< over the colour bar: `lost bits`
-    std::vector<LegendEntry> legend;   ///< the outcomes that occur
+    std::vector<image::LegendEntry> legend;   ///< the outcomes that occur
 };
 
 /// Writes the plot as a PNG; the same spec gives the same bytes. A cell reaches half-way to its neighbours on the
@@ -34,6 +34,6 @@ struct PlanePlotSpec {
 ///
 /// Throws EnvironmentError for an unwritable file, and std::invalid_argument for parameters that do not rise or have
 /// no place on their axis, a wrong number of cells, and a value without a colour scale.
-void write_plane_plot(ImageBackend& backend, const std::filesystem::path& path, const PlanePlotSpec& spec);
+void write_plane_plot(image::ImageBackend& backend, const std::filesystem::path& path, const PlanePlotSpec& spec);
 
-}  // namespace lostbits::output
+}  // namespace lostbits::output::plot

@@ -6,7 +6,7 @@
 #include <limits>
 #include <stdexcept>
 
-namespace lostbits::output {
+namespace lostbits::output::plot {
 namespace {
 
 /// A range narrower than this, relative to its ends, has no round values that a double could tell apart.
@@ -139,4 +139,4 @@ std::vector<AxisRange::Tick> AxisRange::ticks(int most) const {
     return out;
 }
 
-}  // namespace lostbits::output
+}  // namespace lostbits::output::plot

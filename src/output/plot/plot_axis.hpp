@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-namespace lostbits::output {
+namespace lostbits::output::plot {
 
 /// What the caller says about an axis.
 struct Axis {
@@ -51,4 +51,4 @@ private:
     double lo_ = 0, hi_ = 1;  // exponents on a log scale
 };
 
-}  // namespace lostbits::output
+}  // namespace lostbits::output::plot

@@ -3,10 +3,14 @@
 #include <algorithm>
 #include <cmath>
 
-namespace lostbits::output {
+namespace lostbits::output::plot {
+
+using image::ImageBackend;
+using image::TextBitmap;
+
 namespace {
 
-constexpr Rgb8 grid_colour{228, 228, 226};
+constexpr image::Rgb8 grid_colour{228, 228, 226};
 constexpr int tick_length = 5, minor_length = 3, label_gap = 4, title_gap = 6;
 constexpr int tick_pitch_x = 76, tick_pitch_y = 44;  // pixels a labelled tick should have
 
@@ -41,7 +45,7 @@ TextBitmap turned(const TextBitmap& text) {
 
 TextBitmap power_text(ImageBackend& backend, std::string_view text, int size, bool bold) {
     if (text.find('^') == std::string_view::npos) return backend.render_text(text, size, bold);
-    const int small = std::max(size * 3 / 4, style::smallest_size - 1), rise = (size * 2 + 2) / 5;
+    const int small = std::max(size * 3 / 4, image::style::smallest_size - 1), rise = (size * 2 + 2) / 5;
     const TextBitmap base = backend.render_text("0", size, bold), raised = backend.render_text("0", small, bold);
     const int extra = std::max(0, raised.baseline + rise - base.baseline);
     TextBitmap out{0, base.height + extra, base.baseline + extra, {}};
@@ -68,7 +72,7 @@ double PlotFrame::up(double position) const noexcept {
 std::vector<PlotAxes::Tick> PlotAxes::render(ImageBackend& backend, const AxisRange& range, int most) {
     std::vector<Tick> out;
     for (const auto& [position, label] : range.ticks(most)) {
-        out.push_back({position, label.empty() ? TextBitmap{} : power_text(backend, label, style::text_size)});
+        out.push_back({position, label.empty() ? TextBitmap{} : power_text(backend, label, image::style::text_size)});
     }
     return out;
 }
@@ -77,7 +81,7 @@ PlotAxes::PlotAxes(ImageBackend& backend, const Axis& x, const AxisRange& x_rang
                    const AxisRange& y_range, int width, int height)
     : x_ticks_(render(backend, x_range, width / tick_pitch_x)),
       y_ticks_(render(backend, y_range, height / tick_pitch_y)),
-      digit_rise_(style::text_size * 73 / 200) {
+      digit_rise_(image::style::text_size * 73 / 200) {
     int widest = 0, highest = 0;
     for (const auto& tick : y_ticks_) {
         widest = std::max(widest, tick.label.width);
@@ -90,20 +94,20 @@ PlotAxes::PlotAxes(ImageBackend& backend, const Axis& x, const AxisRange& x_rang
     left_ = std::max(1 + tick_length + label_gap + widest, right_);
     below_ = 1 + tick_length + label_gap + highest;
     if (!x.title.empty()) {
-        x_title_ = fit_text(backend, x.title, style::text_size, false, width);
+        x_title_ = image::fit_text(backend, x.title, image::style::text_size, false, width);
         if (x.title.find('^') != std::string::npos) {
-            auto raised = power_text(backend, x.title, style::text_size);
+            auto raised = power_text(backend, x.title, image::style::text_size);
             if (raised.width <= width) x_title_ = std::move(raised);
         }
         below_ += title_gap + x_title_.height;
     }
     if (!y.title.empty()) {
-        y_title_ = turned(fit_text(backend, y.title, style::text_size, false, height));
+        y_title_ = turned(image::fit_text(backend, y.title, image::style::text_size, false, height));
         left_ += title_gap + y_title_.width;
     }
 }
 
-void PlotAxes::draw_grid(Canvas& canvas, const PlotFrame& frame) const {
+void PlotAxes::draw_grid(image::Canvas& canvas, const PlotFrame& frame) const {
     for (const auto& tick : x_ticks_) {
         const int x = static_cast<int>(std::floor(frame.across(tick.position)));
         if (tick.label.width > 0) canvas.fill(x, frame.y, 1, frame.height, grid_colour);
@@ -114,25 +118,25 @@ void PlotAxes::draw_grid(Canvas& canvas, const PlotFrame& frame) const {
     }
 }
 
-void PlotAxes::draw(Canvas& canvas, const PlotFrame& frame) const {
-    canvas.frame(frame.x, frame.y, frame.width, frame.height, style::line);
+void PlotAxes::draw(image::Canvas& canvas, const PlotFrame& frame) const {
+    canvas.frame(frame.x, frame.y, frame.width, frame.height, image::style::line);
     const int foot = frame.y + frame.height + 1, label_y = foot + tick_length + label_gap;
     int highest = 0;
     for (const auto& tick : x_ticks_) {
         const int x = static_cast<int>(std::floor(frame.across(tick.position)));
-        canvas.fill(x, foot, 1, tick.label.width > 0 ? tick_length : minor_length, style::soft_ink);
-        canvas.text(x - tick.label.width / 2, label_y, tick.label, style::ink);
+        canvas.fill(x, foot, 1, tick.label.width > 0 ? tick_length : minor_length, image::style::soft_ink);
+        canvas.text(x - tick.label.width / 2, label_y, tick.label, image::style::ink);
         highest = std::max(highest, tick.label.height);
     }
     for (const auto& tick : y_ticks_) {
         const int y = static_cast<int>(std::floor(frame.up(tick.position)));
         const int length = tick.label.width > 0 ? tick_length : minor_length;
-        canvas.fill(frame.x - 1 - length, y, length, 1, style::soft_ink);
+        canvas.fill(frame.x - 1 - length, y, length, 1, image::style::soft_ink);
         canvas.text(frame.x - 1 - tick_length - label_gap - tick.label.width, y - tick.label.baseline + digit_rise_,
-                    tick.label, style::ink);
+                    tick.label, image::style::ink);
     }
-    canvas.text(frame.x + (frame.width - x_title_.width) / 2, label_y + highest + title_gap, x_title_, style::ink);
-    canvas.text(frame.x - left_, frame.y + (frame.height - y_title_.height) / 2, y_title_, style::ink);
+    canvas.text(frame.x + (frame.width - x_title_.width) / 2, label_y + highest + title_gap, x_title_, image::style::ink);
+    canvas.text(frame.x - left_, frame.y + (frame.height - y_title_.height) / 2, y_title_, image::style::ink);
 }
 
-}  // namespace lostbits::output
+}  // namespace lostbits::output::plot

@@ -7,13 +7,13 @@
 #include "output/image/canvas.hpp"
 #include "output/plot/plot_axis.hpp"
 
-namespace lostbits::output {
+namespace lostbits::output::plot {
 
 /// One line of text in which `2^-10` has a raised exponent. Its height grows by what rises above the letters.
-[[nodiscard]] TextBitmap power_text(ImageBackend& backend, std::string_view text, int size, bool bold = false);
+[[nodiscard]] image::TextBitmap power_text(image::ImageBackend& backend, std::string_view text, int size, bool bold = false);
 
 /// A quarter turn against the clock: to be read from the right.
-[[nodiscard]] TextBitmap turned(const TextBitmap& text);
+[[nodiscard]] image::TextBitmap turned(const image::TextBitmap& text);
 
 /// Where the frame of a plot is and what its axes mean: a value's place in pixels.
 struct PlotFrame {
@@ -29,7 +29,7 @@ struct PlotFrame {
 class PlotAxes {
 public:
     /// For a frame of about `width` by `height` pixels.
-    PlotAxes(ImageBackend& backend, const Axis& x, const AxisRange& x_range, const Axis& y, const AxisRange& y_range,
+    PlotAxes(image::ImageBackend& backend, const Axis& x, const AxisRange& x_range, const Axis& y, const AxisRange& y_range,
              int width, int height);
 
     /// Pixels that ticks, labels and title take outside the frame.
@@ -40,22 +40,22 @@ public:
     [[nodiscard]] int right() const noexcept { return right_; }
 
     /// Light lines at the labelled ticks.
-    void draw_grid(Canvas& canvas, const PlotFrame& frame) const;
+    void draw_grid(image::Canvas& canvas, const PlotFrame& frame) const;
 
     /// The frame, the ticks outside it, their labels and the titles.
-    void draw(Canvas& canvas, const PlotFrame& frame) const;
+    void draw(image::Canvas& canvas, const PlotFrame& frame) const;
 
 private:
     struct Tick {
         double position;
-        TextBitmap label;
+        image::TextBitmap label;
     };
-    static std::vector<Tick> render(ImageBackend& backend, const AxisRange& range, int most);
+    static std::vector<Tick> render(image::ImageBackend& backend, const AxisRange& range, int most);
 
     std::vector<Tick> x_ticks_, y_ticks_;
-    TextBitmap x_title_, y_title_;
+    image::TextBitmap x_title_, y_title_;
     int left_ = 0, below_ = 0, above_ = 0, right_ = 0;
     int digit_rise_ = 0;  // from a label's baseline to the middle of its digits
 };
 
-}  // namespace lostbits::output
+}  // namespace lostbits::output::plot

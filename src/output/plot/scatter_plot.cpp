@@ -8,7 +8,15 @@
 #include "output/plot/line_plot_parts.hpp"
 #include "output/plot/plot_frame.hpp"
 
-namespace lostbits::output {
+namespace lostbits::output::plot {
+
+using image::Canvas;
+using image::ImageBackend;
+using image::Point;
+using image::Rgb8;
+using image::Stroke;
+using image::TextBitmap;
+
 namespace {
 
 constexpr int gap = 14, frame_pad = 14;
@@ -24,7 +32,7 @@ void paint_marker(Canvas& canvas, Stroke& stroke, Point at, int marker, Rgb8 col
     stroke.paint(canvas, colour);
     if (!hollow) return;
     stroke.disc(at, hole);
-    stroke.paint(canvas, style::page);
+    stroke.paint(canvas, image::style::page);
 }
 
 Box2 around(Point p, double half) { return {p.x - half, p.y - half, 2 * half, 2 * half}; }
@@ -39,7 +47,7 @@ public:
     Keys(ImageBackend& backend, const std::vector<ScatterPlotSpec::Key>& keys, int width) {
         int x = 0, y = 0;
         for (const auto& key : keys) {
-            TextBitmap text = backend.render_text(key.label, style::text_size);
+            TextBitmap text = backend.render_text(key.label, image::style::text_size);
             const int wide = marker_room + text.width + key_gap;
             if (x > 0 && x + wide > width) {
                 x = 0;
@@ -57,7 +65,7 @@ public:
         for (const auto& p : placed_) {
             const Point at{x + p.x + marker_room / 2.0, y + p.y + line / 2.0};
             paint_marker(canvas, stroke, at, p.key->marker, colour_of(p.key->colour, p.key->faint), p.key->hollow);
-            canvas.text(x + p.x + marker_room, y + p.y + (line - p.text.height) / 2, p.text, style::ink);
+            canvas.text(x + p.x + marker_room, y + p.y + (line - p.text.height) / 2, p.text, image::style::ink);
         }
     }
 
@@ -114,7 +122,7 @@ public:
             if (!has_place(p, x_, y_)) continue;
             (p.faint ? avoided : taken).push_back(around(place(p.x, p.y), marker_half));
             if (p.faint || p.label.empty()) continue;
-            texts.push_back(backend.render_text(p.label, style::text_size));
+            texts.push_back(backend.render_text(p.label, image::style::text_size));
             wishes.push_back({place(p.x, p.y), static_cast<double>(texts.back().width), static_cast<double>(texts.back().height)});
             colours.push_back(colour_of(p.colour, false));
         }
@@ -164,23 +172,23 @@ std::string note(int count, const char* one, const char* many) { return count ==
 
 void write_scatter_plot(ImageBackend& backend, const std::filesystem::path& path, const ScatterPlotSpec& spec) {
     const AxisRange x = range_of(spec, spec.x, true), y = range_of(spec, spec.y, false);
-    const int content = spec.width - 2 * style::margin;
-    const Canvas head = heading(backend, spec.title, spec.subtitle, content);
+    const int content = spec.width - 2 * image::style::margin;
+    const Canvas head = image::heading(backend, spec.title, spec.subtitle, content);
     const Keys keys(backend, spec.keys, content);
     const PlotAxes axes(backend, spec.x, x, spec.y, y, content - 60, spec.height - 200);
     const auto lacking = static_cast<int>(std::ranges::count_if(spec.points, [&](const ScatterPoint& p) { return !has_place(p, x, y); }));
     const std::string absent = note(lacking, " point has no value and is not drawn.", " points have no value and are not drawn.");
     const std::vector<std::string> lines = absent.empty() ? std::vector<std::string>{} : std::vector{absent};
-    const Canvas notes = heading(backend, {}, lines, content);
+    const Canvas notes = image::heading(backend, {}, lines, content);
 
-    PlotFrame frame{style::margin + axes.left(), 0, 1, 1, frame_pad};
-    frame.width = spec.width - style::margin - axes.right() - 1 - frame.x;
-    frame.y = style::margin + head.height() + gap + axes.above();
-    const int foot = 1 + axes.below() + gap + keys.height() + notes.height() + style::margin;
+    PlotFrame frame{image::style::margin + axes.left(), 0, 1, 1, frame_pad};
+    frame.width = spec.width - image::style::margin - axes.right() - 1 - frame.x;
+    frame.y = image::style::margin + head.height() + gap + axes.above();
+    const int foot = 1 + axes.below() + gap + keys.height() + notes.height() + image::style::margin;
     frame.height = std::max(spec.height - frame.y - foot, 200);
 
     Canvas page(spec.width, frame.y + frame.height + foot);
-    page.picture(style::margin, style::margin, head);
+    page.picture(image::style::margin, image::style::margin, head);
     axes.draw_grid(page, frame);
     Scatter scatter(spec, x, y, frame, page);
     scatter.points(true);
@@ -188,12 +196,12 @@ void write_scatter_plot(ImageBackend& backend, const std::filesystem::path& path
     scatter.points(false);
     scatter.labels(backend);
     axes.draw(page, frame);
-    keys.draw(page, style::margin, frame.y + frame.height + 1 + axes.below() + gap);
-    page.picture(style::margin, page.height() - style::margin - notes.height(), notes);
+    keys.draw(page, image::style::margin, frame.y + frame.height + 1 + axes.below() + gap);
+    page.picture(image::style::margin, page.height() - image::style::margin - notes.height(), notes);
 
     const auto png = backend.open_png(path, page.width(), page.height());
     png->write_rows(page.height(), page.pixels());
     png->close();
 }
 
-}  // namespace lostbits::output
+}  // namespace lostbits::output::plot

@@ -8,7 +8,7 @@
 #include "output/image/canvas.hpp"
 #include "output/plot/plot_axis.hpp"
 
-namespace lostbits::output {
+namespace lostbits::output::plot {
 
 struct ScatterPoint {
     double x, y;
@@ -41,6 +41,6 @@ struct ScatterPlotSpec {
 };
 
 /// Writes the plot as a PNG; the same spec gives the same bytes. Throws EnvironmentError for an unwritable file.
-void write_scatter_plot(ImageBackend& backend, const std::filesystem::path& path, const ScatterPlotSpec& spec);
+void write_scatter_plot(image::ImageBackend& backend, const std::filesystem::path& path, const ScatterPlotSpec& spec);
 
-}  // namespace lostbits::output
+}  // namespace lostbits::output::plot

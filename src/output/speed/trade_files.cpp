@@ -9,7 +9,14 @@
 #include "output/file/datapackage.hpp"
 #include "output/speed/trade_plot.hpp"
 
-namespace lostbits::output {
+namespace lostbits::output::speed {
+
+using file::Cell;
+using file::Column;
+using measure::answer::Outcome;
+using measure::speed::TradeRequest;
+using measure::speed::TradeResult;
+
 namespace {
 
 const std::vector<Column> kernel_columns{{"form", "string", "", "form under test; with +contract or +fastmath, compiled with those flags"},
@@ -60,36 +67,36 @@ Cell number_or_missing(double x) { return std::isnan(x) ? Cell() : Cell(x); }
 
 Cell fraction(std::uint64_t part, std::uint64_t whole) { return whole == 0 ? Cell() : Cell(static_cast<double>(part) / static_cast<double>(whole)); }
 
-const Distribution& metric_of(const TradeRequest& request, const MapSummary& s, const char* name) {
-    return s.metrics[static_cast<std::size_t>(std::ranges::find(request.metrics, find_metric(name)) - request.metrics.begin())];
+const measure::metric::Distribution& metric_of(const TradeRequest& request, const measure::map::MapSummary& s, const char* name) {
+    return s.metrics[static_cast<std::size_t>(std::ranges::find(request.metrics, measure::metric::find_metric(name)) - request.metrics.begin())];
 }
 
-void add_kernel(CsvWriter& csv, const TradeKernel& kernel) { csv.add(kernel.measured.form->info->name).add(kernel.measured.format.name).add(kernel.isa); }
+void add_kernel(file::CsvWriter& csv, const measure::speed::TradeKernel& kernel) { csv.add(kernel.measured.form->info->name).add(kernel.measured.format.name).add(kernel.isa); }
 
-std::string in_words(const TradeKernel& kernel) {
+std::string in_words(const measure::speed::TradeKernel& kernel) {
     const std::string width = kernel.isa == "scalar" ? "one ray at a time" : fmt::format("at {} bits", kernel.isa);
     return fmt::format("{} in {} {}", kernel.measured.form->info->name, kernel.measured.format.name, width);
 }
 
 }  // namespace
 
-std::vector<ParetoPoint> pareto_points_of(const TradeRequest& request, const TradeResult& result, std::size_t set) {
-    std::vector<ParetoPoint> all;
-    const std::size_t load = standing_load(request.loads);
+std::vector<measure::speed::ParetoPoint> pareto_points_of(const TradeRequest& request, const TradeResult& result, std::size_t set) {
+    std::vector<measure::speed::ParetoPoint> all;
+    const std::size_t load = measure::speed::standing_load(request.loads);
     for (std::size_t k = 0; k < request.kernels.size(); ++k) {
-        all.push_back(pareto_point(result.times[k][load].timing, request.kernels[k].measured, result.accuracy(set, k), request.metrics));
+        all.push_back(measure::speed::pareto_point(result.times[k][load].timing, request.kernels[k].measured, result.accuracy(set, k), request.metrics));
     }
     return all;
 }
 
 std::string trade_in_words(const TradeRequest& request, const TradeResult& result) {
     std::string text = "Time a ray of the easy set, working set l1, every other ray a hit; measured in this run, so it varies.\n";
-    const auto sets = ray_sets(request.shape);
+    const auto sets = measure::speed::ray_sets(request.shape);
     for (std::size_t s = 0; s < sets.size(); ++s) {
         const auto all = pareto_points_of(request, result, s);
         text += fmt::format("\n{}: {}\n", sets[s].name, sets[s].title);
-        for (const int bits : asked_bits) {
-            const auto best = cheapest(all, bits);
+        for (const int bits : measure::speed::asked_bits) {
+            const auto best = measure::speed::cheapest(all, bits);
             const std::string answer = best ? fmt::format("is {}: {:.2f} ns", in_words(request.kernels[*best]), all[*best].time_ns) : "does not exist: none keeps them";
             text += fmt::format("  the cheapest form that keeps at least {:>2} bits (p99) on this set with no wrong decision {}\n", bits, answer);
         }
@@ -115,13 +122,13 @@ void TradeFiles::write_times(const TradeResult& result) {
 }
 
 void TradeFiles::write_standings(const TradeResult& result) {
-    const auto sets = ray_sets(request_.shape);
+    const auto sets = measure::speed::ray_sets(request_.shape);
     for (std::size_t s = 0; s < sets.size(); ++s) {
         const auto all = pareto_points_of(request_, result, s);
-        const auto beaten = dominated(all);
+        const auto beaten = measure::speed::dominated(all);
         for (std::size_t k = 0; k < all.size(); ++k) {
-            const MapSummary& a = result.accuracy(s, k);
-            const Distribution& lost = metric_of(request_, a, "lost_bits");
+            const measure::map::MapSummary& a = result.accuracy(s, k);
+            const measure::metric::Distribution& lost = metric_of(request_, a, "lost_bits");
             standings_.add(sets[s].name);
             add_kernel(standings_, request_.kernels[k]);
             standings_.add(all[k].time_ns).add(a.rays).add(number_or_missing(lost.quantile(0.5))).add(number_or_missing(lost.quantile(0.99)));
@@ -137,14 +144,14 @@ void TradeFiles::write_standings(const TradeResult& result) {
 void TradeFiles::finish(const TradeResult& result) {
     write_times(result);
     write_standings(result);
-    AtomicFile words(folder_ / "trade.txt");
+    file::AtomicFile words(folder_ / "trade.txt");
     words.write(trade_in_words(request_, result));
     words.commit();
-    write_datapackage(folder_ / "datapackage.json", fmt::format("Speed against accuracy of the {} forms", shape_names[static_cast<std::size_t>(request_.shape)]),
+    file::write_datapackage(folder_ / "datapackage.json", fmt::format("Speed against accuracy of the {} forms", shape_names[static_cast<std::size_t>(request_.shape)]),
                       {{"trade.csv", "One row per form, format, register width, working set and hit rate; times vary from run to run", time_columns()},
                        {"pareto.csv", "One row per set of rays, form, format and register width; times vary from run to run", standing_columns()}});
     times_.close();
     standings_.close();
 }
 
-}  // namespace lostbits::output
+}  // namespace lostbits::output::speed

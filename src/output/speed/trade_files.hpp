@@ -10,27 +10,27 @@
 #include "measure/speed/trade.hpp"
 #include "output/file/csv.hpp"
 
-namespace lostbits::output {
+namespace lostbits::output::speed {
 
 /// Opened before the work, named when it is whole.
 class TradeFiles {
 public:
-    TradeFiles(const TradeRequest& request, const std::filesystem::path& folder);
-    void finish(const TradeResult& result);
+    TradeFiles(const measure::speed::TradeRequest& request, const std::filesystem::path& folder);
+    void finish(const measure::speed::TradeResult& result);
 
 private:
-    void write_times(const TradeResult& result);
-    void write_standings(const TradeResult& result);
+    void write_times(const measure::speed::TradeResult& result);
+    void write_standings(const measure::speed::TradeResult& result);
 
-    const TradeRequest& request_;
+    const measure::speed::TradeRequest& request_;
     std::filesystem::path folder_;
-    CsvWriter times_, standings_;
+    file::CsvWriter times_, standings_;
 };
 
 /// What every kernel is worth on a set of rays, by its time on the standing load.
-std::vector<ParetoPoint> pareto_points_of(const TradeRequest& request, const TradeResult& result, std::size_t set);
+std::vector<measure::speed::ParetoPoint> pareto_points_of(const measure::speed::TradeRequest& request, const measure::speed::TradeResult& result, std::size_t set);
 
 /// For each set of rays and number of bits: the cheapest that keeps them, or that none does.
-std::string trade_in_words(const TradeRequest& request, const TradeResult& result);
+std::string trade_in_words(const measure::speed::TradeRequest& request, const measure::speed::TradeResult& result);
 
-}  // namespace lostbits::output
+}  // namespace lostbits::output::speed

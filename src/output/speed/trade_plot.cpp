@@ -8,7 +8,12 @@
 
 #include "output/speed/trade_files.hpp"
 
-namespace lostbits::output {
+namespace lostbits::output::speed {
+
+using measure::speed::TradeKernel;
+using measure::speed::TradeRequest;
+using plot::ScatterPlotSpec;
+
 namespace {
 
 struct Look {
@@ -29,7 +34,7 @@ int marker_of(const TradeKernel& kernel) {
 std::size_t colour_of(const Format& format) { return format.engine == Format::Engine::native64 ? 1 : 0; }
 
 /// Without the shape, which the title has.
-std::string short_name(const Info& info) { return std::string(info.name.substr(info.name.find('.') + 1)); }
+std::string short_name(const intersect::Info& info) { return std::string(info.name.substr(info.name.find('.') + 1)); }
 
 std::vector<ScatterPlotSpec::Key> keys_of(const TradeRequest& request) {
     std::vector<ScatterPlotSpec::Key> keys;
@@ -47,11 +52,11 @@ std::vector<ScatterPlotSpec::Key> keys_of(const TradeRequest& request) {
 
 }  // namespace
 
-ScatterPlotSpec trade_plot(const TradeRequest& request, const TradeResult& result, std::size_t set) {
+ScatterPlotSpec trade_plot(const TradeRequest& request, const measure::speed::TradeResult& result, std::size_t set) {
     const auto all = pareto_points_of(request, result, set);
-    const auto beaten = dominated(all);
-    const std::size_t load = standing_load(request.loads);
-    const RaySet& rays = ray_sets(request.shape)[set];
+    const auto beaten = measure::speed::dominated(all);
+    const std::size_t load = measure::speed::standing_load(request.loads);
+    const measure::speed::RaySet& rays = measure::speed::ray_sets(request.shape)[set];
     const auto& [timing, bytes, count] = result.times.front()[load];
     ScatterPlotSpec spec;
     spec.title = fmt::format("Time against kept bits: {}", rays.title);
@@ -59,12 +64,12 @@ ScatterPlotSpec trade_plot(const TradeRequest& request, const TradeResult& resul
                                  "quartile to quartile.",
                                  result.accuracy(set, 0).rays, rays.name, static_cast<double>(bytes) / 1024, request.plan.repetitions),
                      "Named: what no other beats. Fewer wrong decisions count before more bits, so the line may step down to a form that is never wrong."};
-    spec.x = {"time a ray, ns", Axis::Scale::log2, {}, {}};
-    spec.y = {"bits that 99 % of the hits keep", Axis::Scale::linear, 0.0, {}};
+    spec.x = {"time a ray, ns", plot::Axis::Scale::log2, {}, {}};
+    spec.y = {"bits that 99 % of the hits keep", plot::Axis::Scale::linear, 0.0, {}};
     std::vector<std::size_t> front;
     for (std::size_t k = 0; k < all.size(); ++k) {
         const TradeKernel& kernel = request.kernels[k];
-        const Timing& t = result.times[k][load].timing;
+        const measure::speed::Timing& t = result.times[k][load].timing;
         spec.points.push_back({all[k].time_ns, all[k].kept_bits, t.low_quartile * 1e9, t.high_quartile * 1e9, marker_of(kernel), colour_of(kernel.measured.format), beaten[k],
                                !all[k].never_wrong(), beaten[k] ? std::string() : short_name(*kernel.measured.form->info)});
         if (!beaten[k] && !std::isnan(all[k].kept_bits)) front.push_back(k);
@@ -75,8 +80,8 @@ ScatterPlotSpec trade_plot(const TradeRequest& request, const TradeResult& resul
     return spec;
 }
 
-void write_trade_plot(const std::filesystem::path& path, const TradeRequest& request, const TradeResult& result, std::size_t set) {
-    write_scatter_plot(image_backend(), path, trade_plot(request, result, set));
+void write_trade_plot(const std::filesystem::path& path, const TradeRequest& request, const measure::speed::TradeResult& result, std::size_t set) {
+    plot::write_scatter_plot(image::image_backend(), path, trade_plot(request, result, set));
 }
 
-}  // namespace lostbits::output
+}  // namespace lostbits::output::speed

@@ -9,25 +9,25 @@
 #include "output/image/colour.hpp"
 #include "output/file/csv.hpp"
 
-namespace lostbits::output {
+namespace lostbits::output::sweep {
 
 /// Of a case that a form has right.
-inline constexpr Rgb8 case_right_colour{226, 238, 226};
+inline constexpr image::Rgb8 case_right_colour{226, 238, 226};
 
 /// Opened before the work, named when it is whole.
 class CaseFiles {
 public:
-    CaseFiles(const CaseRequest& request, const std::filesystem::path& folder);
-    void finish(const std::vector<std::vector<MapSummary>>& cases);
+    CaseFiles(const measure::sweep::CaseRequest& request, const std::filesystem::path& folder);
+    void finish(const std::vector<std::vector<measure::map::MapSummary>>& cases);
 
 private:
-    const CaseRequest& request_;
+    const measure::sweep::CaseRequest& request_;
     std::filesystem::path folder_;
-    CsvWriter csv_;
+    file::CsvWriter csv_;
 };
 
 /// The matrix of forms (columns, by format) and cases (rows) alone, of the rows judged by one convention.
-void write_case_matrix(const std::filesystem::path& path, const CaseRequest& request, const std::vector<std::vector<MapSummary>>& cases,
-                       std::optional<Touching> judged = {});
+void write_case_matrix(const std::filesystem::path& path, const measure::sweep::CaseRequest& request, const std::vector<std::vector<measure::map::MapSummary>>& cases,
+                       std::optional<intersect::Touching> judged = {});
 
-}  // namespace lostbits::output
+}  // namespace lostbits::output::sweep

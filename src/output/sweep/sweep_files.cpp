@@ -4,12 +4,18 @@
 #include "output/map/map_tables.hpp"
 #include "output/file/number_text.hpp"
 
-namespace lostbits::output {
+namespace lostbits::output::sweep {
+
+using file::Cell;
+using file::Column;
+using measure::sweep::Onset;
+using measure::sweep::SweepRequest;
+
 namespace {
 
 std::vector<Column> axis_columns(const SweepRequest& request) {
     std::vector<Column> columns;
-    for (const scene::Axis& axis : request.sweep->axes) {
+    for (const scene::sweep::Axis& axis : request.sweep->axes) {
         columns.push_back({axis.name, "number", axis.unit, "value of the axis"});
         columns.push_back({axis.name + "_hex", "string", axis.unit, "the same, exactly"});
     }
@@ -19,7 +25,7 @@ std::vector<Column> axis_columns(const SweepRequest& request) {
 std::vector<Column> sample_columns(const SweepRequest& request) {
     std::vector<Column> columns = axis_columns(request);
     // A sweep's rays have no picture: the place of the worst is its number in its set.
-    for (Column& c : SummaryTable{request.metrics, request.sweep->shapes()}.columns()) {
+    for (Column& c : map::SummaryTable{request.metrics, request.sweep->shapes()}.columns()) {
         if (c.name == "worst_x") c.meaning = "ray with the largest |ulp_error| in its group, from 0";
         if (c.name == "worst_y") c.meaning = "row of a scene's picture, 0 for a family";
         columns.push_back(std::move(c));
@@ -28,7 +34,7 @@ std::vector<Column> sample_columns(const SweepRequest& request) {
 }
 
 std::vector<Column> onset_columns(const SweepRequest& request) {
-    const scene::Axis& axis = request.sweep->axes.front();
+    const scene::sweep::Axis& axis = request.sweep->axes.front();
     return {{"form", "string", "", "form under test"},
             {"format", "string", "", "format it computes in"},
             {"event", "string", "", "what first happens: lost_bits reach the threshold, or an outcome occurs"},
@@ -48,15 +54,15 @@ SweepFiles::SweepFiles(const SweepRequest& request, const std::filesystem::path&
     : request_(request), folder_(folder), samples_(folder / "samples.csv", sample_columns(request)) {
     // An onset is a place on one axis.
     if (request.sweep->axes.size() == 1) onsets_.emplace(folder / "onsets.csv", onset_columns(request));
-    if (CulpritTable::is_wanted(request.metrics)) culprits_.emplace(folder / "culprits.csv", axis_columns(request), request.metrics);
+    if (map::CulpritTable::is_wanted(request.metrics)) culprits_.emplace(folder / "culprits.csv", axis_columns(request), request.metrics);
 }
 
-void SweepFiles::finish(const std::vector<SweepStep>& steps, const std::vector<Onset>& onsets) {
-    const SummaryTable table{request_.metrics, request_.sweep->shapes()};
+void SweepFiles::finish(const std::vector<measure::sweep::SweepStep>& steps, const std::vector<Onset>& onsets) {
+    const map::SummaryTable table{request_.metrics, request_.sweep->shapes()};
     for (std::size_t r = 0; r < request_.rows.size(); ++r) {
-        for (const SweepStep& step : steps) {
-            const auto put_axes = [&step](CsvWriter& csv) {
-                for (const double value : step.values) csv.add(value).add(hex(value));
+        for (const measure::sweep::SweepStep& step : steps) {
+            const auto put_axes = [&step](file::CsvWriter& csv) {
+                for (const double value : step.values) csv.add(value).add(file::hex(value));
             };
             put_axes(samples_);
             table.add(samples_, request_.rows[r], step.rows[r]);
@@ -64,13 +70,13 @@ void SweepFiles::finish(const std::vector<SweepStep>& steps, const std::vector<O
             if (culprits_) culprits_->add(request_.rows[r], step.rows[r], put_axes);
         }
     }
-    std::vector<DataResource> resources{{"samples.csv", "One row per form, format and step", sample_columns(request_)}};
+    std::vector<file::DataResource> resources{{"samples.csv", "One row per form, format and step", sample_columns(request_)}};
     if (onsets_) {
         write_onsets(onsets);
         resources.push_back({"onsets.csv", "One row per form, format, event and threshold", onset_columns(request_)});
     }
-    if (culprits_) resources.push_back({"culprits.csv", "One row per form, format, step and operation that is a culprit", CulpritTable::columns(axis_columns(request_))});
-    write_datapackage(folder_ / "datapackage.json", request_.sweep->title, resources);
+    if (culprits_) resources.push_back({"culprits.csv", "One row per form, format, step and operation that is a culprit", map::CulpritTable::columns(axis_columns(request_))});
+    file::write_datapackage(folder_ / "datapackage.json", request_.sweep->title, resources);
     if (onsets_) onsets_->close();
     if (culprits_) culprits_->close();
     samples_.close();
@@ -78,14 +84,14 @@ void SweepFiles::finish(const std::vector<SweepStep>& steps, const std::vector<O
 
 void SweepFiles::write_onsets(const std::vector<Onset>& onsets) {
     for (const Onset& o : onsets) {
-        const MapRow& row = request_.rows[o.row];
+        const measure::map::MapRow& row = request_.rows[o.row];
         const bool good = o.found && !o.from_start;
         onsets_->add(row.form->info->name).add(row.format.name).add(o.event).add(o.statistic).add(o.threshold).add(o.found);
         onsets_->add(good ? Cell(o.last_good) : Cell()).add(o.found ? Cell(o.first_bad) : Cell());
-        onsets_->add(good ? Cell(hex(o.last_good)) : Cell()).add(o.found ? Cell(hex(o.first_bad)) : Cell());
+        onsets_->add(good ? Cell(file::hex(o.last_good)) : Cell()).add(o.found ? Cell(file::hex(o.first_bad)) : Cell());
         onsets_->add(o.found ? Cell(o.value_at_first_bad) : Cell());
         onsets_->end_row();
     }
 }
 
-}  // namespace lostbits::output
+}  // namespace lostbits::output::sweep

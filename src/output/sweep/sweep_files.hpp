@@ -8,22 +8,22 @@
 #include "output/file/csv.hpp"
 #include "output/map/culprit_table.hpp"
 
-namespace lostbits::output {
+namespace lostbits::output::sweep {
 
 /// Opens the tables before the work and gives them their final names in `finish`.
 class SweepFiles {
 public:
-    SweepFiles(const SweepRequest& request, const std::filesystem::path& folder);
-    void finish(const std::vector<SweepStep>& steps, const std::vector<Onset>& onsets);
+    SweepFiles(const measure::sweep::SweepRequest& request, const std::filesystem::path& folder);
+    void finish(const std::vector<measure::sweep::SweepStep>& steps, const std::vector<measure::sweep::Onset>& onsets);
 
 private:
-    void write_onsets(const std::vector<Onset>& onsets);
+    void write_onsets(const std::vector<measure::sweep::Onset>& onsets);
 
-    const SweepRequest& request_;
+    const measure::sweep::SweepRequest& request_;
     std::filesystem::path folder_;
-    CsvWriter samples_;
-    std::optional<CsvWriter> onsets_;  ///< of a sweep with one axis
-    std::optional<CulpritTable> culprits_;
+    file::CsvWriter samples_;
+    std::optional<file::CsvWriter> onsets_;  ///< of a sweep with one axis
+    std::optional<map::CulpritTable> culprits_;
 };
 
-}  // namespace lostbits::output
+}  // namespace lostbits::output::sweep

@@ -10,16 +10,24 @@
 #include "output/file/number_text.hpp"
 #include "output/plot/plane_plot.hpp"
 
-namespace lostbits::output {
+namespace lostbits::output::sweep {
+
+using image::ImageBackend;
+using measure::answer::Outcome;
+using measure::map::MapRow;
+using measure::map::MapSummary;
+using measure::sweep::SweepRequest;
+using measure::sweep::SweepStep;
+
 namespace {
 
 std::size_t index_of(const SweepRequest& request, const char* metric) {
-    return static_cast<std::size_t>(std::ranges::find(request.metrics, find_metric(metric)) - request.metrics.begin());
+    return static_cast<std::size_t>(std::ranges::find(request.metrics, measure::metric::find_metric(metric)) - request.metrics.begin());
 }
 
 std::string joined(const std::vector<double>& values) {
     std::string text;
-    for (const double v : values) text += (text.empty() ? "" : " ") + decimal(v);
+    for (const double v : values) text += (text.empty() ? "" : " ") + file::decimal(v);
     return text;
 }
 
@@ -45,11 +53,11 @@ std::vector<Layer> layers_of(const SweepRequest& request) {
 
 void write_exr(ImageBackend& backend, const std::filesystem::path& path, const SweepRequest& request, const Plane& plane, std::size_t r) {
     const MapRow& row = request.rows[r];
-    ExrSpec spec;
+    image::ExrSpec spec;
     spec.width = static_cast<int>(plane.x.size());
     spec.height = static_cast<int>(plane.y.size());
     const auto layers = layers_of(request);
-    for (const Layer& layer : layers) spec.channels.push_back({layer.name, Channel::Type::f32});
+    for (const Layer& layer : layers) spec.channels.push_back({layer.name, image::Channel::Type::f32});
     const auto& axes = request.sweep->axes;
     spec.attributes = {{"lostbits:schema", "lostbits-plane/1"},     {"lostbits:sweep", request.sweep->id},
                        {"lostbits:form", std::string(row.form->info->name)}, {"lostbits:format", row.format.name},
@@ -84,14 +92,14 @@ void write_plane_picture(ImageBackend& backend, const std::filesystem::path& pat
     const MapRow& what = request.rows[row];
     const std::size_t lost = index_of(request, "lost_bits"), excess = index_of(request, "excess_bits");
     const Plane plane(request, steps);
-    PlanePlotSpec spec{.title = fmt::format("{} in {}: lost bits, p99", what.form->info->name, what.format.name),
+    plot::PlanePlotSpec spec{.title = fmt::format("{} in {}: lost bits, p99", what.form->info->name, what.format.name),
                        .subtitle = {request.sweep->title},
                        .x_axis = plot_axis(axes[0]),
                        .y_axis = plot_axis(axes[1]),
                        .x = plane.x,
                        .y = plane.y,
                        .cells = {},
-                       .scale = metric_scale(*find_metric("lost_bits"), request.rows, backend),
+                       .scale = map::metric_scale(*measure::metric::find_metric("lost_bits"), request.rows, backend),
                        .unit = "lost bits",
                        .legend = {}};
     MapSummary drawn;
@@ -99,26 +107,26 @@ void write_plane_picture(ImageBackend& backend, const std::filesystem::path& pat
     for (std::size_t line = 0; line < plane.y.size(); ++line) {
         for (std::size_t column = 0; column < plane.x.size(); ++column) {
             const MapSummary& s = plane.at(row, column, line);
-            PlaneCell cell;
+            plot::PlaneCell cell;
             ++drawn.rays;
             if (wrong_share(s) <= 0.5) {
                 cell.value = s.metrics[lost].quantile(0.99);
-                if (inside_envelope(cell.value, s.metrics[excess].quantile(0.99))) {
-                    cell.colour = paler(spec.scale->map(cell.value));
+                if (map::inside_envelope(cell.value, s.metrics[excess].quantile(0.99))) {
+                    cell.colour = map::paler(spec.scale->map(cell.value));
                     any_inside = true;
                 }
             } else {
                 const Outcome worst =
                     std::max({Outcome::false_hit, Outcome::false_miss, Outcome::not_a_number}, [&](Outcome a, Outcome b) { return s.count(a) < s.count(b); });
-                cell.colour = outcome_colours[static_cast<std::size_t>(worst)];
+                cell.colour = image::outcome_colours[static_cast<std::size_t>(worst)];
                 ++drawn.outcomes[static_cast<std::size_t>(worst)];
             }
             spec.cells.push_back(cell);
         }
     }
-    spec.legend = outcome_legend(drawn);
-    if (any_inside) spec.legend.push_back({"paler: inside the envelope", paler(spec.scale->map(spec.scale->hi() / 2)), {}});
-    write_plane_plot(backend, path, spec);
+    spec.legend = map::outcome_legend(drawn);
+    if (any_inside) spec.legend.push_back({"paler: inside the envelope", map::paler(spec.scale->map(spec.scale->hi() / 2)), {}});
+    plot::write_plane_plot(backend, path, spec);
 }
 
 void write_plane(ImageBackend& backend, const std::filesystem::path& folder, const SweepRequest& request, const std::vector<SweepStep>& steps, std::size_t row) {
@@ -128,4 +136,4 @@ void write_plane(ImageBackend& backend, const std::filesystem::path& folder, con
     write_exr(backend, folder / (stem + ".exr"), request, Plane(request, steps), row);
 }
 
-}  // namespace lostbits::output
+}  // namespace lostbits::output::sweep

@@ -8,32 +8,32 @@
 #include "output/image/image.hpp"
 #include "output/plot/plot_axis.hpp"
 
-namespace lostbits::output {
+namespace lostbits::output::sweep {
 
 /// A sweep's axis as a plot shows it.
-Axis plot_axis(const scene::Axis& axis);
+plot::Axis plot_axis(const scene::sweep::Axis& axis);
 /// Rays with a wrong decision or NaN, among all.
-double wrong_share(const MapSummary& s);
+double wrong_share(const measure::map::MapSummary& s);
 
 /// The steps of a sweep over two axes as a plane: columns by rising first axis, lines by rising second.
 class Plane {
 public:
-    Plane(const SweepRequest& request, const std::vector<SweepStep>& steps);
+    Plane(const measure::sweep::SweepRequest& request, const std::vector<measure::sweep::SweepStep>& steps);
     /// The numbers of one row of the request.
-    [[nodiscard]] const MapSummary& at(std::size_t row, std::size_t column, std::size_t line) const;
+    [[nodiscard]] const measure::map::MapSummary& at(std::size_t row, std::size_t column, std::size_t line) const;
     std::vector<double> x, y;
 
 private:
-    const std::vector<SweepStep>& steps_;
+    const std::vector<measure::sweep::SweepStep>& steps_;
     bool x_falls_, y_falls_;
 };
 
 /// `<form>.<format>.png`: the 99th percentile of lost bits, the colour of the most frequent wrong outcome where most rays
 /// have one, paler where the envelope explains the loss. `<form>.<format>.exr`: columns are the first axis's values in
 /// rising order, rows the second's from the top, the highest first; the values stand in the attributes.
-void write_plane(ImageBackend& backend, const std::filesystem::path& folder, const SweepRequest& request, const std::vector<SweepStep>& steps, std::size_t row);
+void write_plane(image::ImageBackend& backend, const std::filesystem::path& folder, const measure::sweep::SweepRequest& request, const std::vector<measure::sweep::SweepStep>& steps, std::size_t row);
 
 /// The picture alone.
-void write_plane_picture(ImageBackend& backend, const std::filesystem::path& path, const SweepRequest& request, const std::vector<SweepStep>& steps, std::size_t row);
+void write_plane_picture(image::ImageBackend& backend, const std::filesystem::path& path, const measure::sweep::SweepRequest& request, const std::vector<measure::sweep::SweepStep>& steps, std::size_t row);
 
-}  // namespace lostbits::output
+}  // namespace lostbits::output::sweep

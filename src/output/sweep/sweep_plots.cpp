@@ -14,11 +14,21 @@
 #include "output/map/map_colour.hpp"
 #include "output/sweep/sweep_planes.hpp"
 
-namespace lostbits::output {
+namespace lostbits::output::sweep {
 
-output::Axis plot_axis(const scene::Axis& axis) {
-    using S = output::Axis::Scale;
-    return {axis.unit.empty() ? axis.name : fmt::format("{} [{}]", axis.name, axis.unit), axis.spacing == scene::Axis::Spacing::log2 ? S::log2 : S::linear, {}, {}};
+using image::ImageBackend;
+using measure::answer::Outcome;
+using measure::map::MapRow;
+using measure::map::MapSummary;
+using measure::sweep::Onset;
+using measure::sweep::SweepRequest;
+using measure::sweep::SweepStep;
+using plot::LinePlotSpec;
+using plot::Series;
+
+plot::Axis plot_axis(const scene::sweep::Axis& axis) {
+    using S = plot::Axis::Scale;
+    return {axis.unit.empty() ? axis.name : fmt::format("{} [{}]", axis.name, axis.unit), axis.spacing == scene::sweep::Axis::Spacing::log2 ? S::log2 : S::linear, {}, {}};
 }
 
 double wrong_share(const MapSummary& s) {
@@ -28,10 +38,10 @@ double wrong_share(const MapSummary& s) {
 
 namespace {
 
-using scene::Axis;
+using scene::sweep::Axis;
 
 std::size_t index_of(const SweepRequest& request, const char* metric) {
-    return static_cast<std::size_t>(std::ranges::find(request.metrics, find_metric(metric)) - request.metrics.begin());
+    return static_cast<std::size_t>(std::ranges::find(request.metrics, measure::metric::find_metric(metric)) - request.metrics.begin());
 }
 
 std::string short_name(const MapRow& row) { return std::string(row.form->info->name.substr(row.form->info->name.find('.') + 1)); }
@@ -52,7 +62,7 @@ Series series_of(const std::vector<SweepStep>& steps, std::size_t row, const std
 
 struct Quantity {
     std::string title;
-    output::Axis axis;
+    plot::Axis axis;
     std::function<double(const MapSummary&)> value;
     std::function<double(const MapSummary&)> envelope;  ///< empty: none
     bool (*shows)(const MapRow&) = [](const MapRow&) { return true; };
@@ -87,7 +97,7 @@ void write_lines(ImageBackend& backend, const std::filesystem::path& path, const
         });
         if (measured != onsets.end()) spec.marks.push_back({measured->first_bad, fmt::format("{}: measured", short_name(request.rows[measured->row]))});
     }
-    write_line_plot(backend, path, spec);
+    plot::write_line_plot(backend, path, spec);
 }
 
 }  // namespace
@@ -96,7 +106,7 @@ void write_lost_bits_plot(ImageBackend& backend, const std::filesystem::path& pa
                           const std::vector<Onset>& onsets, const Format& format, double q, PlotSize size) {
     const std::size_t lost = index_of(request, "lost_bits"), inherent = index_of(request, "inherent_bits");
     Quantity quantity{fmt::format("Lost bits, {}", q == 0.5 ? "median" : "99th percentile"),
-                      {"lost bits", output::Axis::Scale::linear, 0.0, static_cast<double>(format.shape.precision)},
+                      {"lost bits", plot::Axis::Scale::linear, 0.0, static_cast<double>(format.shape.precision)},
                       [lost, q](const MapSummary& s) { return s.metrics[lost].quantile(q); },
                       {}};
     if (inherent < request.metrics.size()) quantity.envelope = [inherent, q](const MapSummary& s) { return s.metrics[inherent].quantile(q); };
@@ -105,7 +115,7 @@ void write_lost_bits_plot(ImageBackend& backend, const std::filesystem::path& pa
 
 void write_wrong_plot(ImageBackend& backend, const std::filesystem::path& path, const SweepRequest& request, const std::vector<SweepStep>& steps,
                       const std::vector<Onset>& onsets, const Format& format, PlotSize size) {
-    write_lines(backend, path, request, steps, onsets, format, {"Rays with the wrong answer", {"share of rays", output::Axis::Scale::linear, 0.0, 1.0}, wrong_share, {}}, size);
+    write_lines(backend, path, request, steps, onsets, format, {"Rays with the wrong answer", {"share of rays", plot::Axis::Scale::linear, 0.0, 1.0}, wrong_share, {}}, size);
 }
 
 namespace {
@@ -116,7 +126,7 @@ void write_split_plot(ImageBackend& backend, const std::filesystem::path& path, 
     LinePlotSpec spec{.title = fmt::format("Model and rounding error of {} in {}, medians", row.form->info->name, row.format.name),
                       .subtitle = {request.sweep->title, fmt::format("{} rays a step", steps.front().rows.front().rays)},
                       .x = plot_axis(request.sweep->axes.front()),
-                      .y = {"ulp", output::Axis::Scale::log2, 0x1p-6, {}},
+                      .y = {"ulp", plot::Axis::Scale::log2, 0x1p-6, {}},
                       .series = {}};
     for (const char* name : {"model_error", "rounding_error", "ulp_error"}) {
         const std::size_t m = index_of(request, name);
@@ -126,7 +136,7 @@ void write_split_plot(ImageBackend& backend, const std::filesystem::path& path, 
     for (const auto& mark : request.sweep->marks) {
         if (mark.format.empty() || mark.format == row.format.name) spec.marks.push_back({mark.at, mark.label});
     }
-    write_line_plot(backend, path, spec);
+    plot::write_line_plot(backend, path, spec);
 }
 
 /// What a sweep over forms that march shows beside its errors; nothing where none does.
@@ -135,13 +145,13 @@ void write_march_plots(ImageBackend& backend, const std::filesystem::path& folde
     const std::size_t stop = index_of(request, "stop"), iterations = index_of(request, "iterations");
     if (stop == request.metrics.size()) return;
     const auto unfinished = [stop](const MapSummary& s) {
-        const auto n = s.categories[stop][static_cast<std::size_t>(Stop::max_steps)] + s.categories[stop][static_cast<std::size_t>(Stop::stagnated)];
+        const auto n = s.categories[stop][static_cast<std::size_t>(intersect::Stop::max_steps)] + s.categories[stop][static_cast<std::size_t>(intersect::Stop::stagnated)];
         return static_cast<double>(n) / static_cast<double>(s.rays);
     };
     write_lines(backend, folder / fmt::format("unfinished.{}.png", format.name), request, steps, onsets, format,
-                {"Marches that came to no end", {"share of rays", output::Axis::Scale::linear, 0.0, 1.0}, unfinished, {}, marches});
+                {"Marches that came to no end", {"share of rays", plot::Axis::Scale::linear, 0.0, 1.0}, unfinished, {}, marches});
     write_lines(backend, folder / fmt::format("iterations.{}.png", format.name), request, steps, onsets, format,
-                {"Samples of the field, 99th percentile", {"samples", output::Axis::Scale::log2, 1.0, {}}, [iterations](const MapSummary& s) { return s.metrics[iterations].quantile(0.99); }, {}, marches});
+                {"Samples of the field, 99th percentile", {"samples", plot::Axis::Scale::log2, 1.0, {}}, [iterations](const MapSummary& s) { return s.metrics[iterations].quantile(0.99); }, {}, marches});
     for (std::size_t r = 0; r < request.rows.size(); ++r) {
         const MapRow& row = request.rows[r];
         if (row.format == format && marches(row)) write_split_plot(backend, folder / fmt::format("split.{}.{}.png", row.form->info->name, format.name), request, steps, r);
@@ -153,10 +163,10 @@ void write_culprit_plot(ImageBackend& backend, const std::filesystem::path& path
     constexpr std::size_t most = 7;
     constexpr std::size_t longest = 70;
     const MapRow& row = request.rows[r];
-    const auto m = static_cast<std::size_t>(std::ranges::find_if(request.metrics, &Metric::by_run) - request.metrics.begin());
+    const auto m = static_cast<std::size_t>(std::ranges::find_if(request.metrics, &measure::metric::Metric::by_run) - request.metrics.begin());
     std::vector<double> peak(request.metrics[m]->categories.size());
     for (const SweepStep& step : steps) {
-        for (std::size_t c = 1; c < peak.size(); ++c) peak[c] = std::fmax(peak[c], culprit_share(step.rows[r].categories[m], std::array{c}));
+        for (std::size_t c = 1; c < peak.size(); ++c) peak[c] = std::fmax(peak[c], measure::blame::culprit_share(step.rows[r].categories[m], std::array{c}));
     }
     std::vector<std::size_t> order;
     for (std::size_t c = 1; c < peak.size(); ++c) {
@@ -167,10 +177,10 @@ void write_culprit_plot(ImageBackend& backend, const std::filesystem::path& path
     LinePlotSpec spec{.title = fmt::format("Culprits of {} in {}", row.form->info->name, row.format.name),
                       .subtitle = {request.sweep->title, fmt::format("{} rays a step; an operation's share of the rays that have a culprit", steps.front().rows[r].rays)},
                       .x = plot_axis(request.sweep->axes.front()),
-                      .y = {"share of rays", output::Axis::Scale::linear, 0.0, 1.0},
+                      .y = {"share of rays", plot::Axis::Scale::linear, 0.0, 1.0},
                       .series = {}};
     const auto add = [&](const std::string& label, std::span<const std::size_t> places) {
-        spec.series.push_back(series_of(steps, r, label, [&](const MapSummary& s) { return culprit_share(s.categories[m], places); }));
+        spec.series.push_back(series_of(steps, r, label, [&](const MapSummary& s) { return measure::blame::culprit_share(s.categories[m], places); }));
     };
     const std::size_t named = order.size() <= most + 1 ? order.size() : most;
     for (std::size_t k = 0; k < named; ++k) {
@@ -178,7 +188,7 @@ void write_culprit_plot(ImageBackend& backend, const std::filesystem::path& path
         add(operation.size() <= longest ? std::string(operation) : std::string(operation.substr(0, longest - 2)) + "..", std::span(order).subspan(k, 1));
     }
     if (named < order.size()) add(fmt::format("{} other operations", order.size() - named), std::span(order).subspan(named));
-    write_line_plot(backend, path, spec);
+    plot::write_line_plot(backend, path, spec);
 }
 
 }  // namespace
@@ -201,9 +211,9 @@ void write_sweep_plots(ImageBackend& backend, const std::filesystem::path& folde
         write_march_plots(backend, folder, request, steps, onsets, format);
         for (std::size_t r = 0; r < request.rows.size(); ++r) {
             const MapRow& row = request.rows[r];
-            if (row.format == format && CulpritTable::is_wanted(request.metrics)) write_culprit_plot(backend, file(fmt::format("culprit.{}", row.form->info->name).c_str()), request, steps, r);
+            if (row.format == format && map::CulpritTable::is_wanted(request.metrics)) write_culprit_plot(backend, file(fmt::format("culprit.{}", row.form->info->name).c_str()), request, steps, r);
         }
     }
 }
 
-}  // namespace lostbits::output
+}  // namespace lostbits::output::sweep

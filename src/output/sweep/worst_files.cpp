@@ -8,7 +8,12 @@
 #include "output/file/datapackage.hpp"
 #include "output/file/number_text.hpp"
 
-namespace lostbits::output {
+namespace lostbits::output::sweep {
+
+using file::Cell;
+using measure::sweep::WorstFound;
+using measure::sweep::WorstRequest;
+
 namespace {
 
 constexpr const char* ray_names[] = {"origin_x", "origin_y", "origin_z", "direction_x", "direction_y", "direction_z"};
@@ -17,9 +22,9 @@ std::vector<double> ray_numbers(const WorstFound& w) {
     return {w.ray.origin.x, w.ray.origin.y, w.ray.origin.z, w.ray.direction.x, w.ray.direction.y, w.ray.direction.z};
 }
 
-std::vector<Column> worst_columns(const WorstRequest& request) {
-    const Metric& metric = *find_metric(request.search->metric);
-    std::vector<Column> columns{{"form", "string", "", "form under test"},
+std::vector<file::Column> worst_columns(const WorstRequest& request) {
+    const measure::metric::Metric& metric = *measure::metric::find_metric(request.search->metric);
+    std::vector<file::Column> columns{{"form", "string", "", "form under test"},
                                 {"format", "string", "", "format it computes in"},
                                 {"found", "boolean", "", "whether any ray of the box was hit"},
                                 {"outcome", "string", "", "class of the worst ray"},
@@ -34,7 +39,7 @@ std::vector<Column> worst_columns(const WorstRequest& request) {
 
 std::string hex_list(const std::vector<double>& x, std::size_t begin, std::size_t count) {
     std::string text;
-    for (std::size_t i = begin; i < begin + count; ++i) text += (i > begin ? ", \"" : "\"") + hex(x[i]) + "\"";
+    for (std::size_t i = begin; i < begin + count; ++i) text += (i > begin ? ", \"" : "\"") + file::hex(x[i]) + "\"";
     return "[" + text + "]";
 }
 
@@ -49,13 +54,13 @@ std::string quoted(const std::string& text) {
     return out + '"';
 }
 
-std::string case_text(const WorstRequest& request, const MapRow& row, const WorstFound& w) {
-    const bool decided = w.outcome == Outcome::agree_hit;
-    const std::string what = decided ? fmt::format("{} {:.6g}", request.search->metric, w.value) : std::string(outcome_names[static_cast<std::size_t>(w.outcome)]);
+std::string case_text(const WorstRequest& request, const measure::map::MapRow& row, const WorstFound& w) {
+    const bool decided = w.outcome == measure::answer::Outcome::agree_hit;
+    const std::string what = decided ? fmt::format("{} {:.6g}", request.search->metric, w.value) : std::string(measure::answer::outcome_names[static_cast<std::size_t>(w.outcome)]);
     const auto ray = ray_numbers(w);
     const std::vector<double> solid(w.solid.used().begin(), w.solid.used().end());
     std::string text = fmt::format("\n[[case]]\nname = \"{} in {}: {}\"\n", row.form->info->name, row.format.name, what);
-    if (request.search->shape == Shape::sphere) text += fmt::format("spheres = [{{ centre = {}, radius = \"{}\" }}]\n", hex_list(solid, 0, 3), hex(solid[3]));
+    if (request.search->shape == Shape::sphere) text += fmt::format("spheres = [{{ centre = {}, radius = \"{}\" }}]\n", hex_list(solid, 0, 3), file::hex(solid[3]));
     else text += fmt::format("boxes = [{{ lo = {}, hi = {} }}]\n", hex_list(solid, 0, 3), hex_list(solid, 3, 3));
     return text + fmt::format("rays = [{{ origin = {}, direction = {} }}]\n", hex_list(ray, 0, 3), hex_list(ray, 3, 3));
 }
@@ -63,15 +68,15 @@ std::string case_text(const WorstRequest& request, const MapRow& row, const Wors
 }  // namespace
 
 void write_worst(const std::filesystem::path& folder, const WorstRequest& request, const std::vector<std::optional<WorstFound>>& found) {
-    const scene::SearchFile& search = *request.search;
-    CsvWriter csv(folder / "worst.csv", worst_columns(request));
-    AtomicFile hard(folder / "hard.toml");
+    const scene::sweep::SearchFile& search = *request.search;
+    file::CsvWriter csv(folder / "worst.csv", worst_columns(request));
+    file::AtomicFile hard(folder / "hard.toml");
     std::string text = fmt::format(
         "schema = \"lostbits-sweep/1\"\ntitle = {}\nsource = {}\n", quoted("The worst rays of each form: " + search.title),
         quoted(fmt::format("lostbits sweep {} --worst: seed {}, {} starts of {} generations of 32, largest {}", search.id, search.seed, search.starts, search.generations,
                            search.metric)));
     for (std::size_t r = 0; r < found.size(); ++r) {
-        const MapRow& row = request.rows[r];
+        const measure::map::MapRow& row = request.rows[r];
         csv.add(row.form->info->name).add(row.format.name).add(found[r].has_value());
         if (!found[r]) {
             for (std::size_t i = 3; i < worst_columns(request).size(); ++i) csv.add(Cell());
@@ -79,17 +84,17 @@ void write_worst(const std::filesystem::path& folder, const WorstRequest& reques
             continue;
         }
         const WorstFound& w = *found[r];
-        csv.add(outcome_names[static_cast<std::size_t>(w.outcome)]).add(w.outcome == Outcome::agree_hit ? Cell(w.value) : Cell()).add(w.evaluations).add(hex(w.t));
-        csv.add(std::isnan(w.truth) ? Cell() : Cell(hex(w.truth)));
-        for (const double x : ray_numbers(w)) csv.add(hex(x));
-        for (const double x : w.solid.used()) csv.add(hex(x));
+        csv.add(measure::answer::outcome_names[static_cast<std::size_t>(w.outcome)]).add(w.outcome == measure::answer::Outcome::agree_hit ? Cell(w.value) : Cell()).add(w.evaluations).add(file::hex(w.t));
+        csv.add(std::isnan(w.truth) ? Cell() : Cell(file::hex(w.truth)));
+        for (const double x : ray_numbers(w)) csv.add(file::hex(x));
+        for (const double x : w.solid.used()) csv.add(file::hex(x));
         csv.end_row();
         text += case_text(request, row, w);
     }
     hard.write(text);
-    write_datapackage(folder / "datapackage.json", search.title, {{"worst.csv", "One row per form and format: the worst ray found", worst_columns(request)}});
+    file::write_datapackage(folder / "datapackage.json", search.title, {{"worst.csv", "One row per form and format: the worst ray found", worst_columns(request)}});
     hard.commit();
     csv.close();
 }
 
-}  // namespace lostbits::output
+}  // namespace lostbits::output::sweep

@@ -5,7 +5,13 @@
 
 #include "scene/toml/toml_reader.hpp"
 
-namespace lostbits::scene {
+namespace lostbits::scene::claim {
+
+using file::Stage;
+using intersect::Touching;
+using toml::Node;
+using toml::TableReader;
+
 namespace {
 
 using V = Claim::Verdict;
@@ -28,7 +34,7 @@ void read_timing(TableReader table, Claim& claim) {
         timing.over_kernel = over->optional_string("kernel").value_or(timing.kernel);
         over->reject_unknown_keys();
     } else if (!timing.all_processors) {
-        fail(table.where(), "claim.given needs `over = { form = \"...\", kernel = \"...\" }`, whose speed is 1, or `all_processors = true`");
+        toml::fail(table.where(), "claim.given needs `over = { form = \"...\", kernel = \"...\" }`, whose speed is 1, or `all_processors = true`");
     }
     claim.timing = std::move(timing);
     claim.requirements = table.optional_strings("requires").value_or(std::vector<std::string>{});
@@ -42,7 +48,7 @@ void read_given(TableReader table, Claim& claim) {
     if (table.has("timing")) table.reject("timing", "needs `profile = \"timing\"` at the head of the file, which keeps it from gating anything");
     claim.render = table.optional_string("render").value_or("");
     if (int{!claim.scene.empty()} + int{!claim.sweep.empty()} + int{!claim.table.empty()} + int{!claim.render.empty()} != 1) {
-        fail(table.where(), "claim.given names a scene, a sweep, a table or a scene to render; write one of them");
+        toml::fail(table.where(), "claim.given names a scene, a sweep, a table or a scene to render; write one of them");
     }
     if (!claim.render.empty()) {
         for (const char* key : {"at", "case", "convention"}) table.reject(key, "has no meaning for a rendered scene; leave it out");
@@ -63,7 +69,7 @@ void read_given(TableReader table, Claim& claim) {
             claim.at.push_back(static_cast<double>(table.number("at")));
         }
     }
-    if (!claim.table.empty() && claim.at.size() != 1) fail(table.where(), "a table's row needs `at`, its argument");
+    if (!claim.table.empty() && claim.at.size() != 1) toml::fail(table.where(), "a table's row needs `at`, its argument");
     if (const auto name = table.optional_string("case")) {
         if (claim.sweep.empty() || !claim.at.empty()) table.reject("case", "needs a sweep of cases, and no `at`");
         claim.case_name = *name;
@@ -91,7 +97,7 @@ void read_operations(TableReader& table, Claim& claim) {
 void read_expect(TableReader table, Claim& claim) {
     claim.metric = table.optional_string("metric").value_or("");
     claim.onset = table.optional_string("onset").value_or("");
-    if (claim.metric.empty() == claim.onset.empty()) fail(table.where(), "claim.expect names either a metric or an onset; write one of them");
+    if (claim.metric.empty() == claim.onset.empty()) toml::fail(table.where(), "claim.expect names either a metric or an onset; write one of them");
     if (!claim.onset.empty()) {
         if (claim.sweep.empty() || !claim.at.empty() || !claim.case_name.empty()) table.fail_at("onset", "needs a sweep in claim.given, and no `at`");
         claim.statistic = table.optional_string("statistic").value_or("count");
@@ -111,9 +117,9 @@ void read_expect(TableReader table, Claim& claim) {
 }  // namespace
 
 std::vector<Claim> read_claims(const std::filesystem::path& path) {
-    const Node root = read_toml(path);
+    const Node root = toml::read_toml(path);
     TableReader file(root);
-    require_schema(file, "lostbits-claims/1");
+    toml::require_schema(file, "lostbits-claims/1");
     const auto profile = file.optional_one_of<Claim::Profile>("profile", profiles).value_or(Claim::Profile::results);
     std::vector<Claim> claims;
     std::set<std::string> ids;
@@ -149,4 +155,4 @@ std::vector<std::filesystem::path> claim_files(const std::filesystem::path& file
     return files;
 }
 
-}  // namespace lostbits::scene
+}  // namespace lostbits::scene::claim

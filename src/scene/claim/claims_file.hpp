@@ -10,7 +10,7 @@
 #include "scene/file/appearance.hpp"
 #include "scene/toml/toml_tree.hpp"
 
-namespace lostbits::scene {
+namespace lostbits::scene::claim {
 
 struct Claim {
     enum class Verdict { holds, refuted };
@@ -29,20 +29,20 @@ struct Claim {
     Verdict verdict = Verdict::holds;  ///< what was found; either way the measurement must lie in `low`..`high`
     Severity severity = Severity::error;
     Profile profile = Profile::results;
-    Where where;  ///< of the claim, for messages
+    toml::Where where;  ///< of the claim, for messages
 
     // given: a form on one scene, or on one sweep at a place of its axes or one of its cases; or a row of a table; or its speed
     std::string scene, sweep, form, format;
     std::vector<double> at;  ///< one value an axis of the sweep; the argument of a table's row
     std::string case_name;
-    std::optional<Touching> convention;  ///< judged as closed or open solids; absent: by the form's own word
+    std::optional<intersect::Touching> convention;  ///< judged as closed or open solids; absent: by the form's own word
     std::optional<int> step;  ///< the sample of a march along pixel (0, 0) of the scene
     std::string table, row;
     std::optional<Timing> timing;
     std::vector<std::string> requirements;  ///< what the machine must have, or the claim is skipped: `isa-256`, `processors-2`
 
     std::string render;          ///< a scene, of whose picture `lostbits render` makes the claim is
-    std::optional<Stage> stage;  ///< of that picture; absent: the last that the scene asks for
+    std::optional<file::Stage> stage;  ///< of that picture; absent: the last that the scene asks for
 
     /// What is measured on: the scene, sweep or table, or the work that is timed.
     [[nodiscard]] const std::string& subject() const { return timing ? timing->work : !scene.empty() ? scene : !sweep.empty() ? sweep : !render.empty() ? render : table; }
@@ -50,7 +50,7 @@ struct Claim {
     // expect: a column of the summary, or an onset along the sweep
     std::string metric;
     std::vector<std::string> operations;  ///< of `culprit_fraction`: the operations whose shares are summed
-    Where quantity;                       ///< of the metric, or of its operations, for messages
+    toml::Where quantity;                       ///< of the metric, or of its operations, for messages
     std::string onset, statistic;  ///< event and statistic of `onsets.csv`
     double threshold = 0;
     double low = 0, high = 0;  ///< both ends count
@@ -62,4 +62,4 @@ std::vector<Claim> read_claims(const std::filesystem::path& path);
 /// All `*.toml` of a folder, sorted, or the file itself.
 std::vector<std::filesystem::path> claim_files(const std::filesystem::path& file_or_folder);
 
-}  // namespace lostbits::scene
+}  // namespace lostbits::scene::claim

@@ -2,15 +2,15 @@
 
 #include "scene/toml/toml_reader.hpp"
 
-namespace lostbits::scene {
+namespace lostbits::scene::claim {
 
 ReportFile read_report_file(const std::filesystem::path& path) {
-    const Node root = read_toml(path);
-    TableReader file(root);
-    require_schema(file, "lostbits-report/1");
+    const toml::Node root = toml::read_toml(path);
+    toml::TableReader file(root);
+    toml::require_schema(file, "lostbits-report/1");
     ReportFile report{file.strings("scenes"), file.strings("sweeps"), file.strings("forms"), file.strings("formats")};
     file.reject_unknown_keys();
     return report;
 }
 
-}  // namespace lostbits::scene
+}  // namespace lostbits::scene::claim

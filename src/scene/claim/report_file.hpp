@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-namespace lostbits::scene {
+namespace lostbits::scene::claim {
 
 struct ReportFile {
     std::vector<std::string> scenes;  ///< ids, with the variant where a scene has several
@@ -17,4 +17,4 @@ struct ReportFile {
 /// InputError with a position for anything that is no such file.
 ReportFile read_report_file(const std::filesystem::path& path);
 
-}  // namespace lostbits::scene
+}  // namespace lostbits::scene::claim

@@ -2,7 +2,10 @@
 
 #include <algorithm>
 
-namespace lostbits::scene {
+namespace lostbits::scene::file {
+
+using toml::TableReader;
+
 namespace {
 
 constexpr long long largest_exponent = 1000000;
@@ -105,4 +108,4 @@ Material read_material(TableReader& sphere, const Appearance& look, const Number
     return material;
 }
 
-}  // namespace lostbits::scene
+}  // namespace lostbits::scene::file

@@ -12,7 +12,7 @@
 #include "number/real.hpp"
 #include "scene/toml/toml_reader.hpp"
 
-namespace lostbits::scene {
+namespace lostbits::scene::file {
 
 /// The stages of a picture, each on top of the one before (the steps of seed 004).
 enum class Stage : std::uint8_t { visible, diffuse, shadows, phong };
@@ -58,12 +58,12 @@ struct Appearance {
 };
 
 /// Holds one number against what the scene does with it (see `Scene::inputs`), and returns it.
-using NumberCheck = std::function<Real(const TableReader&, std::string_view key, const Real&)>;
+using NumberCheck = std::function<Real(const toml::TableReader&, std::string_view key, const Real&)>;
 
 /// The keys of the file itself: `background`, `[light]`, `[shadows]`, `[material]`; the materials come one by one.
-Appearance read_appearance(TableReader& file, const NumberCheck& check);
+Appearance read_appearance(toml::TableReader& file, const NumberCheck& check);
 
 /// The keys of a sphere that are paint, each `look.base`'s where it is missing.
-Material read_material(TableReader& sphere, const Appearance& look, const NumberCheck& check);
+Material read_material(toml::TableReader& sphere, const Appearance& look, const NumberCheck& check);
 
-}  // namespace lostbits::scene
+}  // namespace lostbits::scene::file

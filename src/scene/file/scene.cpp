@@ -6,7 +6,12 @@
 #include "scene/toml/round.hpp"
 #include "scene/toml/toml_reader.hpp"
 
-namespace lostbits::scene {
+namespace lostbits::scene::file {
+
+using toml::Node;
+using toml::Override;
+using toml::TableReader;
+
 namespace {
 
 constexpr std::string_view schema = "lostbits-scene/1";
@@ -29,7 +34,7 @@ public:
     explicit Numbers(Inputs inputs) : shared_(inputs == Inputs::shared) {}
 
     [[nodiscard]] Real finite(const TableReader& table, std::string_view key, const Real& x) const {
-        if (shared_ && std::isinf(round_to_format(x, binary32)))
+        if (shared_ && std::isinf(toml::round_to_format(x, binary32)))
             table.fail_at(key,
                 "overflows binary32, to which inputs = \"shared\" rounds; write at most 3.4e38, or inputs = \"own\"");
         return x;
@@ -40,11 +45,11 @@ public:
     }
 
     /// Zero, or zero once rounded.
-    [[nodiscard]] bool vanishes(const Real& x) const { return x == 0 || (shared_ && round_to_format(x, binary32) == 0); }
+    [[nodiscard]] bool vanishes(const Real& x) const { return x == 0 || (shared_ && toml::round_to_format(x, binary32) == 0); }
 
     [[nodiscard]] Real positive(const TableReader& table, std::string_view key, const Real& x) const {
         if (x <= 0) table.fail_at(key, "must be greater than 0; write a positive number");
-        if (shared_ && round_to_format(x, binary32) == 0)
+        if (shared_ && toml::round_to_format(x, binary32) == 0)
             table.fail_at(key,
                 "becomes 0 in binary32, to which inputs = \"shared\" rounds; write at least 1.5e-45, or inputs = \"own\"");
         return finite(table, key, x);
@@ -155,7 +160,7 @@ std::string stem_of(const std::filesystem::path& path) {
 }
 
 Override size_override(const std::pair<int, int>& size) {
-    const Where where{"--size " + std::to_string(size.first) + 'x' + std::to_string(size.second), 0, 0};
+    const toml::Where where{"--size " + std::to_string(size.first) + 'x' + std::to_string(size.second), 0, 0};
     return {"size",
         Node::of_array({Node::of_integer(size.first, where), Node::of_integer(size.second, where)}, where),
         where};
@@ -163,9 +168,9 @@ Override size_override(const std::pair<int, int>& size) {
 
 }  // namespace
 
-SceneFile::SceneFile(const std::filesystem::path& path) : path_(path), root_(read_toml(path)) {
+SceneFile::SceneFile(const std::filesystem::path& path) : path_(path), root_(toml::read_toml(path)) {
     TableReader file(root_);
-    require_schema(file, schema);
+    toml::require_schema(file, schema);
     for (TableReader& table : file.tables("variant")) {
         Variant variant{table.string("name"), {}};
         if (!is_plain_name(variant.name))
@@ -178,7 +183,7 @@ SceneFile::SceneFile(const std::filesystem::path& path) : path_(path), root_(rea
         table.table("set");
         table.reject_unknown_keys();
         const Node& node = root_.find("variant")->items[variants_.size()];
-        variant.changes = overrides_in(*node.find("set"));
+        variant.changes = toml::overrides_in(*node.find("set"));
         variants_.push_back(std::move(variant));
     }
     std::erase_if(root_.entries, [](const Node::Entry& entry) { return entry.key == "variant"; });
@@ -195,7 +200,7 @@ std::vector<Scene> SceneFile::load(const LoadOptions& options) const {
         for (const Variant& variant : variants_)
             if (variant.name == *options.variant) return {interpret(&variant, options)};
         const std::string hint =
-            variants_.empty() ? "the file has none" : did_you_mean(*options.variant, variants());
+            variants_.empty() ? "the file has none" : toml::did_you_mean(*options.variant, variants());
         throw InputError(path_.string() + ": no variant \"" + *options.variant + "\"; " + hint);
     }
     if (variants_.empty()) return {interpret(nullptr, options)};
@@ -207,15 +212,15 @@ std::vector<Scene> SceneFile::load(const LoadOptions& options) const {
 Scene SceneFile::interpret(const Variant* variant, const LoadOptions& options) const {
     Node root = root_;
     if (variant != nullptr)
-        for (const Override& change : variant->changes) apply_override(root, change);
-    for (const Override& change : options.overrides) apply_override(root, change);
-    if (options.size) apply_override(root, size_override(*options.size));
+        for (const Override& change : variant->changes) toml::apply_override(root, change);
+    for (const Override& change : options.overrides) toml::apply_override(root, change);
+    if (options.size) toml::apply_override(root, size_override(*options.size));
 
     Scene scene;
     scene.path = path_;
     scene.id = stem_of(path_) + (variant == nullptr ? "" : '.' + variant->name);
     TableReader file(root);
-    require_schema(file, schema);
+    toml::require_schema(file, schema);
     scene.title = file.string("title");
     scene.source = file.optional_string("source").value_or("-");
     scene.note = file.optional_string("note").value_or("");
@@ -299,9 +304,9 @@ SceneName find_scene(const std::string& name_or_path, const std::filesystem::pat
         if (ids[i] == name) return {files[i]};
     for (std::size_t i = 0; i < files.size(); ++i)
         if (dot < name.size() && ids[i] == stem) return {files[i], name.substr(dot + 1)};
-    const std::string hint = did_you_mean(stem, ids);
+    const std::string hint = toml::did_you_mean(stem, ids);
     throw InputError("no scene \"" + name_or_path + "\" in " + (data_dir / "scenes").string() +
                      (hint.empty() ? "" : "; " + hint) + " (a path to a .toml file will also do)");
 }
 
-}  // namespace lostbits::scene
+}  // namespace lostbits::scene::file

@@ -14,7 +14,7 @@
 #include "scene/file/sphereflake.hpp"
 #include "scene/toml/toml_tree.hpp"
 
-namespace lostbits::scene {
+namespace lostbits::scene::file {
 
 /// Who rounds the scene. `shared`: it is rounded once to binary32 and every format gets the same numbers, so that a
 /// difference is arithmetic alone. `own`: each format rounds the ideal scene itself, so that input error appears.
@@ -53,7 +53,7 @@ struct Scene {
     std::vector<SphereSpec> spheres;  ///< a scene has spheres or boxes; both only with `march`
     std::vector<BoxSpec> boxes;
     std::optional<Sphereflake> flake;  ///< its spheres come after the others
-    std::optional<MarchConstants<Real>> march;  ///< absent: the scene asks for no sphere tracing
+    std::optional<intersect::MarchConstants<Real>> march;  ///< absent: the scene asks for no sphere tracing
     Appearance appearance;  ///< for pictures of it
     std::filesystem::path path;
 
@@ -70,7 +70,7 @@ struct Scene {
 struct LoadOptions {
     std::optional<std::string> variant = std::nullopt;       ///< this one alone; all where absent
     std::optional<std::pair<int, int>> size = std::nullopt;  ///< width and height in pixels
-    std::vector<Override> overrides = {};                    ///< applied after the variant's own, in order
+    std::vector<toml::Override> overrides = {};                    ///< applied after the variant's own, in order
 };
 
 /// A parsed scene file. Parse once, interpret under as many overrides as a sweep needs.
@@ -89,12 +89,12 @@ public:
 private:
     struct Variant {
         std::string name;
-        std::vector<Override> changes;
+        std::vector<toml::Override> changes;
     };
     [[nodiscard]] Scene interpret(const Variant* variant, const LoadOptions& options) const;
 
     std::filesystem::path path_;
-    Node root_;  ///< without the variants
+    toml::Node root_;  ///< without the variants
     std::vector<Variant> variants_;
 };
 
@@ -113,4 +113,4 @@ struct SceneName {
 /// InputError with did-you-mean for a name that is neither. The variant itself is checked when it is loaded.
 SceneName find_scene(const std::string& name_or_path, const std::filesystem::path& data_dir);
 
-}  // namespace lostbits::scene
+}  // namespace lostbits::scene::file

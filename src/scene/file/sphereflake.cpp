@@ -8,7 +8,7 @@
 #include "number/interruption.hpp"
 #include "scene/toml/round.hpp"
 
-namespace lostbits::scene {
+namespace lostbits::scene::file {
 namespace {
 
 Vec<double> unit(const Vec<double>& v) {
@@ -45,7 +45,7 @@ void grow(const Sphere<double>& sphere, const Vec<double>& w, int levels, const 
     }
 }
 
-double stored(const Real& x) { return round_to_format(x, binary64); }
+double stored(const Real& x) { return toml::round_to_format(x, binary64); }
 Vec<double> stored(const Vec<Real>& v) { return {stored(v.x), stored(v.y), stored(v.z)}; }
 
 }  // namespace
@@ -56,7 +56,7 @@ std::size_t Sphereflake::size() const {
     return count;
 }
 
-Sphereflake read_sphereflake(TableReader table) {
+Sphereflake read_sphereflake(toml::TableReader table) {
     Sphereflake flake;
     const Real levels = table.number("levels");
     if (levels != floor(levels) || levels < 0 || levels > most_flake_levels) {
@@ -98,4 +98,4 @@ void for_each_sphere(const Sphereflake& flake, const std::function<void(const Sp
     });
 }
 
-}  // namespace lostbits::scene
+}  // namespace lostbits::scene::file

@@ -6,7 +6,7 @@
 #include "geometry/solid.hpp"
 #include "scene/toml/toml_reader.hpp"
 
-namespace lostbits::scene {
+namespace lostbits::scene::file {
 
 /// A sphere with `levels` generations on it: (9^(levels + 1) − 1)/8 spheres. Each sphere of radius r, whose axis is w, carries nine
 /// of radius r/3 that touch it from outside: six around its equator, at 60° from each other, and three at the height √(2/3)
@@ -25,7 +25,7 @@ struct Sphereflake {
 inline constexpr int most_flake_levels = 9;
 
 /// Reads `[sphereflake]`: levels, and perhaps centre, radius > 0 and axis, as binary64. InputError with a position.
-Sphereflake read_sphereflake(TableReader table);
+Sphereflake read_sphereflake(toml::TableReader table);
 
 /// EnvironmentError where a map of that many spheres (some 470 bytes each, measured at 5.4 million) needs more memory than three
 /// quarters of what this machine has.
@@ -35,4 +35,4 @@ void require_room_for(const Sphereflake& flake);
 /// every machine. They are the ideal numbers of the scene.
 void for_each_sphere(const Sphereflake& flake, const std::function<void(const Sphere<double>&)>& take);
 
-}  // namespace lostbits::scene
+}  // namespace lostbits::scene::file

@@ -5,7 +5,7 @@
 
 #include "scene/rays/random.hpp"
 
-namespace lostbits::scene {
+namespace lostbits::scene::rays {
 namespace {
 
 double stored(double x) { return static_cast<double>(static_cast<float>(x)); }
@@ -111,7 +111,7 @@ RayGroup box_rays(Random& random, const BoxFamily& f) {
 
 }  // namespace
 
-BoxFamily read_box_family(TableReader table) {
+BoxFamily read_box_family(toml::TableReader table) {
     using A = BoxFamily::Aim;
     static constexpr std::pair<std::string_view, A> aims[] = {{"face", A::face}, {"edge", A::edge}, {"corner", A::corner}, {"inside", A::inside}};
     BoxFamily f;
@@ -144,4 +144,4 @@ std::vector<RayGroup> box_family_rays(const BoxFamily& family) {
     return groups;
 }
 
-}  // namespace lostbits::scene
+}  // namespace lostbits::scene::rays

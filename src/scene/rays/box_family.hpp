@@ -3,7 +3,7 @@
 
 #include "scene/rays/family.hpp"
 
-namespace lostbits::scene {
+namespace lostbits::scene::rays {
 
 /// A box of random sides, and rays that would touch it in one point of an edge or a corner, or run along a face, if they
 /// were not moved away from it by `gap`. With `adjoining` the box is one of eight that share three planes, and
@@ -25,9 +25,9 @@ struct BoxFamily {
 };
 
 /// Reads `[box_family]`. InputError with a position for anything out of range.
-BoxFamily read_box_family(TableReader table);
+BoxFamily read_box_family(toml::TableReader table);
 
 /// The rays of a family: shared inputs, each number rounded once to binary32.
 std::vector<RayGroup> box_family_rays(const BoxFamily& family);
 
-}  // namespace lostbits::scene
+}  // namespace lostbits::scene::rays

@@ -9,13 +9,13 @@
 #include "scene/toml/round.hpp"
 #include "scene/file/scene.hpp"
 
-namespace lostbits::scene {
+namespace lostbits::scene::rays {
 
 /// The camera of a picture, ready to make rays. It is built once in Real and each number rounded once to T, so it
 /// is the same on every machine (no libm: MPFR's tangent is correctly rounded) and as good as T allows.
 template <class T>
 struct CameraFrame {
-    Camera::Kind kind;
+    file::Camera::Kind kind;
     bool normalise;
     Vec<T> origin;
     /// An orthonormal basis; `up` is the camera's up made perpendicular to the view. Axis-aligned cameras get exact axes.
@@ -33,7 +33,7 @@ template <class T>
 T from_real(const Real& x) {
     static_assert(std::is_same_v<T, Real> || std::is_same_v<T, double>);
     if constexpr (std::is_same_v<T, Real>) return x;
-    else return round_to_format(x, binary64);
+    else return toml::round_to_format(x, binary64);
 }
 
 template <class T>
@@ -52,8 +52,8 @@ inline Vec<Real> unit(const Vec<Real>& v) {
 
 /// The camera of pixels at z = 0: no basis of its own, the pixels lie along x and y.
 template <class T>
-CameraFrame<T> make_pixel_frame(const Scene& scene) {
-    const Camera& camera = scene.camera;
+CameraFrame<T> make_pixel_frame(const file::Scene& scene) {
+    const file::Camera& camera = scene.camera;
     using detail::from_real;
     CameraFrame<T> frame{};
     frame.kind = camera.kind;
@@ -68,9 +68,9 @@ CameraFrame<T> make_pixel_frame(const Scene& scene) {
 
 /// The frame of a scene's camera: forward ∥ look_at − eye, right ∥ forward × up, up = right × forward.
 template <class T>
-CameraFrame<T> make_frame(const Scene& scene) {
-    const Camera& camera = scene.camera;
-    if (camera.kind == Camera::Kind::pixel_plane) return make_pixel_frame<T>(scene);
+CameraFrame<T> make_frame(const file::Scene& scene) {
+    const file::Camera& camera = scene.camera;
+    if (camera.kind == file::Camera::Kind::pixel_plane) return make_pixel_frame<T>(scene);
     const Vec<Real> forward = detail::unit(camera.look_at - camera.eye);
     const Vec<Real> right = detail::unit(cross(forward, camera.up));
     const Vec<Real> up = detail::unit(cross(right, forward));
@@ -78,7 +78,7 @@ CameraFrame<T> make_frame(const Scene& scene) {
     const Real width(scene.width);
     const Real height(scene.height);
     Real pitch;
-    if (camera.kind == Camera::Kind::orthographic) {
+    if (camera.kind == file::Camera::Kind::orthographic) {
         pitch = camera.width / width;
     } else {
         Real pi;
@@ -108,17 +108,17 @@ Vec<T> pixel_point(const CameraFrame<T>& frame, int x, int y) {
 /// divided by its length if `normalise`; pixel_plane: `origin`, direction pixel_point − origin. Only + − × ÷ √ in T, in this order.
 template <class T>
 Ray<T> ray(const CameraFrame<T>& frame, int x, int y) {
-    if (frame.kind == Camera::Kind::pixel_plane) return {frame.origin, pixel_point(frame, x, y) - frame.origin};
+    if (frame.kind == file::Camera::Kind::pixel_plane) return {frame.origin, pixel_point(frame, x, y) - frame.origin};
     const T half = T(1) / T(2);
     const T a = (T(x) + half - frame.centre_x) * frame.pitch;
     const T b = (frame.centre_y - (T(y) + half)) * frame.pitch;
     const Vec<T> aside(a * frame.right.x + b * frame.up.x, a * frame.right.y + b * frame.up.y,
         a * frame.right.z + b * frame.up.z);
-    if (frame.kind == Camera::Kind::orthographic) return {frame.origin + aside, frame.forward};
+    if (frame.kind == file::Camera::Kind::orthographic) return {frame.origin + aside, frame.forward};
     const Vec<T> direction = frame.forward + aside;
     if (!frame.normalise) return {frame.origin, direction};
     const T size = length(direction);
     return {frame.origin, {direction.x / size, direction.y / size, direction.z / size}};
 }
 
-}  // namespace lostbits::scene
+}  // namespace lostbits::scene::rays

@@ -7,7 +7,7 @@
 #include "number/error.hpp"
 #include "scene/rays/random.hpp"
 
-namespace lostbits::scene {
+namespace lostbits::scene::rays {
 namespace {
 
 struct Quadruple {
@@ -119,7 +119,7 @@ RayGroup view_rays(Random& random, const Family& f) {
 
 }  // namespace
 
-Family read_family(TableReader table) {
+Family read_family(toml::TableReader table) {
     using P = Family::Projection;
     using V = Family::Views;
     using W = Family::Weighting;
@@ -161,4 +161,4 @@ std::vector<RayGroup> family_rays(const Family& family) {
     return groups;
 }
 
-}  // namespace lostbits::scene
+}  // namespace lostbits::scene::rays

@@ -8,13 +8,13 @@
 #include "scene/rays/rays.hpp"
 #include "scene/toml/toml_reader.hpp"
 
-namespace lostbits::scene {
+namespace lostbits::scene::rays {
 
 /// A ray set with the solids it is aimed at: what a step of a sweep evaluates.
 struct RayGroup {
     RayBlock rays;
     std::vector<Solid<double>> solids;
-    std::optional<MarchConstants<double>> march = {};  ///< absent: no form that marches may be asked
+    std::optional<intersect::MarchConstants<double>> march = {};  ///< absent: no form that marches may be asked
 };
 
 /// One sphere seen along directions w = (a, b, c)/n with whole a² + b² + c² = n² (Pythagorean quadruples), so that the
@@ -47,10 +47,10 @@ struct Family {
 };
 
 /// Reads `[family]`. InputError with a position for anything out of range.
-Family read_family(TableReader table);
+Family read_family(toml::TableReader table);
 
 /// The rays of a family: shared inputs, each number rounded once to binary32. The random numbers depend on the seed
 /// alone, so neighbouring steps of a sweep see the same rays in the sphere's own proportions.
 std::vector<RayGroup> family_rays(const Family& family);
 
-}  // namespace lostbits::scene
+}  // namespace lostbits::scene::rays

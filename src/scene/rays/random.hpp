@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <random>
 
-namespace lostbits::scene {
+namespace lostbits::scene::rays {
 
 /// The engine's sequence is fixed by the standard; its distributions are not, so these are ours.
 class Random {
@@ -21,4 +21,4 @@ private:
     std::mt19937_64 engine_;
 };
 
-}  // namespace lostbits::scene
+}  // namespace lostbits::scene::rays

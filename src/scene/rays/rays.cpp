@@ -6,7 +6,10 @@
 #include "scene/rays/camera.hpp"
 #include "scene/toml/round.hpp"
 
-namespace lostbits::scene {
+namespace lostbits::scene::rays {
+
+using file::Scene;
+
 namespace {
 
 template <class T>
@@ -55,7 +58,7 @@ RayBlock make_shared_rays(const Scene& scene, int y0, int y1) {
 IdealRayBlock make_own_rays(const Scene& scene, int y0, int y1) { return make_rays<Real>(scene, y0, y1); }
 
 RayBlock round_rays(const IdealRayBlock& ideal, const FloatFormat& f) {
-    return rounded(ideal, [&f](const Real& x) { return round_to_format(x, f); });
+    return rounded(ideal, [&f](const Real& x) { return toml::round_to_format(x, f); });
 }
 
 RayBlock round_block(const RayBlock& block, const FloatFormat& f) {
@@ -66,17 +69,17 @@ RayBlock round_block(const RayBlock& block, const FloatFormat& f) {
 }
 
 std::vector<Solid<double>> shared_solids(const Scene& scene) {
-    if (scene.flake) require_room_for(*scene.flake);
+    if (scene.flake) file::require_room_for(*scene.flake);
     std::vector<Solid<double>> all;
     all.reserve(scene.solid_count());
-    for (const SphereSpec& s : scene.spheres) all.push_back(round_solid(Solid<Real>(s), binary32));
-    for (const BoxSpec& b : scene.boxes) all.push_back(round_solid(Solid<Real>(b), binary32));
-    if (scene.flake) for_each_sphere(*scene.flake, [&all](const Sphere<double>& s) { all.push_back(round_solid(Solid<double>(s), binary32)); });
+    for (const file::SphereSpec& s : scene.spheres) all.push_back(round_solid(Solid<Real>(s), binary32));
+    for (const file::BoxSpec& b : scene.boxes) all.push_back(round_solid(Solid<Real>(b), binary32));
+    if (scene.flake) file::for_each_sphere(*scene.flake, [&all](const Sphere<double>& s) { all.push_back(round_solid(Solid<double>(s), binary32)); });
     return all;
 }
 
 Solid<double> round_solid(const Solid<Real>& spec, const FloatFormat& f) {
-    return transformed(spec, [&f](const Real& x) { return round_to_format(x, f); });
+    return transformed(spec, [&f](const Real& x) { return toml::round_to_format(x, f); });
 }
 
 Solid<double> round_solid(const Solid<double>& solid, const FloatFormat& f) {
@@ -84,13 +87,13 @@ Solid<double> round_solid(const Solid<double>& solid, const FloatFormat& f) {
 }
 
 RayBlock input_rays(const Scene& scene, int y0, int y1, const FloatFormat& f) {
-    if (scene.inputs == Inputs::own) return round_rays(make_own_rays(scene, y0, y1), f);
+    if (scene.inputs == file::Inputs::own) return round_rays(make_own_rays(scene, y0, y1), f);
     return round_block(make_shared_rays(scene, y0, y1), f);
 }
 
 Solid<double> input_solid(const Scene& scene, std::size_t solid, const FloatFormat& f) {
     const Solid<Real> spec = scene.solids().at(solid);
-    return scene.inputs == Inputs::own ? round_solid(spec, f) : round_solid(round_solid(spec, binary32), f);
+    return scene.inputs == file::Inputs::own ? round_solid(spec, f) : round_solid(round_solid(spec, binary32), f);
 }
 
-}  // namespace lostbits::scene
+}  // namespace lostbits::scene::rays

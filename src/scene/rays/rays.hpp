@@ -7,7 +7,7 @@
 #include "number/format.hpp"
 #include "scene/file/scene.hpp"
 
-namespace lostbits::scene {
+namespace lostbits::scene::rays {
 
 /// Rays of the pixel rows [y0, y1), a component an array: ray (y − y0)·width + x is pixel (x, y).
 template <class T>
@@ -30,10 +30,10 @@ using RayBlock = BasicRayBlock<double>;
 using IdealRayBlock = BasicRayBlock<Real>;
 
 /// Shared inputs: the camera in double, each component then rounded once to binary32.
-RayBlock make_shared_rays(const Scene& scene, int y0, int y1);
+RayBlock make_shared_rays(const file::Scene& scene, int y0, int y1);
 
 /// Own inputs: the ideal rays, for `round_rays`.
-IdealRayBlock make_own_rays(const Scene& scene, int y0, int y1);
+IdealRayBlock make_own_rays(const file::Scene& scene, int y0, int y1);
 
 /// Each component of the ideal rays, rounded once to F. A direction that rounds to zero is kept: what a form makes
 /// of it is for the measurement to say.
@@ -43,7 +43,7 @@ RayBlock round_rays(const IdealRayBlock& ideal, const FloatFormat& f);
 RayBlock round_block(const RayBlock& block, const FloatFormat& f);
 
 /// The solids of a scene, in its order, each number rounded once to binary32.
-std::vector<Solid<double>> shared_solids(const Scene& scene);
+std::vector<Solid<double>> shared_solids(const file::Scene& scene);
 
 /// The solid, each number rounded once to F. A radius that rounds to zero is kept, as above.
 Solid<double> round_solid(const Solid<Real>& spec, const FloatFormat& f);
@@ -51,7 +51,7 @@ Solid<double> round_solid(const Solid<double>& solid, const FloatFormat& f);
 
 /// What a form in format F is given, whatever the scene's `inputs`: shared inputs rounded to binary32 and then, where
 /// F is narrower, to F; own inputs rounded once to F.
-RayBlock input_rays(const Scene& scene, int y0, int y1, const FloatFormat& f);
-Solid<double> input_solid(const Scene& scene, std::size_t solid, const FloatFormat& f);
+RayBlock input_rays(const file::Scene& scene, int y0, int y1, const FloatFormat& f);
+Solid<double> input_solid(const file::Scene& scene, std::size_t solid, const FloatFormat& f);
 
-}  // namespace lostbits::scene
+}  // namespace lostbits::scene::rays

@@ -7,7 +7,13 @@
 #include <cmath>
 #include <optional>
 
-namespace lostbits::scene {
+namespace lostbits::scene::sweep {
+
+using rays::RayGroup;
+using toml::Node;
+using toml::Quantity;
+using toml::TableReader;
+
 namespace {
 
 constexpr std::string_view schema = "lostbits-sweep/1";
@@ -54,7 +60,7 @@ Vec<double> vec_in(const std::vector<Quantity>& v, const FloatFormat& f, int exp
     return {v[0].in(f, exponent), v[1].in(f, exponent), v[2].in(f, exponent)};
 }
 
-void push(RayBlock& block, const Vec<double>& o, const Vec<double>& d) {
+void push(rays::RayBlock& block, const Vec<double>& o, const Vec<double>& d) {
     block.ox.push_back(o.x);
     block.oy.push_back(o.y);
     block.oz.push_back(o.z);
@@ -69,8 +75,8 @@ CaseFile::Case CaseFile::read_case(TableReader& table) {
     Case c;
     c.name = table.string("name");
     c.note = table.optional_string("note").value_or("");
-    if (table.has("lengths")) c.lengths = Exponent(table.node("lengths"));
-    if (table.has("directions")) c.directions = Exponent(table.node("directions"));
+    if (table.has("lengths")) c.lengths = toml::Exponent(table.node("lengths"));
+    if (table.has("directions")) c.directions = toml::Exponent(table.node("directions"));
     if (const auto zeros = table.optional_string("zeros")) {
         if (*zeros != "+0" && *zeros != "-0") table.fail_at("zeros", "is \"" + *zeros + "\"; write \"+0\" or \"-0\", or leave it out");
         c.zeros = *zeros == "-0" ? -0.0 : 0.0;
@@ -88,21 +94,21 @@ CaseFile::Case CaseFile::read_case(TableReader& table) {
         box.reject_unknown_keys();
         c.solids.push_back(std::move(spec));
     }
-    if (c.solids.empty()) fail(table.where(), "a case has spheres = [{ centre, radius }, …] or boxes = [{ lo, hi }, …]; write one of them");
+    if (c.solids.empty()) toml::fail(table.where(), "a case has spheres = [{ centre, radius }, …] or boxes = [{ lo, hi }, …]; write one of them");
     for (TableReader& ray : table.tables("rays")) {
         c.rays.push_back({quantities(ray, "origin", 3, true), quantities(ray, "direction", 3, true), {}});
         if (ray.has("tmax")) c.rays.back().tmax.emplace_back(ray.node("tmax"), true);
         ray.reject_unknown_keys();
     }
-    if (c.rays.empty()) fail(table.where(), "a case has rays = [{ origin, direction }, …]; write at least one");
+    if (c.rays.empty()) toml::fail(table.where(), "a case has rays = [{ origin, direction }, …]; write at least one");
     table.reject_unknown_keys();
     return c;
 }
 
 CaseFile::CaseFile(const std::filesystem::path& path) : id(path.stem().string()) {
-    const Node root = read_toml(path);
+    const Node root = toml::read_toml(path);
     TableReader file(root);
-    require_schema(file, schema);
+    toml::require_schema(file, schema);
     title = file.string("title");
     source = file.string("source");
     note = file.optional_string("note").value_or("");
@@ -111,8 +117,8 @@ CaseFile::CaseFile(const std::filesystem::path& path) : id(path.stem().string())
         conventions.clear();
         for (const std::string& name : *names) {
             if (name == "own") conventions.emplace_back(std::nullopt);
-            else if (name == "closed") conventions.emplace_back(Touching::hit);
-            else if (name == "open") conventions.emplace_back(Touching::miss);
+            else if (name == "closed") conventions.emplace_back(intersect::Touching::hit);
+            else if (name == "open") conventions.emplace_back(intersect::Touching::miss);
             else file.fail_at("conventions", "holds \"" + name + "\"; there are own, closed and open");
         }
         if (conventions.empty()) file.fail_at("conventions", "is empty; leave it out, or name own, closed or open");
@@ -121,29 +127,29 @@ CaseFile::CaseFile(const std::filesystem::path& path) : id(path.stem().string())
         Case c = read_case(table);
         if (std::ranges::find(cases_, c.name, &Case::name) != cases_.end()) table.fail_at("name", "is \"" + c.name + "\", as another case is; name each once");
         const auto other = [&](const SolidSpec& s) { return s.shape != (cases_.empty() ? c : cases_.front()).solids.front().shape; };
-        if (std::ranges::any_of(c.solids, other)) fail(table.where(), "has another shape than the cases before it; a file is about one shape");
+        if (std::ranges::any_of(c.solids, other)) toml::fail(table.where(), "has another shape than the cases before it; a file is about one shape");
         for (const SolidSpec& spec : c.solids) {
             std::vector<double> x;
             for (const Quantity& q : spec.numbers) x.push_back(q.in(binary64, 0));
-            if (spec.shape == Shape::sphere && !(x[3] > 0)) fail(table.where(), "has a sphere whose radius is not greater than 0; write a positive number");
+            if (spec.shape == Shape::sphere && !(x[3] > 0)) toml::fail(table.where(), "has a sphere whose radius is not greater than 0; write a positive number");
             for (std::size_t k = 0; spec.shape == Shape::box && k < 3; ++k) {
-                if (x[k] > x[k + 3]) fail(table.where(), "has a box whose hi lies below its lo in a component; a box has lo <= hi in each");
+                if (x[k] > x[k + 3]) toml::fail(table.where(), "has a box whose hi lies below its lo in a component; a box has lo <= hi in each");
             }
         }
         cases_.push_back(std::move(c));
     }
     file.reject_unknown_keys();
-    if (cases_.empty()) fail(file.where(), "has no [[case]]");
+    if (cases_.empty()) toml::fail(file.where(), "has no [[case]]");
 }
 
-std::vector<std::size_t> CaseFile::matching(const std::string& glob, const Where& where) const {
+std::vector<std::size_t> CaseFile::matching(const std::string& glob, const toml::Where& where) const {
     std::vector<std::string> names;
     std::vector<std::size_t> found;
     for (std::size_t i = 0; i < cases_.size(); ++i) {
         names.push_back(cases_[i].name);
         if (fnmatch(glob.c_str(), cases_[i].name.c_str(), 0) == 0) found.push_back(i);
     }
-    if (found.empty()) fail(where, "no case \"" + glob + "\" in " + id + "; " + did_you_mean(glob, names));
+    if (found.empty()) toml::fail(where, "no case \"" + glob + "\" in " + id + "; " + toml::did_you_mean(glob, names));
     return found;
 }
 
@@ -177,8 +183,8 @@ std::vector<RayGroup> CaseFile::rays(std::size_t i, const FloatFormat& format) c
 }
 
 SweepKind sweep_kind(const std::filesystem::path& path) {
-    const Node root = read_toml(path);
+    const Node root = toml::read_toml(path);
     return root.find("case") != nullptr ? SweepKind::cases : root.find("search") != nullptr ? SweepKind::search : SweepKind::axes;
 }
 
-}  // namespace lostbits::scene
+}  // namespace lostbits::scene::sweep

@@ -10,7 +10,7 @@
 #include "scene/rays/family.hpp"
 #include "scene/toml/quantity.hpp"
 
-namespace lostbits::scene {
+namespace lostbits::scene::sweep {
 
 /// A sweep over `[[case]]` tables in place of axes.
 class CaseFile {
@@ -22,7 +22,7 @@ public:
     /// An answer within so many bits of the envelope is right, if its decision is.
     double right_within_bits = 3;
     /// By which conventions on touching the forms are judged, one after another; nothing stands for each by its own.
-    std::vector<std::optional<Touching>> conventions{std::nullopt};
+    std::vector<std::optional<intersect::Touching>> conventions{std::nullopt};
 
     [[nodiscard]] std::size_t size() const { return cases_.size(); }
     [[nodiscard]] const std::string& name(std::size_t i) const { return cases_[i].name; }
@@ -30,30 +30,30 @@ public:
     [[nodiscard]] Shape shape() const { return cases_.front().solids.front().shape; }
     [[nodiscard]] bool meets(Shape form) const { return form == shape(); }
     /// The places of the cases whose name matches a glob; InputError with did-you-mean, `where` in front.
-    [[nodiscard]] std::vector<std::size_t> matching(const std::string& glob, const Where& where) const;
+    [[nodiscard]] std::vector<std::size_t> matching(const std::string& glob, const toml::Where& where) const;
 
     /// The rays of a case as numbers of the format, by groups that share their solids. They need be no proper rays:
     /// components may be NaN or infinite, directions zero.
-    [[nodiscard]] std::vector<RayGroup> rays(std::size_t i, const FloatFormat& format) const;
+    [[nodiscard]] std::vector<rays::RayGroup> rays(std::size_t i, const FloatFormat& format) const;
 
 private:
     struct SolidSpec {
         Shape shape;
-        std::vector<Quantity> numbers;
+        std::vector<toml::Quantity> numbers;
     };
     struct RaySpec {
-        std::vector<Quantity> origin, direction;
-        std::vector<Quantity> tmax;  ///< one, or none: the ray has no end
+        std::vector<toml::Quantity> origin, direction;
+        std::vector<toml::Quantity> tmax;  ///< one, or none: the ray has no end
     };
     struct Case {
         std::string name, note;
-        Exponent lengths, directions;  ///< every length, every direction is times two to this
+        toml::Exponent lengths, directions;  ///< every length, every direction is times two to this
         std::optional<double> zeros;   ///< +0 or −0: every zero of a direction is this one
         bool symmetric = false;        ///< once under each of the 48 symmetries of the axes, ray and solid alike
         std::vector<SolidSpec> solids;
         std::vector<RaySpec> rays;
     };
-    static Case read_case(TableReader& table);
+    static Case read_case(toml::TableReader& table);
 
     std::vector<Case> cases_;
 };
@@ -62,4 +62,4 @@ private:
 enum class SweepKind { axes, cases, search };
 SweepKind sweep_kind(const std::filesystem::path& path);
 
-}  // namespace lostbits::scene
+}  // namespace lostbits::scene::sweep

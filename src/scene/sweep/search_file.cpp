@@ -2,7 +2,10 @@
 
 #include <cmath>
 
-namespace lostbits::scene {
+namespace lostbits::scene::sweep {
+
+using toml::TableReader;
+
 namespace {
 
 Range read_range(TableReader& table, std::string_view key) {
@@ -15,9 +18,9 @@ Range read_range(TableReader& table, std::string_view key) {
 }  // namespace
 
 SearchFile::SearchFile(const std::filesystem::path& path) : id(path.stem().string()) {
-    const Node root = read_toml(path);
+    const toml::Node root = toml::read_toml(path);
     TableReader file(root);
-    require_schema(file, "lostbits-sweep/1");
+    toml::require_schema(file, "lostbits-sweep/1");
     title = file.string("title");
     source = file.string("source");
     note = file.optional_string("note").value_or("");
@@ -63,4 +66,4 @@ bool SearchFile::holds(const Ray<double>& ray, const Solid<double>& solid) const
     return distance_radii.holds(length(f) / sphere.radius) && impact_radii.holds(impact / sphere.radius);
 }
 
-}  // namespace lostbits::scene
+}  // namespace lostbits::scene::sweep

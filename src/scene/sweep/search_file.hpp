@@ -10,7 +10,7 @@
 #include "geometry/solid.hpp"
 #include "scene/toml/toml_reader.hpp"
 
-namespace lostbits::scene {
+namespace lostbits::scene::sweep {
 
 struct Range {
     double low = 0, high = 0;
@@ -39,4 +39,4 @@ public:
     [[nodiscard]] bool holds(const Ray<double>& ray, const Solid<double>& solid) const;
 };
 
-}  // namespace lostbits::scene
+}  // namespace lostbits::scene::sweep

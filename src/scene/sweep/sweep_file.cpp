@@ -8,7 +8,12 @@
 #include "number/error.hpp"
 #include "scene/file/march_table.hpp"
 
-namespace lostbits::scene {
+namespace lostbits::scene::sweep {
+
+using intersect::Touching;
+using rays::RayGroup;
+using toml::TableReader;
+
 namespace {
 
 constexpr std::string_view schema = "lostbits-sweep/1";
@@ -54,13 +59,13 @@ void fill(Axis& axis, TableReader& table) {
 /// A string that is one of the names; a mark that none of them draws would stay away silently.
 std::string known(TableReader& table, std::string_view key, const std::vector<std::string>& names) {
     std::string name = table.string(key);
-    if (std::ranges::find(names, name) == names.end()) table.fail_at(key, "is \"" + name + "\"; " + did_you_mean(name, names));
+    if (std::ranges::find(names, name) == names.end()) table.fail_at(key, "is \"" + name + "\"; " + toml::did_you_mean(name, names));
     return name;
 }
 
 std::vector<std::string> form_names() {
     std::vector<std::string> names;
-    for (const Intersector& form : intersectors()) names.emplace_back(form.info->name);
+    for (const intersect::table::Intersector& form : intersect::table::intersectors()) names.emplace_back(form.info->name);
     return names;
 }
 
@@ -101,9 +106,9 @@ double Axis::middle(double a, double b) const {
     return static_cast<double>(float_at(low + (high - low) / 2));
 }
 
-SweepFile::SweepFile(const std::filesystem::path& path, const std::filesystem::path& data_dir) : id(path.stem().string()), root_(read_toml(path)) {
+SweepFile::SweepFile(const std::filesystem::path& path, const std::filesystem::path& data_dir) : id(path.stem().string()), root_(toml::read_toml(path)) {
     TableReader file(root_);
-    require_schema(file, schema);
+    toml::require_schema(file, schema);
     title = file.string("title");
     source = file.string("source");
     note = file.optional_string("note").value_or("");
@@ -113,24 +118,24 @@ SweepFile::SweepFile(const std::filesystem::path& path, const std::filesystem::p
     auto family = file.optional_table("family");
     auto boxes = file.optional_table("box_family");
     if (int{scene.has_value()} + int{family.has_value()} + int{boxes.has_value()} != 1) {
-        fail(file.where(), "a sweep is over either scene = \"…\", a [family] or a [box_family] table; write one of them");
+        toml::fail(file.where(), "a sweep is over either scene = \"…\", a [family] or a [box_family] table; write one of them");
     }
     if (scene) {
-        const SceneName name = find_scene(*scene, data_dir);
+        const file::SceneName name = file::find_scene(*scene, data_dir);
         scene_.emplace(name.path);
         variant_ = name.variant;
         if (!variant_ && scene_->variants().size() > 1) file.fail_at("scene", "has variants; name one, such as \"" + *scene + "." + scene_->variants().front() + "\"");
     } else if (family) {
-        read_family(*family);
+        rays::read_family(*family);
     } else {
-        read_box_family(*boxes);
+        rays::read_box_family(*boxes);
     }
     if (scene) file.reject("march", "stands in the scene of a sweep over a scene; write it there");
-    else if (auto march = file.optional_table("march")) read_march(*march, Inputs::shared);
+    else if (auto march = file.optional_table("march")) file::read_march(*march, file::Inputs::shared);
     const char* const prefix = scene ? "" : family ? "family." : "box_family.";
     for (TableReader& axis : file.tables("axis")) axes.push_back(read_axis(axis, prefix));
-    if (axes.empty() || axes.size() > 2) fail(file.where(), "a sweep has one or two [[axis]] tables, this has " + std::to_string(axes.size()));
-    if (axes.size() == 2 && axes[0].name == axes[1].name) fail(file.where(), "both axes are named \"" + axes[0].name + "\"; names are columns, so name them apart");
+    if (axes.empty() || axes.size() > 2) toml::fail(file.where(), "a sweep has one or two [[axis]] tables, this has " + std::to_string(axes.size()));
+    if (axes.size() == 2 && axes[0].name == axes[1].name) toml::fail(file.where(), "both axes are named \"" + axes[0].name + "\"; names are columns, so name them apart");
     for (TableReader& mark : file.tables("mark")) {
         Mark m{static_cast<double>(mark.number("at")), mark.string("label"), mark.optional_string("format").value_or(""), {}, {}, {}};
         if (auto measured = mark.optional_table("measured")) {
@@ -158,32 +163,32 @@ SweepFile::SweepFile(const std::filesystem::path& path, const std::filesystem::p
 }
 
 std::vector<RayGroup> SweepFile::rays(const std::vector<double>& values) const {
-    std::vector<Override> changes;
+    std::vector<toml::Override> changes;
     for (std::size_t a = 0; a < axes.size(); ++a) {
         for (const Axis::Target& target : axes[a].targets) {
-            const Where where{id + ": axis " + axes[a].name, 0, 0};
-            changes.push_back({target.path, Node::of_number(Real(values[a]) * Real(target.factor), where), where});
+            const toml::Where where{id + ": axis " + axes[a].name, 0, 0};
+            changes.push_back({target.path, toml::Node::of_number(Real(values[a]) * Real(target.factor), where), where});
         }
     }
     if (!scene_) {
-        Node root = root_;
-        for (const Override& change : changes) apply_override(root, change);
+        toml::Node root = root_;
+        for (const toml::Override& change : changes) toml::apply_override(root, change);
         TableReader file(root);
         auto family = file.optional_table("family");
-        std::vector<RayGroup> groups = family ? family_rays(read_family(*family)) : box_family_rays(read_box_family(file.table("box_family")));
+        std::vector<RayGroup> groups = family ? rays::family_rays(rays::read_family(*family)) : rays::box_family_rays(rays::read_box_family(file.table("box_family")));
         if (auto march = file.optional_table("march")) {
-            const auto constants = round_march(read_march(*march, Inputs::shared), binary32);
+            const auto constants = file::round_march(file::read_march(*march, file::Inputs::shared), binary32);
             for (RayGroup& group : groups) group.march = constants;
         }
         return groups;
     }
-    LoadOptions options;
+    file::LoadOptions options;
     options.variant = variant_;
     options.overrides = std::move(changes);
-    const Scene scene = scene_->load(options).front();
-    RayGroup group{make_shared_rays(scene, 0, scene.height), {}};
-    group.solids = shared_solids(scene);
-    if (scene.march) group.march = round_march(*scene.march, binary32);
+    const file::Scene scene = scene_->load(options).front();
+    RayGroup group{rays::make_shared_rays(scene, 0, scene.height), {}};
+    group.solids = rays::shared_solids(scene);
+    if (scene.march) group.march = file::round_march(*scene.march, binary32);
     return {std::move(group)};
 }
 
@@ -206,7 +211,7 @@ std::filesystem::path find_sweep(const std::string& name_or_path, const std::fil
     // `near` for `worst/near`, where only one is called so: it is what the file's results are called.
     const auto last_part = [&](const std::string& name) { return std::filesystem::path(name).filename() == name_or_path; };
     if (std::ranges::count_if(names, last_part) == 1) return folder / (*std::ranges::find_if(names, last_part) + ".toml");
-    throw InputError(name_or_path + ":1:1: no such sweep file, nor a name in " + folder.string() + "; " + did_you_mean(name_or_path, names));
+    throw InputError(name_or_path + ":1:1: no such sweep file, nor a name in " + folder.string() + "; " + toml::did_you_mean(name_or_path, names));
 }
 
-}  // namespace lostbits::scene
+}  // namespace lostbits::scene::sweep

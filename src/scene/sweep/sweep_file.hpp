@@ -10,7 +10,7 @@
 #include "scene/rays/box_family.hpp"
 #include "scene/file/scene.hpp"
 
-namespace lostbits::scene {
+namespace lostbits::scene::sweep {
 
 struct Axis {
     enum class Spacing { linear, log2, every_float, whole };
@@ -36,7 +36,7 @@ public:
 
     std::string id, title, source, note;
     std::vector<Axis> axes;  ///< one or two
-    std::optional<Touching> convention;  ///< all forms are judged as if touching were this; absent: each by its own word
+    std::optional<intersect::Touching> convention;  ///< all forms are judged as if touching were this; absent: each by its own word
 
     /// A place on the first axis that a plot points out: a prediction, with the format it is made for (all if empty), and
     /// perhaps the form whose measured onset is to be drawn beside it.
@@ -54,13 +54,13 @@ public:
     [[nodiscard]] const std::vector<Shape>& shapes() const { return shapes_; }
 
     /// The rays of one step, one value per axis.
-    [[nodiscard]] std::vector<RayGroup> rays(const std::vector<double>& values) const;
+    [[nodiscard]] std::vector<rays::RayGroup> rays(const std::vector<double>& values) const;
     /// The first group of the first step: what solids and constants are like.
-    [[nodiscard]] RayGroup first_rays() const;
+    [[nodiscard]] rays::RayGroup first_rays() const;
 
 private:
-    Node root_;
-    std::optional<SceneFile> scene_;
+    toml::Node root_;
+    std::optional<file::SceneFile> scene_;
     std::optional<std::string> variant_;
     std::vector<Shape> shapes_;
     bool marches_ = false;
@@ -69,4 +69,4 @@ private:
 /// A path to a file, or the id of one in `data_dir/sweeps`. InputError with did-you-mean.
 std::filesystem::path find_sweep(const std::string& name_or_path, const std::filesystem::path& data_dir);
 
-}  // namespace lostbits::scene
+}  // namespace lostbits::scene::sweep

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace lostbits::scene {
+namespace lostbits::scene::toml {
 namespace {
 
 constexpr std::size_t most_listed = 12;
@@ -61,4 +61,4 @@ std::string did_you_mean(std::string_view word, const std::vector<std::string>& 
     return text;
 }
 
-}  // namespace lostbits::scene
+}  // namespace lostbits::scene::toml

@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-namespace lostbits::scene {
+namespace lostbits::scene::toml {
 
 /// The smallest number of letters to insert, delete, replace or swap with a neighbour that turns `a` into `b`
 /// ("optimal string alignment"; upper and lower case count as the same letter).
@@ -20,4 +20,4 @@ std::optional<std::string> closest(std::string_view word, const std::vector<std:
 /// (at most twelve, then their number). Empty only where there are no candidates.
 std::string did_you_mean(std::string_view word, const std::vector<std::string>& candidates);
 
-}  // namespace lostbits::scene
+}  // namespace lostbits::scene::toml

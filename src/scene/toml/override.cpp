@@ -5,7 +5,7 @@
 #include "scene/toml/did_you_mean.hpp"
 #include "scene/toml/toml_tree.hpp"
 
-namespace lostbits::scene {
+namespace lostbits::scene::toml {
 namespace {
 
 /// A key, or with `is_index` the position in an array; `end` is where it ends in the path.
@@ -103,4 +103,4 @@ std::vector<Override> overrides_in(const Node& table) {
     return all;
 }
 
-}  // namespace lostbits::scene
+}  // namespace lostbits::scene::toml

@@ -4,7 +4,7 @@
 
 #include <mpfr.h>
 
-namespace lostbits::scene {
+namespace lostbits::scene::toml {
 namespace {
 
 constexpr const char* what_to_try =
@@ -84,4 +84,4 @@ std::string exact_text(const Real& x) {
     return result;
 }
 
-}  // namespace lostbits::scene
+}  // namespace lostbits::scene::toml

@@ -7,7 +7,7 @@
 
 #include "number/real.hpp"
 
-namespace lostbits::scene {
+namespace lostbits::scene::toml {
 
 /// Why a text is no number, as the end of a sentence: `is not a number; …`, with what to try.
 struct NumberFault {
@@ -27,4 +27,4 @@ std::variant<Real, NumberFault> parse_number(std::string_view text);
 /// The exact value as a hexadecimal float that `parse_number` reads back to the same number.
 std::string exact_text(const Real& x);
 
-}  // namespace lostbits::scene
+}  // namespace lostbits::scene::toml

@@ -9,7 +9,7 @@
 #include "scene/toml/parse_number.hpp"
 #include "scene/toml/round.hpp"
 
-namespace lostbits::scene {
+namespace lostbits::scene::toml {
 namespace {
 
 bool is_part_of_a_word(char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '.'; }
@@ -112,4 +112,4 @@ double Quantity::in(const FloatFormat& f, int exponent) const {
     return x;
 }
 
-}  // namespace lostbits::scene
+}  // namespace lostbits::scene::toml

@@ -6,7 +6,7 @@
 #include "number/format.hpp"
 #include "scene/toml/toml_tree.hpp"
 
-namespace lostbits::scene {
+namespace lostbits::scene::toml {
 
 /// A power of two by the numbers of a format: `12`, `emax/2 + 1`, `emin - p`, `emax/4`. Quotients are rounded down.
 class Exponent {
@@ -42,4 +42,4 @@ private:
     int step_ = 0;
 };
 
-}  // namespace lostbits::scene
+}  // namespace lostbits::scene::toml

@@ -4,7 +4,7 @@
 
 #include <mpfr.h>
 
-namespace lostbits::scene {
+namespace lostbits::scene::toml {
 
 double round_to_format(const Real& x, const FloatFormat& f) {
     Real scaled = x;
@@ -22,4 +22,4 @@ double round_to_format(const Real& x, const FloatFormat& f) {
     return mpfr_get_d(raw, MPFR_RNDN);
 }
 
-}  // namespace lostbits::scene
+}  // namespace lostbits::scene::toml

@@ -4,10 +4,10 @@
 #include "number/format.hpp"
 #include "number/real.hpp"
 
-namespace lostbits::scene {
+namespace lostbits::scene::toml {
 
 /// RN_F(x): x rounded once to nearest, ties to even, in format F, held in a double (every number of a format is
 /// one). Subnormals are F's own; magnitudes of (2 − 2^−p)·2^emax and above become infinite; a zero keeps x's sign.
 double round_to_format(const Real& x, const FloatFormat& f);
 
-}  // namespace lostbits::scene
+}  // namespace lostbits::scene::toml

@@ -5,7 +5,7 @@
 
 #include "scene/toml/parse_number.hpp"
 
-namespace lostbits::scene {
+namespace lostbits::scene::toml {
 namespace {
 
 using Kind = Node::Kind;
@@ -251,4 +251,4 @@ void require_schema(TableReader& file, std::string_view schema) {
         "schema", "is \"" + found + "\", which is not the kind of file wanted here; write " + expected);
 }
 
-}  // namespace lostbits::scene
+}  // namespace lostbits::scene::toml

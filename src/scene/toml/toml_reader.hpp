@@ -12,7 +12,7 @@
 #include "scene/toml/did_you_mean.hpp"
 #include "scene/toml/toml_tree.hpp"
 
-namespace lostbits::scene {
+namespace lostbits::scene::toml {
 
 /// Reads one table, key by key, and remembers which keys were asked for: at the end `reject_unknown_keys` knows the
 /// rest to be mistakes. `x(key)` demands the key, `optional_x(key)` does not; a key of the wrong type, a number that
@@ -100,4 +100,4 @@ private:
 /// Checks the key `schema` of a file against e.g. "lostbits-scene/1". A missing, another or a newer one is an error.
 void require_schema(TableReader& file, std::string_view schema);
 
-}  // namespace lostbits::scene
+}  // namespace lostbits::scene::toml

@@ -12,7 +12,7 @@
 #include "scene/toml/did_you_mean.hpp"
 #include "scene/toml/parse_number.hpp"
 
-namespace lostbits::scene {
+namespace lostbits::scene::toml {
 namespace {
 
 constexpr std::size_t most_bytes = std::size_t{16} << 20;
@@ -29,7 +29,7 @@ public:
         }
     }
 
-    [[nodiscard]] Node convert(const toml::node& from) const {
+    [[nodiscard]] Node convert(const ::toml::node& from) const {
         Node node;
         node.where = at(from.source());
         if (const auto* table = from.as_table()) {
@@ -44,7 +44,7 @@ public:
                 });
         } else if (const auto* array = from.as_array()) {
             node.kind = Node::Kind::array;
-            for (const toml::node& item : *array) node.items.push_back(convert(item));
+            for (const ::toml::node& item : *array) node.items.push_back(convert(item));
         } else if (const auto* string = from.as_string()) {
             node.kind = Node::Kind::string;
             node.text = string->get();
@@ -62,7 +62,7 @@ public:
     }
 
 private:
-    [[nodiscard]] Where at(const toml::source_region& region) const {
+    [[nodiscard]] Where at(const ::toml::source_region& region) const {
         return {source_, static_cast<int>(region.begin.line), static_cast<int>(region.begin.column)};
     }
 
@@ -88,9 +88,9 @@ Node parse(std::string_view text, const std::string& source) {
     // A byte order mark is no character of the first line.
     if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
     try {
-        const toml::table table = toml::parse(text, std::string_view(source));
+        const ::toml::table table = ::toml::parse(text, std::string_view(source));
         return Converter(text, source).convert(table);
-    } catch (const toml::parse_error& error) {
+    } catch (const ::toml::parse_error& error) {
         const auto& begin = error.source().begin;
         std::string description(error.description());
         std::string remedy = "; see https://toml.io for the notation";
@@ -234,4 +234,4 @@ Override parse_override(std::string_view assignment, std::string_view option) {
     return {path, std::move(value), where};
 }
 
-}  // namespace lostbits::scene
+}  // namespace lostbits::scene::toml

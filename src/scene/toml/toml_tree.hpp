@@ -11,7 +11,7 @@
 #include "number/error.hpp"
 #include "number/real.hpp"
 
-namespace lostbits::scene {
+namespace lostbits::scene::toml {
 
 /// A place in a file (line and column from 1, columns in characters), or, with line 0, an option of the command line.
 struct Where {
@@ -76,4 +76,4 @@ void apply_override(Node& root, const Override& change);
 /// The overrides that a table of `"path" = value` stands for; plain tables inside it extend the path.
 std::vector<Override> overrides_in(const Node& table);
 
-}  // namespace lostbits::scene
+}  // namespace lostbits::scene::toml

@@ -12,17 +12,17 @@ TEST_CASE("box forms have names, titles and sources", "[intersect][box][info]") 
                            "box.ieee_minmax", "box.pbrt_padded", "box.max_mult",  "box.embree_fma", "box.embree_robust"};
     std::set<std::string_view> titles, open;
     std::size_t i = 0;
-    BoxForms::for_each([&]<class Form>() {
-        const Info& info = Form::info;
+    intersect::BoxForms::for_each([&]<class Form>() {
+        const intersect::Info& info = Form::info;
         INFO(info.name);
         REQUIRE(i < std::size(order));
         CHECK(info.name == order[i++]);
         CHECK(titles.insert(info.title).second);
         CHECK_FALSE(info.source.empty());
-        CHECK(info.direction == Direction::any);
-        CHECK(info.roots == Roots::both);
-        CHECK(info.formats == Formats::all);
-        if (info.touching == Touching::miss) open.insert(info.name);
+        CHECK(info.direction == intersect::Direction::any);
+        CHECK(info.roots == intersect::Roots::both);
+        CHECK(info.formats == intersect::Formats::all);
+        if (info.touching == intersect::Touching::miss) open.insert(info.name);
     });
     CHECK(i == std::size(order));
     CHECK(open == std::set<std::string_view>{"box.baseline", "box.exclusive"});
@@ -45,10 +45,10 @@ TEST_CASE("the unit roundoff is that of the format, and none in exact arithmetic
 }
 
 TEST_CASE("gamma(n) is n u/(1 - n u)", "[intersect][box][known]") {
-    CHECK(box::gamma_bound<float>(3) == 3 * 0x1p-24f / (1 - 3 * 0x1p-24f));
-    CHECK(box::gamma_bound<double>(3) == 3 * 0x1p-53 / (1 - 3 * 0x1p-53));
-    CHECK(box::gamma_bound<Rounded<5>>(3).value() == 0.1015625);  // (3/32)/(29/32) = 26.48/256, in five bits
-    CHECK(box::gamma_bound<Real>(3) == 0);
+    CHECK(intersect::box::gamma_bound<float>(3) == 3 * 0x1p-24f / (1 - 3 * 0x1p-24f));
+    CHECK(intersect::box::gamma_bound<double>(3) == 3 * 0x1p-53 / (1 - 3 * 0x1p-53));
+    CHECK(intersect::box::gamma_bound<Rounded<5>>(3).value() == 0.1015625);  // (3/32)/(29/32) = 26.48/256, in five bits
+    CHECK(intersect::box::gamma_bound<Real>(3) == 0);
 }
 
 }  // namespace lostbits::test

@@ -11,6 +11,9 @@
 #include "number/interval.hpp"
 
 namespace lostbits::test {
+
+using intersect::BoxForms;
+
 namespace {
 
 using testing::BoxSample;
@@ -129,7 +132,7 @@ TEST_CASE("signs gives what inclusive gives", "[intersect][box][formula]") {
     };
     for_each_sample(2000, [&](const BoxSample& s) {
         ++rays;
-        if (!same(ask<box::Signs, float>(s, s.tmax), ask<box::Inclusive, float>(s, s.tmax)) && wrong++ == 0) UNSCOPED_INFO(testing::paste(s));
+        if (!same(ask<intersect::box::Signs, float>(s, s.tmax), ask<intersect::box::Inclusive, float>(s, s.tmax)) && wrong++ == 0) UNSCOPED_INFO(testing::paste(s));
     });
     CHECK(wrong == 0);
     CHECK(rays > 10000);
@@ -161,9 +164,9 @@ TEST_CASE("two last places are not quite enough for max_mult", "[intersect][box]
     const Box<double> target{{-100, 0x1.26c638p+1, -1}, {0x1.4c71dcp-2, 100, 1}};
     const BoxSample s{ray, target, HUGE_VAL};
     CHECK_FALSE(ray_in_box(exactly(ray, target, HUGE_VAL), false).is_empty());
-    CHECK_FALSE(ask<box::MaxMult, float>(s, HUGE_VAL).hit);
-    CHECK(ask<box::PbrtPadded, float>(s, HUGE_VAL).hit);
-    CHECK(ask<box::EmbreeRobust, float>(s, HUGE_VAL).hit);
+    CHECK_FALSE(ask<intersect::box::MaxMult, float>(s, HUGE_VAL).hit);
+    CHECK(ask<intersect::box::PbrtPadded, float>(s, HUGE_VAL).hit);
+    CHECK(ask<intersect::box::EmbreeRobust, float>(s, HUGE_VAL).hit);
 }
 
 namespace {

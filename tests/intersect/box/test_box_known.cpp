@@ -8,6 +8,9 @@
 #include "number/rounded.hpp"
 
 namespace lostbits::test {
+
+using intersect::BoxForms;
+
 namespace {
 
 constexpr double inf = HUGE_VAL;
@@ -127,15 +130,15 @@ void check_nan_order() {
     CHECK(is_nan(max(one, bad)));
     CHECK(value(min(bad, one)) == 1);
     CHECK(value(max(bad, one)) == 1);
-    for (const auto num : {box::min_num<T>, box::max_num<T>}) {
+    for (const auto num : {intersect::box::min_num<T>, intersect::box::max_num<T>}) {
         CHECK(value(num(one, bad)) == 1);
         CHECK(value(num(bad, one)) == 1);
         CHECK(is_nan(num(bad, bad)));
     }
-    CHECK(value(box::min_num<T>(T(2), T(3))) == 2);
-    CHECK(value(box::min_num<T>(T(3), T(-2))) == -2);
-    CHECK(value(box::max_num<T>(T(2), T(3))) == 3);
-    CHECK(value(box::max_num<T>(T(-3), T(-2))) == -2);
+    CHECK(value(intersect::box::min_num<T>(T(2), T(3))) == 2);
+    CHECK(value(intersect::box::min_num<T>(T(3), T(-2))) == -2);
+    CHECK(value(intersect::box::max_num<T>(T(2), T(3))) == 3);
+    CHECK(value(intersect::box::max_num<T>(T(-3), T(-2))) == -2);
 }
 
 }  // namespace
@@ -173,17 +176,17 @@ TEST_CASE("a reciprocal that overflows is an infinity that division does not see
     // 1/d = ∞ for d = 2^-129: the plane ahead lies at ∞, where (2^-129)/(2^-129) = 1 for a box of that size.
     const Box<float> box{Vec<float>(0x1p-129f, -1, -1), Vec<float>(0x1p-128f, 1, 1)};
     const Ray<float> ray{Vec<float>(0, 0, 0), Vec<float>(0x1p-129f, 0, 0)};
-    CHECK(box::Divide::intersect(ray, box, 8.0f).hit);
-    CHECK(box::Divide::intersect(ray, box, 8.0f).t == 1);
-    CHECK_FALSE(box::Inclusive::intersect(ray, box, 8.0f).hit);
-    CHECK_FALSE(box::Signs::intersect(ray, box, 8.0f).hit);
-    CHECK(box::Inclusive::intersect(ray, box, HUGE_VALF).t == HUGE_VALF);  // a hit, at infinity
+    CHECK(intersect::box::Divide::intersect(ray, box, 8.0f).hit);
+    CHECK(intersect::box::Divide::intersect(ray, box, 8.0f).t == 1);
+    CHECK_FALSE(intersect::box::Inclusive::intersect(ray, box, 8.0f).hit);
+    CHECK_FALSE(intersect::box::Signs::intersect(ray, box, 8.0f).hit);
+    CHECK(intersect::box::Inclusive::intersect(ray, box, HUGE_VALF).t == HUGE_VALF);  // a hit, at infinity
 }
 
 TEST_CASE("embree_fma's smallest direction is 1e-18", "[intersect][box][known]") {
     const auto far = []<class T>(T dx) {
         const Ray<T> ray{Vec<T>(0, 0, 0), Vec<T>(dx, 1, 1)};
-        return box::EmbreeFma::intersect(ray, Box<T>{Vec<T>(-2, T(-1e30), T(-1e30)), Vec<T>(1, T(1e30), T(1e30))}, T(HUGE_VAL)).far;
+        return intersect::box::EmbreeFma::intersect(ray, Box<T>{Vec<T>(-2, T(-1e30), T(-1e30)), Vec<T>(1, T(1e30), T(1e30))}, T(HUGE_VAL)).far;
     };
     const float tiny = 1e-18f;
     CHECK(far(tiny) == 1 / tiny);
@@ -201,7 +204,7 @@ TEST_CASE("embree_fma rounds away what cancels", "[intersect][box][known]") {
     const Box<float> box{Vec<float>(lo, -1, -1), Vec<float>(4, 1, 1)};
     const Ray<float> ray{Vec<float>(o, 0, 0), Vec<float>(3 * d, 0, 0)};
     const float exact = (0x1p-13f) / 3;
-    const float by_signs = box::Signs::intersect(ray, box, 8.0f).t, by_fma = box::EmbreeFma::intersect(ray, box, 8.0f).t;
+    const float by_signs = intersect::box::Signs::intersect(ray, box, 8.0f).t, by_fma = intersect::box::EmbreeFma::intersect(ray, box, 8.0f).t;
     CHECK(std::fabs(by_signs - exact) <= exact * 0x1p-22f);
     CHECK(std::fabs(by_fma - exact) > exact * 0x1p-14f);
 }

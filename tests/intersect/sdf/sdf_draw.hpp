@@ -8,10 +8,10 @@ namespace lostbits::test {
 
 struct DrawnField {
     std::vector<Solid<double>> solids;
-    MarchConstants<double> march{};
+    intersect::MarchConstants<double> march{};
     std::vector<Ray<double>> rays;
 
-    [[nodiscard]] Target<double> target() const { return {solids, march}; }
+    [[nodiscard]] intersect::Target<double> target() const { return {solids, march}; }
 };
 
 /// Every number is one of binary32. Directions are unit to binary32's rounding.

@@ -7,13 +7,17 @@
 #include "number/real.hpp"
 
 namespace lostbits::test {
+
+using intersect::LiftedTarget;
+using intersect::Stop;
+
 namespace {
 
 template <class S>
 struct Batch {
     std::vector<S> column[6], t, near, far;
     std::vector<std::uint8_t> hit;
-    std::vector<MarchRecord> march;
+    std::vector<intersect::MarchRecord> march;
 
     explicit Batch(const std::vector<Ray<double>>& rays) {
         for (const Ray<double>& r : rays) {
@@ -25,8 +29,8 @@ struct Batch {
         const std::size_t n = rays.size();
         t.resize(n), near.resize(n), far.resize(n), hit.resize(n), march.resize(n);
     }
-    [[nodiscard]] RayBatch<S> rays() const { return {column[0], column[1], column[2], column[3], column[4], column[5]}; }
-    HitBatch<S> hits(bool records) { return {t, near, far, hit, records ? std::span(march) : std::span<MarchRecord>()}; }
+    [[nodiscard]] intersect::table::RayBatch<S> rays() const { return {column[0], column[1], column[2], column[3], column[4], column[5]}; }
+    intersect::table::HitBatch<S> hits(bool records) { return {t, near, far, hit, records ? std::span(march) : std::span<intersect::MarchRecord>()}; }
 };
 
 template <class S, class Kernel>
@@ -43,17 +47,17 @@ void compare_widths(std::uint64_t seed) {
     std::size_t hits = 0, misses = 0;
     for (int k = 0; k < 60; ++k) {
         const DrawnField field = draw_field(random, static_cast<std::size_t>(random.between(0, 70)));
-        for (std::size_t form = 0; form < form_count; ++form) {
-            if (intersectors()[form].shape != Shape::sdf) continue;
-            const auto kernel_of = [](const PackedRow& row) {
+        for (std::size_t form = 0; form < intersect::form_count; ++form) {
+            if (intersect::table::intersectors()[form].shape != Shape::sdf) continue;
+            const auto kernel_of = [](const intersect::simd::PackedRow& row) {
                 if constexpr (std::same_as<S, float>) return row.f32;
                 else return row.f64;
             };
-            const auto want = run<S>(kernel_of(packed_rows(Isa::scalar)[form]), field, false);
+            const auto want = run<S>(kernel_of(intersect::simd::packed_rows(intersect::simd::Isa::scalar)[form]), field, false);
             for (const auto h : want.hit) ++(h ? hits : misses);
-            for (const Isa isa : available_isas()) {
-                const auto got = run<S>(kernel_of(packed_rows(isa)[form]), field, false);
-                INFO(intersectors()[form].info->name << " at " << name_of(isa));
+            for (const intersect::simd::Isa isa : intersect::simd::available_isas()) {
+                const auto got = run<S>(kernel_of(intersect::simd::packed_rows(isa)[form]), field, false);
+                INFO(intersect::table::intersectors()[form].info->name << " at " << name_of(isa));
                 CHECK(got.hit == want.hit);
                 CHECK(got.t == want.t);
                 CHECK(got.near == want.near);
@@ -86,30 +90,30 @@ std::pair<bool, S> plain_march(const Ray<S>& ray, const Sphere<S>& sphere, S eps
 
 TEST_CASE("forms that march have names, unit directions and one intersection", "[intersect][sdf]") {
     const char* names[] = {"sdf.sphere_trace", "sdf.relative_eps", "sdf.cone_eps", "sdf.over_relaxed", "sdf.accumulated", "sdf.secant_refined", "sdf.bisect_refined"};
-    const auto rows = intersectors(Shape::sdf);
+    const auto rows = intersect::table::intersectors(Shape::sdf);
     REQUIRE(rows.size() == std::size(names));
     for (std::size_t i = 0; i < rows.size(); ++i) {
         CHECK(rows[i].info->name == names[i]);
-        CHECK(rows[i].info->direction == Direction::unit);
-        CHECK(rows[i].info->roots == Roots::first_only);
+        CHECK(rows[i].info->direction == intersect::Direction::unit);
+        CHECK(rows[i].info->roots == intersect::Roots::first_only);
         CHECK(rows[i].log != nullptr);
     }
-    for (const Intersector& row : intersectors(Shape::sphere)) CHECK(row.log == nullptr);
+    for (const intersect::table::Intersector& row : intersect::table::intersectors(Shape::sphere)) CHECK(row.log == nullptr);
 }
 
 TEST_CASE("distance fields: the seed's table, and a box from every side", "[intersect][sdf]") {
     const Sphere<double> unit{{0, 0, 0}, 1};
     const double at[] = {0, 0.5, 1, 2, 5}, is[] = {-1, -0.5, 0, 1, 4};
-    for (std::size_t i = 0; i < 5; ++i) CHECK(sdf::distance(unit, Vec<double>(at[i], 0, 0)) == is[i]);
+    for (std::size_t i = 0; i < 5; ++i) CHECK(intersect::sdf::distance(unit, Vec<double>(at[i], 0, 0)) == is[i]);
     const Box<double> box{{-1, -2, -3}, {1, 2, 3}};
-    CHECK(sdf::distance(box, Vec<double>(0, 0, 0)) == -1);
-    CHECK(sdf::distance(box, Vec<double>(0.75, 0, 0)) == -0.25);
-    CHECK(sdf::distance(box, Vec<double>(1, 2, 3)) == 0);
-    CHECK(sdf::distance(box, Vec<double>(-4, 0, 0)) == 3);
-    CHECK(sdf::distance(box, Vec<double>(4, 6, 0)) == 5);        // 3-4-5 beside an edge
-    CHECK(sdf::distance(box, Vec<double>(-3, 5, -9)) == 7);      // 2-3-6-7 off a corner
+    CHECK(intersect::sdf::distance(box, Vec<double>(0, 0, 0)) == -1);
+    CHECK(intersect::sdf::distance(box, Vec<double>(0.75, 0, 0)) == -0.25);
+    CHECK(intersect::sdf::distance(box, Vec<double>(1, 2, 3)) == 0);
+    CHECK(intersect::sdf::distance(box, Vec<double>(-4, 0, 0)) == 3);
+    CHECK(intersect::sdf::distance(box, Vec<double>(4, 6, 0)) == 5);        // 3-4-5 beside an edge
+    CHECK(intersect::sdf::distance(box, Vec<double>(-3, 5, -9)) == 7);      // 2-3-6-7 off a corner
     const Solid<double> both[] = {Solid<double>(unit), Solid<double>(Box<double>{{2, -1, -1}, {3, 1, 1}})};
-    const sdf::Union<double> field{std::span<const Solid<double>>(both)};
+    const intersect::table::Union<double> field{std::span<const Solid<double>>(both)};
     CHECK(field({1.25, 0, 0}) == 0.25);
     CHECK(field({1.75, 0, 0}) == 0.25);
     CHECK(field({2.25, 0, 0}) == -0.25);
@@ -125,7 +129,7 @@ TEST_CASE("sphere_trace is the seed's loop", "[intersect][sdf]") {
     for (int k = 0; k < 400; ++k) {
         DrawnField field = draw_field(random, 4);
         field.solids = {Solid<double>(Sphere<double>{{0.5, -0.25, 0.125}, 0.75})};
-        const auto got = run<double>(intersectors(Shape::sdf).front().native64, field, true);
+        const auto got = run<double>(intersect::table::intersectors(Shape::sdf).front().native64, field, true);
         for (std::size_t i = 0; i < field.rays.size(); ++i) {
             int samples = 0;
             const auto [hit, t] = plain_march<double>(field.rays[i], field.solids[0].sphere(), field.march.hit_eps, field.march.max_steps, field.march.max_dist, samples);
@@ -144,14 +148,14 @@ TEST_CASE("a march stands still where t + d is t", "[intersect][sdf]") {
     field.march = {0x1p-40, 100, 1e-3, 1e-3, 1.4, 200, 2, 4};
     const double d = static_cast<double>(static_cast<float>(1 / std::sqrt(3.0)));
     field.rays = {{{4, 4, 4}, {-d, -d, -d}}};
-    const auto row = intersectors(Shape::sdf).front();
+    const auto row = intersect::table::intersectors(Shape::sdf).front();
     const auto got = run<float>(row.native32, field, true);
     CHECK(got.hit[0] == 0);
     CHECK(got.march[0].stop == Stop::stagnated);
     CHECK(got.march[0].iterations == 200);
     CHECK(got.march[0].least > 0x1p-40);
     CHECK(got.march[0].least < 0x1p-20);
-    const MarchLog log = row.log(*find_format("f32"), field.rays[0], field.target());
+    const intersect::table::MarchLog log = row.log(*find_format("f32"), field.rays[0], field.target());
     REQUIRE(log.steps.size() == 200);
     CHECK(log.steps[199].t == log.steps[198].t);
     CHECK(log.steps[199].d > 0);
@@ -162,16 +166,16 @@ TEST_CASE("enclosures of the marches contain what they give unrounded", "[inters
     using Wide = BasicReal<1024>;
     Random random(5);
     std::size_t form = 0;
-    SdfForms::for_each([&]<class Form>() {
-        const Intersector& row = intersectors(Shape::sdf)[form++];
+    intersect::SdfForms::for_each([&]<class Form>() {
+        const intersect::table::Intersector& row = intersect::table::intersectors(Shape::sdf)[form++];
         int decided = 0, asked = 0, wrong = 0;
         for (int k = 0; k < 60; ++k) {
             const DrawnField field = draw_field(random, 3);
             const LiftedTarget<Wide> wide(field.target(), [](double x) { return Wide(x); });
             for (const Ray<double>& r : field.rays) {
-                sdf::Unwatched unwatched;
+                intersect::sdf::Unwatched unwatched;
                 const auto lift = [](const Vec<double>& v) { return Vec<Wide>(Wide(v.x), Wide(v.y), Wide(v.z)); };
-                const Hit<Wide> want = intersect_target<Form>(Ray<Wide>{lift(r.origin), lift(r.direction)}, wide.get(), Wide(0), unwatched);
+                const Hit<Wide> want = intersect::table::intersect_target<Form>(Ray<Wide>{lift(r.origin), lift(r.direction)}, wide.get(), Wide(0), unwatched);
                 const LiftedTarget<Ball> balls(field.target(), [](double x) { return Ball(x); });
                 const Hit<Ball> quick = row.ball({{Ball(r.origin.x), Ball(r.origin.y), Ball(r.origin.z)}, {Ball(r.direction.x), Ball(r.direction.y), Ball(r.direction.z)}}, balls.get());
                 const Wide room = ldexp(Wide(1) + abs(want.t), -500);
@@ -203,9 +207,9 @@ TEST_CASE("p += d dir is o + t dir where nothing is rounded", "[intersect][sdf]"
         const LiftedTarget<Wide> target(field.target(), [](double x) { return Wide(x); });
         const auto lift = [](const Vec<double>& v) { return Vec<Wide>(Wide(v.x), Wide(v.y), Wide(v.z)); };
         const Ray<Wide> ray{lift(field.rays[0].origin), lift(field.rays[0].direction)};
-        sdf::Unwatched unwatched;
-        const auto one = intersect_target<sdf::SphereTrace>(ray, target.get(), Wide(0), unwatched);
-        const auto other = intersect_target<sdf::Accumulated>(ray, target.get(), Wide(0), unwatched);
+        intersect::sdf::Unwatched unwatched;
+        const auto one = intersect::table::intersect_target<intersect::sdf::SphereTrace>(ray, target.get(), Wide(0), unwatched);
+        const auto other = intersect::table::intersect_target<intersect::sdf::Accumulated>(ray, target.get(), Wide(0), unwatched);
         CHECK(one.hit == other.hit);
         CHECK(abs(one.t - other.t) <= ldexp(Wide(1) + abs(one.t), -700));
     }

@@ -61,7 +61,7 @@ struct Answers {
     std::size_t size;
 
     explicit Answers(std::size_t n) : t(n + widest, untouched), near(t), far(t), hit(n + widest, 77), size(n) {}
-    HitBatch<S> batch() { return {std::span(t).first(size), std::span(near).first(size), std::span(far).first(size), std::span(hit).first(size)}; }
+    intersect::table::HitBatch<S> batch() { return {std::span(t).first(size), std::span(near).first(size), std::span(far).first(size), std::span(hit).first(size)}; }
     [[nodiscard]] bool margin_is_untouched() const {
         for (std::size_t i = size; i < t.size(); ++i)
             if (t[i] != untouched || near[i] != untouched || far[i] != untouched || hit[i] != 77) return false;
@@ -70,22 +70,22 @@ struct Answers {
 };
 
 template <class S>
-auto kernel_of(const PackedRow& row) {
+auto kernel_of(const intersect::simd::PackedRow& row) {
     if constexpr (std::same_as<S, float>) return row.f32;
     else return row.f64;
 }
 
 template <class S>
-Answers<S> run(const PackedRow& row, const Solid<S>& solid, const RayBatch<S>& rays) {
+Answers<S> run(const intersect::simd::PackedRow& row, const Solid<S>& solid, const intersect::table::RayBatch<S>& rays) {
     Answers<S> answers(rays.size());
     kernel_of<S>(row)(rays, solid, answers.batch());
     return answers;
 }
 
 template <class S>
-Answers<S> run(const PackedRow& row, const Scene<S>& scene) {
+Answers<S> run(const intersect::simd::PackedRow& row, const Scene<S>& scene) {
     const auto& c = scene.column;
-    return run(row, scene.solid, RayBatch<S>{c[0], c[1], c[2], c[3], c[4], c[5], scene.tmax});
+    return run(row, scene.solid, intersect::table::RayBatch<S>{c[0], c[1], c[2], c[3], c[4], c[5], scene.tmax});
 }
 
 template <class S>
@@ -128,20 +128,20 @@ struct Tally {
 /// Each form of the shape at every width against its scalar row, on all scenes.
 template <class S>
 void compare_forms(Shape shape, const std::vector<Scene<S>>& all) {
-    const auto native = packed_rows(Isa::scalar);
+    const auto native = intersect::simd::packed_rows(intersect::simd::Isa::scalar);
     for (std::size_t form = 0; form < native.size(); ++form) {
-        if (intersectors()[form].shape != shape || !kernel_of<S>(native[form])) continue;
+        if (intersect::table::intersectors()[form].shape != shape || !kernel_of<S>(native[form])) continue;
         Tally tally;
-        std::vector<std::size_t> wrong(isa_names.size());
+        std::vector<std::size_t> wrong(intersect::simd::isa_names.size());
         for (const Scene<S>& scene : all) {
             const Answers<S> want = run(native[form], scene);
             tally.note(want);
-            for (const Isa isa : available_isas())
-                wrong[static_cast<std::size_t>(isa)] += differences(run(packed_rows(isa)[form], scene), want);
+            for (const intersect::simd::Isa isa : intersect::simd::available_isas())
+                wrong[static_cast<std::size_t>(isa)] += differences(run(intersect::simd::packed_rows(isa)[form], scene), want);
         }
         INFO(native[form].info->name << ": finite hits " << tally.finite_hits << ", misses " << tally.misses << ", NaN " << tally.not_a_number << " of "
                                      << tally.rays);
-        CHECK(wrong == std::vector<std::size_t>(isa_names.size(), 0));
+        CHECK(wrong == std::vector<std::size_t>(intersect::simd::isa_names.size(), 0));
         CHECK(tally.finite_hits > tally.rays / 10);
         CHECK(tally.misses > tally.rays / 20);
         // Of a box, min and max let no NaN through to t, but for the forms that are at fault there.
@@ -152,17 +152,17 @@ void compare_forms(Shape shape, const std::vector<Scene<S>>& all) {
 /// Every size from nothing to the whole scene, each column ending where a page ends.
 template <class S>
 void compare_sizes(Shape shape, const Scene<S>& scene) {
-    const auto native = packed_rows(Isa::scalar);
+    const auto native = intersect::simd::packed_rows(intersect::simd::Isa::scalar);
     for (std::size_t n = 0; n <= scene.size(); ++n) {
         const auto first = [&](const std::vector<S>& all) { return Cornered<S>(std::span(all).first(std::min(n, all.size()))); };
         const auto& c = scene.column;
         const Cornered<S> ox = first(c[0]), oy = first(c[1]), oz = first(c[2]), dx = first(c[3]), dy = first(c[4]), dz = first(c[5]);
         const Cornered<S> tmax = first(scene.tmax);
-        const RayBatch<S> rays{ox.span(), oy.span(), oz.span(), dx.span(), dy.span(), dz.span(), tmax.span()};
-        for (const Isa isa : available_isas())
+        const intersect::table::RayBatch<S> rays{ox.span(), oy.span(), oz.span(), dx.span(), dy.span(), dz.span(), tmax.span()};
+        for (const intersect::simd::Isa isa : intersect::simd::available_isas())
             for (std::size_t form = 0; form < native.size(); ++form) {
-                if (intersectors()[form].shape != shape || !kernel_of<S>(native[form])) continue;
-                const Answers<S> got = run(packed_rows(isa)[form], scene.solid, rays);
+                if (intersect::table::intersectors()[form].shape != shape || !kernel_of<S>(native[form])) continue;
+                const Answers<S> got = run(intersect::simd::packed_rows(isa)[form], scene.solid, rays);
                 INFO(native[form].info->name << " in " << name_of(isa) << ", " << n << " rays");
                 CHECK(differences(got, run(native[form], scene.solid, rays)) == 0);
                 CHECK(got.margin_is_untouched());

@@ -4,13 +4,16 @@
 #include "number/error.hpp"
 
 namespace lostbits::test {
+
+using intersect::simd::Isa;
+
 namespace {
 
 /// Setups as in cases.hpp; every third ray has a special number in one of its six components.
 template <class S>
 Scene<S> drawn_scene(Random& random, Setup setup, std::size_t n) {
     const auto narrow = [](const Rational& q) { return static_cast<S>(as_double(q)); };
-    const Case x = as_stored<S>(draw_case(random, setup), random.one_in(2) ? Direction::unit : Direction::any);
+    const Case x = as_stored<S>(draw_case(random, setup), random.one_in(2) ? intersect::Direction::unit : intersect::Direction::any);
     Scene<S> scene{lift_sphere<S>(x, narrow), {}, {}};
     const Ray<S> r = lift_ray<S>(x, narrow);
     for (std::size_t k = 0; k < n; ++k) {
@@ -58,8 +61,8 @@ TEST_CASE("packed sphere kernels take batches of any size and touch nothing besi
 }
 
 TEST_CASE("the packed table has the rows of the catalogue", "[intersect][packed]") {
-    const auto rows = intersectors();
-    for (const Isa isa : available_isas()) {
+    const auto rows = intersect::table::intersectors();
+    for (const Isa isa : intersect::simd::available_isas()) {
         const auto packed = packed_rows(isa);
         INFO(name_of(isa));
         REQUIRE(packed.size() == rows.size());
@@ -74,41 +77,41 @@ TEST_CASE("the packed table has the rows of the catalogue", "[intersect][packed]
 }
 
 TEST_CASE("register widths have names, and the widest is the best", "[intersect][packed]") {
-    const auto isas = available_isas();
+    const auto isas = intersect::simd::available_isas();
     REQUIRE(isas.size() >= 2);
     CHECK(isas[0] == Isa::scalar);
     CHECK(isas[1] == Isa::w128);
     CHECK(std::is_sorted(isas.begin(), isas.end()));
-    CHECK(best_isa() == isas.back());
+    CHECK(intersect::simd::best_isa() == isas.back());
     for (const Isa isa : {Isa::scalar, Isa::w128, Isa::w256, Isa::w512}) {
-        CHECK(isa_named(name_of(isa)) == isa);
+        CHECK(intersect::simd::isa_named(name_of(isa)) == isa);
         CHECK(packed_rows(isa).empty() == (std::find(isas.begin(), isas.end(), isa) == isas.end()));
     }
     CHECK(name_of(Isa::w256) == "256");
-    CHECK_FALSE(isa_named("1024"));
-    CHECK_FALSE(isa_named(""));
+    CHECK_FALSE(intersect::simd::isa_named("1024"));
+    CHECK_FALSE(intersect::simd::isa_named(""));
 }
 
 TEST_CASE("the current width chooses the kernels of the table's rows, and of no others", "[intersect][packed]") {
-    CHECK(current_isa() == best_isa());
-    const Intersector& form = intersectors().front();
-    Intersector stranger = form;
-    stranger.native32 = intersectors()[1].native32;
+    CHECK(intersect::simd::current_isa() == intersect::simd::best_isa());
+    const intersect::table::Intersector& form = intersect::table::intersectors().front();
+    intersect::table::Intersector stranger = form;
+    stranger.native32 = intersect::table::intersectors()[1].native32;
     for (const Isa isa : {Isa::scalar, Isa::w128, Isa::w256, Isa::w512}) {
         INFO(name_of(isa));
-        const Isa before = current_isa();
+        const Isa before = intersect::simd::current_isa();
         if (packed_rows(isa).empty()) {
             CHECK_THROWS_AS(set_isa(isa), EnvironmentError);
-            CHECK(current_isa() == before);
+            CHECK(intersect::simd::current_isa() == before);
             continue;
         }
         set_isa(isa);
-        CHECK(current_isa() == isa);
-        CHECK(packed_kernels(form).f32 == packed_rows(isa).front().f32);
-        CHECK(packed_kernels(form).f64 == packed_rows(isa).front().f64);
-        CHECK(packed_kernels(stranger).f32 == stranger.native32);
+        CHECK(intersect::simd::current_isa() == isa);
+        CHECK(intersect::simd::packed_kernels(form).f32 == packed_rows(isa).front().f32);
+        CHECK(intersect::simd::packed_kernels(form).f64 == packed_rows(isa).front().f64);
+        CHECK(intersect::simd::packed_kernels(stranger).f32 == stranger.native32);
     }
-    set_isa(best_isa());
+    intersect::simd::set_isa(intersect::simd::best_isa());
 }
 
 }  // namespace lostbits::test

@@ -58,11 +58,11 @@ TEST_CASE("a packed box kernel heeds where each ray ends", "[intersect][packed]"
         scene.add({0, 0, 0, 1, 0, 0});
         scene.tmax.push_back(k % 3 == 0 ? 0.5f : k % 3 == 1 ? 1.5f : 3.0f);
     }
-    const auto native = intersectors();
-    for (const Isa isa : available_isas())
+    const auto native = intersect::table::intersectors();
+    for (const intersect::simd::Isa isa : intersect::simd::available_isas())
         for (std::size_t form = 0; form < native.size(); ++form) {
             if (native[form].shape != Shape::box) continue;
-            const Answers<float> got = run(packed_rows(isa)[form], scene);
+            const Answers<float> got = run(intersect::simd::packed_rows(isa)[form], scene);
             INFO(native[form].info->name << " in " << name_of(isa));
             for (std::size_t k = 0; k < n; ++k) CHECK(got.hit[k] == (k % 3 != 0));
         }

@@ -4,6 +4,9 @@
 #include "intersect/simd/packed_scene.hpp"
 
 namespace lostbits::test {
+
+using intersect::simd::Isa;
+
 namespace {
 
 /// Solids of one shape as columns, and where the ray ends for each.
@@ -65,7 +68,7 @@ struct Expected {
 };
 
 template <class S>
-Expected<S> one_by_one(const PackedRow& row, Shape shape, const Drawn<S>& d, std::size_t n) {
+Expected<S> one_by_one(const intersect::simd::PackedRow& row, Shape shape, const Drawn<S>& d, std::size_t n) {
     Expected<S> e;
     for (std::size_t i = 0; i < n; ++i) {
         Scene<S> scene;
@@ -82,7 +85,7 @@ Expected<S> one_by_one(const PackedRow& row, Shape shape, const Drawn<S>& d, std
 
 /// The first n solids, columns that end where a page ends, answers with a margin that stays.
 template <class S>
-Expected<S> at_once(const ManyRow& row, Shape shape, const Drawn<S>& d, std::size_t n) {
+Expected<S> at_once(const intersect::simd::ManyRow& row, Shape shape, const Drawn<S>& d, std::size_t n) {
     const auto first = [&](std::size_t c) { return Cornered<S>(std::span(d.solids.column[c]).first(n)); };
     const Cornered<S> c0 = first(0), c1 = first(1), c2 = first(2), c3 = first(3), c4 = first(4), c5 = first(5);
     Expected<S> e{d.solids.t, std::vector<std::uint8_t>(d.solids.t.size(), 77)};
@@ -103,26 +106,26 @@ Expected<S> at_once(const ManyRow& row, Shape shape, const Drawn<S>& d, std::siz
 template <class S>
 void compare(Shape shape) {
     Random random(11);
-    const auto native = packed_rows(Isa::scalar);
+    const auto native = intersect::simd::packed_rows(Isa::scalar);
     std::vector<Drawn<S>> all;
     for (std::size_t k = 0; k < 160; ++k) all.push_back(draw<S>(random, shape, k, 2 * widest + 3));
     for (std::size_t form = 0; form < native.size(); ++form) {
-        if (intersectors()[form].shape != shape || !kernel_of<S>(native[form])) continue;
+        if (intersect::table::intersectors()[form].shape != shape || !kernel_of<S>(native[form])) continue;
         std::size_t hits = 0, rays = 0;
-        std::vector<std::size_t> wrong(isa_names.size());
+        std::vector<std::size_t> wrong(intersect::simd::isa_names.size());
         for (std::size_t k = 0; k < all.size(); ++k) {
             const std::size_t n = k % (2 * widest + 1);
             const Expected<S> want = one_by_one(native[form], shape, all[k], n);
             hits += static_cast<std::size_t>(std::count(want.hit.begin(), want.hit.end(), 1));
             rays += n;
-            for (const Isa isa : available_isas()) {
-                const Expected<S> got = at_once(many_rows(isa)[form], shape, all[k], n);
+            for (const Isa isa : intersect::simd::available_isas()) {
+                const Expected<S> got = at_once(intersect::simd::many_rows(isa)[form], shape, all[k], n);
                 for (std::size_t i = 0; i < n; ++i)
                     wrong[static_cast<std::size_t>(isa)] += !same(got.t[i], want.t[i]) || (shape == Shape::sphere && got.hit[i] != want.hit[i]);
             }
         }
         INFO(native[form].info->name << ": " << hits << " hits of " << rays);
-        CHECK(wrong == std::vector<std::size_t>(isa_names.size(), 0));
+        CHECK(wrong == std::vector<std::size_t>(intersect::simd::isa_names.size(), 0));
         CHECK(hits > rays / 20);
         CHECK(hits < rays - rays / 20);
     }
@@ -141,11 +144,11 @@ TEST_CASE("one ray against many spheres: the bits of the forms", "[intersect][pa
 }
 
 TEST_CASE("the rows for many solids are the catalogue's, each with the kernels of its shape", "[intersect][packed]") {
-    const auto rows = intersectors();
+    const auto rows = intersect::table::intersectors();
     for (const Isa isa : {Isa::scalar, Isa::w128, Isa::w256, Isa::w512}) {
-        const auto many = many_rows(isa);
+        const auto many = intersect::simd::many_rows(isa);
         INFO(name_of(isa));
-        CHECK(many.size() == packed_rows(isa).size());
+        CHECK(many.size() == intersect::simd::packed_rows(isa).size());
         for (std::size_t i = 0; i < many.size(); ++i) {
             const bool box = rows[i].shape == Shape::box, sphere = rows[i].shape == Shape::sphere, has64 = rows[i].native64 != nullptr;
             CHECK(many[i].info == rows[i].info);

@@ -6,6 +6,10 @@
 #include "intersect/simd/variants.hpp"
 
 namespace lostbits::test {
+
+using intersect::simd::Variant;
+using intersect::table::Intersector;
+
 namespace {
 
 template <class S>
@@ -25,8 +29,8 @@ struct Batch {
     void run(const Intersector& row, std::size_t from, std::size_t size) {
         const Solid<S> solid = row.shape == Shape::sphere ? Solid<S>(Sphere<S>{{S(0), S(0), S(0)}, S(1)}) : Solid<S>(Box<S>{{S(-1), S(-1), S(-1)}, {S(1), S(1), S(1)}});
         const auto part = [&](std::vector<S>& v) { return std::span(v).subspan(from, size); };
-        const RayBatch<S> rays{part(in[0]), part(in[1]), part(in[2]), part(in[3]), part(in[4]), part(in[5])};
-        const HitBatch<S> hits{part(t), part(near), part(far), std::span(hit).subspan(from, size)};
+        const intersect::table::RayBatch<S> rays{part(in[0]), part(in[1]), part(in[2]), part(in[3]), part(in[4]), part(in[5])};
+        const intersect::table::HitBatch<S> hits{part(t), part(near), part(far), std::span(hit).subspan(from, size)};
         if constexpr (sizeof(S) == sizeof(float)) row.native32(rays, solid, hits);
         else row.native64(rays, solid, hits);
     }
@@ -61,18 +65,18 @@ std::size_t differing(const Intersector& a, const Intersector& b) {
 
 std::size_t number_of(std::string_view form) {
     std::size_t i = 0;
-    while (intersectors()[i].info->name != form) ++i;
+    while (intersect::table::intersectors()[i].info->name != form) ++i;
     return i;
 }
 
 }  // namespace
 
 TEST_CASE("variants have the rows of the table under names of their own", "[intersect][variants]") {
-    if (variants().empty()) WARN("no variant runs here");
-    for (const Variant& v : variants()) {
-        REQUIRE(v.rows.size() == intersectors().size());
+    if (intersect::simd::variants().empty()) WARN("no variant runs here");
+    for (const Variant& v : intersect::simd::variants()) {
+        REQUIRE(v.rows.size() == intersect::table::intersectors().size());
         for (std::size_t i = 0; i < v.rows.size(); ++i) {
-            const Intersector& native = intersectors()[i];
+            const Intersector& native = intersect::table::intersectors()[i];
             CHECK(v.rows[i].info->name == std::string(native.info->name) + "+" + std::string(v.name));
             CHECK(v.rows[i].shape == native.shape);
             CHECK((v.rows[i].native64 == nullptr) == (native.native64 == nullptr));
@@ -81,7 +85,7 @@ TEST_CASE("variants have the rows of the table under names of their own", "[inte
 }
 
 TEST_CASE("variants take batches of any size and touch nothing beside them", "[intersect][variants]") {
-    for (const Variant& v : variants()) {
+    for (const Variant& v : intersect::simd::variants()) {
         for (const char* form : {"sphere.unified", "box.signs"}) {
             any_size<float>(v.rows[number_of(form)]);
             any_size<double>(v.rows[number_of(form)]);
@@ -90,13 +94,13 @@ TEST_CASE("variants take batches of any size and touch nothing beside them", "[i
 }
 
 TEST_CASE("other flags give other bits, and nearly the same answers", "[intersect][variants]") {
-    for (const Variant& v : variants()) {
+    for (const Variant& v : intersect::simd::variants()) {
         // Sums of products contract and reassociate.
         const std::size_t i = number_of("sphere.schoolbook");
-        CHECK(differing(v.rows[i], intersectors()[i]) > 100);
+        CHECK(differing(v.rows[i], intersect::table::intersectors()[i]) > 100);
         Batch<float> fast(4096), right(4096);
         fast.run(v.rows[i], 0, 4096);
-        right.run(intersectors()[i], 0, 4096);
+        right.run(intersect::table::intersectors()[i], 0, 4096);
         std::size_t decided_otherwise = 0;
         for (std::size_t r = 0; r < 4096; ++r) {
             decided_otherwise += fast.hit[r] != right.hit[r];
@@ -112,7 +116,7 @@ TEST_CASE("a program that holds code of -ffast-math still has subnormal numbers"
     CHECK(small * half == 0x1p-127F);
     CHECK(tiny * half64 == 0x1p-1023);
     CHECK(std::isnan(std::sqrt(-small)));
-    for (const Variant& v : variants()) {
+    for (const Variant& v : intersect::simd::variants()) {
         Batch<float> batch(64);
         batch.run(v.rows[0], 0, 64);
     }

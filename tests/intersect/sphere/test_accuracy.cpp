@@ -15,12 +15,12 @@ using Means = std::map<std::string_view, double>;
 template <class T>
 Means mean_errors(Setup setup, int precision) {
     Means means;
-    SphereForms::for_each([&]<class Form>() {
+    intersect::SphereForms::for_each([&]<class Form>() {
         Random random(0xacc);
         double sum = 0;
         int hits = 0;
         for (int i = 0; i < 400; ++i) {
-            const Case x = as_stored<float>(draw_case(random, setup), Direction::unit);
+            const Case x = as_stored<float>(draw_case(random, setup), intersect::Direction::unit);
             const Solution s = solve(x);
             const Expected e = expect(Form::info, s);
             if (!s.is_generic() || !e.asked || !e.hit) continue;
@@ -42,7 +42,7 @@ Means mean_errors(Setup setup, int precision) {
 
 TEST_CASE("on ordinary rays no form loses more than a few bits", "[intersect][accuracy]") {
     const auto near = mean_errors<float>(Setup::near, 24);
-    CHECK(near.size() == SphereForms::size);
+    CHECK(near.size() == intersect::SphereForms::size);
     for (const auto& [name, mean] : near) {
         INFO(name << " is off by " << mean << " units of 2^-24");
         CHECK(mean > 0);

@@ -6,6 +6,9 @@
 #include "intersect/catalogue.hpp"
 
 namespace lostbits::test {
+
+using intersect::SphereForms;
+
 namespace {
 
 // 2048 bits, of which no form loses 400 on these rays (tangent to 2^-60, eye 2^-50 above, far 2^20, directions 2^±60).
@@ -28,7 +31,7 @@ void ask(const Case& x, const Solution& s, Tally& tally) {
     Ray<Wide> ray = lift_ray<Wide>(x, lift);
     const Sphere<Wide> sphere = lift_sphere<Wide>(x, lift);
     Precise scale = 1;
-    if (Form::info.direction == Direction::unit) {
+    if (Form::info.direction == intersect::Direction::unit) {
         scale = s.length;
         const Wide length(s.length);
         ray.direction = Vec<Wide>(ray.direction.x / length, ray.direction.y / length, ray.direction.z / length);
@@ -39,7 +42,7 @@ void ask(const Case& x, const Solution& s, Tally& tally) {
     bool good = hit.hit == e.hit;
     if (good && e.hit) {
         good = close(hit.t, first);
-        if (Form::info.roots == Roots::both) good = good && close(hit.near, near) && close(hit.far, far);
+        if (Form::info.roots == intersect::Roots::both) good = good && close(hit.near, near) && close(hit.far, far);
         else good = good && hit.near == hit.t && hit.far == hit.t;
     }
     ++tally.asked;
@@ -78,7 +81,7 @@ TEST_CASE("every form solves the problem when nothing is rounded", "[intersect][
         CHECK(t.wrong == 0);
         CHECK(t.hits > t.asked / 3);
         CHECK(t.hits < t.asked);
-        if (Form::info.roots == Roots::near_only) CHECK(t.asked > rays / 2);
+        if (Form::info.roots == intersect::Roots::near_only) CHECK(t.asked > rays / 2);
         else CHECK((t.asked == rays && t.from_far > 300));
     });
 }

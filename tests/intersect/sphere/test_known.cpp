@@ -5,6 +5,9 @@
 #include "number/rounded.hpp"
 
 namespace lostbits::test {
+
+using intersect::Roots;
+
 namespace {
 
 struct Known {
@@ -43,16 +46,16 @@ const Known known[] = {
 
 template <class Form, class T>
 void ask(const Known& k, double slack, const char* number) {
-    const Info& info = Form::info;
+    const intersect::Info& info = Form::info;
     const double length2 =
         k.direction[0] * k.direction[0] + k.direction[1] * k.direction[1] + k.direction[2] * k.direction[2];
-    if (info.direction == Direction::unit && length2 != 1) return;
+    if (info.direction == intersect::Direction::unit && length2 != 1) return;
     const bool inside = k.line == Known::crosses && k.near < 0 && k.far > 0;
     if (info.roots == Roots::near_only && inside) return;
 
-    const bool zero_counts = info.at_origin == AtOrigin::hit;
+    const bool zero_counts = info.at_origin == intersect::AtOrigin::hit;
     const auto counts = [&](double t) { return t > 0 || (t == 0 && zero_counts); };
-    bool want = k.line == Known::crosses || (k.line == Known::touches && info.touching == Touching::hit);
+    bool want = k.line == Known::crosses || (k.line == Known::touches && info.touching == intersect::Touching::hit);
     const double first = counts(k.near) || info.roots == Roots::near_only ? k.near : k.far;
     want = want && counts(first);
     // Two forms cannot see a ray that touches, and this is where that is written down: bounds moved outward make every
@@ -87,8 +90,8 @@ void ask(const Known& k, double slack, const char* number) {
 
 template <class T>
 void ask_every_form(double ulps, int precision, const char* number) {
-    SphereForms::for_each([&]<class Form>() {
-        if constexpr (Form::info.formats == Formats::all || std::same_as<T, float>)
+    intersect::SphereForms::for_each([&]<class Form>() {
+        if constexpr (Form::info.formats == intersect::Formats::all || std::same_as<T, float>)
             for (const Known& k : known) {
                 // A form that takes the root of |f|² or moves bounds outward may be off by a few units; all others are exact.
                 const bool exact =
@@ -109,7 +112,7 @@ TEST_CASE("cases worked out by hand", "[intersect][known]") {
 }
 
 TEST_CASE("the sign of a zero b' does not turn the roots", "[intersect][known]") {
-    SphereForms::for_each([&]<class Form>() {
+    intersect::SphereForms::for_each([&]<class Form>() {
         if (Form::info.roots == Roots::near_only) return;
         INFO(Form::info.name);
         const Sphere<float> sphere{Vec<float>(0, 0, 0), 5};

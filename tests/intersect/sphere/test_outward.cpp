@@ -9,7 +9,7 @@
 namespace lostbits::test {
 namespace {
 
-using sphere::Outward;
+using intersect::sphere::Outward;
 
 double value(float x) { return x; }
 double value(Half x) { return x.value(); }

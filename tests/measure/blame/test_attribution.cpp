@@ -11,6 +11,10 @@
 #include "number/recorded.hpp"
 
 namespace lostbits::test {
+
+using intersect::table::Intersector;
+using measure::blame::Attribution;
+
 namespace {
 
 Format format_named(const char* name) { return *find_format(name); }
@@ -20,7 +24,7 @@ template <class See>
 void on_every_form(const std::vector<const char*>& formats, int count, double far, See see) {
     for (const char* name : formats) {
         const Format format = format_named(name);
-        for (const Intersector& form : intersectors()) {
+        for (const Intersector& form : intersect::table::intersectors()) {
             if (!form.exists_in(format)) continue;
             Random random(2026);
             for (int i = 0; i < count; ++i) {
@@ -36,7 +40,7 @@ void on_every_form(const std::vector<const char*>& formats, int count, double fa
 
 double sum_of_sizes(const Attribution& a) {
     double sum = 0;
-    for (const OperationError& e : a.of) sum += e.live ? std::fabs(e.contribution) : 0;
+    for (const measure::blame::OperationError& e : a.of) sum += e.live ? std::fabs(e.contribution) : 0;
     return sum;
 }
 
@@ -60,13 +64,13 @@ TEST_CASE("every operation on a tape is the operation of the format on its opera
         for (NodeId i = 0; i < tape.size(); ++i) {
             const TapeNode& n = tape[i];
             if (!is_operation(n.op)) continue;
-            if (const NodeId side = chosen(tape, i); side != no_node) {
+            if (const NodeId side = measure::blame::chosen(tape, i); side != no_node) {
                 REQUIRE(same_number(n.value, tape[side].value));
                 continue;
             }
             std::array<double, 3> x{};
             for (std::size_t k = 0; k < 3; ++k) x[k] = n.operands[k] == no_node ? 0 : tape[n.operands[k]].value;
-            REQUIRE(same_number(n.value, apply(n.op, x, tape.format_of(i))));
+            REQUIRE(same_number(n.value, measure::blame::apply(n.op, x, tape.format_of(i))));
         }
     });
 }
@@ -74,12 +78,12 @@ TEST_CASE("every operation on a tape is the operation of the format on its opera
 TEST_CASE("the exact value of an answer is that of the form without rounding", "[attribution]") {
     int compared = 0;
     on_every_form({"f32", "f64"}, 25, 10, [&](const Intersector& form, const Format&, const Setting& s, const Tape& tape) {
-        const Attribution a = attribute(tape, tape.outputs.t);
-        const auto self = without_rounding(form, s.ray, s.target(form));
+        const Attribution a = measure::blame::attribute(tape, tape.outputs.t);
+        const auto self = measure::answer::without_rounding(form, s.ray, s.target(form));
         if (!self || a.cut_short) return;
         REQUIRE(a.exact_hit);
         const double exact = a.of[static_cast<std::size_t>(tape.outputs.t)].exact;
-        REQUIRE(std::fabs(scaled_difference(exactly(exact), *self, self->exponent)) <= 0x1p-50);
+        REQUIRE(std::fabs(measure::truth::scaled_difference(measure::truth::exactly(exact), *self, self->exponent)) <= 0x1p-50);
         ++compared;
     });
     CHECK(compared > 1000);
@@ -89,7 +93,7 @@ TEST_CASE("contributions sum to the error, and to first order derivatives do", "
     int seen = 0, first_order = 0;
     on_every_form({"f32", "f64", "bf16", "p18"}, 25, 1, [&](const Intersector& form, const Format&, const Setting&, const Tape& tape) {
         for (const bool full : {false, true}) {
-            const Attribution a = attribute(tape, tape.outputs.t, {.full = full});
+            const Attribution a = measure::blame::attribute(tape, tape.outputs.t, {.full = full});
             if (a.cut_short || !std::isfinite(a.error)) continue;
             // Difference quotients leave no remainder: what differs is the rounding of these sums themselves, in binary64.
             REQUIRE(std::fabs(a.explained - a.error) <= 0x1p-36 * (sum_of_sizes(a) + std::fabs(a.error)) + 1e-300);
@@ -99,7 +103,7 @@ TEST_CASE("contributions sum to the error, and to first order derivatives do", "
             double worst = 0;
             bool turned = false;
             for (NodeId i = 0; i < tape.size(); ++i) {
-                const OperationError& e = a.of[static_cast<std::size_t>(i)];
+                const measure::blame::OperationError& e = a.of[static_cast<std::size_t>(i)];
                 if (!e.live) continue;
                 turned |= e.turned;
                 if (e.exact != 0) worst = std::max(worst, std::fabs(e.error / e.exact));
@@ -116,7 +120,7 @@ TEST_CASE("contributions sum to the error, and to first order derivatives do", "
 TEST_CASE("the quick shadow and the deep one agree", "[attribution]") {
     int quick = 0;
     on_every_form({"f32", "f64"}, 12, 100, [&](const Intersector&, const Format&, const Setting&, const Tape& tape) {
-        const Attribution a = attribute(tape), b = attribute(tape, {.full = true});
+        const Attribution a = measure::blame::attribute(tape), b = measure::blame::attribute(tape, {.full = true});
         REQUIRE(b.shadow_bits == 2048);
         quick += a.shadow_bits == 106;
         REQUIRE(a.subject == b.subject);
@@ -131,10 +135,10 @@ TEST_CASE("the quick shadow and the deep one agree", "[attribution]") {
 TEST_CASE("the derivative by an input is that of forward differentiation", "[attribution]") {
     int compared = 0;
     const Format f64 = format_named("f64");
-    SphereForms::for_each([&]<class Form>() {
-        if constexpr (Form::info.formats == Formats::all) {
+    intersect::SphereForms::for_each([&]<class Form>() {
+        if constexpr (Form::info.formats == intersect::Formats::all) {
             using T = Dual<double, 10>;
-            const Intersector& form = *std::ranges::find_if(intersectors(), [](const Intersector& i) { return i.info->name == Form::info.name; });
+            const Intersector& form = *std::ranges::find_if(intersect::table::intersectors(), [](const Intersector& i) { return i.info->name == Form::info.name; });
             Random random(7);
             for (int k = 0; k < 20; ++k) {
                 const Setting s = draw_setting(random, form, f64, 1);
@@ -145,7 +149,7 @@ TEST_CASE("the derivative by an input is that of forward differentiation", "[att
                 const Ray<T> ray{{T::input(s.ray.origin.x, 0), T::input(s.ray.origin.y, 1), T::input(s.ray.origin.z, 2)},
                                  {T::input(s.ray.direction.x, 3), T::input(s.ray.direction.y, 4), T::input(s.ray.direction.z, 5)}};
                 const Hit<T> hit = Form::intersect(ray, Sphere<T>{{T::input(n[0], 6), T::input(n[1], 7), T::input(n[2], 8)}, T::input(n[3], 9)});
-                const Attribution a = attribute(tape, tape.outputs.t, {.full = true});
+                const Attribution a = measure::blame::attribute(tape, tape.outputs.t, {.full = true});
                 std::size_t input = 0;
                 for (NodeId i = 0; i < tape.size() && input < 10; ++i) {
                     if (tape[i].op != TapeOp::input) continue;
@@ -169,7 +173,7 @@ TEST_CASE("a ray by hand: two roundings, one cancellation", "[attribution]") {
     const T square = named("square", x * x);
     const T rest = named("rest", square - T(1));
     const T y = rest * T(3);
-    const Attribution a = attribute(tape, y.node(), {.full = true});
+    const Attribution a = measure::blame::attribute(tape, y.node(), {.full = true});
     const auto of = [&](const T& v) { return a.of[static_cast<std::size_t>(v.node())]; };
     CHECK(of(square).rounding == -0x1p-24);
     CHECK(of(square).adjoint == 3);
@@ -200,13 +204,13 @@ TEST_CASE("a decision that rounding turned is attributed to what is compared", "
     const RecordedMask hit = !(missed || disc < T(0));
     const T t = select(hit, disc, tiny);
     tape.outputs = {hit.node(), t.node(), t.node(), t.node()};
-    const Attribution a = attribute(tape);
+    const Attribution a = measure::blame::attribute(tape);
     CHECK(a.subject == missed.node());
     CHECK(a.exact_hit);
     CHECK(a.error == -0x1p-24);
     CHECK(a.explained == -0x1p-24);
     CHECK(a.culprit == square.node());
-    const Attribution of_t = attribute(tape, t.node());
+    const Attribution of_t = measure::blame::attribute(tape, t.node());
     CHECK(of_t.culprit == t.node());  // the choice of the wrong side is an error of its own: 2^-25 in place of 2^-24
     CHECK(of_t.error == -0x1p-25);
     CHECK(of_t.explained == of_t.error);
@@ -219,7 +223,7 @@ TEST_CASE("a root of a difference that vanished is attributed without remainder"
     using T = Recorded<float>;
     const T x(1 + 0x1p-12f), y(1 + 0x1p-11f);
     const T root = sqrt(x * x - y);
-    const Attribution a = attribute(tape, root.node(), {.full = true});
+    const Attribution a = measure::blame::attribute(tape, root.node(), {.full = true});
     CHECK(a.error == -0x1p-12);
     CHECK(a.explained == -0x1p-12);
     CHECK(std::isinf(a.first_order));
@@ -234,7 +238,7 @@ TEST_CASE("what is zero without rounding has no sign of noise", "[attribution]")
         const T nothing = T(1) / T(k) * T(k) - T(1);
         const RecordedMask below = nothing < T(0), above = nothing > T(0);
         const T t = select(below || above, nothing, T(1));
-        const Attribution a = attribute(tape, t.node(), {.full = true});
+        const Attribution a = measure::blame::attribute(tape, t.node(), {.full = true});
         INFO("k = " << k);
         CHECK(a.of[static_cast<std::size_t>(below.node())].exact == 0);
         CHECK(a.of[static_cast<std::size_t>(above.node())].exact == 0);
@@ -248,7 +252,7 @@ TEST_CASE("an input is exact, an infinite one too", "[attribution]") {
     const T x(0.1f), end(HUGE_VALF);
     const T t = min(x * x, end);
     for (const bool full : {false, true}) {
-        const Attribution a = attribute(tape, t.node(), {.full = full});
+        const Attribution a = measure::blame::attribute(tape, t.node(), {.full = full});
         CHECK(a.of[static_cast<std::size_t>(x.node())].exact == 0.1f);
         CHECK(a.of[static_cast<std::size_t>(end.node())].exact == HUGE_VAL);
         CHECK(a.of[static_cast<std::size_t>(x.node())].error == 0);
@@ -263,7 +267,7 @@ TEST_CASE("what lies on the side not taken has no part", "[attribution]") {
     const T dead = a * b, live = a / b;
     const T smaller = min(c, live);
     const T t = select(a < b, smaller, dead);
-    const Attribution found = attribute(tape, t.node());
+    const Attribution found = measure::blame::attribute(tape, t.node());
     CHECK_FALSE(found.of[static_cast<std::size_t>(dead.node())].live);
     CHECK(found.of[static_cast<std::size_t>(live.node())].live);
     CHECK_FALSE(found.of[static_cast<std::size_t>(c.node())].live);
@@ -277,7 +281,7 @@ TEST_CASE("an answer that is no number is the operation's that made it so", "[at
     const T zero = T(1.5f) - T(1.5f);
     const T quotient = zero / zero;
     const T t = quotient + T(1);
-    CHECK(attribute(tape, t.node()).culprit == quotient.node());
+    CHECK(measure::blame::attribute(tape, t.node()).culprit == quotient.node());
 }
 
 }  // namespace lostbits::test

@@ -8,10 +8,14 @@
 #include "measure/blame/recorded_rays.hpp"
 
 namespace lostbits::test {
+
+using intersect::table::Intersector;
+using measure::blame::TapeText;
+
 namespace {
 
 const Intersector& form_named(std::string_view name) {
-    return *std::ranges::find_if(intersectors(), [&](const Intersector& i) { return i.info->name == name; });
+    return *std::ranges::find_if(intersect::table::intersectors(), [&](const Intersector& i) { return i.info->name == name; });
 }
 
 struct Recording {
@@ -20,7 +24,7 @@ struct Recording {
         setting = draw_setting(random, form, *find_format("f32"), 1);
         form.record(*find_format("f32"), setting.ray, setting.target(form), HUGE_VAL, tape);
     }
-    [[nodiscard]] TapeText text(TapeText::Style style) const { return {tape, input_names(form, setting.target(form)), style}; }
+    [[nodiscard]] TapeText text(TapeText::Style style) const { return {tape, intersect::table::input_names(form, setting.target(form)), style}; }
     [[nodiscard]] NodeId labelled(std::string_view label) const {
         for (NodeId i = 0; i < tape.size(); ++i) {
             if (tape[i].label == label) return i;
@@ -57,7 +61,7 @@ TEST_CASE("axes of a box share their categories and not their names", "[attribut
 }
 
 TEST_CASE("names are unique, and C identifiers of them too", "[attribution]") {
-    for (const Intersector& form : intersectors()) {
+    for (const Intersector& form : intersect::table::intersectors()) {
         const Recording r(form.info->name);
         const TapeText text = r.text(TapeText::Style::plain);
         std::set<std::string> names, identifiers;
@@ -73,7 +77,7 @@ TEST_CASE("names are unique, and C identifiers of them too", "[attribution]") {
 
 TEST_CASE("every operation of any tape has a category of the tape of all operations", "[attribution]") {
     const Format f32 = *find_format("f32");
-    for (const Intersector& form : intersectors()) {
+    for (const Intersector& form : intersect::table::intersectors()) {
         Random random(5);
         std::set<std::string> known;
         for (int i = 0; i < 20; ++i) {
@@ -81,11 +85,11 @@ TEST_CASE("every operation of any tape has a category of the tape of all operati
             Tape tape;
             if (known.empty()) {
                 form.record_all(s.target(form), tape);
-                const TapeText text(tape, input_names(form, s.target(form)), TapeText::Style::generic);
+                const TapeText text(tape, intersect::table::input_names(form, s.target(form)), TapeText::Style::generic);
                 for (NodeId n = 0; n < tape.size(); ++n) known.insert(text.category(n));
             }
             form.record(f32, s.ray, s.target(form), HUGE_VAL, tape);
-            const TapeText text(tape, input_names(form, s.target(form)), TapeText::Style::generic);
+            const TapeText text(tape, intersect::table::input_names(form, s.target(form)), TapeText::Style::generic);
             for (NodeId n = 0; n < tape.size(); ++n) {
                 if (!is_operation(tape[n].op)) continue;
                 INFO(form.info->name << ": " << text.category(n));

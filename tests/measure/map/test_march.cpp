@@ -7,18 +7,23 @@
 #include "scene/sweep/sweep_file.hpp"
 
 namespace lostbits::test {
+
+using intersect::Stop;
+using measure::answer::OneRay;
+using measure::map::MapRequest;
+
 namespace {
 
 const std::filesystem::path data = LOSTBITS_DATA_DIR;
 
-scene::Scene scene_of(const std::string& name, int size) {
-    const auto found = scene::find_scene(name, data);
-    return scene::load_scene(found.path, {.variant = found.variant, .size = std::pair{size, size}}).front();
+scene::file::Scene scene_of(const std::string& name, int size) {
+    const auto found = scene::file::find_scene(name, data);
+    return scene::file::load_scene(found.path, {.variant = found.variant, .size = std::pair{size, size}}).front();
 }
 
-std::vector<MapRow> marches(const scene::Scene& scene, std::initializer_list<const char*> formats) {
-    std::vector<MapRow> rows;
-    for (const Intersector& form : intersectors()) {
+std::vector<measure::map::MapRow> marches(const scene::file::Scene& scene, std::initializer_list<const char*> formats) {
+    std::vector<measure::map::MapRow> rows;
+    for (const intersect::table::Intersector& form : intersect::table::intersectors()) {
         if (form.shape != Shape::sdf || !scene.meets(form.shape)) continue;
         for (const char* format : formats) rows.push_back({&form, *find_format(format)});
     }
@@ -26,18 +31,18 @@ std::vector<MapRow> marches(const scene::Scene& scene, std::initializer_list<con
 }
 
 /// Checks ray by ray what a band shows.
-class Checker final : public MapSink {
+class Checker final : public measure::map::MapSink {
 public:
     explicit Checker(int max_steps) : max_steps_(max_steps) {}
-    void band(const BandResult& result) override {
+    void band(const measure::map::BandResult& result) override {
         for (std::size_t i = 0; i < result.outcomes.size(); ++i) {
-            const MarchRecord& m = result.answers->march[i];
+            const intersect::MarchRecord& m = result.answers->march[i];
             const double ulps = result.metrics[0][i], model = result.metrics[1][i], rounding = result.metrics[2][i], input = result.metrics[3][i];
             wrong += m.iterations < 1 || m.iterations > max_steps_;
             wrong += (m.stop == Stop::hit) != (result.answers->hit[i] != 0);
             wrong += (m.stop == Stop::max_steps || m.stop == Stop::stagnated) && m.iterations != max_steps_;
             wrong += result.metrics[4][i] != m.iterations || result.metrics[5][i] != static_cast<double>(m.stop);
-            if (result.outcomes[i] != Outcome::agree_hit) {
+            if (result.outcomes[i] != measure::answer::Outcome::agree_hit) {
                 wrong += !std::isnan(ulps);
                 continue;
             }
@@ -60,11 +65,11 @@ private:
 TEST_CASE("input, model and rounding error of a march sum to its error", "[measure][march]") {
     const auto scene = scene_of("sdf-union", 24);
     MapRequest request{.scene = &scene, .rows = marches(scene, {"f32", "f64", "bf16"}), .metrics = {}};
-    for (const char* name : {"ulp_error", "model_error", "rounding_error", "input_error", "iterations", "stop"}) request.metrics.push_back(find_metric(name));
+    for (const char* name : {"ulp_error", "model_error", "rounding_error", "input_error", "iterations", "stop"}) request.metrics.push_back(measure::metric::find_metric(name));
     std::vector<Checker> checkers(request.rows.size(), Checker(scene.march->max_steps));
-    std::vector<MapSink*> sinks;
+    std::vector<measure::map::MapSink*> sinks;
     for (Checker& c : checkers) sinks.push_back(&c);
-    const auto summaries = run_map(request, sinks);
+    const auto summaries = measure::map::run_map(request, sinks);
     for (std::size_t r = 0; r < request.rows.size(); ++r) {
         INFO(request.rows[r].form->info->name << " in " << request.rows[r].format.name << ", without a value " << checkers[r].without_self);
         CHECK(checkers[r].wrong == 0);
@@ -79,17 +84,17 @@ TEST_CASE("input, model and rounding error of a march sum to its error", "[measu
 
 TEST_CASE("forms that do not march have no such metrics", "[measure][march]") {
     const auto scene = scene_of("sdf-sphere", 16);
-    MapRequest request{.scene = &scene, .rows = {{&intersectors().front(), *find_format("f32")}}, .metrics = {find_metric("lost_bits"), find_metric("iterations"), find_metric("stop")}};
-    const auto summary = std::move(run_map(request, {}).front());
+    MapRequest request{.scene = &scene, .rows = {{&intersect::table::intersectors().front(), *find_format("f32")}}, .metrics = {measure::metric::find_metric("lost_bits"), measure::metric::find_metric("iterations"), measure::metric::find_metric("stop")}};
+    const auto summary = std::move(measure::map::run_map(request, {}).front());
     CHECK(summary.metrics[0].count() > 0);
     CHECK(summary.metrics[1].count() == 0);
-    CHECK(summary.categories[2] == std::vector<std::uint64_t>(stop_names.size(), 0));
+    CHECK(summary.categories[2] == std::vector<std::uint64_t>(intersect::stop_names.size(), 0));
 }
 
 TEST_CASE("refinement takes the model error away", "[measure][march]") {
     const auto scene = scene_of("sdf-sphere", 24);
-    MapRequest request{.scene = &scene, .rows = marches(scene, {"f64"}), .metrics = {find_metric("model_error")}};
-    const auto summaries = run_map(request, {});
+    MapRequest request{.scene = &scene, .rows = marches(scene, {"f64"}), .metrics = {measure::metric::find_metric("model_error")}};
+    const auto summaries = measure::map::run_map(request, {});
     const double plain = summaries[0].metrics[0].quantile(0.5);
     for (std::size_t r = 0; r < request.rows.size(); ++r) {
         const auto name = request.rows[r].form->info->name;
@@ -111,20 +116,20 @@ TEST_CASE("mixed solids are met by marches alone", "[measure][march]") {
 
 TEST_CASE("one ray is the pixel of the map", "[measure][march]") {
     const auto scene = scene_of("sdf-union", 16);
-    const Intersector& form = intersectors(Shape::sdf).front();
-    Band band(scene, 0, 16);
+    const intersect::table::Intersector& form = intersect::table::intersectors(Shape::sdf).front();
+    measure::truth::Band band(scene, 0, 16);
     const auto inputs = band.inputs(*find_format("f32"), {.unit_rays = true, .own_truth = false});
-    const Answers all = evaluate(form, inputs);
+    const measure::truth::Answers all = measure::truth::evaluate(form, inputs);
     for (const auto& [x, y] : {std::pair{3, 4}, std::pair{8, 9}, std::pair{15, 0}}) {
         const OneRay one(scene, x, y);
-        const MarchLog log = march_log(form, *find_format("f32"), one);
+        const intersect::table::MarchLog log = measure::answer::march_log(form, *find_format("f32"), one);
         const std::size_t i = static_cast<std::size_t>(y * 16 + x);
         CHECK(log.hit.hit == (all.hit[i] != 0));
         if (log.hit.hit) CHECK(log.hit.t == all.t[i]);
         CHECK(static_cast<int>(log.steps.size()) == all.march[i].iterations);
-        CHECK(one.truth(*form.info).is_hit() == band.truth(i, Touching::hit).is_hit());
+        CHECK(one.truth(*form.info).is_hit() == band.truth(i, intersect::Touching::hit).is_hit());
         const OneRay again(scene, inputs.rays[i]);
-        CHECK(march_log(form, *find_format("f32"), again).hit.t == log.hit.t);
+        CHECK(measure::answer::march_log(form, *find_format("f32"), again).hit.t == log.hit.t);
     }
     CHECK_THROWS_AS(OneRay(scene, 16, 0), InputError);
     CHECK_THROWS_AS(OneRay(scene, 0, -1), InputError);

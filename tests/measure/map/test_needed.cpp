@@ -12,54 +12,54 @@ using namespace lostbits;
 
 namespace {
 
-scene::Scene load(const char* name, int width, int height) {
-    const auto found = scene::find_scene(name, LOSTBITS_DATA_DIR);
-    return scene::load_scene(found.path, {.variant = found.variant, .size = std::pair{width, height}}).front();
+scene::file::Scene load(const char* name, int width, int height) {
+    const auto found = scene::file::find_scene(name, LOSTBITS_DATA_DIR);
+    return scene::file::load_scene(found.path, {.variant = found.variant, .size = std::pair{width, height}}).front();
 }
 
-const Intersector& form(const char* name) {
-    const auto found = std::ranges::find(intersectors(), name, [](const Intersector& i) { return i.info->name; });
-    REQUIRE(found != intersectors().end());
+const intersect::table::Intersector& form(const char* name) {
+    const auto found = std::ranges::find(intersect::table::intersectors(), name, [](const intersect::table::Intersector& i) { return i.info->name; });
+    REQUIRE(found != intersect::table::intersectors().end());
     return *found;
 }
 
 /// Every pixel's outcome and correct bits in one format, as the map has them.
-struct Collected final : MapSink {
-    std::vector<Outcome> outcomes;
+struct Collected final : measure::map::MapSink {
+    std::vector<measure::answer::Outcome> outcomes;
     std::vector<double> correct;
-    void band(const BandResult& r) override {
+    void band(const measure::map::BandResult& r) override {
         outcomes.insert(outcomes.end(), r.outcomes.begin(), r.outcomes.end());
         correct.insert(correct.end(), r.metrics[0].begin(), r.metrics[0].end());
     }
     [[nodiscard]] bool suffices(std::size_t i, int bits) const {
-        return outcomes[i] == Outcome::agree_miss || (outcomes[i] == Outcome::agree_hit && correct[i] >= bits);
+        return outcomes[i] == measure::answer::Outcome::agree_miss || (outcomes[i] == measure::answer::Outcome::agree_hit && correct[i] >= bits);
     }
 };
 
-std::vector<Collected> map_of(const scene::Scene& scene, const Intersector& form, const std::vector<std::string>& formats) {
-    MapRequest request{.scene = &scene, .rows = {}, .metrics = {find_metric("correct_bits")}};
+std::vector<Collected> map_of(const scene::file::Scene& scene, const intersect::table::Intersector& form, const std::vector<std::string>& formats) {
+    measure::map::MapRequest request{.scene = &scene, .rows = {}, .metrics = {measure::metric::find_metric("correct_bits")}};
     for (const auto& f : formats) request.rows.push_back({&form, *find_format(f)});
     std::vector<Collected> all(formats.size());
-    std::vector<MapSink*> sinks;
+    std::vector<measure::map::MapSink*> sinks;
     for (Collected& c : all) sinks.push_back(&c);
-    run_map(request, sinks);
+    measure::map::run_map(request, sinks);
     return all;
 }
 
 std::vector<std::string> every_width() {
     std::vector<std::string> names;
-    for (int p = least_width; p <= most_width; ++p) names.push_back("p" + std::to_string(p));
+    for (int p = measure::map::least_width; p <= measure::map::most_width; ++p) names.push_back("p" + std::to_string(p));
     return names;
 }
 
-struct Needed final : NeededSink {
+struct Needed final : measure::map::NeededSink {
     std::vector<double> values;
-    void band(const NeededBand& r) override { values.insert(values.end(), r.needed.begin(), r.needed.end()); }
+    void band(const measure::map::NeededBand& r) override { values.insert(values.end(), r.needed.begin(), r.needed.end()); }
 };
 
-std::vector<double> needed_of(const scene::Scene& scene, const Intersector& form, int bits, NeededSummary* summary = nullptr) {
+std::vector<double> needed_of(const scene::file::Scene& scene, const intersect::table::Intersector& form, int bits, measure::map::NeededSummary* summary = nullptr) {
     Needed sink;
-    const auto summaries = run_needed({.scene = &scene, .forms = {&form}, .bits = bits}, {&sink});
+    const auto summaries = measure::map::run_needed({.scene = &scene, .forms = {&form}, .bits = bits}, {&sink});
     if (summary) *summary = summaries.front();
     return sink.values;
 }
@@ -70,7 +70,7 @@ TEST_CASE("bits needed are what a map of all 52 widths says", "[needed]") {
     std::size_t beyond = 0, lucky = 0, narrow_misses = 0;
     // Far, near, from a huge ground (own horizon), inputs rounded by each format, and several spheres.
     for (const char* name : {"rtg-fig-7-3-100-oblique", "near-benign", "rtg-fig-7-4.r1e6", "world-offset-own"}) {
-        const scene::Scene scene = load(name, 20, 14);
+        const scene::file::Scene scene = load(name, 20, 14);
         // Of both conventions on touching, and one that is given unit directions.
         for (const char* which : {"sphere.schoolbook", "sphere.unified", "sphere.factored_c", "sphere.unit_half_b"}) {
             const auto maps = map_of(scene, form(which), every_width());
@@ -80,12 +80,12 @@ TEST_CASE("bits needed are what a map of all 52 widths says", "[needed]") {
                 REQUIRE(values.size() == 20 * 14);
                 std::size_t wrong = 0;
                 for (std::size_t i = 0; i < values.size(); ++i) {
-                    double expected = needed_beyond;
-                    for (int p = most_width; p >= least_width && maps[static_cast<std::size_t>(p - least_width)].suffices(i, bits); --p) expected = p;
+                    double expected = measure::map::needed_beyond;
+                    for (int p = measure::map::most_width; p >= measure::map::least_width && maps[static_cast<std::size_t>(p - measure::map::least_width)].suffices(i, bits); --p) expected = p;
                     wrong += values[i] != expected;
-                    beyond += expected == needed_beyond;
+                    beyond += expected == measure::map::needed_beyond;
                     narrow_misses += expected < bits;
-                    for (int p = least_width; p < expected && p <= most_width; ++p) lucky += maps[static_cast<std::size_t>(p - least_width)].suffices(i, bits);
+                    for (int p = measure::map::least_width; p < expected && p <= measure::map::most_width; ++p) lucky += maps[static_cast<std::size_t>(p - measure::map::least_width)].suffices(i, bits);
                 }
                 CHECK(wrong == 0);
             }
@@ -98,10 +98,10 @@ TEST_CASE("bits needed are what a map of all 52 widths says", "[needed]") {
 }
 
 TEST_CASE("more correct bits never need fewer, and never fewer than themselves on a hit", "[needed]") {
-    const scene::Scene scene = load("rtg-fig-7-4.r1e4", 24, 18);
+    const scene::file::Scene scene = load("rtg-fig-7-4.r1e4", 24, 18);
     for (const char* which : {"sphere.schoolbook", "sphere.unified"}) {
         std::vector<double> before(24 * 18, 0);
-        NeededSummary summary;
+        measure::map::NeededSummary summary;
         for (int bits = 1; bits <= 52; ++bits) {
             INFO(which << ' ' << bits);
             const auto values = needed_of(scene, form(which), bits, &summary);
@@ -114,16 +114,16 @@ TEST_CASE("more correct bits never need fewer, and never fewer than themselves o
 }
 
 TEST_CASE("a width exists exactly where double's own format suffices", "[needed]") {
-    const scene::Scene scene = load("rtg-fig-7-3-2000-oblique", 24, 24);
+    const scene::file::Scene scene = load("rtg-fig-7-3-2000-oblique", 24, 24);
     for (const char* which : {"sphere.schoolbook", "sphere.unified"}) {
         const auto in_double = map_of(scene, form(which), {"f64"}).front();
         for (const int bits : {12, 40, 50}) {
-            NeededSummary summary;
+            measure::map::NeededSummary summary;
             const auto values = needed_of(scene, form(which), bits, &summary);
             std::uint64_t beyond = 0;
             for (std::size_t i = 0; i < values.size(); ++i) {
-                CHECK((values[i] <= most_width) == in_double.suffices(i, bits));
-                beyond += values[i] == needed_beyond;
+                CHECK((values[i] <= measure::map::most_width) == in_double.suffices(i, bits));
+                beyond += values[i] == measure::map::needed_beyond;
             }
             CHECK(summary.hits_beyond + summary.misses_beyond == beyond);
         }
@@ -131,41 +131,41 @@ TEST_CASE("a width exists exactly where double's own format suffices", "[needed]
 }
 
 TEST_CASE("forms beside each other do not change each other's bits needed", "[needed]") {
-    const scene::Scene scene = load("rtg-fig-7-3-100-oblique", 70, 50);
-    const std::vector<const Intersector*> forms{&form("sphere.schoolbook"), &form("sphere.unit_half_b"), &form("sphere.unified")};
+    const scene::file::Scene scene = load("rtg-fig-7-3-100-oblique", 70, 50);
+    const std::vector<const intersect::table::Intersector*> forms{&form("sphere.schoolbook"), &form("sphere.unit_half_b"), &form("sphere.unified")};
     std::vector<Needed> together(3);
     std::uint64_t done = 0;
-    NeededRequest request{.scene = &scene, .forms = forms, .bits = 16};
+    measure::map::NeededRequest request{.scene = &scene, .forms = forms, .bits = 16};
     request.progress = [&done](std::uint64_t n) { done += n; };
-    run_needed(request, {&together[0], &together[1], &together[2]});
-    CHECK(done == needed_units(request));
+    measure::map::run_needed(request, {&together[0], &together[1], &together[2]});
+    CHECK(done == measure::map::needed_units(request));
     for (std::size_t f = 0; f < forms.size(); ++f) CHECK(together[f].values == needed_of(scene, *forms[f], 16));
 }
 
 TEST_CASE("half an ulp of B bits is kept, and no more", "[needed]") {
-    const Certified one = exactly(1);
-    CHECK(keeps_bits(1 + 0x1p-12, one, 12));  // ulp of 12 bits at 1: 2^-11
-    CHECK_FALSE(keeps_bits(1 + 0x1p-12 + 0x1p-52, one, 12));
-    CHECK(keeps_bits(1 - 0x1p-12, one, 12));
-    CHECK_FALSE(keeps_bits(1 - 0x1p-12 - 0x1p-53, one, 12));
-    CHECK(keeps_bits(1.5, one, 1));
-    CHECK(keeps_bits(0, exactly(0), 52));
-    for (const double t : {HUGE_VAL, -HUGE_VAL, std::nan("")}) CHECK_FALSE(keeps_bits(t, one, 1));
+    const measure::truth::Certified one = measure::truth::exactly(1);
+    CHECK(measure::map::keeps_bits(1 + 0x1p-12, one, 12));  // ulp of 12 bits at 1: 2^-11
+    CHECK_FALSE(measure::map::keeps_bits(1 + 0x1p-12 + 0x1p-52, one, 12));
+    CHECK(measure::map::keeps_bits(1 - 0x1p-12, one, 12));
+    CHECK_FALSE(measure::map::keeps_bits(1 - 0x1p-12 - 0x1p-53, one, 12));
+    CHECK(measure::map::keeps_bits(1.5, one, 1));
+    CHECK(measure::map::keeps_bits(0, measure::truth::exactly(0), 52));
+    for (const double t : {HUGE_VAL, -HUGE_VAL, std::nan("")}) CHECK_FALSE(measure::map::keeps_bits(t, one, 1));
 }
 
 TEST_CASE("what suffices on one ray", "[needed]") {
-    Truth hit, miss, open;
-    hit.decision = Truth::Decision::hit;
-    hit.t = exactly(4);
-    hit.distance = exactly(8);
-    open.decision = Truth::Decision::unresolved;
-    const Info& any = *form("sphere.schoolbook").info;
-    const Info& unit = *form("sphere.unit_half_b").info;
-    REQUIRE(unit.direction == Direction::unit);
-    CHECK(suffices(hit, any, 12, true, 4, 12));
-    CHECK_FALSE(suffices(hit, any, 11, true, 4, 12));  // right, but by luck: 11 bits are no 12
-    CHECK_FALSE(suffices(hit, any, 12, true, 8, 12));
-    CHECK(suffices(hit, unit, 12, true, 8, 12));
+    measure::truth::Truth hit, miss, open;
+    hit.decision = measure::truth::Truth::Decision::hit;
+    hit.t = measure::truth::exactly(4);
+    hit.distance = measure::truth::exactly(8);
+    open.decision = measure::truth::Truth::Decision::unresolved;
+    const intersect::Info& any = *form("sphere.schoolbook").info;
+    const intersect::Info& unit = *form("sphere.unit_half_b").info;
+    REQUIRE(unit.direction == intersect::Direction::unit);
+    CHECK(measure::map::suffices(hit, any, 12, true, 4, 12));
+    CHECK_FALSE(measure::map::suffices(hit, any, 11, true, 4, 12));  // right, but by luck: 11 bits are no 12
+    CHECK_FALSE(measure::map::suffices(hit, any, 12, true, 8, 12));
+    CHECK(measure::map::suffices(hit, unit, 12, true, 8, 12));
     CHECK_FALSE(suffices(hit, any, 53, false, 4, 12));
     CHECK_FALSE(suffices(hit, any, 53, true, std::nan(""), 12));
     CHECK(suffices(miss, any, 2, false, std::nan(""), 12));
@@ -176,29 +176,29 @@ TEST_CASE("what suffices on one ray", "[needed]") {
 
 TEST_CASE("a ray without a proved truth has no width, and is counted apart", "[needed]") {
     // The line passes 2^-120 inside the unit sphere: double-double leaves that open, and this limit allows no further stage.
-    scene::RayBlock rays{.width = 2, .y0 = 0, .y1 = 1, .ox = {1, 0}, .oy = {0, 0}, .oz = {-4, -4}, .dx = {0, 0}, .dy = {0, 0}, .dz = {1, 1}};
+    scene::rays::RayBlock rays{.width = 2, .y0 = 0, .y1 = 1, .ox = {1, 0}, .oy = {0, 0}, .oz = {-4, -4}, .dx = {0, 0}, .dy = {0, 0}, .dz = {1, 1}};
     const Solid<double> solid = Sphere<double>{{0x1p-120, 0, 0}, 1};
-    const Band band(rays, {solid}, {.bits = 1});
-    REQUIRE(band.truth(0, Touching::hit).decision == Truth::Decision::unresolved);
-    const auto results = measure_needed({.scene = nullptr, .forms = {&form("sphere.unified")}, .bits = 12}, band);
+    const measure::truth::Band band(rays, {solid}, {.bits = 1});
+    REQUIRE(band.truth(0, intersect::Touching::hit).decision == measure::truth::Truth::Decision::unresolved);
+    const auto results = measure::map::measure_needed({.scene = nullptr, .forms = {&form("sphere.unified")}, .bits = 12}, band);
     CHECK(std::isnan(results[0].needed[0]));
-    CHECK(results[0].needed[1] <= most_width);
-    NeededSummary summary;
+    CHECK(results[0].needed[1] <= measure::map::most_width);
+    measure::map::NeededSummary summary;
     for (std::size_t i = 0; i < 2; ++i) summary.add(results[0].truth(i), results[0].needed[i]);
     CHECK(summary.unresolved == 1);
-    CHECK(count(summary.all()) == 1);
+    CHECK(measure::map::count(summary.all()) == 1);
 }
 
 TEST_CASE("statistics of whole widths are exact", "[needed]") {
-    NeededSummary::Counts counts{};
-    CHECK(std::isnan(mean(counts)));
-    CHECK(std::isnan(quantile(counts, 0.5)));
+    measure::map::NeededSummary::Counts counts{};
+    CHECK(std::isnan(measure::map::mean(counts)));
+    CHECK(std::isnan(measure::map::quantile(counts, 0.5)));
     counts[2] = 1, counts[14] = 97, counts[30] = 1, counts[53] = 1;
-    CHECK(count(counts) == 100);
-    CHECK(mean(counts) == (2 + 14 * 97 + 30 + 53) / 100.0);
-    CHECK(quantile(counts, 0.01) == 2);
-    CHECK(quantile(counts, 0.5) == 14);
-    CHECK(quantile(counts, 0.98) == 14);
-    CHECK(quantile(counts, 0.99) == 30);
-    CHECK(quantile(counts, 1) == 53);
+    CHECK(measure::map::count(counts) == 100);
+    CHECK(measure::map::mean(counts) == (2 + 14 * 97 + 30 + 53) / 100.0);
+    CHECK(measure::map::quantile(counts, 0.01) == 2);
+    CHECK(measure::map::quantile(counts, 0.5) == 14);
+    CHECK(measure::map::quantile(counts, 0.98) == 14);
+    CHECK(measure::map::quantile(counts, 0.99) == 30);
+    CHECK(measure::map::quantile(counts, 1) == 53);
 }

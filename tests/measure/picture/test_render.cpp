@@ -11,20 +11,20 @@
 #include "scene/toml/round.hpp"
 
 using namespace lostbits;
-using scene::Stage;
+using scene::file::Stage;
 
 namespace {
 
 const std::vector<Stage> all_stages{Stage::visible, Stage::diffuse, Stage::shadows, Stage::phong};
 
-scene::Scene load(const char* name, int width, int height) {
-    const auto found = scene::find_scene(name, LOSTBITS_DATA_DIR);
-    return scene::load_scene(found.path, {.variant = found.variant, .size = std::pair{width, height}}).front();
+scene::file::Scene load(const char* name, int width, int height) {
+    const auto found = scene::file::find_scene(name, LOSTBITS_DATA_DIR);
+    return scene::file::load_scene(found.path, {.variant = found.variant, .size = std::pair{width, height}}).front();
 }
 
-std::vector<MapRow> rows_of(const std::vector<std::string>& formats, std::string_view only = "") {
-    std::vector<MapRow> rows;
-    for (const Intersector& f : sphere_intersectors()) {
+std::vector<measure::map::MapRow> rows_of(const std::vector<std::string>& formats, std::string_view only = "") {
+    std::vector<measure::map::MapRow> rows;
+    for (const intersect::table::Intersector& f : intersect::table::sphere_intersectors()) {
         for (const auto& name : formats)
             if ((only.empty() || f.info->name == only) && f.exists_in(*find_format(name))) rows.push_back({&f, *find_format(name)});
     }
@@ -32,34 +32,34 @@ std::vector<MapRow> rows_of(const std::vector<std::string>& formats, std::string
 }
 
 /// Everything that a run hands out.
-struct Collected final : RenderSink {
-    explicit Collected(const RenderRequest& request) : pictures(request.rows.size()), shadows(pictures.size()), residuals(pictures.size()) {
+struct Collected final : measure::picture::RenderSink {
+    explicit Collected(const measure::picture::RenderRequest& request) : pictures(request.rows.size()), shadows(pictures.size()), residuals(pictures.size()) {
         for (auto& p : pictures) p.resize(request.stages.size());
-        summaries = run_render(request, this);
+        summaries = measure::picture::run_render(request, this);
     }
-    void reference(int, int, std::span<const TruePixel> band) override { truth.insert(truth.end(), band.begin(), band.end()); }
-    void row(std::size_t r, const RenderBand& band) override {
+    void reference(int, int, std::span<const measure::picture::TruePixel> band) override { truth.insert(truth.end(), band.begin(), band.end()); }
+    void row(std::size_t r, const measure::picture::RenderBand& band) override {
         for (std::size_t s = 0; s < band.painted.size(); ++s) pictures[r][s].insert(pictures[r][s].end(), band.painted[s].begin(), band.painted[s].end());
         shadows[r].insert(shadows[r].end(), band.shadow.begin(), band.shadow.end());
         residuals[r].insert(residuals[r].end(), band.residual.begin(), band.residual.end());
     }
-    std::vector<std::vector<std::vector<Painted>>> pictures;  ///< row, stage, pixel
-    std::vector<std::vector<Shadow>> shadows;
+    std::vector<std::vector<std::vector<measure::picture::Painted>>> pictures;  ///< row, stage, pixel
+    std::vector<std::vector<measure::picture::Shadow>> shadows;
     std::vector<std::vector<double>> residuals;
-    std::vector<TruePixel> truth;
-    std::vector<RenderSummary> summaries;
+    std::vector<measure::picture::TruePixel> truth;
+    std::vector<measure::picture::RenderSummary> summaries;
 };
 
 bool same(double a, double b) { return a == b || (std::isnan(a) && std::isnan(b)); }
-bool same(const std::vector<Painted>& a, const std::vector<Painted>& b) {
-    return std::ranges::equal(a, b, [](const Painted& x, const Painted& y) {
+bool same(const std::vector<measure::picture::Painted>& a, const std::vector<measure::picture::Painted>& b) {
+    return std::ranges::equal(a, b, [](const measure::picture::Painted& x, const measure::picture::Painted& y) {
         return same(x.colour.x, y.colour.x) && same(x.colour.y, y.colour.y) && same(x.colour.z, y.colour.z) && x.byte == y.byte;
     });
 }
 
 // --- the same picture by plain formulas in 256 bits, sharing nothing with the one under test ---------------------
 
-Real rounded(const Real& x) { return Real(scene::round_to_format(x, binary32)); }
+Real rounded(const Real& x) { return Real(scene::toml::round_to_format(x, binary32)); }
 Vec<Real> rounded(const Vec<Real>& v) { return {rounded(v.x), rounded(v.y), rounded(v.z)}; }
 
 /// The first t ≥ 0 of a line through a sphere, by the schoolbook.
@@ -78,7 +78,7 @@ struct Plain {
     bool beyond = false;  ///< a sphere behind the light would cast a shadow, were it not for the light's place
 };
 
-Plain plain_pixel(const scene::Scene& s, std::size_t i, const scene::RayBlock& rays) {
+Plain plain_pixel(const scene::file::Scene& s, std::size_t i, const scene::rays::RayBlock& rays) {
     const auto& look = s.appearance;
     const Vec<Real> o(Real(rays.ox[i]), Real(rays.oy[i]), Real(rays.oz[i])), d(Real(rays.dx[i]), Real(rays.dy[i]), Real(rays.dz[i]));
     const Vec<Real> light = rounded(*look.light);
@@ -103,13 +103,13 @@ Plain plain_pixel(const scene::Scene& s, std::size_t i, const scene::RayBlock& r
     };
     if (!best) {
         const int width = s.width;
-        const auto p = scene::pixel_point(scene::make_frame<Real>(s), static_cast<int>(i) % width, static_cast<int>(i) / width);
+        const auto p = scene::rays::pixel_point(scene::rays::make_frame<Real>(s), static_cast<int>(i) % width, static_cast<int>(i) / width);
         plain.shadowed = shadowed(rounded(p), s.spheres.size());
         plain.colour.fill(rounded(look.background));
         if (plain.shadowed) plain.colour[2] = plain.colour[3] = plain.colour[0] * rounded(look.shadows->background);
         return plain;
     }
-    const scene::Material& m = look.materials[seen];
+    const scene::file::Material& m = look.materials[seen];
     const Vec<Real> p = o + d * *best, c = rounded(m.colour);
     const auto unit = [](const Vec<Real>& v) { return v * (1 / length(v)); };
     const Vec<Real> n = unit(p - rounded(s.spheres[seen].centre)), l = unit(light - p), h = unit(l + unit(o - p));
@@ -131,32 +131,32 @@ TEST_CASE("the certified picture is that of plain formulas in 256 bits, channel 
     std::size_t beyond = 0;
     for (const char* name : {"raycast-course.pixels", "raycast-course.small", "among the spheres"}) {
         const bool among = std::string_view(name) == "among the spheres";
-        scene::Scene s = load(among ? "raycast-course.pixels" : name, 64, 48);
+        scene::file::Scene s = load(among ? "raycast-course.pixels" : name, 64, 48);
         if (among) s.appearance.light = Vec<Real>(Real(112), Real(140), Real(30));
         const Collected run({.scene = &s, .stages = all_stages, .rows = rows_of({"f64"}, "sphere.unified")});
-        const auto rays = scene::make_shared_rays(s, 0, s.height);
+        const auto rays = scene::rays::make_shared_rays(s, 0, s.height);
         std::size_t shadows = 0, highlights = 0;
         for (std::size_t i = 0; i < run.truth.size(); ++i) {
             CAPTURE(name, i);
             const Plain plain = plain_pixel(s, i, rays);
             for (std::size_t stage = 0; stage < 4; ++stage) {
-                const TrueColour& c = run.truth[i].colours[stage];
+                const measure::picture::TrueColour& c = run.truth[i].colours[stage];
                 REQUIRE(c.certain);
                 for (int k = 0; k < 3; ++k) {
-                    const Tight& channel = c.channel[static_cast<std::size_t>(k)];
+                    const measure::picture::Tight& channel = c.channel[static_cast<std::size_t>(k)];
                     REQUIRE(abs(Real(channel.hi) + Real(channel.lo) - plain.colour[stage][k]) < 0x1p-70);
                     const Real byte = std::clamp(Real(floor(255 * plain.colour[stage][k] + Real(0.5))), Real(0), Real(255));
                     REQUIRE(byte == static_cast<int>(c.byte[static_cast<std::size_t>(k)]));
                 }
             }
-            REQUIRE((run.truth[i].shadow == TrueShadow::shadowed) == plain.shadowed);
+            REQUIRE((run.truth[i].shadow == measure::picture::TrueShadow::shadowed) == plain.shadowed);
             shadows += plain.shadowed;
             beyond += plain.beyond && !plain.shadowed;
             highlights += plain.colour[3].x > plain.colour[2].x + Real(0.25);
         }
         CHECK(shadows > 300);
         CHECK((among || highlights > 5));
-        for (const RenderSummary& summary : run.summaries) {
+        for (const measure::picture::RenderSummary& summary : run.summaries) {
             CHECK(summary.unresolved() == 0);
             CHECK(summary.colour_error.quantile(1) < 1e-9);
             CHECK(summary.flips() == 0);
@@ -167,25 +167,25 @@ TEST_CASE("the certified picture is that of plain formulas in 256 bits, channel 
 
 TEST_CASE("a stage that adds nothing leaves every pixel as it was, in every form and format") {
     const auto rows = rows_of({"f32", "bf16", "p17"});
-    const auto compare = [&](const scene::Scene& s, std::size_t simpler, std::size_t fuller) {
+    const auto compare = [&](const scene::file::Scene& s, std::size_t simpler, std::size_t fuller) {
         const Collected run({.scene = &s, .stages = all_stages, .rows = rows});
         for (std::size_t r = 0; r < rows.size(); ++r) {
             CAPTURE(rows[r].form->info->name, rows[r].format.name);
             CHECK(same(run.pictures[r][simpler], run.pictures[r][fuller]));
         }
-        for (const TruePixel& p : run.truth) REQUIRE(p.colours[simpler].byte == p.colours[fuller].byte);
+        for (const measure::picture::TruePixel& p : run.truth) REQUIRE(p.colours[simpler].byte == p.colours[fuller].byte);
     };
-    scene::Scene s = load("raycast-course.small", 32, 24);
+    scene::file::Scene s = load("raycast-course.small", 32, 24);
     {
         const Collected run({.scene = &s, .stages = all_stages, .rows = rows});
         for (std::size_t stage = 1; stage < 4; ++stage) CHECK_FALSE(same(run.pictures[0][stage - 1], run.pictures[0][stage]));
     }
     for (auto& m : s.appearance.materials) m.specular = 0;
     compare(s, 2, 3);
-    scene::Scene alone = s;  // nothing to cast a shadow on a sphere, and no plane behind it
+    scene::file::Scene alone = s;  // nothing to cast a shadow on a sphere, and no plane behind it
     alone.spheres.resize(1);
     alone.appearance.materials.resize(1);
-    alone.camera.kind = scene::Camera::Kind::pinhole;
+    alone.camera.kind = scene::file::Camera::Kind::pinhole;
     alone.camera.look_at = alone.spheres[0].centre;
     alone.camera.up = Vec<Real>(Real(0), Real(1), Real(0));
     alone.camera.fov_deg = 12;
@@ -199,12 +199,12 @@ TEST_CASE("a stage that adds nothing leaves every pixel as it was, in every form
 
 TEST_CASE("a picture in p53 is that in f64 to the bit, and one in p24 that in f32") {
     for (const char* name : {"raycast-course.pixels", "raycast-acne.none", "raycast-acne.ulp4", "raycast-far.at2p12"}) {
-        const scene::Scene s = load(name, 32, 24);
+        const scene::file::Scene s = load(name, 32, 24);
         for (const auto& [native, emulated] : {std::pair{"f64", "p53"}, std::pair{"f32", "p24"}}) {
-            for (const Intersector& f : sphere_intersectors()) {
-                if (f.info->formats != Formats::all) continue;
+            for (const intersect::table::Intersector& f : intersect::table::sphere_intersectors()) {
+                if (f.info->formats != intersect::Formats::all) continue;
                 CAPTURE(name, f.info->name, native);
-                const std::vector<MapRow> rows{{&f, *find_format(native)}, {&f, *find_format(emulated)}};
+                const std::vector<measure::map::MapRow> rows{{&f, *find_format(native)}, {&f, *find_format(emulated)}};
                 const Collected run({.scene = &s, .stages = {s.appearance.furthest()}, .rows = rows});
                 CHECK(same(run.pictures[0][0], run.pictures[1][0]));
                 CHECK(run.shadows[0] == run.shadows[1]);
@@ -215,7 +215,7 @@ TEST_CASE("a picture in p53 is that in f64 to the bit, and one in p24 that in f3
 }
 
 TEST_CASE("the certified picture does not depend on who is held against it, nor on own shadows and offsets") {
-    const scene::Scene skipped = load("raycast-acne.skipped", 48, 36), far_off = load("raycast-acne.eps1em1", 48, 36);
+    const scene::file::Scene skipped = load("raycast-acne.skipped", 48, 36), far_off = load("raycast-acne.eps1em1", 48, 36);
     const Collected a({.scene = &skipped, .stages = {Stage::shadows}, .rows = rows_of({"f32"}, "sphere.expanded")});
     const Collected b({.scene = &far_off, .stages = {Stage::diffuse, Stage::shadows}, .rows = rows_of({"bf16"}, "sphere.unit_half_b")});
     REQUIRE(a.truth.size() == b.truth.size());
@@ -227,12 +227,12 @@ TEST_CASE("the certified picture does not depend on who is held against it, nor 
 
 TEST_CASE("acne is the own sphere's alone: none where it is skipped, none in the near-root form, much elsewhere") {
     const auto acne = [](const char* scene_name, const char* form, const char* format) {
-        const scene::Scene s = load(scene_name, 64, 48);
+        const scene::file::Scene s = load(scene_name, 64, 48);
         const Collected run({.scene = &s, .stages = {Stage::shadows}, .rows = rows_of({format}, form)});
-        const RenderSummary& r = run.summaries.front();
-        const auto lit = r.count(false, Shadow::both_lit) + r.count(false, Shadow::own_shadow) + r.count(false, Shadow::false_shadow);
+        const measure::picture::RenderSummary& r = run.summaries.front();
+        const auto lit = r.count(false, measure::picture::Shadow::both_lit) + r.count(false, measure::picture::Shadow::own_shadow) + r.count(false, measure::picture::Shadow::false_shadow);
         REQUIRE(lit > 500);
-        return static_cast<double>(r.count(false, Shadow::own_shadow)) / static_cast<double>(lit);
+        return static_cast<double>(r.count(false, measure::picture::Shadow::own_shadow)) / static_cast<double>(lit);
     };
     for (const char* format : {"f32", "f64"}) {
         CHECK(acne("raycast-acne.skipped", "sphere.unified", format) == 0);
@@ -245,10 +245,10 @@ TEST_CASE("acne is the own sphere's alone: none where it is skipped, none in the
 }
 
 TEST_CASE("own inputs: each format rounds light and colours itself, and the reference does not round at all") {
-    scene::Scene s = load("raycast-course.pixels", 32, 24);
-    s.inputs = scene::Inputs::own;
+    scene::file::Scene s = load("raycast-course.pixels", 32, 24);
+    s.inputs = scene::file::Inputs::own;
     const Collected run({.scene = &s, .stages = {Stage::visible}, .rows = rows_of({"f32", "f64"}, "sphere.unified")});
-    const TruePixel& corner = run.truth.front();  // background 0.55
+    const measure::picture::TruePixel& corner = run.truth.front();  // background 0.55
     CHECK(abs(Real(corner.colours[0].channel[0].hi) + Real(corner.colours[0].channel[0].lo) - Real(55) / 100) < 0x1p-70);
     CHECK(run.pictures[0][0][0].colour.x == static_cast<double>(0.55F));
     CHECK(run.pictures[1][0][0].colour.x == 0.55);
@@ -258,9 +258,9 @@ TEST_CASE("own inputs: each format rounds light and colours itself, and the refe
     // prove no byte there, and say so; the sphere of 0.95, 0.8, 0.2 needs no more.
     CHECK(run.summaries[0].unresolved() == 0);
     const Collected hasty({.scene = &s, .stages = {Stage::visible}, .rows = rows_of({"f64"}, "sphere.unified"), .limit = {.bits = 106}});
-    const RenderSummary& r = hasty.summaries[0];
-    CHECK(r.count(Seen::background) > 100);
-    CHECK(r.unresolved() > r.count(Seen::background));
+    const measure::picture::RenderSummary& r = hasty.summaries[0];
+    CHECK(r.count(measure::picture::Seen::background) > 100);
+    CHECK(r.unresolved() > r.count(measure::picture::Seen::background));
     CHECK(r.unresolved() < r.pixels);
     CHECK(r.colour_error.count() == r.pixels - r.unresolved());
     CHECK_FALSE(hasty.truth.front().colours[0].certain);

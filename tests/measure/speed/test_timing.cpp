@@ -15,7 +15,7 @@ using namespace lostbits::testing;
 
 namespace {
 
-TimedWork adds(int times) {
+measure::speed::TimedWork adds(int times) {
     return {[times] {
                 volatile double x = 1;
                 for (int i = 0; i < times; ++i) x = x * 1.0000001;
@@ -24,8 +24,8 @@ TimedWork adds(int times) {
 }
 
 /// The t of boxes after one pass from a fresh start.
-std::vector<float> after_a_pass(const TimedKernel& kernel) {
-    BoxWork work(1 << 14);
+std::vector<float> after_a_pass(const measure::speed::TimedKernel& kernel) {
+    measure::speed::BoxWork work(1 << 14);
     const auto timed = work.on(kernel);
     REQUIRE(timed.has_value());
     CHECK(timed->items == work.f32()->t.size());
@@ -37,18 +37,18 @@ std::vector<float> after_a_pass(const TimedKernel& kernel) {
 
 TEST_CASE("a quotient is the median of the rounds' own quotients", "[timing]") {
     const std::vector<double> a{2, 40, 6}, b{1, 10, 2};  // 2, 4, 3
-    CHECK(ratio_of(a, b).median == 3);
-    CHECK(ratio_of(a, b).low_quartile == 2.5);
-    CHECK(ratio_of(b, b).high_quartile == 1);
+    CHECK(measure::speed::ratio_of(a, b).median == 3);
+    CHECK(measure::speed::ratio_of(a, b).low_quartile == 2.5);
+    CHECK(measure::speed::ratio_of(b, b).high_quartile == 1);
 }
 
 TEST_CASE("twelve times the work is seen as more, the same work as the same", "[timing]") {
-    const TimedWork work[] = {adds(500), adds(6000), adds(500)};
-    const auto samples = sample_interleaved(work, {.repetitions = 31, .least_seconds = 2e-4});
-    CHECK(ratio_of(samples[1], samples[0]).median > 4);
-    CHECK(ratio_of(samples[1], samples[0]).median < 36);
-    CHECK(ratio_of(samples[2], samples[0]).median > 0.5);
-    CHECK(ratio_of(samples[2], samples[0]).median < 2);
+    const measure::speed::TimedWork work[] = {adds(500), adds(6000), adds(500)};
+    const auto samples = measure::speed::sample_interleaved(work, {.repetitions = 31, .least_seconds = 2e-4});
+    CHECK(measure::speed::ratio_of(samples[1], samples[0]).median > 4);
+    CHECK(measure::speed::ratio_of(samples[1], samples[0]).median < 36);
+    CHECK(measure::speed::ratio_of(samples[2], samples[0]).median > 0.5);
+    CHECK(measure::speed::ratio_of(samples[2], samples[0]).median < 2);
 }
 
 TEST_CASE("every thread works, on its own, and one alone is the measure", "[timing]") {
@@ -56,7 +56,7 @@ TEST_CASE("every thread works, on its own, and one alone is the measure", "[timi
     std::array<std::atomic<bool>, 3> busy{};
     std::atomic<int> faults{0};
     const auto caller = std::this_thread::get_id();
-    const auto quotients = thread_speedups(
+    const auto quotients = measure::speed::thread_speedups(
         [&](std::size_t i) {
             return [&, i] {
                 faults += busy[i].exchange(true) || std::this_thread::get_id() == caller;
@@ -70,13 +70,13 @@ TEST_CASE("every thread works, on its own, and one alone is the measure", "[timi
     for (const auto& n : passes) CHECK(n > 4);
     CHECK(faults == 0);
     int asked = 0;
-    CHECK_THROWS_AS(thread_speedups([](std::size_t) { return [] {}; }, {.repetitions = 3, .least_seconds = 1e-4, .threads = 1, .stop = [&] { if (++asked == 2) throw std::runtime_error("stop"); }}),
+    CHECK_THROWS_AS(measure::speed::thread_speedups([](std::size_t) { return [] {}; }, {.repetitions = 3, .least_seconds = 1e-4, .threads = 1, .stop = [&] { if (++asked == 2) throw std::runtime_error("stop"); }}),
                     std::runtime_error);
-    CHECK_FALSE(allowed_processors().empty());
+    CHECK_FALSE(measure::speed::allowed_processors().empty());
 }
 
 TEST_CASE("plain loops, packs and scalar loops are the same work", "[timing]") {
-    for (const Intersector& form : intersectors(Shape::box)) {
+    for (const intersect::table::Intersector& form : intersect::table::intersectors(Shape::box)) {
         const std::string_view name = form.info->name;
         INFO(name);
         const auto scalar = after_a_pass({name, "scalar", "f32"});
@@ -84,25 +84,25 @@ TEST_CASE("plain loops, packs and scalar loops are the same work", "[timing]") {
         CHECK(hits > 4);
         CHECK(hits < static_cast<std::ptrdiff_t>(scalar.size()) - 4);
         CHECK(after_a_pass({name, "128", "f32"}) == scalar);
-        if (plain_rows().empty()) continue;
+        if (intersect::simd::plain_rows().empty()) continue;
         CHECK(after_a_pass({name, "plain-256", "f32"}) == scalar);
         CHECK(after_a_pass({name, "plain-structs-256", "f32"}) == scalar);
     }
 }
 
 TEST_CASE("what is not there is not timed", "[timing]") {
-    BoxWork boxes(1 << 12);
+    measure::speed::BoxWork boxes(1 << 12);
     CHECK_FALSE(boxes.on({"box.sign", "128", "f32"}).has_value());
     CHECK_FALSE(boxes.on({"sphere.unified", "128", "f32"}).has_value());
     CHECK_FALSE(boxes.on({"box.signs", "plain-256", "f64"}).has_value());
     CHECK_FALSE(boxes.on({"box.signs", "127", "f32"}).has_value());
     CHECK_FALSE(boxes.on({"box.signs", "128", "f16"}).has_value());
-    RayWork rays(1 << 12);
+    measure::speed::RayWork rays(1 << 12);
     CHECK_FALSE(rays.on({"sphere.unified", "plain-256", "f32"}).has_value());
     CHECK_FALSE(rays.on({"sphere.double_inside", "128", "f64"}).has_value());
     REQUIRE(rays.on({"sphere.unified", "128", "f64"}).has_value());
     rays.on({"sphere.unified", "128", "f64"})->pass();
     CHECK(std::abs(rays.f64(Shape::sphere)->found() - 0.5) < 0.02);
-    CHECK(working_set_bytes("l2", {1000, 2000, 4000}) == 1000);
-    CHECK(working_set_bytes("l3", {1000, 2000, 4000}) == 0);
+    CHECK(measure::speed::working_set_bytes("l2", {1000, 2000, 4000}) == 1000);
+    CHECK(measure::speed::working_set_bytes("l3", {1000, 2000, 4000}) == 0);
 }

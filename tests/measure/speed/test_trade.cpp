@@ -18,9 +18,9 @@ namespace {
 constexpr double no_bits = std::numeric_limits<double>::quiet_NaN();
 
 OperationCounts operations(std::string_view form) {
-    const RayPool pool = ray_pool(form_named(form).shape);
+    const measure::speed::RayPool pool = measure::speed::ray_pool(form_named(form).shape);
     const auto narrow = [](const Vec<double>& v) { return Vec<float>(static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)); };
-    return operations_of(*form_named(form).info, {narrow(pool.hits[0].origin), narrow(pool.hits[0].direction)}, transformed(pool.solid, [](double x) { return static_cast<float>(x); }),
+    return measure::speed::operations_of(*form_named(form).info, {narrow(pool.hits[0].origin), narrow(pool.hits[0].direction)}, transformed(pool.solid, [](double x) { return static_cast<float>(x); }),
                          HUGE_VALF);
 }
 
@@ -37,10 +37,10 @@ std::string text(const OperationCounts& c) {
 }
 
 template <class S, class Native>
-void check_store(Native native, const RayPool& pool) {
+void check_store(Native native, const measure::speed::RayPool& pool) {
     for (const double rate : {0.0, 0.5, 1.0, 0.3}) {
         for (const std::size_t slice : {std::size_t{0}, std::size_t{128}}) {
-            RayStore<S> store(pool, 50000, rate, slice, 3);
+            measure::speed::RayStore<S> store(pool, 50000, rate, slice, 3);
             CHECK(store.bytes() <= 50000);
             CHECK(store.bytes() > 40000);
             CHECK(store.slice() == (slice == 0 ? store.rays() : slice));
@@ -78,7 +78,7 @@ TEST_CASE("constants cost nothing, what is made of an input does", "[trade]") {
 }
 
 TEST_CASE("dominated is what another beats in one and matches in the other", "[trade]") {
-    const std::vector<ParetoPoint> all{
+    const std::vector<measure::speed::ParetoPoint> all{
         {1, 0, 20},       // on the front
         {2, 0, 20},       // slower, no better
         {2, 0, 22},       // on the front
@@ -90,26 +90,26 @@ TEST_CASE("dominated is what another beats in one and matches in the other", "[t
         {3, 0, no_bits},      // never wrong, but slower than others that are not
     };
     CHECK(dominated(all) == std::vector<bool>{false, true, false, false, true, false, true, false, true});
-    CHECK(dominated({}).empty());
+    CHECK(measure::speed::dominated({}).empty());
 }
 
 TEST_CASE("the cheapest is the fastest that is never wrong and keeps enough", "[trade]") {
-    const std::vector<ParetoPoint> all{{1, 0.001, 24}, {3, 0, 22}, {2, 0, 21.9}, {1.5, 0, no_bits}, {4, 0, 45}};
-    CHECK(cheapest(all, 20) == std::size_t{2});
-    CHECK(cheapest(all, 22) == std::size_t{1});
-    CHECK(cheapest(all, 40) == std::size_t{4});
-    CHECK_FALSE(cheapest(all, 46).has_value());
+    const std::vector<measure::speed::ParetoPoint> all{{1, 0.001, 24}, {3, 0, 22}, {2, 0, 21.9}, {1.5, 0, no_bits}, {4, 0, 45}};
+    CHECK(measure::speed::cheapest(all, 20) == std::size_t{2});
+    CHECK(measure::speed::cheapest(all, 22) == std::size_t{1});
+    CHECK(measure::speed::cheapest(all, 40) == std::size_t{4});
+    CHECK_FALSE(measure::speed::cheapest(all, 46).has_value());
 }
 
 TEST_CASE("a standing is made of the median, all wrong decisions and the 99th percentile", "[trade]") {
-    const std::vector<const Metric*> lost{find_metric("lost_bits")};
-    MapSummary s;
+    const std::vector<const measure::metric::Metric*> lost{measure::metric::find_metric("lost_bits")};
+    measure::map::MapSummary s;
     s.rays = 100;
     s.outcomes = {90, 2, 1, 2, 1, 4};
-    s.metrics = std::vector<Distribution>(1);
+    s.metrics = std::vector<measure::metric::Distribution>(1);
     for (int i = 1; i <= 100; ++i) s.metrics[0].add(i == 100 ? 20 : 4);
     s.metrics[0].seal();
-    const ParetoPoint got = pareto_point({2e-9, 1e-9, 3e-9}, row("sphere.unified", "f32"), s, lost);
+    const measure::speed::ParetoPoint got = measure::speed::pareto_point({2e-9, 1e-9, 3e-9}, row("sphere.unified", "f32"), s, lost);
     CHECK(got.time_ns == Approx(2));
     CHECK(got.wrong_fraction == 4.0 / 96);
     CHECK(got.kept_bits == Approx(20).epsilon(0.001));
@@ -117,16 +117,16 @@ TEST_CASE("a standing is made of the median, all wrong decisions and the 99th pe
 }
 
 TEST_CASE("stores hold the stated share of hits", "[trade]") {
-    check_store<float>(form_named("sphere.unified").native32, ray_pool(Shape::sphere));
-    check_store<double>(form_named("sphere.unified_unit").native64, ray_pool(Shape::sphere));
-    check_store<float>(form_named("box.signs").native32, ray_pool(Shape::box));
-    check_store<double>(form_named("box.divide").native64, ray_pool(Shape::box));
+    check_store<float>(form_named("sphere.unified").native32, measure::speed::ray_pool(Shape::sphere));
+    check_store<double>(form_named("sphere.unified_unit").native64, measure::speed::ray_pool(Shape::sphere));
+    check_store<float>(form_named("box.signs").native32, measure::speed::ray_pool(Shape::box));
+    check_store<double>(form_named("box.divide").native64, measure::speed::ray_pool(Shape::box));
 }
 
 TEST_CASE("the sets of rays are always the same and have names of their own", "[trade]") {
     for (const Shape shape : {Shape::sphere, Shape::box}) {
         std::set<std::string_view> names;
-        for (const RaySet& set : ray_sets(shape)) {
+        for (const measure::speed::RaySet& set : measure::speed::ray_sets(shape)) {
             names.insert(set.name);
             const auto one = set.groups(), two = set.groups();
             REQUIRE(one.size() == two.size());
@@ -135,15 +135,15 @@ TEST_CASE("the sets of rays are always the same and have names of their own", "[
                 CHECK(one[i].solids.front().shape == shape);
             }
         }
-        CHECK(names.size() == ray_sets(shape).size());
-        CHECK(ray_sets(shape).front().name == "easy");
+        CHECK(names.size() == measure::speed::ray_sets(shape).size());
+        CHECK(measure::speed::ray_sets(shape).front().name == "easy");
     }
 }
 
 TEST_CASE("a kernel for every row, width and variant", "[trade]") {
-    const auto kernels = trade_kernels({row("sphere.unified", "f32"), row("sphere.double_inside", "f32"), row("box.signs", "f64")});
-    CHECK(kernels.size() == 3 * (available_isas().size() + variants().size()));
-    for (const TradeKernel& k : kernels) {
+    const auto kernels = measure::speed::trade_kernels({row("sphere.unified", "f32"), row("sphere.double_inside", "f32"), row("box.signs", "f64")});
+    CHECK(kernels.size() == 3 * (intersect::simd::available_isas().size() + intersect::simd::variants().size()));
+    for (const measure::speed::TradeKernel& k : kernels) {
         CHECK((k.f32 != nullptr) == (k.measured.format.name == "f32"));
         CHECK((k.f64 != nullptr) == (k.measured.format.name == "f64"));
         if (k.isa == "scalar" && k.f32) CHECK(k.f32 == k.measured.form->native32);
@@ -153,14 +153,14 @@ TEST_CASE("a kernel for every row, width and variant", "[trade]") {
 }
 
 TEST_CASE("median and quartiles", "[trade]") {
-    const Timing odd = timing_of({5, 1, 4, 2, 3});
+    const measure::speed::Timing odd = measure::speed::timing_of({5, 1, 4, 2, 3});
     CHECK(odd.median == 3);
     CHECK(odd.low_quartile == 2);
     CHECK(odd.high_quartile == 4);
-    const Timing even = timing_of({4, 1});
+    const measure::speed::Timing even = measure::speed::timing_of({4, 1});
     CHECK(even.median == 2.5);
     CHECK(even.low_quartile == 1.75);
-    CHECK(timing_of({7}).high_quartile == 7);
+    CHECK(measure::speed::timing_of({7}).high_quartile == 7);
 }
 
 TEST_CASE("everything is timed in every round, and the thread may go where it could before", "[trade]") {
@@ -172,7 +172,7 @@ TEST_CASE("everything is timed in every round, and the thread may go where it co
     };
     const cpu_set_t before = allowed();
     std::vector<int> calls(3), processors;
-    std::vector<TimedWork> work;
+    std::vector<measure::speed::TimedWork> work;
     for (std::size_t i = 0; i < calls.size(); ++i) {
         work.push_back({[&calls, &processors, i] {
                             ++calls[i];
@@ -181,27 +181,27 @@ TEST_CASE("everything is timed in every round, and the thread may go where it co
                         10, i == 0});
     }
     std::uint64_t done = 0;
-    const auto timings = time_interleaved(work, {.repetitions = 4, .least_seconds = 1e-6, .seed = 2, .progress = [&done](std::uint64_t n) { done += n; }});
+    const auto timings = measure::speed::time_interleaved(work, {.repetitions = 4, .least_seconds = 1e-6, .seed = 2, .progress = [&done](std::uint64_t n) { done += n; }});
     REQUIRE(timings.size() == 3);
-    for (const Timing& t : timings) CHECK((t.median > 0 && t.low_quartile <= t.median && t.median <= t.high_quartile));
+    for (const measure::speed::Timing& t : timings) CHECK((t.median > 0 && t.low_quartile <= t.median && t.median <= t.high_quartile));
     for (const int n : calls) CHECK(n > 4);
     CHECK(done == 12);
     CHECK(std::ranges::all_of(processors, [&](int p) { return p == processors.front(); }));
     const cpu_set_t after = allowed();
     CHECK(CPU_EQUAL(&before, &after));
-    CHECK_THROWS_AS(time_interleaved(work, {.repetitions = 2, .least_seconds = 1e-6, .progress = [](std::uint64_t n) { if (n > 0) throw std::runtime_error("stop"); }}), std::runtime_error);
+    CHECK_THROWS_AS(measure::speed::time_interleaved(work, {.repetitions = 2, .least_seconds = 1e-6, .progress = [](std::uint64_t n) { if (n > 0) throw std::runtime_error("stop"); }}), std::runtime_error);
     const cpu_set_t stopped = allowed();
     CHECK(CPU_EQUAL(&before, &stopped));
 }
 
 TEST_CASE("loads are every working set with every share of hits", "[trade]") {
-    const auto loads = trade_loads({48 << 10, 2 << 20, std::size_t{260} << 20});
+    const auto loads = measure::speed::trade_loads({48 << 10, 2 << 20, std::size_t{260} << 20});
     REQUIRE(loads.size() == 9);
     CHECK(loads[0].bytes == 24 << 10);
     CHECK(loads[3].bytes == 1 << 20);
     CHECK(loads[6].bytes == (std::size_t{520} << 20) / 6);
-    CHECK(loads[standing_load(loads)].working_set == "l1");
-    CHECK(loads[standing_load(loads)].hit_rate == 0.5);
-    CHECK(trade_loads({1, 1, 1})[8].bytes == std::size_t{32} << 20);
-    CHECK(cache_sizes().l1 > 0);
+    CHECK(loads[measure::speed::standing_load(loads)].working_set == "l1");
+    CHECK(loads[measure::speed::standing_load(loads)].hit_rate == 0.5);
+    CHECK(measure::speed::trade_loads({1, 1, 1})[8].bytes == std::size_t{32} << 20);
+    CHECK(measure::speed::cache_sizes().l1 > 0);
 }

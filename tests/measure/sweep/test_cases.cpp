@@ -38,15 +38,15 @@ const std::string by_hand =
     // A miss is a miss: disc = 100 − 4·(9 + 25 − 4) = −20.
     one_case("exact miss", "centre = [3, 0, 5], radius = 2", "{ origin = [0, 0, 0], direction = [0, 0, 1] }");
 
-MapSummary summary_of(std::initializer_list<std::pair<Outcome, std::uint64_t>> counts, double excess) {
-    MapSummary s;
+measure::map::MapSummary summary_of(std::initializer_list<std::pair<measure::answer::Outcome, std::uint64_t>> counts, double excess) {
+    measure::map::MapSummary s;
     for (const auto& [outcome, n] : counts) {
         s.outcomes[static_cast<std::size_t>(outcome)] = n;
         s.rays += n;
     }
-    s.metrics = std::vector<Distribution>(2);
+    s.metrics = std::vector<measure::metric::Distribution>(2);
     if (!std::isnan(excess)) s.metrics[1].add(excess);
-    for (Distribution& d : s.metrics) d.seal();
+    for (measure::metric::Distribution& d : s.metrics) d.seal();
     return s;
 }
 
@@ -56,34 +56,34 @@ bool same(double a, double b) { return a == b || (std::isnan(a) && std::isnan(b)
 
 TEST_CASE("verdicts that follow by hand") {
     const TextFile text(head + by_hand);
-    const scene::CaseFile file(text.path());
-    const CaseRequest request{.file = &file, .rows = {row("sphere.schoolbook", "f32"), row("sphere.schoolbook", "f64")}, .metrics = case_metrics};
-    const auto cases = run_cases(request);
+    const scene::sweep::CaseFile file(text.path());
+    const measure::sweep::CaseRequest request{.file = &file, .rows = {row("sphere.schoolbook", "f32"), row("sphere.schoolbook", "f64")}, .metrics = case_metrics};
+    const auto cases = measure::sweep::run_cases(request);
     REQUIRE(cases.size() == file.size());
     struct Expected {
         const char* name;
-        Verdict in_f32;
+        measure::sweep::Verdict in_f32;
         double bits;  ///< lost in f32
-        Verdict in_f64;
+        measure::sweep::Verdict in_f64;
     };
     constexpr double none = std::numeric_limits<double>::quiet_NaN();
     // In f64 the same lengths are ordinary, but that tiny is 2^-1074 there.
-    const Expected expected[] = {{"exact", Verdict::right, 0, Verdict::right},
-                                 {"radius lost", Verdict::wrong_value, 12, Verdict::right},
-                                 {"c overflows", Verdict::false_miss, none, Verdict::right},
-                                 {"c underflows", Verdict::false_hit, none, Verdict::right},
-                                 {"a overflows", Verdict::not_a_number, none, Verdict::right},
-                                 {"a underflows", Verdict::wrong_value, 24, Verdict::wrong_value},
-                                 {"exact miss", Verdict::right, none, Verdict::right}};
+    const Expected expected[] = {{"exact", measure::sweep::Verdict::right, 0, measure::sweep::Verdict::right},
+                                 {"radius lost", measure::sweep::Verdict::wrong_value, 12, measure::sweep::Verdict::right},
+                                 {"c overflows", measure::sweep::Verdict::false_miss, none, measure::sweep::Verdict::right},
+                                 {"c underflows", measure::sweep::Verdict::false_hit, none, measure::sweep::Verdict::right},
+                                 {"a overflows", measure::sweep::Verdict::not_a_number, none, measure::sweep::Verdict::right},
+                                 {"a underflows", measure::sweep::Verdict::wrong_value, 24, measure::sweep::Verdict::wrong_value},
+                                 {"exact miss", measure::sweep::Verdict::right, none, measure::sweep::Verdict::right}};
     for (std::size_t i = 0; i < file.size(); ++i) {
         CAPTURE(expected[i].name);
         CHECK(file.name(i) == expected[i].name);
-        CHECK(verdict_of(cases[i][0], request.metrics, 3) == expected[i].in_f32);
+        CHECK(measure::sweep::verdict_of(cases[i][0], request.metrics, 3) == expected[i].in_f32);
         CHECK(same(cases[i][0].metrics[0].quantile(1), expected[i].bits));
-        CHECK(verdict_of(cases[i][1], request.metrics, 3) == expected[i].in_f64);
+        CHECK(measure::sweep::verdict_of(cases[i][1], request.metrics, 3) == expected[i].in_f64);
         CHECK(cases[i][0].rays == 1);
         // One row of one case is the same as that row among all.
-        const MapSummary alone = run_cases_together(request, 0, {i});
+        const measure::map::MapSummary alone = measure::sweep::run_cases_together(request, 0, {i});
         CHECK(alone.outcomes == cases[i][0].outcomes);
         CHECK(same(alone.metrics[0].quantile(1), cases[i][0].metrics[0].quantile(1)));
     }
@@ -93,25 +93,25 @@ TEST_CASE("verdicts that follow by hand") {
     // Far enough from the envelope to be wrong by any limit below, right by any above.
     const double excess = cases[1][0].metrics[1].quantile(1);
     CHECK(excess > 8);
-    CHECK(verdict_of(cases[1][0], request.metrics, excess) == Verdict::right);
-    CHECK(verdict_of(cases[1][0], request.metrics, std::nextafter(excess, 0)) == Verdict::wrong_value);
+    CHECK(measure::sweep::verdict_of(cases[1][0], request.metrics, excess) == measure::sweep::Verdict::right);
+    CHECK(measure::sweep::verdict_of(cases[1][0], request.metrics, std::nextafter(excess, 0)) == measure::sweep::Verdict::wrong_value);
 }
 
 TEST_CASE("wrong decisions come before wrong values, the most frequent of them counts") {
-    using O = Outcome;
-    const auto verdict = [](std::initializer_list<std::pair<O, std::uint64_t>> counts, double excess) { return verdict_of(summary_of(counts, excess), case_metrics, 3); };
+    using O = measure::answer::Outcome;
+    const auto verdict = [](std::initializer_list<std::pair<O, std::uint64_t>> counts, double excess) { return measure::sweep::verdict_of(summary_of(counts, excess), case_metrics, 3); };
     constexpr double none = std::numeric_limits<double>::quiet_NaN(), infinity = std::numeric_limits<double>::infinity();
-    CHECK(verdict({{O::agree_hit, 5}}, 3) == Verdict::right);
-    CHECK(verdict({{O::agree_hit, 5}}, 3.01) == Verdict::wrong_value);
-    CHECK(verdict({{O::agree_hit, 5}}, infinity) == Verdict::wrong_value);
-    CHECK(verdict({{O::agree_miss, 5}}, none) == Verdict::right);
-    CHECK(verdict({{O::agree_hit, 5}, {O::false_hit, 1}}, 24) == Verdict::false_hit);
-    CHECK(verdict({{O::agree_hit, 500}, {O::false_miss, 1}}, 0) == Verdict::false_miss);
-    CHECK(verdict({{O::false_hit, 3}, {O::false_miss, 2}, {O::not_a_number, 1}}, 24) == Verdict::false_hit);
-    CHECK(verdict({{O::false_hit, 1}, {O::false_miss, 2}, {O::not_a_number, 1}}, 24) == Verdict::false_miss);
-    CHECK(verdict({{O::false_hit, 1}, {O::false_miss, 2}, {O::not_a_number, 3}}, 24) == Verdict::not_a_number);
-    CHECK(verdict({{O::agree_hit, 9}, {O::false_hit, 9}, {O::unresolved, 1}}, 0) == Verdict::unresolved);
-    CHECK(verdict_names[static_cast<std::size_t>(Verdict::not_a_number)] == "not_a_number");
+    CHECK(verdict({{O::agree_hit, 5}}, 3) == measure::sweep::Verdict::right);
+    CHECK(verdict({{O::agree_hit, 5}}, 3.01) == measure::sweep::Verdict::wrong_value);
+    CHECK(verdict({{O::agree_hit, 5}}, infinity) == measure::sweep::Verdict::wrong_value);
+    CHECK(verdict({{O::agree_miss, 5}}, none) == measure::sweep::Verdict::right);
+    CHECK(verdict({{O::agree_hit, 5}, {O::false_hit, 1}}, 24) == measure::sweep::Verdict::false_hit);
+    CHECK(verdict({{O::agree_hit, 500}, {O::false_miss, 1}}, 0) == measure::sweep::Verdict::false_miss);
+    CHECK(verdict({{O::false_hit, 3}, {O::false_miss, 2}, {O::not_a_number, 1}}, 24) == measure::sweep::Verdict::false_hit);
+    CHECK(verdict({{O::false_hit, 1}, {O::false_miss, 2}, {O::not_a_number, 1}}, 24) == measure::sweep::Verdict::false_miss);
+    CHECK(verdict({{O::false_hit, 1}, {O::false_miss, 2}, {O::not_a_number, 3}}, 24) == measure::sweep::Verdict::not_a_number);
+    CHECK(verdict({{O::agree_hit, 9}, {O::false_hit, 9}, {O::unresolved, 1}}, 0) == measure::sweep::Verdict::unresolved);
+    CHECK(measure::sweep::verdict_names[static_cast<std::size_t>(measure::sweep::Verdict::not_a_number)] == "not_a_number");
 }
 
 TEST_CASE("a ray that is none meets nothing, in any form and format") {
@@ -128,19 +128,19 @@ TEST_CASE("a ray that is none meets nothing, in any form and format") {
         text += one_case("zero from " + std::string(origin), "centre = [0, 0, 0], radius = 2", "{ origin = " + std::string(origin) + ", direction = [0, '-0', 0] }");
     }
     const TextFile on_disk(text);
-    const scene::CaseFile file(on_disk.path());
-    const CaseRequest request{.file = &file, .rows = all_rows(Shape::sphere, {"f32", "f64", "fp16", "bf16", "tf32", "p5", "p2"}), .metrics = case_metrics};
-    const auto cases = run_cases(request);
+    const scene::sweep::CaseFile file(on_disk.path());
+    const measure::sweep::CaseRequest request{.file = &file, .rows = all_rows(Shape::sphere, {"f32", "f64", "fp16", "bf16", "tf32", "p5", "p2"}), .metrics = case_metrics};
+    const auto cases = measure::sweep::run_cases(request);
     REQUIRE(cases.size() == 22);
     std::uint64_t right = 0, invented = 0;
     for (const auto& rows : cases) {
         REQUIRE(rows.size() == request.rows.size());
-        for (const MapSummary& s : rows) {
+        for (const measure::map::MapSummary& s : rows) {
             CHECK(s.true_hits == 0);
-            CHECK(s.count(Outcome::agree_hit) + s.count(Outcome::false_miss) + s.count(Outcome::unresolved) == 0);
-            CHECK(s.count(Outcome::agree_miss) + s.count(Outcome::false_hit) + s.count(Outcome::not_a_number) == 1);
-            right += s.count(Outcome::agree_miss);
-            invented += s.count(Outcome::false_hit);
+            CHECK(s.count(measure::answer::Outcome::agree_hit) + s.count(measure::answer::Outcome::false_miss) + s.count(measure::answer::Outcome::unresolved) == 0);
+            CHECK(s.count(measure::answer::Outcome::agree_miss) + s.count(measure::answer::Outcome::false_hit) + s.count(measure::answer::Outcome::not_a_number) == 1);
+            right += s.count(measure::answer::Outcome::agree_miss);
+            invented += s.count(measure::answer::Outcome::false_hit);
         }
     }
     CHECK(right > 100);
@@ -150,29 +150,29 @@ TEST_CASE("a ray that is none meets nothing, in any form and format") {
 TEST_CASE("no solid is hit that is none") {
     const Ray<double> ray{{0, 0, -8}, {0, 0, 1}};
     constexpr double nan = std::numeric_limits<double>::quiet_NaN(), infinity = std::numeric_limits<double>::infinity();
-    CHECK(is_proper(ray));
-    CHECK(is_proper(Ray<double>{{0, 0, 0}, {0, 0, -0x1p-1074}}));
-    CHECK_FALSE(is_proper(Ray<double>{{0, 0, 0}, {0, -0.0, 0}}));
-    CHECK_FALSE(is_proper(Ray<double>{{0, nan, 0}, {0, 1, 0}}));
-    CHECK_FALSE(is_proper(Ray<double>{{0, 0, 0}, {infinity, 1, 0}}));
-    CHECK_FALSE(is_proper(Ray<Real>{{Real(0), Real(0), Real(0)}, {Real(0), Real(0), Real(0)}}));
-    CHECK(is_proper(Ray<Real>{{Real(0), Real(0), Real(0)}, {Real(0), Real(0), Real(ldexp(Real(1), -5000))}}));
+    CHECK(measure::truth::is_proper(ray));
+    CHECK(measure::truth::is_proper(Ray<double>{{0, 0, 0}, {0, 0, -0x1p-1074}}));
+    CHECK_FALSE(measure::truth::is_proper(Ray<double>{{0, 0, 0}, {0, -0.0, 0}}));
+    CHECK_FALSE(measure::truth::is_proper(Ray<double>{{0, nan, 0}, {0, 1, 0}}));
+    CHECK_FALSE(measure::truth::is_proper(Ray<double>{{0, 0, 0}, {infinity, 1, 0}}));
+    CHECK_FALSE(measure::truth::is_proper(Ray<Real>{{Real(0), Real(0), Real(0)}, {Real(0), Real(0), Real(0)}}));
+    CHECK(measure::truth::is_proper(Ray<Real>{{Real(0), Real(0), Real(0)}, {Real(0), Real(0), Real(ldexp(Real(1), -5000))}}));
     const Solid<double> good = Sphere<double>{{0, 0, 0}, 2};
-    CHECK(find_truth(ray, good).is_hit());
+    CHECK(measure::truth::find_truth(ray, good).is_hit());
     for (const double radius : {0.0, -2.0, nan, infinity}) {
         const Solid<double> bad = Sphere<double>{{0, 0, 0}, radius};
-        CHECK_FALSE(is_proper(bad));
-        CHECK(find_truth(ray, bad).decision == Truth::Decision::miss);
+        CHECK_FALSE(measure::truth::is_proper(bad));
+        CHECK(measure::truth::find_truth(ray, bad).decision == measure::truth::Truth::Decision::miss);
         // It does not hide what lies beside it, and is not named.
         const std::vector<Solid<double>> both{bad, good};
-        CHECK(find_truth(ray, both).is_hit());
-        CHECK(find_truth(ray, both).object == 1);
+        CHECK(measure::truth::find_truth(ray, both).is_hit());
+        CHECK(measure::truth::find_truth(ray, both).object == 1);
     }
-    CHECK_FALSE(is_proper(Solid<double>(Sphere<double>{{nan, 0, 0}, 2})));
-    CHECK(is_proper(Solid<double>(Box<double>{{0, 0, 0}, {0, 1, 1}})));
-    CHECK_FALSE(is_proper(Solid<double>(Box<double>{{0, 0, 0}, {-1, 1, 1}})));
-    CHECK_FALSE(is_proper(Solid<double>(Box<double>{{0, 0, 0}, {1, nan, 1}})));
-    CHECK(find_truth(ray, Solid<double>(Box<double>{{-1, -1, 1}, {1, 1, -1}})).decision == Truth::Decision::miss);
+    CHECK_FALSE(measure::truth::is_proper(Solid<double>(Sphere<double>{{nan, 0, 0}, 2})));
+    CHECK(measure::truth::is_proper(Solid<double>(Box<double>{{0, 0, 0}, {0, 1, 1}})));
+    CHECK_FALSE(measure::truth::is_proper(Solid<double>(Box<double>{{0, 0, 0}, {-1, 1, 1}})));
+    CHECK_FALSE(measure::truth::is_proper(Solid<double>(Box<double>{{0, 0, 0}, {1, nan, 1}})));
+    CHECK(measure::truth::find_truth(ray, Solid<double>(Box<double>{{-1, -1, 1}, {1, 1, -1}})).decision == measure::truth::Truth::Decision::miss);
 }
 
 TEST_CASE("every file of extremes runs with every form, and the truth of each is proved") {
@@ -180,12 +180,12 @@ TEST_CASE("every file of extremes runs with every form, and the truth of each is
     int files = 0;
     for (const auto& entry : std::filesystem::directory_iterator(folder)) {
         ++files;
-        const scene::CaseFile file(entry.path());
+        const scene::sweep::CaseFile file(entry.path());
         CAPTURE(file.id);
         CHECK_FALSE(file.title.empty());
         CHECK_FALSE(file.note.empty());
-        const CaseRequest request{.file = &file, .rows = all_rows(file.shape(), {"f32", "f64", "bf16"}), .metrics = case_metrics};
-        const auto cases = run_cases(request);
+        const measure::sweep::CaseRequest request{.file = &file, .rows = all_rows(file.shape(), {"f32", "f64", "bf16"}), .metrics = case_metrics};
+        const auto cases = measure::sweep::run_cases(request);
         REQUIRE(cases.size() == file.size());
         for (std::size_t i = 0; i < cases.size(); ++i) {
             CAPTURE(file.name(i));
@@ -193,10 +193,10 @@ TEST_CASE("every file of extremes runs with every form, and the truth of each is
             bool any_right = false;
             for (std::size_t r = 0; r < request.rows.size(); ++r) {
                 CAPTURE(request.rows[r].form->info->name, request.rows[r].format.name);
-                const MapSummary& s = cases[i][r];
-                const Verdict v = verdict_of(s, request.metrics, file.right_within_bits);
-                CHECK(v != Verdict::unresolved);
-                any_right |= v == Verdict::right;
+                const measure::map::MapSummary& s = cases[i][r];
+                const measure::sweep::Verdict v = measure::sweep::verdict_of(s, request.metrics, file.right_within_bits);
+                CHECK(v != measure::sweep::Verdict::unresolved);
+                any_right |= v == measure::sweep::Verdict::right;
                 CHECK(s.rays > 0);
                 CHECK(std::accumulate(s.outcomes.begin(), s.outcomes.end(), std::uint64_t{0}) == s.rays);
                 if (file.id == "not-numbers") CHECK(s.true_hits == 0);

@@ -18,7 +18,7 @@ TEST_CASE("every hard ray measures what its name says") {
     static const std::regex name(R"((\S+) in (\S+): (\w+)(?: (\S+))?)");
     int files = 0, values = 0, decisions = 0;
     for (const auto& entry : std::filesystem::directory_iterator(std::filesystem::path(LOSTBITS_DATA_DIR) / "hard")) {
-        const scene::CaseFile file(entry.path());
+        const scene::sweep::CaseFile file(entry.path());
         ++files;
         std::set<std::string> rows;
         for (std::size_t i = 0; i < file.size(); ++i) {
@@ -28,9 +28,9 @@ TEST_CASE("every hard ray measures what its name says") {
             rows.insert(part[1].str() + " " + part[2].str());
             const std::string what = part[3].str();
             const bool is_value = part[4].matched;
-            const Metric* metric = find_metric(is_value ? what : "lost_bits");
+            const measure::metric::Metric* metric = measure::metric::find_metric(is_value ? what : "lost_bits");
             REQUIRE(metric != nullptr);
-            const CaseRequest request{.file = &file, .rows = {row(part[1].str(), part[2].str())}, .metrics = {metric, find_metric("excess_bits")}};
+            const measure::sweep::CaseRequest request{.file = &file, .rows = {row(part[1].str(), part[2].str())}, .metrics = {metric, measure::metric::find_metric("excess_bits")}};
             // In the file the numbers are those of the format: rounding to it again must change none.
             for (const auto& group : file.rays(i, request.rows[0].format.shape)) {
                 const auto exact = file.rays(i, binary64).front();
@@ -38,22 +38,22 @@ TEST_CASE("every hard ray measures what its name says") {
                 CHECK(group.rays.dz == exact.rays.dz);
                 CHECK(group.solids[0].numbers == exact.solids[0].numbers);
             }
-            const MapSummary s = run_cases_together(request, 0, {i});
+            const measure::map::MapSummary s = measure::sweep::run_cases_together(request, 0, {i});
             REQUIRE(s.rays == 1);
             if (is_value) {
                 ++values;
-                CHECK(s.count(Outcome::agree_hit) == 1);
+                CHECK(s.count(measure::answer::Outcome::agree_hit) == 1);
                 CHECK(fmt::format("{:.6g}", s.metrics[0].quantile(1)) == part[4].str());
             } else {
                 ++decisions;
-                const auto outcome = std::ranges::find(outcome_names, what);
-                REQUIRE(outcome != outcome_names.end());
-                CHECK(s.outcomes[static_cast<std::size_t>(outcome - outcome_names.begin())] == 1);
+                const auto outcome = std::ranges::find(measure::answer::outcome_names, what);
+                REQUIRE(outcome != measure::answer::outcome_names.end());
+                CHECK(s.outcomes[static_cast<std::size_t>(outcome - measure::answer::outcome_names.begin())] == 1);
             }
         }
         CHECK(rows.size() == file.size());  // a row is named once
         if (file.shape() != Shape::sphere) continue;
-        for (const MapRow& r : all_rows(Shape::sphere, {"f32", "f64"})) {
+        for (const measure::map::MapRow& r : all_rows(Shape::sphere, {"f32", "f64"})) {
             INFO(file.id << " lacks " << r.form->info->name << " in " << r.format.name);
             CHECK(rows.count(std::string(r.form->info->name) + " " + r.format.name) == 1);
         }

@@ -6,6 +6,8 @@
 
 namespace lostbits::testing {
 
+using measure::truth::Certified;
+
 Dyadic::Dyadic(double x) {
     int e = 0;
     m_ = static_cast<std::int64_t>(std::ldexp(std::frexp(x, &e), 53));

@@ -19,7 +19,7 @@ public:
     explicit Dyadic(double x);
     explicit Dyadic(mpfr_srcptr x);
     explicit Dyadic(const Real& x) : Dyadic(x.backend().data()) {}
-    explicit Dyadic(const Certified& x) : Dyadic((Dyadic(x.hi) + Dyadic(x.lo)).scaled(x.exponent)) {}
+    explicit Dyadic(const measure::truth::Certified& x) : Dyadic((Dyadic(x.hi) + Dyadic(x.lo)).scaled(x.exponent)) {}
 
     [[nodiscard]] int sign() const { return m_.sign(); }
     [[nodiscard]] Dyadic scaled(std::int64_t e) const;
@@ -59,12 +59,12 @@ private:
 };
 
 /// (hi + lo ∓ bound)·2^exponent.
-Dyadic lower_end(const Certified& x);
-Dyadic upper_end(const Certified& x);
+Dyadic lower_end(const measure::truth::Certified& x);
+Dyadic upper_end(const measure::truth::Certified& x);
 
 /// Whether t* lies between both ends; the same for the distance.
-bool encloses(const Certified& t, const ExactHit& exact);
-bool encloses_distance(const Certified& distance, const ExactHit& exact);
+bool encloses(const measure::truth::Certified& t, const ExactHit& exact);
+bool encloses_distance(const measure::truth::Certified& distance, const ExactHit& exact);
 
 /// Whether `rounded` is a number x* ≥ 0 rounded to nearest, ties to even, where `side(m)` is the sign of x* − m: x*
 /// lies between the midpoints on either side of `rounded`, and on one of them only where `rounded` is the even

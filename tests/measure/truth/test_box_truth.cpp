@@ -53,13 +53,13 @@ Rational two_to(std::int64_t e) {
 }
 
 /// Whether x lies within the bound of c.
-bool encloses(const Certified& c, const Rational& x) {
+bool encloses(const measure::truth::Certified& c, const Rational& x) {
     const Rational unit = two_to(c.exponent), off = x - (Rational(c.hi) + Rational(c.lo)) * unit;
     return abs(off) <= Rational(c.bound) * unit;
 }
 
 /// The same for x = t·|d|, by squares: (middle − bound)² ≤ x² ≤ (middle + bound)².
-bool encloses_root(const Certified& c, const Rational& squared) {
+bool encloses_root(const measure::truth::Certified& c, const Rational& squared) {
     const Rational unit = two_to(c.exponent), middle = (Rational(c.hi) + Rational(c.lo)) * unit, bound = Rational(c.bound) * unit;
     const Rational low = middle - bound, high = middle + bound;
     return (low.sign() <= 0 || low * low <= squared) && high.sign() >= 0 && squared <= high * high;
@@ -85,13 +85,13 @@ bool contains(const Interval& x, const Rational& q) {
 }
 
 /// What is wrong with the proved answer, or nothing.
-std::string disagreement(const Question& q, Touching convention, Tally& tally) {
+std::string disagreement(const Question& q, intersect::Touching convention, Tally& tally) {
     const BoxSample& s = q.sample;
-    const Span& want = convention == Touching::hit ? q.closed : q.open;
-    const Truth truth = find_truth(s.ray, s.box, {}, convention, s.tmax);
+    const Span& want = convention == intersect::Touching::hit ? q.closed : q.open;
+    const measure::truth::Truth truth = measure::truth::find_truth(s.ray, s.box, {}, convention, s.tmax);
     tally.escalated += truth.bits > 106;
     tally.bits = std::max(tally.bits, truth.bits);
-    if (truth.decision == Truth::Decision::unresolved) return "unresolved";
+    if (truth.decision == measure::truth::Truth::Decision::unresolved) return "unresolved";
     if (truth.is_hit() == want.is_empty()) return truth.is_hit() ? "a hit that fractions miss" : "a miss that fractions hit";
     if (truth.touches != (q.closed.is_empty() != q.open.is_empty())) return "the conventions differ otherwise";
     if (!truth.is_hit()) return truth.object == -1 ? "" : "a miss names an object";
@@ -101,23 +101,23 @@ std::string disagreement(const Question& q, Touching convention, Tally& tally) {
     if (!encloses(truth.t, t)) return "t is not within its bound";
     if (truth.t.is_zero() != (t == 0)) return "t is zero, or is not, wrongly";
     if (!encloses_root(truth.distance, t * t * test::dot(q.exact.direction, q.exact.direction))) return "the distance is not within its bound";
-    if (truth.t.bound > certified_tightness * std::fabs(truth.t.hi)) return "t is not tight";
+    if (truth.t.bound > measure::truth::certified_tightness * std::fabs(truth.t.hi)) return "t is not tight";
     for (const FloatFormat& f : {binary64, binary32, binary16}) {
-        if (round_truth(truth, s.ray, s.box, f) != rounded(t, f)) return "t is not correctly rounded to " + std::to_string(f.precision) + " bits";
-        tally.straddled += !round_certified(truth.t, f);
+        if (measure::truth::round_truth(truth, s.ray, s.box, f) != rounded(t, f)) return "t is not correctly rounded to " + std::to_string(f.precision) + " bits";
+        tally.straddled += !measure::truth::round_certified(truth.t, f);
     }
     return "";
 }
 
 /// Too few bits may leave open, and must not get wrong: the inputs themselves are intervals at these precisions.
-std::string contradiction(const Question& q, Touching convention, Tally& tally) {
+std::string contradiction(const Question& q, intersect::Touching convention, Tally& tally) {
     const BoxSample& s = q.sample;
-    const Span& want = convention == Touching::hit ? q.closed : q.open;
+    const Span& want = convention == intersect::Touching::hit ? q.closed : q.open;
     for (const long bits : {6, 20, 53, 120}) {
         const Interval::Precision precision(bits);
-        const Box<Interval> box{lift_vec<Interval>(s.box.lo), lift_vec<Interval>(s.box.hi)};
+        const Box<Interval> box{measure::truth::lift_vec<Interval>(s.box.lo), measure::truth::lift_vec<Interval>(s.box.hi)};
         const Interval end(std::isinf(s.tmax) ? 0.0 : s.tmax);
-        const auto e = enclose(lift_ray<Interval>(s.ray), box, std::isinf(s.tmax) ? nullptr : &end, convention);
+        const auto e = measure::truth::enclose(measure::truth::lift_ray<Interval>(s.ray), box, std::isinf(s.tmax) ? nullptr : &end, convention);
         ++tally.asked_low;
         tally.decided_low += !e.hit.is_unknown();
         const std::string at = " at " + std::to_string(bits) + " bits";
@@ -138,7 +138,7 @@ void check(const BoxFamily& family, const FloatFormat& storage, std::uint64_t se
         const BoxSample s = family.make(rng, storage);
         const Question q(s);
         std::string what = keeps(family.promise, q) ? "" : "the generator missed its aim";
-        for (const Touching convention : {Touching::hit, Touching::miss}) {
+        for (const intersect::Touching convention : {intersect::Touching::hit, intersect::Touching::miss}) {
             if (what.empty()) what = disagreement(q, convention, tally);
             if (what.empty() && i % 4 == 0) what = contradiction(q, convention, tally);
         }
@@ -173,11 +173,11 @@ TEST_CASE("truth of boxes agrees with fractions on binary64 inputs", "[box][bina
 
 TEST_CASE("a ray without length, and one that ends before it starts", "[box]") {
     const Box<double> box{Vec<double>(-1), Vec<double>(1)};
-    const auto shoot = [&](double x, double tmax, Touching convention) {
-        return find_truth({{x, 0, 0}, {1, 0, 0}}, box, {}, convention, tmax).is_hit();
+    const auto shoot = [&](double x, double tmax, intersect::Touching convention) {
+        return measure::truth::find_truth({{x, 0, 0}, {1, 0, 0}}, box, {}, convention, tmax).is_hit();
     };
-    for (const Touching convention : {Touching::hit, Touching::miss}) {
-        const bool closed = convention == Touching::hit;
+    for (const intersect::Touching convention : {intersect::Touching::hit, intersect::Touching::miss}) {
+        const bool closed = convention == intersect::Touching::hit;
         CHECK(shoot(0, 0, convention));                // the origin inside is enough
         CHECK(shoot(-1, 0, convention) == closed);     // on the boundary it is for the closed box alone
         CHECK(shoot(-1, 0x1p-1074, convention));       // the least bit of length is inside
@@ -198,7 +198,7 @@ void check_gradient(const BoxSample& s) {
     const auto vec = [](const Vec<double>& v, std::size_t first) {
         return Vec<D>(D::input(E(v.x), first), D::input(E(v.y), first + 1), D::input(E(v.z), first + 2));
     };
-    const auto e = enclose<D>({vec(s.ray.origin, 0), vec(s.ray.direction, 3)}, {vec(s.box.lo, 6), vec(s.box.hi, 9)}, nullptr, Touching::hit);
+    const auto e = measure::truth::enclose<D>({vec(s.ray.origin, 0), vec(s.ray.direction, 3)}, {vec(s.box.lo, 6), vec(s.box.hi, 9)}, nullptr, intersect::Touching::hit);
     const Span want = ray_in_box(test::exactly(s.ray, s.box, HUGE_VAL), true);
     REQUIRE(e.hit.is_yes() == !want.is_empty());
     if (!e.hit.is_yes()) return;
@@ -232,7 +232,7 @@ TEST_CASE("the enclosed t of a box differentiates", "[box][conditioning]") {
     for (int i = 0; i < 1500; ++i) {
         BoxSample s = box_families[0].make(rng, binary32);
         s.tmax = HUGE_VAL;
-        hits += find_truth(s.ray, s.box, {}, Touching::hit, s.tmax).is_hit();
+        hits += measure::truth::find_truth(s.ray, s.box, {}, intersect::Touching::hit, s.tmax).is_hit();
         check_gradient<Ball>(s);
         const Interval::Precision precision(300);
         check_gradient<Interval>(s);

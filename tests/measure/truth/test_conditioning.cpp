@@ -50,7 +50,7 @@ TEST_CASE("the condition of a head-on ray is (D + t + r)/t") {
         const Ray<double> ray{{0, 0, distance}, {0, 0, -1}};
         const Sphere<double> sphere{{0, 0, 0}, 1};
         const double t = distance - 1;
-        CHECK(condition(ray, sphere) == Approx((distance + t + 1) / t).epsilon(0x1p-19));
+        CHECK(measure::truth::condition(ray, sphere) == Approx((distance + t + 1) / t).epsilon(0x1p-19));
     }
 }
 
@@ -62,14 +62,14 @@ TEST_CASE("towards a tangent the condition grows as one over the cosine, and on 
         const Sphere<double> sphere{{0, 0, 0}, 1};
         // t = 4 − w, w² = (1 − x)(1 + x), which is exact enough in double. Σ|xᵢ∂t| = x²/w + 4 + t + 1/w.
         const double w = std::sqrt((1 - x) * (1 + x)), t = 4 - w;
-        CHECK(condition(ray, sphere) == Approx((x * x / w + 4 + t + 1 / w) / t).epsilon(1e-5));
+        CHECK(measure::truth::condition(ray, sphere) == Approx((x * x / w + 4 + t + 1 / w) / t).epsilon(1e-5));
     }
-    CHECK(std::isinf(condition(Ray<double>{{1, 0, 4}, {0, 0, -1}}, Sphere<double>{{0, 0, 0}, 1})));
+    CHECK(std::isinf(measure::truth::condition(Ray<double>{{1, 0, 4}, {0, 0, -1}}, Sphere<double>{{0, 0, 0}, 1})));
 }
 
 TEST_CASE("on the surface the condition is infinite, for a miss there is none") {
-    CHECK(std::isinf(condition(Ray<double>{{0, 0, 1}, {0, 0, -1}}, Sphere<double>{{0, 0, 0}, 1})));
-    CHECK(std::isnan(condition(Ray<double>{{2, 0, 4}, {0, 0, -1}}, Sphere<double>{{0, 0, 0}, 1})));
+    CHECK(std::isinf(measure::truth::condition(Ray<double>{{0, 0, 1}, {0, 0, -1}}, Sphere<double>{{0, 0, 0}, 1})));
+    CHECK(std::isnan(measure::truth::condition(Ray<double>{{2, 0, 4}, {0, 0, -1}}, Sphere<double>{{0, 0, 0}, 1})));
 }
 
 TEST_CASE("the condition agrees with central differences at 1024 bits") {
@@ -81,12 +81,12 @@ TEST_CASE("the condition agrees with central differences at 1024 bits") {
         const Sphere<double> sphere{{size * near(), size * near(), size * near()}, 0.1 + random.unit()};
         Ray<double> ray{{size * near(), size * near(), size * near()}, {}};
         for (int a = 0; a < 3; ++a) ray.direction[a] = sphere.centre[a] + 0.9 * sphere.radius * near() - ray.origin[a];
-        const Truth truth = find_truth(ray, sphere);
+        const measure::truth::Truth truth = measure::truth::find_truth(ray, sphere);
         if (!truth.is_hit()) continue;
         ++hits;
         const Vec<double> f = ray.origin - sphere.centre;
         inside += f.x * f.x + f.y * f.y + f.z * f.z < sphere.radius * sphere.radius;
-        CHECK(condition(ray, sphere) == Approx(by_differences(ray, sphere)).epsilon(1e-5));
+        CHECK(measure::truth::condition(ray, sphere) == Approx(by_differences(ray, sphere)).epsilon(1e-5));
     }
     CHECK(hits > 2000);
     CHECK(inside > 50);
@@ -96,15 +96,15 @@ TEST_CASE("Real inputs have the condition of the same numbers") {
     const Ray<double> ray{{1.25, -2.5, 6}, {-0.25, 0.5, -1.5}};
     const Sphere<double> sphere{{0.5, -0.75, 1}, 1.5};
     const auto real = [](const Vec<double>& v) { return Vec<Real>(Real(v.x), Real(v.y), Real(v.z)); };
-    CHECK(condition(Ray<Real>{real(ray.origin), real(ray.direction)}, Sphere<Real>{real(sphere.centre), Real(sphere.radius)}) ==
-          Approx(condition(ray, sphere)).epsilon(1e-5));
+    CHECK(measure::truth::condition(Ray<Real>{real(ray.origin), real(ray.direction)}, Sphere<Real>{real(sphere.centre), Real(sphere.radius)}) ==
+          Approx(measure::truth::condition(ray, sphere)).epsilon(1e-5));
 }
 
 TEST_CASE("inherent bits are the lost bits of the envelope max(1/2, kappa/2)") {
-    CHECK(inherent_bits(0.5, 24) == 0);
-    CHECK(inherent_bits(1, 24) == 0);
-    CHECK(inherent_bits(1024, 24) == 10);
-    CHECK(inherent_bits(HUGE_VAL, 24) == 24);
+    CHECK(measure::truth::inherent_bits(0.5, 24) == 0);
+    CHECK(measure::truth::inherent_bits(1, 24) == 0);
+    CHECK(measure::truth::inherent_bits(1024, 24) == 10);
+    CHECK(measure::truth::inherent_bits(HUGE_VAL, 24) == 24);
 }
 
 TEST_CASE("every operation of Dual differentiates as a central difference does") {

@@ -6,10 +6,14 @@
 #include "scene/scene_text.hpp"
 
 namespace lostbits::test {
+
+using intersect::Touching;
+using measure::truth::SphereIndex;
+
 namespace {
 
 /// A flake and a large sphere below it, seen from `eye`.
-scene::Scene flake_scene(int levels, const std::string& eye, const std::string& camera, const std::string& inputs = "shared") {
+scene::file::Scene flake_scene(int levels, const std::string& eye, const std::string& camera, const std::string& inputs = "shared") {
     const scene::test::Folder folder;
     const std::string text = R"(schema = "lostbits-scene/1"
 title = "A test"
@@ -26,7 +30,7 @@ axis = [0.2, 0.9, 0.4]
 centre = [0, -1001.5, 0]
 radius = 1000
 )";
-    return scene::load_scene(folder.write("flake.toml", text)).front();
+    return scene::file::load_scene(folder.write("flake.toml", text)).front();
 }
 
 struct Counts {
@@ -34,14 +38,14 @@ struct Counts {
 };
 
 /// Every sphere form in some formats with and without the index.
-Counts compare(const scene::Scene& scene, std::initializer_list<const char*> formats) {
-    Culler culler(scene);
-    const Band quick(scene, 0, scene.height, {}, &culler), slow(scene, 0, scene.height);
+Counts compare(const scene::file::Scene& scene, std::initializer_list<const char*> formats) {
+    measure::truth::Culler culler(scene);
+    const measure::truth::Band quick(scene, 0, scene.height, {}, &culler), slow(scene, 0, scene.height);
     REQUIRE(culler.for_truth() != nullptr);
     Counts counts;
     for (std::size_t i = 0; i < quick.pixels(); ++i) {
         for (const Touching touching : {Touching::hit, Touching::miss}) {
-            const Truth &a = quick.truth(i, touching), &b = slow.truth(i, touching);
+            const measure::truth::Truth &a = quick.truth(i, touching), &b = slow.truth(i, touching);
             CHECK(a.decision == b.decision);
             CHECK(a.object == b.object);
             CHECK(a.touches == b.touches);
@@ -50,14 +54,14 @@ Counts compare(const scene::Scene& scene, std::initializer_list<const char*> for
     }
     for (const char* name : formats) {
         const Format format = *find_format(name);
-        const FormatInputs in = quick.inputs(format, {.unit_rays = true, .own_truth = true}), all = slow.inputs(format, {.unit_rays = true, .own_truth = true});
+        const measure::truth::FormatInputs in = quick.inputs(format, {.unit_rays = true, .own_truth = true}), all = slow.inputs(format, {.unit_rays = true, .own_truth = true});
         CHECK(all.index == nullptr);
         for (std::size_t i = 0; i < in.own_truth.size(); ++i) CHECK(in.own_truth[i].object == all.own_truth[i].object);
         std::vector<std::uint32_t> found;
         for (std::size_t i = 0; in.index && i < in.rays.size(); ++i, ++counts.rays) counts.few += in.index->candidates(in.rays[i], found);
-        for (const Intersector& form : intersectors(Shape::sphere)) {
+        for (const intersect::table::Intersector& form : intersect::table::intersectors(Shape::sphere)) {
             if (!form.exists_in(format)) continue;
-            const Answers got = evaluate(form, in), want = evaluate(form, all);
+            const measure::truth::Answers got = measure::truth::evaluate(form, in), want = measure::truth::evaluate(form, all);
             INFO(form.info->name << " in " << name);
             CHECK(got.hit == want.hit);
             CHECK(got.object == want.object);
@@ -95,7 +99,7 @@ TEST_CASE("an index of many spheres changes no answer: from inside, along the gr
 }
 
 TEST_CASE("no index where squares leave the format, where spheres are few, or solids no spheres", "[measure][culling]") {
-    const RayBounds bounds{3, 1, 1};
+    const measure::truth::RayBounds bounds{3, 1, 1};
     std::vector<Solid<double>> solids;
     for (int i = 0; i < 100; ++i) solids.emplace_back(Sphere<double>{{0.5 * i, 0, 0}, 0.25});
     const FloatFormat half = find_format("fp16")->shape;

@@ -34,13 +34,13 @@ bool keeps(RayFamily::Promise promise, const ExactHit& exact) {
 std::string disagreement(const RaySample& s, RayFamily::Promise promise, ArbReference& arb, Tally& tally) {
     const ExactHit exact(s.ray, s.sphere);
     if (!keeps(promise, exact)) return "the generator missed its aim";
-    const Truth truth = find_truth(s.ray, s.sphere);
+    const measure::truth::Truth truth = measure::truth::find_truth(s.ray, s.sphere);
     const ArbReference::Answer ball = arb.find(s.ray, s.sphere);
 
     tally.escalated += truth.bits > 106;
     tally.bits = std::max(tally.bits, truth.bits);
     tally.arb_bits = std::max(tally.arb_bits, ball.bits);
-    if (truth.decision == Truth::Decision::unresolved) return "unresolved";
+    if (truth.decision == measure::truth::Truth::Decision::unresolved) return "unresolved";
     if (ball.decision == ArbReference::Decision::undecided) return "Arb did not decide";
     if (truth.is_hit() != exact.hit()) return truth.is_hit() ? "a hit that exact integers miss" : "a miss that exact integers hit";
     if (truth.is_hit() != (ball.decision == ArbReference::Decision::hit)) return "Arb decides otherwise";
@@ -50,14 +50,14 @@ std::string disagreement(const RaySample& s, RayFamily::Promise promise, ArbRefe
     if (truth.object != 0) return "a hit without object";
     if (!encloses(truth.t, exact)) return "t is not within its bound";
     if (!encloses_distance(truth.distance, exact)) return "the distance is not within its bound";
-    if (truth.t.bound > certified_tightness * std::fabs(truth.t.hi)) return "t is not tight";
-    if (truth.distance.bound > certified_tightness * std::fabs(truth.distance.hi)) return "the distance is not tight";
+    if (truth.t.bound > measure::truth::certified_tightness * std::fabs(truth.t.hi)) return "t is not tight";
+    if (truth.distance.bound > measure::truth::certified_tightness * std::fabs(truth.distance.hi)) return "the distance is not tight";
     const auto side = [&](const Dyadic& x) { return exact.side(x); };
     for (const FloatFormat& f : {binary64, binary32, binary16, bfloat16, FloatFormat{52, -1022, 1023}}) {
-        const double rounded = round_truth(truth, s.ray, s.sphere, f);
+        const double rounded = measure::truth::round_truth(truth, s.ray, s.sphere, f);
         if (!is_rounded(rounded, side, f)) return "t is not correctly rounded to " + std::to_string(f.precision) + " bits";
         if (f == binary64 && ball.rounded && rounded != ball.t) return "Arb rounds otherwise";
-        tally.ties += !round_certified(truth.t, f);
+        tally.ties += !measure::truth::round_certified(truth.t, f);
     }
     if (!ball.rounded) return "Arb could not round";
     return "";

@@ -13,6 +13,8 @@
 
 using namespace lostbits;
 using namespace lostbits::output;
+using namespace lostbits::output::diff;
+using namespace lostbits::output::file;
 using namespace lostbits::output::test;
 
 namespace {
@@ -20,9 +22,9 @@ namespace {
 constexpr float inf = std::numeric_limits<float>::infinity();
 constexpr float not_a_number = std::numeric_limits<float>::quiet_NaN();
 
-CsvTable table(const std::string& text) { return parse_csv(text, "t.csv"); }
+output::file::CsvTable table(const std::string& text) { return parse_csv(text, "t.csv"); }
 
-CompareOptions within(std::initializer_list<const char*> tolerances, std::vector<std::string> ignored = {}) {
+output::diff::CompareOptions within(std::initializer_list<const char*> tolerances, std::vector<std::string> ignored = {}) {
     CompareOptions options;
     for (const char* t : tolerances) options.tolerances.push_back(parse_tolerance(t));
     options.ignored = std::move(ignored);
@@ -30,12 +32,12 @@ CompareOptions within(std::initializer_list<const char*> tolerances, std::vector
 }
 
 /// Differences of two tables of one row and one column.
-Comparison cells(const std::string& a, const std::string& b, const CompareOptions& options = {}, const std::string& column = "x") {
+output::diff::Comparison cells(const std::string& a, const std::string& b, const CompareOptions& options = {}, const std::string& column = "x") {
     return compare(table(column + "\n" + csv_field(a) + "\n"), table(column + "\n" + csv_field(b) + "\n"), options);
 }
 
-bool says(const Comparison& c, const std::string& what) {
-    return std::ranges::any_of(c.differences, [&](const Difference& d) { return d.what == what; });
+bool says(const output::diff::Comparison& c, const std::string& what) {
+    return std::ranges::any_of(c.differences, [&](const output::diff::Difference& d) { return d.what == what; });
 }
 
 std::string complaint(const std::string& text) {
@@ -47,7 +49,7 @@ std::string complaint(const std::string& text) {
     return "none";
 }
 
-ExrImage image(std::vector<float> x, std::vector<std::uint32_t> id = {1, 2, 3, 4}) {
+output::image::ExrImage image_of(std::vector<float> x, std::vector<std::uint32_t> id = {1, 2, 3, 4}) {
     return {2, 2, {{"class.id", std::move(id)}, {"err.ulp", std::move(x)}}, {{"lostbits:command", "map"}, {"lostbits:form", "sphere.press"}}};
 }
 
@@ -61,7 +63,7 @@ TEST_CASE("a CSV is read as RFC 4180 and its dialects write it", "[read_csv]") {
     };
     for (const std::string& text : texts) {
         INFO(text);
-        const CsvTable t = table(text);
+        const output::file::CsvTable t = table(text);
         REQUIRE(t.columns.size() == 2);
         CHECK(t.columns[0].name == "name");
         CHECK(t.columns[1].name == "x");
@@ -74,8 +76,8 @@ TEST_CASE("a CSV is read as RFC 4180 and its dialects write it", "[read_csv]") {
     CHECK(table("a,b").rows() == 0);
     CHECK(table("a\n\n\"\"\n").rows() == 2);
     // A table that moves keeps its cells, short as the text may be.
-    CsvTable from = table("a\n7");
-    const CsvTable to = std::move(from);
+    output::file::CsvTable from = table("a\n7");
+    const output::file::CsvTable to = std::move(from);
     CHECK(to.columns[0].cells[0] == "7");
 }
 
@@ -106,19 +108,19 @@ TEST_CASE("what is no CSV is refused with its line", "[read_csv]") {
 
 TEST_CASE("files that are not there and folders are bad input", "[read_csv]") {
     const Scratch folder;
-    CHECK_THROWS_AS(read_csv(folder / "none.csv"), InputError);
-    CHECK_THROWS_AS(read_csv(folder.path()), InputError);
+    CHECK_THROWS_AS(output::file::read_csv(folder / "none.csv"), InputError);
+    CHECK_THROWS_AS(output::file::read_csv(folder.path()), InputError);
     std::ofstream(folder / "empty");
-    CHECK(read_file(folder / "empty").empty());
+    CHECK(output::file::read_file(folder / "empty").empty());
 }
 
 TEST_CASE("what the writer writes, the reader reads", "[read_csv]") {
     const Scratch folder;
-    CsvWriter out(folder / "a.csv", {{"text", "string", "", ""}, {"x", "number", "", ""}});
+    output::file::CsvWriter out(folder / "a.csv", {{"text", "string", "", ""}, {"x", "number", "", ""}});
     out.row({"a \"b\", c\r\nd", 0.1});
-    out.row({Cell(), Cell()});
+    out.row({output::file::Cell(), Cell()});
     out.close();
-    const CsvTable t = read_csv(folder / "a.csv");
+    const output::file::CsvTable t = read_csv(folder / "a.csv");
     CHECK((t.columns[0].cells == std::vector<std::string_view>{"a \"b\", c\r\nd", ""}));
     CHECK((t.columns[1].cells == std::vector<std::string_view>{"0.1", ""}));
 }
@@ -126,25 +128,25 @@ TEST_CASE("what the writer writes, the reader reads", "[read_csv]") {
 TEST_CASE("a cell's value is exact and does not depend on how it is written", "[read_csv]") {
     for (const char* same : {"1000", "1e3", "1000.0", "+1E+03", "0001000", "0x1.f4p+9", "0X3E8", "10000e-1"}) {
         INFO(same);
-        CHECK(read_cell(same) == read_cell("1000"));
+        CHECK(output::file::read_cell(same) == read_cell("1000"));
         CHECK(read_cell(same).approximate() == 1000);
     }
-    CHECK(read_cell("0x1.8p-1074") == read_cell("0x3p-1075"));
-    CHECK(read_cell(decimal(0x1p-20)) == read_cell(hex(0x1p-20)));
+    CHECK(output::file::read_cell("0x1.8p-1074") == read_cell("0x3p-1075"));
+    CHECK(read_cell(output::file::decimal(0x1p-20)) == read_cell(output::file::hex(0x1p-20)));
     CHECK_FALSE(read_cell("0.1") == read_cell(hex(0.1)));
     CHECK(read_cell("0.1000000000000000055511151231257827021181583404541015625") == read_cell(hex(0.1)));
     CHECK_FALSE(read_cell("9007199254740993") == read_cell("9007199254740992"));
     CHECK_FALSE(read_cell("0") == read_cell("-0"));
     CHECK_FALSE(read_cell("1") == read_cell("-1"));
     CHECK_FALSE(read_cell("1") == read_cell("10"));
-    CHECK(read_cell("1e-2000").kind == CellValue::Kind::number);
+    CHECK(read_cell("1e-2000").kind == output::file::CellValue::Kind::number);
     CHECK(read_cell("-0x0p+0").negative);
-    for (const char* nan : {"nan", "NaN", "-nan"}) CHECK(read_cell(nan).kind == CellValue::Kind::nan);
-    for (const char* word : {"inf", "-Infinity", "+INF"}) CHECK(read_cell(word).kind == CellValue::Kind::infinity);
-    CHECK(read_cell("").kind == CellValue::Kind::missing);
+    for (const char* nan : {"nan", "NaN", "-nan"}) CHECK(read_cell(nan).kind == output::file::CellValue::Kind::nan);
+    for (const char* word : {"inf", "-Infinity", "+INF"}) CHECK(read_cell(word).kind == output::file::CellValue::Kind::infinity);
+    CHECK(read_cell("").kind == output::file::CellValue::Kind::missing);
     for (const char* text : {"-", ".", "e3", "1e", "1e+-3", "1 ", " 1", "1,5", "0x", "0x1p", "nano", "infinit", "1e99999999999", "1f", "--1"}) {
         INFO(text);
-        CHECK(read_cell(text).kind == CellValue::Kind::text);
+        CHECK(read_cell(text).kind == output::file::CellValue::Kind::text);
     }
 }
 
@@ -168,7 +170,7 @@ TEST_CASE("NaN, infinities, nothing and text are never forgiven", "[difference]"
     for (const char* a : kinds) {
         for (const char* b : kinds) {
             INFO('"' << a << "\" \"" << b << '"');
-            const Comparison c = cells(a, b, generous);
+            const output::diff::Comparison c = cells(a, b, generous);
             CHECK(c.same() == (std::string_view(a) == b));
             CHECK(c.columns[0].kinds == (c.same() ? 0 : 1));
             CHECK(c.columns[0].absolute.at.empty());
@@ -205,17 +207,17 @@ TEST_CASE("hex twins are exact text unless a tolerance names them", "[difference
 TEST_CASE("a tolerance that is none is refused", "[difference]") {
     for (const char* bad : {"x", "=1", "x=", "x=-1", "x=nan", "x=inf", "x=1,", "x=1,-2", "x=1,2,3", "x=1e"}) {
         INFO(bad);
-        CHECK_THROWS_AS(parse_tolerance(bad), InputError);
+        CHECK_THROWS_AS(output::diff::parse_tolerance(bad), InputError);
     }
-    const Tolerance t = parse_tolerance("a=b=0.5,1e-3");
+    const output::diff::Tolerance t = parse_tolerance("a=b=0.5,1e-3");
     CHECK(t.column == "a=b");
     CHECK(t.absolute.approximate() == 0.5);
     CHECK(t.relative.approximate() == 1e-3);
 }
 
 TEST_CASE("headers: missing, added and moved columns, and the rest compared by name", "[difference]") {
-    const CsvTable a = table("a,b,c,d,e\n1,2,3,4,5\n");
-    const Comparison c = compare(a, table("a,c,d,b,f\n1,3,9,2,6\n"), {});
+    const output::file::CsvTable a = table("a,b,c,d,e\n1,2,3,4,5\n");
+    const output::diff::Comparison c = compare(a, table("a,c,d,b,f\n1,3,9,2,6\n"), {});
     CHECK(c.count == 4);
     CHECK(says(c, "column e is missing in the second"));
     CHECK(says(c, "column f is added in the second"));
@@ -228,7 +230,7 @@ TEST_CASE("headers: missing, added and moved columns, and the rest compared by n
 }
 
 TEST_CASE("rows are matched by position, and their number counts", "[difference]") {
-    const Comparison c = compare(table("x\n1\n2\n3\n"), table("x\n1\n5\n"), {});
+    const output::diff::Comparison c = compare(table("x\n1\n2\n3\n"), table("x\n1\n5\n"), {});
     CHECK(c.count == 2);
     CHECK(says(c, "rows: 3 != 2; the first 2 are compared"));
     CHECK(says(c, "x: 2 != 5 (abs 3, rel 0.6)"));
@@ -236,7 +238,7 @@ TEST_CASE("rows are matched by position, and their number counts", "[difference]
 }
 
 TEST_CASE("lines are those of the first file, text is shown on one line", "[difference]") {
-    const Comparison c = compare(table("t,x\n\"a\nb\",1\nc,2\n"), table("t,x\n\"a\nB\",1\nc,\n"), {});
+    const output::diff::Comparison c = compare(table("t,x\n\"a\nb\",1\nc,2\n"), table("t,x\n\"a\nB\",1\nc,\n"), {});
     REQUIRE(c.count == 2);
     CHECK(c.differences[0].line == 2);
     CHECK(c.differences[0].what == "t: \"a\\nb\" != \"a\\nB\"");
@@ -250,10 +252,10 @@ TEST_CASE("the largest differences and their places, and no more lines than aske
         a += std::to_string(i) + ",0\n";
         b += std::to_string(i == 30 ? 90 : i + 1) + ",0\n";
     }
-    CompareOptions options;
+    output::diff::CompareOptions options;
     for (const std::uint64_t most : {0, 20, 50, 60}) {
         options.most = most;
-        const Comparison c = compare(table(a), table(b), options);
+        const output::diff::Comparison c = compare(table(a), table(b), options);
         CHECK(c.count == 50);
         CHECK(c.differences.size() == std::min<std::uint64_t>(most, 50));
         REQUIRE(c.columns.size() == 2);
@@ -265,7 +267,7 @@ TEST_CASE("the largest differences and their places, and no more lines than aske
         CHECK(c.columns[1].absolute.at.empty());
     }
     // What is tolerated is measured all the same.
-    const Comparison c = compare(table(a), table(b), within({"x=60"}));
+    const output::diff::Comparison c = compare(table(a), table(b), within({"x=60"}));
     CHECK(c.same());
     CHECK(c.columns[0].absolute.value == 60);
     // Neither leaves the range of a double, nor vanishes in it.
@@ -276,49 +278,49 @@ TEST_CASE("the largest differences and their places, and no more lines than aske
 TEST_CASE("EXR samples compare bit by bit, any NaN equals any, and a tolerance is for floats", "[difference]") {
     const float payload = std::bit_cast<float>(0x7FC01234u);
     REQUIRE(std::isnan(payload));
-    CHECK(compare(image({1, not_a_number, inf, 0}), image({1, payload, inf, 0}), {}).same());
-    const Comparison c = compare(image({1, 2, 3, 4}), image({1, 2, 3.5, 4}), {});
+    CHECK(compare(image_of({1, not_a_number, inf, 0}), image_of({1, payload, inf, 0}), {}).same());
+    const output::diff::Comparison c = compare(image_of({1, 2, 3, 4}), image_of({1, 2, 3.5, 4}), {});
     REQUIRE(c.count == 1);
     CHECK(c.differences[0].what == "err.ulp at 0,1: 3 != 3.5 (abs 0.5, rel 0.1429)");
     CHECK(c.columns[1].absolute.at == "0,1");
     const auto half = within({"err.*=0.5"});
-    CHECK(compare(image({1, 2, 3, 0.0F}), image({1, 2, 3.5, -0.0F}), half).same());
-    CHECK(compare(image({1, 2, 3, 0.0F}), image({1, 2, 3, -0.0F}), {}).count == 1);
-    CHECK(compare(image({1, 2, 3, 4}), image({1, 2, 3.75, 4}), half).count == 1);
-    CHECK(compare(image({1, 2, 3, 4}), image({1, 2, 3.75, 4}), within({"err.*=0,0.25"})).same());
+    CHECK(compare(image_of({1, 2, 3, 0.0F}), image_of({1, 2, 3.5, -0.0F}), half).same());
+    CHECK(compare(image_of({1, 2, 3, 0.0F}), image_of({1, 2, 3, -0.0F}), {}).count == 1);
+    CHECK(compare(image_of({1, 2, 3, 4}), image_of({1, 2, 3.75, 4}), half).count == 1);
+    CHECK(compare(image_of({1, 2, 3, 4}), image_of({1, 2, 3.75, 4}), within({"err.*=0,0.25"})).same());
     const auto generous = within({"*=1e30,1e30"});
     for (const float other : {inf, -inf, not_a_number}) {
-        CHECK(compare(image({1, 2, 3, 4}), image({1, 2, other, 4}), generous).columns[1].kinds == 1);
-        CHECK(compare(image({1, 2, other, 4}), image({1, 2, 3, 4}), generous).count == 1);
+        CHECK(compare(image_of({1, 2, 3, 4}), image_of({1, 2, other, 4}), generous).columns[1].kinds == 1);
+        CHECK(compare(image_of({1, 2, other, 4}), image_of({1, 2, 3, 4}), generous).count == 1);
     }
-    CHECK(compare(image({inf, 0, 0, 0}), image({-inf, 0, 0, 0}), generous).count == 1);
-    const Comparison codes = compare(image({1, 2, 3, 4}), image({1, 2, 3, 4}, {1, 7, 3, 4}), generous);
+    CHECK(compare(image_of({inf, 0, 0, 0}), image_of({-inf, 0, 0, 0}), generous).count == 1);
+    const output::diff::Comparison codes = compare(image_of({1, 2, 3, 4}), image_of({1, 2, 3, 4}, {1, 7, 3, 4}), generous);
     REQUIRE(codes.count == 1);
     CHECK(codes.differences[0].what == "class.id at 1,0: 2 != 7");
-    CHECK(compare(image({1, 2, 3, 4}), image({1, 2, 3, 4}, {1, 7, 3, 4}), within({}, {"class.*"})).same());
+    CHECK(compare(image_of({1, 2, 3, 4}), image_of({1, 2, 3, 4}, {1, 7, 3, 4}), within({}, {"class.*"})).same());
 }
 
 TEST_CASE("EXR sizes, channels, types and attributes", "[difference]") {
-    const ExrImage a = image({1, 2, 3, 4});
-    ExrImage b = image({9, 2, 3, 4});
+    const output::image::ExrImage a = image_of({1, 2, 3, 4});
+    output::image::ExrImage b = image_of({9, 2, 3, 4});
     b.width = 4, b.height = 1;
     CHECK(says(compare(a, b, {}), "size: 2x2 != 4x1"));
     CHECK(compare(a, b, {}).count == 1);
 
-    b = image({1, 2, 3, 4});
+    b = image_of({1, 2, 3, 4});
     b.channels[1].name = "err.other";
-    const Comparison renamed = compare(a, b, {});
+    const output::diff::Comparison renamed = compare(a, b, {});
     CHECK(renamed.count == 2);
     CHECK(says(renamed, "channel err.ulp is missing in the second"));
     CHECK(says(renamed, "channel err.other is added in the second"));
     CHECK((renamed.names == std::vector<std::string>{"class.id", "err.ulp", "err.other"}));
     CHECK(compare(a, b, within({}, {"err.*"})).same());
 
-    b = image({1, 2, 3, 4});
+    b = image_of({1, 2, 3, 4});
     b.channels[1].samples = std::vector<std::uint32_t>{1, 2, 3, 4};
     CHECK(says(compare(a, b, within({"*=9"})), "channel err.ulp: type f32 != u32"));
 
-    b = image({1, 2, 3, 4});
+    b = image_of({1, 2, 3, 4});
     b.attributes = {{"lostbits:command", "another"}, {"lostbits:compiler", "another"}, {"lostbits:form", "sphere.press"}};
     CHECK(compare(a, b, {}).same());
     b.attributes.back().second = "sphere.unified";
@@ -328,17 +330,17 @@ TEST_CASE("EXR sizes, channels, types and attributes", "[difference]") {
 }
 
 TEST_CASE("PNG pixels and other bytes", "[difference]") {
-    const PngImage a{2, 1, {{1, 2, 3}, {4, 5, 6}}};
+    const output::image::PngImage a{2, 1, {{1, 2, 3}, {4, 5, 6}}};
     CHECK(compare(a, a, {}).same());
-    const Comparison c = compare(a, {2, 1, {{1, 2, 3}, {4, 5, 57}}}, {});
+    const output::diff::Comparison c = compare(a, {2, 1, {{1, 2, 3}, {4, 5, 57}}}, {});
     REQUIRE(c.count == 1);
     CHECK(c.differences[0].what == "pixel at 1,0: 4,5,6 != 4,5,57");
     CHECK(c.columns[0].absolute.value == 51);
     CHECK(c.columns[0].relative.value == Approx(0.2));
     CHECK(says(compare(a, {1, 2, a.pixels}, {}), "size: 2x1 != 1x2"));
 
-    CHECK(compare_bytes("abc", "abc").same());
-    const Comparison bytes = compare_bytes("a\nbc", "a\nbx!");
+    CHECK(output::diff::compare_bytes("abc", "abc").same());
+    const output::diff::Comparison bytes = compare_bytes("a\nbc", "a\nbx!");
     REQUIRE(bytes.count == 1);
     CHECK(bytes.differences[0].line == 2);
     CHECK(bytes.differences[0].what == "bytes differ from byte 3 on; 4 != 5 bytes in all");

@@ -12,6 +12,7 @@
 
 using namespace lostbits;
 using namespace lostbits::output;
+using namespace lostbits::output::file;
 using namespace lostbits::output::test;
 
 namespace {
@@ -33,7 +34,7 @@ bool contains(const std::string& text, const std::string& part) { return text.fi
 
 TEST_CASE("a file has its final name only after commit", "[atomic_file]") {
     const Scratch folder;
-    AtomicFile file(folder / "a.csv");
+    output::file::AtomicFile file(folder / "a.csv");
     REQUIRE(folder.entries() == 1);
     file.write("one,");
     file.write("two\n");
@@ -48,14 +49,14 @@ TEST_CASE("a file has its final name only after commit", "[atomic_file]") {
 
 TEST_CASE("an abandoned file leaves the old one as it was", "[atomic_file]") {
     const Scratch folder;
-    { AtomicFile(folder / "a").write("lost"); }
+    { output::file::AtomicFile(folder / "a").write("lost"); }
     REQUIRE(folder.entries() == 0);
     {
-        AtomicFile file(folder / "a");
+        output::file::AtomicFile file(folder / "a");
         file.write("old");
         file.commit();
     }
-    { AtomicFile(folder / "a").write("new, cut short"); }
+    { output::file::AtomicFile(folder / "a").write("new, cut short"); }
     REQUIRE(slurp(folder / "a") == "old");
     REQUIRE(folder.entries() == 1);
 }
@@ -63,7 +64,7 @@ TEST_CASE("an abandoned file leaves the old one as it was", "[atomic_file]") {
 TEST_CASE("seek overwrites across the buffer's edge and tell follows", "[atomic_file]") {
     const Scratch folder;
     std::string expected(600000, 'x');
-    AtomicFile file(folder / "a");
+    output::file::AtomicFile file(folder / "a");
     file.write(expected);
     REQUIRE(file.tell() == 600000);
     for (const std::int64_t at : {0, 262143, 599998}) {
@@ -79,7 +80,7 @@ TEST_CASE("seek overwrites across the buffer's edge and tell follows", "[atomic_
 
 TEST_CASE("missing folders are made, and what cannot be written is refused at once", "[atomic_file]") {
     const Scratch folder;
-    AtomicFile(folder / "x/y/z.csv").commit();
+    output::file::AtomicFile(folder / "x/y/z.csv").commit();
     REQUIRE(fs::exists(folder / "x/y/z.csv"));
 
     const auto a_folder = refusal([&] { AtomicFile(folder / "x"); });
@@ -96,14 +97,14 @@ TEST_CASE("missing folders are made, and what cannot be written is refused at on
 
 TEST_CASE("an unwritable folder or file is refused before any work", "[atomic_file]") {
     const Scratch folder;
-    { AtomicFile(folder / "mine").commit(); }
+    { output::file::AtomicFile(folder / "mine").commit(); }
     ::chmod((folder / "mine").c_str(), 0444);
     ::chmod(folder.path().c_str(), 0555);
     const int answer = in_child([&] {
         if (::getuid() == 0 && ::setuid(65534) != 0) return 9;  // permissions do not bind root
-        if (!contains(refusal([&] { AtomicFile(folder / "a"); }), "a: cannot create: Permission denied; ")) return 1;
-        if (!contains(refusal([&] { AtomicFile(folder / "s/a"); }), "cannot create the folder: Permission")) return 2;
-        if (!contains(refusal([&] { AtomicFile(folder / "mine"); }), "cannot overwrite: Permission denied")) return 3;
+        if (!contains(refusal([&] { output::file::AtomicFile(folder / "a"); }), "a: cannot create: Permission denied; ")) return 1;
+        if (!contains(refusal([&] { output::file::AtomicFile(folder / "s/a"); }), "cannot create the folder: Permission")) return 2;
+        if (!contains(refusal([&] { output::file::AtomicFile(folder / "mine"); }), "cannot overwrite: Permission denied")) return 3;
         return 0;
     });
     ::chmod(folder.path().c_str(), 0755);
@@ -115,11 +116,11 @@ TEST_CASE("a full disk is reported and leaves nothing", "[atomic_file]") {
     const Scratch folder;
     const auto fill = [&](std::size_t bytes) {
         return in_child([&] {
-            ignore_file_size_signal();
+            output::file::ignore_file_size_signal();
             const rlimit limit{100000, 100000};
             ::setrlimit(RLIMIT_FSIZE, &limit);
             const std::string message = refusal([&] {
-                AtomicFile file(folder / "big");
+                output::file::AtomicFile file(folder / "big");
                 file.write(std::string(bytes, 'x'));
                 file.commit();
             });
@@ -140,13 +141,13 @@ TEST_CASE("a full disk is reported and leaves nothing", "[atomic_file]") {
 
 TEST_CASE("a device is written in place, never replaced", "[atomic_file]") {
     const std::string message = refusal([] {
-        AtomicFile file("/dev/full");
+        output::file::AtomicFile file("/dev/full");
         file.write("x");
         file.commit();
     });
     REQUIRE(message == "/dev/full: cannot write: No space left on device; free space or choose another -o");
     REQUIRE(fs::is_character_file("/dev/full"));
-    AtomicFile null("/dev/null");
+    output::file::AtomicFile null("/dev/null");
     null.write("x");
     null.commit();
     REQUIRE(fs::is_character_file("/dev/null"));
@@ -154,9 +155,9 @@ TEST_CASE("a device is written in place, never replaced", "[atomic_file]") {
 
 TEST_CASE("a symbolic link stays and its target is replaced", "[atomic_file]") {
     const Scratch folder;
-    { AtomicFile(folder / "real/target").commit(); }
+    { output::file::AtomicFile(folder / "real/target").commit(); }
     fs::create_symlink("real/target", folder / "link");
-    AtomicFile file(folder / "link");
+    output::file::AtomicFile file(folder / "link");
     file.write("new");
     file.commit();
     REQUIRE(fs::is_symlink(folder / "link"));
@@ -166,7 +167,7 @@ TEST_CASE("a symbolic link stays and its target is replaced", "[atomic_file]") {
 TEST_CASE("what a dead process of the same id left is replaced; a second live writer is refused", "[atomic_file]") {
     const Scratch folder;
     { std::ofstream(folder / (".a.partial-" + std::to_string(::getpid()))) << "stale and longer than the new text"; }
-    AtomicFile file(folder / "a");
+    output::file::AtomicFile file(folder / "a");
     file.write("new");
     REQUIRE_THROWS_AS(AtomicFile(folder / "a"), std::logic_error);
     file.commit();
@@ -177,8 +178,8 @@ TEST_CASE("what a dead process of the same id left is replaced; a second live wr
 TEST_CASE("a signal handler removes the partial files and keeps the finished ones", "[atomic_file]") {
     const Scratch folder;
     const int answer = in_child([&] {
-        std::signal(SIGTERM, [](int) { remove_partial_files(); ::_exit(42); });
-        AtomicFile finished(folder / "finished");
+        std::signal(SIGTERM, [](int) { output::file::remove_partial_files(); ::_exit(42); });
+        output::file::AtomicFile finished(folder / "finished");
         finished.commit();
         std::vector<std::unique_ptr<AtomicFile>> files;
         for (int i = 0; i < 200; ++i) files.push_back(std::make_unique<AtomicFile>(folder / std::to_string(i)));
@@ -193,9 +194,9 @@ TEST_CASE("a signal handler removes the partial files and keeps the finished one
 
 TEST_CASE("commit after the signal handler ran says interrupted", "[atomic_file]") {
     const Scratch folder;
-    AtomicFile file(folder / "a");
+    output::file::AtomicFile file(folder / "a");
     file.write("x");
-    remove_partial_files();
+    output::file::remove_partial_files();
     REQUIRE_THROWS_AS(file.commit(), Interrupted);
     REQUIRE(folder.entries() == 0);
 }
@@ -206,7 +207,7 @@ TEST_CASE("the limit on open files rises to the hard one", "[atomic_file]") {
         ::getrlimit(RLIMIT_NOFILE, &limit);
         limit.rlim_cur = 64;
         ::setrlimit(RLIMIT_NOFILE, &limit);
-        raise_open_file_limit();
+        output::file::raise_open_file_limit();
         rlimit after{};
         ::getrlimit(RLIMIT_NOFILE, &after);
         return after.rlim_cur == limit.rlim_max && after.rlim_cur > 64 ? 0 : 1;

@@ -13,6 +13,7 @@
 #include "output/scratch.hpp"
 
 using namespace lostbits::output;
+using namespace lostbits::output::file;
 using namespace lostbits::output::test;
 
 namespace {
@@ -21,7 +22,7 @@ constexpr double not_a_number = std::numeric_limits<double>::quiet_NaN();
 }  // namespace
 
 TEST_CASE("decimals are the shortest that read back", "[number_text]") {
-    CHECK(decimal(0.1) == "0.1");
+    CHECK(lostbits::output::file::decimal(0.1) == "0.1");
     CHECK(decimal(0.1f) == "0.1");
     CHECK(decimal(static_cast<double>(0.1f)) == "0.10000000149011612");
     CHECK(decimal(4100.0) == "4100");
@@ -35,7 +36,7 @@ TEST_CASE("decimals are the shortest that read back", "[number_text]") {
 }
 
 TEST_CASE("hex floats are exact and in C's form", "[number_text]") {
-    CHECK(hex(3.0) == "0x1.8p+1");
+    CHECK(lostbits::output::file::hex(3.0) == "0x1.8p+1");
     CHECK(hex(-0.0) == "-0x0p+0");
     CHECK(hex(0.0) == "0x0p+0");
     CHECK(hex(-4097.0) == "-0x1.001p+12");
@@ -48,16 +49,16 @@ TEST_CASE("every bit pattern reads back from its text", "[number_text]") {
     for (int i = 0; i < 20000; ++i) {
         const double d = std::bit_cast<double>(i < 64 ? std::uint64_t{1} << i : random());
         if (std::isfinite(d)) {
-            const std::string text = decimal(d);
+            const std::string text = lostbits::output::file::decimal(d);
             double back = 0;
             std::from_chars(text.data(), text.data() + text.size(), back);
             REQUIRE(std::bit_cast<std::uint64_t>(back) == std::bit_cast<std::uint64_t>(d));
-            REQUIRE(std::bit_cast<std::uint64_t>(std::strtod(hex(d).c_str(), nullptr)) ==
+            REQUIRE(std::bit_cast<std::uint64_t>(std::strtod(lostbits::output::file::hex(d).c_str(), nullptr)) ==
                     std::bit_cast<std::uint64_t>(d));
         }
         const float f = std::bit_cast<float>(i < 32 ? 1u << i : static_cast<std::uint32_t>(random()));
         if (std::isfinite(f)) {
-            const std::string text = decimal(f);
+            const std::string text = lostbits::output::file::decimal(f);
             float back = 0;
             std::from_chars(text.data(), text.data() + text.size(), back);
             REQUIRE(std::bit_cast<std::uint32_t>(back) == std::bit_cast<std::uint32_t>(f));
@@ -67,13 +68,13 @@ TEST_CASE("every bit pattern reads back from its text", "[number_text]") {
 
 TEST_CASE("a CSV file has exactly these bytes", "[csv]") {
     const Scratch folder;
-    CsvWriter csv(folder / "t.csv", {{"form", "string", "", "the form"},
+    lostbits::output::file::CsvWriter csv(folder / "t.csv", {{"form", "string", "", "the form"},
                                      {"rays", "integer", "", "rays"},
                                      {"ulp_error_max", "number", "ulp", "worst"},
                                      {"ok", "boolean", "", "whether it holds"}});
     csv.row({"plain", 3, 0.1, true});
     csv.row({"comma, \"quote\"", std::uint64_t{18446744073709551615u}, 0.1f, false});
-    csv.row({"line\nbreak\r", -4, not_a_number, Cell()});
+    csv.row({"line\nbreak\r", -4, not_a_number, lostbits::output::file::Cell()});
     csv.add("\xC3\xA9").add(Cell()).add(-inf).add(true).end_row();
     csv.row({"bad \xFF\xC0\x80 utf-8", 0, 7, false});
     REQUIRE_FALSE(fs::exists(folder / "t.csv"));
@@ -89,8 +90,8 @@ TEST_CASE("a CSV file has exactly these bytes", "[csv]") {
 
 TEST_CASE("a lone missing cell is not a blank line", "[csv]") {
     const Scratch folder;
-    CsvWriter csv(folder / "t.csv", {{"only", "number", "", ""}});
-    csv.row({Cell()});
+    lostbits::output::file::CsvWriter csv(folder / "t.csv", {{"only", "number", "", ""}});
+    csv.row({lostbits::output::file::Cell()});
     csv.row({1});
     csv.close();
     CHECK(slurp(folder / "t.csv") == "only\n\"\"\n1\n");
@@ -98,7 +99,7 @@ TEST_CASE("a lone missing cell is not a blank line", "[csv]") {
 
 TEST_CASE("wrong rows are faults of the program", "[csv]") {
     const Scratch folder;
-    CsvWriter csv(folder / "t.csv", {{"a", "integer", "", ""}, {"b", "number", "", ""}});
+    lostbits::output::file::CsvWriter csv(folder / "t.csv", {{"a", "integer", "", ""}, {"b", "number", "", ""}});
     CHECK_THROWS_AS(csv.add("text"), std::logic_error);
     CHECK_THROWS_AS(csv.add(1.5), std::logic_error);
     csv.add(1);
@@ -114,7 +115,7 @@ TEST_CASE("wrong rows are faults of the program", "[csv]") {
 
 TEST_CASE("UTF-8 is kept and anything else replaced", "[csv]") {
     const std::string good = "a\xC2\x80\xE0\xA0\x80\xEF\xBF\xBF\xF0\x90\x80\x80\xF4\x8F\xBF\xBF";
-    CHECK(valid_utf8(good) == good);
+    CHECK(lostbits::output::file::valid_utf8(good) == good);
     const std::string mark = "\xEF\xBF\xBD";
     CHECK(valid_utf8("\xC1\xBF") == mark + mark);                  // overlong
     CHECK(valid_utf8("\xED\xA0\x80") == mark + mark + mark);       // surrogate
@@ -124,11 +125,11 @@ TEST_CASE("UTF-8 is kept and anything else replaced", "[csv]") {
 
 TEST_CASE("a data package describes its columns", "[datapackage]") {
     const Scratch folder;
-    const std::vector<DataResource> resources{
+    const std::vector<lostbits::output::file::DataResource> resources{
         {"Scene A/summary.csv", "One row a form", {{"form", "string", "", "the form"},
                                                     {"lost_bits_max", "number", "bits", "worst \xFF pixel"},
                                                     {"ok", "boolean", "", "holds"}}}};
-    write_datapackage(folder / "datapackage.json", "Map of A", resources);
+    lostbits::output::file::write_datapackage(folder / "datapackage.json", "Map of A", resources);
     write_datapackage(folder / "again.json", "Map of A", resources);
     const std::string text = slurp(folder / "datapackage.json");
     CHECK(text == slurp(folder / "again.json"));

@@ -10,12 +10,12 @@
 
 namespace lostbits::output::test {
 
-inline Rgb8 pixel(const PngImage& image, int x, int y) { return image.pixels[static_cast<std::size_t>(y * image.width + x)]; }
+inline output::image::Rgb8 pixel(const output::image::PngImage& image, int x, int y) { return image.pixels[static_cast<std::size_t>(y * image.width + x)]; }
 
-inline std::int64_t count_of(const PngImage& image, Rgb8 colour) { return std::ranges::count(image.pixels, colour); }
+inline std::int64_t count_of(const output::image::PngImage& image, output::image::Rgb8 colour) { return std::ranges::count(image.pixels, colour); }
 
 /// The top left corner of the first rectangle of that size and colour, line by line.
-inline std::optional<std::pair<int, int>> find_block(const PngImage& image, Rgb8 colour, int width, int height) {
+inline std::optional<std::pair<int, int>> find_block(const output::image::PngImage& image, output::image::Rgb8 colour, int width, int height) {
     const auto all = [&](int x0, int y0) {
         for (int y = y0; y < y0 + height; ++y) {
             for (int x = x0; x < x0 + width; ++x) {
@@ -32,12 +32,12 @@ inline std::optional<std::pair<int, int>> find_block(const PngImage& image, Rgb8
     return std::nullopt;
 }
 
-inline bool rim_is_blank(const PngImage& image) {
-    const int rim = style::margin - 1;
+inline bool rim_is_blank(const output::image::PngImage& image) {
+    const int rim = image::style::margin - 1;
     for (int y = 0; y < image.height; ++y) {
         for (int x = 0; x < image.width; ++x) {
             const bool inside = x >= rim && y >= rim && x < image.width - rim && y < image.height - rim;
-            if (!inside && pixel(image, x, y) != style::page) return false;
+            if (!inside && pixel(image, x, y) != image::style::page) return false;
         }
     }
     return true;

@@ -14,15 +14,16 @@
 
 using namespace lostbits;
 using namespace lostbits::output;
+using namespace lostbits::output::image;
 using namespace lostbits::output::test;
 
 namespace {
 
 // In no order that a sort would give, and two types mixed.
-const std::vector<Channel> channels{
-    {"truth.hi", Channel::Type::f32}, {"class.value", Channel::Type::u32}, {"R", Channel::Type::f32},
-    {"bits.lost", Channel::Type::f32}, {"B", Channel::Type::f32},          {"G", Channel::Type::f32},
-    {"object.id", Channel::Type::u32}, {"A.z", Channel::Type::f32},
+const std::vector<output::image::Channel> channels{
+    {"truth.hi", output::image::Channel::Type::f32}, {"class.value", output::image::Channel::Type::u32}, {"R", output::image::Channel::Type::f32},
+    {"bits.lost", output::image::Channel::Type::f32}, {"B", output::image::Channel::Type::f32},          {"G", output::image::Channel::Type::f32},
+    {"object.id", output::image::Channel::Type::u32}, {"A.z", output::image::Channel::Type::f32},
 };
 
 constexpr int width = 37, height = 41;  // no multiple of the 16 rows of a ZIP block
@@ -53,7 +54,7 @@ void write_exr(const fs::path& path, const std::vector<std::uint32_t>& samples, 
     exr->close();
 }
 
-std::uint32_t bits_at(const ExrChannel& channel, std::size_t i) {
+std::uint32_t bits_at(const output::image::ExrChannel& channel, std::size_t i) {
     if (const auto* f = std::get_if<std::vector<float>>(&channel.samples)) return std::bit_cast<std::uint32_t>((*f)[i]);
     return std::get<std::vector<std::uint32_t>>(channel.samples)[i];
 }
@@ -64,14 +65,14 @@ TEST_CASE("what is written under a name reads back under it, bit for bit", "[exr
     const Scratch folder;
     const auto samples = make_samples();
     write_exr(folder / "a.exr", samples, {1, 15, 20, 5});
-    const ExrImage image = backend().read_exr(folder / "a.exr");
+    const output::image::ExrImage image = backend().read_exr(folder / "a.exr");
     REQUIRE(image.width == width);
     REQUIRE(image.height == height);
     REQUIRE(image.channels.size() == channels.size());
     for (std::size_t c = 0; c < channels.size(); ++c) {
-        const ExrChannel* channel = image.find(channels[c].name);
+        const output::image::ExrChannel* channel = image.find(channels[c].name);
         REQUIRE(channel != nullptr);
-        CHECK((channel->samples.index() == 1) == (channels[c].type == Channel::Type::u32));
+        CHECK((channel->samples.index() == 1) == (channels[c].type == output::image::Channel::Type::u32));
         std::size_t wrong = 0;
         for (std::size_t i = 0; i < static_cast<std::size_t>(width * height); ++i) {
             wrong += bits_at(*channel, i) != samples[i * channels.size() + c];
@@ -108,7 +109,7 @@ TEST_CASE("an EXR appears only when closed, and rows must come in order", "[exr]
     const std::vector<std::uint32_t> row(4 * 2);
     const auto bytes = std::as_bytes(std::span(row));
     {
-        auto exr = backend().open_exr(folder / "a.exr", {4, 2, {{"x.a", Channel::Type::f32}, {"x.b", Channel::Type::u32}}, {}});
+        auto exr = backend().open_exr(folder / "a.exr", {4, 2, {{"x.a", output::image::Channel::Type::f32}, {"x.b", output::image::Channel::Type::u32}}, {}});
         CHECK_THROWS_AS(exr->write_rows(1, 1, bytes), std::logic_error);
         CHECK_THROWS_AS(exr->write_rows(0, 2, bytes), std::logic_error);
         exr->write_rows(0, 1, bytes);
@@ -145,13 +146,13 @@ TEST_CASE("a full disk stops an EXR and a PNG, and nothing is left", "[exr][png]
     std::vector<std::uint32_t> noise(1024 * 16);
     for (auto& n : noise) n = static_cast<std::uint32_t>(random());
     const auto exr = [&] {
-        auto out = backend().open_exr(folder / "a.exr", {1024, 160, {{"x", Channel::Type::u32}}, {}});
+        auto out = backend().open_exr(folder / "a.exr", {1024, 160, {{"x", output::image::Channel::Type::u32}}, {}});
         for (int y = 0; y < 160; y += 16) out->write_rows(y, 16, std::as_bytes(std::span(noise)));
         out->close();
     };
     const auto png = [&] {
         auto out = backend().open_png(folder / "a.png", 1024, 160);
-        const std::span<const Rgb8> row(reinterpret_cast<const Rgb8*>(noise.data()), 1024 * 16);
+        const std::span<const Rgb8> row(reinterpret_cast<const output::image::Rgb8*>(noise.data()), 1024 * 16);
         for (int y = 0; y < 160; y += 16) out->write_rows(16, row);
         out->close();
     };
@@ -204,7 +205,7 @@ TEST_CASE("other programs read the EXR", "[exr]") {
 
 TEST_CASE("a PNG reads back and its bytes repeat", "[png]") {
     const Scratch folder;
-    std::vector<Rgb8> pixels(50 * 30);
+    std::vector<output::image::Rgb8> pixels(50 * 30);
     for (std::size_t i = 0; i < pixels.size(); ++i) {
         pixels[i] = {static_cast<std::uint8_t>(i), static_cast<std::uint8_t>(i / 7), static_cast<std::uint8_t>(255 - i)};
     }
@@ -215,7 +216,7 @@ TEST_CASE("a PNG reads back and its bytes repeat", "[png]") {
         CHECK_FALSE(fs::exists(folder / name));
         png->close();
     }
-    const PngImage back = backend().read_png(folder / "a.png");
+    const output::image::PngImage back = backend().read_png(folder / "a.png");
     CHECK(back.width == 50);
     CHECK(back.height == 30);
     CHECK((back.pixels == pixels));
@@ -225,8 +226,8 @@ TEST_CASE("a PNG reads back and its bytes repeat", "[png]") {
 }
 
 TEST_CASE("text keeps its baseline, measures its spaces and survives any byte", "[text]") {
-    const TextBitmap a = backend().render_text("ag|", 16);
-    const TextBitmap b = backend().render_text("x", 16);
+    const output::image::TextBitmap a = backend().render_text("ag|", 16);
+    const output::image::TextBitmap b = backend().render_text("x", 16);
     CHECK(a.height == b.height);
     CHECK(a.baseline == b.baseline);
     CHECK(a.width > b.width);
@@ -239,7 +240,7 @@ TEST_CASE("text keeps its baseline, measures its spaces and survives any byte", 
     CHECK(backend().render_text("", 16).width == 0);
     // No letter touches the upper or lower edge of the line box, or is cut at its sides.
     for (char c = '!'; c <= '~'; ++c) {
-        const TextBitmap t = backend().render_text(std::string("n") + c + "n", 18);
+        const output::image::TextBitmap t = backend().render_text(std::string("n") + c + "n", 18);
         INFO(c);
         const auto w = static_cast<std::size_t>(t.width);
         CHECK(std::ranges::count(std::span(t.coverage).last(w), 0) == t.width);
@@ -251,7 +252,7 @@ TEST_CASE("text keeps its baseline, measures its spaces and survives any byte", 
 TEST_CASE("in a process of its own, a missing module says what to do", "[.missing_module]") {
     std::string text;
     try {
-        static_cast<void>(image_backend());
+        static_cast<void>(output::image::image_backend());
     } catch (const EnvironmentError& error) {
         text = error.what();
     }

@@ -10,21 +10,22 @@
 #include "output/scratch.hpp"
 
 using namespace lostbits::output;
+using namespace lostbits::output::image;
 using namespace lostbits::output::test;
 
 namespace {
 
-ColourScale viridis() { return {"viridis", backend().ramp("viridis", 256), 0, 24}; }
+lostbits::output::image::ColourScale viridis() { return {"viridis", backend().ramp("viridis", 256), 0, 24}; }
 
-std::vector<LegendEntry> legend_of(const std::string& count) {
-    return {{"both miss", outcome_colours[1], count},   {"false hit", outcome_colours[2], count},
+std::vector<lostbits::output::image::LegendEntry> legend_of(const std::string& count) {
+    return {{"both miss", lostbits::output::image::outcome_colours[1], count},   {"false hit", outcome_colours[2], count},
             {"false miss", outcome_colours[3], count},  {"not a number", outcome_colours[4], count},
             {"unresolved", outcome_colours[5], count}};
 }
 
 /// No two samples of a small field alike, and none a colour of the page.
-std::vector<Rgb8> numbered(int width, int height) {
-    std::vector<Rgb8> out;
+std::vector<lostbits::output::image::Rgb8> numbered(int width, int height) {
+    std::vector<lostbits::output::image::Rgb8> out;
     for (int y = 0; y < height; ++y) {
         for (int x = 0; x < width; ++x) {
             out.push_back({static_cast<std::uint8_t>(x), static_cast<std::uint8_t>(y),
@@ -34,28 +35,28 @@ std::vector<Rgb8> numbered(int width, int height) {
     return out;
 }
 
-Rgb8 at(const PngImage& image, int x, int y) { return image.pixels[static_cast<std::size_t>(y * image.width + x)]; }
+lostbits::output::image::Rgb8 at(const PngImage& image, int x, int y) { return image.pixels[static_cast<std::size_t>(y * image.width + x)]; }
 
 /// Whether the outermost `rim` pixels are blank: nothing that was drawn ran over an edge.
-bool rim_is_blank(const PngImage& image, int rim) {
+bool rim_is_blank(const lostbits::output::image::PngImage& image, int rim) {
     for (int y = 0; y < image.height; ++y) {
         for (int x = 0; x < image.width; ++x) {
             const bool inside = x >= rim && y >= rim && x < image.width - rim && y < image.height - rim;
-            if (!inside && at(image, x, y) != style::page) return false;
+            if (!inside && at(image, x, y) != image::style::page) return false;
         }
     }
     return true;
 }
 
-std::int64_t count_of(const PngImage& image, Rgb8 colour) {
+std::int64_t count_of(const lostbits::output::image::PngImage& image, lostbits::output::image::Rgb8 colour) {
     return std::count(image.pixels.begin(), image.pixels.end(), colour);
 }
 
 /// The row of the field's first sample: below the frame, the first line of the frame's colour from the left margin on.
-int field_top(const PngImage& image, int field_width) {
+int field_top(const lostbits::output::image::PngImage& image, int field_width) {
     for (int y = 0; y < image.height; ++y) {
         bool run = true;
-        for (int x = 0; x < field_width + 2 && run; ++x) run = at(image, style::margin + x, y) == style::line;
+        for (int x = 0; x < field_width + 2 && run; ++x) run = at(image, image::style::margin + x, y) == image::style::line;
         if (run) return y + 1;
     }
     return -1;
@@ -71,25 +72,25 @@ TEST_CASE("a heatmap shows every sample of the field, enlarged by a whole factor
     for (const auto [width, height, factor] : {Size{64, 64, 6}, Size{400, 30, 1}, Size{1, 1, 384}, Size{7, 1000, 2}}) {
         INFO(width << " x " << height);
         const auto field = numbered(width, height);
-        HeatmapWriter map(backend(), folder / "m.png",
+        lostbits::output::image::HeatmapWriter map(backend(), folder / "m.png",
                           {"A title", {"a subtitle"}, width, height, viridis(), "lost bits", legend_of("1 (100.0%)")});
         CHECK(map.magnification() == factor);
         const auto half = static_cast<std::size_t>(width) * static_cast<std::size_t>(height / 2);
         map.write_rows(std::span(field).first(half));
         map.write_rows(std::span(field).subspan(half));
         map.finish(legend_of("1 (0.1%)"));
-        const PngImage image = backend().read_png(folder / "m.png");
+        const lostbits::output::image::PngImage image = backend().read_png(folder / "m.png");
         const int top = field_top(image, width * factor);
         REQUIRE(top > 0);
         std::int64_t wrong = 0;
         for (int y = 0; y < height * factor; ++y) {
             for (int x = 0; x < width * factor; ++x) {
                 const auto sample = static_cast<std::size_t>(y / factor * width + x / factor);
-                wrong += at(image, style::margin + 1 + x, top + y) != field[sample];
+                wrong += at(image, image::style::margin + 1 + x, top + y) != field[sample];
             }
         }
         CHECK(wrong == 0);
-        CHECK(rim_is_blank(image, style::margin - 1));
+        CHECK(rim_is_blank(image, image::style::margin - 1));
     }
 }
 
@@ -98,44 +99,44 @@ TEST_CASE("nothing in a heatmap is cut off, however long the words", "[heatmap]"
     const std::string sentence = "A title of ninety letters or more that says what was measured, of what and in which "
                                  "format, and on";
     for (const auto& title : {sentence, std::string(120, 'W'), std::string()}) {
-        HeatmapWriter map(backend(), folder / "m.png",
+        lostbits::output::image::HeatmapWriter map(backend(), folder / "m.png",
                           {title, {sentence + sentence, "short"}, 16, 16, viridis(), "relative error of the hit point",
                            legend_of("123456789012345 (100.0%), and a remark that is far too long for a legend")});
-        map.write_rows(std::vector<Rgb8>(256, Rgb8{1, 2, 3}));
+        map.write_rows(std::vector<lostbits::output::image::Rgb8>(256, Rgb8{1, 2, 3}));
         map.finish(legend_of("123456789012345 (100.0%), and a remark that is far too long for a legend, even longer"));
-        CHECK(rim_is_blank(backend().read_png(folder / "m.png"), style::margin - 1));
+        CHECK(rim_is_blank(backend().read_png(folder / "m.png"), image::style::margin - 1));
     }
 }
 
 TEST_CASE("the legend shows what occurred and nothing else; the bar is there when a scale is", "[heatmap]") {
     const Scratch folder;
-    const auto make = [&](std::vector<LegendEntry> entries, bool bar) {
-        HeatmapSpec spec{"T", {}, 8, 8, {}, "lost bits", legend_of("64")};
+    const auto make = [&](std::vector<lostbits::output::image::LegendEntry> entries, bool bar) {
+        lostbits::output::image::HeatmapSpec spec{"T", {}, 8, 8, {}, "lost bits", legend_of("64")};
         if (bar) spec.scale = viridis();
-        HeatmapWriter map(backend(), folder / "m.png", std::move(spec));
-        map.write_rows(std::vector<Rgb8>(64, Rgb8{1, 2, 3}));
+        lostbits::output::image::HeatmapWriter map(backend(), folder / "m.png", std::move(spec));
+        map.write_rows(std::vector<lostbits::output::image::Rgb8>(64, Rgb8{1, 2, 3}));
         map.finish(entries);
         return backend().read_png(folder / "m.png");
     };
     const auto all = make(legend_of("7"), true);
-    for (std::size_t i = 1; i < outcome_colours.size(); ++i) CHECK(count_of(all, outcome_colours[i]) >= 100);
+    for (std::size_t i = 1; i < lostbits::output::image::outcome_colours.size(); ++i) CHECK(count_of(all, outcome_colours[i]) >= 100);
     const auto one = make({legend_of("7")[2]}, true);
-    CHECK(count_of(one, outcome_colours[3]) >= 100);
+    CHECK(count_of(one, lostbits::output::image::outcome_colours[3]) >= 100);
     CHECK(count_of(one, outcome_colours[2]) == 0);
     CHECK(one.height == all.height);
     std::int64_t missing = 0;
     const auto ramp = backend().ramp("viridis", 256);
-    for (const Rgb8 colour : ramp) missing += count_of(one, colour) == 0;
+    for (const lostbits::output::image::Rgb8 colour : ramp) missing += count_of(one, colour) == 0;
     CHECK(missing == 0);  // a bar of 384 pixels shows the whole ramp
     CHECK(count_of(make({}, false), ramp[200]) == 0);
 }
 
 TEST_CASE("a heatmap is whole or not there, and repeats its bytes", "[heatmap]") {
     const Scratch folder;
-    const HeatmapSpec spec{"T", {}, 4, 3, viridis(), "bits", legend_of("9")};
+    const lostbits::output::image::HeatmapSpec spec{"T", {}, 4, 3, viridis(), "bits", legend_of("9")};
     const auto field = numbered(4, 3);
     {
-        HeatmapWriter map(backend(), folder / "m.png", spec);
+        lostbits::output::image::HeatmapWriter map(backend(), folder / "m.png", spec);
         CHECK_THROWS_AS(map.write_rows(std::span(field).first(5)), std::logic_error);
         map.write_rows(std::span(field).first(8));
         CHECK_THROWS_AS(map.write_rows(std::span(field).first(8)), std::logic_error);
@@ -144,7 +145,7 @@ TEST_CASE("a heatmap is whole or not there, and repeats its bytes", "[heatmap]")
     }
     CHECK(folder.entries() == 0);
     for (const auto* name : {"a", "b"}) {
-        HeatmapWriter map(backend(), folder / name, spec);
+        lostbits::output::image::HeatmapWriter map(backend(), folder / name, spec);
         map.write_rows(field);
         map.finish(legend_of("4"));
     }
@@ -152,11 +153,11 @@ TEST_CASE("a heatmap is whole or not there, and repeats its bytes", "[heatmap]")
 }
 
 TEST_CASE("a thumbnail averages in linear light, exactly and in any order of rows", "[thumbnail]") {
-    std::vector<Rgb8> board;
+    std::vector<lostbits::output::image::Rgb8> board;
     for (int y = 0; y < 320; ++y) {
         for (int x = 0; x < 640; ++x) board.push_back((x + y) % 2 == 0 ? Rgb8{255, 255, 255} : Rgb8{});
     }
-    Thumbnail grey(640, 320);
+    lostbits::output::image::Thumbnail grey(640, 320);
     grey.add_rows(0, board);
     CHECK(grey.width() == 160);
     CHECK(grey.height() == 80);
@@ -179,20 +180,20 @@ TEST_CASE("a thumbnail averages in linear light, exactly and in any order of row
                 };
                 const double w = part(x, x + 1, i * 333.0 / 160, (i + 1) * 333.0 / 160) *
                                  part(y, y + 1, j * 211.0 / down.height(), (j + 1) * 211.0 / down.height());
-                sum += w * linear_light(noise[static_cast<std::size_t>(y * 333 + x)].r);
+                sum += w * lostbits::output::image::linear_light(noise[static_cast<std::size_t>(y * 333 + x)].r);
                 weight += w;
             }
         }
-        const Rgb8 got = down.pixels()[static_cast<std::size_t>(j * 160 + i)];
-        CHECK(std::abs(got.r - srgb_byte(static_cast<std::uint16_t>(std::lround(sum / weight)))) <= 1);
+        const lostbits::output::image::Rgb8 got = down.pixels()[static_cast<std::size_t>(j * 160 + i)];
+        CHECK(std::abs(got.r - lostbits::output::image::srgb_byte(static_cast<std::uint16_t>(std::lround(sum / weight)))) <= 1);
         CHECK(got.b == 7);
     }
 }
 
 TEST_CASE("thumbnails of odd shapes", "[thumbnail]") {
     const auto size = [](int w, int h) {
-        Thumbnail t(w, h);
-        t.add_rows(0, std::vector<Rgb8>(static_cast<std::size_t>(w) * static_cast<std::size_t>(h), Rgb8{9, 8, 7}));
+        lostbits::output::image::Thumbnail t(w, h);
+        t.add_rows(0, std::vector<lostbits::output::image::Rgb8>(static_cast<std::size_t>(w) * static_cast<std::size_t>(h), Rgb8{9, 8, 7}));
         CHECK(std::ranges::all_of(t.pixels(), [](Rgb8 p) { return p == Rgb8{9, 8, 7}; }));
         return std::pair(t.width(), t.height());
     };
@@ -202,10 +203,10 @@ TEST_CASE("thumbnails of odd shapes", "[thumbnail]") {
     CHECK(size(1, 5000) == std::pair(1, 160));
     CHECK(size(161, 160) == std::pair(160, 159));
     CHECK(size(256, 1024) == std::pair(40, 160));
-    Thumbnail t(10, 10);
-    CHECK_THROWS_AS(t.add_rows(0, std::vector<Rgb8>(11)), std::logic_error);
-    CHECK_THROWS_AS(t.add_rows(9, std::vector<Rgb8>(20)), std::logic_error);
-    CHECK_THROWS_AS(t.add_rows(-1, std::vector<Rgb8>(10)), std::logic_error);
+    lostbits::output::image::Thumbnail t(10, 10);
+    CHECK_THROWS_AS(t.add_rows(0, std::vector<lostbits::output::image::Rgb8>(11)), std::logic_error);
+    CHECK_THROWS_AS(t.add_rows(9, std::vector<lostbits::output::image::Rgb8>(20)), std::logic_error);
+    CHECK_THROWS_AS(t.add_rows(-1, std::vector<lostbits::output::image::Rgb8>(10)), std::logic_error);
     CHECK_THROWS_AS(t.pixels(), std::logic_error);
 }
 
@@ -218,7 +219,7 @@ std::vector<std::string> words(const std::string& stem, std::size_t count) {
 }
 
 /// A sheet whose cells each hold one colour of their own, fed by `threads` threads.
-PngImage sheet_of(const fs::path& path, std::size_t forms, std::size_t formats, unsigned threads) {
+lostbits::output::image::PngImage sheet_of(const fs::path& path, std::size_t forms, std::size_t formats, unsigned threads) {
     ContactSheet sheet(backend(), path,
                        {"A contact sheet with a title that is longer than a small page is wide, so that it wraps",
                         {"one line", "another"}, words("sphere.a_rather_long_name_", forms), words("p", formats), 64,
@@ -252,7 +253,7 @@ TEST_CASE("a contact sheet shows every cell once, whole, with nothing cut off", 
         for (std::size_t cell = 0; cell < forms * formats; ++cell) {
             CHECK(count_of(image, {static_cast<std::uint8_t>(3 * cell + 1), 200, 3}) == 128 * 64);
         }
-        CHECK(rim_is_blank(image, style::margin - 1));
+        CHECK(rim_is_blank(image, image::style::margin - 1));
         CHECK(image.width < 1500);
     }
 }
@@ -267,9 +268,9 @@ TEST_CASE("a contact sheet does not show how many threads fed it", "[contact_she
 
 TEST_CASE("a cell without data is drawn as such, and a wrong one refused", "[contact_sheet]") {
     const Scratch folder;
-    ContactSheet sheet(backend(), folder / "s.png",
+    lostbits::output::image::ContactSheet sheet(backend(), folder / "s.png",
                        {"T", {}, {"a", "b"}, {"f32"}, 64, 64, {}, "", {}});
-    sheet.add_rows(0, 0, 0, std::vector<Rgb8>(64 * 64, Rgb8{1, 2, 3}));
+    sheet.add_rows(0, 0, 0, std::vector<lostbits::output::image::Rgb8>(64 * 64, Rgb8{1, 2, 3}));
     sheet.add_rows(1, 0, 0, std::vector<Rgb8>(64 * 63, Rgb8{4, 5, 6}));
     CHECK_THROWS_AS(sheet.add_rows(2, 0, 0, std::vector<Rgb8>(64)), std::logic_error);
     CHECK_THROWS_AS(sheet.set_note(0, 1, ""), std::logic_error);

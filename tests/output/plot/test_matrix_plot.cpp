@@ -6,14 +6,16 @@
 #include "output/scratch.hpp"
 
 using namespace lostbits::output;
+using namespace lostbits::output::image;
+using namespace lostbits::output::plot;
 using namespace lostbits::output::test;
 
 namespace {
 
-Rgb8 colour(std::size_t row, std::size_t column) { return {static_cast<std::uint8_t>(40 + row), static_cast<std::uint8_t>(90 + column), 77}; }
+lostbits::output::image::Rgb8 colour(std::size_t row, std::size_t column) { return {static_cast<std::uint8_t>(40 + row), static_cast<std::uint8_t>(90 + column), 77}; }
 
 /// Five columns in two groups, three rows, each cell a colour of its own.
-MatrixPlotSpec coloured() {
+lostbits::output::plot::MatrixPlotSpec coloured() {
     MatrixPlotSpec spec;
     spec.title = "A matrix";
     spec.groups = {{"f32", {"one", "two", "three"}}, {"f64", {"one", "a much longer name"}}};
@@ -24,7 +26,7 @@ MatrixPlotSpec coloured() {
     return spec;
 }
 
-PngImage plot(const Scratch& folder, const MatrixPlotSpec& spec) {
+lostbits::output::image::PngImage plotted(const Scratch& folder, const MatrixPlotSpec& spec) {
     write_matrix_plot(backend(), folder / "m.png", spec);
     return backend().read_png(folder / "m.png");
 }
@@ -33,7 +35,7 @@ PngImage plot(const Scratch& folder, const MatrixPlotSpec& spec) {
 
 TEST_CASE("a matrix shows every cell in its place, groups apart", "[matrix_plot]") {
     const Scratch folder;
-    const auto image = plot(folder, coloured());
+    const auto image = plotted(folder, coloured());
     const auto first = find_block(image, colour(0, 0), 25, 21);
     REQUIRE(first.has_value());
     constexpr int places[] = {0, 26, 52, 78 + 14, 104 + 14};
@@ -44,18 +46,18 @@ TEST_CASE("a matrix shows every cell in its place, groups apart", "[matrix_plot]
         }
     }
     CHECK(rim_is_blank(image));
-    write_matrix_plot(backend(), folder / "again.png", coloured());
+    lostbits::output::plot::write_matrix_plot(backend(), folder / "again.png", coloured());
     CHECK(slurp(folder / "m.png") == slurp(folder / "again.png"));
 }
 
 TEST_CASE("a word in a cell is dark on light and light on dark", "[matrix_plot]") {
     const Scratch folder;
-    const auto plain = plot(folder, coloured());
+    const auto plain = plotted(folder, coloured());
     const auto at = find_block(plain, colour(0, 0), 25, 21).value();
-    for (const auto& [ground, dark_ink] : {std::pair{Rgb8{226, 238, 226}, true}, {Rgb8{0, 0, 0}, false}, {outcome_colours[3], true}, {Rgb8{68, 1, 84}, false}}) {
+    for (const auto& [ground, dark_ink] : {std::pair{lostbits::output::image::Rgb8{226, 238, 226}, true}, {Rgb8{0, 0, 0}, false}, {outcome_colours[3], true}, {Rgb8{68, 1, 84}, false}}) {
         auto spec = coloured();
         spec.cells[0] = {ground, "12"};
-        const auto image = plot(folder, spec);
+        const auto image = plotted(folder, spec);
         int darker = 0, lighter = 0, same = 0;
         for (int y = 0; y < 21; ++y) {
             for (int x = 0; x < 25; ++x) {
@@ -76,13 +78,13 @@ TEST_CASE("a word in a cell is dark on light and light on dark", "[matrix_plot]"
 TEST_CASE("legend and colour bar stand beside the cells, long names and many rows fit", "[matrix_plot]") {
     const Scratch folder;
     auto spec = coloured();
-    spec.legend = {{"false hit", outcome_colours[2], "3"}};
-    const auto image = plot(folder, spec);
+    spec.legend = {{"false hit", lostbits::output::image::outcome_colours[2], "3"}};
+    const auto image = plotted(folder, spec);
     CHECK(count_of(image, outcome_colours[2]) > 50);
     const auto ramp = backend().ramp("viridis", 256);
     spec.scale.emplace("viridis", ramp, 0, 24);
     spec.unit = "lost bits";
-    const auto wide = plot(folder, spec);
+    const auto wide = plotted(folder, spec);
     CHECK(wide.width > image.width);
     CHECK(count_of(wide, ramp.back()) > 0);
     CHECK(count_of(wide, colour(2, 4)) == 25 * 21);
@@ -90,23 +92,23 @@ TEST_CASE("legend and colour bar stand beside the cells, long names and many row
     spec.rows[1] = std::string(120, 'W');
     spec.groups[1].columns[1] = std::string(90, 'W');
     spec.cells[3].text = "123456789";
-    CHECK(rim_is_blank(plot(folder, spec)));
+    CHECK(rim_is_blank(plotted(folder, spec)));
 }
 
 TEST_CASE("not one cell a row and column is refused", "[matrix_plot]") {
     const Scratch folder;
     auto spec = coloured();
     spec.cells.pop_back();
-    CHECK_THROWS_AS(plot(folder, spec), std::invalid_argument);
+    CHECK_THROWS_AS(plotted(folder, spec), std::invalid_argument);
     spec = coloured();
     spec.rows.push_back("fourth");
-    CHECK_THROWS_AS(plot(folder, spec), std::invalid_argument);
+    CHECK_THROWS_AS(plotted(folder, spec), std::invalid_argument);
     spec = coloured();
     spec.rows.clear();
     spec.cells.clear();
-    CHECK_THROWS_AS(plot(folder, spec), std::invalid_argument);
-    CHECK_THROWS_AS(plot(folder, MatrixPlotSpec{}), std::invalid_argument);
+    CHECK_THROWS_AS(plotted(folder, spec), std::invalid_argument);
+    CHECK_THROWS_AS(plotted(folder, lostbits::output::plot::MatrixPlotSpec{}), std::invalid_argument);
     CHECK(folder.entries() == 0);
-    plot(folder, coloured());
-    CHECK_THROWS_AS(write_matrix_plot(backend(), folder / "m.png/below.png", coloured()), lostbits::EnvironmentError);
+    plotted(folder, coloured());
+    CHECK_THROWS_AS(lostbits::output::plot::write_matrix_plot(backend(), folder / "m.png/below.png", coloured()), lostbits::EnvironmentError);
 }

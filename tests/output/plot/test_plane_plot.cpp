@@ -7,6 +7,7 @@
 #include "output/scratch.hpp"
 
 using namespace lostbits::output;
+using namespace lostbits::output::plot;
 using namespace lostbits::output::test;
 
 namespace {
@@ -14,7 +15,7 @@ namespace {
 constexpr double no_value = std::numeric_limits<double>::quiet_NaN();
 
 /// Columns at 2^0, 2^1, ...; rows at 0, 1, ...; each cell a colour of its own.
-PlanePlotSpec coloured(int columns, int rows) {
+lostbits::output::plot::PlanePlotSpec coloured(int columns, int rows) {
     PlanePlotSpec spec;
     spec.title = "A plane";
     spec.x_axis = {"distance", Axis::Scale::log2, {}, {}};
@@ -23,25 +24,25 @@ PlanePlotSpec coloured(int columns, int rows) {
     for (int j = 0; j < rows; ++j) spec.y.push_back(j);
     for (int j = 0; j < rows; ++j) {
         for (int i = 0; i < columns; ++i) {
-            spec.cells.push_back({no_value, Rgb8{static_cast<std::uint8_t>(i), static_cast<std::uint8_t>(j), 77}});
+            spec.cells.push_back({no_value, lostbits::output::image::Rgb8{static_cast<std::uint8_t>(i), static_cast<std::uint8_t>(j), 77}});
         }
     }
     return spec;
 }
 
-PngImage plot(const Scratch& folder, const PlanePlotSpec& spec) {
+lostbits::output::image::PngImage plotted(const Scratch& folder, const PlanePlotSpec& spec) {
     write_plane_plot(backend(), folder / "p.png", spec);
     return backend().read_png(folder / "p.png");
 }
 
-std::int64_t count_of(const PngImage& image, Rgb8 colour) { return std::ranges::count(image.pixels, colour); }
+std::int64_t count_of(const lostbits::output::image::PngImage& image, lostbits::output::image::Rgb8 colour) { return std::ranges::count(image.pixels, colour); }
 
-bool rim_is_blank(const PngImage& image) {
-    const int rim = style::margin - 1;
+bool rim_is_blank(const lostbits::output::image::PngImage& image) {
+    const int rim = image::style::margin - 1;
     for (int y = 0; y < image.height; ++y) {
         for (int x = 0; x < image.width; ++x) {
             const bool inside = x >= rim && y >= rim && x < image.width - rim && y < image.height - rim;
-            if (!inside && image.pixels[static_cast<std::size_t>(y * image.width + x)] != style::page) return false;
+            if (!inside && image.pixels[static_cast<std::size_t>(y * image.width + x)] != image::style::page) return false;
         }
     }
     return true;
@@ -51,19 +52,19 @@ bool rim_is_blank(const PngImage& image) {
 
 TEST_CASE("a plane shows every cell, equal steps as equal rectangles, the first row at the foot", "[plane_plot]") {
     const Scratch folder;
-    const auto image = plot(folder, coloured(40, 30));
+    const auto image = plotted(folder, coloured(40, 30));
     for (int j = 0; j < 30; ++j) {
         for (int i = 0; i < 40; ++i) {
             CHECK(count_of(image, {static_cast<std::uint8_t>(i), static_cast<std::uint8_t>(j), 77}) == 14 * 14);
         }
     }
-    const auto place = [&](Rgb8 colour) {
+    const auto place = [&](lostbits::output::image::Rgb8 colour) {
         return static_cast<int>(std::ranges::find(image.pixels, colour) - image.pixels.begin());
     };
     CHECK(place({0, 29, 77}) < place({0, 0, 77}));
     CHECK(place({0, 29, 77}) + 39 * 14 == place({39, 29, 77}));
     CHECK(rim_is_blank(image));
-    write_plane_plot(backend(), folder / "again.png", coloured(40, 30));
+    lostbits::output::plot::write_plane_plot(backend(), folder / "again.png", coloured(40, 30));
     CHECK(slurp(folder / "p.png") == slurp(folder / "again.png"));
 }
 
@@ -73,16 +74,16 @@ TEST_CASE("values take the ramp, outcomes their colour, and what is neither is h
     const auto ramp = backend().ramp("viridis", 256);
     spec.scale.emplace("viridis", ramp, 0, 24);
     spec.unit = "lost bits";
-    spec.cells = {{0.0}, {std::numeric_limits<double>::infinity()}, {5.0, outcome_colours[3]}, {12.0}};
-    const auto image = plot(folder, spec);
+    spec.cells = {{0.0}, {std::numeric_limits<double>::infinity()}, {5.0, lostbits::output::image::outcome_colours[3]}, {12.0}};
+    const auto image = plotted(folder, spec);
     const std::int64_t cell = 280 * 210;
     CHECK(count_of(image, ramp.front()) >= cell);
     CHECK(count_of(image, ramp.back()) >= cell);
     CHECK(count_of(image, spec.scale->map(12)) >= cell);
-    CHECK(count_of(image, outcome_colours[3]) == cell);
+    CHECK(count_of(image, lostbits::output::image::outcome_colours[3]) == cell);
     CHECK(rim_is_blank(image));
     spec.cells[0] = {};
-    const auto hatched = plot(folder, spec);
+    const auto hatched = plotted(folder, spec);
     CHECK(count_of(hatched, ramp.front()) < cell / 10);
     CHECK(hatched.height > image.height);  // the legend names it
     CHECK(rim_is_blank(hatched));
@@ -93,18 +94,18 @@ TEST_CASE("planes of odd shapes, and those that are refused", "[plane_plot]") {
     for (const auto& [columns, rows] : {std::pair{1, 1}, {1, 30}, {200, 1}, {3, 700}}) {
         auto spec = coloured(columns, rows);
         spec.title = std::string(200, 'W');
-        spec.legend = {{std::string(150, 'W'), outcome_colours[2], "1"}};
-        CHECK(rim_is_blank(plot(folder, spec)));
+        spec.legend = {{std::string(150, 'W'), lostbits::output::image::outcome_colours[2], "1"}};
+        CHECK(rim_is_blank(plotted(folder, spec)));
     }
     auto spec = coloured(2, 2);
     spec.x = {2, 2};
-    CHECK_THROWS_AS(plot(folder, spec), std::invalid_argument);
+    CHECK_THROWS_AS(plotted(folder, spec), std::invalid_argument);
     spec.x = {0, 2};
-    CHECK_THROWS_AS(plot(folder, spec), std::invalid_argument);
+    CHECK_THROWS_AS(plotted(folder, spec), std::invalid_argument);
     spec = coloured(2, 2);
     spec.cells.pop_back();
-    CHECK_THROWS_AS(plot(folder, spec), std::invalid_argument);
+    CHECK_THROWS_AS(plotted(folder, spec), std::invalid_argument);
     spec = coloured(2, 2);
     spec.cells[0] = {1.0};
-    CHECK_THROWS_AS(plot(folder, spec), std::invalid_argument);
+    CHECK_THROWS_AS(plotted(folder, spec), std::invalid_argument);
 }

@@ -8,13 +8,15 @@
 #include "output/image/stroke.hpp"
 
 using namespace lostbits::output;
+using namespace lostbits::output::image;
+using namespace lostbits::output::plot;
 
 namespace {
 
 constexpr double inf = std::numeric_limits<double>::infinity();
 constexpr double no_value = std::numeric_limits<double>::quiet_NaN();
 
-std::vector<std::string> labels(const AxisRange& range, int most) {
+std::vector<std::string> labels(const lostbits::output::plot::AxisRange& range, int most) {
     std::vector<std::string> out;
     for (const auto& tick : range.ticks(most)) {
         if (!tick.label.empty()) out.push_back(tick.label);
@@ -27,7 +29,7 @@ std::vector<std::string> labels(const AxisRange& range, int most) {
 TEST_CASE("ticks are round values at their places", "[plot]") {
     using Scale = Axis::Scale;
     using Labels = std::vector<std::string>;
-    CHECK(labels(AxisRange({"", Scale::log2, 1.0, std::exp2(30)}, {}), 8) ==
+    CHECK(labels(lostbits::output::plot::AxisRange({"", Scale::log2, 1.0, std::exp2(30)}, {}), 8) ==
           Labels{"2^0", "2^4", "2^8", "2^12", "2^16", "2^20", "2^24", "2^28"});
     CHECK(labels(AxisRange({"", Scale::log2, {}, {}}, {0.125, 4.0}), 8) ==
           Labels{"2^-3", "2^-2", "2^-1", "2^0", "2^1", "2^2"});
@@ -36,7 +38,7 @@ TEST_CASE("ticks are round values at their places", "[plot]") {
     CHECK(labels(AxisRange({"", Scale::linear, 0.0, 53.0}, {}), 8) == Labels{"0", "10", "20", "30", "40", "50"});
     CHECK(labels(AxisRange({"", Scale::linear, 1000000.0, 1000000.5}, {}), 5) ==
           Labels{"1000000", "1000000.1", "1000000.2", "1000000.3", "1000000.4", "1000000.5"});
-    const AxisRange range({"", Scale::log2, 1.0, std::exp2(30)}, {});
+    const lostbits::output::plot::AxisRange range({"", Scale::log2, 1.0, std::exp2(30)}, {});
     CHECK(range.position(std::exp2(15)) == 0.5);
     CHECK(range.ticks(8)[1].position == Approx(4.0 / 30));
     CHECK(range.position(inf) == 1);
@@ -52,7 +54,7 @@ TEST_CASE("every range has ticks that differ, and they lie on it", "[plot]") {
                                                 {0, 1e-9}, {1e-20},    {5, 5.0001},                   {0, 1, no_value}};
     for (const auto scale : {Scale::linear, Scale::log2, Scale::log10}) {
         for (const auto& values : data) {
-            const AxisRange range({"", scale, {}, {}}, values);
+            const lostbits::output::plot::AxisRange range({"", scale, {}, {}}, values);
             const auto text = labels(range, 6);
             INFO(static_cast<int>(scale) << ": " << (values.empty() ? 0 : values[0]));
             CHECK(text.size() >= 2);
@@ -64,26 +66,26 @@ TEST_CASE("every range has ticks that differ, and they lie on it", "[plot]") {
             }
         }
     }
-    CHECK_THROWS_AS(AxisRange({"", Scale::log2, 0.0, {}}, {}), std::invalid_argument);
-    CHECK_THROWS_AS(AxisRange({"", Scale::linear, 2.0, 2.0}, {}), std::invalid_argument);
-    CHECK_THROWS_AS(AxisRange({"", Scale::linear, {}, inf}, {}), std::invalid_argument);
+    CHECK_THROWS_AS(lostbits::output::plot::AxisRange({"", Scale::log2, 0.0, {}}, {}), std::invalid_argument);
+    CHECK_THROWS_AS(lostbits::output::plot::AxisRange({"", Scale::linear, 2.0, 2.0}, {}), std::invalid_argument);
+    CHECK_THROWS_AS(lostbits::output::plot::AxisRange({"", Scale::linear, {}, inf}, {}), std::invalid_argument);
 }
 
 TEST_CASE("coverage is exact on the grid, blended in linear light and not doubled at joints", "[plot]") {
-    Canvas canvas(20, 9, {255, 255, 255});
-    Stroke stroke(0, 0, 20, 9);
-    const std::vector<Point> line{{-5, 4.5}, {10, 4.5}, {25, 4.5}};
+    lostbits::output::image::Canvas canvas(20, 9, {255, 255, 255});
+    lostbits::output::image::Stroke stroke(0, 0, 20, 9);
+    const std::vector<lostbits::output::image::Point> line{{-5, 4.5}, {10, 4.5}, {25, 4.5}};
     stroke.polyline(line, 2);
     stroke.paint(canvas, {});
     for (int x = 0; x < 20; ++x) {
         const auto column = static_cast<std::size_t>(x);
-        CHECK(canvas.row(4)[column] == Rgb8{});
+        CHECK(canvas.row(4)[column] == lostbits::output::image::Rgb8{});
         CHECK(canvas.row(3)[column] == Rgb8{188, 188, 188});  // half the light, not half the byte
         CHECK(canvas.row(5)[column] == Rgb8{188, 188, 188});
         CHECK(canvas.row(2)[column] == Rgb8{255, 255, 255});
     }
     // Painting forgets: a second coat of nothing changes nothing.
-    const std::vector<Rgb8> before(canvas.pixels().begin(), canvas.pixels().end());
+    const std::vector<lostbits::output::image::Rgb8> before(canvas.pixels().begin(), canvas.pixels().end());
     stroke.paint(canvas, {255, 0, 0});
     CHECK(std::ranges::equal(before, canvas.pixels()));
 

@@ -11,34 +11,35 @@
 #include "output/scratch.hpp"
 
 using namespace lostbits::output;
+using namespace lostbits::output::plot;
 using namespace lostbits::output::test;
 
 namespace {
 
 constexpr double inf = std::numeric_limits<double>::infinity();
 constexpr double no_value = std::numeric_limits<double>::quiet_NaN();
-constexpr Rgb8 first_colour{0, 114, 178}, second_colour{213, 94, 0};
+constexpr lostbits::output::image::Rgb8 first_colour{0, 114, 178}, second_colour{213, 94, 0};
 
-Rgb8 at(const PngImage& image, int x, int y) { return image.pixels[static_cast<std::size_t>(y * image.width + x)]; }
+lostbits::output::image::Rgb8 at(const lostbits::output::image::PngImage& image, int x, int y) { return image.pixels[static_cast<std::size_t>(y * image.width + x)]; }
 
-bool rim_is_blank(const PngImage& image) {
-    const int rim = style::margin - 1;
+bool rim_is_blank(const lostbits::output::image::PngImage& image) {
+    const int rim = image::style::margin - 1;
     for (int y = 0; y < image.height; ++y) {
         for (int x = 0; x < image.width; ++x) {
             const bool inside = x >= rim && y >= rim && x < image.width - rim && y < image.height - rim;
-            if (!inside && at(image, x, y) != style::page) return false;
+            if (!inside && at(image, x, y) != image::style::page) return false;
         }
     }
     return true;
 }
 
 /// What is inside the frame: the longest run of the frame's colour in a row is its upper edge, in a column its left.
-PlotFrame frame_of(const PngImage& image) {
+lostbits::output::plot::PlotFrame frame_of(const lostbits::output::image::PngImage& image) {
     PlotFrame out;
     int best = 0;
     for (int y = 0; y < image.height; ++y) {
         for (int x = 0, run = 0; x < image.width; ++x) {
-            run = at(image, x, y) == style::line ? run + 1 : 0;
+            run = at(image, x, y) == image::style::line ? run + 1 : 0;
             if (run > best) {
                 best = run;
                 out.x = x - run + 2;
@@ -48,16 +49,16 @@ PlotFrame frame_of(const PngImage& image) {
         }
     }
     out.height = 0;
-    while (at(image, out.x - 1, out.y + out.height + 1) == style::line) ++out.height;
+    while (at(image, out.x - 1, out.y + out.height + 1) == image::style::line) ++out.height;
     out.pad = 9;
     return out;
 }
 
 /// Whether the first line is there: all but the other lines is grey.
-bool tinted(Rgb8 p) { return p.b > p.r + 70; }
+bool tinted(lostbits::output::image::Rgb8 p) { return p.b > p.r + 70; }
 
 /// Tinted pixels within the frame.
-std::int64_t drawn(const PngImage& image) {
+std::int64_t drawn(const lostbits::output::image::PngImage& image) {
     const auto frame = frame_of(image);
     std::int64_t n = 0;
     for (int y = frame.y; y < frame.y + frame.height; ++y) {
@@ -66,7 +67,7 @@ std::int64_t drawn(const PngImage& image) {
     return n;
 }
 
-std::int64_t in_legend(const PngImage& image, Rgb8 colour) {
+std::int64_t in_legend(const lostbits::output::image::PngImage& image, lostbits::output::image::Rgb8 colour) {
     const auto frame = frame_of(image);
     std::int64_t n = 0;
     for (int y = 0; y < image.height; ++y) {
@@ -76,14 +77,14 @@ std::int64_t in_legend(const PngImage& image, Rgb8 colour) {
 }
 
 /// A level line over 2^0 .. 2^n, of too many points to have markers.
-Series level(const std::string& label, double y, int n = 40) {
+lostbits::output::plot::Series level(const std::string& label, double y, int n = 40) {
     Series out{label, {}, {}, {}, {}};
     for (int i = 0; i <= n; ++i) out.x.push_back(std::exp2(i));
     out.y.assign(out.x.size(), y);
     return out;
 }
 
-LinePlotSpec spec_of(std::vector<Series> series) {
+lostbits::output::plot::LinePlotSpec spec_of(std::vector<Series> series) {
     LinePlotSpec spec;
     spec.title = "Lost bits";
     spec.x = {"distance", Axis::Scale::log2, {}, {}};
@@ -92,7 +93,7 @@ LinePlotSpec spec_of(std::vector<Series> series) {
     return spec;
 }
 
-PngImage plot(const Scratch& folder, const LinePlotSpec& spec) {
+lostbits::output::image::PngImage plotted(const Scratch& folder, const LinePlotSpec& spec) {
     write_line_plot(backend(), folder / "p.png", spec);
     return backend().read_png(folder / "p.png");
 }
@@ -103,7 +104,7 @@ TEST_CASE("a level line has its colour in the row of its value", "[line_plot]") 
     const Scratch folder;
     int exact = 0;
     for (const double value : {0.0, 5.0, 10.0, 26.5, 31.0, 42.0, 53.0}) {
-        const auto image = plot(folder, spec_of({level("schoolbook", value)}));
+        const auto image = plotted(folder, spec_of({level("schoolbook", value)}));
         const auto frame = frame_of(image);
         // Not by PlotFrame::up: its ends are the middles of the tenth pixels from the frame.
         const double place = frame.y + 9.5 + (1 - value / 53) * (frame.height - 19);
@@ -126,7 +127,7 @@ TEST_CASE("a NaN leaves a gap", "[line_plot]") {
     const Scratch folder;
     auto series = level("a", 21);
     series.y[20] = no_value;
-    const auto image = plot(folder, spec_of({series}));
+    const auto image = plotted(folder, spec_of({series}));
     const auto frame = frame_of(image);
     const int row = static_cast<int>(std::floor(frame.up(21.0 / 53)));
     const auto missing = [&](double from, double to) {
@@ -145,8 +146,8 @@ TEST_CASE("series that agree share a line and an entry; the others have looks of
     const Scratch folder;
     auto broken = level("c", 10), twin = level("d", 10);
     broken.y[3] = twin.y[3] = no_value;
-    const std::vector<Series> series{level("a", 10), broken, level("b", 10), twin, level("e", 11)};
-    const auto lines = plot_lines(series);
+    const std::vector<lostbits::output::plot::Series> series{level("a", 10), broken, level("b", 10), twin, level("e", 11)};
+    const auto lines = lostbits::output::plot::plot_lines(series);
     REQUIRE(lines.size() == 3);
     CHECK(lines[0].label == "a, b");
     CHECK(lines[1].label == "c, d");
@@ -154,11 +155,11 @@ TEST_CASE("series that agree share a line and an entry; the others have looks of
     CHECK(lines[0].colour == first_colour);
     CHECK(lines[1].colour == second_colour);
 
-    const auto one = plot(folder, spec_of({level("a", 10), level("a", 10)}));
+    const auto one = plotted(folder, spec_of({level("a", 10), level("a", 10)}));
     CHECK(drawn(one) > 400);
     CHECK(in_legend(one, first_colour) > 10);
     CHECK(in_legend(one, second_colour) == 0);
-    CHECK(in_legend(plot(folder, spec_of({level("a", 10), level("b", 12)})), second_colour) > 10);
+    CHECK(in_legend(plotted(folder, spec_of({level("a", 10), level("b", 12)})), second_colour) > 10);
 
     std::vector<Series> many;
     for (int i = 0; i < 96; ++i) {
@@ -181,9 +182,9 @@ TEST_CASE("the legend reads in the order of the ends of the lines", "[line_plot]
     auto low = level("starts high, ends low", 5);
     low.y.front() = 50;
     low.y.back() = no_value;
-    const auto image = plot(folder, spec_of({level("nothing", no_value), low, level("high", 40)}));
+    const auto image = plotted(folder, spec_of({level("nothing", no_value), low, level("high", 40)}));
     const auto frame = frame_of(image);
-    const auto first_row = [&](Rgb8 colour) {
+    const auto first_row = [&](lostbits::output::image::Rgb8 colour) {
         for (int y = 0; y < image.height; ++y) {
             for (int x = frame.x + frame.width + 2; x < image.width; ++x) {
                 if (at(image, x, y) == colour) return y;
@@ -198,30 +199,30 @@ TEST_CASE("the legend reads in the order of the ends of the lines", "[line_plot]
 
 TEST_CASE("marks stand at their places and their labels do not run into each other", "[line_plot]") {
     const Scratch folder;
-    std::vector<MarkLabels::Mark> marks;
+    std::vector<lostbits::output::plot::MarkLabels::Mark> marks;
     for (const double x : {100.0, 104.0, 130.0, 390.0, 150.0}) marks.push_back({x, "2^12: a label that is long"});
-    const MarkLabels labels_of_marks(backend(), marks, 420);
-    Canvas canvas(440, 400);
+    const lostbits::output::plot::MarkLabels labels_of_marks(backend(), marks, 420);
+    lostbits::output::image::Canvas canvas(440, 400);
     labels_of_marks.draw(canvas, 300, 390);
     std::int64_t alone = 0;  // ink of the labels, each on a page of its own
     for (const auto& mark : marks) {
-        Canvas one(440, 400);
+        lostbits::output::image::Canvas one(440, 400);
         MarkLabels(backend(), {mark}, 420).draw(one, 300, 390);
-        alone += std::ranges::count(one.pixels(), style::ink);
+        alone += std::ranges::count(one.pixels(), image::style::ink);
     }
-    CHECK(std::ranges::count(canvas.pixels(), style::ink) == alone);  // nothing is over anything
+    CHECK(std::ranges::count(canvas.pixels(), image::style::ink) == alone);  // nothing is over anything
     for (const auto& mark : marks) {
         const auto x = static_cast<std::size_t>(mark.x);
-        CHECK((canvas.row(386)[x] == style::soft_ink || canvas.row(382)[x] == style::soft_ink));
+        CHECK((canvas.row(386)[x] == image::style::soft_ink || canvas.row(382)[x] == image::style::soft_ink));
     }
 
     auto spec = spec_of({level("a", 10)});
     spec.marks = {{std::exp2(12), "onset"}};
-    const auto image = plot(folder, spec);
+    const auto image = plotted(folder, spec);
     const auto frame = frame_of(image);
     const int x = static_cast<int>(std::floor(frame.across(12.0 / 40)));
     int dark = 0;
-    for (int y = frame.y; y < frame.y + frame.height; ++y) dark += at(image, x, y) == style::soft_ink;
+    for (int y = frame.y; y < frame.y + frame.height; ++y) dark += at(image, x, y) == image::style::soft_ink;
     CHECK(dark > frame.height / 3);
     CHECK(dark < frame.height * 9 / 10);
 }
@@ -231,32 +232,32 @@ TEST_CASE("nothing in a line plot is cut off, however much there is, and bytes r
     const std::string sentence = "a label with more words in it than any legend has room for, and then 2^10 more";
     for (const int count : {0, 1, 45, 120}) {
         INFO(count << " series");
-        LinePlotSpec spec = spec_of({});
+        lostbits::output::plot::LinePlotSpec spec = spec_of({});
         spec.title = sentence + sentence;
         spec.subtitle = {sentence + sentence + sentence};
         spec.x.title = spec.y.title = sentence + sentence + sentence;
         for (int i = 0; i < count; ++i) spec.series.push_back(level(i % 3 == 0 ? sentence : "short", i / 2.0));
         spec.envelope = level(sentence, 3);
         spec.marks = {{1, sentence}, {std::exp2(12), sentence}, {std::exp2(39.9), sentence}, {std::exp2(40), "W"}};
-        const auto image = plot(folder, spec);
+        const auto image = plotted(folder, spec);
         CHECK(rim_is_blank(image));
         CHECK(image.width == spec.width);
         CHECK(image.height >= spec.height);
-        write_line_plot(backend(), folder / "again.png", spec);
+        lostbits::output::plot::write_line_plot(backend(), folder / "again.png", spec);
         CHECK(slurp(folder / "p.png") == slurp(folder / "again.png"));
     }
-    CHECK(plot(folder, spec_of({level("a", 3)})).height == 620);
+    CHECK(plotted(folder, spec_of({level("a", 3)})).height == 620);
 }
 
 TEST_CASE("the envelope is grey below its line and the page above", "[line_plot]") {
     const Scratch folder;
     auto spec = spec_of({});
     spec.envelope = level("conditioning", 25);
-    const auto image = plot(folder, spec);
+    const auto image = plotted(folder, spec);
     const auto frame = frame_of(image);
     const int x = static_cast<int>(frame.across(0.52)), edge = static_cast<int>(frame.up(25.0 / 53));
-    CHECK(at(image, x, edge - 5) == style::page);
-    CHECK(at(image, x, edge + 5) == envelope_fill);
+    CHECK(at(image, x, edge - 5) == image::style::page);
+    CHECK(at(image, x, edge + 5) == lostbits::output::plot::envelope_fill);
     CHECK(at(image, x, frame.y + frame.height - 1) == envelope_fill);
     CHECK(in_legend(image, envelope_fill) > 200);
 }
@@ -264,17 +265,17 @@ TEST_CASE("the envelope is grey below its line and the page above", "[line_plot]
 TEST_CASE("degenerate series are drawn as far as they can be", "[line_plot]") {
     const Scratch folder;
     using Scale = Axis::Scale;
-    const auto draw = [&](Series series, Scale x, Scale y) {
-        LinePlotSpec spec;
+    const auto draw = [&](lostbits::output::plot::Series series, Scale x, Scale y) {
+        lostbits::output::plot::LinePlotSpec spec;
         spec.x.scale = x;
         spec.y.scale = y;
         spec.series = {std::move(series)};
-        const auto image = plot(folder, spec);
+        const auto image = plotted(folder, spec);
         CHECK(rim_is_blank(image));
         return image;
     };
     for (const auto scale : {Scale::linear, Scale::log2, Scale::log10}) {
-        const auto inked = [&](const Series& series) { return drawn(draw(series, scale, scale)); };
+        const auto inked = [&](const lostbits::output::plot::Series& series) { return drawn(draw(series, scale, scale)); };
         CHECK(inked({"a point", {3}, {7}, {}, {}}) > 15);
         CHECK(inked({"one x", {3, 3}, {7, 9}, {}, {}}) > 200);
         CHECK(inked({"constant", {1, 2}, {7, 7}, {}, {}}) > 600);
@@ -296,6 +297,6 @@ TEST_CASE("degenerate series are drawn as far as they can be", "[line_plot]") {
     const auto whole = draw({"none", {1, 2, 3}, {1, 1, 1}, {}, {}}, Scale::linear, Scale::log2);
     CHECK(frame_of(gap).height < frame_of(whole).height);
 
-    CHECK_THROWS_AS(plot(folder, spec_of({{"uneven", {1, 2}, {1}, {}, {}}})), std::invalid_argument);
-    CHECK_THROWS_AS(plot(folder, spec_of({{"half a band", {1}, {1}, {1}, {}}})), std::invalid_argument);
+    CHECK_THROWS_AS(plotted(folder, spec_of({{"uneven", {1, 2}, {1}, {}, {}}})), std::invalid_argument);
+    CHECK_THROWS_AS(plotted(folder, spec_of({{"half a band", {1}, {1}, {1}, {}}})), std::invalid_argument);
 }

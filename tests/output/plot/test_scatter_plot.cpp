@@ -10,13 +10,15 @@
 #include "output/scratch.hpp"
 
 using namespace lostbits::output;
+using namespace lostbits::output::image;
+using namespace lostbits::output::plot;
 using namespace lostbits::output::test;
 
 namespace {
 
-constexpr Rgb8 first{0, 114, 178}, second{213, 94, 0}, grey{186, 186, 188};
+constexpr lostbits::output::image::Rgb8 first{0, 114, 178}, second{213, 94, 0}, grey{186, 186, 188};
 
-ScatterPlotSpec small() {
+lostbits::output::plot::ScatterPlotSpec small() {
     ScatterPlotSpec spec;
     spec.title = "A trade";
     spec.x = {"time", Axis::Scale::log2, {}, {}};
@@ -27,13 +29,13 @@ ScatterPlotSpec small() {
     return spec;
 }
 
-PngImage plot(const Scratch& folder, const ScatterPlotSpec& spec) {
+lostbits::output::image::PngImage plotted(const Scratch& folder, const ScatterPlotSpec& spec) {
     write_scatter_plot(backend(), folder / "s.png", spec);
     return backend().read_png(folder / "s.png");
 }
 
 /// The leftmost column that has at least so many pixels of a colour, above the legend.
-int column_of(const PngImage& image, Rgb8 colour, int least) {
+int column_of(const lostbits::output::image::PngImage& image, lostbits::output::image::Rgb8 colour, int least) {
     for (int x = 0; x < image.width; ++x) {
         int n = 0;
         for (int y = 0; y < image.height - 60; ++y) n += pixel(image, x, y) == colour;
@@ -49,18 +51,18 @@ TEST_CASE("labels lie on no other label and on nothing that is taken", "[scatter
     const auto unit = [&random] { return static_cast<double>(random() >> 11) * 0x1p-53; };
     std::size_t placed = 0, wished = 0;
     for (int round = 0; round < 200; ++round) {
-        std::vector<LabelWish> wishes;
-        std::vector<Box2> taken, avoided;
+        std::vector<lostbits::output::plot::LabelWish> wishes;
+        std::vector<lostbits::output::plot::Box2> taken, avoided;
         for (int i = 0; i < 12; ++i) {
             // Half of them crowded into a corner.
             const double reach = i % 2 == 0 ? 600 : 60;
-            const Point at{20 + reach * unit(), 20 + reach * unit()};
+            const lostbits::output::image::Point at{20 + reach * unit(), 20 + reach * unit()};
             wishes.push_back({at, 40 + 60 * unit(), 14});
             taken.push_back({at.x - 5, at.y - 5, 10, 10});
             avoided.push_back({600 * unit(), 600 * unit(), 10, 10});
         }
-        const Box2 room{0, 0, 640, 640};
-        const auto places = place_labels(wishes, {room, taken, avoided});
+        const lostbits::output::plot::Box2 room{0, 0, 640, 640};
+        const auto places = lostbits::output::plot::place_labels(wishes, {room, taken, avoided});
         REQUIRE(places.size() == wishes.size());
         wished += wishes.size();
         for (std::size_t i = 0; i < places.size(); ++i) {
@@ -68,7 +70,7 @@ TEST_CASE("labels lie on no other label and on nothing that is taken", "[scatter
             ++placed;
             CHECK(places[i]->width == wishes[i].width);
             CHECK(room.contains(*places[i]));
-            for (const Box2& t : taken) CHECK_FALSE(places[i]->overlaps(t));
+            for (const lostbits::output::plot::Box2& t : taken) CHECK_FALSE(places[i]->overlaps(t));
             for (std::size_t j = 0; j < i; ++j) CHECK_FALSE((places[j] && places[i]->overlaps(*places[j])));
         }
     }
@@ -76,13 +78,13 @@ TEST_CASE("labels lie on no other label and on nothing that is taken", "[scatter
 }
 
 TEST_CASE("a label lies beside its point, where it covers least, and nowhere when there is no room", "[scatter_plot]") {
-    const Box2 room{0, 0, 300, 100};
-    const LabelWish wish{{150, 50}, 50, 14};
-    const auto free = place_labels({&wish, 1}, {room, {}, {}});
+    const lostbits::output::plot::Box2 room{0, 0, 300, 100};
+    const lostbits::output::plot::LabelWish wish{{150, 50}, 50, 14};
+    const auto free = lostbits::output::plot::place_labels({&wish, 1}, {room, {}, {}});
     REQUIRE(free[0].has_value());
-    const Point near = free[0]->nearest(wish.at);
+    const lostbits::output::image::Point near = free[0]->nearest(wish.at);
     CHECK(std::hypot(near.x - 150, near.y - 50) == Approx(6));
-    const Box2 right{151, 0, 149, 100};
+    const lostbits::output::plot::Box2 right{151, 0, 149, 100};
     const auto left = place_labels({&wish, 1}, {room, {}, {&right, 1}});
     REQUIRE(left[0].has_value());
     CHECK_FALSE(left[0]->overlaps(right));
@@ -94,20 +96,20 @@ TEST_CASE("a label lies beside its point, where it covers least, and nowhere whe
 
 TEST_CASE("a scatter plot shows points, names and front where they belong", "[scatter_plot]") {
     const Scratch folder;
-    const auto image = plot(folder, small());
+    const auto image = plotted(folder, small());
     CHECK(rim_is_blank(image));
     // Time runs from left to right: the first colour's square, the other's diamond, the grey disc.
     const int blue = column_of(image, first, 5), red = column_of(image, second, 4), faint = column_of(image, grey, 4);
     REQUIRE((blue > 0 && red > 0 && faint > 0));
     CHECK(blue < red);
     CHECK(red < faint);
-    write_scatter_plot(backend(), folder / "again.png", small());
+    lostbits::output::plot::write_scatter_plot(backend(), folder / "again.png", small());
     CHECK(slurp(folder / "s.png") == slurp(folder / "again.png"));
     auto without = small();
     for (auto& p : without.points) p.label.clear();
-    CHECK(count_of(plot(folder, without), first) < count_of(image, first));
+    CHECK(count_of(plotted(folder, without), first) < count_of(image, first));
     without.front.clear();
-    const auto bare = plot(folder, without);
+    const auto bare = plotted(folder, without);
     CHECK(bare.width == image.width);
     CHECK(count_of(bare, {120, 120, 126}) < count_of(image, {120, 120, 126}));
 }
@@ -115,13 +117,13 @@ TEST_CASE("a scatter plot shows points, names and front where they belong", "[sc
 TEST_CASE("what has no value is left out and counted", "[scatter_plot]") {
     const Scratch folder;
     auto spec = small();
-    const auto with = plot(folder, spec);
+    const auto with = plotted(folder, spec);
     spec.points.push_back({3, std::numeric_limits<double>::quiet_NaN(), 3, 3, 0, 1, false, false, "lost"});
-    const auto image = plot(folder, spec);
+    const auto image = plotted(folder, spec);
     CHECK(image.width == with.width);
     CHECK(image.pixels != with.pixels);
     CHECK(count_of(image, second) == count_of(with, second));
     spec.points.clear();
     spec.front.clear();
-    CHECK(plot(folder, spec).width == with.width);
+    CHECK(plotted(folder, spec).width == with.width);
 }

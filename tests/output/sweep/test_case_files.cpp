@@ -13,6 +13,10 @@
 
 using namespace lostbits;
 using namespace lostbits::output;
+using namespace lostbits::output::file;
+using namespace lostbits::output::image;
+using namespace lostbits::output::map;
+using namespace lostbits::output::sweep;
 using namespace lostbits::output::test;
 using lostbits::testing::row;
 using lostbits::testing::TextFile;
@@ -45,8 +49,8 @@ spheres = [{ centre = [0, 0, 5], radius = 2 }]
 rays = [{ origin = [0, 0, 0], direction = [0, 0, "0x1p100"] }, { origin = [0, 0, 0], direction = [0, 0, 1] }]
 )";
 
-std::string cell(const CsvTable& table, const char* column, std::size_t row) {
-    const CsvColumn* c = table.find(column);
+std::string cell(const output::file::CsvTable& table, const char* column, std::size_t row) {
+    const output::file::CsvColumn* c = table.find(column);
     if (c == nullptr) throw std::logic_error(std::string("no column ") + column);
     return std::string(c->cells.at(row));
 }
@@ -56,17 +60,17 @@ std::string cell(const CsvTable& table, const char* column, std::size_t row) {
 TEST_CASE("cases.csv and matrix.png say what each form makes of each case") {
     const Scratch folder;
     const TextFile text(cases_text);
-    const scene::CaseFile file(text.path());
+    const scene::sweep::CaseFile file(text.path());
     // f64 stands between two rows of f32: the picture gathers a format's forms, the table keeps the order.
-    const CaseRequest request{.file = &file,
+    const measure::sweep::CaseRequest request{.file = &file,
                               .rows = {row("sphere.schoolbook", "f32"), row("sphere.schoolbook", "f64"), row("sphere.schoolbook_strict", "f32")},
                               .metrics = lostbits::testing::case_metrics};
     static_cast<void>(backend());
-    CaseFiles files(request, folder.path());
+    output::sweep::CaseFiles files(request, folder.path());
     CHECK_FALSE(fs::exists(folder / "cases.csv"));
-    files.finish(run_cases(request));
+    files.finish(measure::sweep::run_cases(request));
 
-    const CsvTable table = read_csv(folder / "cases.csv");
+    const output::file::CsvTable table = read_csv(folder / "cases.csv");
     REQUIRE(table.rows() == 5 * 3);
     const std::string expected[] = {"right", "wrong_value", "false_miss", "false_hit", "not_a_number"};
     for (std::size_t i = 0; i < 5; ++i) {
@@ -93,11 +97,11 @@ TEST_CASE("cases.csv and matrix.png say what each form makes of each case") {
 
     const auto image = backend().read_png(folder / "matrix.png");
     CHECK(rim_is_blank(image));
-    const ColourScale scale = metric_scale(*find_metric("lost_bits"), request.rows, backend());
+    const output::image::ColourScale scale = metric_scale(*measure::metric::find_metric("lost_bits"), request.rows, backend());
     const auto first = find_block(image, {226, 238, 226}, 25, 21);
     REQUIRE(first.has_value());
     const auto corner = [&](int column, int line) { return pixel(image, first->first + column, first->second + 22 * line); };
-    const Rgb8 colours[] = {{226, 238, 226}, scale.map(12), outcome_colours[3], outcome_colours[2], outcome_colours[4]};
+    const output::image::Rgb8 colours[] = {{226, 238, 226}, scale.map(12), outcome_colours[3], outcome_colours[2], outcome_colours[4]};
     CHECK(scale.map(12) != scale.map(0));
     for (int i = 0; i < 5; ++i) {
         CAPTURE(i);
@@ -117,7 +121,7 @@ TEST_CASE("cases.csv and matrix.png say what each form makes of each case") {
     CHECK_FALSE(flat(1));
     CHECK_FALSE(flat(4));
 
-    write_case_matrix(folder / "alone.png", request, run_cases(request));
+    output::sweep::write_case_matrix(folder / "alone.png", request, measure::sweep::run_cases(request));
     CHECK(slurp(folder / "alone.png") == slurp(folder / "matrix.png"));
 }
 
@@ -132,19 +136,19 @@ direction = [-1, 1]
 centre = [-1, 1]
 radius = [0.5, 2]
 )");
-    const scene::SearchFile search(text.path());
-    const WorstRequest request{.search = &search,
+    const scene::sweep::SearchFile search(text.path());
+    const measure::sweep::WorstRequest request{.search = &search,
                                .rows = {row("sphere.schoolbook", "f32"), row("sphere.press", "f64"), row("sphere.unified", "bf16")},
                                .metrics = lostbits::testing::case_metrics};
     const Ray<double> ray{{0x1.79c78ap+2, -0x1.3d574ap-1, 0}, {-0x1.e0c60cp-1, 0x1p-149, -1}};
     const Sphere<double> sphere{{0x1.921fb54442d18p+0, -0.0, 0x1p-1074}, 0x1.fffffffffffffp+0};
-    const std::vector<std::optional<WorstFound>> found{
-        WorstFound{Outcome::agree_hit, 6.400023458, ray, sphere, 5.5, 5.25, 640},
-        WorstFound{Outcome::false_hit, HUGE_VAL, {{1, 2, 3}, {0, 0, 1}}, sphere, 0x1p-3, std::nan(""), 32},
+    const std::vector<std::optional<measure::sweep::WorstFound>> found{
+        measure::sweep::WorstFound{measure::answer::Outcome::agree_hit, 6.400023458, ray, sphere, 5.5, 5.25, 640},
+        measure::sweep::WorstFound{measure::answer::Outcome::false_hit, HUGE_VAL, {{1, 2, 3}, {0, 0, 1}}, sphere, 0x1p-3, std::nan(""), 32},
         std::nullopt};
-    write_worst(folder.path(), request, found);
+    output::sweep::write_worst(folder.path(), request, found);
 
-    const CsvTable table = read_csv(folder / "worst.csv");
+    const output::file::CsvTable table = read_csv(folder / "worst.csv");
     REQUIRE(table.rows() == 3);
     CHECK((cell(table, "form", 0) == "sphere.schoolbook" && cell(table, "format", 0) == "f32" && cell(table, "found", 0) == "1"));
     CHECK((cell(table, "outcome", 0) == "agree_hit" && cell(table, "lost_bits", 0) == "6.400023458" && cell(table, "evaluations", 0) == "640"));
@@ -153,13 +157,13 @@ radius = [0.5, 2]
     CHECK((cell(table, "outcome", 1) == "false_hit" && cell(table, "lost_bits", 1).empty() && cell(table, "truth_hex", 1).empty()));
     CHECK((cell(table, "found", 2) == "0" && cell(table, "outcome", 2).empty() && cell(table, "origin_x_hex", 2).empty()));
 
-    const scene::CaseFile hard(folder / "hard.toml");
+    const scene::sweep::CaseFile hard(folder / "hard.toml");
     CHECK(hard.title == "The worst rays of each form: Rays that are \"hard\" \\ wrong");
     CHECK(hard.source == "lostbits sweep t --worst: seed 1, 16 starts of 64 generations of 32, largest lost_bits");
     REQUIRE(hard.size() == 2);
     CHECK(hard.name(0) == "sphere.schoolbook in f32: lost_bits 6.40002");
     CHECK(hard.name(1) == "sphere.press in f64: false_hit");
-    const scene::RayGroup group = hard.rays(0, binary64).at(0);
+    const scene::rays::RayGroup group = hard.rays(0, binary64).at(0);
     CHECK(group.rays[0].origin == ray.origin);
     CHECK(group.rays[0].direction == ray.direction);
     CHECK(group.solids.at(0).numbers == Solid<double>(sphere).numbers);

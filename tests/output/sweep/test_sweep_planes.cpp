@@ -17,6 +17,10 @@
 
 using namespace lostbits;
 using namespace lostbits::output;
+using namespace lostbits::output::file;
+using namespace lostbits::output::image;
+using namespace lostbits::output::map;
+using namespace lostbits::output::sweep;
 using namespace lostbits::output::test;
 using lostbits::testing::row;
 using lostbits::testing::TextFile;
@@ -40,17 +44,17 @@ struct Planes {
     Planes(bool x_falls, bool y_falls) : text(sweep_text(x_falls, y_falls)), sweep(text.path(), LOSTBITS_DATA_DIR) {
         // In fp16 squares overflow from 256 radii on.
         request = {.sweep = &sweep, .rows = {row("sphere.unified", "f32"), row("sphere.schoolbook", "fp16")}, .metrics = {}};
-        for (const char* name : {"lost_bits", "inherent_bits", "excess_bits"}) request.metrics.push_back(find_metric(name));
-        steps = run_sweep(request);
-        SweepFiles files(request, folder.path());
+        for (const char* name : {"lost_bits", "inherent_bits", "excess_bits"}) request.metrics.push_back(measure::metric::find_metric(name));
+        steps = measure::sweep::run_sweep(request);
+        output::sweep::SweepFiles files(request, folder.path());
         files.finish(steps, {});
-        for (std::size_t r = 0; r < request.rows.size(); ++r) write_plane(backend(), folder.path(), request, steps, r);
+        for (std::size_t r = 0; r < request.rows.size(); ++r) output::sweep::write_plane(backend(), folder.path(), request, steps, r);
     }
     Scratch folder;
     TextFile text;
-    scene::SweepFile sweep;
-    SweepRequest request;
-    std::vector<SweepStep> steps;
+    scene::sweep::SweepFile sweep;
+    measure::sweep::SweepRequest request;
+    std::vector<measure::sweep::SweepStep> steps;
 };
 
 float number(std::string_view text) { return text.empty() ? std::nanf("") : static_cast<float>(std::strtod(std::string(text).c_str(), nullptr)); }
@@ -69,11 +73,11 @@ TEST_CASE("a plane's channels are the table's numbers, columns rising, the highe
             const Planes planes(x_falls, y_falls);
             CAPTURE(x_falls, y_falls);
             CHECK((planes.sweep.axes[0].values.front() > planes.sweep.axes[0].values.back()) == x_falls);
-            const CsvTable table = read_csv(planes.folder / "samples.csv");
+            const output::file::CsvTable table = read_csv(planes.folder / "samples.csv");
             REQUIRE(table.rows() == columns * lines * 2);
             bool varies = false, any_wrong = false;
             for (const std::string stem : {"sphere.unified.f32", "sphere.schoolbook.fp16"}) {
-                const ExrImage exr = backend().read_exr(planes.folder / (stem + ".exr"));
+                const output::image::ExrImage exr = backend().read_exr(planes.folder / (stem + ".exr"));
                 REQUIRE((exr.width == static_cast<int>(columns) && exr.height == static_cast<int>(lines)));
                 CHECK(exr.channels.size() == std::size(pairs));
                 std::size_t seen = 0;
@@ -125,24 +129,24 @@ TEST_CASE("a plane's picture takes the ramp, paler inside the envelope, and an o
     const Planes planes(false, false);
     const std::size_t lost = 0, excess = 2;
     for (std::size_t r = 0; r < 2; ++r) {
-        const MapRow& what = planes.request.rows[r];
+        const measure::map::MapRow& what = planes.request.rows[r];
         const auto image = backend().read_png(planes.folder / (std::string(what.form->info->name) + "." + what.format.name + ".png"));
         CHECK(rim_is_blank(image));
-        const ColourScale scale = metric_scale(*find_metric("lost_bits"), planes.request.rows, backend());
+        const output::image::ColourScale scale = metric_scale(*measure::metric::find_metric("lost_bits"), planes.request.rows, backend());
         int paler_cells = 0, wrong_cells = 0;
-        for (const SweepStep& step : planes.steps) {
-            const MapSummary& s = step.rows[r];
+        for (const measure::sweep::SweepStep& step : planes.steps) {
+            const measure::map::MapSummary& s = step.rows[r];
             const double p99 = s.metrics[lost].quantile(0.99);
-            constexpr Outcome kinds[] = {Outcome::false_hit, Outcome::false_miss, Outcome::not_a_number};
-            const Outcome worst = std::ranges::max(kinds, {}, [&](Outcome o) { return s.count(o); });
+            constexpr measure::answer::Outcome kinds[] = {measure::answer::Outcome::false_hit, measure::answer::Outcome::false_miss, measure::answer::Outcome::not_a_number};
+            const measure::answer::Outcome worst = std::ranges::max(kinds, {}, [&](measure::answer::Outcome o) { return s.count(o); });
             const auto wrong = s.count(kinds[0]) + s.count(kinds[1]) + s.count(kinds[2]);
             CAPTURE(what.format.name, step.values[0], step.values[1], wrong, p99);
-            std::optional<Rgb8> expected;
+            std::optional<output::image::Rgb8> expected;
             if (2 * wrong > s.rays) {
-                expected = outcome_colours[static_cast<std::size_t>(worst)];
+                expected = output::image::outcome_colours[static_cast<std::size_t>(worst)];
                 ++wrong_cells;
             } else if (p99 >= 1 && s.metrics[excess].quantile(0.99) < 1) {
-                expected = paler(scale.map(p99));
+                expected = output::map::paler(scale.map(p99));
                 ++paler_cells;
             } else {
                 expected = scale.map(p99);

@@ -11,24 +11,27 @@
 
 using namespace lostbits;
 using namespace lostbits::scene;
+using namespace lostbits::scene::file;
+using namespace lostbits::scene::rays;
+using namespace lostbits::scene::toml;
 
 namespace {
 
-std::vector<Scene> all_scenes() {
-    std::vector<Scene> all;
-    for (const auto& file : scene_files(LOSTBITS_DATA_DIR))
+std::vector<scene::file::Scene> all_scenes() {
+    std::vector<scene::file::Scene> all;
+    for (const auto& file : scene::file::scene_files(LOSTBITS_DATA_DIR))
         for (Scene& each : load_scene(file)) all.push_back(std::move(each));
     return all;
 }
 
-Scene find(const std::string& id) {
+scene::file::Scene find(const std::string& id) {
     for (Scene& each : all_scenes())
         if (each.id == id) return each;
     throw std::logic_error("no scene " + id);
 }
 
 /// Is there a t ≥ 0 with |o + t d − c| = r? By the perpendicular from the centre; plain, but in Real.
-bool hits(const Ray<Real>& ray, const SphereSpec& sphere) {
+bool hits(const Ray<Real>& ray, const scene::file::SphereSpec& sphere) {
     const Vec<Real> to_centre = sphere.centre - ray.origin;
     const Real r2 = sphere.radius * sphere.radius;
     if (dot(to_centre, to_centre) <= r2) return true;
@@ -38,7 +41,7 @@ bool hits(const Ray<Real>& ray, const SphereSpec& sphere) {
 }
 
 /// By clipping the ray with each slab in turn.
-bool hits(const Ray<Real>& ray, const BoxSpec& box) {
+bool hits(const Ray<Real>& ray, const scene::file::BoxSpec& box) {
     Real from(0), to = ldexp(Real(1), 1000);
     for (int i = 0; i < 3; ++i) {
         const Real &o = ray.origin[i], &d = ray.direction[i];
@@ -54,12 +57,12 @@ bool hits(const Ray<Real>& ray, const BoxSpec& box) {
 }
 
 /// Every fourth pixel each way is plenty for a fraction of the picture.
-double hit_fraction(const Scene& scene) {
-    const CameraFrame<Real> frame = make_frame<Real>(scene);
+double hit_fraction(const scene::file::Scene& scene) {
+    const scene::rays::CameraFrame<Real> frame = make_frame<Real>(scene);
     int hit = 0, seen = 0;
     for (int y = 1; y < scene.height; y += 4) {
         for (int x = 1; x < scene.width; x += 4) {
-            const Ray<Real> r = ray(frame, x, y);
+            const Ray<Real> r = scene::rays::ray(frame, x, y);
             ++seen;
             const auto is_hit = [&](const auto& solid) { return hits(r, solid); };
             hit += std::ranges::any_of(scene.spheres, is_hit) || std::ranges::any_of(scene.boxes, is_hit);
@@ -68,7 +71,7 @@ double hit_fraction(const Scene& scene) {
     return static_cast<double>(hit) / seen;
 }
 
-Real distance(const Scene& scene) {
+Real distance(const scene::file::Scene& scene) {
     const Vec<Real> to = scene.spheres.at(0).centre - scene.camera.eye;
     return length(to);
 }
@@ -82,7 +85,7 @@ bool has_zero_or_equal_components(const Vec<double>& v) {
 
 TEST_CASE("the data folder holds the scenes that the documentation names") {
     std::set<std::string> ids;
-    for (const Scene& each : all_scenes()) ids.insert(each.id);
+    for (const scene::file::Scene& each : all_scenes()) ids.insert(each.id);
     for (const std::string id : {"rtg-fig-7-3-100", "rtg-fig-7-3-2000", "rtg-fig-7-3-4100", "rtg-fig-7-3-8000",
              "rtg-fig-7-3-100-oblique", "rtg-fig-7-3-2000-oblique", "rtg-fig-7-3-4100-oblique",
              "rtg-fig-7-3-8000-oblique", "rtg-fig-7-4.r1e3", "rtg-fig-7-4.r1e4", "rtg-fig-7-4.r1e5",
@@ -94,7 +97,7 @@ TEST_CASE("the data folder holds the scenes that the documentation names") {
 }
 
 TEST_CASE("every scene is described and shows hits and misses") {
-    for (const Scene& each : all_scenes()) {
+    for (const scene::file::Scene& each : all_scenes()) {
         CAPTURE(each.id);
         CHECK_FALSE(each.title.empty());
         CHECK_FALSE(each.source.empty());
@@ -110,16 +113,16 @@ TEST_CASE("every scene is described and shows hits and misses") {
 
 TEST_CASE("the spheres of figure 7-3 stand where they should, straight and oblique") {
     for (const int d : {100, 2000, 4100, 8000}) {
-        const Scene straight = find("rtg-fig-7-3-" + std::to_string(d));
-        const Scene oblique = find("rtg-fig-7-3-" + std::to_string(d) + "-oblique");
+        const scene::file::Scene straight = find("rtg-fig-7-3-" + std::to_string(d));
+        const scene::file::Scene oblique = find("rtg-fig-7-3-" + std::to_string(d) + "-oblique");
         CAPTURE(d);
         CHECK(distance(straight) == d);
         CHECK(abs(distance(oblique) - d) < 1e-14);
         CHECK(straight.spheres[0].radius == 1);
         CHECK(hit_fraction(straight) == Approx(3.14159265 / 6.25).margin(0.01));
         CHECK(hit_fraction(oblique) == Approx(3.14159265 / 6.25).margin(0.01));
-        const RayBlock straight_rays = make_shared_rays(straight, 100, 101);
-        const RayBlock oblique_rays = make_shared_rays(oblique, 100, 101);
+        const scene::rays::RayBlock straight_rays = make_shared_rays(straight, 100, 101);
+        const scene::rays::RayBlock oblique_rays = make_shared_rays(oblique, 100, 101);
         CHECK(straight_rays[7].direction == Vec<double>(0, 0, -1));
         CHECK_FALSE(has_zero_or_equal_components(oblique_rays[7].direction));
     }
@@ -128,13 +131,13 @@ TEST_CASE("the spheres of figure 7-3 stand where they should, straight and obliq
 TEST_CASE("figure 7-4 stands on ever larger spheres, with no zero components") {
     for (const auto& [name, radius] : std::map<std::string, int>{
              {"r1e3", 1000}, {"r1e4", 10000}, {"r1e5", 100000}, {"r1e6", 1000000}, {"r6371000", 6371000}}) {
-        const Scene s = find("rtg-fig-7-4." + name);
+        const scene::file::Scene s = find("rtg-fig-7-4." + name);
         CAPTURE(name);
         CHECK(s.spheres[0].radius == radius);
         CHECK(s.spheres[0].centre.y == -radius);  // the ground's top is at y = 0
         CHECK(s.width == 320);
         CHECK(s.height == 240);
-        const RayBlock rays = make_shared_rays(s, 0, s.height);
+        const scene::rays::RayBlock rays = make_shared_rays(s, 0, s.height);
         std::size_t special = 0;
         for (std::size_t i = 0; i < rays.size(); ++i)
             special += rays.dx[i] == 0 || rays.dy[i] == 0 || rays.dz[i] == 0;
@@ -143,32 +146,32 @@ TEST_CASE("figure 7-4 stands on ever larger spheres, with no zero components") {
 }
 
 TEST_CASE("the camera of camera-inside is inside, off centre") {
-    const Scene s = find("camera-inside");
+    const scene::file::Scene s = find("camera-inside");
     CHECK(distance(s) < s.spheres[0].radius);
     CHECK(distance(s) > 0.1);
 }
 
 TEST_CASE("grazing rays pass within a thousandth of the limb, half of them hitting") {
-    const Scene s = find("grazing");
+    const scene::file::Scene s = find("grazing");
     CHECK(hit_fraction(s) == Approx(0.5).margin(0.02));
-    const RayBlock rays = make_shared_rays(s, 0, s.height);
-    const SphereSpec& sphere = s.spheres[0];
+    const scene::rays::RayBlock rays = make_shared_rays(s, 0, s.height);
+    const scene::file::SphereSpec& sphere = s.spheres[0];
     for (std::size_t i = 0; i < rays.size(); i += 97) {
         const Vec<Real> o(Real(rays.ox[i]), Real(rays.oy[i]), Real(rays.oz[i])),
             d(Real(rays.dx[i]), Real(rays.dy[i]), Real(rays.dz[i]));
-        const Vec<Real> c = cross<Real>(sphere.centre - o, d);
+        const Vec<Real> c = cross<Real>(Shape::sphere.centre - o, d);
         const Real apart = length(c) / length(d);
         REQUIRE(abs(apart - 1) < 1e-3);
     }
 }
 
 TEST_CASE("the offset worlds are near-benign, moved exactly") {
-    const Scene near = find("near-benign");
+    const scene::file::Scene near = find("near-benign");
     const Vec<Real> offset(test::real("100000"), test::real("100000.3"), test::real("-99999.7"));
     for (const std::string id : {"world-offset", "world-offset-own"}) {
-        const Scene moved = find(id);
+        const scene::file::Scene moved = find(id);
         CAPTURE(id);
-        CHECK(moved.inputs == (id == "world-offset" ? Inputs::shared : Inputs::own));
+        CHECK(moved.inputs == (id == "world-offset" ? scene::file::Inputs::shared : scene::file::Inputs::own));
         const auto is_moved = [&](const Vec<Real>& a, const Vec<Real>& b) {
             const Vec<Real> d = b - a - offset;
             return length(d) < 1e-70;
@@ -184,10 +187,10 @@ TEST_CASE("the offset worlds are near-benign, moved exactly") {
 }
 
 TEST_CASE("own inputs show in world-offset-own: binary32 moves the eye by more than double does") {
-    const Scene s = find("world-offset-own");
-    const IdealRayBlock ideal = make_own_rays(s, 0, 1);
+    const scene::file::Scene s = find("world-offset-own");
+    const scene::rays::IdealRayBlock ideal = make_own_rays(s, 0, 1);
     const auto moved = [&](const FloatFormat& f) {
-        return abs(Real(round_rays(ideal, f).ox[0]) - ideal.ox[0]);
+        return abs(Real(scene::rays::round_rays(ideal, f).ox[0]) - ideal.ox[0]);
     };
     CHECK(moved(binary32) > 1e-4);
     CHECK(moved(binary64) < 1e-11);

@@ -3,6 +3,9 @@
 
 using namespace lostbits;
 using namespace lostbits::scene;
+using namespace lostbits::scene::file;
+using namespace lostbits::scene::rays;
+using namespace lostbits::scene::toml;
 using namespace lostbits::scene::test;
 
 namespace {
@@ -109,7 +112,7 @@ TEST_CASE("a picture has a sane size") {
     CHECK(broken("size = [8, 4]", "size = [54161, 19825]") ==
           "scene.toml:6:8: size is an absurd size: more than 2^30 pixels; make it smaller");
     CHECK(broken("size = [8, 4]", "size = [65536, 16384]") == "no error");
-    LoadOptions options;
+    scene::file::LoadOptions options;
     options.size = {0, 5};
     CHECK(scene_error(good_scene, options) ==
           "--size 0x5: size[0] is the integer 0, but a whole number from 1 to 65536 is expected here");

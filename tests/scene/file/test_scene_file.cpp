@@ -5,6 +5,9 @@
 
 using namespace lostbits;
 using namespace lostbits::scene;
+using namespace lostbits::scene::file;
+using namespace lostbits::scene::rays;
+using namespace lostbits::scene::toml;
 using namespace lostbits::scene::test;
 
 namespace {
@@ -14,7 +17,7 @@ const std::string two_variants =
     "[[variant]]\nname = \"small\"\nset = { \"sphere[0].radius\" = 0.5 }\n"
     "[[variant]]\nname = \"big\"\nset = { \"sphere[0].radius\" = 2, \"camera.eye\" = [1, 2, 3] }\n";
 
-LoadOptions variant(const std::string& name) {
+scene::file::LoadOptions variant(const std::string& name) {
     LoadOptions options;
     options.variant = name;
     return options;
@@ -23,16 +26,16 @@ LoadOptions variant(const std::string& name) {
 }  // namespace
 
 TEST_CASE("a scene holds what its file says") {
-    const Scene s = loaded(good_scene);
+    const scene::file::Scene s = loaded(good_scene);
     CHECK(s.id == "scene");
     CHECK(s.path.filename() == "scene.toml");
     CHECK(s.title == "A test");
     CHECK(s.source == "-");
     CHECK(s.note == "nothing");
-    CHECK(s.inputs == Inputs::shared);
+    CHECK(s.inputs == scene::file::Inputs::shared);
     CHECK(s.width == 8);
     CHECK(s.height == 4);
-    CHECK(s.camera.kind == Camera::Kind::orthographic);
+    CHECK(s.camera.kind == scene::file::Camera::Kind::orthographic);
     CHECK(s.camera.look_at.z == -1);
     CHECK(s.camera.up.y == 1);
     CHECK(s.camera.width == Real(2.5));
@@ -46,9 +49,9 @@ TEST_CASE("what a scene leaves out has its default") {
     for (const std::string line :
         {"note = \"nothing\"\n", "inputs = \"shared\"\n", "size = [8, 4]\n", "up = [0, 1, 0]\n"})
         text = replaced(text, line, "");
-    const Scene s = loaded(text);
+    const scene::file::Scene s = loaded(text);
     CHECK(s.note.empty());
-    CHECK(s.inputs == Inputs::shared);
+    CHECK(s.inputs == scene::file::Inputs::shared);
     CHECK(s.width == 256);
     CHECK(s.height == 256);
     CHECK(s.camera.up.y == 1);
@@ -58,7 +61,7 @@ TEST_CASE("what a scene leaves out has its default") {
 }
 
 TEST_CASE("numbers are ideal: decimals as written, in every notation") {
-    const Scene s =
+    const scene::file::Scene s =
         loaded(replaced(good_scene, "centre = [0, 0, -10]", "centre = [0.1, \"0.1\", \"0x1.8p+3\"]"));
     CHECK(s.spheres[0].centre.x == real("0.1"));
     CHECK(s.spheres[0].centre.x == s.spheres[0].centre.y);
@@ -66,7 +69,7 @@ TEST_CASE("numbers are ideal: decimals as written, in every notation") {
 }
 
 TEST_CASE("a file with variants gives a scene for each, in order, and none without") {
-    const std::vector<Scene> all = all_loaded(two_variants);
+    const std::vector<scene::file::Scene> all = all_loaded(two_variants);
     REQUIRE(all.size() == 2);
     CHECK(all[0].id == "scene.small");
     CHECK(all[1].id == "scene.big");
@@ -77,7 +80,7 @@ TEST_CASE("a file with variants gives a scene for each, in order, and none witho
 }
 
 TEST_CASE("one variant can be chosen by name") {
-    const std::vector<Scene> one = all_loaded(two_variants, variant("big"));
+    const std::vector<scene::file::Scene> one = all_loaded(two_variants, variant("big"));
     REQUIRE(one.size() == 1);
     CHECK(one[0].id == "scene.big");
     CHECK(scene_error(two_variants, variant("bog")) ==
@@ -86,9 +89,9 @@ TEST_CASE("one variant can be chosen by name") {
 }
 
 TEST_CASE("a size override changes the size alone") {
-    LoadOptions options;
+    scene::file::LoadOptions options;
     options.size = {320, 240};
-    const Scene s = loaded(good_scene, options);
+    const scene::file::Scene s = loaded(good_scene, options);
     CHECK(s.width == 320);
     CHECK(s.height == 240);
     CHECK(s.spheres[0].radius == 1);
@@ -98,11 +101,11 @@ TEST_CASE("a size override changes the size alone") {
 
 TEST_CASE("scenes are listed by name") {
     const Folder data;
-    CHECK(error_of([&] { scene_files(data.path()); }).find("no folder of scenes") != std::string::npos);
+    CHECK(error_of([&] { scene::file::scene_files(data.path()); }).find("no folder of scenes") != std::string::npos);
     data.write("scenes/b.toml", good_scene);
     data.write("scenes/a.toml", good_scene);
     data.write("scenes/readme.md", "");
-    const auto files = scene_files(data.path());
+    const auto files = scene::file::scene_files(data.path());
     REQUIRE(files.size() == 2);
     CHECK(files[0].filename() == "a.toml");
     CHECK(files[1].filename() == "b.toml");
@@ -112,7 +115,7 @@ TEST_CASE("a scene is found by path, id or id and variant") {
     const Folder data;
     const fs::path near = data.write("scenes/near.toml", good_scene);
     const fs::path far = data.write("scenes/far-2.5.toml", two_variants);
-    CHECK(find_scene("near", data.path()).path == near);
+    CHECK(scene::file::find_scene("near", data.path()).path == near);
     CHECK_FALSE(find_scene("near", data.path()).variant);
     CHECK(find_scene("near.toml", data.path()).path == near);
     CHECK(find_scene(near.string(), data.path()).path == near);

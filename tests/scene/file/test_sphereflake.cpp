@@ -8,13 +8,16 @@
 
 using namespace lostbits;
 using namespace lostbits::scene;
+using namespace lostbits::scene::file;
+using namespace lostbits::scene::rays;
+using namespace lostbits::scene::toml;
 using namespace lostbits::scene::test;
 
 namespace {
 
-std::vector<Sphere<double>> spheres_of(const Sphereflake& flake) {
+std::vector<Sphere<double>> spheres_of(const scene::file::Sphereflake& flake) {
     std::vector<Sphere<double>> all;
-    for_each_sphere(flake, [&all](const Sphere<double>& s) { all.push_back(s); });
+    scene::file::for_each_sphere(flake, [&all](const Sphere<double>& s) { all.push_back(s); });
     return all;
 }
 
@@ -23,7 +26,7 @@ double apart(const Vec<double>& a, const Vec<double>& b) { return length(a - b);
 }  // namespace
 
 TEST_CASE("a sphereflake has nine times as many spheres a level") {
-    CHECK(Sphereflake{.levels = 0}.size() == 1);
+    CHECK(scene::file::Sphereflake{.levels = 0}.size() == 1);
     CHECK(Sphereflake{.levels = 2}.size() == 91);
     CHECK(Sphereflake{.levels = 5}.size() == 66430);
     CHECK(Sphereflake{.levels = 8}.size() == 48427561);
@@ -45,7 +48,7 @@ TEST_CASE("children touch their parent, six about its equator and three above it
 }
 
 TEST_CASE("the flake of two levels is the one that the scene of ninety-one spheres writes out") {
-    const Scene written = load_scene(fs::path(LOSTBITS_DATA_DIR) / "scenes/rtg-fig-7-6-near.toml").front();
+    const scene::file::Scene written = load_scene(fs::path(LOSTBITS_DATA_DIR) / "scenes/rtg-fig-7-6-near.toml").front();
     const auto all = spheres_of({.levels = 2, .axis = {0.2, 0.9, 0.4}});
     REQUIRE(written.spheres.size() == all.size());
     for (std::size_t i = 0; i < all.size(); ++i) {
@@ -57,10 +60,10 @@ TEST_CASE("the flake of two levels is the one that the scene of ninety-one spher
 TEST_CASE("a flake stands behind the other spheres of its scene, and is refused with its place") {
     const std::string text = replaced(good_scene, "[[sphere]]", "[sphereflake]\nlevels = 1\nradius = 0.5\n[[sphere]]");
     const Folder folder;
-    const Scene s = load_scene(folder.write("scene.toml", text)).front();
+    const scene::file::Scene s = load_scene(folder.write("scene.toml", text)).front();
     CHECK(s.shapes() == std::vector{Shape::sphere});
     CHECK(s.solids().size() == 11);
-    const auto shared = shared_solids(s);
+    const auto shared = scene::rays::shared_solids(s);
     REQUIRE(shared.size() == 11);
     CHECK(shared[0].sphere().radius == 1);
     CHECK(shared[1].sphere().radius == 0.5);
@@ -76,7 +79,7 @@ TEST_CASE("a flake stands behind the other spheres of its scene, and is refused 
 TEST_CASE("the constants of a march have the seed's values where they are not given, and are refused with their place") {
     const std::string text = replaced(good_scene, "[[sphere]]", "[march]\nhit_eps = 0.01\n[[sphere]]");
     const Folder folder;
-    const Scene s = load_scene(folder.write("scene.toml", text)).front();
+    const scene::file::Scene s = load_scene(folder.write("scene.toml", text)).front();
     REQUIRE(s.march);
     CHECK(s.march->hit_eps == Real("0.01"));
     CHECK(s.march->max_dist == 20);

@@ -8,6 +8,9 @@
 
 using namespace lostbits;
 using namespace lostbits::scene;
+using namespace lostbits::scene::file;
+using namespace lostbits::scene::rays;
+using namespace lostbits::scene::toml;
 
 namespace {
 
@@ -24,9 +27,9 @@ std::pair<Real, Real> clipped(const Ray<double>& ray, const Box<double>& box) {
 }
 
 template <class Check>
-void for_each_ray(const BoxFamily& family, Check check) {
+void for_each_ray(const scene::rays::BoxFamily& family, Check check) {
     int seen = 0;
-    for (const RayGroup& group : box_family_rays(family)) {
+    for (const scene::rays::RayGroup& group : box_family_rays(family)) {
         for (std::size_t i = 0; i < group.rays.size(); ++i, ++seen) check(group.rays[i], group.solids);
     }
     CHECK(seen == family.views * family.rays);
@@ -35,9 +38,9 @@ void for_each_ray(const BoxFamily& family, Check check) {
 }  // namespace
 
 TEST_CASE("a gap inward is a hit of about that depth, outward a miss, at edges and corners") {
-    for (const auto aim : {BoxFamily::Aim::edge, BoxFamily::Aim::corner}) {
+    for (const auto aim : {scene::rays::BoxFamily::Aim::edge, scene::rays::BoxFamily::Aim::corner}) {
         for (const double gap : {-0x1p-8, 0x1p-8}) {
-            BoxFamily family;
+            scene::rays::BoxFamily family;
             family.aim = aim;
             family.gap = gap;
             for_each_ray(family, [&](const Ray<double>& ray, const std::vector<Solid<double>>& solids) {
@@ -54,7 +57,7 @@ TEST_CASE("a gap inward is a hit of about that depth, outward a miss, at edges a
 }
 
 TEST_CASE("aimed inside, every ray crosses the box; along a face it has a component of zero") {
-    BoxFamily family;
+    scene::rays::BoxFamily family;
     family.aim = BoxFamily::Aim::inside;
     for_each_ray(family, [](const Ray<double>& ray, const auto& solids) {
         const auto [from, to] = clipped(ray, solids.front().box());
@@ -71,8 +74,8 @@ TEST_CASE("aimed inside, every ray crosses the box; along a face it has a compon
 }
 
 TEST_CASE("adjoining boxes fill one box and share its planes, and the rays go through what they share") {
-    for (const auto aim : {BoxFamily::Aim::face, BoxFamily::Aim::edge, BoxFamily::Aim::corner}) {
-        BoxFamily family;
+    for (const auto aim : {scene::rays::BoxFamily::Aim::face, scene::rays::BoxFamily::Aim::edge, scene::rays::BoxFamily::Aim::corner}) {
+        scene::rays::BoxFamily family;
         family.aim = aim;
         family.adjoining = true;
         for_each_ray(family, [](const Ray<double>& ray, const std::vector<Solid<double>>& solids) {
@@ -99,7 +102,7 @@ TEST_CASE("adjoining boxes fill one box and share its planes, and the rays go th
 }
 
 TEST_CASE("thin boxes are thin, scaled ones scaled, and the same seed gives the same rays") {
-    BoxFamily family;
+    scene::rays::BoxFamily family;
     family.thickness = 0x1p-20;
     family.size = 1024;
     family.direction_magnitude = 0x1p10;
@@ -114,7 +117,7 @@ TEST_CASE("thin boxes are thin, scaled ones scaled, and the same seed gives the 
         REQUIRE(most >= 511);
         REQUIRE(length(ray.direction) > 512);
     });
-    const auto once = box_family_rays(family), again = box_family_rays(family);
+    const auto once = scene::rays::box_family_rays(family), again = box_family_rays(family);
     REQUIRE(once.size() == again.size());
     CHECK(once.back().rays.dx == again.back().rays.dx);
     CHECK(once.back().rays.oz == again.back().rays.oz);

@@ -8,6 +8,9 @@
 
 using namespace lostbits;
 using namespace lostbits::scene;
+using namespace lostbits::scene::file;
+using namespace lostbits::scene::rays;
+using namespace lostbits::scene::toml;
 using namespace lostbits::scene::test;
 
 namespace {
@@ -16,7 +19,7 @@ Vec<Real> lifted(const Vec<double>& v) { return {Real(v.x), Real(v.y), Real(v.z)
 
 /// A ray against its sphere, in 256 bits; all lengths in radii.
 struct Geometry {
-    Geometry(const RayGroup& group, std::size_t i) {
+    Geometry(const scene::rays::RayGroup& group, std::size_t i) {
         const Ray<double> ray = group.rays[i];
         const Sphere<double> sphere = group.solids.front().sphere();
         const Vec<Real> f = lifted(ray.origin) - lifted(sphere.centre), d = lifted(ray.direction), c = cross<Real>(f, d);
@@ -30,7 +33,7 @@ struct Geometry {
     double along;   ///< negative where the ray goes toward the centre
 };
 
-Family family_of(const std::string& text) {
+scene::rays::Family family_of(const std::string& text) {
     const Folder folder;
     const Node root = read_toml(folder.write("f.toml", text));
     return read_family(TableReader(root));
@@ -39,8 +42,8 @@ std::string family_error(const std::string& text) {
     const Folder folder;
     const fs::path file = folder.write("f.toml", text);
     return error_in(folder, [&] {
-        const Node root = read_toml(file);
-        read_family(TableReader(root));
+        const scene::toml::Node root = read_toml(file);
+        scene::rays::read_family(scene::toml::TableReader(root));
     });
 }
 
@@ -49,18 +52,18 @@ std::string family_error(const std::string& text) {
 TEST_CASE("tilted views go along (1, t, 11/16 t), the centre on the axis, as far as asked to 12 bits") {
     for (const double tilt : {0.0, 0x1p-24, 0x1p-7, 0.3, 1.0}) {
         for (const double distance : {4.0, 1000.0, 777.7}) {
-            Family f = family_of("directions = \"tilted\"\nimpact_to = 0.99\nviews = 3\nrays = 8\n");
+            scene::rays::Family f = family_of("directions = \"tilted\"\nimpact_to = 0.99\nviews = 3\nrays = 8\n");
             f.tilt = tilt;
-            f.distance = distance;
-            const auto groups = family_rays(f);
+            f.distance = intersect::table::distance;
+            const auto groups = scene::rays::family_rays(f);
             REQUIRE(groups.size() == 3);
-            for (const RayGroup& g : groups) {
+            for (const scene::rays::RayGroup& g : groups) {
                 const Vec<double> c = g.solids.front().sphere().centre;
                 const Vec<Real> centre = lifted(c);
                 CHECK(std::fabs(static_cast<double>(length(centre)) / distance - 1) <= 0x1p-12);
                 for (std::size_t i = 0; i < g.rays.size(); ++i) {
                     const Vec<double> d = g.rays[i].direction;
-                    CAPTURE(tilt, distance, d.x, d.y, d.z);
+                    CAPTURE(tilt, intersect::table::distance, d.x, d.y, d.z);
                     CHECK(d.x > 0);
                     CHECK(std::fabs(d.y - tilt * d.x) <= 0x1p-12 * tilt * d.x);
                     CHECK(std::fabs(d.z - 0.6875 * tilt * d.x) <= 0x1p-12 * tilt * d.x);
@@ -80,12 +83,12 @@ TEST_CASE("a silhouette gap puts every line at 1 - gap radii, from both projecti
     for (const char* projection : {"parallel", "point"}) {
         for (const double gap : {0.5, 0x1p-5, 0x1p-10}) {
             for (const double radius : {1.0, 48.0}) {
-                Family f = family_of("projection = \"" + std::string(projection) + "\"\nimpact_from = 0.25\nweighting = \"silhouette\"\nviews = 4\nrays = 16\n");
+                scene::rays::Family f = family_of("projection = \"" + std::string(projection) + "\"\nimpact_from = 0.25\nweighting = \"silhouette\"\nviews = 4\nrays = 16\n");
                 f.silhouette_gap = gap;
                 f.radius = radius;
                 f.distance = 16;
                 f.height = 3 * radius;
-                for (const RayGroup& g : family_rays(f)) {
+                for (const scene::rays::RayGroup& g : family_rays(f)) {
                     for (std::size_t i = 0; i < g.rays.size(); ++i) {
                         const Geometry at(g, i);
                         CAPTURE(projection, gap, radius, i);
@@ -99,7 +102,7 @@ TEST_CASE("a silhouette gap puts every line at 1 - gap radii, from both projecti
     }
     // Without one the impacts are spread.
     double least = 1, most = 0;
-    for (const RayGroup& g : family_rays(family_of("impact_to = 0.99"))) {
+    for (const scene::rays::RayGroup& g : family_rays(family_of("impact_to = 0.99"))) {
         for (std::size_t i = 0; i < g.rays.size(); ++i) {
             least = std::min(least, Geometry(g, i).impact);
             most = std::max(most, Geometry(g, i).impact);
@@ -111,9 +114,9 @@ TEST_CASE("a silhouette gap puts every line at 1 - gap radii, from both projecti
 
 TEST_CASE("rays away leave the centre behind; those that do not are the same, turned") {
     for (const double height : {1.0, 0.0, -0x1p-6, -0.5}) {
-        Family f = family_of("projection = \"point\"\nimpact_to = 0.5\nradius = 1\nviews = 6\nrays = 16\n");
+        scene::rays::Family f = family_of("projection = \"point\"\nimpact_to = 0.5\nradius = 1\nviews = 6\nrays = 16\n");
         f.height = height;
-        const auto toward = family_rays(f);
+        const auto toward = scene::rays::family_rays(f);
         f.away = true;
         const auto away = family_rays(f);
         REQUIRE(away.size() == toward.size());
@@ -136,9 +139,9 @@ TEST_CASE("rays away leave the centre behind; those that do not are the same, tu
 
 TEST_CASE("an eye under the centre still has rays") {
     for (const double height : {-0.99, -1.0, -1.5, -3.0}) {
-        Family f = family_of("projection = \"point\"\nimpact_to = 0.99\nradius = 1\nviews = 4\nrays = 32\n");
+        scene::rays::Family f = family_of("projection = \"point\"\nimpact_to = 0.99\nradius = 1\nviews = 4\nrays = 32\n");
         f.height = height;
-        for (const RayGroup& g : family_rays(f)) {
+        for (const scene::rays::RayGroup& g : family_rays(f)) {
             for (std::size_t i = 0; i < g.rays.size(); ++i) {
                 const Geometry at(g, i);
                 CAPTURE(height, i);

@@ -12,6 +12,10 @@
 
 using namespace lostbits;
 using namespace lostbits::scene;
+using namespace lostbits::scene::file;
+using namespace lostbits::scene::rays;
+using namespace lostbits::scene::sweep;
+using namespace lostbits::scene::toml;
 using namespace lostbits::scene::test;
 
 namespace {
@@ -31,19 +35,19 @@ spheres = [{ centre = [1, 2, 3], radius = 4 }, { centre = ["1 + ulp", 0, 0], rad
 rays = [{ origin = [0, 0, "nan"], direction = [0, 0, "-inf"] }, { origin = [1, 0, 0], direction = ["tiny", 0, 0] }]
 )";
 
-CaseFile loaded_cases(const std::string& text) {
+scene::sweep::CaseFile loaded_cases(const std::string& text) {
     const Folder folder;
     return CaseFile(folder.write("c.toml", text));
 }
 std::string case_error(const std::string& text) {
     const Folder folder;
     const fs::path file = folder.write("c.toml", text);
-    return error_in(folder, [&] { CaseFile{file}; });
+    return error_in(folder, [&] { scene::sweep::CaseFile{file}; });
 }
 std::string broken(const std::string& from, const std::string& to) { return case_error(replaced(good_cases, from, to)); }
 
 using Numbers = std::array<double, 10>;
-Numbers numbers_of(const RayGroup& g) {
+Numbers numbers_of(const scene::rays::RayGroup& g) {
     const Sphere<double> s = g.solids.front().sphere();
     return {g.rays.ox[0], g.rays.oy[0], g.rays.oz[0], g.rays.dx[0], g.rays.dy[0], g.rays.dz[0], s.centre.x, s.centre.y, s.centre.z, s.radius};
 }
@@ -51,7 +55,7 @@ Numbers numbers_of(const RayGroup& g) {
 }  // namespace
 
 TEST_CASE("cases are read in order, each with its rays and solids") {
-    const CaseFile file = loaded_cases(good_cases);
+    const scene::sweep::CaseFile file = loaded_cases(good_cases);
     CHECK(file.id == "c");
     CHECK(file.right_within_bits == 3);
     REQUIRE(file.size() == 2);
@@ -66,7 +70,7 @@ TEST_CASE("cases are read in order, each with its rays and solids") {
 }
 
 TEST_CASE("each format gets a case in its own numbers; lengths scale lengths, directions directions") {
-    const CaseFile file = loaded_cases(good_cases);
+    const scene::sweep::CaseFile file = loaded_cases(good_cases);
     for (const FloatFormat& f : {binary16, bfloat16, binary32, binary64}) {
         const auto group = file.rays(1, f).at(0);
         REQUIRE(group.solids.size() == 2);
@@ -91,7 +95,7 @@ TEST_CASE("a symmetric case comes under 48 symmetries, ray and solid alike") {
     const auto groups = loaded_cases(replaced(good_cases, "name = \"one\"", "name = \"one\"\nsymmetric = true")).rays(0, binary32);
     REQUIRE(groups.size() == 48);
     std::set<Numbers> images;
-    for (const RayGroup& g : groups) {
+    for (const scene::rays::RayGroup& g : groups) {
         const Numbers n = numbers_of(g);
         images.insert(n);
         REQUIRE(g.rays.size() == 1);
@@ -119,10 +123,10 @@ symmetric = true
 boxes = [{ lo = [1, -2, 3], hi = [2, 5, 9] }]
 rays = [{ origin = [0, 0, 0], direction = [1.5, 1, 4] }]
 )";
-    const CaseFile file = loaded_cases(boxes);
+    const scene::sweep::CaseFile file = loaded_cases(boxes);
     CHECK(file.shape() == Shape::box);
     std::set<std::array<double, 6>> images;
-    for (const RayGroup& g : file.rays(0, binary32)) {
+    for (const scene::rays::RayGroup& g : file.rays(0, binary32)) {
         REQUIRE(g.solids.size() == 1);
         REQUIRE(g.solids[0].shape == Shape::box);
         const Box<double> b = g.solids[0].box();
@@ -167,12 +171,12 @@ TEST_CASE("what is no file of cases is refused where it is wrong") {
 
 TEST_CASE("the tables of a sweep tell its kind") {
     const Folder folder;
-    CHECK(sweep_kind(folder.write("a.toml", "[[axis]]\n")) == SweepKind::axes);
-    CHECK(sweep_kind(folder.write("c.toml", "[[case]]\n")) == SweepKind::cases);
-    CHECK(sweep_kind(folder.write("s.toml", "[search]\n")) == SweepKind::search);
-    for (const char* name : {"contact", "directions", "not-numbers", "scale"}) CHECK(CaseFile(fs::path(LOSTBITS_DATA_DIR) / "sweeps/extremes" / (std::string(name) + ".toml")).size() > 5);
+    CHECK(scene::sweep::sweep_kind(folder.write("a.toml", "[[axis]]\n")) == scene::sweep::SweepKind::axes);
+    CHECK(sweep_kind(folder.write("c.toml", "[[case]]\n")) == scene::sweep::SweepKind::cases);
+    CHECK(sweep_kind(folder.write("s.toml", "[search]\n")) == scene::sweep::SweepKind::search);
+    for (const char* name : {"contact", "directions", "not-numbers", "scale"}) CHECK(scene::sweep::CaseFile(fs::path(LOSTBITS_DATA_DIR) / "sweeps/extremes" / (std::string(name) + ".toml")).size() > 5);
     for (const char* name : {"near", "far"}) {
-        CHECK(CaseFile(fs::path(LOSTBITS_DATA_DIR) / "hard" / (std::string(name) + ".toml")).size() > 30);
-        CHECK(sweep_kind(fs::path(LOSTBITS_DATA_DIR) / "sweeps/worst" / (std::string(name) + ".toml")) == SweepKind::search);
+        CHECK(scene::sweep::CaseFile(fs::path(LOSTBITS_DATA_DIR) / "hard" / (std::string(name) + ".toml")).size() > 30);
+        CHECK(sweep_kind(fs::path(LOSTBITS_DATA_DIR) / "sweeps/worst" / (std::string(name) + ".toml")) == scene::sweep::SweepKind::search);
     }
 }

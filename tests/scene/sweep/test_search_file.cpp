@@ -6,6 +6,10 @@
 
 using namespace lostbits;
 using namespace lostbits::scene;
+using namespace lostbits::scene::file;
+using namespace lostbits::scene::rays;
+using namespace lostbits::scene::sweep;
+using namespace lostbits::scene::toml;
 using namespace lostbits::scene::test;
 
 namespace {
@@ -23,20 +27,20 @@ distance_radii = [2, 5]
 impact_radii = [0, 0.5]
 )";
 
-SearchFile loaded_search(const std::string& text) {
+scene::sweep::SearchFile loaded_search(const std::string& text) {
     const Folder folder;
     return SearchFile(folder.write("s.toml", text));
 }
 std::string broken(const std::string& from, const std::string& to) {
     const Folder folder;
     const fs::path file = folder.write("s.toml", replaced(good_search, from, to));
-    return error_in(folder, [&] { SearchFile{file}; });
+    return error_in(folder, [&] { scene::sweep::SearchFile{file}; });
 }
 
 }  // namespace
 
 TEST_CASE("a search holds a range for every number of ray and solid") {
-    const SearchFile s = loaded_search(good_search);
+    const scene::sweep::SearchFile s = loaded_search(good_search);
     CHECK(s.id == "s");
     CHECK(s.shape == Shape::sphere);
     REQUIRE(s.ranges.size() == 10);
@@ -46,9 +50,9 @@ TEST_CASE("a search holds a range for every number of ray and solid") {
     CHECK(s.ranges[9].low == 0.5);
     CHECK(s.metric == "lost_bits");
     CHECK(s.seed == 1);
-    const SearchFile box = loaded_search(replaced(replaced(replaced(replaced(good_search, "centre", "lo"), "radius = [0.5, 2]", "hi = [1, 3]"), "distance_radii = [2, 5]\n", ""),
+    const scene::sweep::SearchFile box = loaded_search(replaced(replaced(replaced(replaced(good_search, "centre", "lo"), "radius = [0.5, 2]", "hi = [1, 3]"), "distance_radii = [2, 5]\n", ""),
                                                   "impact_radii = [0, 0.5]\n", "metric = \"ulp_error\"\nseed = 7\nstarts = 3\ngenerations = 5\n"));
-    CHECK(box.shape == Shape::box);
+    CHECK(Shape::box.shape == Shape::box);
     REQUIRE(box.ranges.size() == 12);
     CHECK(box.ranges[11].high == 3);
     CHECK(box.metric == "ulp_error");
@@ -62,7 +66,7 @@ TEST_CASE("a search holds a range for every number of ray and solid") {
 }
 
 TEST_CASE("a search holds what lies in all its ranges, the derived ones too") {
-    const SearchFile s = loaded_search(good_search);
+    const scene::sweep::SearchFile s = loaded_search(good_search);
     const auto holds = [&](const Vec<double>& o, const Vec<double>& d, double r) { return s.holds({o, d}, Sphere<double>{{0, 0, 0}, r}); };
     CHECK(holds({0, 0, 4}, {0, 0, -1}, 1));
     CHECK(holds({0.5, 0, 4}, {0, 0, -1}, 1));         // impact 0.5
@@ -111,8 +115,8 @@ label = "here"
 )";
     const Folder folder;
     const auto file = [&](const std::string& line) { return folder.write("m.toml", head + line + "\n"); };
-    const auto mark = [&](const std::string& line) { return SweepFile(file(line), LOSTBITS_DATA_DIR).marks.at(0); };
-    const auto error = [&](const std::string& line) { return error_in(folder, [&] { SweepFile(file(line), LOSTBITS_DATA_DIR); }); };
+    const auto mark = [&](const std::string& line) { return scene::sweep::SweepFile(file(line), LOSTBITS_DATA_DIR).marks.at(0); };
+    const auto error = [&](const std::string& line) { return error_in(folder, [&] { scene::sweep::SweepFile(file(line), LOSTBITS_DATA_DIR); }); };
     CHECK(mark("format = \"f32\"").form.empty());
     CHECK(mark("format = \"f32\"").format == "f32");
     const auto plain = mark("measured = { form = \"sphere.press\", threshold = 26.5 }");
@@ -134,7 +138,7 @@ TEST_CASE("a sweep goes by its path below data/sweeps, or by its own name where 
     const fs::path near = data.write("sweeps/worst/near.toml", ""), one = data.write("sweeps/a/both.toml", "");
     data.write("sweeps/b/both.toml", "");
     const fs::path top = data.write("sweeps/c/top.toml", ""), upper = data.write("sweeps/top.toml", "");
-    CHECK(find_sweep("worst/near", data.path()) == near);
+    CHECK(scene::sweep::find_sweep("worst/near", data.path()) == near);
     CHECK(find_sweep("near", data.path()) == near);
     CHECK(find_sweep("a/both", data.path()) == one);
     CHECK(find_sweep("top", data.path()) == upper);

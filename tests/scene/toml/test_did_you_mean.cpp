@@ -3,9 +3,10 @@
 #include "catch.hpp"
 
 using namespace lostbits::scene;
+using namespace lostbits::scene::toml;
 
 TEST_CASE("the edit distance counts inserted, deleted, replaced and swapped letters") {
-    CHECK(edit_distance("", "") == 0);
+    CHECK(lostbits::scene::toml::edit_distance("", "") == 0);
     CHECK(edit_distance("", "abc") == 3);
     CHECK(edit_distance("abc", "") == 3);
     CHECK(edit_distance("radius", "radius") == 0);
@@ -20,7 +21,7 @@ TEST_CASE("the edit distance counts inserted, deleted, replaced and swapped lett
 
 TEST_CASE("the closest name is one that a slip explains") {
     const std::vector<std::string> forms{"sphere.schoolbook", "sphere.press", "sphere.half_b"};
-    CHECK(closest("sphere.schoolbok", forms) == "sphere.schoolbook");
+    CHECK(lostbits::scene::toml::closest("sphere.schoolbok", forms) == "sphere.schoolbook");
     CHECK(closest("sphere.prss", forms) == "sphere.press");
     CHECK_FALSE(closest("box.slab", forms));
     CHECK(closest("F32", {"f16", "f32"}) == "f32");
@@ -30,7 +31,7 @@ TEST_CASE("the closest name is one that a slip explains") {
 }
 
 TEST_CASE("an error ends in what to try") {
-    CHECK(did_you_mean("camra", {"size", "camera"}) == R"(did you mean "camera"?)");
+    CHECK(lostbits::scene::toml::did_you_mean("camra", {"size", "camera"}) == R"(did you mean "camera"?)");
     CHECK(did_you_mean("zzz", {"size", "camera"}) == R"(known here: "size", "camera")");
     CHECK(did_you_mean("zzz", {}).empty());
     const std::vector<std::string> many{

@@ -4,11 +4,14 @@
 
 using namespace lostbits;
 using namespace lostbits::scene;
+using namespace lostbits::scene::file;
+using namespace lostbits::scene::rays;
+using namespace lostbits::scene::toml;
 using namespace lostbits::scene::test;
 
 namespace {
 
-LoadOptions set(const std::string& assignment) {
+scene::file::LoadOptions set(const std::string& assignment) {
     LoadOptions options;
     options.overrides.push_back(parse_override(assignment));
     return options;
@@ -26,27 +29,27 @@ TEST_CASE("an override changes one number, vector, element or name") {
     CHECK(loaded(good_scene, set("sphere[0].radius=\"0.1\"")).spheres[0].radius == real("0.1"));
     CHECK(loaded(good_scene, set("sphere[0].radius=0.1")).spheres[0].radius == real("0.1"));
     CHECK(loaded(good_scene, set("sphere[0].centre=[1, 2, -30]")).spheres[0].centre.z == -30);
-    const Scene moved = loaded(good_scene, set("sphere[0].centre[2]=-30"));
+    const scene::file::Scene moved = loaded(good_scene, set("sphere[0].centre[2]=-30"));
     CHECK(moved.spheres[0].centre.z == -30);
     CHECK(moved.spheres[0].centre.x == 0);
-    CHECK(loaded(good_scene, set("inputs=own")).inputs == Inputs::own);
+    CHECK(loaded(good_scene, set("inputs=own")).inputs == scene::file::Inputs::own);
     CHECK(loaded(good_scene, set("title=plain words")).title == "plain words");
 }
 
 TEST_CASE("an override may give an optional key that the file leaves out") {
-    const Scene shifted = loaded(good_scene, set("camera.shift=[0.25, -1]"));
+    const scene::file::Scene shifted = loaded(good_scene, set("camera.shift=[0.25, -1]"));
     CHECK(shifted.camera.shift_right == Real(0.25));
     CHECK(shifted.camera.shift_up == -1);
 }
 
 TEST_CASE("overrides apply in order, after the variant's, and the size last") {
-    LoadOptions options = set("sphere[0].radius=2");
-    options.overrides.push_back(parse_override("sphere[0].radius=3"));
+    scene::file::LoadOptions options = set("sphere[0].radius=2");
+    options.overrides.push_back(scene::toml::parse_override("sphere[0].radius=3"));
     options.overrides.push_back(parse_override("size=[9, 9]"));
     options.size = {64, 32};
     const std::string text =
         good_scene + "[[variant]]\nname = \"v\"\nset = { \"sphere[0].radius\" = 7, \"camera.width\" = 5 }\n";
-    const Scene result = loaded(text, options);
+    const scene::file::Scene result = loaded(text, options);
     CHECK(result.spheres[0].radius == 3);
     CHECK(result.camera.width == 5);
     CHECK(result.width == 64);
@@ -55,14 +58,14 @@ TEST_CASE("overrides apply in order, after the variant's, and the size last") {
 
 TEST_CASE("an exact number makes an override, for the axes of sweeps") {
     const Real x = real("0.1");
-    LoadOptions options;
-    options.overrides.push_back({"sphere[0].radius", Node::of_number(x, {"a sweep", 0, 0}), {"a sweep", 0, 0}});
+    scene::file::LoadOptions options;
+    options.overrides.push_back({"sphere[0].radius", scene::toml::Node::of_number(x, {"a sweep", 0, 0}), {"a sweep", 0, 0}});
     CHECK(loaded(good_scene, options).spheres[0].radius == x);
 }
 
 TEST_CASE("a file is parsed once and interpreted under many overrides") {
     const Folder folder;
-    const SceneFile file(folder.write("scene.toml", good_scene));
+    const scene::file::SceneFile file(folder.write("scene.toml", good_scene));
     CHECK(file.load(set("sphere[0].radius=2")).at(0).spheres[0].radius == 2);
     CHECK(file.load(set("camera.width=3")).at(0).spheres[0].radius == 1);
 }

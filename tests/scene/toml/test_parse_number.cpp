@@ -11,13 +11,16 @@
 
 using namespace lostbits;
 using namespace lostbits::scene;
+using namespace lostbits::scene::file;
+using namespace lostbits::scene::rays;
+using namespace lostbits::scene::toml;
 using test::real;
 
 namespace {
 
 std::string fault(const std::string& text) {
-    const auto parsed = parse_number(text);
-    const auto* why = std::get_if<NumberFault>(&parsed);
+    const auto parsed = scene::toml::parse_number(text);
+    const auto* why = std::get_if<scene::toml::NumberFault>(&parsed);
     return why == nullptr ? "no fault" : why->why;
 }
 
@@ -53,7 +56,7 @@ TEST_CASE("decimals and hexadecimal floats are read exactly where Real holds the
 TEST_CASE("one tenth is one tenth and not the nearest double") {
     CHECK(real("0.1") != Real(0.1));
     CHECK(abs(real("0.1") * 10 - 1) < ldexp(Real(1), -250));
-    CHECK(round_to_format(real("0.1"), binary64) == 0.1);
+    CHECK(scene::toml::round_to_format(real("0.1"), binary64) == 0.1);
     CHECK(round_to_format(real("0.1"), binary32) == static_cast<double>(0.1f));
 }
 
@@ -61,7 +64,7 @@ TEST_CASE("a decimal is rounded once to a format, not by way of double") {
     // Just above the middle of 1 and the next float: the nearest double is the middle itself, and ties go to even.
     const std::string above = "1.00000005960464477539062500000000000001";
     REQUIRE(static_cast<float>(std::strtod(above.c_str(), nullptr)) == 1.0f);
-    CHECK(round_to_format(real(above), binary32) == 1 + 0x1p-23);
+    CHECK(scene::toml::round_to_format(real(above), binary32) == 1 + 0x1p-23);
     CHECK(round_to_format(real("1.000000059604644775390625"), binary32) == 1);
     const std::string below = "1.00000017881393432617187499999999999999";
     REQUIRE(static_cast<float>(std::strtod(below.c_str(), nullptr)) == 1 + 0x1p-22f);
@@ -72,7 +75,7 @@ TEST_CASE("nor does the width of Real round twice") {
     // Nearer to the middle than Real can tell: read to nearest, these would be the middle, which goes to even.
     const std::string zeros(300, '0');
     const std::string nines(300, '9');
-    CHECK(round_to_format(real("1.000000059604644775390625" + zeros + "1"), binary32) == 1 + 0x1p-23);
+    CHECK(scene::toml::round_to_format(real("1.000000059604644775390625" + zeros + "1"), binary32) == 1 + 0x1p-23);
     CHECK(round_to_format(real("-1.000000059604644775390625" + zeros + "1"), binary32) == -1 - 0x1p-23);
     CHECK(round_to_format(real("1.000000178813934326171874" + nines), binary32) == 1 + 0x1p-23);
     CHECK(round_to_format(real("-1.000000178813934326171874" + nines), binary32) == -1 - 0x1p-23);
@@ -121,6 +124,6 @@ TEST_CASE("a tiny number is not zero") {
 TEST_CASE("the exact text of a number reads back as the number") {
     for (const std::string text : {"0.1", "-4100", "1e-300", "0x1.004p+12", "0", "1.7976931348623157e308"}) {
         CAPTURE(text);
-        CHECK(real(exact_text(real(text))) == real(text));
+        CHECK(real(scene::toml::exact_text(real(text))) == real(text));
     }
 }

@@ -11,6 +11,9 @@
 
 using namespace lostbits;
 using namespace lostbits::scene;
+using namespace lostbits::scene::file;
+using namespace lostbits::scene::rays;
+using namespace lostbits::scene::toml;
 using test::real;
 
 namespace {
@@ -42,7 +45,7 @@ bool same(double a, double b) { return a == b && std::signbit(a) == std::signbit
 
 TEST_CASE("rounding to binary32 at its edges") {
     const double infinity = std::numeric_limits<double>::infinity();
-    CHECK(round_to_format(real("0x1.fffffep+127"), binary32) == 0x1.fffffep+127);
+    CHECK(scene::toml::round_to_format(real("0x1.fffffep+127"), binary32) == 0x1.fffffep+127);
     CHECK(round_to_format(real("0x1.fffffefffffffp+127"), binary32) == 0x1.fffffep+127);
     CHECK(round_to_format(real("0x1.ffffffp+127"), binary32) == infinity);  // the middle goes to even
     CHECK(round_to_format(real("-0x1.ffffffp+127"), binary32) == -infinity);
@@ -76,7 +79,7 @@ TEST_CASE("rounding agrees with MPFR's emulation of the format, subnormals and o
             x = ldexp(x, exponent - 62);
             if (engine() % 4 == 0) x += ldexp(x, -120);
             if (engine() % 2 == 0) x = -x;
-            const double ours = round_to_format(x, f);
+            const double ours = scene::toml::round_to_format(x, f);
             CAPTURE(x, exponent);
             REQUIRE(same(ours, by_emulation(x, f)));
             subnormal += std::fabs(ours) < std::ldexp(1.0, f.emin);
@@ -97,7 +100,7 @@ TEST_CASE("rounding a double agrees with the rounding of Rounded") {
             const double x = std::bit_cast<double>(engine());
             if (!std::isfinite(x)) continue;
             CAPTURE(x, f.precision, f.emin);
-            REQUIRE(same(round_to_format(Real(x), f), rounding::to_format(x, 0, f)));
+            REQUIRE(same(scene::toml::round_to_format(Real(x), f), rounding::to_format(x, 0, f)));
         }
     }
 }
