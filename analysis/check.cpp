@@ -7,9 +7,9 @@
 
 #include "commands.hpp"
 #include "number/interruption.hpp"
-#include "output/file/atomic_file.hpp"
 #include "output/claim/claim_files.hpp"
 #include "output/claim/claim_report.hpp"
+#include "output/file/atomic_file.hpp"
 #include "output/file/number_text.hpp"
 #include "select.hpp"
 
@@ -41,15 +41,20 @@ std::vector<Claim> load(const CheckOptions& o, const std::filesystem::path& data
     for (const std::string& word : given) {
         for (const auto& path : scene::claim::claim_files(word)) {
             for (Claim& claim : scene::claim::read_claims(path)) {
-                if (!ids.insert(claim.id).second) scene::toml::fail(claim.where, "the id \"" + claim.id + "\" stands in another file too; ids are unique");
-                const bool chosen = o.filters.empty() ||
-                                    std::ranges::any_of(o.filters, [&](const std::string& f) { return fnmatch(f.c_str(), claim.id.c_str(), 0) == 0; });
+                if (!ids.insert(claim.id).second)
+                    scene::toml::fail(claim.where,
+                                      "the id \"" + claim.id + "\" stands in another file too; ids are unique");
+                const bool chosen = o.filters.empty() || std::ranges::any_of(o.filters, [&](const std::string& f) {
+                                        return fnmatch(f.c_str(), claim.id.c_str(), 0) == 0;
+                                    });
                 if (chosen && claim.profile != profile) ++others;
                 else if (chosen) claims.push_back(std::move(claim));
             }
         }
     }
-    if (claims.empty() && others > 0) throw NothingSelected(fmt::format("no claim is selected: they are of the other profile; try --profile {}", o.timing() ? "results" : "timing"));
+    if (claims.empty() && others > 0)
+        throw NothingSelected(fmt::format("no claim is selected: they are of the other profile; try --profile {}",
+                                          o.timing() ? "results" : "timing"));
     if (claims.empty()) throw NothingSelected("no claim is selected; see --filter, or `lostbits list claims`");
     return claims;
 }
@@ -60,18 +65,22 @@ void print(const Claim& claim, const ClaimResult& r, const CheckOptions& o, bool
         if (verbose) fmt::print("ok       {} ({}): {}\n", claim.id, verdict, output::file::decimal(r.measured));
         return;
     }
-    const char* word = r.state != State::skipped && claim.severity == Claim::Severity::warn && !o.strict ? "warning" : r.state == State::broken ? "broken" : r.state == State::skipped ? "skipped" : "FAILED";
+    const char* word = r.state != State::skipped && claim.severity == Claim::Severity::warn && !o.strict ? "warning"
+                       : r.state == State::broken                                                        ? "broken"
+                       : r.state == State::skipped                                                       ? "skipped"
+                                                                                                         : "FAILED";
     fmt::print("{:<8} {} ({}: {})\n", word, claim.id, verdict, claim.statement);
     fmt::print("         {}: {}\n", claim.where.text(), output::claim::explain(claim, r));
     if (r.witness.x >= 0) {
-        fmt::print("         worst ray: origin {} {} {}, direction {} {} {}\n", output::file::hex(r.witness.ray.origin.x), output::file::hex(r.witness.ray.origin.y),
-                   output::file::hex(r.witness.ray.origin.z), output::file::hex(r.witness.ray.direction.x), output::file::hex(r.witness.ray.direction.y),
-                   output::file::hex(r.witness.ray.direction.z));
+        fmt::print("         worst ray: origin {} {} {}, direction {} {} {}\n",
+                   output::file::hex(r.witness.ray.origin.x), output::file::hex(r.witness.ray.origin.y),
+                   output::file::hex(r.witness.ray.origin.z), output::file::hex(r.witness.ray.direction.x),
+                   output::file::hex(r.witness.ray.direction.y), output::file::hex(r.witness.ray.direction.z));
     }
     fmt::print("         again: {}\n", output::claim::reproduce(claim));
     if (o.annotations == "github" && r.state != State::skipped) {
-        fmt::print("::{} file={},line={},title={}::{}\n", std::string_view(word) == "warning" ? "warning" : "error", claim.where.source, claim.where.line, claim.id,
-                   output::claim::explain(claim, r));
+        fmt::print("::{} file={},line={},title={}::{}\n", std::string_view(word) == "warning" ? "warning" : "error",
+                   claim.where.source, claim.where.line, claim.id, output::claim::explain(claim, r));
     }
 }
 
@@ -80,16 +89,24 @@ Exit report_times(const std::vector<Claim>& claims, const std::vector<ClaimResul
     for (std::size_t i = 0; i < claims.size(); ++i) {
         const Claim& c = claims[i];
         const bool measured = results[i].state == State::agrees || results[i].state == State::disagrees;
-        const char* word = results[i].state == State::agrees ? "as found" : measured ? "differs" : results[i].state == State::skipped ? "skipped" : "broken";
-        fmt::print("{:<8} {:<7} {:>5} in [{}, {}]  {}: {}\n", word, c.verdict == Claim::Verdict::holds ? "holds" : "refuted", measured ? fmt::format("{:.2f}", results[i].measured) : "-", c.low, c.high, c.id,
+        const char* word = results[i].state == State::agrees    ? "as found"
+                           : measured                           ? "differs"
+                           : results[i].state == State::skipped ? "skipped"
+                                                                : "broken";
+        fmt::print("{:<8} {:<7} {:>5} in [{}, {}]  {}: {}\n", word,
+                   c.verdict == Claim::Verdict::holds ? "holds" : "refuted",
+                   measured ? fmt::format("{:.2f}", results[i].measured) : "-", c.low, c.high, c.id,
                    measured ? c.statement : results[i].trouble);
     }
     return Exit::done;
 }
 
 Exit run(const CheckOptions& o, const Common& common) {
-    if (o.timing() && (o.strict || !o.junit.empty() || !o.csv.empty() || !o.json.empty() || !o.report.empty() || o.annotations != "none")) {
-        throw InputError("--profile timing goes with none of --strict, --junit, --export-csv, --export-json, --report and --annotations: times gate nothing and are in no report");
+    if (o.timing() && (o.strict || !o.junit.empty() || !o.csv.empty() || !o.json.empty() || !o.report.empty() ||
+                       o.annotations != "none")) {
+        throw InputError(
+            "--profile timing goes with none of --strict, --junit, --export-csv, --export-json, --report and "
+            "--annotations: times gate nothing and are in no report");
     }
     const auto data = data_folder(common.data);
     const auto claims = load(o, data);
@@ -101,7 +118,8 @@ Exit run(const CheckOptions& o, const Common& common) {
     const auto results = measure::claim::measure_claims(claims, data, stop_if_interrupted);
     if (o.timing() && !o.measure) return report_times(claims, results);
     if (o.measure) {
-        for (std::size_t i = 0; i < claims.size(); ++i) fmt::print("{} = {}\n", claims[i].id, output::file::decimal(results[i].measured));
+        for (std::size_t i = 0; i < claims.size(); ++i)
+            fmt::print("{} = {}\n", claims[i].id, output::file::decimal(results[i].measured));
         return Exit::done;
     }
     std::size_t agreed = 0, failed = 0, skipped = 0;
@@ -109,15 +127,16 @@ Exit run(const CheckOptions& o, const Common& common) {
         print(claims[i], results[i], o, common.verbose);
         agreed += results[i].state == State::agrees;
         skipped += results[i].state == State::skipped;
-        failed += results[i].state != State::agrees && results[i].state != State::skipped && (o.strict || claims[i].severity == Claim::Severity::error);
+        failed += results[i].state != State::agrees && results[i].state != State::skipped &&
+                  (o.strict || claims[i].severity == Claim::Severity::error);
     }
     if (!o.junit.empty()) output::claim::write_junit(o.junit, claims, results, o.strict);
     if (!o.csv.empty()) output::claim::write_claims_csv(o.csv, claims, results);
     if (!o.json.empty()) output::claim::write_claims_json(o.json, claims, results);
     if (!o.report.empty()) output::claim::write_claim_report(o.report, claims, results, data);
     if (!common.quiet) {
-        fmt::print("{} claims: {} measure as stated, {} do not{}\n", claims.size(), agreed, claims.size() - agreed - skipped,
-                   skipped == 0 ? "" : fmt::format(", {} skipped", skipped));
+        fmt::print("{} claims: {} measure as stated, {} do not{}\n", claims.size(), agreed,
+                   claims.size() - agreed - skipped, skipped == 0 ? "" : fmt::format(", {} skipped", skipped));
     }
     return failed == 0 ? Exit::done : Exit::answer_is_no;
 }
@@ -133,8 +152,10 @@ void add_check(CLI::App& program, const Common& common, Command& chosen) {
     command->add_option("--export-csv", o->csv, "Write a row a claim");
     command->add_option("--export-json", o->json, "Write an array of claims");
     command->add_option("--report", o->report, "Write README.md, claims.csv and pictures into a folder");
-    command->add_option("--annotations", o->annotations, "github: also print workflow annotations")->check(CLI::IsMember({"none", "github"}));
-    command->add_option("--profile", o->profile, "results, or timing: claims about speed, reported and never failed")->check(CLI::IsMember({"results", "timing"}));
+    command->add_option("--annotations", o->annotations, "github: also print workflow annotations")
+        ->check(CLI::IsMember({"none", "github"}));
+    command->add_option("--profile", o->profile, "results, or timing: claims about speed, reported and never failed")
+        ->check(CLI::IsMember({"results", "timing"}));
     command->add_flag("--strict", o->strict, "Claims of severity warn fail too");
     command->add_flag("--measure", o->measure, "Print what each claim measures now, without judging");
     command->callback([o, &common, &chosen] { chosen = [o, &common] { return run(*o, common); }; });

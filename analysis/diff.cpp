@@ -29,8 +29,12 @@ enum class FileKind { csv, exr, png, bytes };
 
 FileKind kind_of(const fs::path& path) {
     std::string extension = path.extension().string();
-    std::ranges::transform(extension, extension.begin(), [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
-    return extension == ".csv" ? FileKind::csv : extension == ".exr" ? FileKind::exr : extension == ".png" ? FileKind::png : FileKind::bytes;
+    std::ranges::transform(extension, extension.begin(),
+                           [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
+    return extension == ".csv"   ? FileKind::csv
+           : extension == ".exr" ? FileKind::exr
+           : extension == ".png" ? FileKind::png
+                                 : FileKind::bytes;
 }
 
 const char* name_of(FileKind kind) {
@@ -73,14 +77,17 @@ struct Result {
 std::set<fs::path> files_below(const fs::path& folder) {
     std::set<fs::path> files;
     try {
-        for (const auto& entry : fs::recursive_directory_iterator(folder, fs::directory_options::follow_directory_symlink)) {
+        for (const auto& entry :
+             fs::recursive_directory_iterator(folder, fs::directory_options::follow_directory_symlink)) {
             if (entry.is_directory()) continue;
             // A pipe or a socket would make the run wait for ever; a broken link has nothing to compare.
-            if (!entry.is_regular_file()) throw InputError(entry.path().string() + ": no regular file; move it out of the folder");
+            if (!entry.is_regular_file())
+                throw InputError(entry.path().string() + ": no regular file; move it out of the folder");
             files.insert(entry.path().lexically_relative(folder));
         }
     } catch (const fs::filesystem_error& error) {
-        throw EnvironmentError(fmt::format("{}: cannot list the folder: {}; check permissions and links", error.path1().string(), error.code().message()));
+        throw EnvironmentError(fmt::format("{}: cannot list the folder: {}; check permissions and links",
+                                           error.path1().string(), error.code().message()));
     }
     return files;
 }
@@ -98,8 +105,7 @@ std::vector<Result> compare_folders(const DiffWords& w, const CompareOptions& op
         Result& result = results.emplace_back();
         result.file = ((in_a ? a : b) / file).string();
         if (in_a && in_b) result.comparison = compare_files(a / file, b / file, kind_of(file), options);
-        else
-            result.only = in_a ? w.a : w.b;
+        else result.only = in_a ? w.a : w.b;
     }
     return results;
 }
@@ -110,7 +116,8 @@ std::vector<Result> compare_all(const DiffWords& w, const CompareOptions& option
         std::error_code error;
         const auto s = fs::status(path, error);
         if (s.type() == fs::file_type::not_found) throw InputError(path + ": no such file or folder; check the path");
-        if (error) throw EnvironmentError(path + ": cannot be looked at: " + error.message() + "; check the permissions");
+        if (error)
+            throw EnvironmentError(path + ": cannot be looked at: " + error.message() + "; check the permissions");
         return s;
     };
     const auto a = status(w.a), b = status(w.b);
@@ -120,8 +127,11 @@ std::vector<Result> compare_all(const DiffWords& w, const CompareOptions& option
         throw InputError(fmt::format("{}: a folder, but {} is a file; compare two folders or two files", folder, file));
     }
     // What comes through a pipe has no name that says its kind: it is taken for what the other one is.
-    const FileKind left = kind_of(fs::is_regular_file(a) ? w.a : w.b), right = kind_of(fs::is_regular_file(b) ? w.b : w.a);
-    if (left != right) throw InputError(fmt::format("{}: {}, but {} is {}; compare two of one kind", w.a, name_of(left), w.b, name_of(right)));
+    const FileKind left = kind_of(fs::is_regular_file(a) ? w.a : w.b),
+                   right = kind_of(fs::is_regular_file(b) ? w.b : w.a);
+    if (left != right)
+        throw InputError(
+            fmt::format("{}: {}, but {} is {}; compare two of one kind", w.a, name_of(left), w.b, name_of(right)));
     return {{w.a, compare_files(w.a, w.b, left, options), ""}};
 }
 
@@ -130,9 +140,12 @@ void refuse_unknown_columns(const CompareOptions& options, const std::vector<Res
     std::set<std::string> names;
     for (const Result& r : results) names.insert(r.comparison.names.begin(), r.comparison.names.end());
     const auto check = [&](const char* option, const std::string& pattern) {
-        if (std::ranges::any_of(names, [&](const std::string& name) { return output::diff::names_column(pattern, name); })) return;
+        if (std::ranges::any_of(names,
+                                [&](const std::string& name) { return output::diff::names_column(pattern, name); }))
+            return;
         const std::string hint = scene::toml::did_you_mean(pattern, {names.begin(), names.end()});
-        throw InputError(fmt::format("{} {}: unknown column; {}", option, pattern, hint.empty() ? "nothing here has columns or channels" : hint));
+        throw InputError(fmt::format("{} {}: unknown column; {}", option, pattern,
+                                     hint.empty() ? "nothing here has columns or channels" : hint));
     };
     for (const auto& t : options.tolerances) check("--tolerance", t.column);
     for (const auto& pattern : options.ignored) check("--ignore", pattern);
@@ -149,10 +162,10 @@ void print(const Result& r, bool verbose) {
     const Comparison& c = r.comparison;
     for (const auto& d : c.differences) {
         if (d.line > 0) fmt::print("{}:{}: {}\n", r.file, d.line, d.what);
-        else
-            fmt::print("{}: {}\n", r.file, d.what);
+        else fmt::print("{}: {}\n", r.file, d.what);
     }
-    if (c.count > c.differences.size()) fmt::print("{}: and {} more; -v shows all\n", r.file, c.count - c.differences.size());
+    if (c.count > c.differences.size())
+        fmt::print("{}: and {} more; -v shows all\n", r.file, c.count - c.differences.size());
     if (!c.same()) fmt::print("{}: {} {}\n", r.file, c.count, c.count == 1 ? "difference" : "differences");
     else if (verbose) fmt::print("{}: same\n", r.file);
     for (const auto& column : c.columns) {
@@ -184,14 +197,20 @@ Exit run(const DiffWords& w, const Common& common) {
 }  // namespace
 
 void add_diff(CLI::App& program, const Common& common, Command& chosen) {
-    auto* command = program.add_subcommand("diff", "Where two CSV files, two EXR files or two folders differ; NaN, infinite and missing values always count");
+    auto* command = program.add_subcommand(
+        "diff",
+        "Where two CSV files, two EXR files or two folders differ; NaN, infinite and missing values always count");
     const auto w = std::make_shared<DiffWords>();
     command->add_option("A", w->a, "A file or a folder")->required();
     command->add_option("B", w->b, "Another of its kind")->required();
     // One word each: A and B may follow.
-    command->add_option("--tolerance", w->tolerances, "COLUMN=ABS[,REL]: how far numbers may be apart; columns and channels by name or glob, the last match counts")
+    command
+        ->add_option("--tolerance", w->tolerances,
+                     "COLUMN=ABS[,REL]: how far numbers may be apart; columns and channels by name or glob, the last "
+                     "match counts")
         ->allow_extra_args(false);
-    command->add_option("--ignore", w->ignored, "COLUMN: leave out columns and channels, by name or glob")->allow_extra_args(false);
+    command->add_option("--ignore", w->ignored, "COLUMN: leave out columns and channels, by name or glob")
+        ->allow_extra_args(false);
     command->callback([w, &common, &chosen] { chosen = [w, &common] { return run(*w, common); }; });
 }
 

@@ -7,9 +7,9 @@
 
 #include "commands.hpp"
 #include "measure/blame/culprits.hpp"
-#include "scene/sweep/case_file.hpp"
 #include "scene/claim/claims_file.hpp"
 #include "scene/file/scene.hpp"
+#include "scene/sweep/case_file.hpp"
 #include "scene/sweep/search_file.hpp"
 #include "scene/sweep/sweep_file.hpp"
 #include "select.hpp"
@@ -31,9 +31,13 @@ Listing intersectors() {
     Listing l{{"name", "title", "direction", "roots", "touching", "formats", "source"}, {}};
     for (const intersect::table::Intersector& i : lostbits::intersect::table::intersectors()) {
         const intersect::Info& info = *i.info;
-        const char* roots = info.roots == intersect::Roots::both ? "both" : info.roots == intersect::Roots::near_only ? "near only" : "first only";
-        l.rows.push_back({std::string(info.name), std::string(info.title), info.direction == intersect::Direction::unit ? "unit" : "any", roots,
-                          info.touching == intersect::Touching::hit ? "hits" : "misses", info.formats == intersect::Formats::all ? "all" : "f32", std::string(info.source)});
+        const char* roots = info.roots == intersect::Roots::both        ? "both"
+                            : info.roots == intersect::Roots::near_only ? "near only"
+                                                                        : "first only";
+        l.rows.push_back({std::string(info.name), std::string(info.title),
+                          info.direction == intersect::Direction::unit ? "unit" : "any", roots,
+                          info.touching == intersect::Touching::hit ? "hits" : "misses",
+                          info.formats == intersect::Formats::all ? "all" : "f32", std::string(info.source)});
     }
     return l;
 }
@@ -47,11 +51,13 @@ Listing formats() {
 Listing metric_table() {
     Listing l{{"name", "unit", "layer", "default", "meaning"}, {}};
     for (const measure::metric::Metric& m : measure::metric::metrics()) {
-        l.rows.push_back({std::string(m.name), std::string(m.unit), std::string(m.layer), m.by_default ? "yes" : "no", std::string(m.meaning)});
+        l.rows.push_back({std::string(m.name), std::string(m.unit), std::string(m.layer), m.by_default ? "yes" : "no",
+                          std::string(m.meaning)});
     }
     for (const char* name : {"contribution:LABEL", "cancellation:LABEL"}) {
         const measure::metric::Metric& m = *measure::blame::labelled_metric(name);
-        l.rows.push_back({name, std::string(m.unit), std::string(m.layer), "no", std::string(m.meaning) + "; `lostbits list labels` has the labels of each form"});
+        l.rows.push_back({name, std::string(m.unit), std::string(m.layer), "no",
+                          std::string(m.meaning) + "; `lostbits list labels` has the labels of each form"});
     }
     return l;
 }
@@ -62,7 +68,8 @@ Listing labels() {
     const std::array<Solid<double>, 2> solids{Sphere<double>{{0, 0, 5}, 1}, Box<double>{{-1, -1, 4}, {1, 1, 6}}};
     const intersect::MarchConstants<double> march{};  // labels do not depend on its numbers
     for (const intersect::table::Intersector& form : lostbits::intersect::table::intersectors()) {
-        auto all = measure::blame::labels_of(form, {form.shape == Shape::sdf ? std::span(solids).first(1) : std::span(solids), &march});
+        auto all = measure::blame::labels_of(
+            form, {form.shape == Shape::sdf ? std::span(solids).first(1) : std::span(solids), &march});
         std::ranges::sort(all);  // the order of the tape is the compiler's where arguments are evaluated
         l.rows.push_back({std::string(form.info->name), fmt::format("{}", fmt::join(all, " "))});
     }
@@ -74,8 +81,8 @@ Listing scenes(const Common& common) {
     for (const auto& path : scene::file::scene_files(data_folder(common.data))) {
         const scene::file::SceneFile file(path);
         const auto all = file.load();
-        l.rows.push_back({path.stem().string(), fmt::format("{}", fmt::join(file.variants(), " ")), all.front().inputs == scene::file::Inputs::shared ? "shared" : "own",
-                          all.front().title});
+        l.rows.push_back({path.stem().string(), fmt::format("{}", fmt::join(file.variants(), " ")),
+                          all.front().inputs == scene::file::Inputs::shared ? "shared" : "own", all.front().title});
     }
     return l;
 }
@@ -109,7 +116,8 @@ Listing sweeps(const Common& common) {
     for (const auto& entry : std::filesystem::recursive_directory_iterator(root, error)) {
         if (entry.path().extension() != ".toml") continue;
         std::string title, axis = axis_of(entry.path(), data, title);
-        l.rows.push_back({entry.path().lexically_relative(root).replace_extension().string(), std::move(axis), std::move(title)});
+        l.rows.push_back(
+            {entry.path().lexically_relative(root).replace_extension().string(), std::move(axis), std::move(title)});
     }
     std::ranges::sort(l.rows);
     return l;
@@ -122,7 +130,8 @@ Listing claims(const Common& common) {
     if (!std::filesystem::exists(root)) return l;
     for (const auto& path : scene::claim::claim_files(root)) {
         for (const Claim& c : scene::claim::read_claims(path)) {
-            l.rows.push_back({c.id, c.verdict == Claim::Verdict::holds ? "holds" : "refuted", c.profile == Claim::Profile::results ? "results" : "timing", c.subject(),
+            l.rows.push_back({c.id, c.verdict == Claim::Verdict::holds ? "holds" : "refuted",
+                              c.profile == Claim::Profile::results ? "results" : "timing", c.subject(),
                               c.form.empty() ? c.row : c.form, c.format, c.statement});
         }
     }
@@ -176,12 +185,15 @@ Exit run(const std::string& what, bool json, const Common& common) {
 }  // namespace
 
 void add_list(CLI::App& program, const Common& common, Command& chosen) {
-    auto* command = program.add_subcommand("list", "What there is: intersectors, labels of their operations, formats, metrics, scenes, sweeps, claims");
+    auto* command = program.add_subcommand(
+        "list", "What there is: intersectors, labels of their operations, formats, metrics, scenes, sweeps, claims");
     const auto what = std::make_shared<std::string>("intersectors");
     const auto json = std::make_shared<bool>(false);
-    command->add_option("WHAT", *what, "What to list")->check(CLI::IsMember({"intersectors", "labels", "formats", "metrics", "scenes", "sweeps", "claims"}));
+    command->add_option("WHAT", *what, "What to list")
+        ->check(CLI::IsMember({"intersectors", "labels", "formats", "metrics", "scenes", "sweeps", "claims"}));
     command->add_flag("--json", *json, "As a JSON array");
-    command->callback([what, json, &common, &chosen] { chosen = [what, json, &common] { return run(*what, *json, common); }; });
+    command->callback(
+        [what, json, &common, &chosen] { chosen = [what, json, &common] { return run(*what, *json, common); }; });
 }
 
 }  // namespace lostbits::analysis

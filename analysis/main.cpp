@@ -23,15 +23,21 @@ constexpr const char* description =
 void add_common(CLI::App& program, Common& common) {
     using Mode = output::file::Progress::Mode;
     static const std::map<std::string, Mode> modes{{"auto", Mode::automatic}, {"bar", Mode::bar}, {"none", Mode::none}};
-    program.add_option("--data", common.data, "Folder with scenes/, sweeps/, claims/ (default: $LOSTBITS_DATA, ./data, the installed one)");
+    program.add_option("--data", common.data,
+                       "Folder with scenes/, sweeps/, claims/ (default: $LOSTBITS_DATA, ./data, the installed one)");
     program.add_option("--progress", common.progress, "Progress on stderr: auto (on a terminal), bar, none")
         ->transform(CLI::CheckedTransformer(modes))
         ->default_str("auto");
     program.add_flag("-q,--quiet", common.quiet, "No messages but errors");
     program.add_flag("-v,--verbose", common.verbose, "Say more");
-    program.add_option("-j,--threads", common.threads, "Threads (default: one a core); results do not depend on it")->check(CLI::Range(1, 1024));
-    program.add_option("--isa", common.isa, "Width of the registers: scalar, 128, 256, 512 (default: the widest here); results do not depend on it")
-        ->check(CLI::IsMember(std::vector<std::string>(intersect::simd::isa_names.begin(), intersect::simd::isa_names.end())));
+    program.add_option("-j,--threads", common.threads, "Threads (default: one a core); results do not depend on it")
+        ->check(CLI::Range(1, 1024));
+    program
+        .add_option(
+            "--isa", common.isa,
+            "Width of the registers: scalar, 128, 256, 512 (default: the widest here); results do not depend on it")
+        ->check(CLI::IsMember(
+            std::vector<std::string>(intersect::simd::isa_names.begin(), intersect::simd::isa_names.end())));
 }
 
 /// CLI11's own message, and what the user may have meant where a word is unknown.
@@ -40,9 +46,11 @@ void explain(const CLI::App& program, const CLI::ParseError& error, int argc, ch
     std::vector<std::string> commands;
     for (const CLI::App* sub : program.get_subcommands({})) commands.push_back(sub->get_name());
     if (argc > 1 && argv[1][0] != '-' && program.get_subcommands().empty()) {
-        fmt::print(stderr, "lostbits: \"{}\" is no command; {}\n", argv[1], scene::toml::did_you_mean(argv[1], commands));
+        fmt::print(stderr, "lostbits: \"{}\" is no command; {}\n", argv[1],
+                   scene::toml::did_you_mean(argv[1], commands));
     } else {
-        fmt::print(stderr, "lostbits: see `lostbits{} --help`\n", program.get_subcommands().empty() ? "" : " " + program.get_subcommands().front()->get_name());
+        fmt::print(stderr, "lostbits: see `lostbits{} --help`\n",
+                   program.get_subcommands().empty() ? "" : " " + program.get_subcommands().front()->get_name());
     }
 }
 
@@ -83,7 +91,8 @@ namespace {
 /// A library that gives up (a thread pool without memory for its threads) ends here: no partial file stays.
 [[noreturn]] void on_terminate() {
     lostbits::output::file::remove_partial_files();
-    std::fputs("lostbits: stopped by a library; out of memory or threads? Try fewer forms, a smaller --size, or -j 1\n", stderr);
+    std::fputs("lostbits: stopped by a library; out of memory or threads? Try fewer forms, a smaller --size, or -j 1\n",
+               stderr);
     std::_Exit(static_cast<int>(std::current_exception() ? lostbits::Exit::internal : lostbits::Exit::environment));
 }
 
@@ -102,7 +111,8 @@ int main(int argc, char** argv) {
     try {
         const Exit code = analysis::run(argc, argv);
         // What stdout did not take (a full disk behind a redirection) is as lost as a file that was not written.
-        if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0) return fail(Exit::environment, "standard output: cannot write");
+        if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0)
+            return fail(Exit::environment, "standard output: cannot write");
         return static_cast<int>(code);
     } catch (const Error& error) {
         return fail(error.code(), error.what());

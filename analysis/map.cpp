@@ -8,8 +8,8 @@
 #include <set>
 
 #include "commands.hpp"
-#include "measure/map/culprit_order.hpp"
 #include "measure/blame/culprits.hpp"
+#include "measure/map/culprit_order.hpp"
 #include "number/interruption.hpp"
 #include "output/file/atomic_file.hpp"
 #include "output/map/map_files.hpp"
@@ -39,8 +39,8 @@ struct MapOptions {
     std::string out;
 };
 
-/// What to type to make these files again: everything that decides their bytes, and nothing that does not. Of the map, and of
-/// the bits needed, which know no formats and no metrics.
+/// What to type to make these files again: everything that decides their bytes, and nothing that does not. Of the map,
+/// and of the bits needed, which know no formats and no metrics.
 struct Commands {
     std::string map, needed;
 };
@@ -58,21 +58,25 @@ Commands canonical_commands(const Scene& scene, const MapOptions& o) {
 }
 
 void print_table(const measure::map::MapRequest& request, const std::vector<measure::map::MapSummary>& summaries) {
-    const auto lost = static_cast<std::size_t>(std::ranges::find(request.metrics, measure::metric::find_metric("lost_bits")) - request.metrics.begin());
-    fmt::print("  {:<28} {:<5} {:>10} {:>10} {:>9} {:>6} {:>9} {:>9}\n", "form", "fmt", "false hit", "false miss", "NaN", "bits:", "p50", "p99");
+    const auto lost = static_cast<std::size_t>(
+        std::ranges::find(request.metrics, measure::metric::find_metric("lost_bits")) - request.metrics.begin());
+    fmt::print("  {:<28} {:<5} {:>10} {:>10} {:>9} {:>6} {:>9} {:>9}\n", "form", "fmt", "false hit", "false miss",
+               "NaN", "bits:", "p50", "p99");
     for (std::size_t r = 0; r < summaries.size(); ++r) {
         const measure::map::MapSummary& s = summaries[r];
-        fmt::print("  {:<28} {:<5} {:>10} {:>10} {:>9} {:>6} {:>9.2f} {:>9.2f}\n", request.rows[r].form->info->name, request.rows[r].format.name,
-                   s.count(Outcome::false_hit), s.count(Outcome::false_miss), s.count(Outcome::not_a_number), "", s.metrics[lost].quantile(0.5),
-                   s.metrics[lost].quantile(0.99));
+        fmt::print("  {:<28} {:<5} {:>10} {:>10} {:>9} {:>6} {:>9.2f} {:>9.2f}\n", request.rows[r].form->info->name,
+                   request.rows[r].format.name, s.count(Outcome::false_hit), s.count(Outcome::false_miss),
+                   s.count(Outcome::not_a_number), "", s.metrics[lost].quantile(0.5), s.metrics[lost].quantile(0.99));
     }
 }
 
 void print_table(const NeededRequest& request, const std::vector<measure::map::NeededSummary>& summaries) {
-    fmt::print("  {:<28} {:>3} bits need: {:>6} {:>6} {:>6} {:>10} {:>10}\n", "form", request.bits, "p50", "p99", "max", "hit > 53", "miss > 53");
+    fmt::print("  {:<28} {:>3} bits need: {:>6} {:>6} {:>6} {:>10} {:>10}\n", "form", request.bits, "p50", "p99", "max",
+               "hit > 53", "miss > 53");
     for (std::size_t f = 0; f < summaries.size(); ++f) {
         const auto all = summaries[f].all();
-        fmt::print("  {:<28} {:>14} {:>6} {:>6} {:>6} {:>10} {:>10}\n", request.forms[f]->info->name, "", measure::map::quantile(all, 0.5), measure::map::quantile(all, 0.99), measure::map::quantile(all, 1),
+        fmt::print("  {:<28} {:>14} {:>6} {:>6} {:>6} {:>10} {:>10}\n", request.forms[f]->info->name, "",
+                   measure::map::quantile(all, 0.5), measure::map::quantile(all, 0.99), measure::map::quantile(all, 1),
                    summaries[f].hits_beyond, summaries[f].misses_beyond);
     }
 }
@@ -81,9 +85,13 @@ void print_table(const NeededRequest& request, const std::vector<measure::map::N
 std::vector<const intersect::table::Intersector*> forms_of_any_width(const std::vector<MapRow>& rows) {
     std::vector<const intersect::table::Intersector*> forms;
     for (const MapRow& row : rows) {
-        if (row.form->info->formats == intersect::Formats::all && std::ranges::find(forms, row.form) == forms.end()) forms.push_back(row.form);
+        if (row.form->info->formats == intersect::Formats::all && std::ranges::find(forms, row.form) == forms.end())
+            forms.push_back(row.form);
     }
-    if (forms.empty()) throw NothingSelected("--bits-needed: all of the selected intersectors exist in binary32 only; `lostbits list intersectors` says which");
+    if (forms.empty())
+        throw NothingSelected(
+            "--bits-needed: all of the selected intersectors exist in binary32 only; `lostbits list intersectors` says "
+            "which");
     return forms;
 }
 
@@ -93,17 +101,22 @@ struct SceneWork {
     std::optional<NeededRequest> needed;
 
     [[nodiscard]] std::uint64_t units() const {
-        const auto pixels = static_cast<std::uint64_t>(map.scene->width) * static_cast<std::uint64_t>(map.scene->height);
+        const auto pixels =
+            static_cast<std::uint64_t>(map.scene->width) * static_cast<std::uint64_t>(map.scene->height);
         return pixels * map.rows.size() + (needed ? measure::map::needed_units(*needed) : 0);
     }
 };
 
-SceneWork work_on(const Scene& scene, const MapOptions& o, const std::vector<MapRow>& rows, const std::vector<const Metric*>& wanted) {
-    SceneWork work{{.scene = &scene, .rows = fitting(rows, [&](Shape shape) { return scene.meets(shape); }), .metrics = {}}, {}};
+SceneWork work_on(const Scene& scene, const MapOptions& o, const std::vector<MapRow>& rows,
+                  const std::vector<const Metric*>& wanted) {
+    SceneWork work{
+        {.scene = &scene, .rows = fitting(rows, [&](Shape shape) { return scene.meets(shape); }), .metrics = {}}, {}};
     work.map.metrics = measured(wanted, work.map.rows);
-    measure::blame::bind_to_run(work.map.metrics, measure::map::forms_of(work.map.rows), [&scene] { return measure::blame::SettingOf(scene); });
+    measure::blame::bind_to_run(work.map.metrics, measure::map::forms_of(work.map.rows),
+                                [&scene] { return measure::blame::SettingOf(scene); });
     measure::map::order_culprits(work.map);
-    if (o.bits_needed > 0) work.needed = NeededRequest{.scene = &scene, .forms = forms_of_any_width(work.map.rows), .bits = o.bits_needed};
+    if (o.bits_needed > 0)
+        work.needed = NeededRequest{.scene = &scene, .forms = forms_of_any_width(work.map.rows), .bits = o.bits_needed};
     return work;
 }
 
@@ -120,14 +133,18 @@ void note_skipped(const std::vector<SceneWork>& works) {
 }
 
 /// Maps one scene; the number of its rays without a proved truth.
-std::uint64_t map_scene(const SceneWork& work, const MapOptions& o, const Common& common, const std::vector<const Metric*>& drawn) {
+std::uint64_t map_scene(const SceneWork& work, const MapOptions& o, const Common& common,
+                        const std::vector<const Metric*>& drawn) {
     const Scene& scene = *work.map.scene;
     const auto folder = std::filesystem::path(o.out) / scene.id;
     const Commands commands = canonical_commands(scene, o);
     const bool pixels = o.pixels == "csv";
     std::optional<output::map::NeededFiles> needed_files;
-    if (work.needed) needed_files.emplace(*work.needed, output::map::NeededFilesOptions{folder, pixels, commands.needed});
-    output::map::MapFiles files(work.map, {folder, drawn, pixels, commands.map, o.envelope, needed_files ? needed_files->resources() : std::vector<output::file::DataResource>{}});
+    if (work.needed)
+        needed_files.emplace(*work.needed, output::map::NeededFilesOptions{folder, pixels, commands.needed});
+    output::map::MapFiles files(work.map,
+                                {folder, drawn, pixels, commands.map, o.envelope,
+                                 needed_files ? needed_files->resources() : std::vector<output::file::DataResource>{}});
 
     const auto summaries = measure::map::run_map(work.map, files.sinks());
     std::vector<measure::map::NeededSummary> needed;
@@ -154,22 +171,27 @@ std::vector<const Metric*> drawn_of(std::vector<const Metric*> asked, const Scen
 Exit run(const MapOptions& o, const Common& common) {
     if (o.out.empty()) throw InputError("-o: the name of the folder is empty; write -o . for this one");
     const auto rows = cross(select_forms(o.forms), select_formats(o.formats));
-    const auto drawn = o.metrics.empty() ? std::vector{measure::metric::find_metric("lost_bits")} : select_metrics(o.metrics);
+    const auto drawn =
+        o.metrics.empty() ? std::vector{measure::metric::find_metric("lost_bits")} : select_metrics(o.metrics);
     auto wanted = drawn;
     if (o.envelope) {
         if (std::ranges::find(drawn, measure::metric::find_metric("lost_bits")) == drawn.end())
-            throw InputError("--envelope marks pictures of lost_bits, and --metric leaves them out; add --metric lost_bits");
+            throw InputError(
+                "--envelope marks pictures of lost_bits, and --metric leaves them out; add --metric lost_bits");
         wanted.push_back(measure::metric::find_metric("excess_bits"));
     }
     auto scenes = load_scenes({o.scenes, o.size, o.variant, o.set}, data_folder(common.data));
-    drop_unfitting(scenes, rows, common.quiet, [](const Scene& s, Shape shape) { return s.meets(shape); }, [](const Scene& s) { return s.id; });
+    drop_unfitting(
+        scenes, rows, common.quiet, [](const Scene& s, Shape shape) { return s.meets(shape); },
+        [](const Scene& s) { return s.id; });
     const ThreadLimit limit(common.threads);
 
     std::vector<SceneWork> works;
     for (const auto& scene : scenes) works.push_back(work_on(scene, o, rows, wanted));
     for (const SceneWork& work : works) that_apply(drawn, work.map.rows, "scene " + work.map.scene->id);
     // A folder that cannot be written ends the run before the first ray, not after the tenth scene.
-    for (const auto& scene : scenes) output::file::AtomicFile probe(std::filesystem::path(o.out) / scene.id / "summary.csv");
+    for (const auto& scene : scenes)
+        output::file::AtomicFile probe(std::filesystem::path(o.out) / scene.id / "summary.csv");
     if (o.bits_needed > 0 && !common.quiet) note_skipped(works);
     if (!common.quiet) {
         for (const SceneWork& work : works) note_lost_constants(*work.map.scene, work.map.rows);
@@ -189,24 +211,31 @@ Exit run(const MapOptions& o, const Common& common) {
     }
     progress.finish();
     if (unresolved == 0) return Exit::done;
-    fmt::print(stderr, "lostbits: the truth of {} rays was not proved within {} bits; they are classed `unresolved`\n", unresolved, measure::truth::TruthLimit{}.bits);
+    fmt::print(stderr, "lostbits: the truth of {} rays was not proved within {} bits; they are classed `unresolved`\n",
+               unresolved, measure::truth::TruthLimit{}.bits);
     return Exit::internal;
 }
 
 }  // namespace
 
 void add_map(CLI::App& program, const Common& common, Command& chosen) {
-    auto* command = program.add_subcommand("map", "Error maps of every selected form and format over the pixels of a scene");
+    auto* command =
+        program.add_subcommand("map", "Error maps of every selected form and format over the pixels of a scene");
     const auto o = std::make_shared<MapOptions>();
     command->add_option("SCENE", o->scenes, "Scene files, or names in data/scenes")->required();
     command->add_option("-i,--intersector", o->forms, "Forms, by name or glob (default: all)");
-    command->add_option("-f,--format", o->formats, "Formats: f32, f64, fp16, bf16, tf32, pN, pA..pB (default: f32 f64)");
-    command->add_option("--metric", o->metrics, "Metrics to draw (default: lost_bits); globs, or contribution:LABEL of what forms name so");
+    command->add_option("-f,--format", o->formats,
+                        "Formats: f32, f64, fp16, bf16, tf32, pN, pA..pB (default: f32 f64)");
+    command->add_option("--metric", o->metrics,
+                        "Metrics to draw (default: lost_bits); globs, or contribution:LABEL of what forms name so");
     command->add_option("--size", o->size, "Picture size, WxH in pixels (default: the scene's)");
     command->add_option("--variant", o->variant, "One variant of a scene that has several (default: all)");
     command->add_option("--set", o->set, "Change a number of the scene first: sphere[0].radius=10");
     command->add_option("--pixels", o->pixels, "csv: also write a row a pixel")->check(CLI::IsMember({"none", "csv"}));
-    command->add_option("--bits-needed", o->bits_needed, "Also per pixel the significand width that a form needs for this many correct bits (1 to 52)")->check(CLI::Range(1, 52));
+    command
+        ->add_option("--bits-needed", o->bits_needed,
+                     "Also per pixel the significand width that a form needs for this many correct bits (1 to 52)")
+        ->check(CLI::Range(1, 52));
     command->add_flag("--envelope", o->envelope, "Draw lost bits paler where the problem itself explains them");
     command->add_option("-o,--out", o->out, "Folder for the results")->required();
     command->callback([o, &common, &chosen] { chosen = [o, &common] { return run(*o, common); }; });

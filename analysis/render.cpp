@@ -45,33 +45,46 @@ std::string canonical_command(const Scene& scene, const RenderOptions& o) {
 /// The scenes themselves; InputError where one has no spheres with colours.
 std::vector<Scene> renderable(std::vector<Scene> scenes) {
     for (const Scene& scene : scenes) {
-        if (scene.flake) throw InputError(fmt::format("{}: the spheres of [sphereflake] have no colours, so that there is no picture to render; `lostbits map` takes it", scene.path.string()));
-        if (!scene.meets(Shape::sphere)) throw InputError(fmt::format("{}: render shades spheres, and scene \"{}\" has none; `lostbits map` takes it", scene.path.string(), scene.id));
+        if (scene.flake)
+            throw InputError(
+                fmt::format("{}: the spheres of [sphereflake] have no colours, so that there is no picture to render; "
+                            "`lostbits map` takes it",
+                            scene.path.string()));
+        if (!scene.meets(Shape::sphere))
+            throw InputError(
+                fmt::format("{}: render shades spheres, and scene \"{}\" has none; `lostbits map` takes it",
+                            scene.path.string(), scene.id));
     }
     return scenes;
 }
 
-/// The stages to draw, in rising order; a stage that the scene does not ask for becomes the last one before it that it does.
+/// The stages to draw, in rising order; a stage that the scene does not ask for becomes the last one before it that it
+/// does.
 std::vector<scene::file::Stage> stages_of(const Scene& scene, const RenderOptions& o, bool quiet) {
     using scene::file::Stage;
     if (o.stages.empty()) return {scene.appearance.furthest()};
     std::set<Stage> stages;
     for (const std::string& word : o.stages) {
-        const auto asked = static_cast<Stage>(std::ranges::find(scene::file::stage_names, word) - scene::file::stage_names.begin());
+        const auto asked =
+            static_cast<Stage>(std::ranges::find(scene::file::stage_names, word) - scene::file::stage_names.begin());
         const Stage drawn = scene.appearance.last_up_to(asked);
         stages.insert(drawn);
-        if (drawn != asked && !quiet) fmt::print(stderr, "lostbits: {} does not ask for {}; its last stage before that is {}\n", scene.id, word, name_of(drawn));
+        if (drawn != asked && !quiet)
+            fmt::print(stderr, "lostbits: {} does not ask for {}; its last stage before that is {}\n", scene.id, word,
+                       name_of(drawn));
     }
     return {stages.begin(), stages.end()};
 }
 
 void print_table(const RenderRequest& request, const std::vector<RenderSummary>& summaries) {
-    fmt::print("  {:<8} {:<28} {:<5} {:>9} {:>9} {:>9} {:>10} {:>9}\n", "stage", "form", "fmt", "changed", "acne", "flips", "p99 steps", "unproved");
+    fmt::print("  {:<8} {:<28} {:<5} {:>9} {:>9} {:>9} {:>10} {:>9}\n", "stage", "form", "fmt", "changed", "acne",
+               "flips", "p99 steps", "unproved");
     for (std::size_t k = 0; k < summaries.size(); ++k) {
         const RenderSummary& s = summaries[k];
         const measure::map::MapRow& row = request.rows[k / request.stages.size()];
-        fmt::print("  {:<8} {:<28} {:<5} {:>9} {:>9} {:>9} {:>10.3g} {:>9}\n", name_of(s.stage), row.form->info->name, row.format.name, s.changed,
-                   s.count(false, measure::picture::Shadow::own_shadow), s.flips(), s.colour_error.quantile(0.99), s.unresolved());
+        fmt::print("  {:<8} {:<28} {:<5} {:>9} {:>9} {:>9} {:>10.3g} {:>9}\n", name_of(s.stage), row.form->info->name,
+                   row.format.name, s.changed, s.count(false, measure::picture::Shadow::own_shadow), s.flips(),
+                   s.colour_error.quantile(0.99), s.unresolved());
     }
 }
 
@@ -90,8 +103,11 @@ std::uint64_t render_scene(const RenderRequest& request, const RenderOptions& o,
 
 Exit run(const RenderOptions& o, const Common& common) {
     if (o.out.empty()) throw InputError("-o: the name of the folder is empty; write -o . for this one");
-    const auto rows = fitting(cross(select_forms(o.forms), select_formats(o.formats)), [](Shape shape) { return shape == Shape::sphere; });
-    if (rows.empty()) throw NothingSelected("render shades spheres, and none of the selected intersectors meets one; try -i 'sphere.*'");
+    const auto rows = fitting(cross(select_forms(o.forms), select_formats(o.formats)),
+                              [](Shape shape) { return shape == Shape::sphere; });
+    if (rows.empty())
+        throw NothingSelected(
+            "render shades spheres, and none of the selected intersectors meets one; try -i 'sphere.*'");
     const auto scenes = renderable(load_scenes({o.scenes, o.size, o.variant, o.set}, data_folder(common.data)));
     const ThreadLimit limit(common.threads);
 
@@ -102,7 +118,8 @@ Exit run(const RenderOptions& o, const Common& common) {
         units += static_cast<std::uint64_t>(scene.width) * static_cast<std::uint64_t>(scene.height) * rows.size();
     }
     // A folder that cannot be written ends the run before the first ray, not after the tenth scene.
-    for (const auto& scene : scenes) output::file::AtomicFile probe(std::filesystem::path(o.out) / scene.id / "summary.csv");
+    for (const auto& scene : scenes)
+        output::file::AtomicFile probe(std::filesystem::path(o.out) / scene.id / "summary.csv");
 
     output::file::Progress progress(units, "render", common.progress, common.quiet);
     for (RenderRequest& request : requests) {
@@ -114,20 +131,29 @@ Exit run(const RenderOptions& o, const Common& common) {
     }
     progress.finish();
     if (unproved > 0 && !common.quiet)
-        fmt::print(stderr, "lostbits: {} pixels have something that {} bits did not prove; they are counted as `unresolved` and drawn as such\n", unproved, measure::picture::PictureLimit{}.bits);
+        fmt::print(stderr,
+                   "lostbits: {} pixels have something that {} bits did not prove; they are counted as `unresolved` "
+                   "and drawn as such\n",
+                   unproved, measure::picture::PictureLimit{}.bits);
     return unproved == 0 ? Exit::done : Exit::internal;
 }
 
 }  // namespace
 
 void add_render(CLI::App& program, const Common& common, Command& chosen) {
-    auto* command = program.add_subcommand("render", "A scene's picture, stage by stage, in the arithmetic of a form and format, against the certified picture");
+    auto* command = program.add_subcommand(
+        "render",
+        "A scene's picture, stage by stage, in the arithmetic of a form and format, against the certified picture");
     const auto o = std::make_shared<RenderOptions>();
     command->add_option("SCENE", o->scenes, "Scene files, or names in data/scenes; of spheres")->required();
-    command->add_option("-i,--intersector", o->forms, "Forms that find hits and shadows, by name or glob (default: sphere.expanded)");
+    command->add_option("-i,--intersector", o->forms,
+                        "Forms that find hits and shadows, by name or glob (default: sphere.expanded)");
     command->add_option("-f,--format", o->formats, "Formats: f32, f64, fp16, bf16, tf32, pN, pA..pB (default: f32)");
-    command->add_option("--stage", o->stages, "visible, diffuse, shadows, phong; may be repeated (default: the last that the scene asks for)")
-        ->check(CLI::IsMember(std::vector<std::string>(scene::file::stage_names.begin(), scene::file::stage_names.end())));
+    command
+        ->add_option("--stage", o->stages,
+                     "visible, diffuse, shadows, phong; may be repeated (default: the last that the scene asks for)")
+        ->check(
+            CLI::IsMember(std::vector<std::string>(scene::file::stage_names.begin(), scene::file::stage_names.end())));
     command->add_option("--size", o->size, "Picture size, WxH in pixels (default: the scene's)");
     command->add_option("--variant", o->variant, "One variant of a scene that has several (default: all)");
     command->add_option("--set", o->set, "Change a number of the scene first: light.position=[9,9,9]");

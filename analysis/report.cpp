@@ -12,11 +12,11 @@
 #include "number/interruption.hpp"
 #include "output/file/atomic_file.hpp"
 #include "report_parts.hpp"
-#include "scene/sweep/case_file.hpp"
 #include "scene/claim/claims_file.hpp"
-#include "scene/toml/did_you_mean.hpp"
 #include "scene/claim/report_file.hpp"
+#include "scene/sweep/case_file.hpp"
 #include "scene/sweep/sweep_file.hpp"
+#include "scene/toml/did_you_mean.hpp"
 #include "select.hpp"
 
 namespace lostbits::analysis {
@@ -66,16 +66,20 @@ void add_subject(Subjects& subjects, const std::string& word, const std::filesys
     auto names = ids_in(data / "scenes");
     const auto sweeps = ids_in(data / "sweeps");
     const auto has = [&word](const std::vector<std::string>& all) { return std::ranges::find(all, word) != all.end(); };
-    const bool scene = std::ranges::any_of(names, [&word](const std::string& n) { return word == n || word.starts_with(n + "."); });
+    const bool scene =
+        std::ranges::any_of(names, [&word](const std::string& n) { return word == n || word.starts_with(n + "."); });
     if (scene) subjects.scenes.push_back(scene::file::find_scene(word, data));
-    else if (has(sweeps) || word.find('/') != std::string::npos) subjects.sweeps.push_back(scene::sweep::find_sweep(word, data));
+    else if (has(sweeps) || word.find('/') != std::string::npos)
+        subjects.sweeps.push_back(scene::sweep::find_sweep(word, data));
     else {
         names.insert(names.end(), sweeps.begin(), sweeps.end());
-        throw InputError(word + ": neither a file nor a scene or sweep under " + data.string() + "; " + scene::toml::did_you_mean(word, names));
+        throw InputError(word + ": neither a file nor a scene or sweep under " + data.string() + "; " +
+                         scene::toml::did_you_mean(word, names));
     }
 }
 
-Subjects subjects_of(const ReportOptions& o, const scene::claim::ReportFile& defaults, const std::filesystem::path& data) {
+Subjects subjects_of(const ReportOptions& o, const scene::claim::ReportFile& defaults,
+                     const std::filesystem::path& data) {
     Subjects subjects;
     for (const auto& word : o.subjects) add_subject(subjects, word, data);
     if (o.all) {
@@ -98,12 +102,17 @@ std::vector<Claim> read_all_claims(const std::filesystem::path& data) {
     return claims;
 }
 
-/// Those selected and those that a claim on the subject names, in the order of the catalogue. `-i` leaves the claims' out.
-std::vector<MapRow> rows_for(const std::string& subject, std::vector<MapRow> rows, const std::vector<Claim>& claims, bool with_claims) {
+/// Those selected and those that a claim on the subject names, in the order of the catalogue. `-i` leaves the claims'
+/// out.
+std::vector<MapRow> rows_for(const std::string& subject, std::vector<MapRow> rows, const std::vector<Claim>& claims,
+                             bool with_claims) {
     for (const Claim& c : claims) {
-        if (!with_claims || c.form.empty() || !(c.scene == subject || std::filesystem::path(c.sweep).stem() == subject)) continue;
+        if (!with_claims || c.form.empty() || !(c.scene == subject || std::filesystem::path(c.sweep).stem() == subject))
+            continue;
         const MapRow row{measure::claim::claim_row(c).form, measure::claim::claim_row(c).format};
-        if (std::ranges::none_of(rows, [&row](const MapRow& r) { return r.form == row.form && r.format == row.format; })) rows.push_back(row);
+        if (std::ranges::none_of(rows,
+                                 [&row](const MapRow& r) { return r.form == row.form && r.format == row.format; }))
+            rows.push_back(row);
     }
     const auto place = [](const MapRow& row) { return row.form - lostbits::intersect::table::intersectors().data(); };
     std::ranges::stable_sort(rows, [&place](const MapRow& a, const MapRow& b) { return place(a) < place(b); });
@@ -117,54 +126,73 @@ struct Work {
     std::uint64_t units = 0;
 };
 
-void plan_sweep(Work& work, const std::filesystem::path& path, const std::filesystem::path& data, const std::vector<MapRow>& rows) {
+void plan_sweep(Work& work, const std::filesystem::path& path, const std::filesystem::path& data,
+                const std::vector<MapRow>& rows) {
     std::vector<MapRow> fit;
     const auto kind = scene::sweep::sweep_kind(path);
     if (kind == scene::sweep::SweepKind::search) return;  // a search is no picture
-    if (kind == scene::sweep::SweepKind::cases) fit = fitting(rows, [file = scene::sweep::CaseFile(path)](Shape shape) { return file.meets(shape); });
+    if (kind == scene::sweep::SweepKind::cases)
+        fit = fitting(rows, [file = scene::sweep::CaseFile(path)](Shape shape) { return file.meets(shape); });
     else fit = fitting(rows, [sweep = scene::sweep::SweepFile(path, data)](Shape shape) { return sweep.meets(shape); });
     if (!fit.empty()) work.sweeps.push_back({path, data, fit});
 }
 
-/// A claim goes onto the page when it is asked for by name, or is about something that is shown; without subjects all are.
+/// A claim goes onto the page when it is asked for by name, or is about something that is shown; without subjects all
+/// are.
 bool is_chosen(const Claim& c, const ReportOptions& o, const Work& work) {
-    if (!o.claims.empty()) return std::ranges::any_of(o.claims, [&](const std::string& glob) { return fnmatch(glob.c_str(), c.id.c_str(), 0) == 0; });
+    if (!o.claims.empty())
+        return std::ranges::any_of(
+            o.claims, [&](const std::string& glob) { return fnmatch(glob.c_str(), c.id.c_str(), 0) == 0; });
     if (o.subjects.empty()) return true;
     return std::ranges::any_of(work.maps, [&](const MapWork& m) { return m.scene.id == c.scene; }) ||
-           std::ranges::any_of(work.sweeps, [&](const SweepWork& s) { return !c.sweep.empty() && s.path.stem() == std::filesystem::path(c.sweep).stem(); });
+           std::ranges::any_of(work.sweeps, [&](const SweepWork& s) {
+               return !c.sweep.empty() && s.path.stem() == std::filesystem::path(c.sweep).stem();
+           });
 }
 
 Work plan(const ReportOptions& o, const std::filesystem::path& data) {
     const scene::claim::ReportFile defaults = scene::claim::read_report_file(data / "report.toml");
     const Subjects subjects = subjects_of(o, defaults, data);
     const auto claims = o.no_claims ? std::vector<Claim>{} : read_all_claims(data);
-    const auto rows = cross(select_forms(o.forms.empty() ? defaults.forms : o.forms), select_formats(o.formats.empty() ? defaults.formats : o.formats));
-    const std::vector<const Metric*> asked = o.metrics.empty() ? std::vector<const Metric*>{} : select_metrics(o.metrics);
+    const auto rows = cross(select_forms(o.forms.empty() ? defaults.forms : o.forms),
+                            select_formats(o.formats.empty() ? defaults.formats : o.formats));
+    const std::vector<const Metric*> asked =
+        o.metrics.empty() ? std::vector<const Metric*>{} : select_metrics(o.metrics);
     Work work;
     for (const scene::file::SceneName& name : subjects.scenes) {
         scene::file::LoadOptions options{.variant = name.variant};
         if (!o.size.empty()) options.size = parse_size(o.size);
         for (scene::file::Scene& scene : scene::file::load_scene(name.path, options)) {
-            auto fit = fitting(rows_for(scene.id, rows, claims, o.forms.empty()), [&](Shape shape) { return scene.meets(shape); });
+            auto fit = fitting(rows_for(scene.id, rows, claims, o.forms.empty()),
+                               [&](Shape shape) { return scene.meets(shape); });
             if (fit.empty()) continue;
             std::vector<const Metric*> wanted = asked;
-            for (const char* metric : {"lost_bits", "ulp_error", "condition", "inherent_bits", "excess_bits"}) wanted.push_back(measure::metric::find_metric(metric));
+            for (const char* metric : {"lost_bits", "ulp_error", "condition", "inherent_bits", "excess_bits"})
+                wanted.push_back(measure::metric::find_metric(metric));
             auto all = measured(wanted, fit);
-            measure::blame::bind_to_run(all, measure::map::forms_of(fit), [&scene] { return measure::blame::SettingOf(scene); });
+            measure::blame::bind_to_run(all, measure::map::forms_of(fit),
+                                        [&scene] { return measure::blame::SettingOf(scene); });
             // Its float layer would be the largest part of most pages.
-            std::erase_if(all, [&](const Metric* m) { return m->name == "residual" && std::ranges::find(asked, m) == asked.end(); });
-            work.units += static_cast<std::uint64_t>(scene.width) * static_cast<std::uint64_t>(scene.height) * fit.size();
+            std::erase_if(all, [&](const Metric* m) {
+                return m->name == "residual" && std::ranges::find(asked, m) == asked.end();
+            });
+            work.units +=
+                static_cast<std::uint64_t>(scene.width) * static_cast<std::uint64_t>(scene.height) * fit.size();
             work.maps.push_back({std::move(scene), std::move(fit), std::move(all), o.size.empty()});
         }
     }
-    for (const auto& path : subjects.sweeps) plan_sweep(work, path, data, rows_for(path.stem().string(), rows, claims, o.forms.empty()));
+    for (const auto& path : subjects.sweeps)
+        plan_sweep(work, path, data, rows_for(path.stem().string(), rows, claims, o.forms.empty()));
     for (const Claim& c : claims) {
         if (is_chosen(c, o, work)) work.claims.push_back(c);
     }
-    if (work.maps.empty() && work.sweeps.empty()) throw NothingSelected("report: none of the selected intersectors can be asked about any of the selected scenes and sweeps");
+    if (work.maps.empty() && work.sweeps.empty())
+        throw NothingSelected(
+            "report: none of the selected intersectors can be asked about any of the selected scenes and sweeps");
     std::set<std::string> ids;
     for (const MapWork& m : work.maps) {
-        if (!ids.insert(m.scene.id).second) throw InputError(fmt::format("scene \"{}\" is given twice; a page shows it once", m.scene.id));
+        if (!ids.insert(m.scene.id).second)
+            throw InputError(fmt::format("scene \"{}\" is given twice; a page shows it once", m.scene.id));
     }
     return work;
 }
@@ -191,24 +219,31 @@ Exit run(const ReportOptions& o, const Common& common) {
     output::file::AtomicFile file(std::filesystem::path(o.out) / "index.html");
     // A sweep counts as a map of 100 x 100 pixels under ten rows, the claims as ten of them.
     constexpr std::uint64_t sweep_units = 100'000, claims_units = 1'000'000;
-    output::file::Progress progress(work.units + sweep_units * work.sweeps.size() + (work.claims.empty() ? 0 : claims_units), "report", common.progress, common.quiet);
+    output::file::Progress progress(
+        work.units + sweep_units * work.sweeps.size() + (work.claims.empty() ? 0 : claims_units), "report",
+        common.progress, common.quiet);
     const auto advance = [&progress](std::uint64_t done) {
         progress.advance(done);
         stop_if_interrupted();
     };
-    output::page::Report report{.command = canonical_command(o), .maps = {}, .sweeps = {}, .trades = {}, .claims = work.claims, .results = {}};
+    output::page::Report report{
+        .command = canonical_command(o), .maps = {}, .sweeps = {}, .trades = {}, .claims = work.claims, .results = {}};
     std::uint64_t unresolved = 0;
     for (MapWork& map : work.maps) {
         report.maps.push_back(map_part(map, advance));
         unresolved += map.unresolved;
     }
-    for (const SweepWork& sweep : work.sweeps) report.sweeps.push_back(sweep_part(sweep, [&](std::uint64_t done) { advance(done * sweep_units); }));
+    for (const SweepWork& sweep : work.sweeps)
+        report.sweeps.push_back(sweep_part(sweep, [&](std::uint64_t done) { advance(done * sweep_units); }));
     if (!work.claims.empty()) report.results = measure::claim::measure_claims(work.claims, data, stop_if_interrupted);
     if (o.trade) {
         report.processor = measure::speed::processor_name();
         for (const Shape shape : {Shape::sphere, Shape::box}) {
-            const auto rows = fitting(cross(select_forms(o.forms.empty() ? std::vector<std::string>{"*"} : o.forms), {*find_format("f32"), *find_format("f64")}), [shape](Shape form) { return form == shape; });
-            if (!rows.empty()) report.trades.push_back(trade_part(shape, rows, [](std::uint64_t) { stop_if_interrupted(); }));
+            const auto rows = fitting(cross(select_forms(o.forms.empty() ? std::vector<std::string>{"*"} : o.forms),
+                                            {*find_format("f32"), *find_format("f64")}),
+                                      [shape](Shape form) { return form == shape; });
+            if (!rows.empty())
+                report.trades.push_back(trade_part(shape, rows, [](std::uint64_t) { stop_if_interrupted(); }));
         }
     }
     progress.finish();
@@ -216,10 +251,14 @@ Exit run(const ReportOptions& o, const Common& common) {
     file.commit();
     if (!common.quiet) fmt::print("{}\n", file.path().string());
     if (unresolved > 0) {
-        fmt::print(stderr, "lostbits: the truth of {} rays was not proved within {} bits; they are classed `unresolved`\n", unresolved, measure::truth::TruthLimit{}.bits);
+        fmt::print(stderr,
+                   "lostbits: the truth of {} rays was not proved within {} bits; they are classed `unresolved`\n",
+                   unresolved, measure::truth::TruthLimit{}.bits);
         return Exit::internal;
     }
-    const bool all_agree = std::ranges::all_of(report.results, [](const ClaimResult& r) { return r.state == ClaimResult::State::agrees || r.state == ClaimResult::State::skipped; });
+    const bool all_agree = std::ranges::all_of(report.results, [](const ClaimResult& r) {
+        return r.state == ClaimResult::State::agrees || r.state == ClaimResult::State::skipped;
+    });
     return all_agree ? Exit::done : Exit::answer_is_no;
 }
 
@@ -228,9 +267,12 @@ Exit run(const ReportOptions& o, const Common& common) {
 void add_report(CLI::App& program, const Common& common, Command& chosen) {
     auto* command = program.add_subcommand("report", "One HTML page of maps, sweeps and claims that opens from a file");
     const auto o = std::make_shared<ReportOptions>();
-    command->add_option("SUBJECT", o->subjects, "Scenes and sweeps, by file or name (default: those of data/report.toml)");
-    command->add_option("-i,--intersector", o->forms, "Forms, by name or glob (default: those of data/report.toml, and those that claims name)");
-    command->add_option("-f,--format", o->formats, "Formats: f32, f64, fp16, bf16, tf32, pN, pA..pB (default: f32 f64)");
+    command->add_option("SUBJECT", o->subjects,
+                        "Scenes and sweeps, by file or name (default: those of data/report.toml)");
+    command->add_option("-i,--intersector", o->forms,
+                        "Forms, by name or glob (default: those of data/report.toml, and those that claims name)");
+    command->add_option("-f,--format", o->formats,
+                        "Formats: f32, f64, fp16, bf16, tf32, pN, pA..pB (default: f32 f64)");
     command->add_option("--metric", o->metrics, "Metrics beside the default ones; globs");
     command->add_option("--size", o->size, "Picture size, WxH in pixels (default: each scene's)");
     command->add_option("--claims", o->claims, "Claims by id; globs (default: all, or those about the SUBJECTs)");

@@ -5,18 +5,18 @@
 
 #include <fmt/format.h>
 
-#include "measure/sweep/cases.hpp"
 #include "measure/map/culprit_order.hpp"
-#include "output/sweep/case_files.hpp"
+#include "measure/sweep/cases.hpp"
+#include "output/map/scene_sheet.hpp"
 #include "output/page/grid_data.hpp"
 #include "output/page/picture.hpp"
 #include "output/page/sweep_data.hpp"
 #include "output/page/text.hpp"
-#include "output/map/scene_sheet.hpp"
-#include "output/sweep/sweep_planes.hpp"
-#include "output/sweep/sweep_plots.hpp"
 #include "output/speed/trade_files.hpp"
 #include "output/speed/trade_plot.hpp"
+#include "output/sweep/case_files.hpp"
+#include "output/sweep/sweep_planes.hpp"
+#include "output/sweep/sweep_plots.hpp"
 #include "scene/sweep/case_file.hpp"
 #include "select.hpp"
 
@@ -57,7 +57,11 @@ std::vector<std::string> names_of(const std::vector<const measure::metric::Metri
 
 SweepPart case_part(const SweepWork& work) {
     const scene::sweep::CaseFile file(work.path);
-    measure::sweep::CaseRequest request{.file = &file, .rows = {}, .metrics = measured({measure::metric::find_metric("inherent_bits"), measure::metric::find_metric("excess_bits")}, work.rows)};
+    measure::sweep::CaseRequest request{
+        .file = &file,
+        .rows = {},
+        .metrics = measured(
+            {measure::metric::find_metric("inherent_bits"), measure::metric::find_metric("excess_bits")}, work.rows)};
     for (MapRow row : work.rows) {
         for (const auto& judged : file.conventions) {
             row.judged = judged;
@@ -65,18 +69,27 @@ SweepPart case_part(const SweepWork& work) {
         }
     }
     const auto cases = measure::sweep::run_cases(request);
-    SweepPart part{.kind = SweepPart::Kind::cases, .id = file.id, .title = file.title, .note = file.note, .source = file.source, .rows = keys_of(work.rows)};
+    SweepPart part{.kind = SweepPart::Kind::cases,
+                   .id = file.id,
+                   .title = file.title,
+                   .note = file.note,
+                   .source = file.source,
+                   .rows = keys_of(work.rows)};
     for (std::size_t i = 0; i < file.size(); ++i) part.cases.push_back(file.name(i));
     part.json = output::page::case_json(request, cases);
     for (const auto& judged : file.conventions) {
-        const std::string alt = judged ? fmt::format("{}, by the {} solid", file.title, intersect::convention_name(judged)) : file.title;
-        part.pictures.push_back(output::page::picture(alt, [&](const auto& to) { output::sweep::write_case_matrix(to, request, cases, judged); }));
+        const std::string alt =
+            judged ? fmt::format("{}, by the {} solid", file.title, intersect::convention_name(judged)) : file.title;
+        part.pictures.push_back(output::page::picture(
+            alt, [&](const auto& to) { output::sweep::write_case_matrix(to, request, cases, judged); }));
     }
     return part;
 }
 
 /// Of every format, small: they stand where the plots cannot.
-std::vector<output::page::Picture> line_pictures(const measure::sweep::SweepRequest& request, const std::vector<measure::sweep::SweepStep>& steps, const std::vector<measure::sweep::Onset>& onsets) {
+std::vector<output::page::Picture> line_pictures(const measure::sweep::SweepRequest& request,
+                                                 const std::vector<measure::sweep::SweepStep>& steps,
+                                                 const std::vector<measure::sweep::Onset>& onsets) {
     constexpr output::sweep::PlotSize size{820, 470};
     auto& backend = output::image::image_backend();
     std::vector<Format> formats;
@@ -86,27 +99,43 @@ std::vector<output::page::Picture> line_pictures(const measure::sweep::SweepRequ
     std::vector<output::page::Picture> pictures;
     for (const Format& format : formats) {
         const std::string what = fmt::format("{}, {}", request.sweep->title, format.name);
-        pictures.push_back(output::page::picture("99th percentile of lost bits: " + what, [&](const auto& to) { output::sweep::write_lost_bits_plot(backend, to, request, steps, onsets, format, 0.99, size); }));
-        pictures.push_back(output::page::picture("Share of wrong answers: " + what, [&](const auto& to) { output::sweep::write_wrong_plot(backend, to, request, steps, onsets, format, size); }));
+        pictures.push_back(output::page::picture("99th percentile of lost bits: " + what, [&](const auto& to) {
+            output::sweep::write_lost_bits_plot(backend, to, request, steps, onsets, format, 0.99, size);
+        }));
+        pictures.push_back(output::page::picture("Share of wrong answers: " + what, [&](const auto& to) {
+            output::sweep::write_wrong_plot(backend, to, request, steps, onsets, format, size);
+        }));
     }
     return pictures;
 }
 
 SweepPart axes_part(const SweepWork& work, const Advance& advance) {
     const scene::sweep::SweepFile sweep(work.path, work.data);
-    measure::sweep::SweepRequest request{.sweep = &sweep, .rows = work.rows, .metrics = measured({measure::metric::find_metric("inherent_bits"), measure::metric::find_metric("excess_bits")}, work.rows)};
+    measure::sweep::SweepRequest request{
+        .sweep = &sweep,
+        .rows = work.rows,
+        .metrics = measured(
+            {measure::metric::find_metric("inherent_bits"), measure::metric::find_metric("excess_bits")}, work.rows)};
     for (MapRow& row : request.rows) row.judged = sweep.convention;
     request.progress = [&advance](std::uint64_t) { advance(0); };
     const auto steps = measure::sweep::run_sweep(request);
-    SweepPart part{.kind = SweepPart::Kind::line, .id = sweep.id, .title = sweep.title, .note = sweep.note, .source = sweep.source, .rows = keys_of(work.rows)};
+    SweepPart part{.kind = SweepPart::Kind::line,
+                   .id = sweep.id,
+                   .title = sweep.title,
+                   .note = sweep.note,
+                   .source = sweep.source,
+                   .rows = keys_of(work.rows)};
     if (sweep.axes.size() == 2) {
         const output::sweep::Plane plane(request, steps);
         part.kind = SweepPart::Kind::plane;
         part.axes = {plane.x, plane.y};
         part.json = output::page::plane_json(request, steps);
         for (std::size_t r = 0; r < request.rows.size(); ++r) {
-            const std::string alt = fmt::format("{}: {} in {}", sweep.title, request.rows[r].form->info->name, request.rows[r].format.name);
-            part.pictures.push_back(output::page::picture(alt, [&](const auto& to) { output::sweep::write_plane_picture(output::image::image_backend(), to, request, steps, r); }));
+            const std::string alt =
+                fmt::format("{}: {} in {}", sweep.title, request.rows[r].form->info->name, request.rows[r].format.name);
+            part.pictures.push_back(output::page::picture(alt, [&](const auto& to) {
+                output::sweep::write_plane_picture(output::image::image_backend(), to, request, steps, r);
+            }));
         }
         return part;
     }
@@ -132,30 +161,51 @@ output::page::MapPart map_part(MapWork& work, const Advance& advance) {
     std::vector<std::unique_ptr<Both>> both;
     std::vector<MapSink*> sinks;
     const auto drawn = sheet.sinks(), kept = data.sinks();
-    for (std::size_t r = 0; r < drawn.size(); ++r) sinks.push_back(both.emplace_back(std::make_unique<Both>(drawn[r], kept[r])).get());
+    for (std::size_t r = 0; r < drawn.size(); ++r)
+        sinks.push_back(both.emplace_back(std::make_unique<Both>(drawn[r], kept[r])).get());
     const auto summaries = measure::map::run_map(request, sinks);
     sheet.finish(summaries);
     work.unresolved = summaries.front().count(measure::answer::Outcome::unresolved);
-    return {scene.id, scene.title, scene.note, scene.source, keys_of(work.rows), data.index(summaries, work.own_size), data.blobs(), output::page::summary_table(request, summaries),
-            {fmt::format("{}: lost bits of every form and format", scene.title), output::page::bytes_of(file)}, work.own_size, names_of(work.metrics)};
+    return {scene.id,
+            scene.title,
+            scene.note,
+            scene.source,
+            keys_of(work.rows),
+            data.index(summaries, work.own_size),
+            data.blobs(),
+            output::page::summary_table(request, summaries),
+            {fmt::format("{}: lost bits of every form and format", scene.title), output::page::bytes_of(file)},
+            work.own_size,
+            names_of(work.metrics)};
 }
 
 SweepPart sweep_part(const SweepWork& work, const Advance& advance) {
-    auto part = scene::sweep::sweep_kind(work.path) == scene::sweep::SweepKind::cases ? case_part(work) : axes_part(work, advance);
+    auto part = scene::sweep::sweep_kind(work.path) == scene::sweep::SweepKind::cases ? case_part(work)
+                                                                                      : axes_part(work, advance);
     advance(1);
     return part;
 }
 
 output::page::TradePart trade_part(Shape shape, const std::vector<MapRow>& rows, const Advance& advance) {
-    measure::speed::TradeRequest request{.shape = shape, .kernels = measure::speed::trade_kernels(rows), .metrics = {measure::metric::find_metric("lost_bits"), measure::metric::find_metric("excess_bits")}, .loads = measure::speed::trade_loads(measure::speed::cache_sizes()), .plan = {}};
+    measure::speed::TradeRequest request{
+        .shape = shape,
+        .kernels = measure::speed::trade_kernels(rows),
+        .metrics = {measure::metric::find_metric("lost_bits"), measure::metric::find_metric("excess_bits")},
+        .loads = measure::speed::trade_loads(measure::speed::cache_sizes()),
+        .plan = {}};
     request.plan.repetitions = 5;  // as `lostbits trade --quick`
     request.plan.least_seconds = 1e-4;
     request.plan.progress = [&advance](std::uint64_t) { advance(0); };
     const measure::speed::TradeResult result = measure::speed::run_trade(request);
-    output::page::TradePart part{std::string(shape_names[static_cast<std::size_t>(shape)]), output::page::trade_json(request, result), output::speed::trade_in_words(request, result), {}};
+    output::page::TradePart part{std::string(shape_names[static_cast<std::size_t>(shape)]),
+                                 output::page::trade_json(request, result),
+                                 output::speed::trade_in_words(request, result),
+                                 {}};
     const auto sets = measure::speed::ray_sets(shape);
     for (std::size_t s = 0; s < sets.size(); ++s) {
-        part.pictures.push_back(output::page::picture(fmt::format("Time against kept bits: {}", sets[s].title), [&](const auto& to) { output::speed::write_trade_plot(to, request, result, s); }));
+        part.pictures.push_back(
+            output::page::picture(fmt::format("Time against kept bits: {}", sets[s].title),
+                                  [&](const auto& to) { output::speed::write_trade_plot(to, request, result, s); }));
     }
     advance(1);
     return part;

@@ -19,7 +19,7 @@ struct MapWork {
     scene::file::Scene scene;
     std::vector<measure::map::MapRow> rows;
     std::vector<const measure::metric::Metric*> metrics;
-    bool own_size = true;  ///< the scene's own, not --size
+    bool own_size = true;          ///< the scene's own, not --size
     std::uint64_t unresolved = 0;  ///< after `map_part`: rays without a proved truth
 };
 output::page::MapPart map_part(MapWork& work, const Advance& advance);

@@ -1,7 +1,7 @@
 #include "select.hpp"
 
-#include <fnmatch.h>
 #include <fmt/format.h>
+#include <fnmatch.h>
 #include <tbb/global_control.h>
 
 #include <algorithm>
@@ -13,8 +13,8 @@
 
 #include "measure/blame/culprits.hpp"
 #include "number/error.hpp"
-#include "scene/toml/did_you_mean.hpp"
 #include "scene/file/march_table.hpp"
+#include "scene/toml/did_you_mean.hpp"
 
 namespace lostbits::analysis {
 
@@ -29,7 +29,8 @@ bool is_glob(const std::string& text) { return text.find_first_of("*?[") != std:
 
 /// The rows of a table whose name matches any of the words; `what` and `option` are for messages.
 template <class Row, class Name>
-std::vector<const Row*> select_rows(std::span<const Row> table, const std::vector<std::string>& words, const char* what, const char* option, Name name) {
+std::vector<const Row*> select_rows(std::span<const Row> table, const std::vector<std::string>& words, const char* what,
+                                    const char* option, Name name) {
     std::vector<std::string> names;
     for (const Row& row : table) names.emplace_back(name(row));
     std::vector<bool> chosen(table.size());
@@ -40,8 +41,11 @@ std::vector<const Row*> select_rows(std::span<const Row> table, const std::vecto
             chosen[i] = any = true;
         }
         if (any) continue;
-        if (is_glob(word)) throw NothingSelected(fmt::format("{} {}: no {} matches this pattern; `lostbits list {}s` shows all", option, word, what, what));
-        throw InputError(fmt::format("{} {}: unknown {}; {}", option, word, what, scene::toml::did_you_mean(word, names)));
+        if (is_glob(word))
+            throw NothingSelected(fmt::format("{} {}: no {} matches this pattern; `lostbits list {}s` shows all",
+                                              option, word, what, what));
+        throw InputError(
+            fmt::format("{} {}: unknown {}; {}", option, word, what, scene::toml::did_you_mean(word, names)));
     }
     std::vector<const Row*> rows;
     for (std::size_t i = 0; i < table.size(); ++i) {
@@ -53,13 +57,15 @@ std::vector<const Row*> select_rows(std::span<const Row> table, const std::vecto
 [[noreturn]] void unknown_format(const std::string& name) {
     std::vector<std::string> names{"f32", "f64", "fp16", "bf16", "tf32"};
     std::string hint = scene::toml::did_you_mean(name, names);
-    throw InputError(fmt::format("-f {}: unknown format; {} (or pN with 2 <= N <= 53, or a range p5..p12)", name, hint));
+    throw InputError(
+        fmt::format("-f {}: unknown format; {} (or pN with 2 <= N <= 53, or a range p5..p12)", name, hint));
 }
 
 }  // namespace
 
 std::vector<const Intersector*> select_forms(const std::vector<std::string>& globs) {
-    return select_rows(intersect::table::intersectors(), globs, "intersector", "-i", [](const Intersector& i) { return i.info->name; });
+    return select_rows(intersect::table::intersectors(), globs, "intersector", "-i",
+                       [](const Intersector& i) { return i.info->name; });
 }
 
 std::vector<const Metric*> select_metrics(const std::vector<std::string>& globs) {
@@ -71,9 +77,13 @@ std::vector<const Metric*> select_metrics(const std::vector<std::string>& globs)
         }
         if (glob == "contribution" || glob.ends_with(':')) {
             const std::string of = glob.substr(0, glob.find(':'));
-            throw InputError(fmt::format("--metric {}: of which operation? write {}:LABEL, such as {}:c; `lostbits list labels` has every form's", glob, of, of));
+            throw InputError(
+                fmt::format("--metric {}: of which operation? write {}:LABEL, such as {}:c; `lostbits list labels` has "
+                            "every form's",
+                            glob, of, of));
         }
-        for (const Metric* m : select_rows(measure::metric::metrics(), {glob}, "metric", "--metric", [](const Metric& row) { return row.name; })) {
+        for (const Metric* m : select_rows(measure::metric::metrics(), {glob}, "metric", "--metric",
+                                           [](const Metric& row) { return row.name; })) {
             if (std::ranges::find(chosen, m) == chosen.end()) chosen.push_back(m);
         }
     }
@@ -88,11 +98,14 @@ bool any_marches(const std::vector<MapRow>& rows) {
 
 }  // namespace
 
-std::vector<const Metric*> that_apply(std::vector<const Metric*> asked, const std::vector<MapRow>& rows, const std::string& what) {
+std::vector<const Metric*> that_apply(std::vector<const Metric*> asked, const std::vector<MapRow>& rows,
+                                      const std::string& what) {
     if (asked.empty() || any_marches(rows)) return asked;
     const std::string first(asked.front()->name);
     std::erase_if(asked, [](const Metric* m) { return m->over == measure::metric::Over::marches; });
-    if (asked.empty()) throw InputError(fmt::format("--metric {}: {} is asked of no form that marches; add -i 'sdf.*', or a [march] table to it", first, what));
+    if (asked.empty())
+        throw InputError(fmt::format(
+            "--metric {}: {} is asked of no form that marches; add -i 'sdf.*', or a [march] table to it", first, what));
     return asked;
 }
 
@@ -103,7 +116,8 @@ std::vector<const Metric*> measured(const std::vector<const Metric*>& asked, con
         const bool named = std::ranges::find(asked, &m) != asked.end();
         if ((m.by_default || named) && (marches || m.over != measure::metric::Over::marches)) all.push_back(&m);
     }
-    std::ranges::copy_if(asked, std::back_inserter(all), [](const Metric* m) { return measure::blame::is_labelled(*m); });
+    std::ranges::copy_if(asked, std::back_inserter(all),
+                         [](const Metric* m) { return measure::blame::is_labelled(*m); });
     return all;
 }
 
@@ -133,7 +147,8 @@ void note_lost_constants(const Scene& scene, const std::vector<MapRow>& rows) {
     for (const MapRow& row : rows) {
         if (row.form->shape != Shape::sdf || std::ranges::find(seen, row.format.name) != seen.end()) continue;
         seen.push_back(row.format.name);
-        for (const std::string& lost : scene::file::lost_constants(scene, row.format.shape)) fmt::print(stderr, "lostbits: {} in {}: march.{}\n", scene.id, row.format.name, lost);
+        for (const std::string& lost : scene::file::lost_constants(scene, row.format.shape))
+            fmt::print(stderr, "lostbits: {} in {}: march.{}\n", scene.id, row.format.name, lost);
     }
 }
 
@@ -144,7 +159,10 @@ std::vector<MapRow> cross(const std::vector<const Intersector*>& forms, const st
             if (form->exists_in(format)) rows.push_back({form, format});
         }
     }
-    if (rows.empty()) throw NothingSelected("none of the selected intersectors exists in the selected formats; `lostbits list intersectors` says which do");
+    if (rows.empty())
+        throw NothingSelected(
+            "none of the selected intersectors exists in the selected formats; `lostbits list intersectors` says which "
+            "do");
     return rows;
 }
 
@@ -167,7 +185,9 @@ std::vector<Scene> load_scenes(const SceneChoice& choice, const std::filesystem:
         options.variant = name.variant;
         if (!choice.variant.empty()) options.variant = choice.variant;
         for (auto& scene : scene::file::load_scene(name.path, options)) {
-            if (!ids.insert(scene.id).second) throw InputError(fmt::format("{}: scene \"{}\" is given twice; both would write to the same folder", word, scene.id));
+            if (!ids.insert(scene.id).second)
+                throw InputError(fmt::format("{}: scene \"{}\" is given twice; both would write to the same folder",
+                                             word, scene.id));
             scenes.push_back(std::move(scene));
         }
     }
@@ -179,7 +199,8 @@ struct ThreadLimit::Control {
 };
 
 ThreadLimit::ThreadLimit(int threads) {
-    const auto count = static_cast<std::size_t>(threads > 0 ? threads : static_cast<int>(std::max(1U, std::thread::hardware_concurrency())));
+    const auto count = static_cast<std::size_t>(
+        threads > 0 ? threads : static_cast<int>(std::max(1U, std::thread::hardware_concurrency())));
     control_.reset(new Control{{tbb::global_control::max_allowed_parallelism, count}});
 }
 

@@ -29,39 +29,46 @@ std::vector<Format> select_formats(const std::vector<std::string>& names);
 /// Metrics by name or glob, in the order asked for. InputError with did-you-mean.
 std::vector<const measure::metric::Metric*> select_metrics(const std::vector<std::string>& globs);
 
-/// Those of the metrics that any of the rows has: the ones of marches go where no row marches. InputError where that leaves none;
-/// `what` is the scene or sweep.
-std::vector<const measure::metric::Metric*> that_apply(std::vector<const measure::metric::Metric*> asked, const std::vector<measure::map::MapRow>& rows, const std::string& what);
+/// Those of the metrics that any of the rows has: the ones of marches go where no row marches. InputError where that
+/// leaves none; `what` is the scene or sweep.
+std::vector<const measure::metric::Metric*> that_apply(std::vector<const measure::metric::Metric*> asked,
+                                                       const std::vector<measure::map::MapRow>& rows,
+                                                       const std::string& what);
 
 /// The default metrics and those that were asked for, as far as they apply, in the table's order.
-std::vector<const measure::metric::Metric*> measured(const std::vector<const measure::metric::Metric*>& asked, const std::vector<measure::map::MapRow>& rows);
+std::vector<const measure::metric::Metric*> measured(const std::vector<const measure::metric::Metric*>& asked,
+                                                     const std::vector<measure::map::MapRow>& rows);
 
 /// Says on stderr which constants of a scene's march the formats of the rows cannot hold.
 void note_lost_constants(const scene::file::Scene& scene, const std::vector<measure::map::MapRow>& rows);
 
 /// Every selected form in every selected format that it exists in. NothingSelected where that leaves none.
-std::vector<measure::map::MapRow> cross(const std::vector<const intersect::table::Intersector*>& forms, const std::vector<Format>& formats);
+std::vector<measure::map::MapRow> cross(const std::vector<const intersect::table::Intersector*>& forms,
+                                        const std::vector<Format>& formats);
 
 /// Those rows whose forms can be asked: `meets(Shape)` tells of which shapes.
 template <class Meets>
 std::vector<measure::map::MapRow> fitting(const std::vector<measure::map::MapRow>& rows, const Meets& meets) {
     std::vector<measure::map::MapRow> chosen;
-    std::ranges::copy_if(rows, std::back_inserter(chosen), [&](const measure::map::MapRow& row) { return meets(row.form->shape); });
+    std::ranges::copy_if(rows, std::back_inserter(chosen),
+                         [&](const measure::map::MapRow& row) { return meets(row.form->shape); });
     return chosen;
 }
 
 /// `sphere.*, sdf.*`: the globs of the forms that can be asked.
 std::string globs_of(const std::function<bool(Shape)>& meets);
 
-/// Drops what no selected form can be asked about and says so on stderr unless `quiet`; `meets(thing, Shape)` tells of which shapes the
-/// forms must be, `name_of` a thing's name. NothingSelected where that leaves none.
+/// Drops what no selected form can be asked about and says so on stderr unless `quiet`; `meets(thing, Shape)` tells of
+/// which shapes the forms must be, `name_of` a thing's name. NothingSelected where that leaves none.
 template <class Things, class Meets, class NameOf>
-void drop_unfitting(Things& things, const std::vector<measure::map::MapRow>& rows, bool quiet, Meets meets, NameOf name_of) {
+void drop_unfitting(Things& things, const std::vector<measure::map::MapRow>& rows, bool quiet, Meets meets,
+                    NameOf name_of) {
     std::vector<std::string> left_out;
     std::erase_if(things, [&](const auto& thing) {
         const auto can = [&](Shape shape) { return meets(thing, shape); };
         if (!fitting(rows, can).empty()) return false;
-        left_out.push_back(std::string(name_of(thing)) + " can be asked of none of the selected intersectors; try -i '" + globs_of(can) + "'");
+        left_out.push_back(std::string(name_of(thing)) +
+                           " can be asked of none of the selected intersectors; try -i '" + globs_of(can) + "'");
         return true;
     });
     if (things.empty()) throw NothingSelected(left_out.front());

@@ -32,13 +32,15 @@ struct SweepOptions {
 };
 
 void print_onsets(const measure::sweep::SweepRequest& request, const std::vector<measure::sweep::Onset>& onsets) {
-    fmt::print("  {:<28} {:<5} {:<13} {:<5} {:>9} {:>14} {:>14}\n", "form", "fmt", "event", "stat", "threshold", "last good", "first bad");
+    fmt::print("  {:<28} {:<5} {:<13} {:<5} {:>9} {:>14} {:>14}\n", "form", "fmt", "event", "stat", "threshold",
+               "last good", "first bad");
     for (const measure::sweep::Onset& o : onsets) {
         if (!o.found) continue;
         const MapRow& row = request.rows[o.row];
         // Bad at the first step already: there is no last good value.
-        fmt::print("  {:<28} {:<5} {:<13} {:<5} {:>9} {:>14} {:>14.8g}\n", row.form->info->name, row.format.name, o.event, o.statistic, o.threshold,
-                   o.from_start ? "-" : fmt::format("{:.8g}", o.last_good), o.first_bad);
+        fmt::print("  {:<28} {:<5} {:<13} {:<5} {:>9} {:>14} {:>14.8g}\n", row.form->info->name, row.format.name,
+                   o.event, o.statistic, o.threshold, o.from_start ? "-" : fmt::format("{:.8g}", o.last_good),
+                   o.first_bad);
     }
 }
 
@@ -48,11 +50,13 @@ struct Chosen {
 };
 
 /// What a run over named cases leaves: the matrix.
-void run_case_file(const std::filesystem::path& path, const Chosen& chosen, const SweepOptions& o, const Common& common) {
+void run_case_file(const std::filesystem::path& path, const Chosen& chosen, const SweepOptions& o,
+                   const Common& common) {
     const scene::sweep::CaseFile file(path);
     const auto rows = fitting(chosen.rows, [&](Shape shape) { return file.meets(shape); });
     measure::sweep::CaseRequest request{.file = &file, .rows = {}, .metrics = measured(chosen.asked, rows)};
-    measure::blame::bind_to_run(request.metrics, measure::map::forms_of(rows), [&file] { return measure::blame::SettingOf(file.rays(0, binary64).front()); });
+    measure::blame::bind_to_run(request.metrics, measure::map::forms_of(rows),
+                                [&file] { return measure::blame::SettingOf(file.rays(0, binary64).front()); });
     for (MapRow row : rows) {
         for (const auto& judged : file.conventions) {
             row.judged = judged;
@@ -73,14 +77,16 @@ void run_case_file(const std::filesystem::path& path, const Chosen& chosen, cons
 
 void run_axes(const std::filesystem::path& path, const Chosen& chosen, const SweepOptions& o, const Common& common) {
     const scene::sweep::SweepFile sweep(path, data_folder(common.data));
-    measure::sweep::SweepRequest request{.sweep = &sweep, .rows = fitting(chosen.rows, [&](Shape shape) { return sweep.meets(shape); }), .metrics = {}};
+    measure::sweep::SweepRequest request{
+        .sweep = &sweep, .rows = fitting(chosen.rows, [&](Shape shape) { return sweep.meets(shape); }), .metrics = {}};
     auto asked = chosen.asked;
     // Where forms stop short on purpose, the error by itself says little.
     if (std::ranges::any_of(request.rows, [](const MapRow& row) { return row.form->shape == Shape::sdf; })) {
         for (const char* name : {"model_error", "rounding_error"}) asked.push_back(measure::metric::find_metric(name));
     }
     request.metrics = measured(asked, request.rows);
-    measure::blame::bind_to_run(request.metrics, measure::map::forms_of(request.rows), [&sweep] { return measure::blame::SettingOf(sweep.first_rays()); });
+    measure::blame::bind_to_run(request.metrics, measure::map::forms_of(request.rows),
+                                [&sweep] { return measure::blame::SettingOf(sweep.first_rays()); });
     for (MapRow& row : request.rows) row.judged = sweep.convention;
     const auto folder = std::filesystem::path(o.out) / sweep.id;
     output::sweep::SweepFiles files(request, folder);
@@ -101,13 +107,18 @@ void run_axes(const std::filesystem::path& path, const Chosen& chosen, const Swe
 
 void run_search(const std::filesystem::path& path, const Chosen& chosen, const SweepOptions& o, const Common& common) {
     const scene::sweep::SearchFile search(path);
-    measure::sweep::WorstRequest request{.search = &search, .rows = fitting(chosen.rows, [&](Shape shape) { return search.shape == shape; }), .metrics = {}};
+    measure::sweep::WorstRequest request{
+        .search = &search,
+        .rows = fitting(chosen.rows, [&](Shape shape) { return search.shape == shape; }),
+        .metrics = {}};
     request.metrics = measured({measure::metric::find_metric(search.metric)}, request.rows);
     Solid<double> any;  // labels do not depend on its numbers
     any.shape = search.shape;
     measure::blame::bind_to_run(request.metrics, measure::map::forms_of(request.rows), {std::span(&any, 1)});
     const auto folder = std::filesystem::path(o.out) / search.id;
-    { const output::file::AtomicFile probe(folder / "worst.csv"); }  // a folder that cannot be written ends the run before the search
+    {
+        const output::file::AtomicFile probe(folder / "worst.csv");
+    }  // a folder that cannot be written ends the run before the search
     Progress progress(request.rows.size(), search.id, common.progress, common.quiet);
     request.progress = [&progress](std::uint64_t done) {
         progress.advance(done);
@@ -116,7 +127,9 @@ void run_search(const std::filesystem::path& path, const Chosen& chosen, const S
     const auto found = measure::sweep::find_worst(request);
     progress.finish();
     if (std::ranges::none_of(found, [](const auto& w) { return w.has_value(); })) {
-        throw NothingSelected(path.string() + ": no ray of these ranges was hit by any form; distance_radii and impact_radii must leave something of the other ranges");
+        throw NothingSelected(path.string() +
+                              ": no ray of these ranges was hit by any form; distance_radii and impact_radii must "
+                              "leave something of the other ranges");
     }
     output::sweep::write_worst(folder, request, found);
     if (!common.quiet) fmt::print("{}\n", (folder / "worst.csv").string());
@@ -128,13 +141,16 @@ using Meets = std::function<bool(Shape)>;
 /// Reads the file and forgets it: InputError for what is wrong with it; the forms that it can be asked of.
 Meets check_file(const std::filesystem::path& path, SweepKind kind, bool worst, const std::filesystem::path& data) {
     using K = SweepKind;
-    if (worst && kind != K::search) throw InputError(path.string() + ":1:1: --worst needs a [search] table: the ranges to search; see data/sweeps/worst");
+    if (worst && kind != K::search)
+        throw InputError(path.string() +
+                         ":1:1: --worst needs a [search] table: the ranges to search; see data/sweeps/worst");
     if (!worst && kind == K::search) throw InputError(path.string() + ":1:1: a [search] table is for --worst; add it");
     const auto only = [](Shape shape) { return [shape](Shape form) { return form == shape; }; };
     if (kind == K::cases) return only(scene::sweep::CaseFile(path).shape());
     if (kind == K::axes) {
         const scene::sweep::SweepFile sweep(path, data);
-        return [sphere = sweep.meets(Shape::sphere), box = sweep.meets(Shape::box), sdf = sweep.meets(Shape::sdf)](Shape form) {
+        return [sphere = sweep.meets(Shape::sphere), box = sweep.meets(Shape::box),
+                sdf = sweep.meets(Shape::sdf)](Shape form) {
             return form == Shape::sphere ? sphere : form == Shape::box ? box : sdf;
         };
     }
@@ -142,10 +158,13 @@ Meets check_file(const std::filesystem::path& path, SweepKind kind, bool worst, 
     if (measure::metric::find_metric(search.metric) == nullptr) {
         std::vector<std::string> names;
         for (const measure::metric::Metric& m : measure::metric::metrics()) names.emplace_back(m.name);
-        throw InputError(path.string() + ":1:1: search.metric is \"" + search.metric + "\", which no metric is called; " + scene::toml::did_you_mean(search.metric, names));
+        throw InputError(path.string() + ":1:1: search.metric is \"" + search.metric +
+                         "\", which no metric is called; " + scene::toml::did_you_mean(search.metric, names));
     }
     if (measure::metric::find_metric(search.metric)->by_run())
-        throw InputError(path.string() + ":1:1: search.metric is \"" + search.metric + "\", which names an operation and has no largest value; try cancellation, or contribution:LABEL");
+        throw InputError(
+            path.string() + ":1:1: search.metric is \"" + search.metric +
+            "\", which names an operation and has no largest value; try cancellation, or contribution:LABEL");
     return only(search.shape);
 }
 
@@ -153,7 +172,8 @@ Exit run(const SweepOptions& o, const Common& common) {
     Chosen chosen{cross(select_forms(o.forms), select_formats(o.formats)), {}};
     // A sweep always knows what the problem itself costs: its plots carry the envelope.
     if (!o.metrics.empty()) chosen.asked = select_metrics(o.metrics);
-    for (const char* name : {"inherent_bits", "excess_bits"}) chosen.asked.push_back(measure::metric::find_metric(name));
+    for (const char* name : {"inherent_bits", "excess_bits"})
+        chosen.asked.push_back(measure::metric::find_metric(name));
     if (o.out.empty()) throw InputError("-o: the name of the folder is empty; write -o . for this one");
     const auto data = data_folder(common.data);
     // Every file is read before the first is worked on: bad input leaves nothing behind.
@@ -167,11 +187,15 @@ Exit run(const SweepOptions& o, const Common& common) {
         const auto path = scene::sweep::find_sweep(word, data);
         const auto kind = scene::sweep::sweep_kind(path);
         for (const Sweep& other : sweeps) {
-            if (other.path.stem() == path.stem()) throw InputError(word + ": sweep \"" + path.stem().string() + "\" is given twice; both would write to the same folder");
+            if (other.path.stem() == path.stem())
+                throw InputError(word + ": sweep \"" + path.stem().string() +
+                                 "\" is given twice; both would write to the same folder");
         }
         sweeps.push_back({path, kind, check_file(path, kind, o.worst, data)});
     }
-    drop_unfitting(sweeps, chosen.rows, common.quiet, [](const Sweep& s, Shape shape) { return s.meets(shape); }, [](const Sweep& s) { return s.path.stem().string(); });
+    drop_unfitting(
+        sweeps, chosen.rows, common.quiet, [](const Sweep& s, Shape shape) { return s.meets(shape); },
+        [](const Sweep& s) { return s.path.stem().string(); });
     const ThreadLimit limit(common.threads);
     for (const auto& [path, kind, meets] : sweeps) {
         if (kind == SweepKind::cases) run_case_file(path, chosen, o, common);
@@ -188,7 +212,8 @@ void add_sweep(CLI::App& program, const Common& common, Command& chosen) {
     const auto o = std::make_shared<SweepOptions>();
     command->add_option("SWEEP", o->sweeps, "Sweep files, or names in data/sweeps")->required();
     command->add_option("-i,--intersector", o->forms, "Forms, by name or glob (default: all)");
-    command->add_option("-f,--format", o->formats, "Formats: f32, f64, fp16, bf16, tf32, pN, pA..pB (default: f32 f64)");
+    command->add_option("-f,--format", o->formats,
+                        "Formats: f32, f64, fp16, bf16, tf32, pN, pA..pB (default: f32 f64)");
     command->add_option("--metric", o->metrics, "Metrics beside the default ones; globs");
     command->add_flag("--worst", o->worst, "Search the ranges of a [search] file for the worst ray of each form");
     command->add_option("-o,--out", o->out, "Folder for the results")->required();

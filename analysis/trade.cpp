@@ -25,7 +25,9 @@ struct TradeOptions {
 std::vector<Format> native_formats(const std::vector<std::string>& names) {
     const auto formats = select_formats(names);
     for (const Format& f : formats) {
-        if (f.engine == Format::Engine::rounded) throw InputError(fmt::format("-f {}: its time would be that of an emulation; only f32 and f64 are timed", f.name));
+        if (f.engine == Format::Engine::rounded)
+            throw InputError(
+                fmt::format("-f {}: its time would be that of an emulation; only f32 and f64 are timed", f.name));
     }
     return formats;
 }
@@ -43,14 +45,23 @@ measure::speed::TimingPlan plan_of(const TradeOptions& o) {
 Exit run(const TradeOptions& o, const Common& common) {
     if (o.out.empty()) throw InputError("-o: the name of the folder is empty; write -o . for this one");
     const Shape shape = o.shape == "box" ? Shape::box : Shape::sphere;
-    const auto rows = fitting(cross(select_forms(o.forms), native_formats(o.formats)), [shape](Shape form) { return form == shape; });
-    if (rows.empty()) throw NothingSelected(fmt::format("--shape {0}: none of the selected intersectors is about a {0}; try -i '{0}.*' or another --shape", o.shape));
-    measure::speed::TradeRequest request{.shape = shape, .kernels = measure::speed::trade_kernels(rows), .metrics = {}, .loads = measure::speed::trade_loads(measure::speed::cache_sizes()), .plan = plan_of(o)};
+    const auto rows =
+        fitting(cross(select_forms(o.forms), native_formats(o.formats)), [shape](Shape form) { return form == shape; });
+    if (rows.empty())
+        throw NothingSelected(fmt::format(
+            "--shape {0}: none of the selected intersectors is about a {0}; try -i '{0}.*' or another --shape",
+            o.shape));
+    measure::speed::TradeRequest request{.shape = shape,
+                                         .kernels = measure::speed::trade_kernels(rows),
+                                         .metrics = {},
+                                         .loads = measure::speed::trade_loads(measure::speed::cache_sizes()),
+                                         .plan = plan_of(o)};
     for (const char* name : {"lost_bits", "excess_bits"}) request.metrics.push_back(measure::metric::find_metric(name));
     const auto folder = std::filesystem::path(o.out) / o.shape;
     output::speed::TradeFiles files(request, folder);
     const ThreadLimit limit(common.threads);
-    output::file::Progress progress(measure::speed::trade_units(request), fmt::format("trade {}", o.shape), common.progress, common.quiet);
+    output::file::Progress progress(measure::speed::trade_units(request), fmt::format("trade {}", o.shape),
+                                    common.progress, common.quiet);
     request.plan.progress = [&progress](std::uint64_t done) {
         progress.advance(done);
         stop_if_interrupted();
@@ -58,7 +69,8 @@ Exit run(const TradeOptions& o, const Common& common) {
     const measure::speed::TradeResult result = measure::speed::run_trade(request);
     files.finish(result);
     progress.finish();
-    if (!common.quiet) fmt::print("{}\n{}\n", output::speed::trade_in_words(request, result), (folder / "pareto.csv").string());
+    if (!common.quiet)
+        fmt::print("{}\n{}\n", output::speed::trade_in_words(request, result), (folder / "pareto.csv").string());
     return Exit::done;
 }
 
@@ -70,7 +82,8 @@ void add_trade(CLI::App& program, const Common& common, Command& chosen) {
     command->add_option("--shape", o->shape, "sphere (default) or box")->check(CLI::IsMember({"sphere", "box"}));
     command->add_option("-i,--intersector", o->forms, "Forms, by name or glob (default: all of the shape)");
     command->add_option("-f,--format", o->formats, "f32, f64 (default: both)");
-    command->add_option("--repetitions", o->repetitions, "Measurements of each kernel (default: 25; 5 with --quick)")->check(CLI::Range(1, 1000));
+    command->add_option("--repetitions", o->repetitions, "Measurements of each kernel (default: 25; 5 with --quick)")
+        ->check(CLI::Range(1, 1000));
     command->add_flag("--quick", o->quick, "Shorter measurements, for a first look");
     command->add_option("-o,--out", o->out, "Folder for the results")->required();
     command->callback([o, &common, &chosen] { chosen = [o, &common] { return run(*o, common); }; });

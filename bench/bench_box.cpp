@@ -1,8 +1,9 @@
-// One ray against many boxes: the packed kernels of four forms at every width beside loops written by hand with intrinsics and
-// beside plain loops left to the compiler.
+// One ray against many boxes: the packed kernels of four forms at every width beside loops written by hand with
+// intrinsics and beside plain loops left to the compiler.
 //
 //   build/bench/bench_box --ratios     rates, quotients over the hand-written loops, and what more processors bring
-//   build/bench/bench_box --benchmark_enable_random_interleaving=true --benchmark_repetitions=9 --benchmark_report_aggregates_only=true
+//   build/bench/bench_box --benchmark_enable_random_interleaving=true --benchmark_repetitions=9
+//   --benchmark_report_aggregates_only=true
 #include <benchmark/benchmark.h>
 
 #include <cstdio>
@@ -22,14 +23,20 @@ using bench::Contestant;
 constexpr std::string_view sizes[] = {"l1", "l2", "memory"};
 constexpr std::string_view forms[] = {"box.baseline", "box.exclusive", "box.inclusive", "box.signs"};
 
-std::size_t bytes_of(std::string_view size) { return measure::speed::working_set_bytes(size, measure::speed::cache_sizes()); }
+std::size_t bytes_of(std::string_view size) {
+    return measure::speed::working_set_bytes(size, measure::speed::cache_sizes());
+}
 
 #if defined(LOSTBITS_BY_HAND)
 template <class S>
-Contestant by_hand_on(const std::string& name, const std::shared_ptr<measure::speed::BoxField<S>>& field, by_hand::Boxes<S> loop, bool warm) {
+Contestant by_hand_on(const std::string& name, const std::shared_ptr<measure::speed::BoxField<S>>& field,
+                      by_hand::Boxes<S> loop, bool warm) {
     const auto ray = field->ray_numbers();
     const auto columns = field->pointers();
-    return {name, "", 8 * sizeof(S), {[=] { loop(ray.data(), columns.data(), field->t.data(), field->t.size()); }, field->t.size(), warm}};
+    return {name,
+            "",
+            8 * sizeof(S),
+            {[=] { loop(ray.data(), columns.data(), field->t.data(), field->t.size()); }, field->t.size(), warm}};
 }
 
 void add_by_hand(std::vector<Contestant>& all, measure::speed::BoxWork& work, intersect::simd::Isa isa, bool warm) {
@@ -51,7 +58,9 @@ std::vector<Contestant> contestants(std::size_t bytes) {
     measure::speed::BoxWork work(bytes);
     const auto add = [&](const std::string& kernel, std::string_view form, const std::string& format) {
         const std::string end = std::string(form) + "/" + format;
-        if (auto w = work.on({form, kernel, format})) all.push_back({kernel + "/" + end, kernel + "/by hand, " + end, format == "f32" ? 32.0 : 64.0, std::move(*w)});
+        if (auto w = work.on({form, kernel, format}))
+            all.push_back(
+                {kernel + "/" + end, kernel + "/by hand, " + end, format == "f32" ? 32.0 : 64.0, std::move(*w)});
     };
     for (const std::string_view form : forms)
         for (const char* const plain : {"plain-256", "plain-structs-256"}) add(plain, form, "f32");
@@ -64,10 +73,13 @@ std::vector<Contestant> contestants(std::size_t bytes) {
 }
 
 void print_all() {
-    for (const std::string_view size : sizes) bench::print_ratios(std::string(size), contestants(bytes_of(size)), bytes_of(size));
+    for (const std::string_view size : sizes)
+        bench::print_ratios(std::string(size), contestants(bytes_of(size)), bytes_of(size));
     const std::string widest(name_of(intersect::simd::best_isa()));
     for (const std::string_view size : sizes)
-        bench::print_speedup(widest + "/box.signs/f32", std::string(size), [&](std::size_t) { return measure::speed::BoxWork(bytes_of(size)).on({"box.signs", widest, "f32"})->pass; });
+        bench::print_speedup(widest + "/box.signs/f32", std::string(size), [&](std::size_t) {
+            return measure::speed::BoxWork(bytes_of(size)).on({"box.signs", widest, "f32"})->pass;
+        });
 }
 
 }  // namespace

@@ -2,9 +2,9 @@
 // in every engine, in one run: compare ratios, not times.
 //
 //   build/bench/bench_sphere --ratios     packs over loops written by hand, and what more processors bring
-//   build/bench/bench_sphere --benchmark_min_time=0.5 --benchmark_enable_random_interleaving=true --benchmark_repetitions=5
-//   build/bench/bench_sphere --benchmark_filter='truth|mpfr'
-//   build/bench/bench_sphere --benchmark_filter='packed.*(schoolbook|unified)/f32'
+//   build/bench/bench_sphere --benchmark_min_time=0.5 --benchmark_enable_random_interleaving=true
+//   --benchmark_repetitions=5 build/bench/bench_sphere --benchmark_filter='truth|mpfr' build/bench/bench_sphere
+//   --benchmark_filter='packed.*(schoolbook|unified)/f32'
 #include <benchmark/benchmark.h>
 
 #include <random>
@@ -39,8 +39,10 @@ struct RaySet {
         };
         const auto stored = [](double x) { return static_cast<double>(static_cast<float>(x)); };
         for (std::size_t i = 0; i < ray_count; ++i) {
-            const double o[3] = {uniform(-distance, distance), uniform(-distance, distance), uniform(-distance, distance)};
-            const double target[3] = {sphere.centre.x + uniform(-1.2, 1.2), sphere.centre.y + uniform(-1.2, 1.2), sphere.centre.z + uniform(-1.2, 1.2)};
+            const double o[3] = {uniform(-distance, distance), uniform(-distance, distance),
+                                 uniform(-distance, distance)};
+            const double target[3] = {sphere.centre.x + uniform(-1.2, 1.2), sphere.centre.y + uniform(-1.2, 1.2),
+                                      sphere.centre.z + uniform(-1.2, 1.2)};
             ox.push_back(stored(o[0]));
             oy.push_back(stored(o[1]));
             oz.push_back(stored(o[2]));
@@ -61,12 +63,15 @@ const RaySet& far_rays() {
     return set;
 }
 
-void count_rays(benchmark::State& state) { state.SetItemsProcessed(state.iterations() * static_cast<std::int64_t>(ray_count)); }
+void count_rays(benchmark::State& state) {
+    state.SetItemsProcessed(state.iterations() * static_cast<std::int64_t>(ray_count));
+}
 
 void truth(benchmark::State& state, const RaySet& (*rays)()) {
     const RaySet& set = rays();
     for (auto _ : state) {
-        for (std::size_t i = 0; i < ray_count; ++i) benchmark::DoNotOptimize(measure::truth::find_truth(set[i], set.sphere));
+        for (std::size_t i = 0; i < ray_count; ++i)
+            benchmark::DoNotOptimize(measure::truth::find_truth(set[i], set.sphere));
     }
     count_rays(state);
 }
@@ -98,13 +103,17 @@ template <class S, class Kernel>
 void form(benchmark::State& state, const Kernel& kernel) {
     const RaySet& set = near_rays();
     const auto stored = [](const std::vector<double>& x) { return std::vector<S>(x.begin(), x.end()); };
-    const auto ox = stored(set.ox), oy = stored(set.oy), oz = stored(set.oz), dx = stored(set.dx), dy = stored(set.dy), dz = stored(set.dz);
+    const auto ox = stored(set.ox), oy = stored(set.oy), oz = stored(set.oz), dx = stored(set.dx), dy = stored(set.dy),
+               dz = stored(set.dz);
     const auto cast = [](double x) { return static_cast<S>(x); };
-    const Solid<S> sphere(Sphere<S>{Vec<S>(cast(set.sphere.centre.x), cast(set.sphere.centre.y), cast(set.sphere.centre.z)), cast(set.sphere.radius)});
+    const Solid<S> sphere(
+        Sphere<S>{Vec<S>(cast(set.sphere.centre.x), cast(set.sphere.centre.y), cast(set.sphere.centre.z)),
+                  cast(set.sphere.radius)});
     std::vector<S> t(ray_count), near(ray_count), far(ray_count);
     std::vector<std::uint8_t> hit(ray_count);
     for (auto _ : state) {
-        kernel(intersect::table::RayBatch<S>{ox, oy, oz, dx, dy, dz}, sphere, intersect::table::HitBatch<S>{t, near, far, hit});
+        kernel(intersect::table::RayBatch<S>{ox, oy, oz, dx, dy, dz}, sphere,
+               intersect::table::HitBatch<S>{t, near, far, hit});
         benchmark::ClobberMemory();
     }
     count_rays(state);
@@ -114,7 +123,8 @@ void self(benchmark::State& state, const intersect::table::Intersector& i) {
     const RaySet& set = near_rays();
     const Solid<double> sphere(set.sphere);
     for (auto _ : state) {
-        for (std::size_t r = 0; r < ray_count; ++r) benchmark::DoNotOptimize(measure::answer::without_rounding(i, set[r], sphere));
+        for (std::size_t r = 0; r < ray_count; ++r)
+            benchmark::DoNotOptimize(measure::answer::without_rounding(i, set[r], sphere));
     }
     count_rays(state);
 }
@@ -126,8 +136,11 @@ void register_all() {
     benchmark::RegisterBenchmark("mpfr_256/far", plain_mpfr, far_rays);
     for (const intersect::table::Intersector& i : intersect::table::sphere_intersectors()) {
         const std::string name(i.info->name);
-        benchmark::RegisterBenchmark((name + "/f32").c_str(), [&i](benchmark::State& s) { form<float>(s, i.native32); });
-        if (i.native64) benchmark::RegisterBenchmark((name + "/f64").c_str(), [&i](benchmark::State& s) { form<double>(s, i.native64); });
+        benchmark::RegisterBenchmark((name + "/f32").c_str(),
+                                     [&i](benchmark::State& s) { form<float>(s, i.native32); });
+        if (i.native64)
+            benchmark::RegisterBenchmark((name + "/f64").c_str(),
+                                         [&i](benchmark::State& s) { form<double>(s, i.native64); });
         if (i.rounded) {
             benchmark::RegisterBenchmark((name + "/bf16").c_str(), [&i](benchmark::State& s) {
                 form<double>(s, [&i](const auto&... a) { i.rounded(bfloat16, a...); });
@@ -136,25 +149,33 @@ void register_all() {
         benchmark::RegisterBenchmark((name + "/without_rounding").c_str(), [&i](benchmark::State& s) { self(s, i); });
     }
     for (const intersect::simd::Isa isa : intersect::simd::available_isas())
-        for (const intersect::simd::PackedRow& row : intersect::simd::packed_rows(isa).first(intersect::table::sphere_intersectors().size())) {
+        for (const intersect::simd::PackedRow& row :
+             intersect::simd::packed_rows(isa).first(intersect::table::sphere_intersectors().size())) {
             const std::string name = "packed_" + std::string(name_of(isa)) + "/" + std::string(row.info->name);
-            benchmark::RegisterBenchmark((name + "/f32").c_str(), [&row](benchmark::State& s) { form<float>(s, row.f32); });
-            if (row.f64) benchmark::RegisterBenchmark((name + "/f64").c_str(), [&row](benchmark::State& s) { form<double>(s, row.f64); });
+            benchmark::RegisterBenchmark((name + "/f32").c_str(),
+                                         [&row](benchmark::State& s) { form<float>(s, row.f32); });
+            if (row.f64)
+                benchmark::RegisterBenchmark((name + "/f64").c_str(),
+                                             [&row](benchmark::State& s) { form<double>(s, row.f64); });
         }
 }
 
 #if defined(LOSTBITS_BY_HAND)
 template <class S>
-bench::Contestant by_hand_on(const std::string& name, const std::shared_ptr<measure::speed::RayStore<S>>& store, by_hand::Sphere<S> loop, bool warm) {
-    const auto kernel = [loop](const intersect::table::RayBatch<S>& rays, const Solid<S>& sphere, const intersect::table::HitBatch<S>& hits) {
-        const S* const in[] = {rays.ox.data(), rays.oy.data(), rays.oz.data(), rays.dx.data(), rays.dy.data(), rays.dz.data()};
+bench::Contestant by_hand_on(const std::string& name, const std::shared_ptr<measure::speed::RayStore<S>>& store,
+                             by_hand::Sphere<S> loop, bool warm) {
+    const auto kernel = [loop](const intersect::table::RayBatch<S>& rays, const Solid<S>& sphere,
+                               const intersect::table::HitBatch<S>& hits) {
+        const S* const in[] = {rays.ox.data(), rays.oy.data(), rays.oz.data(),
+                               rays.dx.data(), rays.dy.data(), rays.dz.data()};
         S* const out[] = {hits.t.data(), hits.near.data(), hits.far.data()};
         loop(in, sphere.numbers.data(), out, hits.hit.data(), rays.size());
     };
     return {name, "", 9 * sizeof(S) + 1, {[store, kernel] { store->run(kernel); }, store->slice(), warm}};
 }
 
-void add_by_hand(std::vector<bench::Contestant>& all, measure::speed::RayWork& work, intersect::simd::Isa isa, bool warm) {
+void add_by_hand(std::vector<bench::Contestant>& all, measure::speed::RayWork& work, intersect::simd::Isa isa,
+                 bool warm) {
     if (isa != intersect::simd::Isa::w256 && isa != intersect::simd::Isa::w512) return;
     const by_hand::Width loops = isa == intersect::simd::Isa::w256 ? by_hand::width_256() : by_hand::width_512();
     const std::string hand = std::string(name_of(isa)) + "/by hand, ";
@@ -170,7 +191,9 @@ void add_by_hand(std::vector<bench::Contestant>&, measure::speed::RayWork&, inte
 /// Many rays against one sphere; six numbers are read for a ray, three and a byte written.
 void print_all() {
     constexpr std::string_view sizes[] = {"l1", "l2", "memory"};
-    const auto bytes_of = [](std::string_view size) { return measure::speed::working_set_bytes(size, measure::speed::cache_sizes()); };
+    const auto bytes_of = [](std::string_view size) {
+        return measure::speed::working_set_bytes(size, measure::speed::cache_sizes());
+    };
     for (const std::string_view size : sizes) {
         std::vector<bench::Contestant> all;
         measure::speed::RayWork work(bytes_of(size));
@@ -179,14 +202,17 @@ void print_all() {
             for (const std::string format : {"f32", "f64"})
                 for (const std::string form : {"sphere.schoolbook", "sphere.unified"})
                     if (auto w = work.on({form, kernel, format}))
-                        all.push_back({kernel + "/" + form + "/" + format, kernel + "/by hand, " + form + "/" + format, format == "f32" ? 37.0 : 73.0, std::move(*w)});
+                        all.push_back({kernel + "/" + form + "/" + format, kernel + "/by hand, " + form + "/" + format,
+                                       format == "f32" ? 37.0 : 73.0, std::move(*w)});
             add_by_hand(all, work, isa, measure::speed::stay_in_cache(bytes_of(size)));
         }
         bench::print_ratios(std::string(size), std::move(all), bytes_of(size));
     }
     const std::string widest(name_of(intersect::simd::best_isa()));
     for (const std::string_view size : sizes)
-        bench::print_speedup(widest + "/sphere.unified/f32", std::string(size), [&](std::size_t) { return measure::speed::RayWork(bytes_of(size)).on({"sphere.unified", widest, "f32"})->pass; });
+        bench::print_speedup(widest + "/sphere.unified/f32", std::string(size), [&](std::size_t) {
+            return measure::speed::RayWork(bytes_of(size)).on({"sphere.unified", widest, "f32"})->pass;
+        });
 }
 
 }  // namespace

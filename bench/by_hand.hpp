@@ -1,5 +1,5 @@
-// Loops written by hand with intrinsics, to hold the packed kernels against. Plain pointers: each width is a translation unit
-// of its own, compiled with its own flags. Whole packs only.
+// Loops written by hand with intrinsics, to hold the packed kernels against. Plain pointers: each width is a
+// translation unit of its own, compiled with its own flags. Whole packs only.
 #pragma once
 
 #include <cstddef>
@@ -10,9 +10,11 @@ namespace by_hand {
 template <class F>
 using Boxes = void (*)(const F* ray, const F* const columns[6], F* t, std::size_t n);
 
-/// n rays (columns: ox, oy, oz, dx, dy, dz) against one sphere (x, y, z, radius); answers: t, near, far, and hit as bytes 0 and 1.
+/// n rays (columns: ox, oy, oz, dx, dy, dz) against one sphere (x, y, z, radius); answers: t, near, far, and hit as
+/// bytes 0 and 1.
 template <class F>
-using Sphere = void (*)(const F* const rays[6], const F* sphere, F* const answers[3], unsigned char* hit, std::size_t n);
+using Sphere = void (*)(const F* const rays[6], const F* sphere, F* const answers[3], unsigned char* hit,
+                        std::size_t n);
 
 /// Each loop in one format.
 template <class F>

@@ -1,5 +1,5 @@
-// The loops, over `Ops`: a struct of one-line names for the intrinsics of a format and a width. A translation unit defines its
-// Ops in an anonymous namespace, so that what is instantiated over them stays inside it.
+// The loops, over `Ops`: a struct of one-line names for the intrinsics of a format and a width. A translation unit
+// defines its Ops in an anonymous namespace, so that what is instantiated over them stays inside it.
 #pragma once
 
 #include <cstddef>
@@ -49,7 +49,8 @@ void inclusive(const F* ray, const F* const columns[6], F* t, std::size_t n) {
         V tmin = Ops::set1(0), tmax = old;
 #pragma GCC unroll 3
         for (int k = 0; k < 3; ++k) {
-            const V t1 = Ops::mul(Ops::sub(Ops::load(c[k] + i), r.o[k]), r.inv[k]), t2 = Ops::mul(Ops::sub(Ops::load(c[k + 3] + i), r.o[k]), r.inv[k]);
+            const V t1 = Ops::mul(Ops::sub(Ops::load(c[k] + i), r.o[k]), r.inv[k]),
+                    t2 = Ops::mul(Ops::sub(Ops::load(c[k + 3] + i), r.o[k]), r.inv[k]);
             tmin = Ops::min(Ops::max(t1, tmin), Ops::max(t2, tmin));
             tmax = Ops::max(Ops::min(t1, tmax), Ops::min(t2, tmax));
         }
@@ -67,8 +68,20 @@ struct Rays {
     F *t, *near, *far;
     unsigned char* hit;
     Rays(const F* const rays[6], const F* sphere, F* const answers[3], unsigned char* h)
-        : ox(rays[0]), oy(rays[1]), oz(rays[2]), dx(rays[3]), dy(rays[4]), dz(rays[5]), cx(Ops::set1(sphere[0])), cy(Ops::set1(sphere[1])),
-          cz(Ops::set1(sphere[2])), r2(Ops::set1(sphere[3] * sphere[3])), t(answers[0]), near(answers[1]), far(answers[2]), hit(h) {}
+        : ox(rays[0]),
+          oy(rays[1]),
+          oz(rays[2]),
+          dx(rays[3]),
+          dy(rays[4]),
+          dz(rays[5]),
+          cx(Ops::set1(sphere[0])),
+          cy(Ops::set1(sphere[1])),
+          cz(Ops::set1(sphere[2])),
+          r2(Ops::set1(sphere[3] * sphere[3])),
+          t(answers[0]),
+          near(answers[1]),
+          far(answers[2]),
+          hit(h) {}
     void put(std::size_t i, typename Ops::M missed, V near_root, V far_root) const {
         const V zero = Ops::set1(0), first = Ops::choose(Ops::less(near_root, zero), far_root, near_root);
         Ops::store(t + i, first);
@@ -79,7 +92,8 @@ struct Rays {
 };
 
 template <class Ops>
-typename Ops::V dot(typename Ops::V ax, typename Ops::V ay, typename Ops::V az, typename Ops::V bx, typename Ops::V by, typename Ops::V bz) {
+typename Ops::V dot(typename Ops::V ax, typename Ops::V ay, typename Ops::V az, typename Ops::V bx, typename Ops::V by,
+                    typename Ops::V bz) {
     return Ops::add(Ops::add(Ops::mul(ax, bx), Ops::mul(ay, by)), Ops::mul(az, bz));
 }
 
@@ -89,13 +103,15 @@ void schoolbook(const F* const rays[6], const F* sphere, F* const answers[3], un
     const Rays<Ops> r(rays, sphere, answers, hit);
     const V zero = Ops::set1(0), two = Ops::set1(2), four = Ops::set1(4);
     for (std::size_t i = 0; i < n; i += Ops::lanes) {
-        const V fx = Ops::sub(Ops::load(r.ox + i), r.cx), fy = Ops::sub(Ops::load(r.oy + i), r.cy), fz = Ops::sub(Ops::load(r.oz + i), r.cz);
+        const V fx = Ops::sub(Ops::load(r.ox + i), r.cx), fy = Ops::sub(Ops::load(r.oy + i), r.cy),
+                fz = Ops::sub(Ops::load(r.oz + i), r.cz);
         const V dx = Ops::load(r.dx + i), dy = Ops::load(r.dy + i), dz = Ops::load(r.dz + i);
         const V a = dot<Ops>(dx, dy, dz, dx, dy, dz), b = Ops::mul(two, dot<Ops>(fx, fy, fz, dx, dy, dz));
         const V c = Ops::sub(dot<Ops>(fx, fy, fz, fx, fy, fz), r.r2);
         const V disc = Ops::sub(Ops::mul(b, b), Ops::mul(Ops::mul(four, a), c));
         const V root = Ops::sqrt(disc), minus_b = Ops::negate(b), two_a = Ops::mul(two, a);
-        r.put(i, Ops::less(disc, zero), Ops::div(Ops::sub(minus_b, root), two_a), Ops::div(Ops::add(minus_b, root), two_a));
+        r.put(i, Ops::less(disc, zero), Ops::div(Ops::sub(minus_b, root), two_a),
+              Ops::div(Ops::add(minus_b, root), two_a));
     }
 }
 
@@ -105,15 +121,19 @@ void unified(const F* const rays[6], const F* sphere, F* const answers[3], unsig
     const Rays<Ops> r(rays, sphere, answers, hit);
     const V zero = Ops::set1(0);
     for (std::size_t i = 0; i < n; i += Ops::lanes) {
-        const V fx = Ops::sub(Ops::load(r.ox + i), r.cx), fy = Ops::sub(Ops::load(r.oy + i), r.cy), fz = Ops::sub(Ops::load(r.oz + i), r.cz);
+        const V fx = Ops::sub(Ops::load(r.ox + i), r.cx), fy = Ops::sub(Ops::load(r.oy + i), r.cy),
+                fz = Ops::sub(Ops::load(r.oz + i), r.cz);
         const V dx = Ops::load(r.dx + i), dy = Ops::load(r.dy + i), dz = Ops::load(r.dz + i);
         const V a = dot<Ops>(dx, dy, dz, dx, dy, dz), b = Ops::negate(dot<Ops>(fx, fy, fz, dx, dy, dz));
         const V s = Ops::div(b, a);
-        const V lx = Ops::add(fx, Ops::mul(s, dx)), ly = Ops::add(fy, Ops::mul(s, dy)), lz = Ops::add(fz, Ops::mul(s, dz));
-        const V delta = Ops::sub(r.r2, dot<Ops>(lx, ly, lz, lx, ly, lz)), c = Ops::sub(dot<Ops>(fx, fy, fz, fx, fy, fz), r.r2);
+        const V lx = Ops::add(fx, Ops::mul(s, dx)), ly = Ops::add(fy, Ops::mul(s, dy)),
+                lz = Ops::add(fz, Ops::mul(s, dz));
+        const V delta = Ops::sub(r.r2, dot<Ops>(lx, ly, lz, lx, ly, lz)),
+                c = Ops::sub(dot<Ops>(fx, fy, fz, fx, fy, fz), r.r2);
         const V root = Ops::sqrt(Ops::mul(a, delta));
         const auto behind = Ops::less(b, zero);
-        const V q = Ops::add(b, Ops::choose(behind, Ops::negate(root), root)), over_a = Ops::div(q, a), under_c = Ops::div(c, q);
+        const V q = Ops::add(b, Ops::choose(behind, Ops::negate(root), root)), over_a = Ops::div(q, a),
+                under_c = Ops::div(c, q);
         r.put(i, Ops::less(delta, zero), Ops::choose(behind, over_a, under_c), Ops::choose(behind, under_c, over_a));
     }
 }

@@ -53,7 +53,8 @@ struct Doubles {
     static V choose(M m, V a, V b) { return _mm256_blendv_pd(b, a, m); }
     static void store_neither(unsigned char* p, M a, M b) {
         const __m256i either = _mm256_castpd_si256(_mm256_or_pd(a, b));
-        const __m128i longs = _mm_packs_epi32(_mm256_castsi256_si128(either), _mm256_extracti128_si256(either, 1));  // each lane twice
+        const __m128i longs =
+            _mm_packs_epi32(_mm256_castsi256_si128(either), _mm256_extracti128_si256(either, 1));  // each lane twice
         const __m128i words = _mm_packs_epi32(longs, longs), bytes = _mm_packs_epi16(words, words);
         _mm_storeu_si32(p, _mm_add_epi8(bytes, _mm_set1_epi8(1)));
     }

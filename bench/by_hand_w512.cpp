@@ -26,7 +26,8 @@ struct Singles {
     static M less_equal(V a, V b) { return _mm512_cmp_ps_mask(a, b, _CMP_LE_OQ); }
     static V choose(M m, V a, V b) { return _mm512_mask_blend_ps(m, b, a); }
     static void store_neither(unsigned char* p, M a, M b) {
-        _mm_storeu_si128(reinterpret_cast<__m128i*>(p), _mm512_cvtepi32_epi8(_mm512_maskz_set1_epi32(static_cast<M>(~(a | b)), 1)));
+        _mm_storeu_si128(reinterpret_cast<__m128i*>(p),
+                         _mm512_cvtepi32_epi8(_mm512_maskz_set1_epi32(static_cast<M>(~(a | b)), 1)));
     }
 };
 
@@ -50,7 +51,8 @@ struct Doubles {
     static M less_equal(V a, V b) { return _mm512_cmp_pd_mask(a, b, _CMP_LE_OQ); }
     static V choose(M m, V a, V b) { return _mm512_mask_blend_pd(m, b, a); }
     static void store_neither(unsigned char* p, M a, M b) {
-        _mm_storel_epi64(reinterpret_cast<__m128i*>(p), _mm512_cvtepi64_epi8(_mm512_maskz_set1_epi64(static_cast<M>(~(a | b)), 1)));
+        _mm_storel_epi64(reinterpret_cast<__m128i*>(p),
+                         _mm512_cvtepi64_epi8(_mm512_maskz_set1_epi64(static_cast<M>(~(a | b)), 1)));
     }
 };
 

@@ -12,20 +12,23 @@ namespace {
 
 using namespace lostbits;
 
-/// Sums words of eight columns side by side, as many streams as a kernel has (one stream alone gets a third less), more than
-/// memory can feed.
+/// Sums words of eight columns side by side, as many streams as a kernel has (one stream alone gets a third less), more
+/// than memory can feed.
 Contestant reader(std::size_t bytes) {
     constexpr std::size_t streams = 8, stagger = 40;  // 5 cache lines
     const std::size_t length = bytes / 64;
     const auto words = std::make_shared<std::vector<std::uint64_t>>(streams * (length + stagger), 1);
-    return {"read loop", "", 8, {[words, length] {
-                                     std::uint64_t sums[streams] = {};
-                                     const std::uint64_t* const first = words->data();
-                                     for (std::size_t i = 0; i < length; ++i)
-                                         for (std::size_t k = 0; k < streams; ++k) sums[k] += first[k * (length + stagger) + i];
-                                     benchmark::DoNotOptimize(sums);
-                                 },
-                                 streams * length, measure::speed::stay_in_cache(bytes)}};
+    return {"read loop",
+            "",
+            8,
+            {[words, length] {
+                 std::uint64_t sums[streams] = {};
+                 const std::uint64_t* const first = words->data();
+                 for (std::size_t i = 0; i < length; ++i)
+                     for (std::size_t k = 0; k < streams; ++k) sums[k] += first[k * (length + stagger) + i];
+                 benchmark::DoNotOptimize(sums);
+             },
+             streams * length, measure::speed::stay_in_cache(bytes)}};
 }
 
 }  // namespace
@@ -36,8 +39,11 @@ void print_ratios(const std::string& data, std::vector<Contestant> all, std::siz
     std::vector<measure::speed::TimedWork> work;
     for (const Contestant& c : all) work.push_back(c.work);
     const auto samples = measure::speed::sample_interleaved(work, {.repetitions = memory ? 9 : 201});
-    const auto named = [&](const std::string& name) { return static_cast<std::size_t>(std::ranges::find(all, name, &Contestant::name) - all.begin()); };
-    std::printf("%-34s %-7s %9s  %s\n", "kernel", "data", "10^9/s", memory ? "over by hand        GB/s  of the read loop" : "over by hand");
+    const auto named = [&](const std::string& name) {
+        return static_cast<std::size_t>(std::ranges::find(all, name, &Contestant::name) - all.begin());
+    };
+    std::printf("%-34s %-7s %9s  %s\n", "kernel", "data", "10^9/s",
+                memory ? "over by hand        GB/s  of the read loop" : "over by hand");
     for (std::size_t k = 0; k < all.size(); ++k) {
         const double rate = 1e-9 / measure::speed::timing_of(samples[k]).median;
         std::printf("%-34s %-7s %9.3f", all[k].name.c_str(), data.c_str(), rate);
@@ -47,7 +53,9 @@ void print_ratios(const std::string& data, std::vector<Contestant> all, std::siz
         } else if (memory) {
             std::printf("%19s", "");
         }
-        if (memory) std::printf(" %7.2f %8.2f", rate * all[k].bytes, all[k].bytes / all.back().bytes * measure::speed::ratio_of(samples.back(), samples[k]).median);
+        if (memory)
+            std::printf(" %7.2f %8.2f", rate * all[k].bytes,
+                        all[k].bytes / all.back().bytes * measure::speed::ratio_of(samples.back(), samples[k]).median);
         std::printf("\n");
     }
     std::printf("\n");
@@ -55,7 +63,8 @@ void print_ratios(const std::string& data, std::vector<Contestant> all, std::siz
 
 void print_speedup(const std::string& name, const std::string& data, const measure::speed::WorkOfThread& work) {
     const measure::speed::Timing speedup = measure::speed::timing_of(measure::speed::thread_speedups(work, {}));
-    std::printf("%-34s %-7s %zu processors over one: %.2f (%.2f-%.2f)\n", name.c_str(), data.c_str(), measure::speed::allowed_processors().size(), speedup.median, speedup.low_quartile,
+    std::printf("%-34s %-7s %zu processors over one: %.2f (%.2f-%.2f)\n", name.c_str(), data.c_str(),
+                measure::speed::allowed_processors().size(), speedup.median, speedup.low_quartile,
                 speedup.high_quartile);
 }
 

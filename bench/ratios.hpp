@@ -19,11 +19,13 @@ struct Contestant {
     lostbits::measure::speed::TimedWork work;
 };
 
-/// A table on stdout: items a second, their quotient with the rival's (median and quartiles of quotients within a repetition), and, where the data come from
-/// memory, bytes a second as a share of what a loop that only reads as many bytes gets in the same run.
+/// A table on stdout: items a second, their quotient with the rival's (median and quartiles of quotients within a
+/// repetition), and, where the data come from memory, bytes a second as a share of what a loop that only reads as many
+/// bytes gets in the same run.
 void print_ratios(const std::string& data, std::vector<Contestant> all, std::size_t bytes);
 
 /// A line on stdout: the rate of all processors over that of one.
-void print_speedup(const std::string& name, const std::string& data, const lostbits::measure::speed::WorkOfThread& work);
+void print_speedup(const std::string& name, const std::string& data,
+                   const lostbits::measure::speed::WorkOfThread& work);
 
 }  // namespace bench

@@ -1,5 +1,5 @@
-// What most files of the libraries include anyway and nobody here edits often: parsed once. A file still includes what it
-// uses; the preset `dev` compiles without this and finds out.
+// What most files of the libraries include anyway and nobody here edits often: parsed once. A file still includes what
+// it uses; the preset `dev` compiles without this and finds out.
 #pragma once
 
 #include <algorithm>

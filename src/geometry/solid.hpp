@@ -32,7 +32,8 @@ struct Solid {
     std::array<S, 6> numbers{S(0), S(0), S(0), S(0), S(0), S(0)};
 
     Solid() = default;
-    Solid(const Sphere<S>& s) : shape(Shape::sphere), numbers{s.centre.x, s.centre.y, s.centre.z, s.radius, S(0), S(0)} {}
+    Solid(const Sphere<S>& s)
+        : shape(Shape::sphere), numbers{s.centre.x, s.centre.y, s.centre.z, s.radius, S(0), S(0)} {}
     Solid(const Box<S>& b) : shape(Shape::box), numbers{b.lo.x, b.lo.y, b.lo.z, b.hi.x, b.hi.y, b.hi.z} {}
 
     [[nodiscard]] std::span<const S> used() const { return std::span(numbers).first(number_names(shape).size()); }
@@ -40,7 +41,9 @@ struct Solid {
 
     /// The shape itself; call the one that `shape` names.
     [[nodiscard]] Sphere<S> sphere() const { return {{numbers[0], numbers[1], numbers[2]}, numbers[3]}; }
-    [[nodiscard]] Box<S> box() const { return {{numbers[0], numbers[1], numbers[2]}, {numbers[3], numbers[4], numbers[5]}}; }
+    [[nodiscard]] Box<S> box() const {
+        return {{numbers[0], numbers[1], numbers[2]}, {numbers[3], numbers[4], numbers[5]}};
+    }
 };
 
 /// Each number through `lift`, in order.

@@ -53,28 +53,28 @@ struct FormList {
     }
 };
 
-using SphereForms = FormList<  //
-    sphere::Schoolbook,        // from the seeds
-    sphere::SchoolbookStrict,  //
-    sphere::Expanded,          //
-    sphere::UnitHalfB,         //
-    sphere::HearnBaker,        //
-    sphere::Press,             //
-    sphere::Unified,           //
-    sphere::UnifiedUnit,       //
-    sphere::EarlyExit,         //
-    sphere::HalfB,             // from renderers and the literature
-    sphere::Pythagoras,        //
-    sphere::KahanDiscriminant, //
-    sphere::PbrtFactored,      //
-    sphere::PbrtInterval,      //
-    sphere::ClosestApproach,   //
-    sphere::TwoStep,           //
-    sphere::CrossProduct,      //
-    sphere::EmbreePoint,       //
-    sphere::NewtonRefined,     //
-    sphere::FactoredC,         //
-    sphere::DoubleInside       //
+using SphereForms = FormList<   //
+    sphere::Schoolbook,         // from the seeds
+    sphere::SchoolbookStrict,   //
+    sphere::Expanded,           //
+    sphere::UnitHalfB,          //
+    sphere::HearnBaker,         //
+    sphere::Press,              //
+    sphere::Unified,            //
+    sphere::UnifiedUnit,        //
+    sphere::EarlyExit,          //
+    sphere::HalfB,              // from renderers and the literature
+    sphere::Pythagoras,         //
+    sphere::KahanDiscriminant,  //
+    sphere::PbrtFactored,       //
+    sphere::PbrtInterval,       //
+    sphere::ClosestApproach,    //
+    sphere::TwoStep,            //
+    sphere::CrossProduct,       //
+    sphere::EmbreePoint,        //
+    sphere::NewtonRefined,      //
+    sphere::FactoredC,          //
+    sphere::DoubleInside        //
     >;
 
 using BoxForms = FormList<  //

@@ -16,12 +16,13 @@ enum class Roots {
     first_only,  ///< the first with t ≥ 0, whichever it is; near = far = t
 };
 
-/// Where a ray that touches in one point (discriminant exactly zero) belongs by the form's own words. Of a box: whether the
-/// form means the closed box (a ray through a corner or along a face is a hit) or the open one (it is a miss, and a box
-/// of zero thickness is never hit).
+/// Where a ray that touches in one point (discriminant exactly zero) belongs by the form's own words. Of a box: whether
+/// the form means the closed box (a ray through a corner or along a face is a hit) or the open one (it is a miss, and a
+/// box of zero thickness is never hit).
 enum class Touching { hit, miss };
 
-/// By whose word touching is judged, as files and columns name it: the form's own, the closed solid's (a hit), the open one's.
+/// By whose word touching is judged, as files and columns name it: the form's own, the closed solid's (a hit), the open
+/// one's.
 inline constexpr std::string_view convention_name(std::optional<Touching> judged) {
     return !judged ? "own" : *judged == Touching::hit ? "closed" : "open";
 }

@@ -8,28 +8,30 @@
 
 namespace lostbits::intersect {
 
-/// The constants of a march, numbers of the arithmetic it runs in. Lengths are in world units, and t is one of them: the forms
-/// that march are given unit directions. Which form reads which: see each form.
+/// The constants of a march, numbers of the arithmetic it runs in. Lengths are in world units, and t is one of them:
+/// the forms that march are given unit directions. Which form reads which: see each form.
 template <class S>
 struct MarchConstants {
-    S hit_eps;          ///< a field below it is a hit
-    S max_dist;         ///< a t above it is a miss
-    S relative_eps;     ///< a field below relative_eps·t is a hit
-    S cone;             ///< radius of a pixel at distance 1: a field below cone·t is a hit
-    S over_relaxation;  ///< ω: a step is ω times the field
+    S hit_eps;              ///< a field below it is a hit
+    S max_dist;             ///< a t above it is a miss
+    S relative_eps;         ///< a field below relative_eps·t is a hit
+    S cone;                 ///< radius of a pixel at distance 1: a field below cone·t is a hit
+    S over_relaxation;      ///< ω: a step is ω times the field
     int max_steps = 64;     ///< samples of the field after which the march gives up, a miss
     int secant_steps = 2;   ///< refinement after the hit, by the secant
     int bisect_steps = 16;  ///< and by bisection
 };
 
 /// The numbers among them, in their order.
-inline constexpr std::array<std::string_view, 5> march_number_names{"hit_eps", "max_dist", "relative_eps", "cone", "over_relaxation"};
+inline constexpr std::array<std::string_view, 5> march_number_names{"hit_eps", "max_dist", "relative_eps", "cone",
+                                                                    "over_relaxation"};
 
 /// Each number through `lift`, in order; the counts are the same in any arithmetic.
 template <class S, class Lift>
 auto transformed(const MarchConstants<S>& c, Lift lift) {
     using T = std::decay_t<std::invoke_result_t<Lift, const S&>>;
-    return MarchConstants<T>{lift(c.hit_eps), lift(c.max_dist), lift(c.relative_eps), lift(c.cone), lift(c.over_relaxation), c.max_steps, c.secant_steps, c.bisect_steps};
+    return MarchConstants<T>{lift(c.hit_eps),         lift(c.max_dist), lift(c.relative_eps), lift(c.cone),
+                             lift(c.over_relaxation), c.max_steps,      c.secant_steps,       c.bisect_steps};
 }
 
 /// Why a march ended. `stagnated` is the step cap reached with t + d == t: more steps would have changed nothing.

@@ -25,7 +25,10 @@ public:
     /// `drop(T)` gives a number that a double holds.
     template <class Drop>
     [[nodiscard]] MarchRecord record(const Hit<T>& hit, const MarchConstants<T>& c, Drop drop) const {
-        const Stop stop = hit.hit ? Stop::hit : hit.t > c.max_dist ? Stop::max_dist : stands_ ? Stop::stagnated : Stop::max_steps;
+        const Stop stop = hit.hit              ? Stop::hit
+                          : hit.t > c.max_dist ? Stop::max_dist
+                          : stands_            ? Stop::stagnated
+                                               : Stop::max_steps;
         return {count_, stop, static_cast<double>(drop(least_)), static_cast<double>(drop(deepest_))};
     }
 

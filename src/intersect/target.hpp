@@ -1,4 +1,5 @@
-// What a kernel is aimed at: one solid, or, for the forms that march, all of them together with the constants of the march.
+// What a kernel is aimed at: one solid, or, for the forms that march, all of them together with the constants of the
+// march.
 #pragma once
 
 #include <optional>
@@ -13,8 +14,8 @@ namespace lostbits::intersect {
 /// A view: the solids and constants outlive it.
 template <class S>
 struct Target {
-    std::span<const Solid<S>> solids;            ///< exactly one for the forms of a sphere or a box
-    const MarchConstants<S>* march = nullptr;    ///< never null for the forms of `Shape::sdf`
+    std::span<const Solid<S>> solids;          ///< exactly one for the forms of a sphere or a box
+    const MarchConstants<S>* march = nullptr;  ///< never null for the forms of `Shape::sdf`
 
     Target(const Solid<S>& one) : solids(&one, 1) {}
     Target(std::span<const Solid<S>> all, const MarchConstants<S>& constants) : solids(all), march(&constants) {}

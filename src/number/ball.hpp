@@ -119,8 +119,12 @@ public:
         return negative.is_yes() ? -abs(a) : abs(a);
     }
 
-    friend Tri operator<(const Ball& a, const Ball& b) { return guarded(sign(a - b, Tri::yes, Tri::no, Tri::no), either(a, b)); }
-    friend Tri operator<=(const Ball& a, const Ball& b) { return guarded(sign(a - b, Tri::yes, Tri::yes, Tri::no), either(a, b)); }
+    friend Tri operator<(const Ball& a, const Ball& b) {
+        return guarded(sign(a - b, Tri::yes, Tri::no, Tri::no), either(a, b));
+    }
+    friend Tri operator<=(const Ball& a, const Ball& b) {
+        return guarded(sign(a - b, Tri::yes, Tri::yes, Tri::no), either(a, b));
+    }
     friend Tri operator>(const Ball& a, const Ball& b) { return b < a; }
     friend Tri operator>=(const Ball& a, const Ball& b) { return b <= a; }
     /// A ball around both sides where the mask is undecided: with the midpoint of a, its radius is
@@ -132,7 +136,8 @@ public:
         if (!a.is_bounded() || !b.is_bounded()) return unknown();
         const Ball apart = b - a;
         if (!apart.is_bounded()) return unknown();
-        return Ball(a.hi_, a.lo_, (std::fabs(apart.hi_) * (1 + 0x1p-50) + apart.radius_ + a.radius_ + b.radius_) * inflate);
+        return Ball(a.hi_, a.lo_,
+                    (std::fabs(apart.hi_) * (1 + 0x1p-50) + apart.radius_ + a.radius_ + b.radius_) * inflate);
     }
 
 private:
@@ -150,7 +155,8 @@ private:
         const bool exact = !rounded && a.radius_ == 0 && b.radius_ == 0;
         if (!exact) spread = (spread + std::fabs(hi) * dd_error) * inflate + smallest_radius;
         const Undefined u = either(a, b);
-        if (!(std::fabs(hi) <= 0x1p+900) || !(spread < HUGE_VAL)) return unknown(u == Undefined::always ? u : Undefined::maybe);
+        if (!(std::fabs(hi) <= 0x1p+900) || !(spread < HUGE_VAL))
+            return unknown(u == Undefined::always ? u : Undefined::maybe);
         Ball r(hi, lo, spread);
         r.undefined_ = u;
         return r;

@@ -39,23 +39,15 @@ template <class T>
 inline constexpr bool stands_for_exact = false;
 
 template <class T>
-    requires stands_for_exact<T>
-T next_up(const T& x) {
-    return x;
-}
+requires stands_for_exact<T> T next_up(const T& x) { return x; }
 
 template <class T>
-    requires stands_for_exact<T>
-T next_down(const T& x) {
-    return x;
-}
+requires stands_for_exact<T> T next_down(const T& x) { return x; }
 
 /// `mask ? a : b`, for numbers whose comparisons are decided.
 template <class T>
-    requires std::same_as<mask_t<T>, bool>
-T select(bool mask, const T& a, const T& b) {
-    return mask ? a : b;
-}
+requires std::same_as < mask_t<T>,
+bool > T select(bool mask, const T& a, const T& b) { return mask ? a : b; }
 
 inline bool any_of(bool mask) { return mask; }
 
@@ -102,7 +94,7 @@ struct Wider<float> {
 
 template <class M>
 concept Mask = std::copyable<M> && requires(const M a, const M b) {
-    { a && b } -> std::same_as<M>;
+    { a&& b } -> std::same_as<M>;
     { a || b } -> std::same_as<M>;
     { !a } -> std::same_as<M>;
     { any_of(a) } -> std::same_as<bool>;
@@ -114,28 +106,28 @@ concept Mask = std::copyable<M> && requires(const M a, const M b) {
 template <class T>
 concept Number = std::copyable<T> && std::constructible_from<T, int> && Mask<mask_t<T>> &&
     requires(T x, const T a, const T b, const T c) {
-        { a + b } -> std::same_as<T>;
-        { a - b } -> std::same_as<T>;
-        { a * b } -> std::same_as<T>;
-        { a / b } -> std::same_as<T>;
-        { -a } -> std::same_as<T>;
-        { x += a } -> std::same_as<T&>;  // glm::vec adds and subtracts through these
-        { x -= a } -> std::same_as<T&>;
-        { x *= a } -> std::same_as<T&>;
-        { a < b } -> std::same_as<mask_t<T>>;
-        { a <= b } -> std::same_as<mask_t<T>>;
-        { a > b } -> std::same_as<mask_t<T>>;
-        { a >= b } -> std::same_as<mask_t<T>>;
-        { sqrt(a) } -> std::same_as<T>;
-        { fma(a, b, c) } -> std::same_as<T>;
-        { abs(a) } -> std::same_as<T>;
-        { copysign(a, b) } -> std::same_as<T>;
-        { next_up(a) } -> std::same_as<T>;
-        { next_down(a) } -> std::same_as<T>;
-        { min(a, b) } -> std::same_as<T>;
-        { max(a, b) } -> std::same_as<T>;
-        { select(a < b, a, b) } -> std::same_as<T>;
-    };
+    { a + b } -> std::same_as<T>;
+    { a - b } -> std::same_as<T>;
+    { a* b } -> std::same_as<T>;
+    { a / b } -> std::same_as<T>;
+    { -a } -> std::same_as<T>;
+    { x += a } -> std::same_as<T&>;  // glm::vec adds and subtracts through these
+    { x -= a } -> std::same_as<T&>;
+    { x *= a } -> std::same_as<T&>;
+    { a < b } -> std::same_as<mask_t<T>>;
+    { a <= b } -> std::same_as<mask_t<T>>;
+    { a > b } -> std::same_as<mask_t<T>>;
+    { a >= b } -> std::same_as<mask_t<T>>;
+    { sqrt(a) } -> std::same_as<T>;
+    { fma(a, b, c) } -> std::same_as<T>;
+    { abs(a) } -> std::same_as<T>;
+    { copysign(a, b) } -> std::same_as<T>;
+    { next_up(a) } -> std::same_as<T>;
+    { next_down(a) } -> std::same_as<T>;
+    { min(a, b) } -> std::same_as<T>;
+    { max(a, b) } -> std::same_as<T>;
+    { select(a < b, a, b) } -> std::same_as<T>;
+};
 
 static_assert(Number<float> && Number<double>);
 

@@ -11,11 +11,12 @@
 
 namespace lostbits {
 
-/// `add` also stands for subtract, `choose` for select, min and max, `sign` for −x, |x| and copysign, `neighbour` for the next
-/// number up or down, `convert` for the way to and from a wider format.
+/// `add` also stands for subtract, `choose` for select, min and max, `sign` for −x, |x| and copysign, `neighbour` for
+/// the next number up or down, `convert` for the way to and from a wider format.
 enum class Operation : std::uint8_t { add, mul, div, sqrt, fma, compare, choose, sign, neighbour, convert };
 
-inline constexpr std::array<std::string_view, 10> operation_names{"add", "mul", "div", "sqrt", "fma", "compare", "choose", "sign", "neighbour", "convert"};
+inline constexpr std::array<std::string_view, 10> operation_names{"add",     "mul",    "div",  "sqrt",      "fma",
+                                                                  "compare", "choose", "sign", "neighbour", "convert"};
 
 struct OperationCounts {
     std::array<std::uint64_t, operation_names.size()> of{};
@@ -43,28 +44,52 @@ public:
     [[nodiscard]] F value() const { return value_; }
     static constexpr FloatFormat format() { return sizeof(F) == sizeof(float) ? binary32 : binary64; }
 
-    friend Counted operator+(const Counted& a, const Counted& b) { return counted(Operation::add, a.value_ + b.value_, a, b); }
-    friend Counted operator-(const Counted& a, const Counted& b) { return counted(Operation::add, a.value_ - b.value_, a, b); }
-    friend Counted operator*(const Counted& a, const Counted& b) { return counted(Operation::mul, a.value_ * b.value_, a, b); }
-    friend Counted operator/(const Counted& a, const Counted& b) { return counted(Operation::div, a.value_ / b.value_, a, b); }
+    friend Counted operator+(const Counted& a, const Counted& b) {
+        return counted(Operation::add, a.value_ + b.value_, a, b);
+    }
+    friend Counted operator-(const Counted& a, const Counted& b) {
+        return counted(Operation::add, a.value_ - b.value_, a, b);
+    }
+    friend Counted operator*(const Counted& a, const Counted& b) {
+        return counted(Operation::mul, a.value_ * b.value_, a, b);
+    }
+    friend Counted operator/(const Counted& a, const Counted& b) {
+        return counted(Operation::div, a.value_ / b.value_, a, b);
+    }
     friend Counted operator-(const Counted& a) { return counted(Operation::sign, -a.value_, a); }
     Counted& operator+=(const Counted& b) { return *this = *this + b; }
     Counted& operator-=(const Counted& b) { return *this = *this - b; }
     Counted& operator*=(const Counted& b) { return *this = *this * b; }
 
-    friend bool operator<(const Counted& a, const Counted& b) { return note(Operation::compare, a, b), a.value_ < b.value_; }
-    friend bool operator<=(const Counted& a, const Counted& b) { return note(Operation::compare, a, b), a.value_ <= b.value_; }
-    friend bool operator>(const Counted& a, const Counted& b) { return note(Operation::compare, a, b), a.value_ > b.value_; }
-    friend bool operator>=(const Counted& a, const Counted& b) { return note(Operation::compare, a, b), a.value_ >= b.value_; }
+    friend bool operator<(const Counted& a, const Counted& b) {
+        return note(Operation::compare, a, b), a.value_ < b.value_;
+    }
+    friend bool operator<=(const Counted& a, const Counted& b) {
+        return note(Operation::compare, a, b), a.value_ <= b.value_;
+    }
+    friend bool operator>(const Counted& a, const Counted& b) {
+        return note(Operation::compare, a, b), a.value_ > b.value_;
+    }
+    friend bool operator>=(const Counted& a, const Counted& b) {
+        return note(Operation::compare, a, b), a.value_ >= b.value_;
+    }
 
     friend Counted sqrt(const Counted& a) { return counted(Operation::sqrt, sqrt(a.value_), a); }
-    friend Counted fma(const Counted& a, const Counted& b, const Counted& c) { return counted(Operation::fma, fma(a.value_, b.value_, c.value_), a, b, c); }
+    friend Counted fma(const Counted& a, const Counted& b, const Counted& c) {
+        return counted(Operation::fma, fma(a.value_, b.value_, c.value_), a, b, c);
+    }
     friend Counted abs(const Counted& a) { return counted(Operation::sign, abs(a.value_), a); }
-    friend Counted copysign(const Counted& a, const Counted& b) { return counted(Operation::sign, copysign(a.value_, b.value_), a, b); }
+    friend Counted copysign(const Counted& a, const Counted& b) {
+        return counted(Operation::sign, copysign(a.value_, b.value_), a, b);
+    }
     friend Counted next_up(const Counted& a) { return counted(Operation::neighbour, next_up(a.value_), a); }
     friend Counted next_down(const Counted& a) { return counted(Operation::neighbour, next_down(a.value_), a); }
-    friend Counted min(const Counted& a, const Counted& b) { return counted(Operation::choose, a.value_ < b.value_ ? a.value_ : b.value_, a, b); }
-    friend Counted max(const Counted& a, const Counted& b) { return counted(Operation::choose, a.value_ > b.value_ ? a.value_ : b.value_, a, b); }
+    friend Counted min(const Counted& a, const Counted& b) {
+        return counted(Operation::choose, a.value_ < b.value_ ? a.value_ : b.value_, a, b);
+    }
+    friend Counted max(const Counted& a, const Counted& b) {
+        return counted(Operation::choose, a.value_ > b.value_ ? a.value_ : b.value_, a, b);
+    }
     /// Of two constants, too: which of them is known only when it runs.
     friend Counted select(bool mask, const Counted& a, const Counted& b) {
         ++operation_counts()[Operation::choose];

@@ -18,9 +18,7 @@ public:
     using Gradient = std::array<F, N>;
 
     explicit Dual(int x) : value_(x), gradient_(constant()) {}
-    explicit Dual(const F& x)
-        requires(!std::same_as<F, int>)
-        : value_(x), gradient_(constant()) {}
+    explicit Dual(const F& x) requires(!std::same_as<F, int>) : value_(x), gradient_(constant()) {}
     Dual(const F& x, const Gradient& gradient) : value_(x), gradient_(gradient) {}
 
     /// Input number i with this value: ∂x/∂(input i) = 1.
@@ -40,7 +38,8 @@ public:
         return with(a.value_ - b.value_, [&](std::size_t i) { return a.gradient_[i] - b.gradient_[i]; });
     }
     friend Dual operator*(const Dual& a, const Dual& b) {
-        return with(a.value_ * b.value_, [&](std::size_t i) { return a.gradient_[i] * b.value_ + a.value_ * b.gradient_[i]; });
+        return with(a.value_ * b.value_,
+                    [&](std::size_t i) { return a.gradient_[i] * b.value_ + a.value_ * b.gradient_[i]; });
     }
     /// (a/b)' = (a' − (a/b) b')/b
     friend Dual operator/(const Dual& a, const Dual& b) {
@@ -65,8 +64,9 @@ public:
         return with(root, [&](std::size_t i) { return a.gradient_[i] / (root + root); });
     }
     friend Dual fma(const Dual& a, const Dual& b, const Dual& c) {
-        return with(fma(a.value_, b.value_, c.value_),
-                    [&](std::size_t i) { return a.gradient_[i] * b.value_ + a.value_ * b.gradient_[i] + c.gradient_[i]; });
+        return with(fma(a.value_, b.value_, c.value_), [&](std::size_t i) {
+            return a.gradient_[i] * b.value_ + a.value_ * b.gradient_[i] + c.gradient_[i];
+        });
     }
     friend Dual abs(const Dual& a) {
         const auto negative = a.value_ < F(0);
@@ -81,7 +81,8 @@ public:
     friend Dual next_up(const Dual& a) { return {next_up(a.value_), a.gradient_}; }
     friend Dual next_down(const Dual& a) { return {next_down(a.value_), a.gradient_}; }
     friend Dual select(const mask_t<F>& mask, const Dual& a, const Dual& b) {
-        return with(select(mask, a.value_, b.value_), [&](std::size_t i) { return select(mask, a.gradient_[i], b.gradient_[i]); });
+        return with(select(mask, a.value_, b.value_),
+                    [&](std::size_t i) { return select(mask, a.gradient_[i], b.gradient_[i]); });
     }
 
 private:

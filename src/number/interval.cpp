@@ -99,20 +99,21 @@ Interval operator-(const Interval& a) {
 }
 
 Tri operator<(const Interval& a, const Interval& b) {
-    const Tri verdict = mpfr_less_p(a.upper(), b.lower()) != 0            ? Tri::yes
+    const Tri verdict = mpfr_less_p(a.upper(), b.lower()) != 0           ? Tri::yes
                         : mpfr_greaterequal_p(a.lower(), b.upper()) != 0 ? Tri::no
                                                                          : Tri::unknown;
     return guarded(verdict, spread(a.undefined_, b.undefined_));
 }
 Tri operator<=(const Interval& a, const Interval& b) {
-    const Tri verdict = mpfr_lessequal_p(a.upper(), b.lower()) != 0  ? Tri::yes
+    const Tri verdict = mpfr_lessequal_p(a.upper(), b.lower()) != 0 ? Tri::yes
                         : mpfr_greater_p(a.lower(), b.upper()) != 0 ? Tri::no
                                                                     : Tri::unknown;
     return guarded(verdict, spread(a.undefined_, b.undefined_));
 }
 
 Interval sqrt(const Interval& a) {
-    if (mpfr_sgn(a.upper()) < 0) return Interval::unknown(a.undefined_ == Undefined::maybe ? Undefined::maybe : Undefined::always);
+    if (mpfr_sgn(a.upper()) < 0)
+        return Interval::unknown(a.undefined_ == Undefined::maybe ? Undefined::maybe : Undefined::always);
     if (mpfr_sgn(a.lower()) >= 0) {
         Interval r;
         mpfi_sqrt(r.value_, a.value_);

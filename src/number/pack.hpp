@@ -1,6 +1,6 @@
-// Pack: what does it cost in bulk? A SIMD register of numbers, so that a formula computes many rays at once. Every operation
-// gives in each lane the bits that the scalar operation gives; a NaN may differ in sign and payload, which IEEE 754
-// leaves open and compilers use.
+// Pack: what does it cost in bulk? A SIMD register of numbers, so that a formula computes many rays at once. Every
+// operation gives in each lane the bits that the scalar operation gives; a NaN may differ in sign and payload, which
+// IEEE 754 leaves open and compilers use.
 #pragma once
 
 #include <cstddef>
@@ -17,8 +17,9 @@
 namespace lostbits {
 
 /// The size of a register, and the tag that keeps one instruction set's code apart from another's: a translation unit
-/// compiled for more than the baseline derives its own tag in an anonymous namespace. Everything instantiated over it then
-/// has internal linkage, and the linker cannot hand AVX-512 code to a function of the same name that an older machine runs.
+/// compiled for more than the baseline derives its own tag in an anonymous namespace. Everything instantiated over it
+/// then has internal linkage, and the linker cannot hand AVX-512 code to a function of the same name that an older
+/// machine runs.
 template <std::size_t Bytes>
 struct Registers {
     static constexpr std::size_t bytes = Bytes;
@@ -30,10 +31,10 @@ template <class F, class Width>
 using PackAbi = stdx::simd_abi::deduce_t<F, Width::bytes / sizeof(F)>;
 
 #if defined(__SSE2__)
-/// x86's minimum and maximum, which are `a < b ? a : b` and `a > b ? a : b` to the bit, NaN and ±0 included: the rule of `min`
-/// and `max` in concept.hpp.
+/// x86's minimum and maximum, which are `a < b ? a : b` and `a > b ? a : b` to the bit, NaN and ±0 included: the rule
+/// of `min` and `max` in concept.hpp.
 inline constexpr bool has_pack_minmax = true;
-#define LOSTBITS_PACK_MINMAX(V, prefix, suffix)                                                                     \
+#define LOSTBITS_PACK_MINMAX(V, prefix, suffix)                                                \
     [[gnu::always_inline]] inline V pack_min(V a, V b) { return prefix##_min_##suffix(a, b); } \
     [[gnu::always_inline]] inline V pack_max(V a, V b) { return prefix##_max_##suffix(a, b); }
 LOSTBITS_PACK_MINMAX(__m128, _mm, ps)
@@ -130,8 +131,8 @@ public:
         else return select(a > b, a, b);
     }
 
-    /// The neighbours are the neighbours of the bits: one more away from zero, one less towards it. +∞ has none above it,
-    /// NaN none at all; both fail the test below.
+    /// The neighbours are the neighbours of the bits: one more away from zero, one less towards it. +∞ has none above
+    /// it, NaN none at all; both fail the test below.
     friend Pack next_up(const Pack& a) {
         const Pack x = a + Pack(0);  // −0 + 0 = +0, whose neighbour by bits is right; −0's would be −2⁻¹⁴⁹
         const Bits bits = __builtin_bit_cast(Bits, x.x_);
@@ -178,7 +179,8 @@ public:
     }
     /// Each lane rounded once.
     [[nodiscard]] Narrow narrow() const {
-        return Narrow(stdx::concat(stdx::static_simd_cast<HalfOfFloats>(low_.simd()), stdx::static_simd_cast<HalfOfFloats>(high_.simd())));
+        return Narrow(stdx::concat(stdx::static_simd_cast<HalfOfFloats>(low_.simd()),
+                                   stdx::static_simd_cast<HalfOfFloats>(high_.simd())));
     }
 
     friend WidePack operator+(const WidePack& a, const WidePack& b) { return {a.low_ + b.low_, a.high_ + b.high_}; }
@@ -197,8 +199,12 @@ public:
 
     friend WidePack sqrt(const WidePack& a) { return {sqrt(a.low_), sqrt(a.high_)}; }
     friend WidePack abs(const WidePack& a) { return {abs(a.low_), abs(a.high_)}; }
-    friend WidePack copysign(const WidePack& a, const WidePack& b) { return {copysign(a.low_, b.low_), copysign(a.high_, b.high_)}; }
-    friend WidePack fma(const WidePack& a, const WidePack& b, const WidePack& c) { return {fma(a.low_, b.low_, c.low_), fma(a.high_, b.high_, c.high_)}; }
+    friend WidePack copysign(const WidePack& a, const WidePack& b) {
+        return {copysign(a.low_, b.low_), copysign(a.high_, b.high_)};
+    }
+    friend WidePack fma(const WidePack& a, const WidePack& b, const WidePack& c) {
+        return {fma(a.low_, b.low_, c.low_), fma(a.high_, b.high_, c.high_)};
+    }
     friend WidePack select(const Lanes& mask, const WidePack& a, const WidePack& b) {
         return {select(mask.low, a.low_, b.low_), select(mask.high, a.high_, b.high_)};
     }
@@ -218,6 +224,7 @@ struct Wider<Pack<float, Width>> {
     static Pack<float, Width> narrow(const type& x) { return x.narrow(); }
 };
 
-static_assert(Number<Pack<float, Registers<16>>> && Number<Pack<double, Registers<16>>> && Number<WidePack<Registers<16>>>);
+static_assert(Number<Pack<float, Registers<16>>> && Number<Pack<double, Registers<16>>> &&
+              Number<WidePack<Registers<16>>>);
 
 }  // namespace lostbits

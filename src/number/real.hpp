@@ -10,16 +10,16 @@ namespace lostbits {
 
 /// An MPFR number of at least `Bits` bits.
 template <unsigned Bits>
-using BasicReal =
-    boost::multiprecision::number<boost::multiprecision::mpfr_float_backend<Bits * 301 / 1000 + 1, boost::multiprecision::allocate_stack>,
-                                  boost::multiprecision::et_off>;
+using BasicReal = boost::multiprecision::number<
+    boost::multiprecision::mpfr_float_backend<Bits * 301 / 1000 + 1, boost::multiprecision::allocate_stack>,
+    boost::multiprecision::et_off>;
 
 using Real = BasicReal<256>;
 
 template <unsigned Digits>
-inline constexpr bool stands_for_exact<
-    boost::multiprecision::number<boost::multiprecision::mpfr_float_backend<Digits, boost::multiprecision::allocate_stack>, boost::multiprecision::et_off>> =
-    true;
+inline constexpr bool stands_for_exact<boost::multiprecision::number<
+    boost::multiprecision::mpfr_float_backend<Digits, boost::multiprecision::allocate_stack>,
+    boost::multiprecision::et_off>> = true;
 
 static_assert(Number<Real>);
 

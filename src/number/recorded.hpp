@@ -13,16 +13,24 @@ public:
     [[nodiscard]] bool value() const { return value_; }
     [[nodiscard]] NodeId node() const { return node_; }
 
-    friend RecordedMask operator&&(const RecordedMask& a, const RecordedMask& b) { return noted(TapeOp::both, a.value_ && b.value_, a.node_, b.node_); }
-    friend RecordedMask operator||(const RecordedMask& a, const RecordedMask& b) { return noted(TapeOp::either, a.value_ || b.value_, a.node_, b.node_); }
+    friend RecordedMask operator&&(const RecordedMask& a, const RecordedMask& b) {
+        return noted(TapeOp::both, a.value_ && b.value_, a.node_, b.node_);
+    }
+    friend RecordedMask operator||(const RecordedMask& a, const RecordedMask& b) {
+        return noted(TapeOp::either, a.value_ || b.value_, a.node_, b.node_);
+    }
     friend RecordedMask operator!(const RecordedMask& a) { return noted(TapeOp::opposite, !a.value_, a.node_); }
     /// What a loop of a form asks. On the tape because without rounding the loop may have gone on.
-    friend bool any_of(const RecordedMask& a) { return noted(TapeOp::any, a.value_, a.node_).value_ || (Tape::current() && Tape::current()->every_loop); }
+    friend bool any_of(const RecordedMask& a) {
+        return noted(TapeOp::any, a.value_, a.node_).value_ || (Tape::current() && Tape::current()->every_loop);
+    }
 
     /// The format of a decision is none; the first of the tape stands for it.
     static RecordedMask noted(TapeOp op, bool value, NodeId a, NodeId b = no_node) {
         Tape* const tape = Tape::current();
-        return {value, tape ? tape->add(op, tape->formats.empty() ? binary64 : tape->formats.front(), value ? 1 : 0, a, b) : no_node};
+        return {value,
+                tape ? tape->add(op, tape->formats.empty() ? binary64 : tape->formats.front(), value ? 1 : 0, a, b)
+                     : no_node};
     }
 
 private:
@@ -30,9 +38,10 @@ private:
     NodeId node_;
 };
 
-/// F and its node on the thread's tape (`Tape::Scope`). The values are F's own, to the bit. What an exact computation would have
-/// given is found afterwards by running the tape again over an exact number (measure/blame/attribution.hpp), so that a pixel of a map
-/// and a ray looked at closely share one recording and differ in the precision of what it is compared with.
+/// F and its node on the thread's tape (`Tape::Scope`). The values are F's own, to the bit. What an exact computation
+/// would have given is found afterwards by running the tape again over an exact number (measure/blame/attribution.hpp),
+/// so that a pixel of a map and a ray looked at closely share one recording and differ in the precision of what it is
+/// compared with.
 template <class F>
 class Recorded {
 public:
@@ -52,28 +61,52 @@ public:
         else return F::format();
     }
 
-    friend Recorded operator+(const Recorded& a, const Recorded& b) { return made(TapeOp::add, a.value_ + b.value_, a.node_, b.node_); }
-    friend Recorded operator-(const Recorded& a, const Recorded& b) { return made(TapeOp::sub, a.value_ - b.value_, a.node_, b.node_); }
-    friend Recorded operator*(const Recorded& a, const Recorded& b) { return made(TapeOp::mul, a.value_ * b.value_, a.node_, b.node_); }
-    friend Recorded operator/(const Recorded& a, const Recorded& b) { return made(TapeOp::div, a.value_ / b.value_, a.node_, b.node_); }
+    friend Recorded operator+(const Recorded& a, const Recorded& b) {
+        return made(TapeOp::add, a.value_ + b.value_, a.node_, b.node_);
+    }
+    friend Recorded operator-(const Recorded& a, const Recorded& b) {
+        return made(TapeOp::sub, a.value_ - b.value_, a.node_, b.node_);
+    }
+    friend Recorded operator*(const Recorded& a, const Recorded& b) {
+        return made(TapeOp::mul, a.value_ * b.value_, a.node_, b.node_);
+    }
+    friend Recorded operator/(const Recorded& a, const Recorded& b) {
+        return made(TapeOp::div, a.value_ / b.value_, a.node_, b.node_);
+    }
     friend Recorded operator-(const Recorded& a) { return made(TapeOp::neg, -a.value_, a.node_); }
     Recorded& operator+=(const Recorded& b) { return *this = *this + b; }
     Recorded& operator-=(const Recorded& b) { return *this = *this - b; }
     Recorded& operator*=(const Recorded& b) { return *this = *this * b; }
 
-    friend RecordedMask operator<(const Recorded& a, const Recorded& b) { return RecordedMask::noted(TapeOp::less, a.value_ < b.value_, a.node_, b.node_); }
-    friend RecordedMask operator<=(const Recorded& a, const Recorded& b) { return RecordedMask::noted(TapeOp::less_equal, a.value_ <= b.value_, a.node_, b.node_); }
-    friend RecordedMask operator>(const Recorded& a, const Recorded& b) { return RecordedMask::noted(TapeOp::greater, a.value_ > b.value_, a.node_, b.node_); }
-    friend RecordedMask operator>=(const Recorded& a, const Recorded& b) { return RecordedMask::noted(TapeOp::greater_equal, a.value_ >= b.value_, a.node_, b.node_); }
+    friend RecordedMask operator<(const Recorded& a, const Recorded& b) {
+        return RecordedMask::noted(TapeOp::less, a.value_ < b.value_, a.node_, b.node_);
+    }
+    friend RecordedMask operator<=(const Recorded& a, const Recorded& b) {
+        return RecordedMask::noted(TapeOp::less_equal, a.value_ <= b.value_, a.node_, b.node_);
+    }
+    friend RecordedMask operator>(const Recorded& a, const Recorded& b) {
+        return RecordedMask::noted(TapeOp::greater, a.value_ > b.value_, a.node_, b.node_);
+    }
+    friend RecordedMask operator>=(const Recorded& a, const Recorded& b) {
+        return RecordedMask::noted(TapeOp::greater_equal, a.value_ >= b.value_, a.node_, b.node_);
+    }
 
     friend Recorded sqrt(const Recorded& a) { return made(TapeOp::sqrt, sqrt(a.value_), a.node_); }
-    friend Recorded fma(const Recorded& a, const Recorded& b, const Recorded& c) { return made(TapeOp::fma, fma(a.value_, b.value_, c.value_), a.node_, b.node_, c.node_); }
+    friend Recorded fma(const Recorded& a, const Recorded& b, const Recorded& c) {
+        return made(TapeOp::fma, fma(a.value_, b.value_, c.value_), a.node_, b.node_, c.node_);
+    }
     friend Recorded abs(const Recorded& a) { return made(TapeOp::abs, abs(a.value_), a.node_); }
-    friend Recorded copysign(const Recorded& a, const Recorded& b) { return made(TapeOp::copysign, copysign(a.value_, b.value_), a.node_, b.node_); }
+    friend Recorded copysign(const Recorded& a, const Recorded& b) {
+        return made(TapeOp::copysign, copysign(a.value_, b.value_), a.node_, b.node_);
+    }
     friend Recorded next_up(const Recorded& a) { return made(TapeOp::next_up, next_up(a.value_), a.node_); }
     friend Recorded next_down(const Recorded& a) { return made(TapeOp::next_down, next_down(a.value_), a.node_); }
-    friend Recorded min(const Recorded& a, const Recorded& b) { return made(TapeOp::min, a.value_ < b.value_ ? a.value_ : b.value_, a.node_, b.node_); }
-    friend Recorded max(const Recorded& a, const Recorded& b) { return made(TapeOp::max, a.value_ > b.value_ ? a.value_ : b.value_, a.node_, b.node_); }
+    friend Recorded min(const Recorded& a, const Recorded& b) {
+        return made(TapeOp::min, a.value_ < b.value_ ? a.value_ : b.value_, a.node_, b.node_);
+    }
+    friend Recorded max(const Recorded& a, const Recorded& b) {
+        return made(TapeOp::max, a.value_ > b.value_ ? a.value_ : b.value_, a.node_, b.node_);
+    }
     friend Recorded select(const RecordedMask& mask, const Recorded& a, const Recorded& b) {
         return made(TapeOp::select, mask.value() ? a.value_ : b.value_, mask.node(), a.node_, b.node_);
     }
@@ -97,7 +130,9 @@ private:
         Tape* const tape = Tape::current();
         return tape ? tape->add(op, format(), as_double(value), a, b, c) : no_node;
     }
-    static Recorded made(TapeOp op, const F& value, NodeId a, NodeId b = no_node, NodeId c = no_node) { return Recorded(value, noted(op, value, a, b, c)); }
+    static Recorded made(TapeOp op, const F& value, NodeId a, NodeId b = no_node, NodeId c = no_node) {
+        return Recorded(value, noted(op, value, a, b, c));
+    }
 
     F value_;
     NodeId node_;

@@ -72,10 +72,18 @@ public:
     [[nodiscard]] double value() const { return value_; }
     static FloatFormat format() { return F::get(); }
 
-    friend BasicRounded operator+(BasicRounded a, BasicRounded b) { return made(rounding::add(a.value_, b.value_, F::get())); }
-    friend BasicRounded operator-(BasicRounded a, BasicRounded b) { return made(rounding::add(a.value_, -b.value_, F::get())); }
-    friend BasicRounded operator*(BasicRounded a, BasicRounded b) { return made(rounding::mul(a.value_, b.value_, F::get())); }
-    friend BasicRounded operator/(BasicRounded a, BasicRounded b) { return made(rounding::div(a.value_, b.value_, F::get())); }
+    friend BasicRounded operator+(BasicRounded a, BasicRounded b) {
+        return made(rounding::add(a.value_, b.value_, F::get()));
+    }
+    friend BasicRounded operator-(BasicRounded a, BasicRounded b) {
+        return made(rounding::add(a.value_, -b.value_, F::get()));
+    }
+    friend BasicRounded operator*(BasicRounded a, BasicRounded b) {
+        return made(rounding::mul(a.value_, b.value_, F::get()));
+    }
+    friend BasicRounded operator/(BasicRounded a, BasicRounded b) {
+        return made(rounding::div(a.value_, b.value_, F::get()));
+    }
     friend BasicRounded operator-(BasicRounded a) { return made(-a.value_); }
     // glm::vec's element-wise operators are written through these.
     BasicRounded& operator+=(BasicRounded b) { return *this = *this + b; }

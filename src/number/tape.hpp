@@ -1,5 +1,5 @@
-// A tape: every operation of one run of a formula in the order of execution, its operands and what the format made of it.
-// Recorded writes it; what comes after (exact values, adjoints, C, FPCore, LaTeX) are walks of it.
+// A tape: every operation of one run of a formula in the order of execution, its operands and what the format made of
+// it. Recorded writes it; what comes after (exact values, adjoints, C, FPCore, LaTeX) are walks of it.
 #pragma once
 
 #include <array>
@@ -11,16 +11,40 @@
 
 namespace lostbits {
 
-/// `constant` is an integer of the formula's text, `convert` the way to or from a wider format; from `less` on the values are
-/// decisions, 1 or 0.
+/// `constant` is an integer of the formula's text, `convert` the way to or from a wider format; from `less` on the
+/// values are decisions, 1 or 0.
 enum class TapeOp : std::uint8_t {
-    input, constant, add, sub, mul, div, sqrt, fma, neg, abs, copysign, min, max, select, next_up, next_down, convert,
-    less, less_equal, greater, greater_equal, both, either, opposite, any
+    input,
+    constant,
+    add,
+    sub,
+    mul,
+    div,
+    sqrt,
+    fma,
+    neg,
+    abs,
+    copysign,
+    min,
+    max,
+    select,
+    next_up,
+    next_down,
+    convert,
+    less,
+    less_equal,
+    greater,
+    greater_equal,
+    both,
+    either,
+    opposite,
+    any
 };
 
 inline constexpr std::array<std::string_view, 25> tape_op_names{
-    "input", "constant", "add", "sub", "mul", "div", "sqrt", "fma", "neg", "abs", "copysign", "min", "max", "select", "next_up", "next_down", "convert",
-    "less", "less_equal", "greater", "greater_equal", "both", "either", "opposite", "any"};
+    "input",      "constant", "add",           "sub",  "mul",    "div",      "sqrt",      "fma",     "neg",
+    "abs",        "copysign", "min",           "max",  "select", "next_up",  "next_down", "convert", "less",
+    "less_equal", "greater",  "greater_equal", "both", "either", "opposite", "any"};
 
 inline constexpr bool is_decision(TapeOp op) { return op >= TapeOp::less; }
 inline constexpr bool is_comparison(TapeOp op) { return op >= TapeOp::less && op <= TapeOp::greater_equal; }
@@ -33,9 +57,10 @@ inline constexpr NodeId no_node = -1;
 struct TapeNode {
     TapeOp op = TapeOp::constant;
     std::uint8_t format = 0;  ///< of the result: its place in `Tape::formats`
-    /// Operands in the formula's order; select's are the decision and its two sides, an input's first is its number, a constant's its value.
+    /// Operands in the formula's order; select's are the decision and its two sides, an input's first is its number, a
+    /// constant's its value.
     std::array<NodeId, 3> operands{no_node, no_node, no_node};
-    double value = 0;            ///< a number of the format, or a decision
+    double value = 0;             ///< a number of the format, or a decision
     std::string_view label = {};  ///< as `named` gave it; a literal of the source
 };
 
@@ -67,7 +92,8 @@ public:
         outputs = {};
         inputs_ = 0;
     }
-    NodeId add(TapeOp op, const FloatFormat& format, double value, NodeId a = no_node, NodeId b = no_node, NodeId c = no_node) {
+    NodeId add(TapeOp op, const FloatFormat& format, double value, NodeId a = no_node, NodeId b = no_node,
+               NodeId c = no_node) {
         nodes.push_back({op, place_of(format), {a, b, c}, value, {}});
         return size() - 1;
     }

@@ -1,4 +1,5 @@
-// A reader of s-expressions and an evaluator of the part of FPCore that `explain --fpcore` writes, over the machine's own numbers.
+// A reader of s-expressions and an evaluator of the part of FPCore that `explain --fpcore` writes, over the machine's
+// own numbers.
 #pragma once
 
 #include <array>
@@ -37,12 +38,14 @@ inline SExpression read_expression(const std::string& text, std::size_t& at) {
         ++at;
         return e;
     }
-    while (at < text.size() && !std::isspace(static_cast<unsigned char>(text[at])) && std::string("()[]").find(text[at]) == std::string::npos) e.atom += text[at++];
+    while (at < text.size() && !std::isspace(static_cast<unsigned char>(text[at])) &&
+           std::string("()[]").find(text[at]) == std::string::npos)
+        e.atom += text[at++];
     return e;
 }
 
-/// Evaluates in binary32 or binary64, and rounds each operation as the context that `!` sets says; booleans are 1 and 0. Variables keep
-/// the value they were bound to, whatever the context that reads them.
+/// Evaluates in binary32 or binary64, and rounds each operation as the context that `!` sets says; booleans are 1 and
+/// 0. Variables keep the value they were bound to, whatever the context that reads them.
 class FpCore {
 public:
     struct Context {
@@ -58,7 +61,8 @@ public:
         const auto arg = [&](std::size_t i) { return (*this)(e.list.at(i)); };
         const std::size_t n = e.list.size();
         if (f == "let*") {
-            for (const SExpression& binding : e.list.at(1).list) values_[binding.list.at(0).atom] = (*this)(binding.list.at(1));
+            for (const SExpression& binding : e.list.at(1).list)
+                values_[binding.list.at(0).atom] = (*this)(binding.list.at(1));
             return arg(2);
         }
         if (f == "!") return in_context(e);
@@ -90,7 +94,8 @@ private:
         const Context before = context_;
         for (std::size_t i = 1; i + 1 < e.list.size(); i += 2) {
             const std::string &key = e.list[i].atom, &value = e.list[i + 1].atom;
-            if (key == ":precision" && (value == "binary32" || value == "binary64")) context_.single = value == "binary32";
+            if (key == ":precision" && (value == "binary32" || value == "binary64"))
+                context_.single = value == "binary32";
             else if (key == ":round" && value == "toPositive") context_.round = FE_UPWARD;
             else if (key == ":round" && value == "toNegative") context_.round = FE_DOWNWARD;
             else throw std::runtime_error("unknown property " + key + " " + value);
@@ -120,7 +125,8 @@ private:
         if (a == "INFINITY") return HUGE_VAL;
         if (a == "NAN") return std::nan("");
         const auto slash = a.find('/');
-        const double x = slash == std::string::npos ? std::stod(a) : std::stod(a.substr(0, slash)) / std::stod(a.substr(slash + 1));
+        const double x =
+            slash == std::string::npos ? std::stod(a) : std::stod(a.substr(0, slash)) / std::stod(a.substr(slash + 1));
         return context_.single ? static_cast<double>(static_cast<float>(x)) : x;
     }
     std::map<std::string, double> values_;

@@ -23,8 +23,9 @@ std::string contents(const fs::path& file) {
 Outcome run(const std::string& arguments, const fs::path& folder, const std::string& before) {
     const Scratch streams;
     const std::string out = (streams.path() / "out").string(), err = (streams.path() / "err").string();
-    const std::string command = "cd '" + folder.string() + "' && export LOSTBITS_DATA='" LOSTBITS_DATA_DIR "' && (" + before + " exec '" LOSTBITS_PROGRAM "' " +
-                                arguments + ") >'" + out + "' 2>'" + err + "' </dev/null";
+    const std::string command = "cd '" + folder.string() + "' && export LOSTBITS_DATA='" LOSTBITS_DATA_DIR "' && (" +
+                                before + " exec '" LOSTBITS_PROGRAM "' " + arguments + ") >'" + out + "' 2>'" + err +
+                                "' </dev/null";
     const int status = std::system(command.c_str());
     return {WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status), contents(out), contents(err)};
 }
@@ -72,7 +73,8 @@ std::vector<std::map<std::string, std::string>> read_csv(const fs::path& file) {
     std::vector<std::map<std::string, std::string>> rows;
     while (std::getline(in, line)) {
         const auto cells = split(line);
-        if (cells.size() != header.size()) throw std::runtime_error(file.string() + ": a row with another number of cells: " + line);
+        if (cells.size() != header.size())
+            throw std::runtime_error(file.string() + ": a row with another number of cells: " + line);
         auto& row = rows.emplace_back();
         for (std::size_t i = 0; i < header.size(); ++i) row[header[i]] = cells[i];
     }

@@ -125,7 +125,8 @@ TEST_CASE("a folder that cannot be written ends the run before the work, with 3"
 TEST_CASE("a missing image module is named, with 3, and nothing is written") {
     const Scratch scratch;
     const std::string scene = "'" + scratch.write("scene.toml", good_scene) + "'";
-    const auto r = run("map " + scene + " -o '" + (scratch.path() / "out").string() + "'", ".", "LOSTBITS_IMAGE_MODULE=/nowhere.so");
+    const auto r = run("map " + scene + " -o '" + (scratch.path() / "out").string() + "'", ".",
+                       "LOSTBITS_IMAGE_MODULE=/nowhere.so");
     INFO(r.err);
     CHECK(r.code == 3);
     CHECK(r.err.find("/nowhere.so") != std::string::npos);
@@ -136,7 +137,9 @@ TEST_CASE("a disk that fills up leaves no half-written file") {
     const Scratch scratch;
     const std::string scene = "'" + scratch.write("scene.toml", good_scene) + "'";
     // The limit on a file's size stands in for the full disk: 8 blocks of 1024 bytes in bash, 512 in others.
-    const auto r = run("map " + scene + " --size 400x400 -i sphere.press -f f32 -o '" + (scratch.path() / "out").string() + "'", ".", "ulimit -f 8;");
+    const auto r =
+        run("map " + scene + " --size 400x400 -i sphere.press -f f32 -o '" + (scratch.path() / "out").string() + "'",
+            ".", "ulimit -f 8;");
     INFO(r.err);
     CHECK(r.code == 3);
     CHECK(r.err.find("cannot write") != std::string::npos);
@@ -155,7 +158,8 @@ TEST_CASE("what once broke it: endless keys, ids that leave the folder, closed s
     const std::string scene = scratch.write("scene.toml", good_scene);
     CHECK(run("map '" + scene + "' -i sphere.press -f f32 -o ''").code == 2);
     CHECK(run("list metrics >&- 2>&-").code == 3);
-    const auto hung_up = run("map '" + scene + "' --size 3000x3000 -o '" + (scratch.path() / "out").string() + "' & child=$!; sleep 1; kill -HUP $child; wait $child; exit $?");
+    const auto hung_up = run("map '" + scene + "' --size 3000x3000 -o '" + (scratch.path() / "out").string() +
+                             "' & child=$!; sleep 1; kill -HUP $child; wait $child; exit $?");
     CHECK(hung_up.code == 130);
     CHECK(scratch.files() == std::vector<std::string>{"...toml", "deep.toml", "scene.toml"});
 }

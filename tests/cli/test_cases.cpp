@@ -26,16 +26,22 @@ starts = 2
 generations = 8
 )";
 
-std::string replaced(std::string text, const std::string& what, const std::string& by) { return text.replace(text.find(what), what.size(), by); }
+std::string replaced(std::string text, const std::string& what, const std::string& by) {
+    return text.replace(text.find(what), what.size(), by);
+}
 
-std::string cell(const lostbits::output::file::CsvTable& table, const char* column, std::size_t row) { return std::string(table.find(column)->cells.at(row)); }
+std::string cell(const lostbits::output::file::CsvTable& table, const char* column, std::size_t row) {
+    return std::string(table.find(column)->cells.at(row));
+}
 
 }  // namespace
 
 TEST_CASE("a file of cases leaves a table and a picture, the same for any number of threads") {
     const Scratch scratch;
     for (const char* j : {"1", "3"}) {
-        const auto r = run("sweep extremes/not-numbers extremes/scale -i sphere.schoolbook -i '*press*' -f f32 -f fp16 -f p5 -j " + std::string(j) + " -o '" + (scratch.path() / j).string() + "'");
+        const auto r =
+            run("sweep extremes/not-numbers extremes/scale -i sphere.schoolbook -i '*press*' -f f32 -f fp16 -f p5 -j " +
+                std::string(j) + " -o '" + (scratch.path() / j).string() + "'");
         INFO(r.err);
         REQUIRE(r.code == 0);
         CHECK(r.out.find("/not-numbers/") != std::string::npos);
@@ -55,7 +61,8 @@ TEST_CASE("a file of cases leaves a table and a picture, the same for any number
     std::size_t right = 0, wrong = 0;
     for (std::size_t i = 0; i < table.rows(); ++i) {
         (cell(table, "verdict", i) == "right" ? right : wrong) += 1;
-        if (cell(table, "case", i) == "ordinary lengths" && cell(table, "format", i) == "f32") CHECK(cell(table, "verdict", i) == "right");
+        if (cell(table, "case", i) == "ordinary lengths" && cell(table, "format", i) == "f32")
+            CHECK(cell(table, "verdict", i) == "right");
     }
     CHECK(right > 0);
     CHECK(wrong > 0);
@@ -65,7 +72,8 @@ TEST_CASE("a search leaves its worst rays as cases that can be run, and measure 
     const Scratch scratch;
     const std::string file = scratch.write("s.toml", small_search);
     for (const char* j : {"1", "2"}) {
-        const auto r = run("sweep '" + file + "' --worst -i sphere.schoolbook -i sphere.unified -f f32 -f bf16 -j " + std::string(j) + " -o '" + (scratch.path() / j).string() + "'");
+        const auto r = run("sweep '" + file + "' --worst -i sphere.schoolbook -i sphere.unified -f f32 -f bf16 -j " +
+                           std::string(j) + " -o '" + (scratch.path() / j).string() + "'");
         INFO(r.err);
         REQUIRE(r.code == 0);
     }
@@ -76,7 +84,9 @@ TEST_CASE("a search leaves its worst rays as cases that can be run, and measure 
     }
     const auto worst = lostbits::output::file::read_csv(scratch.path() / "1/s/worst.csv");
     REQUIRE(worst.rows() == 4);
-    const auto again = run("sweep '" + (scratch.path() / "1/s/hard.toml").string() + "' -i sphere.schoolbook -i sphere.unified -f f32 -f bf16 -o '" + scratch.path().string() + "'");
+    const auto again =
+        run("sweep '" + (scratch.path() / "1/s/hard.toml").string() +
+            "' -i sphere.schoolbook -i sphere.unified -f f32 -f bf16 -o '" + scratch.path().string() + "'");
     INFO(again.err);
     REQUIRE(again.code == 0);
     const auto cases = lostbits::output::file::read_csv(scratch.path() / "hard/cases.csv");
@@ -85,7 +95,9 @@ TEST_CASE("a search leaves its worst rays as cases that can be run, and measure 
     for (std::size_t w = 0; w < 4; ++w) {
         for (std::size_t i = 0; i < cases.rows(); ++i) {
             const std::string row = cell(worst, "form", w) + " in " + cell(worst, "format", w);
-            if (cell(cases, "form", i) + " in " + cell(cases, "format", i) != row || !cell(cases, "case", i).starts_with(row + ": ")) continue;
+            if (cell(cases, "form", i) + " in " + cell(cases, "format", i) != row ||
+                !cell(cases, "case", i).starts_with(row + ": "))
+                continue;
             CAPTURE(row);
             CHECK(cell(cases, cell(worst, "outcome", w).c_str(), i) == "1");
             CHECK(cell(cases, "lost_bits_max", i) == cell(worst, "lost_bits", w));
@@ -118,7 +130,8 @@ TEST_CASE("cases and searches that are wrong, or asked for wrongly, write nothin
         INFO(c.text);
         // A good file in front of it is not begun.
         const std::string good = c.options.empty() ? "extremes/contact" : "worst/near";
-        const auto r = run("sweep " + good + " '" + scratch.write("s.toml", c.text) + "' " + c.options + " -i sphere.press -f f32 -o '" + (scratch.path() / "out").string() + "'");
+        const auto r = run("sweep " + good + " '" + scratch.write("s.toml", c.text) + "' " + c.options +
+                           " -i sphere.press -f f32 -o '" + (scratch.path() / "out").string() + "'");
         INFO(r.err);
         CHECK(r.code == 2);
         CHECK(r.err.find("s.toml" + std::string(c.place)) != std::string::npos);
@@ -126,7 +139,8 @@ TEST_CASE("cases and searches that are wrong, or asked for wrongly, write nothin
         CHECK(scratch.files() == std::vector<std::string>{"s.toml"});
     }
     const Scratch scratch;
-    const auto boxes = run("sweep '" + scratch.write("s.toml", small_cases) + "' -i 'box.*' -f f32 -o '" + (scratch.path() / "out").string() + "'");
+    const auto boxes = run("sweep '" + scratch.write("s.toml", small_cases) + "' -i 'box.*' -f f32 -o '" +
+                           (scratch.path() / "out").string() + "'");
     CHECK(boxes.code == 4);
     CHECK(scratch.files() == std::vector<std::string>{"s.toml"});
 }

@@ -10,9 +10,10 @@ namespace {
 
 const std::string head = "schema = \"lostbits-claims/1\"\n";
 
-std::string claim(const std::string& id, const std::string& given, const std::string& expect, const std::string& more = "") {
-    return "[[claim]]\nid = \"" + id + "\"\nstatement = \"A sentence\"\nsource = \"-\"\nverdict = \"holds\"\n" + more + "[claim.given]\n" + given +
-           "[claim.expect]\n" + expect;
+std::string claim(const std::string& id, const std::string& given, const std::string& expect,
+                  const std::string& more = "") {
+    return "[[claim]]\nid = \"" + id + "\"\nstatement = \"A sentence\"\nsource = \"-\"\nverdict = \"holds\"\n" + more +
+           "[claim.given]\n" + given + "[claim.expect]\n" + expect;
 }
 
 const std::string inside = "scene = \"camera-inside\"\nform = \"sphere.unit_half_b\"\nformat = \"f32\"\n";
@@ -29,9 +30,11 @@ TEST_CASE("every claim of the project measures as stated") {
 
 TEST_CASE("a claim that does not measure as stated fails, by name, with the worst input and the command") {
     const Scratch scratch;
-    const std::string file = scratch.write("c.toml", head + claim("right", inside, all_missed) + claim("wrong", inside, none_missed));
+    const std::string file =
+        scratch.write("c.toml", head + claim("right", inside, all_missed) + claim("wrong", inside, none_missed));
     const std::string junit = (scratch.path() / "j.xml").string(), json = (scratch.path() / "c.json").string();
-    const auto r = run("check '" + file + "' --junit '" + junit + "' --export-json '" + json + "' --annotations github");
+    const auto r =
+        run("check '" + file + "' --junit '" + junit + "' --export-json '" + json + "' --annotations github");
     CHECK(r.code == 1);
     CHECK(r.out.find("FAILED   wrong (holds: A sentence)") != std::string::npos);
     CHECK(r.out.find("measured 1") != std::string::npos);
@@ -50,7 +53,8 @@ TEST_CASE("a claim that does not measure as stated fails, by name, with the wors
 TEST_CASE("what cannot be measured is an error, never a pass") {
     const Scratch scratch;
     // No hit is agreed on, so there is no error to take a quantile of.
-    const std::string file = scratch.write("c.toml", head + claim("empty", inside, "metric = \"lost_bits_p50\"\nin = [0, 24]\n"));
+    const std::string file =
+        scratch.write("c.toml", head + claim("empty", inside, "metric = \"lost_bits_p50\"\nin = [0, 24]\n"));
     const auto r = run("check '" + file + "' --junit '" + (scratch.path() / "j.xml").string() + "'");
     CHECK(r.code == 1);
     CHECK(r.out.find("broken") == 0);
@@ -59,7 +63,9 @@ TEST_CASE("what cannot be measured is an error, never a pass") {
 
 TEST_CASE("severity, filter and measure") {
     const Scratch scratch;
-    const std::string file = scratch.write("c.toml", head + claim("soft", inside, none_missed, "severity = \"warn\"\n") + claim("hard", inside, all_missed));
+    const std::string file =
+        scratch.write("c.toml", head + claim("soft", inside, none_missed, "severity = \"warn\"\n") +
+                                    claim("hard", inside, all_missed));
     CHECK(run("check '" + file + "'").code == 0);
     CHECK(run("check '" + file + "' --strict").code == 1);
     CHECK(run("check '" + file + "' --strict --filter 'h*'").code == 0);
@@ -71,8 +77,11 @@ TEST_CASE("a claim along a sweep, at a place and by its onset") {
     const Scratch scratch;
     const std::string given = "sweep = \"sphere-distance\"\nform = \"sphere.schoolbook\"\nformat = \"f64\"\n";
     // 2^26.5 = 94906265.6
-    const std::string file = scratch.write("c.toml", head + claim("onset", given, "onset = \"lost_bits\"\nstatistic = \"p50\"\nthreshold = 26.5\nin = [9.2e7, 9.8e7]\n") +
-                                                         claim("place", given + "at = 4096\n", "metric = \"lost_bits_p50\"\nin = [10, 14]\n"));
+    const std::string file = scratch.write(
+        "c.toml", head +
+                      claim("onset", given,
+                            "onset = \"lost_bits\"\nstatistic = \"p50\"\nthreshold = 26.5\nin = [9.2e7, 9.8e7]\n") +
+                      claim("place", given + "at = 4096\n", "metric = \"lost_bits_p50\"\nin = [10, 14]\n"));
     const auto r = run("check '" + file + "'");
     INFO(r.out);
     CHECK(r.code == 0);
@@ -82,12 +91,18 @@ TEST_CASE("a claim about a case, a place of a plane and a row of a table") {
     const Scratch scratch;
     const std::string form = "form = \"sphere.schoolbook\"\nformat = \"f32\"\n";
     const std::string file = scratch.write(
-        "c.toml", head + claim("case", "sweep = \"extremes/contact\"\ncase = \"one ulp outside the tangent\"\n" + form, "metric = \"false_hit_fraction\"\nin = [1, 1]\n") +
-                      claim("plane", "sweep = \"sphere-height\"\nat = [1e6, 1]\n" + form, "metric = \"lost_bits_p50\"\nin = [15, 20]\n") +
-                      // 1 + 2^-24 is a tie and goes to even, 1 - 2^-24 is a float.
-                      claim("sum", "table = \"arithmetic\"\nrow = \"sum_power_of_two\"\nformat = \"f32\"\nat = 16777216\n", "metric = \"fraction\"\nin = [1, 1]\n") +
-                      claim("difference", "table = \"arithmetic\"\nrow = \"difference_power_of_two\"\nformat = \"f32\"\nat = 16777216\n",
-                            "metric = \"fraction\"\nin = [0, 0]\n"));
+        "c.toml",
+        head +
+            claim("case", "sweep = \"extremes/contact\"\ncase = \"one ulp outside the tangent\"\n" + form,
+                  "metric = \"false_hit_fraction\"\nin = [1, 1]\n") +
+            claim("plane", "sweep = \"sphere-height\"\nat = [1e6, 1]\n" + form,
+                  "metric = \"lost_bits_p50\"\nin = [15, 20]\n") +
+            // 1 + 2^-24 is a tie and goes to even, 1 - 2^-24 is a float.
+            claim("sum", "table = \"arithmetic\"\nrow = \"sum_power_of_two\"\nformat = \"f32\"\nat = 16777216\n",
+                  "metric = \"fraction\"\nin = [1, 1]\n") +
+            claim("difference",
+                  "table = \"arithmetic\"\nrow = \"difference_power_of_two\"\nformat = \"f32\"\nat = 16777216\n",
+                  "metric = \"fraction\"\nin = [0, 0]\n"));
     const auto r = run("check '" + file + "'");
     INFO(r.out << r.err);
     CHECK(r.code == 0);
@@ -95,34 +110,52 @@ TEST_CASE("a claim about a case, a place of a plane and a row of a table") {
 
 TEST_CASE("claims about culprits, cancellation and contributions") {
     const Scratch scratch;
-    const std::string given = "scene = \"rtg-fig-7-3-4100-oblique\"\nform = \"sphere.schoolbook\"\nformat = \"f32\"\n", share = "metric = \"culprit_fraction\"\n";
+    const std::string given = "scene = \"rtg-fig-7-3-4100-oblique\"\nform = \"sphere.schoolbook\"\nformat = \"f32\"\n",
+                      share = "metric = \"culprit_fraction\"\n";
     const std::string fd = "\"dot(o - centre, d)\"", in = "in = [0, 1]\n";
     const std::string file = scratch.write(
-        "c.toml", head + claim("fd", given, share + "operation = " + fd + "\nin = [0.45, 0.5]\n") + claim("c", given, share + "operation = \"c\"\nin = [0.34, 0.38]\n") +
-                      claim("both", given, share + "operation = [\"c\", " + fd + ", \"c\"]\nin = [0.8, 0.87]\n") + claim("median", given, "metric = \"contribution_c_p50\"\nin = [1900, 2000]\n") +
-                      claim("all", given, "metric = \"cancellation_p50\"\nin = [24, 24]\n") + claim("disc", given, "metric = \"cancellation_disc_max\"\nin = [24, 24]\n") +
-                      claim("none", given, "metric = \"cancellation_c_max\"\nin = [0, 0]\n") +
-                      claim("sweep", "sweep = \"sphere-distance\"\nat = 4100\nform = \"sphere.schoolbook\"\nformat = \"f32\"\n", share + "operation = \"c\"\nin = [0.4, 0.6]\n") +
-                      claim("case", "sweep = \"extremes/contact\"\ncase = \"*\"\nform = \"sphere.schoolbook\"\nformat = \"f32\"\n", "metric = \"cancellation_max\"\nin = [0, 24]\n"));
+        "c.toml",
+        head + claim("fd", given, share + "operation = " + fd + "\nin = [0.45, 0.5]\n") +
+            claim("c", given, share + "operation = \"c\"\nin = [0.34, 0.38]\n") +
+            claim("both", given, share + "operation = [\"c\", " + fd + ", \"c\"]\nin = [0.8, 0.87]\n") +
+            claim("median", given, "metric = \"contribution_c_p50\"\nin = [1900, 2000]\n") +
+            claim("all", given, "metric = \"cancellation_p50\"\nin = [24, 24]\n") +
+            claim("disc", given, "metric = \"cancellation_disc_max\"\nin = [24, 24]\n") +
+            claim("none", given, "metric = \"cancellation_c_max\"\nin = [0, 0]\n") +
+            claim("sweep", "sweep = \"sphere-distance\"\nat = 4100\nform = \"sphere.schoolbook\"\nformat = \"f32\"\n",
+                  share + "operation = \"c\"\nin = [0.4, 0.6]\n") +
+            claim("case",
+                  "sweep = \"extremes/contact\"\ncase = \"*\"\nform = \"sphere.schoolbook\"\nformat = \"f32\"\n",
+                  "metric = \"cancellation_max\"\nin = [0, 24]\n"));
     const std::string json = (scratch.path() / "c.json").string();
     const auto r = run("check '" + file + "' --export-json '" + json + "'");
     INFO(r.out << r.err);
     CHECK(r.code == 0);
     const auto array = nlohmann::json::parse(contents(json));
     CHECK(array[0]["quantity"] == "culprit_fraction of dot(o - centre, d)");
-    CHECK(array[0]["reproduce"] == "lostbits map rtg-fig-7-3-4100-oblique -i sphere.schoolbook -f f32 --metric culprit -o out");
-    CHECK(array[5]["reproduce"] == "lostbits map rtg-fig-7-3-4100-oblique -i sphere.schoolbook -f f32 --metric \"cancellation:disc\" -o out");
-    CHECK(array[2]["measured"].get<double>() == Approx(array[0]["measured"].get<double>() + array[1]["measured"].get<double>()));
+    CHECK(array[0]["reproduce"] ==
+          "lostbits map rtg-fig-7-3-4100-oblique -i sphere.schoolbook -f f32 --metric culprit -o out");
+    CHECK(array[5]["reproduce"] ==
+          "lostbits map rtg-fig-7-3-4100-oblique -i sphere.schoolbook -f f32 --metric \"cancellation:disc\" -o out");
+    CHECK(array[2]["measured"].get<double>() ==
+          Approx(array[0]["measured"].get<double>() + array[1]["measured"].get<double>()));
 
-    const std::string before = head + "[[claim]]\nid = \"a\"\nstatement = \"A sentence\"\nsource = \"-\"\nverdict = \"holds\"\n[claim.given]\n" + given + "[claim.expect]\n";
+    const std::string before =
+        head +
+        "[[claim]]\nid = \"a\"\nstatement = \"A sentence\"\nsource = \"-\"\nverdict = \"holds\"\n[claim.given]\n" +
+        given + "[claim.expect]\n";
     const std::pair<std::string, std::string> bad[] = {
-        {share + "operation = \"disk\"\n" + in, "c.toml:13:13: sphere.schoolbook has no operation \"disk\"; did you mean \"disc\"?"},
+        {share + "operation = \"disk\"\n" + in,
+         "c.toml:13:13: sphere.schoolbook has no operation \"disk\"; did you mean \"disc\"?"},
         {share + "operation = \"dot(o - centre, e)\"\n" + in, "did you mean \"dot(o - centre, d)\"?"},
         {share + "operation = \"|f|\"\n" + in, "sphere.schoolbook has no operation"},  // sphere.factored_c has
         {share + in, "c.toml:12:10: claim[0].expect.metric needs an operation"},
         {share + "operation = []\n" + in, "c.toml:13:13"},
-        {"metric = \"lost_bits_p50\"\noperation = \"c\"\n" + in, "c.toml:13:1: claim[0].expect.operation goes with metric"},
-        {"metric = \"contribution:c_p50\"\n" + in, "c.toml:12:10: unknown metric \"contribution:c_p50\" of sphere.schoolbook; did you mean \"contribution_c_p50\"?"},
+        {"metric = \"lost_bits_p50\"\noperation = \"c\"\n" + in,
+         "c.toml:13:1: claim[0].expect.operation goes with metric"},
+        {"metric = \"contribution:c_p50\"\n" + in,
+         "c.toml:12:10: unknown metric \"contribution:c_p50\" of sphere.schoolbook; did you mean "
+         "\"contribution_c_p50\"?"},
         {"metric = \"contribution_disk_p50\"\n" + in, "did you mean \"contribution_disc_p50\"?"},
         {"metric = \"cancelation_p50\"\n" + in, "did you mean \"cancellation_p50\"?"},
         {"metric = \"culprit_fracton\"\n" + in, "did you mean \"culprit_fraction\"?"},
@@ -138,21 +171,28 @@ TEST_CASE("claims about culprits, cancellation and contributions") {
 TEST_CASE("what this machine lacks is skipped, what nobody knows is refused") {
     const Scratch scratch;
     const std::string junit = (scratch.path() / "j.xml").string();
-    const std::string here = scratch.write("c.toml", head + claim("isa", inside + "requires = [\"isa-128\"]\n", all_missed));
+    const std::string here =
+        scratch.write("c.toml", head + claim("isa", inside + "requires = [\"isa-128\"]\n", all_missed));
     const auto r = run("check '" + here + "' --junit '" + junit + "'");
     CHECK(r.code == 0);
     CHECK(contents(junit).find("skipped=\"") != std::string::npos);
-    CHECK(run("check '" + scratch.write("d.toml", head + claim("isa", inside + "requires = [\"isa-127\"]\n", all_missed)) + "'").code == 2);
+    CHECK(run("check '" +
+              scratch.write("d.toml", head + claim("isa", inside + "requires = [\"isa-127\"]\n", all_missed)) + "'")
+              .code == 2);
 }
 
 TEST_CASE("times are measured when asked for, and fail nothing") {
     const Scratch scratch;
     const std::string timing_head = head + "profile = \"timing\"\n";
-    const std::string scalar = "timing = \"one_ray_many_boxes\"\nform = \"box.signs\"\nkernel = \"scalar\"\nformat = \"f32\"\ndata = \"l1\"\n";
-    const std::string impossible = "metric = \"speed_ratio\"\nin = [1e6, 1e7]\n", all = "metric = \"speed_ratio\"\nin = [1e-3, 1e3]\n";
-    const std::string file = scratch.write("t.toml", timing_head + claim("t.never", scalar + "over = { kernel = \"128\" }\n", impossible) +
-                                                         claim("t.always", scalar + "over = { kernel = \"128\" }\n", all) +
-                                                         claim("t.skipped", scalar + "over = { kernel = \"128\" }\nrequires = [\"isa-512\", \"isa-256\"]\n", all));
+    const std::string scalar =
+        "timing = \"one_ray_many_boxes\"\nform = \"box.signs\"\nkernel = \"scalar\"\nformat = \"f32\"\ndata = \"l1\"\n";
+    const std::string impossible = "metric = \"speed_ratio\"\nin = [1e6, 1e7]\n",
+                      all = "metric = \"speed_ratio\"\nin = [1e-3, 1e3]\n";
+    const std::string file = scratch.write(
+        "t.toml",
+        timing_head + claim("t.never", scalar + "over = { kernel = \"128\" }\n", impossible) +
+            claim("t.always", scalar + "over = { kernel = \"128\" }\n", all) +
+            claim("t.skipped", scalar + "over = { kernel = \"128\" }\nrequires = [\"isa-512\", \"isa-256\"]\n", all));
     const auto r = run("check '" + file + "' --profile timing");
     INFO(r.out << r.err);
     CHECK(r.code == 0);
@@ -161,7 +201,8 @@ TEST_CASE("times are measured when asked for, and fail nothing") {
     CHECK(run("check '" + file + "'").code == 4);
     CHECK(run("check '" + file + "'").err.find("--profile timing") != std::string::npos);
     CHECK(run("check --filter 'speed.*'").code == 4);
-    for (const std::string gate : {"--strict", "--junit j.xml", "--report r", "--export-csv c.csv"}) CHECK(run("check '" + file + "' --profile timing " + gate, scratch.path()).code == 2);
+    for (const std::string gate : {"--strict", "--junit j.xml", "--report r", "--export-csv c.csv"})
+        CHECK(run("check '" + file + "' --profile timing " + gate, scratch.path()).code == 2);
     CHECK(scratch.files() == std::vector<std::string>{"t.toml"});
     const std::pair<std::string, std::string> bad[] = {
         {head + claim("a", scalar, all), "profile = \"timing\""},
@@ -191,16 +232,27 @@ TEST_CASE("bad claims are refused with their place") {
     const Case cases[] = {
         {head + claim("a", inside, all_missed) + claim("a", inside, all_missed), "twice"},
         {head + claim("a", "form = \"sphere.press\"\nformat = \"f32\"\n", all_missed), "scene"},
-        {head + claim("a", "scene = \"camera-insid\"\nform = \"sphere.press\"\nformat = \"f32\"\n", all_missed), "camera-inside"},
-        {head + claim("a", "scene = \"camera-inside\"\nform = \"sphere.pres\"\nformat = \"f32\"\n", all_missed), "sphere.press"},
-        {head + claim("a", "scene = \"camera-inside\"\nform = \"sphere.press\"\nformat = \"f33\"\n", all_missed), "f32"},
+        {head + claim("a", "scene = \"camera-insid\"\nform = \"sphere.press\"\nformat = \"f32\"\n", all_missed),
+         "camera-inside"},
+        {head + claim("a", "scene = \"camera-inside\"\nform = \"sphere.pres\"\nformat = \"f32\"\n", all_missed),
+         "sphere.press"},
+        {head + claim("a", "scene = \"camera-inside\"\nform = \"sphere.press\"\nformat = \"f33\"\n", all_missed),
+         "f32"},
         {head + claim("a", inside, "metric = \"false_mis_fraction\"\nin = [0, 1]\n"), "false_miss_fraction"},
         {head + claim("a", inside, "metric = \"false_miss_fraction\"\nin = [1, 0]\n"), "low"},
         {head + claim("a", inside, "metric = \"false_miss_fraction\"\n"), "in"},
         {head + claim("a", inside, "onset = \"lost_bits\"\nin = [0, 1]\n"), "sweep"},
-        {head + claim("a", "sweep = \"extremes/contact\"\nform = \"sphere.press\"\nformat = \"f32\"\ncase = \"eye at the center\"\n", all_missed), "eye at the centre"},
-        {head + claim("a", "sweep = \"sphere-height\"\nform = \"sphere.press\"\nformat = \"f32\"\nat = 1\n", all_missed), "2 axes"},
-        {head + claim("a", "table = \"arithmetic\"\nrow = \"summ\"\nformat = \"f32\"\nat = 1\n", "metric = \"fraction\"\nin = [0, 1]\n"), "sum"},
+        {head + claim("a",
+                      "sweep = \"extremes/contact\"\nform = \"sphere.press\"\nformat = \"f32\"\ncase = \"eye at the "
+                      "center\"\n",
+                      all_missed),
+         "eye at the centre"},
+        {head +
+             claim("a", "sweep = \"sphere-height\"\nform = \"sphere.press\"\nformat = \"f32\"\nat = 1\n", all_missed),
+         "2 axes"},
+        {head + claim("a", "table = \"arithmetic\"\nrow = \"summ\"\nformat = \"f32\"\nat = 1\n",
+                      "metric = \"fraction\"\nin = [0, 1]\n"),
+         "sum"},
         {head + claim("a", inside, all_missed, "sverity = \"warn\"\n"), "severity"},
     };
     for (const Case& c : cases) {
@@ -218,7 +270,10 @@ TEST_CASE("bad claims are refused with their place") {
 TEST_CASE("the command of a claim writes what the claim is about") {
     const Scratch scratch;
     const auto file = scratch.path() / "claims.json";
-    REQUIRE(run("check -q --filter 'sdf3.miss.0.x' --filter shader.unit-half-b-direction --filter rtg7.fig3.schoolbook-f32-4100-axis-false-hits --export-json '" + file.string() + "'").code == 0);
+    REQUIRE(run("check -q --filter 'sdf3.miss.0.x' --filter shader.unit-half-b-direction --filter "
+                "rtg7.fig3.schoolbook-f32-4100-axis-false-hits --export-json '" +
+                file.string() + "'")
+                .code == 0);
     std::map<std::string, std::string> command;
     for (const auto& claim : nlohmann::json::parse(contents(file))) command[claim.at("id")] = claim.at("reproduce");
     // A step of a march is in no map; a metric that is not measured unasked is asked for.
@@ -228,7 +283,8 @@ TEST_CASE("the command of a claim writes what the claim is about") {
     for (const auto& [id, text] : command) {
         INFO(text);
         std::string arguments = text.substr(text.find(' ') + 1);
-        if (const auto out = arguments.find("-o out"); out != std::string::npos) arguments.replace(out, 6, "-o '" + (scratch.path() / "out").string() + "'");
+        if (const auto out = arguments.find("-o out"); out != std::string::npos)
+            arguments.replace(out, 6, "-o '" + (scratch.path() / "out").string() + "'");
         CHECK(run(arguments).code == 0);
     }
     CHECK(contents(scratch.path() / "out/near-benign/summary.csv").find("model_error_max") != std::string::npos);

@@ -26,7 +26,8 @@ output::image::ImageBackend& backend() {
 }
 
 void write_exr(const std::filesystem::path& path, float x, const char* command = "map") {
-    auto exr = backend().open_exr(path, {2, 1, {{"err.ulp", output::image::Channel::Type::f32}}, {{"lostbits:command", command}}});
+    auto exr = backend().open_exr(
+        path, {2, 1, {{"err.ulp", output::image::Channel::Type::f32}}, {{"lostbits:command", command}}});
     const float samples[] = {1, x};
     exr->write_rows(0, 1, std::as_bytes(std::span(samples)));
     exr->close();
@@ -60,7 +61,8 @@ TEST_CASE("diff: a difference has its line, its column and its size, and exits w
           "a.csv:2: ulp: 2 != 2.5 (abs 0.5, rel 0.2)\n"
           "a.csv:3: ulp: nan != 1\n"
           "a.csv: 2 differences\n"
-          "  ulp: 2 differ, 1 of them in kind (NaN, infinite, empty or text), largest abs 0.5 at line 2, largest rel 0.2 at line 2\n");
+          "  ulp: 2 differ, 1 of them in kind (NaN, infinite, empty or text), largest abs 0.5 at line 2, largest rel "
+          "0.2 at line 2\n");
     CHECK(diff("x\n1\n", "x\n2\n", "-q").code == 1);
 }
 
@@ -88,7 +90,9 @@ TEST_CASE("diff: twenty lines a file and the number of the others, all of them w
     const auto r = diff(a, b, "--tolerance y=1");
     CHECK(r.code == 1);
     CHECK(lines(r.out, ": x: 1 != 2") == 20);
-    CHECK(has(r.out, "a.csv: and 13 more; -v shows all\na.csv: 33 differences\n  x: 33 differ, largest abs 1 at line 2, largest rel 0.5 at line 2\n"));
+    CHECK(has(r.out,
+              "a.csv: and 13 more; -v shows all\na.csv: 33 differences\n  x: 33 differ, largest abs 1 at line 2, "
+              "largest rel 0.5 at line 2\n"));
     CHECK_FALSE(has(r.out, "  y: "));
     const auto all = diff(a, b, "--tolerance y=1 -v");
     CHECK(lines(all.out, ": x: 1 != 2") == 33);
@@ -99,8 +103,10 @@ TEST_CASE("diff: twenty lines a file and the number of the others, all of them w
 TEST_CASE("diff: columns and rows that only one side has") {
     const auto r = diff("a,b,c,d\n1,2,3,4\n", "b,c,a,e\n2,3,1,5\n6,7,8,9\n");
     CHECK(r.code == 1);
-    for (const char* line : {"a.csv:1: column d is missing in the second\n", "a.csv:1: column e is added in the second\n",
-                             "a.csv:1: column a moved from place 1 to place 3\n", "a.csv: rows: 1 != 2; the first 1 are compared\n", "a.csv: 4 differences\n"}) {
+    for (const char* line :
+         {"a.csv:1: column d is missing in the second\n", "a.csv:1: column e is added in the second\n",
+          "a.csv:1: column a moved from place 1 to place 3\n", "a.csv: rows: 1 != 2; the first 1 are compared\n",
+          "a.csv: 4 differences\n"}) {
         INFO(r.out);
         CHECK(has(r.out, line));
     }
@@ -139,7 +145,8 @@ TEST_CASE("diff: bad input exits with 2, says why, and prints no half of an answ
     };
     for (const auto& c : cases) {
         INFO(c.arguments);
-        const auto r = run(std::string("diff ") + c.arguments, scratch.path(), "export LOSTBITS_IMAGE_MODULE='" LOSTBITS_IMAGE_MODULE_FILE "';");
+        const auto r = run(std::string("diff ") + c.arguments, scratch.path(),
+                           "export LOSTBITS_IMAGE_MODULE='" LOSTBITS_IMAGE_MODULE_FILE "';");
         INFO(r.err);
         CHECK(r.code == 2);
         CHECK(r.out.empty());
@@ -211,10 +218,13 @@ TEST_CASE("diff: folders, file by file, each kind its own way") {
         write_png(scratch.path() / folder / "p.png", 6);
         write_exr(scratch.path() / folder / "e.exr", 2, name.c_str());
     }
-    const auto compare = [&](const std::string& options = "") { return run("diff one two " + options, scratch.path()); };
+    const auto compare = [&](const std::string& options = "") {
+        return run("diff one two " + options, scratch.path());
+    };
     CHECK(compare().out == "same\n");
     CHECK(compare().code == 0);
-    CHECK(compare("-v").out == "one/d.json: same\none/sub/e.exr: same\none/sub/p.png: same\none/sub/u.csv: same\none/t.csv: same\nsame\n");
+    CHECK(compare("-v").out ==
+          "one/d.json: same\none/sub/e.exr: same\none/sub/p.png: same\none/sub/u.csv: same\none/t.csv: same\nsame\n");
 
     // A column counts as known where one file has it.
     static_cast<void>(scratch.write("two/sub/u.csv", "y\n2\n"));
@@ -265,9 +275,11 @@ TEST_CASE("diff: what map writes is the same as itself, and another form is not"
     CHECK(run("diff one two", scratch.path()).out == "same\n");
     for (const char* kind : {".exr", ".csv"}) {
         const std::string stem = "/near-benign/sphere.";
-        const auto r = run("diff one" + stem + "press.f32" + kind + " three" + stem + "schoolbook.f32" + kind, scratch.path());
+        const auto r =
+            run("diff one" + stem + "press.f32" + kind + " three" + stem + "schoolbook.f32" + kind, scratch.path());
         CHECK(r.code == 1);
-        CHECK(has(r.out, "attribute lostbits:form: \"sphere.press\" != \"sphere.schoolbook\"") == (std::string_view(kind) == ".exr"));
+        CHECK(has(r.out, "attribute lostbits:form: \"sphere.press\" != \"sphere.schoolbook\"") ==
+              (std::string_view(kind) == ".exr"));
         CHECK(has(r.out, std::string_view(kind) == ".exr" ? "\n  err.ulp: " : "\n  ulp_error: "));
     }
 }

@@ -20,7 +20,9 @@ const std::string far = "explain rtg-fig-7-3-4100-oblique --pixel 128,40 ";
 bool has(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
 
 /// Scenes, each with a pixel that forms of its shape hit.
-const std::vector<std::pair<Shape, std::string>> settings{{Shape::sphere, "rtg-fig-7-3-100-oblique --pixel 128,100"}, {Shape::box, "box-one --pixel 128,100"}, {Shape::sdf, "sdf-sphere --pixel 100,100"}};
+const std::vector<std::pair<Shape, std::string>> settings{{Shape::sphere, "rtg-fig-7-3-100-oblique --pixel 128,100"},
+                                                          {Shape::box, "box-one --pixel 128,100"},
+                                                          {Shape::sdf, "sdf-sphere --pixel 100,100"}};
 
 const std::string& setting_of(Shape shape) {
     return std::ranges::find(settings, shape, &std::pair<Shape, std::string>::first)->second;
@@ -86,7 +88,9 @@ TEST_CASE("C programs compile alone, compute the recorded bits, and say so in th
         }
     }
     // Misses, whose t may be any NaN; the widest formats that round; an answer that is no number.
-    for (const char* more : {"near-benign --pixel 0,0 -i sphere.schoolbook", "near-benign --pixel 0,0 -i sphere.pythagoras", "box-one --pixel 0,0 -i box.signs", "sdf-sphere --pixel 0,0 -i sdf.sphere_trace"}) {
+    for (const char* more :
+         {"near-benign --pixel 0,0 -i sphere.schoolbook", "near-benign --pixel 0,0 -i sphere.pythagoras",
+          "box-one --pixel 0,0 -i box.signs", "sdf-sphere --pixel 0,0 -i sdf.sphere_trace"}) {
         for (const char* format : {"f32", "f64", "p26", "p52", "p53"}) asked.emplace_back(more, format);
     }
     for (const auto& [what, format] : asked) {
@@ -116,7 +120,8 @@ TEST_CASE("FPCore reads as s-expressions and evaluates to the recorded bits") {
     for (const intersect::table::Intersector& form : intersect::table::intersectors()) {
         for (const std::string format : {"f32", "f64"}) {
             if (form.info->formats == intersect::Formats::binary32_only && format != "f32") continue;
-            const std::string where = "explain " + setting_of(form.shape) + " -i " + std::string(form.info->name) + " -f " + format;
+            const std::string where =
+                "explain " + setting_of(form.shape) + " -i " + std::string(form.info->name) + " -f " + format;
             const auto r = run(where + " --fpcore");
             INFO(where << ": " << r.err);
             REQUIRE(r.code == 0);
@@ -187,7 +192,9 @@ TEST_CASE("a C program of many bits is refused where what an operation leaves ou
 }
 
 TEST_CASE("an agreed miss has no culprit, whatever form misses") {
-    for (const char* what : {"near-benign --pixel 0,0 -i sphere.schoolbook", "box-one --pixel 0,0 -i box.inclusive", "sdf-sphere --pixel 0,0 -i sdf.sphere_trace", "sdf-sphere --pixel 0,0 -i sdf.accumulated"}) {
+    for (const char* what :
+         {"near-benign --pixel 0,0 -i sphere.schoolbook", "box-one --pixel 0,0 -i box.inclusive",
+          "sdf-sphere --pixel 0,0 -i sdf.sphere_trace", "sdf-sphere --pixel 0,0 -i sdf.accumulated"}) {
         const auto r = run(std::string("explain ") + what);
         INFO(r.out);
         REQUIRE(r.code == 0);
@@ -204,13 +211,15 @@ TEST_CASE("an agreed miss has no culprit, whatever form misses") {
 
 TEST_CASE("JSON: what there is not is null, a number that is not finite is a word") {
     const auto miss = nlohmann::json::parse(run("explain near-benign --pixel 0,0 -i sphere.schoolbook --json").out);
-    for (const char* key : {"truth", "ulp_error", "lost_bits", "condition", "inherent_bits", "culprit", "given_direction"}) {
+    for (const char* key :
+         {"truth", "ulp_error", "lost_bits", "condition", "inherent_bits", "culprit", "given_direction"}) {
         INFO(key);
         CHECK(miss[key].is_null());
     }
     // The root of a negative discriminant: NaN is what the machine computed, and what it is without rounding.
     int words = 0;
-    for (const auto& o : miss["operations"]) words += o["operation"] == "sqrt" && o["computed"]["decimal"] == "nan" && o["exact"] == "nan";
+    for (const auto& o : miss["operations"])
+        words += o["operation"] == "sqrt" && o["computed"]["decimal"] == "nan" && o["exact"] == "nan";
     CHECK(words == 1);
     const auto hit = nlohmann::json::parse(run(far + "-i sphere.schoolbook --json").out);
     CHECK(hit["attribution"]["first_order"].is_string());  // an infinite derivative
@@ -221,8 +230,11 @@ TEST_CASE("a direction that is normalised is said to be") {
     const std::string ray = "explain sdf-sphere --ray 0,0,4,0,0,-2 ";
     const auto march = run(ray + "-i sdf.sphere_trace");
     INFO(march.out << march.err);
-    CHECK(has(march.out, "The direction (0, 0, -2) is normalised and rounded: the form takes unit directions, and its t is a distance."));
-    CHECK(nlohmann::json::parse(run(ray + "-i sdf.sphere_trace --json").out)["given_direction"] == nlohmann::json({0, 0, -2}));
+    CHECK(has(march.out,
+              "The direction (0, 0, -2) is normalised and rounded: the form takes unit directions, and its t is a "
+              "distance."));
+    CHECK(nlohmann::json::parse(run(ray + "-i sdf.sphere_trace --json").out)["given_direction"] ==
+          nlohmann::json({0, 0, -2}));
     CHECK_FALSE(has(run("explain sdf-sphere --ray 0,0,4,0,0,-1 -i sdf.sphere_trace").out, "is normalised"));
     CHECK_FALSE(has(run("explain near-benign --ray 0,0,0,0,0,-2 -i sphere.schoolbook").out, "is normalised"));
 }
@@ -238,8 +250,10 @@ TEST_CASE("explain refuses what it cannot read, and says why") {
              {"explain near-benign --pixel 1,1 -i sphere.unified --json --c", "at most 1"},
              {"explain near-benign --pixel 1,1 -i sphere.double_inside -f p2", "try -f f32"},
              {"explain near-benign --ray 0,0,0,0,0,x -i sphere.unified", "\"x\" is not a number"},
-             {"explain near-benign --ray 0,0,0,0,0,1e400 -i sphere.unified", "out of range: rays are stored in binary32, whose largest number is 3.4028234663852886e+38"},
-             {"explain near-benign --ray 0,0,0,0,0,1e39 -i sphere.unified", "out of range: rays are stored in binary32"},
+             {"explain near-benign --ray 0,0,0,0,0,1e400 -i sphere.unified",
+              "out of range: rays are stored in binary32, whose largest number is 3.4028234663852886e+38"},
+             {"explain near-benign --ray 0,0,0,0,0,1e39 -i sphere.unified",
+              "out of range: rays are stored in binary32"},
              {"explain near-benign --pixel 1e400,0 -i sphere.unified", "not a pixel"}}) {
         const auto r = run(arguments);
         INFO(arguments);
@@ -249,9 +263,12 @@ TEST_CASE("explain refuses what it cannot read, and says why") {
     }
 }
 
-TEST_CASE("culprits, cancellation and contributions are maps like any other, the same bytes for any number of threads") {
+TEST_CASE(
+    "culprits, cancellation and contributions are maps like any other, the same bytes for any number of threads") {
     const Scratch scratch;
-    const std::string what = "map rtg-fig-7-3-4100-oblique -i sphere.schoolbook -i sphere.unified -f f32 --size 48x32 --metric culprit --metric cancellation --metric contribution:c --pixels csv -q ";
+    const std::string what =
+        "map rtg-fig-7-3-4100-oblique -i sphere.schoolbook -i sphere.unified -f f32 --size 48x32 --metric culprit "
+        "--metric cancellation --metric contribution:c --pixels csv -q ";
     REQUIRE(run(what + "-j 1 -o one", scratch.path()).code == 0);
     REQUIRE(run(what + "-j 2 -o two", scratch.path()).code == 0);
     int files = 0;
@@ -287,7 +304,8 @@ TEST_CASE("an overflow behind a turned decision is to blame, and not what rounds
     CHECK(has(r.out, "Rounding turned the decision disc < 0: disc is nan, without rounding -4.378"));
     CHECK_FALSE(has(r.out, "0 is 0"));
     CHECK_FALSE(has(r.out, "11.0 bits lost"));  // a form that loses all of them does not do better
-    CHECK(has(run("explain world-offset-own --pixel 60,60 -i sphere.unified -f fp16").out, "o.x is inf in fp16, an input: everything after it follows."));
+    CHECK(has(run("explain world-offset-own --pixel 60,60 -i sphere.unified -f fp16").out,
+              "o.x is inf in fp16, an input: everything after it follows."));
 }
 
 TEST_CASE("a ray is asked alone, however many spheres there are") {

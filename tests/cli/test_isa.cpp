@@ -32,14 +32,17 @@ void same_for_every_isa(const Scratch& scratch, const std::string& command, std:
         ++compared;
     }
     CHECK(compared >= least);
-    CHECK(compared * isas.size() == static_cast<std::size_t>(std::ranges::count_if(files, [](const std::string& f) { return f.find('/') != f.npos; })));
+    CHECK(compared * isas.size() == static_cast<std::size_t>(std::ranges::count_if(
+                                        files, [](const std::string& f) { return f.find('/') != f.npos; })));
 }
 
 }  // namespace
 
 TEST_CASE("map leaves the same bytes at every register width") {
     const Scratch scratch;
-    same_for_every_isa(scratch, "-j 2 map rtg-fig-7-3-4100-oblique box-slabs --size 23x21 -f f32 -f f64 --metric lost_bits --pixels csv", 100);
+    same_for_every_isa(
+        scratch,
+        "-j 2 map rtg-fig-7-3-4100-oblique box-slabs --size 23x21 -f f32 -f f64 --metric lost_bits --pixels csv", 100);
 }
 
 TEST_CASE("sweep leaves the same bytes at every register width") {
@@ -70,7 +73,8 @@ TEST_CASE("an unknown register width is refused, one that the processor lacks is
     CHECK(unknown.err.find("--isa") != std::string::npos);
     CHECK(unknown.err.find("256") != std::string::npos);
     const auto isas = intersect::simd::available_isas();
-    for (const intersect::simd::Isa isa : {intersect::simd::Isa::scalar, intersect::simd::Isa::w128, intersect::simd::Isa::w256, intersect::simd::Isa::w512}) {
+    for (const intersect::simd::Isa isa : {intersect::simd::Isa::scalar, intersect::simd::Isa::w128,
+                                           intersect::simd::Isa::w256, intersect::simd::Isa::w512}) {
         const auto r = run("list intersectors --isa " + std::string(name_of(isa)));
         INFO(r.err);
         const bool available = std::ranges::find(isas, isa) != isas.end();

@@ -48,8 +48,12 @@ TEST_CASE("the metrics of labels are listed, and every form has labels to map") 
         INFO(form.info->name << ": " << labels);
         CHECK_FALSE(labels.empty());
         const std::string last = labels.substr(labels.rfind(' ') + 1);
-        const char* const scene = form.shape == Shape::sphere ? "near-benign" : form.shape == Shape::box ? "box-one" : "sdf-sphere";
-        const auto r = run(std::string("map ") + scene + " --size 8x8 -f f32 -i " + std::string(form.info->name) + " --metric \"contribution:" + last + "\" -q -o out", scratch.path());
+        const char* const scene = form.shape == Shape::sphere ? "near-benign"
+                                  : form.shape == Shape::box  ? "box-one"
+                                                              : "sdf-sphere";
+        const auto r = run(std::string("map ") + scene + " --size 8x8 -f f32 -i " + std::string(form.info->name) +
+                               " --metric \"contribution:" + last + "\" -q -o out",
+                           scratch.path());
         INFO(r.err);
         mapped += r.code == 0;
     }
@@ -66,9 +70,10 @@ TEST_CASE("list formats and scenes name what map takes") {
     const auto has = [&](const std::string& name) {
         return std::ranges::any_of(scenes, [&](const auto& s) { return s["name"] == name; });
     };
-    for (const char* name : {"rtg-fig-7-3-100", "rtg-fig-7-3-2000", "rtg-fig-7-3-4100", "rtg-fig-7-3-8000", "rtg-fig-7-3-100-oblique",
-                             "rtg-fig-7-3-2000-oblique", "rtg-fig-7-3-4100-oblique", "rtg-fig-7-3-8000-oblique", "rtg-fig-7-4", "near-benign",
-                             "camera-inside", "grazing", "world-offset", "world-offset-own"}) {
+    for (const char* name :
+         {"rtg-fig-7-3-100", "rtg-fig-7-3-2000", "rtg-fig-7-3-4100", "rtg-fig-7-3-8000", "rtg-fig-7-3-100-oblique",
+          "rtg-fig-7-3-2000-oblique", "rtg-fig-7-3-4100-oblique", "rtg-fig-7-3-8000-oblique", "rtg-fig-7-4",
+          "near-benign", "camera-inside", "grazing", "world-offset", "world-offset-own"}) {
         INFO(name);
         CHECK(has(name));
     }

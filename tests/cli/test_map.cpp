@@ -73,7 +73,9 @@ TEST_CASE("map writes every file of every form and format") {
 TEST_CASE("the same bytes for any number of threads, and again") {
     const Scratch scratch;
     const std::string scene = scratch.write("scene.toml", good_scene);
-    const std::string what = "map '" + scene + "' near-benign --size 150x260 -i '*press*' -i sphere.unit_half_b -f f32 -f p13 --metric '*' --pixels csv";
+    const std::string what =
+        "map '" + scene +
+        "' near-benign --size 150x260 -i '*press*' -i sphere.unit_half_b -f f32 -f p13 --metric '*' --pixels csv";
     const auto out = [&](const char* name) { return " -o '" + (scratch.path() / name).string() + "'"; };
     REQUIRE(run(what + " -j 1" + out("one")).code == 0);
     REQUIRE(run(what + " -j 2" + out("two")).code == 0);
@@ -93,7 +95,9 @@ TEST_CASE("the same bytes for any number of threads, and again") {
 
 TEST_CASE("EXR, pixel CSV and summary tell the same story") {
     const Scratch scratch;
-    const auto r = run("map rtg-fig-7-3-2000-oblique --size 96x96 -i sphere.schoolbook -f f64 -f f32 --metric '*' --pixels csv -o '" + scratch.path().string() + "'");
+    const auto r = run(
+        "map rtg-fig-7-3-2000-oblique --size 96x96 -i sphere.schoolbook -f f64 -f f32 --metric '*' --pixels csv -o '" +
+        scratch.path().string() + "'");
     INFO(r.err);
     REQUIRE(r.code == 0);
     const auto folder = scratch.path() / "rtg-fig-7-3-2000-oblique";
@@ -109,10 +113,12 @@ TEST_CASE("EXR, pixel CSV and summary tell the same story") {
             const auto& pixel = pixels[i];
             ++counts[pixel.at("outcome")];
             CHECK(lostbits::measure::answer::outcome_names[words(exr, "class.outcome")[i]] == pixel.at("outcome"));
-            const auto t = std::bit_cast<double>(std::uint64_t{words(exr, "t.word1")[i]} << 32 | words(exr, "t.word0")[i]);
+            const auto t =
+                std::bit_cast<double>(std::uint64_t{words(exr, "t.word1")[i]} << 32 | words(exr, "t.word0")[i]);
             CHECK((pixel.at("t_hex").empty() ? std::isnan(t) : t == number(pixel.at("t_hex"))));
             CHECK((pixel.at("t").empty() || number(pixel.at("t")) == t));
-            const auto truth = std::bit_cast<double>(std::uint64_t{words(exr, "truth.word1")[i]} << 32 | words(exr, "truth.word0")[i]);
+            const auto truth =
+                std::bit_cast<double>(std::uint64_t{words(exr, "truth.word1")[i]} << 32 | words(exr, "truth.word0")[i]);
             CHECK((pixel.at("truth_hex").empty() ? std::isnan(truth) : truth == number(pixel.at("truth_hex"))));
             const float layer = floats(exr, "err.ulp")[i];
             const std::string cell = pixel.at("ulp_error");
@@ -120,15 +126,20 @@ TEST_CASE("EXR, pixel CSV and summary tell the same story") {
             if (pixel.at("outcome") != "agree_hit") continue;
             ulps.push_back(std::fabs(number(cell)));
             // The three-way split is a split: its parts sum to the whole, to the rounding of the sum.
-            const double parts = number(pixel.at("input_error")) + number(pixel.at("model_error")) + number(pixel.at("rounding_error"));
+            const double parts =
+                number(pixel.at("input_error")) + number(pixel.at("model_error")) + number(pixel.at("rounding_error"));
             CHECK(parts == Approx(number(cell)).margin(1e-6).epsilon(1e-9));
-            CHECK(number(pixel.at("lost_bits")) + number(pixel.at("correct_bits")) == Approx(summary.at("format") == "f32" ? 24 : 53));
+            CHECK(number(pixel.at("lost_bits")) + number(pixel.at("correct_bits")) ==
+                  Approx(summary.at("format") == "f32" ? 24 : 53));
         }
-        for (const auto name : lostbits::measure::answer::outcome_names) CHECK(number(summary.at(std::string(name))) == static_cast<double>(counts[std::string(name)]));
+        for (const auto name : lostbits::measure::answer::outcome_names)
+            CHECK(number(summary.at(std::string(name))) == static_cast<double>(counts[std::string(name)]));
         std::ranges::sort(ulps);
         REQUIRE_FALSE(ulps.empty());
         CHECK(number(summary.at("ulp_error_max")) == ulps.back());
-        const auto rank = [&](double q) { return ulps[static_cast<std::size_t>(std::ceil(q * static_cast<double>(ulps.size()))) - 1]; };
+        const auto rank = [&](double q) {
+            return ulps[static_cast<std::size_t>(std::ceil(q * static_cast<double>(ulps.size()))) - 1];
+        };
         CHECK(number(summary.at("ulp_error_p50")) == Approx(rank(0.5)).epsilon(0x1p-10));
         CHECK(number(summary.at("ulp_error_p99")) == Approx(rank(0.99)).epsilon(0x1p-10));
         double sum = 0;
@@ -144,7 +155,8 @@ TEST_CASE("variants, --variant, --set and --size choose what is mapped") {
     const Scratch scratch;
     const std::string out = " -i sphere.press -f f32 -o '" + scratch.path().string() + "'";
     REQUIRE(run("map rtg-fig-7-4 --size 40x30" + out).code == 0);
-    for (const char* id : {"r1e3", "r1e4", "r1e5", "r1e6", "r6371000"}) CHECK(std::filesystem::exists(scratch.path() / (std::string("rtg-fig-7-4.") + id) / "summary.csv"));
+    for (const char* id : {"r1e3", "r1e4", "r1e5", "r1e6", "r6371000"})
+        CHECK(std::filesystem::exists(scratch.path() / (std::string("rtg-fig-7-4.") + id) / "summary.csv"));
     REQUIRE(run("map rtg-fig-7-4 --variant r1e3 --size 20x10" + out).code == 0);
     CHECK(read_csv(scratch.path() / "rtg-fig-7-4.r1e3/summary.csv").front().at("rays") == "200");
     CHECK(read_csv(scratch.path() / "rtg-fig-7-4.r1e4/summary.csv").front().at("rays") == "1200");
@@ -159,8 +171,10 @@ TEST_CASE("variants, --variant, --set and --size choose what is mapped") {
 
 TEST_CASE("own inputs and narrow formats show input error, shared ones in f32 and f64 do not") {
     const Scratch scratch;
-    REQUIRE(run("map world-offset world-offset-own --size 48x48 -i sphere.unified -f f32 -f f64 -f bf16 --metric input_error --metric model_error -o '" +
-                scratch.path().string() + "'").code == 0);
+    REQUIRE(run("map world-offset world-offset-own --size 48x48 -i sphere.unified -f f32 -f f64 -f bf16 --metric "
+                "input_error --metric model_error -o '" +
+                scratch.path().string() + "'")
+                .code == 0);
     const auto worst = [&](const char* scene, const char* format) {
         for (const auto& row : read_csv(scratch.path() / scene / "summary.csv")) {
             if (row.at("format") == format) return number(row.at("input_error_max"));
@@ -176,7 +190,8 @@ TEST_CASE("own inputs and narrow formats show input error, shared ones in f32 an
 TEST_CASE("an interrupted run ends with 130 and leaves no partial file") {
     const Scratch scratch;
     const std::string scene = scratch.write("scene.toml", good_scene);
-    const auto r = run("map '" + scene + "' --size 4000x4000 -o '" + (scratch.path() / "out").string() + "' & child=$!; sleep 1.5; kill -INT $child; wait $child; exit $?",
+    const auto r = run("map '" + scene + "' --size 4000x4000 -o '" + (scratch.path() / "out").string() +
+                           "' & child=$!; sleep 1.5; kill -INT $child; wait $child; exit $?",
                        ".", "set -m; ");
     INFO(r.err);
     CHECK(r.code == 130);
@@ -184,9 +199,12 @@ TEST_CASE("an interrupted run ends with 130 and leaves no partial file") {
 }
 
 TEST_CASE("a run that is asked to stop does so within a band, however many spheres there are") {
-    // bf16 makes nearly all of the 66,431 spheres candidates: one band of rows takes minutes. 137 would be the kill that follows.
+    // bf16 makes nearly all of the 66,431 spheres candidates: one band of rows takes minutes. 137 would be the kill
+    // that follows.
     const Scratch scratch;
-    const auto r = run("map sphereflake-far -f bf16 -i sphere.schoolbook -q -o '" + (scratch.path() / "out").string() + "'", ".", "timeout --preserve-status -s TERM -k 40 3 sh -c 'exec \"$@\"' ");
+    const auto r =
+        run("map sphereflake-far -f bf16 -i sphere.schoolbook -q -o '" + (scratch.path() / "out").string() + "'", ".",
+            "timeout --preserve-status -s TERM -k 40 3 sh -c 'exec \"$@\"' ");
     INFO(r.err);
     CHECK(r.code == 130);
     CHECK(scratch.files().empty());

@@ -40,10 +40,14 @@ std::string attribute(const lostbits::output::image::ExrImage& exr, const std::s
     return {};
 }
 
-std::size_t count_of(const lostbits::output::image::PngImage& png, lostbits::output::image::Rgb8 colour) { return static_cast<std::size_t>(std::ranges::count(png.pixels, colour)); }
+std::size_t count_of(const lostbits::output::image::PngImage& png, lostbits::output::image::Rgb8 colour) {
+    return static_cast<std::size_t>(std::ranges::count(png.pixels, colour));
+}
 
 lostbits::output::image::Rgb8 preview(const ExrImage& exr, std::size_t i) {
-    const auto byte = [&](const char* c) { return srgb_byte(static_cast<std::uint16_t>(std::lround(samples<float>(exr, c)[i] * 65535.0F))); };
+    const auto byte = [&](const char* c) {
+        return srgb_byte(static_cast<std::uint16_t>(std::lround(samples<float>(exr, c)[i] * 65535.0F)));
+    };
     return {byte("R"), byte("G"), byte("B")};
 }
 
@@ -51,7 +55,10 @@ lostbits::output::image::Rgb8 preview(const ExrImage& exr, std::size_t i) {
 
 TEST_CASE("picture, EXR, pixels and table of the bits needed tell the same story") {
     const Scratch scratch;
-    const auto r = run("map rtg-fig-7-3-2000-oblique --size 48x40 -i sphere.schoolbook -i sphere.unit_half_b -f f32 --bits-needed 45 --pixels csv -v -o '" + scratch.path().string() + "'");
+    const auto r =
+        run("map rtg-fig-7-3-2000-oblique --size 48x40 -i sphere.schoolbook -i sphere.unit_half_b -f f32 --bits-needed "
+            "45 --pixels csv -v -o '" +
+            scratch.path().string() + "'");
     INFO(r.err);
     REQUIRE(r.code == 0);
     const auto folder = scratch.path() / "rtg-fig-7-3-2000-oblique";
@@ -86,19 +93,23 @@ TEST_CASE("picture, EXR, pixels and table of the bits needed tell the same story
         }
         beyond_in_all += hits_beyond;
         // 48 samples across are drawn eight pixels a side; the legend's swatch comes on top.
-        CHECK((count_of(png, lostbits::output::map::beyond_colour) > 64 * static_cast<std::size_t>(hits_beyond + misses_beyond)) == (hits_beyond + misses_beyond > 0));
+        CHECK((count_of(png, lostbits::output::map::beyond_colour) >
+               64 * static_cast<std::size_t>(hits_beyond + misses_beyond)) == (hits_beyond + misses_beyond > 0));
         CHECK(number(row.at("bits_asked")) == 45);
         CHECK(number(row.at("pixels")) == 48 * 40);
         CHECK(number(row.at("hits_beyond_53")) == hits_beyond);
         CHECK(number(row.at("misses_beyond_53")) == misses_beyond);
         CHECK(row.at("unresolved") == "0");
-        for (const auto& [prefix, values] : {std::pair{std::string("needed_"), &all}, {std::string("hit_needed_"), &hits}}) {
+        for (const auto& [prefix, values] :
+             {std::pair{std::string("needed_"), &all}, {std::string("hit_needed_"), &hits}}) {
             std::ranges::sort(*values);
             if (values->empty()) {
                 CHECK(row.at(prefix + "max").empty());
                 continue;
             }
-            const auto rank = [&](double q) { return (*values)[static_cast<std::size_t>(std::ceil(q * static_cast<double>(values->size()))) - 1]; };
+            const auto rank = [&](double q) {
+                return (*values)[static_cast<std::size_t>(std::ceil(q * static_cast<double>(values->size()))) - 1];
+            };
             double sum = 0;
             for (const double v : *values) sum += v;
             CHECK(number(row.at(prefix + "mean")) == Approx(sum / static_cast<double>(values->size())).epsilon(1e-14));
@@ -106,7 +117,9 @@ TEST_CASE("picture, EXR, pixels and table of the bits needed tell the same story
             CHECK(number(row.at(prefix + "p99")) == rank(0.99));
             CHECK(number(row.at(prefix + "max")) == values->back());
         }
-        CHECK(attribute(exr, "lostbits:command") == "lostbits map rtg-fig-7-3-2000-oblique -i 'sphere.schoolbook' -i 'sphere.unit_half_b' --bits-needed 45 --size 48x40");
+        CHECK(attribute(exr, "lostbits:command") ==
+              "lostbits map rtg-fig-7-3-2000-oblique -i 'sphere.schoolbook' -i 'sphere.unit_half_b' --bits-needed 45 "
+              "--size 48x40");
         CHECK(attribute(exr, "lostbits:scene") == "rtg-fig-7-3-2000-oblique");
         CHECK(attribute(exr, "lostbits:form") == row.at("form"));
     }
@@ -114,13 +127,15 @@ TEST_CASE("picture, EXR, pixels and table of the bits needed tell the same story
     const auto package = nlohmann::json::parse(contents(folder / "datapackage.json"));
     std::vector<std::string> described;
     for (const auto& resource : package["resources"]) described.push_back(resource["path"]);
-    for (const char* name : {"summary.csv", "needed.csv", "sphere.schoolbook.needed.csv"}) CHECK(std::ranges::count(described, name) == 1);
+    for (const char* name : {"summary.csv", "needed.csv", "sphere.schoolbook.needed.csv"})
+        CHECK(std::ranges::count(described, name) == 1);
 }
 
 TEST_CASE("bits needed: the same bytes for any number of threads, and the map beside them as without") {
     const Scratch scratch;
     // More pixels than a band has, so that rows come in two instalments.
-    const std::string what = "map near-benign --size 150x230 -i sphere.schoolbook -i sphere.unit_half_b -f f32 --pixels csv";
+    const std::string what =
+        "map near-benign --size 150x230 -i sphere.schoolbook -i sphere.unit_half_b -f f32 --pixels csv";
     const auto out = [&](const char* name) { return " -o '" + (scratch.path() / name).string() + "'"; };
     REQUIRE(run(what + " --bits-needed 12 -j 1" + out("one")).code == 0);
     REQUIRE(run(what + " --bits-needed 12 -j 5" + out("two")).code == 0);
@@ -167,7 +182,8 @@ TEST_CASE("bits needed and the envelope refuse what makes no sense, and write no
     const Scratch scratch;
     const std::string scene = "'" + scratch.write("scene.toml", good_scene) + "'";
     const std::string out = " -i sphere.unified -f f32 -o '" + (scratch.path() / "out").string() + "'";
-    for (const char* option : {"--bits-needed 0", "--bits-needed 53", "--bits-needed=-1", "--bits-needed 12.5", "--bits-needed all", "--envelope --metric residual"}) {
+    for (const char* option : {"--bits-needed 0", "--bits-needed 53", "--bits-needed=-1", "--bits-needed 12.5",
+                               "--bits-needed all", "--envelope --metric residual"}) {
         INFO(option);
         const auto r = run("map " + scene + " " + option + out);
         INFO(r.err);
@@ -182,7 +198,8 @@ TEST_CASE("bits needed and the envelope refuse what makes no sense, and write no
 
 TEST_CASE("the envelope draws lost bits paler exactly where the problem explains them") {
     const Scratch scratch;
-    const std::string what = "map grazing --size 96x96 -i sphere.schoolbook -f f32 -f f64 --metric lost_bits --metric excess_bits -o '";
+    const std::string what =
+        "map grazing --size 96x96 -i sphere.schoolbook -f f32 -f f64 --metric lost_bits --metric excess_bits -o '";
     REQUIRE(run(what + (scratch.path() / "with").string() + "' --envelope").code == 0);
     REQUIRE(run(what + (scratch.path() / "without").string() + "'").code == 0);
     const lostbits::output::image::ColourScale scale("viridis", backend().ramp("viridis", 256), 0, 24);
@@ -190,10 +207,13 @@ TEST_CASE("the envelope draws lost bits paler exactly where the problem explains
     for (const char* format : {"f32", "f64"}) {
         INFO(format);
         const std::string stem = std::string("grazing/sphere.schoolbook.") + format;
-        const lostbits::output::image::ExrImage with = backend().read_exr(scratch.path() / "with" / (stem + ".exr")), without = backend().read_exr(scratch.path() / "without" / (stem + ".exr"));
+        const lostbits::output::image::ExrImage with = backend().read_exr(scratch.path() / "with" / (stem + ".exr")),
+                                                without =
+                                                    backend().read_exr(scratch.path() / "without" / (stem + ".exr"));
         std::size_t inside = 0, lossy_outside = 0;
         for (std::size_t i = 0; i < 96 * 96; ++i) {
-            const float lost = samples<float>(with, "bits.lost")[i], excess = samples<float>(with, "condition.excess")[i];
+            const float lost = samples<float>(with, "bits.lost")[i],
+                        excess = samples<float>(with, "condition.excess")[i];
             const bool in = lost >= 1 && excess < 1;
             CHECK(preview(with, i) == (in ? lostbits::output::map::paler(preview(without, i)) : preview(without, i)));
             inside += in;
@@ -202,11 +222,14 @@ TEST_CASE("the envelope draws lost bits paler exactly where the problem explains
         CHECK(inside > 100);
         if (std::string(format) == "f32") CHECK(lossy_outside > 100);
         // The picture shows it, and says so; that of another metric stays as it was.
-        const auto picture = [&](const char* folder, const char* metric) { return backend().read_png(scratch.path() / folder / (stem + "." + metric + ".png")); };
+        const auto picture = [&](const char* folder, const char* metric) {
+            return backend().read_png(scratch.path() / folder / (stem + "." + metric + ".png"));
+        };
         CHECK(count_of(picture("with", "lost_bits"), swatch) >= 100);
         CHECK(count_of(picture("without", "lost_bits"), swatch) == 0);
         CHECK(picture("with", "excess_bits").pixels == picture("without", "excess_bits").pixels);
     }
     CHECK(count_of(backend().read_png(scratch.path() / "with/grazing/contact.png"), swatch) >= 100);
-    CHECK(contents(scratch.path() / "with/grazing/summary.csv") == contents(scratch.path() / "without/grazing/summary.csv"));
+    CHECK(contents(scratch.path() / "with/grazing/summary.csv") ==
+          contents(scratch.path() / "without/grazing/summary.csv"));
 }

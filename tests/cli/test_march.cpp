@@ -18,14 +18,17 @@ TEST_CASE("explain prints a march sample by sample") {
     CHECK(has(r.out, "1.0293462564704334"));  // |p| of the second sample, where the seed has 1.030
     CHECK(has(r.out, "step by 0.001297"));
     CHECK(has(r.out, "of 53 bits lost"));
-    CHECK(has(r.out, "  3 "));         // the fourth sample,
+    CHECK(has(r.out, "  3 "));           // the fourth sample,
     CHECK_FALSE(has(r.out, "\n   4 "));  // and no fifth
     CHECK(has(r.out, "The culprit is"));
-    const auto same = run("explain sdf-seed-003.off-axis --ray 0,0,3,0x1.978fd4p-4,0,-0x1.fd73cap-1 -i sdf.sphere_trace");
+    const auto same =
+        run("explain sdf-seed-003.off-axis --ray 0,0,3,0x1.978fd4p-4,0,-0x1.fd73cap-1 -i sdf.sphere_trace");
     CHECK(same.code == 0);
     CHECK(has(same.out, "1.02934623"));
     CHECK(has(run("explain sdf-seed-003.miss --pixel 0,0 -i sdf.sphere_trace").out, "miss: t > 20"));
-    CHECK(has(run("explain sdf-seed-003.off-axis --ray 4,4,4,-1,-1,-1 -i sdf.sphere_trace --set march.hit_eps=1e-12").out, "no step: t + d = t"));
+    CHECK(
+        has(run("explain sdf-seed-003.off-axis --ray 4,4,4,-1,-1,-1 -i sdf.sphere_trace --set march.hit_eps=1e-12").out,
+            "no step: t + d = t"));
 }
 
 TEST_CASE("explain says what is wrong with its arguments") {
@@ -52,18 +55,25 @@ TEST_CASE("explain says what is wrong with its arguments") {
 TEST_CASE("maps of marches: iterations, why they ended, model and rounding error on one sheet") {
     const Scratch scratch;
     const std::string out = scratch.path().string();
-    const auto r = run("map sdf-union -i sdf.sphere_trace -i sdf.secant_refined --size 32x24 --metric iterations --metric stop --metric model_error --metric rounding_error "
-                       "--pixels csv -o '" + out + "'");
+    const auto r =
+        run("map sdf-union -i sdf.sphere_trace -i sdf.secant_refined --size 32x24 --metric iterations --metric stop "
+            "--metric model_error --metric rounding_error "
+            "--pixels csv -o '" +
+            out + "'");
     INFO(r.err);
     REQUIRE(r.code == 0);
-    for (const char* file : {"contact.png", "contact.stop.png", "contact.model_error.png", "sdf.sphere_trace.f32.stop.png", "sdf.sphere_trace.f64.iterations.png"}) {
+    for (const char* file : {"contact.png", "contact.stop.png", "contact.model_error.png",
+                             "sdf.sphere_trace.f32.stop.png", "sdf.sphere_trace.f64.iterations.png"}) {
         CHECK(std::filesystem::exists(scratch.path() / "sdf-union" / file));
     }
-    CHECK_FALSE(std::filesystem::exists(scratch.path() / "sdf-union/contact.rounding_error.png"));  // on the sheet of model_error
+    CHECK_FALSE(std::filesystem::exists(scratch.path() /
+                                        "sdf-union/contact.rounding_error.png"));  // on the sheet of model_error
     const auto summary = read_csv(scratch.path() / "sdf-union/summary.csv");
     REQUIRE(summary.size() == 4);
     for (const auto& row : summary) {
-        CHECK(std::stoi(row.at("stop_hit")) + std::stoi(row.at("stop_max_dist")) + std::stoi(row.at("stop_max_steps")) + std::stoi(row.at("stop_stagnated")) == 32 * 24);
+        CHECK(std::stoi(row.at("stop_hit")) + std::stoi(row.at("stop_max_dist")) + std::stoi(row.at("stop_max_steps")) +
+                  std::stoi(row.at("stop_stagnated")) ==
+              32 * 24);
         CHECK(std::stoi(row.at("stop_hit")) == std::stoi(row.at("agree_hit")) + std::stoi(row.at("false_hit")));
         CHECK(std::stod(row.at("iterations_max")) <= 64);
         CHECK(row.count("worst_radius_hex") == 1);
@@ -87,7 +97,9 @@ TEST_CASE("metrics of marches are asked of forms that march") {
     CHECK(run("map sdf-union -i 'sphere.*' -o '" + scratch.path().string() + "'").code == 4);
 }
 
-TEST_CASE("a sweep over the constants of a march: onsets of standing still, the split of the error, the same bytes for any -j") {
+TEST_CASE(
+    "a sweep over the constants of a march: onsets of standing still, the split of the error, the same bytes for any "
+    "-j") {
     const Scratch scratch;
     const std::string sweep = scratch.write("s.toml", R"(schema = "lostbits-sweep/1"
 title = "A test"
@@ -121,6 +133,7 @@ set = ["march.hit_eps"]
         CHECK(bad > 0x1p-24);
     }
     CHECK(found);
-    for (const char* file : {"unfinished.f32.png", "iterations.f32.png", "split.sdf.sphere_trace.f32.png"}) CHECK(std::filesystem::exists(scratch.path() / "one/s" / file));
+    for (const char* file : {"unfinished.f32.png", "iterations.f32.png", "split.sdf.sphere_trace.f32.png"})
+        CHECK(std::filesystem::exists(scratch.path() / "one/s" / file));
     for (const auto& row : read_csv(scratch.path() / "one/s/samples.csv")) CHECK(row.count("model_error_p50") == 1);
 }

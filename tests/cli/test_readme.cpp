@@ -22,7 +22,8 @@ TEST_CASE("the picture and the table of the README are what the program makes") 
     CHECK((now.pixels == then.pixels));
 
     REQUIRE(run("sweep sphere-distance -f f32 -o '" + scratch.path().string() + "'").code == 0);
-    const auto plot = backend.read_png(scratch.path() / "sphere-distance/lost_bits_p50.f32.png"), kept_plot = backend.read_png(kept / "lost_bits_p50.f32.png");
+    const auto plot = backend.read_png(scratch.path() / "sphere-distance/lost_bits_p50.f32.png"),
+               kept_plot = backend.read_png(kept / "lost_bits_p50.f32.png");
     CHECK((plot.pixels == kept_plot.pixels));
 }
 

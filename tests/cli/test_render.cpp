@@ -44,16 +44,21 @@ std::string with(const std::string& what) { return good_scene + what; }
 
 TEST_CASE("render writes what it says: pictures, references, difference maps, layers, a sheet and a table") {
     const Scratch scratch;
-    const auto r = run("render raycast-course.small --size 40x30 --stage visible phong -i sphere.expanded -i sphere.unit_half_b -f f32 -f bf16 -o '" + scratch.path().string() + "'");
+    const auto r =
+        run("render raycast-course.small --size 40x30 --stage visible phong -i sphere.expanded -i sphere.unit_half_b "
+            "-f f32 -f bf16 -o '" +
+            scratch.path().string() + "'");
     INFO(r.err);
     REQUIRE(r.code == 0);
     const auto folder = scratch.path() / "raycast-course.small";
     CHECK(r.out == (folder / "contact.png").string() + "\n");
-    std::vector<std::string> expected{"contact.png", "datapackage.json", "summary.csv", "visible.reference.png", "phong.reference.png"};
+    std::vector<std::string> expected{"contact.png", "datapackage.json", "summary.csv", "visible.reference.png",
+                                      "phong.reference.png"};
     for (const char* form : {"sphere.expanded", "sphere.unit_half_b"}) {
         for (const char* format : {".f32", ".bf16"}) {
             const std::string stem = std::string(form) + format;
-            for (const char* end : {".exr", ".residual.png", ".normal.png", ".shadow.png"}) expected.push_back(stem + end);
+            for (const char* end : {".exr", ".residual.png", ".normal.png", ".shadow.png"})
+                expected.push_back(stem + end);
             for (const char* stage : {"visible.", "phong."}) {
                 expected.push_back(stage + stem + ".png");
                 expected.push_back(stage + stem + ".colour.png");
@@ -74,10 +79,13 @@ TEST_CASE("render writes what it says: pictures, references, difference maps, la
 
 TEST_CASE("the layers, the pictures and the table say the same") {
     const Scratch scratch;
-    REQUIRE(run("render raycast-acne.none --size 48x36 --stage visible shadows -i sphere.unified -f f32 -o '" + scratch.path().string() + "'").code == 0);
+    REQUIRE(run("render raycast-acne.none --size 48x36 --stage visible shadows -i sphere.unified -f f32 -o '" +
+                scratch.path().string() + "'")
+                .code == 0);
     const auto folder = scratch.path() / "raycast-acne.none";
     const auto exr = backend().read_exr(folder / "sphere.unified.f32.exr");
-    const auto picture = backend().read_png(folder / "shadows.sphere.unified.f32.png"), reference = backend().read_png(folder / "shadows.reference.png");
+    const auto picture = backend().read_png(folder / "shadows.sphere.unified.f32.png"),
+               reference = backend().read_png(folder / "shadows.reference.png");
     REQUIRE(picture.width == 48);
     REQUIRE(reference.height == 36);
     const auto& seen = channel<std::uint32_t>(exr, "class.seen");
@@ -96,13 +104,15 @@ TEST_CASE("the layers, the pictures and the table say the same") {
         const std::uint8_t bytes[] = {picture.pixels[i].r, picture.pixels[i].g, picture.pixels[i].b};
         float largest = 0;
         for (int k = 0; k < 3; ++k) {
-            const float c = channel<float>(exr, std::string("shadows") + ends[k])[i], truth = channel<float>(exr, std::string("shadows_true") + ends[k])[i];
+            const float c = channel<float>(exr, std::string("shadows") + ends[k])[i],
+                        truth = channel<float>(exr, std::string("shadows_true") + ends[k])[i];
             CHECK(bytes[k] == static_cast<int>(std::clamp(std::floor(255.0 * c + 0.5), 0.0, 255.0)));
             largest = std::max(largest, 255 * std::fabs(c - truth));
         }
         CHECK(error == Approx(largest).margin(5e-5));
     }
-    for (const auto kind : {Seen::same_sphere, Seen::background, Seen::other_sphere, Seen::lost_sphere, Seen::extra_sphere, Seen::not_a_number}) {
+    for (const auto kind : {Seen::same_sphere, Seen::background, Seen::other_sphere, Seen::lost_sphere,
+                            Seen::extra_sphere, Seen::not_a_number}) {
         const auto k = static_cast<std::size_t>(kind);
         CHECK(number(row.at(std::string(lostbits::measure::picture::seen_names[k]))) == seen_counts[k]);
     }
@@ -115,7 +125,9 @@ TEST_CASE("the layers, the pictures and the table say the same") {
 
 TEST_CASE("a picture is the same bytes for any number of threads and any width of registers") {
     const Scratch one, many;
-    const std::string what = "render raycast-course.pixels raycast-acne.ulp4 --size 300x200 -i sphere.unified -i sphere.unit_half_b -f f32 -f p20 ";
+    const std::string what =
+        "render raycast-course.pixels raycast-acne.ulp4 --size 300x200 -i sphere.unified -i sphere.unit_half_b -f f32 "
+        "-f p20 ";
     REQUIRE(run(what + "-j 1 --isa scalar -o '" + one.path().string() + "'").code == 0);
     REQUIRE(run(what + "-j 3 -o '" + many.path().string() + "'").code == 0);
     REQUIRE(one.files() == many.files());
@@ -127,7 +139,8 @@ TEST_CASE("a picture is the same bytes for any number of threads and any width o
 
 TEST_CASE("a scene without paint is drawn as what it asks for, and a stage beyond that is said to be") {
     const Scratch scratch;
-    const std::string scene = "'" + scratch.write("scene.toml", good_scene) + "'", out = " -o '" + scratch.path().string() + "'";
+    const std::string scene = "'" + scratch.write("scene.toml", good_scene) + "'",
+                      out = " -o '" + scratch.path().string() + "'";
     const auto r = run("render " + scene + " --stage phong" + out);
     CHECK(r.code == 0);
     CHECK(r.err.find("scene does not ask for phong; its last stage before that is visible") != std::string::npos);
@@ -158,7 +171,8 @@ TEST_CASE("what render refuses: the place or the word, the exit code, and nothin
         {good_scene, "-i 'box.*'", 4, "sphere.*"},
         {good_scene, "-f f31", 2, "f32"},
         {good_scene, "--set light.position=[1,2,3]", 2, "light"},
-        {spoilt("[[sphere]]\ncentre = [0, 0, 0]\nradius = 1\n", "[[box]]\nlo = [0, 0, 0]\nhi = [1, 1, 1]\n"), "", 2, "lostbits map"},
+        {spoilt("[[sphere]]\ncentre = [0, 0, 0]\nradius = 1\n", "[[box]]\nlo = [0, 0, 0]\nhi = [1, 1, 1]\n"), "", 2,
+         "lostbits map"},
     };
     for (const Case& c : cases) {
         const Scratch scratch;
@@ -177,18 +191,28 @@ TEST_CASE("what render refuses: the place or the word, the exit code, and nothin
 TEST_CASE("a claim about a rendered picture: its number, and what it cannot be about") {
     const Scratch scratch;
     const auto claim = [&](const std::string& given, const std::string& metric) {
-        const std::string file = scratch.write("claims.toml", "schema = \"lostbits-claims/1\"\n[[claim]]\nid = \"a\"\nstatement = \"s\"\nsource = \"-\"\nverdict = \"holds\"\n[claim.given]\n" + given +
-                                                                  "\nform = \"sphere.expanded\"\nformat = \"f32\"\n[claim.expect]\nmetric = \"" + metric + "\"\nin = [49152, 49152]\n");
+        const std::string file =
+            scratch.write("claims.toml",
+                          "schema = \"lostbits-claims/1\"\n[[claim]]\nid = \"a\"\nstatement = \"s\"\nsource = "
+                          "\"-\"\nverdict = \"holds\"\n[claim.given]\n" +
+                              given + "\nform = \"sphere.expanded\"\nformat = \"f32\"\n[claim.expect]\nmetric = \"" +
+                              metric + "\"\nin = [49152, 49152]\n");
         return run("check '" + file + "'");
     };
     CHECK(claim("render = \"raycast-course.pixels\"\nstage = \"visible\"", "pixels").code == 0);
     const auto wrong = claim("render = \"raycast-course.pixels\"\nstage = \"visible\"", "changed");
     CHECK(wrong.code == 1);
-    CHECK(wrong.out.find("lostbits render raycast-course.pixels --stage visible -i sphere.expanded -f f32 -o out") != std::string::npos);
-    for (const auto& [given, metric, says] : {std::tuple{"render = \"raycast-curse.pixels\"", "pixels", "raycast-course"}, {"render = \"raycast-course\"", "pixels", "has variants"},
-                                              {"render = \"raycast-far.at0\"\nstage = \"phongg\"", "pixels", "phong"}, {"render = \"raycast-acne.none\"\nstage = \"phong\"", "pixels", "does not ask for"},
-                                              {"render = \"box-one\"", "pixels", "no spheres"}, {"render = \"raycast-far.at0\"\nat = 3", "pixels", "at"},
-                                              {"scene = \"grazing\"\nstage = \"phong\"", "pixels", "stage"}, {"render = \"raycast-far.at0\"", "pixel", "pixels"}}) {
+    CHECK(wrong.out.find("lostbits render raycast-course.pixels --stage visible -i sphere.expanded -f f32 -o out") !=
+          std::string::npos);
+    for (const auto& [given, metric, says] :
+         {std::tuple{"render = \"raycast-curse.pixels\"", "pixels", "raycast-course"},
+          {"render = \"raycast-course\"", "pixels", "has variants"},
+          {"render = \"raycast-far.at0\"\nstage = \"phongg\"", "pixels", "phong"},
+          {"render = \"raycast-acne.none\"\nstage = \"phong\"", "pixels", "does not ask for"},
+          {"render = \"box-one\"", "pixels", "no spheres"},
+          {"render = \"raycast-far.at0\"\nat = 3", "pixels", "at"},
+          {"scene = \"grazing\"\nstage = \"phong\"", "pixels", "stage"},
+          {"render = \"raycast-far.at0\"", "pixel", "pixels"}}) {
         const auto r = claim(given, metric);
         INFO(given << "\n" << r.err);
         CHECK(r.code == 2);

@@ -1,5 +1,5 @@
-// `lostbits report` from the outside: one file that needs nothing else, the same bytes every time, the CSVs' numbers. What a browser makes
-// of it is held by tests/browser.
+// `lostbits report` from the outside: one file that needs nothing else, the same bytes every time, the CSVs' numbers.
+// What a browser makes of it is held by tests/browser.
 #include <regex>
 #include <set>
 
@@ -21,12 +21,15 @@ std::string in(const Scratch& scratch) { return "'" + scratch.path().string() + 
 std::vector<std::string> all_of(const std::string& text, const std::string& pattern) {
     std::vector<std::string> found;
     const std::regex regex(pattern);
-    for (auto m = std::sregex_iterator(text.begin(), text.end(), regex); m != std::sregex_iterator(); ++m) found.push_back((*m)[1]);
+    for (auto m = std::sregex_iterator(text.begin(), text.end(), regex); m != std::sregex_iterator(); ++m)
+        found.push_back((*m)[1]);
     return found;
 }
 
 /// The page without what is packed, which no pattern need be matched against.
-std::string without_blobs(const std::string& page) { return std::regex_replace(page, std::regex("[A-Za-z0-9+/=]{200,}"), ""); }
+std::string without_blobs(const std::string& page) {
+    return std::regex_replace(page, std::regex("[A-Za-z0-9+/=]{200,}"), "");
+}
 
 std::string report_of(const std::string& arguments, const Scratch& scratch) {
     const auto r = run("report " + arguments + " -o " + in(scratch));
@@ -41,12 +44,14 @@ std::string report_of(const std::string& arguments, const Scratch& scratch) {
 
 TEST_CASE("a report is one file that asks for no other") {
     const Scratch scratch;
-    const std::string page = without_blobs(report_of("near-benign sphere-tilt extremes/contact -i sphere.schoolbook -i box.signs -f f32 --size 48x48", scratch));
+    const std::string page = without_blobs(report_of(
+        "near-benign sphere-tilt extremes/contact -i sphere.schoolbook -i box.signs -f f32 --size 48x48", scratch));
     for (const std::string& target : all_of(page, R"re(\s(?:src|href|action|srcset|poster)="([^"]*)")re")) {
         INFO(target);
         CHECK((target.starts_with("#") || target.starts_with("data:")));
     }
-    for (const char* fetching : {"@import", "url(", "<link rel=\"stylesheet", "<iframe", "<object", "<script src", "fetch(", "XMLHttpRequest", "import("}) {
+    for (const char* fetching : {"@import", "url(", "<link rel=\"stylesheet", "<iframe", "<object", "<script src",
+                                 "fetch(", "XMLHttpRequest", "import("}) {
         INFO(fetching);
         CHECK(page.find(fetching) == std::string::npos);
     }
@@ -56,12 +61,15 @@ TEST_CASE("a report is one file that asks for no other") {
     CHECK(policy.front().find("unsafe") == std::string::npos);
     CHECK(page.find(" style=\"") == std::string::npos);  // the policy forbids them
     // What is copied into the page comes with its licence.
-    CHECK((page.find("uPlot=function") != std::string::npos) == (page.find("Permission is hereby granted") != std::string::npos));
+    CHECK((page.find("uPlot=function") != std::string::npos) ==
+          (page.find("Permission is hereby granted") != std::string::npos));
     CHECK(std::regex_search(page, std::regex("<b>\\d+</b> hold")));
 }
 
 TEST_CASE("a report has the same bytes for any number of threads and any registers") {
-    const std::string arguments = "near-benign sdf-union sphere-tilt --size 40x30 -i sphere.schoolbook -i sphere.unit_half_b -i sdf.sphere_trace -f f32 -f p16 -o ";
+    const std::string arguments =
+        "near-benign sdf-union sphere-tilt --size 40x30 -i sphere.schoolbook -i sphere.unit_half_b -i sdf.sphere_trace "
+        "-f f32 -f p16 -o ";
     std::string first;
     for (const char* how : {"-j 1", "-j 2", "--isa scalar"}) {
         const Scratch scratch;
@@ -115,7 +123,8 @@ TEST_CASE("a report counts and lists the claims that it is asked for") {
     CHECK(all_of(page, R"(<b>(\d+)</b> are refuted<)") == std::vector{std::to_string(refuted)});
     CHECK(all_of(page, "<tr id=\"claim-([^\"]*)\"").size() == held + refuted);
     // A claim about a form that the page does not show leads nowhere.
-    const auto links = all_of(page, "<a class=\"jump\" href=\"#scene-rtg-fig-7-3-4100\" data-view=\"([^\"]*)\">rtg-fig");
+    const auto links =
+        all_of(page, "<a class=\"jump\" href=\"#scene-rtg-fig-7-3-4100\" data-view=\"([^\"]*)\">rtg-fig");
     CHECK(links.size() == 2);
     for (const auto& link : links) CHECK(link.find("form=sphere.schoolbook&amp;format=f32") != std::string::npos);
 }
@@ -150,10 +159,14 @@ TEST_CASE("data/report.toml names what exists") {
         const auto found = lostbits::scene::file::find_scene(name, data);
         CHECK(lostbits::scene::file::load_scene(found.path, {.variant = found.variant}).size() == 1);
     }
-    for (const auto& name : report.sweeps) CHECK(std::filesystem::exists(lostbits::scene::sweep::find_sweep(name, data)));
-    for (const auto& form : report.forms) CHECK(run("list intersectors --data '" + data.string() + "'").out.find(form + " ") != std::string::npos);
+    for (const auto& name : report.sweeps)
+        CHECK(std::filesystem::exists(lostbits::scene::sweep::find_sweep(name, data)));
+    for (const auto& form : report.forms)
+        CHECK(run("list intersectors --data '" + data.string() + "'").out.find(form + " ") != std::string::npos);
     const Scratch scratch;
-    const auto file = scratch.write("report.toml", "schema = \"lostbits-report/1\"\nscenes = [\"a\"]\nsweeps = [\"b\"]\nforms = [\"*\"]\nformats = [\"f32\"]\nsceens = [\"a\"]\n");
+    const auto file = scratch.write("report.toml",
+                                    "schema = \"lostbits-report/1\"\nscenes = [\"a\"]\nsweeps = [\"b\"]\nforms = "
+                                    "[\"*\"]\nformats = [\"f32\"]\nsceens = [\"a\"]\n");
     std::string error;
     try {
         (void)lostbits::scene::claim::read_report_file(file);
@@ -166,7 +179,14 @@ TEST_CASE("data/report.toml names what exists") {
 
 TEST_CASE("what is packed for a page") {
     using namespace lostbits::output::page;
-    for (const auto& [bytes, text] : {std::pair{"", ""}, {"f", "Zg=="}, {"fo", "Zm8="}, {"foo", "Zm9v"}, {"foob", "Zm9vYg=="}, {"fooba", "Zm9vYmE="}, {"foobar", "Zm9vYmFy"}}) CHECK(lostbits::output::page::base64(bytes) == text);
+    for (const auto& [bytes, text] : {std::pair{"", ""},
+                                      {"f", "Zg=="},
+                                      {"fo", "Zm8="},
+                                      {"foo", "Zm9v"},
+                                      {"foob", "Zm9vYg=="},
+                                      {"fooba", "Zm9vYmE="},
+                                      {"foobar", "Zm9vYmFy"}})
+        CHECK(lostbits::output::page::base64(bytes) == text);
     // RFC 4648's examples above; below, differences in two's complement: 0, -1, 1, -2, 2 become 0, 1, 2, 3, 4.
     for (const int width : {4, 8}) {
         CHECK(lostbits::output::page::folded_difference(7, 7, width) == 0);

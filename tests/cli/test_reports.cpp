@@ -10,7 +10,8 @@ TEST_CASE("the report of the claims is made again and is the same") {
     const Scratch scratch;
     const std::string made = (scratch.path() / "reports").string();
     std::filesystem::create_directories(made);
-    std::filesystem::copy(LOSTBITS_REPORTS_DIR "/screenshots", made + "/screenshots", std::filesystem::copy_options::recursive);  // whose names the document has
+    std::filesystem::copy(LOSTBITS_REPORTS_DIR "/screenshots", made + "/screenshots",
+                          std::filesystem::copy_options::recursive);  // whose names the document has
     const auto check = run("check --report '" + made + "'");
     INFO(check.out);
     REQUIRE(check.code == 0);

@@ -39,11 +39,13 @@ std::string spoil(const std::string& what, const std::string& by) {
 TEST_CASE("a sweep writes a row per form, format and step, and the onsets between them") {
     const Scratch scratch;
     const std::string file = scratch.write("s.toml", small_sweep);
-    const auto r = run("sweep '" + file + "' -i sphere.schoolbook -i sphere.hearn_baker -f f32 -f p16 -o '" + scratch.path().string() + "'");
+    const auto r = run("sweep '" + file + "' -i sphere.schoolbook -i sphere.hearn_baker -f f32 -f p16 -o '" +
+                       scratch.path().string() + "'");
     INFO(r.err);
     REQUIRE(r.code == 0);
     for (const char* format : {"f32", "p16"}) {
-        for (const char* plot : {"lost_bits_p50", "lost_bits_p99", "wrong"}) CHECK(std::filesystem::exists(scratch.path() / "s" / (std::string(plot) + "." + format + ".png")));
+        for (const char* plot : {"lost_bits_p50", "lost_bits_p99", "wrong"})
+            CHECK(std::filesystem::exists(scratch.path() / "s" / (std::string(plot) + "." + format + ".png")));
     }
     const auto samples = read_csv(scratch.path() / "s/samples.csv");
     REQUIRE(samples.size() == 2 * 2 * 20);
@@ -55,7 +57,8 @@ TEST_CASE("a sweep writes a row per form, format and step, and the onsets betwee
     for (const auto& row : read_csv(scratch.path() / "s/onsets.csv")) {
         if (row.at("found") != "1" || row.at("last_good_distance_radii").empty()) continue;
         ++found;
-        const double good = number(row.at("last_good_distance_radii")), bad = number(row.at("first_bad_distance_radii"));
+        const double good = number(row.at("last_good_distance_radii")),
+                     bad = number(row.at("first_bad_distance_radii"));
         CHECK(good < bad);
         CHECK(bad - good <= 0x1p-8 * bad);  // narrowed to 2^-9, or to the 12 bits that the axis has
         if (row.at("event") == "lost_bits") CHECK(number(row.at("value_at_first_bad")) >= number(row.at("threshold")));
@@ -67,9 +70,11 @@ TEST_CASE("the same bytes for any number of threads") {
     const Scratch scratch;
     const std::string file = scratch.write("s.toml", small_sweep);
     for (const char* j : {"1", "2", "5"}) {
-        REQUIRE(run("sweep '" + file + "' -i '*press*' -j " + j + " -o '" + (scratch.path() / j).string() + "'").code == 0);
+        REQUIRE(run("sweep '" + file + "' -i '*press*' -j " + j + " -o '" + (scratch.path() / j).string() + "'").code ==
+                0);
     }
-    for (const char* name : {"samples.csv", "onsets.csv", "datapackage.json", "lost_bits_p99.f64.png", "wrong.f32.png"}) {
+    for (const char* name :
+         {"samples.csv", "onsets.csv", "datapackage.json", "lost_bits_p99.f64.png", "wrong.f32.png"}) {
         const std::string one = contents(scratch.path() / "1/s" / name);
         CHECK_FALSE(one.empty());
         CHECK(one == contents(scratch.path() / "2/s" / name));
@@ -80,14 +85,18 @@ TEST_CASE("the same bytes for any number of threads") {
 TEST_CASE("a sweep takes culprits, cancellation and contributions: columns, a long table, a plot a row") {
     const Scratch scratch;
     const std::string file = scratch.write("s.toml", small_sweep);
-    const std::string what = "sweep '" + file + "' -i sphere.schoolbook -i sphere.unified -f f32 --metric culprit --metric cancellation --metric cancellation:c --metric contribution:c -q -j ";
+    const std::string what = "sweep '" + file +
+                             "' -i sphere.schoolbook -i sphere.unified -f f32 --metric culprit --metric cancellation "
+                             "--metric cancellation:c --metric contribution:c -q -j ";
     for (const char* j : {"1", "2"}) REQUIRE(run(what + j + " -o '" + (scratch.path() / j).string() + "'").code == 0);
-    for (const char* name : {"samples.csv", "culprits.csv", "datapackage.json", "culprit.sphere.schoolbook.f32.png", "culprit.sphere.unified.f32.png"}) {
+    for (const char* name : {"samples.csv", "culprits.csv", "datapackage.json", "culprit.sphere.schoolbook.f32.png",
+                             "culprit.sphere.unified.f32.png"}) {
         const std::string one = contents(scratch.path() / "1/s" / name);
         CHECK_FALSE(one.empty());
         CHECK(one == contents(scratch.path() / "2/s" / name));
     }
-    std::map<std::pair<std::string, std::string>, std::pair<std::string, double>> steps;  // the first operation of each step, and all shares
+    std::map<std::pair<std::string, std::string>, std::pair<std::string, double>>
+        steps;  // the first operation of each step, and all shares
     for (const auto& row : read_csv(scratch.path() / "1/s/culprits.csv")) {
         auto& [first, shares] = steps[{row.at("form"), row.at("distance_radii")}];
         if (first.empty()) first = row.at("operation");
@@ -102,7 +111,8 @@ TEST_CASE("a sweep takes culprits, cancellation and contributions: columns, a lo
         CHECK_FALSE(row.at("contribution_c_p50").empty());
         CHECK_FALSE(number(row.at("cancellation_c_max")) > number(row.at("cancellation_max")));
     }
-    const auto refused = run("sweep sphere-distance -i sphere.schoolbook --metric contribution:disk -o '" + (scratch.path() / "no").string() + "'");
+    const auto refused = run("sweep sphere-distance -i sphere.schoolbook --metric contribution:disk -o '" +
+                             (scratch.path() / "no").string() + "'");
     CHECK(refused.code == 2);
     CHECK(refused.err.find("did you mean \"disc\"") != std::string::npos);
     const std::string search = R"(schema = "lostbits-sweep/1"
@@ -118,7 +128,8 @@ seed = 1
 starts = 2
 generations = 2
 )";
-    const auto worst = run("sweep '" + scratch.write("w.toml", search) + "' --worst -i sphere.schoolbook -o '" + (scratch.path() / "no").string() + "'");
+    const auto worst = run("sweep '" + scratch.write("w.toml", search) + "' --worst -i sphere.schoolbook -o '" +
+                           (scratch.path() / "no").string() + "'");
     CHECK(worst.code == 2);
     CHECK(worst.err.find("names an operation and has no largest value") != std::string::npos);
     CHECK_FALSE(std::filesystem::exists(scratch.path() / "no"));
@@ -147,13 +158,18 @@ factors = [1, 0.5]
     REQUIRE(samples.size() == 4);
     // Larger spheres are hit by more rays; and 1 with 0.5 is what --set gives.
     CHECK(number(samples[0].at("agree_hit")) < number(samples[3].at("agree_hit")));
-    REQUIRE(run("map near-benign --set 'sphere[0].radius=1' --set 'sphere[1].radius=0.5' -i sphere.unified -f f32 -o '" + scratch.path().string() + "'").code == 0);
+    REQUIRE(
+        run("map near-benign --set 'sphere[0].radius=1' --set 'sphere[1].radius=0.5' -i sphere.unified -f f32 -o '" +
+            scratch.path().string() + "'")
+            .code == 0);
     CHECK(read_csv(scratch.path() / "near-benign/summary.csv").front().at("agree_hit") == samples[3].at("agree_hit"));
 }
 
 TEST_CASE("two axes give the product of their steps, every_float every float") {
     const Scratch scratch;
-    const std::string second = "\n[[axis]]\nname = \"impact\"\nspacing = \"every_float\"\nfrom = \"0x1.fffff0p-1\"\nto = \"0x1.fffff8p-1\"\nset = [\"impact_to\"]\n";
+    const std::string second =
+        "\n[[axis]]\nname = \"impact\"\nspacing = \"every_float\"\nfrom = \"0x1.fffff0p-1\"\nto = "
+        "\"0x1.fffff8p-1\"\nset = [\"impact_to\"]\n";
     const std::string file = scratch.write("s.toml", small_sweep + second);
     const auto r = run("sweep '" + file + "' -i sphere.unified -f f32 -o '" + scratch.path().string() + "'");
     INFO(r.err);
@@ -183,7 +199,8 @@ TEST_CASE("a bad sweep is refused with its place and a remedy, and nothing is wr
     for (const Case& c : cases) {
         const Scratch scratch;
         INFO(c.text);
-        const auto r = run("sweep '" + scratch.write("s.toml", c.text) + "' -i sphere.press -o '" + (scratch.path() / "out").string() + "'");
+        const auto r = run("sweep '" + scratch.write("s.toml", c.text) + "' -i sphere.press -o '" +
+                           (scratch.path() / "out").string() + "'");
         INFO(r.err);
         CHECK(r.code == 2);
         CHECK(r.err.find(c.says) != std::string::npos);

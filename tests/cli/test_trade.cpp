@@ -36,7 +36,8 @@ const char* const quick = "trade --quick --repetitions 2 ";
 
 TEST_CASE("trade times every kernel on every load and judges it on every set") {
     const Scratch scratch;
-    const auto r = run(quick + std::string("-i sphere.schoolbook -i sphere.unified -i sphere.double_inside -o '") + scratch.path().string() + "'");
+    const auto r = run(quick + std::string("-i sphere.schoolbook -i sphere.unified -i sphere.double_inside -o '") +
+                       scratch.path().string() + "'");
     INFO(r.err);
     REQUIRE(r.code == 0);
     const auto folder = scratch.path() / "sphere";
@@ -59,10 +60,13 @@ TEST_CASE("trade times every kernel on every load and judges it on every set") {
     for (const char* set : {"easy", "far-small", "near-huge", "grazing"}) {
         CHECK(std::filesystem::exists(folder / (std::string(set) + ".png")));
         const auto of_set = [set](const auto& row) { return row.at("ray_set") == set; };
-        CHECK(std::ranges::any_of(standings, [&](const auto& row) { return of_set(row) && row.at("dominated") == "0"; }));
+        CHECK(
+            std::ranges::any_of(standings, [&](const auto& row) { return of_set(row) && row.at("dominated") == "0"; }));
         CHECK(r.out.find(std::string("\n") + set + ": ") != std::string::npos);
     }
-    CHECK(r.out.find("the cheapest form that keeps at least 20 bits (p99) on this set with no wrong decision is sphere.") != std::string::npos);
+    CHECK(r.out.find(
+              "the cheapest form that keeps at least 20 bits (p99) on this set with no wrong decision is sphere.") !=
+          std::string::npos);
     CHECK(r.out.starts_with(contents(folder / "trade.txt")));
     const auto package = nlohmann::json::parse(contents(folder / "datapackage.json"));
     CHECK(package["resources"].size() == 2);
@@ -75,14 +79,19 @@ TEST_CASE("the accuracy of a trade is that of a sweep over the same rays") {
     const std::string forms = " -i '*press*' -i sphere.unit_half_b -o '" + scratch.path().string() + "'";
     REQUIRE(run(quick + forms).code == 0);
     REQUIRE(run("sweep '" + scratch.write("s.toml", same_family) + "'" + forms).code == 0);
-    const auto standings = read_csv(scratch.path() / "sphere/pareto.csv"), samples = read_csv(scratch.path() / "s/samples.csv");
+    const auto standings = read_csv(scratch.path() / "sphere/pareto.csv"),
+               samples = read_csv(scratch.path() / "s/samples.csv");
     std::size_t compared = 0;
     for (const auto& row : standings) {
         const std::string distance = row.at("ray_set") == "easy" ? "4" : row.at("ray_set") == "far-small" ? "4096" : "";
-        const auto sample = std::ranges::find_if(samples, [&](const auto& s) { return s.at("form") == row.at("form") && s.at("format") == row.at("format") && s.at("distance_radii") == distance; });
+        const auto sample = std::ranges::find_if(samples, [&](const auto& s) {
+            return s.at("form") == row.at("form") && s.at("format") == row.at("format") &&
+                   s.at("distance_radii") == distance;
+        });
         if (distance.empty() || row.at("form").find('+') != std::string::npos) continue;
         REQUIRE(sample != samples.end());
-        for (const char* column : {"rays", "lost_bits_p50", "lost_bits_p99", "excess_bits_p99", "false_hit_fraction", "false_miss_fraction"}) {
+        for (const char* column : {"rays", "lost_bits_p50", "lost_bits_p99", "excess_bits_p99", "false_hit_fraction",
+                                   "false_miss_fraction"}) {
             INFO(row.at("form") << " " << column);
             CHECK(row.at(column) == sample->at(column));
         }
@@ -93,7 +102,8 @@ TEST_CASE("the accuracy of a trade is that of a sweep over the same rays") {
 
 TEST_CASE("boxes have a trade of their own") {
     const Scratch scratch;
-    const auto r = run(quick + std::string("--shape box -f f32 -i box.signs -i box.pbrt_padded -q -o '") + scratch.path().string() + "'");
+    const auto r = run(quick + std::string("--shape box -f f32 -i box.signs -i box.pbrt_padded -q -o '") +
+                       scratch.path().string() + "'");
     INFO(r.err);
     REQUIRE(r.code == 0);
     CHECK(r.out.empty());
@@ -101,7 +111,8 @@ TEST_CASE("boxes have a trade of their own") {
     // A padded box has no false miss at its edges; what that costs is false hits.
     for (const auto& row : standings) {
         CHECK(row.at("format") == "f32");
-        if (row.at("form") == "box.pbrt_padded" && row.at("ray_set") == "edge-grazing") CHECK(row.at("false_miss_fraction") == "0");
+        if (row.at("form") == "box.pbrt_padded" && row.at("ray_set") == "edge-grazing")
+            CHECK(row.at("false_miss_fraction") == "0");
     }
     CHECK(std::filesystem::exists(scratch.path() / "box/edge-grazing.png"));
 }
@@ -112,14 +123,19 @@ TEST_CASE("a trade that makes no sense is refused, and nothing is written") {
         int code;
         const char* says;
     };
-    const Case cases[] = {{"-f bf16", 2, "only f32 and f64"},       {"-f f31", 2, "f32"},
-                          {"--shape torus", 2, "torus"},            {"-i box.signs", 4, "sphere.*"},
-                          {"--shape box -i 'sphere.*'", 4, "box.*"}, {"-i sphere.unifed", 2, "sphere.unified"},
-                          {"--repetitions 0", 2, "repetitions"},    {"-f f64 -i sphere.double_inside", 4, "exists"}};
+    const Case cases[] = {{"-f bf16", 2, "only f32 and f64"},
+                          {"-f f31", 2, "f32"},
+                          {"--shape torus", 2, "torus"},
+                          {"-i box.signs", 4, "sphere.*"},
+                          {"--shape box -i 'sphere.*'", 4, "box.*"},
+                          {"-i sphere.unifed", 2, "sphere.unified"},
+                          {"--repetitions 0", 2, "repetitions"},
+                          {"-f f64 -i sphere.double_inside", 4, "exists"}};
     for (const Case& c : cases) {
         const Scratch scratch;
         INFO(c.options);
-        const auto r = run(std::string("trade --quick ") + c.options + " -o '" + (scratch.path() / "out").string() + "'");
+        const auto r =
+            run(std::string("trade --quick ") + c.options + " -o '" + (scratch.path() / "out").string() + "'");
         INFO(r.err);
         CHECK(r.code == c.code);
         CHECK(r.err.find(c.says) != std::string::npos);

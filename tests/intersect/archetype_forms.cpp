@@ -30,13 +30,17 @@ extern const auto boxes_over_archetype = instantiate_boxes(intersect::BoxForms{}
 using ArchetypeField = Archetype (*)(const Vec<Archetype>&);
 
 template <class... Form>
-std::array<Hit<Archetype> (*)(const Ray<Archetype>&, const ArchetypeField&, const intersect::MarchConstants<Archetype>&, intersect::sdf::Unwatched&), sizeof...(Form)>
+std::array<Hit<Archetype> (*)(const Ray<Archetype>&, const ArchetypeField&, const intersect::MarchConstants<Archetype>&,
+                              intersect::sdf::Unwatched&),
+           sizeof...(Form)>
 instantiate_marches(FormList<Form...>) {
     return {&Form::template intersect<Archetype, ArchetypeField, intersect::sdf::Unwatched>...};
 }
 
 extern const auto marches_over_archetype = instantiate_marches(intersect::SdfForms{});
-extern Archetype (*const sphere_over_archetype)(const Sphere<Archetype>&, const Vec<Archetype>&) = &intersect::sdf::distance<Archetype>;
-extern Archetype (*const box_over_archetype)(const Box<Archetype>&, const Vec<Archetype>&) = &intersect::sdf::distance<Archetype>;
+extern Archetype (*const sphere_over_archetype)(const Sphere<Archetype>&,
+                                                const Vec<Archetype>&) = &intersect::sdf::distance<Archetype>;
+extern Archetype (*const box_over_archetype)(const Box<Archetype>&,
+                                             const Vec<Archetype>&) = &intersect::sdf::distance<Archetype>;
 
 }  // namespace lostbits::test

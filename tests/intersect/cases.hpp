@@ -85,7 +85,8 @@ inline Case draw_case(Random& random, Setup setup) {
 
 inline double as_double(const Rational& q) { return real_from<BasicReal<53>>(q).convert_to<double>(); }
 
-/// The case as it would be stored: every number rounded to S; the direction normalised first where a form asks for that.
+/// The case as it would be stored: every number rounded to S; the direction normalised first where a form asks for
+/// that.
 template <class S>
 Case as_stored(Case x, intersect::Direction direction = intersect::Direction::any) {
     const auto round = [](Rational& q) { q = Rational(static_cast<double>(static_cast<S>(as_double(q)))); };

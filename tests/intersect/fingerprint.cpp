@@ -1,6 +1,6 @@
 // Prints one line for each form and type: a checksum of its answers on seeded rays. IEEE 754 rounds every operation of
-// a formula correctly, so the output is the same text whatever compiled this file, as long as nothing fused or reordered.
-// No MPFR and no Boost: this compiles alone with any compiler.
+// a formula correctly, so the output is the same text whatever compiled this file, as long as nothing fused or
+// reordered. No MPFR and no Boost: this compiles alone with any compiler.
 #include <bit>
 #include <cstdint>
 #include <cstdio>
@@ -77,7 +77,8 @@ struct BoxSample {
     T tmax;
 };
 
-/// A seeded ray and box of one of eight kinds; planes, directions and origins coincide or vanish, with either sign of zero.
+/// A seeded ray and box of one of eight kinds; planes, directions and origins coincide or vanish, with either sign of
+/// zero.
 template <class T>
 BoxSample<T> draw_box(Random& random, int kind) {
     const auto in = [&] { return T(2 * random.unit() - 1); };

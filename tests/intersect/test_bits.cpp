@@ -27,7 +27,9 @@ struct Batch {
     void add(const std::array<S, 6>& ray) {
         for (std::size_t i = 0; i < 6; ++i) column[i].push_back(ray[i]);
     }
-    intersect::table::RayBatch<S> rays() const { return {column[0], column[1], column[2], column[3], column[4], column[5]}; }
+    intersect::table::RayBatch<S> rays() const {
+        return {column[0], column[1], column[2], column[3], column[4], column[5]};
+    }
     intersect::table::HitBatch<S> hits() {
         for (auto* v : {&t, &near, &far}) v->assign(column[0].size(), S(-12345));
         hit.assign(column[0].size(), 77);
@@ -60,11 +62,11 @@ std::vector<Scene<S>> scenes() {
     Random random(sizeof(S));
     for (const Setup setup : every_setup)
         for (int i = 0; i < 6; ++i) {
-            const Case x =
-                as_stored<S>(draw_case(random, setup), random.one_in(2) ? Direction::unit : Direction::any);
+            const Case x = as_stored<S>(draw_case(random, setup), random.one_in(2) ? Direction::unit : Direction::any);
             const auto narrow = [](const Rational& q) { return static_cast<S>(as_double(q)); };
             Scene<S> scene{lift_sphere<S>(x, narrow), {}};
-            // Some scenes move towards underflow or overflow whole; in others scene and direction move apart, so that t does.
+            // Some scenes move towards underflow or overflow whole; in others scene and direction move apart, so that t
+            // does.
             const int middle = format_of<S>.emax / 2, mode = static_cast<int>(random.between(0, 6));
             const int wobble = static_cast<int>(random.between(-4, 4));
             const int shift = mode == 0   ? static_cast<int>(random.between(-2 * middle, middle))
@@ -164,9 +166,9 @@ void compare_rows() {
             }
             native_of<S>(row)(batch.rays(), Solid<S>(scene.sphere), batch.hits());
             if (row.rounded) {
-                const Solid<double> sphere(Sphere<double>{
-                    Vec<double>(scene.sphere.centre.x, scene.sphere.centre.y, scene.sphere.centre.z),
-                    scene.sphere.radius});
+                const Solid<double> sphere(
+                    Sphere<double>{Vec<double>(scene.sphere.centre.x, scene.sphere.centre.y, scene.sphere.centre.z),
+                                   scene.sphere.radius});
                 row.rounded(f, lifted.rays(), sphere, lifted.hits());
             }
             for (std::size_t k = 0; k < batch.hit.size(); ++k) {

@@ -23,7 +23,9 @@ inline const intersect::table::Intersector& form_named(std::string_view name) {
     throw std::logic_error("no form " + std::string(name));
 }
 
-inline measure::map::MapRow row(std::string_view form, std::string_view format) { return {&form_named(form), find_format(format).value()}; }
+inline measure::map::MapRow row(std::string_view form, std::string_view format) {
+    return {&form_named(form), find_format(format).value()};
+}
 
 /// Every form of the shape in every of these formats that it exists in.
 inline std::vector<measure::map::MapRow> all_rows(Shape shape, std::initializer_list<std::string_view> formats) {
@@ -37,7 +39,8 @@ inline std::vector<measure::map::MapRow> all_rows(Shape shape, std::initializer_
     return rows;
 }
 
-inline const std::vector<const measure::metric::Metric*> case_metrics{measure::metric::find_metric("lost_bits"), measure::metric::find_metric("excess_bits")};
+inline const std::vector<const measure::metric::Metric*> case_metrics{measure::metric::find_metric("lost_bits"),
+                                                                      measure::metric::find_metric("excess_bits")};
 
 /// A file that goes away with the test.
 class TextFile {

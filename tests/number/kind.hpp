@@ -57,8 +57,8 @@ double in_every_lane(const Pack<F, Width>& x) {
 template <class T>
 concept InFormat =
     std::same_as<T, float> || std::same_as<T, double> || std::same_as<T, Dual<double, 2>> || is_pack<T> || requires {
-        T::format();
-    };
+    T::format();
+};
 
 template <InFormat T>
 struct Kind<T> {
@@ -117,8 +117,7 @@ inline bool holds_result(Op op, const std::array<const Mpfr*, 3>& x, const Mpfr&
     evaluate(op, down, *x[0], *x[1], *x[2], MPFR_RNDD);
     evaluate(op, up, *x[0], *x[1], *x[2], MPFR_RNDU);
     if (mpfr_nan_p(down) != 0) return undefined != Undefined::never;
-    if (mpfr_inf_p(down) != 0)
-        return undefined != Undefined::never || mpfr_inf_p(lower) != 0 || mpfr_inf_p(upper) != 0;
+    if (mpfr_inf_p(down) != 0) return undefined != Undefined::never || mpfr_inf_p(lower) != 0 || mpfr_inf_p(upper) != 0;
     return undefined != Undefined::always && mpfr_lessequal_p(lower, down) && mpfr_lessequal_p(up, upper);
 }
 
@@ -153,8 +152,7 @@ struct Kind<Ball> {
         const double lo =
             random.one_in(2) || std::fabs(hi) < 0x1p-800 ? 0 : hi * 0x1p-54 * (2 * random.unit() - 1) * (1 - 0x1p-50);
         const double radius =
-            random.one_in(4) ? 0
-                             : std::fabs(hi) * std::ldexp(random.unit(), static_cast<int>(random.between(-110, 2)));
+            random.one_in(4) ? 0 : std::fabs(hi) * std::ldexp(random.unit(), static_cast<int>(random.between(-110, 2)));
         Operand<Ball> x{Ball(hi, lo, radius), Mpfr(radius, 3000)};
         mpfr_mul_si(x.point, x.point, random.between(-4, 4), MPFR_RNDN);  // the ends are the likeliest to fall out
         mpfr_div_ui(x.point, x.point, 4, MPFR_RNDN);

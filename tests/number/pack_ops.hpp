@@ -1,5 +1,5 @@
-// Every operation of a formula as one function over any number: the scalars run it here, the packs in one object for each
-// register width, and the lanes must agree.
+// Every operation of a formula as one function over any number: the scalars run it here, the packs in one object for
+// each register width, and the lanes must agree.
 #pragma once
 
 #include <cstddef>
@@ -8,9 +8,12 @@
 
 namespace lostbits::test {
 
-inline constexpr const char* pack_op_names[] = {"a + b", "a - b", "a * b", "a / b", "-a", "a += b", "a -= b", "a *= b", "sqrt(a)", "fma(a, b, c)",
-                                                "abs(a)", "copysign(a, b)", "next_up(a)", "next_down(a)", "min(a, b)", "max(a, b)", "a < b", "a <= b",
-                                                "a > b", "a >= b", "a < b && b < c", "a < b || b < c", "!(a < b)", "T(-7)", "decide(a < b)"};
+inline constexpr const char* pack_op_names[] = {
+    "a + b",          "a - b",          "a * b",      "a / b",        "-a",
+    "a += b",         "a -= b",         "a *= b",     "sqrt(a)",      "fma(a, b, c)",
+    "abs(a)",         "copysign(a, b)", "next_up(a)", "next_down(a)", "min(a, b)",
+    "max(a, b)",      "a < b",          "a <= b",     "a > b",        "a >= b",
+    "a < b && b < c", "a < b || b < c", "!(a < b)",   "T(-7)",        "decide(a < b)"};
 inline constexpr int pack_op_count = sizeof pack_op_names / sizeof *pack_op_names;
 
 template <class T>

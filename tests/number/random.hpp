@@ -1,4 +1,5 @@
-// The tests' own generator: the same numbers on every machine and library, which <random>'s distributions do not promise.
+// The tests' own generator: the same numbers on every machine and library, which <random>'s distributions do not
+// promise.
 #pragma once
 
 #include <cstdint>

@@ -99,5 +99,4 @@ static_assert(MaskCombines<bool> && MaskCombines<Archetype::Mask>);
 static_assert(Number<Archetype> && Mask<Archetype::Mask>);
 static_assert(!Number<int> && !Number<bool>);
 
-
 }  // namespace lostbits::test

@@ -137,8 +137,7 @@ TEMPLATE_LIST_TEST_CASE("neighbours of a number", "[number]", RunnableNumbers) {
             const FloatFormat f = Kind<T>::format();
             const double x = random.one_in(20) ? draw_special(random, f) : draw_finite(random, f);
             const double up = Kind<T>::value(next_up(T(x))), down = Kind<T>::value(next_down(T(x)));
-            INFO(Kind<T>::text(T(x)) << " has neighbours " << Mpfr(down, 53).text() << " and "
-                                     << Mpfr(up, 53).text());
+            INFO(Kind<T>::text(T(x)) << " has neighbours " << Mpfr(down, 53).text() << " and " << Mpfr(up, 53).text());
             if (std::isnan(x)) {
                 REQUIRE((std::isnan(up) && std::isnan(down)));
                 continue;

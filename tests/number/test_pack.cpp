@@ -1,5 +1,5 @@
-// Pack against the scalar numbers: every operation, every register width that this machine has, lane by lane to the bit. The
-// lanes hold different numbers, so one that were swapped or shared would show.
+// Pack against the scalar numbers: every operation, every register width that this machine has, lane by lane to the
+// bit. The lanes hold different numbers, so one that were swapped or shared would show.
 #include <bit>
 #include <string>
 #include <vector>
@@ -46,10 +46,12 @@ struct Numbers {
 
     explicit Numbers(Random& random) {
         const FloatFormat f = sizeof(F) == 4 ? binary32 : binary64;
-        const F tiny = static_cast<F>(std::ldexp(1.0, f.emin - f.precision + 1)), normal = static_cast<F>(std::ldexp(1.0, f.emin));
+        const F tiny = static_cast<F>(std::ldexp(1.0, f.emin - f.precision + 1)),
+                normal = static_cast<F>(std::ldexp(1.0, f.emin));
         const F most = std::numeric_limits<F>::max();
         std::vector<F> special;
-        for (const F x : {F(0), F(1), F(3), F(1) / F(3), tiny, 2 * tiny, normal - tiny, normal, normal + tiny, most, most / 2, F(HUGE_VAL), F(NAN)})
+        for (const F x : {F(0), F(1), F(3), F(1) / F(3), tiny, 2 * tiny, normal - tiny, normal, normal + tiny, most,
+                          most / 2, F(HUGE_VAL), F(NAN)})
             for (const F signed_x : {x, -x}) special.push_back(signed_x);
         for (const F x : special)
             for (const F y : special)
@@ -77,7 +79,8 @@ struct Answers {
         const std::size_t n = x.a.size();
         for (auto* v : {&narrow, &wide, &decided}) v->assign(n, F(-12345));
         const auto masks = std::make_unique<bool[]>(3 * n);
-        ask({op, x.a.data(), x.b.data(), x.c.data(), narrow.data(), wide.data(), decided.data(), &masks[0], &masks[n], &masks[2 * n], n});
+        ask({op, x.a.data(), x.b.data(), x.c.data(), narrow.data(), wide.data(), decided.data(), &masks[0], &masks[n],
+             &masks[2 * n], n});
         less.assign(&masks[0], &masks[n]);
         any.assign(&masks[n], &masks[2 * n]);
         wide_any.assign(&masks[2 * n], &masks[3 * n]);
@@ -93,8 +96,8 @@ struct Wrong {
         using Bits = std::conditional_t<sizeof(F) == 4, std::uint32_t, std::uint64_t>;
         const bool same = std::isnan(want) ? std::isnan(got) : std::bit_cast<Bits>(got) == std::bit_cast<Bits>(want);
         if (same || count++ > 0) return;
-        first = std::string(what) + " gives " + hex(got) + " instead of " + hex(want) + " for a = " + hex(x.a[i]) + ", b = " + hex(x.b[i]) +
-                ", c = " + hex(x.c[i]);
+        first = std::string(what) + " gives " + hex(got) + " instead of " + hex(want) + " for a = " + hex(x.a[i]) +
+                ", b = " + hex(x.b[i]) + ", c = " + hex(x.c[i]);
     }
 };
 
@@ -112,11 +115,13 @@ void compare(Isa isa, const Numbers<F>& x) {
             wrong.unless_same(got.decided[i], wide_decision(a, b, c), "a decision of the wider pack", x, i);
             wrong_masks += got.less[i] != (a < b);
             bool any = false;
-            for (std::size_t k = 0; k < lanes; ++k) any = any || x.a[i / lanes * lanes + k] < x.b[i / lanes * lanes + k];
+            for (std::size_t k = 0; k < lanes; ++k)
+                any = any || x.a[i / lanes * lanes + k] < x.b[i / lanes * lanes + k];
             wrong_masks += got.any[i] != any;
             wrong_masks += got.wide_any[i] != any;
         }
-        INFO(pack_op_names[op] << " in " << name_of(isa) << " bits, " << sizeof(F) * 8 << "-bit numbers: " << wrong.first);
+        INFO(pack_op_names[op] << " in " << name_of(isa) << " bits, " << sizeof(F) * 8
+                               << "-bit numbers: " << wrong.first);
         CHECK(wrong.count == 0);
         CHECK(wrong_masks == 0);
     }

@@ -49,8 +49,8 @@ public:
             default: FAIL("no exact twin");
         }
         numerator = std::labs(numerator), denominator = std::labs(denominator);
-        // The first place whose upper midpoint lies above the result; on a midpoint the even place wins, and neighbouring
-        // significands alternate, so even places are even significands.
+        // The first place whose upper midpoint lies above the result; on a midpoint the even place wins, and
+        // neighbouring significands alternate, so even places are even significands.
         const auto beyond = [&](std::size_t i) {
             const long twice_middle = numbers_[i] + numbers_[i + 1];
             const long result = op == Op::root ? 4 * numerator : 2 * numerator;
@@ -66,9 +66,7 @@ private:
     [[nodiscard]] double value(std::size_t place) const {
         return std::ldexp(static_cast<double>(numbers_[place]), -shift_);
     }
-    [[nodiscard]] long units(double x) const {
-        return std::isfinite(x) ? static_cast<long>(std::ldexp(x, shift_)) : 0;
-    }
+    [[nodiscard]] long units(double x) const { return std::isfinite(x) ? static_cast<long>(std::ldexp(x, shift_)) : 0; }
 
     int shift_;
     std::vector<long> numbers_;
@@ -176,8 +174,8 @@ TEST_CASE("every precision from 2 to 53 rounds correctly at run time", "[number]
     Random random(53);
     long wrong = 0;
     for (int p = 2; p <= 53; ++p)
-        for (const FloatFormat& f : {FloatFormat{p, -1022, 1023}, FloatFormat{p, -126, 127}, FloatFormat{p, -14, 15},
-                                     FloatFormat{p, -1, 1}}) {
+        for (const FloatFormat& f :
+             {FloatFormat{p, -1022, 1023}, FloatFormat{p, -126, 127}, FloatFormat{p, -14, 15}, FloatFormat{p, -1, 1}}) {
             const CurrentFormat::Scope scope(f);
             for (const Op op : rounding_ops)
                 for (int i = 0; i < 800; ++i) {

@@ -54,8 +54,7 @@ int in_child(Work work) {
         int answer = 100;
         try {
             answer = work();
-        } catch (...) {
-        }
+        } catch (...) {}
         ::_exit(answer);
     }
     int status = 0;

@@ -107,9 +107,9 @@ Offences include_directions(const SourceFile& file) {
     for (const Include& include : includes_of(file.text)) {
         const long other = place(std::string_view(include.name).substr(0, include.name.find('/')));
         if (other > own)
-            offences.push_back(at(
-                file, include.line,
-                std::string(order[static_cast<std::size_t>(own)]) + " includes " + include.name + ", to its right"));
+            offences.push_back(
+                at(file, include.line,
+                   std::string(order[static_cast<std::size_t>(own)]) + " includes " + include.name + ", to its right"));
         // The program's own files lie side by side in one folder; everything else is named from src/.
         const bool beside = file.path.starts_with("analysis/") && include.name.find('/') == std::string::npos;
         if (other < 0 && include.bracket == '"' && !beside)

@@ -63,17 +63,20 @@ TEST_CASE("includes point one way", "[repository]") {
 
 TEST_CASE("an include to the right is caught", "[repository]") {
     CHECK(include_directions({"src/number/x.hpp", "#include \"geometry/vec.hpp\"\n"}).size() == 1);
-    CHECK(include_directions({"src/intersect/table/table.cpp", "#include <cmath>\n#include \"measure/truth/truth.hpp\"\n"})
+    CHECK(include_directions(
+              {"src/intersect/table/table.cpp", "#include <cmath>\n#include \"measure/truth/truth.hpp\"\n"})
               .size() == 1);
     CHECK(include_directions({"src/intersect/sphere/x.hpp", "  #  include <scene/rays/camera.hpp>\n"}).size() == 1);
     CHECK(include_directions({"src/output/x.cpp", "#include \"analysis/main.hpp\"\n"}).size() == 1);
     CHECK(include_directions({"src/number/x.hpp", "#include \"../geometry/vec.hpp\"\n"}).size() == 1);
     CHECK(include_directions({"src/output/x.cpp", "#include \"csv.hpp\"\n"}).size() == 1);
     CHECK(include_directions({"src/extra/x.hpp", ""}).size() == 1);
-    CHECK(include_directions({"src/measure/x.hpp",
-                              "#include \"number/real.hpp\"\n#include \"measure/truth/truth.hpp\"\n#include <mpfr.h>\n"})
+    CHECK(
+        include_directions({"src/measure/x.hpp",
+                            "#include \"number/real.hpp\"\n#include \"measure/truth/truth.hpp\"\n#include <mpfr.h>\n"})
+            .empty());
+    CHECK(include_directions({"analysis/x.cpp", "#include \"output/file/csv.hpp\"\n#include \"commands.hpp\"\n"})
               .empty());
-    CHECK(include_directions({"analysis/x.cpp", "#include \"output/file/csv.hpp\"\n#include \"commands.hpp\"\n"}).empty());
 }
 
 TEST_CASE("forms stand on number, geometry and intersect, and obey the rules of a formula", "[repository]") {
@@ -170,9 +173,7 @@ TEST_CASE("one unit alone is let out of the ban on fast math", "[repository]") {
 TEST_CASE("no file has outgrown its page", "[repository]") {
     const auto files = read_tree({"src", "analysis", "tests"});
     hold_everywhere(files, file_length);
-    const auto of_lines = [](int n) {
-        return SourceFile{"src/x.cpp", std::string(static_cast<std::size_t>(n), '\n')};
-    };
+    const auto of_lines = [](int n) { return SourceFile{"src/x.cpp", std::string(static_cast<std::size_t>(n), '\n')}; };
     CHECK(file_length(of_lines(350)).empty());
     CHECK(file_length(of_lines(351)).size() == 1);
 }

@@ -10,8 +10,8 @@
 #include "catch.hpp"
 #include "number/error.hpp"
 #include "number/real.hpp"
-#include "scene/toml/parse_number.hpp"
 #include "scene/file/scene.hpp"
+#include "scene/toml/parse_number.hpp"
 
 /// A failure prints numbers that paste straight back into a scene.
 template <>
@@ -104,7 +104,8 @@ inline std::string scene_error(const std::string& text, const scene::file::LoadO
     return error_in(folder, [&] { scene::file::load_scene(file, options); });
 }
 
-inline std::vector<scene::file::Scene> all_loaded(const std::string& text, const scene::file::LoadOptions& options = {}) {
+inline std::vector<scene::file::Scene> all_loaded(const std::string& text,
+                                                  const scene::file::LoadOptions& options = {}) {
     const Folder folder;
     return scene::file::load_scene(folder.write("scene.toml", text), options);
 }

@@ -1,5 +1,5 @@
-// `inclusive` with one rounding less in each plane: t1 = (lo − o)/d, t2 = (hi − o)/d. A ray in one of the planes makes 0/0,
-// which is NaN as 0·∞ is; but a d whose reciprocal overflows still divides.
+// `inclusive` with one rounding less in each plane: t1 = (lo − o)/d, t2 = (hi − o)/d. A ray in one of the planes makes
+// 0/0, which is NaN as 0·∞ is; but a d whose reciprocal overflows still divides.
 #pragma once
 
 #include "intersect/box/slab.hpp"
@@ -10,7 +10,9 @@ struct Divide {
     static constexpr Info info{
         .name = "box.divide",
         .title = "inclusive slabs with true division",
-        .source = "Barnes, Fast, Branchless Ray/Bounding Box Intersections, part 3: Boundaries, with its t = (x - x0)/xd taken at its word; seed 002",
+        .source =
+            "Barnes, Fast, Branchless Ray/Bounding Box Intersections, part 3: Boundaries, with its t = (x - x0)/xd "
+            "taken at its word; seed 002",
     };
 
     template <Number T>

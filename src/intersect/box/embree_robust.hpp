@@ -1,5 +1,6 @@
-// Embree's robust traversal: `signs`, then a hit where (1 − 3ε) tmin ≤ (1 + 3ε) tmax with ε = 2u, 2⁻²³ in float. The padding is in
-// the comparison alone: t is the unpadded tmin, as Embree's distance is. The end of the ray, being part of tmax, is padded too.
+// Embree's robust traversal: `signs`, then a hit where (1 − 3ε) tmin ≤ (1 + 3ε) tmax with ε = 2u, 2⁻²³ in float. The
+// padding is in the comparison alone: t is the unpadded tmin, as Embree's distance is. The end of the ray, being part
+// of tmax, is padded too.
 #pragma once
 
 #include "intersect/box/slab.hpp"

@@ -1,6 +1,7 @@
-// `baseline` with IEEE's minNum and maxNum, of which a NaN operand loses in either place: tmin = maxNum(tmin, minNum(t1, t2)),
-// tmax = minNum(tmax, maxNum(t1, t2)), a hit where tmin ≤ tmax. Of 0·∞ and the other plane at ±∞ the latter speaks for both,
-// and nothing is left: a ray in one of the planes misses, for all that ≤ says, unless the box is flat there and both are NaN.
+// `baseline` with IEEE's minNum and maxNum, of which a NaN operand loses in either place: tmin = maxNum(tmin,
+// minNum(t1, t2)), tmax = minNum(tmax, maxNum(t1, t2)), a hit where tmin ≤ tmax. Of 0·∞ and the other plane at ±∞ the
+// latter speaks for both, and nothing is left: a ray in one of the planes misses, for all that ≤ says, unless the box
+// is flat there and both are NaN.
 #pragma once
 
 #include "intersect/box/slab.hpp"

@@ -1,6 +1,6 @@
-// The sign bit of 1/d says which plane comes first, so that no min and max of t1 and t2 are needed: tmin = max(dmin, tmin),
-// tmax = min(dmax, tmax), a hit where tmin ≤ tmax. (The seed writes tmin < tmax where it introduces the form and tmin ≤ tmax in the
-// batched code that it measures; this is the latter.)
+// The sign bit of 1/d says which plane comes first, so that no min and max of t1 and t2 are needed: tmin = max(dmin,
+// tmin), tmax = min(dmax, tmax), a hit where tmin ≤ tmax. (The seed writes tmin < tmax where it introduces the form and
+// tmin ≤ tmax in the batched code that it measures; this is the latter.)
 #pragma once
 
 #include "intersect/box/slab.hpp"
@@ -11,7 +11,8 @@ struct Signs {
     static constexpr Info info{
         .name = "box.signs",
         .title = "slabs, planes chosen by the sign of 1/d",
-        .source = "Barnes, Fast, Branchless Ray/Bounding Box Intersections, part 3: Boundaries, section Signs; seed 002",
+        .source =
+            "Barnes, Fast, Branchless Ray/Bounding Box Intersections, part 3: Boundaries, section Signs; seed 002",
     };
 
     template <Number T>

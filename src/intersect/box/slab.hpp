@@ -14,7 +14,8 @@ struct Segment {
     T tmax;
 };
 
-/// `left` says by the form's own last test whether something is left. near = t = tmin ≥ 0, clipped at the origin; far = tmax.
+/// `left` says by the form's own last test whether something is left. near = t = tmin ≥ 0, clipped at the origin; far =
+/// tmax.
 template <Number T>
 Hit<T> entered(const mask_t<T>& left, const Segment<T>& segment) {
     return Hit<T>{left, segment.tmin, segment.tmin, segment.tmax};
@@ -27,13 +28,13 @@ struct Planes {
     T bmax;
 };
 
-/// True of numbers whose kernel, knowing the ray's signs beforehand, hands over each box with its planes already in order:
-/// `lo` is then the plane that the line meets first.
+/// True of numbers whose kernel, knowing the ray's signs beforehand, hands over each box with its planes already in
+/// order: `lo` is then the plane that the line meets first.
 template <class T>
 inline constexpr bool planes_in_order = false;
 
-/// lo before hi where the sign bit of inv = 1/d is clear, hi before lo where it is set. A direction of −0 has inv = −∞ and
-/// its planes change places, so a ray between them still runs from −∞ to +∞.
+/// lo before hi where the sign bit of inv = 1/d is clear, hi before lo where it is set. A direction of −0 has inv = −∞
+/// and its planes change places, so a ray between them still runs from −∞ to +∞.
 template <Number T>
 Planes<T> planes_by_sign(const T& lo, const T& hi, const T& inv) {
     if constexpr (planes_in_order<T>) return {lo, hi};
@@ -41,9 +42,9 @@ Planes<T> planes_by_sign(const T& lo, const T& hi, const T& inv) {
     return {select(sign, hi, lo), select(sign, lo, hi)};
 }
 
-/// tmin = max(dmin, tmin), tmax = min(dmax, tmax) with dmin = (bmin − o)·inv, dmax = (bmax − o)·inv. A NaN from 0·∞ (a ray
-/// in one of the planes) leaves both as they were, because min and max answer their second operand. (Two numbers and no
-/// Segment: GCC 12 writes a struct of packs to the stack in every round.)
+/// tmin = max(dmin, tmin), tmax = min(dmax, tmax) with dmin = (bmin − o)·inv, dmax = (bmax − o)·inv. A NaN from 0·∞ (a
+/// ray in one of the planes) leaves both as they were, because min and max answer their second operand. (Two numbers
+/// and no Segment: GCC 12 writes a struct of packs to the stack in every round.)
 template <Number T>
 void clip_by_signs(const Ray<T>& ray, const Box<T>& box, T& tmin, T& tmax) {
     for (int axis = 0; axis < 3; ++axis) {

@@ -6,8 +6,8 @@
 namespace lostbits::intersect::sdf {
 
 /// After the hit of `sphere_trace`: a point inside is looked for at hit_eps, 2 hit_eps, … `doublings` times beyond it
-/// (2^7 hit_eps at most: a ray that meets the surface at a cosine below 2^-7 is left where it is), and bisect_steps halvings
-/// leave the middle of what remains. Reads hit_eps, max_dist, max_steps, bisect_steps.
+/// (2^7 hit_eps at most: a ray that meets the surface at a cosine below 2^-7 is left where it is), and bisect_steps
+/// halvings leave the middle of what remains. Reads hit_eps, max_dist, max_steps, bisect_steps.
 struct BisectRefined {
     static constexpr Info info{.name = "sdf.bisect_refined",
                                .title = "sphere_trace, then bisection to the root of the field",

@@ -23,7 +23,8 @@ struct Marched {
 
 template <Number T>
 Vec<T> along(const Ray<T>& ray, const T& t) {
-    return Vec<T>(ray.origin.x + t * ray.direction.x, ray.origin.y + t * ray.direction.y, ray.origin.z + t * ray.direction.z);
+    return Vec<T>(ray.origin.x + t * ray.direction.x, ray.origin.y + t * ray.direction.y,
+                  ray.origin.z + t * ray.direction.z);
 }
 
 /// d = field(o + t·dir); a hit where `close(d, t)`; otherwise t += d, a miss where t > max_dist. Seed 003, step 3.

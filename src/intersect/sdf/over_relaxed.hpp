@@ -5,9 +5,9 @@
 
 namespace lostbits::intersect::sdf {
 
-/// Steps of ω·d. Where the sphere around the new point does not reach the one around the last (|d| + |d_last| < step) something
-/// may lie between: the step is taken back to the safe one, t_last + d_last, and ω is 1 from there on. A hit where d < hit_eps
-/// after a step that was not taken back. Reads over_relaxation, hit_eps, max_dist, max_steps.
+/// Steps of ω·d. Where the sphere around the new point does not reach the one around the last (|d| + |d_last| < step)
+/// something may lie between: the step is taken back to the safe one, t_last + d_last, and ω is 1 from there on. A hit
+/// where d < hit_eps after a step that was not taken back. Reads over_relaxation, hit_eps, max_dist, max_steps.
 struct OverRelaxed {
     static constexpr Info info{.name = "sdf.over_relaxed",
                                .title = "steps of omega d, taken back where the spheres part",

@@ -5,8 +5,8 @@
 
 namespace lostbits::intersect::sdf {
 
-/// A hit where d < hit_eps, at the t of that sample: it stops short of the surface by up to hit_eps over the cosine of the
-/// angle of incidence. Reads hit_eps, max_dist, max_steps.
+/// A hit where d < hit_eps, at the t of that sample: it stops short of the surface by up to hit_eps over the cosine of
+/// the angle of incidence. Reads hit_eps, max_dist, max_steps.
 struct SphereTrace {
     static constexpr Info info{.name = "sdf.sphere_trace",
                                .title = "hit where the field is below hit_eps",

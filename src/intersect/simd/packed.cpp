@@ -23,8 +23,8 @@ constexpr std::size_t bytes_of(Isa isa) { return isa == Isa::w512 ? 64 : isa == 
 template <class F>
 using RawKernel = void (*)(const RawBatch<F>&);
 
-/// The rays after the last whole pack, in buffers of a pack's size. Empty lanes repeat the last ray, so that no form loops
-/// longer on account of a ray that nobody asked for.
+/// The rays after the last whole pack, in buffers of a pack's size. Empty lanes repeat the last ray, so that no form
+/// loops longer on account of a ray that nobody asked for.
 template <class F>
 struct Tail {
     static constexpr std::size_t most = 64 / sizeof(F);
@@ -42,7 +42,14 @@ void run_tail(RawKernel<F> kernel, std::size_t lanes, const RawBatch<F>& rest) {
     for (int c = 0; c < 6; ++c) fill(tail.rays[c], rest.rays[c]);
     if (rest.tmax) fill(tail.tmax, rest.tmax);
     const auto& in = tail.rays;
-    kernel({{in[0], in[1], in[2], in[3], in[4], in[5]}, rest.tmax ? tail.tmax : nullptr, rest.target, tail.t, tail.near, tail.far, tail.hit, lanes});
+    kernel({{in[0], in[1], in[2], in[3], in[4], in[5]},
+            rest.tmax ? tail.tmax : nullptr,
+            rest.target,
+            tail.t,
+            tail.near,
+            tail.far,
+            tail.hit,
+            lanes});
     std::copy_n(tail.t, rest.size, rest.t);
     std::copy_n(tail.near, rest.size, rest.near);
     std::copy_n(tail.far, rest.size, rest.far);
@@ -50,7 +57,8 @@ void run_tail(RawKernel<F> kernel, std::size_t lanes, const RawBatch<F>& rest) {
 }
 
 template <class F>
-void run(RawKernel<F> kernel, std::size_t lanes, const RayBatch<F>& rays, const Target<F>& target, const HitBatch<F>& hits) {
+void run(RawKernel<F> kernel, std::size_t lanes, const RayBatch<F>& rays, const Target<F>& target,
+         const HitBatch<F>& hits) {
     const FlatTarget<F> flat(target);
     const std::size_t left = rays.size() % lanes, whole = rays.size() - left;
     if (whole) kernel(raw_batch(rays, flat.raw(), hits, 0, whole));
@@ -86,15 +94,19 @@ std::span<const PackedRow> rows_of() {
     static const auto rows = []<std::size_t... form>(std::index_sequence<form...>) {
         const auto scalar = table::intersectors();
         const auto& raw = raw_rows<isa>();
-        return std::array<PackedRow, forms>{PackedRow{scalar[form].info, run32<isa, form>, raw[form].f64 ? run64<isa, form> : nullptr}...};
-    }(std::make_index_sequence<forms>{});
+        return std::array<PackedRow, forms>{
+            PackedRow{scalar[form].info, run32<isa, form>, raw[form].f64 ? run64<isa, form> : nullptr}...};
+    }
+    (std::make_index_sequence<forms>{});
     return rows;
 }
 
 std::span<const PackedRow> scalar_rows() {
     static const auto rows = [] {
         std::array<PackedRow, forms> filled{};
-        std::ranges::transform(table::intersectors(), filled.begin(), [](const table::Intersector& i) { return PackedRow{i.info, i.native32, i.native64}; });
+        std::ranges::transform(table::intersectors(), filled.begin(), [](const table::Intersector& i) {
+            return PackedRow{i.info, i.native32, i.native64};
+        });
         return filled;
     }();
     return rows;
@@ -107,8 +119,8 @@ bool runs(Isa isa) {
 #if defined(LOSTBITS_PACKED_X86)
         case Isa::w256: return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma");
         case Isa::w512:
-            return runs(Isa::w256) && __builtin_cpu_supports("bmi2") && __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") &&
-                   __builtin_cpu_supports("avx512vl");
+            return runs(Isa::w256) && __builtin_cpu_supports("bmi2") && __builtin_cpu_supports("avx512f") &&
+                   __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512vl");
 #endif
         default: return false;
     }
@@ -143,8 +155,10 @@ void set_isa(Isa isa) {
     if (!runs(isa)) {
         std::string can;
         for (const Isa other : available_isas()) can += (can.empty() ? "" : ", ") + std::string(name_of(other));
-        throw EnvironmentError("--isa " + std::string(name_of(isa)) + ": this processor has no registers of that width, or this build no code for them; try one of " +
-                               can + ", which give the same bits");
+        throw EnvironmentError(
+            "--isa " + std::string(name_of(isa)) +
+            ": this processor has no registers of that width, or this build no code for them; try one of " + can +
+            ", which give the same bits");
     }
     chosen_isa() = isa;
 }
@@ -165,7 +179,8 @@ std::span<const PackedRow> packed_rows(Isa isa) {
 PackedRow packed_kernels(const table::Intersector& form) {
     const PackedRow own{form.info, form.native32, form.native64};
     const auto scalar = scalar_rows();
-    const auto same = std::ranges::find_if(scalar, [&](const PackedRow& row) { return row.info == own.info && row.f32 == own.f32 && row.f64 == own.f64; });
+    const auto same = std::ranges::find_if(
+        scalar, [&](const PackedRow& row) { return row.info == own.info && row.f32 == own.f32 && row.f64 == own.f64; });
     return same == scalar.end() ? own : packed_rows(current_isa())[static_cast<std::size_t>(same - scalar.begin())];
 }
 

@@ -1,5 +1,5 @@
-// The forms over SIMD packs, compiled for each register width and chosen at run time by what the processor has. Their answers
-// are the bits of the scalar rows (a NaN is a NaN); only the speed differs.
+// The forms over SIMD packs, compiled for each register width and chosen at run time by what the processor has. Their
+// answers are the bits of the scalar rows (a NaN is a NaN); only the speed differs.
 #pragma once
 
 #include <array>
@@ -21,14 +21,14 @@ inline constexpr std::string_view name_of(Isa isa) { return isa_names[static_cas
 /// Nothing for a name that is not in `isa_names`.
 std::optional<Isa> isa_named(std::string_view name);
 
-/// What this build contains and this processor runs, narrowest first: `scalar` and `w128` everywhere; `w256` needs AVX2 and
-/// FMA, `w512` AVX-512 F, DQ and VL and BMI2 beside them.
+/// What this build contains and this processor runs, narrowest first: `scalar` and `w128` everywhere; `w256` needs AVX2
+/// and FMA, `w512` AVX-512 F, DQ and VL and BMI2 beside them.
 std::vector<Isa> available_isas();
 /// The widest of them.
 Isa best_isa();
 
-/// What `packed_kernels` of every thread takes from now on; `best_isa()` until then. EnvironmentError for a width that is not
-/// available: nothing changes then.
+/// What `packed_kernels` of every thread takes from now on; `best_isa()` until then. EnvironmentError for a width that
+/// is not available: nothing changes then.
 void set_isa(Isa isa);
 Isa current_isa();
 
@@ -44,8 +44,8 @@ struct PackedRow {
 /// not available: calling such a kernel would be an illegal instruction.
 std::span<const PackedRow> packed_rows(Isa isa);
 
-/// The kernels at `current_isa()` of a row of the table; of a row that is not the table's (a form made up by a test, one
-/// from elsewhere) its own native ones.
+/// The kernels at `current_isa()` of a row of the table; of a row that is not the table's (a form made up by a test,
+/// one from elsewhere) its own native ones.
 PackedRow packed_kernels(const table::Intersector& form);
 
 }  // namespace lostbits::intersect::simd

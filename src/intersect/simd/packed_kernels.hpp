@@ -1,15 +1,15 @@
-// The loop around `Form::intersect` over packs: one translation unit for each register width includes it, each with its own
-// `Width` of internal linkage (see `Registers`). They see plain pointers only: an inline function of std::span or of our own,
-// compiled here under its ordinary name, could be the one that the linker keeps for everybody, on machines that
-// cannot run it. A test reads the symbols of the objects.
+// The loop around `Form::intersect` over packs: one translation unit for each register width includes it, each with its
+// own `Width` of internal linkage (see `Registers`). They see plain pointers only: an inline function of std::span or
+// of our own, compiled here under its ordinary name, could be the one that the linker keeps for everybody, on machines
+// that cannot run it. A test reads the symbols of the objects.
 #pragma once
 
 #include <cstring>
 #include <limits>
 
 #include "intersect/catalogue.hpp"
-#include "intersect/simd/packed_raw.hpp"
 #include "intersect/sdf/field.hpp"
+#include "intersect/simd/packed_raw.hpp"
 #include "intersect/takes.hpp"
 #include "number/pack.hpp"
 
@@ -31,7 +31,8 @@ Box<P> box_at(const RawTarget<F>& target, std::size_t k) {
 template <class Form, class P, class F>
 Hit<P> march_pack(const Ray<P>& ray, const RawTarget<F>& target) {
     const auto distance = [&target](std::size_t k, const Vec<P>& p) {
-        if (target.shapes[k] == static_cast<std::uint8_t>(Shape::sphere)) return sdf::distance(sphere_at<P>(target, k), p);
+        if (target.shapes[k] == static_cast<std::uint8_t>(Shape::sphere))
+            return sdf::distance(sphere_at<P>(target, k), p);
         return sdf::distance(box_at<P>(target, k), p);
     };
     const auto field = [&](const Vec<P>& p) {
@@ -43,8 +44,8 @@ Hit<P> march_pack(const Ray<P>& ray, const RawTarget<F>& target) {
     return Form::intersect(ray, field, transformed(target.march, [](const F& x) { return P(x); }), unwatched);
 }
 
-/// Flattened: every call inside is inlined. Otherwise the compiler keeps functions for the operators of `Outward`, packs travel
-/// through the stack, and sphere.pbrt_interval takes five times as long.
+/// Flattened: every call inside is inlined. Otherwise the compiler keeps functions for the operators of `Outward`,
+/// packs travel through the stack, and sphere.pbrt_interval takes five times as long.
 template <class Form, class F, class Width>
 [[gnu::flatten]] void packed_batch(const RawBatch<F>& batch) {
     using P = Pack<F, Width>;
@@ -64,7 +65,9 @@ template <class Form, class F, class Width>
         const Ray<P> ray{{at(ox), at(oy), at(oz)}, {at(dx), at(dy), at(dz)}};
         const Hit<P> hit = [&] {
             if constexpr (shape_of<Form> == Shape::sphere) return Form::intersect(ray, Sphere<P>{{n0, n1, n2}, n3});
-            else if constexpr (shape_of<Form> == Shape::box) return Form::intersect(ray, Box<P>{{n0, n1, n2}, {n3, number(4), number(5)}}, P::load(tmax ? tmax + i : nowhere));
+            else if constexpr (shape_of<Form> == Shape::box)
+                return Form::intersect(ray, Box<P>{{n0, n1, n2}, {n3, number(4), number(5)}},
+                                       P::load(tmax ? tmax + i : nowhere));
             else return march_pack<Form>(ray, target);
         }();
         hit.t.store(t + i);

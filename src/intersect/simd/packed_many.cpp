@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <utility>
 
-#include "intersect/table/kernels.hpp"
 #include "intersect/simd/packed_raw.hpp"
+#include "intersect/table/kernels.hpp"
 
 namespace lostbits::intersect::simd {
 namespace {
@@ -69,13 +69,22 @@ void run_row(std::size_t columns, RawSolids<F> all) {
 template <Isa isa, std::size_t form, class F>
 void boxes(const Ray<F>& ray, const BoxArrays<F>& b, std::span<F> t) {
     const RayNumbers<F> r(ray);
-    run_row<isa, form, F>(6, {r.numbers, {b.lo_x.data(), b.lo_y.data(), b.lo_z.data(), b.hi_x.data(), b.hi_y.data(), b.hi_z.data()}, t.data(), nullptr, b.size()});
+    run_row<isa, form, F>(6,
+                          {r.numbers,
+                           {b.lo_x.data(), b.lo_y.data(), b.lo_z.data(), b.hi_x.data(), b.hi_y.data(), b.hi_z.data()},
+                           t.data(),
+                           nullptr,
+                           b.size()});
 }
 
 template <Isa isa, std::size_t form, class F>
 void spheres(const Ray<F>& ray, const SphereArrays<F>& s, std::span<F> t, std::span<std::uint8_t> hit) {
     const RayNumbers<F> r(ray);
-    run_row<isa, form, F>(4, {r.numbers, {s.x.data(), s.y.data(), s.z.data(), s.radius.data(), nullptr, nullptr}, t.data(), hit.data(), s.size()});
+    run_row<isa, form, F>(4, {r.numbers,
+                              {s.x.data(), s.y.data(), s.z.data(), s.radius.data(), nullptr, nullptr},
+                              t.data(),
+                              hit.data(),
+                              s.size()});
 }
 
 template <class Form, class F>
@@ -131,12 +140,14 @@ std::span<const ManyRow> rows_of() {
         const auto scalar = scalar_rows();
         const auto fill = [&]<std::size_t i>() {
             const ManyRow& s = scalar[i];
-            filled[i] = {s.info, s.boxes32 ? boxes<isa, i, float> : nullptr, s.boxes64 ? boxes<isa, i, double> : nullptr,
-                         s.spheres32 ? spheres<isa, i, float> : nullptr, s.spheres64 ? spheres<isa, i, double> : nullptr};
+            filled[i] = {s.info, s.boxes32 ? boxes<isa, i, float> : nullptr,
+                         s.boxes64 ? boxes<isa, i, double> : nullptr, s.spheres32 ? spheres<isa, i, float> : nullptr,
+                         s.spheres64 ? spheres<isa, i, double> : nullptr};
         };
         (fill.template operator()<form>(), ...);
         return filled;
-    }(std::make_index_sequence<form_count>{});
+    }
+    (std::make_index_sequence<form_count>{});
     return rows;
 }
 
@@ -145,7 +156,8 @@ std::span<const ManyRow> rows_of() {
 ManyRow many_kernels(const table::Intersector& form) {
     const auto table = table::intersectors();
     for (std::size_t i = 0; i < table.size(); ++i) {
-        if (table[i].info == form.info && table[i].native32 == form.native32 && table[i].native64 == form.native64) return many_rows(current_isa())[i];
+        if (table[i].info == form.info && table[i].native32 == form.native32 && table[i].native64 == form.native64)
+            return many_rows(current_isa())[i];
     }
     return {form.info, nullptr, nullptr, nullptr, nullptr};
 }

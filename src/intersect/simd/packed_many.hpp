@@ -1,5 +1,5 @@
-// One ray against many solids, structure of arrays, at each register width: what a traversal asks. The bits are those of the
-// forms' scalar answers.
+// One ray against many solids, structure of arrays, at each register width: what a traversal asks. The bits are those
+// of the forms' scalar answers.
 #pragma once
 
 #include "intersect/simd/packed.hpp"
@@ -20,8 +20,8 @@ struct SphereArrays {
     [[nodiscard]] std::size_t size() const { return x.size(); }
 };
 
-/// t[i] is where the ray ends for box i: the closest hit found so far, or infinity. On a hit it becomes the form's t, where the
-/// ray enters the box; otherwise it stays. (The interface is that of seed 002.)
+/// t[i] is where the ray ends for box i: the closest hit found so far, or infinity. On a hit it becomes the form's t,
+/// where the ray enters the box; otherwise it stays. (The interface is that of seed 002.)
 template <class S>
 using ManyBoxes = void (*)(const Ray<S>&, const BoxArrays<S>&, std::span<S> t);
 
@@ -29,8 +29,8 @@ using ManyBoxes = void (*)(const Ray<S>&, const BoxArrays<S>&, std::span<S> t);
 template <class S>
 using ManySpheres = void (*)(const Ray<S>&, const SphereArrays<S>&, std::span<S> t, std::span<std::uint8_t> hit);
 
-/// A form's kernels; null for the other shape and where the form does not exist (see `Info::formats`). Any number of solids;
-/// nothing is read or written beyond the spans, nothing allocated.
+/// A form's kernels; null for the other shape and where the form does not exist (see `Info::formats`). Any number of
+/// solids; nothing is read or written beyond the spans, nothing allocated.
 struct ManyRow {
     const Info* info;
     ManyBoxes<float> boxes32;

@@ -11,8 +11,8 @@
 
 namespace lostbits::intersect::simd {
 
-/// The forms that take a box's planes in the order of the sign of 1/d, which is the sign of d, the same for all boxes. (Not
-/// box.embree_fma: there the sign of a tiny d changes. Of a NaN neither sign nor order matters: every t is NaN.)
+/// The forms that take a box's planes in the order of the sign of 1/d, which is the sign of d, the same for all boxes.
+/// (Not box.embree_fma: there the sign of a tiny d changes. Of a NaN neither sign nor order matters: every t is NaN.)
 template <class Form>
 inline constexpr bool orders_planes = false;
 template <>
@@ -31,7 +31,8 @@ struct InOrder : Width {};
 }  // namespace lostbits::intersect::simd
 
 template <class F, class Width>
-inline constexpr bool lostbits::intersect::box::planes_in_order<lostbits::Pack<F, lostbits::intersect::simd::InOrder<Width>>> = true;
+inline constexpr bool
+    lostbits::intersect::box::planes_in_order<lostbits::Pack<F, lostbits::intersect::simd::InOrder<Width>>> = true;
 
 namespace lostbits::intersect::simd {
 
@@ -47,8 +48,9 @@ template <class Form, class F, class Width>
     using P = Pack<F, std::conditional_t<orders_planes<Form>, InOrder<Width>, Width>>;
     const bool turned[3] = {turns<Form>(batch.ray[3]), turns<Form>(batch.ray[4]), turns<Form>(batch.ray[5])};
     const auto column = [&](int k) { return batch.numbers[turned[k % 3] ? (k + 3) % 6 : k]; };
-    // Local pointers, each read from where it was stored: no store of the loop can reach them, and a copy of the struct by wide moves waits
-    // for the narrow stores that filled it, which with dead stores in the loop made 256 boxes 8 % slower than the loop by hand.
+    // Local pointers, each read from where it was stored: no store of the loop can reach them, and a copy of the struct
+    // by wide moves waits for the narrow stores that filled it, which with dead stores in the loop made 256 boxes 8 %
+    // slower than the loop by hand.
     const F *const lo_x = column(0), *const lo_y = column(1), *const lo_z = column(2);
     const F *const hi_x = column(3), *const hi_y = column(4), *const hi_z = column(5);
     F* const t = batch.t;
@@ -57,7 +59,8 @@ template <class Form, class F, class Width>
     const Ray<P> ray{{number(0), number(1), number(2)}, {number(3), number(4), number(5)}};
     for (std::size_t i = 0; i < size; i += P::lanes) {
         const P end = P::load(t + i);
-        const Box<P> box{{P::load(lo_x + i), P::load(lo_y + i), P::load(lo_z + i)}, {P::load(hi_x + i), P::load(hi_y + i), P::load(hi_z + i)}};
+        const Box<P> box{{P::load(lo_x + i), P::load(lo_y + i), P::load(lo_z + i)},
+                         {P::load(hi_x + i), P::load(hi_y + i), P::load(hi_z + i)}};
         const Hit<P> hit = Form::intersect(ray, box, end);
         select(hit.hit, hit.t, end).store(t + i);
     }

@@ -41,8 +41,10 @@ private:
 
 /// `size` rays from ray i on.
 template <class F>
-RawBatch<F> raw_batch(const table::RayBatch<F>& rays, const RawTarget<F>& target, const table::HitBatch<F>& hits, std::size_t i, std::size_t size) {
-    return {{rays.ox.data() + i, rays.oy.data() + i, rays.oz.data() + i, rays.dx.data() + i, rays.dy.data() + i, rays.dz.data() + i},
+RawBatch<F> raw_batch(const table::RayBatch<F>& rays, const RawTarget<F>& target, const table::HitBatch<F>& hits,
+                      std::size_t i, std::size_t size) {
+    return {{rays.ox.data() + i, rays.oy.data() + i, rays.oz.data() + i, rays.dx.data() + i, rays.dy.data() + i,
+             rays.dz.data() + i},
             rays.tmax.empty() ? nullptr : rays.tmax.data() + i,
             &target,
             hits.t.data() + i,

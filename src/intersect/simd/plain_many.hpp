@@ -1,5 +1,6 @@
-// One ray against many boxes by the loop that anybody would write first: a form's scalar source for each box in turn, left to the
-// compiler to vectorise, with the instructions that the packs have. What packs are worth is measured against it.
+// One ray against many boxes by the loop that anybody would write first: a form's scalar source for each box in turn,
+// left to the compiler to vectorise, with the instructions that the packs have. What packs are worth is measured
+// against it.
 #pragma once
 
 #include <cstddef>
@@ -21,8 +22,8 @@ struct PlainRow {
     void (*structs)(const float* ray, const PlainBox* boxes, float* t, std::size_t n);
 };
 
-/// Every box form, in the order of the catalogue, at -O3 with AVX2 and FMA (and no contraction); empty where this build or this
-/// processor has none.
+/// Every box form, in the order of the catalogue, at -O3 with AVX2 and FMA (and no contraction); empty where this build
+/// or this processor has none.
 std::span<const PlainRow> plain_rows();
 
 /// The translation unit with those flags; fills a row for each box form, but for `info`.

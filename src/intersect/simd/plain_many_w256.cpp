@@ -9,16 +9,18 @@ namespace {
 template <class Form>
 [[gnu::flatten]] void by_columns(const float* ray, const float* const* columns, float* __restrict t, std::size_t n) {
     const Ray<float> r{{ray[0], ray[1], ray[2]}, {ray[3], ray[4], ray[5]}};
-    const float *__restrict lo_x = columns[0], *__restrict lo_y = columns[1], *__restrict lo_z = columns[2];
-    const float *__restrict hi_x = columns[3], *__restrict hi_y = columns[4], *__restrict hi_z = columns[5];
+    const float* __restrict lo_x = columns[0], * __restrict lo_y = columns[1], * __restrict lo_z = columns[2];
+    const float* __restrict hi_x = columns[3], * __restrict hi_y = columns[4], * __restrict hi_z = columns[5];
     for (std::size_t i = 0; i < n; ++i) {
-        const Hit<float> hit = Form::intersect(r, Box<float>{{lo_x[i], lo_y[i], lo_z[i]}, {hi_x[i], hi_y[i], hi_z[i]}}, t[i]);
+        const Hit<float> hit =
+            Form::intersect(r, Box<float>{{lo_x[i], lo_y[i], lo_z[i]}, {hi_x[i], hi_y[i], hi_z[i]}}, t[i]);
         t[i] = hit.hit ? hit.t : t[i];
     }
 }
 
 template <class Form>
-[[gnu::flatten]] void by_structs(const float* ray, const PlainBox* __restrict boxes, float* __restrict t, std::size_t n) {
+[[gnu::flatten]] void by_structs(const float* ray, const PlainBox* __restrict boxes, float* __restrict t,
+                                 std::size_t n) {
     const Ray<float> r{{ray[0], ray[1], ray[2]}, {ray[3], ray[4], ray[5]}};
     for (std::size_t i = 0; i < n; ++i) {
         const float* const b = boxes[i].numbers;

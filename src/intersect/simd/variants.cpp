@@ -53,7 +53,8 @@ void run_few(RawKernel<F> kernel, const RayBatch<F>& rays, const RawTarget<F>& t
         if (!out.empty()) out.resize(lanes, out.back());
         return out;
     };
-    const auto ox = filled(rays.ox), oy = filled(rays.oy), oz = filled(rays.oz), dx = filled(rays.dx), dy = filled(rays.dy), dz = filled(rays.dz), tmax = filled(rays.tmax);
+    const auto ox = filled(rays.ox), oy = filled(rays.oy), oz = filled(rays.oz), dx = filled(rays.dx),
+               dy = filled(rays.dy), dz = filled(rays.dz), tmax = filled(rays.tmax);
     std::array<F, lanes> t{}, near{}, far{};
     std::array<std::uint8_t, lanes> hit{};
     run_packs<F>(kernel, {ox, oy, oz, dx, dy, dz, tmax}, target, {t, near, far, hit});
@@ -94,9 +95,11 @@ std::span<const Intersector> rows_of(std::string_view variant) {
             infos[i].name = names[i];
         }
         const auto& raw = raw_rows<fill>();
-        return std::array<Intersector, form_count>{
-            Intersector{&infos[form], table[form].shape, run32<fill, form>, raw[form].f64 ? run64<fill, form> : nullptr, nullptr, nullptr, nullptr}...};
-    }(std::make_index_sequence<form_count>{});
+        return std::array<Intersector, form_count>{Intersector{&infos[form], table[form].shape, run32<fill, form>,
+                                                               raw[form].f64 ? run64<fill, form> : nullptr, nullptr,
+                                                               nullptr, nullptr}...};
+    }
+    (std::make_index_sequence<form_count>{});
     return rows;
 }
 

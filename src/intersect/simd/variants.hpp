@@ -1,5 +1,5 @@
-// The forms as other people's compiler flags make them, to be measured beside the forms as they are written: same source, same
-// registers, other bits.
+// The forms as other people's compiler flags make them, to be measured beside the forms as they are written: same
+// source, same registers, other bits.
 #pragma once
 
 #include <span>
@@ -12,11 +12,13 @@ namespace lostbits::intersect::simd {
 /// `contract` is -ffp-contract=fast with FMA, `fastmath` is -ffast-math with FMA.
 struct Variant {
     std::string_view name;
-    Isa isa;                            ///< the registers that it is compiled for
-    std::span<const table::Intersector> rows;  ///< in the order of `intersectors()`, as `sphere.unified+contract`; native kernels alone
+    Isa isa;  ///< the registers that it is compiled for
+    std::span<const table::Intersector>
+        rows;  ///< in the order of `intersectors()`, as `sphere.unified+contract`; native kernels alone
 };
 
-/// Those that this build contains and this processor runs. Their rows are in no other table: nobody gets them who does not ask.
+/// Those that this build contains and this processor runs. Their rows are in no other table: nobody gets them who does
+/// not ask.
 std::span<const Variant> variants();
 
 }  // namespace lostbits::intersect::simd

@@ -1,5 +1,5 @@
-// Float in, double arithmetic, float out: the schoolbook discriminant with Press et al. roots, all in the wider type, one
-// rounding at the end. What "just use double" buys.
+// Float in, double arithmetic, float out: the schoolbook discriminant with Press et al. roots, all in the wider type,
+// one rounding at the end. What "just use double" buys.
 #pragma once
 
 #include "intersect/sphere/roots.hpp"
@@ -17,7 +17,9 @@ struct DoubleInside {
     template <Number T>
     static Hit<T> intersect(const Ray<T>& ray, const Sphere<T>& sphere) {
         using W = typename Wider<T>::type;
-        const auto widen = [](const Vec<T>& v) { return Vec<W>(Wider<T>::widen(v.x), Wider<T>::widen(v.y), Wider<T>::widen(v.z)); };
+        const auto widen = [](const Vec<T>& v) {
+            return Vec<W>(Wider<T>::widen(v.x), Wider<T>::widen(v.y), Wider<T>::widen(v.z));
+        };
         const Vec<W> d = widen(ray.direction);
         const Vec<W> f = widen(ray.origin) - widen(sphere.centre);
         const W r = Wider<T>::widen(sphere.radius);

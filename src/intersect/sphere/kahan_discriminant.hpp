@@ -1,5 +1,6 @@
 // Kahan's discriminant: with FMA, h² − ac is computed to within two ulps of itself: w = ac, e = fma(−a, c, w),
-// disc = fma(h, h, −w) + e; then the roots of Press et al. It repairs the last subtraction, not what h and c lost before.
+// disc = fma(h, h, −w) + e; then the roots of Press et al. It repairs the last subtraction, not what h and c lost
+// before.
 #pragma once
 
 #include "intersect/sphere/roots.hpp"
@@ -10,7 +11,9 @@ struct KahanDiscriminant {
     static constexpr Info info{
         .name = "sphere.kahan_discriminant",
         .title = "Kahan's FMA discriminant, Press et al. roots",
-        .source = "Kahan, On the Cost of Floating-Point Computation Without Extra-Precise Arithmetic (2004); pbrt-v4; Boost quadratic_roots",
+        .source =
+            "Kahan, On the Cost of Floating-Point Computation Without Extra-Precise Arithmetic (2004); pbrt-v4; Boost "
+            "quadratic_roots",
     };
 
     template <Number T>

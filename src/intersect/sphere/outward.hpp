@@ -16,8 +16,12 @@ struct Outward {
     explicit Outward(const T& x) : lo(x), hi(x) {}
     Outward(const T& low, const T& high) : lo(low), hi(high) {}
 
-    friend Outward operator+(const Outward& a, const Outward& b) { return {next_down(a.lo + b.lo), next_up(a.hi + b.hi)}; }
-    friend Outward operator-(const Outward& a, const Outward& b) { return {next_down(a.lo - b.hi), next_up(a.hi - b.lo)}; }
+    friend Outward operator+(const Outward& a, const Outward& b) {
+        return {next_down(a.lo + b.lo), next_up(a.hi + b.hi)};
+    }
+    friend Outward operator-(const Outward& a, const Outward& b) {
+        return {next_down(a.lo - b.hi), next_up(a.hi - b.lo)};
+    }
     friend Outward operator*(const Outward& a, const Outward& b) {
         const T p = a.lo * b.lo, q = a.hi * b.lo, r = a.lo * b.hi, s = a.hi * b.hi;
         return {next_down(min(min(p, q), min(r, s))), next_up(max(max(p, q), max(r, s)))};

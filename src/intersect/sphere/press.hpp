@@ -9,7 +9,9 @@ struct Press {
     static constexpr Info info{
         .name = "sphere.press",
         .title = "Press et al. roots, schoolbook discriminant",
-        .source = "Haines, Günther, Akenine-Möller, Ray Tracing Gems ch. 7 (2019), eq. 6; Press et al., Numerical Recipes; seed 000",
+        .source =
+            "Haines, Günther, Akenine-Möller, Ray Tracing Gems ch. 7 (2019), eq. 6; Press et al., Numerical Recipes; "
+            "seed 000",
     };
 
     template <Number T>

@@ -6,8 +6,8 @@
 #include "intersect/catalogue.hpp"
 #include "intersect/march_watch.hpp"
 #include "intersect/table/table.hpp"
-#include "intersect/takes.hpp"
 #include "intersect/table/union_field.hpp"
+#include "intersect/takes.hpp"
 
 namespace lostbits::intersect::table {
 

@@ -18,12 +18,16 @@ template <class Form>
 MarchLog log_of(const Format& format, const Ray<double>& ray, const Target<double>& target) {
     switch (format.engine) {
         case Format::Engine::native32:
-            return logged<Form, float>(ray, target, [](double x) { return static_cast<float>(x); }, [](float x) { return x; });
-        case Format::Engine::native64: return logged<Form, double>(ray, target, [](double x) { return x; }, [](double x) { return x; });
+            return logged<Form, float>(
+                ray, target, [](double x) { return static_cast<float>(x); }, [](float x) { return x; });
+        case Format::Engine::native64:
+            return logged<Form, double>(
+                ray, target, [](double x) { return x; }, [](double x) { return x; });
         case Format::Engine::rounded: break;
     }
     const CurrentFormat::Scope scope(format.shape);
-    return logged<Form, RoundedAny>(ray, target, [](double x) { return RoundedAny(x); }, [](RoundedAny x) { return x.value(); });
+    return logged<Form, RoundedAny>(
+        ray, target, [](double x) { return RoundedAny(x); }, [](RoundedAny x) { return x.value(); });
 }
 
 }  // namespace

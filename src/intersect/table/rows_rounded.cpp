@@ -5,7 +5,8 @@ namespace lostbits::intersect::table {
 namespace {
 
 template <class Form>
-void rounded_batch(const FloatFormat& format, const RayBatch<double>& rays, const Target<double>& target, const HitBatch<double>& hits) {
+void rounded_batch(const FloatFormat& format, const RayBatch<double>& rays, const Target<double>& target,
+                   const HitBatch<double>& hits) {
     const CurrentFormat::Scope scope(format);
     intersect_batch<Form, RoundedAny>(
         rays, target, hits, [](double x) { return RoundedAny(x); }, [](RoundedAny x) { return x.value(); });

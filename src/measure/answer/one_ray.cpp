@@ -13,7 +13,15 @@ namespace {
 /// A ray alone: with its neighbours of the row, many spheres would be asked of each.
 std::unique_ptr<Band> band_of(const Scene& scene, const Ray<double>& ray) {
     scene::rays::RayGroup group;
-    group.rays = {1, 0, 1, {ray.origin.x}, {ray.origin.y}, {ray.origin.z}, {ray.direction.x}, {ray.direction.y}, {ray.direction.z}};
+    group.rays = {1,
+                  0,
+                  1,
+                  {ray.origin.x},
+                  {ray.origin.y},
+                  {ray.origin.z},
+                  {ray.direction.x},
+                  {ray.direction.y},
+                  {ray.direction.z}};
     group.solids = scene::rays::shared_solids(scene);
     if (scene.march) group.march = scene::file::round_march(*scene.march, binary32);
     return std::make_unique<Band>(std::move(group));
@@ -23,8 +31,9 @@ std::unique_ptr<Band> band_of(const Scene& scene, const Ray<double>& ray) {
 
 OneRay::OneRay(const Scene& scene, int x, int y) {
     if (x < 0 || y < 0 || x >= scene.width || y >= scene.height) {
-        throw InputError("--pixel " + std::to_string(x) + "," + std::to_string(y) + ": scene " + scene.id + " has columns 0 to " + std::to_string(scene.width - 1) +
-                         " and rows 0 to " + std::to_string(scene.height - 1));
+        throw InputError("--pixel " + std::to_string(x) + "," + std::to_string(y) + ": scene " + scene.id +
+                         " has columns 0 to " + std::to_string(scene.width - 1) + " and rows 0 to " +
+                         std::to_string(scene.height - 1));
     }
     if (scene.inputs == scene::file::Inputs::shared) {
         const Ray<double> ray = scene::rays::make_shared_rays(scene, y, y + 1)[static_cast<std::size_t>(x)];
@@ -36,12 +45,16 @@ OneRay::OneRay(const Scene& scene, int x, int y) {
 }
 
 OneRay::OneRay(const Scene& scene, const Ray<double>& ray) {
-    if (scene.inputs != scene::file::Inputs::shared) throw InputError("--ray: scene " + scene.id + " has inputs = \"own\", which are ideal numbers that no ray is given in; use --pixel");
+    if (scene.inputs != scene::file::Inputs::shared)
+        throw InputError("--ray: scene " + scene.id +
+                         " has inputs = \"own\", which are ideal numbers that no ray is given in; use --pixel");
     band_ = band_of(scene, ray);
 }
 
 OneRay::Inputs OneRay::inputs(const intersect::table::Intersector& form, const Format& format) const {
-    return {band_->inputs(format, {.unit_rays = form.info->direction == intersect::Direction::unit, .own_truth = false}), index_};
+    return {
+        band_->inputs(format, {.unit_rays = form.info->direction == intersect::Direction::unit, .own_truth = false}),
+        index_};
 }
 
 double OneRay::condition(const intersect::Info& info) const {
@@ -54,7 +67,8 @@ const truth::Certified& OneRay::true_t(const intersect::Info& info) const {
     return info.direction == intersect::Direction::unit ? found.distance : found.t;
 }
 
-intersect::table::MarchLog march_log(const intersect::table::Intersector& form, const Format& format, const OneRay& ray) {
+intersect::table::MarchLog march_log(const intersect::table::Intersector& form, const Format& format,
+                                     const OneRay& ray) {
     const OneRay::Inputs in = ray.inputs(form, format);
     return form.log(format, in.ray(*form.info), in.all.target_for(form, 0));
 }

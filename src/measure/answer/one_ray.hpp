@@ -4,9 +4,9 @@
 #include <memory>
 #include <optional>
 
-#include "measure/truth/band.hpp"
-#include "measure/metric/metrics.hpp"
 #include "measure/answer/outcome.hpp"
+#include "measure/metric/metrics.hpp"
+#include "measure/truth/band.hpp"
 #include "scene/file/scene.hpp"
 
 namespace lostbits::measure::answer {
@@ -16,7 +16,8 @@ class OneRay {
 public:
     /// The ray of pixel (x, y). InputError where the picture has no such pixel.
     OneRay(const scene::file::Scene& scene, int x, int y);
-    /// `ray` is stored as it is; the scene's inputs must be shared (InputError otherwise: an ideal ray has no stored numbers).
+    /// `ray` is stored as it is; the scene's inputs must be shared (InputError otherwise: an ideal ray has no stored
+    /// numbers).
     OneRay(const scene::file::Scene& scene, const Ray<double>& ray);
 
     /// What a form in a format receives: the ray as it takes directions, and its target. Valid as long as this is.
@@ -27,12 +28,16 @@ public:
     };
     [[nodiscard]] Inputs inputs(const intersect::table::Intersector& form, const Format& format) const;
     /// By the form's own word on touching.
-    [[nodiscard]] const truth::Truth& truth(const intersect::Info& info) const { return band_->truth(index_, info.touching); }
+    [[nodiscard]] const truth::Truth& truth(const intersect::Info& info) const {
+        return band_->truth(index_, info.touching);
+    }
     /// κ of the true hit; NaN for a miss.
     [[nodiscard]] double condition(const intersect::Info& info) const;
     /// t* in the unit of the form's answer; for a hit only.
     [[nodiscard]] const truth::Certified& true_t(const intersect::Info& info) const;
-    [[nodiscard]] double rounded_truth(const intersect::Info& info, const FloatFormat& format) const { return band_->rounded_truth(index_, format, info.direction, info.touching); }
+    [[nodiscard]] double rounded_truth(const intersect::Info& info, const FloatFormat& format) const {
+        return band_->rounded_truth(index_, format, info.direction, info.touching);
+    }
 
 private:
     std::unique_ptr<truth::Band> band_;
@@ -40,6 +45,7 @@ private:
 };
 
 /// The march of a form that marches (`form.log`) along a ray.
-intersect::table::MarchLog march_log(const intersect::table::Intersector& form, const Format& format, const OneRay& ray);
+intersect::table::MarchLog march_log(const intersect::table::Intersector& form, const Format& format,
+                                     const OneRay& ray);
 
 }  // namespace lostbits::measure::answer

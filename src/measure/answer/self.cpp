@@ -20,7 +20,8 @@ bool settle(const Hit<E>& hit, std::optional<Certified>& answer) {
 
 }  // namespace
 
-std::optional<Certified> without_rounding(const intersect::table::Intersector& form, const Ray<double>& ray, const intersect::Target<double>& target, int limit_bits) {
+std::optional<Certified> without_rounding(const intersect::table::Intersector& form, const Ray<double>& ray,
+                                          const intersect::Target<double>& target, int limit_bits) {
     std::optional<Certified> answer;
     const intersect::LiftedTarget<Ball> quick(target, [](double x) { return Ball(x); });
     if (settle(form.ball(truth::lift_ray<Ball>(ray), quick.get()), answer)) return answer;

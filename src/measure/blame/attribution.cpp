@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "measure/metric/metrics.hpp"
 #include "measure/blame/operation_error.hpp"
-#include "number/rounded.hpp"
 #include "measure/blame/shadow.hpp"
+#include "measure/metric/metrics.hpp"
+#include "number/rounded.hpp"
 
 namespace lostbits::measure::blame {
 namespace {
@@ -54,8 +54,12 @@ private:
         failed_ |= !decision.has_value();
         return decision.value_or(as_computed);
     }
-    bool exactly_less(NodeId a, NodeId b, bool as_computed) { return settled(Shadow::less(exact(a), exact(b)), as_computed); }
-    bool exactly_less_equal(NodeId a, NodeId b, bool as_computed) { return settled(Shadow::less_equal(exact(a), exact(b)), as_computed); }
+    bool exactly_less(NodeId a, NodeId b, bool as_computed) {
+        return settled(Shadow::less(exact(a), exact(b)), as_computed);
+    }
+    bool exactly_less_equal(NodeId a, NodeId b, bool as_computed) {
+        return settled(Shadow::less_equal(exact(a), exact(b)), as_computed);
+    }
 
     void forward(NodeId i) {
         const TapeNode& n = tape_[i];
@@ -87,7 +91,8 @@ private:
         e.error = Shadow::difference(n.value, exact(i));
         if (!e.turned) e.rounding = rounding_of(tape_, i);
         e.cancelled = cancellation(tape_, i);
-        for (const NodeId operand : n.operands) e.carried |= n.op != TapeOp::constant && operand != no_node && of(operand).error != 0;
+        for (const NodeId operand : n.operands)
+            e.carried |= n.op != TapeOp::constant && operand != no_node && of(operand).error != 0;
         if (depth_.full) e.local_bits = local_bits(i);
     }
 
@@ -111,24 +116,27 @@ private:
         if (n.op == TapeOp::any && is && !was) found_.cut_short = true;
     }
 
-    /// select, min, max: the exact value is that of the side that exact values choose; where it is not the side that was taken, what lies
-    /// between the two is the choice's own error.
+    /// select, min, max: the exact value is that of the side that exact values choose; where it is not the side that
+    /// was taken, what lies between the two is the choice's own error.
     void choose(NodeId i) {
         const NodeId taken = chosen(tape_, i);
         const TapeNode& n = tape_[i];
         const bool first = taken == first_side(n);
         bool exactly = first;
         if (n.op == TapeOp::select) exactly = is_true(n.operands[0]);
-        else if (n.operands[0] != n.operands[1]) exactly = n.op == TapeOp::min ? exactly_less(n.operands[0], n.operands[1], first) : exactly_less(n.operands[1], n.operands[0], first);
+        else if (n.operands[0] != n.operands[1])
+            exactly = n.op == TapeOp::min ? exactly_less(n.operands[0], n.operands[1], first)
+                                          : exactly_less(n.operands[1], n.operands[0], first);
         const NodeId meant = exactly == first ? taken : other_side(n, taken);
         exact(i) = exact(meant);
         of(i).turned = meant != taken;
         if (meant == taken) return;
-        of(i).rounding = is_cut(taken) ? Shadow::difference(n.value, exact(meant)) : Shadow::nearest(exact(taken) - exact(meant));
+        of(i).rounding =
+            is_cut(taken) ? Shadow::difference(n.value, exact(meant)) : Shadow::nearest(exact(taken) - exact(meant));
     }
 
-    /// Whether a side that was taken by mistake has no exact value (the root of what is negative but for rounding): then the whole error is
-    /// the choice's, and none comes from that side.
+    /// Whether a side that was taken by mistake has no exact value (the root of what is negative but for rounding):
+    /// then the whole error is the choice's, and none comes from that side.
     bool is_cut(NodeId taken) { return !std::isfinite(of(taken).exact) && tape_[taken].op != TapeOp::input; }
 
     /// |a| with the sign of b; of a zero or NaN the sign as computed.
@@ -147,7 +155,8 @@ private:
     double local_bits(NodeId i) {
         if constexpr (std::same_as<Shadow, DeepShadow>) {
             const TapeNode& n = tape_[i];
-            if (!is_operation(n.op) || n.op >= TapeOp::min || n.op == TapeOp::neg) return n.op == TapeOp::convert ? bits_off(i, round_to(exact(n.operands[0]), i), i) : 0;
+            if (!is_operation(n.op) || n.op >= TapeOp::min || n.op == TapeOp::neg)
+                return n.op == TapeOp::convert ? bits_off(i, round_to(exact(n.operands[0]), i), i) : 0;
             std::array<double, 3> x{};
             for (std::size_t k = 0; k < 3; ++k) {
                 if (n.operands[k] != no_node) x[k] = round_to(exact(n.operands[k]), n.operands[k]);
@@ -184,7 +193,8 @@ private:
         if (const NodeId taken = chosen(tape_, i); e.turned && taken != no_node && is_cut(taken)) return;
         std::array<Operand, 3> x{};
         for (std::size_t k = 0; k < 3; ++k) {
-            if (n.operands[k] != no_node && !is_decision(tape_[n.operands[k]].op)) x[k] = {computed(n.operands[k]), of(n.operands[k]).exact};
+            if (n.operands[k] != no_node && !is_decision(tape_[n.operands[k]].op))
+                x[k] = {computed(n.operands[k]), of(n.operands[k]).exact};
         }
         const Weights difference = quotients(n, x, chosen(tape_, i), false);
         const Weights slope = depth_.full ? quotients(n, x, chosen(tape_, i), true) : Weights{};
@@ -203,7 +213,8 @@ private:
         e.contribution = e.rounding * e.adjoint;
         found_.explained += e.contribution;
         if (depth_.full) found_.first_order += e.rounding * e.derivative;
-        if (found_.culprit == no_node || std::fabs(e.contribution) > std::fabs(of(found_.culprit).contribution)) found_.culprit = i;
+        if (found_.culprit == no_node || std::fabs(e.contribution) > std::fabs(of(found_.culprit).contribution))
+            found_.culprit = i;
     }
 
     /// (computed left − right) − (exact left − right) of a comparison.
@@ -224,11 +235,14 @@ private:
         return decision != no_node && of(decision).turned ? decision : no_node;
     }
 
-    /// The subject where it is no finite number; of a comparison the side that is none and would be one without rounding.
+    /// The subject where it is no finite number; of a comparison the side that is none and would be one without
+    /// rounding.
     NodeId no_number_in(NodeId subject) {
         if (!is_decision(tape_[subject].op)) return std::isfinite(computed(subject)) ? no_node : subject;
         for (const NodeId side : tape_[subject].operands) {
-            if (side != no_node && !std::isfinite(computed(side)) && std::isfinite(of(side).exact) && origin(side) != no_node) return side;
+            if (side != no_node && !std::isfinite(computed(side)) && std::isfinite(of(side).exact) &&
+                origin(side) != no_node)
+                return side;
         }
         return no_node;
     }

@@ -8,37 +8,42 @@
 
 namespace lostbits::measure::blame {
 
-/// What is known of one node of a tape. `exact` is what it is without any rounding, every decision taken by exact values.
+/// What is known of one node of a tape. `exact` is what it is without any rounding, every decision taken by exact
+/// values.
 ///
 /// An error goes on through v = f(x) by the difference quotient between the operands as computed (^) and exact (*):
-/// ab: (b^ + b*)/2 and (a^ + a*)/2; a/b: (1/b^ + 1/b*)/2 and −(a^ + a*)/(2 b^ b*); √a: 1/(√a^ + √a*); and 1 through a sum. To first
-/// order it is the derivative; unlike that it leaves no remainder, so that the contributions sum to the error even where the
-/// derivative is infinite (the root of a discriminant that rounds to 0).
+/// ab: (b^ + b*)/2 and (a^ + a*)/2; a/b: (1/b^ + 1/b*)/2 and −(a^ + a*)/(2 b^ b*); √a: 1/(√a^ + √a*); and 1 through a
+/// sum. To first order it is the derivative; unlike that it leaves no remainder, so that the contributions sum to the
+/// error even where the derivative is infinite (the root of a discriminant that rounds to 0).
 struct OperationError {
-    double exact = 0;         ///< to the nearest double
-    double error = 0;         ///< computed − exact
-    double rounding = 0;      ///< its own: computed − the exact operation on the operands as computed; of a choice that rounding turned, exact values of the side taken − of the side left
-    double adjoint = 0;       ///< difference quotient of the subject by this value
-    double derivative = 0;    ///< ∂subject/∂value at the computed values; only where asked for
+    double exact = 0;       ///< to the nearest double
+    double error = 0;       ///< computed − exact
+    double rounding = 0;    ///< its own: computed − the exact operation on the operands as computed; of a choice that
+                            ///< rounding turned, exact values of the side taken − of the side left
+    double adjoint = 0;     ///< difference quotient of the subject by this value
+    double derivative = 0;  ///< ∂subject/∂value at the computed values; only where asked for
     double contribution = 0;  ///< rounding · adjoint, in the unit of the subject
-    double local_bits = 0;    ///< bits that it loses when rerun on exact operands, each correctly rounded; only where asked for
-    int cancelled = 0;        ///< max(exponent of operands) − exponent of result, of a sum (or the sum in an fma); the whole significand where the result is 0
-    bool carried = false;     ///< an operand carries error: a cancellation here is catastrophic, otherwise benign
-    bool live = false;        ///< the subject is computed from it, on the chosen side of each select
-    bool turned = false;      ///< a decision, or the choice of a min, max, select or sign, that differs from the exact one
+    double local_bits =
+        0;  ///< bits that it loses when rerun on exact operands, each correctly rounded; only where asked for
+    int cancelled = 0;  ///< max(exponent of operands) − exponent of result, of a sum (or the sum in an fma); the whole
+                        ///< significand where the result is 0
+    bool carried = false;  ///< an operand carries error: a cancellation here is catastrophic, otherwise benign
+    bool live = false;     ///< the subject is computed from it, on the chosen side of each select
+    bool turned = false;   ///< a decision, or the choice of a min, max, select or sign, that differs from the exact one
 };
 
 struct Attribution {
     std::vector<OperationError> of;  ///< a node each
     NodeId subject = no_node;        ///< what was asked about: t, or the comparison that turned the form's decision
     bool exact_hit = false;          ///< the form's decision without rounding
-    bool cut_short = false;          ///< without rounding a loop would have gone on: exact values end where the computed ones did
-    double error = 0;                ///< of the subject (of the difference of a comparison's sides)
-    double explained = 0;            ///< sum of the contributions
-    double first_order = 0;          ///< the same with derivatives; only where asked for
-    int shadow_bits = 0;             ///< precision of the exact values: 106 (double-double with bounds), or 2048
-    /// The live operation with the largest |contribution|, the first of equals; of a subject (or a side of it) that is no number, the operation that made it so.
-    /// None where nothing was lost.
+    bool cut_short =
+        false;             ///< without rounding a loop would have gone on: exact values end where the computed ones did
+    double error = 0;      ///< of the subject (of the difference of a comparison's sides)
+    double explained = 0;  ///< sum of the contributions
+    double first_order = 0;  ///< the same with derivatives; only where asked for
+    int shadow_bits = 0;     ///< precision of the exact values: 106 (double-double with bounds), or 2048
+    /// The live operation with the largest |contribution|, the first of equals; of a subject (or a side of it) that is
+    /// no number, the operation that made it so. None where nothing was lost.
     NodeId culprit = no_node;
 };
 
@@ -47,15 +52,16 @@ struct AttributionDepth {
     bool full = false;
 };
 
-/// Of a subject that is a number: its error. Of a decision: of the first comparison behind it that rounding turned, whose sides'
-/// difference is the subject; none where no comparison turned.
+/// Of a subject that is a number: its error. Of a decision: of the first comparison behind it that rounding turned,
+/// whose sides' difference is the subject; none where no comparison turned.
 ///
-/// Exact values are double-double with certified bounds where those settle every decision and hold each live value to 2^-60 of the
-/// larger of it and the computed one; otherwise 2048 bits, where values nearer to each other than 2^-1900 of themselves are equal.
+/// Exact values are double-double with certified bounds where those settle every decision and hold each live value to
+/// 2^-60 of the larger of it and the computed one; otherwise 2048 bits, where values nearer to each other than 2^-1900
+/// of themselves are equal.
 Attribution attribute(const Tape& tape, NodeId subject, AttributionDepth depth = {});
 
-/// What to ask of a tape: its t where the form's decision is the exact one, otherwise the decision. The t of a miss is no answer,
-/// so no operation is the culprit of it.
+/// What to ask of a tape: its t where the form's decision is the exact one, otherwise the decision. The t of a miss is
+/// no answer, so no operation is the culprit of it.
 Attribution attribute(const Tape& tape, AttributionDepth depth = {});
 
 /// Whether the form misses, and would without rounding.

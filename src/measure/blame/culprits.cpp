@@ -14,8 +14,8 @@
 #include "measure/blame/operation_error.hpp"
 #include "measure/blame/tape_text.hpp"
 #include "number/error.hpp"
-#include "scene/toml/did_you_mean.hpp"
 #include "scene/file/march_table.hpp"
+#include "scene/toml/did_you_mean.hpp"
 #include "scene/toml/round.hpp"
 
 namespace lostbits::measure::blame {
@@ -49,27 +49,35 @@ std::vector<std::string_view> steps_of(const Tape& tape) {
         if (n.op <= TapeOp::constant) continue;
         // Users come later on the tape; the earliest of them is seen last and keeps its word.
         for (const NodeId operand : n.operands) {
-            if (operand != no_node && tape[operand].label.empty() && !is_decision(n.op)) step[static_cast<std::size_t>(operand)] = step[static_cast<std::size_t>(i)];
+            if (operand != no_node && tape[operand].label.empty() && !is_decision(n.op))
+                step[static_cast<std::size_t>(operand)] = step[static_cast<std::size_t>(i)];
         }
     }
     return step;
 }
 
 std::optional<Target<double>> target_of(const Intersector& form, const Setting& setting) {
-    if (form.shape == Shape::sdf) return setting.march ? std::optional(Target<double>(setting.solids, *setting.march)) : std::nullopt;
+    if (form.shape == Shape::sdf)
+        return setting.march ? std::optional(Target<double>(setting.solids, *setting.march)) : std::nullopt;
     const auto fits = std::ranges::find(setting.solids, form.shape, &Solid<double>::shape);
     return fits == setting.solids.end() ? std::nullopt : std::optional(Target<double>(*fits));
 }
 
 /// Not where the result is exact whatever the operands are.
-bool can_err(TapeOp op) { return op == TapeOp::constant || (is_operation(op) && op != TapeOp::neg && op != TapeOp::abs); }
+bool can_err(TapeOp op) {
+    return op == TapeOp::constant || (is_operation(op) && op != TapeOp::neg && op != TapeOp::abs);
+}
 
 double labelled_contribution(const metric::Sample& s) {
-    if (!s.blame || s.blame->attribution->subject == no_node || is_decision((*s.blame->tape)[s.blame->attribution->subject].op)) return missing;
+    if (!s.blame || s.blame->attribution->subject == no_node ||
+        is_decision((*s.blame->tape)[s.blame->attribution->subject].op))
+        return missing;
     return contribution_of(*s.blame->tape, *s.blame->attribution, label_of(*s.metric)) / s.blame->ulp;
 }
 
-double labelled_cancellation(const metric::Sample& s) { return s.blame ? cancellation_of(*s.blame->tape, *s.blame->attribution, label_of(*s.metric)) : missing; }
+double labelled_cancellation(const metric::Sample& s) {
+    return s.blame ? cancellation_of(*s.blame->tape, *s.blame->attribution, label_of(*s.metric)) : missing;
+}
 
 /// What there is of each label; `name` is to be filled in.
 struct Labelled {
@@ -77,10 +85,15 @@ struct Labelled {
     Metric metric;
 };
 constexpr std::array labelled{
-    Labelled{"contribution:", "contribution.",
-             {"", "ulp", "", "what the operations of that name add to t by their own rounding, in ulps of t without rounding", metric::needs_attribution, metric::Ramp::magnitude, 0x1p-4, 0x1p+24, false, labelled_contribution}},
-    Labelled{"cancellation:", "cancellation.",
-             {"", "bits", "", "bits that the operation of that name cancels of operands which already carry error", metric::needs_attribution, metric::Ramp::bits, 0, 0, false, labelled_cancellation}}};
+    Labelled{"contribution:",
+             "contribution.",
+             {"", "ulp", "",
+              "what the operations of that name add to t by their own rounding, in ulps of t without rounding",
+              metric::needs_attribution, metric::Ramp::magnitude, 0x1p-4, 0x1p+24, false, labelled_contribution}},
+    Labelled{"cancellation:",
+             "cancellation.",
+             {"", "bits", "", "bits that the operation of that name cancels of operands which already carry error",
+              metric::needs_attribution, metric::Ramp::bits, 0, 0, false, labelled_cancellation}}};
 
 }  // namespace
 
@@ -124,7 +137,8 @@ const Metric* labelled_metric(std::string_view name) {
     static std::mutex lock;
     static std::deque<std::string> texts;
     static std::map<std::string, Metric, std::less<>> rows;
-    const auto kind = std::ranges::find_if(labelled, [&](const Labelled& l) { return name.starts_with(l.prefix) && name.size() > l.prefix.size(); });
+    const auto kind = std::ranges::find_if(
+        labelled, [&](const Labelled& l) { return name.starts_with(l.prefix) && name.size() > l.prefix.size(); });
     if (kind == labelled.end()) return nullptr;
     const std::lock_guard guard(lock);
     if (const auto found = rows.find(name); found != rows.end()) return &found->second;
@@ -146,7 +160,8 @@ std::vector<std::string_view> labels_of(const Intersector& form, const Setting& 
     return labels;
 }
 
-void bind_to_run(std::vector<const Metric*>& metrics, const std::vector<const Intersector*>& forms, const Setting& setting) {
+void bind_to_run(std::vector<const Metric*>& metrics, const std::vector<const Intersector*>& forms,
+                 const Setting& setting) {
     for (const Metric*& m : metrics) {
         if (m->by_run()) m = culprit_among(forms, setting);
         if (!is_labelled(*m)) continue;
@@ -158,11 +173,13 @@ void bind_to_run(std::vector<const Metric*>& metrics, const std::vector<const In
             }
         }
         if (std::ranges::find(labels, label) != labels.end()) continue;
-        throw InputError("--metric " + std::string(m->name) + ": no selected form names \"" + label + "\"; " + (labels.empty() ? "none of them names anything" : scene::toml::did_you_mean(label, labels)));
+        throw InputError("--metric " + std::string(m->name) + ": no selected form names \"" + label + "\"; " +
+                         (labels.empty() ? "none of them names anything" : scene::toml::did_you_mean(label, labels)));
     }
 }
 
-void bind_to_run(std::vector<const Metric*>& metrics, const std::vector<const Intersector*>& forms, const std::function<SettingOf()>& setting) {
+void bind_to_run(std::vector<const Metric*>& metrics, const std::vector<const Intersector*>& forms,
+                 const std::function<SettingOf()>& setting) {
     if (std::ranges::none_of(metrics, [](const Metric* m) { return m->by_run() || is_labelled(*m); })) return;
     bind_to_run(metrics, forms, setting().get());
 }
@@ -210,7 +227,8 @@ const std::vector<std::int32_t>& Blamer::places(const Target<double>& target) {
     const TapeText text(tape_, intersect::table::input_names(form_, target), TapeText::Style::generic);
     for (NodeId i = 0; i < tape_.size(); ++i) {
         const auto place = std::ranges::find(categories_, text.category(i));
-        found->second.push_back(place == categories_.end() ? -1 : static_cast<std::int32_t>(place - categories_.begin()));
+        found->second.push_back(place == categories_.end() ? -1
+                                                           : static_cast<std::int32_t>(place - categories_.begin()));
     }
     return found->second;
 }

@@ -12,17 +12,17 @@
 #include "intersect/table/table.hpp"
 #include "measure/blame/attribution.hpp"
 #include "measure/metric/metrics.hpp"
-#include "scene/rays/family.hpp"
 #include "scene/file/scene.hpp"
+#include "scene/rays/family.hpp"
 
 namespace lostbits::measure::blame {
 
 /// What is known of a ray whose tape was walked.
 struct Blame {
-    double culprit = 0;         ///< its place in the categories of the run; NaN where there is none to name
+    double culprit = 0;  ///< its place in the categories of the run; NaN where there is none to name
     const Tape* tape = nullptr;
     const Attribution* attribution = nullptr;
-    double ulp = 0;             ///< of the format at the exact value of the subject
+    double ulp = 0;  ///< of the format at the exact value of the subject
 };
 
 /// What the forms of a run are asked of; a view.
@@ -43,15 +43,17 @@ private:
     std::optional<intersect::MarchConstants<double>> march_;
 };
 
-/// Every operation of a form that can round or choose, in the order of its tape, each once, as maps and claims call it; empty where
-/// the form cannot be asked.
+/// Every operation of a form that can round or choose, in the order of its tape, each once, as maps and claims call it;
+/// empty where the form cannot be asked.
 std::vector<std::string> operations_of(const intersect::table::Intersector& form, const Setting& setting);
 
-/// `culprit` with its categories: first `none`, then the operations of each form, those that several forms share once. Lives as
-/// long as the program.
-const metric::Metric* culprit_among(std::span<const intersect::table::Intersector* const> forms, const Setting& setting);
+/// `culprit` with its categories: first `none`, then the operations of each form, those that several forms share once.
+/// Lives as long as the program.
+const metric::Metric* culprit_among(std::span<const intersect::table::Intersector* const> forms,
+                                    const Setting& setting);
 
-/// `contribution:LABEL` or `cancellation:LABEL`: the row of that label, or null where `name` is no such name. Lives as long as the program.
+/// `contribution:LABEL` or `cancellation:LABEL`: the row of that label, or null where `name` is no such name. Lives as
+/// long as the program.
 const metric::Metric* labelled_metric(std::string_view name);
 inline bool is_labelled(const metric::Metric& metric) { return metric.name.find(':') != std::string_view::npos; }
 inline std::string_view label_of(const metric::Metric& metric) { return metric.name.substr(metric.name.find(':') + 1); }
@@ -60,16 +62,19 @@ inline std::string_view label_of(const metric::Metric& metric) { return metric.n
 std::vector<std::string_view> labels_of(const intersect::table::Intersector& form, const Setting& setting);
 
 /// Gives `culprit` the operations of these forms. InputError for a label that none of them has, with did-you-mean.
-void bind_to_run(std::vector<const metric::Metric*>& metrics, const std::vector<const intersect::table::Intersector*>& forms, const Setting& setting);
+void bind_to_run(std::vector<const metric::Metric*>& metrics,
+                 const std::vector<const intersect::table::Intersector*>& forms, const Setting& setting);
 /// The same of a setting that is made only where a metric depends on it: a scene may have millions of solids.
-void bind_to_run(std::vector<const metric::Metric*>& metrics, const std::vector<const intersect::table::Intersector*>& forms, const std::function<SettingOf()>& setting);
+void bind_to_run(std::vector<const metric::Metric*>& metrics,
+                 const std::vector<const intersect::table::Intersector*>& forms,
+                 const std::function<SettingOf()>& setting);
 
-/// The share of one category, or of several, in the rays that have a culprit, by the counts of `culprit`'s categories; NaN where no
-/// ray has one. Rays on which nothing rounds have none.
+/// The share of one category, or of several, in the rays that have a culprit, by the counts of `culprit`'s categories;
+/// NaN where no ray has one. Rays on which nothing rounds have none.
 double culprit_share(std::span<const std::uint64_t> counts, std::span<const std::size_t> places);
 
-/// The contributions of the operations that make up what the formula calls `label`: that operation and the unnamed ones that lead to it
-/// first, summed; NaN where none has that name.
+/// The contributions of the operations that make up what the formula calls `label`: that operation and the unnamed ones
+/// that lead to it first, summed; NaN where none has that name.
 double contribution_of(const Tape& tape, const Attribution& attribution, std::string_view label);
 
 /// The bits of the largest cancellation among the live operations whose operands carry error.
@@ -82,7 +87,9 @@ double cancellation_of(const Tape& tape, const Attribution& attribution, std::st
 class Blamer {
 public:
     /// `categories` are those of the run's `culprit`; empty where it is not asked for.
-    Blamer(const intersect::table::Intersector& form, const Format& format, std::span<const std::string_view> categories) : form_(form), format_(format), categories_(categories) {}
+    Blamer(const intersect::table::Intersector& form, const Format& format,
+           std::span<const std::string_view> categories)
+        : form_(form), format_(format), categories_(categories) {}
 
     Blame of(const Ray<double>& ray, const intersect::Target<double>& target, double tmax);
 

@@ -5,8 +5,8 @@
 #include <limits>
 
 #include "intersect/table/recording.hpp"
-#include "measure/truth/conditioning.hpp"
 #include "measure/blame/operation_error.hpp"
+#include "measure/truth/conditioning.hpp"
 
 namespace lostbits::measure::blame {
 
@@ -22,7 +22,9 @@ Standing standing_of(const Intersector& form, const Format& format, const OneRay
     Standing s{&form, answer::classify(ray.truth(*form.info).decision, hit, t), t, missing, missing};
     if (s.outcome != Outcome::agree_hit) return s;
     const truth::Certified& truth = ray.true_t(*form.info);
-    s.ulps = std::isinf(t) ? t : truth::scaled_difference(truth::exactly(t), truth, ulp_exponent(format.shape, truth.floor_log2()));
+    s.ulps = std::isinf(t)
+                 ? t
+                 : truth::scaled_difference(truth::exactly(t), truth, ulp_exponent(format.shape, truth.floor_log2()));
     s.lost = metric::lost_bits(s.ulps, format.shape.precision);
     return s;
 }
@@ -57,7 +59,9 @@ double Explanation::ulp_of_subject() const {
     const NodeId s = attribution.subject;
     if (s == no_node) return missing;
     if (!is_decision(tape[s].op)) return ulp_at(attribution.of[static_cast<std::size_t>(s)].exact, format.shape);
-    const auto side = [&](std::size_t k) { return std::fabs(attribution.of[static_cast<std::size_t>(tape[s].operands[k])].exact); };
+    const auto side = [&](std::size_t k) {
+        return std::fabs(attribution.of[static_cast<std::size_t>(tape[s].operands[k])].exact);
+    };
     return ulp_at(std::max(side(0), side(1)), format.shape);
 }
 
@@ -71,7 +75,8 @@ NodeId Explanation::amplifier(NodeId from) const {
         const OperationError& e = attribution.of[static_cast<std::size_t>(i)];
         if (!e.live || tape[i].op <= TapeOp::constant) continue;  // whose operands are no places on the tape
         for (const NodeId operand : tape[i].operands) {
-            if (operand != no_node && reached[static_cast<std::size_t>(operand)]) reached[static_cast<std::size_t>(i)] = true;
+            if (operand != no_node && reached[static_cast<std::size_t>(operand)])
+                reached[static_cast<std::size_t>(i)] = true;
         }
         if (reached[static_cast<std::size_t>(i)] && e.carried && e.cancelled > bits) {
             most = i;
@@ -94,7 +99,16 @@ Explanation explain(const Intersector& form, const Format& format, const OneRay&
     const OneRay::Inputs in = ray.inputs(form, format);
     const truth::Answers answers = truth::evaluate(form, in.all);
     const truth::Truth& truth = ray.truth(*form.info);
-    Explanation x{.form = &form, .format = format, .names = {}, .inputs = {}, .given = {}, .tape = {}, .attribution = {}, .standing = {}, .true_t = {}, .better = {}};
+    Explanation x{.form = &form,
+                  .format = format,
+                  .names = {},
+                  .inputs = {},
+                  .given = {},
+                  .tape = {},
+                  .attribution = {},
+                  .standing = {},
+                  .true_t = {},
+                  .better = {}};
     const Vec<double> given = in.all.rays[in.index].direction, received = in.ray(*form.info).direction;
     if (given.x != received.x || given.y != received.y || given.z != received.z) x.given = given;
     x.solids = static_cast<int>(in.all.solids.size());

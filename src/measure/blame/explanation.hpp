@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "measure/blame/attribution.hpp"
 #include "measure/answer/one_ray.hpp"
+#include "measure/blame/attribution.hpp"
 
 namespace lostbits::measure::blame {
 
@@ -14,9 +14,9 @@ namespace lostbits::measure::blame {
 struct Standing {
     const intersect::table::Intersector* form;
     answer::Outcome outcome;
-    double t;      ///< its answer
-    double ulps;   ///< (t − t*)/ulp(t*); NaN unless both hit
-    double lost;   ///< bits; NaN unless both hit
+    double t;     ///< its answer
+    double ulps;  ///< (t − t*)/ulp(t*); NaN unless both hit
+    double lost;  ///< bits; NaN unless both hit
     bool is_right() const { return outcome == answer::Outcome::agree_hit || outcome == answer::Outcome::agree_miss; }
     /// A right decision before a wrong one, then fewer lost bits.
     bool beats(const Standing& other) const;
@@ -27,23 +27,25 @@ struct Explanation {
     Format format;
     std::vector<std::string> names;  ///< of the inputs, in the tape's order
     std::vector<double> inputs;      ///< as the form received them
-    std::optional<Vec<double>> given;  ///< the direction as the ray has it, where the form received it normalised and rounded
-    int solid = 0, solids = 1;       ///< which of the scene's solids the form was asked of, from 0; of a march all together
+    std::optional<Vec<double>>
+        given;                  ///< the direction as the ray has it, where the form received it normalised and rounded
+    int solid = 0, solids = 1;  ///< which of the scene's solids the form was asked of, from 0; of a march all together
     Tape tape;
     Attribution attribution;
     Standing standing;
-    bool hit = false;                ///< the form's decision
+    bool hit = false;  ///< the form's decision
     truth::Truth::Decision truth = truth::Truth::Decision::miss;
-    std::optional<double> true_t;    ///< t*, correctly rounded to binary64
-    double condition = 0;            ///< κ; NaN for a miss
-    double inherent = 0;             ///< bits of the envelope; NaN for a miss
-    std::vector<Standing> better;    ///< forms of the same shape in the same format that do better, best first
+    std::optional<double> true_t;  ///< t*, correctly rounded to binary64
+    double condition = 0;          ///< κ; NaN for a miss
+    double inherent = 0;           ///< bits of the envelope; NaN for a miss
+    std::vector<Standing> better;  ///< forms of the same shape in the same format that do better, best first
 
     /// Lost bits beyond the envelope.
     [[nodiscard]] double excess() const { return standing.lost > inherent ? standing.lost - inherent : 0; }
     /// The ulp of the format at the subject's exact value (of the larger side of a comparison).
     [[nodiscard]] double ulp_of_subject() const;
-    /// The live cancellation of most bits that the error of operation `from` goes through, none where there is none of two bits or more.
+    /// The live cancellation of most bits that the error of operation `from` goes through, none where there is none of
+    /// two bits or more.
     [[nodiscard]] NodeId amplifier(NodeId from) const;
     /// Decisions on the way to the answer that rounding turned: live choices, and the form's own.
     [[nodiscard]] std::vector<NodeId> turned() const;

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "number/rounded.hpp"
 #include "number/real.hpp"
+#include "number/rounded.hpp"
 
 namespace lostbits::measure::blame {
 namespace {
@@ -60,9 +60,18 @@ double rounding_of_finite(TapeOp op, const std::array<double, 3>& x, double valu
     const auto safe = [](auto... y) { return (residual_is_exact(y) && ...); };
     switch (op) {
         case TapeOp::add:
-        case TapeOp::sub: return std::fabs(a) <= 0x1p+1000 && std::fabs(b) <= 0x1p+1000 ? rounding_of_sum(a, op == TapeOp::add ? b : -b, value) : rounding_reference(op, x, value);
-        case TapeOp::mul: return a == 0 || b == 0 ? 0 : safe(a * b) ? rounding_of_product(a, b, value) : rounding_reference(op, x, value);
-        case TapeOp::div: return b == 0 || a == 0 ? 0 : safe(a, b, a / b) ? rounding_of_quotient(a, b, value) : rounding_reference(op, x, value);
+        case TapeOp::sub:
+            return std::fabs(a) <= 0x1p+1000 && std::fabs(b) <= 0x1p+1000
+                       ? rounding_of_sum(a, op == TapeOp::add ? b : -b, value)
+                       : rounding_reference(op, x, value);
+        case TapeOp::mul:
+            return a == 0 || b == 0 ? 0
+                   : safe(a * b)    ? rounding_of_product(a, b, value)
+                                    : rounding_reference(op, x, value);
+        case TapeOp::div:
+            return b == 0 || a == 0    ? 0
+                   : safe(a, b, a / b) ? rounding_of_quotient(a, b, value)
+                                       : rounding_reference(op, x, value);
         case TapeOp::sqrt: return a <= 0 ? 0 : safe(a) ? rounding_of_root(a, value) : rounding_reference(op, x, value);
         default: return rounding_reference(op, x, value);
     }
@@ -129,7 +138,8 @@ int cancellation(const Tape& tape, NodeId i) {
 }
 
 double ulp_at(double x, const FloatFormat& format) {
-    return std::ldexp(1.0, static_cast<int>(ulp_exponent(format, x == 0 || !std::isfinite(x) ? -100000 : std::ilogb(x))));
+    return std::ldexp(1.0,
+                      static_cast<int>(ulp_exponent(format, x == 0 || !std::isfinite(x) ? -100000 : std::ilogb(x))));
 }
 
 double apply(TapeOp op, const std::array<double, 3>& x, const FloatFormat& f) {

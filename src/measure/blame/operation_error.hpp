@@ -13,12 +13,13 @@ NodeId chosen(const Tape& tape, NodeId i);
 NodeId first_side(const TapeNode& n);
 NodeId other_side(const TapeNode& n, NodeId side);
 
-/// computed − the exact operation on the operands as computed, from error-free residuals: good to a few units in 2^-50 of itself, and
-/// zero where the operation was exact. Infinite where a finite result overflowed; zero where an operand already was no finite number.
+/// computed − the exact operation on the operands as computed, from error-free residuals: good to a few units in 2^-50
+/// of itself, and zero where the operation was exact. Infinite where a finite result overflowed; zero where an operand
+/// already was no finite number.
 double rounding_of(const Tape& tape, NodeId i);
 
-/// max(exponent of operands) − exponent of result of a sum or a difference, or of the sum in an fma; p where the result is zero and an
-/// operand is not; otherwise 0, and 0 for every other operation.
+/// max(exponent of operands) − exponent of result of a sum or a difference, or of the sum in an fma; p where the result
+/// is zero and an operand is not; otherwise 0, and 0 for every other operation.
 int cancellation(const Tape& tape, NodeId i);
 
 /// The ulp of the format at x, of any sign: 2^(max(⌊log2|x|⌋, emin) − p + 1); the smallest for 0, infinity and NaN.
@@ -31,8 +32,8 @@ struct Operand {
     double computed = 0, exact = 0;
 };
 
-/// By how much each operand's error is multiplied on the way through; `follows` is false for decisions, for sides not taken, and for
-/// the operand of copysign that gives its sign.
+/// By how much each operand's error is multiplied on the way through; `follows` is false for decisions, for sides not
+/// taken, and for the operand of copysign that gives its sign.
 struct Weights {
     std::array<double, 3> by{};
     std::array<bool, 3> follows{};

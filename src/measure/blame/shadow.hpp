@@ -27,23 +27,27 @@ struct QuickShadow {
         return std::fabs(d.hi()) <= d.radius() ? 0 : d.hi() + d.lo();
     }
     static bool is_good(const Ball& x, double computed) {
-        return std::isfinite(computed) && x.is_bounded() && x.radius() <= 0x1p-60 * std::fmax(std::fabs(computed), std::fabs(x.hi()));
+        return std::isfinite(computed) && x.is_bounded() &&
+               x.radius() <= 0x1p-60 * std::fmax(std::fabs(computed), std::fabs(x.hi()));
     }
 
 private:
     static std::optional<bool> settled(Tri t) { return t.is_unknown() ? std::nullopt : std::optional(t.is_yes()); }
 };
 
-/// 2048 bits: exact for the sums and products of a form over any rays that are not thousands of binades wide, and all but exact for its roots.
+/// 2048 bits: exact for the sums and products of a form over any rays that are not thousands of binades wide, and all
+/// but exact for its roots.
 struct DeepShadow {
     using Number = BasicReal<2048>;
     static constexpr int bits = 2048;
 
-    /// Quotients and roots that are equal differ where they were rounded: what is left of a sum below 2^-1900 of its parts is taken for
-    /// nothing, or the sign of an offset that is zero (h of a foot point, dot(p, d)) would be one of noise.
+    /// Quotients and roots that are equal differ where they were rounded: what is left of a sum below 2^-1900 of its
+    /// parts is taken for nothing, or the sign of an offset that is zero (h of a foot point, dot(p, d)) would be one of
+    /// noise.
     static Number sum(const Number& a, const Number& b) {
         const Number s = a + b;
-        const bool regular = mpfr_regular_p(a.backend().data()) != 0 && mpfr_regular_p(b.backend().data()) != 0 && s != 0;
+        const bool regular =
+            mpfr_regular_p(a.backend().data()) != 0 && mpfr_regular_p(b.backend().data()) != 0 && s != 0;
         return regular && ilogb(s) < std::max(ilogb(a), ilogb(b)) - 1900 ? Number(0) : s;
     }
     static Number lift(double x) { return Number(x); }

@@ -5,7 +5,8 @@
 namespace lostbits::measure::blame {
 namespace {
 
-constexpr std::size_t short_enough = 40, short_in_latex = 120;  ///< letters of an expression that is written out within another
+constexpr std::size_t short_enough = 40,
+                      short_in_latex = 120;  ///< letters of an expression that is written out within another
 
 /// How tightly an operation binds: sums 1, products 2, signs 3, everything else as a function or a name.
 int binding(TapeOp op) {
@@ -34,7 +35,8 @@ std::string in_brackets(const std::string& text) {
 std::string in_latex(const std::string& name) {
     const auto digits = name.find_last_not_of("0123456789") + 1;
     const std::string base = vector_of(name);
-    std::string stem = base.empty() ? name.substr(0, digits) : base, index = base.empty() ? name.substr(digits) : name.substr(name.size() - 1), escaped;
+    std::string stem = base.empty() ? name.substr(0, digits) : base,
+                index = base.empty() ? name.substr(digits) : name.substr(name.size() - 1), escaped;
     if (stem.empty()) return name;
     for (const char c : stem) escaped += c == '_' ? "\\_" : std::string(1, c);
     if (stem.size() > 1 && stem[1] != '\'') escaped = "\\mathit{" + escaped + "}";
@@ -44,9 +46,15 @@ std::string in_latex(const std::string& name) {
 }  // namespace
 
 TapeText::TapeText(const Tape& tape, std::vector<std::string> inputs, Style style)
-    : tape_(tape), inputs_(std::move(inputs)), style_(style), names_(tape.nodes.size()), expressions_(tape.nodes.size()), part_of_dot_(tape.nodes.size(), no_node) {
+    : tape_(tape),
+      inputs_(std::move(inputs)),
+      style_(style),
+      names_(tape.nodes.size()),
+      expressions_(tape.nodes.size()),
+      part_of_dot_(tape.nodes.size(), no_node) {
     for (NodeId i = 0; i < tape.size(); ++i) {
-        if (tape[i].op == TapeOp::input) names_[static_cast<std::size_t>(i)] = inputs_.at(static_cast<std::size_t>(tape[i].operands[0]));
+        if (tape[i].op == TapeOp::input)
+            names_[static_cast<std::size_t>(i)] = inputs_.at(static_cast<std::size_t>(tape[i].operands[0]));
     }
     for (NodeId i = 0; i < tape.size(); ++i) {
         Dot dot;
@@ -55,7 +63,8 @@ TapeText::TapeText(const Tape& tape, std::vector<std::string> inputs, Style styl
         name_vector(dot.b);
         const TapeNode& last = tape[i];
         const TapeNode& first = tape[last.operands[0]];
-        for (const NodeId part : {i, last.operands[0], last.operands[1], first.operands[0], first.operands[1]}) part_of_dot_[static_cast<std::size_t>(part)] = i;
+        for (const NodeId part : {i, last.operands[0], last.operands[1], first.operands[0], first.operands[1]})
+            part_of_dot_[static_cast<std::size_t>(part)] = i;
     }
     name_all();
 }
@@ -85,7 +94,9 @@ bool TapeText::dot_of(NodeId i, Dot& dot) const {
 
 void TapeText::name_vector(const Triple& v) {
     if (tape_[v[0]].op == TapeOp::input || vectors_.contains(v)) return;
-    if (std::ranges::any_of(v, [&](NodeId i) { return !names_[static_cast<std::size_t>(i)].empty() || !tape_[i].label.empty(); })) return;
+    if (std::ranges::any_of(
+            v, [&](NodeId i) { return !names_[static_cast<std::size_t>(i)].empty() || !tape_[i].label.empty(); }))
+        return;
     std::string base = "v";
     if (style_ != Style::generic) base += std::to_string(vectors_.size() + 1);
     vectors_.emplace(v, base);
@@ -103,7 +114,8 @@ void TapeText::name_all() {
             name = n.label;
             if (const int again = ++times[name]; again > 1 && style_ != Style::generic) {
                 const std::string base = vector_of(name);
-                name = base.empty() ? name + std::to_string(again) : base + std::to_string(again) + name.substr(name.size() - 2);
+                name = base.empty() ? name + std::to_string(again)
+                                    : base + std::to_string(again) + name.substr(name.size() - 2);
             }
         } else if (name.empty()) {
             name = (is_decision(n.op) ? "m" : "s") + std::to_string(i);
@@ -113,7 +125,9 @@ void TapeText::name_all() {
 
 std::string TapeText::shown(NodeId i) const { return style_ == Style::latex ? in_latex(name(i)) : name(i); }
 
-std::string TapeText::vector_shown(const std::string& base) const { return style_ == Style::latex ? "\\mathbf{" + base + "}" : base; }
+std::string TapeText::vector_shown(const std::string& base) const {
+    return style_ == Style::latex ? "\\mathbf{" + base + "}" : base;
+}
 
 std::string TapeText::identifier(NodeId i) const {
     std::string id = name(i);
@@ -131,8 +145,11 @@ bool TapeText::is_simple(NodeId i) const {
     const TapeNode& n = tape_[i];
     if (n.op == TapeOp::input || n.op == TapeOp::constant) return true;
     const auto named = [&](NodeId part) { return !tape_[part].label.empty() || tape_[part].op == TapeOp::input; };
-    if (style_ == Style::generic && n.label.empty() && (n.op == TapeOp::add || n.op == TapeOp::sub) && named(n.operands[0]) && named(n.operands[1])) return true;
-    return n.label.empty() && (n.op == TapeOp::add || n.op == TapeOp::sub) && tape_[n.operands[0]].op == TapeOp::input && tape_[n.operands[1]].op == TapeOp::input;
+    if (style_ == Style::generic && n.label.empty() && (n.op == TapeOp::add || n.op == TapeOp::sub) &&
+        named(n.operands[0]) && named(n.operands[1]))
+        return true;
+    return n.label.empty() && (n.op == TapeOp::add || n.op == TapeOp::sub) &&
+           tape_[n.operands[0]].op == TapeOp::input && tape_[n.operands[1]].op == TapeOp::input;
 }
 
 std::string TapeText::vector_text(const Triple& v, bool alone) const {
@@ -140,10 +157,13 @@ std::string TapeText::vector_text(const Triple& v, bool alone) const {
     if (n.op == TapeOp::input) return vector_shown(vector_of(name(v[0])));
     const auto found = vectors_.find(v);
     if (std::ranges::all_of(v, [&](NodeId i) { return is_simple(i); })) {
-        const auto side = [&](std::size_t k) { return Triple{tape_[v[0]].operands[k], tape_[v[1]].operands[k], tape_[v[2]].operands[k]}; };
+        const auto side = [&](std::size_t k) {
+            return Triple{tape_[v[0]].operands[k], tape_[v[1]].operands[k], tape_[v[2]].operands[k]};
+        };
         if (is_vector(side(0)) && is_vector(side(1))) {
             const std::string sign = n.op == TapeOp::add ? " + " : style_ == Style::pretty ? " − " : " - ";
-            const std::string text = vector_shown(vector_of(name(side(0)[0]))) + sign + vector_shown(vector_of(name(side(1)[0])));
+            const std::string text =
+                vector_shown(vector_of(name(side(0)[0]))) + sign + vector_shown(vector_of(name(side(1)[0])));
             return alone ? text : in_brackets(text);
         }
     }
@@ -163,7 +183,8 @@ std::string TapeText::operand(NodeId i, int binds) const {
     const std::string text = expression(i);
     Dot dot;
     const bool function = style_ == Style::plain && dot_of(i, dot);
-    if (text.size() > (style_ == Style::latex ? short_in_latex : short_enough) && !dot_of(i, dot)) return style_ == Style::generic ? "(...)" : own;
+    if (text.size() > (style_ == Style::latex ? short_in_latex : short_enough) && !dot_of(i, dot))
+        return style_ == Style::generic ? "(...)" : own;
     return !function && binding(n.op) < binds ? in_brackets(text) : text;
 }
 
@@ -190,7 +211,9 @@ std::string TapeText::written_out(NodeId i) const {
         case TapeOp::both: return both(" and ", 1, 1);
         case TapeOp::either: return both(" or ", 1, 1);
         case TapeOp::opposite: return "not " + at(0, 1);
-        case TapeOp::select: return style_ == Style::generic ? "a choice" : called("select");  // what it chooses by differs from round to round
+        case TapeOp::select:
+            return style_ == Style::generic ? "a choice"
+                                            : called("select");  // what it chooses by differs from round to round
         default: return called(std::string(tape_op_names[static_cast<std::size_t>(n.op)]));
     }
 }
@@ -208,7 +231,9 @@ std::string TapeText::latex(NodeId i) const {
         case TapeOp::both: return at(0, 1) + " \\land " + at(1, 1);
         case TapeOp::either: return at(0, 1) + " \\lor " + at(1, 1);
         case TapeOp::opposite: return "\\lnot " + at(0, 1);
-        case TapeOp::select: return "\\begin{cases} " + at(1, 0) + " & " + at(0, 0) + " \\\\ " + at(2, 0) + " & \\text{otherwise} \\end{cases}";
+        case TapeOp::select:
+            return "\\begin{cases} " + at(1, 0) + " & " + at(0, 0) + " \\\\ " + at(2, 0) +
+                   " & \\text{otherwise} \\end{cases}";
         case TapeOp::fma:
         case TapeOp::copysign:
         case TapeOp::min:
@@ -217,7 +242,8 @@ std::string TapeText::latex(NodeId i) const {
         case TapeOp::next_down:
         case TapeOp::convert: {
             std::string f;
-            for (const char c : tape_op_names[static_cast<std::size_t>(n.op)]) f += c == '_' ? "\\_" : std::string(1, c);
+            for (const char c : tape_op_names[static_cast<std::size_t>(n.op)])
+                f += c == '_' ? "\\_" : std::string(1, c);
             std::string text = "\\operatorname{" + f + "}(";
             for (std::size_t k = 0; k < 3 && n.operands[k] != no_node; ++k) text += (k ? ", " : "") + at(k, 0);
             return text + ")";

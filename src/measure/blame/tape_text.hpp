@@ -10,12 +10,19 @@
 
 namespace lostbits::measure::blame {
 
-/// Names and expressions of the operations of one tape. The formula's own letters where it names them (a letter that comes again, in
-/// a loop over axes, is numbered: `tmin`, `tmin2`); sums of three products as dot products; the three components of a vector that
-/// occurs in one as `v1.x`, `v1.y`, `v1.z`; everything else is written out where it is short and is `s12` where it is not.
+/// Names and expressions of the operations of one tape. The formula's own letters where it names them (a letter that
+/// comes again, in a loop over axes, is numbered: `tmin`, `tmin2`); sums of three products as dot products; the three
+/// components of a vector that occurs in one as `v1.x`, `v1.y`, `v1.z`; everything else is written out where it is
+/// short and is `s12` where it is not.
 class TapeText {
 public:
-    enum class Style { plain, pretty, latex, generic };  ///< plain is ASCII: `dot(a, b) - r*r`; pretty: `a·b − r·r`; latex: in math mode; generic: plain, but alike for every axis and every round of a loop
+    enum class Style {
+        plain,
+        pretty,
+        latex,
+        generic
+    };  ///< plain is ASCII: `dot(a, b) - r*r`; pretty: `a·b − r·r`; latex: in math mode; generic: plain, but alike for
+        ///< every axis and every round of a loop
 
     TapeText(const Tape& tape, std::vector<std::string> inputs, Style style);
 
@@ -57,8 +64,9 @@ private:
     Style style_;
     std::vector<std::string> names_;
     std::map<Triple, std::string> vectors_;
-    mutable std::vector<std::string> expressions_;  ///< those that were asked for: a march is a chain in which each step occurs several times in the next
-    std::vector<NodeId> part_of_dot_;  ///< the dot product that a partial sum or product belongs to
+    mutable std::vector<std::string> expressions_;  ///< those that were asked for: a march is a chain in which each
+                                                    ///< step occurs several times in the next
+    std::vector<NodeId> part_of_dot_;               ///< the dot product that a partial sum or product belongs to
 };
 
 }  // namespace lostbits::measure::blame

@@ -17,7 +17,8 @@ double share(const FloatFormat& f, const Test& test) {
     const auto unit = [&engine] { return static_cast<double>(engine() >> 11) * 0x1p-53; };
     int yes = 0;
     for (int i = 0; i < samples; ++i) {
-        const double significand = std::fmin(rounding::to_format(1 + unit(), 0, f), 2 - std::ldexp(1.0, 1 - f.precision));
+        const double significand =
+            std::fmin(rounding::to_format(1 + unit(), 0, f), 2 - std::ldexp(1.0, 1 - f.precision));
         yes += test(significand, unit);
     }
     return static_cast<double>(yes) / samples;

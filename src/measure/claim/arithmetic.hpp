@@ -8,7 +8,8 @@
 
 namespace lostbits::measure::claim {
 
-/// A row of the table "arithmetic": a share of seeded samples, mostly of those whose result an operand does not influence.
+/// A row of the table "arithmetic": a share of seeded samples, mostly of those whose result an operand does not
+/// influence.
 struct ArithmeticRow {
     std::string_view name;
     std::string_view argument;  ///< what `at` stands for

@@ -7,14 +7,14 @@
 #include <tuple>
 
 #include "intersect/simd/packed.hpp"
+#include "measure/answer/one_ray.hpp"
 #include "measure/claim/arithmetic.hpp"
-#include "measure/sweep/cases.hpp"
 #include "measure/claim/claim_columns.hpp"
 #include "measure/claim/claim_timing.hpp"
 #include "measure/claim/closest.hpp"
-#include "measure/answer/one_ray.hpp"
 #include "measure/picture/render.hpp"
 #include "measure/speed/timing_threads.hpp"
+#include "measure/sweep/cases.hpp"
 #include "number/error.hpp"
 #include "scene/toml/did_you_mean.hpp"
 
@@ -32,7 +32,9 @@ constexpr double missing = std::numeric_limits<double>::quiet_NaN();
 
 Format format_of(const Claim& claim) {
     const auto format = find_format(claim.format);
-    if (!format) scene::toml::fail(claim.where, "unknown format \"" + claim.format + "\"; write f32, f64, fp16, bf16, tf32 or pN");
+    if (!format)
+        scene::toml::fail(claim.where,
+                          "unknown format \"" + claim.format + "\"; write f32, f64, fp16, bf16, tf32 or pN");
     return *format;
 }
 
@@ -62,7 +64,8 @@ ClaimResult judge(const Claim& claim, double measured, const map::MapSummary* su
     } else if (std::isnan(measured)) {
         result.trouble = "there is no sample to measure it on";
     } else {
-        result.state = measured >= claim.low && measured <= claim.high ? ClaimResult::State::agrees : ClaimResult::State::disagrees;
+        result.state = measured >= claim.low && measured <= claim.high ? ClaimResult::State::agrees
+                                                                       : ClaimResult::State::disagrees;
     }
     return result;
 }
@@ -72,8 +75,9 @@ template <class Subject>
 MapRow row_for(const Claim& claim, const Subject& subject) {
     const MapRow row = claim_row(claim);
     if (subject.meets(row.form->shape)) return row;
-    scene::toml::fail(claim.where, claim.subject() + " cannot be asked of " + claim.form + ": it has " + (row.form->shape == Shape::sdf ? "no [march] table" : "other solids") +
-                                 "; name another form, or another scene or sweep");
+    scene::toml::fail(claim.where, claim.subject() + " cannot be asked of " + claim.form + ": it has " +
+                                       (row.form->shape == Shape::sdf ? "no [march] table" : "other solids") +
+                                       "; name another form, or another scene or sweep");
 }
 
 /// What `find` finds for a claim; an unknown name is the claim's fault, so its place starts the message.
@@ -89,24 +93,32 @@ auto find_for(const Claim& claim, const Find& find) {
 /// One number of one sample of a march along the scene's first pixel.
 double trace_value(const Claim& claim, const scene::file::Scene& scene) {
     const MapRow row = row_for(claim, scene);
-    if (!row.form->log) scene::toml::fail(claim.where, claim.form + " does not march; `step` is for the forms of sdf.*");
+    if (!row.form->log)
+        scene::toml::fail(claim.where, claim.form + " does not march; `step` is for the forms of sdf.*");
     const intersect::table::MarchLog log = answer::march_log(*row.form, row.format, answer::OneRay(scene, 0, 0));
     if (claim.metric == "steps") return static_cast<double>(log.steps.size());
     if (claim.metric == "hit") return log.hit.hit ? 1 : 0;
     if (claim.metric == "end") return log.hit.t;
     if (static_cast<std::size_t>(*claim.step) >= log.steps.size()) return missing;
     const intersect::MarchStep& s = log.steps[static_cast<std::size_t>(*claim.step)];
-    const std::map<std::string, double> columns{{"t", s.t}, {"x", s.p.x}, {"y", s.p.y}, {"z", s.p.z}, {"length", s.size}, {"d", s.d}};
+    const std::map<std::string, double> columns{{"t", s.t},   {"x", s.p.x},       {"y", s.p.y},
+                                                {"z", s.p.z}, {"length", s.size}, {"d", s.d}};
     const auto found = columns.find(claim.metric);
-    if (found == columns.end()) scene::toml::fail(claim.where, "unknown metric \"" + claim.metric + "\"; a step has t, x, y, z, length, d, and its march has steps, hit and end");
+    if (found == columns.end())
+        scene::toml::fail(claim.where,
+                          "unknown metric \"" + claim.metric +
+                              "\"; a step has t, x, y, z, length, d, and its march has steps, hit and end");
     return found->second;
 }
 
-void measure_scene(const std::vector<Claim>& claims, const Places& places, const std::filesystem::path& data_dir, std::vector<ClaimResult>& results) {
+void measure_scene(const std::vector<Claim>& claims, const Places& places, const std::filesystem::path& data_dir,
+                   std::vector<ClaimResult>& results) {
     const Claim& first = claims[places.front()];
     const auto name = find_for(first, [&] { return scene::file::find_scene(first.scene, data_dir); });
     const auto scenes = scene::file::load_scene(name.path, {.variant = name.variant});
-    if (scenes.size() != 1) scene::toml::fail(first.where, "scene \"" + first.scene + "\" has variants; name one, such as \"" + scenes.front().id + "\"");
+    if (scenes.size() != 1)
+        scene::toml::fail(
+            first.where, "scene \"" + first.scene + "\" has variants; name one, such as \"" + scenes.front().id + "\"");
     Places pictures;
     for (const std::size_t i : places) {
         if (claims[i].step) results[i] = judge(claims[i], trace_value(claims[i], scenes.front()), nullptr);
@@ -132,18 +144,24 @@ struct SpheresAlone {
 };
 
 /// The claims about one rendered scene: one run, all stages that they name.
-void measure_render(const std::vector<Claim>& claims, const Places& places, const std::filesystem::path& data_dir, std::vector<ClaimResult>& results) {
+void measure_render(const std::vector<Claim>& claims, const Places& places, const std::filesystem::path& data_dir,
+                    std::vector<ClaimResult>& results) {
     const Claim& first = claims[places.front()];
     const auto name = find_for(first, [&] { return scene::file::find_scene(first.render, data_dir); });
     const auto scenes = scene::file::load_scene(name.path, {.variant = name.variant});
-    if (scenes.size() != 1) scene::toml::fail(first.where, "scene \"" + first.render + "\" has variants; name one, such as \"" + scenes.front().id + "\"");
-    if (!scenes.front().meets(Shape::sphere)) scene::toml::fail(first.where, "scene \"" + first.render + "\" has no spheres to render");
+    if (scenes.size() != 1)
+        scene::toml::fail(first.where, "scene \"" + first.render + "\" has variants; name one, such as \"" +
+                                           scenes.front().id + "\"");
+    if (!scenes.front().meets(Shape::sphere))
+        scene::toml::fail(first.where, "scene \"" + first.render + "\" has no spheres to render");
     const scene::file::Appearance& look = scenes.front().appearance;
     picture::RenderRequest request{.scene = &scenes.front(), .stages = {}, .rows = {}};
     std::set<scene::file::Stage> stages;
     for (const std::size_t i : places) {
         const scene::file::Stage stage = claims[i].stage.value_or(look.furthest());
-        if (!look.asks_for(stage)) scene::toml::fail(claims[i].where, "scene \"" + first.render + "\" does not ask for stage " + std::string(name_of(stage)));
+        if (!look.asks_for(stage))
+            scene::toml::fail(claims[i].where,
+                              "scene \"" + first.render + "\" does not ask for stage " + std::string(name_of(stage)));
         stages.insert(stage);
         request.rows.push_back(row_for(claims[i], SpheresAlone{}));
     }
@@ -151,16 +169,19 @@ void measure_render(const std::vector<Claim>& claims, const Places& places, cons
     const auto summaries = picture::run_render(request);
     for (std::size_t k = 0; k < places.size(); ++k) {
         const Claim& claim = claims[places[k]];
-        const auto stage = std::ranges::find(request.stages, claim.stage.value_or(look.furthest())) - request.stages.begin();
+        const auto stage =
+            std::ranges::find(request.stages, claim.stage.value_or(look.furthest())) - request.stages.begin();
         const picture::RenderSummary& s = summaries[k * request.stages.size() + static_cast<std::size_t>(stage)];
-        ClaimResult& result = results[places[k]] = judge(claim, picture::render_value(s, claim.metric, claim.where.text()), nullptr);
+        ClaimResult& result = results[places[k]] =
+            judge(claim, picture::render_value(s, claim.metric, claim.where.text()), nullptr);
         if (s.unresolved() == 0) continue;
         result.state = ClaimResult::State::broken;
         result.trouble = std::to_string(s.unresolved()) + " pixels are not proved";
     }
 }
 
-void measure_cases(const std::vector<Claim>& claims, const Places& places, const std::filesystem::path& path, std::vector<ClaimResult>& results) {
+void measure_cases(const std::vector<Claim>& claims, const Places& places, const std::filesystem::path& path,
+                   std::vector<ClaimResult>& results) {
     const scene::sweep::CaseFile file(path);
     sweep::CaseRequest request{.file = &file, .rows = {}, .metrics = {}};
     for (const std::size_t i : places) request.rows.push_back(row_for(claims[i], file));
@@ -169,7 +190,9 @@ void measure_cases(const std::vector<Claim>& claims, const Places& places, const
     request.metrics = columns.metrics();
     for (std::size_t k = 0; k < places.size(); ++k) {
         const Claim& claim = claims[places[k]];
-        if (claim.case_name.empty()) scene::toml::fail(claim.where, "sweep \"" + claim.sweep + "\" has cases, not axes; write `case = \"...\"` in claim.given");
+        if (claim.case_name.empty())
+            scene::toml::fail(claim.where, "sweep \"" + claim.sweep +
+                                               "\" has cases, not axes; write `case = \"...\"` in claim.given");
         const auto summary = sweep::run_cases_together(request, k, file.matching(claim.case_name, claim.where));
         results[places[k]] = judge(claim, columns.value(claim, summary), &summary);
     }
@@ -194,10 +217,14 @@ void measure_table(const std::vector<Claim>& claims, const Places& places, std::
     for (const std::size_t i : places) {
         const Claim& claim = claims[i];
         if (claim.table != "arithmetic" && claim.table != "closest_as_tmax") {
-            scene::toml::fail(claim.where, "unknown table \"" + claim.table + "\"; there are \"arithmetic\" and \"closest_as_tmax\", whose rows are box forms");
+            scene::toml::fail(claim.where,
+                              "unknown table \"" + claim.table +
+                                  "\"; there are \"arithmetic\" and \"closest_as_tmax\", whose rows are box forms");
         }
-        if (claim.metric != "fraction") scene::toml::fail(claim.where, "unknown metric \"" + claim.metric + "\"; a table has fraction");
-        results[i] = judge(claim, claim.table == "arithmetic" ? arithmetic_value(claim) : closest_value(claim), nullptr);
+        if (claim.metric != "fraction")
+            scene::toml::fail(claim.where, "unknown metric \"" + claim.metric + "\"; a table has fraction");
+        results[i] =
+            judge(claim, claim.table == "arithmetic" ? arithmetic_value(claim) : closest_value(claim), nullptr);
     }
 }
 
@@ -209,19 +236,23 @@ std::string missing_for(const Claim& claim) {
             continue;
         }
         const auto isa = need.starts_with("isa-") ? intersect::simd::isa_named(need.substr(4)) : std::nullopt;
-        if (!isa) scene::toml::fail(claim.where, "unknown requirement \"" + need + "\"; there are isa-128, isa-256, isa-512 and processors-2");
+        if (!isa)
+            scene::toml::fail(claim.where, "unknown requirement \"" + need +
+                                               "\"; there are isa-128, isa-256, isa-512 and processors-2");
         const auto there = intersect::simd::available_isas();
         if (std::ranges::find(there, *isa) == there.end()) return "this machine has no " + need;
     }
     return "";
 }
 
-void measure_sweep(const std::vector<Claim>& claims, const Places& places, const std::filesystem::path& data_dir, std::vector<ClaimResult>& results) {
+void measure_sweep(const std::vector<Claim>& claims, const Places& places, const std::filesystem::path& data_dir,
+                   std::vector<ClaimResult>& results) {
     const Claim& first = claims[places.front()];
     const auto path = find_for(first, [&] { return scene::sweep::find_sweep(first.sweep, data_dir); });
     switch (scene::sweep::sweep_kind(path)) {
         case SweepKind::cases: return measure_cases(claims, places, path, results);
-        case SweepKind::search: scene::toml::fail(first.where, "sweep \"" + first.sweep + "\" is a search; claims are about axes or cases");
+        case SweepKind::search:
+            scene::toml::fail(first.where, "sweep \"" + first.sweep + "\" is a search; claims are about axes or cases");
         case SweepKind::axes: break;
     }
     const scene::sweep::SweepFile sweep(path, data_dir);
@@ -243,22 +274,31 @@ void measure_sweep(const std::vector<Claim>& claims, const Places& places, const
         const Claim& claim = claims[places[k]];
         if (claim.onset.empty()) {
             if (claim.at.size() != sweep.axes.size()) {
-                scene::toml::fail(claim.where, "sweep \"" + claim.sweep + "\" has " + std::to_string(sweep.axes.size()) + " axes; write as many values in `at`");
+                scene::toml::fail(claim.where, "sweep \"" + claim.sweep + "\" has " +
+                                                   std::to_string(sweep.axes.size()) +
+                                                   " axes; write as many values in `at`");
             }
             for (std::size_t a = 0; a < claim.at.size(); ++a) {
                 const auto [low, high] = std::minmax(sweep.axes[a].from, sweep.axes[a].to);
-                if (claim.at[a] < low || claim.at[a] > high) scene::toml::fail(claim.where, "`at` lies outside of the axis " + sweep.axes[a].name + " of sweep \"" + claim.sweep + "\"; write a value between its ends");
+                if (claim.at[a] < low || claim.at[a] > high)
+                    scene::toml::fail(claim.where, "`at` lies outside of the axis " + sweep.axes[a].name +
+                                                       " of sweep \"" + claim.sweep +
+                                                       "\"; write a value between its ends");
             }
             const auto summary = sweep::run_place(request, rows[k], claim.at);
             results[places[k]] = judge(claim, columns.value(claim, summary), &summary);
             continue;
         }
         const auto found = std::ranges::find_if(onsets, [&](const sweep::Onset& o) {
-            return o.row == rows[k] && o.event == claim.onset && o.statistic == claim.statistic && o.threshold == claim.threshold;
+            return o.row == rows[k] && o.event == claim.onset && o.statistic == claim.statistic &&
+                   o.threshold == claim.threshold;
         });
         if (found == onsets.end()) {
-            scene::toml::fail(claim.where, "no onset of \"" + claim.onset + "\" by \"" + claim.statistic +
-                                         "\" at that threshold; events are lost_bits (p50, p99, max; 1, 4, 8, p/2, p), false_hit, false_miss, not_a_number and, of marches, max_dist, max_steps, stagnated (count; 1)");
+            scene::toml::fail(
+                claim.where,
+                "no onset of \"" + claim.onset + "\" by \"" + claim.statistic +
+                    "\" at that threshold; events are lost_bits (p50, p99, max; 1, 4, 8, p/2, p), false_hit, "
+                    "false_miss, not_a_number and, of marches, max_dist, max_steps, stagnated (count; 1)");
         }
         results[places[k]] = judge(claim, found->found ? found->first_bad : missing, nullptr);
         if (!found->found) results[places[k]].trouble = "it does not happen within the sweep";
@@ -273,13 +313,17 @@ MapRow claim_row(const Claim& claim) {
         names.emplace_back(i.info->name);
         if (i.info->name != claim.form) continue;
         const Format format = format_of(claim);
-        if (!i.exists_in(format)) scene::toml::fail(claim.where, claim.form + " does not exist in " + claim.format + "; it exists in f32 alone");
+        if (!i.exists_in(format))
+            scene::toml::fail(claim.where,
+                              claim.form + " does not exist in " + claim.format + "; it exists in f32 alone");
         return {&i, format, claim.convention};
     }
-    scene::toml::fail(claim.where, "unknown form \"" + claim.form + "\"; " + scene::toml::did_you_mean(claim.form, names));
+    scene::toml::fail(claim.where,
+                      "unknown form \"" + claim.form + "\"; " + scene::toml::did_you_mean(claim.form, names));
 }
 
-std::vector<ClaimResult> measure_claims(const std::vector<Claim>& claims, const std::filesystem::path& data_dir, const std::function<void()>& done) {
+std::vector<ClaimResult> measure_claims(const std::vector<Claim>& claims, const std::filesystem::path& data_dir,
+                                        const std::function<void()>& done) {
     std::vector<ClaimResult> results(claims.size());
     enum class Kind { scene, sweep, render, table, timing };
     // Apart from the others those that need the tape of every ray: it costs more than all the rest of a map.
@@ -291,7 +335,11 @@ std::vector<ClaimResult> measure_claims(const std::vector<Claim>& claims, const 
             continue;
         }
         const Claim& c = claims[i];
-        const Kind kind = c.timing ? Kind::timing : !c.scene.empty() ? Kind::scene : !c.sweep.empty() ? Kind::sweep : !c.render.empty() ? Kind::render : Kind::table;
+        const Kind kind = c.timing            ? Kind::timing
+                          : !c.scene.empty()  ? Kind::scene
+                          : !c.sweep.empty()  ? Kind::sweep
+                          : !c.render.empty() ? Kind::render
+                                              : Kind::table;
         subjects[{kind, c.subject(), asks_for_attribution(c)}].push_back(i);
     }
     for (const auto& [subject, places] : subjects) {
@@ -300,7 +348,8 @@ std::vector<ClaimResult> measure_claims(const std::vector<Claim>& claims, const 
         else if (kind == Kind::sweep) measure_sweep(claims, places, data_dir, results);
         else if (kind == Kind::render) measure_render(claims, places, data_dir, results);
         else if (kind == Kind::table) measure_table(claims, places, results);
-        else for (const std::size_t i : places) results[i] = judge(claims[i], timed_ratio(claims[i], done), nullptr);
+        else
+            for (const std::size_t i : places) results[i] = judge(claims[i], timed_ratio(claims[i], done), nullptr);
         done();
     }
     return results;

@@ -15,12 +15,16 @@ bool asks_for_attribution(const scene::claim::Claim& claim);
 /// The columns that the claims about one subject name.
 class ClaimColumns {
 public:
-    /// InputError, with the claim's position, for operations and labels that its form does not have. The setting must outlive this.
-    ClaimColumns(const std::vector<scene::claim::Claim>& claims, const std::vector<map::MapRow>& rows, const blame::Setting& setting);
+    /// InputError, with the claim's position, for operations and labels that its form does not have. The setting must
+    /// outlive this.
+    ClaimColumns(const std::vector<scene::claim::Claim>& claims, const std::vector<map::MapRow>& rows,
+                 const blame::Setting& setting);
 
-    /// What must be measured: the default metrics and those whose columns a claim names; measuring all would evaluate every form exactly.
+    /// What must be measured: the default metrics and those whose columns a claim names; measuring all would evaluate
+    /// every form exactly.
     [[nodiscard]] const std::vector<const metric::Metric*>& metrics() const { return metrics_; }
-    /// The claim's column of a summary of `metrics()`; NaN where it is missing. InputError for an unknown name, with did-you-mean.
+    /// The claim's column of a summary of `metrics()`; NaN where it is missing. InputError for an unknown name, with
+    /// did-you-mean.
     [[nodiscard]] double value(const scene::claim::Claim& claim, const map::MapSummary& summary) const;
 
 private:

@@ -23,19 +23,25 @@ Works on_all(std::span<const TimedKernel> kernels, std::size_t bytes) {
     return all;
 }
 
-constexpr std::pair<std::string_view, Works (*)(std::span<const TimedKernel>, std::size_t)> works[] = {{"one_ray_many_boxes", on_all<speed::BoxWork>},
-                                                                                                      {"many_rays_one_solid", on_all<speed::RayWork>}};
+constexpr std::pair<std::string_view, Works (*)(std::span<const TimedKernel>, std::size_t)> works[] = {
+    {"one_ray_many_boxes", on_all<speed::BoxWork>}, {"many_rays_one_solid", on_all<speed::RayWork>}};
 
 /// A work for each kernel, on the same data.
 std::vector<TimedWork> make_work(const Claim& claim, const std::vector<TimedKernel>& kernels, std::size_t bytes) {
     const auto named = std::ranges::find(works, claim.timing->work, [](const auto& each) { return each.first; });
-    if (named == std::end(works)) scene::toml::fail(claim.where, "unknown work \"" + claim.timing->work + "\"; there are one_ray_many_boxes and many_rays_one_solid");
+    if (named == std::end(works))
+        scene::toml::fail(claim.where, "unknown work \"" + claim.timing->work +
+                                           "\"; there are one_ray_many_boxes and many_rays_one_solid");
     std::vector<TimedWork> all;
     auto made = named->second(kernels, bytes);
     for (std::size_t i = 0; i < made.size(); ++i) {
         if (!made[i])
-            scene::toml::fail(claim.where, "no form \"" + std::string(kernels[i].form) + "\" in the kernel \"" + std::string(kernels[i].kernel) + "\" for " + claim.timing->work + " in " + claim.format +
-                                         "; kernels are scalar, 128, 256 and 512, and plain-256 and plain-structs-256 for boxes in f32; `lostbits list intersectors` has the forms");
+            scene::toml::fail(claim.where,
+                              "no form \"" + std::string(kernels[i].form) + "\" in the kernel \"" +
+                                  std::string(kernels[i].kernel) + "\" for " + claim.timing->work + " in " +
+                                  claim.format +
+                                  "; kernels are scalar, 128, 256 and 512, and plain-256 and plain-structs-256 for "
+                                  "boxes in f32; `lostbits list intersectors` has the forms");
         all.push_back(std::move(*made[i]));
     }
     return all;
@@ -43,14 +49,20 @@ std::vector<TimedWork> make_work(const Claim& claim, const std::vector<TimedKern
 
 double speed_ratio(const Claim& claim, std::size_t bytes, const std::function<void()>& stop) {
     const Claim::Timing& t = *claim.timing;
-    const auto work = make_work(claim, {{t.over_form, t.over_kernel, claim.format}, {claim.form, t.kernel, claim.format}}, bytes);
-    const auto samples = speed::sample_interleaved(work, {.repetitions = speed::stay_in_cache(bytes) ? 101 : 15, .least_seconds = 1e-3, .progress = [&stop](std::uint64_t) { stop(); }});
+    const auto work =
+        make_work(claim, {{t.over_form, t.over_kernel, claim.format}, {claim.form, t.kernel, claim.format}}, bytes);
+    const auto samples = speed::sample_interleaved(work, {.repetitions = speed::stay_in_cache(bytes) ? 101 : 15,
+                                                          .least_seconds = 1e-3,
+                                                          .progress = [&stop](std::uint64_t) { stop(); }});
     return speed::ratio_of(samples[0], samples[1]).median;
 }
 
 double speedup_per_processor(const Claim& claim, std::size_t bytes, const std::function<void()>& stop) {
-    const auto work = [&](std::size_t) { return make_work(claim, {{claim.form, claim.timing->kernel, claim.format}}, bytes).front().pass; };
-    return speed::timing_of(speed::thread_speedups(work, {.stop = stop})).median / static_cast<double>(speed::allowed_processors().size());
+    const auto work = [&](std::size_t) {
+        return make_work(claim, {{claim.form, claim.timing->kernel, claim.format}}, bytes).front().pass;
+    };
+    return speed::timing_of(speed::thread_speedups(work, {.stop = stop})).median /
+           static_cast<double>(speed::allowed_processors().size());
 }
 
 }  // namespace
@@ -60,7 +72,8 @@ double timed_ratio(const Claim& claim, const std::function<void()>& stop) {
     const std::size_t bytes = speed::working_set_bytes(t.data, speed::cache_sizes());
     if (bytes == 0) scene::toml::fail(claim.where, "unknown data \"" + t.data + "\"; there are l1, l2 and memory");
     const std::string_view metric = t.all_processors ? "speedup_per_processor" : "speed_ratio";
-    if (claim.metric != metric) scene::toml::fail(claim.where, "unknown metric \"" + claim.metric + "\"; here it is " + std::string(metric));
+    if (claim.metric != metric)
+        scene::toml::fail(claim.where, "unknown metric \"" + claim.metric + "\"; here it is " + std::string(metric));
     return t.all_processors ? speedup_per_processor(claim, bytes, stop) : speed_ratio(claim, bytes, stop);
 }
 

@@ -8,9 +8,10 @@
 namespace lostbits::measure::claim {
 
 /// What a claim of the profile `timing` measures, by its metric:
-/// `speed_ratio`: the median over interleaved repetitions of (seconds an item of `over`)/(seconds an item of the kernel);
-/// `speedup_per_processor`: the median of (rate of all allowed processors)/(rate of one · their number), 1 is perfect.
-/// `stop` is called between repetitions and may throw. InputError, with the claim's position, for names that do not exist.
+/// `speed_ratio`: the median over interleaved repetitions of (seconds an item of `over`)/(seconds an item of the
+/// kernel); `speedup_per_processor`: the median of (rate of all allowed processors)/(rate of one · their number), 1 is
+/// perfect. `stop` is called between repetitions and may throw. InputError, with the claim's position, for names that
+/// do not exist.
 double timed_ratio(const scene::claim::Claim& claim, const std::function<void()>& stop);
 
 }  // namespace lostbits::measure::claim

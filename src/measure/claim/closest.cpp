@@ -17,7 +17,8 @@ std::vector<double> nearest(const map::MapRow& row, const FormatInputs& in, bool
     const std::size_t n = in.rays.size();
     std::vector<double> best(n, HUGE_VAL);
     for (const Solid<double>& solid : in.solids) {
-        FormatInputs one{.format = in.format, .rays = in.rays, .solids = {solid}, .march = {}, .unit_rays = {}, .own_truth = {}};
+        FormatInputs one{
+            .format = in.format, .rays = in.rays, .solids = {solid}, .march = {}, .unit_rays = {}, .own_truth = {}};
         if (pass_on) one.rays.tmax = best;
         const truth::Answers answers = truth::evaluate(*row.form, one);
         for (std::size_t i = 0; i < n; ++i) {
@@ -30,7 +31,8 @@ std::vector<double> nearest(const map::MapRow& row, const FormatInputs& in, bool
 }  // namespace
 
 double differs_with_closest(const map::MapRow& row, double distance) {
-    if (row.form->shape != Shape::box) throw InputError(std::string(row.form->info->name) + " is not told where a ray ends");
+    if (row.form->shape != Shape::box)
+        throw InputError(std::string(row.form->info->name) + " is not told where a ray ends");
     scene::rays::BoxFamily family;
     family.adjoining = true;
     family.distance = distance;

@@ -44,12 +44,15 @@ void order_culprits(MapRequest& request) {
     const auto culprit = std::ranges::find_if(request.metrics, &Metric::by_run);
     if (culprit == request.metrics.end()) return;
     const Scene small = small_picture_of(*request.scene);
-    const auto summaries = run_map({.scene = &small, .rows = request.rows, .metrics = {*culprit}, .limit = request.limit}, {});
+    const auto summaries =
+        run_map({.scene = &small, .rows = request.rows, .metrics = {*culprit}, .limit = request.limit}, {});
     std::vector<std::uint64_t> total((*culprit)->categories.size());
-    for (const MapSummary& s : summaries) std::ranges::transform(total, s.categories.front(), total.begin(), std::plus{});
+    for (const MapSummary& s : summaries)
+        std::ranges::transform(total, s.categories.front(), total.begin(), std::plus{});
     std::vector<std::size_t> order(total.size());
     std::iota(order.begin(), order.end(), std::size_t{0});
-    std::stable_sort(order.begin() + 1, order.end(), [&](std::size_t a, std::size_t b) { return total[a] > total[b]; });  // `none` stays in front
+    std::stable_sort(order.begin() + 1, order.end(),
+                     [&](std::size_t a, std::size_t b) { return total[a] > total[b]; });  // `none` stays in front
     *culprit = reordered(**culprit, order);
 }
 

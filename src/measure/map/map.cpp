@@ -7,8 +7,8 @@
 #include <limits>
 #include <map>
 
-#include "measure/blame/culprits.hpp"
 #include "measure/answer/self.hpp"
+#include "measure/blame/culprits.hpp"
 
 namespace lostbits::measure::map {
 
@@ -35,7 +35,11 @@ const truth::Certified* in_unit_of(const Truth& truth, const intersect::Info& in
 class Measurement {
 public:
     Measurement(const std::vector<const Metric*>& metrics, const MapRow& row, BandResult& result)
-        : metrics_(metrics), row_(row), result_(result), needs_(needs_of(metrics)), blamer_(*row.form, row.format, culprits_of(metrics)) {}
+        : metrics_(metrics),
+          row_(row),
+          result_(result),
+          needs_(needs_of(metrics)),
+          blamer_(*row.form, row.format, culprits_of(metrics)) {}
 
     void measure(std::size_t i, MapSummary& summary) {
         const truth::Answers& answers = *result_.answers;
@@ -44,14 +48,17 @@ public:
         const intersect::Info& info = *row_.form->info;
         const Ray<double> ray = in.rays_for(info)[i];
         const Solid<double>& solid = in.solids[static_cast<std::size_t>(answers.object[i])];
-        Sample sample{answers.t[i], &row_.format, in_unit_of(truth, info), missing, nullptr, nullptr, missing, &ray, &solid, march_of(i)};
+        Sample sample{answers.t[i], &row_.format, in_unit_of(truth, info), missing, nullptr, nullptr, missing, &ray,
+                      &solid,       march_of(i)};
 
-        if (needs_ & metric::needs_rounded_truth) sample.truth_rounded = result_.band->rounded_truth(i, row_.format.shape, info.direction, row_.touching());
+        if (needs_ & metric::needs_rounded_truth)
+            sample.truth_rounded = result_.band->rounded_truth(i, row_.format.shape, info.direction, row_.touching());
         if (needs_ & metric::needs_own_truth) sample.own = in.ideal ? sample.truth : in_unit_of(in.own_truth[i], info);
         if (needs_ & metric::needs_condition) sample.condition = result_.band->condition(i, row_.touching());
         std::optional<truth::Certified> self;
         if (needs_ & metric::needs_self) {
-            self = answer::without_rounding(*row_.form, ray, in.target_for(*row_.form, static_cast<std::size_t>(truth.object)));
+            self = answer::without_rounding(*row_.form, ray,
+                                            in.target_for(*row_.form, static_cast<std::size_t>(truth.object)));
             if (self) sample.self = &*self;
         }
         const Blame blame = blame_of(i, answers.object[i]);
@@ -67,13 +74,19 @@ public:
         const int object = result_.answers->hit[i] != 0 ? result_.answers->object[i] : result_.truth(i).object;
         const Ray<double> ray = result_.inputs->rays_for(*row_.form->info)[i];
         const Blame blame = blame_of(i, object);
-        take(i, {result_.answers->t[i], &row_.format, nullptr, missing, nullptr, nullptr, missing, &ray, nullptr, march_of(i), &blame}, Over::blamed, summary);
+        take(i,
+             {result_.answers->t[i], &row_.format, nullptr, missing, nullptr, nullptr, missing, &ray, nullptr,
+              march_of(i), &blame},
+             Over::blamed, summary);
     }
 
     /// The metrics of how a ray was marched, whatever came of it.
     void measure_march(std::size_t i, MapSummary& summary) {
         const Ray<double> ray = result_.inputs->rays_for(*row_.form->info)[i];
-        take(i, {result_.answers->t[i], &row_.format, nullptr, missing, nullptr, nullptr, missing, &ray, nullptr, march_of(i)}, Over::marches, summary);
+        take(i,
+             {result_.answers->t[i], &row_.format, nullptr, missing, nullptr, nullptr, missing, &ray, nullptr,
+              march_of(i)},
+             Over::marches, summary);
     }
 
 private:
@@ -86,10 +99,13 @@ private:
         if (!(needs_ & metric::needs_attribution)) return {};
         const FormatInputs& in = *result_.inputs;
         const auto& rays = in.rays_for(*row_.form->info);
-        return blamer_.of(rays[i], in.target_for(*row_.form, static_cast<std::size_t>(std::max(0, object))), rays.tmax.empty() ? HUGE_VAL : rays.tmax[i]);
+        return blamer_.of(rays[i], in.target_for(*row_.form, static_cast<std::size_t>(std::max(0, object))),
+                          rays.tmax.empty() ? HUGE_VAL : rays.tmax[i]);
     }
 
-    [[nodiscard]] const intersect::MarchRecord* march_of(std::size_t i) const { return result_.answers->march.empty() ? nullptr : &result_.answers->march[i]; }
+    [[nodiscard]] const intersect::MarchRecord* march_of(std::size_t i) const {
+        return result_.answers->march.empty() ? nullptr : &result_.answers->march[i];
+    }
 
     void take(std::size_t i, Sample sample, Over over, MapSummary& summary) {
         for (std::size_t m = 0; m < metrics_.size(); ++m) {
@@ -117,7 +133,8 @@ private:
     blame::Blamer blamer_;
 };
 
-std::map<std::string, BandNeeds> needs_by_format(const std::vector<MapRow>& rows, const std::vector<const Metric*>& metrics) {
+std::map<std::string, BandNeeds> needs_by_format(const std::vector<MapRow>& rows,
+                                                 const std::vector<const Metric*>& metrics) {
     std::map<std::string, BandNeeds> formats;
     for (const MapRow& row : rows) {
         BandNeeds& needs = formats[row.format.name];
@@ -152,11 +169,12 @@ unsigned needs_of(const std::vector<const Metric*>& metrics) {
     return needs;
 }
 
-void measure_row(const MapRow& row, const std::vector<const Metric*>& metrics, const Band& band, const FormatInputs& inputs, MapSummary& summary,
-                 MapSink* sink) {
+void measure_row(const MapRow& row, const std::vector<const Metric*>& metrics, const Band& band,
+                 const FormatInputs& inputs, MapSummary& summary, MapSink* sink) {
     const truth::Answers answers = truth::evaluate(*row.form, inputs);
     const std::size_t n = band.pixels();
-    BandResult result{band.y0(), band.rows(), inputs.rays.width, &band, &inputs, &answers, row.touching(), std::vector<Outcome>(n), {}};
+    BandResult result{band.y0(), band.rows(),    inputs.rays.width,       &band, &inputs,
+                      &answers,  row.touching(), std::vector<Outcome>(n), {}};
     result.metrics.assign(metrics.size(), std::vector<double>(n, missing));
     Measurement measurement(metrics, row, result);
     for (std::size_t i = 0; i < n; ++i) {
@@ -175,16 +193,18 @@ void measure_row(const MapRow& row, const std::vector<const Metric*>& metrics, c
     if (sink) sink->band(result);
 }
 
-std::vector<MapSummary> measure_groups(std::vector<scene::rays::RayGroup> groups, const std::vector<MapRow>& rows, const std::vector<const Metric*>& metrics,
-                                       truth::TruthLimit limit) {
+std::vector<MapSummary> measure_groups(std::vector<scene::rays::RayGroup> groups, const std::vector<MapRow>& rows,
+                                       const std::vector<const Metric*>& metrics, truth::TruthLimit limit) {
     std::vector<MapSummary> summaries;
     for (std::size_t r = 0; r < rows.size(); ++r) summaries.emplace_back(metrics);
     for (scene::rays::RayGroup& group : groups) {
         Band band(std::move(group), limit);
         if (needs_of(metrics) & metric::needs_condition) band.find_condition();
         std::map<std::string, FormatInputs> inputs;
-        for (const auto& [name, needs] : needs_by_format(rows, metrics)) inputs.emplace(name, band.inputs(*find_format(name), needs));
-        for (std::size_t r = 0; r < rows.size(); ++r) measure_row(rows[r], metrics, band, inputs.at(rows[r].format.name), summaries[r]);
+        for (const auto& [name, needs] : needs_by_format(rows, metrics))
+            inputs.emplace(name, band.inputs(*find_format(name), needs));
+        for (std::size_t r = 0; r < rows.size(); ++r)
+            measure_row(rows[r], metrics, band, inputs.at(rows[r].format.name), summaries[r]);
     }
     for (MapSummary& s : summaries) {
         for (metric::Distribution& d : s.metrics) d.seal();
@@ -211,7 +231,8 @@ std::vector<MapSummary> run_map(const MapRequest& request, const std::vector<Map
         for (const auto& [name, needs] : formats) inputs.emplace(name, band.inputs(*find_format(name), needs));
         tbb::parallel_for(std::size_t{0}, request.rows.size(), [&](std::size_t r) {
             const MapRow& row = request.rows[r];
-            measure_row(row, request.metrics, band, inputs.at(row.format.name), summaries[r], r < sinks.size() ? sinks[r] : nullptr);
+            measure_row(row, request.metrics, band, inputs.at(row.format.name), summaries[r],
+                        r < sinks.size() ? sinks[r] : nullptr);
             request.progress(band.pixels());
         });
     }

@@ -8,10 +8,10 @@
 #include <string>
 #include <vector>
 
-#include "measure/truth/band.hpp"
-#include "measure/metric/metrics.hpp"
 #include "measure/answer/outcome.hpp"
+#include "measure/metric/metrics.hpp"
 #include "measure/metric/statistics.hpp"
+#include "measure/truth/band.hpp"
 #include "scene/rays/family.hpp"
 
 namespace lostbits::measure::map {
@@ -33,8 +33,8 @@ std::vector<const intersect::table::Intersector*> forms_of(const std::vector<Map
 /// A worst sample, in a form that can be pasted back.
 struct WorstRay {
     int x = -1, y = -1;
-    int object = -1;  ///< the solid that the form hit
-    double size = -1;  ///< |ulp_error|
+    int object = -1;    ///< the solid that the form hit
+    double size = -1;   ///< |ulp_error|
     Ray<double> ray{};  ///< in the format; a unit-direction form gets the direction normalised, so its t is a distance
     Solid<double> solid{};
     double t = 0;
@@ -44,8 +44,8 @@ struct WorstRay {
 struct MapSummary {
     std::uint64_t rays = 0;
     std::array<std::uint64_t, answer::outcome_names.size()> outcomes{};
-    std::uint64_t true_hits = 0;     ///< rays that truly hit, whatever the form says
-    std::uint64_t wrong_object = 0;  ///< agree_hit, but on another solid
+    std::uint64_t true_hits = 0;                ///< rays that truly hit, whatever the form says
+    std::uint64_t wrong_object = 0;             ///< agree_hit, but on another solid
     std::vector<metric::Distribution> metrics;  ///< in the order of the request's metrics
     /// For each metric that names a category, how many rays are of each; empty for the others.
     std::vector<std::vector<std::uint64_t>> categories;
@@ -83,12 +83,12 @@ public:
 
 /// Evaluates one row on a band, adds what it finds to `summary` (made for these metrics) and shows the
 /// result to the sink, if any.
-void measure_row(const MapRow& row, const std::vector<const metric::Metric*>& metrics, const truth::Band& band, const truth::FormatInputs& inputs, MapSummary& summary,
-                 MapSink* sink = nullptr);
+void measure_row(const MapRow& row, const std::vector<const metric::Metric*>& metrics, const truth::Band& band,
+                 const truth::FormatInputs& inputs, MapSummary& summary, MapSink* sink = nullptr);
 
 /// Every row over all groups of rays, one summary a row, their distributions sealed.
-std::vector<MapSummary> measure_groups(std::vector<scene::rays::RayGroup> groups, const std::vector<MapRow>& rows, const std::vector<const metric::Metric*>& metrics,
-                                       truth::TruthLimit limit);
+std::vector<MapSummary> measure_groups(std::vector<scene::rays::RayGroup> groups, const std::vector<MapRow>& rows,
+                                       const std::vector<const metric::Metric*>& metrics, truth::TruthLimit limit);
 
 /// What the metrics need computed first: `Needs`, or-ed.
 unsigned needs_of(const std::vector<const metric::Metric*>& metrics);

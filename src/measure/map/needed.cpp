@@ -7,8 +7,8 @@
 #include <numeric>
 #include <string>
 
-#include "measure/map/map.hpp"
 #include "measure/answer/outcome.hpp"
+#include "measure/map/map.hpp"
 
 namespace lostbits::measure::map {
 
@@ -22,7 +22,8 @@ constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 
 /// The rays `pixels` of what a form receives.
 FormatInputs only(const FormatInputs& all, const intersect::Info& info, const std::vector<std::uint32_t>& pixels) {
-    FormatInputs some{.format = all.format, .rays = {}, .solids = all.solids, .march = all.march, .unit_rays = {}, .own_truth = {}};
+    FormatInputs some{
+        .format = all.format, .rays = {}, .solids = all.solids, .march = all.march, .unit_rays = {}, .own_truth = {}};
     const scene::rays::RayBlock& from = all.rays_for(info);
     scene::rays::RayBlock& to = info.direction == Direction::unit ? some.unit_rays : some.rays;
     const auto gather = [&pixels](const std::vector<double>& x) {
@@ -42,14 +43,16 @@ struct Scan {
 };
 
 /// One width less: pixels on which it fails get their value and leave.
-void step(Scan& scan, const intersect::table::Intersector& form, const FormatInputs& inputs, int bits, NeededBand& result) {
+void step(Scan& scan, const intersect::table::Intersector& form, const FormatInputs& inputs, int bits,
+          NeededBand& result) {
     if (scan.pixels.empty()) return;
     const int width = inputs.format.shape.precision;
     const truth::Answers answers = truth::evaluate(form, only(inputs, *form.info, scan.pixels));
     std::size_t kept = 0;
     for (std::size_t k = 0; k < scan.pixels.size(); ++k) {
         const std::uint32_t i = scan.pixels[k];
-        if (suffices(result.truth(i), *form.info, width, answers.hit[k] != 0, answers.t[k], bits)) scan.pixels[kept++] = i;
+        if (suffices(result.truth(i), *form.info, width, answers.hit[k] != 0, answers.t[k], bits))
+            scan.pixels[kept++] = i;
         else result.needed[i] = width == most_width ? needed_beyond : width + 1;
     }
     scan.pixels.resize(kept);
@@ -64,7 +67,8 @@ std::vector<Scan> scans_of(const std::vector<NeededBand>& results) {
         for (std::size_t begin = 0; begin < n; begin += part) {
             Scan scan{f, {}};
             for (std::size_t i = begin; i < std::min(n, begin + part); ++i) {
-                if (results[f].truth(i).decision != Truth::Decision::unresolved) scan.pixels.push_back(static_cast<std::uint32_t>(i));
+                if (results[f].truth(i).decision != Truth::Decision::unresolved)
+                    scan.pixels.push_back(static_cast<std::uint32_t>(i));
             }
             scans.push_back(std::move(scan));
         }
@@ -83,7 +87,8 @@ bool keeps_bits(double t, const truth::Certified& truth, int bits) {
 bool suffices(const Truth& truth, const intersect::Info& form, int width, bool hit, double t, int bits) {
     switch (answer::classify(truth.decision, hit, t)) {
         case answer::Outcome::agree_miss: return true;
-        case answer::Outcome::agree_hit: return width >= bits && keeps_bits(t, form.direction == Direction::unit ? truth.distance : truth.t, bits);
+        case answer::Outcome::agree_hit:
+            return width >= bits && keeps_bits(t, form.direction == Direction::unit ? truth.distance : truth.t, bits);
         default: return false;
     }
 }
@@ -106,7 +111,9 @@ NeededSummary::Counts NeededSummary::all() const {
 
 std::uint64_t NeededSummary::pixels() const { return count(all()) + hits_beyond + misses_beyond + unresolved; }
 
-std::uint64_t count(const NeededSummary::Counts& counts) { return std::accumulate(counts.begin(), counts.end(), std::uint64_t{0}); }
+std::uint64_t count(const NeededSummary::Counts& counts) {
+    return std::accumulate(counts.begin(), counts.end(), std::uint64_t{0});
+}
 
 double mean(const NeededSummary::Counts& counts) {
     std::uint64_t sum = 0;
@@ -118,7 +125,8 @@ double mean(const NeededSummary::Counts& counts) {
 double quantile(const NeededSummary::Counts& counts, double q) {
     const std::uint64_t n = count(counts);
     if (n == 0) return unknown;
-    const auto rank = std::clamp<std::uint64_t>(static_cast<std::uint64_t>(std::ceil(q * static_cast<double>(n))), 1, n);
+    const auto rank =
+        std::clamp<std::uint64_t>(static_cast<std::uint64_t>(std::ceil(q * static_cast<double>(n))), 1, n);
     std::uint64_t seen = 0;
     std::size_t w = 0;
     while ((seen += counts[w]) < rank) ++w;
@@ -127,20 +135,25 @@ double quantile(const NeededSummary::Counts& counts, double q) {
 
 std::uint64_t needed_units(const NeededRequest& request) {
     constexpr std::uint64_t widths = most_width - least_width + 1;
-    return static_cast<std::uint64_t>(request.scene->width) * static_cast<std::uint64_t>(request.scene->height) * request.forms.size() * widths;
+    return static_cast<std::uint64_t>(request.scene->width) * static_cast<std::uint64_t>(request.scene->height) *
+           request.forms.size() * widths;
 }
 
 std::vector<NeededBand> measure_needed(const NeededRequest& request, const truth::Band& band) {
     std::vector<NeededBand> results;
     for (const intersect::table::Intersector* form : request.forms) {
         const int columns = static_cast<int>(band.pixels()) / std::max(1, band.rows());
-        results.push_back({band.y0(), band.rows(), columns, &band, form->info, std::vector<double>(band.pixels(), unknown)});
+        results.push_back(
+            {band.y0(), band.rows(), columns, &band, form->info, std::vector<double>(band.pixels(), unknown)});
     }
     std::vector<Scan> scans = scans_of(results);
     for (int width = most_width; width >= least_width; --width) {
-        const auto unit = [&](const Scan& s) { return !s.pixels.empty() && results[s.form].form->direction == Direction::unit; };
+        const auto unit = [&](const Scan& s) {
+            return !s.pixels.empty() && results[s.form].form->direction == Direction::unit;
+        };
         if (!std::ranges::all_of(scans, [](const Scan& s) { return s.pixels.empty(); })) {
-            const FormatInputs inputs = band.inputs(*find_format("p" + std::to_string(width)), {.unit_rays = std::ranges::any_of(scans, unit)});
+            const FormatInputs inputs =
+                band.inputs(*find_format("p" + std::to_string(width)), {.unit_rays = std::ranges::any_of(scans, unit)});
             tbb::parallel_for(std::size_t{0}, scans.size(), [&](std::size_t s) {
                 step(scans[s], *request.forms[scans[s].form], inputs, request.bits, results[scans[s].form]);
             });
@@ -160,7 +173,8 @@ std::vector<NeededSummary> run_needed(const NeededRequest& request, const std::v
         const truth::Band band(scene, y0, std::min(scene.height, y0 + band_rows(scene.width)), request.limit);
         const std::vector<NeededBand> results = measure_needed(request, band);
         tbb::parallel_for(std::size_t{0}, results.size(), [&](std::size_t f) {
-            for (std::size_t i = 0; i < results[f].needed.size(); ++i) summaries[f].add(results[f].truth(i), results[f].needed[i]);
+            for (std::size_t i = 0; i < results[f].needed.size(); ++i)
+                summaries[f].add(results[f].truth(i), results[f].needed[i]);
             if (f < sinks.size() && sinks[f]) sinks[f]->band(results[f]);
         });
     }

@@ -16,21 +16,21 @@ inline constexpr int least_width = 2, most_width = 53;
 /// The value of a pixel on which not even `most_width` bits suffice; one whose truth is unresolved has NaN.
 inline constexpr double needed_beyond = std::numeric_limits<double>::infinity();
 
-/// Whether t keeps B correct bits: |t − t*| ≤ ½ ulp_B(t*), the ulp of B significand bits with binary64's exponents. t* is
-/// the midpoint of its certificate, as in every metric: known to 2^-72 of itself, so a t that close to the boundary may fall
-/// on either side of it.
+/// Whether t keeps B correct bits: |t − t*| ≤ ½ ulp_B(t*), the ulp of B significand bits with binary64's exponents. t*
+/// is the midpoint of its certificate, as in every metric: known to 2^-72 of itself, so a t that close to the boundary
+/// may fall on either side of it.
 bool keeps_bits(double t, const truth::Certified& truth, int bits);
 
-/// What a width P must do on one ray: decide as the truth does (by the form's own convention on touching) and, on a hit,
-/// keep B bits and have them, that is correct_bits = P − lost_bits(P) ≥ B. So P ≥ B on a hit: a narrower number that
-/// lies near t* by luck carries no B bits.
+/// What a width P must do on one ray: decide as the truth does (by the form's own convention on touching) and, on a
+/// hit, keep B bits and have them, that is correct_bits = P − lost_bits(P) ≥ B. So P ≥ B on a hit: a narrower number
+/// that lies near t* by luck carries no B bits.
 bool suffices(const truth::Truth& truth, const intersect::Info& form, int width, bool hit, double t, int bits);
 
 /// Of one form over a picture. Counts by width: exact statistics of whole numbers.
 struct NeededSummary {
     /// [w]: pixels that need w bits.
     using Counts = std::array<std::uint64_t, most_width + 1>;
-    Counts hits{}, misses{};                          ///< by what the ray truly does
+    Counts hits{}, misses{};                           ///< by what the ray truly does
     std::uint64_t hits_beyond = 0, misses_beyond = 0;  ///< not even `most_width` bits suffice
     std::uint64_t unresolved = 0;
 
@@ -67,7 +67,7 @@ public:
 struct NeededRequest {
     const scene::file::Scene* scene = nullptr;
     std::vector<const intersect::table::Intersector*> forms;  ///< none of them `Formats::binary32_only`
-    int bits = 12;                          ///< B, 1 to 52
+    int bits = 12;                                            ///< B, 1 to 52
     truth::TruthLimit limit{};
     /// Called with the number of (pixel, form, width) triples done, `needed_units` in all; may throw to stop.
     std::function<void(std::uint64_t)> progress = [](std::uint64_t) {};
@@ -76,15 +76,17 @@ struct NeededRequest {
 std::uint64_t needed_units(const NeededRequest& request);
 
 /// The forms over one band, `needed` in the order of `request.forms`. A pixel's value is the smallest P such that P and
-/// every width above it up to 53 suffice. Correctness is not monotone in P (a narrow width may be lucky), so nothing short
-/// of looking at all of P…53 proves a value P: widths are scanned from 53 down, and a pixel leaves the scan at the first
-/// width that fails. That costs 53 − P + 2 evaluations a pixel, the least that any proof can take.
+/// every width above it up to 53 suffice. Correctness is not monotone in P (a narrow width may be lucky), so nothing
+/// short of looking at all of P…53 proves a value P: widths are scanned from 53 down, and a pixel leaves the scan at
+/// the first width that fails. That costs 53 − P + 2 evaluations a pixel, the least that any proof can take.
 ///
-/// As for every format, inputs are rounded to pP too: shared inputs are binary32 numbers, so widths below 24 (own inputs:
-/// all widths) see input error on top of the form's own rounding, and the value is that of the whole pipeline at P bits.
+/// As for every format, inputs are rounded to pP too: shared inputs are binary32 numbers, so widths below 24 (own
+/// inputs: all widths) see input error on top of the form's own rounding, and the value is that of the whole pipeline
+/// at P bits.
 std::vector<NeededBand> measure_needed(const NeededRequest& request, const truth::Band& band);
 
-/// The whole picture, band by band; sinks[i] (may be null) receives forms[i]. Neither the number of threads nor the set of forms changes a result.
+/// The whole picture, band by band; sinks[i] (may be null) receives forms[i]. Neither the number of threads nor the set
+/// of forms changes a result.
 std::vector<NeededSummary> run_needed(const NeededRequest& request, const std::vector<NeededSink*>& sinks = {});
 
 }  // namespace lostbits::measure::map

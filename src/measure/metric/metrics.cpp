@@ -5,8 +5,8 @@
 #include <cmath>
 #include <limits>
 
-#include "measure/truth/conditioning.hpp"
 #include "measure/blame/culprits.hpp"
+#include "measure/truth/conditioning.hpp"
 #include "number/rounded.hpp"
 
 namespace lostbits::measure::metric {
@@ -17,7 +17,9 @@ constexpr double missing = std::numeric_limits<double>::quiet_NaN();
 std::int64_t ulp_of_truth(const Sample& s) { return ulp_exponent(s.format->shape, s.truth->floor_log2()); }
 
 /// (x − y) in ulps of the format at t*.
-double in_ulps(const Sample& s, const truth::Certified& x, const truth::Certified& y) { return truth::scaled_difference(x, y, ulp_of_truth(s)); }
+double in_ulps(const Sample& s, const truth::Certified& x, const truth::Certified& y) {
+    return truth::scaled_difference(x, y, ulp_of_truth(s));
+}
 
 double ulp_error(const Sample& s) {
     if (std::isinf(s.t)) return s.t;
@@ -41,7 +43,8 @@ double absolute(const Sample& s) {
 double relative(const Sample& s) {
     if (std::isinf(s.t)) return HUGE_VAL;
     if (s.truth->is_zero()) return s.t == 0 ? 0.0 : HUGE_VAL;
-    return std::fabs(truth::scaled_difference(truth::exactly(s.t), *s.truth, s.truth->exponent) / (s.truth->hi + s.truth->lo));
+    return std::fabs(truth::scaled_difference(truth::exactly(s.t), *s.truth, s.truth->exponent) /
+                     (s.truth->hi + s.truth->lo));
 }
 
 /// P = o + t·d as the format computes it: a product and a sum, each rounded.
@@ -117,36 +120,53 @@ double cancelled(const Sample& s) { return s.blame ? blame::worst_cancellation(*
 constexpr unsigned split = needs_own_truth | needs_self;
 
 constexpr std::array table{
-    Metric{"lost_bits", "bits", "bits.lost", "clamp(log2(2|ulp_error|), 0, p): significand bits that are wrong", needs_nothing, Ramp::bits, 0, 0, true, lost},
+    Metric{"lost_bits", "bits", "bits.lost", "clamp(log2(2|ulp_error|), 0, p): significand bits that are wrong",
+           needs_nothing, Ramp::bits, 0, 0, true, lost},
     Metric{"correct_bits", "bits", "bits.correct", "p - lost_bits", needs_nothing, Ramp::bits, 0, 0, false, correct},
-    Metric{"herbie_bits", "bits", "bits.herbie", "log2(1 + |ordinal(t) - ordinal(RN(t*))|): Herbie's and FPBench's measure",
-           needs_rounded_truth, Ramp::bits, 0, 0, false, herbie},
-    Metric{"ulp_error", "ulp", "err.ulp", "(t - t*)/ulp(t*), signed, against the unrounded truth", needs_nothing, Ramp::magnitude, 0x1p-4, 0x1p+24, true, ulp_error},
-    Metric{"relative_error", "1", "err.relative", "|t - t*|/|t*|", needs_nothing, Ramp::magnitude, 0x1p-30, 1, true, relative},
-    Metric{"absolute_error", "t", "err.absolute", "|t - t*|, in units of t", needs_nothing, Ramp::magnitude, 0x1p-30, 0x1p+10, false, absolute},
+    Metric{"herbie_bits", "bits", "bits.herbie",
+           "log2(1 + |ordinal(t) - ordinal(RN(t*))|): Herbie's and FPBench's measure", needs_rounded_truth, Ramp::bits,
+           0, 0, false, herbie},
+    Metric{"ulp_error", "ulp", "err.ulp", "(t - t*)/ulp(t*), signed, against the unrounded truth", needs_nothing,
+           Ramp::magnitude, 0x1p-4, 0x1p+24, true, ulp_error},
+    Metric{"relative_error", "1", "err.relative", "|t - t*|/|t*|", needs_nothing, Ramp::magnitude, 0x1p-30, 1, true,
+           relative},
+    Metric{"absolute_error", "t", "err.absolute", "|t - t*|, in units of t", needs_nothing, Ramp::magnitude, 0x1p-30,
+           0x1p+10, false, absolute},
     Metric{"residual", "size", "err.residual",
-           "(|P - G| - r)/r for P = o + t d computed in the format: how far the hit point is off the surface; of a box: how far outside, in longest sides",
+           "(|P - G| - r)/r for P = o + t d computed in the format: how far the hit point is off the surface; of a "
+           "box: how far outside, in longest sides",
            needs_nothing, Ramp::magnitude, 0x1p-30, 1, true, residual},
-    Metric{"input_error", "ulp", "split.input", "(t* of the inputs as the format holds them - t*)/ulp(t*)", needs_own_truth, Ramp::magnitude, 0x1p-4, 0x1p+24, false, input_error},
-    Metric{"model_error", "ulp", "split.model", "(the form without rounding - t* of its inputs)/ulp(t*)", split, Ramp::magnitude, 0x1p-4, 0x1p+24, false, model_error},
-    Metric{"rounding_error", "ulp", "split.rounding", "(t - the form without rounding)/ulp(t*); the three sum to ulp_error", needs_self, Ramp::magnitude, 0x1p-4,
+    Metric{"input_error", "ulp", "split.input", "(t* of the inputs as the format holds them - t*)/ulp(t*)",
+           needs_own_truth, Ramp::magnitude, 0x1p-4, 0x1p+24, false, input_error},
+    Metric{"model_error", "ulp", "split.model", "(the form without rounding - t* of its inputs)/ulp(t*)", split,
+           Ramp::magnitude, 0x1p-4, 0x1p+24, false, model_error},
+    Metric{"rounding_error", "ulp", "split.rounding",
+           "(t - the form without rounding)/ulp(t*); the three sum to ulp_error", needs_self, Ramp::magnitude, 0x1p-4,
            0x1p+24, false, rounding_error},
-    Metric{"condition", "1", "condition.kappa", "kappa = sum |x_i dt/dx_i| / |t| over all inputs of the ray and the sphere it truly hits", needs_condition,
+    Metric{"condition", "1", "condition.kappa",
+           "kappa = sum |x_i dt/dx_i| / |t| over all inputs of the ray and the sphere it truly hits", needs_condition,
            Ramp::magnitude, 1, 0x1p+30, false, condition_number},
-    Metric{"inherent_bits", "bits", "condition.inherent", "bits that half an ulp in each input alone would cost: lost bits of max(1/2, kappa/2) ulp", needs_condition,
+    Metric{"inherent_bits", "bits", "condition.inherent",
+           "bits that half an ulp in each input alone would cost: lost bits of max(1/2, kappa/2) ulp", needs_condition,
            Ramp::bits, 0, 0, false, inherent},
-    Metric{"excess_bits", "bits", "condition.excess", "lost_bits beyond inherent_bits: the formula's own", needs_condition, Ramp::bits, 0, 0, false, excess},
-    Metric{"cancellation", "bits", "culprit.cancellation", "bits of the largest cancellation on the way to t whose operands already carry error", needs_attribution, Ramp::bits,
-           0, 0, false, cancelled},
-    Metric{"culprit", "", "culprit.operation", "the operation whose rounding arrives as the largest part of the error, or of a decision that rounding turned", needs_attribution,
-           Ramp::categories, 0, 0, false, culprit, Over::blamed},
-    Metric{"iterations", "samples", "march.iterations", "samples of the field that the march took", needs_nothing, Ramp::magnitude, 1, 0x1p+8, true, iterations, Over::marches},
-    Metric{"stop", "", "march.stop", "why the march ended; stagnated: at the step cap, with t + d == t", needs_nothing, Ramp::categories, 0, 0, true, stop, Over::marches,
-           intersect::stop_names},
-    Metric{"least_field", "length", "march.least_field", "smallest |field| that the march sampled", needs_nothing, Ramp::magnitude, 0x1p-30, 0x1p+4, true, least_field,
-           Over::marches},
-    Metric{"overshoot", "length", "march.overshoot", "how deep inside the march sampled the field: max(0, -field); from outside it is 0 in exact arithmetic", needs_nothing,
-           Ramp::magnitude, 0x1p-30, 0x1p+4, false, overshoot, Over::marches},
+    Metric{"excess_bits", "bits", "condition.excess", "lost_bits beyond inherent_bits: the formula's own",
+           needs_condition, Ramp::bits, 0, 0, false, excess},
+    Metric{"cancellation", "bits", "culprit.cancellation",
+           "bits of the largest cancellation on the way to t whose operands already carry error", needs_attribution,
+           Ramp::bits, 0, 0, false, cancelled},
+    Metric{
+        "culprit", "", "culprit.operation",
+        "the operation whose rounding arrives as the largest part of the error, or of a decision that rounding turned",
+        needs_attribution, Ramp::categories, 0, 0, false, culprit, Over::blamed},
+    Metric{"iterations", "samples", "march.iterations", "samples of the field that the march took", needs_nothing,
+           Ramp::magnitude, 1, 0x1p+8, true, iterations, Over::marches},
+    Metric{"stop", "", "march.stop", "why the march ended; stagnated: at the step cap, with t + d == t", needs_nothing,
+           Ramp::categories, 0, 0, true, stop, Over::marches, intersect::stop_names},
+    Metric{"least_field", "length", "march.least_field", "smallest |field| that the march sampled", needs_nothing,
+           Ramp::magnitude, 0x1p-30, 0x1p+4, true, least_field, Over::marches},
+    Metric{"overshoot", "length", "march.overshoot",
+           "how deep inside the march sampled the field: max(0, -field); from outside it is 0 in exact arithmetic",
+           needs_nothing, Ramp::magnitude, 0x1p-30, 0x1p+4, false, overshoot, Over::marches},
 };
 
 }  // namespace

@@ -17,26 +17,33 @@ namespace lostbits::measure::metric {
 
 struct Metric;
 
-/// All that is known of one ray on which form and truth agree that there is a hit; of any other ray `format`, `ray` and `march`
-/// alone. Null pointers stand for values that no selected metric needs, or that do not exist (a form that misses in exact
-/// arithmetic has no `self`).
+/// All that is known of one ray on which form and truth agree that there is a hit; of any other ray `format`, `ray` and
+/// `march` alone. Null pointers stand for values that no selected metric needs, or that do not exist (a form that
+/// misses in exact arithmetic has no `self`).
 struct Sample {
-    double t;                 ///< the form's answer, a number of the format
-    const Format* format;     ///< the format of the form under test
-    const truth::Certified* truth;   ///< t*, in the unit of the form's answer (a distance for unit-direction forms)
-    double truth_rounded;     ///< RN_F(t*)
-    const truth::Certified* own;     ///< the truth of the inputs as the format holds them
-    const truth::Certified* self;    ///< the form without rounding, on the inputs as the format holds them
-    double condition;         ///< κ of the problem at its ideal inputs
-    const Ray<double>* ray;   ///< the inputs as the form received them
-    const Solid<double>* solid;  ///< the solid that the form hit, as it received it
+    double t;                       ///< the form's answer, a number of the format
+    const Format* format;           ///< the format of the form under test
+    const truth::Certified* truth;  ///< t*, in the unit of the form's answer (a distance for unit-direction forms)
+    double truth_rounded;           ///< RN_F(t*)
+    const truth::Certified* own;    ///< the truth of the inputs as the format holds them
+    const truth::Certified* self;   ///< the form without rounding, on the inputs as the format holds them
+    double condition;               ///< κ of the problem at its ideal inputs
+    const Ray<double>* ray;         ///< the inputs as the form received them
+    const Solid<double>* solid;     ///< the solid that the form hit, as it received it
     const intersect::MarchRecord* march = nullptr;  ///< null for the forms that do not march
-    const blame::Blame* blame = nullptr;        ///< which operation lost the bits
-    const Metric* metric = nullptr;      ///< the one that is being measured
+    const blame::Blame* blame = nullptr;            ///< which operation lost the bits
+    const Metric* metric = nullptr;                 ///< the one that is being measured
 };
 
 /// What must be computed before a metric can be.
-enum Needs : unsigned { needs_nothing = 0, needs_rounded_truth = 1, needs_own_truth = 2, needs_self = 4, needs_condition = 8, needs_attribution = 16 };
+enum Needs : unsigned {
+    needs_nothing = 0,
+    needs_rounded_truth = 1,
+    needs_own_truth = 2,
+    needs_self = 4,
+    needs_condition = 8,
+    needs_attribution = 16
+};
 
 enum class Ramp { bits, magnitude, categories };
 
@@ -49,12 +56,13 @@ struct Metric {
     std::string_view layer;    ///< EXR channel, `layer.channel`
     std::string_view meaning;  ///< one line with the formula
     unsigned needs;
-    Ramp ramp;                 ///< bits: linear from 0 to `high`; magnitude: log2|x| from `low` to `high`; categories: none
-    double low, high;          ///< of the colour ramp; high = 0 stands for the format's significand width
-    bool by_default;           ///< measured and written unless metrics are named
+    Ramp ramp;         ///< bits: linear from 0 to `high`; magnitude: log2|x| from `low` to `high`; categories: none
+    double low, high;  ///< of the colour ramp; high = 0 stands for the format's significand width
+    bool by_default;   ///< measured and written unless metrics are named
     double (*value)(const Sample&);
     Over over = Over::agreed_hits;  ///< marches: every ray, whatever its outcome, of the forms that march
-    std::span<const std::string_view> categories = {};  ///< of a metric that names one: its value is the place in this list
+    std::span<const std::string_view> categories =
+        {};  ///< of a metric that names one: its value is the place in this list
     /// The list depends on the forms of the run, and is empty until it is known (`culprit_among`).
     [[nodiscard]] bool by_run() const { return over == Over::blamed; }
 };

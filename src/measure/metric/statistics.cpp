@@ -59,7 +59,8 @@ double Distribution::quantile(double q) const {
     if (count_ == 0) return std::numeric_limits<double>::quiet_NaN();
     if (quantiles_) return quantiles_->at(q);
     const auto place = std::ranges::find(reported_quantiles, q);
-    if (place == reported_quantiles.end()) throw std::logic_error("a sealed distribution keeps the reported quantiles alone");
+    if (place == reported_quantiles.end())
+        throw std::logic_error("a sealed distribution keeps the reported quantiles alone");
     return sealed_[static_cast<std::size_t>(place - reported_quantiles.begin())];
 }
 

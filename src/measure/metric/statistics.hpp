@@ -26,8 +26,9 @@ private:
     double mean_ = 0, squares_ = 0;
 };
 
-/// Quantiles of non-negative numbers by counting in 1024 buckets a binade: a quantile is off by at most 2^-11 of itself,
-/// zero and infinity are exact, and the result does not depend on the order of the samples. The largest is kept as it is.
+/// Quantiles of non-negative numbers by counting in 1024 buckets a binade: a quantile is off by at most 2^-11 of
+/// itself, zero and infinity are exact, and the result does not depend on the order of the samples. The largest is kept
+/// as it is.
 class Quantiles {
 public:
     void add(double x);

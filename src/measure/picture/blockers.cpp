@@ -13,22 +13,27 @@ namespace {
 template <class S>
 std::vector<S> stored(const std::vector<double>& x, std::size_t begin, std::size_t count) {
     std::vector<S> y(count);
-    std::transform(x.begin() + static_cast<std::ptrdiff_t>(begin), x.begin() + static_cast<std::ptrdiff_t>(begin + count), y.begin(), [](double v) { return static_cast<S>(v); });
+    std::transform(x.begin() + static_cast<std::ptrdiff_t>(begin),
+                   x.begin() + static_cast<std::ptrdiff_t>(begin + count), y.begin(),
+                   [](double v) { return static_cast<S>(v); });
     return y;
 }
 
 /// One chunk of shadow rays against all solids.
 template <class S, class Kernel>
-void hold_against(const Kernel& kernel, const ShadowRays& shadow, const std::vector<Solid<double>>& solids, bool own_counts, std::size_t begin, std::size_t count,
-                  std::vector<std::uint8_t>& blocked) {
+void hold_against(const Kernel& kernel, const ShadowRays& shadow, const std::vector<Solid<double>>& solids,
+                  bool own_counts, std::size_t begin, std::size_t count, std::vector<std::uint8_t>& blocked) {
     const scene::rays::RayBlock& r = shadow.rays;
-    const auto ox = stored<S>(r.ox, begin, count), oy = stored<S>(r.oy, begin, count), oz = stored<S>(r.oz, begin, count);
-    const auto dx = stored<S>(r.dx, begin, count), dy = stored<S>(r.dy, begin, count), dz = stored<S>(r.dz, begin, count);
+    const auto ox = stored<S>(r.ox, begin, count), oy = stored<S>(r.oy, begin, count),
+               oz = stored<S>(r.oz, begin, count);
+    const auto dx = stored<S>(r.dx, begin, count), dy = stored<S>(r.dy, begin, count),
+               dz = stored<S>(r.dz, begin, count);
     const intersect::table::RayBatch<S> batch{ox, oy, oz, dx, dy, dz};
     std::vector<S> t(count), near(count), far(count);
     std::vector<std::uint8_t> hit(count);
     for (std::size_t s = 0; s < solids.size(); ++s) {
-        kernel(batch, transformed(solids[s], [](double x) { return static_cast<S>(x); }), intersect::table::HitBatch<S>{t, near, far, hit});
+        kernel(batch, transformed(solids[s], [](double x) { return static_cast<S>(x); }),
+               intersect::table::HitBatch<S>{t, near, far, hit});
         for (std::size_t i = 0; i < count; ++i) {
             const std::size_t p = begin + i;
             const bool own = shadow.own[p] == static_cast<std::int32_t>(s);
@@ -52,7 +57,8 @@ void ShadowRays::add(const Vec<double>& origin, const Vec<double>& direction, do
     own.push_back(leaves);
 }
 
-std::vector<std::uint8_t> find_blockers(const intersect::table::Intersector& form, const Format& format, const ShadowRays& shadow, const std::vector<Solid<double>>& solids,
+std::vector<std::uint8_t> find_blockers(const intersect::table::Intersector& form, const Format& format,
+                                        const ShadowRays& shadow, const std::vector<Solid<double>>& solids,
                                         bool own_counts) {
     std::vector<std::uint8_t> blocked(shadow.rays.size(), blocked_by_nothing);
     const intersect::simd::PackedRow native = intersect::simd::packed_kernels(form);
@@ -62,8 +68,12 @@ std::vector<std::uint8_t> find_blockers(const intersect::table::Intersector& for
         stop_if_interrupted();
         const std::size_t begin = c * chunk, count = std::min(chunk, blocked.size() - begin);
         switch (format.engine) {
-            case Format::Engine::native32: hold_against<float>(native.f32, shadow, solids, own_counts, begin, count, blocked); break;
-            case Format::Engine::native64: hold_against<double>(native.f64, shadow, solids, own_counts, begin, count, blocked); break;
+            case Format::Engine::native32:
+                hold_against<float>(native.f32, shadow, solids, own_counts, begin, count, blocked);
+                break;
+            case Format::Engine::native64:
+                hold_against<double>(native.f64, shadow, solids, own_counts, begin, count, blocked);
+                break;
             case Format::Engine::rounded: {
                 const auto kernel = [&](const auto&... a) { form.rounded(format.shape, a...); };
                 hold_against<double>(kernel, shadow, solids, own_counts, begin, count, blocked);

@@ -8,8 +8,8 @@
 
 namespace lostbits::measure::picture {
 
-/// Shadow rays in one format, as many as points; `reach[i]` is the light's t on ray i (1 where the direction is the whole
-/// way to the light, the distance where it was normalised), `own[i]` the sphere that ray i leaves (−1: none).
+/// Shadow rays in one format, as many as points; `reach[i]` is the light's t on ray i (1 where the direction is the
+/// whole way to the light, the distance where it was normalised), `own[i]` the sphere that ray i leaves (−1: none).
 struct ShadowRays {
     scene::rays::RayBlock rays;
     std::vector<double> reach;
@@ -23,7 +23,8 @@ enum Blocked : std::uint8_t { blocked_by_nothing = 0, blocked_by_other = 1, bloc
 
 /// A solid blocks a ray where the form decides on a hit at 0 < t < reach. A hit at NaN blocks nothing: every comparison
 /// with it is false. `own_counts`: whether the sphere that a ray leaves is held against it.
-std::vector<std::uint8_t> find_blockers(const intersect::table::Intersector& form, const Format& format, const ShadowRays& shadow, const std::vector<Solid<double>>& solids,
+std::vector<std::uint8_t> find_blockers(const intersect::table::Intersector& form, const Format& format,
+                                        const ShadowRays& shadow, const std::vector<Solid<double>>& solids,
                                         bool own_counts);
 
 }  // namespace lostbits::measure::picture

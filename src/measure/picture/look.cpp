@@ -16,7 +16,8 @@ Look<Real> own_look(const scene::file::Appearance& appearance) {
         look.shadow_on_background = appearance.shadows->background;
         look.epsilon = appearance.shadows->epsilon;
     }
-    for (const scene::file::Material& m : appearance.materials) look.paints.push_back({m.colour, m.ambient, m.diffuse, m.specular, m.exponent, m.specular > 0});
+    for (const scene::file::Material& m : appearance.materials)
+        look.paints.push_back({m.colour, m.ambient, m.diffuse, m.specular, m.exponent, m.specular > 0});
     return look;
 }
 
@@ -25,7 +26,8 @@ Look<double> shared_look(const scene::file::Appearance& appearance) {
 }
 
 Look<double> input_look(const Scene& scene, const FloatFormat& f) {
-    if (scene.inputs == scene::file::Inputs::own) return lifted(own_look(scene.appearance), [&f](const Real& x) { return scene::toml::round_to_format(x, f); });
+    if (scene.inputs == scene::file::Inputs::own)
+        return lifted(own_look(scene.appearance), [&f](const Real& x) { return scene::toml::round_to_format(x, f); });
     return lifted(shared_look(scene.appearance), [&f](double x) { return rounding::to_format(x, 0, f); });
 }
 
@@ -50,9 +52,11 @@ template std::vector<Vec<Real>> pixel_points<Real>(const Scene&, int, int);
 std::vector<Vec<double>> input_pixel_points(const Scene& scene, int y0, int y1, const FloatFormat& f) {
     std::vector<Vec<double>> points;
     if (scene.inputs == scene::file::Inputs::own) {
-        for (const auto& p : pixel_points<Real>(scene, y0, y1)) points.push_back(lifted(p, [&f](const Real& x) { return scene::toml::round_to_format(x, f); }));
+        for (const auto& p : pixel_points<Real>(scene, y0, y1))
+            points.push_back(lifted(p, [&f](const Real& x) { return scene::toml::round_to_format(x, f); }));
     } else {
-        for (const auto& p : pixel_points<double>(scene, y0, y1)) points.push_back(lifted(p, [&f](double x) { return rounding::to_format(x, 0, f); }));
+        for (const auto& p : pixel_points<double>(scene, y0, y1))
+            points.push_back(lifted(p, [&f](double x) { return rounding::to_format(x, 0, f); }));
     }
     return points;
 }

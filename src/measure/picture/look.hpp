@@ -14,10 +14,10 @@ namespace lostbits::measure::picture {
 template <class S>
 struct Look {
     Vec<S> background{S(0), S(0), S(0)};
-    Vec<S> light{S(0), S(0), S(0)};   ///< meaningless where the scene has none
-    S shadow_on_background{S(1)};     ///< factor
+    Vec<S> light{S(0), S(0), S(0)};  ///< meaningless where the scene has none
+    S shadow_on_background{S(1)};    ///< factor
     S epsilon{S(0)};
-    std::vector<Paint<S>> paints;     ///< one a sphere
+    std::vector<Paint<S>> paints;  ///< one a sphere
 };
 
 template <class S, class Lift>
@@ -36,7 +36,11 @@ auto lifted(const Paint<S>& p, Lift lift) {
 template <class S, class Lift>
 auto lifted(const Look<S>& look, Lift lift) {
     using T = std::decay_t<std::invoke_result_t<Lift, const S&>>;
-    Look<T> to{lifted(look.background, lift), lifted(look.light, lift), lift(look.shadow_on_background), lift(look.epsilon), {}};
+    Look<T> to{lifted(look.background, lift),
+               lifted(look.light, lift),
+               lift(look.shadow_on_background),
+               lift(look.epsilon),
+               {}};
     for (const Paint<S>& p : look.paints) to.paints.push_back(lifted(p, lift));
     return to;
 }

@@ -73,8 +73,8 @@ Seen seen_of(const Truth& truth, bool hit, double t, std::int32_t object) {
     return object == truth.object ? Seen::same_sphere : Seen::other_sphere;
 }
 
-/// Between n as computed (of any length) and the true unit normal: atan2(|n × N|, n·N), the products in double-double, for
-/// the cross product of vectors 2^-53 apart is all cancellation.
+/// Between n as computed (of any length) and the true unit normal: atan2(|n × N|, n·N), the products in double-double,
+/// for the cross product of vectors 2^-53 apart is all cancellation.
 double angle_between(const Vec<double>& n, const std::array<Tight, 3>& truth) {
     if (!is_finite(n)) return missing;
     const Vec<Ball> a(Ball(n.x), Ball(n.y), Ball(n.z));
@@ -90,7 +90,8 @@ Shadow compare(TrueShadow truth, std::uint8_t blocked) {
     switch (truth) {
         case TrueShadow::untested: return Shadow::not_compared;
         case TrueShadow::unresolved: return Shadow::unresolved;
-        case TrueShadow::lit: return !dark ? Shadow::both_lit : blocked == blocked_by_own ? Shadow::own_shadow : Shadow::false_shadow;
+        case TrueShadow::lit:
+            return !dark ? Shadow::both_lit : blocked == blocked_by_own ? Shadow::own_shadow : Shadow::false_shadow;
         case TrueShadow::shadowed: return dark ? Shadow::both_shadowed : Shadow::false_light;
     }
     return Shadow::not_compared;
@@ -106,10 +107,28 @@ struct Inputs {
 /// One form in one format on one band.
 class RowRenderer {
 public:
-    RowRenderer(const RenderRequest& request, const MapRow& row, const Band& band, const Inputs& in, std::span<const TruePixel> truth)
-        : request_(request), row_(row), band_(band), in_(in), truth_(truth), appearance_(request.scene->appearance), n_(band.pixels()),
-          rays_(in.geometry.rays_for(*row.form->info)), answers_(truth::evaluate(*row.form, in.geometry)),
-          out_{band.y0(), band.rows(), in.geometry.rays.width, &answers_, truth, std::vector<Seen>(n_), {}, std::vector<double>(n_, missing), std::vector<double>(n_, missing), {}, std::vector<std::int32_t>(n_, -1)} {}
+    RowRenderer(const RenderRequest& request, const MapRow& row, const Band& band, const Inputs& in,
+                std::span<const TruePixel> truth)
+        : request_(request),
+          row_(row),
+          band_(band),
+          in_(in),
+          truth_(truth),
+          appearance_(request.scene->appearance),
+          n_(band.pixels()),
+          rays_(in.geometry.rays_for(*row.form->info)),
+          answers_(truth::evaluate(*row.form, in.geometry)),
+          out_{band.y0(),
+               band.rows(),
+               in.geometry.rays.width,
+               &answers_,
+               truth,
+               std::vector<Seen>(n_),
+               {},
+               std::vector<double>(n_, missing),
+               std::vector<double>(n_, missing),
+               {},
+               std::vector<std::int32_t>(n_, -1)} {}
 
     const RenderBand& render() {
         point_.assign(n_, Vec<double>(missing, missing, missing));
@@ -124,7 +143,9 @@ public:
 
 private:
     [[nodiscard]] bool hit(std::size_t i) const { return answers_.hit[i] != 0; }
-    [[nodiscard]] const Solid<double>& solid(std::size_t i) const { return in_.geometry.solids[static_cast<std::size_t>(answers_.object[i])]; }
+    [[nodiscard]] const Solid<double>& solid(std::size_t i) const {
+        return in_.geometry.solids[static_cast<std::size_t>(answers_.object[i])];
+    }
     [[nodiscard]] bool unit() const { return row_.form->info->direction == intersect::Direction::unit; }
 
     /// The point and the normal as the format computes them, and how far they are off.
@@ -136,12 +157,14 @@ private:
             out_.seen[i] = seen_of(truth, hit(i), answers_.t[i], answers_.object[i]);
             if (!hit(i)) return;
             const Ray<double> ray = rays_[i];
-            const Vec<T> p = point_at<T>({lift_number<T>(ray.origin), lift_number<T>(ray.direction)}, lift_number<T>(answers_.t[i]));
+            const Vec<T> p =
+                point_at<T>({lift_number<T>(ray.origin), lift_number<T>(ray.direction)}, lift_number<T>(answers_.t[i]));
             const auto sphere = transformed(solid(i), [](double x) { return lift_number<T>(x); }).sphere();
             point_[i] = drop(p);
             normal_[i] = drop(normal_at<T>(p, sphere));
             if (out_.seen[i] != Seen::same_sphere) return;
-            const metric::Sample sample{answers_.t[i], &row_.format, nullptr, missing, nullptr, nullptr, missing, &ray, &solid(i)};
+            const metric::Sample sample{answers_.t[i], &row_.format, nullptr, missing,  nullptr,
+                                        nullptr,       missing,      &ray,    &solid(i)};
             out_.residual[i] = std::fabs(residual->value(sample));
             if (truth_[i].has_normal) out_.normal_angle[i] = angle_between(normal_[i], truth_[i].normal);
         });
@@ -152,14 +175,16 @@ private:
         double reach = 1;
     };
 
-    /// The ray to the light, made in the format. A form that is entitled to unit directions gets one, and the light is then
-    /// as far as the format says.
+    /// The ray to the light, made in the format. A form that is entitled to unit directions gets one, and the light is
+    /// then as far as the format says.
     template <class T>
     [[nodiscard]] Cast towards_light(std::size_t i) const {
         const auto& rule = *appearance_.shadows;
         const Vec<T> light = lift_number<T>(in_.look.light);
         Vec<T> start = hit(i) ? lift_number<T>(point_[i]) : lift_number<T>(in_.points[i]);
-        if (hit(i) && rule.own) start = shadow_origin<T>(start, lift_number<T>(normal_[i]), rule.offset, lift_number<T>(in_.look.epsilon), rule.ulps);
+        if (hit(i) && rule.own)
+            start = shadow_origin<T>(start, lift_number<T>(normal_[i]), rule.offset, lift_number<T>(in_.look.epsilon),
+                                     rule.ulps);
         const Vec<T> way = light - start;
         Cast cast{drop(start), drop(way), 1};
         if (unit() && is_finite(cast.direction)) {
@@ -182,12 +207,15 @@ private:
             shadow.add(casts[i].origin, casts[i].direction, casts[i].reach, hit(i) ? answers_.object[i] : -1);
             pixel.push_back(i);
         }
-        const auto blocked = find_blockers(*row_.form, row_.format, shadow, in_.geometry.solids, appearance_.shadows->own);
+        const auto blocked =
+            find_blockers(*row_.form, row_.format, shadow, in_.geometry.solids, appearance_.shadows->own);
         for (std::size_t k = 0; k < pixel.size(); ++k) blocked_[pixel[k]] = blocked[k];
 
         out_.shadow.assign(n_, Shadow::not_compared);
         for (std::size_t i = 0; i < n_; ++i) {
-            const bool compared = out_.seen[i] == Seen::background || (out_.seen[i] == Seen::same_sphere && (truth_[i].faces_light || truth_[i].shadow == TrueShadow::unresolved));
+            const bool compared = out_.seen[i] == Seen::background ||
+                                  (out_.seen[i] == Seen::same_sphere &&
+                                   (truth_[i].faces_light || truth_[i].shadow == TrueShadow::unresolved));
             if (compared) out_.shadow[i] = compare(truth_[i].shadow, blocked_[i]);
         }
     }
@@ -212,9 +240,11 @@ private:
 
     template <class T>
     [[nodiscard]] Vec<T> surface(const ShadeRule& rule, std::size_t i) const {
-        const Paint<T> paint = lifted(in_.look.paints[static_cast<std::size_t>(answers_.object[i])], [](double x) { return lift_number<T>(x); });
+        const Paint<T> paint = lifted(in_.look.paints[static_cast<std::size_t>(answers_.object[i])],
+                                      [](double x) { return lift_number<T>(x); });
         const Vec<T> p = lift_number<T>(point_[i]);
-        return shade<T>(paint, rule, blocked_[i] != blocked_by_nothing, lift_number<T>(normal_[i]), unit_of<T>(lift_number<T>(in_.look.light) - p),
+        return shade<T>(paint, rule, blocked_[i] != blocked_by_nothing, lift_number<T>(normal_[i]),
+                        unit_of<T>(lift_number<T>(in_.look.light) - p),
                         unit_of<T>(lift_number<T>(rays_[i].origin) - p));
     }
 
@@ -243,12 +273,14 @@ private:
 
 std::map<std::string, Inputs> inputs_of(const RenderRequest& request, const Band& band) {
     std::map<std::string, truth::BandNeeds> needs;
-    for (const MapRow& row : request.rows) needs[row.format.name].unit_rays |= row.form->info->direction == intersect::Direction::unit;
+    for (const MapRow& row : request.rows)
+        needs[row.format.name].unit_rays |= row.form->info->direction == intersect::Direction::unit;
     std::map<std::string, Inputs> inputs;
     for (const auto& [name, need] : needs) {
         const Format format = *find_format(name);
-        inputs.emplace(name, Inputs{band.inputs(format, need), input_look(*request.scene, format.shape),
-                                    input_pixel_points(*request.scene, band.y0(), band.y0() + band.rows(), format.shape)});
+        inputs.emplace(name,
+                       Inputs{band.inputs(format, need), input_look(*request.scene, format.shape),
+                              input_pixel_points(*request.scene, band.y0(), band.y0() + band.rows(), format.shape)});
     }
     return inputs;
 }

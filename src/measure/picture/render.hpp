@@ -7,29 +7,45 @@
 #include <string_view>
 #include <vector>
 
-#include "measure/picture/look.hpp"
 #include "measure/map/map.hpp"
+#include "measure/picture/look.hpp"
 #include "measure/picture/shade.hpp"
 #include "measure/picture/true_picture.hpp"
 
 namespace lostbits::measure::picture {
 
 /// What a pixel shows, form against truth.
-enum class Seen : std::uint8_t { same_sphere, background, other_sphere, lost_sphere, extra_sphere, not_a_number, unresolved };
-inline constexpr std::array<std::string_view, 7> seen_names{"same_sphere",  "background",   "other_sphere", "lost_sphere",
-                                                            "extra_sphere", "not_a_number", "unresolved"};
+enum class Seen : std::uint8_t {
+    same_sphere,
+    background,
+    other_sphere,
+    lost_sphere,
+    extra_sphere,
+    not_a_number,
+    unresolved
+};
+inline constexpr std::array<std::string_view, 7> seen_names{
+    "same_sphere", "background", "other_sphere", "lost_sphere", "extra_sphere", "not_a_number", "unresolved"};
 
-/// The form's decision on shadow against the truth's. Compared where both see the background, or the same sphere at a point that
-/// truly faces the light: a point that faces away gets no light either way. `own_shadow` is a false shadow that the point's
-/// own sphere alone casts: acne.
-enum class Shadow : std::uint8_t { not_compared, both_lit, both_shadowed, false_shadow, own_shadow, false_light, unresolved };
-inline constexpr std::array<std::string_view, 7> shadow_names{"not_compared", "both_lit",    "both_shadowed", "false_shadow",
-                                                              "own_shadow",   "false_light", "unresolved"};
+/// The form's decision on shadow against the truth's. Compared where both see the background, or the same sphere at a
+/// point that truly faces the light: a point that faces away gets no light either way. `own_shadow` is a false shadow
+/// that the point's own sphere alone casts: acne.
+enum class Shadow : std::uint8_t {
+    not_compared,
+    both_lit,
+    both_shadowed,
+    false_shadow,
+    own_shadow,
+    false_light,
+    unresolved
+};
+inline constexpr std::array<std::string_view, 7> shadow_names{
+    "not_compared", "both_lit", "both_shadowed", "false_shadow", "own_shadow", "false_light", "unresolved"};
 
 struct Painted {
-    Vec<double> colour{0, 0, 0};        ///< numbers of the format, not clamped; NaN where the form's t is
+    Vec<double> colour{0, 0, 0};  ///< numbers of the format, not clamped; NaN where the form's t is
     std::array<std::uint8_t, 3> byte{};
-    double error = 0;                   ///< largest |channel - true channel|, in 8-bit steps; NaN where either is none
+    double error = 0;  ///< largest |channel - true channel|, in 8-bit steps; NaN where either is none
 };
 
 /// 255c rounded half up (once) and clamped to 0…255; a NaN gives 0 and is drawn as what it is.
@@ -41,9 +57,9 @@ struct RenderBand {
     const truth::Answers* answers;
     std::span<const TruePixel> truth;
     std::vector<Seen> seen;
-    std::vector<Shadow> shadow;             ///< empty where no stage casts shadows
-    std::vector<double> normal_angle;       ///< between the computed and the true normal, radians; NaN but on `same_sphere`
-    std::vector<double> residual;           ///< the metric of that name; NaN but on `same_sphere`
+    std::vector<Shadow> shadow;        ///< empty where no stage casts shadows
+    std::vector<double> normal_angle;  ///< between the computed and the true normal, radians; NaN but on `same_sphere`
+    std::vector<double> residual;      ///< the metric of that name; NaN but on `same_sphere`
     std::vector<std::vector<Painted>> painted;  ///< a picture a stage, in the order of the request
     std::vector<std::int32_t> truth_object;     ///< −1: background
 };
@@ -56,23 +72,25 @@ struct RenderSummary {
     std::array<std::uint64_t, seen_names.size()> seen{};
     /// By what is compared: 0 points on spheres, 1 the background.
     std::array<std::array<std::uint64_t, shadow_names.size()>, 2> shadow{};
-    std::uint64_t faces_away = 0;             ///< same sphere, truly seen from the unlit side
-    std::uint64_t true_shadow = 0;            ///< points on spheres that face the light and are truly in shadow
-    std::uint64_t light_in_true_shadow = 0;   ///< those of them that the true picture gives diffuse light all the same
-    std::uint64_t changed = 0;                ///< pixels with a byte that is not the true one
+    std::uint64_t faces_away = 0;            ///< same sphere, truly seen from the unlit side
+    std::uint64_t true_shadow = 0;           ///< points on spheres that face the light and are truly in shadow
+    std::uint64_t light_in_true_shadow = 0;  ///< those of them that the true picture gives diffuse light all the same
+    std::uint64_t changed = 0;               ///< pixels with a byte that is not the true one
     std::uint64_t colour_unresolved = 0, colour_not_a_number = 0;
     metric::Distribution colour_error, normal_angle, residual;
 
     [[nodiscard]] std::uint64_t count(Seen s) const { return seen[static_cast<std::size_t>(s)]; }
-    [[nodiscard]] std::uint64_t count(bool on_background, Shadow s) const { return shadow[on_background ? 1 : 0][static_cast<std::size_t>(s)]; }
+    [[nodiscard]] std::uint64_t count(bool on_background, Shadow s) const {
+        return shadow[on_background ? 1 : 0][static_cast<std::size_t>(s)];
+    }
     /// Shadow decisions that are not the truth's, its own sphere's shadows apart.
     [[nodiscard]] std::uint64_t flips() const;
     /// Pixels of which something is not proved: what is seen, the shadow, or the colour.
     [[nodiscard]] std::uint64_t unresolved() const;
 };
 
-/// Adds a band to the summary of one stage, the `place`-th of the request, pixel by pixel from the top. `look` holds the scene's
-/// paint as binary64 is given it.
+/// Adds a band to the summary of one stage, the `place`-th of the request, pixel by pixel from the top. `look` holds
+/// the scene's paint as binary64 is given it.
 void add_to_summary(const RenderBand& band, std::size_t place, const Look<double>& look, RenderSummary& summary);
 
 /// A column of the summary, after stage, form and format; the CSV and the claims read the same rows.
@@ -95,8 +113,8 @@ public:
 };
 
 struct RenderRequest {
-    const scene::file::Scene* scene = nullptr;   ///< of spheres
-    std::vector<scene::file::Stage> stages;      ///< in rising order, none beyond what the scene asks for
+    const scene::file::Scene* scene = nullptr;  ///< of spheres
+    std::vector<scene::file::Stage> stages;     ///< in rising order, none beyond what the scene asks for
     std::vector<map::MapRow> rows;
     PictureLimit limit{};
     std::function<void(std::uint64_t)> progress = [](std::uint64_t) {};  ///< as `MapRequest::progress`

@@ -30,9 +30,12 @@ double seen(const R& r) {
 
 /// Points on spheres, or the background, whose light is truly there (or truly blocked).
 std::uint64_t truly_lit(const R& r, bool background) {
-    return r.count(background, Shadow::both_lit) + r.count(background, Shadow::false_shadow) + r.count(background, Shadow::own_shadow);
+    return r.count(background, Shadow::both_lit) + r.count(background, Shadow::false_shadow) +
+           r.count(background, Shadow::own_shadow);
 }
-std::uint64_t truly_dark(const R& r, bool background) { return r.count(background, Shadow::both_shadowed) + r.count(background, Shadow::false_light); }
+std::uint64_t truly_dark(const R& r, bool background) {
+    return r.count(background, Shadow::both_shadowed) + r.count(background, Shadow::false_light);
+}
 
 template <bool background, Shadow s>
 double shadows(const R& r) {
@@ -42,7 +45,8 @@ double shadows(const R& r) {
 /// A point on a sphere that faces the light, in true shadow, whose true colour is brighter than its ambient light.
 bool keeps_light(const TruePixel& truth, const TrueColour& colour, const Paint<double>& paint) {
     for (int k = 0; k < 3; ++k) {
-        if (colour.channel[static_cast<std::size_t>(k)].hi > paint.ambient * paint.colour[k] + 0x1p-40) return truth.shadow == TrueShadow::shadowed;
+        if (colour.channel[static_cast<std::size_t>(k)].hi > paint.ambient * paint.colour[k] + 0x1p-40)
+            return truth.shadow == TrueShadow::shadowed;
     }
     return false;
 }
@@ -52,41 +56,68 @@ constexpr RenderColumn table[] = {
     {"same_sphere", "", "pixels on which form and truth see the same sphere", true, seen<Seen::same_sphere>},
     {"background", "", "pixels on which both see the background", true, seen<Seen::background>},
     {"other_sphere", "", "pixels on which the form sees another sphere than is there", true, seen<Seen::other_sphere>},
-    {"lost_sphere", "", "pixels on which the form sees the background instead of a sphere", true, seen<Seen::lost_sphere>},
-    {"extra_sphere", "", "pixels on which the form sees a sphere before the bare background", true, seen<Seen::extra_sphere>},
+    {"lost_sphere", "", "pixels on which the form sees the background instead of a sphere", true,
+     seen<Seen::lost_sphere>},
+    {"extra_sphere", "", "pixels on which the form sees a sphere before the bare background", true,
+     seen<Seen::extra_sphere>},
     {"not_a_number", "", "pixels on which the form claims a hit at NaN", true, seen<Seen::not_a_number>},
-    {"unresolved", "", "pixels of which it is not proved what they show, whether they are in shadow, or their colour", true, [](const R& r) { return number(r.unresolved()); }},
-    {"changed", "", "pixels with a byte that is not that of the certified picture", true, [](const R& r) { return number(r.changed); }},
+    {"unresolved", "", "pixels of which it is not proved what they show, whether they are in shadow, or their colour",
+     true, [](const R& r) { return number(r.unresolved()); }},
+    {"changed", "", "pixels with a byte that is not that of the certified picture", true,
+     [](const R& r) { return number(r.changed); }},
     {"changed_fraction", "1", "changed among all pixels", false, [](const R& r) { return share(r.changed, r.pixels); }},
-    {"colour_error_mean", "8-bit steps", "mean of the largest |channel - true channel| * 255, where form and truth see the same", false, [](const R& r) { return r.colour_error.mean(); }},
-    {"colour_error_p50", "8-bit steps", "median (to 2^-11 of itself) of the same", false, [](const R& r) { return median(r.colour_error); }},
-    {"colour_error_p99", "8-bit steps", "99th percentile of the same", false, [](const R& r) { return nearly_all(r.colour_error); }},
-    {"colour_error_max", "8-bit steps", "largest of the same", false, [](const R& r) { return largest(r.colour_error); }},
-    {"colour_not_a_number", "", "pixels with a channel at NaN", true, [](const R& r) { return number(r.colour_not_a_number); }},
-    {"normal_angle_p50", "rad", "median angle between computed and true normal, on the same sphere", false, [](const R& r) { return median(r.normal_angle); }},
-    {"normal_angle_p99", "rad", "99th percentile of the same", false, [](const R& r) { return nearly_all(r.normal_angle); }},
+    {"colour_error_mean", "8-bit steps",
+     "mean of the largest |channel - true channel| * 255, where form and truth see the same", false,
+     [](const R& r) { return r.colour_error.mean(); }},
+    {"colour_error_p50", "8-bit steps", "median (to 2^-11 of itself) of the same", false,
+     [](const R& r) { return median(r.colour_error); }},
+    {"colour_error_p99", "8-bit steps", "99th percentile of the same", false,
+     [](const R& r) { return nearly_all(r.colour_error); }},
+    {"colour_error_max", "8-bit steps", "largest of the same", false,
+     [](const R& r) { return largest(r.colour_error); }},
+    {"colour_not_a_number", "", "pixels with a channel at NaN", true,
+     [](const R& r) { return number(r.colour_not_a_number); }},
+    {"normal_angle_p50", "rad", "median angle between computed and true normal, on the same sphere", false,
+     [](const R& r) { return median(r.normal_angle); }},
+    {"normal_angle_p99", "rad", "99th percentile of the same", false,
+     [](const R& r) { return nearly_all(r.normal_angle); }},
     {"normal_angle_max", "rad", "largest of the same", false, [](const R& r) { return largest(r.normal_angle); }},
-    {"residual_p50", "radius", "median of ||P - G| - r|/r, P the computed point, on the same sphere", false, [](const R& r) { return median(r.residual); }},
+    {"residual_p50", "radius", "median of ||P - G| - r|/r, P the computed point, on the same sphere", false,
+     [](const R& r) { return median(r.residual); }},
     {"residual_p99", "radius", "99th percentile of the same", false, [](const R& r) { return nearly_all(r.residual); }},
     {"residual_max", "radius", "largest of the same", false, [](const R& r) { return largest(r.residual); }},
-    {"faces_away", "", "same_sphere, on the side away from the light", true, [](const R& r) { return r.rule.diffuse ? number(r.faces_away) : missing; }},
-    {"surface_lit", "", "same_sphere that faces the light and truly gets it", true, [](const R& r) { return r.rule.shadows ? number(truly_lit(r, false)) : missing; }},
-    {"surface_shadowed", "", "same_sphere that faces the light, truly blocked by another sphere", true, [](const R& r) { return r.rule.shadows ? number(truly_dark(r, false)) : missing; }},
-    {"false_shadow", "", "surface_lit that the form puts in the shadow of another sphere", true, shadows<false, Shadow::false_shadow>},
-    {"own_shadow", "", "surface_lit that the form puts in the shadow of its own sphere alone: acne", true, shadows<false, Shadow::own_shadow>},
+    {"faces_away", "", "same_sphere, on the side away from the light", true,
+     [](const R& r) { return r.rule.diffuse ? number(r.faces_away) : missing; }},
+    {"surface_lit", "", "same_sphere that faces the light and truly gets it", true,
+     [](const R& r) { return r.rule.shadows ? number(truly_lit(r, false)) : missing; }},
+    {"surface_shadowed", "", "same_sphere that faces the light, truly blocked by another sphere", true,
+     [](const R& r) { return r.rule.shadows ? number(truly_dark(r, false)) : missing; }},
+    {"false_shadow", "", "surface_lit that the form puts in the shadow of another sphere", true,
+     shadows<false, Shadow::false_shadow>},
+    {"own_shadow", "", "surface_lit that the form puts in the shadow of its own sphere alone: acne", true,
+     shadows<false, Shadow::own_shadow>},
     {"false_light", "", "surface_shadowed that the form lights", true, shadows<false, Shadow::false_light>},
-    {"own_shadow_fraction", "1", "own_shadow among surface_lit", false, [](const R& r) { return r.rule.shadows ? share(r.count(false, Shadow::own_shadow), truly_lit(r, false)) : missing; }},
+    {"own_shadow_fraction", "1", "own_shadow among surface_lit", false,
+     [](const R& r) {
+         return r.rule.shadows ? share(r.count(false, Shadow::own_shadow), truly_lit(r, false)) : missing;
+     }},
     {"flip_fraction", "1", "false_shadow and false_light among surface_lit and surface_shadowed", false,
      [](const R& r) {
          if (!r.rule.shadows) return missing;
-         return share(r.count(false, Shadow::false_shadow) + r.count(false, Shadow::false_light), truly_lit(r, false) + truly_dark(r, false));
+         return share(r.count(false, Shadow::false_shadow) + r.count(false, Shadow::false_light),
+                      truly_lit(r, false) + truly_dark(r, false));
      }},
-    {"background_lit", "", "background that truly gets the light, as seen by both", true, [](const R& r) { return r.rule.shadows ? number(truly_lit(r, true)) : missing; }},
-    {"background_shadowed", "", "background truly in shadow, as seen by both", true, [](const R& r) { return r.rule.shadows ? number(truly_dark(r, true)) : missing; }},
-    {"background_false_shadow", "", "background_lit that the form puts in shadow", true, shadows<true, Shadow::false_shadow>},
-    {"background_false_light", "", "background_shadowed that the form lights", true, shadows<true, Shadow::false_light>},
-    {"light_in_shadow_fraction", "1", "share of the certified picture's points that face the light, are in shadow, and get diffuse light all the same", false,
-     [](const R& r) { return r.rule.shadows ? share(r.light_in_true_shadow, r.true_shadow) : missing; }},
+    {"background_lit", "", "background that truly gets the light, as seen by both", true,
+     [](const R& r) { return r.rule.shadows ? number(truly_lit(r, true)) : missing; }},
+    {"background_shadowed", "", "background truly in shadow, as seen by both", true,
+     [](const R& r) { return r.rule.shadows ? number(truly_dark(r, true)) : missing; }},
+    {"background_false_shadow", "", "background_lit that the form puts in shadow", true,
+     shadows<true, Shadow::false_shadow>},
+    {"background_false_light", "", "background_shadowed that the form lights", true,
+     shadows<true, Shadow::false_light>},
+    {"light_in_shadow_fraction", "1",
+     "share of the certified picture's points that face the light, are in shadow, and get diffuse light all the same",
+     false, [](const R& r) { return r.rule.shadows ? share(r.light_in_true_shadow, r.true_shadow) : missing; }},
 };
 
 }  // namespace
@@ -111,9 +142,11 @@ void add_to_summary(const RenderBand& band, std::size_t place, const Look<double
         }
         if (!s.rule.shadows) continue;
         ++s.shadow[band.seen[i] == Seen::background ? 1 : 0][static_cast<std::size_t>(band.shadow[i])];
-        if (band.truth_object[i] < 0 || !truth.faces_light || truth.shadow != TrueShadow::shadowed || !colour.certain) continue;
+        if (band.truth_object[i] < 0 || !truth.faces_light || truth.shadow != TrueShadow::shadowed || !colour.certain)
+            continue;
         ++s.true_shadow;
-        s.light_in_true_shadow += keeps_light(truth, colour, look.paints[static_cast<std::size_t>(band.truth_object[i])]);
+        s.light_in_true_shadow +=
+            keeps_light(truth, colour, look.paints[static_cast<std::size_t>(band.truth_object[i])]);
     }
 }
 
@@ -125,18 +158,21 @@ double render_value(const RenderSummary& summary, const std::string& column, con
         if (c.name == column) return c.value(summary);
         names.emplace_back(c.name);
     }
-    throw InputError(where + ": unknown metric \"" + column + "\" of a rendered scene; " + scene::toml::did_you_mean(column, names));
+    throw InputError(where + ": unknown metric \"" + column + "\" of a rendered scene; " +
+                     scene::toml::did_you_mean(column, names));
 }
 
 std::uint64_t RenderSummary::flips() const {
     std::uint64_t sum = 0;
-    for (const bool background : {false, true}) sum += count(background, Shadow::false_shadow) + count(background, Shadow::false_light);
+    for (const bool background : {false, true})
+        sum += count(background, Shadow::false_shadow) + count(background, Shadow::false_light);
     return sum;
 }
 
 std::uint64_t RenderSummary::unresolved() const {
     // A colour whose shadow is not proved is not proved either: the two counts are of nested sets.
-    return count(Seen::unresolved) + std::max(colour_unresolved, count(false, Shadow::unresolved) + count(true, Shadow::unresolved));
+    return count(Seen::unresolved) +
+           std::max(colour_unresolved, count(false, Shadow::unresolved) + count(true, Shadow::unresolved));
 }
 
 }  // namespace lostbits::measure::picture

@@ -25,19 +25,22 @@ struct ShadeRule {
 inline ShadeRule shade_rule(const scene::file::Appearance& look, scene::file::Stage stage) {
     using scene::file::Stage;
     const auto wanted = [&](Stage s) { return s <= stage && look.asks_for(s); };
-    return {wanted(Stage::diffuse), wanted(Stage::shadows), wanted(Stage::phong), look.shadows && look.shadows->half_diffuse};
+    return {wanted(Stage::diffuse), wanted(Stage::shadows), wanted(Stage::phong),
+            look.shadows && look.shadows->half_diffuse};
 }
 
 /// x = x0 + t·dx, and so on.
 template <Number T>
 Vec<T> point_at(const Ray<T>& ray, const T& t) {
-    return Vec<T>(ray.origin.x + t * ray.direction.x, ray.origin.y + t * ray.direction.y, ray.origin.z + t * ray.direction.z);
+    return Vec<T>(ray.origin.x + t * ray.direction.x, ray.origin.y + t * ray.direction.y,
+                  ray.origin.z + t * ray.direction.z);
 }
 
 /// N = (P − G)/r, outward whichever side is seen: unit only as far as P lies on the sphere.
 template <Number T>
 Vec<T> normal_at(const Vec<T>& p, const Sphere<T>& sphere) {
-    return Vec<T>((p.x - sphere.centre.x) / sphere.radius, (p.y - sphere.centre.y) / sphere.radius, (p.z - sphere.centre.z) / sphere.radius);
+    return Vec<T>((p.x - sphere.centre.x) / sphere.radius, (p.y - sphere.centre.y) / sphere.radius,
+                  (p.z - sphere.centre.z) / sphere.radius);
 }
 
 /// v/|v|; 0/0 for v = 0.
@@ -60,10 +63,11 @@ T whole_power(const T& x, int n) {
     return power;
 }
 
-/// The start of a shadow ray that is also held against its own sphere: the point moved along the normal by `epsilon`, or by
-/// `ulps` units in the last place of its largest coordinate (none for numbers that stand for exact arithmetic).
+/// The start of a shadow ray that is also held against its own sphere: the point moved along the normal by `epsilon`,
+/// or by `ulps` units in the last place of its largest coordinate (none for numbers that stand for exact arithmetic).
 template <Number T>
-Vec<T> shadow_origin(const Vec<T>& p, const Vec<T>& n, scene::file::ShadowRule::Offset offset, const T& epsilon, int ulps) {
+Vec<T> shadow_origin(const Vec<T>& p, const Vec<T>& n, scene::file::ShadowRule::Offset offset, const T& epsilon,
+                     int ulps) {
     using Offset = scene::file::ShadowRule::Offset;
     if (offset == Offset::none) return p;
     T away = epsilon;
@@ -74,19 +78,22 @@ Vec<T> shadow_origin(const Vec<T>& p, const Vec<T>& n, scene::file::ShadowRule::
     return Vec<T>(p.x + away * n.x, p.y + away * n.y, p.z + away * n.z);
 }
 
-/// C = ka S + kd max(0, N·L) S + ks max(0, H·N)ⁿ (1, 1, 1) with H = (L + V)/|L + V|, as far as `rule` goes. In shadow the
-/// diffuse term goes, or halves by the source's variant, and so does the highlight; a point that faces away from the light
-/// (N·L ≤ 0) has no highlight, being in its own sphere's shadow. The source has no max(0, ·): there N·L < 0 takes ambient
-/// light away. `l` and `v` are unit vectors from the point to the light and to the eye. A NaN stays one: max(0, x) gives x.
+/// C = ka S + kd max(0, N·L) S + ks max(0, H·N)ⁿ (1, 1, 1) with H = (L + V)/|L + V|, as far as `rule` goes. In shadow
+/// the diffuse term goes, or halves by the source's variant, and so does the highlight; a point that faces away from
+/// the light (N·L ≤ 0) has no highlight, being in its own sphere's shadow. The source has no max(0, ·): there N·L < 0
+/// takes ambient light away. `l` and `v` are unit vectors from the point to the light and to the eye. A NaN stays one:
+/// max(0, x) gives x.
 template <Number T>
-Vec<T> shade(const Paint<T>& paint, const ShadeRule& rule, const mask_t<T>& shadowed, const Vec<T>& n, const Vec<T>& l, const Vec<T>& v) {
+Vec<T> shade(const Paint<T>& paint, const ShadeRule& rule, const mask_t<T>& shadowed, const Vec<T>& n, const Vec<T>& l,
+             const Vec<T>& v) {
     if (!rule.diffuse) return paint.colour;
     const T zero(0);
     const T facing = dot(n, l);
     T diffuse = paint.diffuse * max(zero, facing);
     if (rule.shadows) diffuse = select(shadowed, rule.half_diffuse ? T(T(1) / T(2) * diffuse) : zero, diffuse);
     const Vec<T>& s = paint.colour;
-    Vec<T> colour(paint.ambient * s.x + diffuse * s.x, paint.ambient * s.y + diffuse * s.y, paint.ambient * s.z + diffuse * s.z);
+    Vec<T> colour(paint.ambient * s.x + diffuse * s.x, paint.ambient * s.y + diffuse * s.y,
+                  paint.ambient * s.z + diffuse * s.z);
     if (!rule.phong || !paint.shiny) return colour;
     const T highlight = paint.specular * whole_power<T>(max(zero, dot(unit_of<T>(l + v), n)), paint.exponent);
     mask_t<T> dark = facing <= zero;

@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "measure/truth/enclose.hpp"
 #include "measure/picture/look.hpp"
+#include "measure/truth/enclose.hpp"
 #include "number/interruption.hpp"
 
 namespace lostbits::measure::picture {
@@ -57,7 +57,8 @@ bool settle(const Vec<E>& colour, TrueColour& out) {
     out.certain = true;
     for (int i = 0; i < 3; ++i) {
         const auto k = static_cast<std::size_t>(i);
-        if (!tighten(colour[i], out.channel[k]) || !settle_byte(colour[i], out.channel[k].hi, out.byte[k])) out.certain = false;
+        if (!tighten(colour[i], out.channel[k]) || !settle_byte(colour[i], out.channel[k].hi, out.byte[k]))
+            out.certain = false;
     }
     return out.certain;
 }
@@ -80,7 +81,10 @@ template <class S>
 class Reference {
 public:
     Reference(const scene::file::Scene& scene, const Band& band, std::span<const Stage> stages, PictureLimit limit)
-        : band_(band), limit_(limit), has_light_(scene.appearance.light.has_value()), points_(pixel_points<S>(scene, band.y0(), band.y0() + band.rows())) {
+        : band_(band),
+          limit_(limit),
+          has_light_(scene.appearance.light.has_value()),
+          points_(pixel_points<S>(scene, band.y0(), band.y0() + band.rows())) {
         if constexpr (std::is_same_v<S, double>) {
             rays_ = scene::rays::make_shared_rays(scene, band.y0(), band.y0() + band.rows());
             solids_ = scene::rays::shared_solids(scene);
@@ -105,7 +109,8 @@ public:
         }
         const auto attempt = [&]<class E>(int bits) {
             pixel.bits = bits;
-            return truth.is_hit() ? surface<E>(i, static_cast<std::size_t>(truth.object), pixel) : background<E>(i, pixel);
+            return truth.is_hit() ? surface<E>(i, static_cast<std::size_t>(truth.object), pixel)
+                                  : background<E>(i, pixel);
         };
         if (attempt.template operator()<Ball>(106)) return pixel;
         for (int bits = std::is_same_v<S, Real> ? 384 : 192; bits <= limit_.bits; bits *= 2) {
@@ -141,7 +146,8 @@ private:
             }
         }
         const Paint<E> paint = lifted(look_.paints[object], truth::lift<E, S>);
-        for (const auto& [stage, rule] : rules_) settled &= settle(shade<E>(paint, rule, shadowed, n, l, v), out.colours[stage]);
+        for (const auto& [stage, rule] : rules_)
+            settled &= settle(shade<E>(paint, rule, shadowed, n, l, v), out.colours[stage]);
         return settled;
     }
 
@@ -196,8 +202,10 @@ std::vector<TruePixel> find_all(const Reference<S>& reference, std::size_t count
 
 }  // namespace
 
-std::vector<TruePixel> find_true_picture(const scene::file::Scene& scene, const Band& band, std::span<const Stage> stages, PictureLimit limit) {
-    if (scene.inputs == scene::file::Inputs::own) return find_all(Reference<Real>(scene, band, stages, limit), band.pixels());
+std::vector<TruePixel> find_true_picture(const scene::file::Scene& scene, const Band& band,
+                                         std::span<const Stage> stages, PictureLimit limit) {
+    if (scene.inputs == scene::file::Inputs::own)
+        return find_all(Reference<Real>(scene, band, stages, limit), band.pixels());
     return find_all(Reference<double>(scene, band, stages, limit), band.pixels());
 }
 

@@ -11,9 +11,10 @@
 
 namespace lostbits::measure::picture {
 
-/// Enclosures start at double-double and go to MPFI at 192 bits, doubling to here. A colour of a point is irrational almost
-/// always, so a decision that is exactly on its edge (a shadow ray that touches, N·L = 0, a channel on the edge between two
-/// bytes) is not settled by more bits unless the enclosure has no width; it is left `unresolved` and counted.
+/// Enclosures start at double-double and go to MPFI at 192 bits, doubling to here. A colour of a point is irrational
+/// almost always, so a decision that is exactly on its edge (a shadow ray that touches, N·L = 0, a channel on the edge
+/// between two bytes) is not settled by more bits unless the enclosure has no width; it is left `unresolved` and
+/// counted.
 struct PictureLimit {
     int bits = 3072;
 };
@@ -25,9 +26,9 @@ struct Tight {
 };
 
 struct TrueColour {
-    std::array<Tight, 3> channel;          ///< as computed, not clamped
-    std::array<std::uint8_t, 3> byte{};    ///< 255 times the channel, rounded half up, clamped
-    bool certain = false;                  ///< the channels are tight and their bytes proved
+    std::array<Tight, 3> channel;        ///< as computed, not clamped
+    std::array<std::uint8_t, 3> byte{};  ///< 255 times the channel, rounded half up, clamped
+    bool certain = false;                ///< the channels are tight and their bytes proved
 };
 
 /// Whether the light reaches a pixel's point past all spheres but its own.
@@ -35,16 +36,18 @@ enum class TrueShadow : std::uint8_t { untested, lit, shadowed, unresolved };
 
 struct TruePixel {
     std::array<Tight, 3> normal;
-    bool has_normal = false;      ///< a sphere is seen and its normal is tight
+    bool has_normal = false;  ///< a sphere is seen and its normal is tight
     TrueShadow shadow = TrueShadow::untested;
-    bool faces_light = false;     ///< N·L > 0, certainly
+    bool faces_light = false;                                         ///< N·L > 0, certainly
     std::array<TrueColour, scene::file::stage_names.size()> colours;  ///< of the stages asked for
-    int bits = 0;                 ///< of precision that the last attempt had
+    int bits = 0;                                                     ///< of precision that the last attempt had
 };
 
-/// The true pixels of a band for some stages, in parallel. Solids are closed: touching is a hit, for the eye and for shadows.
-/// It knows no form: the reference of all forms is one. The spheres' shadows on the background are those on the plane of
-/// pixels z = 0 (`Camera::Kind::pixel_plane`); under other cameras the background is nowhere, and unshadowed.
-std::vector<TruePixel> find_true_picture(const scene::file::Scene& scene, const truth::Band& band, std::span<const scene::file::Stage> stages, PictureLimit limit = {});
+/// The true pixels of a band for some stages, in parallel. Solids are closed: touching is a hit, for the eye and for
+/// shadows. It knows no form: the reference of all forms is one. The spheres' shadows on the background are those on
+/// the plane of pixels z = 0 (`Camera::Kind::pixel_plane`); under other cameras the background is nowhere, and
+/// unshadowed.
+std::vector<TruePixel> find_true_picture(const scene::file::Scene& scene, const truth::Band& band,
+                                         std::span<const scene::file::Stage> stages, PictureLimit limit = {});
 
 }  // namespace lostbits::measure::picture

@@ -4,7 +4,8 @@
 
 namespace lostbits::measure::speed {
 
-OperationCounts operations_of(const intersect::Info& form, const Ray<float>& ray, const Solid<float>& solid, float tmax) {
+OperationCounts operations_of(const intersect::Info& form, const Ray<float>& ray, const Solid<float>& solid,
+                              float tmax) {
     using T = Counted<float>;
     const auto input = [](float x) { return T(x); };
     const auto vec = [&](const Vec<float>& v) { return Vec<T>(input(v.x), input(v.y), input(v.z)); };
@@ -15,7 +16,8 @@ OperationCounts operations_of(const intersect::Info& form, const Ray<float>& ray
         const Solid<T> target = transformed(solid, input);
         operation_counts() = {};
         intersect::sdf::Unwatched unwatched;
-        static_cast<void>(intersect::table::intersect_target<Form>(inputs, intersect::Target<T>(target), input(tmax), unwatched));
+        static_cast<void>(
+            intersect::table::intersect_target<Form>(inputs, intersect::Target<T>(target), input(tmax), unwatched));
         found = operation_counts();
     });
     return found;

@@ -36,7 +36,8 @@ std::uint64_t passes_for(const TimedWork& work, double least) {
     for (std::uint64_t passes = 1;; passes *= 2) {
         const double seconds = seconds_of(work, passes);
         if (seconds < least / 4) continue;
-        return std::max<std::uint64_t>(1, static_cast<std::uint64_t>(std::ceil(static_cast<double>(passes) * least / seconds)));
+        return std::max<std::uint64_t>(
+            1, static_cast<std::uint64_t>(std::ceil(static_cast<double>(passes) * least / seconds)));
     }
 }
 

@@ -10,8 +10,8 @@
 
 namespace lostbits::measure::speed {
 
-/// Keeps the calling thread on the processor that it runs on, and lets it go where it could before. Does nothing where the
-/// system refuses.
+/// Keeps the calling thread on the processor that it runs on, and lets it go where it could before. Does nothing where
+/// the system refuses.
 class PinnedThread {
 public:
     PinnedThread();
@@ -26,8 +26,8 @@ private:
     std::vector<unsigned long> before_;  ///< the set of processors that was allowed, as the system writes it
 };
 
-/// Bytes of the first- and second-level data cache of a core and of the last level, as the system tells; 32 KiB, 1 MiB and
-/// 8 MiB where it does not.
+/// Bytes of the first- and second-level data cache of a core and of the last level, as the system tells; 32 KiB, 1 MiB
+/// and 8 MiB where it does not.
 struct CacheSizes {
     std::size_t l1, l2, last;
 };
@@ -40,13 +40,14 @@ std::string processor_name();
 struct TimedWork {
     std::function<void()> pass;
     std::size_t items;  ///< a pass
-    bool warm;          ///< whether a pass that is not timed comes first, so that the data lie where they did the last time
+    bool warm;  ///< whether a pass that is not timed comes first, so that the data lie where they did the last time
 };
 
 struct TimingPlan {
     int repetitions = 25;
-    double least_seconds = 4e-4;  ///< of a measurement: passes are repeated until it lasts so long; less than the time slice of a busy machine
-    std::uint64_t seed = 1;         ///< of the order of the work, which is another in each round
+    double least_seconds = 4e-4;  ///< of a measurement: passes are repeated until it lasts so long; less than the time
+                                  ///< slice of a busy machine
+    std::uint64_t seed = 1;       ///< of the order of the work, which is another in each round
     std::function<void(std::uint64_t)> progress = [](std::uint64_t) {};  ///< units done; may throw to stop
 };
 
@@ -55,8 +56,8 @@ struct Timing {
     double median = 0, low_quartile = 0, high_quartile = 0;
 };
 
-/// Seconds an item of every piece of work, one a repetition. By steady_clock, on one processor. One unit of progress a piece of work
-/// and repetition.
+/// Seconds an item of every piece of work, one a repetition. By steady_clock, on one processor. One unit of progress a
+/// piece of work and repetition.
 std::vector<std::vector<double>> sample_interleaved(std::span<const TimedWork> work, const TimingPlan& plan);
 /// The same, summed up.
 std::vector<Timing> time_interleaved(std::span<const TimedWork> work, const TimingPlan& plan);

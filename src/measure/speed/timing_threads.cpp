@@ -25,7 +25,9 @@ void pin([[maybe_unused]] int processor) {
 
 /// Passes a second for `seconds`, asked of the clock after every 2^k passes that a sixteenth of the time has room for.
 double rate_of(const std::function<void()>& pass, double seconds) {
-    const auto since = [](Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); };
+    const auto since = [](Clock::time_point start) {
+        return std::chrono::duration<double>(Clock::now() - start).count();
+    };
     const auto start = Clock::now();
     double passes = 0, took = 0;
     for (std::size_t batch = 1; took < seconds; batch *= took < seconds / 16 ? 2 : 1) {
@@ -40,7 +42,8 @@ double rate_of(const std::function<void()>& pass, double seconds) {
 }
 
 /// The sum over the threads, which start together on these processors.
-double rate_together(const std::vector<std::function<void()>>& passes, const std::vector<int>& processors, double seconds) {
+double rate_together(const std::vector<std::function<void()>>& passes, const std::vector<int>& processors,
+                     double seconds) {
     std::vector<double> rates(passes.size());
     std::barrier ready(static_cast<std::ptrdiff_t>(passes.size()));
     std::vector<std::jthread> threads;

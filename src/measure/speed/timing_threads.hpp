@@ -12,9 +12,9 @@ std::vector<int> allowed_processors();
 
 struct ThreadPlan {
     int repetitions = 15;
-    double least_seconds = 0.02;            ///< of a measurement: long against the start of a thread
-    std::size_t threads = 0;                ///< together; 0: one on each allowed processor
-    std::function<void()> stop = [] {};     ///< once a repetition; may throw
+    double least_seconds = 0.02;         ///< of a measurement: long against the start of a thread
+    std::size_t threads = 0;             ///< together; 0: one on each allowed processor
+    std::function<void()> stop = [] {};  ///< once a repetition; may throw
 };
 
 /// The work of thread `i`: what it returns is called over and over on that thread, on memory of its own.

@@ -30,12 +30,15 @@ TimedWork by_packs(const std::shared_ptr<RayStore<S>>& store, Kernel kernel, boo
 template <class S>
 BoxField<S>::BoxField(std::size_t bytes) : ray{{S(-3), S(0.1F), S(0.2F)}, {S(1), S(-0.25), S(0.125)}} {
     constexpr std::size_t line = 64, stagger = 5 * line, numbers = 7;
-    const std::size_t boxes = std::max<std::size_t>(1, bytes / (numbers * sizeof(S)) / 64) * 64, column = boxes * sizeof(S) + stagger;
+    const std::size_t boxes = std::max<std::size_t>(1, bytes / (numbers * sizeof(S)) / 64) * 64,
+                      column = boxes * sizeof(S) + stagger;
     memory_.resize(numbers * column + line);
     void* start = memory_.data();
     std::size_t room = memory_.size();
     std::align(line, numbers * column, start, room);
-    const auto span_of = [&](std::size_t c) { return std::span<S>(reinterpret_cast<S*>(static_cast<std::byte*>(start) + c * column), boxes); };
+    const auto span_of = [&](std::size_t c) {
+        return std::span<S>(reinterpret_cast<S*>(static_cast<std::byte*>(start) + c * column), boxes);
+    };
     std::mt19937 engine(2);
     std::uniform_real_distribution<float> place(-2, 2), side(0.1F, 1);
     for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -52,7 +55,8 @@ BoxField<S>::BoxField(std::size_t bytes) : ray{{S(-3), S(0.1F), S(0.2F)}, {S(1),
 
 template <class S>
 std::array<const S*, 6> BoxField<S>::pointers() const {
-    return {columns[0].data(), columns[1].data(), columns[2].data(), columns[3].data(), columns[4].data(), columns[5].data()};
+    return {columns[0].data(), columns[1].data(), columns[2].data(),
+            columns[3].data(), columns[4].data(), columns[5].data()};
 }
 
 template <class S>
@@ -82,12 +86,17 @@ const std::shared_ptr<std::vector<intersect::simd::PlainBox>>& BoxWork::structs(
 
 std::optional<TimedWork> BoxWork::on(const TimedKernel& k) {
     const bool warm = stay_in_cache(bytes_);
-    const intersect::simd::PlainRow* const plain = k.kernel.starts_with("plain-") && k.format == "f32" ? row_of(intersect::simd::plain_rows(), k.form) : nullptr;
+    const intersect::simd::PlainRow* const plain =
+        k.kernel.starts_with("plain-") && k.format == "f32" ? row_of(intersect::simd::plain_rows(), k.form) : nullptr;
     if (plain && k.kernel == "plain-256")
-        return TimedWork{[field = f32(), ray = f32()->ray_numbers(), boxes = f32()->pointers(), loop = plain->columns] { loop(ray.data(), boxes.data(), field->t.data(), field->t.size()); },
+        return TimedWork{[field = f32(), ray = f32()->ray_numbers(), boxes = f32()->pointers(), loop = plain->columns] {
+                             loop(ray.data(), boxes.data(), field->t.data(), field->t.size());
+                         },
                          f32()->t.size(), warm};
     if (plain && k.kernel == "plain-structs-256")
-        return TimedWork{[field = f32(), ray = f32()->ray_numbers(), boxes = structs(), loop = plain->structs] { loop(ray.data(), boxes->data(), field->t.data(), field->t.size()); },
+        return TimedWork{[field = f32(), ray = f32()->ray_numbers(), boxes = structs(), loop = plain->structs] {
+                             loop(ray.data(), boxes->data(), field->t.data(), field->t.size());
+                         },
                          f32()->t.size(), warm};
     const auto isa = intersect::simd::isa_named(k.kernel);
     const intersect::simd::ManyRow* const row = isa ? row_of(intersect::simd::many_rows(*isa), k.form) : nullptr;
@@ -101,7 +110,9 @@ std::optional<TimedWork> RayWork::on(const TimedKernel& k) {
     const intersect::simd::PackedRow* const row = isa ? row_of(intersect::simd::packed_rows(*isa), k.form) : nullptr;
     if (!row) return std::nullopt;
     const bool warm = stay_in_cache(bytes_);
-    const Shape shape = intersect::table::intersectors()[static_cast<std::size_t>(row - intersect::simd::packed_rows(*isa).data())].shape;
+    const Shape shape =
+        intersect::table::intersectors()[static_cast<std::size_t>(row - intersect::simd::packed_rows(*isa).data())]
+            .shape;
     if (row->f32 && k.format == "f32") return by_packs(f32(shape), row->f32, warm);
     if (row->f64 && k.format == "f64") return by_packs(f64(shape), row->f64, warm);
     return std::nullopt;

@@ -1,4 +1,5 @@
-// Work that kernels are timed on when their speeds are compared: one ray against many boxes, many rays against one solid.
+// Work that kernels are timed on when their speeds are compared: one ray against many boxes, many rays against one
+// solid.
 #pragma once
 
 #include <array>
@@ -15,8 +16,9 @@
 
 namespace lostbits::measure::speed {
 
-/// Boxes scattered about a ray's way, a column a number, and the t of each: infinite at first, where the ray enters once it was hit.
-/// Columns start at cache lines, each at another place of its page, so that reads and writes do not collide there.
+/// Boxes scattered about a ray's way, a column a number, and the t of each: infinite at first, where the ray enters
+/// once it was hit. Columns start at cache lines, each at another place of its page, so that reads and writes do not
+/// collide there.
 template <class S>
 class BoxField {
 public:
@@ -29,7 +31,9 @@ public:
     std::array<std::span<S>, 6> columns;  ///< lo x, y, z, hi x, y, z
     std::span<S> t;
 
-    [[nodiscard]] intersect::simd::BoxArrays<S> arrays() const { return {columns[0], columns[1], columns[2], columns[3], columns[4], columns[5]}; }
+    [[nodiscard]] intersect::simd::BoxArrays<S> arrays() const {
+        return {columns[0], columns[1], columns[2], columns[3], columns[4], columns[5]};
+    }
     [[nodiscard]] std::array<const S*, 6> pointers() const;
     [[nodiscard]] std::array<S, 6> ray_numbers() const;
 
@@ -40,12 +44,12 @@ private:
 extern template class BoxField<float>;
 extern template class BoxField<double>;
 
-/// `l1`, `l2`, `memory`: half of the first cache, half of the second, twice the last (between 64 MiB and 1 GiB). Zero for another
-/// name.
+/// `l1`, `l2`, `memory`: half of the first cache, half of the second, twice the last (between 64 MiB and 1 GiB). Zero
+/// for another name.
 std::size_t working_set_bytes(std::string_view name, const CacheSizes& caches);
 
-/// A form in a kernel: `scalar`, `128`, `256`, `512` are those of `Isa`; `plain-256` and `plain-structs-256` the loops of
-/// `PlainRow`, for one ray against many boxes in float alone.
+/// A form in a kernel: `scalar`, `128`, `256`, `512` are those of `Isa`; `plain-256` and `plain-structs-256` the loops
+/// of `PlainRow`, for one ray against many boxes in float alone.
 struct TimedKernel {
     std::string_view form, kernel, format;
 };
@@ -64,8 +68,8 @@ private:
     std::shared_ptr<T> made_;
 };
 
-/// One ray against as many boxes as fit into so many bytes. All kernels of a format work on the same boxes, one at a time; the boxes live as
-/// long as any work on them.
+/// One ray against as many boxes as fit into so many bytes. All kernels of a format work on the same boxes, one at a
+/// time; the boxes live as long as any work on them.
 class BoxWork {
 public:
     explicit BoxWork(std::size_t bytes) : bytes_(bytes) {}

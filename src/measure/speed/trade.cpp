@@ -38,7 +38,8 @@ void time_all(const TradeRequest& request, TradeResult& result) {
         const std::size_t slice = load.working_set == "memory" ? slice_in_memory : 0;
         Stores s;
         if (any32) s.f32 = std::make_unique<RayStore<float>>(pool, load.bytes, load.hit_rate, slice, request.plan.seed);
-        if (any64) s.f64 = std::make_unique<RayStore<double>>(pool, load.bytes, load.hit_rate, slice, request.plan.seed);
+        if (any64)
+            s.f64 = std::make_unique<RayStore<double>>(pool, load.bytes, load.hit_rate, slice, request.plan.seed);
         stores.push_back(std::move(s));
     }
     std::vector<TimedWork> work;
@@ -47,20 +48,24 @@ void time_all(const TradeRequest& request, TradeResult& result) {
         const TradeKernel& kernel = request.kernels[k];
         for (std::size_t l = 0; l < stores.size(); ++l) {
             const bool warm = request.loads[l].working_set != "memory";
-            work.push_back(kernel.f32 ? work_on(*stores[l].f32, kernel.f32, warm) : work_on(*stores[l].f64, kernel.f64, warm));
-            const auto [bytes, rays] = kernel.f32 ? std::pair(stores[l].f32->bytes(), stores[l].f32->rays()) : std::pair(stores[l].f64->bytes(), stores[l].f64->rays());
+            work.push_back(kernel.f32 ? work_on(*stores[l].f32, kernel.f32, warm)
+                                      : work_on(*stores[l].f64, kernel.f64, warm));
+            const auto [bytes, rays] = kernel.f32 ? std::pair(stores[l].f32->bytes(), stores[l].f32->rays())
+                                                  : std::pair(stores[l].f64->bytes(), stores[l].f64->rays());
             result.times[k].push_back({{}, bytes, rays});
         }
     }
     const auto timings = time_interleaved(work, request.plan);
-    for (std::size_t i = 0; i < timings.size(); ++i) result.times[i / stores.size()][i % stores.size()].timing = timings[i];
+    for (std::size_t i = 0; i < timings.size(); ++i)
+        result.times[i / stores.size()][i % stores.size()].timing = timings[i];
 }
 
 /// Kernels of one row share its measurement.
 void measure_all(const TradeRequest& request, TradeResult& result) {
     std::vector<MapRow> rows;
     for (const TradeKernel& k : request.kernels) {
-        const auto same = std::ranges::find_if(rows, [&k](const MapRow& r) { return r.form == k.measured.form && r.format == k.measured.format; });
+        const auto same = std::ranges::find_if(
+            rows, [&k](const MapRow& r) { return r.form == k.measured.form && r.format == k.measured.format; });
         result.row_of.push_back(static_cast<std::size_t>(same - rows.begin()));
         if (same == rows.end()) rows.push_back(k.measured);
     }
@@ -73,10 +78,13 @@ void measure_all(const TradeRequest& request, TradeResult& result) {
 void count_all(const TradeRequest& request, TradeResult& result) {
     const RayPool pool = ray_pool(request.shape);
     const Ray<double>& hit = pool.hits.front();
-    const auto narrow = [](const Vec<double>& v) { return Vec<float>(static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)); };
+    const auto narrow = [](const Vec<double>& v) {
+        return Vec<float>(static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z));
+    };
     const Solid<float> solid = transformed(pool.solid, [](double x) { return static_cast<float>(x); });
     for (const TradeKernel& k : request.kernels) {
-        result.operations.push_back(operations_of(*k.form, {narrow(hit.origin), narrow(hit.direction)}, solid, std::numeric_limits<float>::infinity()));
+        result.operations.push_back(operations_of(*k.form, {narrow(hit.origin), narrow(hit.direction)}, solid,
+                                                  std::numeric_limits<float>::infinity()));
     }
 }
 
@@ -89,7 +97,8 @@ bool at_least_as_accurate(const ParetoPoint& a, const ParetoPoint& b) {
 
 std::vector<TradeKernel> trade_kernels(const std::vector<MapRow>& rows) {
     std::vector<TradeKernel> kernels;
-    const auto add = [&kernels](TradeKernel kernel, decltype(Intersector::native32) f32, decltype(Intersector::native64) f64) {
+    const auto add = [&kernels](TradeKernel kernel, decltype(Intersector::native32) f32,
+                                decltype(Intersector::native64) f64) {
         const Format::Engine engine = kernel.measured.format.engine;
         if (engine == Format::Engine::native32) kernel.f32 = f32;
         if (engine == Format::Engine::native64) kernel.f64 = f64;
@@ -100,12 +109,14 @@ std::vector<TradeKernel> trade_kernels(const std::vector<MapRow>& rows) {
         for (const intersect::simd::Isa isa : intersect::simd::available_isas()) {
             const auto packed = intersect::simd::packed_rows(isa);
             const auto found = std::ranges::find(packed, form, &intersect::simd::PackedRow::info);
-            if (found != packed.end()) add({.measured = row, .form = form, .isa = name_of(isa)}, found->f32, found->f64);
+            if (found != packed.end())
+                add({.measured = row, .form = form, .isa = name_of(isa)}, found->f32, found->f64);
         }
         const auto number = static_cast<std::size_t>(row.form - intersect::table::intersectors().data());
         for (const intersect::simd::Variant& variant : intersect::simd::variants()) {
             const Intersector& made = variant.rows[number];
-            add({.measured = {&made, row.format}, .form = form, .isa = name_of(variant.isa), .variant = variant.name}, made.native32, made.native64);
+            add({.measured = {&made, row.format}, .form = form, .isa = name_of(variant.isa), .variant = variant.name},
+                made.native32, made.native64);
         }
     }
     return kernels;
@@ -113,17 +124,20 @@ std::vector<TradeKernel> trade_kernels(const std::vector<MapRow>& rows) {
 
 std::vector<TradeLoad> trade_loads(const CacheSizes& caches) {
     constexpr double hit_rates[] = {0, 0.5, 1};
-    constexpr std::size_t mebibyte = std::size_t{1} << 20, arrays = 2 * std::size(hit_rates);  // a format and a rate each
+    constexpr std::size_t mebibyte = std::size_t{1} << 20,
+                          arrays = 2 * std::size(hit_rates);  // a format and a rate each
     const std::size_t memory = std::clamp(2 * caches.last / arrays, 32 * mebibyte, 96 * mebibyte);
     std::vector<TradeLoad> loads;
-    for (const auto& [name, bytes] : {std::pair<std::string_view, std::size_t>{"l1", caches.l1 / 2}, {"l2", caches.l2 / 2}, {"memory", memory}}) {
+    for (const auto& [name, bytes] :
+         {std::pair<std::string_view, std::size_t>{"l1", caches.l1 / 2}, {"l2", caches.l2 / 2}, {"memory", memory}}) {
         for (const double rate : hit_rates) loads.push_back({name, bytes, rate});
     }
     return loads;
 }
 
 std::size_t standing_load(const std::vector<TradeLoad>& loads) {
-    const auto found = std::ranges::find_if(loads, [](const TradeLoad& l) { return l.working_set == "l1" && l.hit_rate == 0.5; });
+    const auto found =
+        std::ranges::find_if(loads, [](const TradeLoad& l) { return l.working_set == "l1" && l.hit_rate == 0.5; });
     return static_cast<std::size_t>(found - loads.begin());
 }
 
@@ -139,11 +153,15 @@ TradeResult run_trade(const TradeRequest& request) {
     return result;
 }
 
-ParetoPoint pareto_point(const Timing& timing, const MapRow& row, const map::MapSummary& accuracy, const std::vector<const metric::Metric*>& metrics) {
-    const auto lost = static_cast<std::size_t>(std::ranges::find(metrics, metric::find_metric("lost_bits")) - metrics.begin());
-    const auto wrong = accuracy.count(Outcome::false_hit) + accuracy.count(Outcome::false_miss) + accuracy.count(Outcome::not_a_number);
+ParetoPoint pareto_point(const Timing& timing, const MapRow& row, const map::MapSummary& accuracy,
+                         const std::vector<const metric::Metric*>& metrics) {
+    const auto lost =
+        static_cast<std::size_t>(std::ranges::find(metrics, metric::find_metric("lost_bits")) - metrics.begin());
+    const auto wrong = accuracy.count(Outcome::false_hit) + accuracy.count(Outcome::false_miss) +
+                       accuracy.count(Outcome::not_a_number);
     const auto known = accuracy.rays - accuracy.count(Outcome::unresolved);
-    return {timing.median * 1e9, known == 0 ? 0 : static_cast<double>(wrong) / static_cast<double>(known), row.format.shape.precision - accuracy.metrics[lost].quantile(0.99)};
+    return {timing.median * 1e9, known == 0 ? 0 : static_cast<double>(wrong) / static_cast<double>(known),
+            row.format.shape.precision - accuracy.metrics[lost].quantile(0.99)};
 }
 
 std::vector<bool> dominated(const std::vector<ParetoPoint>& all) {
@@ -152,7 +170,8 @@ std::vector<bool> dominated(const std::vector<ParetoPoint>& all) {
         return a.time_ns < b.time_ns || !at_least_as_accurate(b, a);
     };
     std::vector<bool> out;
-    for (const ParetoPoint& s : all) out.push_back(std::ranges::any_of(all, [&](const ParetoPoint& other) { return beats(other, s); }));
+    for (const ParetoPoint& s : all)
+        out.push_back(std::ranges::any_of(all, [&](const ParetoPoint& other) { return beats(other, s); }));
     return out;
 }
 

@@ -13,19 +13,19 @@
 
 namespace lostbits::measure::speed {
 
-/// One thing that can be called: a form in a native format over registers of a width. Kernels of one form and format with the
-/// same `measured` give the same bits.
+/// One thing that can be called: a form in a native format over registers of a width. Kernels of one form and format
+/// with the same `measured` give the same bits.
 struct TradeKernel {
-    map::MapRow measured;        ///< what its accuracy is that of
-    const intersect::Info* form;       ///< as it is written
-    std::string_view isa;   ///< `scalar`, `128`, ...
+    map::MapRow measured;           ///< what its accuracy is that of
+    const intersect::Info* form;    ///< as it is written
+    std::string_view isa;           ///< `scalar`, `128`, ...
     std::string_view variant = {};  ///< of compiler flags: `contract`, `fastmath`; empty: the form as it is written
     decltype(intersect::table::Intersector::native32) f32 = nullptr;  ///< one of the two, by the format
     decltype(intersect::table::Intersector::native64) f64 = nullptr;
 };
 
-/// Every selected row (f32 and f64 alone) on every instruction set that there is, and in every variant of compiler flags, in the
-/// order of rows, then widths, then variants.
+/// Every selected row (f32 and f64 alone) on every instruction set that there is, and in every variant of compiler
+/// flags, in the order of rows, then widths, then variants.
 std::vector<TradeKernel> trade_kernels(const std::vector<map::MapRow>& rows);
 
 /// The rays that a kernel is timed on: so many bytes of them and their answers, of which so many hit.
@@ -59,17 +59,19 @@ struct TradeResult {
         Timing timing;  ///< seconds a ray
         std::size_t bytes, rays;
     };
-    std::vector<std::vector<Timed>> times;    ///< [kernel][load]
-    std::vector<OperationCounts> operations;  ///< [kernel]
-    std::vector<std::size_t> row_of;          ///< [kernel]: where its accuracy is
+    std::vector<std::vector<Timed>> times;           ///< [kernel][load]
+    std::vector<OperationCounts> operations;         ///< [kernel]
+    std::vector<std::size_t> row_of;                 ///< [kernel]: where its accuracy is
     std::vector<std::vector<map::MapSummary>> rows;  ///< [ray set][row]
 
-    [[nodiscard]] const map::MapSummary& accuracy(std::size_t set, std::size_t kernel) const { return rows[set][row_of[kernel]]; }
+    [[nodiscard]] const map::MapSummary& accuracy(std::size_t set, std::size_t kernel) const {
+        return rows[set][row_of[kernel]];
+    }
 };
 TradeResult run_trade(const TradeRequest& request);
 
-/// What a kernel is worth on a set of rays. More accurate is, first, what decides fewer rays wrongly, and among equals what
-/// keeps more bits.
+/// What a kernel is worth on a set of rays. More accurate is, first, what decides fewer rays wrongly, and among equals
+/// what keeps more bits.
 struct ParetoPoint {
     double time_ns;         ///< a ray
     double wrong_fraction;  ///< false hits, false misses and NaNs among the rays whose truth is known
@@ -77,7 +79,8 @@ struct ParetoPoint {
 
     [[nodiscard]] bool never_wrong() const { return wrong_fraction == 0; }
 };
-ParetoPoint pareto_point(const Timing& timing, const map::MapRow& row, const map::MapSummary& accuracy, const std::vector<const metric::Metric*>& metrics);
+ParetoPoint pareto_point(const Timing& timing, const map::MapRow& row, const map::MapSummary& accuracy,
+                         const std::vector<const metric::Metric*>& metrics);
 
 /// Of each: whether another is at least as fast and at least as accurate, and better in one of the two.
 std::vector<bool> dominated(const std::vector<ParetoPoint>& all);

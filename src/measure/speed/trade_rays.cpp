@@ -16,7 +16,8 @@ using scene::rays::RayGroup;
 std::vector<RayGroup> easy_spheres() { return scene::rays::family_rays({.distance = 4, .impact_to = 0.9}); }
 std::vector<RayGroup> far_small_spheres() { return scene::rays::family_rays({.distance = 4096, .impact_to = 0.9}); }
 std::vector<RayGroup> near_huge_spheres() {
-    return scene::rays::family_rays({.projection = Family::Projection::point, .radius = 1e6, .height = 1, .impact_to = 0.9});
+    return scene::rays::family_rays(
+        {.projection = Family::Projection::point, .radius = 1e6, .height = 1, .impact_to = 0.9});
 }
 std::vector<RayGroup> grazing_spheres() { return scene::rays::family_rays({.distance = 4, .silhouette_gap = 0x1p-10}); }
 
@@ -25,7 +26,8 @@ std::vector<RayGroup> easy_boxes() { return scene::rays::box_family_rays({.aim =
 /// Half of the rays inside by the gap, half outside.
 std::vector<RayGroup> edge_boxes() {
     auto groups = scene::rays::box_family_rays({.aim = BoxFamily::Aim::edge, .gap = -0x1p-23});
-    std::ranges::move(scene::rays::box_family_rays({.aim = BoxFamily::Aim::edge, .gap = 0x1p-23}), std::back_inserter(groups));
+    std::ranges::move(scene::rays::box_family_rays({.aim = BoxFamily::Aim::edge, .gap = 0x1p-23}),
+                      std::back_inserter(groups));
     return groups;
 }
 
@@ -67,11 +69,19 @@ std::span<const RaySet> ray_sets(Shape shape) {
 RayPool ray_pool(Shape shape) {
     // The first draw of a family is its solid: the same seed gives both halves the same one.
     if (shape == Shape::sphere) {
-        return pool_of(scene::rays::family_rays({.distance = 4, .impact_to = 0.9, .views = 1, .rays = pool_rays, .seed = pool_seed}),
-                       scene::rays::family_rays({.distance = 4, .impact_from = 1.1, .impact_to = 1.5, .views = 1, .rays = pool_rays, .seed = pool_seed}));
+        return pool_of(scene::rays::family_rays(
+                           {.distance = 4, .impact_to = 0.9, .views = 1, .rays = pool_rays, .seed = pool_seed}),
+                       scene::rays::family_rays({.distance = 4,
+                                                 .impact_from = 1.1,
+                                                 .impact_to = 1.5,
+                                                 .views = 1,
+                                                 .rays = pool_rays,
+                                                 .seed = pool_seed}));
     }
-    return pool_of(scene::rays::box_family_rays({.aim = BoxFamily::Aim::inside, .views = 1, .rays = pool_rays, .seed = pool_seed}),
-                   scene::rays::box_family_rays({.aim = BoxFamily::Aim::edge, .gap = 0.25, .views = 1, .rays = pool_rays, .seed = pool_seed}));
+    return pool_of(
+        scene::rays::box_family_rays({.aim = BoxFamily::Aim::inside, .views = 1, .rays = pool_rays, .seed = pool_seed}),
+        scene::rays::box_family_rays(
+            {.aim = BoxFamily::Aim::edge, .gap = 0.25, .views = 1, .rays = pool_rays, .seed = pool_seed}));
 }
 
 template <class S>
@@ -100,7 +110,8 @@ void RayStore<S>::fill(const RayPool& pool, double hit_rate, std::uint64_t seed)
     for (std::size_t i = 0; i < rays_; ++i) {
         const auto& rays = hits[i] ? pool.hits : pool.misses;
         const Ray<double>& ray = rays[random() % rays.size()];
-        const double parts[] = {ray.origin.x, ray.origin.y, ray.origin.z, ray.direction.x, ray.direction.y, ray.direction.z};
+        const double parts[] = {ray.origin.x,    ray.origin.y,    ray.origin.z,
+                                ray.direction.x, ray.direction.y, ray.direction.z};
         for (std::size_t c = 0; c < 6; ++c) columns_[c][i] = static_cast<S>(parts[c]);
     }
 }

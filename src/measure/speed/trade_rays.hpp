@@ -14,29 +14,29 @@ namespace lostbits::measure::speed {
 
 /// Rays on which forms are compared.
 struct RaySet {
-    std::string_view name;     ///< in files
-    std::string_view title;    ///< what the rays are
+    std::string_view name;   ///< in files
+    std::string_view title;  ///< what the rays are
     std::vector<scene::rays::RayGroup> (*groups)();
 };
 
 /// The sets of a shape, the easy one first. Seeded: always the same rays.
 std::span<const RaySet> ray_sets(Shape shape);
 
-/// One solid, and rays that hit it and rays that miss it, all of the easy kind, directions of unit length to binary32, so
-/// that every form can be given them.
+/// One solid, and rays that hit it and rays that miss it, all of the easy kind, directions of unit length to binary32,
+/// so that every form can be given them.
 struct RayPool {
     Solid<double> solid;
     std::vector<Ray<double>> hits, misses;
 };
 RayPool ray_pool(Shape shape);
 
-/// Rays of a pool and room for their answers, as many as fit into so many bytes, in one block of memory. Columns start at
-/// cache lines, each at another place of its page, so that reads and writes do not collide there.
+/// Rays of a pool and room for their answers, as many as fit into so many bytes, in one block of memory. Columns start
+/// at cache lines, each at another place of its page, so that reads and writes do not collide there.
 template <class S>
 class RayStore {
 public:
-    /// The share of hits is exact to one ray; hits and misses are shuffled. `slice` rays are given to a kernel at once, all of
-    /// them if zero.
+    /// The share of hits is exact to one ray; hits and misses are shuffled. `slice` rays are given to a kernel at once,
+    /// all of them if zero.
     RayStore(const RayPool& pool, std::size_t bytes, double hit_rate, std::size_t slice, std::uint64_t seed);
     RayStore(const RayStore&) = delete;
     RayStore& operator=(const RayStore&) = delete;
@@ -50,7 +50,8 @@ public:
     void run(const Kernel& kernel) {
         const auto in = [this](std::size_t c) { return std::span<const S>(columns_[c] + at_, slice_); };
         const auto out = [this](std::size_t c) { return std::span<S>(columns_[c] + at_, slice_); };
-        kernel(intersect::table::RayBatch<S>{in(0), in(1), in(2), in(3), in(4), in(5)}, solid_, intersect::table::HitBatch<S>{out(6), out(7), out(8), {hit_ + at_, slice_}});
+        kernel(intersect::table::RayBatch<S>{in(0), in(1), in(2), in(3), in(4), in(5)}, solid_,
+               intersect::table::HitBatch<S>{out(6), out(7), out(8), {hit_ + at_, slice_}});
         at_ += slice_;
         if (at_ + slice_ > rays_) at_ = 0;
     }

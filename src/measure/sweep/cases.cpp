@@ -14,7 +14,8 @@ MapSummary run_cases_together(const CaseRequest& request, std::size_t row, const
     const map::MapRow& what = request.rows[row];
     std::vector<scene::rays::RayGroup> groups;
     for (const std::size_t number : numbers) {
-        for (scene::rays::RayGroup& group : request.file->rays(number, what.format.shape)) groups.push_back(std::move(group));
+        for (scene::rays::RayGroup& group : request.file->rays(number, what.format.shape))
+            groups.push_back(std::move(group));
     }
     return std::move(map::measure_groups(std::move(groups), {what}, request.metrics, request.limit).front());
 }
@@ -28,7 +29,8 @@ std::vector<std::vector<MapSummary>> run_cases(const CaseRequest& request) {
         for (const auto& [name, places] : by_format) {
             std::vector<map::MapRow> rows;
             for (const std::size_t row : places) rows.push_back(request.rows[row]);
-            auto summaries = map::measure_groups(request.file->rays(i, rows.front().format.shape), rows, request.metrics, request.limit);
+            auto summaries = map::measure_groups(request.file->rays(i, rows.front().format.shape), rows,
+                                                 request.metrics, request.limit);
             for (std::size_t k = 0; k < places.size(); ++k) cases[i][places[k]] = std::move(summaries[k]);
         }
         request.progress(request.rows.size());
@@ -38,12 +40,15 @@ std::vector<std::vector<MapSummary>> run_cases(const CaseRequest& request) {
 
 Verdict verdict_of(const MapSummary& s, const std::vector<const metric::Metric*>& metrics, double within) {
     if (s.count(Outcome::unresolved) > 0) return Verdict::unresolved;
-    constexpr std::pair<Outcome, Verdict> faults[] = {
-        {Outcome::not_a_number, Verdict::not_a_number}, {Outcome::false_miss, Verdict::false_miss}, {Outcome::false_hit, Verdict::false_hit}};
+    constexpr std::pair<Outcome, Verdict> faults[] = {{Outcome::not_a_number, Verdict::not_a_number},
+                                                      {Outcome::false_miss, Verdict::false_miss},
+                                                      {Outcome::false_hit, Verdict::false_hit}};
     const auto worst = std::ranges::max_element(faults, {}, [&](const auto& f) { return s.count(f.first); });
     if (s.count(worst->first) > 0) return worst->second;
-    const auto excess = static_cast<std::size_t>(std::ranges::find(metrics, metric::find_metric("excess_bits")) - metrics.begin());
-    return s.metrics[excess].count() > 0 && s.metrics[excess].quantile(1) > within ? Verdict::wrong_value : Verdict::right;
+    const auto excess =
+        static_cast<std::size_t>(std::ranges::find(metrics, metric::find_metric("excess_bits")) - metrics.begin());
+    return s.metrics[excess].count() > 0 && s.metrics[excess].quantile(1) > within ? Verdict::wrong_value
+                                                                                   : Verdict::right;
 }
 
 }  // namespace lostbits::measure::sweep

@@ -24,7 +24,8 @@ struct Statistic {
 constexpr Statistic statistics[] = {{"p50", 0.5}, {"p99", 0.99}, {"max", 1.0}};
 
 /// The rows of one step.
-std::vector<MapSummary> run_step(const SweepRequest& request, const std::vector<MapRow>& rows, const std::vector<double>& values) {
+std::vector<MapSummary> run_step(const SweepRequest& request, const std::vector<MapRow>& rows,
+                                 const std::vector<double>& values) {
     return map::measure_groups(request.sweep->rays(values), rows, request.metrics, request.limit);
 }
 
@@ -49,22 +50,26 @@ std::vector<Event> events_of(const MapRow& row, const std::vector<const Metric*>
     for (const Statistic& s : statistics) {
         for (const double bits : {1.0, 4.0, 8.0, p / 2, p}) {
             if (bits > p) continue;
-            events.push_back({"lost_bits", s.name, bits, [lost, s](const MapSummary& m) { return m.metrics[lost].quantile(s.q); }});
+            events.push_back(
+                {"lost_bits", s.name, bits, [lost, s](const MapSummary& m) { return m.metrics[lost].quantile(s.q); }});
         }
     }
     for (const Outcome o : {Outcome::false_hit, Outcome::false_miss, Outcome::not_a_number}) {
-        events.push_back({std::string(answer::outcome_names[static_cast<std::size_t>(o)]), "count", 1, [o](const MapSummary& m) { return static_cast<double>(m.count(o)); }});
+        events.push_back({std::string(answer::outcome_names[static_cast<std::size_t>(o)]), "count", 1,
+                          [o](const MapSummary& m) { return static_cast<double>(m.count(o)); }});
     }
     if (row.form->shape != Shape::sdf || stop == metrics.size()) return events;
     for (const Stop why : {Stop::max_dist, Stop::max_steps, Stop::stagnated}) {
         const auto c = static_cast<std::size_t>(why);
-        events.push_back({std::string(intersect::stop_names[c]), "count", 1, [stop, c](const MapSummary& m) { return static_cast<double>(m.categories[stop][c]); }});
+        events.push_back({std::string(intersect::stop_names[c]), "count", 1,
+                          [stop, c](const MapSummary& m) { return static_cast<double>(m.categories[stop][c]); }});
     }
     return events;
 }
 
 /// Evaluates a row between the steps, remembering what it has seen: neighbouring events ask for the same places. Only
-/// what events are about is measured there, in the places that it has among the request's metrics; conditioning costs far more.
+/// what events are about is measured there, in the places that it has among the request's metrics; conditioning costs
+/// far more.
 class Between {
 public:
     Between(SweepRequest request, std::size_t row) : request_(std::move(request)), row_{request_.rows[row]} {
@@ -84,7 +89,8 @@ private:
     std::map<double, MapSummary> seen_;
 };
 
-Onset locate(const SweepRequest& request, const std::vector<SweepStep>& steps, std::size_t row, const Event& event, Between& between) {
+Onset locate(const SweepRequest& request, const std::vector<SweepStep>& steps, std::size_t row, const Event& event,
+             Between& between) {
     Onset onset{row, event.name, event.statistic, event.threshold};
     const auto bad = std::ranges::find_if(steps, [&](const SweepStep& s) { return event.happens(s.rows[row]); });
     if (bad == steps.end()) return onset;
@@ -139,7 +145,8 @@ std::vector<Onset> find_onsets(const SweepRequest& request, const std::vector<Sw
     std::vector<std::vector<Onset>> found(request.rows.size());
     tbb::parallel_for(std::size_t{0}, request.rows.size(), [&](std::size_t row) {
         Between between(request, row);
-        for (const Event& event : events_of(request.rows[row], request.metrics)) found[row].push_back(locate(request, steps, row, event, between));
+        for (const Event& event : events_of(request.rows[row], request.metrics))
+            found[row].push_back(locate(request, steps, row, event, between));
         request.progress(steps.size());
     });
     std::vector<Onset> onsets;

@@ -42,11 +42,11 @@ std::vector<SweepStep> run_sweep(const SweepRequest& request);
 /// One row at any place of the sweep, on its steps or between them.
 map::MapSummary run_place(const SweepRequest& request, std::size_t row, const std::vector<double>& values);
 
-/// The first crossings, along the first axis of a sweep with one axis, of 1, 4, 8, p/2 and p lost bits by the median, the
-/// 99th percentile and the largest, of the first false hit and false miss, and of the first march that ends at max_dist, at max_steps,
-/// or stagnated; each bracket [last good, first bad]
-/// narrowed by bisection until it is 2^-9 of its value wide, or holds no number of the axis. A crossing is the first in
-/// the order of the steps: a dip between two of them stays unseen.
+/// The first crossings, along the first axis of a sweep with one axis, of 1, 4, 8, p/2 and p lost bits by the median,
+/// the 99th percentile and the largest, of the first false hit and false miss, and of the first march that ends at
+/// max_dist, at max_steps, or stagnated; each bracket [last good, first bad] narrowed by bisection until it is 2^-9 of
+/// its value wide, or holds no number of the axis. A crossing is the first in the order of the steps: a dip between two
+/// of them stays unseen.
 std::vector<Onset> find_onsets(const SweepRequest& request, const std::vector<SweepStep>& steps);
 
 /// Units of progress that both calls together report at most.

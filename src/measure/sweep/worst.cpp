@@ -48,13 +48,15 @@ public:
         for (std::size_t i = 0; i < result.outcomes.size(); ++i) {
             const Outcome o = result.outcomes[i];
             if (o == Outcome::agree_miss || o == Outcome::unresolved) continue;
-            const double value = o == Outcome::agree_hit ? std::fabs(result.metrics[metric_][i]) : std::numeric_limits<double>::infinity();
+            const double value = o == Outcome::agree_hit ? std::fabs(result.metrics[metric_][i])
+                                                         : std::numeric_limits<double>::infinity();
             if (!(value > score)) continue;
             score = value;
             place = i;
             outcome = o;
             t = result.answers->t[i];
-            truth = result.truth(i).is_hit() ? result.band->rounded_truth(i, binary64, unit_of_, result.touching) : std::numeric_limits<double>::quiet_NaN();
+            truth = result.truth(i).is_hit() ? result.band->rounded_truth(i, binary64, unit_of_, result.touching)
+                                             : std::numeric_limits<double>::quiet_NaN();
         }
     }
     double score = -1;
@@ -70,8 +72,12 @@ private:
 class Search {
 public:
     Search(const WorstRequest& request, const map::MapRow& row)
-        : request_(request), file_(*request.search), row_(row), random_(file_.seed),
-          metric_(static_cast<std::size_t>(std::ranges::find(request.metrics, metric::find_metric(file_.metric)) - request.metrics.begin())) {}
+        : request_(request),
+          file_(*request.search),
+          row_(row),
+          random_(file_.seed),
+          metric_(static_cast<std::size_t>(std::ranges::find(request.metrics, metric::find_metric(file_.metric)) -
+                                           request.metrics.begin())) {}
 
     std::optional<WorstFound> run() {
         for (int start = 0; start < file_.starts && best_.outcome == Outcome::agree_hit; ++start) climb();
@@ -99,7 +105,8 @@ private:
         }
     }
 
-    /// A random place of the box that the search allows, its ray aimed at its solid; nothing where 4096 tries find none.
+    /// A random place of the box that the search allows, its ray aimed at its solid; nothing where 4096 tries find
+    /// none.
     std::optional<Place> draw() {
         for (int attempt = 0; attempt < 4096; ++attempt) {
             Place p;
@@ -120,7 +127,9 @@ private:
         double to[3], largest = 0, size = 0;
         for (std::size_t i = 0; i < 3; ++i) {
             const double u = random_.unit();
-            const double point = solid.shape == Shape::sphere ? solid.numbers[i] + (2 * u - 1) * solid.numbers[3] : solid.numbers[i] + u * (solid.numbers[3 + i] - solid.numbers[i]);
+            const double point = solid.shape == Shape::sphere
+                                     ? solid.numbers[i] + (2 * u - 1) * solid.numbers[3]
+                                     : solid.numbers[i] + u * (solid.numbers[3 + i] - solid.numbers[i]);
             to[i] = point - p.x[i];
             largest = std::max(largest, std::fabs(to[i]));
             size = std::max(size, std::fabs(p.x[3 + i]));
@@ -158,7 +167,8 @@ private:
         truth::Band band(std::move(rays), {places.front().solid(file_.shape)}, request_.limit);
         const unsigned needs = map::needs_of(request_.metrics);
         if (needs & metric::needs_condition) band.find_condition();
-        const auto inputs = band.inputs(row_.format, {row_.form->info->direction == Direction::unit, (needs & metric::needs_own_truth) != 0});
+        const auto inputs = band.inputs(
+            row_.format, {row_.form->info->direction == Direction::unit, (needs & metric::needs_own_truth) != 0});
         map::MapSummary summary;
         summary = map::MapSummary(request_.metrics);
         Judge judge(metric_, row_.form->info->direction);

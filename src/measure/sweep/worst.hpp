@@ -16,8 +16,8 @@ struct WorstFound {
     double value = -1;  ///< of the metric; means nothing for a wrong decision
     Ray<double> ray{};  ///< numbers of the format
     Solid<double> solid{};
-    double t = 0;       ///< the form's answer
-    double truth = 0;   ///< t*, correctly rounded to binary64; NaN for a miss
+    double t = 0;      ///< the form's answer
+    double truth = 0;  ///< t*, correctly rounded to binary64; NaN for a miss
     std::uint64_t evaluations = 0;
 };
 
@@ -29,10 +29,10 @@ struct WorstRequest {
     std::function<void(std::uint64_t)> progress = [](std::uint64_t) {};
 };
 
-/// From each of `starts` random rays: `generations` times 32 neighbours, each a few ordinals of the format (a random power
-/// of two) away in one to three numbers, and the best of them is gone on from if it is no worse than what there was. A
-/// wrong decision ends the search of its row. Nothing where no ray of the box is hit. The result depends on the file
-/// alone, not on the number of threads.
+/// From each of `starts` random rays: `generations` times 32 neighbours, each a few ordinals of the format (a random
+/// power of two) away in one to three numbers, and the best of them is gone on from if it is no worse than what there
+/// was. A wrong decision ends the search of its row. Nothing where no ray of the box is hit. The result depends on the
+/// file alone, not on the number of threads.
 std::vector<std::optional<WorstFound>> find_worst(const WorstRequest& request);
 
 }  // namespace lostbits::measure::sweep

@@ -9,9 +9,9 @@
 #include <limits>
 #include <type_traits>
 
+#include "intersect/sdf/march_loop.hpp"
 #include "intersect/simd/packed.hpp"
 #include "intersect/simd/packed_many.hpp"
-#include "intersect/sdf/march_loop.hpp"
 #include "intersect/table/union_field.hpp"
 #include "measure/truth/conditioning.hpp"
 #include "measure/truth/unit_direction.hpp"
@@ -63,9 +63,19 @@ std::vector<S> stored(const std::vector<double>& x, std::size_t begin, std::size
 template <class S>
 struct Chunk {
     Chunk(const RayBlock& rays, std::size_t first, std::size_t size)
-        : begin(first), count(size), ox(stored<S>(rays.ox, begin, count)), oy(stored<S>(rays.oy, begin, count)), oz(stored<S>(rays.oz, begin, count)),
-          dx(stored<S>(rays.dx, begin, count)), dy(stored<S>(rays.dy, begin, count)), dz(stored<S>(rays.dz, begin, count)),
-          tmax(rays.tmax.empty() ? std::vector<S>() : stored<S>(rays.tmax, begin, count)), t(count), near(count), far(count), hit(count) {}
+        : begin(first),
+          count(size),
+          ox(stored<S>(rays.ox, begin, count)),
+          oy(stored<S>(rays.oy, begin, count)),
+          oz(stored<S>(rays.oz, begin, count)),
+          dx(stored<S>(rays.dx, begin, count)),
+          dy(stored<S>(rays.dy, begin, count)),
+          dz(stored<S>(rays.dz, begin, count)),
+          tmax(rays.tmax.empty() ? std::vector<S>() : stored<S>(rays.tmax, begin, count)),
+          t(count),
+          near(count),
+          far(count),
+          hit(count) {}
 
     [[nodiscard]] intersect::table::RayBatch<S> batch() const { return {ox, oy, oz, dx, dy, dz, tmax}; }
     [[nodiscard]] HitBatch<S> hits() { return {t, near, far, hit}; }
@@ -88,7 +98,8 @@ void keep_nearest(S t, std::size_t p, std::int32_t object, Answers& answers) {
 
 /// One chunk of rays against all solids, keeping the nearest.
 template <class S, class Kernel>
-void nearest_of(const Kernel& kernel, const RayBlock& rays, const FormatInputs& in, std::size_t begin, std::size_t count, Answers& answers) {
+void nearest_of(const Kernel& kernel, const RayBlock& rays, const FormatInputs& in, std::size_t begin,
+                std::size_t count, Answers& answers) {
     Chunk<S> chunk(rays, begin, count);
     for (std::size_t s = 0; s < in.solids.size(); ++s) {
         stop_if_interrupted();
@@ -121,7 +132,8 @@ void for_each_hit(std::span<const std::uint8_t> hit, const Take& take) {
     }
 }
 
-/// Rays one by one, each against the spheres that it can meet, in their order: what `nearest_of` finds, without the rest.
+/// Rays one by one, each against the spheres that it can meet, in their order: what `nearest_of` finds, without the
+/// rest.
 template <class S>
 void nearest_among(const OneToMany<S>& kernel, const RayBlock& rays, const FormatInputs& in, Answers& answers) {
     const SphereIndex& index = *in.index;
@@ -132,7 +144,9 @@ void nearest_among(const OneToMany<S>& kernel, const RayBlock& rays, const Forma
     for (std::size_t p = 0; p < rays.size(); ++p) {
         stop_if_interrupted();
         const Ray<double> r = rays[p];
-        const auto cast = [](const Vec<double>& v) { return Vec<S>(static_cast<S>(v.x), static_cast<S>(v.y), static_cast<S>(v.z)); };
+        const auto cast = [](const Vec<double>& v) {
+            return Vec<S>(static_cast<S>(v.x), static_cast<S>(v.y), static_cast<S>(v.z));
+        };
         const Ray<S> ray{cast(r.origin), cast(r.direction)};
         const bool few = index.candidates(r, found);
         const std::size_t count = few ? found.size() : all.size();
@@ -145,7 +159,9 @@ void nearest_among(const OneToMany<S>& kernel, const RayBlock& rays, const Forma
         }
         const SphereArrays<S> asked = few ? SphereArrays<S>{column[0], column[1], column[2], column[3]} : all;
         kernel(ray, asked, std::span(t).first(count), std::span(hit).first(count));
-        for_each_hit(std::span(hit).first(count), [&](std::size_t c) { keep_nearest(t[c], p, static_cast<std::int32_t>(few ? found[c] : c), answers); });
+        for_each_hit(std::span(hit).first(count), [&](std::size_t c) {
+            keep_nearest(t[c], p, static_cast<std::int32_t>(few ? found[c] : c), answers);
+        });
     }
 }
 
@@ -158,24 +174,34 @@ OneToMany<S> one_by_one(const Kernel& kernel) {
         S near{}, far{};
         for (std::size_t i = 0; i < spheres.size(); ++i) {
             const Solid<S> solid(Sphere<S>{{spheres.x[i], spheres.y[i], spheres.z[i]}, spheres.radius[i]});
-            kernel(intersect::table::RayBatch<S>{one(o.x), one(o.y), one(o.z), one(d.x), one(d.y), one(d.z)}, Target<S>(solid),
+            kernel(intersect::table::RayBatch<S>{one(o.x), one(o.y), one(o.z), one(d.x), one(d.y), one(d.z)},
+                   Target<S>(solid),
                    HitBatch<S>{t.subspan(i, 1), std::span(&near, 1), std::span(&far, 1), hit.subspan(i, 1)});
         }
     };
 }
 
 /// The same over all spheres that a ray can meet; a row that is not the table's has no kernel for many spheres.
-void meet_many(const intersect::table::Intersector& form, const RayBlock& rays, const FormatInputs& in, Answers& answers) {
+void meet_many(const intersect::table::Intersector& form, const RayBlock& rays, const FormatInputs& in,
+               Answers& answers) {
     const intersect::simd::ManyRow many = intersect::simd::many_kernels(form);
     switch (in.format.engine) {
-        case Format::Engine::native32: return nearest_among<float>(many.spheres32 ? OneToMany<float>(many.spheres32) : one_by_one<float>(form.native32), rays, in, answers);
-        case Format::Engine::native64: return nearest_among<double>(many.spheres64 ? OneToMany<double>(many.spheres64) : one_by_one<double>(form.native64), rays, in, answers);
+        case Format::Engine::native32:
+            return nearest_among<float>(
+                many.spheres32 ? OneToMany<float>(many.spheres32) : one_by_one<float>(form.native32), rays, in,
+                answers);
+        case Format::Engine::native64:
+            return nearest_among<double>(
+                many.spheres64 ? OneToMany<double>(many.spheres64) : one_by_one<double>(form.native64), rays, in,
+                answers);
         case Format::Engine::rounded: break;
     }
-    nearest_among<double>(one_by_one<double>([&](const auto&... a) { form.rounded(in.format.shape, a...); }), rays, in, answers);
+    nearest_among<double>(one_by_one<double>([&](const auto&... a) { form.rounded(in.format.shape, a...); }), rays, in,
+                          answers);
 }
 
-/// The solid whose surface is nearest to the point at t, by double precision: of the solids of a field none says "I was it".
+/// The solid whose surface is nearest to the point at t, by double precision: of the solids of a field none says "I was
+/// it".
 std::int32_t nearest_solid(const Ray<double>& ray, double t, const std::vector<Solid<double>>& solids) {
     const Vec<double> p = intersect::sdf::along(ray, t);
     const auto size = [&p](const Solid<double>& s) { return std::fabs(intersect::table::distance(s, p)); };
@@ -184,15 +210,19 @@ std::int32_t nearest_solid(const Ray<double>& ray, double t, const std::vector<S
 
 /// One chunk of rays against the field of all solids.
 template <class S, class Kernel>
-void march_to(const Kernel& kernel, const RayBlock& rays, const FormatInputs& in, std::size_t begin, std::size_t count, Answers& answers) {
+void march_to(const Kernel& kernel, const RayBlock& rays, const FormatInputs& in, std::size_t begin, std::size_t count,
+              Answers& answers) {
     stop_if_interrupted();
     Chunk<S> chunk(rays, begin, count);
     HitBatch<S> hits = chunk.hits();
     hits.march = std::span(answers.march).subspan(begin, count);
-    const intersect::LiftedTarget<S> target(Target<double>(in.solids, in.march.value()), [](double x) { return static_cast<S>(x); });
+    const intersect::LiftedTarget<S> target(Target<double>(in.solids, in.march.value()),
+                                            [](double x) { return static_cast<S>(x); });
     kernel(chunk.batch(), target.get(), hits);
     for (std::size_t i = 0; i < count; ++i) {
-        if (chunk.hit[i] != 0) keep_nearest(chunk.t[i], begin + i, nearest_solid(rays[begin + i], static_cast<double>(chunk.t[i]), in.solids), answers);
+        if (chunk.hit[i] != 0)
+            keep_nearest(chunk.t[i], begin + i,
+                         nearest_solid(rays[begin + i], static_cast<double>(chunk.t[i]), in.solids), answers);
     }
 }
 
@@ -200,10 +230,12 @@ void march_to(const Kernel& kernel, const RayBlock& rays, const FormatInputs& in
 
 template <class Function>
 auto Band::with_ray(std::size_t i, Function&& function) const {
-    return ideal_ ? function((*ideal_)[i], Solids<Real>(ideal_solids_)) : function(shared_[i], Solids<double>(shared_solids_));
+    return ideal_ ? function((*ideal_)[i], Solids<Real>(ideal_solids_))
+                  : function(shared_[i], Solids<double>(shared_solids_));
 }
 
-Band::Band(const scene::file::Scene& scene, int y0, int y1, TruthLimit limit, Culler* culler) : culler_(culler), scene_(&scene), y0_(y0), rows_(y1 - y0), limit_(limit) {
+Band::Band(const scene::file::Scene& scene, int y0, int y1, TruthLimit limit, Culler* culler)
+    : culler_(culler), scene_(&scene), y0_(y0), rows_(y1 - y0), limit_(limit) {
     if (scene.inputs == scene::file::Inputs::shared) {
         shared_ = scene::rays::make_shared_rays(scene, y0, y1);
         shared_solids_ = culler ? culler->shared_solids() : scene::rays::shared_solids(scene);
@@ -216,7 +248,11 @@ Band::Band(const scene::file::Scene& scene, int y0, int y1, TruthLimit limit, Cu
 }
 
 Band::Band(scene::rays::RayGroup group, TruthLimit limit)
-    : y0_(group.rays.y0), rows_(group.rays.y1 - group.rays.y0), limit_(limit), shared_(std::move(group.rays)), shared_solids_(std::move(group.solids)),
+    : y0_(group.rays.y0),
+      rows_(group.rays.y1 - group.rays.y0),
+      limit_(limit),
+      shared_(std::move(group.rays)),
+      shared_solids_(std::move(group.solids)),
       shared_march_(group.march) {
     find_truth_of_all();
 }
@@ -225,7 +261,9 @@ namespace {
 
 Ray<double> in_double(const Ray<double>& ray) { return ray; }
 Ray<double> in_double(const Ray<Real>& ray) {
-    const auto of = [](const Vec<Real>& v) { return Vec<double>(static_cast<double>(v.x), static_cast<double>(v.y), static_cast<double>(v.z)); };
+    const auto of = [](const Vec<Real>& v) {
+        return Vec<double>(static_cast<double>(v.x), static_cast<double>(v.y), static_cast<double>(v.z));
+    };
     return {of(ray.origin), of(ray.direction)};
 }
 
@@ -236,7 +274,8 @@ Truth Band::find_truth_of(std::size_t i, Touching touching) const {
     const SphereIndex* const index = culler_ ? culler_->for_truth() : nullptr;
     return with_ray(i, [&](const auto& ray, auto solids) {
         thread_local std::vector<std::uint32_t> found;
-        if (index && index->candidates(in_double(ray), found)) return find_truth_among(ray, solids, found, limit_, touching);
+        if (index && index->candidates(in_double(ray), found))
+            return find_truth_among(ray, solids, found, limit_, touching);
         return find_truth(ray, solids, limit_, touching, tmax);
     });
 }
@@ -258,7 +297,9 @@ const Truth& Band::truth(std::size_t i, Touching touching) const {
 void Band::find_condition() {
     const auto of = [&](std::size_t i, const Truth& truth) {
         if (!truth.is_hit()) return std::numeric_limits<double>::quiet_NaN();
-        return with_ray(i, [&](const auto& ray, auto solids) { return lostbits::measure::truth::condition(ray, solids[static_cast<std::size_t>(truth.object)]); });
+        return with_ray(i, [&](const auto& ray, auto solids) {
+            return lostbits::measure::truth::condition(ray, solids[static_cast<std::size_t>(truth.object)]);
+        });
     };
     condition_.resize(pixels());
     for_each_pixel(pixels(), [&](std::size_t i) { condition_[i] = of(i, truth_[i]); });
@@ -290,14 +331,18 @@ FormatInputs Band::inputs(const Format& format, BandNeeds needs) const {
         for_each_pixel(pixels(), [&](std::size_t i) {
             const Ray<double> ray = in.rays[i];
             thread_local std::vector<std::uint32_t> found;
-            if (in.index && in.index->candidates(ray, found)) in.own_truth[i] = find_truth_among(ray, Solids<double>(in.solids), found, limit_, Touching::hit);
-            else in.own_truth[i] = find_truth(ray, Solids<double>(in.solids), limit_, Touching::hit, in.rays.tmax.empty() ? HUGE_VAL : in.rays.tmax[i]);
+            if (in.index && in.index->candidates(ray, found))
+                in.own_truth[i] = find_truth_among(ray, Solids<double>(in.solids), found, limit_, Touching::hit);
+            else
+                in.own_truth[i] = find_truth(ray, Solids<double>(in.solids), limit_, Touching::hit,
+                                             in.rays.tmax.empty() ? HUGE_VAL : in.rays.tmax[i]);
         });
     }
     return in;
 }
 
-double Band::rounded_truth(std::size_t i, const FloatFormat& format, intersect::Direction unit_of, Touching touching) const {
+double Band::rounded_truth(std::size_t i, const FloatFormat& format, intersect::Direction unit_of,
+                           Touching touching) const {
     const Truth& truth = this->truth(i, touching);
     if (unit_of == intersect::Direction::unit) {
         // A distance is irrational but where |d| is rational; a bound that straddles is settled as the midpoint rounds.
@@ -306,7 +351,9 @@ double Band::rounded_truth(std::size_t i, const FloatFormat& format, intersect::
         middle.bound = 0;
         return round_certified(middle, format).value_or(std::numeric_limits<double>::quiet_NaN());
     }
-    return with_ray(i, [&](const auto& ray, auto solids) { return round_truth(truth, ray, solids[static_cast<std::size_t>(truth.object)], format); });
+    return with_ray(i, [&](const auto& ray, auto solids) {
+        return round_truth(truth, ray, solids[static_cast<std::size_t>(truth.object)], format);
+    });
 }
 
 Answers evaluate(const intersect::table::Intersector& form, const FormatInputs& inputs) {
@@ -315,7 +362,9 @@ Answers evaluate(const intersect::table::Intersector& form, const FormatInputs& 
     const bool marches = form.shape == Shape::sdf;
     Answers answers{std::vector<double>(n), std::vector<std::uint8_t>(n), std::vector<std::int32_t>(n, -1)};
     // Packs keep no records of the marches in their lanes.
-    const intersect::simd::PackedRow native = marches ? intersect::simd::PackedRow{form.info, form.native32, form.native64} : intersect::simd::packed_kernels(form);
+    const intersect::simd::PackedRow native = marches
+                                                  ? intersect::simd::PackedRow{form.info, form.native32, form.native64}
+                                                  : intersect::simd::packed_kernels(form);
     if (marches) answers.march.resize(n);
     if (inputs.index && form.shape == Shape::sphere) {
         meet_many(form, rays, inputs, answers);

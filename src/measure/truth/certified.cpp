@@ -10,7 +10,9 @@ namespace lostbits::measure::truth {
 namespace {
 
 /// ldexp that saturates: exponents here may exceed int.
-double scale(double x, std::int64_t e) { return std::ldexp(x, static_cast<int>(std::clamp<std::int64_t>(e, -5000, 5000))); }
+double scale(double x, std::int64_t e) {
+    return std::ldexp(x, static_cast<int>(std::clamp<std::int64_t>(e, -5000, 5000)));
+}
 
 struct DoubleDouble {
     double hi, lo;
@@ -123,7 +125,9 @@ Neighbours round_ends(const Certified& x, const FloatFormat& format) {
             residual = -residual;
         }
         // Rounded in units of 2^exponent: a format whose exponents are moved by as much.
-        const auto moved = [&](std::int64_t bound) { return static_cast<int>(std::clamp<std::int64_t>(bound - x.exponent, -4000, 4000)); };
+        const auto moved = [&](std::int64_t bound) {
+            return static_cast<int>(std::clamp<std::int64_t>(bound - x.exponent, -4000, 4000));
+        };
         FloatFormat local{format.precision, moved(format.emin), 1000};
         double r = rounding::to_format(s.hi, residual, local);
         if (local.emin > 60) r = 0;  // far below the smallest subnormal

@@ -61,7 +61,8 @@ std::optional<double> condition_in(const Ray<S>& ray, const Solid<S>& solid) {
     const auto found = enclose(problem.ray, problem.solid);
     if (found.hit.is_no()) return std::numeric_limits<double>::quiet_NaN();
     if (!found.hit.is_yes()) return std::nullopt;
-    if (found.t.value().is_exact() && (found.t.value() <= E(0)).is_yes()) return std::numeric_limits<double>::infinity();
+    if (found.t.value().is_exact() && (found.t.value() <= E(0)).is_yes())
+        return std::numeric_limits<double>::infinity();
     E sum(0);
     for (std::size_t i = 0; i < N; ++i) sum = sum + abs(problem.x[i] * found.t.derivative(i));
     return close_enough(sum / found.t.value());

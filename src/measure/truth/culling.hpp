@@ -27,24 +27,26 @@ RayBounds join(const RayBounds& a, const RayBounds& b);
 
 /// Candidates among n spheres for rays within stated bounds: supersets, never missing one that matters.
 ///
-/// For the truth: the spheres that the line comes within 2^-18 of the picture's size of (that covers Embree's float arithmetic
-/// and the rounding of ideal rays to it). For forms in a format with unit roundoff u also those that rounding can make a hit of:
-/// every form decides by the sign of something like r² − l², l the distance of the centre from the line, which it knows to an error of
-/// at most K·u·B with B = |O|² + (|G| + r)² + (|O| + |G| + r)²: products of those lengths are all that it adds. Counting
-/// roundings gives K < 30 for the worst of the forms; 64 is taken. A sphere is a candidate where l² ≤ r² + 64·u·B. A test
-/// compares with brute force for every form. The bound needs squares that neither overflow nor vanish: see `make`.
+/// For the truth: the spheres that the line comes within 2^-18 of the picture's size of (that covers Embree's float
+/// arithmetic and the rounding of ideal rays to it). For forms in a format with unit roundoff u also those that
+/// rounding can make a hit of: every form decides by the sign of something like r² − l², l the distance of the centre
+/// from the line, which it knows to an error of at most K·u·B with B = |O|² + (|G| + r)² + (|O| + |G| + r)²: products
+/// of those lengths are all that it adds. Counting roundings gives K < 30 for the worst of the forms; 64 is taken. A
+/// sphere is a candidate where l² ≤ r² + 64·u·B. A test compares with brute force for every form. The bound needs
+/// squares that neither overflow nor vanish: see `make`.
 class SphereIndex {
 public:
-    /// Nothing where no index can be trusted (squares of the picture's numbers overflow or vanish in the format), where there are
-    /// fewer than 64 solids or one that is no sphere, or where this build has no Embree: ask every solid then.
-    /// `format` null: for the truth.
-    static std::shared_ptr<const SphereIndex> make(std::span<const Solid<double>> solids, const RayBounds& bounds, const FloatFormat* format);
+    /// Nothing where no index can be trusted (squares of the picture's numbers overflow or vanish in the format), where
+    /// there are fewer than 64 solids or one that is no sphere, or where this build has no Embree: ask every solid
+    /// then. `format` null: for the truth.
+    static std::shared_ptr<const SphereIndex> make(std::span<const Solid<double>> solids, const RayBounds& bounds,
+                                                   const FloatFormat* format);
     ~SphereIndex();
     SphereIndex(const SphereIndex&) = delete;
     SphereIndex& operator=(const SphereIndex&) = delete;
 
-    /// Fills `found` with the candidates for a ray in rising order; false where they are more than a thirty-second of all: asking
-    /// all is cheaper then. Any thread may ask.
+    /// Fills `found` with the candidates for a ray in rising order; false where they are more than a thirty-second of
+    /// all: asking all is cheaper then. Any thread may ask.
     bool candidates(const Ray<double>& ray, std::vector<std::uint32_t>& found) const;
 
     /// All spheres as columns, numbers of the format.
@@ -69,7 +71,8 @@ public:
 
     /// As `scene::shared_solids`.
     [[nodiscard]] const std::vector<Solid<double>>& shared_solids() const { return shared_; }
-    /// For the truth, and for forms in a format that are given `solids`; each made when it is first asked for. May be null.
+    /// For the truth, and for forms in a format that are given `solids`; each made when it is first asked for. May be
+    /// null.
     const SphereIndex* for_truth();
     std::shared_ptr<const SphereIndex> for_format(const FloatFormat& format, std::span<const Solid<double>> solids);
 

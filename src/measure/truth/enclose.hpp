@@ -48,9 +48,7 @@ Enclosed<E> enclose(const Ray<E>& ray, const Sphere<E>& sphere) {
     if (through.is_unknown()) return {Tri::unknown, zero, zero};
 
     const E root = sqrt(discriminant);
-    const E t = outside.is_yes()         ? c / (root - h)
-                : (h > zero).is_yes() ? -c / (h + root)
-                                      : (root - h) / a;
+    const E t = outside.is_yes() ? c / (root - h) : (h > zero).is_yes() ? -c / (h + root) : (root - h) / a;
     return {Tri::yes, t, t * sqrt(a), through.is_no()};
 }
 

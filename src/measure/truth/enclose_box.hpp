@@ -17,8 +17,8 @@ struct Fraction {
     E m;
 };
 
-/// What the slabs leave of the line o + t d: those t that are at least every `entry` and at most every `exit`, one of each
-/// for every axis with d ≠ 0. And what no t changes, for the closed and the open box.
+/// What the slabs leave of the line o + t d: those t that are at least every `entry` and at most every `exit`, one of
+/// each for every axis with d ≠ 0. And what no t changes, for the closed and the open box.
 template <class E>
 struct Slabs {
     std::array<std::optional<Fraction<E>>, 3> entry, exit;
@@ -26,8 +26,8 @@ struct Slabs {
     Tri open = Tri::yes;    ///< lo < o < hi wherever d = 0, and lo < hi everywhere
 };
 
-/// entry = (lo − o)/d and exit = (hi − o)/d where d > 0, the other way round where d < 0, both scaled to a denominator of |d|.
-/// Nothing where this precision does not tell a sign of d (a double's is always told).
+/// entry = (lo − o)/d and exit = (hi − o)/d where d > 0, the other way round where d < 0, both scaled to a denominator
+/// of |d|. Nothing where this precision does not tell a sign of d (a double's is always told).
 template <class E>
 std::optional<Slabs<E>> slabs_of(const Ray<E>& ray, const Box<E>& box) {
     const E zero(0);
@@ -53,8 +53,8 @@ std::optional<Slabs<E>> slabs_of(const Ray<E>& ray, const Box<E>& box) {
     return slabs;
 }
 
-/// Whether some t in [0, tmax] lies in the closed and in the open box. With a the largest entry and b the smallest exit, the
-/// line is in the closed box for a ≤ t ≤ b and in the open one for a < t < b, so that for tmax ≥ 0
+/// Whether some t in [0, tmax] lies in the closed and in the open box. With a the largest entry and b the smallest
+/// exit, the line is in the closed box for a ≤ t ≤ b and in the open one for a < t < b, so that for tmax ≥ 0
 ///     closed:  a ≤ b,  0 ≤ b,  a ≤ tmax          open:  a < b,  0 < b,  a < tmax
 /// (where a < 0 = tmax the origin is inside). Each inequality between a largest and a smallest is the conjunction of
 /// those between all, so neither needs to be known; entry and exit of one axis are in the order of lo and hi.
@@ -83,7 +83,8 @@ InBox in_box(const Slabs<E>& slabs, const E* tmax) {
     return {in.closed, in.closed && in.open};
 }
 
-/// The largest entry, or 0/1 where none is positive; of equal ones the first. Nothing where this precision does not tell.
+/// The largest entry, or 0/1 where none is positive; of equal ones the first. Nothing where this precision does not
+/// tell.
 template <class E>
 std::optional<Fraction<E>> first_entry(const Slabs<E>& slabs) {
     const E zero(0);
@@ -97,17 +98,20 @@ std::optional<Fraction<E>> first_entry(const Slabs<E>& slabs) {
     return first ? *first : Fraction<E>{zero, E(1)};
 }
 
-/// The first t in [0, tmax] (no end where `tmax` is null) for which o + t d lies in the closed box (`Touching::hit`), or the
-/// infimum of those for which it lies in the open one (`Touching::miss`). For either, t* = max(0, largest entry):
+/// The first t in [0, tmax] (no end where `tmax` is null) for which o + t d lies in the closed box (`Touching::hit`),
+/// or the infimum of those for which it lies in the open one (`Touching::miss`). For either, t* = max(0, largest
+/// entry):
 ///
-///   - an origin inside gives t = 0 exactly; so does one on the boundary if the ray goes in (or, closed, along it or out);
+///   - an origin inside gives t = 0 exactly; so does one on the boundary if the ray goes in (or, closed, along it or
+///   out);
 ///   - an entry exactly at tmax is a hit of the closed box and a miss of the open one, whose points all come later;
 ///   - a box of zero thickness has an empty inside; a negative tmax leaves no ray.
 ///
-/// All decisions are signs of dyadic polynomials of degree two in the inputs (differences times a direction or tmax), so for
-/// doubles an interval of 2·(1024 + 1074) + 3 < 4200 bits decides every one. The direction must not be zero, and lo ≤ hi.
-/// `touching` says that the two conventions differ; it is known, like everything else, only where `hit` is. A Dual's gradient
-/// is that of the axis that was chosen: where two entries are equal t has a kink, and the gradient is one-sided.
+/// All decisions are signs of dyadic polynomials of degree two in the inputs (differences times a direction or tmax),
+/// so for doubles an interval of 2·(1024 + 1074) + 3 < 4200 bits decides every one. The direction must not be zero, and
+/// lo ≤ hi. `touching` says that the two conventions differ; it is known, like everything else, only where `hit` is. A
+/// Dual's gradient is that of the axis that was chosen: where two entries are equal t has a kink, and the gradient is
+/// one-sided.
 template <class E>
 Enclosed<E> enclose(const Ray<E>& ray, const Box<E>& box, const E* tmax, intersect::Touching convention) {
     const E zero(0);

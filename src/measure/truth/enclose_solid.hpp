@@ -8,7 +8,8 @@ namespace lostbits::measure::truth {
 /// The closed solid, whatever its shape. `tmax` (null: nowhere) ends the ray for boxes; a sphere's problem has no end.
 template <class E>
 Enclosed<E> enclose(const Ray<E>& ray, const Solid<E>& solid, const E* tmax = nullptr) {
-    return solid.shape == Shape::sphere ? enclose(ray, solid.sphere()) : enclose(ray, solid.box(), tmax, intersect::Touching::hit);
+    return solid.shape == Shape::sphere ? enclose(ray, solid.sphere())
+                                        : enclose(ray, solid.box(), tmax, intersect::Touching::hit);
 }
 
 }  // namespace lostbits::measure::truth

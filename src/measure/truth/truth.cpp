@@ -72,7 +72,8 @@ Truth escalate(const Ray<S>& ray, const Solid<S>& solid, TruthLimit limit, Touch
     for (int bits = std::is_same_v<S, Real> ? 384 : 192; bits <= limit.bits; bits *= 2) {
         const Interval::Precision precision(bits);
         truth.bits = bits;
-        if (settle(enclose_until(lift_ray<Interval>(ray), lift_solid<Interval>(solid), tmax), touching, truth)) return truth;
+        if (settle(enclose_until(lift_ray<Interval>(ray), lift_solid<Interval>(solid), tmax), touching, truth))
+            return truth;
     }
     truth.decision = Truth::Decision::unresolved;
     return truth;
@@ -97,7 +98,8 @@ void join(const Truth& of_one, int i, Truth& best) {
 
 /// `at(k)` is the place of the k-th of `count` solids to ask about.
 template <class S, class At>
-Truth find(const Ray<S>& ray, std::span<const Solid<S>> solids, std::size_t count, const At& at, TruthLimit limit, Touching touching, double tmax) {
+Truth find(const Ray<S>& ray, std::span<const Solid<S>> solids, std::size_t count, const At& at, TruthLimit limit,
+           Touching touching, double tmax) {
     Truth best;
     if (!is_ray(ray) || !(tmax >= 0)) return best;
     const Ray<Ball> quick = lift_ray<Ball>(ray);
@@ -106,7 +108,8 @@ Truth find(const Ray<S>& ray, std::span<const Solid<S>> solids, std::size_t coun
         if (!is_solid(solid)) continue;
         Truth one;
         one.bits = 106;
-        if (!settle(enclose_until(quick, lift_solid<Ball>(solid), tmax), touching, one)) one = escalate(ray, solid, limit, touching, tmax);
+        if (!settle(enclose_until(quick, lift_solid<Ball>(solid), tmax), touching, one))
+            one = escalate(ray, solid, limit, touching, tmax);
         join(one, static_cast<int>(at(k)), best);
     }
     return best;
@@ -114,17 +117,21 @@ Truth find(const Ray<S>& ray, std::span<const Solid<S>> solids, std::size_t coun
 
 template <class S>
 Truth find_all(const Ray<S>& ray, std::span<const Solid<S>> solids, TruthLimit limit, Touching touching, double tmax) {
-    return find(ray, solids, solids.size(), [](std::size_t k) { return k; }, limit, touching, tmax);
+    return find(
+        ray, solids, solids.size(), [](std::size_t k) { return k; }, limit, touching, tmax);
 }
 
 template <class S>
-Truth find_some(const Ray<S>& ray, std::span<const Solid<S>> solids, std::span<const std::uint32_t> among, TruthLimit limit, Touching touching) {
-    return find(ray, solids, among.size(), [among](std::size_t k) { return std::size_t{among[k]}; }, limit, touching, HUGE_VAL);
+Truth find_some(const Ray<S>& ray, std::span<const Solid<S>> solids, std::span<const std::uint32_t> among,
+                TruthLimit limit, Touching touching) {
+    return find(
+        ray, solids, among.size(), [among](std::size_t k) { return std::size_t{among[k]}; }, limit, touching, HUGE_VAL);
 }
 
-/// −1, 0, +1 as t* lies below, at or above the dyadic number m > 0, or nothing where this precision does not tell: with P(t) = a t² + 2 h t + c, the near root (from
-/// outside) is above m where P(m) > 0 and a m + h < 0; the far root (from inside) is above m where P(m) < 0. From
-/// outside P is positive before the near root, from inside negative before the far one.
+/// −1, 0, +1 as t* lies below, at or above the dyadic number m > 0, or nothing where this precision does not tell: with
+/// P(t) = a t² + 2 h t + c, the near root (from outside) is above m where P(m) > 0 and a m + h < 0; the far root (from
+/// inside) is above m where P(m) < 0. From outside P is positive before the near root, from inside negative before the
+/// far one.
 std::optional<int> side_of(const Ray<Interval>& ray, const Sphere<Interval>& sphere, const Interval& m) {
     const Interval zero(0);
     const Vec<Interval> f = ray.origin - sphere.centre;
@@ -151,10 +158,12 @@ double round_exactly(const Truth& truth, const Ray<S>& ray, const Solid<S>& soli
     for (int bits = std::is_same_v<S, Real> ? 384 : 192; bits <= TruthLimit{}.bits; bits *= 2) {
         const Interval::Precision precision(bits);
         // The boundary that the bound straddles: midway between the two, or half a last place above the largest number.
-        const Interval middle = std::isinf(upper) ? Interval(lower) + Interval(std::ldexp(1.0, format.emax - format.precision))
-                                                  : (Interval(lower) + Interval(upper)) / Interval(2);
+        const Interval middle = std::isinf(upper)
+                                    ? Interval(lower) + Interval(std::ldexp(1.0, format.emax - format.precision))
+                                    : (Interval(lower) + Interval(upper)) / Interval(2);
         const auto lifted = lift_solid<Interval>(solid);
-        const auto side = solid.shape == Shape::sphere ? side_of(lift_ray<Interval>(ray), lifted.sphere(), middle) : truth::side_of(lift_ray<Interval>(ray), lifted.box(), middle);
+        const auto side = solid.shape == Shape::sphere ? side_of(lift_ray<Interval>(ray), lifted.sphere(), middle)
+                                                       : truth::side_of(lift_ray<Interval>(ray), lifted.box(), middle);
         if (!side) continue;
         if (*side != 0) return *side < 0 ? lower : upper;
         return ordinal(lower, format) % 2 == 0 ? lower : upper;
@@ -164,17 +173,21 @@ double round_exactly(const Truth& truth, const Ray<S>& ray, const Solid<S>& soli
 
 }  // namespace
 
-Truth find_truth(const Ray<double>& ray, std::span<const Solid<double>> solids, TruthLimit limit, Touching touching, double tmax) {
+Truth find_truth(const Ray<double>& ray, std::span<const Solid<double>> solids, TruthLimit limit, Touching touching,
+                 double tmax) {
     return find_all(ray, solids, limit, touching, tmax);
 }
-Truth find_truth(const Ray<Real>& ray, std::span<const Solid<Real>> solids, TruthLimit limit, Touching touching, double tmax) {
+Truth find_truth(const Ray<Real>& ray, std::span<const Solid<Real>> solids, TruthLimit limit, Touching touching,
+                 double tmax) {
     return find_all(ray, solids, limit, touching, tmax);
 }
 
-Truth find_truth_among(const Ray<double>& ray, std::span<const Solid<double>> solids, std::span<const std::uint32_t> among, TruthLimit limit, Touching touching) {
+Truth find_truth_among(const Ray<double>& ray, std::span<const Solid<double>> solids,
+                       std::span<const std::uint32_t> among, TruthLimit limit, Touching touching) {
     return find_some(ray, solids, among, limit, touching);
 }
-Truth find_truth_among(const Ray<Real>& ray, std::span<const Solid<Real>> solids, std::span<const std::uint32_t> among, TruthLimit limit, Touching touching) {
+Truth find_truth_among(const Ray<Real>& ray, std::span<const Solid<Real>> solids, std::span<const std::uint32_t> among,
+                       TruthLimit limit, Touching touching) {
     return find_some(ray, solids, among, limit, touching);
 }
 

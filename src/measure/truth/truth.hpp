@@ -32,8 +32,8 @@ struct Truth {
 
 /// Enclosures start at double-double (`Ball`) and go to MPFI at 192 bits, doubling. Every decision rests on the sign
 /// of a dyadic polynomial of degree four in the inputs, so an interval of enough bits has zero width: for doubles that
-/// is at most 4·(1024 + 1074) + 64 < 8500 bits (the tests' worst needed 6144). The last precision tried is 24576, nearly
-/// three times that; what it does not settle is `unresolved`.
+/// is at most 4·(1024 + 1074) + 64 < 8500 bits (the tests' worst needed 6144). The last precision tried is 24576,
+/// nearly three times that; what it does not settle is `unresolved`.
 struct TruthLimit {
     int bits = 32768;
 };
@@ -42,22 +42,28 @@ struct TruthLimit {
 /// `ray` and `solids` in any exact storage: double (which holds every format up to binary64) or Real (own inputs).
 /// A ray with a number that is not finite or a direction of zero is none and meets nothing; nor does anything meet a
 /// solid with such a number, a sphere without a positive radius, a box with lo > hi.
-Truth find_truth(const Ray<double>& ray, std::span<const Solid<double>> solids, TruthLimit limit = {}, intersect::Touching touching = intersect::Touching::hit, double tmax = HUGE_VAL);
-Truth find_truth(const Ray<Real>& ray, std::span<const Solid<Real>> solids, TruthLimit limit = {}, intersect::Touching touching = intersect::Touching::hit, double tmax = HUGE_VAL);
+Truth find_truth(const Ray<double>& ray, std::span<const Solid<double>> solids, TruthLimit limit = {},
+                 intersect::Touching touching = intersect::Touching::hit, double tmax = HUGE_VAL);
+Truth find_truth(const Ray<Real>& ray, std::span<const Solid<Real>> solids, TruthLimit limit = {},
+                 intersect::Touching touching = intersect::Touching::hit, double tmax = HUGE_VAL);
 
 /// The same where the ray can meet none but the solids named by `among`, which are in rising order.
-Truth find_truth_among(const Ray<double>& ray, std::span<const Solid<double>> solids, std::span<const std::uint32_t> among, TruthLimit limit, intersect::Touching touching);
-Truth find_truth_among(const Ray<Real>& ray, std::span<const Solid<Real>> solids, std::span<const std::uint32_t> among, TruthLimit limit, intersect::Touching touching);
+Truth find_truth_among(const Ray<double>& ray, std::span<const Solid<double>> solids,
+                       std::span<const std::uint32_t> among, TruthLimit limit, intersect::Touching touching);
+Truth find_truth_among(const Ray<Real>& ray, std::span<const Solid<Real>> solids, std::span<const std::uint32_t> among,
+                       TruthLimit limit, intersect::Touching touching);
 
 bool is_proper(const Ray<double>& ray);
 bool is_proper(const Ray<Real>& ray);
 bool is_proper(const Solid<double>& solid);
 bool is_proper(const Solid<Real>& solid);
 
-inline Truth find_truth(const Ray<double>& ray, const Solid<double>& solid, TruthLimit limit = {}, intersect::Touching touching = intersect::Touching::hit, double tmax = HUGE_VAL) {
+inline Truth find_truth(const Ray<double>& ray, const Solid<double>& solid, TruthLimit limit = {},
+                        intersect::Touching touching = intersect::Touching::hit, double tmax = HUGE_VAL) {
     return find_truth(ray, std::span(&solid, 1), limit, touching, tmax);
 }
-inline Truth find_truth(const Ray<Real>& ray, const Solid<Real>& solid, TruthLimit limit = {}, intersect::Touching touching = intersect::Touching::hit, double tmax = HUGE_VAL) {
+inline Truth find_truth(const Ray<Real>& ray, const Solid<Real>& solid, TruthLimit limit = {},
+                        intersect::Touching touching = intersect::Touching::hit, double tmax = HUGE_VAL) {
     return find_truth(ray, std::span(&solid, 1), limit, touching, tmax);
 }
 

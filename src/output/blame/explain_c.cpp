@@ -5,8 +5,8 @@
 #include "measure/blame/tape_text.hpp"
 #include "number/error.hpp"
 #include "output/blame/explain_programs.hpp"
-#include "output/file/number_text.hpp"
 #include "output/blame/tape_slice.hpp"
+#include "output/file/number_text.hpp"
 
 namespace lostbits::output::blame {
 
@@ -17,7 +17,10 @@ namespace {
 class Program {
 public:
     explicit Program(const Explanation& x)
-        : x_(x), text_(x.tape, x.names, measure::blame::TapeText::Style::plain), slice_(x.tape, {x.tape.outputs.t, x.tape.outputs.hit}), rounds_(x.format.engine == Format::Engine::rounded) {
+        : x_(x),
+          text_(x.tape, x.names, measure::blame::TapeText::Style::plain),
+          slice_(x.tape, {x.tape.outputs.t, x.tape.outputs.hit}),
+          rounds_(x.format.engine == Format::Engine::rounded) {
         wide_ = rounds_ && x.format.shape.precision > 25;
     }
 
@@ -45,7 +48,9 @@ private:
     std::string line(NodeId i) {
         const TapeNode& n = x_.tape[i];
         if (!is_decision(n.op) && slice_.is_constant(i)) return "";
-        const std::string comment = n.op == TapeOp::input || (n.label.empty() && n.op != TapeOp::select) ? "" : fmt::format("  /* {} */", text_.definition(i));
+        const std::string comment = n.op == TapeOp::input || (n.label.empty() && n.op != TapeOp::select)
+                                        ? ""
+                                        : fmt::format("  /* {} */", text_.definition(i));
         const std::string type = is_decision(n.op) ? "int" : is_double(i) ? "volatile double" : "volatile float";
         return fmt::format("    {} {} = {};{}\n", type, text_.identifier(i), value(i), comment);
     }
@@ -60,7 +65,9 @@ private:
             if (!rounds_) return exact;
             if (!wide_) return fmt::format("rounded({}, 0)", exact);
             refuse_unsafe(i);
-            return n.op == TapeOp::sqrt ? fmt::format("{}({})", called, at(0)) : fmt::format("{}({}, {})", called, at(0), n.op == TapeOp::sub ? "-" + at(1) : at(1));
+            return n.op == TapeOp::sqrt
+                       ? fmt::format("{}({})", called, at(0))
+                       : fmt::format("{}({}, {})", called, at(0), n.op == TapeOp::sub ? "-" + at(1) : at(1));
         };
         switch (n.op) {
             case TapeOp::add: return rounded("sum", infix("+"));
@@ -68,15 +75,21 @@ private:
             case TapeOp::mul: return rounded("product", infix("*"));
             case TapeOp::div: return rounded("quotient", infix("/"));
             case TapeOp::sqrt: return rounded("root", fmt::format("sqrt{}({})", suffix, at(0)));
-            case TapeOp::fma: refuse_rounded("a fused multiply-add"); return fmt::format("fma{}({}, {}, {})", suffix, at(0), at(1), at(2));
+            case TapeOp::fma:
+                refuse_rounded("a fused multiply-add");
+                return fmt::format("fma{}({}, {}, {})", suffix, at(0), at(1), at(2));
             case TapeOp::neg: return "-" + at(0);
             case TapeOp::abs: return fmt::format("fabs{}({})", suffix, at(0));
             case TapeOp::copysign: return fmt::format("copysign{}({}, {})", suffix, at(0), at(1));
             case TapeOp::min: return fmt::format("{0} < {1} ? {0} : {1}", at(0), at(1));
             case TapeOp::max: return fmt::format("{0} > {1} ? {0} : {1}", at(0), at(1));
             case TapeOp::select: return fmt::format("{} ? {} : {}", at(0), at(1), at(2));
-            case TapeOp::next_up: refuse_rounded("a move to the next number"); return fmt::format("nextafter{}({}, INFINITY)", suffix, at(0));
-            case TapeOp::next_down: refuse_rounded("a move to the next number"); return fmt::format("nextafter{}({}, -INFINITY)", suffix, at(0));
+            case TapeOp::next_up:
+                refuse_rounded("a move to the next number");
+                return fmt::format("nextafter{}({}, INFINITY)", suffix, at(0));
+            case TapeOp::next_down:
+                refuse_rounded("a move to the next number");
+                return fmt::format("nextafter{}({}, -INFINITY)", suffix, at(0));
             case TapeOp::convert: return fmt::format("({}){}", is_double(i) ? "double" : "float", at(0));
             case TapeOp::less: return infix("<");
             case TapeOp::less_equal: return infix("<=");
@@ -89,10 +102,13 @@ private:
         }
     }
     void refuse_rounded(const char* what) const {
-        if (rounds_) throw InputError(fmt::format("--c: {} has {}, which C has for float and double alone; try -f f32 or f64", x_.form->info->name, what));
+        if (rounds_)
+            throw InputError(fmt::format("--c: {} has {}, which C has for float and double alone; try -f f32 or f64",
+                                         x_.form->info->name, what));
     }
 
-    /// What a sum, product, quotient or root leaves out is a double where nothing comes near to the ends of the range (number/rounded.cpp).
+    /// What a sum, product, quotient or root leaves out is a double where nothing comes near to the ends of the range
+    /// (number/rounded.cpp).
     void refuse_unsafe(NodeId i) const {
         const TapeNode& n = x_.tape[i];
         bool exact = std::isnan(n.value), safe = true;  // zeros, infinities and NaN round to themselves
@@ -107,51 +123,70 @@ private:
         if (sum) safe = std::fabs(n.value) <= 0x1p+1000;
         else see(n.value);
         if (exact || safe) return;
-        throw InputError(fmt::format("--c: {} is {}, so near to the ends of double's range that what it leaves out is no double, which {} bits need; try -f f64, or a format of at most 25 bits",
-                                     text_.definition(i), file::decimal(n.value), x_.format.shape.precision));
+        throw InputError(
+            fmt::format("--c: {} is {}, so near to the ends of double's range that what it leaves out is no double, "
+                        "which {} bits need; try -f f64, or a format of at most 25 bits",
+                        text_.definition(i), file::decimal(n.value), x_.format.shape.precision));
     }
 
     [[nodiscard]] std::string rounding_functions(const std::string& body) const {
         const FloatFormat& f = x_.format.shape;
         std::string text = fmt::format(
-            "/* r + rest, r the nearest double: to {0} significand bits, exponents {1} to {2}, nearest even. */\nstatic double rounded(double r, double rest) {{\n"
-            "    int e;\n    double m, k;\n    if (r == 0 || isnan(r) || isinf(r)) return r;\n    frexp(r, &e);\n    e = (e - 1 > {1} ? e - 1 : {1}) - {0} + 1;\n"
-            "    m = ldexp(fabs(r), -e);\n    k = floor(m);\n    if (r < 0) rest = -rest;\n    if (m - k > 0.5 || (m - k == 0.5 && (rest > 0 || (rest == 0 && fmod(k, 2) != 0)))) k += 1;\n"
+            "/* r + rest, r the nearest double: to {0} significand bits, exponents {1} to {2}, nearest even. "
+            "*/\nstatic double rounded(double r, double rest) {{\n"
+            "    int e;\n    double m, k;\n    if (r == 0 || isnan(r) || isinf(r)) return r;\n    frexp(r, &e);\n    e "
+            "= (e - 1 > {1} ? e - 1 : {1}) - {0} + 1;\n"
+            "    m = ldexp(fabs(r), -e);\n    k = floor(m);\n    if (r < 0) rest = -rest;\n    if (m - k > 0.5 || (m - "
+            "k == 0.5 && (rest > 0 || (rest == 0 && fmod(k, 2) != 0)))) k += 1;\n"
             "    m = ldexp(k, e);\n    return copysign(m >= ldexp(1.0, {2}) * 2 ? INFINITY : m, r);\n}}\n",
             f.precision, f.emin, f.emax);
         const auto add_if_used = [&](const std::string& name, const std::string& function) {
             if (wide_ && body.find(" " + name + "(") != std::string::npos) text += function;
         };
         add_if_used("sum",
-                    "static double sum(double a, double b) {\n    volatile double s = a + b, v = s - a, w = s - v, x = a - w, y = b - v;\n"
+                    "static double sum(double a, double b) {\n    volatile double s = a + b, v = s - a, w = s - v, x = "
+                    "a - w, y = b - v;\n"
                     "    return isfinite(s) ? rounded(s, x + y) : s;\n}\n");
-        add_if_used("product", "static double product(double a, double b) {\n    volatile double p = a * b;\n    return rounded(p, fma(a, b, -p));\n}\n");
-        add_if_used("quotient", "static double quotient(double a, double b) {\n    volatile double q = a / b, rest = fma(-q, b, a);\n    return rounded(q, b < 0 ? -rest : rest);\n}\n");
-        add_if_used("root", "static double root(double a) {\n    volatile double r = sqrt(a);\n    return rounded(r, fma(-r, r, a));\n}\n");
+        add_if_used("product",
+                    "static double product(double a, double b) {\n    volatile double p = a * b;\n    return "
+                    "rounded(p, fma(a, b, -p));\n}\n");
+        add_if_used("quotient",
+                    "static double quotient(double a, double b) {\n    volatile double q = a / b, rest = fma(-q, b, "
+                    "a);\n    return rounded(q, b < 0 ? -rest : rest);\n}\n");
+        add_if_used("root",
+                    "static double root(double a) {\n    volatile double r = sqrt(a);\n    return rounded(r, fma(-r, "
+                    "r, a));\n}\n");
         return text + "\n";
     }
 
     [[nodiscard]] std::string opening(const std::string& body) const {
-        std::string text = fmt::format("/* {} in {}: {}.\n   Source: {}. Compile with cc -lm; no fast math. */\n#include <math.h>\n#include <stdio.h>\n\n", x_.form->info->name, x_.format.name,
-                                       x_.form->info->title, x_.form->info->source);
+        std::string text = fmt::format(
+            "/* {} in {}: {}.\n   Source: {}. Compile with cc -lm; no fast math. */\n#include <math.h>\n#include "
+            "<stdio.h>\n\n",
+            x_.form->info->name, x_.format.name, x_.form->info->title, x_.form->info->source);
         if (rounds_) text += rounding_functions(body);
         text +=
-            "static void show(const char* what, int hit, double t) {\n    if (isnan(t)) printf(\"%-9s %s at nan\\n\", what, hit ? \"hit\" : \"miss\");\n"
+            "static void show(const char* what, int hit, double t) {\n    if (isnan(t)) printf(\"%-9s %s at nan\\n\", "
+            "what, hit ? \"hit\" : \"miss\");\n"
             "    else printf(\"%-9s %s at %a = %.17g\\n\", what, hit ? \"hit\" : \"miss\", t, t);\n}\n"
-            "static int is_same(double a, double b) { return isnan(a) ? isnan(b) : a == b && !signbit(a) == !signbit(b); }\n\n";
+            "static int is_same(double a, double b) { return isnan(a) ? isnan(b) : a == b && !signbit(a) == "
+            "!signbit(b); }\n\n";
         return text + "int main(void) {\n";
     }
 
-    /// Computed, true and recorded are printed by one function of the program: the same bits are the same text, in whatever way that
-    /// machine's C library spells them.
+    /// Computed, true and recorded are printed by one function of the program: the same bits are the same text, in
+    /// whatever way that machine's C library spells them.
     [[nodiscard]] std::string closing() const {
         const NodeId t = x_.tape.outputs.t, hit = x_.tape.outputs.hit;
         const std::string recorded = literal(x_.tape[t].value, true);
         std::string text = fmt::format("\n    show(\"computed\", {}, {});\n", text_.identifier(hit), operand(t));
         if (x_.truth == measure::truth::Truth::Decision::unresolved) text += "    puts(\"true      not proved\");\n";
-        else text += x_.true_t ? fmt::format("    show(\"true\", 1, {});\n", literal(*x_.true_t, true)) : "    puts(\"true      miss\");\n";
+        else
+            text += x_.true_t ? fmt::format("    show(\"true\", 1, {});\n", literal(*x_.true_t, true))
+                              : "    puts(\"true      miss\");\n";
         text += fmt::format("    show(\"recorded\", {}, {});\n", x_.hit ? 1 : 0, recorded);
-        return text + fmt::format("    return is_same({}, {}) && {}{} ? 0 : 1;\n}}\n", operand(t), recorded, x_.hit ? "" : "!", text_.identifier(hit));
+        return text + fmt::format("    return is_same({}, {}) && {}{} ? 0 : 1;\n}}\n", operand(t), recorded,
+                                  x_.hit ? "" : "!", text_.identifier(hit));
     }
 
     const Explanation& x_;

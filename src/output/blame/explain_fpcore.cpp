@@ -5,8 +5,8 @@
 
 #include "measure/blame/tape_text.hpp"
 #include "output/blame/explain_programs.hpp"
-#include "output/file/number_text.hpp"
 #include "output/blame/tape_slice.hpp"
+#include "output/file/number_text.hpp"
 
 namespace lostbits::output::blame {
 
@@ -37,7 +37,8 @@ std::string rational(double x) {
 
 class Core {
 public:
-    explicit Core(const Explanation& x) : x_(x), text_(x.tape, x.names, measure::blame::TapeText::Style::plain), slice_(x.tape, {x.tape.outputs.t}) {}
+    explicit Core(const Explanation& x)
+        : x_(x), text_(x.tape, x.names, measure::blame::TapeText::Style::plain), slice_(x.tape, {x.tape.outputs.t}) {}
 
     std::string written() {
         const NodeId t = x_.tape.outputs.t;
@@ -47,8 +48,10 @@ public:
             const std::string value = is_decision(x_.tape[i].op) ? fmt::format("(if {} 1 0)", decision(i)) : number(i);
             body += fmt::format("    [{} {}]\n", text_.identifier(i), value);
         }
-        return fmt::format("(FPCore ({})\n  :name \"{} in {}, t\"\n  :precision {}\n  :cite (lostbits)\n  :pre {}\n  (let* (\n{}    )\n    {}))\n", arguments(), x_.form->info->name, x_.format.name,
-                           precision_name(x_.format.shape), pre(), body, operand(t));
+        return fmt::format(
+            "(FPCore ({})\n  :name \"{} in {}, t\"\n  :precision {}\n  :cite (lostbits)\n  :pre {}\n  (let* (\n{}    "
+            ")\n    {}))\n",
+            arguments(), x_.form->info->name, x_.format.name, precision_name(x_.format.shape), pre(), body, operand(t));
     }
 
 private:
@@ -60,7 +63,8 @@ private:
         return !slice_.is_constant(i);
     }
     [[nodiscard]] std::string operand(NodeId i) const {
-        if (is_decision(x_.tape[i].op)) return is_bound(i) ? fmt::format("(== {} 1)", text_.identifier(i)) : decision(i);
+        if (is_decision(x_.tape[i].op))
+            return is_bound(i) ? fmt::format("(== {} 1)", text_.identifier(i)) : decision(i);
         return slice_.is_constant(i) ? rational(x_.tape[i].value) : text_.identifier(i);
     }
     [[nodiscard]] std::string call(const char* f, NodeId i) const {
@@ -109,11 +113,12 @@ private:
         }
     }
 
-    /// FPCore names no neighbours, but x + η rounded upward, η the smallest positive number of the format, is the next above any finite x; −∞ stays
-    /// what it is, and above −η comes +0 in place of −0.
+    /// FPCore names no neighbours, but x + η rounded upward, η the smallest positive number of the format, is the next
+    /// above any finite x; −∞ stays what it is, and above −η comes +0 in place of −0.
     [[nodiscard]] std::string neighbour(NodeId i, const char* direction, const char* sign) const {
         const FloatFormat& f = x_.tape.format_of(i);
-        return fmt::format("(! :round {} ({} {} {}))", direction, sign, operand(x_.tape[i].operands[0]), rational(std::ldexp(1.0, f.emin - f.precision + 1)));
+        return fmt::format("(! :round {} ({} {} {}))", direction, sign, operand(x_.tape[i].operands[0]),
+                           rational(std::ldexp(1.0, f.emin - f.precision + 1)));
     }
 
     [[nodiscard]] std::string arguments() const {

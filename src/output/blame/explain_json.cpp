@@ -30,7 +30,10 @@ Json operation(const measure::blame::Explanation& x, const TapeText& text, NodeI
             if (operand != no_node) operands.push_back(text.name(operand));
         }
     }
-    Json j{{"name", text.name(i)}, {"operation", std::string(tape_op_names[static_cast<std::size_t>(n.op)])}, {"operands", operands}, {"expression", text.expression(i)}};
+    Json j{{"name", text.name(i)},
+           {"operation", std::string(tape_op_names[static_cast<std::size_t>(n.op)])},
+           {"operands", operands},
+           {"expression", text.expression(i)}};
     if (!n.label.empty()) j["label"] = std::string(n.label);
     j["turned"] = e.turned;
     if (is_decision(n.op)) {
@@ -54,7 +57,11 @@ Json operation(const measure::blame::Explanation& x, const TapeText& text, NodeI
 }
 
 Json standing(const measure::blame::Standing& s) {
-    return {{"form", std::string(s.form->info->name)}, {"outcome", std::string(measure::answer::outcome_names[static_cast<std::size_t>(s.outcome)])}, {"t", number(s.t)}, {"ulp_error", if_any(s.ulps)}, {"lost_bits", if_any(s.lost)}};
+    return {{"form", std::string(s.form->info->name)},
+            {"outcome", std::string(measure::answer::outcome_names[static_cast<std::size_t>(s.outcome)])},
+            {"t", number(s.t)},
+            {"ulp_error", if_any(s.ulps)},
+            {"lost_bits", if_any(s.lost)}};
 }
 
 }  // namespace
@@ -62,7 +69,11 @@ Json standing(const measure::blame::Standing& s) {
 std::string explain_json(const measure::blame::Explanation& x) {
     const TapeText text(x.tape, x.names, TapeText::Style::plain);
     const measure::blame::Attribution& a = x.attribution;
-    Json j{{"schema", "lostbits-explanation/1"}, {"form", std::string(x.form->info->name)}, {"format", x.format.name}, {"solid", x.solid}, {"solids", x.solids}};
+    Json j{{"schema", "lostbits-explanation/1"},
+           {"form", std::string(x.form->info->name)},
+           {"format", x.format.name},
+           {"solid", x.solid},
+           {"solids", x.solids}};
     for (std::size_t i = 0; i < x.inputs.size(); ++i) j["inputs"][x.names[i]] = exact(x.inputs[i]);
     j["given_direction"] = x.given ? Json({number(x.given->x), number(x.given->y), number(x.given->z)}) : Json(nullptr);
     j["hit"] = x.hit;
@@ -77,8 +88,14 @@ std::string explain_json(const measure::blame::Explanation& x) {
     j["sentence"] = culprit_sentence(x);
     j["culprit"] = node_or_null(text, a.culprit);
     const auto of_subject = [&a](double v) { return a.subject == no_node ? Json(nullptr) : number(v); };
-    j["attribution"] = {{"subject", node_or_null(text, a.subject)}, {"exact_hit", a.exact_hit}, {"cut_short", a.cut_short}, {"error", of_subject(a.error)}, {"explained", of_subject(a.explained)},
-                        {"first_order", of_subject(a.first_order)}, {"ulp", if_any(x.ulp_of_subject())}, {"shadow_bits", a.shadow_bits}};
+    j["attribution"] = {{"subject", node_or_null(text, a.subject)},
+                        {"exact_hit", a.exact_hit},
+                        {"cut_short", a.cut_short},
+                        {"error", of_subject(a.error)},
+                        {"explained", of_subject(a.explained)},
+                        {"first_order", of_subject(a.first_order)},
+                        {"ulp", if_any(x.ulp_of_subject())},
+                        {"shadow_bits", a.shadow_bits}};
     j["operations"] = Json::array();
     for (NodeId i = 0; i < x.tape.size(); ++i) j["operations"].push_back(operation(x, text, i));
     j["better"] = Json::array();

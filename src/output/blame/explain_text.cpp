@@ -29,7 +29,8 @@ std::string short_number(double x) {
 
 /// Letters, not bytes.
 std::size_t width_of(const std::string& text) {
-    return static_cast<std::size_t>(std::ranges::count_if(text, [](char c) { return (static_cast<unsigned char>(c) & 0xc0) != 0x80; }));
+    return static_cast<std::size_t>(
+        std::ranges::count_if(text, [](char c) { return (static_cast<unsigned char>(c) & 0xc0) != 0x80; }));
 }
 
 std::string padded(std::string text, std::size_t width) {
@@ -40,7 +41,8 @@ std::string padded(std::string text, std::size_t width) {
 /// What the tables say of operations, in words.
 class Words {
 public:
-    explicit Words(const Explanation& x) : x_(x), text_(x.tape, x.names, TapeText::Style::pretty), ulp_(x.ulp_of_subject()) {}
+    explicit Words(const Explanation& x)
+        : x_(x), text_(x.tape, x.names, TapeText::Style::pretty), ulp_(x.ulp_of_subject()) {}
 
     [[nodiscard]] const OperationError& of(NodeId i) const { return x_.attribution.of[static_cast<std::size_t>(i)]; }
     [[nodiscard]] const TapeText& text() const { return text_; }
@@ -73,7 +75,8 @@ std::string inputs_block(const Explanation& x) {
     for (const auto& name : x.names) width = std::max(width, name.size());
     for (std::size_t i = 0; i < x.inputs.size(); ++i) {
         if (x.names[i] == "limit" && std::isinf(x.inputs[i])) continue;
-        text += fmt::format("  {:<{}} = {:<22} {}\n", x.names[i], width, file::hex(x.inputs[i]), file::decimal(x.inputs[i]));
+        text += fmt::format("  {:<{}} = {:<22} {}\n", x.names[i], width, file::hex(x.inputs[i]),
+                            file::decimal(x.inputs[i]));
     }
     return text;
 }
@@ -83,13 +86,18 @@ constexpr std::size_t widest_expression = 54;
 std::string row_of(const Explanation& x, const Words& words, NodeId i) {
     const OperationError& e = words.of(i);
     const int digits = 1 + static_cast<int>(std::ceil(x.tape.format_of(i).precision * 0.30103));
-    const auto number = [digits](double v) { return fmt::format("{:>{}.{}g}", std::isnan(v) ? std::fabs(v) : v, digits + 6, digits); };
+    const auto number = [digits](double v) {
+        return fmt::format("{:>{}.{}g}", std::isnan(v) ? std::fabs(v) : v, digits + 6, digits);
+    };
     const std::string mark = i == x.attribution.culprit ? "* " : e.live ? "  " : "- ";
     std::string name = words.text().name(i);
     std::string formula = words.text().expression(i);
-    const std::string tail = fmt::format("{} {} {:>9} {:<16} {:>6} {:>9} {:>10}", number(x.tape[i].value), number(e.exact), short_number(words.own_ulps(i, e.error)),
-                                         words.cancellation(i), e.local_bits == 0 ? "" : fmt::format("{:.1f}", e.local_bits), e.rounding == 0 ? "" : short_number(words.own_ulps(i, e.rounding)),
-                                         e.live && e.rounding != 0 ? short_number(words.contribution(i)) : "");
+    const std::string tail =
+        fmt::format("{} {} {:>9} {:<16} {:>6} {:>9} {:>10}", number(x.tape[i].value), number(e.exact),
+                    short_number(words.own_ulps(i, e.error)), words.cancellation(i),
+                    e.local_bits == 0 ? "" : fmt::format("{:.1f}", e.local_bits),
+                    e.rounding == 0 ? "" : short_number(words.own_ulps(i, e.rounding)),
+                    e.live && e.rounding != 0 ? short_number(words.contribution(i)) : "");
     std::string left = mark + padded(std::move(name), 7) + " = " + formula;
     if (width_of(left) > widest_expression) left += "\n" + std::string(widest_expression, ' ');
     std::string line = padded(std::move(left), widest_expression) + " " + tail;
@@ -105,12 +113,14 @@ NodeId first_shown(const Explanation& x, bool all) {
 
 std::string table(const Explanation& x, const Words& words, bool all) {
     const int digits = 1 + static_cast<int>(std::ceil(x.format.shape.precision * 0.30103));
-    std::string text = padded("  operation", widest_expression) +
-                       fmt::format(" {:>{}} {:>{}} {:>9} {:<16} {:>6} {:>9} {:>10}\n", "computed", digits + 6, "without rounding", digits + 6, "off, ulp", "bits cancelled", "local", "own, ulp",
-                                   "of t, ulp");
+    std::string text =
+        padded("  operation", widest_expression) +
+        fmt::format(" {:>{}} {:>{}} {:>9} {:<16} {:>6} {:>9} {:>10}\n", "computed", digits + 6, "without rounding",
+                    digits + 6, "off, ulp", "bits cancelled", "local", "own, ulp", "of t, ulp");
     const NodeId from = first_shown(x, all);
     if (from > 0) text += fmt::format("  ({} operations of earlier samples: --verbose)\n", from);
-    if (x.attribution.culprit != no_node && x.attribution.culprit < from) text += row_of(x, words, x.attribution.culprit);
+    if (x.attribution.culprit != no_node && x.attribution.culprit < from)
+        text += row_of(x, words, x.attribution.culprit);
     for (NodeId i = from; i < x.tape.size(); ++i) {
         if (words.is_shown(i, all)) text += row_of(x, words, i);
     }
@@ -121,33 +131,45 @@ std::string outcome_sentence(const Explanation& x) {
     const std::string form(x.form->info->name);
     switch (x.standing.outcome) {
         case Outcome::agree_miss: return fmt::format("{} misses, and so does the ray.", form);
-        case Outcome::false_hit: return fmt::format("{} answers {}; truly the ray misses: a false hit.", form, file::decimal(x.standing.t));
-        case Outcome::false_miss: return fmt::format("{} misses; truly the ray hits at {}: a false miss.", form, file::decimal(x.true_t.value_or(0)));
+        case Outcome::false_hit:
+            return fmt::format("{} answers {}; truly the ray misses: a false hit.", form, file::decimal(x.standing.t));
+        case Outcome::false_miss:
+            return fmt::format("{} misses; truly the ray hits at {}: a false miss.", form,
+                               file::decimal(x.true_t.value_or(0)));
         case Outcome::not_a_number: return fmt::format("{} answers a hit at NaN.", form);
         case Outcome::unresolved: return "The truth of this ray was not proved.";
         case Outcome::agree_hit: break;
     }
-    return fmt::format("t = {} ({}); truly {}: {:.4g} ulp off, {:.1f} of {} bits lost.", file::decimal(x.standing.t), file::hex(x.standing.t), file::decimal(x.true_t.value_or(0)), x.standing.ulps,
-                       x.standing.lost, x.format.shape.precision);
+    return fmt::format("t = {} ({}); truly {}: {:.4g} ulp off, {:.1f} of {} bits lost.", file::decimal(x.standing.t),
+                       file::hex(x.standing.t), file::decimal(x.true_t.value_or(0)), x.standing.ulps, x.standing.lost,
+                       x.format.shape.precision);
 }
 
 std::string model_sentence(const Explanation& x) {
-    if (x.attribution.cut_short) return "Without rounding the march would have gone on; exact values end where the computed ones did.\n";
+    if (x.attribution.cut_short)
+        return "Without rounding the march would have gone on; exact values end where the computed ones did.\n";
     const bool truly = x.truth == measure::truth::Truth::Decision::hit;
     if (x.truth == measure::truth::Truth::Decision::unresolved || x.attribution.exact_hit == truly) return "";
-    return fmt::format("Without rounding the form {}, on inputs as the format holds them: what parts it from the truth there is what it assumes, or the inputs.\n", x.attribution.exact_hit ? "hits" : "misses");
+    return fmt::format(
+        "Without rounding the form {}, on inputs as the format holds them: what parts it from the truth there is what "
+        "it assumes, or the inputs.\n",
+        x.attribution.exact_hit ? "hits" : "misses");
 }
 
 std::string sums_sentence(const Explanation& x, const Words& words) {
     const measure::blame::Attribution& a = x.attribution;
     if (a.subject == no_node || !std::isfinite(a.error) || measure::blame::is_plain_miss(x.tape, a)) return "";
     const double ulp = words.ulp(), rest = a.error - a.explained;
-    std::string text = fmt::format("Contributions sum to {} of {} ulp{}.", short_number(a.explained / ulp), short_number(a.error / ulp),
-                                   std::fabs(rest) <= 1e-6 * std::fabs(a.error) ? "" : fmt::format("; {} ulp are not attributed", short_number(rest / ulp)));
+    std::string text = fmt::format("Contributions sum to {} of {} ulp{}.", short_number(a.explained / ulp),
+                                   short_number(a.error / ulp),
+                                   std::fabs(rest) <= 1e-6 * std::fabs(a.error)
+                                       ? ""
+                                       : fmt::format("; {} ulp are not attributed", short_number(rest / ulp)));
     if (!(std::fabs(a.first_order - a.error) <= 0.1 * std::fabs(a.error))) {
         // Infinite parts of both signs have no sum.
-        text += fmt::format(" First order alone {}: it does not hold here, and the difference quotients are what is shown.",
-                            std::isfinite(a.first_order) ? "would say " + short_number(a.first_order / ulp) : "has infinite parts");
+        text += fmt::format(
+            " First order alone {}: it does not hold here, and the difference quotients are what is shown.",
+            std::isfinite(a.first_order) ? "would say " + short_number(a.first_order / ulp) : "has infinite parts");
     }
     return text + "\n";
 }
@@ -157,7 +179,10 @@ std::string split_sentence(const Explanation& x, const Words& words) {
     if (x.standing.outcome != Outcome::agree_hit || x.attribution.subject != x.tape.outputs.t) return "";
     const double rounding = x.attribution.error / words.ulp();
     if (!(std::fabs(x.standing.ulps - rounding) > 0.01)) return "";
-    return fmt::format("Rounding makes {} ulp of the {}; the rest is what the form gives without rounding, on inputs as the format holds them.\n", short_number(rounding), short_number(x.standing.ulps));
+    return fmt::format(
+        "Rounding makes {} ulp of the {}; the rest is what the form gives without rounding, on inputs as the format "
+        "holds them.\n",
+        short_number(rounding), short_number(x.standing.ulps));
 }
 
 std::string turned_sentences(const Explanation& x, const Words& words) {
@@ -165,15 +190,18 @@ std::string turned_sentences(const Explanation& x, const Words& words) {
     for (const NodeId i : x.turned()) {
         const TapeNode& n = x.tape[i];
         if (!is_comparison(n.op)) {
-            text += fmt::format("Rounding turned the choice in {}: the other side is {} away.\n", words.text().definition(i), short_number(std::fabs(words.of(i).rounding)));
+            text += fmt::format("Rounding turned the choice in {}: the other side is {} away.\n",
+                                words.text().definition(i), short_number(std::fabs(words.of(i).rounding)));
             continue;
         }
         std::vector<std::string> sides;
         for (const NodeId s : {n.operands[0], n.operands[1]}) {
             if (x.tape[s].op == TapeOp::constant) continue;
-            sides.push_back(fmt::format("{} is {}, without rounding {}", words.text().operand(s), file::decimal(x.tape[s].value), file::decimal(words.of(s).exact)));
+            sides.push_back(fmt::format("{} is {}, without rounding {}", words.text().operand(s),
+                                        file::decimal(x.tape[s].value), file::decimal(words.of(s).exact)));
         }
-        text += fmt::format("Rounding turned the decision {}: {}.\n", words.text().expression(i), fmt::join(sides, "; "));
+        text +=
+            fmt::format("Rounding turned the decision {}: {}.\n", words.text().expression(i), fmt::join(sides, "; "));
     }
     return text;
 }
@@ -183,7 +211,9 @@ std::optional<std::string> lost_input(const Explanation& x) {
     const NodeId subject = x.attribution.subject;
     if (is_decision(x.tape[subject].op) || std::isfinite(x.tape[subject].value)) return {};
     for (std::size_t i = 0; i < x.inputs.size(); ++i) {
-        if (!std::isfinite(x.inputs[i]) && x.names[i] != "limit") return fmt::format("{} is {} in {}, an input: everything after it follows.", x.names[i], file::decimal(x.inputs[i]), x.format.name);
+        if (!std::isfinite(x.inputs[i]) && x.names[i] != "limit")
+            return fmt::format("{} is {} in {}, an input: everything after it follows.", x.names[i],
+                               file::decimal(x.inputs[i]), x.format.name);
     }
     return {};
 }
@@ -194,7 +224,9 @@ std::string better_sentence(const Explanation& x) {
     constexpr std::size_t most = 6;
     for (std::size_t i = 0; i < std::min(most, x.better.size()); ++i) {
         const measure::blame::Standing& s = x.better[i];
-        text += fmt::format("{} {} ({})", i ? "," : "", s.form->info->name, s.outcome == Outcome::agree_hit ? fmt::format("{:.1f} bits lost", s.lost) : "rightly a miss");
+        text +=
+            fmt::format("{} {} ({})", i ? "," : "", s.form->info->name,
+                        s.outcome == Outcome::agree_hit ? fmt::format("{:.1f} bits lost", s.lost) : "rightly a miss");
     }
     return text + (x.better.size() > most ? fmt::format(" and {} more.\n", x.better.size() - most) : ".\n");
 }
@@ -204,9 +236,12 @@ std::string better_sentence(const Explanation& x) {
 std::string verdict(const Explanation& x) {
     if (x.standing.outcome != Outcome::agree_hit) {
         if (x.standing.outcome == Outcome::agree_miss) return "Nothing is lost.";
-        return std::isnan(x.condition) ? "The ray has no hit, so no envelope." : fmt::format("Condition {}: half an ulp in each input costs {:.1f} bits.", short_number(x.condition), x.inherent);
+        return std::isnan(x.condition) ? "The ray has no hit, so no envelope."
+                                       : fmt::format("Condition {}: half an ulp in each input costs {:.1f} bits.",
+                                                     short_number(x.condition), x.inherent);
     }
-    const std::string envelope = fmt::format("Condition {}: half an ulp in each input alone would cost {:.1f} bits", short_number(x.condition), x.inherent);
+    const std::string envelope = fmt::format("Condition {}: half an ulp in each input alone would cost {:.1f} bits",
+                                             short_number(x.condition), x.inherent);
     if (x.standing.lost < 1) return envelope + ". Nothing worth mention is lost.";
     if (x.excess() < 1) return envelope + "; within it the problem is hard, the formula is not to blame.";
     return envelope + fmt::format("; {:.1f} bits beyond it are the formula's own.", x.excess());
@@ -215,29 +250,39 @@ std::string verdict(const Explanation& x) {
 std::string culprit_sentence(const Explanation& x) {
     const Words words(x);
     const NodeId culprit = x.attribution.culprit;
-    if (x.attribution.subject == no_node || measure::blame::is_plain_miss(x.tape, x.attribution)) return "No decision of the form was turned by rounding, so no operation is to blame.";
+    if (x.attribution.subject == no_node || measure::blame::is_plain_miss(x.tape, x.attribution))
+        return "No decision of the form was turned by rounding, so no operation is to blame.";
     if (culprit == no_node) return lost_input(x).value_or("No operation rounded on the way to the answer.");
     const TapeNode& n = x.tape[culprit];
     const std::string what = words.text().definition(culprit);
     const NodeId subject = x.attribution.subject;
-    if (!std::isfinite(n.value)) return fmt::format("{} is {}: everything after it follows.", what, file::decimal(n.value));
-    const std::string arrives = is_decision(x.tape[subject].op) ? fmt::format("in {}", words.text().expression(subject)) : "in t";
+    if (!std::isfinite(n.value))
+        return fmt::format("{} is {}: everything after it follows.", what, file::decimal(n.value));
+    const std::string arrives =
+        is_decision(x.tape[subject].op) ? fmt::format("in {}", words.text().expression(subject)) : "in t";
     std::string text;
     if (const NodeId amplifier = x.amplifier(culprit); amplifier != no_node) {
         const TapeNode& a = x.tape[amplifier];
-        text = fmt::format("{} cancels {} of {} bits", words.text().definition(amplifier), words.of(amplifier).cancelled, x.tape.format_of(amplifier).precision);
+        text = fmt::format("{} cancels {} of {} bits", words.text().definition(amplifier),
+                           words.of(amplifier).cancelled, x.tape.format_of(amplifier).precision);
         for (const NodeId operand : a.operands) {
             if (operand == no_node || words.of(operand).error == 0 || x.tape[operand].op == TapeOp::constant) continue;
-            text += fmt::format("; {} already carried {} ulp", words.text().operand(operand), short_number(std::fabs(words.own_ulps(operand, words.of(operand).error))));
+            text += fmt::format("; {} already carried {} ulp", words.text().operand(operand),
+                                short_number(std::fabs(words.own_ulps(operand, words.of(operand).error))));
         }
         text += ". ";
     }
     const OperationError& e = words.of(culprit);
     const bool harmless = x.standing.outcome == Outcome::agree_hit && x.standing.lost < 1;
-    text += fmt::format("{} {}: its {} of {} ulp arrives as {} ulp {}", harmless ? "The largest contribution is that of" : "The culprit is", what, e.turned ? "wrong turn" : "rounding",
-                        short_number(std::fabs(words.own_ulps(culprit, e.rounding))), short_number(std::fabs(words.contribution(culprit))), arrives);
+    text +=
+        fmt::format("{} {}: its {} of {} ulp arrives as {} ulp {}",
+                    harmless ? "The largest contribution is that of" : "The culprit is", what,
+                    e.turned ? "wrong turn" : "rounding", short_number(std::fabs(words.own_ulps(culprit, e.rounding))),
+                    short_number(std::fabs(words.contribution(culprit))), arrives);
     const double share = e.contribution / x.attribution.error;
-    if (share > 1 || share < 0) text += fmt::format("; the other roundings take all but {} of it back", short_number(std::fabs(x.attribution.error / words.ulp())));
+    if (share > 1 || share < 0)
+        text += fmt::format("; the other roundings take all but {} of it back",
+                            short_number(std::fabs(x.attribution.error / words.ulp())));
     else if (std::isfinite(share)) text += fmt::format(", {:.0f} % of the error", 100 * share);
     return text + ".";
 }
@@ -245,14 +290,21 @@ std::string culprit_sentence(const Explanation& x) {
 std::string explain_text(const Explanation& x, bool all) {
     const Words words(x);
     std::string text = fmt::format("{} in {}: {}\n", x.form->info->name, x.format.name, x.form->info->title);
-    if (x.solids > 1 && x.form->shape != Shape::sdf) text += fmt::format("asked of solid {} of {}\n", x.solid + 1, x.solids);
+    if (x.solids > 1 && x.form->shape != Shape::sdf)
+        text += fmt::format("asked of solid {} of {}\n", x.solid + 1, x.solids);
     if (x.given) {
-        text += fmt::format("The direction ({}, {}, {}) is normalised and rounded: the form takes unit directions, and its t is a distance.\n", file::decimal(x.given->x), file::decimal(x.given->y),
-                            file::decimal(x.given->z));
+        text += fmt::format(
+            "The direction ({}, {}, {}) is normalised and rounded: the form takes unit directions, and its t is a "
+            "distance.\n",
+            file::decimal(x.given->x), file::decimal(x.given->y), file::decimal(x.given->z));
     }
     text += inputs_block(x) + "\n" + table(x, words, all);
-    text += "\n* the culprit; - not on the way to the answer. local: bits lost by the operation alone on exact operands, each rounded once. own: its rounding, in ulps of itself.\n\n";
-    text += outcome_sentence(x) + "\n" + culprit_sentence(x) + "\n" + sums_sentence(x, words) + split_sentence(x, words) + turned_sentences(x, words) + model_sentence(x) + verdict(x) + "\n" + better_sentence(x);
+    text +=
+        "\n* the culprit; - not on the way to the answer. local: bits lost by the operation alone on exact operands, "
+        "each rounded once. own: its rounding, in ulps of itself.\n\n";
+    text += outcome_sentence(x) + "\n" + culprit_sentence(x) + "\n" + sums_sentence(x, words) +
+            split_sentence(x, words) + turned_sentences(x, words) + model_sentence(x) + verdict(x) + "\n" +
+            better_sentence(x);
     return text;
 }
 

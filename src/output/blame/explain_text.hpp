@@ -7,8 +7,8 @@
 
 namespace lostbits::output::blame {
 
-/// The table of operations, the culprit marked, and what it comes to in sentences. `all` shows every operation; otherwise those that the
-/// answer is computed from and that round, cancel, or have a name.
+/// The table of operations, the culprit marked, and what it comes to in sentences. `all` shows every operation;
+/// otherwise those that the answer is computed from and that round, cancel, or have a name.
 std::string explain_text(const measure::blame::Explanation& x, bool all);
 
 /// One sentence: which operation, and what became of its rounding.
@@ -17,8 +17,9 @@ std::string culprit_sentence(const measure::blame::Explanation& x);
 /// Whether the problem or the formula is to blame, by the envelope.
 std::string verdict(const measure::blame::Explanation& x);
 
-/// Everything in one JSON object. Inputs and results are there as decimals and as hexadecimal floats. A number that is infinite or NaN is the string "inf", "-inf" or
-/// "nan"; what there is not (the error of a miss, the culprit where nothing is lost, a direction that was not normalised) is null.
+/// Everything in one JSON object. Inputs and results are there as decimals and as hexadecimal floats. A number that is
+/// infinite or NaN is the string "inf", "-inf" or "nan"; what there is not (the error of a miss, the culprit where
+/// nothing is lost, a direction that was not normalised) is null.
 std::string explain_json(const measure::blame::Explanation& x);
 
 /// The live operations as a LaTeX `align*`: cancellations under braces, the culprit in a box. Needs amsmath.

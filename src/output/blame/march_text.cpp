@@ -16,48 +16,63 @@ namespace {
 /// Enough digits to tell the numbers of the format apart.
 int digits_of(const Format& format) { return 1 + static_cast<int>(std::ceil(format.shape.precision * 0.30103)); }
 
-std::string answer_line(const intersect::table::Intersector& form, const Format& format, const measure::answer::OneRay& ray, const MarchLog& log) {
+std::string answer_line(const intersect::table::Intersector& form, const Format& format,
+                        const measure::answer::OneRay& ray, const MarchLog& log) {
     const measure::truth::Truth& truth = ray.truth(*form.info);
     const bool hit = log.hit.hit;
     switch (measure::answer::classify(truth.decision, hit, log.hit.t)) {
         case Outcome::agree_miss: return "The form misses, and so does the ray.";
-        case Outcome::false_hit: return fmt::format("The form answers {}; truly the ray misses: a false hit.", file::decimal(log.hit.t));
-        case Outcome::false_miss: return fmt::format("The form misses; truly the ray hits at {}: a false miss.", file::decimal(ray.rounded_truth(*form.info, binary64)));
+        case Outcome::false_hit:
+            return fmt::format("The form answers {}; truly the ray misses: a false hit.", file::decimal(log.hit.t));
+        case Outcome::false_miss:
+            return fmt::format("The form misses; truly the ray hits at {}: a false miss.",
+                               file::decimal(ray.rounded_truth(*form.info, binary64)));
         case Outcome::not_a_number: return "The form answers a hit at NaN.";
         case Outcome::unresolved: return "The truth of this ray was not proved.";
         case Outcome::agree_hit: break;
     }
     const measure::truth::Certified& t = ray.true_t(*form.info);
-    const double ulps = measure::truth::scaled_difference(measure::truth::exactly(log.hit.t), t, ulp_exponent(format.shape, t.floor_log2()));
-    return fmt::format("The form answers {} ({}); truly it is {}: {:.4g} ulp, {:.1f} of {} bits lost.", file::decimal(log.hit.t), file::hex(log.hit.t),
-                       file::decimal(ray.rounded_truth(*form.info, binary64)), ulps, measure::metric::lost_bits(ulps, format.shape.precision), format.shape.precision);
+    const double ulps = measure::truth::scaled_difference(measure::truth::exactly(log.hit.t), t,
+                                                          ulp_exponent(format.shape, t.floor_log2()));
+    return fmt::format("The form answers {} ({}); truly it is {}: {:.4g} ulp, {:.1f} of {} bits lost.",
+                       file::decimal(log.hit.t), file::hex(log.hit.t),
+                       file::decimal(ray.rounded_truth(*form.info, binary64)), ulps,
+                       measure::metric::lost_bits(ulps, format.shape.precision), format.shape.precision);
 }
 
 }  // namespace
 
 std::string action_of(const MarchLog& log, std::size_t step, const intersect::MarchConstants<double>& constants) {
     const bool last = step + 1 == log.steps.size();
-    if (!last) return log.steps[step + 1].t == log.steps[step].t ? "no step: t + d = t" : fmt::format("step by {:.4g}", log.steps[step + 1].t - log.steps[step].t);
+    if (!last)
+        return log.steps[step + 1].t == log.steps[step].t
+                   ? "no step: t + d = t"
+                   : fmt::format("step by {:.4g}", log.steps[step + 1].t - log.steps[step].t);
     if (log.hit.hit) return "hit";
     if (log.hit.t > constants.max_dist) return fmt::format("miss: t > {}", file::decimal(constants.max_dist));
     return fmt::format("miss: {} samples are up", constants.max_steps);
 }
 
-std::string march_table(const intersect::table::Intersector& form, const Format& format, const measure::answer::OneRay& ray) {
+std::string march_table(const intersect::table::Intersector& form, const Format& format,
+                        const measure::answer::OneRay& ray) {
     const MarchLog log = measure::answer::march_log(form, format, ray);
     const auto in = ray.inputs(form, format);
     const intersect::MarchConstants<double>& c = in.all.march.value();
     const Ray<double> r = in.ray(*form.info);
     const int digits = digits_of(format), width = digits + 7;
-    std::string text = fmt::format("{} in {}\norigin    ({}, {}, {})\ndirection ({}, {}, {})\n", form.info->name, format.name, file::hex(r.origin.x), file::hex(r.origin.y), file::hex(r.origin.z),
+    std::string text = fmt::format("{} in {}\norigin    ({}, {}, {})\ndirection ({}, {}, {})\n", form.info->name,
+                                   format.name, file::hex(r.origin.x), file::hex(r.origin.y), file::hex(r.origin.z),
                                    file::hex(r.direction.x), file::hex(r.direction.y), file::hex(r.direction.z));
-    text += fmt::format("hit_eps {}, max_steps {}, max_dist {}, relative_eps {}, cone {}, over_relaxation {}\n\n", file::decimal(c.hit_eps), c.max_steps, file::decimal(c.max_dist),
-                        file::decimal(c.relative_eps), file::decimal(c.cone), file::decimal(c.over_relaxation));
-    text += fmt::format("{0:>4} {2:>{1}} {3:>{1}} {4:>{1}} {5:>{1}} {6:>{1}} {7:>{1}}  {8}\n", "i", width, "t", "x", "y", "z", "|p|", "d", "action");
+    text += fmt::format("hit_eps {}, max_steps {}, max_dist {}, relative_eps {}, cone {}, over_relaxation {}\n\n",
+                        file::decimal(c.hit_eps), c.max_steps, file::decimal(c.max_dist), file::decimal(c.relative_eps),
+                        file::decimal(c.cone), file::decimal(c.over_relaxation));
+    text += fmt::format("{0:>4} {2:>{1}} {3:>{1}} {4:>{1}} {5:>{1}} {6:>{1}} {7:>{1}}  {8}\n", "i", width, "t", "x",
+                        "y", "z", "|p|", "d", "action");
     for (std::size_t i = 0; i < log.steps.size(); ++i) {
         const intersect::MarchStep& s = log.steps[i];
         const auto number = [&](double x) { return fmt::format("{:>{}.{}g}", x, width, digits); };
-        text += fmt::format("{:>4} {} {} {} {} {} {}  {}\n", i, number(s.t), number(s.p.x), number(s.p.y), number(s.p.z), number(s.size), number(s.d), action_of(log, i, c));
+        text += fmt::format("{:>4} {} {} {} {} {} {}  {}\n", i, number(s.t), number(s.p.x), number(s.p.y),
+                            number(s.p.z), number(s.size), number(s.d), action_of(log, i, c));
     }
     return text + "\n" + answer_line(form, format, ray, log) + "\n";
 }

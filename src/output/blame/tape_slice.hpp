@@ -13,7 +13,8 @@ struct TapeSlice {
     std::vector<bool> needed, constant;
     std::vector<int> uses;  ///< by how many needed operations
 
-    TapeSlice(const Tape& tape, std::initializer_list<NodeId> roots) : needed(tape.nodes.size()), constant(tape.nodes.size()), uses(tape.nodes.size()) {
+    TapeSlice(const Tape& tape, std::initializer_list<NodeId> roots)
+        : needed(tape.nodes.size()), constant(tape.nodes.size()), uses(tape.nodes.size()) {
         for (const NodeId root : roots) needed[static_cast<std::size_t>(root)] = true;
         for (NodeId i = tape.size() - 1; i >= 0; --i) {
             if (!needed[static_cast<std::size_t>(i)] || tape[i].op <= TapeOp::constant) continue;
@@ -26,7 +27,8 @@ struct TapeSlice {
         for (NodeId i = 0; i < tape.size(); ++i) {
             bool all = tape[i].op != TapeOp::input;
             if (tape[i].op > TapeOp::constant) {
-                for (const NodeId operand : tape[i].operands) all = all && (operand == no_node || constant[static_cast<std::size_t>(operand)]);
+                for (const NodeId operand : tape[i].operands)
+                    all = all && (operand == no_node || constant[static_cast<std::size_t>(operand)]);
             }
             constant[static_cast<std::size_t>(i)] = all;
         }

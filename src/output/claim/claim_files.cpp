@@ -22,7 +22,12 @@ namespace {
 using scene::claim::Claim;
 using State = ClaimResult::State;
 
-const char* state_name(State s) { return s == State::agrees ? "agrees" : s == State::disagrees ? "disagrees" : s == State::broken ? "broken" : "skipped"; }
+const char* state_name(State s) {
+    return s == State::agrees      ? "agrees"
+           : s == State::disagrees ? "disagrees"
+           : s == State::broken    ? "broken"
+                                   : "skipped";
+}
 const char* verdict_name(const Claim& c) { return c.verdict == Claim::Verdict::holds ? "holds" : "refuted"; }
 /// ` --metric contribution:c` for a claim about contribution_c_p50: what a run does not measure unless it is told to.
 std::string metric_option(const Claim& c) {
@@ -33,7 +38,9 @@ std::string metric_option(const Claim& c) {
     }
     const std::string metric = c.metric.substr(0, c.metric.rfind('_'));
     const auto label = metric.find('_');
-    return label == std::string::npos ? " --metric " + metric : fmt::format(" --metric \"{}:{}\"", metric.substr(0, label), metric.substr(label + 1));
+    return label == std::string::npos
+               ? " --metric " + metric
+               : fmt::format(" --metric \"{}:{}\"", metric.substr(0, label), metric.substr(label + 1));
 }
 
 /// XML 1.0 has no way to write most control characters.
@@ -45,9 +52,11 @@ std::string xml_safe(std::string text) {
 std::string witness_text(const ClaimResult& r) {
     if (r.witness.x < 0) return "";
     const auto& w = r.witness;
-    std::string text = fmt::format("origin {} {} {} direction {} {} {}", file::hex(w.ray.origin.x), file::hex(w.ray.origin.y), file::hex(w.ray.origin.z),
-                                   file::hex(w.ray.direction.x), file::hex(w.ray.direction.y), file::hex(w.ray.direction.z));
-    for (std::size_t i = 0; i < w.solid.used().size(); ++i) text += fmt::format(" {} {}", number_names(w.solid.shape)[i], file::hex(w.solid.numbers[i]));
+    std::string text = fmt::format("origin {} {} {} direction {} {} {}", file::hex(w.ray.origin.x),
+                                   file::hex(w.ray.origin.y), file::hex(w.ray.origin.z), file::hex(w.ray.direction.x),
+                                   file::hex(w.ray.direction.y), file::hex(w.ray.direction.z));
+    for (std::size_t i = 0; i < w.solid.used().size(); ++i)
+        text += fmt::format(" {} {}", number_names(w.solid.shape)[i], file::hex(w.solid.numbers[i]));
     return text + " t " + file::hex(w.t);
 }
 
@@ -55,11 +64,13 @@ std::string witness_text(const ClaimResult& r) {
 
 std::string quantity(const Claim& c) {
     if (!c.operations.empty()) return fmt::format("{} of {}", c.metric, fmt::join(c.operations, " and of "));
-    return c.onset.empty() ? c.metric : fmt::format("onset of {} {} {}", c.onset, c.statistic, file::decimal(c.threshold));
+    return c.onset.empty() ? c.metric
+                           : fmt::format("onset of {} {} {}", c.onset, c.statistic, file::decimal(c.threshold));
 }
 
 std::string explain(const Claim& c, const ClaimResult& r) {
-    const std::string expected = fmt::format("expected {} in [{}, {}]", quantity(c), file::decimal(c.low), file::decimal(c.high));
+    const std::string expected =
+        fmt::format("expected {} in [{}, {}]", quantity(c), file::decimal(c.low), file::decimal(c.high));
     if (r.state == State::broken || r.state == State::skipped) return fmt::format("{}, but {}", expected, r.trouble);
     return fmt::format("{}, measured {}", expected, file::decimal(r.measured));
 }
@@ -75,28 +86,33 @@ const Metric* metric_of_column(const std::string& column) {
 std::string reproduce(const Claim& c) {
     if (c.timing) return fmt::format("lostbits check --profile timing --filter '{}'", c.id);
     if (!c.table.empty()) return fmt::format("lostbits check --filter '{}' --measure", c.id);
-    if (!c.render.empty()) return fmt::format("lostbits render {}{} -i {} -f {} -o out", c.render, c.stage ? fmt::format(" --stage {}", name_of(*c.stage)) : "", c.form, c.format);
+    if (!c.render.empty())
+        return fmt::format("lostbits render {}{} -i {} -f {} -o out", c.render,
+                           c.stage ? fmt::format(" --stage {}", name_of(*c.stage)) : "", c.form, c.format);
     if (c.step) return fmt::format("lostbits explain {} --pixel 0,0 -i {} -f {}", c.scene, c.form, c.format);
-    return fmt::format("lostbits {} {} -i {} -f {}{} -o out", c.scene.empty() ? "sweep" : "map", c.subject(), c.form, c.format, metric_option(c));
+    return fmt::format("lostbits {} {} -i {} -f {}{} -o out", c.scene.empty() ? "sweep" : "map", c.subject(), c.form,
+                       c.format, metric_option(c));
 }
 
 std::string where_measured(const Claim& c) {
     std::string text = c.subject();
     if (!c.row.empty()) text += " " + c.row;
-    if (!c.render.empty()) text += fmt::format(", rendered{}", c.stage ? fmt::format(" to stage {}", name_of(*c.stage)) : "");
+    if (!c.render.empty())
+        text += fmt::format(", rendered{}", c.stage ? fmt::format(" to stage {}", name_of(*c.stage)) : "");
     if (!c.case_name.empty()) text += ": " + c.case_name;
     if (c.convention) text += fmt::format(" ({})", intersect::convention_name(c.convention));
     for (const double x : c.at) text += (&x == c.at.data() ? " at " : ", ") + file::decimal(x);
     return text;
 }
 
-void write_junit(const std::filesystem::path& path, const std::vector<Claim>& claims, const std::vector<ClaimResult>& results, bool strict) {
+void write_junit(const std::filesystem::path& path, const std::vector<Claim>& claims,
+                 const std::vector<ClaimResult>& results, bool strict) {
     pugi::xml_document document;
     auto suite = document.append_child("testsuites").append_child("testsuite");
     suite.append_attribute("name") = "lostbits claims";
     std::size_t failures = 0, errors = 0, skips = 0;
-    const auto tests = suite.append_attribute("tests"), failed = suite.append_attribute("failures"), broken = suite.append_attribute("errors"),
-               skipped = suite.append_attribute("skipped");
+    const auto tests = suite.append_attribute("tests"), failed = suite.append_attribute("failures"),
+               broken = suite.append_attribute("errors"), skipped = suite.append_attribute("skipped");
     for (std::size_t i = 0; i < claims.size(); ++i) {
         const Claim& c = claims[i];
         auto test = suite.append_child("testcase");
@@ -109,7 +125,8 @@ void write_junit(const std::filesystem::path& path, const std::vector<Claim>& cl
             continue;
         }
         const std::string what = xml_safe(explain(c, results[i]));
-        const std::string more = xml_safe(fmt::format("{}\n{}: {}\n{}\n{}\n", c.statement, c.where.text(), what, witness_text(results[i]), reproduce(c)));
+        const std::string more = xml_safe(fmt::format("{}\n{}: {}\n{}\n{}\n", c.statement, c.where.text(), what,
+                                                      witness_text(results[i]), reproduce(c)));
         if (c.severity == Claim::Severity::warn && !strict) {
             test.append_child("system-out").text().set(more.c_str());
             continue;
@@ -131,31 +148,36 @@ void write_junit(const std::filesystem::path& path, const std::vector<Claim>& cl
     file.commit();
 }
 
-void write_claims_csv(const std::filesystem::path& path, const std::vector<Claim>& claims, const std::vector<ClaimResult>& results) {
+void write_claims_csv(const std::filesystem::path& path, const std::vector<Claim>& claims,
+                      const std::vector<ClaimResult>& results) {
     file::CsvWriter csv(path, {{"id", "string", "", "the claim"},
-                         {"statement", "string", "", "its sentence"},
-                         {"source", "string", "", "where the sentence is from"},
-                         {"verdict", "string", "", "what was found: holds or refuted"},
-                         {"subject", "string", "", "scene, sweep or table, and the place in it"},
-                         {"form", "string", "", "form under test"},
-                         {"format", "string", "", "format it computes in"},
-                         {"quantity", "string", "", "what is measured"},
-                         {"expected_low", "number", "", "least value that agrees"},
-                         {"expected_high", "number", "", "largest value that agrees"},
-                         {"measured", "number", "", "missing where nothing could be measured"},
-                         {"state", "string", "", "agrees, disagrees or broken"},
-                         {"witness", "string", "", "the worst ray of the measurement in hexadecimal floats"}});
+                               {"statement", "string", "", "its sentence"},
+                               {"source", "string", "", "where the sentence is from"},
+                               {"verdict", "string", "", "what was found: holds or refuted"},
+                               {"subject", "string", "", "scene, sweep or table, and the place in it"},
+                               {"form", "string", "", "form under test"},
+                               {"format", "string", "", "format it computes in"},
+                               {"quantity", "string", "", "what is measured"},
+                               {"expected_low", "number", "", "least value that agrees"},
+                               {"expected_high", "number", "", "largest value that agrees"},
+                               {"measured", "number", "", "missing where nothing could be measured"},
+                               {"state", "string", "", "agrees, disagrees or broken"},
+                               {"witness", "string", "", "the worst ray of the measurement in hexadecimal floats"}});
     for (std::size_t i = 0; i < claims.size(); ++i) {
         const Claim& c = claims[i];
         const ClaimResult& r = results[i];
-        csv.row({c.id, c.statement, c.source, verdict_name(c), where_measured(c), c.form, c.format, quantity(c), c.low, c.high,
-                 std::isnan(r.measured) ? file::Cell() : file::Cell(r.measured), state_name(r.state), witness_text(r)});
+        csv.row({c.id, c.statement, c.source, verdict_name(c), where_measured(c), c.form, c.format, quantity(c), c.low,
+                 c.high, std::isnan(r.measured) ? file::Cell() : file::Cell(r.measured), state_name(r.state),
+                 witness_text(r)});
     }
     csv.close();
 }
 
-void write_claims_json(const std::filesystem::path& path, const std::vector<Claim>& claims, const std::vector<ClaimResult>& results) {
-    const auto number = [](double x) { return std::isfinite(x) ? nlohmann::ordered_json(x) : nlohmann::ordered_json(file::decimal(x)); };
+void write_claims_json(const std::filesystem::path& path, const std::vector<Claim>& claims,
+                       const std::vector<ClaimResult>& results) {
+    const auto number = [](double x) {
+        return std::isfinite(x) ? nlohmann::ordered_json(x) : nlohmann::ordered_json(file::decimal(x));
+    };
     auto array = nlohmann::ordered_json::array();
     for (std::size_t i = 0; i < claims.size(); ++i) {
         const Claim& c = claims[i];

@@ -11,13 +11,16 @@ namespace lostbits::output::claim {
 /// `<failure>` for a claim that no longer measures as stated, `<error>` for a broken one, `<skipped>` for one
 /// that this machine cannot measure. A claim of severity `warn`
 /// is reported as passed, with its trouble in `<system-out>`, unless `strict`.
-void write_junit(const std::filesystem::path& path, const std::vector<scene::claim::Claim>& claims, const std::vector<measure::claim::ClaimResult>& results, bool strict);
+void write_junit(const std::filesystem::path& path, const std::vector<scene::claim::Claim>& claims,
+                 const std::vector<measure::claim::ClaimResult>& results, bool strict);
 
 /// One row a claim: sentence, verdict, expectation, measurement, state, and the witness in hexadecimal floats.
-void write_claims_csv(const std::filesystem::path& path, const std::vector<scene::claim::Claim>& claims, const std::vector<measure::claim::ClaimResult>& results);
+void write_claims_csv(const std::filesystem::path& path, const std::vector<scene::claim::Claim>& claims,
+                      const std::vector<measure::claim::ClaimResult>& results);
 
 /// The same as an array; numbers that JSON cannot hold are strings.
-void write_claims_json(const std::filesystem::path& path, const std::vector<scene::claim::Claim>& claims, const std::vector<measure::claim::ClaimResult>& results);
+void write_claims_json(const std::filesystem::path& path, const std::vector<scene::claim::Claim>& claims,
+                       const std::vector<measure::claim::ClaimResult>& results);
 
 /// What is measured: `lost_bits_p50`, `onset of false_hit count 1`, `culprit_fraction of c`.
 std::string quantity(const scene::claim::Claim& claim);

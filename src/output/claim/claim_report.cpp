@@ -8,13 +8,13 @@
 #include <set>
 
 #include "measure/claim/claim_columns.hpp"
-#include "output/file/atomic_file.hpp"
-#include "output/sweep/case_files.hpp"
-#include "output/claim/claim_files.hpp"
 #include "output/blame/march_text.hpp"
+#include "output/claim/claim_files.hpp"
+#include "output/file/atomic_file.hpp"
 #include "output/file/number_text.hpp"
-#include "output/picture/render_sheet.hpp"
 #include "output/map/scene_sheet.hpp"
+#include "output/picture/render_sheet.hpp"
+#include "output/sweep/case_files.hpp"
 #include "output/sweep/sweep_planes.hpp"
 #include "output/sweep/sweep_plots.hpp"
 
@@ -52,7 +52,9 @@ std::vector<MapRow> rows_of(const Subject& subject, const std::vector<Claim>& cl
     std::vector<MapRow> rows;
     for (const std::size_t i : subject.claims) {
         const MapRow row = measure::claim::claim_row(claims[i]);
-        const auto same = [&](const MapRow& r) { return r.form == row.form && r.format == row.format && r.judged == row.judged; };
+        const auto same = [&](const MapRow& r) {
+            return r.form == row.form && r.format == row.format && r.judged == row.judged;
+        };
         if (std::ranges::none_of(rows, same)) rows.push_back(row);
     }
     std::ranges::stable_sort(rows, [](const MapRow& a, const MapRow& b) { return a.form < b.form; });
@@ -61,14 +63,17 @@ std::vector<MapRow> rows_of(const Subject& subject, const std::vector<Claim>& cl
 
 std::vector<const measure::metric::Metric*> drawn_metrics() {
     std::vector<const measure::metric::Metric*> all;
-    for (const char* name : {"lost_bits", "ulp_error", "inherent_bits", "excess_bits"}) all.push_back(measure::metric::find_metric(name));
+    for (const char* name : {"lost_bits", "ulp_error", "inherent_bits", "excess_bits"})
+        all.push_back(measure::metric::find_metric(name));
     return all;
 }
 
-std::string picture_scene(const std::filesystem::path& folder, const std::vector<MapRow>& rows, const std::string& name, const std::filesystem::path& data_dir) {
+std::string picture_scene(const std::filesystem::path& folder, const std::vector<MapRow>& rows, const std::string& name,
+                          const std::filesystem::path& data_dir) {
     const auto found = scene::file::find_scene(name, data_dir);
     const scene::file::Scene scene = scene::file::load_scene(found.path, {.variant = found.variant}).front();
-    const measure::map::MapRequest request{.scene = &scene, .rows = rows, .metrics = {measure::metric::find_metric("lost_bits")}};
+    const measure::map::MapRequest request{
+        .scene = &scene, .rows = rows, .metrics = {measure::metric::find_metric("lost_bits")}};
     const std::string file = scene.id + ".png";
     map::SceneSheet sheet(request, folder / "pictures" / file);
     sheet.finish(measure::map::run_map(request, sheet.sinks()));
@@ -76,7 +81,8 @@ std::string picture_scene(const std::filesystem::path& folder, const std::vector
 }
 
 /// The marches along a scene's first pixel, sample by sample.
-std::string trace_text(const std::vector<MapRow>& rows, const std::string& name, const std::filesystem::path& data_dir) {
+std::string trace_text(const std::vector<MapRow>& rows, const std::string& name,
+                       const std::filesystem::path& data_dir) {
     const auto found = scene::file::find_scene(name, data_dir);
     const measure::answer::OneRay ray(scene::file::load_scene(found.path, {.variant = found.variant}).front(), 0, 0);
     std::string text;
@@ -85,18 +91,21 @@ std::string trace_text(const std::vector<MapRow>& rows, const std::string& name,
 }
 
 /// The pictures of a rendered scene, of all stages that its claims name.
-std::string picture_render(const std::filesystem::path& folder, const Subject& subject, const std::vector<Claim>& claims, const std::filesystem::path& data_dir) {
+std::string picture_render(const std::filesystem::path& folder, const Subject& subject,
+                           const std::vector<Claim>& claims, const std::filesystem::path& data_dir) {
     const auto found = scene::file::find_scene(claims[subject.claims.front()].render, data_dir);
     const scene::file::Scene scene = scene::file::load_scene(found.path, {.variant = found.variant}).front();
     std::set<scene::file::Stage> stages;
     for (const std::size_t i : subject.claims) stages.insert(claims[i].stage.value_or(scene.appearance.furthest()));
     measure::picture::RenderRequest request{.scene = &scene, .stages = {stages.begin(), stages.end()}, .rows = {}};
-    // Every form in every format that a claim names, for an empty place on the sheet reads as a format that the form lacks.
+    // Every form in every format that a claim names, for an empty place on the sheet reads as a format that the form
+    // lacks.
     const std::vector<MapRow> claimed = rows_of(subject, claims);
     for (const MapRow& a : claimed) {
         for (const MapRow& b : claimed) {
             const auto same = [&](const MapRow& r) { return r.form == a.form && r.format == b.format; };
-            if (a.form->exists_in(b.format) && std::ranges::none_of(request.rows, same)) request.rows.push_back({a.form, b.format});
+            if (a.form->exists_in(b.format) && std::ranges::none_of(request.rows, same))
+                request.rows.push_back({a.form, b.format});
         }
     }
     const std::string file = scene.id + ".rendered.png";
@@ -126,16 +135,19 @@ Shown shown_of(const Subject& subject, const std::vector<Claim>& claims) {
 }
 
 /// The pictures of a sweep, as Markdown.
-std::string picture_sweep(const std::filesystem::path& folder, const std::vector<MapRow>& rows, const std::string& name, Shown shown, const std::filesystem::path& data_dir) {
+std::string picture_sweep(const std::filesystem::path& folder, const std::vector<MapRow>& rows, const std::string& name,
+                          Shown shown, const std::filesystem::path& data_dir) {
     const auto path = scene::sweep::find_sweep(name, data_dir);
     if (scene::sweep::sweep_kind(path) == scene::sweep::SweepKind::cases) {
         const scene::sweep::CaseFile file(path);
         const measure::sweep::CaseRequest request{.file = &file, .rows = rows, .metrics = drawn_metrics()};
         const auto cases = measure::sweep::run_cases(request);
         std::string text;
-        for (const std::optional<Touching> judged : {std::optional<Touching>{}, std::optional{Touching::hit}, std::optional{Touching::miss}}) {
+        for (const std::optional<Touching> judged :
+             {std::optional<Touching>{}, std::optional{Touching::hit}, std::optional{Touching::miss}}) {
             if (std::ranges::none_of(rows, [&](const MapRow& r) { return r.judged == judged; })) continue;
-            const std::string picture = judged ? fmt::format("{}.{}.png", file.id, intersect::convention_name(judged)) : file.id + ".png";
+            const std::string picture =
+                judged ? fmt::format("{}.{}.png", file.id, intersect::convention_name(judged)) : file.id + ".png";
             sweep::write_case_matrix(folder / "pictures" / picture, request, cases, judged);
             text += fmt::format("![{}](pictures/{})\n", file.title, picture);
         }
@@ -148,7 +160,8 @@ std::string picture_sweep(const std::filesystem::path& folder, const std::vector
     std::string text;
     if (sweep.axes.size() == 2) {
         for (std::size_t r = 0; r < rows.size(); ++r) {
-            const std::string file = fmt::format("{}.{}.{}.png", sweep.id, rows[r].form->info->name, rows[r].format.name);
+            const std::string file =
+                fmt::format("{}.{}.{}.png", sweep.id, rows[r].form->info->name, rows[r].format.name);
             sweep::write_plane_picture(image::image_backend(), folder / "pictures" / file, request, steps, r);
             text += fmt::format("![{} in {}](pictures/{})\n", rows[r].form->info->name, rows[r].format.name, file);
         }
@@ -165,8 +178,12 @@ std::string picture_sweep(const std::filesystem::path& folder, const std::vector
             text += fmt::format("![{}: {}, {}](pictures/{})\n", sweep.title, what, format.name, file);
             return folder / "pictures" / file;
         };
-        if (shown.median) sweep::write_lost_bits_plot(image::image_backend(), show("lost_bits_p50"), request, steps, onsets, format, 0.5);
-        if (shown.tail) sweep::write_lost_bits_plot(image::image_backend(), show("lost_bits_p99"), request, steps, onsets, format, 0.99);
+        if (shown.median)
+            sweep::write_lost_bits_plot(image::image_backend(), show("lost_bits_p50"), request, steps, onsets, format,
+                                        0.5);
+        if (shown.tail)
+            sweep::write_lost_bits_plot(image::image_backend(), show("lost_bits_p99"), request, steps, onsets, format,
+                                        0.99);
         if (shown.wrong) sweep::write_wrong_plot(image::image_backend(), show("wrong"), request, steps, onsets, format);
     }
     return text;
@@ -180,23 +197,30 @@ std::string cell(std::string text) {
 std::string rounded(double x) { return std::isfinite(x) ? fmt::format("{:.6g}", x) : file::decimal(x); }
 
 std::string row_text(const Claim& c, const ClaimResult& r) {
-    const std::string verdict = r.state == State::agrees ? (c.verdict == Claim::Verdict::holds ? "holds" : "**refuted**")
+    const std::string verdict = r.state == State::agrees
+                                    ? (c.verdict == Claim::Verdict::holds ? "holds" : "**refuted**")
                                 : r.state == State::skipped ? "skipped"
                                                             : "**no longer measures as stated**";
     // Expressions have stars.
-    const std::string what = c.operations.empty() ? quantity(c) : fmt::format("{} of `{}`", c.metric, fmt::join(c.operations, "`, `"));
+    const std::string what =
+        c.operations.empty() ? quantity(c) : fmt::format("{} of `{}`", c.metric, fmt::join(c.operations, "`, `"));
     std::string place = c.stage ? "stage " + std::string(name_of(*c.stage)) : c.case_name;
     if (c.step) place = fmt::format("sample {}", *c.step);
     for (const double x : c.at) place += (place.empty() ? "at " : ", ") + file::decimal(x);
-    return fmt::format("| {} | {}{} | {} | {} = {} | `{}` |\n", verdict, cell(c.statement), c.note.empty() ? "" : " <br> *" + cell(c.note) + "*",
-                       cell(fmt::format("{}{}{}", c.form.empty() ? c.row : c.form, " " + c.format, place.empty() ? "" : ", " + place)), cell(what), rounded(r.measured), c.id);
+    return fmt::format(
+        "| {} | {}{} | {} | {} = {} | `{}` |\n", verdict, cell(c.statement),
+        c.note.empty() ? "" : " <br> *" + cell(c.note) + "*",
+        cell(fmt::format("{}{}{}", c.form.empty() ? c.row : c.form, " " + c.format, place.empty() ? "" : ", " + place)),
+        cell(what), rounded(r.measured), c.id);
 }
 
 /// The pictures of `lostbits report`, which tests/browser/screenshots.js takes, as far as the folder has them.
 std::string screenshots_in(const std::filesystem::path& folder) {
     std::string text;
-    for (const auto& [name, what] : {std::pair{"maps", "Lost bits of one form beside another, and one ray"}, std::pair{"operations", "Culprits, and the operations of one ray"},
-                                     std::pair{"sweeps", "Lost bits along a parameter"}, std::pair{"claims", "Claims, each leading to its pixels or its plot"}}) {
+    for (const auto& [name, what] : {std::pair{"maps", "Lost bits of one form beside another, and one ray"},
+                                     std::pair{"operations", "Culprits, and the operations of one ray"},
+                                     std::pair{"sweeps", "Lost bits along a parameter"},
+                                     std::pair{"claims", "Claims, each leading to its pixels or its plot"}}) {
         const std::string file = fmt::format("screenshots/{}.png", name);
         if (std::filesystem::exists(folder / file)) text += fmt::format("\n![{}]({})\n", what, file);
     }
@@ -205,8 +229,8 @@ std::string screenshots_in(const std::filesystem::path& folder) {
 
 }  // namespace
 
-void write_claim_report(const std::filesystem::path& folder, const std::vector<Claim>& claims, const std::vector<ClaimResult>& results,
-                        const std::filesystem::path& data_dir) {
+void write_claim_report(const std::filesystem::path& folder, const std::vector<Claim>& claims,
+                        const std::vector<ClaimResult>& results, const std::filesystem::path& data_dir) {
     file::AtomicFile readme(folder / "README.md");
     std::size_t held = 0, refuted = 0, other = 0;
     for (std::size_t i = 0; i < claims.size(); ++i) {
@@ -214,23 +238,31 @@ void write_claim_report(const std::filesystem::path& folder, const std::vector<C
         else ++(claims[i].verdict == Claim::Verdict::holds ? held : refuted);
     }
     std::string text = fmt::format(
-        "# What the sources say, and what is measured\n\nMade by `lostbits check --report reports`; do not edit. {} sentences and parts of sentences: {} hold, {} are refuted{}. Every "
-        "number is of the run that made this page; the tests of lostbits make it anew. `lostbits report` makes a page of them for a browser, where each leads to its pixels or its plot.\n{}",
-        claims.size(), held, refuted, other == 0 ? "" : fmt::format(", {} could not be judged or changed", other), screenshots_in(folder));
+        "# What the sources say, and what is measured\n\nMade by `lostbits check --report reports`; do not edit. {} "
+        "sentences and parts of sentences: {} hold, {} are refuted{}. Every "
+        "number is of the run that made this page; the tests of lostbits make it anew. `lostbits report` makes a page "
+        "of them for a browser, where each leads to its pixels or its plot.\n{}",
+        claims.size(), held, refuted, other == 0 ? "" : fmt::format(", {} could not be judged or changed", other),
+        screenshots_in(folder));
     for (const Subject& subject : subjects_of(claims)) {
         const Claim& first = claims[subject.claims.front()];
         text += fmt::format("\n## {}\n\n", subject.name);
-        const bool traced = std::ranges::all_of(subject.claims, [&](std::size_t i) { return claims[i].step.has_value(); });
+        const bool traced =
+            std::ranges::all_of(subject.claims, [&](std::size_t i) { return claims[i].step.has_value(); });
         if (traced) text += trace_text(rows_of(subject, claims), subject.name, data_dir) + "\n";
-        else if (!first.scene.empty()) text += picture_scene(folder, rows_of(subject, claims), subject.name, data_dir) + "\n";
+        else if (!first.scene.empty())
+            text += picture_scene(folder, rows_of(subject, claims), subject.name, data_dir) + "\n";
         else if (!first.render.empty()) text += picture_render(folder, subject, claims, data_dir) + "\n";
-        else if (!first.sweep.empty()) text += picture_sweep(folder, rows_of(subject, claims), subject.name, shown_of(subject, claims), data_dir) + "\n";
+        else if (!first.sweep.empty())
+            text += picture_sweep(folder, rows_of(subject, claims), subject.name, shown_of(subject, claims), data_dir) +
+                    "\n";
         std::string source;
         for (const std::size_t i : subject.claims) {
             if (claims[i].source != source) {
                 source = claims[i].source;
-                text += fmt::format("{}Source: {}\n\n| verdict | sentence | measured on | measured | claim |\n|---|---|---|---|---|\n", i == subject.claims.front() ? "" : "\n",
-                                    source == "-" ? "our own" : source);
+                text += fmt::format(
+                    "{}Source: {}\n\n| verdict | sentence | measured on | measured | claim |\n|---|---|---|---|---|\n",
+                    i == subject.claims.front() ? "" : "\n", source == "-" ? "our own" : source);
             }
             text += row_text(claims[i], results[i]);
         }

@@ -10,7 +10,7 @@ namespace lostbits::output::claim {
 
 /// Writes `README.md`, `claims.csv` and `pictures/` into a folder; the same claims and results give the same bytes. A
 /// scene is shown as a contact sheet, a sweep as its plots, cases as their matrix: of the forms that are claimed about.
-void write_claim_report(const std::filesystem::path& folder, const std::vector<scene::claim::Claim>& claims, const std::vector<measure::claim::ClaimResult>& results,
-                        const std::filesystem::path& data_dir);
+void write_claim_report(const std::filesystem::path& folder, const std::vector<scene::claim::Claim>& claims,
+                        const std::vector<measure::claim::ClaimResult>& results, const std::filesystem::path& data_dir);
 
 }  // namespace lostbits::output::claim

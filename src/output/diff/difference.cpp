@@ -37,9 +37,12 @@ struct Exact {
     Exact(boost::multiprecision::cpp_int digits, int power) : n(std::move(digits)), exponent(power) {}
 
     [[nodiscard]] boost::multiprecision::cpp_int at(int power) const {
-        return n * boost::multiprecision::pow(boost::multiprecision::cpp_int(10), static_cast<unsigned>(exponent - power));
+        return n *
+               boost::multiprecision::pow(boost::multiprecision::cpp_int(10), static_cast<unsigned>(exponent - power));
     }
-    [[nodiscard]] double approximate(int shift = 0) const { return std::strtod((n.str() + "e" + std::to_string(exponent - shift)).c_str(), nullptr); }
+    [[nodiscard]] double approximate(int shift = 0) const {
+        return std::strtod((n.str() + "e" + std::to_string(exponent - shift)).c_str(), nullptr);
+    }
 };
 
 Exact distance(const Exact& a, const Exact& b) {
@@ -53,12 +56,14 @@ bool at_most(const Exact& a, const Exact& b) {
 }
 
 const Tolerance* tolerance_of(const std::string& name, const CompareOptions& options) {
-    const auto found = std::find_if(options.tolerances.rbegin(), options.tolerances.rend(), [&](const Tolerance& t) { return names_column(t.column, name); });
+    const auto found = std::find_if(options.tolerances.rbegin(), options.tolerances.rend(),
+                                    [&](const Tolerance& t) { return names_column(t.column, name); });
     return found == options.tolerances.rend() ? nullptr : &*found;
 }
 
 bool ignores(const CompareOptions& options, const std::string& name) {
-    return std::ranges::any_of(options.ignored, [&](const std::string& pattern) { return names_column(pattern, name); });
+    return std::ranges::any_of(options.ignored,
+                               [&](const std::string& pattern) { return names_column(pattern, name); });
 }
 
 /// What two cells or samples that are not the same have to do with each other.
@@ -76,7 +81,8 @@ Verdict judge_cells(std::string_view a, std::string_view b, const Tolerance* tol
         return {.differs = !(x == y), .kinds = !both_text};
     }
     const Exact p(x), q(y), apart = distance(p, q);
-    const Exact larger = at_most({abs(p.n), p.exponent}, {abs(q.n), q.exponent}) ? Exact(abs(q.n), q.exponent) : Exact(abs(p.n), p.exponent);
+    const Exact larger = at_most({abs(p.n), p.exponent}, {abs(q.n), q.exponent}) ? Exact(abs(q.n), q.exponent)
+                                                                                 : Exact(abs(p.n), p.exponent);
     Verdict v{.measured = true, .absolute = apart.approximate()};
     if (larger.n != 0) {
         // Scaled to the larger, so that neither leaves the range of a double.
@@ -88,12 +94,14 @@ Verdict judge_cells(std::string_view a, std::string_view b, const Tolerance* tol
         return v;
     }
     const Exact relative(tolerance->relative);
-    v.differs = !at_most(apart, Exact(tolerance->absolute)) && !at_most(apart, {relative.n * larger.n, relative.exponent + larger.exponent});
+    v.differs = !at_most(apart, Exact(tolerance->absolute)) &&
+                !at_most(apart, {relative.n * larger.n, relative.exponent + larger.exponent});
     return v;
 }
 
 Verdict judge_samples(float a, float b, const std::optional<std::pair<double, double>>& tolerance) {
-    if (std::bit_cast<std::uint32_t>(a) == std::bit_cast<std::uint32_t>(b) || (std::isnan(a) && std::isnan(b))) return {};
+    if (std::bit_cast<std::uint32_t>(a) == std::bit_cast<std::uint32_t>(b) || (std::isnan(a) && std::isnan(b)))
+        return {};
     if (!std::isfinite(a) || !std::isfinite(b)) return {.differs = true, .kinds = true};
     const double x = a, y = b, apart = std::fabs(x - y), larger = std::max(std::fabs(x), std::fabs(y));
     const bool tolerated = tolerance && (apart <= tolerance->first || apart <= tolerance->second * larger);
@@ -106,7 +114,8 @@ std::string in_quotes(std::string_view text) {
     for (const char c : text) {
         if (c == '\n') out += "\\n";
         else if (c == '\r') out += "\\r";
-        else if (static_cast<unsigned char>(c) < ' ' || c == 0x7F) out += fmt::format("\\x{:02x}", static_cast<unsigned char>(c));
+        else if (static_cast<unsigned char>(c) < ' ' || c == 0x7F)
+            out += fmt::format("\\x{:02x}", static_cast<unsigned char>(c));
         else if (c == '"' || c == '\\') out += {'\\', c};
         else out += c;
     }
@@ -136,7 +145,9 @@ bool book(ColumnDifference& column, const Verdict& v, const auto& make_place) {
     return v.differs;
 }
 
-std::string distances(const Verdict& v) { return v.measured ? fmt::format(" (abs {:.4g}, rel {:.4g})", v.absolute, v.relative) : ""; }
+std::string distances(const Verdict& v) {
+    return v.measured ? fmt::format(" (abs {:.4g}, rel {:.4g})", v.absolute, v.relative) : "";
+}
 
 /// For each of a list of distinct numbers, whether it is in one longest increasing subsequence: the others are the
 /// fewest that have to move to put the list in order.
@@ -163,7 +174,8 @@ struct Pair {
 };
 
 /// Books what the headers differ in and returns the columns of both, in the first's order.
-std::vector<Pair> match_headers(const CsvTable& a, const CsvTable& b, const CompareOptions& options, Comparison& result) {
+std::vector<Pair> match_headers(const CsvTable& a, const CsvTable& b, const CompareOptions& options,
+                                Comparison& result) {
     std::vector<Pair> pairs;
     std::vector<std::size_t> places;
     for (const CsvColumn& column : a.columns) {
@@ -181,13 +193,16 @@ std::vector<Pair> match_headers(const CsvTable& a, const CsvTable& b, const Comp
     for (const CsvColumn& column : b.columns) {
         if (a.find(column.name) != nullptr) continue;
         result.names.push_back(column.name);
-        if (!ignores(options, column.name)) add(result, options, 1, [&] { return fmt::format("column {} is added in the second", column.name); });
+        if (!ignores(options, column.name))
+            add(result, options, 1, [&] { return fmt::format("column {} is added in the second", column.name); });
     }
     const auto stays = in_order(places);
     for (std::size_t i = 0; i < pairs.size(); ++i) {
         if (stays[i]) continue;
         const auto place = pairs[i].a - a.columns.data() + 1;
-        add(result, options, 1, [&] { return fmt::format("column {} moved from place {} to place {}", pairs[i].a->name, place, places[i] + 1); });
+        add(result, options, 1, [&] {
+            return fmt::format("column {} moved from place {} to place {}", pairs[i].a->name, place, places[i] + 1);
+        });
     }
     return pairs;
 }
@@ -196,7 +211,9 @@ void compare_attributes(const ExrImage& a, const ExrImage& b, const CompareOptio
     std::map<std::string, std::pair<std::optional<std::string>, std::optional<std::string>>> both;
     for (const auto& [name, value] : a.attributes) both[name].first = value;
     for (const auto& [name, value] : b.attributes) both[name].second = value;
-    const auto text = [](const std::optional<std::string>& value) { return value ? in_quotes(*value) : std::string("(absent)"); };
+    const auto text = [](const std::optional<std::string>& value) {
+        return value ? in_quotes(*value) : std::string("(absent)");
+    };
     for (const auto& entry : both) {
         const auto& [left, right] = entry.second;
         if (entry.first == "lostbits:command" || entry.first == "lostbits:compiler" || left == right) continue;
@@ -206,21 +223,23 @@ void compare_attributes(const ExrImage& a, const ExrImage& b, const CompareOptio
 }
 
 template <class Sample>
-void compare_samples(const std::string& name, const std::vector<Sample>& a, const std::vector<Sample>& b, std::size_t width, const CompareOptions& options,
-                     Comparison& result) {
+void compare_samples(const std::string& name, const std::vector<Sample>& a, const std::vector<Sample>& b,
+                     std::size_t width, const CompareOptions& options, Comparison& result) {
     std::optional<std::pair<double, double>> within;
-    if (const Tolerance* t = tolerance_of(name, options)) within.emplace(t->absolute.approximate(), t->relative.approximate());
+    if (const Tolerance* t = tolerance_of(name, options))
+        within.emplace(t->absolute.approximate(), t->relative.approximate());
     ColumnDifference& column = result.columns.emplace_back();
     column.name = name;
     for (std::size_t i = 0; i < a.size(); ++i) {
         Verdict v;
         if constexpr (std::is_same_v<Sample, float>) v = judge_samples(a[i], b[i], within);
-        else
-            v.differs = a[i] != b[i];
+        else v.differs = a[i] != b[i];
         const auto place = [&] { return fmt::format("{},{}", i % width, i / width); };
         if (!book(column, v, place)) continue;
         add(result, options, 0, [&] {
-            if constexpr (std::is_same_v<Sample, float>) return fmt::format("{} at {}: {} != {}{}", name, place(), file::decimal(a[i]), file::decimal(b[i]), distances(v));
+            if constexpr (std::is_same_v<Sample, float>)
+                return fmt::format("{} at {}: {} != {}{}", name, place(), file::decimal(a[i]), file::decimal(b[i]),
+                                   distances(v));
             else return fmt::format("{} at {}: {} != {}", name, place(), a[i], b[i]);
         });
     }
@@ -238,19 +257,24 @@ bool same_size(const auto& a, const auto& b, const CompareOptions& options, Comp
 Tolerance parse_tolerance(const std::string& text) {
     const auto equals = text.rfind('=');
     if (equals == std::string::npos || equals == 0) {
-        throw InputError(fmt::format("--tolerance {}: no tolerance; write COLUMN=ABS or COLUMN=ABS,REL, as in lost_bits=0.5", text));
+        throw InputError(
+            fmt::format("--tolerance {}: no tolerance; write COLUMN=ABS or COLUMN=ABS,REL, as in lost_bits=0.5", text));
     }
     const std::string numbers = text.substr(equals + 1);
     const auto comma = numbers.find(',');
     const auto read = [&text](const std::string& word) {
         const CellValue value = file::read_cell(word);
         if (value.kind == Kind::number && !value.negative) return value;
-        throw InputError(fmt::format("--tolerance {}: \"{}\" is no finite number of at least 0; write one, or --ignore the column", text, word));
+        throw InputError(fmt::format(
+            "--tolerance {}: \"{}\" is no finite number of at least 0; write one, or --ignore the column", text, word));
     };
-    return {text.substr(0, equals), read(numbers.substr(0, comma)), comma == std::string::npos ? read("0") : read(numbers.substr(comma + 1))};
+    return {text.substr(0, equals), read(numbers.substr(0, comma)),
+            comma == std::string::npos ? read("0") : read(numbers.substr(comma + 1))};
 }
 
-bool names_column(const std::string& pattern, const std::string& name) { return pattern == name || fnmatch(pattern.c_str(), name.c_str(), 0) == 0; }
+bool names_column(const std::string& pattern, const std::string& name) {
+    return pattern == name || fnmatch(pattern.c_str(), name.c_str(), 0) == 0;
+}
 
 Comparison compare(const CsvTable& a, const CsvTable& b, const CompareOptions& options) {
     Comparison result;
@@ -263,10 +287,14 @@ Comparison compare(const CsvTable& a, const CsvTable& b, const CompareOptions& o
             if (left == right) continue;
             const Verdict v = judge_cells(left, right, pairs[c].tolerance, pairs[c].as_text);
             if (!book(result.columns[c], v, [&] { return fmt::format("line {}", a.lines[r]); })) continue;
-            add(result, options, a.lines[r], [&] { return fmt::format("{}: {} != {}{}", pairs[c].a->name, shown(left), shown(right), distances(v)); });
+            add(result, options, a.lines[r], [&] {
+                return fmt::format("{}: {} != {}{}", pairs[c].a->name, shown(left), shown(right), distances(v));
+            });
         }
     }
-    if (a.rows() != b.rows()) add(result, options, 0, [&] { return fmt::format("rows: {} != {}; the first {} are compared", a.rows(), b.rows(), rows); });
+    if (a.rows() != b.rows())
+        add(result, options, 0,
+            [&] { return fmt::format("rows: {} != {}; the first {} are compared", a.rows(), b.rows(), rows); });
     return result;
 }
 
@@ -282,17 +310,22 @@ Comparison compare(const ExrImage& a, const ExrImage& b, const CompareOptions& o
             add(result, options, 0, [&] { return fmt::format("channel {} is missing in the second", channel.name); });
         } else if (channel.samples.index() != other->samples.index()) {
             const auto type = [](const ExrChannel& c) { return c.samples.index() == 0 ? "f32" : "u32"; };
-            add(result, options, 0, [&] { return fmt::format("channel {}: type {} != {}", channel.name, type(channel), type(*other)); });
+            add(result, options, 0,
+                [&] { return fmt::format("channel {}: type {} != {}", channel.name, type(channel), type(*other)); });
         } else if (comparable) {
-            std::visit([&]<class S>(const std::vector<S>& samples) {
-                compare_samples(channel.name, samples, std::get<std::vector<S>>(other->samples), static_cast<std::size_t>(a.width), options, result);
-            }, channel.samples);
+            std::visit(
+                [&]<class S>(const std::vector<S>& samples) {
+                    compare_samples(channel.name, samples, std::get<std::vector<S>>(other->samples),
+                                    static_cast<std::size_t>(a.width), options, result);
+                },
+                channel.samples);
         }
     }
     for (const ExrChannel& channel : b.channels) {
         if (a.find(channel.name) != nullptr) continue;
         result.names.push_back(channel.name);
-        if (!ignores(options, channel.name)) add(result, options, 0, [&] { return fmt::format("channel {} is added in the second", channel.name); });
+        if (!ignores(options, channel.name))
+            add(result, options, 0, [&] { return fmt::format("channel {} is added in the second", channel.name); });
     }
     return result;
 }
@@ -308,8 +341,11 @@ Comparison compare(const image::PngImage& a, const image::PngImage& b, const Com
         const int steps = std::max({std::abs(p.r - q.r), std::abs(p.g - q.g), std::abs(p.b - q.b)});
         const auto width = static_cast<std::size_t>(a.width);
         const auto place = [&] { return fmt::format("{},{}", i % width, i / width); };
-        book(column, {.differs = true, .measured = true, .absolute = static_cast<double>(steps), .relative = steps / 255.0}, place);
-        add(result, options, 0, [&] { return fmt::format("pixel at {}: {},{},{} != {},{},{}", place(), p.r, p.g, p.b, q.r, q.g, q.b); });
+        book(column,
+             {.differs = true, .measured = true, .absolute = static_cast<double>(steps), .relative = steps / 255.0},
+             place);
+        add(result, options, 0,
+            [&] { return fmt::format("pixel at {}: {},{},{} != {},{},{}", place(), p.r, p.g, p.b, q.r, q.g, q.b); });
     }
     return result;
 }
@@ -319,7 +355,8 @@ Comparison compare_bytes(std::string_view a, std::string_view b) {
     if (a == b) return result;
     const auto at = std::ranges::mismatch(a, b).in1 - a.begin();
     const auto line = static_cast<std::size_t>(std::count(a.begin(), a.begin() + at, '\n')) + 1;
-    add(result, {}, line, [&] { return fmt::format("bytes differ from byte {} on; {} != {} bytes in all", at, a.size(), b.size()); });
+    add(result, {}, line,
+        [&] { return fmt::format("bytes differ from byte {} on; {} != {} bytes in all", at, a.size(), b.size()); });
     return result;
 }
 

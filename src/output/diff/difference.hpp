@@ -7,16 +7,16 @@
 #include <string_view>
 #include <vector>
 
-#include "output/image/image.hpp"
 #include "output/file/read_csv.hpp"
+#include "output/image/image.hpp"
 
 namespace lostbits::output::diff {
 
 /// How far apart two finite numbers of a column or channel may be and still agree: |a − b| ≤ absolute, or
-/// |a − b| ≤ relative · max(|a|, |b|). Both are at least 0, and neither side is the reference. Under a tolerance, be it 0,
-/// −0 equals 0.
+/// |a − b| ≤ relative · max(|a|, |b|). Both are at least 0, and neither side is the reference. Under a tolerance, be it
+/// 0, −0 equals 0.
 struct Tolerance {
-    std::string column;            ///< a name or a glob (fnmatch)
+    std::string column;                  ///< a name or a glob (fnmatch)
     file::CellValue absolute, relative;  ///< numbers
 };
 
@@ -48,9 +48,10 @@ struct Largest {
 struct ColumnDifference {
     std::string name;
     std::uint64_t count = 0;  ///< cells or samples that differ
-    std::uint64_t kinds = 0;  ///< those of them where a number meets NaN, infinity, nothing or text, or two of these meet
-    Largest absolute;         ///< |a − b| over all pairs of finite numbers that are not equal, tolerated or not
-    Largest relative;         ///< |a − b| / max(|a|, |b|) over the same
+    std::uint64_t kinds =
+        0;             ///< those of them where a number meets NaN, infinity, nothing or text, or two of these meet
+    Largest absolute;  ///< |a − b| over all pairs of finite numbers that are not equal, tolerated or not
+    Largest relative;  ///< |a − b| / max(|a|, |b|) over the same
 };
 
 struct Comparison {
@@ -65,10 +66,10 @@ struct Comparison {
 /// Compares cell by cell: columns by name, rows by position. Columns that are missing, added or moved are differences,
 /// and so is another number of rows; what both sides have is compared all the same.
 ///
-/// Numbers compare by their exact values (`1e3` equals `1000`, `-0` differs from `0`, no digit is too many), but as text in a
-/// column whose name ends in `_hex`, unless a tolerance names it. NaN equals NaN, empty equals empty, an infinity
-/// equals the one of its sign, text equals the same bytes; none of them equals anything else, whatever the tolerance.
-/// Differences of two numbers and tolerances are evaluated without rounding.
+/// Numbers compare by their exact values (`1e3` equals `1000`, `-0` differs from `0`, no digit is too many), but as
+/// text in a column whose name ends in `_hex`, unless a tolerance names it. NaN equals NaN, empty equals empty, an
+/// infinity equals the one of its sign, text equals the same bytes; none of them equals anything else, whatever the
+/// tolerance. Differences of two numbers and tolerances are evaluated without rounding.
 [[nodiscard]] Comparison compare(const file::CsvTable& a, const file::CsvTable& b, const CompareOptions& options);
 
 /// Compares sizes, channels by name, their types, and every sample: bit by bit where no tolerance names the channel,

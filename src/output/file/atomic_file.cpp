@@ -35,8 +35,8 @@ std::atomic<char*>* register_partial(const std::string& partial) {
         if (slot.compare_exchange_strong(expected, name)) return &slot;
     }
     std::free(name);
-    throw EnvironmentError(partial + ": too many output files open at once (limit " +
-                           std::to_string(slot_count) + "); select fewer forms or formats");
+    throw EnvironmentError(partial + ": too many output files open at once (limit " + std::to_string(slot_count) +
+                           "); select fewer forms or formats");
 }
 
 /// True when this thread took the name back, false when a signal handler did (and removed the file).
@@ -65,8 +65,8 @@ const char* remedy(int error_number) {
 }
 
 [[noreturn]] void refuse(const std::filesystem::path& path, const char* what, int error_number) {
-    throw EnvironmentError(path.string() + ": " + what + ": " + std::generic_category().message(error_number) +
-                           "; " + remedy(error_number));
+    throw EnvironmentError(path.string() + ": " + what + ": " + std::generic_category().message(error_number) + "; " +
+                           remedy(error_number));
 }
 
 void make_parent(const std::filesystem::path& path) {
@@ -75,7 +75,7 @@ void make_parent(const std::filesystem::path& path) {
     std::error_code error;
     std::filesystem::create_directories(parent, error);
     // libstdc++ reports success for a parent that exists as a file in some versions, so ask again.
-    struct stat info{};
+    struct stat info {};
     if (::stat(parent.c_str(), &info) == 0) {
         if (!S_ISDIR(info.st_mode)) refuse(parent, "cannot use as a folder", ENOTDIR);
         return;
@@ -103,7 +103,7 @@ bool is_live(const std::string& partial) {
 
 AtomicFile::AtomicFile(const std::filesystem::path& path) : path_(path), final_(path) {
     if (!path.has_filename()) refuse(path, "cannot write", EISDIR);
-    struct stat info{};
+    struct stat info {};
     if (::lstat(path.c_str(), &info) == 0 && S_ISLNK(info.st_mode)) {
         std::error_code error;
         final_ = std::filesystem::weakly_canonical(path, error);
@@ -184,9 +184,7 @@ void AtomicFile::seek(std::int64_t offset) {
     file_position_ = offset;
 }
 
-std::int64_t AtomicFile::tell() const noexcept {
-    return file_position_ + static_cast<std::int64_t>(buffered_);
-}
+std::int64_t AtomicFile::tell() const noexcept { return file_position_ + static_cast<std::int64_t>(buffered_); }
 
 void AtomicFile::commit() {
     if (fd_ < 0) throw std::logic_error(path_.string() + ": commit after commit or failure");

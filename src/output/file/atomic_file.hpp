@@ -64,12 +64,12 @@ private:
     void abandon() noexcept;
     [[noreturn]] void fail(const char* what, int error_number);
 
-    std::filesystem::path path_;       // for messages
-    std::filesystem::path final_;      // links resolved
-    std::string partial_;              // empty when written directly
+    std::filesystem::path path_;   // for messages
+    std::filesystem::path final_;  // links resolved
+    std::string partial_;          // empty when written directly
     std::atomic<char*>* slot_ = nullptr;
     int fd_ = -1;
-    std::int64_t file_position_ = 0;   // where the descriptor stands; the buffer follows it
+    std::int64_t file_position_ = 0;  // where the descriptor stands; the buffer follows it
     std::size_t buffered_ = 0;
     std::unique_ptr<std::byte[]> buffer_;
 };

@@ -21,10 +21,10 @@ std::size_t sequence_length(std::string_view s) {
     const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(s[i]); };
     const unsigned char lead = byte(0);
     if (lead < 0x80) return 1;
-    const std::size_t n = lead >= 0xC2 && lead <= 0xDF ? 2
-                        : (lead & 0xF0) == 0xE0        ? 3
-                        : lead >= 0xF0 && lead <= 0xF4 ? 4
-                                                       : 0;
+    const std::size_t n = lead >= 0xC2 && lead <= 0xDF   ? 2
+                          : (lead & 0xF0) == 0xE0        ? 3
+                          : lead >= 0xF0 && lead <= 0xF4 ? 4
+                                                         : 0;
     if (n == 0 || s.size() < n) return 0;
     for (std::size_t i = 1; i < n; ++i) {
         if ((byte(i) & 0xC0) != 0x80) return 0;
@@ -64,23 +64,19 @@ std::string csv_field(std::string_view text) {
 }
 
 std::string Cell::text() const {
-    return std::visit(Overloaded{[](std::monostate) { return std::string(); },
-                                 [](bool b) { return std::string(b ? "1" : "0"); },
-                                 [](std::int64_t i) { return std::to_string(i); },
-                                 [](std::uint64_t i) { return std::to_string(i); },
-                                 [](float f) { return decimal(f); },
-                                 [](double d) { return decimal(d); },
-                                 [](const std::string& s) { return valid_utf8(s); }},
-                      value_);
+    return std::visit(
+        Overloaded{[](std::monostate) { return std::string(); }, [](bool b) { return std::string(b ? "1" : "0"); },
+                   [](std::int64_t i) { return std::to_string(i); }, [](std::uint64_t i) { return std::to_string(i); },
+                   [](float f) { return decimal(f); }, [](double d) { return decimal(d); },
+                   [](const std::string& s) { return valid_utf8(s); }},
+        value_);
 }
 
 bool Cell::fits(std::string_view type) const {
-    return std::visit(Overloaded{[](std::monostate) { return true; },
-                                 [&](bool) { return type == "boolean"; },
+    return std::visit(Overloaded{[](std::monostate) { return true; }, [&](bool) { return type == "boolean"; },
                                  [&](std::int64_t) { return type == "integer" || type == "number"; },
                                  [&](std::uint64_t) { return type == "integer" || type == "number"; },
-                                 [&](float) { return type == "number"; },
-                                 [&](double) { return type == "number"; },
+                                 [&](float) { return type == "number"; }, [&](double) { return type == "number"; },
                                  [&](const std::string&) { return type == "string"; }},
                       value_);
 }

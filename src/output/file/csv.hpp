@@ -30,8 +30,7 @@ public:
     template <std::signed_integral I>
     Cell(I value) : value_(static_cast<std::int64_t>(value)) {}
     template <std::unsigned_integral I>
-        requires(!std::same_as<I, bool>)
-    Cell(I value) : value_(static_cast<std::uint64_t>(value)) {}
+    requires(!std::same_as<I, bool>) Cell(I value) : value_(static_cast<std::uint64_t>(value)) {}
     Cell(float value) : value_(value) {}
     Cell(double value) : value_(value) {}
     Cell(std::string value) : value_(std::move(value)) {}

@@ -15,8 +15,8 @@ std::string slug(std::string_view text) {
     std::string out;
     for (const char c : text) {
         const auto u = static_cast<unsigned char>(c);
-        const bool kept = std::isdigit(u) != 0 || (c >= 'a' && c <= 'z') || c == '.' || c == '_' || c == '-' ||
-                          c == '/';
+        const bool kept =
+            std::isdigit(u) != 0 || (c >= 'a' && c <= 'z') || c == '.' || c == '_' || c == '-' || c == '/';
         out += kept ? c : (c >= 'A' && c <= 'Z') ? static_cast<char>(c - 'A' + 'a') : '-';
     }
     return out;
@@ -55,10 +55,8 @@ void write_datapackage(const std::filesystem::path& path, const std::string& tit
                        const std::vector<DataResource>& resources) {
     Json list = Json::array();
     for (const auto& data : resources) list.push_back(resource(data));
-    const Json package{{"profile", "tabular-data-package"},
-                       {"name", slug(title)},
-                       {"title", valid_utf8(title)},
-                       {"resources", list}};
+    const Json package{
+        {"profile", "tabular-data-package"}, {"name", slug(title)}, {"title", valid_utf8(title)}, {"resources", list}};
     AtomicFile file(path);
     file.write(package.dump(2) + "\n");
     file.commit();

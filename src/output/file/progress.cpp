@@ -44,8 +44,8 @@ std::string progress_line(std::string_view label, std::uint64_t done, std::uint6
                           int columns) {
     const double part = total == 0 ? 0.0 : std::min(1.0, static_cast<double>(done) / static_cast<double>(total));
     const std::string remaining = part > 0 ? duration_text(elapsed_s / part - elapsed_s) : "?";
-    const std::string tail = fmt::format(" {:3}%  {} elapsed, {} left", static_cast<int>(part * 100),
-                                         duration_text(elapsed_s), remaining);
+    const std::string tail =
+        fmt::format(" {:3}%  {} elapsed, {} left", static_cast<int>(part * 100), duration_text(elapsed_s), remaining);
     const int room = columns - 1 - static_cast<int>(label.size() + tail.size()) - 3;  // the last column wraps
     std::string line(label);
     if (room >= 5) {
@@ -120,8 +120,7 @@ void Progress::finish() noexcept {
         const std::lock_guard lock(mutex_);
         erase();
         visible_ = false;
-    } catch (...) {
-    }
+    } catch (...) {}
 }
 
 void Progress::put(std::string_view text) noexcept {

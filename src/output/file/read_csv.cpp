@@ -43,7 +43,8 @@ public:
 
 private:
     bool ends_row() const {
-        return at_end() || text_[at_] == '\n' || (text_[at_] == '\r' && at_ + 1 < text_.size() && text_[at_ + 1] == '\n');
+        return at_end() || text_[at_] == '\n' ||
+               (text_[at_] == '\r' && at_ + 1 < text_.size() && text_[at_ + 1] == '\n');
     }
     bool comma() {
         const bool is = at_ < text_.size() && text_[at_] == ',';
@@ -55,7 +56,9 @@ private:
         const std::size_t begin = at_;
         for (; !ends_row() && text_[at_] != ','; ++at_) {
             const char c = text_[at_];
-            if (c == '"') fail(line_, "not a CSV: a quote inside an unquoted cell; quote the whole cell and double the quotes in it");
+            if (c == '"')
+                fail(line_,
+                     "not a CSV: a quote inside an unquoted cell; quote the whole cell and double the quotes in it");
             if (c == '\r') fail(line_, "not a CSV: a carriage return without a line feed; end lines with LF or CRLF");
             if (c == '\0') fail(line_, "not a CSV: a NUL byte; give a text file");
         }
@@ -66,13 +69,16 @@ private:
         const std::size_t opened = line_, begin = ++at_;
         std::size_t end = begin;
         for (;; ++at_) {
-            if (at_end()) fail(opened, "not a CSV: a quoted cell that never ends; close it with a quote, and double the quotes inside");
+            if (at_end())
+                fail(opened,
+                     "not a CSV: a quoted cell that never ends; close it with a quote, and double the quotes inside");
             if (text_[at_] == '"' && (++at_ == text_.size() || text_[at_] != '"')) break;
             if (text_[at_] == '\0') fail(line_, "not a CSV: a NUL byte; give a text file");
             line_ += text_[at_] == '\n';
             text_[end++] = text_[at_];
         }
-        if (!ends_row() && text_[at_] != ',') fail(line_, "not a CSV: text after a closing quote; double the quotes inside a quoted cell");
+        if (!ends_row() && text_[at_] != ',')
+            fail(line_, "not a CSV: text after a closing quote; double the quotes inside a quoted cell");
         return {text_.data() + begin, end - begin};
     }
 
@@ -119,8 +125,7 @@ void to_decimal(std::string& digits, int& exponent) {
     using boost::multiprecision::cpp_int;
     cpp_int n("0x" + digits);
     if (exponent >= 0) n <<= exponent;
-    else
-        n *= boost::multiprecision::pow(cpp_int(5), static_cast<unsigned>(-exponent));
+    else n *= boost::multiprecision::pow(cpp_int(5), static_cast<unsigned>(-exponent));
     digits = n.str();
     exponent = std::min(exponent, 0);
 }
@@ -141,15 +146,17 @@ CsvTable parse_csv(std::string text, const std::string& source) {
     parser.row(cells);
     std::unordered_set<std::string_view> names;
     for (const std::string_view name : cells) {
-        if (!names.insert(name).second) parser.fail(1, "the column \"" + std::string(name) + "\" appears twice; rename one");
+        if (!names.insert(name).second)
+            parser.fail(1, "the column \"" + std::string(name) + "\" appears twice; rename one");
         table.columns.push_back({std::string(name), {}});
     }
     while (!parser.at_end()) {
         const std::size_t line = parser.line();
         parser.row(cells);
         if (cells.size() != table.columns.size()) {
-            parser.fail(line, "not a CSV: " + std::to_string(cells.size()) + (cells.size() == 1 ? " cell" : " cells") + " where the header has " +
-                                  std::to_string(table.columns.size()) + "; quote cells that hold commas");
+            parser.fail(line, "not a CSV: " + std::to_string(cells.size()) + (cells.size() == 1 ? " cell" : " cells") +
+                                  " where the header has " + std::to_string(table.columns.size()) +
+                                  "; quote cells that hold commas");
         }
         table.lines.push_back(line);
         for (std::size_t c = 0; c < cells.size(); ++c) table.columns[c].cells.push_back(cells[c]);
@@ -177,11 +184,13 @@ std::string read_file(const std::filesystem::path& path) {
 }
 
 bool CellValue::operator==(const CellValue& other) const {
-    return kind == other.kind && kind != Kind::text && negative == other.negative && digits == other.digits && exponent == other.exponent;
+    return kind == other.kind && kind != Kind::text && negative == other.negative && digits == other.digits &&
+           exponent == other.exponent;
 }
 
 double CellValue::approximate() const {
-    return std::strtod(((negative ? "-" : "") + (digits.empty() ? "0" : digits) + "e" + std::to_string(exponent)).c_str(), nullptr);
+    return std::strtod(
+        ((negative ? "-" : "") + (digits.empty() ? "0" : digits) + "e" + std::to_string(exponent)).c_str(), nullptr);
 }
 
 CellValue read_cell(std::string_view cell) {

@@ -17,9 +17,9 @@ struct CsvColumn {
 
 /// A CSV file in memory. Every column has the same number of cells, and no two have the same name.
 struct CsvTable {
-    std::string source;               ///< the file, for messages
-    std::vector<CsvColumn> columns;   ///< in the file's order
-    std::vector<std::size_t> lines;   ///< the line, counted from 1, on which each row begins
+    std::string source;                 ///< the file, for messages
+    std::vector<CsvColumn> columns;     ///< in the file's order
+    std::vector<std::size_t> lines;     ///< the line, counted from 1, on which each row begins
     std::unique_ptr<std::string> text;  ///< what the cells point into; behind a pointer so that it stays put
 
     [[nodiscard]] std::size_t rows() const { return lines.size(); }
@@ -48,8 +48,8 @@ struct CellValue {
     enum class Kind { missing, text, nan, infinity, number };
 
     Kind kind = Kind::missing;
-    bool negative = false;    ///< of a number or an infinity; never of NaN
-    std::string digits;       ///< |number| = digits · 10^exponent, without zeros at either end; empty is zero
+    bool negative = false;  ///< of a number or an infinity; never of NaN
+    std::string digits;     ///< |number| = digits · 10^exponent, without zeros at either end; empty is zero
     int exponent = 0;
 
     [[nodiscard]] bool operator==(const CellValue& other) const;
@@ -58,8 +58,9 @@ struct CellValue {
     [[nodiscard]] double approximate() const;
 };
 
-/// Reads a decimal, a C hexadecimal float, or `nan`, `inf`, `infinity` in any case with or without a sign. Anything else
-/// is text, and so is a number of more than 10000 digits or with an exponent beyond ±10000: no format reaches there.
+/// Reads a decimal, a C hexadecimal float, or `nan`, `inf`, `infinity` in any case with or without a sign. Anything
+/// else is text, and so is a number of more than 10000 digits or with an exponent beyond ±10000: no format reaches
+/// there.
 [[nodiscard]] CellValue read_cell(std::string_view cell);
 
 }  // namespace lostbits::output::file

@@ -108,8 +108,8 @@ TextBitmap fit_text(ImageBackend& backend, std::string_view text, int size, bool
     for (std::size_t kept = text.size(); out.width > width && kept > 1;) {
         --kept;
         const std::size_t head = (kept + 1) / 2, tail = kept / 2;
-        const std::string shorter = std::string(text.substr(0, head)) + ".." +
-                                    std::string(text.substr(text.size() - tail));
+        const std::string shorter =
+            std::string(text.substr(0, head)) + ".." + std::string(text.substr(text.size() - tail));
         out = backend.render_text(shorter, smallest, bold);
     }
     return out;

@@ -13,10 +13,10 @@ namespace {
 
 // Kelly's idea of maximal contrast, in colours that keep apart on a screen.
 constexpr std::array<Rgb8, 20> object_colours{{
-    {230, 159, 0},   {86, 180, 233},  {0, 158, 115},   {240, 228, 66},  {0, 114, 178},
-    {213, 94, 0},    {204, 121, 167}, {153, 221, 85},  {136, 34, 85},   {170, 170, 255},
-    {153, 102, 51},  {68, 221, 221},  {255, 153, 136}, {102, 51, 170},  {187, 187, 119},
-    {34, 102, 51},   {255, 102, 187}, {119, 136, 153}, {255, 221, 187}, {0, 68, 119},
+    {230, 159, 0},  {86, 180, 233},  {0, 158, 115},   {240, 228, 66},  {0, 114, 178},
+    {213, 94, 0},   {204, 121, 167}, {153, 221, 85},  {136, 34, 85},   {170, 170, 255},
+    {153, 102, 51}, {68, 221, 221},  {255, 153, 136}, {102, 51, 170},  {187, 187, 119},
+    {34, 102, 51},  {255, 102, 187}, {119, 136, 153}, {255, 221, 187}, {0, 68, 119},
 }};
 
 const std::array<std::uint16_t, 256>& linear_table() {
@@ -71,7 +71,9 @@ struct Lab {
         a = thousandths(1.9779984951 * x - 2.4285922050 * y + 0.4505937099 * z);
         b = thousandths(0.0259040371 * x + 0.7827717662 * y - 0.8086757660 * z);
     }
-    [[nodiscard]] int distance(const Lab& o) const { return (l - o.l) * (l - o.l) + (a - o.a) * (a - o.a) + (b - o.b) * (b - o.b); }
+    [[nodiscard]] int distance(const Lab& o) const {
+        return (l - o.l) * (l - o.l) + (a - o.a) * (a - o.a) + (b - o.b) * (b - o.b);
+    }
 };
 
 /// Every colour of a 17 x 17 x 17 cube with its distance from what is taken.
@@ -126,7 +128,8 @@ ColourScale::ColourScale(std::string name, std::vector<Rgb8> table, double lo, d
     : name_(std::move(name)), table_(std::move(table)), lo_(lo), hi_(hi), log2_(log2) {
     if (table_.size() < 2) throw std::invalid_argument("colour scale " + name_ + ": fewer than two colours");
     if (!std::isfinite(lo) || !std::isfinite(hi) || !(hi > lo) || (log2 && !(lo > 0))) {
-        throw std::invalid_argument("colour scale " + name_ + ": no range from " + file::decimal(lo) + " to " + file::decimal(hi));
+        throw std::invalid_argument("colour scale " + name_ + ": no range from " + file::decimal(lo) + " to " +
+                                    file::decimal(hi));
     }
 }
 
@@ -160,7 +163,8 @@ std::vector<ColourScale::Tick> ColourScale::ticks(int most) const {
         // Either all labels are powers or none is.
         const bool plain = first >= -3 && last <= 10;
         for (double e = first; e <= last; e += step) {
-            out.push_back({position(std::exp2(e)), plain || e == 0 ? file::decimal(std::exp2(e)) : "2^" + file::decimal(e)});
+            out.push_back(
+                {position(std::exp2(e)), plain || e == 0 ? file::decimal(std::exp2(e)) : "2^" + file::decimal(e)});
         }
     } else {
         const double step = round_step((hi_ / 2 - lo_ / 2) / (most - 1) * 2, lo_, hi_);

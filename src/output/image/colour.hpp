@@ -16,9 +16,10 @@ struct Rgb8 {
 };
 static_assert(sizeof(Rgb8) == 3);
 
-/// One fixed colour an outcome, in the order of `Outcome` (measure/answer/outcome.hpp) and of the values of the `class` layer. All but `agree_hit` stay away from the whole viridis ramp and from each other, also
-/// for a deuteranope (tests hold the distances); their lightness differs too, so that a grey print still tells them
-/// apart. `agree_hit` is drawn with its metric's colour, and with this one only in a map of classes alone.
+/// One fixed colour an outcome, in the order of `Outcome` (measure/answer/outcome.hpp) and of the values of the `class`
+/// layer. All but `agree_hit` stay away from the whole viridis ramp and from each other, also for a deuteranope (tests
+/// hold the distances); their lightness differs too, so that a grey print still tells them apart. `agree_hit` is drawn
+/// with its metric's colour, and with this one only in a map of classes alone.
 inline constexpr std::array<Rgb8, 6> outcome_colours{{
     {26, 152, 120},   // agree_hit: a colour of the ramp, on purpose
     {222, 222, 222},  // agree_miss: neutral, recedes
@@ -40,8 +41,9 @@ inline constexpr std::array<Rgb8, 4> stop_colours{{
 /// used again from the twenty-first object on.
 [[nodiscard]] Rgb8 object_colour(std::uint32_t id) noexcept;
 
-/// The colour of the place-th of many categories, from 0: the twenty of objects, then each time the one farthest in Oklab from all
-/// before it, from the outcomes' and from the page's. A thousand, no two alike; then they are used again.
+/// The colour of the place-th of many categories, from 0: the twenty of objects, then each time the one farthest in
+/// Oklab from all before it, from the outcomes' and from the page's. A thousand, no two alike; then they are used
+/// again.
 [[nodiscard]] Rgb8 distinct_colour(std::size_t place);
 
 /// Maps a metric to a colour: linear or log2 between two ends, clamped outside.

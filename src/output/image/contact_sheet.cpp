@@ -7,12 +7,12 @@ namespace lostbits::output::image {
 namespace {
 
 constexpr std::size_t most_columns = 7;
-constexpr int least_cell = 164;      // room for most names of forms
+constexpr int least_cell = 164;  // room for most names of forms
 constexpr int least_content = 440;
 constexpr int most_bar = 480, least_bar = 150;
 constexpr int gap = 14;
 constexpr int block_gap = 10;
-constexpr int column_head = 22;      // the name of the form
+constexpr int column_head = 22;  // the name of the form
 constexpr int note_line = 14;
 constexpr std::size_t note_lines = 3;
 
@@ -39,16 +39,17 @@ ContactSheet::ContactSheet(ImageBackend& backend, const std::filesystem::path& p
 
     int content = grid_width_;
     if (spec_.scale) {
-        bar_ = colour_bar(backend, *spec_.scale, spec_.unit,
-                          std::clamp(block_height_ - gap - static_cast<int>(note_lines) * note_line, least_bar, most_bar));
+        bar_ =
+            colour_bar(backend, *spec_.scale, spec_.unit,
+                       std::clamp(block_height_ - gap - static_cast<int>(note_lines) * note_line, least_bar, most_bar));
         content += gap + bar_.width();
     }
     content = std::max(content, least_content);
     heading_ = heading(backend, spec_.title, spec_.subtitle, content);
     legend_.emplace(backend, spec_.legend, content);
     page_width_ = content + 2 * style::margin;
-    page_height_ = style::margin + heading_.height() + gap + std::max(grid_height, bar_.height()) +
-                   legend_->height() + style::margin;
+    page_height_ = style::margin + heading_.height() + gap + std::max(grid_height, bar_.height()) + legend_->height() +
+                   style::margin;
     png_ = backend.open_png(path, page_width_, page_height_);
 }
 
@@ -118,8 +119,7 @@ void ContactSheet::finish(std::span<const LegendEntry> legend) {
     const int top = style::margin + heading_.height() + gap;
     const auto per_block = static_cast<std::size_t>(columns_);
     for (std::size_t form = 0; form < spec_.forms.size(); ++form) {
-        const int x = style::margin + row_label_width_ + gap +
-                      static_cast<int>(form % per_block) * (cell_width_ + gap);
+        const int x = style::margin + row_label_width_ + gap + static_cast<int>(form % per_block) * (cell_width_ + gap);
         const int block_y = top + static_cast<int>(form / per_block) * (block_height_ + block_gap);
         page.text(x, block_y, fit_text(backend_, spec_.forms[form], style::text_size, true, cell_width_), style::ink);
         for (std::size_t format = 0; format < spec_.formats.size(); ++format) {

@@ -53,12 +53,12 @@ private:
 struct SheetSpec {
     std::string title;
     std::vector<std::string> subtitle;
-    std::vector<std::string> forms;            ///< across
-    std::vector<std::string> formats;          ///< down
-    int field_width = 0, field_height = 0;     ///< of every cell, in samples
-    std::optional<ColourScale> scale;          ///< shared by all cells
-    std::string unit;                          ///< over the colour bar
-    std::vector<LegendEntry> legend;           ///< every class that may occur, with the widest count it may get
+    std::vector<std::string> forms;         ///< across
+    std::vector<std::string> formats;       ///< down
+    int field_width = 0, field_height = 0;  ///< of every cell, in samples
+    std::optional<ColourScale> scale;       ///< shared by all cells
+    std::string unit;                       ///< over the colour bar
+    std::vector<LegendEntry> legend;        ///< every class that may occur, with the widest count it may get
 };
 
 /// A grid of thumbnails: forms across, formats down, in blocks of at most seven forms. Cells may be fed at the same

@@ -6,9 +6,9 @@
 namespace lostbits::output::image {
 namespace {
 
-constexpr int narrow = 384;        // a field below this many samples across is enlarged
-constexpr int tallest = 2048;      // and not beyond this many pixels down
-constexpr int least_content = 440; // room for a title and a legend beside a thin field
+constexpr int narrow = 384;         // a field below this many samples across is enlarged
+constexpr int tallest = 2048;       // and not beyond this many pixels down
+constexpr int least_content = 440;  // room for a title and a legend beside a thin field
 constexpr int least_bar = 150, most_bar = 480;
 constexpr int gap = 14;
 

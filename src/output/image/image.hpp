@@ -106,9 +106,8 @@ public:
     /// InputError for another name.
     [[nodiscard]] virtual std::vector<Rgb8> ramp(std::string_view name, int steps) = 0;
 
-    /// One line of text with letters `size` pixels to the em. Latin letters lose their accents; any other character outside
-    /// ASCII becomes `?`.
-    /// Throws EnvironmentError when DejaVu Sans is not installed.
+    /// One line of text with letters `size` pixels to the em. Latin letters lose their accents; any other character
+    /// outside ASCII becomes `?`. Throws EnvironmentError when DejaVu Sans is not installed.
     [[nodiscard]] virtual TextBitmap render_text(std::string_view ascii, int size, bool bold = false) = 0;
 
     /// Reads an EXR, HALF channels widened to float. Throws InputError.
@@ -120,8 +119,8 @@ public:
 protected:
     virtual std::unique_ptr<ExrWriter> make_exr(std::unique_ptr<file::ByteSink> sink, const std::string& path,
                                                 const ExrSpec& spec) = 0;
-    virtual std::unique_ptr<PngWriter> make_png(std::unique_ptr<file::ByteSink> sink, const std::string& path, int width,
-                                                int height) = 0;
+    virtual std::unique_ptr<PngWriter> make_png(std::unique_ptr<file::ByteSink> sink, const std::string& path,
+                                                int width, int height) = 0;
 };
 
 /// Grows with every change of this header; a module of another build is refused rather than misread.

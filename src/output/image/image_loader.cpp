@@ -28,7 +28,8 @@ fs::path find_module() {
     }
     throw EnvironmentError(
         "cannot write images: the image module is missing; build the target `lostbits_image` (needs "
-        "libopenimageio-dev) or set LOSTBITS_IMAGE_MODULE to its path. Looked at:" + tried);
+        "libopenimageio-dev) or set LOSTBITS_IMAGE_MODULE to its path. Looked at:" +
+        tried);
 }
 
 [[noreturn]] void cannot_load(const fs::path& path, const char* why) {

@@ -38,7 +38,8 @@ std::unique_ptr<OIIO::ImageInput> open_input(const std::filesystem::path& path, 
 /// OpenImageIO 2.4 draws ASCII alone: Latin letters lose their accents, dashes and quotes become plain, and whatever
 /// else is left becomes one `?` a character.
 std::string plain_ascii(std::string_view utf8) {
-    static constexpr std::string_view latin = "AAAAAAACEEEEIIIIDNOOOOOxOUUUUYPsaaaaaaaceeeeiiiidnooooo/ouuuuypy";  // U+00C0 to U+00FF
+    static constexpr std::string_view latin =
+        "AAAAAAACEEEEIIIIDNOOOOOxOUUUUYPsaaaaaaaceeeeiiiidnooooo/ouuuuypy";  // U+00C0 to U+00FF
     std::string text;
     for (std::size_t i = 0; i < utf8.size();) {
         const auto lead = static_cast<unsigned char>(utf8[i]);
@@ -179,9 +180,17 @@ ExrImage OiioBackend::read_exr(const std::filesystem::path& path) {
             out.channels.push_back({spec.channel_name(c), std::move(samples)});
         };
         if (type == OIIO::TypeDesc::UINT) {
-            gather([](const std::byte* p) { std::uint32_t u; std::memcpy(&u, p, sizeof u); return u; });
+            gather([](const std::byte* p) {
+                std::uint32_t u;
+                std::memcpy(&u, p, sizeof u);
+                return u;
+            });
         } else if (type == OIIO::TypeDesc::FLOAT) {
-            gather([](const std::byte* p) { float f; std::memcpy(&f, p, sizeof f); return f; });
+            gather([](const std::byte* p) {
+                float f;
+                std::memcpy(&f, p, sizeof f);
+                return f;
+            });
         } else {
             gather([type](const std::byte* p) {
                 float f = 0;

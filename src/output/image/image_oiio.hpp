@@ -11,7 +11,7 @@ namespace lostbits::output::image {
 /// The writers behind ImageBackend::open_exr and open_png. Bytes go to `sink`; `path` is for messages.
 [[nodiscard]] std::unique_ptr<ExrWriter> oiio_exr(std::unique_ptr<file::ByteSink> sink, const std::string& path,
                                                   const ExrSpec& spec);
-[[nodiscard]] std::unique_ptr<PngWriter> oiio_png(std::unique_ptr<file::ByteSink> sink, const std::string& path, int width,
-                                                  int height);
+[[nodiscard]] std::unique_ptr<PngWriter> oiio_png(std::unique_ptr<file::ByteSink> sink, const std::string& path,
+                                                  int width, int height);
 
 }  // namespace lostbits::output::image

@@ -19,8 +19,7 @@ namespace {
 /// a destructor, into nothing.
 class SinkProxy final : public OIIO::Filesystem::IOProxy {
 public:
-    SinkProxy(std::unique_ptr<ByteSink> sink, const std::string& path)
-        : IOProxy(path, Write), sink_(std::move(sink)) {}
+    SinkProxy(std::unique_ptr<ByteSink> sink, const std::string& path) : IOProxy(path, Write), sink_(std::move(sink)) {}
 
     const char* proxytype() const override { return "lostbits"; }
     bool opened() const override { return true; }
@@ -70,7 +69,11 @@ class ScanlineFile {
 public:
     ScanlineFile(std::unique_ptr<ByteSink> sink, const std::string& path, const char* format,
                  const OIIO::ImageSpec& spec)
-        : path_(path), format_(format), height_(spec.height), proxy_(std::move(sink), path), out_(OIIO::ImageOutput::create(format)) {
+        : path_(path),
+          format_(format),
+          height_(spec.height),
+          proxy_(std::move(sink), path),
+          out_(OIIO::ImageOutput::create(format)) {
         if (!out_ || !out_->supports("ioproxy")) {
             throw EnvironmentError(path + ": OpenImageIO was built without a usable " + format + " writer");
         }
@@ -97,8 +100,8 @@ public:
                                    " out of order, " + std::to_string(next_) + " was next");
         }
         if (pixels.size() != row_bytes_ * static_cast<std::size_t>(rows)) {
-            throw std::logic_error(path_ + ": " + std::to_string(pixels.size()) + " bytes for " +
-                                   std::to_string(rows) + " rows of " + std::to_string(row_bytes_));
+            throw std::logic_error(path_ + ": " + std::to_string(pixels.size()) + " bytes for " + std::to_string(rows) +
+                                   " rows of " + std::to_string(row_bytes_));
         }
         if (rows == 0) return;
         check(out_->write_scanlines(y_begin, y_begin + rows, 0, OIIO::TypeDesc::UNKNOWN, pixels.data()));
@@ -140,7 +143,7 @@ OIIO::ImageSpec exr_spec(const ExrSpec& in) {
     for (const auto& channel : in.channels) {
         spec.channelnames.push_back(channel.name);
         spec.channelformats.emplace_back(channel.type == Channel::Type::u32 ? OIIO::TypeDesc::UINT
-                                                                           : OIIO::TypeDesc::FLOAT);
+                                                                            : OIIO::TypeDesc::FLOAT);
     }
     spec.alpha_channel = -1;
     spec.z_channel = -1;

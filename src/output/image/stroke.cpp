@@ -18,7 +18,8 @@ std::uint8_t blend(std::uint8_t paper, std::uint8_t ink, double coverage) {
 bool clip(Point& a, Point& b, double x0, double y0, double x1, double y1) {
     const double dx = b.x - a.x, dy = b.y - a.y;
     double enter = 0, leave = 1;
-    const std::array<std::array<double, 2>, 4> sides{{{-dx, a.x - x0}, {dx, x1 - a.x}, {-dy, a.y - y0}, {dy, y1 - a.y}}};
+    const std::array<std::array<double, 2>, 4> sides{
+        {{-dx, a.x - x0}, {dx, x1 - a.x}, {-dy, a.y - y0}, {dy, y1 - a.y}}};
     for (const auto& [speed, room] : sides) {
         if (speed == 0) {
             if (room < 0) return false;
@@ -37,7 +38,10 @@ bool clip(Point& a, Point& b, double x0, double y0, double x1, double y1) {
 }  // namespace
 
 Stroke::Stroke(int x, int y, int width, int height)
-    : x_(x), y_(y), width_(std::max(width, 0)), height_(std::max(height, 0)),
+    : x_(x),
+      y_(y),
+      width_(std::max(width, 0)),
+      height_(std::max(height, 0)),
       coverage_(static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_)) {}
 
 template <class F>

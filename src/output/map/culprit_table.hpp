@@ -14,14 +14,18 @@ namespace lostbits::output::map {
 class CulpritTable {
 public:
     /// Opens the file. `before` are columns in front, such as the axis of a sweep.
-    CulpritTable(const std::filesystem::path& path, const std::vector<file::Column>& before, const std::vector<const measure::metric::Metric*>& metrics);
+    CulpritTable(const std::filesystem::path& path, const std::vector<file::Column>& before,
+                 const std::vector<const measure::metric::Metric*>& metrics);
     static std::vector<file::Column> columns(std::vector<file::Column> before);
 
     /// Only where `culprit` is among the metrics.
     [[nodiscard]] static bool is_wanted(const std::vector<const measure::metric::Metric*>& metrics);
 
-    /// A row for each operation that is the culprit of any ray, the most frequent first; `put` writes the cells in front.
-    void add(const measure::map::MapRow& row, const measure::map::MapSummary& summary, const std::function<void(file::CsvWriter&)>& put = [](file::CsvWriter&) {});
+    /// A row for each operation that is the culprit of any ray, the most frequent first; `put` writes the cells in
+    /// front.
+    void add(
+        const measure::map::MapRow& row, const measure::map::MapSummary& summary,
+        const std::function<void(file::CsvWriter&)>& put = [](file::CsvWriter&) {});
     void close() { csv_.close(); }
 
 private:
@@ -30,7 +34,8 @@ private:
     std::span<const std::string_view> categories_;
 };
 
-/// The operations that are the culprit of any ray, by their categories, the most frequent first; of equals the first on the tape.
+/// The operations that are the culprit of any ray, by their categories, the most frequent first; of equals the first on
+/// the tape.
 std::vector<std::size_t> culprits_by_count(const std::vector<std::uint64_t>& counts);
 
 }  // namespace lostbits::output::map

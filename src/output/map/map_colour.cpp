@@ -21,7 +21,9 @@ constexpr Rgb8 no_value{120, 90, 60};
 
 std::string count_text(std::uint64_t count, std::uint64_t total) {
     const double share = 100.0 * static_cast<double>(count) / static_cast<double>(total);
-    const std::string percent = share > 0 && share < 0.1 ? "<0.1%" : share > 99.9 && share < 100 ? ">99.9%" : fmt::format("{:.1f}%", share);
+    const std::string percent = share > 0 && share < 0.1      ? "<0.1%"
+                                : share > 99.9 && share < 100 ? ">99.9%"
+                                                              : fmt::format("{:.1f}%", share);
     return fmt::format("{} ({})", count, percent);
 }
 
@@ -36,13 +38,15 @@ std::string plain_name(Outcome o) {
     return name;
 }
 
-ColourScale metric_scale(const measure::metric::Metric& metric, std::span<const measure::map::MapRow> rows, image::ImageBackend& backend) {
+ColourScale metric_scale(const measure::metric::Metric& metric, std::span<const measure::map::MapRow> rows,
+                         image::ImageBackend& backend) {
     double high = metric.high;
     if (high == 0) {
         for (const measure::map::MapRow& row : rows) high = std::max<double>(high, row.format.shape.precision);
         high = std::min<double>(high, binary32.precision);
     }
-    return ColourScale("viridis", backend.ramp("viridis", 256), metric.low, high, metric.ramp == measure::metric::Ramp::magnitude);
+    return ColourScale("viridis", backend.ramp("viridis", 256), metric.low, high,
+                       metric.ramp == measure::metric::Ramp::magnitude);
 }
 
 Rgb8 pixel_colour(const ColourScale& scale, Outcome outcome, double value) {
@@ -54,7 +58,8 @@ std::vector<LegendEntry> outcome_legend(const measure::map::MapSummary& summary)
     std::vector<LegendEntry> entries;
     for (std::size_t o = 1; o < summary.outcomes.size(); ++o) {
         if (summary.outcomes[o] == 0) continue;
-        entries.push_back({plain_name(static_cast<Outcome>(o)), image::outcome_colours[o], count_text(summary.outcomes[o], summary.rays)});
+        entries.push_back({plain_name(static_cast<Outcome>(o)), image::outcome_colours[o],
+                           count_text(summary.outcomes[o], summary.rays)});
     }
     return entries;
 }
@@ -62,7 +67,8 @@ std::vector<LegendEntry> outcome_legend(const measure::map::MapSummary& summary)
 std::vector<LegendEntry> widest_legend(std::uint64_t pixels) {
     std::vector<LegendEntry> entries;
     for (std::size_t o = 1; o < image::outcome_colours.size(); ++o) {
-        entries.push_back({plain_name(static_cast<Outcome>(o)), image::outcome_colours[o], fmt::format("{} (>99.9%)", pixels)});
+        entries.push_back(
+            {plain_name(static_cast<Outcome>(o)), image::outcome_colours[o], fmt::format("{} (>99.9%)", pixels)});
     }
     return entries;
 }

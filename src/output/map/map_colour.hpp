@@ -5,15 +5,16 @@
 #include <vector>
 
 #include "measure/map/map.hpp"
+#include "output/image/canvas.hpp"
 #include "output/image/colour.hpp"
 #include "output/image/image.hpp"
-#include "output/image/canvas.hpp"
 
 namespace lostbits::output::map {
 
 /// The scale of a metric for a set of formats: compared pictures share one range. A metric in bits runs from 0 to the
 /// widest of the significands but at most a float's 24: a double that has lost 24 bits is as bad as pictures get.
-image::ColourScale metric_scale(const measure::metric::Metric& metric, std::span<const measure::map::MapRow> rows, image::ImageBackend& backend);
+image::ColourScale metric_scale(const measure::metric::Metric& metric, std::span<const measure::map::MapRow> rows,
+                                image::ImageBackend& backend);
 
 /// The colour of one pixel. `value` is the metric's, signed; magnitudes are drawn.
 image::Rgb8 pixel_colour(const image::ColourScale& scale, measure::answer::Outcome outcome, double value);

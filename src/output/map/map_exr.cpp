@@ -25,10 +25,12 @@ ExrSpec spec_of(const measure::map::MapRequest& request, const measure::map::Map
         spec.channels.push_back({name + ".word1", u32});
         spec.channels.push_back({name + ".word0", u32});
     }
-    for (const char* name : {"class.outcome", "class.object", "class.truth_object"}) spec.channels.push_back({name, u32});
+    for (const char* name : {"class.outcome", "class.object", "class.truth_object"})
+        spec.channels.push_back({name, u32});
     for (const measure::metric::Metric* m : request.metrics) spec.channels.push_back({std::string(m->layer), f32});
     std::string outcomes;
-    for (std::size_t o = 0; o < measure::answer::outcome_names.size(); ++o) outcomes += (o ? ", " : "") + std::to_string(o) + " " + std::string(measure::answer::outcome_names[o]);
+    for (std::size_t o = 0; o < measure::answer::outcome_names.size(); ++o)
+        outcomes += (o ? ", " : "") + std::to_string(o) + " " + std::string(measure::answer::outcome_names[o]);
     spec.attributes = {
         {"lostbits:command", command},
         {"lostbits:schema", "lostbits-map/1"},
@@ -42,7 +44,8 @@ ExrSpec spec_of(const measure::map::MapRequest& request, const measure::map::Map
     for (const measure::metric::Metric* m : request.metrics) {
         if (!m->by_run()) continue;
         std::string names;
-        for (std::size_t c = 0; c < m->categories.size(); ++c) names += (c ? "; " : "") + std::to_string(c) + " " + std::string(m->categories[c]);
+        for (std::size_t c = 0; c < m->categories.size(); ++c)
+            names += (c ? "; " : "") + std::to_string(c) + " " + std::string(m->categories[c]);
         spec.attributes.push_back({"lostbits:culprits", names});
     }
     return spec;
@@ -66,7 +69,8 @@ float linear(std::uint8_t srgb) { return static_cast<float>(image::linear_light(
 
 }  // namespace
 
-MapExr::MapExr(image::ImageBackend& backend, const std::filesystem::path& path, const measure::map::MapRequest& request, const measure::map::MapRow& row, const std::string& command)
+MapExr::MapExr(image::ImageBackend& backend, const std::filesystem::path& path, const measure::map::MapRequest& request,
+               const measure::map::MapRow& row, const std::string& command)
     : row_(&row) {
     const ExrSpec spec = spec_of(request, row, command);
     channels_ = spec.channels.size();
@@ -79,11 +83,14 @@ void MapExr::write(const measure::map::BandResult& result, std::span<const image
     std::uint32_t* out = samples_.data();
     const auto id = [](int object) { return static_cast<std::uint32_t>(object + 1); };
     for (std::size_t i = 0; i < n; ++i) {
-        for (const std::uint8_t c : {preview[i].r, preview[i].g, preview[i].b}) *out++ = std::bit_cast<std::uint32_t>(linear(c));
+        for (const std::uint8_t c : {preview[i].r, preview[i].g, preview[i].b})
+            *out++ = std::bit_cast<std::uint32_t>(linear(c));
         const bool hit = result.answers->hit[i] != 0;
         out = put(out, hit ? result.answers->t[i] : missing);
         const measure::truth::Truth& truth = result.truth(i);
-        out = put(out, truth.is_hit() ? result.band->rounded_truth(i, binary64, row_->form->info->direction, result.touching) : missing);
+        out = put(out, truth.is_hit()
+                           ? result.band->rounded_truth(i, binary64, row_->form->info->direction, result.touching)
+                           : missing);
         *out++ = static_cast<std::uint32_t>(result.outcomes[i]);
         *out++ = id(hit ? result.answers->object[i] : -1);
         *out++ = id(truth.is_hit() ? truth.object : -1);

@@ -4,13 +4,13 @@
 
 #include <optional>
 
-#include "output/image/contact_sheet.hpp"
-#include "output/map/culprit_table.hpp"
 #include "output/file/datapackage.hpp"
+#include "output/image/contact_sheet.hpp"
 #include "output/image/heatmap.hpp"
-#include "output/map/metric_paint.hpp"
+#include "output/map/culprit_table.hpp"
 #include "output/map/map_exr.hpp"
 #include "output/map/map_tables.hpp"
+#include "output/map/metric_paint.hpp"
 
 namespace lostbits::output::map {
 
@@ -37,27 +37,34 @@ std::string file_word(const Metric& metric) {
     return word;
 }
 
-bool is_enveloped(const MapFilesOptions& options, const Metric& drawn) { return options.envelope && &drawn == measure::metric::find_metric("lost_bits"); }
+bool is_enveloped(const MapFilesOptions& options, const Metric& drawn) {
+    return options.envelope && &drawn == measure::metric::find_metric("lost_bits");
+}
 
 LegendEntry envelope_entry(const image::ColourScale& scale, std::string count) {
     return {"paler: inside the envelope", paler(scale.map(scale.hi() / 2)), std::move(count)};
 }
 
 /// Every class that may occur, with the widest count, in a picture of so many pixels.
-std::vector<LegendEntry> possible_legend(const MapFilesOptions& options, const MetricPaint& paint, std::uint64_t pixels) {
+std::vector<LegendEntry> possible_legend(const MapFilesOptions& options, const MetricPaint& paint,
+                                         std::uint64_t pixels) {
     auto entries = paint.widest(pixels);
-    if (is_enveloped(options, paint.metric())) entries.push_back(envelope_entry(*paint.scale(), fmt::format("{} (>99.9%)", pixels)));
+    if (is_enveloped(options, paint.metric()))
+        entries.push_back(envelope_entry(*paint.scale(), fmt::format("{} (>99.9%)", pixels)));
     return entries;
 }
 
 /// Those that occurred; `inside` of the pixels are drawn paler.
-std::vector<LegendEntry> final_legend(const MetricPaint& paint, const MapSummary& summary, std::size_t m, std::uint64_t inside) {
+std::vector<LegendEntry> final_legend(const MetricPaint& paint, const MapSummary& summary, std::size_t m,
+                                      std::uint64_t inside) {
     auto entries = paint.legend(summary, m);
     if (inside > 0) entries.push_back(envelope_entry(*paint.scale(), count_text(inside, summary.rays)));
     return entries;
 }
 
-std::uint64_t pixels_of(const MapRequest& request) { return static_cast<std::uint64_t>(request.scene->width) * static_cast<std::uint64_t>(request.scene->height); }
+std::uint64_t pixels_of(const MapRequest& request) {
+    return static_cast<std::uint64_t>(request.scene->width) * static_cast<std::uint64_t>(request.scene->height);
+}
 
 /// A contact sheet: forms across; down, each format with each of the metrics that share a bar.
 struct Sheet {
@@ -67,11 +74,15 @@ struct Sheet {
     std::vector<std::string> forms, lines;
 
     [[nodiscard]] std::size_t form_of(const MapRow& row) const { return place(forms, short_name(*row.form->info)); }
-    [[nodiscard]] std::size_t line_of(const MapRow& row, const Metric& metric) const { return place(lines, line_name(row, metric)); }
+    [[nodiscard]] std::size_t line_of(const MapRow& row, const Metric& metric) const {
+        return place(lines, line_name(row, metric));
+    }
     [[nodiscard]] std::string line_name(const MapRow& row, const Metric& metric) const {
         return metrics.size() == 1 ? row.format.name : fmt::format("{} {}", row.format.name, metric.name);
     }
-    static std::size_t place(const std::vector<std::string>& names, const std::string& name) { return static_cast<std::size_t>(std::ranges::find(names, name) - names.begin()); }
+    static std::size_t place(const std::vector<std::string>& names, const std::string& name) {
+        return static_cast<std::size_t>(std::ranges::find(names, name) - names.begin());
+    }
     static void add(std::vector<std::string>& names, const std::string& name) {
         if (std::ranges::find(names, name) == names.end()) names.push_back(name);
     }
@@ -83,16 +94,19 @@ struct Sheet {
             for (const Metric* m : metrics) add(lines, line_name(row, *m));
         }
         const std::string name = first ? "contact.png" : fmt::format("contact.{}.png", file_word(*metrics.front()));
-        page = std::make_unique<image::ContactSheet>(image::image_backend(), options.folder / name,
-                                              image::SheetSpec{.title = request.scene->title,
-                                                        .subtitle = {fmt::format("{}, {} x {} rays", request.scene->id, request.scene->width, request.scene->height), paint.note()},
-                                                        .forms = forms,
-                                                        .formats = lines,
-                                                        .field_width = request.scene->width,
-                                                        .field_height = request.scene->height,
-                                                        .scale = paint.scale(),
-                                                        .unit = std::string(paint.metric().unit),
-                                                        .legend = possible_legend(options, paint, pixels_of(request) * request.rows.size())});
+        page = std::make_unique<image::ContactSheet>(
+            image::image_backend(), options.folder / name,
+            image::SheetSpec{.title = request.scene->title,
+                             .subtitle = {fmt::format("{}, {} x {} rays", request.scene->id, request.scene->width,
+                                                      request.scene->height),
+                                          paint.note()},
+                             .forms = forms,
+                             .formats = lines,
+                             .field_width = request.scene->width,
+                             .field_height = request.scene->height,
+                             .scale = paint.scale(),
+                             .unit = std::string(paint.metric().unit),
+                             .legend = possible_legend(options, paint, pixels_of(request) * request.rows.size())});
     }
 };
 
@@ -121,40 +135,51 @@ public:
         std::unique_ptr<image::HeatmapWriter> heatmap;
     };
 
-    RowFiles(const MapRequest& request, const MapRow& row, const MapFilesOptions& options, image::ImageBackend& backend, std::vector<Sheet>& sheets)
-        : request_(request), row_(row), lost_(index_of(request.metrics, measure::metric::find_metric("lost_bits"))), excess_(index_of(request.metrics, measure::metric::find_metric("excess_bits"))) {
+    RowFiles(const MapRequest& request, const MapRow& row, const MapFilesOptions& options, image::ImageBackend& backend,
+             std::vector<Sheet>& sheets)
+        : request_(request),
+          row_(row),
+          lost_(index_of(request.metrics, measure::metric::find_metric("lost_bits"))),
+          excess_(index_of(request.metrics, measure::metric::find_metric("excess_bits"))) {
         const std::string stem = std::string(row.form->info->name) + "." + row.format.name;
         exr_ = std::make_unique<MapExr>(backend, options.folder / (stem + ".exr"), request, row, options.command);
         for (const Metric* m : options.drawn) {
-            Sheet& sheet = *std::ranges::find_if(sheets, [m](const Sheet& s) { return std::ranges::find(s.metrics, m) != s.metrics.end(); });
+            Sheet& sheet = *std::ranges::find_if(
+                sheets, [m](const Sheet& s) { return std::ranges::find(s.metrics, m) != s.metrics.end(); });
             const MetricPaint paint(*m, request.rows, backend);
             if (!paint.applies_to(row)) continue;
             const std::string suffix = options.drawn.size() == 1 ? "" : "." + file_word(*m);
-            image::HeatmapSpec spec{.title = fmt::format("{} in {}: {}", row.form->info->name, row.format.name, m->name),
-                             .subtitle = {request.scene->title, std::string(row.form->info->title), paint.note()},
-                             .width = request.scene->width,
-                             .height = request.scene->height,
-                             .scale = paint.scale(),
-                             .unit = std::string(m->unit),
-                             .legend = possible_legend(options, paint, pixels_of(request))};
+            image::HeatmapSpec spec{
+                .title = fmt::format("{} in {}: {}", row.form->info->name, row.format.name, m->name),
+                .subtitle = {request.scene->title, std::string(row.form->info->title), paint.note()},
+                .width = request.scene->width,
+                .height = request.scene->height,
+                .scale = paint.scale(),
+                .unit = std::string(m->unit),
+                .legend = possible_legend(options, paint, pixels_of(request))};
             drawings_.push_back({index_of(request.metrics, m), paint, &sheet, is_enveloped(options, *m),
-                                 std::make_unique<image::HeatmapWriter>(backend, options.folder / (stem + suffix + ".png"), std::move(spec))});
+                                 std::make_unique<image::HeatmapWriter>(
+                                     backend, options.folder / (stem + suffix + ".png"), std::move(spec))});
         }
-        if (options.pixels_csv) csv_ = std::make_unique<CsvWriter>(options.folder / (stem + ".csv"), pixel_columns(request));
+        if (options.pixels_csv)
+            csv_ = std::make_unique<CsvWriter>(options.folder / (stem + ".csv"), pixel_columns(request));
     }
 
     void band(const measure::map::BandResult& result) override {
         for (Drawing& d : drawings_) {
             field_.resize(result.outcomes.size());
-            for (std::size_t i = 0; i < field_.size(); ++i) field_[i] = d.paint.colour(result.outcomes[i], result.metrics[d.metric][i]);
+            for (std::size_t i = 0; i < field_.size(); ++i)
+                field_[i] = d.paint.colour(result.outcomes[i], result.metrics[d.metric][i]);
             if (d.enveloped) draw_envelope(result);
             d.heatmap->write_rows(field_);
-            d.sheet->page->add_rows(d.sheet->form_of(row_), d.sheet->line_of(row_, d.paint.metric()), result.y0, field_);
+            d.sheet->page->add_rows(d.sheet->form_of(row_), d.sheet->line_of(row_, d.paint.metric()), result.y0,
+                                    field_);
             if (&d == drawings_.data()) exr_->write(result, field_);
         }
         if (drawings_.empty()) {  // none of the metrics applies to this row: its preview shows the outcomes
             field_.resize(result.outcomes.size());
-            for (std::size_t i = 0; i < field_.size(); ++i) field_[i] = image::outcome_colours[static_cast<std::size_t>(result.outcomes[i])];
+            for (std::size_t i = 0; i < field_.size(); ++i)
+                field_[i] = image::outcome_colours[static_cast<std::size_t>(result.outcomes[i])];
             exr_->write(result, field_);
         }
         if (csv_) write_pixels(*csv_, request_, row_, result);
@@ -164,7 +189,8 @@ public:
         exr_->close();
         for (Drawing& d : drawings_) {
             d.heatmap->finish(final_legend(d.paint, summary, d.metric, d.enveloped ? inside_ : 0));
-            d.sheet->page->set_note(d.sheet->form_of(row_), d.sheet->line_of(row_, d.paint.metric()), d.paint.glance(summary, d.metric));
+            d.sheet->page->set_note(d.sheet->form_of(row_), d.sheet->line_of(row_, d.paint.metric()),
+                                    d.paint.glance(summary, d.metric));
         }
         if (csv_) csv_->close();
     }
@@ -206,9 +232,11 @@ MapFiles::MapFiles(const MapRequest& request, const MapFilesOptions& options)
     : parts_(new Parts{request, options, {request.metrics, request.scene->shapes()}, {}, {}, {}, {}}) {
     Parts& p = *parts_;
     p.summary = std::make_unique<CsvWriter>(options.folder / "summary.csv", p.table.columns());
-    if (CulpritTable::is_wanted(request.metrics)) p.culprits.emplace(options.folder / "culprits.csv", std::vector<file::Column>{}, request.metrics);
+    if (CulpritTable::is_wanted(request.metrics))
+        p.culprits.emplace(options.folder / "culprits.csv", std::vector<file::Column>{}, request.metrics);
     p.sheets = sheets_of(request, options);
-    for (const MapRow& row : request.rows) p.rows.push_back(std::make_unique<RowFiles>(request, row, options, image::image_backend(), p.sheets));
+    for (const MapRow& row : request.rows)
+        p.rows.push_back(std::make_unique<RowFiles>(request, row, options, image::image_backend(), p.sheets));
 }
 
 MapFiles::~MapFiles() = default;
@@ -233,9 +261,11 @@ void MapFiles::finish(const std::vector<MapSummary>& summaries) {
             if (!sheet.paint.applies_to(p.request.rows[r])) continue;
             total.rays += summaries[r].rays;
             for (std::size_t o = 0; o < total.outcomes.size(); ++o) total.outcomes[o] += summaries[r].outcomes[o];
-            for (std::size_t c = 0; c < total.categories[m].size(); ++c) total.categories[m][c] += summaries[r].categories[m][c];
+            for (std::size_t c = 0; c < total.categories[m].size(); ++c)
+                total.categories[m][c] += summaries[r].categories[m][c];
         }
-        sheet.page->finish(final_legend(sheet.paint, total, m, is_enveloped(p.options, sheet.paint.metric()) ? inside : 0));
+        sheet.page->finish(
+            final_legend(sheet.paint, total, m, is_enveloped(p.options, sheet.paint.metric()) ? inside : 0));
     }
     for (std::size_t r = 0; r < summaries.size(); ++r) {
         p.table.add(*p.summary, p.request.rows[r], summaries[r]);
@@ -244,11 +274,15 @@ void MapFiles::finish(const std::vector<MapSummary>& summaries) {
     }
 
     std::vector<file::DataResource> resources{{"summary.csv", "One row per form and format", p.table.columns()}};
-    if (p.culprits) resources.push_back({"culprits.csv", "One row per form, format and operation that is a culprit", CulpritTable::columns({})});
+    if (p.culprits)
+        resources.push_back(
+            {"culprits.csv", "One row per form, format and operation that is a culprit", CulpritTable::columns({})});
     if (p.options.pixels_csv) {
         for (const MapRow& row : p.request.rows) {
             const std::string stem = std::string(row.form->info->name) + "." + row.format.name;
-            resources.push_back({stem + ".csv", fmt::format("One row per pixel: {} in {}", row.form->info->name, row.format.name), pixel_columns(p.request)});
+            resources.push_back({stem + ".csv",
+                                 fmt::format("One row per pixel: {} in {}", row.form->info->name, row.format.name),
+                                 pixel_columns(p.request)});
         }
     }
     resources.insert(resources.end(), p.options.also.begin(), p.options.also.end());

@@ -12,10 +12,11 @@
 namespace lostbits::output::map {
 
 struct MapFilesOptions {
-    std::filesystem::path folder;       ///< of this scene; made if missing
-    std::vector<const measure::metric::Metric*> drawn;   ///< one heatmap each; the first is also the contact sheet's and the preview's
-    bool pixels_csv = false;            ///< a row a pixel in `<form>.<format>.csv`
-    std::string command;                ///< what to type to make these files again, for the EXR header
+    std::filesystem::path folder;  ///< of this scene; made if missing
+    std::vector<const measure::metric::Metric*>
+        drawn;                ///< one heatmap each; the first is also the contact sheet's and the preview's
+    bool pixels_csv = false;  ///< a row a pixel in `<form>.<format>.csv`
+    std::string command;      ///< what to type to make these files again, for the EXR header
     /// Draws lost bits paler where the problem explains them (`inside_envelope`); `excess_bits` must be measured then.
     bool envelope = false;
     std::vector<file::DataResource> also = {};  ///< tables that others write into the folder, for datapackage.json

@@ -9,9 +9,9 @@
 
 namespace lostbits::output::map {
 
-/// Counts and fractions, then mean, p50, p99 and max of |metric| (or the counts of its categories), then the worst ray by
-/// |ulp_error| with every number it takes to evaluate it again, in hex. Empty where there is no sample.
-/// `shapes` are those of the solids, each once: they name the columns of the worst ray's solid.
+/// Counts and fractions, then mean, p50, p99 and max of |metric| (or the counts of its categories), then the worst ray
+/// by |ulp_error| with every number it takes to evaluate it again, in hex. Empty where there is no sample. `shapes` are
+/// those of the solids, each once: they name the columns of the worst ray's solid.
 struct SummaryTable {
     std::vector<const measure::metric::Metric*> metrics;
     std::vector<Shape> shapes;
@@ -22,6 +22,7 @@ struct SummaryTable {
 };
 
 std::vector<file::Column> pixel_columns(const measure::map::MapRequest& request);
-void write_pixels(file::CsvWriter& csv, const measure::map::MapRequest& request, const measure::map::MapRow& row, const measure::map::BandResult& result);
+void write_pixels(file::CsvWriter& csv, const measure::map::MapRequest& request, const measure::map::MapRow& row,
+                  const measure::map::BandResult& result);
 
 }  // namespace lostbits::output::map

@@ -11,7 +11,8 @@ namespace lostbits::output::map {
 
 class MetricPaint {
 public:
-    MetricPaint(const measure::metric::Metric& metric, std::span<const measure::map::MapRow> rows, image::ImageBackend& backend);
+    MetricPaint(const measure::metric::Metric& metric, std::span<const measure::map::MapRow> rows,
+                image::ImageBackend& backend);
 
     [[nodiscard]] const measure::metric::Metric& metric() const { return *metric_; }
     /// None for categories.
@@ -34,7 +35,8 @@ public:
 
 private:
     [[nodiscard]] image::Rgb8 category_colour(std::size_t category) const;
-    [[nodiscard]] std::vector<image::LegendEntry> culprit_legend(const measure::map::MapSummary& summary, std::size_t m) const;
+    [[nodiscard]] std::vector<image::LegendEntry> culprit_legend(const measure::map::MapSummary& summary,
+                                                                 std::size_t m) const;
 
     const measure::metric::Metric* metric_;
     std::optional<image::ColourScale> scale_;

@@ -24,20 +24,29 @@ using measure::map::NeededSummary;
 
 namespace {
 
-constexpr Rgb8 unresolved_colour = image::outcome_colours[static_cast<std::size_t>(measure::answer::Outcome::unresolved)];
+constexpr Rgb8 unresolved_colour =
+    image::outcome_colours[static_cast<std::size_t>(measure::answer::Outcome::unresolved)];
 constexpr const char* truth_names[] = {"miss", "hit", "unresolved"};
 
 std::string stem(const Info& form) { return std::string(form.name) + ".needed"; }
 
-LegendEntry beyond_entry(std::string count) { return {fmt::format("not even {} bits suffice", measure::map::most_width), beyond_colour, std::move(count)}; }
-LegendEntry unresolved_entry(std::string count) { return {plain_name(measure::answer::Outcome::unresolved), unresolved_colour, std::move(count)}; }
+LegendEntry beyond_entry(std::string count) {
+    return {fmt::format("not even {} bits suffice", measure::map::most_width), beyond_colour, std::move(count)};
+}
+LegendEntry unresolved_entry(std::string count) {
+    return {plain_name(measure::answer::Outcome::unresolved), unresolved_colour, std::move(count)};
+}
 
 image::HeatmapSpec heatmap_spec(const NeededRequest& request, const Info& form, const image::ColourScale& scale) {
-    const auto widest = fmt::format("{} (>99.9%)", static_cast<std::uint64_t>(request.scene->width) * static_cast<std::uint64_t>(request.scene->height));
-    return {.title = fmt::format("{}: significand bits needed for {} correct {}", form.name, request.bits, request.bits == 1 ? "one" : "ones"),
+    const auto widest = fmt::format("{} (>99.9%)", static_cast<std::uint64_t>(request.scene->width) *
+                                                       static_cast<std::uint64_t>(request.scene->height));
+    return {.title = fmt::format("{}: significand bits needed for {} correct {}", form.name, request.bits,
+                                 request.bits == 1 ? "one" : "ones"),
             .subtitle = {request.scene->title, std::string(form.title),
-                         fmt::format("colour: the smallest width that decides rightly and, on a hit, keeps {} correct bits, as every wider one up to {} does; "
-                                     "inputs are rounded to the width too", request.bits, measure::map::most_width)},
+                         fmt::format("colour: the smallest width that decides rightly and, on a hit, keeps {} correct "
+                                     "bits, as every wider one up to {} does; "
+                                     "inputs are rounded to the width too",
+                                     request.bits, measure::map::most_width)},
             .width = request.scene->width,
             .height = request.scene->height,
             .scale = scale,
@@ -49,16 +58,22 @@ image::ExrSpec exr_spec(const NeededRequest& request, const Info& form, const st
     using enum image::Channel::Type;
     return {.width = request.scene->width,
             .height = request.scene->height,
-            .channels = {{"R", f32}, {"G", f32}, {"B", f32}, {"bits.needed", f32}, {"class.truth", u32}, {"class.truth_object", u32}},
-            .attributes = {{"lostbits:command", command},
-                           {"lostbits:schema", "lostbits-needed/1"},
-                           {"lostbits:scene", request.scene->id},
-                           {"lostbits:form", std::string(form.name)},
-                           {"lostbits:format", fmt::format("p{}..p{}", measure::map::least_width, measure::map::most_width)},
-                           {"lostbits:bits", std::to_string(request.bits)},
-                           {"lostbits:compiler", LOSTBITS_COMPILER},
-                           {"lostbits:truths", "0 miss, 1 hit, 2 unresolved"},
-                           {"lostbits:objects", "0 none, otherwise the solid's place in the scene, from 1"}}};
+            .channels = {{"R", f32},
+                         {"G", f32},
+                         {"B", f32},
+                         {"bits.needed", f32},
+                         {"class.truth", u32},
+                         {"class.truth_object", u32}},
+            .attributes = {
+                {"lostbits:command", command},
+                {"lostbits:schema", "lostbits-needed/1"},
+                {"lostbits:scene", request.scene->id},
+                {"lostbits:form", std::string(form.name)},
+                {"lostbits:format", fmt::format("p{}..p{}", measure::map::least_width, measure::map::most_width)},
+                {"lostbits:bits", std::to_string(request.bits)},
+                {"lostbits:compiler", LOSTBITS_COMPILER},
+                {"lostbits:truths", "0 miss, 1 hit, 2 unresolved"},
+                {"lostbits:objects", "0 none, otherwise the solid's place in the scene, from 1"}}};
 }
 
 struct Statistic {
@@ -74,14 +89,17 @@ constexpr Statistic statistics[] = {
 };
 
 std::vector<Column> table_columns() {
-    std::vector<Column> columns{{"form", "string", "", "form under test"},
-                                {"bits_asked", "integer", "bits", "B: the answer is to be within half an ulp of B significand bits"},
-                                {"pixels", "integer", "", "rays, one a pixel"}};
+    std::vector<Column> columns{
+        {"form", "string", "", "form under test"},
+        {"bits_asked", "integer", "bits", "B: the answer is to be within half an ulp of B significand bits"},
+        {"pixels", "integer", "", "rays, one a pixel"}};
     for (const Statistic& s : statistics) {
-        columns.push_back({std::string("needed_") + s.name, "number", "bits", std::string(s.meaning) + " of the widths needed, over the pixels that have one"});
+        columns.push_back({std::string("needed_") + s.name, "number", "bits",
+                           std::string(s.meaning) + " of the widths needed, over the pixels that have one"});
     }
     for (const Statistic& s : statistics) {
-        columns.push_back({std::string("hit_needed_") + s.name, "number", "bits", std::string(s.meaning) + " of the same over the rays that truly hit"});
+        columns.push_back({std::string("hit_needed_") + s.name, "number", "bits",
+                           std::string(s.meaning) + " of the same over the rays that truly hit"});
     }
     columns.push_back({"hits_beyond_53", "integer", "", "rays that truly hit and on which not even 53 bits suffice"});
     columns.push_back({"misses_beyond_53", "integer", "", "rays that truly miss and that even 53 bits hit"});
@@ -90,17 +108,22 @@ std::vector<Column> table_columns() {
 }
 
 std::vector<Column> pixel_columns(int bits) {
-    return {{"x", "integer", "pixel", "column, from the left"},
-            {"y", "integer", "pixel", "row, from the top"},
-            {"truth", "string", "", "hit, miss or unresolved"},
-            {"truth_object", "integer", "", "solid that the ray truly hits first, from 0"},
-            {"needed", "number", "bits", fmt::format("smallest width that suffices for {} correct bits, as every wider one does; inf where not even 53 bits do", bits)}};
+    return {
+        {"x", "integer", "pixel", "column, from the left"},
+        {"y", "integer", "pixel", "row, from the top"},
+        {"truth", "string", "", "hit, miss or unresolved"},
+        {"truth_object", "integer", "", "solid that the ray truly hits first, from 0"},
+        {"needed", "number", "bits",
+         fmt::format(
+             "smallest width that suffices for {} correct bits, as every wider one does; inf where not even 53 bits do",
+             bits)}};
 }
 
 void add_row(CsvWriter& csv, const NeededRequest& request, const Info& form, const NeededSummary& s) {
     csv.add(form.name).add(request.bits).add(s.pixels());
     for (const NeededSummary::Counts& counts : {s.all(), s.hits}) {
-        for (const Statistic& statistic : statistics) csv.add(measure::map::count(counts) == 0 ? Cell() : Cell(statistic.of(counts)));
+        for (const Statistic& statistic : statistics)
+            csv.add(measure::map::count(counts) == 0 ? Cell() : Cell(statistic.of(counts)));
     }
     csv.add(s.hits_beyond).add(s.misses_beyond).add(s.unresolved);
     csv.end_row();
@@ -113,11 +136,13 @@ std::uint32_t float_word(double x) { return std::bit_cast<std::uint32_t>(static_
 /// The files of one form.
 class NeededFormFiles final : public NeededSink {
 public:
-    NeededFormFiles(const NeededRequest& request, const Info& form, const NeededFilesOptions& options, image::ImageBackend& backend)
+    NeededFormFiles(const NeededRequest& request, const Info& form, const NeededFilesOptions& options,
+                    image::ImageBackend& backend)
         : scale_("viridis", backend.ramp("viridis", 256), measure::map::least_width, measure::map::most_width),
           heatmap_(backend, options.folder / (stem(form) + ".png"), heatmap_spec(request, form, scale_)),
           exr_(backend.open_exr(options.folder / (stem(form) + ".exr"), exr_spec(request, form, options.command))) {
-        if (options.pixels_csv) csv_ = std::make_unique<CsvWriter>(options.folder / (stem(form) + ".csv"), pixel_columns(request.bits));
+        if (options.pixels_csv)
+            csv_ = std::make_unique<CsvWriter>(options.folder / (stem(form) + ".csv"), pixel_columns(request.bits));
     }
 
     void band(const NeededBand& result) override {
@@ -146,7 +171,8 @@ private:
     void write_exr(const NeededBand& result) {
         samples_.clear();
         for (std::size_t i = 0; i < field_.size(); ++i) {
-            for (const std::uint8_t c : {field_[i].r, field_[i].g, field_[i].b}) samples_.push_back(float_word(image::linear_light(c) / 65535.0));
+            for (const std::uint8_t c : {field_[i].r, field_[i].g, field_[i].b})
+                samples_.push_back(float_word(image::linear_light(c) / 65535.0));
             const measure::truth::Truth& truth = result.truth(i);
             samples_.push_back(float_word(result.needed[i]));
             samples_.push_back(static_cast<std::uint32_t>(truth.decision));
@@ -159,8 +185,11 @@ private:
         const auto width = static_cast<std::size_t>(result.width);
         for (std::size_t i = 0; i < result.needed.size(); ++i) {
             const measure::truth::Truth& truth = result.truth(i);
-            csv_->add(i % width).add(static_cast<std::size_t>(result.y0) + i / width).add(truth_names[static_cast<std::size_t>(truth.decision)]);
-            csv_->add(truth.is_hit() ? Cell(truth.object) : Cell()).add(std::isnan(result.needed[i]) ? Cell() : Cell(result.needed[i]));
+            csv_->add(i % width)
+                .add(static_cast<std::size_t>(result.y0) + i / width)
+                .add(truth_names[static_cast<std::size_t>(truth.decision)]);
+            csv_->add(truth.is_hit() ? Cell(truth.object) : Cell())
+                .add(std::isnan(result.needed[i]) ? Cell() : Cell(result.needed[i]));
             csv_->end_row();
         }
     }
@@ -182,7 +211,9 @@ struct NeededFiles::Parts {
 
 NeededFiles::NeededFiles(const NeededRequest& request, const NeededFilesOptions& options)
     : parts_(new Parts{request, options, CsvWriter(options.folder / "needed.csv", table_columns()), {}}) {
-    for (const intersect::table::Intersector* form : request.forms) parts_->forms.push_back(std::make_unique<NeededFormFiles>(request, *form->info, options, image::image_backend()));
+    for (const intersect::table::Intersector* form : request.forms)
+        parts_->forms.push_back(
+            std::make_unique<NeededFormFiles>(request, *form->info, options, image::image_backend()));
 }
 
 NeededFiles::~NeededFiles() = default;
@@ -195,10 +226,14 @@ std::vector<NeededSink*> NeededFiles::sinks() {
 
 std::vector<file::DataResource> NeededFiles::resources() const {
     const NeededRequest& request = parts_->request;
-    std::vector<file::DataResource> resources{{"needed.csv", fmt::format("One row per form: significand bits needed for {} correct ones", request.bits), table_columns()}};
+    std::vector<file::DataResource> resources{
+        {"needed.csv", fmt::format("One row per form: significand bits needed for {} correct ones", request.bits),
+         table_columns()}};
     if (!parts_->options.pixels_csv) return resources;
     for (const intersect::table::Intersector* form : request.forms) {
-        resources.push_back({stem(*form->info) + ".csv", fmt::format("One row per pixel: bits needed by {}", form->info->name), pixel_columns(request.bits)});
+        resources.push_back({stem(*form->info) + ".csv",
+                             fmt::format("One row per pixel: bits needed by {}", form->info->name),
+                             pixel_columns(request.bits)});
     }
     return resources;
 }

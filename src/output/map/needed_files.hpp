@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "measure/map/needed.hpp"
-#include "output/image/colour.hpp"
 #include "output/file/datapackage.hpp"
+#include "output/image/colour.hpp"
 
 namespace lostbits::output::map {
 
@@ -25,8 +25,8 @@ struct NeededFilesOptions {
 /// `<form>.needed.png`: the width on viridis from 2 to 53. `<form>.needed.exr`, channels of 32 bits: `R`, `G`, `B` (the
 /// picture in linear light), `bits.needed` (FLOAT: 2 to 53, infinity where not even 53 suffice, NaN where the truth is
 /// unresolved), `class.truth` (UINT: 0 miss, 1 hit, 2 unresolved) and `class.truth_object` (UINT: from 1, 0 is none).
-/// `needed.csv`: a row a form. Opened, served and finished as MapFiles; finish it before the map of the same folder, whose
-/// summary.csv says that all is there.
+/// `needed.csv`: a row a form. Opened, served and finished as MapFiles; finish it before the map of the same folder,
+/// whose summary.csv says that all is there.
 class NeededFiles {
 public:
     NeededFiles(const measure::map::NeededRequest& request, const NeededFilesOptions& options);

@@ -22,7 +22,8 @@ public:
         : sheet_(sheet), form_(form), format_(format), scale_(scale), metric_(metric) {}
     void band(const measure::map::BandResult& result) override {
         std::vector<image::Rgb8> field(result.outcomes.size());
-        for (std::size_t i = 0; i < field.size(); ++i) field[i] = pixel_colour(scale_, result.outcomes[i], result.metrics[metric_][i]);
+        for (std::size_t i = 0; i < field.size(); ++i)
+            field[i] = pixel_colour(scale_, result.outcomes[i], result.metrics[metric_][i]);
         sheet_.add_rows(form_, format_, result.y0, field);
     }
 
@@ -66,11 +67,19 @@ SceneSheet::SceneSheet(const measure::map::MapRequest& request, const std::files
     }
     const scene::file::Scene& scene = *request.scene;
     const auto pixels = static_cast<std::uint64_t>(scene.width) * static_cast<std::uint64_t>(scene.height);
-    p.sheet = std::make_unique<ContactSheet>(backend, path,
-                                             image::SheetSpec{.title = scene.title, .subtitle = {fmt::format("{}, {} x {} rays", scene.id, scene.width, scene.height)}, .forms = forms,
-                                                       .formats = formats, .field_width = scene.width, .field_height = scene.height, .scale = p.scale, .unit = "lost bits",
-                                                       .legend = widest_legend(pixels * request.rows.size())});
-    for (const auto& [form, format] : p.places) p.rows.push_back(std::make_unique<SheetRow>(*p.sheet, form, format, p.scale, metric));
+    p.sheet = std::make_unique<ContactSheet>(
+        backend, path,
+        image::SheetSpec{.title = scene.title,
+                         .subtitle = {fmt::format("{}, {} x {} rays", scene.id, scene.width, scene.height)},
+                         .forms = forms,
+                         .formats = formats,
+                         .field_width = scene.width,
+                         .field_height = scene.height,
+                         .scale = p.scale,
+                         .unit = "lost bits",
+                         .legend = widest_legend(pixels * request.rows.size())});
+    for (const auto& [form, format] : p.places)
+        p.rows.push_back(std::make_unique<SheetRow>(*p.sheet, form, format, p.scale, metric));
 }
 
 SceneSheet::~SceneSheet() = default;
@@ -87,7 +96,8 @@ void SceneSheet::finish(const std::vector<measure::map::MapSummary>& summaries) 
     for (std::size_t r = 0; r < summaries.size(); ++r) {
         total.rays += summaries[r].rays;
         for (std::size_t o = 0; o < total.outcomes.size(); ++o) total.outcomes[o] += summaries[r].outcomes[o];
-        p.sheet->set_note(p.places[r].form, p.places[r].format, fmt::format("p99 {:.1f} bits lost", summaries[r].metrics[p.metric].quantile(0.99)));
+        p.sheet->set_note(p.places[r].form, p.places[r].format,
+                          fmt::format("p99 {:.1f} bits lost", summaries[r].metrics[p.metric].quantile(0.99)));
     }
     p.sheet->finish(outcome_legend(total));
 }

@@ -9,8 +9,8 @@
 
 namespace lostbits::output::map {
 
-/// Draws the metric `lost_bits` of a map, which must be among the request's. Opened before the map; the file has its name after
-/// `finish`.
+/// Draws the metric `lost_bits` of a map, which must be among the request's. Opened before the map; the file has its
+/// name after `finish`.
 class SceneSheet {
 public:
     SceneSheet(const measure::map::MapRequest& request, const std::filesystem::path& path);

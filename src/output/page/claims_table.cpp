@@ -28,7 +28,8 @@ bool has_row(const Part& part, const Claim& c) {
     return std::ranges::find(part.rows, fmt::format("{}.{}", c.form, c.format)) != part.rows.end();
 }
 
-/// Where a page shows what a claim was measured on: an element for readers without scripts, and the view for the others.
+/// Where a page shows what a claim was measured on: an element for readers without scripts, and the view for the
+/// others.
 struct Place {
     std::string anchor, view;
     bool drawn = true;  ///< whether the quantity itself is among what is shown there
@@ -39,27 +40,32 @@ std::optional<Place> place_in_map(const Claim& c, const ClaimResult& r, const Re
     if (part == report.maps.end() || !has_row(*part, c)) return {};
     std::string view = fmt::format("scene={}&form={}&format={}", c.scene, c.form, c.format);
     const measure::metric::Metric* const m = claim::metric_of_column(c.metric);
-    const bool drawn = m == nullptr ? !measure::claim::asks_for_attribution(c) : std::ranges::find(part->metrics, m->name) != part->metrics.end();
+    const bool drawn = m == nullptr ? !measure::claim::asks_for_attribution(c)
+                                    : std::ranges::find(part->metrics, m->name) != part->metrics.end();
     if (m != nullptr && drawn) view += fmt::format("&metric={}", m->name);
     if (part->own_size && c.step) view += "&x=0&y=0";  // the march of that pixel is what such a claim follows
     else if (part->own_size && r.witness.x >= 0) view += fmt::format("&x={}&y={}", r.witness.x, r.witness.y);
     return Place{"scene-" + c.scene, view, drawn};
 }
 
-/// `&u=…` and `&v=…`: the cell that a claim names, as the page numbers it: by rising values, or by the order of the cases. Empty where it names
-/// none, or a place between two. Steps of a power of two are rounded to 12 bits, claims are not: |step − at| ≤ 2^-12 |at| is the same place.
+/// `&u=…` and `&v=…`: the cell that a claim names, as the page numbers it: by rising values, or by the order of the
+/// cases. Empty where it names none, or a place between two. Steps of a power of two are rounded to 12 bits, claims are
+/// not: |step − at| ≤ 2^-12 |at| is the same place.
 std::string cell_of(const Claim& c, const SweepPart& part) {
     if (part.kind == SweepPart::Kind::cases) {
         const auto named = [&c](const std::string& name) { return fnmatch(c.case_name.c_str(), name.c_str(), 0) == 0; };
         const auto found = std::ranges::find_if(part.cases, named);
-        return found == part.cases.end() ? "" : fmt::format("&judged={}&v={}", intersect::convention_name(c.convention), found - part.cases.begin());
+        return found == part.cases.end() ? ""
+                                         : fmt::format("&judged={}&v={}", intersect::convention_name(c.convention),
+                                                       found - part.cases.begin());
     }
     std::string text;
     for (std::size_t a = 0; a < c.at.size(); ++a) {
         if (a >= part.axes.size()) return "";
         auto values = part.axes[a];
         std::ranges::sort(values);
-        const auto found = std::ranges::find_if(values, [at = c.at[a]](double value) { return std::fabs(value - at) <= 0x1p-12 * std::fabs(at); });
+        const auto found = std::ranges::find_if(
+            values, [at = c.at[a]](double value) { return std::fabs(value - at) <= 0x1p-12 * std::fabs(at); });
         if (found == values.end()) return "";
         text += fmt::format("&{}={}", a == 0 ? "u" : "v", found - values.begin());
     }
@@ -72,8 +78,11 @@ std::optional<Place> place_in_sweep(const Claim& c, const Report& report) {
     if (part == report.sweeps.end() || !has_row(*part, c)) return {};
     if (part->kind == SweepPart::Kind::line && plot_script.text.empty()) return Place{"sweep-" + id, ""};
     std::string view = fmt::format("sweep={}&form={}&format={}", id, c.form, c.format);
-    const std::string column = c.onset == "lost_bits" ? "lost_bits_" + c.statistic : c.onset.empty() ? c.metric : c.onset + "_fraction";
-    if (std::ranges::any_of(sweep_statistics(), [&](const Statistic& s) { return s.name == column; })) view += "&statistic=" + column;
+    const std::string column = c.onset == "lost_bits" ? "lost_bits_" + c.statistic
+                               : c.onset.empty()      ? c.metric
+                                                      : c.onset + "_fraction";
+    if (std::ranges::any_of(sweep_statistics(), [&](const Statistic& s) { return s.name == column; }))
+        view += "&statistic=" + column;
     return Place{"sweep-" + id, view + cell_of(c, *part)};
 }
 
@@ -85,11 +94,19 @@ std::optional<Place> place_of(const Claim& c, const ClaimResult& r, const Report
 
 /// What it was measured on: a link to where the page shows it, or else the command that shows it.
 std::string measured_on(const Claim& c, const ClaimResult& r, const Report& report) {
-    const std::string text = html(claim::where_measured(c)), row = fmt::format("<br><small>{} {}</small>", html(c.form.empty() ? c.row : c.form), html(c.format));
+    const std::string text = html(claim::where_measured(c)),
+                      row = fmt::format("<br><small>{} {}</small>", html(c.form.empty() ? c.row : c.form),
+                                        html(c.format));
     const auto place = place_of(c, r, report);
-    if (!place) return fmt::format("{}{}<br><small>not on this page: <code>{}</code></small>", text, row, html(claim::reproduce(c)));
-    const std::string link = fmt::format("<a class=\"jump\" href=\"#{}\"{}>{}</a>", html(place->anchor), place->view.empty() ? "" : fmt::format(" data-view=\"{}\"", html(place->view)), text);
-    return place->drawn ? link + row : fmt::format("{}{}<br><small>its picture: <code>{}</code></small>", link, row, html(claim::reproduce(c)));
+    if (!place)
+        return fmt::format("{}{}<br><small>not on this page: <code>{}</code></small>", text, row,
+                           html(claim::reproduce(c)));
+    const std::string link =
+        fmt::format("<a class=\"jump\" href=\"#{}\"{}>{}</a>", html(place->anchor),
+                    place->view.empty() ? "" : fmt::format(" data-view=\"{}\"", html(place->view)), text);
+    return place->drawn ? link + row
+                        : fmt::format("{}{}<br><small>its picture: <code>{}</code></small>", link, row,
+                                      html(claim::reproduce(c)));
 }
 
 struct Word {
@@ -97,7 +114,8 @@ struct Word {
 };
 Word word_of(const Claim& c, const ClaimResult& r) {
     switch (r.state) {
-        case State::agrees: return c.verdict == Claim::Verdict::holds ? Word{"holds", "holds"} : Word{"refuted", "refuted"};
+        case State::agrees:
+            return c.verdict == Claim::Verdict::holds ? Word{"holds", "holds"} : Word{"refuted", "refuted"};
         case State::disagrees: return {"no longer measures as stated", "differs"};
         case State::broken: return {"could not be measured", "differs"};
         case State::skipped: break;
@@ -111,7 +129,9 @@ std::string breakable(std::string text) {
     return text;
 }
 
-std::string tile(std::size_t n, const char* words, const char* style) { return fmt::format("<li class=\"{}\"><b>{}</b> {}</li>", style, n, words); }
+std::string tile(std::size_t n, const char* words, const char* style) {
+    return fmt::format("<li class=\"{}\"><b>{}</b> {}</li>", style, n, words);
+}
 
 }  // namespace
 
@@ -139,18 +159,26 @@ std::string verdict_tiles(const VerdictCounts& n) {
 
 std::string claims_table(const Report& report) {
     std::string text =
-        "<table class=\"claims\"><thead><tr><th scope=\"col\">verdict</th><th scope=\"col\">sentence</th><th scope=\"col\">measured on</th>"
-        "<th scope=\"col\">quantity</th><th scope=\"col\">measured</th><th scope=\"col\">expected</th></tr></thead><tbody>\n";
+        "<table class=\"claims\"><thead><tr><th scope=\"col\">verdict</th><th scope=\"col\">sentence</th><th "
+        "scope=\"col\">measured on</th>"
+        "<th scope=\"col\">quantity</th><th scope=\"col\">measured</th><th "
+        "scope=\"col\">expected</th></tr></thead><tbody>\n";
     for (std::size_t i = 0; i < report.claims.size(); ++i) {
         const Claim& c = report.claims[i];
         const ClaimResult& r = report.results[i];
         const Word word = word_of(c, r);
         const std::string what = claim::quantity(c);
-        text += fmt::format("<tr id=\"claim-{}\" class=\"{}\" data-command=\"{}\"><td class=\"verdict\">{}</td><td>{}", html(c.id), word.style, html(claim::reproduce(c)), word.text, html(c.statement));
+        text += fmt::format("<tr id=\"claim-{}\" class=\"{}\" data-command=\"{}\"><td class=\"verdict\">{}</td><td>{}",
+                            html(c.id), word.style, html(claim::reproduce(c)), word.text, html(c.statement));
         if (!c.note.empty()) text += fmt::format("<br><em>{}</em>", html(c.note));
-        text += fmt::format("<br><small>{}{}<code>{}</code></small></td>", c.source == "-" ? "" : html(c.source), c.source == "-" ? "" : " &middot; ", html(c.id));
-        text += fmt::format("<td>{}</td><td data-name=\"quantity\">{}</td><td class=\"n\" data-name=\"measured\">{}</td><td class=\"n\" data-name=\"expected\">{} to {}</td></tr>\n", measured_on(c, r, report),
-                            breakable(html(what)), r.state == State::agrees || r.state == State::disagrees ? shown(r.measured) : html(r.trouble), shown(c.low), shown(c.high));
+        text += fmt::format("<br><small>{}{}<code>{}</code></small></td>", c.source == "-" ? "" : html(c.source),
+                            c.source == "-" ? "" : " &middot; ", html(c.id));
+        text += fmt::format(
+            "<td>{}</td><td data-name=\"quantity\">{}</td><td class=\"n\" data-name=\"measured\">{}</td><td "
+            "class=\"n\" data-name=\"expected\">{} to {}</td></tr>\n",
+            measured_on(c, r, report), breakable(html(what)),
+            r.state == State::agrees || r.state == State::disagrees ? shown(r.measured) : html(r.trouble), shown(c.low),
+            shown(c.high));
     }
     return text + "</tbody></table>\n";
 }

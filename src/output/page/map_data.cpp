@@ -8,8 +8,8 @@
 #include <cmath>
 #include <set>
 
-#include "output/map/metric_paint.hpp"
 #include "output/file/number_text.hpp"
+#include "output/map/metric_paint.hpp"
 #include "output/page/tapes.hpp"
 #include "output/page/text.hpp"
 
@@ -24,9 +24,10 @@ using measure::metric::Metric;
 
 namespace {
 
-/// Functions of t, t* and κ alone; src/output/page/script/numbers.js has them again, and the browser test holds every pixel of a map
-/// against its CSV.
-constexpr std::array<std::string_view, 7> derived_metrics{"lost_bits", "correct_bits", "ulp_error", "relative_error", "absolute_error", "inherent_bits", "excess_bits"};
+/// Functions of t, t* and κ alone; src/output/page/script/numbers.js has them again, and the browser test holds every
+/// pixel of a map against its CSV.
+constexpr std::array<std::string_view, 7> derived_metrics{
+    "lost_bits", "correct_bits", "ulp_error", "relative_error", "absolute_error", "inherent_bits", "excess_bits"};
 
 bool is_derived(const Metric& m) { return std::ranges::find(derived_metrics, m.name) != derived_metrics.end(); }
 bool is_condition(const Metric& m) { return m.name == "condition"; }
@@ -53,13 +54,24 @@ struct MapData::Group {
     std::set<int> places;  ///< of the solids that a ray truly meets
 
     Group(const MapRow& row, std::size_t n)
-        : direction(row.form->info->direction), touching(row.touching()), hit(1, n), object(4, n), truth(8, n), rest(4, n), bound(2, n), condition(4, n) {}
+        : direction(row.form->info->direction),
+          touching(row.touching()),
+          hit(1, n),
+          object(4, n),
+          truth(8, n),
+          rest(4, n),
+          bound(2, n),
+          condition(4, n) {}
 
-    /// Neighbours' truths lie nearly on a line: of each is kept how far its bits are from where the two before it point to.
-    /// A band holds whole rows, so within one no neighbour is missing.
-    [[nodiscard]] static std::uint64_t pointed_to(std::uint64_t before, std::uint64_t last) { return 2 * last - before; }
+    /// Neighbours' truths lie nearly on a line: of each is kept how far its bits are from where the two before it point
+    /// to. A band holds whole rows, so within one no neighbour is missing.
+    [[nodiscard]] static std::uint64_t pointed_to(std::uint64_t before, std::uint64_t last) {
+        return 2 * last - before;
+    }
 
-    [[nodiscard]] bool is_of(const MapRow& row) const { return direction == row.form->info->direction && touching == row.touching(); }
+    [[nodiscard]] bool is_of(const MapRow& row) const {
+        return direction == row.form->info->direction && touching == row.touching();
+    }
 
     std::uint64_t last_ = 0, before_ = 0;  ///< bits of the two true hits before, in this row of the picture; 0: none
 
@@ -85,10 +97,16 @@ struct MapData::Group {
 class MapData::Row final : public MapSink {
 public:
     Row(const MapRequest& request, const MapRow& row, std::size_t n, std::size_t group, Group* filled)
-        : row_(row), group_(group), filled_(filled), outcome_(1, n), object_(4, n), t_(row.format.engine == Format::Engine::native32 ? 4 : 8, n) {
+        : row_(row),
+          group_(group),
+          filled_(filled),
+          outcome_(1, n),
+          object_(4, n),
+          t_(row.format.engine == Format::Engine::native32 ? 4 : 8, n) {
         for (std::size_t m = 0; m < request.metrics.size(); ++m) {
             with_condition_ |= (measure::map::needs_of({request.metrics[m]}) & measure::metric::needs_condition) != 0;
-            if (!is_derived(*request.metrics[m]) && !is_condition(*request.metrics[m])) stored_.push_back({m, Layer(4, n)});
+            if (!is_derived(*request.metrics[m]) && !is_condition(*request.metrics[m]))
+                stored_.push_back({m, Layer(4, n)});
         }
     }
 
@@ -120,10 +138,13 @@ public:
 private:
     /// Of formats other than the native two, the bits of t in binary64, whose low ones are zero anyway.
     [[nodiscard]] std::uint64_t difference(double t, const BandResult& result, std::size_t i) const {
-        const double near = result.truth(i).is_hit() ? result.band->rounded_truth(i, binary64, row_.form->info->direction, result.touching) : 0;
+        const double near = result.truth(i).is_hit()
+                                ? result.band->rounded_truth(i, binary64, row_.form->info->direction, result.touching)
+                                : 0;
         switch (row_.format.engine) {
             case Format::Engine::native32: return folded_difference(bits32(t), bits32(near), 4);
-            case Format::Engine::native64: return folded_difference(std::bit_cast<std::uint64_t>(t), std::bit_cast<std::uint64_t>(near), 8);
+            case Format::Engine::native64:
+                return folded_difference(std::bit_cast<std::uint64_t>(t), std::bit_cast<std::uint64_t>(near), 8);
             case Format::Engine::rounded: break;
         }
         return std::bit_cast<std::uint64_t>(t);
@@ -143,7 +164,8 @@ private:
 };
 
 MapData::MapData(const MapRequest& request) : request_(request) {
-    const std::size_t n = static_cast<std::size_t>(request.scene->width) * static_cast<std::size_t>(request.scene->height);
+    const std::size_t n =
+        static_cast<std::size_t>(request.scene->width) * static_cast<std::size_t>(request.scene->height);
     for (const MapRow& row : request.rows) {
         const auto found = std::ranges::find_if(groups_, [&row](const auto& g) { return g->is_of(row); });
         const auto g = static_cast<std::size_t>(found - groups_.begin());
@@ -165,12 +187,18 @@ namespace {
 
 std::string metric_json(const Metric& m, std::span<const MapRow> rows) {
     const map::MetricPaint paint(m, rows, image::image_backend());
-    std::string text = fmt::format(R"({{"name":{},"unit":{},"meaning":{},"marches":{},"blamed":{},"kind":"{}")", json_text(m.name), json_text(m.unit), json_text(m.meaning), m.over == measure::metric::Over::marches, m.over == measure::metric::Over::blamed,
-                                   is_derived(m) ? "derived" : is_condition(m) ? "shared" : "stored");
+    std::string text = fmt::format(R"({{"name":{},"unit":{},"meaning":{},"marches":{},"blamed":{},"kind":"{}")",
+                                   json_text(m.name), json_text(m.unit), json_text(m.meaning),
+                                   m.over == measure::metric::Over::marches, m.over == measure::metric::Over::blamed,
+                                   is_derived(m)     ? "derived"
+                                   : is_condition(m) ? "shared"
+                                                     : "stored");
     if (const auto& scale = paint.scale()) {
         std::vector<std::string> ticks;
-        for (const auto& tick : scale->ticks(7)) ticks.push_back(fmt::format("[{},{}]", number(tick.position), json_text(tick.label)));
-        return text + fmt::format(R"(,"lo":{},"hi":{},"log2":{},"ticks":[{}]}})", number(scale->lo()), number(scale->hi()), scale->is_log2(), fmt::join(ticks, ","));
+        for (const auto& tick : scale->ticks(7))
+            ticks.push_back(fmt::format("[{},{}]", number(tick.position), json_text(tick.label)));
+        return text + fmt::format(R"(,"lo":{},"hi":{},"log2":{},"ticks":[{}]}})", number(scale->lo()),
+                                  number(scale->hi()), scale->is_log2(), fmt::join(ticks, ","));
     }
     std::vector<std::string> categories;
     for (std::size_t c = 0; c < m.categories.size(); ++c) {
@@ -183,19 +211,26 @@ std::string metric_json(const Metric& m, std::span<const MapRow> rows) {
 /// A march is no one tape: how many samples it takes is each ray's own.
 bool is_taped(const MapRow& row) { return row.form->shape != Shape::sdf; }
 
-std::string summary_json(const MapRequest& request, const MapRow& row, const measure::map::MapSummary& s, std::size_t group) {
+std::string summary_json(const MapRequest& request, const MapRow& row, const measure::map::MapSummary& s,
+                         std::size_t group) {
     std::vector<std::string> statistics;
     for (std::size_t m = 0; m < request.metrics.size(); ++m) {
         if (!request.metrics[m]->categories.empty()) continue;
         const measure::metric::Distribution& d = s.metrics[m];
-        statistics.push_back(fmt::format("{}:[{},{},{}]", json_text(request.metrics[m]->name), number(d.quantile(0.5)), number(d.quantile(0.99)), number(d.quantile(1))));
+        statistics.push_back(fmt::format("{}:[{},{},{}]", json_text(request.metrics[m]->name), number(d.quantile(0.5)),
+                                         number(d.quantile(0.99)), number(d.quantile(1))));
     }
     const std::string worst = s.worst.x < 0 ? "null" : fmt::format(R"({{"x":{},"y":{}}})", s.worst.x, s.worst.y);
     const FloatFormat& f = row.format.shape;
-    return fmt::format(R"({{"form":{},"format":{},"title":{},"precision":{},"emin":{},"emax":{},"taped":{},"coding":"{}","direction":"{}","group":{},"outcomes":[{}],"statistics":{{{}}},"worst":{}}})",
-                       json_text(row.form->info->name), json_text(row.format.name), json_text(row.form->info->title), f.precision, f.emin, f.emax, is_taped(row),
-                       row.format.engine == Format::Engine::native32 ? "bits32" : row.format.engine == Format::Engine::native64 ? "bits64" : "plain64",
-                       row.form->info->direction == Direction::unit ? "unit" : "any", group, fmt::join(s.outcomes, ","), fmt::join(statistics, ","), worst);
+    return fmt::format(
+        R"({{"form":{},"format":{},"title":{},"precision":{},"emin":{},"emax":{},"taped":{},"coding":"{}","direction":"{}","group":{},"outcomes":[{}],"statistics":{{{}}},"worst":{}}})",
+        json_text(row.form->info->name), json_text(row.format.name), json_text(row.form->info->title), f.precision,
+        f.emin, f.emax, is_taped(row),
+        row.format.engine == Format::Engine::native32   ? "bits32"
+        : row.format.engine == Format::Engine::native64 ? "bits64"
+                                                        : "plain64",
+        row.form->info->direction == Direction::unit ? "unit" : "any", group, fmt::join(s.outcomes, ","),
+        fmt::join(statistics, ","), worst);
 }
 
 }  // namespace
@@ -204,12 +239,16 @@ std::string MapData::index(const std::vector<measure::map::MapSummary>& summarie
     const scene::file::Scene& scene = *request_.scene;
     std::vector<std::string> metrics, rows;
     for (const Metric* m : request_.metrics) metrics.push_back(metric_json(*m, request_.rows));
-    for (std::size_t r = 0; r < rows_.size(); ++r) rows.push_back(summary_json(request_, request_.rows[r], summaries[r], rows_[r]->group()));
+    for (std::size_t r = 0; r < rows_.size(); ++r)
+        rows.push_back(summary_json(request_, request_.rows[r], summaries[r], rows_[r]->group()));
     std::set<int> places{0};
     for (const auto& group : groups_) places.insert(group->places.begin(), group->places.end());
     for (const auto& row : rows_) places.insert(row->places().begin(), row->places().end());
-    return fmt::format(R"({{"id":{},"title":{},"note":{},"inputs":"{}","camera":{},"solids":{},"solid_count":{},"width":{},"height":{},"own_size":{},"metrics":[{}],"rows":[{}]}})", json_text(scene.id), json_text(scene.title), json_text(scene.note),
-                       scene.inputs == scene::file::Inputs::own ? "own" : "shared", camera_json(scene), solids_json(scene, places), scene.solid_count(), scene.width, scene.height, own_size, fmt::join(metrics, ","), fmt::join(rows, ","));
+    return fmt::format(
+        R"({{"id":{},"title":{},"note":{},"inputs":"{}","camera":{},"solids":{},"solid_count":{},"width":{},"height":{},"own_size":{},"metrics":[{}],"rows":[{}]}})",
+        json_text(scene.id), json_text(scene.title), json_text(scene.note),
+        scene.inputs == scene::file::Inputs::own ? "own" : "shared", camera_json(scene), solids_json(scene, places),
+        scene.solid_count(), scene.width, scene.height, own_size, fmt::join(metrics, ","), fmt::join(rows, ","));
 }
 
 std::vector<Blob> MapData::blobs() const {
@@ -217,11 +256,15 @@ std::vector<Blob> MapData::blobs() const {
     for (std::size_t g = 0; g < groups_.size(); ++g) {
         std::string bytes;
         const Group& group = *groups_[g];
-        for (const Layer* layer : {&group.hit, &group.object, &group.truth, &group.rest, &group.bound, &group.condition}) bytes += layer->planes();
+        for (const Layer* layer :
+             {&group.hit, &group.object, &group.truth, &group.rest, &group.bound, &group.condition})
+            bytes += layer->planes();
         all.push_back({fmt::format("truth:{}:{}", request_.scene->id, g), pack(bytes)});
     }
     for (const auto& row : rows_) {
-        if (is_taped(row->row())) all.push_back({fmt::format("tape:{}", row_key(row->row())), pack(tape_json(*row->row().form, row->row().format))});
+        if (is_taped(row->row()))
+            all.push_back(
+                {fmt::format("tape:{}", row_key(row->row())), pack(tape_json(*row->row().form, row->row().format))});
         all.push_back({fmt::format("row:{}:{}", request_.scene->id, row_key(row->row())), pack(row->bytes())});
     }
     return all;

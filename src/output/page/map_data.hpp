@@ -16,7 +16,8 @@ struct Blob {
 };
 
 /// Takes the results of a map row by row and keeps, exactly,
-///  - once for all rows that share a truth (by direction and touching): whether the ray truly hits, RN64(t*) (as its distance from where the two hits to the left point), the rest
+///  - once for all rows that share a truth (by direction and touching): whether the ray truly hits, RN64(t*) (as its
+///  distance from where the two hits to the left point), the rest
 ///    t* − RN64(t*) as a float, the bound as a power of two, and κ as a float;
 ///  - for each row: the outcome, the solid, and the bits of t less those of the truth (both as the format holds them):
 ///    most answers are a few ulps away, so most of these are small;
@@ -33,8 +34,8 @@ public:
     /// One a row of the request, in its order.
     [[nodiscard]] std::vector<measure::map::MapSink*> sinks();
 
-    /// After the map: everything but pixels, as JSON. `own_size`: no other size was asked for than the scene's, so that claims have
-    /// the same rays.
+    /// After the map: everything but pixels, as JSON. `own_size`: no other size was asked for than the scene's, so that
+    /// claims have the same rays.
     [[nodiscard]] std::string index(const std::vector<measure::map::MapSummary>& summaries, bool own_size) const;
     /// The pixels, and the tapes of the forms, which other maps may have too.
     [[nodiscard]] std::vector<Blob> blobs() const;

@@ -17,7 +17,8 @@ public:
     /// `width` bytes a number: 1, 2, 4 or 8.
     Layer(std::size_t width, std::size_t count) : width_(width), count_(count), planes_(width * count) {}
 
-    /// Byte k of every number lies in plane k, lowest first: neighbours' high bytes are alike, and deflate sees them side by side.
+    /// Byte k of every number lies in plane k, lowest first: neighbours' high bytes are alike, and deflate sees them
+    /// side by side.
     void set(std::size_t i, std::uint64_t bits) {
         for (std::size_t k = 0; k < width_; ++k) planes_[k * count_ + i] = static_cast<char>(bits >> (8 * k));
     }

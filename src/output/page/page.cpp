@@ -7,8 +7,8 @@
 #include <limits>
 #include <set>
 
-#include "output/map/map_colour.hpp"
 #include "output/file/number_text.hpp"
+#include "output/map/map_colour.hpp"
 #include "output/page/assets.hpp"
 #include "output/page/claims_table.hpp"
 #include "output/page/text.hpp"
@@ -22,7 +22,8 @@ namespace {
 /// `'sha256-…'` of a content security policy.
 std::string hash_source(const Asset& asset) {
     std::string bytes;
-    for (std::size_t i = 0; i + 1 < asset.sha256.size(); i += 2) bytes += static_cast<char>(std::stoi(std::string(asset.sha256.substr(i, 2)), nullptr, 16));
+    for (std::size_t i = 0; i + 1 < asset.sha256.size(); i += 2)
+        bytes += static_cast<char>(std::stoi(std::string(asset.sha256.substr(i, 2)), nullptr, 16));
     return fmt::format("'sha256-{}'", base64(bytes));
 }
 
@@ -33,10 +34,16 @@ std::string policy() {
         scripts = fmt::format("{} {}", scripts, hash_source(plot_script));
         styles = fmt::format("{} {}", styles, hash_source(plot_style));
     }
-    return fmt::format("default-src 'none'; script-src {}; style-src {}; img-src data:; base-uri 'none'; form-action 'none'", scripts, styles);
+    return fmt::format(
+        "default-src 'none'; script-src {}; style-src {}; img-src data:; base-uri 'none'; form-action 'none'", scripts,
+        styles);
 }
 
-std::string image(const Picture& p) { return p.png.empty() ? std::string() : fmt::format("<img alt=\"{}\" src=\"data:image/png;base64,{}\">\n", html(p.alt), base64(p.png)); }
+std::string image(const Picture& p) {
+    return p.png.empty()
+               ? std::string()
+               : fmt::format("<img alt=\"{}\" src=\"data:image/png;base64,{}\">\n", html(p.alt), base64(p.png));
+}
 
 std::string images(const std::vector<Picture>& pictures) {
     std::string text;
@@ -44,10 +51,14 @@ std::string images(const std::vector<Picture>& pictures) {
     return text;
 }
 
-std::string without_scripts(const std::vector<Picture>& pictures) { return fmt::format("<noscript>{}</noscript>\n", images(pictures)); }
+std::string without_scripts(const std::vector<Picture>& pictures) {
+    return fmt::format("<noscript>{}</noscript>\n", images(pictures));
+}
 
 /// Pictures for a page without scripts; where uPlot is missing, for every page.
-std::string instead_of_plots(const std::vector<Picture>& pictures) { return plot_script.text.empty() ? images(pictures) : without_scripts(pictures); }
+std::string instead_of_plots(const std::vector<Picture>& pictures) {
+    return plot_script.text.empty() ? images(pictures) : without_scripts(pictures);
+}
 
 std::string rgb(const image::Rgb8& c) { return fmt::format("[{},{},{}]", c.r, c.g, c.b); }
 
@@ -55,8 +66,11 @@ std::string rgb(const image::Rgb8& c) { return fmt::format("[{},{},{}]", c.r, c.
 std::string colours_json() {
     image::ImageBackend& backend = image::image_backend();
     std::vector<std::string> ramp, outcomes;
-    for (const image::Rgb8& c : backend.ramp("viridis", 256)) ramp.push_back(fmt::format("{:02x}{:02x}{:02x}", c.r, c.g, c.b));
-    for (std::size_t o = 0; o < image::outcome_colours.size(); ++o) outcomes.push_back(fmt::format("[{},{}]", json_text(measure::answer::outcome_names[o]), rgb(image::outcome_colours[o])));
+    for (const image::Rgb8& c : backend.ramp("viridis", 256))
+        ramp.push_back(fmt::format("{:02x}{:02x}{:02x}", c.r, c.g, c.b));
+    for (std::size_t o = 0; o < image::outcome_colours.size(); ++o)
+        outcomes.push_back(
+            fmt::format("[{},{}]", json_text(measure::answer::outcome_names[o]), rgb(image::outcome_colours[o])));
     const image::ColourScale any("viridis", backend.ramp("viridis", 2), 0, 1);
     return fmt::format(R"("ramp":"{}","outcomes":[{}],"no_value":{})", fmt::join(ramp, ""), fmt::join(outcomes, ","),
                        rgb(map::pixel_colour(any, Outcome::agree_hit, std::numeric_limits<double>::quiet_NaN())));
@@ -66,7 +80,10 @@ std::string sweep_index(const SweepPart& s) {
     std::vector<std::string> rows;
     for (const auto& key : s.rows) rows.push_back(json_text(key));
     return fmt::format(R"({{"id":{},"title":{},"kind":"{}","rows":[{}]}})", json_text(s.id), json_text(s.title),
-                       s.kind == SweepPart::Kind::line ? "line" : s.kind == SweepPart::Kind::plane ? "plane" : "cases", fmt::join(rows, ","));
+                       s.kind == SweepPart::Kind::line    ? "line"
+                       : s.kind == SweepPart::Kind::plane ? "plane"
+                                                          : "cases",
+                       fmt::join(rows, ","));
 }
 
 std::string index_json(const Report& report) {
@@ -76,10 +93,13 @@ std::string index_json(const Report& report) {
         sweeps.push_back(sweep_index(s));
     }
     for (const TradePart& t : report.trades) trades.push_back(t.json);
-    return fmt::format(R"({{{},"maps":[{}],"sweeps":[{}],"trades":[{}]}})", colours_json(), fmt::join(maps, ","), fmt::join(sweeps, ","), fmt::join(trades, ","));
+    return fmt::format(R"({{{},"maps":[{}],"sweeps":[{}],"trades":[{}]}})", colours_json(), fmt::join(maps, ","),
+                       fmt::join(sweeps, ","), fmt::join(trades, ","));
 }
 
-std::string blob(const std::string& name, const std::string& packed) { return fmt::format("<script type=\"text/plain\" id=\"{}\">{}</script>\n", html(name), packed); }
+std::string blob(const std::string& name, const std::string& packed) {
+    return fmt::format("<script type=\"text/plain\" id=\"{}\">{}</script>\n", html(name), packed);
+}
 
 std::string about(const std::string& note, const std::string& source) {
     std::string text;
@@ -92,8 +112,10 @@ std::string maps_section(const Report& report) {
     if (report.maps.empty()) return "";
     std::string text = "<section id=\"maps\"><h2>Maps</h2>\n<div id=\"map-view\" hidden></div>\n";
     for (const MapPart& m : report.maps) {
-        text += fmt::format("<details open class=\"part\" id=\"scene-{}\"><summary>{} <code>{}</code></summary>\n{}{}<noscript>{}</noscript></details>\n", html(m.id), html(m.title), html(m.id),
-                            about(m.note, m.source), m.table, image(m.sheet));
+        text += fmt::format(
+            "<details open class=\"part\" id=\"scene-{}\"><summary>{} "
+            "<code>{}</code></summary>\n{}{}<noscript>{}</noscript></details>\n",
+            html(m.id), html(m.title), html(m.id), about(m.note, m.source), m.table, image(m.sheet));
     }
     return text + "</section>\n";
 }
@@ -103,72 +125,99 @@ std::string sweeps_section(const Report& report) {
     std::string text = "<section id=\"sweeps\"><h2>Sweeps</h2>\n<div id=\"sweep-view\" hidden></div>\n";
     if (plot_script.text.empty()) text += "<p>This program was built without uPlot, so the plots are pictures.</p>\n";
     for (const SweepPart& s : report.sweeps) {
-        text += fmt::format("<details open class=\"part\" id=\"sweep-{}\"><summary>{} <code>{}</code></summary>\n{}{}{}</details>\n", html(s.id), html(s.title), html(s.id),
-                            about(s.note, s.source), s.table, s.kind == SweepPart::Kind::line ? instead_of_plots(s.pictures) : without_scripts(s.pictures));
+        text += fmt::format(
+            "<details open class=\"part\" id=\"sweep-{}\"><summary>{} <code>{}</code></summary>\n{}{}{}</details>\n",
+            html(s.id), html(s.title), html(s.id), about(s.note, s.source), s.table,
+            s.kind == SweepPart::Kind::line ? instead_of_plots(s.pictures) : without_scripts(s.pictures));
     }
     return text + "</section>\n";
 }
 
 std::string trades_section(const Report& report) {
     if (report.trades.empty()) return "";
-    std::string text = fmt::format("<section id=\"trade\"><h2>Speed against accuracy</h2>\n<p>Times are short measurements of the run that made this page, on its machine{}: another run has other times.</p>\n<div id=\"trade-view\" hidden></div>\n",
-                                   report.processor.empty() ? "" : fmt::format(" ({})", html(report.processor)));
+    std::string text = fmt::format(
+        "<section id=\"trade\"><h2>Speed against accuracy</h2>\n<p>Times are short measurements of the run that made "
+        "this page, on its machine{}: another run has other times.</p>\n<div id=\"trade-view\" hidden></div>\n",
+        report.processor.empty() ? "" : fmt::format(" ({})", html(report.processor)));
     for (const TradePart& t : report.trades) {
-        text += fmt::format("<details open class=\"part\"><summary>{}</summary><pre>{}</pre>{}</details>\n", html(t.shape), html(t.words), instead_of_plots(t.pictures));
+        text += fmt::format("<details open class=\"part\"><summary>{}</summary><pre>{}</pre>{}</details>\n",
+                            html(t.shape), html(t.words), instead_of_plots(t.pictures));
     }
     return text + "</section>\n";
 }
 
 std::string claims_section(const Report& report) {
     if (report.claims.empty()) return "";
-    return "<section id=\"claims\"><h2>Claims</h2>\n<div id=\"claim-view\" hidden></div>\n" + claims_table(report) + "</section>\n";
+    return "<section id=\"claims\"><h2>Claims</h2>\n<div id=\"claim-view\" hidden></div>\n" + claims_table(report) +
+           "</section>\n";
 }
 
 std::string counted(std::size_t n, const char* thing) { return fmt::format("{} {}{}", n, thing, n == 1 ? "" : "s"); }
 
 std::string heading(const Report& report) {
     std::string text = "<header><h1>lostbits report</h1>\n";
-    if (!report.claims.empty()) text += fmt::format("<p>{} measured:</p>\n", counted(report.claims.size(), "sentence")) + verdict_tiles(count_verdicts(report));
-    text += fmt::format("<p>{}, {}. Made by <code>{}</code>.</p>\n<nav>", counted(report.maps.size(), "map"), counted(report.sweeps.size(), "sweep"), html(report.command));
+    if (!report.claims.empty())
+        text += fmt::format("<p>{} measured:</p>\n", counted(report.claims.size(), "sentence")) +
+                verdict_tiles(count_verdicts(report));
+    text += fmt::format("<p>{}, {}. Made by <code>{}</code>.</p>\n<nav>", counted(report.maps.size(), "map"),
+                        counted(report.sweeps.size(), "sweep"), html(report.command));
     if (!report.maps.empty()) text += "<a href=\"#maps\">Maps</a> ";
     if (!report.sweeps.empty()) text += "<a href=\"#sweeps\">Sweeps</a> ";
     if (!report.trades.empty()) text += "<a href=\"#trade\">Speed</a> ";
     if (!report.claims.empty()) text += "<a href=\"#claims\">Claims</a>";
-    return text + "</nav>\n<noscript><p>Without scripts the page shows tables and contact sheets; with them, every pixel.</p></noscript></header>\n";
+    return text +
+           "</nav>\n<noscript><p>Without scripts the page shows tables and contact sheets; with them, every "
+           "pixel.</p></noscript></header>\n";
 }
 
 }  // namespace
 
-std::string summary_table(const measure::map::MapRequest& request, const std::vector<measure::map::MapSummary>& summaries) {
-    const auto place = [&](const char* name) { return static_cast<std::size_t>(std::ranges::find(request.metrics, measure::metric::find_metric(name)) - request.metrics.begin()); };
+std::string summary_table(const measure::map::MapRequest& request,
+                          const std::vector<measure::map::MapSummary>& summaries) {
+    const auto place = [&](const char* name) {
+        return static_cast<std::size_t>(std::ranges::find(request.metrics, measure::metric::find_metric(name)) -
+                                        request.metrics.begin());
+    };
     std::string text =
-        "<table><thead><tr><th scope=\"col\">form</th><th scope=\"col\">format</th><th scope=\"col\">false hits</th><th scope=\"col\">false misses</th><th scope=\"col\">NaN</th>"
-        "<th scope=\"col\">unresolved</th><th scope=\"col\">lost bits p50</th><th scope=\"col\">p99</th><th scope=\"col\">max</th><th scope=\"col\">excess p99</th>"
+        "<table><thead><tr><th scope=\"col\">form</th><th scope=\"col\">format</th><th scope=\"col\">false "
+        "hits</th><th scope=\"col\">false misses</th><th scope=\"col\">NaN</th>"
+        "<th scope=\"col\">unresolved</th><th scope=\"col\">lost bits p50</th><th scope=\"col\">p99</th><th "
+        "scope=\"col\">max</th><th scope=\"col\">excess p99</th>"
         "<th scope=\"col\">worst pixel</th></tr></thead><tbody>\n";
     for (std::size_t r = 0; r < summaries.size(); ++r) {
         const measure::map::MapSummary& s = summaries[r];
         const measure::map::MapRow& row = request.rows[r];
-        text += fmt::format("<tr data-row=\"{}\"><th scope=\"row\">{}</th><td>{}</td>", html(row_key(row)), html(row.form->info->name), row.format.name);
-        for (const Outcome o : {Outcome::false_hit, Outcome::false_miss, Outcome::not_a_number, Outcome::unresolved}) text += fmt::format("<td class=\"n\">{}</td>", s.count(o));
+        text += fmt::format("<tr data-row=\"{}\"><th scope=\"row\">{}</th><td>{}</td>", html(row_key(row)),
+                            html(row.form->info->name), row.format.name);
+        for (const Outcome o : {Outcome::false_hit, Outcome::false_miss, Outcome::not_a_number, Outcome::unresolved})
+            text += fmt::format("<td class=\"n\">{}</td>", s.count(o));
         const measure::metric::Distribution& lost = s.metrics[place("lost_bits")];
-        for (const double q : measure::metric::reported_quantiles) text += fmt::format("<td class=\"n\">{}</td>", shown(lost.quantile(q)));
+        for (const double q : measure::metric::reported_quantiles)
+            text += fmt::format("<td class=\"n\">{}</td>", shown(lost.quantile(q)));
         text += fmt::format("<td class=\"n\">{}</td>", shown(s.metrics[place("excess_bits")].quantile(0.99)));
         if (s.worst.x < 0) text += "<td>&ndash;</td></tr>\n";
-        else text += fmt::format("<td><a class=\"jump\" href=\"#scene-{}\" data-view=\"scene={}&amp;form={}&amp;format={}&amp;x={}&amp;y={}\">{}, {}</a></td></tr>\n", html(request.scene->id), html(request.scene->id), html(row.form->info->name),
-                                 row.format.name, s.worst.x, s.worst.y, s.worst.x, s.worst.y);
+        else
+            text += fmt::format(
+                "<td><a class=\"jump\" href=\"#scene-{}\" "
+                "data-view=\"scene={}&amp;form={}&amp;format={}&amp;x={}&amp;y={}\">{}, {}</a></td></tr>\n",
+                html(request.scene->id), html(request.scene->id), html(row.form->info->name), row.format.name,
+                s.worst.x, s.worst.y, s.worst.x, s.worst.y);
     }
     return text + "</tbody></table>\n";
 }
 
 std::string page(const Report& report) {
     std::string text = fmt::format(
-        "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\n<meta http-equiv=\"Content-Security-Policy\" content=\"{}\">\n"
-        "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"><meta name=\"referrer\" content=\"no-referrer\">\n<title>lostbits report</title>\n"
+        "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\n<meta "
+        "http-equiv=\"Content-Security-Policy\" content=\"{}\">\n"
+        "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"><meta name=\"referrer\" "
+        "content=\"no-referrer\">\n<title>lostbits report</title>\n"
         "<link rel=\"icon\" href=\"data:,\">\n",
         policy());
     text += fmt::format("<style>{}</style>\n", page_style.text);
     if (!plot_style.text.empty()) text += fmt::format("<style>{}</style>\n", plot_style.text);
-    text += "</head><body>\n" + heading(report) + "<main>\n" + maps_section(report) + sweeps_section(report) + trades_section(report) + claims_section(report) + "</main>\n";
+    text += "</head><body>\n" + heading(report) + "<main>\n" + maps_section(report) + sweeps_section(report) +
+            trades_section(report) + claims_section(report) + "</main>\n";
     text += fmt::format("<script type=\"application/json\" id=\"index\">{}</script>\n", index_json(report));
     std::set<std::string_view> written;  // maps share the tapes of their forms
     for (const MapPart& m : report.maps) {
@@ -179,7 +228,9 @@ std::string page(const Report& report) {
     for (const SweepPart& s : report.sweeps) {
         text += blob("sweep:" + s.id, pack(s.json));
     }
-    if (!plot_script.text.empty()) text += fmt::format("<!-- The plots are drawn by uPlot:\n{}-->\n<script>{}</script>\n", plot_licence.text, plot_script.text);
+    if (!plot_script.text.empty())
+        text += fmt::format("<!-- The plots are drawn by uPlot:\n{}-->\n<script>{}</script>\n", plot_licence.text,
+                            plot_script.text);
     text += fmt::format("<script>{}</script>\n</body></html>\n", page_script.text);
     return text;
 }

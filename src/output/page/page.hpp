@@ -19,11 +19,11 @@ struct Picture {
 struct MapPart {
     std::string id, title, note, source;
     std::vector<std::string> rows;  ///< `row_key` of each
-    std::string index;  ///< JSON of `MapData::index`
+    std::string index;              ///< JSON of `MapData::index`
     std::vector<Blob> blobs;
     std::string table;  ///< HTML, see `summary_table`
     Picture sheet;
-    bool own_size = true;  ///< the scene's: claims are measured on the same rays
+    bool own_size = true;                   ///< the scene's: claims are measured on the same rays
     std::vector<std::string> metrics = {};  ///< their names
 };
 
@@ -32,10 +32,10 @@ struct SweepPart {
     enum class Kind { line, plane, cases };
     Kind kind = Kind::line;
     std::string id, title, note, source;
-    std::vector<std::string> rows;  ///< `row_key` of each
+    std::vector<std::string> rows;               ///< `row_key` of each
     std::vector<std::vector<double>> axes = {};  ///< the values of each as the page numbers them; of cases none
     std::vector<std::string> cases = {};
-    std::string json = {};   ///< of `sweep_json`, `plane_json` or `case_json`
+    std::string json = {};  ///< of `sweep_json`, `plane_json` or `case_json`
     std::string table = {};
     std::vector<Picture> pictures = {};  ///< for readers without scripts; of a line for all where uPlot is missing
 };
@@ -56,7 +56,8 @@ struct Report {
 };
 
 /// Forms and formats of a map: decisions, and p50, p99 and max of lost bits; each number carries the CSV's own decimal.
-[[nodiscard]] std::string summary_table(const measure::map::MapRequest& request, const std::vector<measure::map::MapSummary>& summaries);
+[[nodiscard]] std::string summary_table(const measure::map::MapRequest& request,
+                                        const std::vector<measure::map::MapSummary>& summaries);
 
 /// The page, the same bytes for the same report.
 [[nodiscard]] std::string page(const Report& report);

@@ -14,7 +14,9 @@ namespace lostbits::output::page {
 
 TemporaryFolder::TemporaryFolder() {
     std::string name = (std::filesystem::temp_directory_path() / "lostbits-report-XXXXXX").string();
-    if (mkdtemp(name.data()) == nullptr) throw EnvironmentError(name + ": the folder could not be made: " + std::strerror(errno) + "; set TMPDIR to one that can be written");
+    if (mkdtemp(name.data()) == nullptr)
+        throw EnvironmentError(name + ": the folder could not be made: " + std::strerror(errno) +
+                               "; set TMPDIR to one that can be written");
     path_ = name;
 }
 

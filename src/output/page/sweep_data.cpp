@@ -20,7 +20,8 @@ namespace {
 
 double quantile(const MapSummary& s, const std::vector<const Metric*>& metrics, const char* name, double q) {
     const auto at = std::ranges::find(metrics, measure::metric::find_metric(name));
-    return at == metrics.end() ? std::numeric_limits<double>::quiet_NaN() : s.metrics[static_cast<std::size_t>(at - metrics.begin())].quantile(q);
+    return at == metrics.end() ? std::numeric_limits<double>::quiet_NaN()
+                               : s.metrics[static_cast<std::size_t>(at - metrics.begin())].quantile(q);
 }
 
 using Metrics = std::vector<const Metric*>;
@@ -45,14 +46,16 @@ const std::vector<Statistic>& sweep_statistics() {
         {"lost_bits_p99", [](const MapSummary& s, const Metrics& m) { return quantile(s, m, "lost_bits", 0.99); }},
         {"lost_bits_max", [](const MapSummary& s, const Metrics& m) { return quantile(s, m, "lost_bits", 1); }},
         {"excess_bits_p99", [](const MapSummary& s, const Metrics& m) { return quantile(s, m, "excess_bits", 0.99); }},
-        {"inherent_bits_p99", [](const MapSummary& s, const Metrics& m) { return quantile(s, m, "inherent_bits", 0.99); }},
+        {"inherent_bits_p99",
+         [](const MapSummary& s, const Metrics& m) { return quantile(s, m, "inherent_bits", 0.99); }},
         {"false_hit_fraction", [](const MapSummary& s, const Metrics&) { return false_hit_fraction(s); }},
         {"false_miss_fraction", [](const MapSummary& s, const Metrics&) { return false_miss_fraction(s); }},
     };
     return all;
 }
 
-std::string row_fields(const measure::map::MapRow& row, const std::vector<const Metric*>& metrics, std::size_t cells, const std::function<const MapSummary&(std::size_t)>& at) {
+std::string row_fields(const measure::map::MapRow& row, const std::vector<const Metric*>& metrics, std::size_t cells,
+                       const std::function<const MapSummary&(std::size_t)>& at) {
     std::vector<std::string> values, outcomes;
     for (const Statistic& s : sweep_statistics()) {
         std::vector<std::string> all;
@@ -60,24 +63,32 @@ std::string row_fields(const measure::map::MapRow& row, const std::vector<const 
         values.push_back(fmt::format("[{}]", fmt::join(all, ",")));
     }
     for (std::size_t c = 0; c < cells; ++c) outcomes.push_back(fmt::format("[{}]", fmt::join(at(c).outcomes, ",")));
-    return fmt::format(R"("form":{},"format":{},"values":[{}],"outcomes":[{}])", json_text(row.form->info->name), json_text(row.format.name), fmt::join(values, ","), fmt::join(outcomes, ","));
+    return fmt::format(R"("form":{},"format":{},"values":[{}],"outcomes":[{}])", json_text(row.form->info->name),
+                       json_text(row.format.name), fmt::join(values, ","), fmt::join(outcomes, ","));
 }
 
-std::string sweep_json(const measure::sweep::SweepRequest& request, const std::vector<measure::sweep::SweepStep>& steps, const std::vector<Onset>& onsets) {
+std::string sweep_json(const measure::sweep::SweepRequest& request, const std::vector<measure::sweep::SweepStep>& steps,
+                       const std::vector<Onset>& onsets) {
     const scene::sweep::Axis& axis = request.sweep->axes.front();
     std::vector<std::string> rows;
     for (std::size_t r = 0; r < request.rows.size(); ++r) {
         std::vector<std::string> found;
         for (const Onset& o : onsets) {
             if (o.row != r || !o.found) continue;
-            found.push_back(fmt::format("[{},{},{},{},{}]", json_text(o.event), json_text(o.statistic), number(o.threshold), o.from_start ? "null" : number(o.last_good), number(o.first_bad)));
+            found.push_back(fmt::format("[{},{},{},{},{}]", json_text(o.event), json_text(o.statistic),
+                                        number(o.threshold), o.from_start ? "null" : number(o.last_good),
+                                        number(o.first_bad)));
         }
-        const auto numbers = row_fields(request.rows[r], request.metrics, steps.size(), [&](std::size_t k) -> const MapSummary& { return steps[k].rows[r]; });
+        const auto numbers = row_fields(request.rows[r], request.metrics, steps.size(),
+                                        [&](std::size_t k) -> const MapSummary& { return steps[k].rows[r]; });
         rows.push_back(fmt::format(R"({{{},"onsets":[{}]}})", numbers, fmt::join(found, ",")));
     }
-    return fmt::format(R"({{"id":{},"title":{},"kind":"line","axis":{},"unit":{},"spacing":"{}","steps":{},"statistics":{},"rows":[{}]}})", json_text(request.sweep->id), json_text(request.sweep->title),
-                       json_text(axis.name), json_text(axis.unit), spacing_name(axis.spacing), list(steps, [](const measure::sweep::SweepStep& s) { return number(s.values.front()); }),
-                       list(sweep_statistics(), [](const Statistic& s) { return json_text(s.name); }), fmt::join(rows, ","));
+    return fmt::format(
+        R"({{"id":{},"title":{},"kind":"line","axis":{},"unit":{},"spacing":"{}","steps":{},"statistics":{},"rows":[{}]}})",
+        json_text(request.sweep->id), json_text(request.sweep->title), json_text(axis.name), json_text(axis.unit),
+        spacing_name(axis.spacing),
+        list(steps, [](const measure::sweep::SweepStep& s) { return number(s.values.front()); }),
+        list(sweep_statistics(), [](const Statistic& s) { return json_text(s.name); }), fmt::join(rows, ","));
 }
 
 std::string onset_table(const measure::sweep::SweepRequest& request, const std::vector<Onset>& onsets) {
@@ -91,7 +102,10 @@ std::string onset_table(const measure::sweep::SweepRequest& request, const std::
                                         {"first false hit", "false_hit", "count", 0},
                                         {"first false miss", "false_miss", "count", 0}};
     const std::string axis = html(request.sweep->axes.front().name);
-    std::string text = fmt::format("<table><caption>First value of {} at which it happens</caption><thead><tr><th scope=\"col\">form</th><th scope=\"col\">format</th>", axis);
+    std::string text = fmt::format(
+        "<table><caption>First value of {} at which it happens</caption><thead><tr><th scope=\"col\">form</th><th "
+        "scope=\"col\">format</th>",
+        axis);
     for (const Wanted& w : wanted) text += fmt::format("<th scope=\"col\">{}</th>", w.title);
     text += "</tr></thead><tbody>\n";
     for (std::size_t r = 0; r < request.rows.size(); ++r) {
@@ -99,9 +113,12 @@ std::string onset_table(const measure::sweep::SweepRequest& request, const std::
         text += fmt::format("<tr><th scope=\"row\">{}</th><td>{}</td>", html(row.form->info->name), row.format.name);
         for (const Wanted& w : wanted) {
             const double threshold = w.share == 0 ? 1 : w.share == 4 ? 4 : w.share * row.format.shape.precision;
-            const auto found = std::ranges::find_if(onsets, [&](const Onset& o) { return o.row == r && o.event == w.event && o.statistic == w.statistic && o.threshold == threshold; });
+            const auto found = std::ranges::find_if(onsets, [&](const Onset& o) {
+                return o.row == r && o.event == w.event && o.statistic == w.statistic && o.threshold == threshold;
+            });
             const bool is = found != onsets.end() && found->found;
-            text += fmt::format("<td class=\"n\">{}{}</td>", is ? shown(found->first_bad) : "&ndash;", is && found->from_start ? " (from the first)" : "");
+            text += fmt::format("<td class=\"n\">{}{}</td>", is ? shown(found->first_bad) : "&ndash;",
+                                is && found->from_start ? " (from the first)" : "");
         }
         text += "</tr>\n";
     }
@@ -117,13 +134,17 @@ std::string trade_json(const measure::speed::TradeRequest& request, const measur
         std::vector<std::string> points;
         for (std::size_t k = 0; k < all.size(); ++k) {
             const measure::speed::TradeKernel& kernel = request.kernels[k];
-            points.push_back(fmt::format(R"({{"form":{},"name":{},"format":{},"isa":{},"time_ns":{},"kept_bits":{},"wrong_fraction":{},"dominated":{}}})",
-                                         json_text(kernel.form->name), json_text(kernel.measured.form->info->name), json_text(kernel.measured.format.name), json_text(kernel.isa),
-                                         number(all[k].time_ns), number(all[k].kept_bits), number(all[k].wrong_fraction), beaten[k] ? "true" : "false"));
+            points.push_back(fmt::format(
+                R"({{"form":{},"name":{},"format":{},"isa":{},"time_ns":{},"kept_bits":{},"wrong_fraction":{},"dominated":{}}})",
+                json_text(kernel.form->name), json_text(kernel.measured.form->info->name),
+                json_text(kernel.measured.format.name), json_text(kernel.isa), number(all[k].time_ns),
+                number(all[k].kept_bits), number(all[k].wrong_fraction), beaten[k] ? "true" : "false"));
         }
-        parts.push_back(fmt::format(R"({{"name":{},"title":{},"points":[{}]}})", json_text(sets[s].name), json_text(sets[s].title), fmt::join(points, ",")));
+        parts.push_back(fmt::format(R"({{"name":{},"title":{},"points":[{}]}})", json_text(sets[s].name),
+                                    json_text(sets[s].title), fmt::join(points, ",")));
     }
-    return fmt::format(R"({{"shape":{},"sets":[{}]}})", json_text(shape_names[static_cast<std::size_t>(request.shape)]), fmt::join(parts, ","));
+    return fmt::format(R"({{"shape":{},"sets":[{}]}})", json_text(shape_names[static_cast<std::size_t>(request.shape)]),
+                       fmt::join(parts, ","));
 }
 
 }  // namespace lostbits::output::page

@@ -41,12 +41,15 @@ template <class T>
 std::string frame_json(const Scene& scene) {
     const auto f = scene::rays::make_frame<T>(scene);
     if (f.kind == scene::file::Camera::Kind::pixel_plane) {
-        return fmt::format(R"({{"kind":"pixel_plane","origin":{},"left":{},"top":{},"pitch":{},"pitch_down":{}}})", exact_text(f.origin), exact_text(f.left), exact_text(f.top), exact_text(f.pitch),
+        return fmt::format(R"({{"kind":"pixel_plane","origin":{},"left":{},"top":{},"pitch":{},"pitch_down":{}}})",
+                           exact_text(f.origin), exact_text(f.left), exact_text(f.top), exact_text(f.pitch),
                            exact_text(f.pitch_down));
     }
-    return fmt::format(R"({{"kind":"{}","normalise":{},"origin":{},"right":{},"up":{},"forward":{},"pitch":{},"centre_x":{},"centre_y":{}}})",
-                       f.kind == scene::file::Camera::Kind::orthographic ? "orthographic" : "pinhole", f.normalise, exact_text(f.origin), exact_text(f.right), exact_text(f.up), exact_text(f.forward),
-                       exact_text(f.pitch), exact_text(f.centre_x), exact_text(f.centre_y));
+    return fmt::format(
+        R"({{"kind":"{}","normalise":{},"origin":{},"right":{},"up":{},"forward":{},"pitch":{},"centre_x":{},"centre_y":{}}})",
+        f.kind == scene::file::Camera::Kind::orthographic ? "orthographic" : "pinhole", f.normalise,
+        exact_text(f.origin), exact_text(f.right), exact_text(f.up), exact_text(f.forward), exact_text(f.pitch),
+        exact_text(f.centre_x), exact_text(f.centre_y));
 }
 
 template <class S>
@@ -71,10 +74,13 @@ std::string node_json(const TapeNode& n) {
 
 }  // namespace
 
-std::string camera_json(const Scene& scene) { return scene.inputs == scene::file::Inputs::own ? frame_json<Real>(scene) : frame_json<double>(scene); }
+std::string camera_json(const Scene& scene) {
+    return scene.inputs == scene::file::Inputs::own ? frame_json<Real>(scene) : frame_json<double>(scene);
+}
 
 std::string solids_json(const Scene& scene, const std::set<int>& places) {
-    return scene.inputs == scene::file::Inputs::own ? numbers_of(scene.solids(), places) : numbers_of(scene::rays::shared_solids(scene), places);
+    return scene.inputs == scene::file::Inputs::own ? numbers_of(scene.solids(), places)
+                                                    : numbers_of(scene::rays::shared_solids(scene), places);
 }
 
 std::string tape_json(const intersect::table::Intersector& form, const Format& format) {
@@ -84,17 +90,21 @@ std::string tape_json(const intersect::table::Intersector& form, const Format& f
     const intersect::Target<double> target(solid);
     Tape tape;
     form.record(format, {Vec<double>(1, 2, 3), Vec<double>(4, 5, 6)}, target, HUGE_VAL, tape);
-    const measure::blame::TapeText text(tape, intersect::table::input_names(form, target), measure::blame::TapeText::Style::pretty);
+    const measure::blame::TapeText text(tape, intersect::table::input_names(form, target),
+                                        measure::blame::TapeText::Style::pretty);
     std::vector<std::string> formats, nodes, names, expressions, labelled;
-    for (const FloatFormat& f : tape.formats) formats.push_back(fmt::format(R"({{"precision":{},"emin":{},"emax":{}}})", f.precision, f.emin, f.emax));
+    for (const FloatFormat& f : tape.formats)
+        formats.push_back(fmt::format(R"({{"precision":{},"emin":{},"emax":{}}})", f.precision, f.emin, f.emax));
     for (NodeId i = 0; i < tape.size(); ++i) {
         nodes.push_back(node_json(tape[i]));
         names.push_back(json_text(text.name(i)));
         expressions.push_back(json_text(text.expression(i)));
         labelled.push_back(tape[i].label.empty() ? "0" : "1");
     }
-    return fmt::format(R"({{"formats":[{}],"nodes":[{}],"names":[{}],"expressions":[{}],"labelled":[{}],"outputs":[{},{}]}})", fmt::join(formats, ","), fmt::join(nodes, ","), fmt::join(names, ","),
-                       fmt::join(expressions, ","), fmt::join(labelled, ","), tape.outputs.hit, tape.outputs.t);
+    return fmt::format(
+        R"({{"formats":[{}],"nodes":[{}],"names":[{}],"expressions":[{}],"labelled":[{}],"outputs":[{},{}]}})",
+        fmt::join(formats, ","), fmt::join(nodes, ","), fmt::join(names, ","), fmt::join(expressions, ","),
+        fmt::join(labelled, ","), tape.outputs.hit, tape.outputs.t);
 }
 
 }  // namespace lostbits::output::page

@@ -1,4 +1,5 @@
-// What the page needs to run the operations of any of its rays again: the camera, the solids and the tapes of the forms.
+// What the page needs to run the operations of any of its rays again: the camera, the solids and the tapes of the
+// forms.
 #pragma once
 
 #include <set>
@@ -12,11 +13,12 @@ namespace lostbits::output::page {
 /// `scene::CameraFrame` of double, or of Real where the scene's inputs are its own, number by number and exactly.
 [[nodiscard]] std::string camera_json(const scene::file::Scene& scene);
 
-/// `{"0":[…],…}`: the numbers, exactly, of the solids named by their places in the scene. A sphereflake has more than a page should hold.
+/// `{"0":[…],…}`: the numbers, exactly, of the solids named by their places in the scene. A sphereflake has more than a
+/// page should hold.
 [[nodiscard]] std::string solids_json(const scene::file::Scene& scene, const std::set<int>& places);
 
-/// The tape of a form that does not march, which is the same for every ray but for the numbers on it: operations with the places of
-/// their formats and operands, and their names and expressions as `lostbits explain` writes them.
+/// The tape of a form that does not march, which is the same for every ray but for the numbers on it: operations with
+/// the places of their formats and operands, and their names and expressions as `lostbits explain` writes them.
 [[nodiscard]] std::string tape_json(const intersect::table::Intersector& form, const Format& format);
 
 }  // namespace lostbits::output::page

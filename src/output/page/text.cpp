@@ -15,7 +15,8 @@ using measure::answer::Outcome;
 namespace {
 
 double fraction(std::uint64_t part, std::uint64_t whole) {
-    return whole == 0 ? std::numeric_limits<double>::quiet_NaN() : static_cast<double>(part) / static_cast<double>(whole);
+    return whole == 0 ? std::numeric_limits<double>::quiet_NaN()
+                      : static_cast<double>(part) / static_cast<double>(whole);
 }
 
 }  // namespace
@@ -37,7 +38,8 @@ std::string json_text(std::string_view text) {
     for (const char c : file::valid_utf8(text)) {
         if (c == '"' || c == '\\') out += {'\\', c};
         else if (c == '\n') out += "\\n";
-        else if (c == '<' || static_cast<unsigned char>(c) < 0x20) out += fmt::format("\\u{:04x}", static_cast<unsigned>(c));
+        else if (c == '<' || static_cast<unsigned char>(c) < 0x20)
+            out += fmt::format("\\u{:04x}", static_cast<unsigned>(c));
         else out += c;
     }
     return out + '"';
@@ -50,13 +52,22 @@ std::string number(double value) {
 
 std::string shown(double value) {
     if (std::isnan(value)) return "&ndash;";
-    const std::string look = value != 0 && (std::fabs(value) < 1e-3 || std::fabs(value) >= 1e7) ? fmt::format("{:.2e}", value) : fmt::format("{:.4g}", value);
-    return fmt::format("<data value=\"{}\">{}</data>", file::decimal(value), value == std::floor(value) && std::fabs(value) < 1e7 ? file::decimal(value) : look);
+    const std::string look = value != 0 && (std::fabs(value) < 1e-3 || std::fabs(value) >= 1e7)
+                                 ? fmt::format("{:.2e}", value)
+                                 : fmt::format("{:.4g}", value);
+    return fmt::format("<data value=\"{}\">{}</data>", file::decimal(value),
+                       value == std::floor(value) && std::fabs(value) < 1e7 ? file::decimal(value) : look);
 }
 
-std::string row_key(const measure::map::MapRow& row) { return std::string(row.form->info->name) + "." + row.format.name; }
+std::string row_key(const measure::map::MapRow& row) {
+    return std::string(row.form->info->name) + "." + row.format.name;
+}
 
-double false_hit_fraction(const measure::map::MapSummary& s) { return fraction(s.count(Outcome::false_hit), s.rays - s.true_hits - s.count(Outcome::unresolved)); }
-double false_miss_fraction(const measure::map::MapSummary& s) { return fraction(s.count(Outcome::false_miss), s.true_hits); }
+double false_hit_fraction(const measure::map::MapSummary& s) {
+    return fraction(s.count(Outcome::false_hit), s.rays - s.true_hits - s.count(Outcome::unresolved));
+}
+double false_miss_fraction(const measure::map::MapSummary& s) {
+    return fraction(s.count(Outcome::false_miss), s.true_hits);
+}
 
 }  // namespace lostbits::output::page

@@ -18,23 +18,29 @@ namespace {
 
 constexpr Rgb8 of(Outcome o) { return image::outcome_colours[static_cast<std::size_t>(o)]; }
 
-constexpr std::array<Rgb8, measure::picture::seen_names.size()> seen_colours{of(Outcome::agree_hit),   of(Outcome::agree_miss), {160, 82, 45},
-                                                           of(Outcome::false_miss),  of(Outcome::false_hit),  of(Outcome::not_a_number),
-                                                           of(Outcome::unresolved)};
-constexpr std::array<const char*, measure::picture::seen_names.size()> seen_labels{"same sphere", "background", "another sphere", "sphere lost", "sphere where none is", "not a number", "not proved"};
+constexpr std::array<Rgb8, measure::picture::seen_names.size()> seen_colours{
+    of(Outcome::agree_hit), of(Outcome::agree_miss),   {160, 82, 45},          of(Outcome::false_miss),
+    of(Outcome::false_hit), of(Outcome::not_a_number), of(Outcome::unresolved)};
+constexpr std::array<const char*, measure::picture::seen_names.size()> seen_labels{
+    "same sphere", "background", "another sphere", "sphere lost", "sphere where none is", "not a number", "not proved"};
 
 /// A map of shadow decisions has red and pink for these, so pixels that show something else have one colour there.
 constexpr const char* seen_otherwise = "seen otherwise";
 
-constexpr std::array<Rgb8, measure::picture::shadow_names.size()> shadow_colours{of(Outcome::agree_miss), {255, 246, 205}, {105, 110, 122}, of(Outcome::false_hit),
-                                                               {255, 140, 0},           of(Outcome::false_miss), of(Outcome::unresolved)};
-constexpr std::array<const char*, measure::picture::shadow_names.size()> shadow_labels{"not compared",     "both lit",         "both in shadow", "false shadow",
-                                                                     "own shadow (acne)", "false light", "shadow not proved"};
+constexpr std::array<Rgb8, measure::picture::shadow_names.size()> shadow_colours{
+    of(Outcome::agree_miss), {255, 246, 205},         {105, 110, 122},        of(Outcome::false_hit),
+    {255, 140, 0},           of(Outcome::false_miss), of(Outcome::unresolved)};
+constexpr std::array<const char*, measure::picture::shadow_names.size()> shadow_labels{
+    "not compared",      "both lit",    "both in shadow",   "false shadow",
+    "own shadow (acne)", "false light", "shadow not proved"};
 
 constexpr std::array<ErrorMapKind, 3> kinds{{
-    {"difference of colour", "8-bit steps", "colour: largest |channel - true channel| x 255, clamped at both ends of the bar", 0x1p-18, 0x1p8},
-    {"angle of the normal", "radians", "colour: angle between the computed and the true normal, clamped at both ends of the bar", 0x1p-30, 1},
-    {"hit point off the surface", "radii", "colour: ||P - G| - r|/r of the computed point P, clamped at both ends of the bar", 0x1p-30, 1},
+    {"difference of colour", "8-bit steps",
+     "colour: largest |channel - true channel| x 255, clamped at both ends of the bar", 0x1p-18, 0x1p8},
+    {"angle of the normal", "radians",
+     "colour: angle between the computed and the true normal, clamped at both ends of the bar", 0x1p-30, 1},
+    {"hit point off the surface", "radii",
+     "colour: ||P - G| - r|/r of the computed point P, clamped at both ends of the bar", 0x1p-30, 1},
 }};
 
 bool alike(Seen seen) { return seen == Seen::same_sphere || seen == Seen::background; }
@@ -48,7 +54,9 @@ Rgb8 picture_colour(const measure::picture::Painted& p) {
     return {p.byte[0], p.byte[1], p.byte[2]};
 }
 
-Rgb8 picture_colour(const measure::picture::TrueColour& c) { return c.certain ? Rgb8{c.byte[0], c.byte[1], c.byte[2]} : unproved_colour; }
+Rgb8 picture_colour(const measure::picture::TrueColour& c) {
+    return c.certain ? Rgb8{c.byte[0], c.byte[1], c.byte[2]} : unproved_colour;
+}
 
 const ErrorMapKind& error_map_kind(ErrorMap d) { return kinds[static_cast<std::size_t>(d)]; }
 
@@ -65,7 +73,9 @@ Rgb8 error_map_colour(const ColourScale& scale, Seen seen, double value) {
 
 Rgb8 shadow_colour(Seen seen, measure::picture::Shadow shadow) {
     if (alike(seen)) return shadow_colours[static_cast<std::size_t>(shadow)];
-    return seen == Seen::not_a_number || seen == Seen::unresolved ? seen_colours[static_cast<std::size_t>(seen)] : seen_colours[static_cast<std::size_t>(Seen::other_sphere)];
+    return seen == Seen::not_a_number || seen == Seen::unresolved
+               ? seen_colours[static_cast<std::size_t>(seen)]
+               : seen_colours[static_cast<std::size_t>(Seen::other_sphere)];
 }
 
 std::vector<LegendEntry> seen_legend(const measure::picture::RenderSummary& s) {
@@ -78,7 +88,8 @@ std::vector<LegendEntry> seen_legend(const measure::picture::RenderSummary& s) {
 
 std::vector<LegendEntry> widest_seen_legend(std::uint64_t pixels) {
     std::vector<LegendEntry> entries;
-    for (std::size_t k = 1; k < measure::picture::seen_names.size(); ++k) entries.push_back({seen_labels[k], seen_colours[k], widest_count(pixels)});
+    for (std::size_t k = 1; k < measure::picture::seen_names.size(); ++k)
+        entries.push_back({seen_labels[k], seen_colours[k], widest_count(pixels)});
     return entries;
 }
 
@@ -91,19 +102,26 @@ std::vector<LegendEntry> shadow_legend(const measure::picture::RenderSummary& s)
         if (n > 0) entries.push_back({shadow_labels[k], shadow_colours[k], map::count_text(n, s.pixels)});
     }
     const auto seen = [&](const char* label, Seen colour, std::uint64_t n) {
-        if (n > 0) entries.push_back({label, seen_colours[static_cast<std::size_t>(colour)], map::count_text(n, s.pixels)});
+        if (n > 0)
+            entries.push_back({label, seen_colours[static_cast<std::size_t>(colour)], map::count_text(n, s.pixels)});
     };
-    seen(seen_otherwise, Seen::other_sphere, s.count(Seen::other_sphere) + s.count(Seen::lost_sphere) + s.count(Seen::extra_sphere));
-    for (const Seen each : {Seen::not_a_number, Seen::unresolved}) seen(seen_labels[static_cast<std::size_t>(each)], each, s.count(each));
+    seen(seen_otherwise, Seen::other_sphere,
+         s.count(Seen::other_sphere) + s.count(Seen::lost_sphere) + s.count(Seen::extra_sphere));
+    for (const Seen each : {Seen::not_a_number, Seen::unresolved})
+        seen(seen_labels[static_cast<std::size_t>(each)], each, s.count(each));
     return entries;
 }
 
 std::vector<LegendEntry> widest_shadow_legend(std::uint64_t pixels) {
     std::vector<LegendEntry> entries;
-    for (std::size_t k = 0; k < measure::picture::shadow_names.size(); ++k) entries.push_back({shadow_labels[k], shadow_colours[k], widest_count(pixels)});
-    const auto seen = [&](const char* label, Seen colour) { entries.push_back({label, seen_colours[static_cast<std::size_t>(colour)], widest_count(pixels)}); };
+    for (std::size_t k = 0; k < measure::picture::shadow_names.size(); ++k)
+        entries.push_back({shadow_labels[k], shadow_colours[k], widest_count(pixels)});
+    const auto seen = [&](const char* label, Seen colour) {
+        entries.push_back({label, seen_colours[static_cast<std::size_t>(colour)], widest_count(pixels)});
+    };
     seen(seen_otherwise, Seen::other_sphere);
-    for (const Seen each : {Seen::not_a_number, Seen::unresolved}) seen(seen_labels[static_cast<std::size_t>(each)], each);
+    for (const Seen each : {Seen::not_a_number, Seen::unresolved})
+        seen(seen_labels[static_cast<std::size_t>(each)], each);
     return entries;
 }
 

@@ -14,7 +14,8 @@ namespace lostbits::output::picture {
 
 /// In a picture: a channel at NaN, and a colour that is not proved. Neither is a colour of the picture.
 inline constexpr image::Rgb8 nan_colour{255, 0, 255};
-inline constexpr image::Rgb8 unproved_colour = image::outcome_colours[static_cast<std::size_t>(measure::answer::Outcome::unresolved)];
+inline constexpr image::Rgb8 unproved_colour =
+    image::outcome_colours[static_cast<std::size_t>(measure::answer::Outcome::unresolved)];
 
 [[nodiscard]] image::Rgb8 picture_colour(const measure::picture::Painted& pixel);
 [[nodiscard]] image::Rgb8 picture_colour(const measure::picture::TrueColour& colour);

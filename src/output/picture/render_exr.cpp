@@ -8,18 +8,25 @@
 namespace lostbits::output::picture {
 namespace {
 
-image::ExrSpec spec_of(const measure::picture::RenderRequest& request, const measure::map::MapRow& row, const std::string& command) {
+image::ExrSpec spec_of(const measure::picture::RenderRequest& request, const measure::map::MapRow& row,
+                       const std::string& command) {
     using enum image::Channel::Type;
-    image::ExrSpec spec{.width = request.scene->width, .height = request.scene->height, .channels = {{"R", f32}, {"G", f32}, {"B", f32}}, .attributes = {}};
+    image::ExrSpec spec{.width = request.scene->width,
+                        .height = request.scene->height,
+                        .channels = {{"R", f32}, {"G", f32}, {"B", f32}},
+                        .attributes = {}};
     for (const scene::file::Stage stage : request.stages) {
         const std::string name(name_of(stage));
-        for (const char* channel : {".r", ".g", ".b", "_true.r", "_true.g", "_true.b", ".difference"}) spec.channels.push_back({name + channel, f32});
+        for (const char* channel : {".r", ".g", ".b", "_true.r", "_true.g", "_true.b", ".difference"})
+            spec.channels.push_back({name + channel, f32});
     }
     for (const char* name : {"normal.angle", "point.residual"}) spec.channels.push_back({name, f32});
-    for (const char* name : {"class.seen", "class.shadow", "class.object", "class.true_object"}) spec.channels.push_back({name, u32});
+    for (const char* name : {"class.seen", "class.shadow", "class.object", "class.true_object"})
+        spec.channels.push_back({name, u32});
     const auto list = [](const auto& names) {
         std::string text;
-        for (std::size_t k = 0; k < names.size(); ++k) text += (k ? ", " : "") + std::to_string(k) + " " + std::string(names[k]);
+        for (std::size_t k = 0; k < names.size(); ++k)
+            text += (k ? ", " : "") + std::to_string(k) + " " + std::string(names[k]);
         return text;
     };
     spec.attributes = {{"lostbits:command", command},
@@ -38,19 +45,24 @@ std::uint32_t word(double x) { return std::bit_cast<std::uint32_t>(static_cast<f
 
 }  // namespace
 
-RenderExr::RenderExr(image::ImageBackend& backend, const std::filesystem::path& path, const measure::picture::RenderRequest& request, const measure::map::MapRow& row, const std::string& command)
+RenderExr::RenderExr(image::ImageBackend& backend, const std::filesystem::path& path,
+                     const measure::picture::RenderRequest& request, const measure::map::MapRow& row,
+                     const std::string& command)
     : request_(request), writer_(backend.open_exr(path, spec_of(request, row, command))) {}
 
 void RenderExr::write(const measure::picture::RenderBand& band) {
     samples_.clear();
     for (std::size_t i = 0; i < band.seen.size(); ++i) {
         const image::Rgb8 preview = picture_colour(band.painted.back()[i]);
-        for (const std::uint8_t c : {preview.r, preview.g, preview.b}) samples_.push_back(word(image::linear_light(c) / 65535.0));
+        for (const std::uint8_t c : {preview.r, preview.g, preview.b})
+            samples_.push_back(word(image::linear_light(c) / 65535.0));
         for (std::size_t s = 0; s < request_.stages.size(); ++s) {
             const measure::picture::Painted& p = band.painted[s][i];
-            const measure::picture::TrueColour& truth = band.truth[i].colours[static_cast<std::size_t>(request_.stages[s])];
+            const measure::picture::TrueColour& truth =
+                band.truth[i].colours[static_cast<std::size_t>(request_.stages[s])];
             for (int k = 0; k < 3; ++k) samples_.push_back(word(p.colour[k]));
-            for (const measure::picture::Tight& c : truth.channel) samples_.push_back(truth.certain ? word(c.hi) : word(std::numeric_limits<double>::quiet_NaN()));
+            for (const measure::picture::Tight& c : truth.channel)
+                samples_.push_back(truth.certain ? word(c.hi) : word(std::numeric_limits<double>::quiet_NaN()));
             samples_.push_back(word(p.error));
         }
         samples_.push_back(word(band.normal_angle[i]));

@@ -11,13 +11,17 @@
 
 namespace lostbits::output::picture {
 
-/// Channels, all 32 bits: `R`, `G`, `B` (the last stage's picture in linear light); for each stage `<stage>.r`, `.g`, `.b`
-/// (FLOAT, display numbers as the format computed them, not clamped), `<stage>_true.r`, `.g`, `.b` (the certified ones) and
-/// `<stage>.difference` (8-bit steps); `normal.angle`, `point.residual`; `class.seen`, `class.shadow` (UINT, in the order of
-/// the attributes `lostbits:seen` and `lostbits:shadow`), `class.object`, `class.true_object` (from 1, 0 is none).
+/// Channels, all 32 bits: `R`, `G`, `B` (the last stage's picture in linear light); for each stage `<stage>.r`, `.g`,
+/// `.b` (FLOAT, display numbers as the format computed them, not clamped), `<stage>_true.r`, `.g`, `.b` (the certified
+/// ones) and
+/// `<stage>.difference` (8-bit steps); `normal.angle`, `point.residual`; `class.seen`, `class.shadow` (UINT, in the
+/// order of the attributes `lostbits:seen` and `lostbits:shadow`), `class.object`, `class.true_object` (from 1, 0 is
+/// none).
 class RenderExr {
 public:
-    RenderExr(image::ImageBackend& backend, const std::filesystem::path& path, const measure::picture::RenderRequest& request, const measure::map::MapRow& row, const std::string& command);
+    RenderExr(image::ImageBackend& backend, const std::filesystem::path& path,
+              const measure::picture::RenderRequest& request, const measure::map::MapRow& row,
+              const std::string& command);
 
     void write(const measure::picture::RenderBand& band);
     void close() { writer_->close(); }

@@ -24,13 +24,18 @@ using measure::picture::ShadeRule;
 namespace {
 
 std::string stem(const MapRow& row) { return fmt::format("{}.{}", row.form->info->name, row.format.name); }
-std::uint64_t pixels_of(const RenderRequest& r) { return static_cast<std::uint64_t>(r.scene->width) * static_cast<std::uint64_t>(r.scene->height); }
-
-bool any_stage(const RenderRequest& request, bool ShadeRule::* asks) {
-    return std::ranges::any_of(request.stages, [&](scene::file::Stage s) { return measure::picture::shade_rule(request.scene->appearance, s).*asks; });
+std::uint64_t pixels_of(const RenderRequest& r) {
+    return static_cast<std::uint64_t>(r.scene->width) * static_cast<std::uint64_t>(r.scene->height);
 }
 
-image::HeatmapSpec map_spec(const RenderRequest& request, const MapRow& row, const std::string& title, const std::string& note, std::vector<image::LegendEntry> legend) {
+bool any_stage(const RenderRequest& request, bool ShadeRule::*asks) {
+    return std::ranges::any_of(request.stages, [&](scene::file::Stage s) {
+        return measure::picture::shade_rule(request.scene->appearance, s).*asks;
+    });
+}
+
+image::HeatmapSpec map_spec(const RenderRequest& request, const MapRow& row, const std::string& title,
+                            const std::string& note, std::vector<image::LegendEntry> legend) {
     return {.title = fmt::format("{} in {}: {}", row.form->info->name, row.format.name, title),
             .subtitle = {request.scene->title, std::string(row.form->info->title), note},
             .width = request.scene->width,
@@ -51,17 +56,21 @@ struct DifferenceMap {
 }  // namespace
 
 std::vector<file::Column> render_summary_columns() {
-    std::vector<file::Column> columns{{"stage", "string", "", "how far the picture goes: visible, diffuse, shadows, phong"},
-                                {"form", "string", "", "form that finds hits and shadows"},
-                                {"format", "string", "", "format that everything is computed in"}};
-    for (const measure::picture::RenderColumn& c : measure::picture::render_columns()) columns.push_back({std::string(c.name), c.whole ? "integer" : "number", std::string(c.unit), std::string(c.meaning)});
+    std::vector<file::Column> columns{
+        {"stage", "string", "", "how far the picture goes: visible, diffuse, shadows, phong"},
+        {"form", "string", "", "form that finds hits and shadows"},
+        {"format", "string", "", "format that everything is computed in"}};
+    for (const measure::picture::RenderColumn& c : measure::picture::render_columns())
+        columns.push_back(
+            {std::string(c.name), c.whole ? "integer" : "number", std::string(c.unit), std::string(c.meaning)});
     return columns;
 }
 
 /// The files of one form in one format.
 class RenderRowFiles {
 public:
-    RenderRowFiles(const RenderRequest& request, const MapRow& row, const RenderFilesOptions& options, image::ImageBackend& backend)
+    RenderRowFiles(const RenderRequest& request, const MapRow& row, const RenderFilesOptions& options,
+                   image::ImageBackend& backend)
         : request_(request), exr_(backend, options.folder / (stem(row) + ".exr"), request, row, options.command) {
         const auto open = [&](ErrorMap d, std::size_t stage, const std::string& name, const std::string& title) {
             const ErrorMapKind& kind = error_map_kind(d);
@@ -69,19 +78,26 @@ public:
             spec.scale = error_map_scale(d, backend);
             spec.unit = kind.unit;
             const image::ColourScale scale = *spec.scale;
-            maps_.push_back({d, stage, scale, std::make_unique<HeatmapWriter>(backend, options.folder / name, std::move(spec))});
+            maps_.push_back(
+                {d, stage, scale, std::make_unique<HeatmapWriter>(backend, options.folder / name, std::move(spec))});
         };
         for (std::size_t s = 0; s < request.stages.size(); ++s) {
             const std::string stage(name_of(request.stages[s]));
-            pictures_.push_back(backend.open_png(options.folder / fmt::format("{}.{}.png", stage, stem(row)), request.scene->width, request.scene->height));
-            open(ErrorMap::colour, s, fmt::format("{}.{}.colour.png", stage, stem(row)), fmt::format("{}, {}", stage, error_map_kind(ErrorMap::colour).title));
+            pictures_.push_back(backend.open_png(options.folder / fmt::format("{}.{}.png", stage, stem(row)),
+                                                 request.scene->width, request.scene->height));
+            open(ErrorMap::colour, s, fmt::format("{}.{}.colour.png", stage, stem(row)),
+                 fmt::format("{}, {}", stage, error_map_kind(ErrorMap::colour).title));
         }
         open(ErrorMap::residual, 0, stem(row) + ".residual.png", error_map_kind(ErrorMap::residual).title);
-        if (any_stage(request, &ShadeRule::diffuse)) open(ErrorMap::normal, 0, stem(row) + ".normal.png", error_map_kind(ErrorMap::normal).title);
+        if (any_stage(request, &ShadeRule::diffuse))
+            open(ErrorMap::normal, 0, stem(row) + ".normal.png", error_map_kind(ErrorMap::normal).title);
         if (any_stage(request, &ShadeRule::shadows)) {
-            const char* const note = "decisions of shadow where both see the same: on spheres that face the light, and on the background if it is a plane";
-            shadow_ = std::make_unique<HeatmapWriter>(backend, options.folder / (stem(row) + ".shadow.png"),
-                                                      map_spec(request, row, "shadow decisions", note, widest_shadow_legend(pixels_of(request))));
+            const char* const note =
+                "decisions of shadow where both see the same: on spheres that face the light, and on the background if "
+                "it is a plane";
+            shadow_ = std::make_unique<HeatmapWriter>(
+                backend, options.folder / (stem(row) + ".shadow.png"),
+                map_spec(request, row, "shadow decisions", note, widest_shadow_legend(pixels_of(request))));
         }
     }
 
@@ -93,7 +109,8 @@ public:
             pictures_[s]->write_rows(band.rows, field_);
         }
         for (DifferenceMap& map : maps_) {
-            for (std::size_t i = 0; i < n; ++i) field_[i] = error_map_colour(map.scale, band.seen[i], value(map, band, i));
+            for (std::size_t i = 0; i < n; ++i)
+                field_[i] = error_map_colour(map.scale, band.seen[i], value(map, band, i));
             map.heatmap->write_rows(field_);
         }
         if (shadow_) {
@@ -143,9 +160,11 @@ RenderFiles::RenderFiles(const RenderRequest& request, const RenderFilesOptions&
                        RenderSheet(image::image_backend(), options.folder / "contact.png", request)}) {
     const scene::file::Scene& scene = *request.scene;
     for (const scene::file::Stage stage : request.stages) {
-        parts_->references.push_back(image::image_backend().open_png(options.folder / fmt::format("{}.reference.png", name_of(stage)), scene.width, scene.height));
+        parts_->references.push_back(image::image_backend().open_png(
+            options.folder / fmt::format("{}.reference.png", name_of(stage)), scene.width, scene.height));
     }
-    for (const MapRow& row : request.rows) parts_->rows.push_back(std::make_unique<RenderRowFiles>(request, row, options, image::image_backend()));
+    for (const MapRow& row : request.rows)
+        parts_->rows.push_back(std::make_unique<RenderRowFiles>(request, row, options, image::image_backend()));
 }
 
 RenderFiles::~RenderFiles() = default;
@@ -155,7 +174,9 @@ void RenderFiles::reference(int y0, int rows, std::span<const measure::picture::
     std::vector<image::Rgb8> field(truth.size());
     for (std::size_t s = 0; s < p.references.size(); ++s) {
         const auto stage = static_cast<std::size_t>(p.request.stages[s]);
-        std::ranges::transform(truth, field.begin(), [stage](const measure::picture::TruePixel& pixel) { return picture_colour(pixel.colours[stage]); });
+        std::ranges::transform(truth, field.begin(), [stage](const measure::picture::TruePixel& pixel) {
+            return picture_colour(pixel.colours[stage]);
+        });
         p.references[s]->write_rows(rows, field);
     }
     p.sheet.reference(y0, rows, truth);
@@ -175,7 +196,9 @@ void RenderFiles::finish(const std::vector<measure::picture::RenderSummary>& sum
 
     for (std::size_t s = 0; s < stages; ++s) {
         for (std::size_t r = 0; r < p.rows.size(); ++r) {
-            p.table.add(name_of(p.request.stages[s])).add(p.request.rows[r].form->info->name).add(p.request.rows[r].format.name);
+            p.table.add(name_of(p.request.stages[s]))
+                .add(p.request.rows[r].form->info->name)
+                .add(p.request.rows[r].format.name);
             for (const measure::picture::RenderColumn& c : measure::picture::render_columns()) {
                 const double x = c.value(summaries[r * stages + s]);
                 p.table.add(std::isnan(x) ? Cell() : c.whole ? Cell(static_cast<std::uint64_t>(x)) : Cell(x));
@@ -183,7 +206,8 @@ void RenderFiles::finish(const std::vector<measure::picture::RenderSummary>& sum
             p.table.end_row();
         }
     }
-    file::write_datapackage(p.options.folder / "datapackage.json", p.request.scene->title, {{"summary.csv", "One row per stage, form and format", render_summary_columns()}});
+    file::write_datapackage(p.options.folder / "datapackage.json", p.request.scene->title,
+                            {{"summary.csv", "One row per stage, form and format", render_summary_columns()}});
     p.table.close();  // last: a folder with a summary is a finished one
 }
 

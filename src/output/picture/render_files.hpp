@@ -21,9 +21,9 @@ struct RenderFilesOptions {
 
 /// Opens every file at once, before any work, and gives all their final names in `finish`; see `MapFiles`.
 ///
-/// `<stage>.reference.png` and `<stage>.<form>.<format>.png` are the bare pictures, a pixel a pixel; `….colour.png` is the
-/// difference of the two, and `<form>.<format>.residual.png`, `.normal.png`, `.shadow.png` are the differences that all
-/// stages share, the last two where a stage needs them.
+/// `<stage>.reference.png` and `<stage>.<form>.<format>.png` are the bare pictures, a pixel a pixel; `….colour.png` is
+/// the difference of the two, and `<form>.<format>.residual.png`, `.normal.png`, `.shadow.png` are the differences that
+/// all stages share, the last two where a stage needs them.
 class RenderFiles final : public measure::picture::RenderSink {
 public:
     RenderFiles(const measure::picture::RenderRequest& request, const RenderFilesOptions& options);

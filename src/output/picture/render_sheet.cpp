@@ -22,7 +22,8 @@ std::string percent(std::uint64_t part, std::uint64_t whole) {
 /// The note under a thumbnail: what a glance should take away.
 std::string glance(const measure::picture::RenderSummary& s) {
     std::string text = s.changed == 0 ? "every pixel right" : percent(s.changed, s.pixels) + " of pixels wrong";
-    const std::uint64_t wrong = s.pixels - s.count(Seen::same_sphere) - s.count(Seen::background) - s.count(Seen::unresolved);
+    const std::uint64_t wrong =
+        s.pixels - s.count(Seen::same_sphere) - s.count(Seen::background) - s.count(Seen::unresolved);
     if (wrong > 0) text += fmt::format("\n{} seen wrong", percent(wrong, s.pixels));
     if (!s.rule.shadows) return text;
     const auto acne = s.count(false, measure::picture::Shadow::own_shadow);
@@ -33,7 +34,9 @@ std::string glance(const measure::picture::RenderSummary& s) {
 
 }  // namespace
 
-RenderSheet::RenderSheet(image::ImageBackend& backend, const std::filesystem::path& path, const measure::picture::RenderRequest& request) : request_(request) {
+RenderSheet::RenderSheet(image::ImageBackend& backend, const std::filesystem::path& path,
+                         const measure::picture::RenderRequest& request)
+    : request_(request) {
     const auto place = [](std::vector<std::string>& names, const std::string& one) {
         const auto at = static_cast<std::size_t>(std::ranges::find(names, one) - names.begin());
         if (at == names.size()) names.push_back(one);
@@ -45,16 +48,18 @@ RenderSheet::RenderSheet(image::ImageBackend& backend, const std::filesystem::pa
     }
     const scene::file::Scene& scene = *request.scene;
     image::SheetSpec spec{.title = scene.title,
-                   .subtitle = {fmt::format("{}, {} x {} pixels", scene.id, scene.width, scene.height), "the picture of each form in each format, beside the certified one"},
-                   .forms = forms_,
-                   .formats = {},
-                   .field_width = scene.width,
-                   .field_height = scene.height,
-                   .scale = std::nullopt,
-                   .unit = "",
-                   .legend = {{"not a number", nan_colour, ""}, {"colour not proved", unproved_colour, ""}}};
+                          .subtitle = {fmt::format("{}, {} x {} pixels", scene.id, scene.width, scene.height),
+                                       "the picture of each form in each format, beside the certified one"},
+                          .forms = forms_,
+                          .formats = {},
+                          .field_width = scene.width,
+                          .field_height = scene.height,
+                          .scale = std::nullopt,
+                          .unit = "",
+                          .legend = {{"not a number", nan_colour, ""}, {"colour not proved", unproved_colour, ""}}};
     for (const scene::file::Stage stage : request.stages) {
-        for (const std::string& format : formats_) spec.formats.push_back(fmt::format("{}, {}", name_of(stage), format));
+        for (const std::string& format : formats_)
+            spec.formats.push_back(fmt::format("{}, {}", name_of(stage), format));
     }
     sheet_.emplace(backend, path, std::move(spec));
 }
@@ -63,7 +68,9 @@ void RenderSheet::reference(int y0, int, std::span<const measure::picture::TrueP
     std::vector<image::Rgb8> field(truth.size());
     for (std::size_t s = 0; s < request_.stages.size(); ++s) {
         const auto stage = static_cast<std::size_t>(request_.stages[s]);
-        std::ranges::transform(truth, field.begin(), [stage](const measure::picture::TruePixel& p) { return picture_colour(p.colours[stage]); });
+        std::ranges::transform(truth, field.begin(), [stage](const measure::picture::TruePixel& p) {
+            return picture_colour(p.colours[stage]);
+        });
         for (std::size_t f = 0; f < formats_.size(); ++f) sheet_->add_rows(0, line(s, f), y0, field);
     }
 }
@@ -71,7 +78,8 @@ void RenderSheet::reference(int y0, int, std::span<const measure::picture::TrueP
 void RenderSheet::row(std::size_t row, const measure::picture::RenderBand& band) {
     std::vector<image::Rgb8> field(band.seen.size());
     for (std::size_t s = 0; s < request_.stages.size(); ++s) {
-        std::ranges::transform(band.painted[s], field.begin(), [](const measure::picture::Painted& p) { return picture_colour(p); });
+        std::ranges::transform(band.painted[s], field.begin(),
+                               [](const measure::picture::Painted& p) { return picture_colour(p); });
         sheet_->add_rows(column_[row], line(s, format_[row]), band.y0, field);
     }
 }

@@ -14,7 +14,8 @@ namespace lostbits::output::picture {
 class RenderSheet final : public measure::picture::RenderSink {
 public:
     /// Opens `path`. `request` must outlive it.
-    RenderSheet(image::ImageBackend& backend, const std::filesystem::path& path, const measure::picture::RenderRequest& request);
+    RenderSheet(image::ImageBackend& backend, const std::filesystem::path& path,
+                const measure::picture::RenderRequest& request);
 
     void reference(int y0, int rows, std::span<const measure::picture::TruePixel> truth) override;
     void row(std::size_t row, const measure::picture::RenderBand& band) override;
@@ -22,7 +23,9 @@ public:
     void finish(const std::vector<measure::picture::RenderSummary>& summaries);
 
 private:
-    [[nodiscard]] std::size_t line(std::size_t stage, std::size_t format) const { return stage * formats_.size() + format; }
+    [[nodiscard]] std::size_t line(std::size_t stage, std::size_t format) const {
+        return stage * formats_.size() + format;
+    }
 
     const measure::picture::RenderRequest& request_;
     std::vector<std::string> forms_{"certified"}, formats_;

@@ -12,7 +12,8 @@ using image::Point;
 namespace {
 
 constexpr std::array<double, 10> distances{6, 11, 18, 27, 40, 56, 76, 100, 130, 170};  // pixels from the point
-// Right, left, above and below before the corners: twelve places around the point. Cosines and sines, by hand: the same everywhere.
+// Right, left, above and below before the corners: twelve places around the point. Cosines and sines, by hand: the same
+// everywhere.
 constexpr std::array<std::pair<double, double>, 12> directions{{{1, 0},
                                                                 {-1, 0},
                                                                 {0, -1},
@@ -52,10 +53,13 @@ public:
         double least = 0;
         for (const double distance : distances) {
             for (const auto& [x, y] : directions) {
-                const double cx = wish.at.x + x * (distance + wish.width / 2), cy = wish.at.y + y * (distance + wish.height / 2);
+                const double cx = wish.at.x + x * (distance + wish.width / 2),
+                             cy = wish.at.y + y * (distance + wish.height / 2);
                 const Box2 box{cx - wish.width / 2, cy - wish.height / 2, wish.width, wish.height};
                 if (!is_free(box, wish.at)) continue;
-                const double price = distance + price_of_cover * static_cast<double>(std::ranges::count_if(places_.avoided, [&](const Box2& a) { return a.overlaps(box); }));
+                const double price =
+                    distance + price_of_cover * static_cast<double>(std::ranges::count_if(
+                                                    places_.avoided, [&](const Box2& a) { return a.overlaps(box); }));
                 if (best && price >= least) continue;
                 best = box;
                 least = price;
@@ -70,8 +74,12 @@ public:
 
 private:
     bool is_free(const Box2& box, Point at) const {
-        const auto on = [](std::span<const Box2> boxes, const Box2& b) { return std::ranges::any_of(boxes, [&b](const Box2& o) { return o.overlaps(b); }); };
-        if (!places_.room.contains(box) || on(places_.taken, box) || on(labels_, grown(box, between_labels)) || on(leaders_, box)) return false;
+        const auto on = [](std::span<const Box2> boxes, const Box2& b) {
+            return std::ranges::any_of(boxes, [&b](const Box2& o) { return o.overlaps(b); });
+        };
+        if (!places_.room.contains(box) || on(places_.taken, box) || on(labels_, grown(box, between_labels)) ||
+            on(leaders_, box))
+            return false;
         return std::ranges::none_of(leader(at, box), [&](const Box2& piece) { return on(labels_, piece); });
     }
 

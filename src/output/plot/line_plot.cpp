@@ -17,10 +17,10 @@ namespace {
 
 constexpr int gap = 14;
 constexpr int legend_gap = 18;
-constexpr int frame_pad = 9;           // half a marker, or the triangle of an infinite value
-constexpr int least_right = 120;       // room for the label of a mark at the right edge
-constexpr std::size_t few_points = 24; // a line of at most so many shows each of them
-constexpr double marker_pitch = 58;    // pixels between markers on a line of many points
+constexpr int frame_pad = 9;            // half a marker, or the triangle of an infinite value
+constexpr int least_right = 120;        // room for the label of a mark at the right edge
+constexpr std::size_t few_points = 24;  // a line of at most so many shows each of them
+constexpr double marker_pitch = 58;     // pixels between markers on a line of many points
 constexpr double triangle_pitch = 11;
 constexpr double band_opacity = 0.16;
 
@@ -202,8 +202,8 @@ void write_line_plot(image::ImageBackend& backend, const std::filesystem::path& 
     const int nominal = std::max(spec.height - top - image::style::margin - 60, 100);
     const PlotLegend legend(backend, sorted, spec.envelope ? &spec.envelope->label : nullptr, markers, content,
                             nominal);
-    const int right = std::max(legend.width() > 0 ? legend_gap + legend.width() : 0,
-                               spec.marks.empty() ? 0 : least_right);
+    const int right =
+        std::max(legend.width() > 0 ? legend_gap + legend.width() : 0, spec.marks.empty() ? 0 : least_right);
     const PlotAxes axes(backend, spec.x, x, spec.y, y, content - right - 60, nominal);
 
     PlotFrame frame{image::style::margin + axes.left(), 0, 1, 1, frame_pad};

@@ -18,7 +18,13 @@ namespace {
 
 // Okabe and Ito 2008 without the yellow, which a light page swallows, and with a wine red in its place.
 constexpr std::array<image::Rgb8, 8> palette{{
-    {0, 114, 178}, {213, 94, 0}, {0, 158, 115}, {204, 121, 167}, {32, 32, 36}, {230, 159, 0}, {86, 180, 233},
+    {0, 114, 178},
+    {213, 94, 0},
+    {0, 158, 115},
+    {204, 121, 167},
+    {32, 32, 36},
+    {230, 159, 0},
+    {86, 180, 233},
     {136, 34, 85},
 }};
 constexpr int marker_kinds = 6;
@@ -110,9 +116,7 @@ void draw_marker(Stroke& stroke, Point c, int kind) {
             bar({-r, -r}, {r, r});
             bar({-r, r}, {r, -r});
             break;
-        default:
-            bar({0, -r - 1}, {0, r + 1});
-            bar({-r - 1, 0}, {r + 1, 0});
+        default: bar({0, -r - 1}, {0, r + 1}); bar({-r - 1, 0}, {r + 1, 0});
     }
 }
 
@@ -128,15 +132,15 @@ PlotLegend::PlotLegend(ImageBackend& backend, std::span<const PlotLine> lines, c
         int size, columns, per_cent;  // of the width, for all columns
     };
     for (const auto& [size, columns, per_cent] :
-         {Try{image::style::text_size, 1, 26}, Try{12, 1, 26}, Try{image::style::small_size, 1, 26}, Try{image::style::small_size, 2, 40},
-          Try{10, 2, 40}}) {
+         {Try{image::style::text_size, 1, 26}, Try{12, 1, 26}, Try{image::style::small_size, 1, 26},
+          Try{image::style::small_size, 2, 40}, Try{10, 2, 40}}) {
         const int room = (width * per_cent / 100 - (columns - 1) * column_gap) / columns;
         if (arrange(backend, lines, envelope, size, columns, room, height)) return;
     }
 }
 
-bool PlotLegend::arrange(ImageBackend& backend, std::span<const PlotLine> lines, const std::string* envelope,
-                         int size, int columns, int room, int height) {
+bool PlotLegend::arrange(ImageBackend& backend, std::span<const PlotLine> lines, const std::string* envelope, int size,
+                         int columns, int room, int height) {
     entries_.clear();
     size_ = size;
     const int text_room = std::max(room - sample_width - sample_gap, 40);

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "output/plot/line_plot.hpp"
 #include "output/image/stroke.hpp"
+#include "output/plot/line_plot.hpp"
 
 namespace lostbits::output::plot {
 

@@ -17,7 +17,9 @@ constexpr int cell_width = 26, cell_height = 22, group_gap = 14, label_gap = 8, 
 
 /// Luminance decides the ink: 0.18 linear is where black and white on a colour have the same contrast.
 Rgb8 ink_on(Rgb8 c) {
-    const double light = (0.2126 * image::linear_light(c.r) + 0.7152 * image::linear_light(c.g) + 0.0722 * image::linear_light(c.b)) / 65535;
+    const double light =
+        (0.2126 * image::linear_light(c.r) + 0.7152 * image::linear_light(c.g) + 0.0722 * image::linear_light(c.b)) /
+        65535;
     return light > 0.18 ? image::style::ink : Rgb8{255, 255, 255};
 }
 
@@ -42,14 +44,16 @@ void draw_cell(Canvas& page, image::ImageBackend& backend, int x, int y, const M
     page.fill(x, y, cell_width - 1, cell_height - 1, cell.colour);
     if (cell.text.empty()) return;
     const TextBitmap text = image::fit_text(backend, cell.text, image::style::small_size, false, cell_width - 3);
-    page.text(x + (cell_width - 1 - text.width) / 2, y + (cell_height - 1 - text.height) / 2, text, ink_on(cell.colour));
+    page.text(x + (cell_width - 1 - text.width) / 2, y + (cell_height - 1 - text.height) / 2, text,
+              ink_on(cell.colour));
 }
 
 }  // namespace
 
 void write_matrix_plot(image::ImageBackend& backend, const std::filesystem::path& path, const MatrixPlotSpec& spec) {
     const std::size_t columns = column_count(spec);
-    if (columns == 0 || spec.rows.empty() || spec.cells.size() != columns * spec.rows.size()) throw std::invalid_argument(path.string() + ": not one cell a row and column");
+    if (columns == 0 || spec.rows.empty() || spec.cells.size() != columns * spec.rows.size())
+        throw std::invalid_argument(path.string() + ": not one cell a row and column");
     std::vector<TextBitmap> row_labels, column_labels, group_labels;
     int left = 0, head_room = 0;
     for (const auto& r : spec.rows) {
@@ -65,7 +69,8 @@ void write_matrix_plot(image::ImageBackend& backend, const std::filesystem::path
     }
     const auto places = column_places(spec);
     const int field_width = places.back() + cell_width, field_height = static_cast<int>(spec.rows.size()) * cell_height;
-    const Canvas bar = spec.scale ? image::colour_bar(backend, *spec.scale, spec.unit, std::max(field_height, 160)) : Canvas(0, 0);
+    const Canvas bar =
+        spec.scale ? image::colour_bar(backend, *spec.scale, spec.unit, std::max(field_height, 160)) : Canvas(0, 0);
     const int content = left + label_gap + field_width + (bar.width() > 0 ? block_gap + bar.width() : 0);
     const Canvas head = image::heading(backend, spec.title, spec.subtitle, content);
     const image::Legend legend(backend, spec.legend, content);
@@ -81,13 +86,16 @@ void write_matrix_plot(image::ImageBackend& backend, const std::filesystem::path
         page.text(x0 + places[c], group_y, group_labels[g], image::style::ink);
         for (std::size_t k = 0; k < spec.groups[g].columns.size(); ++k, ++c) {
             const TextBitmap& label = column_labels[c];
-            page.text(x0 + places[c] + (cell_width - 1 - label.width) / 2, y0 - label_gap / 2 - label.height, label, image::style::ink);
+            page.text(x0 + places[c] + (cell_width - 1 - label.width) / 2, y0 - label_gap / 2 - label.height, label,
+                      image::style::ink);
         }
     }
     for (std::size_t r = 0; r < spec.rows.size(); ++r) {
         const int y = y0 + static_cast<int>(r) * cell_height;
-        page.text(x0 - label_gap - row_labels[r].width, y + (cell_height - row_labels[r].height) / 2, row_labels[r], image::style::ink);
-        for (std::size_t k = 0; k < columns; ++k) draw_cell(page, backend, x0 + places[k], y, spec.cells[r * columns + k]);
+        page.text(x0 - label_gap - row_labels[r].width, y + (cell_height - row_labels[r].height) / 2, row_labels[r],
+                  image::style::ink);
+        for (std::size_t k = 0; k < columns; ++k)
+            draw_cell(page, backend, x0 + places[k], y, spec.cells[r * columns + k]);
     }
     page.picture(x0 + field_width + block_gap, y0, bar);
     page.picture(image::style::margin, below, legend.draw(spec.legend));

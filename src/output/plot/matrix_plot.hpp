@@ -18,15 +18,15 @@ struct MatrixPlotSpec {
     std::string title;
     std::vector<std::string> subtitle;
     struct Group {
-        std::string label;                ///< above its columns, `f32`
+        std::string label;                 ///< above its columns, `f32`
         std::vector<std::string> columns;  ///< written upwards below it
     };
-    std::vector<Group> groups;        ///< side by side
+    std::vector<Group> groups;  ///< side by side
     std::vector<std::string> rows;
-    std::vector<MatrixCell> cells;    ///< row by row, over all groups
+    std::vector<MatrixCell> cells;  ///< row by row, over all groups
     std::vector<image::LegendEntry> legend;
     std::optional<image::ColourScale> scale = {};  ///< drawn as a bar to the right
-    std::string unit = {};                  ///< above the bar
+    std::string unit = {};                         ///< above the bar
 };
 
 /// Writes the picture as a PNG; the same spec gives the same bytes. Throws EnvironmentError for an unwritable file, and

@@ -40,7 +40,8 @@ std::vector<std::string> labels_of(const std::vector<double>& values) {
     for (const double value : values) {
         char text[40];
         const auto end = std::to_chars(text, text + sizeof text, value + 0.0, std::chars_format::general,
-                                       static_cast<int>(std::clamp(digits, 6.0, 16.0))).ptr;
+                                       static_cast<int>(std::clamp(digits, 6.0, 16.0)))
+                             .ptr;
         out.emplace_back(text, end);
     }
     return out;

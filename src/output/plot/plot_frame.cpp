@@ -135,7 +135,8 @@ void PlotAxes::draw(image::Canvas& canvas, const PlotFrame& frame) const {
         canvas.text(frame.x - 1 - tick_length - label_gap - tick.label.width, y - tick.label.baseline + digit_rise_,
                     tick.label, image::style::ink);
     }
-    canvas.text(frame.x + (frame.width - x_title_.width) / 2, label_y + highest + title_gap, x_title_, image::style::ink);
+    canvas.text(frame.x + (frame.width - x_title_.width) / 2, label_y + highest + title_gap, x_title_,
+                image::style::ink);
     canvas.text(frame.x - left_, frame.y + (frame.height - y_title_.height) / 2, y_title_, image::style::ink);
 }
 

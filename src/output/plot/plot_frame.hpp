@@ -10,7 +10,8 @@
 namespace lostbits::output::plot {
 
 /// One line of text in which `2^-10` has a raised exponent. Its height grows by what rises above the letters.
-[[nodiscard]] image::TextBitmap power_text(image::ImageBackend& backend, std::string_view text, int size, bool bold = false);
+[[nodiscard]] image::TextBitmap power_text(image::ImageBackend& backend, std::string_view text, int size,
+                                           bool bold = false);
 
 /// A quarter turn against the clock: to be read from the right.
 [[nodiscard]] image::TextBitmap turned(const image::TextBitmap& text);
@@ -29,8 +30,8 @@ struct PlotFrame {
 class PlotAxes {
 public:
     /// For a frame of about `width` by `height` pixels.
-    PlotAxes(image::ImageBackend& backend, const Axis& x, const AxisRange& x_range, const Axis& y, const AxisRange& y_range,
-             int width, int height);
+    PlotAxes(image::ImageBackend& backend, const Axis& x, const AxisRange& x_range, const Axis& y,
+             const AxisRange& y_range, int width, int height);
 
     /// Pixels that ticks, labels and title take outside the frame.
     [[nodiscard]] int left() const noexcept { return left_; }

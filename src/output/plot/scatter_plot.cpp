@@ -80,19 +80,27 @@ private:
     int height_ = 0;
 };
 
-bool has_place(const ScatterPoint& p, const AxisRange& x, const AxisRange& y) { return !std::isnan(p.x) && !std::isnan(p.y) && x.has_place(p.x) && y.has_place(p.y); }
+bool has_place(const ScatterPoint& p, const AxisRange& x, const AxisRange& y) {
+    return !std::isnan(p.x) && !std::isnan(p.y) && x.has_place(p.x) && y.has_place(p.y);
+}
 
 /// Draws what is inside the frame.
 class Scatter {
 public:
     Scatter(const ScatterPlotSpec& spec, const AxisRange& x, const AxisRange& y, const PlotFrame& frame, Canvas& canvas)
-        : spec_(spec), x_(x), y_(y), frame_(frame), canvas_(canvas), stroke_(frame.x, frame.y, frame.width, frame.height) {}
+        : spec_(spec),
+          x_(x),
+          y_(y),
+          frame_(frame),
+          canvas_(canvas),
+          stroke_(frame.x, frame.y, frame.width, frame.height) {}
 
     void front() {
         for (const bool firm : {true, false}) {
             for (std::size_t i = 0; i + 1 < spec_.front.size(); ++i) {
                 if (spec_.front[i].firm != firm) continue;
-                const Point a = place(spec_.front[i].x, spec_.front[i].y), b = place(spec_.front[i + 1].x, spec_.front[i + 1].y);
+                const Point a = place(spec_.front[i].x, spec_.front[i].y),
+                            b = place(spec_.front[i + 1].x, spec_.front[i + 1].y);
                 const std::array<Point, 3> step{a, {b.x, a.y}, b};
                 stroke_.polyline(step, front_thickness, firm ? std::span<const double>() : dashes);
             }
@@ -123,11 +131,13 @@ public:
             (p.faint ? avoided : taken).push_back(around(place(p.x, p.y), marker_half));
             if (p.faint || p.label.empty()) continue;
             texts.push_back(backend.render_text(p.label, image::style::text_size));
-            wishes.push_back({place(p.x, p.y), static_cast<double>(texts.back().width), static_cast<double>(texts.back().height)});
+            wishes.push_back(
+                {place(p.x, p.y), static_cast<double>(texts.back().width), static_cast<double>(texts.back().height)});
             colours.push_back(colour_of(p.colour, false));
         }
         for (std::size_t i = 0; i + 1 < spec_.front.size(); ++i) {
-            const Point a = place(spec_.front[i].x, spec_.front[i].y), b = place(spec_.front[i + 1].x, spec_.front[i + 1].y);
+            const Point a = place(spec_.front[i].x, spec_.front[i].y),
+                        b = place(spec_.front[i + 1].x, spec_.front[i + 1].y);
             avoided.push_back(around(a, {b.x, a.y}));
             avoided.push_back(around({b.x, a.y}, b));
         }
@@ -137,7 +147,9 @@ public:
     }
 
 private:
-    [[nodiscard]] Point place(double x, double y) const { return {frame_.across(x_.position(x)), frame_.up(y_.position(y))}; }
+    [[nodiscard]] Point place(double x, double y) const {
+        return {frame_.across(x_.position(x)), frame_.up(y_.position(y))};
+    }
 
     void draw_label(Point at, const std::optional<Box2>& box, const TextBitmap& text, Rgb8 colour) {
         if (!box) return;
@@ -166,7 +178,9 @@ AxisRange range_of(const ScatterPlotSpec& spec, const Axis& axis, bool is_x) {
     return {axis, values};
 }
 
-std::string note(int count, const char* one, const char* many) { return count == 0 ? std::string() : std::to_string(count) + (count == 1 ? one : many); }
+std::string note(int count, const char* one, const char* many) {
+    return count == 0 ? std::string() : std::to_string(count) + (count == 1 ? one : many);
+}
 
 }  // namespace
 
@@ -176,8 +190,10 @@ void write_scatter_plot(ImageBackend& backend, const std::filesystem::path& path
     const Canvas head = image::heading(backend, spec.title, spec.subtitle, content);
     const Keys keys(backend, spec.keys, content);
     const PlotAxes axes(backend, spec.x, x, spec.y, y, content - 60, spec.height - 200);
-    const auto lacking = static_cast<int>(std::ranges::count_if(spec.points, [&](const ScatterPoint& p) { return !has_place(p, x, y); }));
-    const std::string absent = note(lacking, " point has no value and is not drawn.", " points have no value and are not drawn.");
+    const auto lacking = static_cast<int>(
+        std::ranges::count_if(spec.points, [&](const ScatterPoint& p) { return !has_place(p, x, y); }));
+    const std::string absent =
+        note(lacking, " point has no value and is not drawn.", " points have no value and are not drawn.");
     const std::vector<std::string> lines = absent.empty() ? std::vector<std::string>{} : std::vector{absent};
     const Canvas notes = image::heading(backend, {}, lines, content);
 

@@ -29,14 +29,14 @@ struct ScatterPlotSpec {
         double x, y;
         bool firm = true;  ///< the way to the next step is drawn solid; otherwise dashed
     };
-    std::vector<Step> front;           ///< x does not fall; each step leads right, then up or down
+    std::vector<Step> front;  ///< x does not fall; each step leads right, then up or down
     struct Key {
         std::string label;
         int marker;
         std::size_t colour;
         bool faint = false, hollow = false;
     };
-    std::vector<Key> keys;             ///< the legend below the frame
+    std::vector<Key> keys;  ///< the legend below the frame
     int width = 1100, height = 760;
 };
 

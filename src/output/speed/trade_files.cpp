@@ -19,28 +19,34 @@ using measure::speed::TradeResult;
 
 namespace {
 
-const std::vector<Column> kernel_columns{{"form", "string", "", "form under test; with +contract or +fastmath, compiled with those flags"},
-                                         {"format", "string", "", "format it computes in"},
-                                         {"isa", "string", "", "bits of the registers that hold rays side by side; scalar: one ray at a time"}};
+const std::vector<Column> kernel_columns{
+    {"form", "string", "", "form under test; with +contract or +fastmath, compiled with those flags"},
+    {"format", "string", "", "format it computes in"},
+    {"isa", "string", "", "bits of the registers that hold rays side by side; scalar: one ray at a time"}};
 
 std::vector<Column> time_columns() {
     std::vector<Column> columns = kernel_columns;
-    columns.insert(columns.end(), {{"working_set", "string", "", "where rays and answers lie: l1, l2 (half of the cache), memory (walked round and round)"},
-                                   {"working_set_bytes", "integer", "B", "of rays and answers"},
-                                   {"working_set_rays", "integer", "", "rays that these bytes hold"},
-                                   {"hit_rate", "number", "1", "share of the rays that hit; in l1 a processor may learn the few hundred rays by heart, which flatters kernels that branch"},
-                                   {"time_ns", "number", "ns", "a ray; median of the repetitions"},
-                                   {"time_ns_q1", "number", "ns", "a ray; first quartile"},
-                                   {"time_ns_q3", "number", "ns", "a ray; third quartile"},
-                                   {"spread", "number", "1", "(third - first quartile)/median"},
-                                   {"rays_per_second", "number", "1/s", "1/time"},
-                                   {"repetitions", "integer", "", "measurements, one a round over all kernels"}});
+    columns.insert(columns.end(),
+                   {{"working_set", "string", "",
+                     "where rays and answers lie: l1, l2 (half of the cache), memory (walked round and round)"},
+                    {"working_set_bytes", "integer", "B", "of rays and answers"},
+                    {"working_set_rays", "integer", "", "rays that these bytes hold"},
+                    {"hit_rate", "number", "1",
+                     "share of the rays that hit; in l1 a processor may learn the few hundred rays by heart, which "
+                     "flatters kernels that branch"},
+                    {"time_ns", "number", "ns", "a ray; median of the repetitions"},
+                    {"time_ns_q1", "number", "ns", "a ray; first quartile"},
+                    {"time_ns_q3", "number", "ns", "a ray; third quartile"},
+                    {"spread", "number", "1", "(third - first quartile)/median"},
+                    {"rays_per_second", "number", "1/s", "1/time"},
+                    {"repetitions", "integer", "", "measurements, one a round over all kernels"}});
     for (const auto name : operation_names) {
-        columns.push_back({fmt::format("ops_{}", name), "integer", "", fmt::format("{} of one evaluation of the form on a hit, as it is written, constants folded",
-                                                                                  name == "add"      ? "additions and subtractions"
-                                                                                  : name == "choose" ? "selects, minima and maxima"
-                                                                                  : name == "sign"   ? "changes of sign, absolute values and copied signs"
-                                                                                                     : std::string(name) + " operations")});
+        columns.push_back({fmt::format("ops_{}", name), "integer", "",
+                           fmt::format("{} of one evaluation of the form on a hit, as it is written, constants folded",
+                                       name == "add"      ? "additions and subtractions"
+                                       : name == "choose" ? "selects, minima and maxima"
+                                       : name == "sign"   ? "changes of sign, absolute values and copied signs"
+                                                          : std::string(name) + " operations")});
     }
     return columns;
 }
@@ -48,30 +54,39 @@ std::vector<Column> time_columns() {
 std::vector<Column> standing_columns() {
     std::vector<Column> columns{{"ray_set", "string", "", "rays that accuracy is measured on"}};
     columns.insert(columns.end(), kernel_columns.begin(), kernel_columns.end());
-    columns.insert(columns.end(), {{"time_ns", "number", "ns", "a ray of the easy set, working set l1, hit rate 0.5: median"},
-                                   {"rays", "integer", "", "rays of the set"},
-                                   {"lost_bits_p50", "number", "bits", "median over the hits that form and truth agree on"},
-                                   {"lost_bits_p99", "number", "bits", "99th percentile over the same"},
-                                   {"excess_bits_p99", "number", "bits", "99th percentile of what is lost beyond what the problem itself costs"},
-                                   {"kept_bits_p99", "number", "bits", "significand bits of the format less lost_bits_p99"},
-                                   {"false_hit_fraction", "number", "1", "false hits among the rays that truly miss"},
-                                   {"false_miss_fraction", "number", "1", "false misses among the rays that truly hit"},
-                                   {"wrong_fraction", "number", "1", "false hits, false misses and NaNs among all rays whose truth is known"},
-                                   {"dominated", "boolean", "",
-                                    "another entry of the set is at least as fast and at least as accurate, and better in one; more accurate is what has the smaller wrong_fraction, and among "
-                                    "equals the greater kept_bits_p99"}});
+    columns.insert(
+        columns.end(),
+        {{"time_ns", "number", "ns", "a ray of the easy set, working set l1, hit rate 0.5: median"},
+         {"rays", "integer", "", "rays of the set"},
+         {"lost_bits_p50", "number", "bits", "median over the hits that form and truth agree on"},
+         {"lost_bits_p99", "number", "bits", "99th percentile over the same"},
+         {"excess_bits_p99", "number", "bits", "99th percentile of what is lost beyond what the problem itself costs"},
+         {"kept_bits_p99", "number", "bits", "significand bits of the format less lost_bits_p99"},
+         {"false_hit_fraction", "number", "1", "false hits among the rays that truly miss"},
+         {"false_miss_fraction", "number", "1", "false misses among the rays that truly hit"},
+         {"wrong_fraction", "number", "1", "false hits, false misses and NaNs among all rays whose truth is known"},
+         {"dominated", "boolean", "",
+          "another entry of the set is at least as fast and at least as accurate, and better in one; more accurate is "
+          "what has the smaller wrong_fraction, and among "
+          "equals the greater kept_bits_p99"}});
     return columns;
 }
 
 Cell number_or_missing(double x) { return std::isnan(x) ? Cell() : Cell(x); }
 
-Cell fraction(std::uint64_t part, std::uint64_t whole) { return whole == 0 ? Cell() : Cell(static_cast<double>(part) / static_cast<double>(whole)); }
-
-const measure::metric::Distribution& metric_of(const TradeRequest& request, const measure::map::MapSummary& s, const char* name) {
-    return s.metrics[static_cast<std::size_t>(std::ranges::find(request.metrics, measure::metric::find_metric(name)) - request.metrics.begin())];
+Cell fraction(std::uint64_t part, std::uint64_t whole) {
+    return whole == 0 ? Cell() : Cell(static_cast<double>(part) / static_cast<double>(whole));
 }
 
-void add_kernel(file::CsvWriter& csv, const measure::speed::TradeKernel& kernel) { csv.add(kernel.measured.form->info->name).add(kernel.measured.format.name).add(kernel.isa); }
+const measure::metric::Distribution& metric_of(const TradeRequest& request, const measure::map::MapSummary& s,
+                                               const char* name) {
+    return s.metrics[static_cast<std::size_t>(std::ranges::find(request.metrics, measure::metric::find_metric(name)) -
+                                              request.metrics.begin())];
+}
+
+void add_kernel(file::CsvWriter& csv, const measure::speed::TradeKernel& kernel) {
+    csv.add(kernel.measured.form->info->name).add(kernel.measured.format.name).add(kernel.isa);
+}
 
 std::string in_words(const measure::speed::TradeKernel& kernel) {
     const std::string width = kernel.isa == "scalar" ? "one ray at a time" : fmt::format("at {} bits", kernel.isa);
@@ -80,32 +95,42 @@ std::string in_words(const measure::speed::TradeKernel& kernel) {
 
 }  // namespace
 
-std::vector<measure::speed::ParetoPoint> pareto_points_of(const TradeRequest& request, const TradeResult& result, std::size_t set) {
+std::vector<measure::speed::ParetoPoint> pareto_points_of(const TradeRequest& request, const TradeResult& result,
+                                                          std::size_t set) {
     std::vector<measure::speed::ParetoPoint> all;
     const std::size_t load = measure::speed::standing_load(request.loads);
     for (std::size_t k = 0; k < request.kernels.size(); ++k) {
-        all.push_back(measure::speed::pareto_point(result.times[k][load].timing, request.kernels[k].measured, result.accuracy(set, k), request.metrics));
+        all.push_back(measure::speed::pareto_point(result.times[k][load].timing, request.kernels[k].measured,
+                                                   result.accuracy(set, k), request.metrics));
     }
     return all;
 }
 
 std::string trade_in_words(const TradeRequest& request, const TradeResult& result) {
-    std::string text = "Time a ray of the easy set, working set l1, every other ray a hit; measured in this run, so it varies.\n";
+    std::string text =
+        "Time a ray of the easy set, working set l1, every other ray a hit; measured in this run, so it varies.\n";
     const auto sets = measure::speed::ray_sets(request.shape);
     for (std::size_t s = 0; s < sets.size(); ++s) {
         const auto all = pareto_points_of(request, result, s);
         text += fmt::format("\n{}: {}\n", sets[s].name, sets[s].title);
         for (const int bits : measure::speed::asked_bits) {
             const auto best = measure::speed::cheapest(all, bits);
-            const std::string answer = best ? fmt::format("is {}: {:.2f} ns", in_words(request.kernels[*best]), all[*best].time_ns) : "does not exist: none keeps them";
-            text += fmt::format("  the cheapest form that keeps at least {:>2} bits (p99) on this set with no wrong decision {}\n", bits, answer);
+            const std::string answer =
+                best ? fmt::format("is {}: {:.2f} ns", in_words(request.kernels[*best]), all[*best].time_ns)
+                     : "does not exist: none keeps them";
+            text += fmt::format(
+                "  the cheapest form that keeps at least {:>2} bits (p99) on this set with no wrong decision {}\n",
+                bits, answer);
         }
     }
     return text;
 }
 
 TradeFiles::TradeFiles(const TradeRequest& request, const std::filesystem::path& folder)
-    : request_(request), folder_(folder), times_(folder / "trade.csv", time_columns()), standings_(folder / "pareto.csv", standing_columns()) {}
+    : request_(request),
+      folder_(folder),
+      times_(folder / "trade.csv", time_columns()),
+      standings_(folder / "pareto.csv", standing_columns()) {}
 
 void TradeFiles::write_times(const TradeResult& result) {
     for (std::size_t k = 0; k < request_.kernels.size(); ++k) {
@@ -114,7 +139,9 @@ void TradeFiles::write_times(const TradeResult& result) {
             add_kernel(times_, request_.kernels[k]);
             times_.add(request_.loads[l].working_set).add(bytes).add(rays).add(request_.loads[l].hit_rate);
             times_.add(timing.median * 1e9).add(timing.low_quartile * 1e9).add(timing.high_quartile * 1e9);
-            times_.add((timing.high_quartile - timing.low_quartile) / timing.median).add(1 / timing.median).add(request_.plan.repetitions);
+            times_.add((timing.high_quartile - timing.low_quartile) / timing.median)
+                .add(1 / timing.median)
+                .add(request_.plan.repetitions);
             for (const std::uint64_t count : result.operations[k].of) times_.add(count);
             times_.end_row();
         }
@@ -131,10 +158,16 @@ void TradeFiles::write_standings(const TradeResult& result) {
             const measure::metric::Distribution& lost = metric_of(request_, a, "lost_bits");
             standings_.add(sets[s].name);
             add_kernel(standings_, request_.kernels[k]);
-            standings_.add(all[k].time_ns).add(a.rays).add(number_or_missing(lost.quantile(0.5))).add(number_or_missing(lost.quantile(0.99)));
-            standings_.add(number_or_missing(metric_of(request_, a, "excess_bits").quantile(0.99))).add(number_or_missing(all[k].kept_bits));
+            standings_.add(all[k].time_ns)
+                .add(a.rays)
+                .add(number_or_missing(lost.quantile(0.5)))
+                .add(number_or_missing(lost.quantile(0.99)));
+            standings_.add(number_or_missing(metric_of(request_, a, "excess_bits").quantile(0.99)))
+                .add(number_or_missing(all[k].kept_bits));
             standings_.add(fraction(a.count(Outcome::false_hit), a.rays - a.true_hits - a.count(Outcome::unresolved)));
-            standings_.add(fraction(a.count(Outcome::false_miss), a.true_hits)).add(all[k].wrong_fraction).add(static_cast<bool>(beaten[k]));
+            standings_.add(fraction(a.count(Outcome::false_miss), a.true_hits))
+                .add(all[k].wrong_fraction)
+                .add(static_cast<bool>(beaten[k]));
             standings_.end_row();
         }
         write_trade_plot(folder_ / fmt::format("{}.png", sets[s].name), request_, result, s);
@@ -147,9 +180,13 @@ void TradeFiles::finish(const TradeResult& result) {
     file::AtomicFile words(folder_ / "trade.txt");
     words.write(trade_in_words(request_, result));
     words.commit();
-    file::write_datapackage(folder_ / "datapackage.json", fmt::format("Speed against accuracy of the {} forms", shape_names[static_cast<std::size_t>(request_.shape)]),
-                      {{"trade.csv", "One row per form, format, register width, working set and hit rate; times vary from run to run", time_columns()},
-                       {"pareto.csv", "One row per set of rays, form, format and register width; times vary from run to run", standing_columns()}});
+    file::write_datapackage(
+        folder_ / "datapackage.json",
+        fmt::format("Speed against accuracy of the {} forms", shape_names[static_cast<std::size_t>(request_.shape)]),
+        {{"trade.csv", "One row per form, format, register width, working set and hit rate; times vary from run to run",
+          time_columns()},
+         {"pareto.csv", "One row per set of rays, form, format and register width; times vary from run to run",
+          standing_columns()}});
     times_.close();
     standings_.close();
 }

@@ -1,6 +1,6 @@
-// The files of a trade: trade.csv (time), pareto.csv (time against accuracy), a scatter plot a set of rays, trade.txt (the answer
-// in words) and datapackage.json. Times are measured: of all files of the laboratory these alone differ from run to run; their
-// columns of accuracy and of operations do not.
+// The files of a trade: trade.csv (time), pareto.csv (time against accuracy), a scatter plot a set of rays, trade.txt
+// (the answer in words) and datapackage.json. Times are measured: of all files of the laboratory these alone differ
+// from run to run; their columns of accuracy and of operations do not.
 #pragma once
 
 #include <filesystem>
@@ -28,7 +28,8 @@ private:
 };
 
 /// What every kernel is worth on a set of rays, by its time on the standing load.
-std::vector<measure::speed::ParetoPoint> pareto_points_of(const measure::speed::TradeRequest& request, const measure::speed::TradeResult& result, std::size_t set);
+std::vector<measure::speed::ParetoPoint> pareto_points_of(const measure::speed::TradeRequest& request,
+                                                          const measure::speed::TradeResult& result, std::size_t set);
 
 /// For each set of rays and number of bits: the cheapest that keeps them, or that none does.
 std::string trade_in_words(const measure::speed::TradeRequest& request, const measure::speed::TradeResult& result);

@@ -21,10 +21,16 @@ struct Look {
     int marker;
     const char* label;
 };
-constexpr Look looks[] = {{"scalar", "", 0, "one ray at a time"},      {"128", "", 1, "128-bit registers"},       {"256", "", 2, "256-bit"}, {"512", "", 3, "512-bit"},
-                          {"256", "contract", 4, "256-bit, contracted"}, {"256", "fastmath", 5, "256-bit, fast math"}};
+constexpr Look looks[] = {{"scalar", "", 0, "one ray at a time"},
+                          {"128", "", 1, "128-bit registers"},
+                          {"256", "", 2, "256-bit"},
+                          {"512", "", 3, "512-bit"},
+                          {"256", "contract", 4, "256-bit, contracted"},
+                          {"256", "fastmath", 5, "256-bit, fast math"}};
 
-bool looks_so(const TradeKernel& kernel, const Look& look) { return kernel.isa == look.isa && kernel.variant == look.variant; }
+bool looks_so(const TradeKernel& kernel, const Look& look) {
+    return kernel.isa == look.isa && kernel.variant == look.variant;
+}
 
 int marker_of(const TradeKernel& kernel) {
     const auto found = std::ranges::find_if(looks, [&kernel](const Look& look) { return looks_so(kernel, look); });
@@ -40,10 +46,12 @@ std::vector<ScatterPlotSpec::Key> keys_of(const TradeRequest& request) {
     std::vector<ScatterPlotSpec::Key> keys;
     for (const auto& [engine, name] : {std::pair{Format::Engine::native32, "f32"}, {Format::Engine::native64, "f64"}}) {
         const auto in = [engine = engine](const TradeKernel& k) { return k.measured.format.engine == engine; };
-        if (std::ranges::any_of(request.kernels, in)) keys.push_back({name, 0, colour_of(std::ranges::find_if(request.kernels, in)->measured.format)});
+        if (std::ranges::any_of(request.kernels, in))
+            keys.push_back({name, 0, colour_of(std::ranges::find_if(request.kernels, in)->measured.format)});
     }
     for (const Look& look : looks) {
-        if (std::ranges::any_of(request.kernels, [&look](const TradeKernel& k) { return looks_so(k, look); })) keys.push_back({look.label, look.marker, 0, true});
+        if (std::ranges::any_of(request.kernels, [&look](const TradeKernel& k) { return looks_so(k, look); }))
+            keys.push_back({look.label, look.marker, 0, true});
     }
     keys.push_back({"decides some rays wrongly", 0, 0, false, true});
     keys.push_back({"dominated", 0, 0, true});
@@ -60,18 +68,22 @@ ScatterPlotSpec trade_plot(const TradeRequest& request, const measure::speed::Tr
     const auto& [timing, bytes, count] = result.times.front()[load];
     ScatterPlotSpec spec;
     spec.title = fmt::format("Time against kept bits: {}", rays.title);
-    spec.subtitle = {fmt::format("Accuracy: {} rays of the set {}. Time: {:.0f} KiB of rays and answers in the first cache, every other ray a hit; median of {} interleaved repetitions, bars from "
+    spec.subtitle = {fmt::format("Accuracy: {} rays of the set {}. Time: {:.0f} KiB of rays and answers in the first "
+                                 "cache, every other ray a hit; median of {} interleaved repetitions, bars from "
                                  "quartile to quartile.",
-                                 result.accuracy(set, 0).rays, rays.name, static_cast<double>(bytes) / 1024, request.plan.repetitions),
-                     "Named: what no other beats. Fewer wrong decisions count before more bits, so the line may step down to a form that is never wrong."};
+                                 result.accuracy(set, 0).rays, rays.name, static_cast<double>(bytes) / 1024,
+                                 request.plan.repetitions),
+                     "Named: what no other beats. Fewer wrong decisions count before more bits, so the line may step "
+                     "down to a form that is never wrong."};
     spec.x = {"time a ray, ns", plot::Axis::Scale::log2, {}, {}};
     spec.y = {"bits that 99 % of the hits keep", plot::Axis::Scale::linear, 0.0, {}};
     std::vector<std::size_t> front;
     for (std::size_t k = 0; k < all.size(); ++k) {
         const TradeKernel& kernel = request.kernels[k];
         const measure::speed::Timing& t = result.times[k][load].timing;
-        spec.points.push_back({all[k].time_ns, all[k].kept_bits, t.low_quartile * 1e9, t.high_quartile * 1e9, marker_of(kernel), colour_of(kernel.measured.format), beaten[k],
-                               !all[k].never_wrong(), beaten[k] ? std::string() : short_name(*kernel.measured.form->info)});
+        spec.points.push_back({all[k].time_ns, all[k].kept_bits, t.low_quartile * 1e9, t.high_quartile * 1e9,
+                               marker_of(kernel), colour_of(kernel.measured.format), beaten[k], !all[k].never_wrong(),
+                               beaten[k] ? std::string() : short_name(*kernel.measured.form->info)});
         if (!beaten[k] && !std::isnan(all[k].kept_bits)) front.push_back(k);
     }
     std::ranges::stable_sort(front, {}, [&all](std::size_t k) { return all[k].time_ns; });
@@ -80,7 +92,8 @@ ScatterPlotSpec trade_plot(const TradeRequest& request, const measure::speed::Tr
     return spec;
 }
 
-void write_trade_plot(const std::filesystem::path& path, const TradeRequest& request, const measure::speed::TradeResult& result, std::size_t set) {
+void write_trade_plot(const std::filesystem::path& path, const TradeRequest& request,
+                      const measure::speed::TradeResult& result, std::size_t set) {
     plot::write_scatter_plot(image::image_backend(), path, trade_plot(request, result, set));
 }
 

@@ -8,9 +8,11 @@
 
 namespace lostbits::output::speed {
 
-/// What is drawn: markers by register width, colours by format; grey what is dominated, hollow what decides any ray wrongly.
-/// The stepped line joins what is not dominated; it is dashed between those that are sometimes wrong.
-plot::ScatterPlotSpec trade_plot(const measure::speed::TradeRequest& request, const measure::speed::TradeResult& result, std::size_t set);
-void write_trade_plot(const std::filesystem::path& path, const measure::speed::TradeRequest& request, const measure::speed::TradeResult& result, std::size_t set);
+/// What is drawn: markers by register width, colours by format; grey what is dominated, hollow what decides any ray
+/// wrongly. The stepped line joins what is not dominated; it is dashed between those that are sometimes wrong.
+plot::ScatterPlotSpec trade_plot(const measure::speed::TradeRequest& request, const measure::speed::TradeResult& result,
+                                 std::size_t set);
+void write_trade_plot(const std::filesystem::path& path, const measure::speed::TradeRequest& request,
+                      const measure::speed::TradeResult& result, std::size_t set);
 
 }  // namespace lostbits::output::speed

@@ -6,10 +6,10 @@
 #include <cmath>
 
 #include "output/file/datapackage.hpp"
+#include "output/file/number_text.hpp"
 #include "output/map/map_colour.hpp"
 #include "output/map/map_tables.hpp"
 #include "output/plot/matrix_plot.hpp"
-#include "output/file/number_text.hpp"
 
 namespace lostbits::output::sweep {
 
@@ -22,11 +22,14 @@ using measure::sweep::Verdict;
 namespace {
 
 std::vector<Column> case_columns(const CaseRequest& request) {
-    std::vector<Column> columns{{"case", "string", "", "what is extreme about it"},
-                                {"convention", "string", "", "by whose word touching is judged: the form's own, the closed solid's, the open one's"},
-                                {"verdict", "string", "",
-                                 fmt::format("right (every decision, and no answer more than {} bits beyond the envelope), wrong_value, or the most frequent wrong decision",
-                                             file::decimal(request.file->right_within_bits))}};
+    std::vector<Column> columns{
+        {"case", "string", "", "what is extreme about it"},
+        {"convention", "string", "",
+         "by whose word touching is judged: the form's own, the closed solid's, the open one's"},
+        {"verdict", "string", "",
+         fmt::format("right (every decision, and no answer more than {} bits beyond the envelope), wrong_value, or the "
+                     "most frequent wrong decision",
+                     file::decimal(request.file->right_within_bits))}};
     for (Column& c : map::SummaryTable{request.metrics, {request.file->shape()}}.columns()) {
         if (c.name == "rays") c.meaning = "rays of the case";
         if (c.name == "worst_x") c.meaning = "ray with the largest |ulp_error| in its group, from 0";
@@ -40,7 +43,8 @@ plot::MatrixCell cell_of(const MapSummary& s, Verdict verdict, std::size_t lost,
     const auto wrong = [&](Outcome o) {
         const std::uint64_t n = s.count(o);
         // A part of the rays is told by its number, all of them by the colour alone.
-        return plot::MatrixCell{image::outcome_colours[static_cast<std::size_t>(o)], n < s.rays ? std::to_string(n) : std::string()};
+        return plot::MatrixCell{image::outcome_colours[static_cast<std::size_t>(o)],
+                                n < s.rays ? std::to_string(n) : std::string()};
     };
     switch (verdict) {
         case Verdict::right: return {case_right_colour, {}};
@@ -58,24 +62,32 @@ plot::MatrixCell cell_of(const MapSummary& s, Verdict verdict, std::size_t lost,
 
 }  // namespace
 
-void write_case_matrix(const std::filesystem::path& path, const CaseRequest& request, const std::vector<std::vector<MapSummary>>& cases, std::optional<intersect::Touching> judged) {
+void write_case_matrix(const std::filesystem::path& path, const CaseRequest& request,
+                       const std::vector<std::vector<MapSummary>>& cases, std::optional<intersect::Touching> judged) {
     image::ImageBackend& backend = image::image_backend();
-    const auto lost = static_cast<std::size_t>(std::ranges::find(request.metrics, measure::metric::find_metric("lost_bits")) - request.metrics.begin());
-    const image::ColourScale scale = map::metric_scale(*measure::metric::find_metric("lost_bits"), request.rows, backend);
-    plot::MatrixPlotSpec spec{.title = judged ? fmt::format("{}: judged as {} solids", request.file->title, intersect::convention_name(judged)) : request.file->title,
-                        .subtitle = {fmt::format("Right: every decision, and no answer more than {} bits beyond what half an ulp in each input would cost. A number in a coloured cell: "
-                                                 "how many of the rays; on the ramp: bits lost by the worst.",
-                                                 file::decimal(request.file->right_within_bits))},
-                        .groups = {},
-                        .rows = {},
-                        .cells = {},
-                        .legend = {{"right", case_right_colour, {}}},
-                        .scale = scale,
-                        .unit = "lost bits"};
+    const auto lost = static_cast<std::size_t>(
+        std::ranges::find(request.metrics, measure::metric::find_metric("lost_bits")) - request.metrics.begin());
+    const image::ColourScale scale =
+        map::metric_scale(*measure::metric::find_metric("lost_bits"), request.rows, backend);
+    plot::MatrixPlotSpec spec{
+        .title = judged
+                     ? fmt::format("{}: judged as {} solids", request.file->title, intersect::convention_name(judged))
+                     : request.file->title,
+        .subtitle = {fmt::format("Right: every decision, and no answer more than {} bits beyond what half an ulp in "
+                                 "each input would cost. A number in a coloured cell: "
+                                 "how many of the rays; on the ramp: bits lost by the worst.",
+                                 file::decimal(request.file->right_within_bits))},
+        .groups = {},
+        .rows = {},
+        .cells = {},
+        .legend = {{"right", case_right_colour, {}}},
+        .scale = scale,
+        .unit = "lost bits"};
     std::vector<std::size_t> order;  // rows of the request, by format
     for (const measure::map::MapRow& row : request.rows) {
         const std::string& format = row.format.name;
-        if (std::ranges::find(spec.groups, format, &plot::MatrixPlotSpec::Group::label) == spec.groups.end()) spec.groups.push_back({format, {}});
+        if (std::ranges::find(spec.groups, format, &plot::MatrixPlotSpec::Group::label) == spec.groups.end())
+            spec.groups.push_back({format, {}});
     }
     for (auto& group : spec.groups) {
         for (std::size_t r = 0; r < request.rows.size(); ++r) {
@@ -86,18 +98,24 @@ void write_case_matrix(const std::filesystem::path& path, const CaseRequest& req
         }
     }
     for (const Outcome o : {Outcome::false_hit, Outcome::false_miss, Outcome::not_a_number, Outcome::unresolved}) {
-        const bool seen = std::ranges::any_of(cases, [&](const auto& rows) { return std::ranges::any_of(order, [&](std::size_t r) { return rows[r].count(o) > 0; }); });
+        const bool seen = std::ranges::any_of(cases, [&](const auto& rows) {
+            return std::ranges::any_of(order, [&](std::size_t r) { return rows[r].count(o) > 0; });
+        });
         if (seen) spec.legend.push_back({map::plain_name(o), image::outcome_colours[static_cast<std::size_t>(o)], {}});
     }
     for (std::size_t i = 0; i < cases.size(); ++i) {
         spec.rows.push_back(request.file->name(i));
         for (const std::size_t r : order) {
             const MapSummary& s = cases[i][r];
-            spec.cells.push_back(cell_of(s, measure::sweep::verdict_of(s, request.metrics, request.file->right_within_bits), lost, scale));
+            spec.cells.push_back(cell_of(
+                s, measure::sweep::verdict_of(s, request.metrics, request.file->right_within_bits), lost, scale));
         }
     }
     const auto on_ramp = [&](const auto& rows) {
-        return std::ranges::any_of(order, [&](std::size_t r) { return measure::sweep::verdict_of(rows[r], request.metrics, request.file->right_within_bits) == Verdict::wrong_value; });
+        return std::ranges::any_of(order, [&](std::size_t r) {
+            return measure::sweep::verdict_of(rows[r], request.metrics, request.file->right_within_bits) ==
+                   Verdict::wrong_value;
+        });
     };
     if (std::ranges::none_of(cases, on_ramp)) spec.scale.reset();
     plot::write_matrix_plot(backend, path, spec);
@@ -110,16 +128,22 @@ void CaseFiles::finish(const std::vector<std::vector<MapSummary>>& cases) {
     const map::SummaryTable table{request_.metrics, {request_.file->shape()}};
     for (std::size_t i = 0; i < cases.size(); ++i) {
         for (std::size_t r = 0; r < request_.rows.size(); ++r) {
-            const Verdict verdict = measure::sweep::verdict_of(cases[i][r], request_.metrics, request_.file->right_within_bits);
-            csv_.add(request_.file->name(i)).add(intersect::convention_name(request_.rows[r].judged)).add(measure::sweep::verdict_names[static_cast<std::size_t>(verdict)]);
+            const Verdict verdict =
+                measure::sweep::verdict_of(cases[i][r], request_.metrics, request_.file->right_within_bits);
+            csv_.add(request_.file->name(i))
+                .add(intersect::convention_name(request_.rows[r].judged))
+                .add(measure::sweep::verdict_names[static_cast<std::size_t>(verdict)]);
             table.add(csv_, request_.rows[r], cases[i][r]);
             csv_.end_row();
         }
     }
     for (const auto& judged : request_.file->conventions) {
-        write_case_matrix(folder_ / (judged ? fmt::format("matrix.{}.png", intersect::convention_name(judged)) : "matrix.png"), request_, cases, judged);
+        write_case_matrix(
+            folder_ / (judged ? fmt::format("matrix.{}.png", intersect::convention_name(judged)) : "matrix.png"),
+            request_, cases, judged);
     }
-    file::write_datapackage(folder_ / "datapackage.json", request_.file->title, {{"cases.csv", "One row per case, form and format", case_columns(request_)}});
+    file::write_datapackage(folder_ / "datapackage.json", request_.file->title,
+                            {{"cases.csv", "One row per case, form and format", case_columns(request_)}});
     csv_.close();
 }
 

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "measure/sweep/cases.hpp"
-#include "output/image/colour.hpp"
 #include "output/file/csv.hpp"
+#include "output/image/colour.hpp"
 
 namespace lostbits::output::sweep {
 
@@ -27,7 +27,8 @@ private:
 };
 
 /// The matrix of forms (columns, by format) and cases (rows) alone, of the rows judged by one convention.
-void write_case_matrix(const std::filesystem::path& path, const measure::sweep::CaseRequest& request, const std::vector<std::vector<measure::map::MapSummary>>& cases,
+void write_case_matrix(const std::filesystem::path& path, const measure::sweep::CaseRequest& request,
+                       const std::vector<std::vector<measure::map::MapSummary>>& cases,
                        std::optional<intersect::Touching> judged = {});
 
 }  // namespace lostbits::output::sweep

@@ -1,8 +1,8 @@
 #include "output/sweep/sweep_files.hpp"
 
 #include "output/file/datapackage.hpp"
-#include "output/map/map_tables.hpp"
 #include "output/file/number_text.hpp"
+#include "output/map/map_tables.hpp"
 
 namespace lostbits::output::sweep {
 
@@ -41,7 +41,8 @@ std::vector<Column> onset_columns(const SweepRequest& request) {
             {"statistic", "string", "", "p50, p99 or max over the rays of a step; count of an outcome"},
             {"threshold", "number", "bits", "of the statistic; 1 for a count"},
             {"found", "boolean", "", "whether it happens within the sweep"},
-            {"last_good_" + axis.name, "number", axis.unit, "last value before it, in the order of the steps; missing where the first step is bad already"},
+            {"last_good_" + axis.name, "number", axis.unit,
+             "last value before it, in the order of the steps; missing where the first step is bad already"},
             {"first_bad_" + axis.name, "number", axis.unit, "first value at which it happens, narrowed by bisection"},
             {"last_good_hex", "string", axis.unit, "the same, exactly"},
             {"first_bad_hex", "string", axis.unit, "the same, exactly"},
@@ -54,7 +55,8 @@ SweepFiles::SweepFiles(const SweepRequest& request, const std::filesystem::path&
     : request_(request), folder_(folder), samples_(folder / "samples.csv", sample_columns(request)) {
     // An onset is a place on one axis.
     if (request.sweep->axes.size() == 1) onsets_.emplace(folder / "onsets.csv", onset_columns(request));
-    if (map::CulpritTable::is_wanted(request.metrics)) culprits_.emplace(folder / "culprits.csv", axis_columns(request), request.metrics);
+    if (map::CulpritTable::is_wanted(request.metrics))
+        culprits_.emplace(folder / "culprits.csv", axis_columns(request), request.metrics);
 }
 
 void SweepFiles::finish(const std::vector<measure::sweep::SweepStep>& steps, const std::vector<Onset>& onsets) {
@@ -70,12 +72,15 @@ void SweepFiles::finish(const std::vector<measure::sweep::SweepStep>& steps, con
             if (culprits_) culprits_->add(request_.rows[r], step.rows[r], put_axes);
         }
     }
-    std::vector<file::DataResource> resources{{"samples.csv", "One row per form, format and step", sample_columns(request_)}};
+    std::vector<file::DataResource> resources{
+        {"samples.csv", "One row per form, format and step", sample_columns(request_)}};
     if (onsets_) {
         write_onsets(onsets);
         resources.push_back({"onsets.csv", "One row per form, format, event and threshold", onset_columns(request_)});
     }
-    if (culprits_) resources.push_back({"culprits.csv", "One row per form, format, step and operation that is a culprit", map::CulpritTable::columns(axis_columns(request_))});
+    if (culprits_)
+        resources.push_back({"culprits.csv", "One row per form, format, step and operation that is a culprit",
+                             map::CulpritTable::columns(axis_columns(request_))});
     file::write_datapackage(folder_ / "datapackage.json", request_.sweep->title, resources);
     if (onsets_) onsets_->close();
     if (culprits_) culprits_->close();
@@ -86,7 +91,12 @@ void SweepFiles::write_onsets(const std::vector<Onset>& onsets) {
     for (const Onset& o : onsets) {
         const measure::map::MapRow& row = request_.rows[o.row];
         const bool good = o.found && !o.from_start;
-        onsets_->add(row.form->info->name).add(row.format.name).add(o.event).add(o.statistic).add(o.threshold).add(o.found);
+        onsets_->add(row.form->info->name)
+            .add(row.format.name)
+            .add(o.event)
+            .add(o.statistic)
+            .add(o.threshold)
+            .add(o.found);
         onsets_->add(good ? Cell(o.last_good) : Cell()).add(o.found ? Cell(o.first_bad) : Cell());
         onsets_->add(good ? Cell(file::hex(o.last_good)) : Cell()).add(o.found ? Cell(file::hex(o.first_bad)) : Cell());
         onsets_->add(o.found ? Cell(o.value_at_first_bad) : Cell());

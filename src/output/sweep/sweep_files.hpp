@@ -1,4 +1,5 @@
-// The files of a sweep: samples.csv, onsets.csv (of a sweep with one axis), culprits.csv (where asked for) and datapackage.json.
+// The files of a sweep: samples.csv, onsets.csv (of a sweep with one axis), culprits.csv (where asked for) and
+// datapackage.json.
 #pragma once
 
 #include <filesystem>

@@ -6,8 +6,8 @@
 #include <bit>
 #include <cmath>
 
-#include "output/map/map_colour.hpp"
 #include "output/file/number_text.hpp"
+#include "output/map/map_colour.hpp"
 #include "output/plot/plane_plot.hpp"
 
 namespace lostbits::output::sweep {
@@ -22,7 +22,8 @@ using measure::sweep::SweepStep;
 namespace {
 
 std::size_t index_of(const SweepRequest& request, const char* metric) {
-    return static_cast<std::size_t>(std::ranges::find(request.metrics, measure::metric::find_metric(metric)) - request.metrics.begin());
+    return static_cast<std::size_t>(std::ranges::find(request.metrics, measure::metric::find_metric(metric)) -
+                                    request.metrics.begin());
 }
 
 std::string joined(const std::vector<double>& values) {
@@ -38,9 +39,15 @@ struct Layer {
 
 std::vector<Layer> layers_of(const SweepRequest& request) {
     const auto quantile = [&](const char* metric, double q) {
-        return [i = index_of(request, metric), q](const MapSummary& s) { return static_cast<float>(s.metrics[i].quantile(q)); };
+        return [i = index_of(request, metric), q](const MapSummary& s) {
+            return static_cast<float>(s.metrics[i].quantile(q));
+        };
     };
-    const auto share = [](Outcome o) { return [o](const MapSummary& s) { return static_cast<float>(static_cast<double>(s.count(o)) / static_cast<double>(s.rays)); }; };
+    const auto share = [](Outcome o) {
+        return [o](const MapSummary& s) {
+            return static_cast<float>(static_cast<double>(s.count(o)) / static_cast<double>(s.rays));
+        };
+    };
     return {{"bits.lost_p50", quantile("lost_bits", 0.5)},
             {"bits.lost_p99", quantile("lost_bits", 0.99)},
             {"bits.lost_max", quantile("lost_bits", 1)},
@@ -51,7 +58,8 @@ std::vector<Layer> layers_of(const SweepRequest& request) {
             {"class.not_a_number", share(Outcome::not_a_number)}};
 }
 
-void write_exr(ImageBackend& backend, const std::filesystem::path& path, const SweepRequest& request, const Plane& plane, std::size_t r) {
+void write_exr(ImageBackend& backend, const std::filesystem::path& path, const SweepRequest& request,
+               const Plane& plane, std::size_t r) {
     const MapRow& row = request.rows[r];
     image::ExrSpec spec;
     spec.width = static_cast<int>(plane.x.size());
@@ -59,10 +67,14 @@ void write_exr(ImageBackend& backend, const std::filesystem::path& path, const S
     const auto layers = layers_of(request);
     for (const Layer& layer : layers) spec.channels.push_back({layer.name, image::Channel::Type::f32});
     const auto& axes = request.sweep->axes;
-    spec.attributes = {{"lostbits:schema", "lostbits-plane/1"},     {"lostbits:sweep", request.sweep->id},
-                       {"lostbits:form", std::string(row.form->info->name)}, {"lostbits:format", row.format.name},
-                       {"lostbits:x", axes[0].name},                 {"lostbits:x_values", joined(plane.x)},
-                       {"lostbits:y", axes[1].name},                 {"lostbits:y_values", joined({plane.y.rbegin(), plane.y.rend()})}};
+    spec.attributes = {{"lostbits:schema", "lostbits-plane/1"},
+                       {"lostbits:sweep", request.sweep->id},
+                       {"lostbits:form", std::string(row.form->info->name)},
+                       {"lostbits:format", row.format.name},
+                       {"lostbits:x", axes[0].name},
+                       {"lostbits:x_values", joined(plane.x)},
+                       {"lostbits:y", axes[1].name},
+                       {"lostbits:y_values", joined({plane.y.rbegin(), plane.y.rend()})}};
     std::vector<float> samples;
     for (std::size_t line = plane.y.size(); line-- > 0;) {
         for (std::size_t column = 0; column < plane.x.size(); ++column) {
@@ -77,7 +89,11 @@ void write_exr(ImageBackend& backend, const std::filesystem::path& path, const S
 }  // namespace
 
 Plane::Plane(const SweepRequest& request, const std::vector<SweepStep>& steps)
-    : x(request.sweep->axes[0].values), y(request.sweep->axes[1].values), steps_(steps), x_falls_(x.front() > x.back()), y_falls_(y.front() > y.back()) {
+    : x(request.sweep->axes[0].values),
+      y(request.sweep->axes[1].values),
+      steps_(steps),
+      x_falls_(x.front() > x.back()),
+      y_falls_(y.front() > y.back()) {
     if (x_falls_) std::ranges::reverse(x);
     if (y_falls_) std::ranges::reverse(y);
 }
@@ -87,21 +103,23 @@ const MapSummary& Plane::at(std::size_t row, std::size_t column, std::size_t lin
     return steps_[i * y.size() + j].rows[row];
 }
 
-void write_plane_picture(ImageBackend& backend, const std::filesystem::path& path, const SweepRequest& request, const std::vector<SweepStep>& steps, std::size_t row) {
+void write_plane_picture(ImageBackend& backend, const std::filesystem::path& path, const SweepRequest& request,
+                         const std::vector<SweepStep>& steps, std::size_t row) {
     const auto& axes = request.sweep->axes;
     const MapRow& what = request.rows[row];
     const std::size_t lost = index_of(request, "lost_bits"), excess = index_of(request, "excess_bits");
     const Plane plane(request, steps);
-    plot::PlanePlotSpec spec{.title = fmt::format("{} in {}: lost bits, p99", what.form->info->name, what.format.name),
-                       .subtitle = {request.sweep->title},
-                       .x_axis = plot_axis(axes[0]),
-                       .y_axis = plot_axis(axes[1]),
-                       .x = plane.x,
-                       .y = plane.y,
-                       .cells = {},
-                       .scale = map::metric_scale(*measure::metric::find_metric("lost_bits"), request.rows, backend),
-                       .unit = "lost bits",
-                       .legend = {}};
+    plot::PlanePlotSpec spec{
+        .title = fmt::format("{} in {}: lost bits, p99", what.form->info->name, what.format.name),
+        .subtitle = {request.sweep->title},
+        .x_axis = plot_axis(axes[0]),
+        .y_axis = plot_axis(axes[1]),
+        .x = plane.x,
+        .y = plane.y,
+        .cells = {},
+        .scale = map::metric_scale(*measure::metric::find_metric("lost_bits"), request.rows, backend),
+        .unit = "lost bits",
+        .legend = {}};
     MapSummary drawn;
     bool any_inside = false;
     for (std::size_t line = 0; line < plane.y.size(); ++line) {
@@ -116,8 +134,8 @@ void write_plane_picture(ImageBackend& backend, const std::filesystem::path& pat
                     any_inside = true;
                 }
             } else {
-                const Outcome worst =
-                    std::max({Outcome::false_hit, Outcome::false_miss, Outcome::not_a_number}, [&](Outcome a, Outcome b) { return s.count(a) < s.count(b); });
+                const Outcome worst = std::max({Outcome::false_hit, Outcome::false_miss, Outcome::not_a_number},
+                                               [&](Outcome a, Outcome b) { return s.count(a) < s.count(b); });
                 cell.colour = image::outcome_colours[static_cast<std::size_t>(worst)];
                 ++drawn.outcomes[static_cast<std::size_t>(worst)];
             }
@@ -125,11 +143,13 @@ void write_plane_picture(ImageBackend& backend, const std::filesystem::path& pat
         }
     }
     spec.legend = map::outcome_legend(drawn);
-    if (any_inside) spec.legend.push_back({"paler: inside the envelope", map::paler(spec.scale->map(spec.scale->hi() / 2)), {}});
+    if (any_inside)
+        spec.legend.push_back({"paler: inside the envelope", map::paler(spec.scale->map(spec.scale->hi() / 2)), {}});
     plot::write_plane_plot(backend, path, spec);
 }
 
-void write_plane(ImageBackend& backend, const std::filesystem::path& folder, const SweepRequest& request, const std::vector<SweepStep>& steps, std::size_t row) {
+void write_plane(ImageBackend& backend, const std::filesystem::path& folder, const SweepRequest& request,
+                 const std::vector<SweepStep>& steps, std::size_t row) {
     const MapRow& what = request.rows[row];
     const std::string stem = fmt::format("{}.{}", what.form->info->name, what.format.name);
     write_plane_picture(backend, folder / (stem + ".png"), request, steps, row);

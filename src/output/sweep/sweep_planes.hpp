@@ -28,12 +28,16 @@ private:
     bool x_falls_, y_falls_;
 };
 
-/// `<form>.<format>.png`: the 99th percentile of lost bits, the colour of the most frequent wrong outcome where most rays
-/// have one, paler where the envelope explains the loss. `<form>.<format>.exr`: columns are the first axis's values in
-/// rising order, rows the second's from the top, the highest first; the values stand in the attributes.
-void write_plane(image::ImageBackend& backend, const std::filesystem::path& folder, const measure::sweep::SweepRequest& request, const std::vector<measure::sweep::SweepStep>& steps, std::size_t row);
+/// `<form>.<format>.png`: the 99th percentile of lost bits, the colour of the most frequent wrong outcome where most
+/// rays have one, paler where the envelope explains the loss. `<form>.<format>.exr`: columns are the first axis's
+/// values in rising order, rows the second's from the top, the highest first; the values stand in the attributes.
+void write_plane(image::ImageBackend& backend, const std::filesystem::path& folder,
+                 const measure::sweep::SweepRequest& request, const std::vector<measure::sweep::SweepStep>& steps,
+                 std::size_t row);
 
 /// The picture alone.
-void write_plane_picture(image::ImageBackend& backend, const std::filesystem::path& path, const measure::sweep::SweepRequest& request, const std::vector<measure::sweep::SweepStep>& steps, std::size_t row);
+void write_plane_picture(image::ImageBackend& backend, const std::filesystem::path& path,
+                         const measure::sweep::SweepRequest& request,
+                         const std::vector<measure::sweep::SweepStep>& steps, std::size_t row);
 
 }  // namespace lostbits::output::sweep

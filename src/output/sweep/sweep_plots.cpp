@@ -10,8 +10,8 @@
 
 #include "measure/blame/culprits.hpp"
 #include "output/map/culprit_table.hpp"
-#include "output/plot/line_plot.hpp"
 #include "output/map/map_colour.hpp"
+#include "output/plot/line_plot.hpp"
 #include "output/sweep/sweep_planes.hpp"
 
 namespace lostbits::output::sweep {
@@ -28,7 +28,10 @@ using plot::Series;
 
 plot::Axis plot_axis(const scene::sweep::Axis& axis) {
     using S = plot::Axis::Scale;
-    return {axis.unit.empty() ? axis.name : fmt::format("{} [{}]", axis.name, axis.unit), axis.spacing == scene::sweep::Axis::Spacing::log2 ? S::log2 : S::linear, {}, {}};
+    return {axis.unit.empty() ? axis.name : fmt::format("{} [{}]", axis.name, axis.unit),
+            axis.spacing == scene::sweep::Axis::Spacing::log2 ? S::log2 : S::linear,
+            {},
+            {}};
 }
 
 double wrong_share(const MapSummary& s) {
@@ -41,13 +44,17 @@ namespace {
 using scene::sweep::Axis;
 
 std::size_t index_of(const SweepRequest& request, const char* metric) {
-    return static_cast<std::size_t>(std::ranges::find(request.metrics, measure::metric::find_metric(metric)) - request.metrics.begin());
+    return static_cast<std::size_t>(std::ranges::find(request.metrics, measure::metric::find_metric(metric)) -
+                                    request.metrics.begin());
 }
 
-std::string short_name(const MapRow& row) { return std::string(row.form->info->name.substr(row.form->info->name.find('.') + 1)); }
+std::string short_name(const MapRow& row) {
+    return std::string(row.form->info->name.substr(row.form->info->name.find('.') + 1));
+}
 
 /// One value of a row along the sweep, in rising order of the parameter.
-Series series_of(const std::vector<SweepStep>& steps, std::size_t row, const std::string& label, const std::function<double(const MapSummary&)>& value) {
+Series series_of(const std::vector<SweepStep>& steps, std::size_t row, const std::string& label,
+                 const std::function<double(const MapSummary&)>& value) {
     Series series{label, {}, {}, {}, {}};
     for (const SweepStep& step : steps) {
         series.x.push_back(step.values.front());
@@ -70,22 +77,25 @@ struct Quantity {
 
 bool marches(const MapRow& row) { return row.form->shape == Shape::sdf; }
 
-void write_lines(ImageBackend& backend, const std::filesystem::path& path, const SweepRequest& request, const std::vector<SweepStep>& steps,
-                 const std::vector<Onset>& onsets, const Format& format, const Quantity& quantity, PlotSize size = {}) {
-    LinePlotSpec spec{.title = fmt::format("{} in {}", quantity.title, format.name),
-                      .subtitle = {request.sweep->title, fmt::format("{} rays a step", steps.front().rows.front().rays)},
-                      .x = plot_axis(request.sweep->axes.front()),
-                      .y = quantity.axis,
-                      .series = {},
-                      .width = size.width,
-                      .height = size.height};
+void write_lines(ImageBackend& backend, const std::filesystem::path& path, const SweepRequest& request,
+                 const std::vector<SweepStep>& steps, const std::vector<Onset>& onsets, const Format& format,
+                 const Quantity& quantity, PlotSize size = {}) {
+    LinePlotSpec spec{
+        .title = fmt::format("{} in {}", quantity.title, format.name),
+        .subtitle = {request.sweep->title, fmt::format("{} rays a step", steps.front().rows.front().rays)},
+        .x = plot_axis(request.sweep->axes.front()),
+        .y = quantity.axis,
+        .series = {},
+        .width = size.width,
+        .height = size.height};
     for (std::size_t r = 0; r < request.rows.size(); ++r) {
         if (request.rows[r].format != format || !quantity.shows(request.rows[r])) continue;
         spec.series.push_back(series_of(steps, r, short_name(request.rows[r]), quantity.value));
         // The envelope is the problem's, not a form's: any row that sees hits all along gives it.
         if (quantity.envelope && !spec.envelope) {
             Series envelope = series_of(steps, r, "envelope: half an ulp in each input", quantity.envelope);
-            if (std::ranges::none_of(envelope.y, [](double y) { return std::isnan(y); })) spec.envelope = std::move(envelope);
+            if (std::ranges::none_of(envelope.y, [](double y) { return std::isnan(y); }))
+                spec.envelope = std::move(envelope);
         }
     }
     for (const auto& mark : request.sweep->marks) {
@@ -93,45 +103,57 @@ void write_lines(ImageBackend& backend, const std::filesystem::path& path, const
         spec.marks.push_back({mark.at, mark.label});
         const auto measured = std::ranges::find_if(onsets, [&](const Onset& o) {
             const MapRow& row = request.rows[o.row];
-            return o.found && row.form->info->name == mark.form && row.format == format && o.event == mark.event && o.statistic == mark.statistic && o.threshold == mark.threshold;
+            return o.found && row.form->info->name == mark.form && row.format == format && o.event == mark.event &&
+                   o.statistic == mark.statistic && o.threshold == mark.threshold;
         });
-        if (measured != onsets.end()) spec.marks.push_back({measured->first_bad, fmt::format("{}: measured", short_name(request.rows[measured->row]))});
+        if (measured != onsets.end())
+            spec.marks.push_back(
+                {measured->first_bad, fmt::format("{}: measured", short_name(request.rows[measured->row]))});
     }
     plot::write_line_plot(backend, path, spec);
 }
 
 }  // namespace
 
-void write_lost_bits_plot(ImageBackend& backend, const std::filesystem::path& path, const SweepRequest& request, const std::vector<SweepStep>& steps,
-                          const std::vector<Onset>& onsets, const Format& format, double q, PlotSize size) {
+void write_lost_bits_plot(ImageBackend& backend, const std::filesystem::path& path, const SweepRequest& request,
+                          const std::vector<SweepStep>& steps, const std::vector<Onset>& onsets, const Format& format,
+                          double q, PlotSize size) {
     const std::size_t lost = index_of(request, "lost_bits"), inherent = index_of(request, "inherent_bits");
     Quantity quantity{fmt::format("Lost bits, {}", q == 0.5 ? "median" : "99th percentile"),
                       {"lost bits", plot::Axis::Scale::linear, 0.0, static_cast<double>(format.shape.precision)},
                       [lost, q](const MapSummary& s) { return s.metrics[lost].quantile(q); },
                       {}};
-    if (inherent < request.metrics.size()) quantity.envelope = [inherent, q](const MapSummary& s) { return s.metrics[inherent].quantile(q); };
+    if (inherent < request.metrics.size())
+        quantity.envelope = [inherent, q](const MapSummary& s) { return s.metrics[inherent].quantile(q); };
     write_lines(backend, path, request, steps, onsets, format, quantity, size);
 }
 
-void write_wrong_plot(ImageBackend& backend, const std::filesystem::path& path, const SweepRequest& request, const std::vector<SweepStep>& steps,
-                      const std::vector<Onset>& onsets, const Format& format, PlotSize size) {
-    write_lines(backend, path, request, steps, onsets, format, {"Rays with the wrong answer", {"share of rays", plot::Axis::Scale::linear, 0.0, 1.0}, wrong_share, {}}, size);
+void write_wrong_plot(ImageBackend& backend, const std::filesystem::path& path, const SweepRequest& request,
+                      const std::vector<SweepStep>& steps, const std::vector<Onset>& onsets, const Format& format,
+                      PlotSize size) {
+    write_lines(backend, path, request, steps, onsets, format,
+                {"Rays with the wrong answer", {"share of rays", plot::Axis::Scale::linear, 0.0, 1.0}, wrong_share, {}},
+                size);
 }
 
 namespace {
 
 /// Model and rounding error of one row, side by side.
-void write_split_plot(ImageBackend& backend, const std::filesystem::path& path, const SweepRequest& request, const std::vector<SweepStep>& steps, std::size_t r) {
+void write_split_plot(ImageBackend& backend, const std::filesystem::path& path, const SweepRequest& request,
+                      const std::vector<SweepStep>& steps, std::size_t r) {
     const MapRow& row = request.rows[r];
-    LinePlotSpec spec{.title = fmt::format("Model and rounding error of {} in {}, medians", row.form->info->name, row.format.name),
-                      .subtitle = {request.sweep->title, fmt::format("{} rays a step", steps.front().rows.front().rays)},
-                      .x = plot_axis(request.sweep->axes.front()),
-                      .y = {"ulp", plot::Axis::Scale::log2, 0x1p-6, {}},
-                      .series = {}};
+    LinePlotSpec spec{
+        .title = fmt::format("Model and rounding error of {} in {}, medians", row.form->info->name, row.format.name),
+        .subtitle = {request.sweep->title, fmt::format("{} rays a step", steps.front().rows.front().rays)},
+        .x = plot_axis(request.sweep->axes.front()),
+        .y = {"ulp", plot::Axis::Scale::log2, 0x1p-6, {}},
+        .series = {}};
     for (const char* name : {"model_error", "rounding_error", "ulp_error"}) {
         const std::size_t m = index_of(request, name);
-        const std::string label = name == std::string("ulp_error") ? "all error" : std::string(name).substr(0, std::string(name).find('_'));
-        spec.series.push_back(series_of(steps, r, label, [m](const MapSummary& s) { return s.metrics[m].quantile(0.5); }));
+        const std::string label =
+            name == std::string("ulp_error") ? "all error" : std::string(name).substr(0, std::string(name).find('_'));
+        spec.series.push_back(
+            series_of(steps, r, label, [m](const MapSummary& s) { return s.metrics[m].quantile(0.5); }));
     }
     for (const auto& mark : request.sweep->marks) {
         if (mark.format.empty() || mark.format == row.format.name) spec.marks.push_back({mark.at, mark.label});
@@ -140,33 +162,48 @@ void write_split_plot(ImageBackend& backend, const std::filesystem::path& path, 
 }
 
 /// What a sweep over forms that march shows beside its errors; nothing where none does.
-void write_march_plots(ImageBackend& backend, const std::filesystem::path& folder, const SweepRequest& request, const std::vector<SweepStep>& steps,
-                       const std::vector<Onset>& onsets, const Format& format) {
+void write_march_plots(ImageBackend& backend, const std::filesystem::path& folder, const SweepRequest& request,
+                       const std::vector<SweepStep>& steps, const std::vector<Onset>& onsets, const Format& format) {
     const std::size_t stop = index_of(request, "stop"), iterations = index_of(request, "iterations");
     if (stop == request.metrics.size()) return;
     const auto unfinished = [stop](const MapSummary& s) {
-        const auto n = s.categories[stop][static_cast<std::size_t>(intersect::Stop::max_steps)] + s.categories[stop][static_cast<std::size_t>(intersect::Stop::stagnated)];
+        const auto n = s.categories[stop][static_cast<std::size_t>(intersect::Stop::max_steps)] +
+                       s.categories[stop][static_cast<std::size_t>(intersect::Stop::stagnated)];
         return static_cast<double>(n) / static_cast<double>(s.rays);
     };
     write_lines(backend, folder / fmt::format("unfinished.{}.png", format.name), request, steps, onsets, format,
-                {"Marches that came to no end", {"share of rays", plot::Axis::Scale::linear, 0.0, 1.0}, unfinished, {}, marches});
+                {"Marches that came to no end",
+                 {"share of rays", plot::Axis::Scale::linear, 0.0, 1.0},
+                 unfinished,
+                 {},
+                 marches});
     write_lines(backend, folder / fmt::format("iterations.{}.png", format.name), request, steps, onsets, format,
-                {"Samples of the field, 99th percentile", {"samples", plot::Axis::Scale::log2, 1.0, {}}, [iterations](const MapSummary& s) { return s.metrics[iterations].quantile(0.99); }, {}, marches});
+                {"Samples of the field, 99th percentile",
+                 {"samples", plot::Axis::Scale::log2, 1.0, {}},
+                 [iterations](const MapSummary& s) { return s.metrics[iterations].quantile(0.99); },
+                 {},
+                 marches});
     for (std::size_t r = 0; r < request.rows.size(); ++r) {
         const MapRow& row = request.rows[r];
-        if (row.format == format && marches(row)) write_split_plot(backend, folder / fmt::format("split.{}.{}.png", row.form->info->name, format.name), request, steps, r);
+        if (row.format == format && marches(row))
+            write_split_plot(backend, folder / fmt::format("split.{}.{}.png", row.form->info->name, format.name),
+                             request, steps, r);
     }
 }
 
-/// Which operation is to blame along the axis, of one row: the shares of those that are to blame most anywhere, and of the others together.
-void write_culprit_plot(ImageBackend& backend, const std::filesystem::path& path, const SweepRequest& request, const std::vector<SweepStep>& steps, std::size_t r) {
+/// Which operation is to blame along the axis, of one row: the shares of those that are to blame most anywhere, and of
+/// the others together.
+void write_culprit_plot(ImageBackend& backend, const std::filesystem::path& path, const SweepRequest& request,
+                        const std::vector<SweepStep>& steps, std::size_t r) {
     constexpr std::size_t most = 7;
     constexpr std::size_t longest = 70;
     const MapRow& row = request.rows[r];
-    const auto m = static_cast<std::size_t>(std::ranges::find_if(request.metrics, &measure::metric::Metric::by_run) - request.metrics.begin());
+    const auto m = static_cast<std::size_t>(std::ranges::find_if(request.metrics, &measure::metric::Metric::by_run) -
+                                            request.metrics.begin());
     std::vector<double> peak(request.metrics[m]->categories.size());
     for (const SweepStep& step : steps) {
-        for (std::size_t c = 1; c < peak.size(); ++c) peak[c] = std::fmax(peak[c], measure::blame::culprit_share(step.rows[r].categories[m], std::array{c}));
+        for (std::size_t c = 1; c < peak.size(); ++c)
+            peak[c] = std::fmax(peak[c], measure::blame::culprit_share(step.rows[r].categories[m], std::array{c}));
     }
     std::vector<std::size_t> order;
     for (std::size_t c = 1; c < peak.size(); ++c) {
@@ -175,26 +212,32 @@ void write_culprit_plot(ImageBackend& backend, const std::filesystem::path& path
     if (order.empty()) return;
     std::ranges::stable_sort(order, [&](std::size_t a, std::size_t b) { return peak[a] > peak[b]; });
     LinePlotSpec spec{.title = fmt::format("Culprits of {} in {}", row.form->info->name, row.format.name),
-                      .subtitle = {request.sweep->title, fmt::format("{} rays a step; an operation's share of the rays that have a culprit", steps.front().rows[r].rays)},
+                      .subtitle = {request.sweep->title,
+                                   fmt::format("{} rays a step; an operation's share of the rays that have a culprit",
+                                               steps.front().rows[r].rays)},
                       .x = plot_axis(request.sweep->axes.front()),
                       .y = {"share of rays", plot::Axis::Scale::linear, 0.0, 1.0},
                       .series = {}};
     const auto add = [&](const std::string& label, std::span<const std::size_t> places) {
-        spec.series.push_back(series_of(steps, r, label, [&](const MapSummary& s) { return measure::blame::culprit_share(s.categories[m], places); }));
+        spec.series.push_back(series_of(steps, r, label, [&](const MapSummary& s) {
+            return measure::blame::culprit_share(s.categories[m], places);
+        }));
     };
     const std::size_t named = order.size() <= most + 1 ? order.size() : most;
     for (std::size_t k = 0; k < named; ++k) {
         const std::string_view operation = request.metrics[m]->categories[order[k]];
-        add(operation.size() <= longest ? std::string(operation) : std::string(operation.substr(0, longest - 2)) + "..", std::span(order).subspan(k, 1));
+        add(operation.size() <= longest ? std::string(operation) : std::string(operation.substr(0, longest - 2)) + "..",
+            std::span(order).subspan(k, 1));
     }
-    if (named < order.size()) add(fmt::format("{} other operations", order.size() - named), std::span(order).subspan(named));
+    if (named < order.size())
+        add(fmt::format("{} other operations", order.size() - named), std::span(order).subspan(named));
     plot::write_line_plot(backend, path, spec);
 }
 
 }  // namespace
 
-void write_sweep_plots(ImageBackend& backend, const std::filesystem::path& folder, const SweepRequest& request, const std::vector<SweepStep>& steps,
-                       const std::vector<Onset>& onsets) {
+void write_sweep_plots(ImageBackend& backend, const std::filesystem::path& folder, const SweepRequest& request,
+                       const std::vector<SweepStep>& steps, const std::vector<Onset>& onsets) {
     if (request.sweep->axes.size() == 2) {
         for (std::size_t row = 0; row < request.rows.size(); ++row) write_plane(backend, folder, request, steps, row);
         return;
@@ -211,7 +254,9 @@ void write_sweep_plots(ImageBackend& backend, const std::filesystem::path& folde
         write_march_plots(backend, folder, request, steps, onsets, format);
         for (std::size_t r = 0; r < request.rows.size(); ++r) {
             const MapRow& row = request.rows[r];
-            if (row.format == format && map::CulpritTable::is_wanted(request.metrics)) write_culprit_plot(backend, file(fmt::format("culprit.{}", row.form->info->name).c_str()), request, steps, r);
+            if (row.format == format && map::CulpritTable::is_wanted(request.metrics))
+                write_culprit_plot(backend, file(fmt::format("culprit.{}", row.form->info->name).c_str()), request,
+                                   steps, r);
         }
     }
 }

@@ -24,16 +24,20 @@ std::vector<double> ray_numbers(const WorstFound& w) {
 
 std::vector<file::Column> worst_columns(const WorstRequest& request) {
     const measure::metric::Metric& metric = *measure::metric::find_metric(request.search->metric);
-    std::vector<file::Column> columns{{"form", "string", "", "form under test"},
-                                {"format", "string", "", "format it computes in"},
-                                {"found", "boolean", "", "whether any ray of the box was hit"},
-                                {"outcome", "string", "", "class of the worst ray"},
-                                {std::string(metric.name), "number", std::string(metric.unit), "of the worst ray; missing where the decision is wrong"},
-                                {"evaluations", "integer", "", "rays tried"},
-                                {"t_hex", "string", "t", "the form's answer"},
-                                {"truth_hex", "string", "t", "t*, correctly rounded to binary64; missing for a miss"}};
-    for (const char* name : ray_names) columns.push_back({std::string(name) + "_hex", "string", "", "of the worst ray"});
-    for (const auto name : number_names(request.search->shape)) columns.push_back({std::string(name) + "_hex", "string", "", "of its solid"});
+    std::vector<file::Column> columns{
+        {"form", "string", "", "form under test"},
+        {"format", "string", "", "format it computes in"},
+        {"found", "boolean", "", "whether any ray of the box was hit"},
+        {"outcome", "string", "", "class of the worst ray"},
+        {std::string(metric.name), "number", std::string(metric.unit),
+         "of the worst ray; missing where the decision is wrong"},
+        {"evaluations", "integer", "", "rays tried"},
+        {"t_hex", "string", "t", "the form's answer"},
+        {"truth_hex", "string", "t", "t*, correctly rounded to binary64; missing for a miss"}};
+    for (const char* name : ray_names)
+        columns.push_back({std::string(name) + "_hex", "string", "", "of the worst ray"});
+    for (const auto name : number_names(request.search->shape))
+        columns.push_back({std::string(name) + "_hex", "string", "", "of its solid"});
     return columns;
 }
 
@@ -56,25 +60,31 @@ std::string quoted(const std::string& text) {
 
 std::string case_text(const WorstRequest& request, const measure::map::MapRow& row, const WorstFound& w) {
     const bool decided = w.outcome == measure::answer::Outcome::agree_hit;
-    const std::string what = decided ? fmt::format("{} {:.6g}", request.search->metric, w.value) : std::string(measure::answer::outcome_names[static_cast<std::size_t>(w.outcome)]);
+    const std::string what = decided ? fmt::format("{} {:.6g}", request.search->metric, w.value)
+                                     : std::string(measure::answer::outcome_names[static_cast<std::size_t>(w.outcome)]);
     const auto ray = ray_numbers(w);
     const std::vector<double> solid(w.solid.used().begin(), w.solid.used().end());
-    std::string text = fmt::format("\n[[case]]\nname = \"{} in {}: {}\"\n", row.form->info->name, row.format.name, what);
-    if (request.search->shape == Shape::sphere) text += fmt::format("spheres = [{{ centre = {}, radius = \"{}\" }}]\n", hex_list(solid, 0, 3), file::hex(solid[3]));
+    std::string text =
+        fmt::format("\n[[case]]\nname = \"{} in {}: {}\"\n", row.form->info->name, row.format.name, what);
+    if (request.search->shape == Shape::sphere)
+        text +=
+            fmt::format("spheres = [{{ centre = {}, radius = \"{}\" }}]\n", hex_list(solid, 0, 3), file::hex(solid[3]));
     else text += fmt::format("boxes = [{{ lo = {}, hi = {} }}]\n", hex_list(solid, 0, 3), hex_list(solid, 3, 3));
     return text + fmt::format("rays = [{{ origin = {}, direction = {} }}]\n", hex_list(ray, 0, 3), hex_list(ray, 3, 3));
 }
 
 }  // namespace
 
-void write_worst(const std::filesystem::path& folder, const WorstRequest& request, const std::vector<std::optional<WorstFound>>& found) {
+void write_worst(const std::filesystem::path& folder, const WorstRequest& request,
+                 const std::vector<std::optional<WorstFound>>& found) {
     const scene::sweep::SearchFile& search = *request.search;
     file::CsvWriter csv(folder / "worst.csv", worst_columns(request));
     file::AtomicFile hard(folder / "hard.toml");
     std::string text = fmt::format(
-        "schema = \"lostbits-sweep/1\"\ntitle = {}\nsource = {}\n", quoted("The worst rays of each form: " + search.title),
-        quoted(fmt::format("lostbits sweep {} --worst: seed {}, {} starts of {} generations of 32, largest {}", search.id, search.seed, search.starts, search.generations,
-                           search.metric)));
+        "schema = \"lostbits-sweep/1\"\ntitle = {}\nsource = {}\n",
+        quoted("The worst rays of each form: " + search.title),
+        quoted(fmt::format("lostbits sweep {} --worst: seed {}, {} starts of {} generations of 32, largest {}",
+                           search.id, search.seed, search.starts, search.generations, search.metric)));
     for (std::size_t r = 0; r < found.size(); ++r) {
         const measure::map::MapRow& row = request.rows[r];
         csv.add(row.form->info->name).add(row.format.name).add(found[r].has_value());
@@ -84,7 +94,10 @@ void write_worst(const std::filesystem::path& folder, const WorstRequest& reques
             continue;
         }
         const WorstFound& w = *found[r];
-        csv.add(measure::answer::outcome_names[static_cast<std::size_t>(w.outcome)]).add(w.outcome == measure::answer::Outcome::agree_hit ? Cell(w.value) : Cell()).add(w.evaluations).add(file::hex(w.t));
+        csv.add(measure::answer::outcome_names[static_cast<std::size_t>(w.outcome)])
+            .add(w.outcome == measure::answer::Outcome::agree_hit ? Cell(w.value) : Cell())
+            .add(w.evaluations)
+            .add(file::hex(w.t));
         csv.add(std::isnan(w.truth) ? Cell() : Cell(file::hex(w.truth)));
         for (const double x : ray_numbers(w)) csv.add(file::hex(x));
         for (const double x : w.solid.used()) csv.add(file::hex(x));
@@ -92,7 +105,9 @@ void write_worst(const std::filesystem::path& folder, const WorstRequest& reques
         text += case_text(request, row, w);
     }
     hard.write(text);
-    file::write_datapackage(folder / "datapackage.json", search.title, {{"worst.csv", "One row per form and format: the worst ray found", worst_columns(request)}});
+    file::write_datapackage(
+        folder / "datapackage.json", search.title,
+        {{"worst.csv", "One row per form and format: the worst ray found", worst_columns(request)}});
     hard.commit();
     csv.close();
 }

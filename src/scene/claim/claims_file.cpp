@@ -18,7 +18,8 @@ using V = Claim::Verdict;
 using S = Claim::Severity;
 constexpr std::pair<std::string_view, V> verdicts[] = {{"holds", V::holds}, {"refuted", V::refuted}};
 constexpr std::pair<std::string_view, S> severities[] = {{"error", S::error}, {"warn", S::warn}};
-constexpr std::pair<std::string_view, Claim::Profile> profiles[] = {{"results", Claim::Profile::results}, {"timing", Claim::Profile::timing}};
+constexpr std::pair<std::string_view, Claim::Profile> profiles[] = {{"results", Claim::Profile::results},
+                                                                    {"timing", Claim::Profile::timing}};
 
 void read_timing(TableReader table, Claim& claim) {
     Claim::Timing timing;
@@ -34,7 +35,9 @@ void read_timing(TableReader table, Claim& claim) {
         timing.over_kernel = over->optional_string("kernel").value_or(timing.kernel);
         over->reject_unknown_keys();
     } else if (!timing.all_processors) {
-        toml::fail(table.where(), "claim.given needs `over = { form = \"...\", kernel = \"...\" }`, whose speed is 1, or `all_processors = true`");
+        toml::fail(table.where(),
+                   "claim.given needs `over = { form = \"...\", kernel = \"...\" }`, whose speed is 1, or "
+                   "`all_processors = true`");
     }
     claim.timing = std::move(timing);
     claim.requirements = table.optional_strings("requires").value_or(std::vector<std::string>{});
@@ -45,15 +48,23 @@ void read_given(TableReader table, Claim& claim) {
     claim.scene = table.optional_string("scene").value_or("");
     claim.sweep = table.optional_string("sweep").value_or("");
     claim.table = table.optional_string("table").value_or("");
-    if (table.has("timing")) table.reject("timing", "needs `profile = \"timing\"` at the head of the file, which keeps it from gating anything");
+    if (table.has("timing"))
+        table.reject("timing",
+                     "needs `profile = \"timing\"` at the head of the file, which keeps it from gating anything");
     claim.render = table.optional_string("render").value_or("");
-    if (int{!claim.scene.empty()} + int{!claim.sweep.empty()} + int{!claim.table.empty()} + int{!claim.render.empty()} != 1) {
-        toml::fail(table.where(), "claim.given names a scene, a sweep, a table or a scene to render; write one of them");
+    if (int{!claim.scene.empty()} + int{!claim.sweep.empty()} + int{!claim.table.empty()} +
+            int{!claim.render.empty()} !=
+        1) {
+        toml::fail(table.where(),
+                   "claim.given names a scene, a sweep, a table or a scene to render; write one of them");
     }
     if (!claim.render.empty()) {
-        for (const char* key : {"at", "case", "convention"}) table.reject(key, "has no meaning for a rendered scene; leave it out");
-        static constexpr std::pair<std::string_view, Stage> stages[] = {
-            {"visible", Stage::visible}, {"diffuse", Stage::diffuse}, {"shadows", Stage::shadows}, {"phong", Stage::phong}};
+        for (const char* key : {"at", "case", "convention"})
+            table.reject(key, "has no meaning for a rendered scene; leave it out");
+        static constexpr std::pair<std::string_view, Stage> stages[] = {{"visible", Stage::visible},
+                                                                        {"diffuse", Stage::diffuse},
+                                                                        {"shadows", Stage::shadows},
+                                                                        {"phong", Stage::phong}};
         claim.stage = table.optional_one_of<Stage>("stage", stages);
     } else {
         table.reject("stage", "needs a scene to render: render = \"raycast-course.pixels\"");
@@ -69,16 +80,19 @@ void read_given(TableReader table, Claim& claim) {
             claim.at.push_back(static_cast<double>(table.number("at")));
         }
     }
-    if (!claim.table.empty() && claim.at.size() != 1) toml::fail(table.where(), "a table's row needs `at`, its argument");
+    if (!claim.table.empty() && claim.at.size() != 1)
+        toml::fail(table.where(), "a table's row needs `at`, its argument");
     if (const auto name = table.optional_string("case")) {
         if (claim.sweep.empty() || !claim.at.empty()) table.reject("case", "needs a sweep of cases, and no `at`");
         claim.case_name = *name;
     }
     if (const auto step = table.optional_integer("step", 0, 100000)) {
-        if (claim.scene.empty()) table.reject("step", "needs a scene: it is a sample of the march along the scene's pixel (0, 0)");
+        if (claim.scene.empty())
+            table.reject("step", "needs a scene: it is a sample of the march along the scene's pixel (0, 0)");
         claim.step = static_cast<int>(*step);
     }
-    static constexpr std::pair<std::string_view, Touching> conventions[] = {{"closed", Touching::hit}, {"open", Touching::miss}};
+    static constexpr std::pair<std::string_view, Touching> conventions[] = {{"closed", Touching::hit},
+                                                                            {"open", Touching::miss}};
     claim.convention = table.optional_one_of<Touching>("convention", conventions);
     claim.requirements = table.optional_strings("requires").value_or(std::vector<std::string>{});
     table.reject_unknown_keys();
@@ -87,8 +101,12 @@ void read_given(TableReader table, Claim& claim) {
 /// `operation = "c"`, or several.
 void read_operations(TableReader& table, Claim& claim) {
     constexpr std::string_view share = "culprit_fraction", key = "operation";
-    if (claim.metric != share) return table.reject(key, "goes with metric = \"culprit_fraction\": it names whose share that is");
-    if (!table.has(key)) table.fail_at("metric", "needs an operation whose share it is: operation = \"c\", what the formula calls it, or an expression as `lostbits map --metric culprit` writes it");
+    if (claim.metric != share)
+        return table.reject(key, "goes with metric = \"culprit_fraction\": it names whose share that is");
+    if (!table.has(key))
+        table.fail_at("metric",
+                      "needs an operation whose share it is: operation = \"c\", what the formula calls it, or an "
+                      "expression as `lostbits map --metric culprit` writes it");
     claim.quantity = table.where(key);
     claim.operations = table.node(key).kind == Node::Kind::array ? table.strings(key) : std::vector{table.string(key)};
     if (claim.operations.empty()) table.fail_at(key, "is empty; name an operation");
@@ -97,9 +115,11 @@ void read_operations(TableReader& table, Claim& claim) {
 void read_expect(TableReader table, Claim& claim) {
     claim.metric = table.optional_string("metric").value_or("");
     claim.onset = table.optional_string("onset").value_or("");
-    if (claim.metric.empty() == claim.onset.empty()) toml::fail(table.where(), "claim.expect names either a metric or an onset; write one of them");
+    if (claim.metric.empty() == claim.onset.empty())
+        toml::fail(table.where(), "claim.expect names either a metric or an onset; write one of them");
     if (!claim.onset.empty()) {
-        if (claim.sweep.empty() || !claim.at.empty() || !claim.case_name.empty()) table.fail_at("onset", "needs a sweep in claim.given, and no `at`");
+        if (claim.sweep.empty() || !claim.at.empty() || !claim.case_name.empty())
+            table.fail_at("onset", "needs a sweep in claim.given, and no `at`");
         claim.statistic = table.optional_string("statistic").value_or("count");
         claim.threshold = static_cast<double>(table.optional_number("threshold").value_or(Real(1)));
     } else if (!claim.sweep.empty() && claim.at.empty() && claim.case_name.empty()) {
@@ -133,7 +153,8 @@ std::vector<Claim> read_claims(const std::filesystem::path& path) {
         claim.note = table.optional_string("note").value_or("");
         claim.verdict = table.one_of<V>("verdict", verdicts);
         claim.profile = profile;
-        if (profile == Claim::Profile::timing && table.has("severity")) table.reject("severity", "has no meaning where nothing can fail: times gate nothing");
+        if (profile == Claim::Profile::timing && table.has("severity"))
+            table.reject("severity", "has no meaning where nothing can fail: times gate nothing");
         claim.severity = table.optional_one_of<S>("severity", severities).value_or(S::error);
         if (profile == Claim::Profile::timing) read_timing(table.table("given"), claim);
         else read_given(table.table("given"), claim);

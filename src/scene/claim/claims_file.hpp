@@ -15,7 +15,8 @@ namespace lostbits::scene::claim {
 struct Claim {
     enum class Verdict { holds, refuted };
     enum class Severity { error, warn };
-    /// What `lostbits check` is asked for: results, which are the same everywhere and always, or times, which are neither.
+    /// What `lostbits check` is asked for: results, which are the same everywhere and always, or times, which are
+    /// neither.
     enum class Profile { results, timing };
 
     /// Speed against speed: of a kernel over another's (`over_form` in `over_kernel`), or of all processors over one.
@@ -31,27 +32,35 @@ struct Claim {
     Profile profile = Profile::results;
     toml::Where where;  ///< of the claim, for messages
 
-    // given: a form on one scene, or on one sweep at a place of its axes or one of its cases; or a row of a table; or its speed
+    // given: a form on one scene, or on one sweep at a place of its axes or one of its cases; or a row of a table; or
+    // its speed
     std::string scene, sweep, form, format;
     std::vector<double> at;  ///< one value an axis of the sweep; the argument of a table's row
     std::string case_name;
     std::optional<intersect::Touching> convention;  ///< judged as closed or open solids; absent: by the form's own word
-    std::optional<int> step;  ///< the sample of a march along pixel (0, 0) of the scene
+    std::optional<int> step;                        ///< the sample of a march along pixel (0, 0) of the scene
     std::string table, row;
     std::optional<Timing> timing;
-    std::vector<std::string> requirements;  ///< what the machine must have, or the claim is skipped: `isa-256`, `processors-2`
+    std::vector<std::string>
+        requirements;  ///< what the machine must have, or the claim is skipped: `isa-256`, `processors-2`
 
-    std::string render;          ///< a scene, of whose picture `lostbits render` makes the claim is
+    std::string render;                ///< a scene, of whose picture `lostbits render` makes the claim is
     std::optional<file::Stage> stage;  ///< of that picture; absent: the last that the scene asks for
 
     /// What is measured on: the scene, sweep or table, or the work that is timed.
-    [[nodiscard]] const std::string& subject() const { return timing ? timing->work : !scene.empty() ? scene : !sweep.empty() ? sweep : !render.empty() ? render : table; }
+    [[nodiscard]] const std::string& subject() const {
+        return timing            ? timing->work
+               : !scene.empty()  ? scene
+               : !sweep.empty()  ? sweep
+               : !render.empty() ? render
+                                 : table;
+    }
 
     // expect: a column of the summary, or an onset along the sweep
     std::string metric;
     std::vector<std::string> operations;  ///< of `culprit_fraction`: the operations whose shares are summed
-    toml::Where quantity;                       ///< of the metric, or of its operations, for messages
-    std::string onset, statistic;  ///< event and statistic of `onsets.csv`
+    toml::Where quantity;                 ///< of the metric, or of its operations, for messages
+    std::string onset, statistic;         ///< event and statistic of `onsets.csv`
     double threshold = 0;
     double low = 0, high = 0;  ///< both ends count
 };

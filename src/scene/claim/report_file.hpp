@@ -10,7 +10,7 @@ namespace lostbits::scene::claim {
 struct ReportFile {
     std::vector<std::string> scenes;  ///< ids, with the variant where a scene has several
     std::vector<std::string> sweeps;
-    std::vector<std::string> forms;   ///< globs
+    std::vector<std::string> forms;  ///< globs
     std::vector<std::string> formats;
 };
 

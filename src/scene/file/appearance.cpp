@@ -20,7 +20,8 @@ Vec<Real> read_colour(TableReader& table, std::string_view key, const Vec<Real>&
     if (!colour) return otherwise;
     for (int i = 0; i < 3; ++i) {
         if ((*colour)[i] < 0 || (*colour)[i] > 1)
-            table.fail_at(key, "lies outside of 0 to 1; a colour is [red, green, blue], each from 0 to 1 (a byte over 255)");
+            table.fail_at(key,
+                          "lies outside of 0 to 1; a colour is [red, green, blue], each from 0 to 1 (a byte over 255)");
     }
     return *colour;
 }
@@ -43,14 +44,16 @@ ShadowRule read_shadows(TableReader table, const NumberCheck& check) {
     ShadowRule rule;
     rule.half_diffuse = table.optional_one_of<bool>("surface", surface_names).value_or(false);
     rule.background = read_coefficient(table, "background", rule.background, check);
-    if (rule.background > 1) table.fail_at("background", "is above 1: a shadow would be brighter than the light; write 0 to 1");
+    if (rule.background > 1)
+        table.fail_at("background", "is above 1: a shadow would be brighter than the light; write 0 to 1");
     rule.own = table.optional_boolean("own").value_or(false);
     if (!rule.own) {
         for (const char* key : {"offset", "epsilon", "ulps"})
             table.reject(key, "needs own = true: without it no shadow ray is held against the sphere that it leaves");
     }
     rule.offset = table.optional_one_of<Offset>("offset", offset_names).value_or(Offset::none);
-    if (rule.offset == Offset::epsilon) rule.epsilon = read_coefficient(table, "epsilon", table.number("epsilon"), check);
+    if (rule.offset == Offset::epsilon)
+        rule.epsilon = read_coefficient(table, "epsilon", table.number("epsilon"), check);
     else table.reject("epsilon", "needs offset = \"epsilon\"");
     if (rule.offset == Offset::ulp) rule.ulps = static_cast<int>(table.integer("ulps", 0, most_ulps));
     else table.reject("ulps", "needs offset = \"ulp\"");
@@ -93,7 +96,8 @@ Appearance read_appearance(TableReader& file, const NumberCheck& check) {
     look.background = read_colour(file, "background", look.background);
     if (auto table = file.optional_table("light")) look.light = read_light(*table, check);
     if (auto table = file.optional_table("shadows")) look.shadows = read_shadows(*table, check);
-    if (look.shadows && !look.light) file.fail_at("shadows", "need a light to cast them; add [light] with position = [x, y, z]");
+    if (look.shadows && !look.light)
+        file.fail_at("shadows", "need a light to cast them; add [light] with position = [x, y, z]");
     if (auto table = file.optional_table("material")) {
         look.base = read_paint(*table, look.base, check);
         table->reject_unknown_keys();
@@ -104,7 +108,8 @@ Appearance read_appearance(TableReader& file, const NumberCheck& check) {
 Material read_material(TableReader& sphere, const Appearance& look, const NumberCheck& check) {
     const Material material = read_paint(sphere, look.base, check);
     if (material.specular > 0 && !look.light)
-        sphere.fail_at("ks", "above 0 asks for a highlight, which needs a light; add [light] with position = [x, y, z]");
+        sphere.fail_at("ks",
+                       "above 0 asks for a highlight, which needs a light; add [light] with position = [x, y, z]");
     return material;
 }
 

@@ -17,8 +17,11 @@ namespace {
 Real positive(TableReader& table, std::string_view key, const char* otherwise, Inputs inputs) {
     const Real x = table.optional_number(key).value_or(Real(otherwise));
     const double stored = toml::round_to_format(x, inputs == Inputs::shared ? binary32 : binary64);
-    if (!(x > 0) || stored == 0) table.fail_at(key, "must be greater than 0 as it is stored; write a positive number, such as " + std::string(otherwise));
-    if (std::isinf(stored)) table.fail_at(key, "overflows binary32, to which inputs = \"shared\" rounds; write at most 3.4e38");
+    if (!(x > 0) || stored == 0)
+        table.fail_at(
+            key, "must be greater than 0 as it is stored; write a positive number, such as " + std::string(otherwise));
+    if (std::isinf(stored))
+        table.fail_at(key, "overflows binary32, to which inputs = \"shared\" rounds; write at most 3.4e38");
     return x;
 }
 
@@ -27,7 +30,8 @@ int count(TableReader& table, std::string_view key, int lowest, int highest, int
     const auto x = table.optional_number(key);
     if (!x) return otherwise;
     if (*x != floor(*x) || *x < lowest || *x > highest) {
-        table.fail_at(key, "must be a whole number from " + std::to_string(lowest) + " to " + std::to_string(highest) + ", such as " + std::to_string(otherwise));
+        table.fail_at(key, "must be a whole number from " + std::to_string(lowest) + " to " + std::to_string(highest) +
+                               ", such as " + std::to_string(otherwise));
     }
     return static_cast<int>(*x);
 }
@@ -40,9 +44,14 @@ std::string in_words(double x) {
 }  // namespace
 
 MarchConstants<Real> read_march(TableReader table, Inputs inputs) {
-    MarchConstants<Real> c{positive(table, "hit_eps", "0.001", inputs), positive(table, "max_dist", "20", inputs), positive(table, "relative_eps", "0.001", inputs),
-                           positive(table, "cone", "0.001", inputs), positive(table, "over_relaxation", "1.4", inputs)};
-    if (c.over_relaxation < 1 || toml::round_to_format(c.over_relaxation, inputs == Inputs::shared ? binary32 : binary64) >= 2) table.fail_at("over_relaxation", "must lie in [1, 2): below 1 a step is no relaxation, from 2 on it can leave the sphere behind it; try 1.4");
+    MarchConstants<Real> c{positive(table, "hit_eps", "0.001", inputs), positive(table, "max_dist", "20", inputs),
+                           positive(table, "relative_eps", "0.001", inputs), positive(table, "cone", "0.001", inputs),
+                           positive(table, "over_relaxation", "1.4", inputs)};
+    if (c.over_relaxation < 1 ||
+        toml::round_to_format(c.over_relaxation, inputs == Inputs::shared ? binary32 : binary64) >= 2)
+        table.fail_at("over_relaxation",
+                      "must lie in [1, 2): below 1 a step is no relaxation, from 2 on it can leave the sphere behind "
+                      "it; try 1.4");
     c.max_steps = count(table, "max_steps", 1, 100000, c.max_steps);
     c.secant_steps = count(table, "secant_steps", 0, 200, c.secant_steps);
     c.bisect_steps = count(table, "bisect_steps", 0, 200, c.bisect_steps);
@@ -64,9 +73,12 @@ std::vector<std::string> lost_constants(const Scene& scene, const FloatFormat& f
     const bool shared = scene.inputs == Inputs::shared;
     std::size_t i = 0;
     transformed(*scene.march, [&](const Real& ideal) {
-        const double before = toml::round_to_format(ideal, shared ? binary32 : binary64), after = rounding::to_format(before, 0, f);
+        const double before = toml::round_to_format(ideal, shared ? binary32 : binary64),
+                     after = rounding::to_format(before, 0, f);
         const std::string_view name = intersect::march_number_names[i++];
-        if (before != 0 && (after == 0 || std::isinf(after))) lost.push_back(std::string(name) + " = " + in_words(before) + " rounds to " + (after == 0 ? "0" : "infinity"));
+        if (before != 0 && (after == 0 || std::isinf(after)))
+            lost.push_back(std::string(name) + " = " + in_words(before) + " rounds to " +
+                           (after == 0 ? "0" : "infinity"));
         return after;
     });
     return lost;

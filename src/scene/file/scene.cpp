@@ -18,10 +18,10 @@ constexpr std::string_view schema = "lostbits-scene/1";
 constexpr long long most_pixels_a_side = 65536;
 constexpr long long most_pixels = 1LL << 30;
 
-constexpr std::pair<std::string_view, Inputs> inputs_names[] = {
-    {"shared", Inputs::shared}, {"own", Inputs::own}};
-constexpr std::pair<std::string_view, Camera::Kind> camera_names[] = {
-    {"orthographic", Camera::Kind::orthographic}, {"pinhole", Camera::Kind::pinhole}, {"pixel_plane", Camera::Kind::pixel_plane}};
+constexpr std::pair<std::string_view, Inputs> inputs_names[] = {{"shared", Inputs::shared}, {"own", Inputs::own}};
+constexpr std::pair<std::string_view, Camera::Kind> camera_names[] = {{"orthographic", Camera::Kind::orthographic},
+                                                                      {"pinhole", Camera::Kind::pinhole},
+                                                                      {"pixel_plane", Camera::Kind::pixel_plane}};
 
 template <class E, std::size_t N>
 std::span<const std::pair<std::string_view, E>> choices(const std::pair<std::string_view, E> (&names)[N]) {
@@ -35,7 +35,8 @@ public:
 
     [[nodiscard]] Real finite(const TableReader& table, std::string_view key, const Real& x) const {
         if (shared_ && std::isinf(toml::round_to_format(x, binary32)))
-            table.fail_at(key,
+            table.fail_at(
+                key,
                 "overflows binary32, to which inputs = \"shared\" rounds; write at most 3.4e38, or inputs = \"own\"");
         return x;
     }
@@ -45,13 +46,16 @@ public:
     }
 
     /// Zero, or zero once rounded.
-    [[nodiscard]] bool vanishes(const Real& x) const { return x == 0 || (shared_ && toml::round_to_format(x, binary32) == 0); }
+    [[nodiscard]] bool vanishes(const Real& x) const {
+        return x == 0 || (shared_ && toml::round_to_format(x, binary32) == 0);
+    }
 
     [[nodiscard]] Real positive(const TableReader& table, std::string_view key, const Real& x) const {
         if (x <= 0) table.fail_at(key, "must be greater than 0; write a positive number");
         if (shared_ && toml::round_to_format(x, binary32) == 0)
             table.fail_at(key,
-                "becomes 0 in binary32, to which inputs = \"shared\" rounds; write at least 1.5e-45, or inputs = \"own\"");
+                          "becomes 0 in binary32, to which inputs = \"shared\" rounds; write at least 1.5e-45, or "
+                          "inputs = \"own\"");
         return finite(table, key, x);
     }
 
@@ -77,8 +81,12 @@ Camera read_pixel_plane(TableReader& table, const Numbers& numbers) {
     for (const char* key : {"look_at", "up", "shift"})
         table.reject(key, "has no meaning for a camera of pixels at z = 0; extent and eye say where it looks");
     for (const char* key : {"width", "fov_deg"})
-        table.reject(key, "has no meaning for a camera of pixels at z = 0; write extent = [left, bottom, right, top], in world units");
-    table.reject("normalise", "has no meaning for a camera of pixels at z = 0, whose directions are differences of points; leave it out");
+        table.reject(key,
+                     "has no meaning for a camera of pixels at z = 0; write extent = [left, bottom, right, top], in "
+                     "world units");
+    table.reject(
+        "normalise",
+        "has no meaning for a camera of pixels at z = 0, whose directions are differences of points; leave it out");
     std::vector<Real> extent = table.numbers("extent", 4);
     for (Real& x : extent) x = numbers.finite(table, "extent", x);
     camera.left = extent[0];
@@ -98,10 +106,8 @@ Camera read_camera(TableReader table, const Numbers& numbers) {
     table.reject("extent", "belongs to kind = \"pixel_plane\"; write width (orthographic) or fov_deg (pinhole)");
     camera.eye = numbers.finite(table, "eye", table.vec3("eye"));
     camera.look_at = numbers.finite(table, "look_at", table.vec3("look_at"));
-    camera.up =
-        numbers.finite(table, "up", table.optional_vec3("up").value_or(Vec<Real>(Real(0), Real(1), Real(0))));
-    const std::vector<Real> shift =
-        table.optional_numbers("shift", 2).value_or(std::vector<Real>{Real(0), Real(0)});
+    camera.up = numbers.finite(table, "up", table.optional_vec3("up").value_or(Vec<Real>(Real(0), Real(1), Real(0))));
+    const std::vector<Real> shift = table.optional_numbers("shift", 2).value_or(std::vector<Real>{Real(0), Real(0)});
     camera.shift_right = numbers.finite(table, "shift", shift[0]);
     camera.shift_up = numbers.finite(table, "shift", shift[1]);
 
@@ -109,17 +115,16 @@ Camera read_camera(TableReader table, const Numbers& numbers) {
     if (is_zero(view)) table.fail_at("look_at", "equals camera.eye, which gives no direction; move either");
     if (is_zero(camera.up)) table.fail_at("up", "is zero, which is no direction; write [0, 1, 0]");
     if (is_parallel(view, camera.up))
-        table.fail_at(
-            "up", "is parallel to the view, look_at - eye; write another, such as [0, 0, 1] or [0, 1, 0]");
+        table.fail_at("up", "is parallel to the view, look_at - eye; write another, such as [0, 0, 1] or [0, 1, 0]");
 
     if (camera.kind == Camera::Kind::orthographic) {
         table.reject("fov_deg", "has no meaning for an orthographic camera; write width, in world units");
         table.reject("normalise",
-            "has no meaning for an orthographic camera, whose directions are all one; leave it out");
+                     "has no meaning for an orthographic camera, whose directions are all one; leave it out");
         camera.width = numbers.positive(table, "width", table.number("width"));
     } else {
         table.reject("width",
-            "has no meaning for a pinhole camera; write fov_deg, the vertical field of view in degrees");
+                     "has no meaning for a pinhole camera; write fov_deg, the vertical field of view in degrees");
         camera.fov_deg = table.number("fov_deg");
         if (camera.fov_deg <= 0 || camera.fov_deg >= 180)
             table.fail_at("fov_deg", "must lie between 0 and 180 degrees, both excluded; try 40");
@@ -131,7 +136,7 @@ Camera read_camera(TableReader table, const Numbers& numbers) {
 
 SphereSpec read_sphere(TableReader& table, const Numbers& numbers) {
     SphereSpec sphere{numbers.finite(table, "centre", table.vec3("centre")),
-        numbers.positive(table, "radius", table.number("radius"))};
+                      numbers.positive(table, "radius", table.number("radius"))};
     table.reject_unknown_keys();
     return sphere;
 }
@@ -146,8 +151,7 @@ BoxSpec read_box(TableReader& table, const Numbers& numbers) {
 
 bool is_plain_name(std::string_view name) {
     const auto plain = [](char c) {
-        return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '-' ||
-               c == '_';
+        return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '-' || c == '_';
     };
     return !name.empty() && std::all_of(name.begin(), name.end(), plain);
 }
@@ -155,15 +159,15 @@ bool is_plain_name(std::string_view name) {
 /// The id of a file: it names the folder of the results, so it must not lead out of it or hide it.
 std::string stem_of(const std::filesystem::path& path) {
     std::string stem = path.stem().string();
-    if (stem.starts_with('.')) throw InputError(path.string() + ":1:1: this file name gives no scene id; rename it to start with a letter");
+    if (stem.starts_with('.'))
+        throw InputError(path.string() + ":1:1: this file name gives no scene id; rename it to start with a letter");
     return stem;
 }
 
 Override size_override(const std::pair<int, int>& size) {
     const toml::Where where{"--size " + std::to_string(size.first) + 'x' + std::to_string(size.second), 0, 0};
-    return {"size",
-        Node::of_array({Node::of_integer(size.first, where), Node::of_integer(size.second, where)}, where),
-        where};
+    return {"size", Node::of_array({Node::of_integer(size.first, where), Node::of_integer(size.second, where)}, where),
+            where};
 }
 
 }  // namespace
@@ -174,12 +178,12 @@ SceneFile::SceneFile(const std::filesystem::path& path) : path_(path), root_(tom
     for (TableReader& table : file.tables("variant")) {
         Variant variant{table.string("name"), {}};
         if (!is_plain_name(variant.name))
-            table.fail_at("name",
-                "is \"" + variant.name + "\", but names are part of file names; use letters, digits, - and _");
+            table.fail_at(
+                "name", "is \"" + variant.name + "\", but names are part of file names; use letters, digits, - and _");
         const auto same = [&](const Variant& other) { return other.name == variant.name; };
         if (std::any_of(variants_.begin(), variants_.end(), same))
             table.fail_at("name",
-                "is \"" + variant.name + "\", as another variant of the file already is; name each once");
+                          "is \"" + variant.name + "\", as another variant of the file already is; name each once");
         table.table("set");
         table.reject_unknown_keys();
         const Node& node = root_.find("variant")->items[variants_.size()];
@@ -233,7 +237,9 @@ Scene SceneFile::interpret(const Variant* variant, const LoadOptions& options) c
     }
     const Numbers numbers(scene.inputs);
     scene.camera = read_camera(file.table("camera"), numbers);
-    const NumberCheck check = [&numbers](const TableReader& table, std::string_view key, const Real& x) { return numbers.finite(table, key, x); };
+    const NumberCheck check = [&numbers](const TableReader& table, std::string_view key, const Real& x) {
+        return numbers.finite(table, key, x);
+    };
     scene.appearance = read_appearance(file, check);
     for (TableReader& table : file.tables("sphere")) {
         scene.appearance.materials.push_back(read_material(table, scene.appearance, check));
@@ -244,9 +250,13 @@ Scene SceneFile::interpret(const Variant* variant, const LoadOptions& options) c
     if (auto march = file.optional_table("march")) scene.march = read_march(*march, scene.inputs);
     file.reject_unknown_keys();
     if (scene.shapes().empty())
-        file.fail_at("sphere", "is missing; a scene has at least one [[sphere]] with centre and radius, or [[box]] with lo and hi");
+        file.fail_at(
+            "sphere",
+            "is missing; a scene has at least one [[sphere]] with centre and radius, or [[box]] with lo and hi");
     if (scene.shapes().size() > 1 && !scene.march)
-        file.fail_at("box", "beside [[sphere]] leaves no form that meets both but those that march; write two scenes, or a [march] table");
+        file.fail_at("box",
+                     "beside [[sphere]] leaves no form that meets both but those that march; write two scenes, or a "
+                     "[march] table");
     return scene;
 }
 
@@ -269,7 +279,9 @@ std::vector<Shape> Scene::shapes() const {
     return found;
 }
 
-bool Scene::meets(Shape shape) const { return shape == Shape::sdf ? march.has_value() : shapes() == std::vector{shape}; }
+bool Scene::meets(Shape shape) const {
+    return shape == Shape::sdf ? march.has_value() : shapes() == std::vector{shape};
+}
 
 std::vector<Scene> load_scene(const std::filesystem::path& path, const LoadOptions& options) {
     return SceneFile(path).load(options);

@@ -30,14 +30,14 @@ struct Camera {
     Vec<Real> eye;      ///< pinhole, pixel_plane: where all rays start; orthographic: the centre of the picture
     Vec<Real> look_at;  ///< the rays' direction is look_at − eye, of any length
     Vec<Real> up;       ///< appears upright in the picture; need be neither unit nor perpendicular
-    Real width;  ///< orthographic: the picture's width in world units; the height follows, pixels being square
-    Real fov_deg;  ///< pinhole: the vertical field of view in degrees
+    Real width;         ///< orthographic: the picture's width in world units; the height follows, pixels being square
+    Real fov_deg;       ///< pinhole: the vertical field of view in degrees
     /// Moves the window on the picture plane, right and up, in picture widths; the view direction stays.
     Real shift_right, shift_up;
     bool normalise = true;  ///< pinhole: directions are divided by their length, in the camera's arithmetic
-    /// pixel_plane: the part of the plane z = 0 that the picture covers, in world units. A ray goes from the eye through
-    /// the middle of its pixel there; its direction is the difference of the two points, never normalised, so that
-    /// t = 1 is the plane.
+    /// pixel_plane: the part of the plane z = 0 that the picture covers, in world units. A ray goes from the eye
+    /// through the middle of its pixel there; its direction is the difference of the two points, never normalised, so
+    /// that t = 1 is the plane.
     Real left, bottom, right, top;
 };
 
@@ -52,25 +52,27 @@ struct Scene {
     Camera camera;
     std::vector<SphereSpec> spheres;  ///< a scene has spheres or boxes; both only with `march`
     std::vector<BoxSpec> boxes;
-    std::optional<Sphereflake> flake;  ///< its spheres come after the others
+    std::optional<Sphereflake> flake;                      ///< its spheres come after the others
     std::optional<intersect::MarchConstants<Real>> march;  ///< absent: the scene asks for no sphere tracing
-    Appearance appearance;  ///< for pictures of it
+    Appearance appearance;                                 ///< for pictures of it
     std::filesystem::path path;
 
-    /// Whether the forms of a shape can be asked about the scene: all of its solids are of that shape, or, for `sdf`, the scene
-    /// has constants for the march.
+    /// Whether the forms of a shape can be asked about the scene: all of its solids are of that shape, or, for `sdf`,
+    /// the scene has constants for the march.
     [[nodiscard]] bool meets(Shape shape) const;
     /// The shapes of its solids, each once.
     [[nodiscard]] std::vector<Shape> shapes() const;
     /// All of them, in the file's order: spheres, boxes, the flake. Some 300 bytes each: see `shared_solids` for many.
     [[nodiscard]] std::vector<Solid<Real>> solids() const;
-    [[nodiscard]] std::size_t solid_count() const { return spheres.size() + boxes.size() + (flake ? flake->size() : 0); }
+    [[nodiscard]] std::size_t solid_count() const {
+        return spheres.size() + boxes.size() + (flake ? flake->size() : 0);
+    }
 };
 
 struct LoadOptions {
     std::optional<std::string> variant = std::nullopt;       ///< this one alone; all where absent
     std::optional<std::pair<int, int>> size = std::nullopt;  ///< width and height in pixels
-    std::vector<toml::Override> overrides = {};                    ///< applied after the variant's own, in order
+    std::vector<toml::Override> overrides = {};              ///< applied after the variant's own, in order
 };
 
 /// A parsed scene file. Parse once, interpret under as many overrides as a sweep needs.

@@ -33,7 +33,8 @@ const std::array<Vec<double>, 9>& seats() {
     return nine;
 }
 
-void grow(const Sphere<double>& sphere, const Vec<double>& w, int levels, const std::function<void(const Sphere<double>&)>& take) {
+void grow(const Sphere<double>& sphere, const Vec<double>& w, int levels,
+          const std::function<void(const Sphere<double>&)>& take) {
     take(sphere);
     if (levels == 0) return;
     const Vec<double> e = std::fabs(w.x) > 0.8 ? Vec<double>(0, 1, 0) : Vec<double>(1, 0, 0);
@@ -60,20 +61,23 @@ Sphereflake read_sphereflake(toml::TableReader table) {
     Sphereflake flake;
     const Real levels = table.number("levels");
     if (levels != floor(levels) || levels < 0 || levels > most_flake_levels) {
-        table.fail_at("levels", "must be a whole number from 0 to " + std::to_string(most_flake_levels) + "; 5 makes 66430 spheres, each more nine times as many");
+        table.fail_at("levels", "must be a whole number from 0 to " + std::to_string(most_flake_levels) +
+                                    "; 5 makes 66430 spheres, each more nine times as many");
     }
     flake.levels = static_cast<int>(levels);
     if (const auto centre = table.optional_vec3("centre")) flake.centre = stored(*centre);
     if (const auto radius = table.optional_number("radius")) flake.radius = stored(*radius);
     // The smallest sphere must still be one in binary32.
-    if (!(flake.radius >= 0x1p-100) || !(flake.radius <= 0x1p100)) table.fail_at("radius", "must lie between 2^-100 and 2^100; write 1");
+    if (!(flake.radius >= 0x1p-100) || !(flake.radius <= 0x1p100))
+        table.fail_at("radius", "must lie between 2^-100 and 2^100; write 1");
     for (int i = 0; i < 3; ++i) {
         if (!(std::fabs(flake.centre[i]) <= 0x1p100)) table.fail_at("centre", "must lie within 2^100 of the origin");
     }
     if (const auto axis = table.optional_vec3("axis")) {
         const Vec<double> a = stored(*axis);
         const double size = length(a);
-        if (!(size > 0) || !std::isfinite(size)) table.fail_at("axis", "gives no direction in binary64; write [0, 0, 1]");
+        if (!(size > 0) || !std::isfinite(size))
+            table.fail_at("axis", "gives no direction in binary64; write [0, 0, 1]");
         flake.axis = a;
     }
     table.reject_unknown_keys();
@@ -82,13 +86,16 @@ Sphereflake read_sphereflake(toml::TableReader table) {
 
 void require_room_for(const Sphereflake& flake) {
     constexpr double bytes_a_sphere = 470, gigabyte = 1e9;
-    const double there = 0.75 * static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGESIZE));
+    const double there =
+        0.75 * static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGESIZE));
     const double needed = bytes_a_sphere * static_cast<double>(flake.size());
     if (needed <= there) return;
     Sphereflake smaller = flake;
     while (smaller.levels > 0 && bytes_a_sphere * static_cast<double>(smaller.size()) > there) --smaller.levels;
-    throw EnvironmentError("sphereflake.levels = " + std::to_string(flake.levels) + ": a map of its " + std::to_string(flake.size()) + " spheres needs about " +
-                           std::to_string(static_cast<long>(needed / gigabyte)) + " GB, more than three quarters of this machine's memory; levels = " + std::to_string(smaller.levels) + " fits");
+    throw EnvironmentError(
+        "sphereflake.levels = " + std::to_string(flake.levels) + ": a map of its " + std::to_string(flake.size()) +
+        " spheres needs about " + std::to_string(static_cast<long>(needed / gigabyte)) +
+        " GB, more than three quarters of this machine's memory; levels = " + std::to_string(smaller.levels) + " fits");
 }
 
 void for_each_sphere(const Sphereflake& flake, const std::function<void(const Sphere<double>&)>& take) {

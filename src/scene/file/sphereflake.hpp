@@ -8,10 +8,10 @@
 
 namespace lostbits::scene::file {
 
-/// A sphere with `levels` generations on it: (9^(levels + 1) − 1)/8 spheres. Each sphere of radius r, whose axis is w, carries nine
-/// of radius r/3 that touch it from outside: six around its equator, at 60° from each other, and three at the height √(2/3)
-/// above it, at 120°. The axis of a child points away from its parent; u = e × w/|e × w| is where angles start, with e the x axis,
-/// or the y axis where |w.x| > 0.8; v = w × u.
+/// A sphere with `levels` generations on it: (9^(levels + 1) − 1)/8 spheres. Each sphere of radius r, whose axis is w,
+/// carries nine of radius r/3 that touch it from outside: six around its equator, at 60° from each other, and three at
+/// the height √(2/3) above it, at 120°. The axis of a child points away from its parent; u = e × w/|e × w| is where
+/// angles start, with e the x axis, or the y axis where |w.x| > 0.8; v = w × u.
 struct Sphereflake {
     int levels = 0;
     Vec<double> centre{0, 0, 0};
@@ -27,12 +27,12 @@ inline constexpr int most_flake_levels = 9;
 /// Reads `[sphereflake]`: levels, and perhaps centre, radius > 0 and axis, as binary64. InputError with a position.
 Sphereflake read_sphereflake(toml::TableReader table);
 
-/// EnvironmentError where a map of that many spheres (some 470 bytes each, measured at 5.4 million) needs more memory than three
-/// quarters of what this machine has.
+/// EnvironmentError where a map of that many spheres (some 470 bytes each, measured at 5.4 million) needs more memory
+/// than three quarters of what this machine has.
 void require_room_for(const Sphereflake& flake);
 
-/// Every sphere, parents before their children, in the same order always. In binary64, by + − × ÷ √ alone: the same numbers on
-/// every machine. They are the ideal numbers of the scene.
+/// Every sphere, parents before their children, in the same order always. In binary64, by + − × ÷ √ alone: the same
+/// numbers on every machine. They are the ideal numbers of the scene.
 void for_each_sphere(const Sphereflake& flake, const std::function<void(const Sphere<double>&)>& take);
 
 }  // namespace lostbits::scene::file

@@ -56,8 +56,8 @@ Feature draw_feature(Random& random, const BoxFamily& f, const Box<double>& box)
     return feature;
 }
 
-/// A direction of length about 1 whose line meets the box in nothing but the feature: it goes in across one of the faces
-/// that meet there and out across another; along the face where there is only one.
+/// A direction of length about 1 whose line meets the box in nothing but the feature: it goes in across one of the
+/// faces that meet there and out across another; along the face where there is only one.
 Vec<double> draw_direction(Random& random, const Feature& feature) {
     Vec<double> d(0, 0, 0);
     int ends = 0;
@@ -113,7 +113,8 @@ RayGroup box_rays(Random& random, const BoxFamily& f) {
 
 BoxFamily read_box_family(toml::TableReader table) {
     using A = BoxFamily::Aim;
-    static constexpr std::pair<std::string_view, A> aims[] = {{"face", A::face}, {"edge", A::edge}, {"corner", A::corner}, {"inside", A::inside}};
+    static constexpr std::pair<std::string_view, A> aims[] = {
+        {"face", A::face}, {"edge", A::edge}, {"corner", A::corner}, {"inside", A::inside}};
     BoxFamily f;
     f.aim = table.optional_one_of<A>("aim", aims).value_or(f.aim);
     f.adjoining = table.optional_boolean("adjoining").value_or(false);
@@ -121,7 +122,8 @@ BoxFamily read_box_family(toml::TableReader table) {
         const auto x = table.optional_number(key);
         if (!x) return;
         target = static_cast<double>(*x);
-        if (!(target >= low && target <= high)) table.fail_at(key, "must lie between " + std::to_string(low) + " and " + std::to_string(high));
+        if (!(target >= low && target <= high))
+            table.fail_at(key, "must lie between " + std::to_string(low) + " and " + std::to_string(high));
     };
     number("size", f.size, 0x1p-100, 0x1p+100);
     number("thickness", f.thickness, 0, 1);

@@ -5,9 +5,9 @@
 
 namespace lostbits::scene::rays {
 
-/// A box of random sides, and rays that would touch it in one point of an edge or a corner, or run along a face, if they
-/// were not moved away from it by `gap`. With `adjoining` the box is one of eight that share three planes, and
-/// the rays are aimed at what they share: none can slip between.
+/// A box of random sides, and rays that would touch it in one point of an edge or a corner, or run along a face, if
+/// they were not moved away from it by `gap`. With `adjoining` the box is one of eight that share three planes, and the
+/// rays are aimed at what they share: none can slip between.
 struct BoxFamily {
     enum class Aim { face, edge, corner, inside };
 

@@ -6,8 +6,8 @@
 #include <mpfr.h>
 
 #include "geometry/shapes.hpp"
-#include "scene/toml/round.hpp"
 #include "scene/file/scene.hpp"
+#include "scene/toml/round.hpp"
 
 namespace lostbits::scene::rays {
 
@@ -18,7 +18,8 @@ struct CameraFrame {
     file::Camera::Kind kind;
     bool normalise;
     Vec<T> origin;
-    /// An orthonormal basis; `up` is the camera's up made perpendicular to the view. Axis-aligned cameras get exact axes.
+    /// An orthonormal basis; `up` is the camera's up made perpendicular to the view. Axis-aligned cameras get exact
+    /// axes.
     Vec<T> right, up, forward;
     T pitch;     ///< side of a pixel: in world units, or at distance 1 in front of a pinhole
     T centre_x;  ///< where the view axis meets the picture: pixels right of its top left corner,
@@ -90,8 +91,18 @@ CameraFrame<T> make_frame(const file::Scene& scene) {
     const Real centre_y = height / 2 + camera.shift_up * width;
 
     using detail::from_real;
-    return {camera.kind, camera.normalise, from_real<T>(camera.eye), from_real<T>(right), from_real<T>(up),
-        from_real<T>(forward), from_real<T>(pitch), from_real<T>(centre_x), from_real<T>(centre_y), T(0), T(0), T(0)};
+    return {camera.kind,
+            camera.normalise,
+            from_real<T>(camera.eye),
+            from_real<T>(right),
+            from_real<T>(up),
+            from_real<T>(forward),
+            from_real<T>(pitch),
+            from_real<T>(centre_x),
+            from_real<T>(centre_y),
+            T(0),
+            T(0),
+            T(0)};
 }
 
 /// pixel_plane: the middle of pixel (x, y) in the world, (left + (x + ½)·pitch, top − (y + ½)·pitch_down, 0).
@@ -105,7 +116,8 @@ Vec<T> pixel_point(const CameraFrame<T>& frame, int x, int y) {
 ///
 /// With a = (x + ½ − centre_x)·pitch to the right and b = (centre_y − (y + ½))·pitch upwards:
 /// orthographic: origin + a·right + b·up, direction `forward`; pinhole: `origin`, direction forward + a·right + b·up,
-/// divided by its length if `normalise`; pixel_plane: `origin`, direction pixel_point − origin. Only + − × ÷ √ in T, in this order.
+/// divided by its length if `normalise`; pixel_plane: `origin`, direction pixel_point − origin. Only + − × ÷ √ in T, in
+/// this order.
 template <class T>
 Ray<T> ray(const CameraFrame<T>& frame, int x, int y) {
     if (frame.kind == file::Camera::Kind::pixel_plane) return {frame.origin, pixel_point(frame, x, y) - frame.origin};
@@ -113,7 +125,7 @@ Ray<T> ray(const CameraFrame<T>& frame, int x, int y) {
     const T a = (T(x) + half - frame.centre_x) * frame.pitch;
     const T b = (frame.centre_y - (T(y) + half)) * frame.pitch;
     const Vec<T> aside(a * frame.right.x + b * frame.up.x, a * frame.right.y + b * frame.up.y,
-        a * frame.right.z + b * frame.up.z);
+                       a * frame.right.z + b * frame.up.z);
     if (frame.kind == file::Camera::Kind::orthographic) return {frame.origin + aside, frame.forward};
     const Vec<T> direction = frame.forward + aside;
     if (!frame.normalise) return {frame.origin, direction};

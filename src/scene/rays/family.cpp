@@ -13,8 +13,9 @@ namespace {
 struct Quadruple {
     int a, b, c, n;
 };
-constexpr Quadruple quadruples[] = {{1, 2, 2, 3},   {2, 3, 6, 7},   {1, 4, 8, 9},   {4, 4, 7, 9},   {2, 6, 9, 11},  {6, 6, 7, 11},
-                                    {3, 4, 12, 13}, {2, 5, 14, 15}, {2, 10, 11, 15}, {1, 12, 12, 17}, {8, 9, 12, 17}, {6, 10, 15, 19}};
+constexpr Quadruple quadruples[] = {{1, 2, 2, 3},    {2, 3, 6, 7},    {1, 4, 8, 9},   {4, 4, 7, 9},
+                                    {2, 6, 9, 11},   {6, 6, 7, 11},   {3, 4, 12, 13}, {2, 5, 14, 15},
+                                    {2, 10, 11, 15}, {1, 12, 12, 17}, {8, 9, 12, 17}, {6, 10, 15, 19}};
 
 double to_12_bits(double x) {
     if (x == 0) return 0;
@@ -63,7 +64,8 @@ Impact draw_impact(Random& random, const Family& f, const View& view) {
     if (f.silhouette_gap > 0) {
         s = 1 - f.silhouette_gap;
     } else if (f.weighting == Family::Weighting::silhouette) {
-        // 1 − s falls by powers of two from 1 − impact_from to 1 − impact_to; by MPFR, for libm's pow differs by machine.
+        // 1 − s falls by powers of two from 1 − impact_from to 1 − impact_to; by MPFR, for libm's pow differs by
+        // machine.
         const Real ratio = Real(1 - f.impact_to) / Real(1 - f.impact_from);
         s = 1 - (1 - f.impact_from) * static_cast<double>(Real(pow(ratio, Real(u))));
     } else {
@@ -124,7 +126,8 @@ Family read_family(toml::TableReader table) {
     using V = Family::Views;
     using W = Family::Weighting;
     static constexpr std::pair<std::string_view, P> projections[] = {{"parallel", P::parallel}, {"point", P::point}};
-    static constexpr std::pair<std::string_view, V> views[] = {{"oblique", V::oblique}, {"axis", V::axis}, {"tilted", V::tilted}};
+    static constexpr std::pair<std::string_view, V> views[] = {
+        {"oblique", V::oblique}, {"axis", V::axis}, {"tilted", V::tilted}};
     static constexpr std::pair<std::string_view, W> weightings[] = {{"disc", W::disc}, {"silhouette", W::silhouette}};
     Family f;
     f.projection = table.optional_one_of<P>("projection", projections).value_or(f.projection);
@@ -134,7 +137,8 @@ Family read_family(toml::TableReader table) {
         const auto x = table.optional_number(key);
         if (!x) return;
         target = static_cast<double>(*x);
-        if (!(target >= low && target <= high)) table.fail_at(key, "must lie between " + std::to_string(low) + " and " + std::to_string(high));
+        if (!(target >= low && target <= high))
+            table.fail_at(key, "must lie between " + std::to_string(low) + " and " + std::to_string(high));
     };
     number("radius", f.radius, 0x1p-126, 0x1p+126);
     number("distance", f.distance, 0, 0x1p+126);
@@ -146,7 +150,8 @@ Family read_family(toml::TableReader table) {
     number("direction_magnitude", f.direction_magnitude, 0x1p-120, 0x1p+120);
     number("tilt", f.tilt, 0, 1);
     number("offset", f.offset, -0x1p+100, 0x1p+100);
-    if (f.weighting == W::silhouette && f.impact_to >= 1) table.fail_at("impact_to", "must be below 1 with weighting = \"silhouette\"");
+    if (f.weighting == W::silhouette && f.impact_to >= 1)
+        table.fail_at("impact_to", "must be below 1 with weighting = \"silhouette\"");
     f.views = static_cast<int>(table.optional_integer("views", 1, 4096).value_or(f.views));
     f.rays = static_cast<int>(table.optional_integer("rays", 1, 65536).value_or(f.rays));
     f.seed = static_cast<std::uint64_t>(table.optional_integer("seed", 0, 1LL << 53).value_or(1));

@@ -74,7 +74,9 @@ std::vector<Solid<double>> shared_solids(const Scene& scene) {
     all.reserve(scene.solid_count());
     for (const file::SphereSpec& s : scene.spheres) all.push_back(round_solid(Solid<Real>(s), binary32));
     for (const file::BoxSpec& b : scene.boxes) all.push_back(round_solid(Solid<Real>(b), binary32));
-    if (scene.flake) file::for_each_sphere(*scene.flake, [&all](const Sphere<double>& s) { all.push_back(round_solid(Solid<double>(s), binary32)); });
+    if (scene.flake)
+        file::for_each_sphere(
+            *scene.flake, [&all](const Sphere<double>& s) { all.push_back(round_solid(Solid<double>(s), binary32)); });
     return all;
 }
 

@@ -19,9 +19,7 @@ struct BasicRayBlock {
     std::vector<double> tmax = {};  ///< where each ray ends, for the forms that are told; empty: nowhere
 
     [[nodiscard]] std::size_t size() const { return ox.size(); }
-    [[nodiscard]] Ray<T> operator[](std::size_t i) const {
-        return {{ox[i], oy[i], oz[i]}, {dx[i], dy[i], dz[i]}};
-    }
+    [[nodiscard]] Ray<T> operator[](std::size_t i) const { return {{ox[i], oy[i], oz[i]}, {dx[i], dy[i], dz[i]}}; }
 };
 
 /// Numbers of a format, held in doubles.

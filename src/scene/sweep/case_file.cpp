@@ -20,7 +20,8 @@ constexpr std::string_view schema = "lostbits-sweep/1";
 
 std::vector<Quantity> quantities(TableReader& table, std::string_view key, std::size_t count, bool special) {
     const Node& node = table.node(key);
-    if (node.kind != Node::Kind::array || node.items.size() != count) table.fail_at(key, "is " + node.describe() + " where " + std::to_string(count) + " numbers are expected");
+    if (node.kind != Node::Kind::array || node.items.size() != count)
+        table.fail_at(key, "is " + node.describe() + " where " + std::to_string(count) + " numbers are expected");
     std::vector<Quantity> all;
     for (const Node& item : node.items) all.emplace_back(item, special);
     return all;
@@ -31,7 +32,9 @@ struct Symmetry {
     std::array<int, 3> from;
     std::array<double, 3> sign;
 
-    [[nodiscard]] Vec<double> of(const Vec<double>& v) const { return {sign[0] * v[from[0]], sign[1] * v[from[1]], sign[2] * v[from[2]]}; }
+    [[nodiscard]] Vec<double> of(const Vec<double>& v) const {
+        return {sign[0] * v[from[0]], sign[1] * v[from[1]], sign[2] * v[from[2]]};
+    }
     [[nodiscard]] Solid<double> of(const Solid<double>& s) const {
         if (s.shape == Shape::sphere) return Sphere<double>{of(s.sphere().centre), s.sphere().radius};
         const Vec<double> a = of(s.box().lo), b = of(s.box().hi);
@@ -50,7 +53,8 @@ std::vector<Symmetry> symmetries(bool all) {
     std::array<int, 3> order{0, 1, 2};
     do {
         for (int signs = 0; signs < 8; ++signs) {
-            found.push_back({order, {(signs & 1) != 0 ? -1.0 : 1.0, (signs & 2) != 0 ? -1.0 : 1.0, (signs & 4) != 0 ? -1.0 : 1.0}});
+            found.push_back(
+                {order, {(signs & 1) != 0 ? -1.0 : 1.0, (signs & 2) != 0 ? -1.0 : 1.0, (signs & 4) != 0 ? -1.0 : 1.0}});
         }
     } while (std::ranges::next_permutation(order).found);
     return found;
@@ -78,7 +82,8 @@ CaseFile::Case CaseFile::read_case(TableReader& table) {
     if (table.has("lengths")) c.lengths = toml::Exponent(table.node("lengths"));
     if (table.has("directions")) c.directions = toml::Exponent(table.node("directions"));
     if (const auto zeros = table.optional_string("zeros")) {
-        if (*zeros != "+0" && *zeros != "-0") table.fail_at("zeros", "is \"" + *zeros + "\"; write \"+0\" or \"-0\", or leave it out");
+        if (*zeros != "+0" && *zeros != "-0")
+            table.fail_at("zeros", "is \"" + *zeros + "\"; write \"+0\" or \"-0\", or leave it out");
         c.zeros = *zeros == "-0" ? -0.0 : 0.0;
     }
     c.symmetric = table.optional_boolean("symmetric").value_or(false);
@@ -94,7 +99,9 @@ CaseFile::Case CaseFile::read_case(TableReader& table) {
         box.reject_unknown_keys();
         c.solids.push_back(std::move(spec));
     }
-    if (c.solids.empty()) toml::fail(table.where(), "a case has spheres = [{ centre, radius }, …] or boxes = [{ lo, hi }, …]; write one of them");
+    if (c.solids.empty())
+        toml::fail(table.where(),
+                   "a case has spheres = [{ centre, radius }, …] or boxes = [{ lo, hi }, …]; write one of them");
     for (TableReader& ray : table.tables("rays")) {
         c.rays.push_back({quantities(ray, "origin", 3, true), quantities(ray, "direction", 3, true), {}});
         if (ray.has("tmax")) c.rays.back().tmax.emplace_back(ray.node("tmax"), true);
@@ -125,15 +132,22 @@ CaseFile::CaseFile(const std::filesystem::path& path) : id(path.stem().string())
     }
     for (TableReader& table : file.tables("case")) {
         Case c = read_case(table);
-        if (std::ranges::find(cases_, c.name, &Case::name) != cases_.end()) table.fail_at("name", "is \"" + c.name + "\", as another case is; name each once");
-        const auto other = [&](const SolidSpec& s) { return s.shape != (cases_.empty() ? c : cases_.front()).solids.front().shape; };
-        if (std::ranges::any_of(c.solids, other)) toml::fail(table.where(), "has another shape than the cases before it; a file is about one shape");
+        if (std::ranges::find(cases_, c.name, &Case::name) != cases_.end())
+            table.fail_at("name", "is \"" + c.name + "\", as another case is; name each once");
+        const auto other = [&](const SolidSpec& s) {
+            return s.shape != (cases_.empty() ? c : cases_.front()).solids.front().shape;
+        };
+        if (std::ranges::any_of(c.solids, other))
+            toml::fail(table.where(), "has another shape than the cases before it; a file is about one shape");
         for (const SolidSpec& spec : c.solids) {
             std::vector<double> x;
             for (const Quantity& q : spec.numbers) x.push_back(q.in(binary64, 0));
-            if (spec.shape == Shape::sphere && !(x[3] > 0)) toml::fail(table.where(), "has a sphere whose radius is not greater than 0; write a positive number");
+            if (spec.shape == Shape::sphere && !(x[3] > 0))
+                toml::fail(table.where(), "has a sphere whose radius is not greater than 0; write a positive number");
             for (std::size_t k = 0; spec.shape == Shape::box && k < 3; ++k) {
-                if (x[k] > x[k + 3]) toml::fail(table.where(), "has a box whose hi lies below its lo in a component; a box has lo <= hi in each");
+                if (x[k] > x[k + 3])
+                    toml::fail(table.where(),
+                               "has a box whose hi lies below its lo in a component; a box has lo <= hi in each");
             }
         }
         cases_.push_back(std::move(c));
@@ -162,7 +176,8 @@ std::vector<RayGroup> CaseFile::rays(std::size_t i, const FloatFormat& format) c
         for (const SolidSpec& spec : c.solids) {
             Solid<double> solid;
             solid.shape = spec.shape;
-            for (std::size_t k = 0; k < spec.numbers.size(); ++k) solid.numbers[k] = spec.numbers[k].in(format, lengths);
+            for (std::size_t k = 0; k < spec.numbers.size(); ++k)
+                solid.numbers[k] = spec.numbers[k].in(format, lengths);
             group.solids.push_back(symmetry.of(solid));
         }
         for (const RaySpec& ray : c.rays) {
@@ -184,7 +199,9 @@ std::vector<RayGroup> CaseFile::rays(std::size_t i, const FloatFormat& format) c
 
 SweepKind sweep_kind(const std::filesystem::path& path) {
     const Node root = toml::read_toml(path);
-    return root.find("case") != nullptr ? SweepKind::cases : root.find("search") != nullptr ? SweepKind::search : SweepKind::axes;
+    return root.find("case") != nullptr     ? SweepKind::cases
+           : root.find("search") != nullptr ? SweepKind::search
+                                            : SweepKind::axes;
 }
 
 }  // namespace lostbits::scene::sweep

@@ -48,8 +48,8 @@ private:
     struct Case {
         std::string name, note;
         toml::Exponent lengths, directions;  ///< every length, every direction is times two to this
-        std::optional<double> zeros;   ///< +0 or −0: every zero of a direction is this one
-        bool symmetric = false;        ///< once under each of the 48 symmetries of the axes, ray and solid alike
+        std::optional<double> zeros;         ///< +0 or −0: every zero of a direction is this one
+        bool symmetric = false;              ///< once under each of the 48 symmetries of the axes, ray and solid alike
         std::vector<SolidSpec> solids;
         std::vector<RaySpec> rays;
     };

@@ -58,7 +58,8 @@ bool SearchFile::holds(const Ray<double>& ray, const Solid<double>& solid) const
     }
     if (shape == Shape::box) {
         const Box<double> box = solid.box();
-        return box.lo.x <= box.hi.x && box.lo.y <= box.hi.y && box.lo.z <= box.hi.z && ray.direction != Vec<double>(0, 0, 0);
+        return box.lo.x <= box.hi.x && box.lo.y <= box.hi.y && box.lo.z <= box.hi.z &&
+               ray.direction != Vec<double>(0, 0, 0);
     }
     const Sphere<double> sphere = solid.sphere();
     const Vec<double> f = ray.origin - sphere.centre;

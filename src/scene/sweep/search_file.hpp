@@ -27,12 +27,12 @@ public:
     Shape shape = Shape::sphere;
     /// Of origin x, y, z, direction x, y, z, and the solid's numbers, in this order: one after another.
     std::vector<Range> ranges;
-    /// Spheres only: eye to centre and line to centre, in radii. What a ray near the silhouette or a far one loses is no
-    /// surprise; these keep the search to rays that should be easy.
+    /// Spheres only: eye to centre and line to centre, in radii. What a ray near the silhouette or a far one loses is
+    /// no surprise; these keep the search to rays that should be easy.
     Range distance_radii{0, 0x1p1000}, impact_radii{0, 0x1p1000};
-    std::string metric;   ///< made as large as possible; a wrong decision beats any value
+    std::string metric;  ///< made as large as possible; a wrong decision beats any value
     std::uint64_t seed = 1;
-    int starts = 16;      ///< random rays that the search begins from
+    int starts = 16;       ///< random rays that the search begins from
     int generations = 64;  ///< of 32 neighbours each, from every start
 
     /// Whether a ray and a solid lie in the ranges (the derived ones to double precision), and are a ray and a solid.

@@ -39,19 +39,24 @@ void fill(Axis& axis, TableReader& table) {
     if (axis.spacing == S::every_float) {
         const std::int64_t first = place(static_cast<float>(axis.from)), last = place(static_cast<float>(axis.to));
         if (last < first) table.fail_at("to", "must be greater than from with spacing = \"every_float\"");
-        if (last - first >= most_steps) table.fail_at("to", "leaves more than 100000 floats between from and to; bring them closer");
+        if (last - first >= most_steps)
+            table.fail_at("to", "leaves more than 100000 floats between from and to; bring them closer");
         for (std::int64_t n = first; n <= last; ++n) axis.values.push_back(static_cast<double>(float_at(n)));
         return;
     }
     const long long steps = table.integer("steps", 2, most_steps);
-    if (axis.spacing == S::log2 && (axis.from <= 0 || axis.to <= 0)) table.fail_at("from", "and to must be positive with spacing = \"log2\"");
+    if (axis.spacing == S::log2 && (axis.from <= 0 || axis.to <= 0))
+        table.fail_at("from", "and to must be positive with spacing = \"log2\"");
     for (long long i = 0; i < steps; ++i) {
         const Real share = Real(i) / Real(steps - 1);
         // By MPFR: libm's exp2 and log2 differ by machine.
-        const Real value = axis.spacing == S::log2 ? Real(Real(axis.from) * pow(Real(Real(axis.to) / Real(axis.from)), share))
-                                                   : Real(Real(axis.from) + share * (Real(axis.to) - Real(axis.from)));
+        const Real value = axis.spacing == S::log2
+                               ? Real(Real(axis.from) * pow(Real(Real(axis.to) / Real(axis.from)), share))
+                               : Real(Real(axis.from) + share * (Real(axis.to) - Real(axis.from)));
         const auto x = static_cast<double>(value);
-        axis.values.push_back(axis.spacing == S::log2 ? to_12_bits(x) : axis.spacing == S::whole ? std::nearbyint(x) : x);
+        axis.values.push_back(axis.spacing == S::log2    ? to_12_bits(x)
+                              : axis.spacing == S::whole ? std::nearbyint(x)
+                                                         : x);
     }
     axis.values.erase(std::unique(axis.values.begin(), axis.values.end()), axis.values.end());
 }
@@ -59,23 +64,29 @@ void fill(Axis& axis, TableReader& table) {
 /// A string that is one of the names; a mark that none of them draws would stay away silently.
 std::string known(TableReader& table, std::string_view key, const std::vector<std::string>& names) {
     std::string name = table.string(key);
-    if (std::ranges::find(names, name) == names.end()) table.fail_at(key, "is \"" + name + "\"; " + toml::did_you_mean(name, names));
+    if (std::ranges::find(names, name) == names.end())
+        table.fail_at(key, "is \"" + name + "\"; " + toml::did_you_mean(name, names));
     return name;
 }
 
 std::vector<std::string> form_names() {
     std::vector<std::string> names;
-    for (const intersect::table::Intersector& form : intersect::table::intersectors()) names.emplace_back(form.info->name);
+    for (const intersect::table::Intersector& form : intersect::table::intersectors())
+        names.emplace_back(form.info->name);
     return names;
 }
 
 Axis read_axis(TableReader table, const std::string& prefix) {
     using S = Axis::Spacing;
-    static constexpr std::pair<std::string_view, S> spacings[] = {{"linear", S::linear}, {"log2", S::log2}, {"every_float", S::every_float}, {"whole", S::whole}};
+    static constexpr std::pair<std::string_view, S> spacings[] = {
+        {"linear", S::linear}, {"log2", S::log2}, {"every_float", S::every_float}, {"whole", S::whole}};
     Axis axis;
     axis.name = table.string("name");
-    const bool plain = !axis.name.empty() && std::ranges::all_of(axis.name, [](char c) { return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '_'; });
-    if (!plain) table.fail_at("name", "must be a column name of lower-case letters, digits and _, such as \"distance_radii\"");
+    const bool plain = !axis.name.empty() && std::ranges::all_of(axis.name, [](char c) {
+        return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '_';
+    });
+    if (!plain)
+        table.fail_at("name", "must be a column name of lower-case letters, digits and _, such as \"distance_radii\"");
     axis.unit = table.optional_string("unit").value_or("");
     axis.spacing = table.one_of<S>("spacing", spacings);
     axis.from = static_cast<double>(table.number("from"));
@@ -87,7 +98,8 @@ Axis read_axis(TableReader table, const std::string& prefix) {
     const auto factors = table.optional_numbers("factors", paths.size());
     for (std::size_t i = 0; i < paths.size(); ++i) {
         // The constants of a march are no part of a family.
-        axis.targets.push_back({(paths[i].starts_with("march.") ? "" : prefix) + paths[i], factors ? static_cast<double>((*factors)[i]) : 1.0});
+        axis.targets.push_back({(paths[i].starts_with("march.") ? "" : prefix) + paths[i],
+                                factors ? static_cast<double>((*factors)[i]) : 1.0});
     }
     table.reject_unknown_keys();
     return axis;
@@ -106,25 +118,30 @@ double Axis::middle(double a, double b) const {
     return static_cast<double>(float_at(low + (high - low) / 2));
 }
 
-SweepFile::SweepFile(const std::filesystem::path& path, const std::filesystem::path& data_dir) : id(path.stem().string()), root_(toml::read_toml(path)) {
+SweepFile::SweepFile(const std::filesystem::path& path, const std::filesystem::path& data_dir)
+    : id(path.stem().string()), root_(toml::read_toml(path)) {
     TableReader file(root_);
     toml::require_schema(file, schema);
     title = file.string("title");
     source = file.string("source");
     note = file.optional_string("note").value_or("");
-    static constexpr std::pair<std::string_view, Touching> conventions[] = {{"closed", Touching::hit}, {"open", Touching::miss}};
+    static constexpr std::pair<std::string_view, Touching> conventions[] = {{"closed", Touching::hit},
+                                                                            {"open", Touching::miss}};
     convention = file.optional_one_of<Touching>("convention", conventions);
     const auto scene = file.optional_string("scene");
     auto family = file.optional_table("family");
     auto boxes = file.optional_table("box_family");
     if (int{scene.has_value()} + int{family.has_value()} + int{boxes.has_value()} != 1) {
-        toml::fail(file.where(), "a sweep is over either scene = \"…\", a [family] or a [box_family] table; write one of them");
+        toml::fail(file.where(),
+                   "a sweep is over either scene = \"…\", a [family] or a [box_family] table; write one of them");
     }
     if (scene) {
         const file::SceneName name = file::find_scene(*scene, data_dir);
         scene_.emplace(name.path);
         variant_ = name.variant;
-        if (!variant_ && scene_->variants().size() > 1) file.fail_at("scene", "has variants; name one, such as \"" + *scene + "." + scene_->variants().front() + "\"");
+        if (!variant_ && scene_->variants().size() > 1)
+            file.fail_at("scene",
+                         "has variants; name one, such as \"" + *scene + "." + scene_->variants().front() + "\"");
     } else if (family) {
         rays::read_family(*family);
     } else {
@@ -134,14 +151,26 @@ SweepFile::SweepFile(const std::filesystem::path& path, const std::filesystem::p
     else if (auto march = file.optional_table("march")) file::read_march(*march, file::Inputs::shared);
     const char* const prefix = scene ? "" : family ? "family." : "box_family.";
     for (TableReader& axis : file.tables("axis")) axes.push_back(read_axis(axis, prefix));
-    if (axes.empty() || axes.size() > 2) toml::fail(file.where(), "a sweep has one or two [[axis]] tables, this has " + std::to_string(axes.size()));
-    if (axes.size() == 2 && axes[0].name == axes[1].name) toml::fail(file.where(), "both axes are named \"" + axes[0].name + "\"; names are columns, so name them apart");
+    if (axes.empty() || axes.size() > 2)
+        toml::fail(file.where(), "a sweep has one or two [[axis]] tables, this has " + std::to_string(axes.size()));
+    if (axes.size() == 2 && axes[0].name == axes[1].name)
+        toml::fail(file.where(), "both axes are named \"" + axes[0].name + "\"; names are columns, so name them apart");
     for (TableReader& mark : file.tables("mark")) {
-        Mark m{static_cast<double>(mark.number("at")), mark.string("label"), mark.optional_string("format").value_or(""), {}, {}, {}};
+        Mark m{static_cast<double>(mark.number("at")),
+               mark.string("label"),
+               mark.optional_string("format").value_or(""),
+               {},
+               {},
+               {}};
         if (auto measured = mark.optional_table("measured")) {
             m.form = known(*measured, "form", form_names());
-            m.event = measured->has("event") ? known(*measured, "event", {"lost_bits", "false_hit", "false_miss", "not_a_number", "max_dist", "max_steps", "stagnated"}) : "lost_bits";
-            m.statistic = measured->has("statistic") ? known(*measured, "statistic", {"p50", "p99", "max", "count"}) : m.event == "lost_bits" ? "p50" : "count";
+            m.event = measured->has("event") ? known(*measured, "event",
+                                                     {"lost_bits", "false_hit", "false_miss", "not_a_number",
+                                                      "max_dist", "max_steps", "stagnated"})
+                                             : "lost_bits";
+            m.statistic = measured->has("statistic") ? known(*measured, "statistic", {"p50", "p99", "max", "count"})
+                          : m.event == "lost_bits"   ? "p50"
+                                                     : "count";
             m.threshold = static_cast<double>(measured->number("threshold"));
             measured->reject_unknown_keys();
         }
@@ -167,7 +196,8 @@ std::vector<RayGroup> SweepFile::rays(const std::vector<double>& values) const {
     for (std::size_t a = 0; a < axes.size(); ++a) {
         for (const Axis::Target& target : axes[a].targets) {
             const toml::Where where{id + ": axis " + axes[a].name, 0, 0};
-            changes.push_back({target.path, toml::Node::of_number(Real(values[a]) * Real(target.factor), where), where});
+            changes.push_back(
+                {target.path, toml::Node::of_number(Real(values[a]) * Real(target.factor), where), where});
         }
     }
     if (!scene_) {
@@ -175,7 +205,8 @@ std::vector<RayGroup> SweepFile::rays(const std::vector<double>& values) const {
         for (const toml::Override& change : changes) toml::apply_override(root, change);
         TableReader file(root);
         auto family = file.optional_table("family");
-        std::vector<RayGroup> groups = family ? rays::family_rays(rays::read_family(*family)) : rays::box_family_rays(rays::read_box_family(file.table("box_family")));
+        std::vector<RayGroup> groups = family ? rays::family_rays(rays::read_family(*family))
+                                              : rays::box_family_rays(rays::read_box_family(file.table("box_family")));
         if (auto march = file.optional_table("march")) {
             const auto constants = file::round_march(file::read_march(*march, file::Inputs::shared), binary32);
             for (RayGroup& group : groups) group.march = constants;
@@ -204,14 +235,19 @@ std::filesystem::path find_sweep(const std::string& name_or_path, const std::fil
     std::error_code error;
     const auto folder = data_dir / "sweeps";
     for (const auto& entry : std::filesystem::recursive_directory_iterator(folder, error)) {
-        if (entry.path().extension() == ".toml") names.push_back(entry.path().lexically_relative(folder).replace_extension().string());
+        if (entry.path().extension() == ".toml")
+            names.push_back(entry.path().lexically_relative(folder).replace_extension().string());
     }
     std::ranges::sort(names);
     if (std::ranges::find(names, name_or_path) != names.end()) return folder / (name_or_path + ".toml");
     // `near` for `worst/near`, where only one is called so: it is what the file's results are called.
-    const auto last_part = [&](const std::string& name) { return std::filesystem::path(name).filename() == name_or_path; };
-    if (std::ranges::count_if(names, last_part) == 1) return folder / (*std::ranges::find_if(names, last_part) + ".toml");
-    throw InputError(name_or_path + ":1:1: no such sweep file, nor a name in " + folder.string() + "; " + toml::did_you_mean(name_or_path, names));
+    const auto last_part = [&](const std::string& name) {
+        return std::filesystem::path(name).filename() == name_or_path;
+    };
+    if (std::ranges::count_if(names, last_part) == 1)
+        return folder / (*std::ranges::find_if(names, last_part) + ".toml");
+    throw InputError(name_or_path + ":1:1: no such sweep file, nor a name in " + folder.string() + "; " +
+                     toml::did_you_mean(name_or_path, names));
 }
 
 }  // namespace lostbits::scene::sweep

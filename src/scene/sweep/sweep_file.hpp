@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "intersect/info.hpp"
-#include "scene/rays/box_family.hpp"
 #include "scene/file/scene.hpp"
+#include "scene/rays/box_family.hpp"
 
 namespace lostbits::scene::sweep {
 
@@ -36,10 +36,11 @@ public:
 
     std::string id, title, source, note;
     std::vector<Axis> axes;  ///< one or two
-    std::optional<intersect::Touching> convention;  ///< all forms are judged as if touching were this; absent: each by its own word
+    std::optional<intersect::Touching>
+        convention;  ///< all forms are judged as if touching were this; absent: each by its own word
 
-    /// A place on the first axis that a plot points out: a prediction, with the format it is made for (all if empty), and
-    /// perhaps the form whose measured onset is to be drawn beside it.
+    /// A place on the first axis that a plot points out: a prediction, with the format it is made for (all if empty),
+    /// and perhaps the form whose measured onset is to be drawn beside it.
     struct Mark {
         double at;
         std::string label, format;
@@ -49,7 +50,9 @@ public:
     std::vector<Mark> marks;
 
     /// Whether the forms of a shape can be asked along the sweep.
-    [[nodiscard]] bool meets(Shape shape) const { return shape == Shape::sdf ? marches_ : shapes_ == std::vector{shape}; }
+    [[nodiscard]] bool meets(Shape shape) const {
+        return shape == Shape::sdf ? marches_ : shapes_ == std::vector{shape};
+    }
     /// The shapes of its solids, each once.
     [[nodiscard]] const std::vector<Shape>& shapes() const { return shapes_; }
 

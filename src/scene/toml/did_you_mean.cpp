@@ -56,8 +56,7 @@ std::string did_you_mean(std::string_view word, const std::vector<std::string>& 
     std::string text = "known here: ";
     for (std::size_t i = 0; i < std::min(candidates.size(), most_listed); ++i)
         text += (i > 0 ? ", " : "") + quoted(candidates[i]);
-    if (candidates.size() > most_listed)
-        text += " and " + std::to_string(candidates.size() - most_listed) + " more";
+    if (candidates.size() > most_listed) text += " and " + std::to_string(candidates.size() - most_listed) + " more";
     return text;
 }
 

@@ -20,7 +20,7 @@ std::vector<Step> steps_of(const Override& change) {
     const std::string& path = change.path;
     const auto malformed = [&](const std::string& why) {
         fail(change.where,
-            "the path \"" + path + "\" " + why + "; write keys and indices from 0, as in sphere[0].radius");
+             "the path \"" + path + "\" " + why + "; write keys and indices from 0, as in sphere[0].radius");
     };
     std::vector<Step> steps;
     std::size_t i = 0;
@@ -57,11 +57,10 @@ void apply_override(Node& root, const Override& change) {
         if (step.is_index) {
             if (node->kind != Node::Kind::array)
                 fail(change.where,
-                    unknown + here + " is " + node->describe() + ", which has no indices; leave [...] out");
+                     unknown + here + " is " + node->describe() + ", which has no indices; leave [...] out");
             if (step.index >= node->items.size()) {
                 const std::string advice =
-                    node->items.empty() ? ""
-                                        : "; indices go from 0 to " + std::to_string(node->items.size() - 1);
+                    node->items.empty() ? "" : "; indices go from 0 to " + std::to_string(node->items.size() - 1);
                 fail(change.where, unknown + here + " is " + node->describe() + advice);
             }
             node->where = change.where;  // what is wrong with the whole is now the override's doing
@@ -69,15 +68,14 @@ void apply_override(Node& root, const Override& change) {
         } else {
             if (node->kind == Node::Kind::array)
                 fail(change.where,
-                    unknown + here + " is " + node->describe() + "; say which: " + here + "[0]." + step.key);
+                     unknown + here + " is " + node->describe() + "; say which: " + here + "[0]." + step.key);
             if (node->kind != Node::Kind::table)
                 fail(change.where,
-                    unknown + here + " is " + node->describe() + ", which has no keys; end the path there");
+                     unknown + here + " is " + node->describe() + ", which has no keys; end the path there");
             Node* next = node->find(step.key);
             if (next == nullptr && !last) {
                 const std::string hint = did_you_mean(step.key, node->keys());
-                fail(change.where,
-                    unknown + here + " has no \"" + step.key + '"' + (hint.empty() ? "" : "; " + hint));
+                fail(change.where, unknown + here + " has no \"" + step.key + '"' + (hint.empty() ? "" : "; " + hint));
             }
             if (next == nullptr) {
                 node->entries.push_back({step.key, change.where, {}});

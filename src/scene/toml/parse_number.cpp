@@ -49,8 +49,7 @@ std::string_view unsigned_part(std::string_view text) {
 
 bool names_no_finite_number(std::string_view text) {
     std::string word;
-    for (const char c : unsigned_part(text))
-        word += static_cast<char>(c >= 'A' && c <= 'Z' ? c - 'A' + 'a' : c);
+    for (const char c : unsigned_part(text)) word += static_cast<char>(c >= 'A' && c <= 'Z' ? c - 'A' + 'a' : c);
     return word == "inf" || word == "infinity" || word == "nan";
 }
 
@@ -68,8 +67,7 @@ std::variant<Real, NumberFault> parse_number(std::string_view text) {
     const bool last_bit_is_clear = mpfr_min_prec(raw) < mpfr_get_prec(raw);
     if (inexact != 0 && last_bit_is_clear) {
         if (mpfr_signbit(raw) != 0) mpfr_nextbelow(raw);
-        else
-            mpfr_nextabove(raw);
+        else mpfr_nextabove(raw);
     }
     if (mpfr_cmpabs(raw, Real(std::numeric_limits<double>::max()).backend().data()) > 0)
         return NumberFault{"is larger than the largest binary64, about 1.8e308; write a smaller number", true};

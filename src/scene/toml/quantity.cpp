@@ -17,7 +17,8 @@ bool is_part_of_a_word(char c) { return std::isalnum(static_cast<unsigned char>(
 /// The text without the spaces around its operators; "1 2" is not twelve.
 std::string text_of(const Node& node) {
     if (node.kind == Node::Kind::integer) return std::to_string(node.integer);
-    if (node.kind != Node::Kind::string && node.kind != Node::Kind::floating) fail(node.where, "is " + node.describe() + " where a number or a string is expected");
+    if (node.kind != Node::Kind::string && node.kind != Node::Kind::floating)
+        fail(node.where, "is " + node.describe() + " where a number or a string is expected");
     std::string out;
     bool space = false;
     for (const char c : node.text) {
@@ -25,7 +26,8 @@ std::string text_of(const Node& node) {
             space = true;
             continue;
         }
-        if (space && !out.empty() && is_part_of_a_word(out.back()) && is_part_of_a_word(c)) fail(node.where, "\"" + node.text + "\" holds a space inside a number or word; take it out");
+        if (space && !out.empty() && is_part_of_a_word(out.back()) && is_part_of_a_word(c))
+            fail(node.where, "\"" + node.text + "\" holds a space inside a number or word; take it out");
         space = false;
         out += c;
     }
@@ -45,7 +47,11 @@ bool ends(std::string& text, std::string_view tail) {
 
 Exponent::Exponent(const Node& node) {
     const std::string text = text_of(node);
-    const auto bad = [&] { fail(node.where, "\"" + text + "\" is no exponent; write a sum of whole numbers, emax, emin and p, each perhaps over 2 or 4, such as \"emax/2 + 1\""); };
+    const auto bad = [&] {
+        fail(node.where, "\"" + text +
+                             "\" is no exponent; write a sum of whole numbers, emax, emin and p, each perhaps over 2 "
+                             "or 4, such as \"emax/2 + 1\"");
+    };
     std::size_t at = 0;
     while (at < text.size()) {
         Term term{1, 0, Term::Word::none, 1};
@@ -60,7 +66,8 @@ Exponent::Exponent(const Node& node) {
             if (error != std::errc{} || term.number < 0 || term.number > 10000) bad();
             at += static_cast<std::size_t>(stop - rest.data());
         }
-        if (text.compare(at, 2, "/2") == 0 || text.compare(at, 2, "/4") == 0) term.divisor = text[at + 1] - '0', at += 2;
+        if (text.compare(at, 2, "/2") == 0 || text.compare(at, 2, "/4") == 0)
+            term.divisor = text[at + 1] - '0', at += 2;
         terms_.push_back(term);
     }
     if (terms_.empty()) bad();
@@ -83,16 +90,19 @@ Quantity::Quantity(const Node& node, bool special) {
     std::string_view rest = text;
     const bool sign = !rest.empty() && (rest.front() == '-' || rest.front() == '+');
     const bool minus = sign && rest.front() == '-';
-    constexpr std::pair<std::string_view, Word> words[] = {{"nan", Word::nan}, {"inf", Word::inf}, {"max", Word::max}, {"min", Word::min}, {"tiny", Word::tiny}};
+    constexpr std::pair<std::string_view, Word> words[] = {
+        {"nan", Word::nan}, {"inf", Word::inf}, {"max", Word::max}, {"min", Word::min}, {"tiny", Word::tiny}};
     for (const auto& [name, word] : words) {
         if (rest.substr(sign ? 1 : 0) != name) continue;
-        if (!special && (word == Word::nan || word == Word::inf)) fail(node.where, "is " + std::string(name) + ", which only a ray may hold");
+        if (!special && (word == Word::nan || word == Word::inf))
+            fail(node.where, "is " + std::string(name) + ", which only a ray may hold");
         word_ = word;
         negative_ = minus;
         return;
     }
     const auto parsed = parse_number(rest);
-    if (const auto* fault = std::get_if<NumberFault>(&parsed)) fail(node.where, "\"" + text + "\" " + fault->why + "; or write max, min, tiny, nan or inf");
+    if (const auto* fault = std::get_if<NumberFault>(&parsed))
+        fail(node.where, "\"" + text + "\" " + fault->why + "; or write max, min, tiny, nan or inf");
     base_ = std::get<Real>(parsed);
 }
 

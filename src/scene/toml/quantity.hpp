@@ -26,7 +26,8 @@ private:
 };
 
 /// One number of a ray or solid: a number as everywhere; `nan`, `inf`; `max` (largest finite), `min` (smallest
-/// normal), `tiny` (smallest subnormal); any of them with a sign, and with `+ ulp` or `- ulp` the neighbour above or below.
+/// normal), `tiny` (smallest subnormal); any of them with a sign, and with `+ ulp` or `- ulp` the neighbour above or
+/// below.
 class Quantity {
 public:
     /// InputError at `node` for anything else. `special` allows nan and inf.

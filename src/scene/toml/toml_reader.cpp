@@ -34,8 +34,7 @@ Real as_number(const Node& node, const std::string& name) {
 }
 
 long long as_integer(const Node& node, const std::string& name, long long lowest, long long highest) {
-    const std::string range =
-        "a whole number from " + std::to_string(lowest) + " to " + std::to_string(highest);
+    const std::string range = "a whole number from " + std::to_string(lowest) + " to " + std::to_string(highest);
     require_kind(node, Kind::integer, name, range);
     if (node.integer < lowest || node.integer > highest) wrong_type(node, name, range);
     return node.integer;
@@ -46,8 +45,7 @@ std::string array_of(std::size_t count, std::string_view what) {
                       : "an array of " + std::to_string(count) + ' ' + std::string(what);
 }
 
-const std::vector<Node>& as_array(
-    const Node& node, const std::string& name, std::size_t count, std::string_view what) {
+const std::vector<Node>& as_array(const Node& node, const std::string& name, std::size_t count, std::string_view what) {
     const bool right_length = count == 0 ? !node.items.empty() : node.items.size() == count;
     if (node.kind != Kind::array || !right_length) wrong_type(node, name, array_of(count, what));
     return node.items;
@@ -100,13 +98,12 @@ const Node& TableReader::demand(std::string_view key, std::string_view expected)
     // A misspelt key shows as a missing one first: point at the misspelling.
     std::vector<std::string> unread;
     for (const std::string& present : table_->keys())
-        if (std::find(asked_for_.begin(), asked_for_.end(), present) == asked_for_.end())
-            unread.push_back(present);
+        if (std::find(asked_for_.begin(), asked_for_.end(), present) == asked_for_.end()) unread.push_back(present);
     if (const auto near = closest(key, unread)) {
         for (const Node::Entry& entry : table_->entries)
             if (entry.key == *near)
-                fail(entry.key_where, missing + ", but there is " + path_to(*near) + "; did you mean \"" +
-                                          std::string(key) + "\"?");
+                fail(entry.key_where,
+                     missing + ", but there is " + path_to(*near) + "; did you mean \"" + std::string(key) + "\"?");
     }
     fail(table_->where, missing + "; give it " + std::string(expected));
 }
@@ -142,14 +139,13 @@ long long TableReader::integer(std::string_view key, long long lowest, long long
     return as_integer(demand(key, "a whole number"), path_to(key), lowest, highest);
 }
 
-std::optional<long long> TableReader::optional_integer(
-    std::string_view key, long long lowest, long long highest) {
+std::optional<long long> TableReader::optional_integer(std::string_view key, long long lowest, long long highest) {
     if (seek(key) == nullptr) return std::nullopt;
     return integer(key, lowest, highest);
 }
 
-std::optional<std::vector<long long>> TableReader::optional_integers(
-    std::string_view key, std::size_t count, long long lowest, long long highest) {
+std::optional<std::vector<long long>> TableReader::optional_integers(std::string_view key, std::size_t count,
+                                                                     long long lowest, long long highest) {
     const Node* node = seek(key);
     if (node == nullptr) return std::nullopt;
     std::vector<long long> values;
@@ -187,8 +183,7 @@ std::optional<Vec<Real>> TableReader::optional_vec3(std::string_view key) {
 std::size_t TableReader::choice(std::string_view key, const std::vector<std::string>& names) {
     const std::string name = string(key);
     const auto found = std::find(names.begin(), names.end(), name);
-    if (found == names.end())
-        fail_at(key, "is \"" + name + "\", which is not known; " + did_you_mean(name, names));
+    if (found == names.end()) fail_at(key, "is \"" + name + "\", which is not known; " + did_you_mean(name, names));
     return static_cast<std::size_t>(found - names.begin());
 }
 
@@ -231,8 +226,7 @@ void TableReader::reject_unknown_keys() const {
 void require_schema(TableReader& file, std::string_view schema) {
     const std::string expected = "schema = \"" + std::string(schema) + '"';
     if (!file.optional_string("schema"))
-        fail(file.where(),
-            "schema is missing, so what the keys mean is not known; write " + expected + " first");
+        fail(file.where(), "schema is missing, so what the keys mean is not known; write " + expected + " first");
     const std::string found = file.string("schema");
     if (found == schema) return;
 
@@ -246,9 +240,8 @@ void require_schema(TableReader& file, std::string_view schema) {
     const auto [wanted_kind, newest] = split(schema);
     if (kind == wanted_kind && version > newest)
         file.fail_at("schema",
-            "is \"" + found + "\", newer than this program reads; use a newer lostbits, or write " + expected);
-    file.fail_at(
-        "schema", "is \"" + found + "\", which is not the kind of file wanted here; write " + expected);
+                     "is \"" + found + "\", newer than this program reads; use a newer lostbits, or write " + expected);
+    file.fail_at("schema", "is \"" + found + "\", which is not the kind of file wanted here; write " + expected);
 }
 
 }  // namespace lostbits::scene::toml

@@ -33,8 +33,8 @@ public:
     long long integer(std::string_view key, long long lowest, long long highest);
     std::optional<long long> optional_integer(std::string_view key, long long lowest, long long highest);
     /// Exactly `count` whole numbers in [lowest, highest].
-    std::optional<std::vector<long long>> optional_integers(
-        std::string_view key, std::size_t count, long long lowest, long long highest);
+    std::optional<std::vector<long long>> optional_integers(std::string_view key, std::size_t count, long long lowest,
+                                                            long long highest);
 
     /// A TOML integer or float, or a string: a decimal or a hexadecimal float. Read exactly, rounded once
     /// (`parse_number`): 0.1 and "0.1" are both one tenth, not the nearest double.
@@ -52,8 +52,7 @@ public:
         return choices[choice(key, names_of(choices))].second;
     }
     template <class E>
-    std::optional<E> optional_one_of(
-        std::string_view key, std::span<const std::pair<std::string_view, E>> choices) {
+    std::optional<E> optional_one_of(std::string_view key, std::span<const std::pair<std::string_view, E>> choices) {
         if (seek(key) == nullptr) return std::nullopt;
         return one_of(key, choices);
     }

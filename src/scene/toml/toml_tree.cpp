@@ -37,11 +37,10 @@ public:
             for (auto&& [key, value] : *table)
                 node.entries.push_back({std::string(key.str()), at(key.source()), convert(value)});
             // toml++ sorts by name; overrides apply in the order of writing.
-            std::stable_sort(
-                node.entries.begin(), node.entries.end(), [](const Node::Entry& a, const Node::Entry& b) {
-                    return std::pair(a.key_where.line, a.key_where.column) <
-                           std::pair(b.key_where.line, b.key_where.column);
-                });
+            std::stable_sort(node.entries.begin(), node.entries.end(), [](const Node::Entry& a, const Node::Entry& b) {
+                return std::pair(a.key_where.line, a.key_where.column) <
+                       std::pair(b.key_where.line, b.key_where.column);
+            });
         } else if (const auto* array = from.as_array()) {
             node.kind = Node::Kind::array;
             for (const ::toml::node& item : *array) node.items.push_back(convert(item));
@@ -97,7 +96,7 @@ Node parse(std::string_view text, const std::string& source) {
         if (description.find("hexadecimal floating-point") != std::string::npos)
             remedy = R"(; write a hexadecimal float as a string: "0x1.004p+12")";
         fail({source, static_cast<int>(begin.line), static_cast<int>(begin.column)},
-            "not valid TOML: " + description + remedy);
+             "not valid TOML: " + description + remedy);
     }
 }
 
@@ -171,7 +170,8 @@ void reject_endless_keys(const std::string& text, const std::string& source) {
     for (const char c : text) {
         if (c == '\n') ++line;
         if (c == '\n' || c == '=' || c == ',' || c == '{') dots = 0;
-        else if (c == '.' && ++dots > most_parts) fail({source, line, 1}, "has a key of more than 256 parts, which no file by hand has; check the path");
+        else if (c == '.' && ++dots > most_parts)
+            fail({source, line, 1}, "has a key of more than 256 parts, which no file by hand has; check the path");
     }
 }
 
@@ -183,8 +183,7 @@ Node read_toml(const std::filesystem::path& path) {
     if (std::filesystem::is_directory(path, ignored)) fail(start, "is a folder; name a .toml file in it");
     std::ifstream file(path, std::ios::binary);
     if (!file)
-        fail(start,
-            std::string("cannot be read: ") + std::strerror(errno) + "; check the path and its permissions");
+        fail(start, std::string("cannot be read: ") + std::strerror(errno) + "; check the path and its permissions");
 
     std::string text;
     std::array<char, 65536> chunk;

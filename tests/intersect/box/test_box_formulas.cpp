@@ -51,14 +51,16 @@ const testing::BoxFamily& family(std::string_view name) {
 /// Samples of the families that have no wide exponents, each with what is exactly true of it.
 template <class Visit>
 void for_each_sample(int rays, Visit visit) {
-    const std::string_view wanted[] = {"random", "at edge", "beside edge", "far away", "inside", "about end", "across edge", "axis parallel"};
+    const std::string_view wanted[] = {"random", "at edge",   "beside edge", "far away",
+                                       "inside", "about end", "across edge", "axis parallel"};
     for (const std::string_view name : wanted) {
         Seeded rng(0xb0c5);
         for (int i = 0; i < rays; ++i) visit(family(name).make(rng, binary32));
     }
 }
 
-/// No decision hangs on an equality or on a division by zero; `room` is the least relative distance between two that are compared.
+/// No decision hangs on an equality or on a division by zero; `room` is the least relative distance between two that
+/// are compared.
 struct Generic {
     bool is = true;
     Rational room = 1;
@@ -111,7 +113,8 @@ TEST_CASE("every box form solves the problem when nothing is rounded", "[interse
             }
             ++tally.asked;
             tally.hits += h.hit;
-            if (!good && tally.wrong++ == 0) UNSCOPED_INFO(Form::info.name << ": hit " << h.hit << " t " << h.t << "\n" << testing::paste(s));
+            if (!good && tally.wrong++ == 0)
+                UNSCOPED_INFO(Form::info.name << ": hit " << h.hit << " t " << h.t << "\n" << testing::paste(s));
         });
     });
     std::size_t form = 0;
@@ -132,7 +135,9 @@ TEST_CASE("signs gives what inclusive gives", "[intersect][box][formula]") {
     };
     for_each_sample(2000, [&](const BoxSample& s) {
         ++rays;
-        if (!same(ask<intersect::box::Signs, float>(s, s.tmax), ask<intersect::box::Inclusive, float>(s, s.tmax)) && wrong++ == 0) UNSCOPED_INFO(testing::paste(s));
+        if (!same(ask<intersect::box::Signs, float>(s, s.tmax), ask<intersect::box::Inclusive, float>(s, s.tmax)) &&
+            wrong++ == 0)
+            UNSCOPED_INFO(testing::paste(s));
     });
     CHECK(wrong == 0);
     CHECK(rays > 10000);
@@ -158,8 +163,8 @@ TEST_CASE("aimed at an edge, forms without padding miss what they should hit", "
 }
 
 TEST_CASE("two last places are not quite enough for max_mult", "[intersect][box][formula]") {
-    // Three roundings on either side can part near and far by 6u = 1.5·2^-22. Found by 5·10^7 random rays across an edge, of
-    // which it is the only one; pbrt_padded's 1 + 2γ(3) and embree_robust's 3ε on both sides missed none.
+    // Three roundings on either side can part near and far by 6u = 1.5·2^-22. Found by 5·10^7 random rays across an
+    // edge, of which it is the only one; pbrt_padded's 1 + 2γ(3) and embree_robust's 3ε on both sides missed none.
     const Ray<double> ray{{-0x1.9b6154p-1, -0x1.0cca1ep+1, 0}, {0x1.d53502p+0, 0x1.c9cd8ap+2, 0}};
     const Box<double> target{{-100, 0x1.26c638p+1, -1}, {0x1.4c71dcp-2, 100, 1}};
     const BoxSample s{ray, target, HUGE_VAL};
@@ -192,7 +197,8 @@ bool contains(const Ball& x, const Wide& v) {
     const mpfr_srcptr p = v.backend().data();
     if (mpfr_nan_p(p) != 0) return x.undefined() != Undefined::never;
     if (mpfr_inf_p(p) != 0) return !x.is_bounded();
-    return x.undefined() != Undefined::always && abs(v - Wide(x.hi()) - Wide(x.lo())) <= Wide(x.radius()) + (abs(v) + 1) * slack;
+    return x.undefined() != Undefined::always &&
+           abs(v - Wide(x.hi()) - Wide(x.lo())) <= Wide(x.radius()) + (abs(v) + 1) * slack;
 }
 
 bool contains(const Interval& x, double v) {
@@ -212,7 +218,8 @@ void contain(const BoxSample& s, double tmax, bool generic, Contained& tally) {
     const Hit<Wide> want = ask<Form, Wide>(s, tmax);
     std::optional<bool> verdict;
     const auto hold = [&](const auto& got) {
-        if (!holds(got, want) && tally.wrong++ == 0) UNSCOPED_INFO(Form::info.name << ": unrounded t " << want.t << "\n" << testing::paste(s));
+        if (!holds(got, want) && tally.wrong++ == 0)
+            UNSCOPED_INFO(Form::info.name << ": unrounded t " << want.t << "\n" << testing::paste(s));
         if (got.hit.is_unknown()) return;
         tally.contradictory += verdict && *verdict != got.hit.is_yes();
         verdict = got.hit.is_yes();
@@ -227,8 +234,8 @@ void contain(const BoxSample& s, double tmax, bool generic, Contained& tally) {
     if (verdict) ++(want.hit ? tally.hits_decided : tally.misses_decided);
 }
 
-/// Rounding to nearest lies between rounding down and up, so an interval of 53 bits holds the double of every step. But for forms
-/// that pad by the unit roundoff, which is none for intervals.
+/// Rounding to nearest lies between rounding down and up, so an interval of 53 bits holds the double of every step. But
+/// for forms that pad by the unit roundoff, which is none for intervals.
 template <class Form>
 void contain_machine(const BoxSample& s, double tmax, Contained& tally) {
     if (Form::info.name == "box.pbrt_padded" || Form::info.name == "box.embree_robust") return;
@@ -240,7 +247,8 @@ void contain_machine(const BoxSample& s, double tmax, Contained& tally) {
 
 }  // namespace
 
-TEST_CASE("enclosures of every box form contain what the form gives unrounded, and in double", "[intersect][box][containment]") {
+TEST_CASE("enclosures of every box form contain what the form gives unrounded, and in double",
+          "[intersect][box][containment]") {
     std::array<Contained, BoxForms::size> tallies{};
     for_each_sample(250, [&](const BoxSample& s) {
         const double tmax = std::isinf(s.tmax) ? 0x1p1000 : s.tmax;
@@ -254,12 +262,13 @@ TEST_CASE("enclosures of every box form contain what the form gives unrounded, a
     std::size_t form = 0;
     BoxForms::for_each([&]<class Form>() {
         const Contained& t = tallies[form++];
-        INFO(Form::info.name << ": decided " << t.hits_decided << " of " << t.hits << " hits and " << t.misses_decided << " of " << t.misses
-                             << " misses");
+        INFO(Form::info.name << ": decided " << t.hits_decided << " of " << t.hits << " hits and " << t.misses_decided
+                             << " of " << t.misses << " misses");
         CHECK(t.wrong == 0);
         CHECK(t.contradictory == 0);
         CHECK(t.hits_decided > t.hits * 9 / 10);
-        // `exclusive` makes tmin = tmax of most rays that miss, which no enclosure of inexact numbers can tell from tmin < tmax.
+        // `exclusive` makes tmin = tmax of most rays that miss, which no enclosure of inexact numbers can tell from
+        // tmin < tmax.
         CHECK(t.misses_decided > t.misses * (Form::info.name == "box.exclusive" ? 2 : 9) / 10);
     });
 }

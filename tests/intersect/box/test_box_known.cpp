@@ -1,6 +1,6 @@
-// Rays in and near the boundary of a box, worked out by hand from min(x, y) = x < y ? x : y, max(x, y) = x > y ? x : y and
-// 0·∞ = NaN. Planes are at 1 and at powers of two and directions have components 0, ±1, so no t is rounded; columns of
-// `hits` are the forms in the order of the catalogue.
+// Rays in and near the boundary of a box, worked out by hand from min(x, y) = x < y ? x : y, max(x, y) = x > y ? x : y
+// and 0·∞ = NaN. Planes are at 1 and at powers of two and directions have components 0, ±1, so no t is rounded; columns
+// of `hits` are the forms in the order of the catalogue.
 #include <string>
 
 #include "catch.hpp"
@@ -26,7 +26,8 @@ struct Known {
     std::array<double, 3> lo{1, 1, 1}, hi{4, 4, 4};
 };
 
-// b baseline, x exclusive, i inclusive, s signs, / divide, m ieee_minmax, p pbrt_padded, M max_mult, f embree_fma, r embree_robust
+// b baseline, x exclusive, i inclusive, s signs, / divide, m ieee_minmax, p pbrt_padded, M max_mult, f embree_fma, r
+// embree_robust
 const Known known[] = {
     //                                                                                   bxis/mpMfr
     {"through the middle", {2, 2, -1}, {0, 0, 1}, inf, "HHHHHHHHHH", 2},
@@ -39,7 +40,8 @@ const Known known[] = {
     {"beside, above", {5, 2, -1}, {0, 0, 1}, inf, "..........", 0},
     {"beside, above, zero negative", {5, 2, -1}, {-0.0, 0, 1}, inf, "..........", 0},
 
-    // t1 = NaN, t2 = ±∞. minNum takes the ∞ for both planes. embree_fma's +1e-18 walks into the box from lo and out of it from hi.
+    // t1 = NaN, t2 = ±∞. minNum takes the ∞ for both planes. embree_fma's +1e-18 walks into the box from lo and out of
+    // it from hi.
     {"in a lo face", {1, 2, -1}, {0, 0, 1}, inf, "..HHH.HHHH", 2},
     {"in a lo face, zero negative", {1, 2, -1}, {-0.0, 0, 1}, inf, "..HHH.HHHH", 2},
     {"in a lo face, a ray with an end", {1, 2, -1}, {0, 0, 1}, 8, "..HHH.HHHH", 2},
@@ -88,8 +90,24 @@ const Known known[] = {
     {"flat across the ray, backwards", {2, 2, 4}, {0, 0, -1}, inf, "..HHHHHHHH", 2, false, {1, 1, 2}, {4, 4, 2}},
     // Both planes give NaN: maxNum(tmin, NaN) = tmin.
     {"flat, and the ray in it", {2, 2, -1}, {0, 0, 1}, inf, "H.HHHHHH.H", 2, false, {2, 1, 1}, {2, 4, 4}},
-    {"flat, and the ray in it, zero negative", {2, 2, -1}, {-0.0, 0, 1}, inf, "H.HHHHHH.H", 2, false, {2, 1, 1}, {2, 4, 4}},
-    {"flat in the last axis, and the ray in it: NaN < NaN", {-1, 2, 2}, {1, 0, 0}, inf, "..HHHHHH.H", 2, false, {1, 1, 2}, {4, 4, 2}},
+    {"flat, and the ray in it, zero negative",
+     {2, 2, -1},
+     {-0.0, 0, 1},
+     inf,
+     "H.HHHHHH.H",
+     2,
+     false,
+     {2, 1, 1},
+     {2, 4, 4}},
+    {"flat in the last axis, and the ray in it: NaN < NaN",
+     {-1, 2, 2},
+     {1, 0, 0},
+     inf,
+     "..HHHHHH.H",
+     2,
+     false,
+     {1, 1, 2},
+     {4, 4, 2}},
     {"flat, the ray in it, the box behind", {2, 2, 6}, {0, 0, 1}, inf, "H.........", -5, false, {2, 1, 1}, {2, 4, 4}},
     {"a point, straight on", {2, 2, 0}, {0, 0, 1}, inf, "..HHHHHH.H", 2, false, {2, 2, 2}, {2, 2, 2}},
     {"a point, at an angle", {0, 4, 0}, {1, -1, 1}, inf, "..HHHHHHHH", 2, false, {2, 2, 2}, {2, 2, 2}},
@@ -108,8 +126,10 @@ void ask_every_form(const Known& k) {
     std::size_t column = 0;
     BoxForms::for_each([&]<class Form>() {
         const bool want = k.hits[column++] == 'H';
-        const Hit<T> h = Form::intersect(Ray<T>{vec(k.origin), vec(k.direction)}, Box<T>{vec(k.lo), vec(k.hi)}, T(k.tmax));
-        INFO(Form::info.name << ", " << k.what << ": t " << value(h.t) << " near " << value(h.near) << " far " << value(h.far));
+        const Hit<T> h =
+            Form::intersect(Ray<T>{vec(k.origin), vec(k.direction)}, Box<T>{vec(k.lo), vec(k.hi)}, T(k.tmax));
+        INFO(Form::info.name << ", " << k.what << ": t " << value(h.t) << " near " << value(h.near) << " far "
+                             << value(h.far));
         CHECK(h.hit == want);
         if (!want) return;
         CHECK(value(h.t) == k.t);
@@ -186,25 +206,30 @@ TEST_CASE("a reciprocal that overflows is an infinity that division does not see
 TEST_CASE("embree_fma's smallest direction is 1e-18", "[intersect][box][known]") {
     const auto far = []<class T>(T dx) {
         const Ray<T> ray{Vec<T>(0, 0, 0), Vec<T>(dx, 1, 1)};
-        return intersect::box::EmbreeFma::intersect(ray, Box<T>{Vec<T>(-2, T(-1e30), T(-1e30)), Vec<T>(1, T(1e30), T(1e30))}, T(HUGE_VAL)).far;
+        return intersect::box::EmbreeFma::intersect(
+                   ray, Box<T>{Vec<T>(-2, T(-1e30), T(-1e30)), Vec<T>(1, T(1e30), T(1e30))}, T(HUGE_VAL))
+            .far;
     };
     const float tiny = 1e-18f;
     CHECK(far(tiny) == 1 / tiny);
     CHECK(far(2 * tiny) == 0.5f / tiny);
     CHECK(far(-tiny) == 2 / tiny);  // keeps its sign, and leaves by the other plane
-    for (const float smaller : {std::nextafter(tiny, 0.0f), -std::nextafter(tiny, 0.0f), 0.0f, -0.0f}) CHECK(far(smaller) == 1 / tiny);
+    for (const float smaller : {std::nextafter(tiny, 0.0f), -std::nextafter(tiny, 0.0f), 0.0f, -0.0f})
+        CHECK(far(smaller) == 1 / tiny);
     CHECK(far(0.0) == 1 / 1e-18);
     CHECK(far(std::nextafter(1e-18, 0.0)) == 1 / 1e-18);
     CHECK(far(std::nextafter(1e-18, 1.0)) == 1 / std::nextafter(1e-18, 1.0));
 }
 
 TEST_CASE("embree_fma rounds away what cancels", "[intersect][box][known]") {
-    // o·inv = (1 + 2^-12)·(1 + 2^-12), rounded by 2^-24 before lo·inv = (1 + 2^-11)(1 + 2^-12) is added: the others subtract lo − o exactly.
+    // o·inv = (1 + 2^-12)·(1 + 2^-12), rounded by 2^-24 before lo·inv = (1 + 2^-11)(1 + 2^-12) is added: the others
+    // subtract lo − o exactly.
     const float o = -(1 + 0x1p-12f), lo = -(1 + 0x1p-13f), d = 1;
     const Box<float> box{Vec<float>(lo, -1, -1), Vec<float>(4, 1, 1)};
     const Ray<float> ray{Vec<float>(o, 0, 0), Vec<float>(3 * d, 0, 0)};
     const float exact = (0x1p-13f) / 3;
-    const float by_signs = intersect::box::Signs::intersect(ray, box, 8.0f).t, by_fma = intersect::box::EmbreeFma::intersect(ray, box, 8.0f).t;
+    const float by_signs = intersect::box::Signs::intersect(ray, box, 8.0f).t,
+                by_fma = intersect::box::EmbreeFma::intersect(ray, box, 8.0f).t;
     CHECK(std::fabs(by_signs - exact) <= exact * 0x1p-22f);
     CHECK(std::fabs(by_fma - exact) > exact * 0x1p-14f);
 }

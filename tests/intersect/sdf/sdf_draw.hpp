@@ -23,11 +23,21 @@ inline DrawnField draw_field(Random& random, std::size_t rays) {
     for (std::size_t k = 0; k < count; ++k) {
         const Vec<double> at(within(-1, 1), within(-1, 1), within(-1, 1));
         if (random.one_in(2)) f.solids.emplace_back(Sphere<double>{at, within(0.25, 1)});
-        else f.solids.emplace_back(Box<double>{at, {stored(at.x + within(0.1, 1)), stored(at.y + within(0.1, 1)), stored(at.z + within(0, 1))}});
+        else
+            f.solids.emplace_back(Box<double>{
+                at, {stored(at.x + within(0.1, 1)), stored(at.y + within(0.1, 1)), stored(at.z + within(0, 1))}});
     }
-    f.march = {stored(std::ldexp(1, -static_cast<int>(random.between(4, 20)))), within(4, 40), stored(1e-3), stored(2e-3), within(1, 1.9), static_cast<int>(random.between(1, 80)), 2, 6};
+    f.march = {stored(std::ldexp(1, -static_cast<int>(random.between(4, 20)))),
+               within(4, 40),
+               stored(1e-3),
+               stored(2e-3),
+               within(1, 1.9),
+               static_cast<int>(random.between(1, 80)),
+               2,
+               6};
     for (std::size_t i = 0; i < rays; ++i) {
-        const Vec<double> origin(within(-4, 4), within(-4, 4), within(-4, 4)), aim(within(-1.5, 1.5), within(-1.5, 1.5), within(-1.5, 1.5));
+        const Vec<double> origin(within(-4, 4), within(-4, 4), within(-4, 4)),
+            aim(within(-1.5, 1.5), within(-1.5, 1.5), within(-1.5, 1.5));
         const Vec<double> d = aim - origin;
         const double size = length(d);
         f.rays.push_back({origin, {stored(d.x / size), stored(d.y / size), stored(d.z / size)}});

@@ -1,9 +1,9 @@
 // The forms that march: what they say of themselves, against plain loops, across registers, and in enclosures.
 #include "catch.hpp"
 #include "intersect/catalogue.hpp"
-#include "intersect/table/kernels.hpp"
-#include "intersect/simd/packed.hpp"
 #include "intersect/sdf/sdf_draw.hpp"
+#include "intersect/simd/packed.hpp"
+#include "intersect/table/kernels.hpp"
 #include "number/real.hpp"
 
 namespace lostbits::test {
@@ -29,8 +29,12 @@ struct Batch {
         const std::size_t n = rays.size();
         t.resize(n), near.resize(n), far.resize(n), hit.resize(n), march.resize(n);
     }
-    [[nodiscard]] intersect::table::RayBatch<S> rays() const { return {column[0], column[1], column[2], column[3], column[4], column[5]}; }
-    intersect::table::HitBatch<S> hits(bool records) { return {t, near, far, hit, records ? std::span(march) : std::span<intersect::MarchRecord>()}; }
+    [[nodiscard]] intersect::table::RayBatch<S> rays() const {
+        return {column[0], column[1], column[2], column[3], column[4], column[5]};
+    }
+    intersect::table::HitBatch<S> hits(bool records) {
+        return {t, near, far, hit, records ? std::span(march) : std::span<intersect::MarchRecord>()};
+    }
 };
 
 template <class S, class Kernel>
@@ -53,7 +57,8 @@ void compare_widths(std::uint64_t seed) {
                 if constexpr (std::same_as<S, float>) return row.f32;
                 else return row.f64;
             };
-            const auto want = run<S>(kernel_of(intersect::simd::packed_rows(intersect::simd::Isa::scalar)[form]), field, false);
+            const auto want =
+                run<S>(kernel_of(intersect::simd::packed_rows(intersect::simd::Isa::scalar)[form]), field, false);
             for (const auto h : want.hit) ++(h ? hits : misses);
             for (const intersect::simd::Isa isa : intersect::simd::available_isas()) {
                 const auto got = run<S>(kernel_of(intersect::simd::packed_rows(isa)[form]), field, false);
@@ -89,7 +94,8 @@ std::pair<bool, S> plain_march(const Ray<S>& ray, const Sphere<S>& sphere, S eps
 }  // namespace
 
 TEST_CASE("forms that march have names, unit directions and one intersection", "[intersect][sdf]") {
-    const char* names[] = {"sdf.sphere_trace", "sdf.relative_eps", "sdf.cone_eps", "sdf.over_relaxed", "sdf.accumulated", "sdf.secant_refined", "sdf.bisect_refined"};
+    const char* names[] = {"sdf.sphere_trace", "sdf.relative_eps",   "sdf.cone_eps",      "sdf.over_relaxed",
+                           "sdf.accumulated",  "sdf.secant_refined", "sdf.bisect_refined"};
     const auto rows = intersect::table::intersectors(Shape::sdf);
     REQUIRE(rows.size() == std::size(names));
     for (std::size_t i = 0; i < rows.size(); ++i) {
@@ -98,7 +104,8 @@ TEST_CASE("forms that march have names, unit directions and one intersection", "
         CHECK(rows[i].info->roots == intersect::Roots::first_only);
         CHECK(rows[i].log != nullptr);
     }
-    for (const intersect::table::Intersector& row : intersect::table::intersectors(Shape::sphere)) CHECK(row.log == nullptr);
+    for (const intersect::table::Intersector& row : intersect::table::intersectors(Shape::sphere))
+        CHECK(row.log == nullptr);
 }
 
 TEST_CASE("distance fields: the seed's table, and a box from every side", "[intersect][sdf]") {
@@ -110,8 +117,8 @@ TEST_CASE("distance fields: the seed's table, and a box from every side", "[inte
     CHECK(intersect::sdf::distance(box, Vec<double>(0.75, 0, 0)) == -0.25);
     CHECK(intersect::sdf::distance(box, Vec<double>(1, 2, 3)) == 0);
     CHECK(intersect::sdf::distance(box, Vec<double>(-4, 0, 0)) == 3);
-    CHECK(intersect::sdf::distance(box, Vec<double>(4, 6, 0)) == 5);        // 3-4-5 beside an edge
-    CHECK(intersect::sdf::distance(box, Vec<double>(-3, 5, -9)) == 7);      // 2-3-6-7 off a corner
+    CHECK(intersect::sdf::distance(box, Vec<double>(4, 6, 0)) == 5);    // 3-4-5 beside an edge
+    CHECK(intersect::sdf::distance(box, Vec<double>(-3, 5, -9)) == 7);  // 2-3-6-7 off a corner
     const Solid<double> both[] = {Solid<double>(unit), Solid<double>(Box<double>{{2, -1, -1}, {3, 1, 1}})};
     const intersect::table::Union<double> field{std::span<const Solid<double>>(both)};
     CHECK(field({1.25, 0, 0}) == 0.25);
@@ -132,7 +139,8 @@ TEST_CASE("sphere_trace is the seed's loop", "[intersect][sdf]") {
         const auto got = run<double>(intersect::table::intersectors(Shape::sdf).front().native64, field, true);
         for (std::size_t i = 0; i < field.rays.size(); ++i) {
             int samples = 0;
-            const auto [hit, t] = plain_march<double>(field.rays[i], field.solids[0].sphere(), field.march.hit_eps, field.march.max_steps, field.march.max_dist, samples);
+            const auto [hit, t] = plain_march<double>(field.rays[i], field.solids[0].sphere(), field.march.hit_eps,
+                                                      field.march.max_steps, field.march.max_dist, samples);
             CHECK((got.hit[i] != 0) == hit);
             CHECK(got.t[i] == t);
             CHECK(got.march[i].iterations == samples);
@@ -175,19 +183,27 @@ TEST_CASE("enclosures of the marches contain what they give unrounded", "[inters
             for (const Ray<double>& r : field.rays) {
                 intersect::sdf::Unwatched unwatched;
                 const auto lift = [](const Vec<double>& v) { return Vec<Wide>(Wide(v.x), Wide(v.y), Wide(v.z)); };
-                const Hit<Wide> want = intersect::table::intersect_target<Form>(Ray<Wide>{lift(r.origin), lift(r.direction)}, wide.get(), Wide(0), unwatched);
+                const Hit<Wide> want = intersect::table::intersect_target<Form>(
+                    Ray<Wide>{lift(r.origin), lift(r.direction)}, wide.get(), Wide(0), unwatched);
                 const LiftedTarget<Ball> balls(field.target(), [](double x) { return Ball(x); });
-                const Hit<Ball> quick = row.ball({{Ball(r.origin.x), Ball(r.origin.y), Ball(r.origin.z)}, {Ball(r.direction.x), Ball(r.direction.y), Ball(r.direction.z)}}, balls.get());
+                const Hit<Ball> quick = row.ball({{Ball(r.origin.x), Ball(r.origin.y), Ball(r.origin.z)},
+                                                  {Ball(r.direction.x), Ball(r.direction.y), Ball(r.direction.z)}},
+                                                 balls.get());
                 const Wide room = ldexp(Wide(1) + abs(want.t), -500);
                 wrong += (quick.hit.is_yes() && !want.hit) || (quick.hit.is_no() && want.hit);
-                if (quick.t.is_bounded()) wrong += abs(want.t - Wide(quick.t.hi()) - Wide(quick.t.lo())) > Wide(quick.t.radius()) + room;
+                if (quick.t.is_bounded())
+                    wrong += abs(want.t - Wide(quick.t.hi()) - Wide(quick.t.lo())) > Wide(quick.t.radius()) + room;
                 for (const long bits : {100L, 300L, 900L}) {
                     const Interval::Precision precision(bits);
                     const LiftedTarget<Interval> boxes(field.target(), [](double x) { return Interval(x); });
                     const auto in = [](double x) { return Interval(x); };
-                    const Hit<Interval> got = row.interval({{in(r.origin.x), in(r.origin.y), in(r.origin.z)}, {in(r.direction.x), in(r.direction.y), in(r.direction.z)}}, boxes.get());
+                    const Hit<Interval> got = row.interval({{in(r.origin.x), in(r.origin.y), in(r.origin.z)},
+                                                            {in(r.direction.x), in(r.direction.y), in(r.direction.z)}},
+                                                           boxes.get());
                     wrong += (got.hit.is_yes() && !want.hit) || (got.hit.is_no() && want.hit);
-                    if (got.t.is_bounded()) wrong += mpfr_cmp(got.t.lower(), Wide(want.t + room).backend().data()) > 0 || mpfr_cmp(got.t.upper(), Wide(want.t - room).backend().data()) < 0;
+                    if (got.t.is_bounded())
+                        wrong += mpfr_cmp(got.t.lower(), Wide(want.t + room).backend().data()) > 0 ||
+                                 mpfr_cmp(got.t.upper(), Wide(want.t - room).backend().data()) < 0;
                     if (bits == 900) decided += !got.hit.is_unknown();
                 }
                 ++asked;
@@ -208,8 +224,10 @@ TEST_CASE("p += d dir is o + t dir where nothing is rounded", "[intersect][sdf]"
         const auto lift = [](const Vec<double>& v) { return Vec<Wide>(Wide(v.x), Wide(v.y), Wide(v.z)); };
         const Ray<Wide> ray{lift(field.rays[0].origin), lift(field.rays[0].direction)};
         intersect::sdf::Unwatched unwatched;
-        const auto one = intersect::table::intersect_target<intersect::sdf::SphereTrace>(ray, target.get(), Wide(0), unwatched);
-        const auto other = intersect::table::intersect_target<intersect::sdf::Accumulated>(ray, target.get(), Wide(0), unwatched);
+        const auto one =
+            intersect::table::intersect_target<intersect::sdf::SphereTrace>(ray, target.get(), Wide(0), unwatched);
+        const auto other =
+            intersect::table::intersect_target<intersect::sdf::Accumulated>(ray, target.get(), Wide(0), unwatched);
         CHECK(one.hit == other.hit);
         CHECK(abs(one.t - other.t) <= ldexp(Wide(1) + abs(one.t), -700));
     }

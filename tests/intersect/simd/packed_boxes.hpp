@@ -12,7 +12,10 @@ Box<S> draw_box(Random& random) {
     for (int axis = 0; axis < 3; ++axis) {
         const double lo = 8 * random.unit() - 4;
         box.lo[axis] = static_cast<S>(lo);
-        box.hi[axis] = random.one_in(10) ? box.lo[axis] : static_cast<S>(lo + std::ldexp(1 + random.unit(), static_cast<int>(random.between(-4, 3))));
+        box.hi[axis] =
+            random.one_in(10)
+                ? box.lo[axis]
+                : static_cast<S>(lo + std::ldexp(1 + random.unit(), static_cast<int>(random.between(-4, 3))));
     }
     return box;
 }

@@ -1,5 +1,5 @@
-// The packed kernels against the native rows, to the bit: hit, t, near and far, also where hit is false, because the same
-// operations on the same numbers leave the same numbers.
+// The packed kernels against the native rows, to the bit: hit, t, near and far, also where hit is false, because the
+// same operations on the same numbers leave the same numbers.
 #pragma once
 
 #include <sys/mman.h>
@@ -49,7 +49,8 @@ private:
     [[nodiscard]] S* data() const { return reinterpret_cast<S*>(memory_ + page) - size_; }
 
     const std::size_t page = static_cast<std::size_t>(sysconf(_SC_PAGESIZE));
-    char* memory_ = static_cast<char*>(mmap(nullptr, 2 * page, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0));
+    char* memory_ =
+        static_cast<char*>(mmap(nullptr, 2 * page, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0));
     std::size_t size_;
 };
 
@@ -61,7 +62,10 @@ struct Answers {
     std::size_t size;
 
     explicit Answers(std::size_t n) : t(n + widest, untouched), near(t), far(t), hit(n + widest, 77), size(n) {}
-    intersect::table::HitBatch<S> batch() { return {std::span(t).first(size), std::span(near).first(size), std::span(far).first(size), std::span(hit).first(size)}; }
+    intersect::table::HitBatch<S> batch() {
+        return {std::span(t).first(size), std::span(near).first(size), std::span(far).first(size),
+                std::span(hit).first(size)};
+    }
     [[nodiscard]] bool margin_is_untouched() const {
         for (std::size_t i = size; i < t.size(); ++i)
             if (t[i] != untouched || near[i] != untouched || far[i] != untouched || hit[i] != 77) return false;
@@ -76,7 +80,8 @@ auto kernel_of(const intersect::simd::PackedRow& row) {
 }
 
 template <class S>
-Answers<S> run(const intersect::simd::PackedRow& row, const Solid<S>& solid, const intersect::table::RayBatch<S>& rays) {
+Answers<S> run(const intersect::simd::PackedRow& row, const Solid<S>& solid,
+               const intersect::table::RayBatch<S>& rays) {
     Answers<S> answers(rays.size());
     kernel_of<S>(row)(rays, solid, answers.batch());
     return answers;
@@ -97,7 +102,8 @@ template <class S>
 std::size_t differences(const Answers<S>& a, const Answers<S>& b) {
     std::size_t count = 0;
     for (std::size_t i = 0; i < a.size; ++i)
-        count += a.hit[i] != b.hit[i] || !same(a.t[i], b.t[i]) || !same(a.near[i], b.near[i]) || !same(a.far[i], b.far[i]);
+        count +=
+            a.hit[i] != b.hit[i] || !same(a.t[i], b.t[i]) || !same(a.near[i], b.near[i]) || !same(a.far[i], b.far[i]);
     return count;
 }
 
@@ -137,10 +143,11 @@ void compare_forms(Shape shape, const std::vector<Scene<S>>& all) {
             const Answers<S> want = run(native[form], scene);
             tally.note(want);
             for (const intersect::simd::Isa isa : intersect::simd::available_isas())
-                wrong[static_cast<std::size_t>(isa)] += differences(run(intersect::simd::packed_rows(isa)[form], scene), want);
+                wrong[static_cast<std::size_t>(isa)] +=
+                    differences(run(intersect::simd::packed_rows(isa)[form], scene), want);
         }
-        INFO(native[form].info->name << ": finite hits " << tally.finite_hits << ", misses " << tally.misses << ", NaN " << tally.not_a_number << " of "
-                                     << tally.rays);
+        INFO(native[form].info->name << ": finite hits " << tally.finite_hits << ", misses " << tally.misses << ", NaN "
+                                     << tally.not_a_number << " of " << tally.rays);
         CHECK(wrong == std::vector<std::size_t>(intersect::simd::isa_names.size(), 0));
         CHECK(tally.finite_hits > tally.rays / 10);
         CHECK(tally.misses > tally.rays / 20);
@@ -154,11 +161,15 @@ template <class S>
 void compare_sizes(Shape shape, const Scene<S>& scene) {
     const auto native = intersect::simd::packed_rows(intersect::simd::Isa::scalar);
     for (std::size_t n = 0; n <= scene.size(); ++n) {
-        const auto first = [&](const std::vector<S>& all) { return Cornered<S>(std::span(all).first(std::min(n, all.size()))); };
+        const auto first = [&](const std::vector<S>& all) {
+            return Cornered<S>(std::span(all).first(std::min(n, all.size())));
+        };
         const auto& c = scene.column;
-        const Cornered<S> ox = first(c[0]), oy = first(c[1]), oz = first(c[2]), dx = first(c[3]), dy = first(c[4]), dz = first(c[5]);
+        const Cornered<S> ox = first(c[0]), oy = first(c[1]), oz = first(c[2]), dx = first(c[3]), dy = first(c[4]),
+                          dz = first(c[5]);
         const Cornered<S> tmax = first(scene.tmax);
-        const intersect::table::RayBatch<S> rays{ox.span(), oy.span(), oz.span(), dx.span(), dy.span(), dz.span(), tmax.span()};
+        const intersect::table::RayBatch<S> rays{ox.span(), oy.span(), oz.span(),  dx.span(),
+                                                 dy.span(), dz.span(), tmax.span()};
         for (const intersect::simd::Isa isa : intersect::simd::available_isas())
             for (std::size_t form = 0; form < native.size(); ++form) {
                 if (intersect::table::intersectors()[form].shape != shape || !kernel_of<S>(native[form])) continue;

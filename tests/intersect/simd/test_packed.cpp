@@ -13,7 +13,8 @@ namespace {
 template <class S>
 Scene<S> drawn_scene(Random& random, Setup setup, std::size_t n) {
     const auto narrow = [](const Rational& q) { return static_cast<S>(as_double(q)); };
-    const Case x = as_stored<S>(draw_case(random, setup), random.one_in(2) ? intersect::Direction::unit : intersect::Direction::any);
+    const Case x = as_stored<S>(draw_case(random, setup),
+                                random.one_in(2) ? intersect::Direction::unit : intersect::Direction::any);
     Scene<S> scene{lift_sphere<S>(x, narrow), {}, {}};
     const Ray<S> r = lift_ray<S>(x, narrow);
     for (std::size_t k = 0; k < n; ++k) {
@@ -51,8 +52,12 @@ std::vector<Scene<S>> scenes() {
 
 }  // namespace
 
-TEST_CASE("binary32: packed sphere kernels give the bits of the native rows", "[intersect][packed]") { compare_forms(Shape::sphere, scenes<float>()); }
-TEST_CASE("binary64: packed sphere kernels give the bits of the native rows", "[intersect][packed]") { compare_forms(Shape::sphere, scenes<double>()); }
+TEST_CASE("binary32: packed sphere kernels give the bits of the native rows", "[intersect][packed]") {
+    compare_forms(Shape::sphere, scenes<float>());
+}
+TEST_CASE("binary64: packed sphere kernels give the bits of the native rows", "[intersect][packed]") {
+    compare_forms(Shape::sphere, scenes<double>());
+}
 
 TEST_CASE("packed sphere kernels take batches of any size and touch nothing beside them", "[intersect][packed]") {
     Random random(3);

@@ -1,4 +1,5 @@
-// The packed kernels of the boxes against the native rows: rays along faces, through corners, from planes, with and without an end.
+// The packed kernels of the boxes against the native rows: rays along faces, through corners, from planes, with and
+// without an end.
 #include "intersect/simd/packed_boxes.hpp"
 #include "intersect/simd/packed_scene.hpp"
 
@@ -39,8 +40,12 @@ std::vector<Scene<S>> scenes() {
 
 }  // namespace
 
-TEST_CASE("binary32: packed box kernels give the bits of the native rows", "[intersect][packed]") { compare_forms(Shape::box, scenes<float>()); }
-TEST_CASE("binary64: packed box kernels give the bits of the native rows", "[intersect][packed]") { compare_forms(Shape::box, scenes<double>()); }
+TEST_CASE("binary32: packed box kernels give the bits of the native rows", "[intersect][packed]") {
+    compare_forms(Shape::box, scenes<float>());
+}
+TEST_CASE("binary64: packed box kernels give the bits of the native rows", "[intersect][packed]") {
+    compare_forms(Shape::box, scenes<double>());
+}
 
 TEST_CASE("packed box kernels take batches of any size and touch nothing beside them", "[intersect][packed]") {
     Random random(5);

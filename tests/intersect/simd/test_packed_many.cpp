@@ -36,7 +36,8 @@ template <class S>
 Drawn<S> draw(Random& random, Shape shape, std::size_t k, std::size_t n) {
     const Box<S> first = draw_box<S>(random);
     std::array<S, 6> numbers = draw_ray(random, first, k);
-    for (std::size_t axis = 0; axis < 3; ++axis) numbers[3 + axis] = std::copysign(numbers[3 + axis], k >> axis & 1 ? S(-1) : S(1));
+    for (std::size_t axis = 0; axis < 3; ++axis)
+        numbers[3 + axis] = std::copysign(numbers[3 + axis], k >> axis & 1 ? S(-1) : S(1));
     if (k % 4 == 3)
         for (S& x : numbers) x = random.one_in(3) ? draw_any<S>(random) : x;
     Drawn<S> d{ray_of(numbers), {}};
@@ -51,10 +52,14 @@ Drawn<S> draw(Random& random, Shape shape, std::size_t k, std::size_t n) {
             }
             solid = box;
         } else {
-            const auto near = [&](int axis) { return static_cast<S>(d.ray.origin[axis] + d.ray.direction[axis] + static_cast<S>(random.unit() - 0.5)); };
+            const auto near = [&](int axis) {
+                return static_cast<S>(d.ray.origin[axis] + d.ray.direction[axis] + static_cast<S>(random.unit() - 0.5));
+            };
             solid = Sphere<S>{{near(0), near(1), near(2)}, static_cast<S>(0.25 + random.unit())};
         }
-        if (random.one_in(6)) solid.used()[static_cast<std::size_t>(random.between(0, shape == Shape::box ? 5 : 3))] = draw_any<S>(random);
+        if (random.one_in(6))
+            solid.used()[static_cast<std::size_t>(random.between(0, shape == Shape::box ? 5 : 3))] =
+                draw_any<S>(random);
         d.solids.add(solid, draw_end<S>(random));
     }
     return d;
@@ -74,7 +79,8 @@ Expected<S> one_by_one(const intersect::simd::PackedRow& row, Shape shape, const
         Scene<S> scene;
         scene.solid.shape = shape;
         for (std::size_t c = 0; c < 6; ++c) scene.solid.numbers[c] = d.solids.column[c][i];
-        scene.add({d.ray.origin.x, d.ray.origin.y, d.ray.origin.z, d.ray.direction.x, d.ray.direction.y, d.ray.direction.z});
+        scene.add(
+            {d.ray.origin.x, d.ray.origin.y, d.ray.origin.z, d.ray.direction.x, d.ray.direction.y, d.ray.direction.z});
         scene.tmax.push_back(d.solids.t[i]);
         const Answers<S> a = run(row, scene);
         e.hit.push_back(a.hit[0]);
@@ -90,8 +96,11 @@ Expected<S> at_once(const intersect::simd::ManyRow& row, Shape shape, const Draw
     const Cornered<S> c0 = first(0), c1 = first(1), c2 = first(2), c3 = first(3), c4 = first(4), c5 = first(5);
     Expected<S> e{d.solids.t, std::vector<std::uint8_t>(d.solids.t.size(), 77)};
     const auto call = [&](auto boxes, auto spheres) {
-        if (shape == Shape::box) boxes(d.ray, {c0.span(), c1.span(), c2.span(), c3.span(), c4.span(), c5.span()}, std::span(e.t).first(n));
-        else spheres(d.ray, {c0.span(), c1.span(), c2.span(), c3.span()}, std::span(e.t).first(n), std::span(e.hit).first(n));
+        if (shape == Shape::box)
+            boxes(d.ray, {c0.span(), c1.span(), c2.span(), c3.span(), c4.span(), c5.span()}, std::span(e.t).first(n));
+        else
+            spheres(d.ray, {c0.span(), c1.span(), c2.span(), c3.span()}, std::span(e.t).first(n),
+                    std::span(e.hit).first(n));
     };
     if constexpr (std::same_as<S, float>) call(row.boxes32, row.spheres32);
     else call(row.boxes64, row.spheres64);
@@ -121,7 +130,8 @@ void compare(Shape shape) {
             for (const Isa isa : intersect::simd::available_isas()) {
                 const Expected<S> got = at_once(intersect::simd::many_rows(isa)[form], shape, all[k], n);
                 for (std::size_t i = 0; i < n; ++i)
-                    wrong[static_cast<std::size_t>(isa)] += !same(got.t[i], want.t[i]) || (shape == Shape::sphere && got.hit[i] != want.hit[i]);
+                    wrong[static_cast<std::size_t>(isa)] +=
+                        !same(got.t[i], want.t[i]) || (shape == Shape::sphere && got.hit[i] != want.hit[i]);
             }
         }
         INFO(native[form].info->name << ": " << hits << " hits of " << rays);
@@ -150,7 +160,8 @@ TEST_CASE("the rows for many solids are the catalogue's, each with the kernels o
         INFO(name_of(isa));
         CHECK(many.size() == intersect::simd::packed_rows(isa).size());
         for (std::size_t i = 0; i < many.size(); ++i) {
-            const bool box = rows[i].shape == Shape::box, sphere = rows[i].shape == Shape::sphere, has64 = rows[i].native64 != nullptr;
+            const bool box = rows[i].shape == Shape::box, sphere = rows[i].shape == Shape::sphere,
+                       has64 = rows[i].native64 != nullptr;
             CHECK(many[i].info == rows[i].info);
             CHECK((many[i].boxes32 != nullptr) == box);
             CHECK((many[i].boxes64 != nullptr) == (box && has64));

@@ -50,11 +50,11 @@ void ask(const Case& x, const Solution& s, Tally& tally) {
     tally.from_far += e.hit && e.first_is_far;
     if (!good && tally.wrong++ == 0)
         UNSCOPED_INFO(
-            Form::info.name << ": hit " << hit.hit << " for " << e.hit << ", t "
-                            << hit.t.template convert_to<double>() << " for " << first.template convert_to<double>()
-                            << ", near " << hit.near.template convert_to<double>() << " for "
-                            << near.template convert_to<double>() << ", far " << hit.far.template convert_to<double>()
-                            << " for " << far.template convert_to<double>());
+            Form::info.name << ": hit " << hit.hit << " for " << e.hit << ", t " << hit.t.template convert_to<double>()
+                            << " for " << first.template convert_to<double>() << ", near "
+                            << hit.near.template convert_to<double>() << " for " << near.template convert_to<double>()
+                            << ", far " << hit.far.template convert_to<double>() << " for "
+                            << far.template convert_to<double>());
 }
 
 }  // namespace

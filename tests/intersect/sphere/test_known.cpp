@@ -93,9 +93,9 @@ void ask_every_form(double ulps, int precision, const char* number) {
     intersect::SphereForms::for_each([&]<class Form>() {
         if constexpr (Form::info.formats == intersect::Formats::all || std::same_as<T, float>)
             for (const Known& k : known) {
-                // A form that takes the root of |f|² or moves bounds outward may be off by a few units; all others are exact.
-                const bool exact =
-                    Form::info.name != "sphere.pbrt_interval" && Form::info.name != "sphere.factored_c";
+                // A form that takes the root of |f|² or moves bounds outward may be off by a few units; all others are
+                // exact.
+                const bool exact = Form::info.name != "sphere.pbrt_interval" && Form::info.name != "sphere.factored_c";
                 ask<Form, T>(
                     k, exact ? 0 : ulps * std::ldexp(std::fmax(std::fabs(k.near), std::fabs(k.far)), 1 - precision),
                     number);

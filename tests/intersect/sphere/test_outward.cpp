@@ -24,7 +24,9 @@ struct Drawn {
 template <class T>
 Drawn<T> draw(Random& random, const FloatFormat& f, bool positive) {
     const auto finite = [&] { return draw_finite(random, f); };
-    double a = finite(), b = random.one_in(3) ? a : random.one_in(2) ? nearest(Mpfr(a * (1 + random.unit() / 64), 53), f) : finite();
+    double a = finite(), b = random.one_in(3)   ? a
+                             : random.one_in(2) ? nearest(Mpfr(a * (1 + random.unit() / 64), 53), f)
+                                                : finite();
     if (positive) a = std::fabs(a), b = std::fabs(b);
     if (a > b) std::swap(a, b);
     if (!std::isfinite(b) || !std::isfinite(a)) b = a = 1;

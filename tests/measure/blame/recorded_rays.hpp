@@ -18,19 +18,26 @@ struct Setting {
     std::vector<Solid<double>> solids;
     intersect::MarchConstants<double> march{};
 
-    [[nodiscard]] intersect::Target<double> target(const intersect::table::Intersector& form) const { return form.shape == Shape::sdf ? intersect::Target<double>(solids, march) : intersect::Target<double>(solids.front()); }
+    [[nodiscard]] intersect::Target<double> target(const intersect::table::Intersector& form) const {
+        return form.shape == Shape::sdf ? intersect::Target<double>(solids, march)
+                                        : intersect::Target<double>(solids.front());
+    }
 };
 
-/// A ray from outside or inside at a solid of the form's shape (of a field: two), most of which hit; every number one of the format.
-/// `far` multiplies the distance. Unit directions are of unit length but for their rounding.
-inline Setting draw_setting(Random& random, const intersect::table::Intersector& form, const Format& format, double far) {
+/// A ray from outside or inside at a solid of the form's shape (of a field: two), most of which hit; every number one
+/// of the format. `far` multiplies the distance. Unit directions are of unit length but for their rounding.
+inline Setting draw_setting(Random& random, const intersect::table::Intersector& form, const Format& format,
+                            double far) {
     const auto in_format = [&](double x) { return rounding::to_format(x, 0, format.shape); };
     const auto any = [&] { return 2 * random.unit() - 1; };
-    const auto vec = [&](double scale) { return Vec<double>(in_format(scale * any()), in_format(scale * any()), in_format(scale * any())); };
+    const auto vec = [&](double scale) {
+        return Vec<double>(in_format(scale * any()), in_format(scale * any()), in_format(scale * any()));
+    };
     Setting s{{Vec<double>(0, 0, 0), Vec<double>(0, 0, 0)}, {}};
     const Vec<double> centre = vec(3);
     const double radius = in_format(0.3 + random.unit());
-    const Vec<double> half(in_format(0.2 + random.unit()), in_format(0.2 + random.unit()), in_format(0.2 + random.unit()));
+    const Vec<double> half(in_format(0.2 + random.unit()), in_format(0.2 + random.unit()),
+                           in_format(0.2 + random.unit()));
     const auto box_at = [&](const Vec<double>& at) {
         Box<double> box{at, at};
         for (int i = 0; i < 3; ++i) {
@@ -44,10 +51,14 @@ inline Setting draw_setting(Random& random, const intersect::table::Intersector&
     if (form.shape == Shape::sdf) s.solids.push_back(box_at(vec(3)));
     s.ray.origin = Vec<double>(in_format(far * 6 * any()), in_format(far * 6 * any()), in_format(far * 6 * any()));
     const Vec<double> aim = vec(0.8);
-    Vec<double> d(centre.x + aim.x * radius - s.ray.origin.x, centre.y + aim.y * radius - s.ray.origin.y, centre.z + aim.z * radius - s.ray.origin.z);
-    const double size = form.info->direction == intersect::Direction::unit ? std::sqrt(d.x * d.x + d.y * d.y + d.z * d.z) : std::fabs(d.x) * (1 + random.unit());
+    Vec<double> d(centre.x + aim.x * radius - s.ray.origin.x, centre.y + aim.y * radius - s.ray.origin.y,
+                  centre.z + aim.z * radius - s.ray.origin.z);
+    const double size = form.info->direction == intersect::Direction::unit
+                            ? std::sqrt(d.x * d.x + d.y * d.y + d.z * d.z)
+                            : std::fabs(d.x) * (1 + random.unit());
     for (int i = 0; i < 3; ++i) s.ray.direction[i] = in_format(d[i] / size);
-    s.march = intersect::MarchConstants<double>{in_format(1e-3), in_format(100), in_format(1e-3), in_format(1e-3), in_format(1.4)};
+    s.march = intersect::MarchConstants<double>{in_format(1e-3), in_format(100), in_format(1e-3), in_format(1e-3),
+                                                in_format(1.4)};
     return s;
 }
 
@@ -55,11 +66,13 @@ inline Setting draw_setting(Random& random, const intersect::table::Intersector&
 inline Hit<double> plain(const intersect::table::Intersector& form, const Format& format, const Setting& s) {
     const auto run = [&]<class S>(const auto& kernel) {
         const auto narrow = [](double x) { return static_cast<S>(x); };
-        std::array<S, 10> x{narrow(s.ray.origin.x), narrow(s.ray.origin.y), narrow(s.ray.origin.z), narrow(s.ray.direction.x), narrow(s.ray.direction.y), narrow(s.ray.direction.z)};
+        std::array<S, 10> x{narrow(s.ray.origin.x),    narrow(s.ray.origin.y),    narrow(s.ray.origin.z),
+                            narrow(s.ray.direction.x), narrow(s.ray.direction.y), narrow(s.ray.direction.z)};
         std::uint8_t hit = 0;
         const auto one = [&](std::size_t i) { return std::span<S>(&x[i], 1); };
         const intersect::LiftedTarget<S> target(s.target(form), narrow);
-        kernel(intersect::table::RayBatch<S>{one(0), one(1), one(2), one(3), one(4), one(5)}, target.get(), intersect::table::HitBatch<S>{one(6), one(7), one(8), std::span(&hit, 1)});
+        kernel(intersect::table::RayBatch<S>{one(0), one(1), one(2), one(3), one(4), one(5)}, target.get(),
+               intersect::table::HitBatch<S>{one(6), one(7), one(8), std::span(&hit, 1)});
         return Hit<double>{hit != 0, x[6], x[7], x[8]};
     };
     switch (format.engine) {

@@ -6,8 +6,8 @@
 #include <cmath>
 
 #include "catch.hpp"
-#include "measure/map/culprit_order.hpp"
 #include "measure/blame/recorded_rays.hpp"
+#include "measure/map/culprit_order.hpp"
 #include "scene/file/scene.hpp"
 
 namespace lostbits::test {
@@ -45,7 +45,8 @@ TEST_CASE("every culprit is among the operations of its form, and no plain miss 
                 if (blame.attribution->culprit == no_node) continue;
                 REQUIRE(blame.culprit >= 1);
                 const auto operations = operations_of(form, given(s));
-                CHECK(std::ranges::find(operations, culprit->categories[static_cast<std::size_t>(blame.culprit)]) != operations.end());
+                CHECK(std::ranges::find(operations, culprit->categories[static_cast<std::size_t>(blame.culprit)]) !=
+                      operations.end());
                 ++blamed;
             }
         }
@@ -67,7 +68,8 @@ TEST_CASE("cancellation and contributions of labels: parts of what there is", "[
             for (const std::string_view label : measure::blame::labels_of(form, given(s))) {
                 INFO(form.info->name << " " << label);
                 const double bits = measure::blame::cancellation_of(*blame.tape, *blame.attribution, label);
-                const bool there = std::ranges::any_of(blame.tape->nodes, [&](const TapeNode& n) { return n.label == label; });
+                const bool there =
+                    std::ranges::any_of(blame.tape->nodes, [&](const TapeNode& n) { return n.label == label; });
                 CHECK(std::isnan(bits) == !there);
                 if (there) CHECK(bits <= worst);
                 cancelled += bits > 0;
@@ -91,7 +93,9 @@ TEST_CASE("an unknown label is refused with what was meant, a known one is bound
     const std::array<Solid<double>, 1> solids{unit};
     std::vector<const Intersector*> forms;
     for (const Intersector& form : intersect::table::intersectors(Shape::sphere)) forms.push_back(&form);
-    std::vector<const Metric*> metrics{measure::blame::labelled_metric("contribution:disc"), measure::blame::labelled_metric("cancellation:c"), measure::metric::find_metric("culprit")};
+    std::vector<const Metric*> metrics{measure::blame::labelled_metric("contribution:disc"),
+                                       measure::blame::labelled_metric("cancellation:c"),
+                                       measure::metric::find_metric("culprit")};
     measure::blame::bind_to_run(metrics, forms, {solids});
     CHECK(metrics[2]->categories.size() > 100);
     CHECK(measure::blame::labelled_metric("contribution:") == nullptr);
@@ -103,14 +107,20 @@ TEST_CASE("an unknown label is refused with what was meant, a known one is bound
 TEST_CASE("categories go by how often they are to blame", "[culprits]") {
     const auto found = scene::file::find_scene("near-benign", LOSTBITS_DATA_DIR);
     const scene::file::Scene scene = scene::file::load_scene(found.path, {.size = std::pair{60, 40}}).front();
-    measure::map::MapRequest request{.scene = &scene, .rows = {}, .metrics = {measure::metric::find_metric("lost_bits"), measure::metric::find_metric("culprit")}};
-    for (const Intersector& form : intersect::table::intersectors(Shape::sphere)) request.rows.push_back({&form, *find_format("f32")});
-    measure::blame::bind_to_run(request.metrics, measure::map::forms_of(request.rows), measure::blame::SettingOf(scene).get());
+    measure::map::MapRequest request{
+        .scene = &scene,
+        .rows = {},
+        .metrics = {measure::metric::find_metric("lost_bits"), measure::metric::find_metric("culprit")}};
+    for (const Intersector& form : intersect::table::intersectors(Shape::sphere))
+        request.rows.push_back({&form, *find_format("f32")});
+    measure::blame::bind_to_run(request.metrics, measure::map::forms_of(request.rows),
+                                measure::blame::SettingOf(scene).get());
     const Metric* const before = request.metrics[1];
     order_culprits(request);
     const Metric* const after = request.metrics[1];
     CHECK(after->categories.front() == before->categories.front());
-    std::vector<std::string_view> a(before->categories.begin(), before->categories.end()), b(after->categories.begin(), after->categories.end());
+    std::vector<std::string_view> a(before->categories.begin(), before->categories.end()),
+        b(after->categories.begin(), after->categories.end());
     CHECK(a != b);
     std::ranges::sort(a);
     std::ranges::sort(b);

@@ -8,7 +8,12 @@
 namespace lostbits::test {
 namespace {
 
-constexpr std::array<std::pair<TapeOp, Op>, 6> arithmetic{{{TapeOp::add, Op::add}, {TapeOp::sub, Op::subtract}, {TapeOp::mul, Op::multiply}, {TapeOp::div, Op::divide}, {TapeOp::sqrt, Op::root}, {TapeOp::fma, Op::fused}}};
+constexpr std::array<std::pair<TapeOp, Op>, 6> arithmetic{{{TapeOp::add, Op::add},
+                                                           {TapeOp::sub, Op::subtract},
+                                                           {TapeOp::mul, Op::multiply},
+                                                           {TapeOp::div, Op::divide},
+                                                           {TapeOp::sqrt, Op::root},
+                                                           {TapeOp::fma, Op::fused}}};
 
 }  // namespace
 
@@ -30,7 +35,8 @@ TEST_CASE("the rounding of an operation is its result minus the exact one", "[at
                 if (!std::isfinite(value) || mpfr_number_p(exact) == 0) continue;
                 mpfr_d_sub(off, value, exact, MPFR_RNDN);
                 const double want = mpfr_get_d(off, MPFR_RNDN), got = measure::blame::rounding_of(tape, n);
-                INFO(tape_op_names[static_cast<std::size_t>(op)] << " " << Mpfr(x[0], 53).text() << " " << Mpfr(x[1], 53).text() << " " << Mpfr(x[2], 53).text());
+                INFO(tape_op_names[static_cast<std::size_t>(op)]
+                     << " " << Mpfr(x[0], 53).text() << " " << Mpfr(x[1], 53).text() << " " << Mpfr(x[2], 53).text());
                 // A quotient of 4400 bits is not exact either.
                 const bool endless = op == TapeOp::div || op == TapeOp::sqrt;
                 if (endless && std::fabs(want) < std::ldexp(std::fabs(value), -1000)) REQUIRE(got == 0);
@@ -55,7 +61,8 @@ TEST_CASE("a difference goes through an operation by its quotient, exactly", "[a
             default: return BasicReal<400>(x * y + z);
         }
     };
-    for (const TapeOp op : {TapeOp::add, TapeOp::sub, TapeOp::mul, TapeOp::div, TapeOp::sqrt, TapeOp::abs, TapeOp::neg, TapeOp::fma})
+    for (const TapeOp op :
+         {TapeOp::add, TapeOp::sub, TapeOp::mul, TapeOp::div, TapeOp::sqrt, TapeOp::abs, TapeOp::neg, TapeOp::fma})
         for (int i = 0; i < 2000; ++i) {
             std::array<measure::blame::Operand, 3> x;
             for (measure::blame::Operand& o : x) {
@@ -67,9 +74,11 @@ TEST_CASE("a difference goes through an operation by its quotient, exactly", "[a
             const measure::blame::Weights w = measure::blame::quotients(TapeNode{.op = op}, x, no_node, false);
             BasicReal<400> through(0);
             for (std::size_t k = 0; k < 3; ++k) {
-                if (w.follows[k]) through += BasicReal<400>(w.by[k]) * (BasicReal<400>(x[k].computed) - BasicReal<400>(x[k].exact));
+                if (w.follows[k])
+                    through += BasicReal<400>(w.by[k]) * (BasicReal<400>(x[k].computed) - BasicReal<400>(x[k].exact));
             }
-            const BasicReal<400> want = evaluated(op, x[0].computed, x[1].computed, x[2].computed) - evaluated(op, x[0].exact, x[1].exact, x[2].exact);
+            const BasicReal<400> want = evaluated(op, x[0].computed, x[1].computed, x[2].computed) -
+                                        evaluated(op, x[0].exact, x[1].exact, x[2].exact);
             INFO(tape_op_names[static_cast<std::size_t>(op)]);
             REQUIRE(abs(through - want) <= BasicReal<400>(0x1p-44));
         }
@@ -79,15 +88,16 @@ TEST_CASE("cancelled bits by hand", "[attribution]") {
     const auto cancelled = [](TapeOp op, double a, double b, double c = 0) {
         Tape tape;
         const NodeId x = tape.add_input(binary32, a), y = tape.add_input(binary32, b), z = tape.add_input(binary32, c);
-        return measure::blame::cancellation(tape, tape.add(op, binary32, measure::blame::apply(op, {a, b, c}, binary32), x, y, op == TapeOp::fma ? z : no_node));
+        return measure::blame::cancellation(tape, tape.add(op, binary32, measure::blame::apply(op, {a, b, c}, binary32),
+                                                           x, y, op == TapeOp::fma ? z : no_node));
     };
-    CHECK(cancelled(TapeOp::sub, 1.5, 1.25) == 2);            // 2^0 and 2^0 leave 2^-2
-    CHECK(cancelled(TapeOp::add, 8, -7.5) == 4);              // 2^3 and 2^2 leave 2^-1
+    CHECK(cancelled(TapeOp::sub, 1.5, 1.25) == 2);  // 2^0 and 2^0 leave 2^-2
+    CHECK(cancelled(TapeOp::add, 8, -7.5) == 4);    // 2^3 and 2^2 leave 2^-1
     CHECK(cancelled(TapeOp::add, 8, 7.5) == 0);
-    CHECK(cancelled(TapeOp::sub, 3, 3) == 24);                // all of them
+    CHECK(cancelled(TapeOp::sub, 3, 3) == 24);  // all of them
     CHECK(cancelled(TapeOp::sub, 0, 0) == 0);
     CHECK(cancelled(TapeOp::mul, 3, 3) == 0);
-    CHECK(cancelled(TapeOp::fma, 3, 3, -8.5) == 4);           // 2^3 leaves 2^-1
+    CHECK(cancelled(TapeOp::fma, 3, 3, -8.5) == 4);  // 2^3 leaves 2^-1
     CHECK(cancelled(TapeOp::sub, HUGE_VAL, 1) == 0);
 }
 

@@ -15,7 +15,8 @@ using measure::blame::TapeText;
 namespace {
 
 const Intersector& form_named(std::string_view name) {
-    return *std::ranges::find_if(intersect::table::intersectors(), [&](const Intersector& i) { return i.info->name == name; });
+    return *std::ranges::find_if(intersect::table::intersectors(),
+                                 [&](const Intersector& i) { return i.info->name == name; });
 }
 
 struct Recording {
@@ -24,7 +25,9 @@ struct Recording {
         setting = draw_setting(random, form, *find_format("f32"), 1);
         form.record(*find_format("f32"), setting.ray, setting.target(form), HUGE_VAL, tape);
     }
-    [[nodiscard]] TapeText text(TapeText::Style style) const { return {tape, intersect::table::input_names(form, setting.target(form)), style}; }
+    [[nodiscard]] TapeText text(TapeText::Style style) const {
+        return {tape, intersect::table::input_names(form, setting.target(form)), style};
+    }
     [[nodiscard]] NodeId labelled(std::string_view label) const {
         for (NodeId i = 0; i < tape.size(); ++i) {
             if (tape[i].label == label) return i;
@@ -70,7 +73,8 @@ TEST_CASE("names are unique, and C identifiers of them too", "[attribution]") {
             INFO(form.info->name << " " << text.name(i));
             CHECK(names.insert(text.name(i)).second);
             CHECK(identifiers.insert(text.identifier(i)).second);
-            CHECK(std::ranges::all_of(text.identifier(i), [](char c) { return std::isalnum(static_cast<unsigned char>(c)) || c == '_'; }));
+            CHECK(std::ranges::all_of(text.identifier(i),
+                                      [](char c) { return std::isalnum(static_cast<unsigned char>(c)) || c == '_'; }));
         }
     }
 }
@@ -85,7 +89,8 @@ TEST_CASE("every operation of any tape has a category of the tape of all operati
             Tape tape;
             if (known.empty()) {
                 form.record_all(s.target(form), tape);
-                const TapeText text(tape, intersect::table::input_names(form, s.target(form)), TapeText::Style::generic);
+                const TapeText text(tape, intersect::table::input_names(form, s.target(form)),
+                                    TapeText::Style::generic);
                 for (NodeId n = 0; n < tape.size(); ++n) known.insert(text.category(n));
             }
             form.record(f32, s.ray, s.target(form), HUGE_VAL, tape);

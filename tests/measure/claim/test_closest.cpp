@@ -8,18 +8,22 @@ using namespace lostbits;
 TEST_CASE("passing on the closest t changes no answer of a closed form, and the comparison can see a difference") {
     for (const intersect::table::Intersector& form : intersect::table::intersectors(Shape::box)) {
         INFO(form.info->name);
-        if (form.info->touching == intersect::Touching::hit) CHECK(measure::claim::differs_with_closest({&form, *find_format("f32")}, 8) == 0);
+        if (form.info->touching == intersect::Touching::hit)
+            CHECK(measure::claim::differs_with_closest({&form, *find_format("f32")}, 8) == 0);
     }
     // A form that ignores where the ray ends would still agree; one that hits nothing once it is told does not.
     static const intersect::Info info{.name = "box.shy", .title = "-", .source = "-"};
     intersect::table::Intersector shy = intersect::table::intersectors(Shape::box).front();
     shy.info = &info;
-    shy.native32 = [](const intersect::table::RayBatch<float>& rays, const intersect::Target<float>& target, const intersect::table::HitBatch<float>& hits) {
+    shy.native32 = [](const intersect::table::RayBatch<float>& rays, const intersect::Target<float>& target,
+                      const intersect::table::HitBatch<float>& hits) {
         for (std::size_t i = 0; i < rays.size(); ++i) {
             hits.hit[i] = rays.tmax.empty() || !(rays.tmax[i] < 1e30F);
             hits.t[i] = hits.near[i] = hits.far[i] = -target.solids.front().numbers[0];
         }
     };
     CHECK(measure::claim::differs_with_closest({&shy, *find_format("f32")}, 8) > 0.5);
-    CHECK_THROWS_AS(measure::claim::differs_with_closest({&intersect::table::sphere_intersectors().front(), *find_format("f32")}, 8), InputError);
+    CHECK_THROWS_AS(measure::claim::differs_with_closest(
+                        {&intersect::table::sphere_intersectors().front(), *find_format("f32")}, 8),
+                    InputError);
 }

@@ -2,8 +2,8 @@
 #include <cmath>
 
 #include "catch.hpp"
-#include "measure/map/map.hpp"
 #include "measure/answer/one_ray.hpp"
+#include "measure/map/map.hpp"
 #include "scene/sweep/sweep_file.hpp"
 
 namespace lostbits::test {
@@ -37,7 +37,8 @@ public:
     void band(const measure::map::BandResult& result) override {
         for (std::size_t i = 0; i < result.outcomes.size(); ++i) {
             const intersect::MarchRecord& m = result.answers->march[i];
-            const double ulps = result.metrics[0][i], model = result.metrics[1][i], rounding = result.metrics[2][i], input = result.metrics[3][i];
+            const double ulps = result.metrics[0][i], model = result.metrics[1][i], rounding = result.metrics[2][i],
+                         input = result.metrics[3][i];
             wrong += m.iterations < 1 || m.iterations > max_steps_;
             wrong += (m.stop == Stop::hit) != (result.answers->hit[i] != 0);
             wrong += (m.stop == Stop::max_steps || m.stop == Stop::stagnated) && m.iterations != max_steps_;
@@ -51,7 +52,8 @@ public:
                 continue;
             }
             ++compared;
-            wrong += !(std::fabs(model + rounding + input - ulps) <= 1e-6 * (1 + std::fabs(model) + std::fabs(rounding)));
+            wrong +=
+                !(std::fabs(model + rounding + input - ulps) <= 1e-6 * (1 + std::fabs(model) + std::fabs(rounding)));
         }
     }
     int wrong = 0, compared = 0, without_self = 0;
@@ -65,13 +67,15 @@ private:
 TEST_CASE("input, model and rounding error of a march sum to its error", "[measure][march]") {
     const auto scene = scene_of("sdf-union", 24);
     MapRequest request{.scene = &scene, .rows = marches(scene, {"f32", "f64", "bf16"}), .metrics = {}};
-    for (const char* name : {"ulp_error", "model_error", "rounding_error", "input_error", "iterations", "stop"}) request.metrics.push_back(measure::metric::find_metric(name));
+    for (const char* name : {"ulp_error", "model_error", "rounding_error", "input_error", "iterations", "stop"})
+        request.metrics.push_back(measure::metric::find_metric(name));
     std::vector<Checker> checkers(request.rows.size(), Checker(scene.march->max_steps));
     std::vector<measure::map::MapSink*> sinks;
     for (Checker& c : checkers) sinks.push_back(&c);
     const auto summaries = measure::map::run_map(request, sinks);
     for (std::size_t r = 0; r < request.rows.size(); ++r) {
-        INFO(request.rows[r].form->info->name << " in " << request.rows[r].format.name << ", without a value " << checkers[r].without_self);
+        INFO(request.rows[r].form->info->name << " in " << request.rows[r].format.name << ", without a value "
+                                              << checkers[r].without_self);
         CHECK(checkers[r].wrong == 0);
         CHECK(checkers[r].compared > 50);  // in bf16 most of the union is missed
         CHECK(checkers[r].without_self < checkers[r].compared / 20);
@@ -84,7 +88,10 @@ TEST_CASE("input, model and rounding error of a march sum to its error", "[measu
 
 TEST_CASE("forms that do not march have no such metrics", "[measure][march]") {
     const auto scene = scene_of("sdf-sphere", 16);
-    MapRequest request{.scene = &scene, .rows = {{&intersect::table::intersectors().front(), *find_format("f32")}}, .metrics = {measure::metric::find_metric("lost_bits"), measure::metric::find_metric("iterations"), measure::metric::find_metric("stop")}};
+    MapRequest request{.scene = &scene,
+                       .rows = {{&intersect::table::intersectors().front(), *find_format("f32")}},
+                       .metrics = {measure::metric::find_metric("lost_bits"),
+                                   measure::metric::find_metric("iterations"), measure::metric::find_metric("stop")}};
     const auto summary = std::move(measure::map::run_map(request, {}).front());
     CHECK(summary.metrics[0].count() > 0);
     CHECK(summary.metrics[1].count() == 0);
@@ -93,12 +100,14 @@ TEST_CASE("forms that do not march have no such metrics", "[measure][march]") {
 
 TEST_CASE("refinement takes the model error away", "[measure][march]") {
     const auto scene = scene_of("sdf-sphere", 24);
-    MapRequest request{.scene = &scene, .rows = marches(scene, {"f64"}), .metrics = {measure::metric::find_metric("model_error")}};
+    MapRequest request{
+        .scene = &scene, .rows = marches(scene, {"f64"}), .metrics = {measure::metric::find_metric("model_error")}};
     const auto summaries = measure::map::run_map(request, {});
     const double plain = summaries[0].metrics[0].quantile(0.5);
     for (std::size_t r = 0; r < request.rows.size(); ++r) {
         const auto name = request.rows[r].form->info->name;
-        if (name == "sdf.secant_refined" || name == "sdf.bisect_refined") CHECK(summaries[r].metrics[0].quantile(0.5) < plain / 1000);
+        if (name == "sdf.secant_refined" || name == "sdf.bisect_refined")
+            CHECK(summaries[r].metrics[0].quantile(0.5) < plain / 1000);
     }
     // hit_eps over the cosine of incidence, in ulps of a t between 2 and 4: at least hit_eps / 2 of 2^-51 for most.
     CHECK(plain > 1e-5 / 0x1p-51);

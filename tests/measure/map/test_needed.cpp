@@ -18,7 +18,8 @@ scene::file::Scene load(const char* name, int width, int height) {
 }
 
 const intersect::table::Intersector& form(const char* name) {
-    const auto found = std::ranges::find(intersect::table::intersectors(), name, [](const intersect::table::Intersector& i) { return i.info->name; });
+    const auto found = std::ranges::find(intersect::table::intersectors(), name,
+                                         [](const intersect::table::Intersector& i) { return i.info->name; });
     REQUIRE(found != intersect::table::intersectors().end());
     return *found;
 }
@@ -32,12 +33,15 @@ struct Collected final : measure::map::MapSink {
         correct.insert(correct.end(), r.metrics[0].begin(), r.metrics[0].end());
     }
     [[nodiscard]] bool suffices(std::size_t i, int bits) const {
-        return outcomes[i] == measure::answer::Outcome::agree_miss || (outcomes[i] == measure::answer::Outcome::agree_hit && correct[i] >= bits);
+        return outcomes[i] == measure::answer::Outcome::agree_miss ||
+               (outcomes[i] == measure::answer::Outcome::agree_hit && correct[i] >= bits);
     }
 };
 
-std::vector<Collected> map_of(const scene::file::Scene& scene, const intersect::table::Intersector& form, const std::vector<std::string>& formats) {
-    measure::map::MapRequest request{.scene = &scene, .rows = {}, .metrics = {measure::metric::find_metric("correct_bits")}};
+std::vector<Collected> map_of(const scene::file::Scene& scene, const intersect::table::Intersector& form,
+                              const std::vector<std::string>& formats) {
+    measure::map::MapRequest request{
+        .scene = &scene, .rows = {}, .metrics = {measure::metric::find_metric("correct_bits")}};
     for (const auto& f : formats) request.rows.push_back({&form, *find_format(f)});
     std::vector<Collected> all(formats.size());
     std::vector<measure::map::MapSink*> sinks;
@@ -48,16 +52,20 @@ std::vector<Collected> map_of(const scene::file::Scene& scene, const intersect::
 
 std::vector<std::string> every_width() {
     std::vector<std::string> names;
-    for (int p = measure::map::least_width; p <= measure::map::most_width; ++p) names.push_back("p" + std::to_string(p));
+    for (int p = measure::map::least_width; p <= measure::map::most_width; ++p)
+        names.push_back("p" + std::to_string(p));
     return names;
 }
 
 struct Needed final : measure::map::NeededSink {
     std::vector<double> values;
-    void band(const measure::map::NeededBand& r) override { values.insert(values.end(), r.needed.begin(), r.needed.end()); }
+    void band(const measure::map::NeededBand& r) override {
+        values.insert(values.end(), r.needed.begin(), r.needed.end());
+    }
 };
 
-std::vector<double> needed_of(const scene::file::Scene& scene, const intersect::table::Intersector& form, int bits, measure::map::NeededSummary* summary = nullptr) {
+std::vector<double> needed_of(const scene::file::Scene& scene, const intersect::table::Intersector& form, int bits,
+                              measure::map::NeededSummary* summary = nullptr) {
     Needed sink;
     const auto summaries = measure::map::run_needed({.scene = &scene, .forms = {&form}, .bits = bits}, {&sink});
     if (summary) *summary = summaries.front();
@@ -81,11 +89,16 @@ TEST_CASE("bits needed are what a map of all 52 widths says", "[needed]") {
                 std::size_t wrong = 0;
                 for (std::size_t i = 0; i < values.size(); ++i) {
                     double expected = measure::map::needed_beyond;
-                    for (int p = measure::map::most_width; p >= measure::map::least_width && maps[static_cast<std::size_t>(p - measure::map::least_width)].suffices(i, bits); --p) expected = p;
+                    for (int p = measure::map::most_width;
+                         p >= measure::map::least_width &&
+                         maps[static_cast<std::size_t>(p - measure::map::least_width)].suffices(i, bits);
+                         --p)
+                        expected = p;
                     wrong += values[i] != expected;
                     beyond += expected == measure::map::needed_beyond;
                     narrow_misses += expected < bits;
-                    for (int p = measure::map::least_width; p < expected && p <= measure::map::most_width; ++p) lucky += maps[static_cast<std::size_t>(p - measure::map::least_width)].suffices(i, bits);
+                    for (int p = measure::map::least_width; p < expected && p <= measure::map::most_width; ++p)
+                        lucky += maps[static_cast<std::size_t>(p - measure::map::least_width)].suffices(i, bits);
                 }
                 CHECK(wrong == 0);
             }
@@ -132,7 +145,8 @@ TEST_CASE("a width exists exactly where double's own format suffices", "[needed]
 
 TEST_CASE("forms beside each other do not change each other's bits needed", "[needed]") {
     const scene::file::Scene scene = load("rtg-fig-7-3-100-oblique", 70, 50);
-    const std::vector<const intersect::table::Intersector*> forms{&form("sphere.schoolbook"), &form("sphere.unit_half_b"), &form("sphere.unified")};
+    const std::vector<const intersect::table::Intersector*> forms{&form("sphere.schoolbook"),
+                                                                  &form("sphere.unit_half_b"), &form("sphere.unified")};
     std::vector<Needed> together(3);
     std::uint64_t done = 0;
     measure::map::NeededRequest request{.scene = &scene, .forms = forms, .bits = 16};
@@ -175,12 +189,22 @@ TEST_CASE("what suffices on one ray", "[needed]") {
 }
 
 TEST_CASE("a ray without a proved truth has no width, and is counted apart", "[needed]") {
-    // The line passes 2^-120 inside the unit sphere: double-double leaves that open, and this limit allows no further stage.
-    scene::rays::RayBlock rays{.width = 2, .y0 = 0, .y1 = 1, .ox = {1, 0}, .oy = {0, 0}, .oz = {-4, -4}, .dx = {0, 0}, .dy = {0, 0}, .dz = {1, 1}};
+    // The line passes 2^-120 inside the unit sphere: double-double leaves that open, and this limit allows no further
+    // stage.
+    scene::rays::RayBlock rays{.width = 2,
+                               .y0 = 0,
+                               .y1 = 1,
+                               .ox = {1, 0},
+                               .oy = {0, 0},
+                               .oz = {-4, -4},
+                               .dx = {0, 0},
+                               .dy = {0, 0},
+                               .dz = {1, 1}};
     const Solid<double> solid = Sphere<double>{{0x1p-120, 0, 0}, 1};
     const measure::truth::Band band(rays, {solid}, {.bits = 1});
     REQUIRE(band.truth(0, intersect::Touching::hit).decision == measure::truth::Truth::Decision::unresolved);
-    const auto results = measure::map::measure_needed({.scene = nullptr, .forms = {&form("sphere.unified")}, .bits = 12}, band);
+    const auto results =
+        measure::map::measure_needed({.scene = nullptr, .forms = {&form("sphere.unified")}, .bits = 12}, band);
     CHECK(std::isnan(results[0].needed[0]));
     CHECK(results[0].needed[1] <= measure::map::most_width);
     measure::map::NeededSummary summary;

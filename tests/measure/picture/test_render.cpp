@@ -6,8 +6,8 @@
 
 #include "catch.hpp"
 #include "measure/picture/render.hpp"
-#include "scene/rays/rays.hpp"
 #include "scene/rays/camera.hpp"
+#include "scene/rays/rays.hpp"
 #include "scene/toml/round.hpp"
 
 using namespace lostbits;
@@ -26,20 +26,25 @@ std::vector<measure::map::MapRow> rows_of(const std::vector<std::string>& format
     std::vector<measure::map::MapRow> rows;
     for (const intersect::table::Intersector& f : intersect::table::sphere_intersectors()) {
         for (const auto& name : formats)
-            if ((only.empty() || f.info->name == only) && f.exists_in(*find_format(name))) rows.push_back({&f, *find_format(name)});
+            if ((only.empty() || f.info->name == only) && f.exists_in(*find_format(name)))
+                rows.push_back({&f, *find_format(name)});
     }
     return rows;
 }
 
 /// Everything that a run hands out.
 struct Collected final : measure::picture::RenderSink {
-    explicit Collected(const measure::picture::RenderRequest& request) : pictures(request.rows.size()), shadows(pictures.size()), residuals(pictures.size()) {
+    explicit Collected(const measure::picture::RenderRequest& request)
+        : pictures(request.rows.size()), shadows(pictures.size()), residuals(pictures.size()) {
         for (auto& p : pictures) p.resize(request.stages.size());
         summaries = measure::picture::run_render(request, this);
     }
-    void reference(int, int, std::span<const measure::picture::TruePixel> band) override { truth.insert(truth.end(), band.begin(), band.end()); }
+    void reference(int, int, std::span<const measure::picture::TruePixel> band) override {
+        truth.insert(truth.end(), band.begin(), band.end());
+    }
     void row(std::size_t r, const measure::picture::RenderBand& band) override {
-        for (std::size_t s = 0; s < band.painted.size(); ++s) pictures[r][s].insert(pictures[r][s].end(), band.painted[s].begin(), band.painted[s].end());
+        for (std::size_t s = 0; s < band.painted.size(); ++s)
+            pictures[r][s].insert(pictures[r][s].end(), band.painted[s].begin(), band.painted[s].end());
         shadows[r].insert(shadows[r].end(), band.shadow.begin(), band.shadow.end());
         residuals[r].insert(residuals[r].end(), band.residual.begin(), band.residual.end());
     }
@@ -53,7 +58,8 @@ struct Collected final : measure::picture::RenderSink {
 bool same(double a, double b) { return a == b || (std::isnan(a) && std::isnan(b)); }
 bool same(const std::vector<measure::picture::Painted>& a, const std::vector<measure::picture::Painted>& b) {
     return std::ranges::equal(a, b, [](const measure::picture::Painted& x, const measure::picture::Painted& y) {
-        return same(x.colour.x, y.colour.x) && same(x.colour.y, y.colour.y) && same(x.colour.z, y.colour.z) && x.byte == y.byte;
+        return same(x.colour.x, y.colour.x) && same(x.colour.y, y.colour.y) && same(x.colour.z, y.colour.z) &&
+               x.byte == y.byte;
     });
 }
 
@@ -80,11 +86,14 @@ struct Plain {
 
 Plain plain_pixel(const scene::file::Scene& s, std::size_t i, const scene::rays::RayBlock& rays) {
     const auto& look = s.appearance;
-    const Vec<Real> o(Real(rays.ox[i]), Real(rays.oy[i]), Real(rays.oz[i])), d(Real(rays.dx[i]), Real(rays.dy[i]), Real(rays.dz[i]));
+    const Vec<Real> o(Real(rays.ox[i]), Real(rays.oy[i]), Real(rays.oz[i])),
+        d(Real(rays.dx[i]), Real(rays.dy[i]), Real(rays.dz[i]));
     const Vec<Real> light = rounded(*look.light);
     std::optional<Real> best;
     std::size_t seen = 0;
-    const auto meets = [&](const Vec<Real>& from, const Vec<Real>& way, std::size_t k) { return first(from, way, rounded(s.spheres[k].centre), rounded(s.spheres[k].radius)); };
+    const auto meets = [&](const Vec<Real>& from, const Vec<Real>& way, std::size_t k) {
+        return first(from, way, rounded(s.spheres[k].centre), rounded(s.spheres[k].radius));
+    };
     for (std::size_t k = 0; k < s.spheres.size(); ++k) {
         const auto t = meets(o, d, k);
         if (t && (!best || *t < *best)) {
@@ -103,7 +112,8 @@ Plain plain_pixel(const scene::file::Scene& s, std::size_t i, const scene::rays:
     };
     if (!best) {
         const int width = s.width;
-        const auto p = scene::rays::pixel_point(scene::rays::make_frame<Real>(s), static_cast<int>(i) % width, static_cast<int>(i) / width);
+        const auto p = scene::rays::pixel_point(scene::rays::make_frame<Real>(s), static_cast<int>(i) % width,
+                                                static_cast<int>(i) / width);
         plain.shadowed = shadowed(rounded(p), s.spheres.size());
         plain.colour.fill(rounded(look.background));
         if (plain.shadowed) plain.colour[2] = plain.colour[3] = plain.colour[0] * rounded(look.shadows->background);
@@ -145,7 +155,8 @@ TEST_CASE("the certified picture is that of plain formulas in 256 bits, channel 
                 for (int k = 0; k < 3; ++k) {
                     const measure::picture::Tight& channel = c.channel[static_cast<std::size_t>(k)];
                     REQUIRE(abs(Real(channel.hi) + Real(channel.lo) - plain.colour[stage][k]) < 0x1p-70);
-                    const Real byte = std::clamp(Real(floor(255 * plain.colour[stage][k] + Real(0.5))), Real(0), Real(255));
+                    const Real byte =
+                        std::clamp(Real(floor(255 * plain.colour[stage][k] + Real(0.5))), Real(0), Real(255));
                     REQUIRE(byte == static_cast<int>(c.byte[static_cast<std::size_t>(k)]));
                 }
             }
@@ -173,12 +184,14 @@ TEST_CASE("a stage that adds nothing leaves every pixel as it was, in every form
             CAPTURE(rows[r].form->info->name, rows[r].format.name);
             CHECK(same(run.pictures[r][simpler], run.pictures[r][fuller]));
         }
-        for (const measure::picture::TruePixel& p : run.truth) REQUIRE(p.colours[simpler].byte == p.colours[fuller].byte);
+        for (const measure::picture::TruePixel& p : run.truth)
+            REQUIRE(p.colours[simpler].byte == p.colours[fuller].byte);
     };
     scene::file::Scene s = load("raycast-course.small", 32, 24);
     {
         const Collected run({.scene = &s, .stages = all_stages, .rows = rows});
-        for (std::size_t stage = 1; stage < 4; ++stage) CHECK_FALSE(same(run.pictures[0][stage - 1], run.pictures[0][stage]));
+        for (std::size_t stage = 1; stage < 4; ++stage)
+            CHECK_FALSE(same(run.pictures[0][stage - 1], run.pictures[0][stage]));
     }
     for (auto& m : s.appearance.materials) m.specular = 0;
     compare(s, 2, 3);
@@ -208,16 +221,20 @@ TEST_CASE("a picture in p53 is that in f64 to the bit, and one in p24 that in f3
                 const Collected run({.scene = &s, .stages = {s.appearance.furthest()}, .rows = rows});
                 CHECK(same(run.pictures[0][0], run.pictures[1][0]));
                 CHECK(run.shadows[0] == run.shadows[1]);
-                CHECK(std::ranges::equal(run.residuals[0], run.residuals[1], [](double a, double b) { return same(a, b); }));
+                CHECK(std::ranges::equal(run.residuals[0], run.residuals[1],
+                                         [](double a, double b) { return same(a, b); }));
             }
         }
     }
 }
 
 TEST_CASE("the certified picture does not depend on who is held against it, nor on own shadows and offsets") {
-    const scene::file::Scene skipped = load("raycast-acne.skipped", 48, 36), far_off = load("raycast-acne.eps1em1", 48, 36);
+    const scene::file::Scene skipped = load("raycast-acne.skipped", 48, 36),
+                             far_off = load("raycast-acne.eps1em1", 48, 36);
     const Collected a({.scene = &skipped, .stages = {Stage::shadows}, .rows = rows_of({"f32"}, "sphere.expanded")});
-    const Collected b({.scene = &far_off, .stages = {Stage::diffuse, Stage::shadows}, .rows = rows_of({"bf16"}, "sphere.unit_half_b")});
+    const Collected b({.scene = &far_off,
+                       .stages = {Stage::diffuse, Stage::shadows},
+                       .rows = rows_of({"bf16"}, "sphere.unit_half_b")});
     REQUIRE(a.truth.size() == b.truth.size());
     for (std::size_t i = 0; i < a.truth.size(); ++i) {
         REQUIRE(a.truth[i].colours[2].byte == b.truth[i].colours[2].byte);
@@ -230,7 +247,9 @@ TEST_CASE("acne is the own sphere's alone: none where it is skipped, none in the
         const scene::file::Scene s = load(scene_name, 64, 48);
         const Collected run({.scene = &s, .stages = {Stage::shadows}, .rows = rows_of({format}, form)});
         const measure::picture::RenderSummary& r = run.summaries.front();
-        const auto lit = r.count(false, measure::picture::Shadow::both_lit) + r.count(false, measure::picture::Shadow::own_shadow) + r.count(false, measure::picture::Shadow::false_shadow);
+        const auto lit = r.count(false, measure::picture::Shadow::both_lit) +
+                         r.count(false, measure::picture::Shadow::own_shadow) +
+                         r.count(false, measure::picture::Shadow::false_shadow);
         REQUIRE(lit > 500);
         return static_cast<double>(r.count(false, measure::picture::Shadow::own_shadow)) / static_cast<double>(lit);
     };
@@ -240,7 +259,8 @@ TEST_CASE("acne is the own sphere's alone: none where it is skipped, none in the
         CHECK(acne("raycast-acne.none", "sphere.unified", format) > 0.2);
         CHECK(acne("raycast-acne.eps1em3", "sphere.unified", format) == 0);
     }
-    CHECK(acne("raycast-acne.eps1em7", "sphere.unified", "f32") > acne("raycast-acne.eps1em7", "sphere.unified", "f64"));
+    CHECK(acne("raycast-acne.eps1em7", "sphere.unified", "f32") >
+          acne("raycast-acne.eps1em7", "sphere.unified", "f64"));
     CHECK(acne("raycast-acne.none", "sphere.unified", "f32") > acne("raycast-acne.ulp4", "sphere.unified", "f32"));
 }
 
@@ -249,15 +269,17 @@ TEST_CASE("own inputs: each format rounds light and colours itself, and the refe
     s.inputs = scene::file::Inputs::own;
     const Collected run({.scene = &s, .stages = {Stage::visible}, .rows = rows_of({"f32", "f64"}, "sphere.unified")});
     const measure::picture::TruePixel& corner = run.truth.front();  // background 0.55
-    CHECK(abs(Real(corner.colours[0].channel[0].hi) + Real(corner.colours[0].channel[0].lo) - Real(55) / 100) < 0x1p-70);
+    CHECK(abs(Real(corner.colours[0].channel[0].hi) + Real(corner.colours[0].channel[0].lo) - Real(55) / 100) <
+          0x1p-70);
     CHECK(run.pictures[0][0][0].colour.x == static_cast<double>(0.55F));
     CHECK(run.pictures[1][0][0].colour.x == 0.55);
     CHECK(run.pictures[0][0][0].error > 0);
 
-    // The background's green, 0.7, is 178.5 of 255 to the 250th bit, and some spheres' 0.9 and 0.3 are 229.5 and 76.5: 106 bits
-    // prove no byte there, and say so; the sphere of 0.95, 0.8, 0.2 needs no more.
+    // The background's green, 0.7, is 178.5 of 255 to the 250th bit, and some spheres' 0.9 and 0.3 are 229.5 and 76.5:
+    // 106 bits prove no byte there, and say so; the sphere of 0.95, 0.8, 0.2 needs no more.
     CHECK(run.summaries[0].unresolved() == 0);
-    const Collected hasty({.scene = &s, .stages = {Stage::visible}, .rows = rows_of({"f64"}, "sphere.unified"), .limit = {.bits = 106}});
+    const Collected hasty(
+        {.scene = &s, .stages = {Stage::visible}, .rows = rows_of({"f64"}, "sphere.unified"), .limit = {.bits = 106}});
     const measure::picture::RenderSummary& r = hasty.summaries[0];
     CHECK(r.count(measure::picture::Seen::background) > 100);
     CHECK(r.unresolved() > r.count(measure::picture::Seen::background));

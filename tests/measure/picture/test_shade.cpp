@@ -5,9 +5,9 @@
 
 #include "catch.hpp"
 #include "measure/picture/blockers.hpp"
-#include "measure/truth/enclose.hpp"
 #include "measure/picture/render.hpp"
 #include "measure/picture/shade.hpp"
+#include "measure/truth/enclose.hpp"
 #include "number/ball.hpp"
 #include "number/interval.hpp"
 
@@ -31,20 +31,24 @@ const intersect::table::Intersector& form(std::string_view name) {
 }
 
 bool contains(const Ball& b, const Real& x) { return abs(x - Real(b.hi()) - Real(b.lo())) <= Real(b.radius()); }
-bool contains(const Interval& b, const Real& x) { return mpfr_cmp(b.lower(), x.backend().data()) <= 0 && mpfr_cmp(x.backend().data(), b.upper()) <= 0; }
+bool contains(const Interval& b, const Real& x) {
+    return mpfr_cmp(b.lower(), x.backend().data()) <= 0 && mpfr_cmp(x.backend().data(), b.upper()) <= 0;
+}
 
 template <class T>
 Vec<T> shade_random(std::mt19937_64& engine, const measure::picture::ShadeRule& rule, bool shadowed) {
     const auto unit = [&engine] { return static_cast<double>(engine() >> 11) * 0x1p-53; };
     const auto point = [&] {
-        const double x = 4 * unit() - 2, y = 4 * unit() - 2, z = 4 * unit() - 2;  // one draw a statement: their order is fixed
+        const double x = 4 * unit() - 2, y = 4 * unit() - 2,
+                     z = 4 * unit() - 2;  // one draw a statement: their order is fixed
         return vec<T>(x, y, z);
     };
     const Vec<T> colour = point(), p = point(), light = point(), eye = point();
     const Sphere<T> sphere{point(), T(unit() + 0.5)};
     const T ka(unit()), kd(unit()), ks(unit());
     const measure::picture::Paint<T> paint{colour, ka, kd, ks, 1 + static_cast<int>(engine() % 20), true};
-    return measure::picture::shade<T>(paint, rule, mask_t<T>(shadowed), measure::picture::normal_at<T>(p, sphere), measure::picture::unit_of<T>(light - p), measure::picture::unit_of<T>(eye - p));
+    return measure::picture::shade<T>(paint, rule, mask_t<T>(shadowed), measure::picture::normal_at<T>(p, sphere),
+                                      measure::picture::unit_of<T>(light - p), measure::picture::unit_of<T>(eye - p));
 }
 
 }  // namespace
@@ -53,10 +57,12 @@ TEST_CASE("shade, by hand: n, l and v along z, and l at 60 degrees") {
     const auto n = vec<double>(0, 0, 1);
     // N·L = 1, H = (0, 0, 1): ka S + kd S + ks = 0.75 S + 0.75.
     CHECK(measure::picture::shade<double>(shiny(), everything, false, n, n, n) == vec<double>(1.125, 0.9375, 1.5));
-    CHECK(measure::picture::shade<double>(shiny(), everything, true, n, n, n) == vec<double>(0.125, 0.0625, 0.25));  // ka S alone
+    CHECK(measure::picture::shade<double>(shiny(), everything, true, n, n, n) ==
+          vec<double>(0.125, 0.0625, 0.25));  // ka S alone
     measure::picture::ShadeRule half = everything;
     half.half_diffuse = true;
-    CHECK(measure::picture::shade<double>(shiny(), half, true, n, n, n) == vec<double>(0.25, 0.125, 0.5));  // ka S + ½ kd S
+    CHECK(measure::picture::shade<double>(shiny(), half, true, n, n, n) ==
+          vec<double>(0.25, 0.125, 0.5));  // ka S + ½ kd S
     CHECK(measure::picture::shade<double>(shiny(), half, false, n, n, n) == vec<double>(1.125, 0.9375, 1.5));
     measure::picture::ShadeRule diffuse{.diffuse = true};
     CHECK(measure::picture::shade<double>(shiny(), diffuse, true, n, n, n) == vec<double>(0.375, 0.1875, 0.75));
@@ -89,7 +95,8 @@ TEST_CASE("a shadow ray starts at the point, an epsilon off, or ulps of the larg
     const auto p = vec<float>(3, -4, 0.5), n = vec<float>(1, 0, 0);
     CHECK(measure::picture::shadow_origin<float>(p, n, Offset::none, 1, 5) == p);
     CHECK(measure::picture::shadow_origin<float>(p, n, Offset::epsilon, 0.25F, 5) == vec<float>(3.25, -4, 0.5));
-    CHECK(measure::picture::shadow_origin<float>(p, n, Offset::ulp, 1, 2) == vec<float>(3 + 0x1p-20, -4, 0.5));  // ulp(4) = 2^-21
+    CHECK(measure::picture::shadow_origin<float>(p, n, Offset::ulp, 1, 2) ==
+          vec<float>(3 + 0x1p-20, -4, 0.5));  // ulp(4) = 2^-21
 }
 
 TEST_CASE("enclosures of a shaded colour hold the colour in 256 bits") {
@@ -127,17 +134,19 @@ TEST_CASE("a byte is 255 times the channel, rounded half up and clamped") {
     CHECK(byte_of(std::nan("")) == 0);
 }
 
-TEST_CASE("what blocks the light: between the point and the light, not behind either, and not the own sphere unless it counts") {
+TEST_CASE(
+    "what blocks the light: between the point and the light, not behind either, and not the own sphere unless it "
+    "counts") {
     const std::vector<Solid<double>> solids{Sphere<double>{{0, 0, 0}, 1}, Sphere<double>{{5, 0, 0}, 1}};
     measure::picture::ShadowRays rays;
     const auto ray = [&rays](Vec<double> from, Vec<double> to, std::int32_t own) { rays.add(from, to - from, 1, own); };
-    ray({1, 0, 0}, {10, 0, 0}, 0);     // through the second
-    ray({1, 0, 0}, {3, 0, 0}, 0);      // the light before it
-    ray({1, 0, 0}, {-10, 0, 0}, 0);    // away from it, through its own
-    ray({6, 0, 0}, {-10, 0, 0}, 1);    // through its own and the first
-    ray({6, 0, 0}, {3, 0, 0}, 1);      // through its own
-    ray({0, 9, 0}, {5, 9, 0}, -1);     // past all
-    ray({5.5, 0, 0}, {3, 0, 0}, 1);    // from below its own surface
+    ray({1, 0, 0}, {10, 0, 0}, 0);   // through the second
+    ray({1, 0, 0}, {3, 0, 0}, 0);    // the light before it
+    ray({1, 0, 0}, {-10, 0, 0}, 0);  // away from it, through its own
+    ray({6, 0, 0}, {-10, 0, 0}, 1);  // through its own and the first
+    ray({6, 0, 0}, {3, 0, 0}, 1);    // through its own
+    ray({0, 9, 0}, {5, 9, 0}, -1);   // past all
+    ray({5.5, 0, 0}, {3, 0, 0}, 1);  // from below its own surface
     for (const intersect::table::Intersector& f : intersect::table::sphere_intersectors()) {
         if (f.info->direction == intersect::Direction::unit) continue;
         for (const char* name : {"f32", "f64", "bf16"}) {
@@ -145,17 +154,20 @@ TEST_CASE("what blocks the light: between the point and the light, not behind ei
             if (!f.exists_in(format)) continue;
             CAPTURE(f.info->name, name);
             const auto skipped = measure::picture::find_blockers(f, format, rays, solids, false);
-            CHECK(skipped == std::vector<std::uint8_t>{measure::picture::blocked_by_other, 0, 0, measure::picture::blocked_by_other, 0, 0, 0});
+            CHECK(skipped == std::vector<std::uint8_t>{measure::picture::blocked_by_other, 0, 0,
+                                                       measure::picture::blocked_by_other, 0, 0, 0});
             const auto held = measure::picture::find_blockers(f, format, rays, solids, true);
             CHECK((held[0] & measure::picture::blocked_by_other) != 0);
             CHECK((held[3] & measure::picture::blocked_by_other) != 0);
             CHECK(held[5] == 0);
         }
     }
-    // From below the surface the far root lies ahead; the form that knows the near one only sees nothing. Exactly on it the first
-    // root is 0 and no obstacle.
-    const auto unified = measure::picture::find_blockers(form("sphere.unified"), *find_format("f64"), rays, solids, true);
-    const auto expanded = measure::picture::find_blockers(form("sphere.expanded"), *find_format("f64"), rays, solids, true);
+    // From below the surface the far root lies ahead; the form that knows the near one only sees nothing. Exactly on it
+    // the first root is 0 and no obstacle.
+    const auto unified =
+        measure::picture::find_blockers(form("sphere.unified"), *find_format("f64"), rays, solids, true);
+    const auto expanded =
+        measure::picture::find_blockers(form("sphere.expanded"), *find_format("f64"), rays, solids, true);
     CHECK(unified[6] == measure::picture::blocked_by_own);
     CHECK(expanded[6] == measure::picture::blocked_by_nothing);
     CHECK(unified[4] == measure::picture::blocked_by_nothing);

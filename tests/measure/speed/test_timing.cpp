@@ -1,4 +1,5 @@
-// Quotients of speeds: a real difference is seen, none is claimed between equals, and every kernel that is timed does its work.
+// Quotients of speeds: a real difference is seen, none is claimed between equals, and every kernel that is timed does
+// its work.
 #include <algorithm>
 #include <array>
 #include <atomic>
@@ -70,7 +71,14 @@ TEST_CASE("every thread works, on its own, and one alone is the measure", "[timi
     for (const auto& n : passes) CHECK(n > 4);
     CHECK(faults == 0);
     int asked = 0;
-    CHECK_THROWS_AS(measure::speed::thread_speedups([](std::size_t) { return [] {}; }, {.repetitions = 3, .least_seconds = 1e-4, .threads = 1, .stop = [&] { if (++asked == 2) throw std::runtime_error("stop"); }}),
+    CHECK_THROWS_AS(measure::speed::thread_speedups([](std::size_t) { return [] {}; },
+                                                    {.repetitions = 3,
+                                                     .least_seconds = 1e-4,
+                                                     .threads = 1,
+                                                     .stop =
+                                                         [&] {
+                                                             if (++asked == 2) throw std::runtime_error("stop");
+                                                         }}),
                     std::runtime_error);
     CHECK_FALSE(measure::speed::allowed_processors().empty());
 }

@@ -19,9 +19,12 @@ constexpr double no_bits = std::numeric_limits<double>::quiet_NaN();
 
 OperationCounts operations(std::string_view form) {
     const measure::speed::RayPool pool = measure::speed::ray_pool(form_named(form).shape);
-    const auto narrow = [](const Vec<double>& v) { return Vec<float>(static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)); };
-    return measure::speed::operations_of(*form_named(form).info, {narrow(pool.hits[0].origin), narrow(pool.hits[0].direction)}, transformed(pool.solid, [](double x) { return static_cast<float>(x); }),
-                         HUGE_VALF);
+    const auto narrow = [](const Vec<double>& v) {
+        return Vec<float>(static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z));
+    };
+    return measure::speed::operations_of(
+        *form_named(form).info, {narrow(pool.hits[0].origin), narrow(pool.hits[0].direction)},
+        transformed(pool.solid, [](double x) { return static_cast<float>(x); }), HUGE_VALF);
 }
 
 OperationCounts counts(std::initializer_list<std::pair<Operation, std::uint64_t>> some) {
@@ -32,7 +35,8 @@ OperationCounts counts(std::initializer_list<std::pair<Operation, std::uint64_t>
 
 std::string text(const OperationCounts& c) {
     std::string s;
-    for (std::size_t i = 0; i < operation_names.size(); ++i) s += std::string(operation_names[i]) + " " + std::to_string(c.of[i]) + ", ";
+    for (std::size_t i = 0; i < operation_names.size(); ++i)
+        s += std::string(operation_names[i]) + " " + std::to_string(c.of[i]) + ", ";
     return s;
 }
 
@@ -47,7 +51,8 @@ void check_store(Native native, const measure::speed::RayPool& pool) {
             std::size_t calls = 0;
             for (std::size_t seen = 0; seen < store.rays(); seen += store.slice(), ++calls) store.run(native);
             // What is left over at the end of the slices is never touched.
-            const double whole = static_cast<double>(store.rays() / store.slice() * store.slice()) / static_cast<double>(store.rays());
+            const double whole =
+                static_cast<double>(store.rays() / store.slice() * store.slice()) / static_cast<double>(store.rays());
             CHECK(store.found() <= rate + 1e-3);
             CHECK(store.found() >= rate * whole - 0.02);
             if (slice == 0) CHECK(std::fabs(store.found() - rate) <= 1.0 / static_cast<double>(store.rays()));
@@ -60,11 +65,16 @@ void check_store(Native native, const measure::speed::RayPool& pool) {
 TEST_CASE("operations are those that one counts by hand", "[trade]") {
     using O = Operation;
     INFO(text(operations("sphere.schoolbook")));
-    CHECK(operations("sphere.schoolbook") == counts({{O::add, 13}, {O::mul, 16}, {O::div, 2}, {O::sqrt, 1}, {O::compare, 3}, {O::choose, 1}, {O::sign, 2}}));
+    CHECK(
+        operations("sphere.schoolbook") ==
+        counts({{O::add, 13}, {O::mul, 16}, {O::div, 2}, {O::sqrt, 1}, {O::compare, 3}, {O::choose, 1}, {O::sign, 2}}));
     INFO(text(operations("sphere.unified")));
-    CHECK(operations("sphere.unified") == counts({{O::add, 17}, {O::mul, 18}, {O::div, 3}, {O::sqrt, 1}, {O::compare, 4}, {O::choose, 4}, {O::sign, 2}}));
+    CHECK(
+        operations("sphere.unified") ==
+        counts({{O::add, 17}, {O::mul, 18}, {O::div, 3}, {O::sqrt, 1}, {O::compare, 4}, {O::choose, 4}, {O::sign, 2}}));
     INFO(text(operations("box.signs")));
-    CHECK(operations("box.signs") == counts({{O::add, 6}, {O::mul, 6}, {O::div, 3}, {O::compare, 4}, {O::choose, 12}, {O::sign, 3}}));
+    CHECK(operations("box.signs") ==
+          counts({{O::add, 6}, {O::mul, 6}, {O::div, 3}, {O::compare, 4}, {O::choose, 12}, {O::sign, 3}}));
     CHECK(operations("sphere.double_inside")[O::convert] == 13);
     CHECK(operations("sphere.kahan_discriminant")[O::fma] > 0);
 }
@@ -79,12 +89,12 @@ TEST_CASE("constants cost nothing, what is made of an input does", "[trade]") {
 
 TEST_CASE("dominated is what another beats in one and matches in the other", "[trade]") {
     const std::vector<measure::speed::ParetoPoint> all{
-        {1, 0, 20},       // on the front
-        {2, 0, 20},       // slower, no better
-        {2, 0, 22},       // on the front
-        {2, 0, 22},       // its equal: neither beats the other
-        {1, 0.1, 30},     // more bits, but wrong decisions come first
-        {0.5, 0.1, 10},   // the fastest
+        {1, 0, 20},           // on the front
+        {2, 0, 20},           // slower, no better
+        {2, 0, 22},           // on the front
+        {2, 0, 22},           // its equal: neither beats the other
+        {1, 0.1, 30},         // more bits, but wrong decisions come first
+        {0.5, 0.1, 10},       // the fastest
         {0.5, 0.1, no_bits},  // as fast and as often wrong, without a bit
         {0.4, 1, no_bits},    // faster still: nothing is as fast
         {3, 0, no_bits},      // never wrong, but slower than others that are not
@@ -94,7 +104,8 @@ TEST_CASE("dominated is what another beats in one and matches in the other", "[t
 }
 
 TEST_CASE("the cheapest is the fastest that is never wrong and keeps enough", "[trade]") {
-    const std::vector<measure::speed::ParetoPoint> all{{1, 0.001, 24}, {3, 0, 22}, {2, 0, 21.9}, {1.5, 0, no_bits}, {4, 0, 45}};
+    const std::vector<measure::speed::ParetoPoint> all{
+        {1, 0.001, 24}, {3, 0, 22}, {2, 0, 21.9}, {1.5, 0, no_bits}, {4, 0, 45}};
     CHECK(measure::speed::cheapest(all, 20) == std::size_t{2});
     CHECK(measure::speed::cheapest(all, 22) == std::size_t{1});
     CHECK(measure::speed::cheapest(all, 40) == std::size_t{4});
@@ -109,7 +120,8 @@ TEST_CASE("a standing is made of the median, all wrong decisions and the 99th pe
     s.metrics = std::vector<measure::metric::Distribution>(1);
     for (int i = 1; i <= 100; ++i) s.metrics[0].add(i == 100 ? 20 : 4);
     s.metrics[0].seal();
-    const measure::speed::ParetoPoint got = measure::speed::pareto_point({2e-9, 1e-9, 3e-9}, row("sphere.unified", "f32"), s, lost);
+    const measure::speed::ParetoPoint got =
+        measure::speed::pareto_point({2e-9, 1e-9, 3e-9}, row("sphere.unified", "f32"), s, lost);
     CHECK(got.time_ns == Approx(2));
     CHECK(got.wrong_fraction == 4.0 / 96);
     CHECK(got.kept_bits == Approx(20).epsilon(0.001));
@@ -141,7 +153,8 @@ TEST_CASE("the sets of rays are always the same and have names of their own", "[
 }
 
 TEST_CASE("a kernel for every row, width and variant", "[trade]") {
-    const auto kernels = measure::speed::trade_kernels({row("sphere.unified", "f32"), row("sphere.double_inside", "f32"), row("box.signs", "f64")});
+    const auto kernels = measure::speed::trade_kernels(
+        {row("sphere.unified", "f32"), row("sphere.double_inside", "f32"), row("box.signs", "f64")});
     CHECK(kernels.size() == 3 * (intersect::simd::available_isas().size() + intersect::simd::variants().size()));
     for (const measure::speed::TradeKernel& k : kernels) {
         CHECK((k.f32 != nullptr) == (k.measured.format.name == "f32"));
@@ -181,15 +194,24 @@ TEST_CASE("everything is timed in every round, and the thread may go where it co
                         10, i == 0});
     }
     std::uint64_t done = 0;
-    const auto timings = measure::speed::time_interleaved(work, {.repetitions = 4, .least_seconds = 1e-6, .seed = 2, .progress = [&done](std::uint64_t n) { done += n; }});
+    const auto timings = measure::speed::time_interleaved(
+        work,
+        {.repetitions = 4, .least_seconds = 1e-6, .seed = 2, .progress = [&done](std::uint64_t n) { done += n; }});
     REQUIRE(timings.size() == 3);
-    for (const measure::speed::Timing& t : timings) CHECK((t.median > 0 && t.low_quartile <= t.median && t.median <= t.high_quartile));
+    for (const measure::speed::Timing& t : timings)
+        CHECK((t.median > 0 && t.low_quartile <= t.median && t.median <= t.high_quartile));
     for (const int n : calls) CHECK(n > 4);
     CHECK(done == 12);
     CHECK(std::ranges::all_of(processors, [&](int p) { return p == processors.front(); }));
     const cpu_set_t after = allowed();
     CHECK(CPU_EQUAL(&before, &after));
-    CHECK_THROWS_AS(measure::speed::time_interleaved(work, {.repetitions = 2, .least_seconds = 1e-6, .progress = [](std::uint64_t n) { if (n > 0) throw std::runtime_error("stop"); }}), std::runtime_error);
+    CHECK_THROWS_AS(measure::speed::time_interleaved(work, {.repetitions = 2,
+                                                            .least_seconds = 1e-6,
+                                                            .progress =
+                                                                [](std::uint64_t n) {
+                                                                    if (n > 0) throw std::runtime_error("stop");
+                                                                }}),
+                    std::runtime_error);
     const cpu_set_t stopped = allowed();
     CHECK(CPU_EQUAL(&before, &stopped));
 }

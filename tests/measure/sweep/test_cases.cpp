@@ -20,7 +20,8 @@ std::string one_case(const std::string& name, const std::string& sphere, const s
     return "[[case]]\nname = \"" + name + "\"\nspheres = [{ " + sphere + " }]\nrays = [" + rays + "]\n";
 }
 
-/// The schoolbook form computes a = d·d, b = 2 f·d, c = f·f − r², disc = b² − 4ac, t = (−b ± √disc)/2a; all of it in binary32.
+/// The schoolbook form computes a = d·d, b = 2 f·d, c = f·f − r², disc = b² − 4ac, t = (−b ± √disc)/2a; all of it in
+/// binary32.
 const std::string by_hand =
     // b² − 4ac = 100 − 84 and t = 3: every number is exact.
     one_case("exact", "centre = [0, 0, 5], radius = 2", "{ origin = [0, 0, 0], direction = [0, 0, 1] }") +
@@ -28,9 +29,11 @@ const std::string by_hand =
     // t = 4097 for 4096: 2^11 ulps of 2^-11 each, 12 bits.
     one_case("radius lost", "centre = [0, 0, 4097], radius = 1", "{ origin = [0, 0, 0], direction = [0, 0, 1] }") +
     // f·f = 2^132 overflows, b² = 2^114 does not: disc = −inf.
-    one_case("c overflows", "centre = [0, 0, '0x1p66'], radius = '0x1p60'", "{ origin = [0, 0, 0], direction = [0, 0, '0x1p-10'] }") +
+    one_case("c overflows", "centre = [0, 0, '0x1p66'], radius = '0x1p60'",
+             "{ origin = [0, 0, 0], direction = [0, 0, '0x1p-10'] }") +
     // f·f and r² underflow, c = 0, so every line touches; this one passes at four radii.
-    one_case("c underflows", "centre = ['0x1p-98', 0, '0x1p-98'], radius = '0x1p-100'", "{ origin = [0, 0, 0], direction = [0, 0, 1] }") +
+    one_case("c underflows", "centre = ['0x1p-98', 0, '0x1p-98'], radius = '0x1p-100'",
+             "{ origin = [0, 0, 0], direction = [0, 0, 1] }") +
     // a = 2^200 and b² overflow: disc = inf − inf.
     one_case("a overflows", "centre = [0, 0, 5], radius = 2", "{ origin = [0, 0, 0], direction = [0, 0, '0x1p100'] }") +
     // a = d·d = 2^-298 vanishes: t = −b/0 is infinite, and all 24 bits are gone.
@@ -38,7 +41,8 @@ const std::string by_hand =
     // A miss is a miss: disc = 100 − 4·(9 + 25 − 4) = −20.
     one_case("exact miss", "centre = [3, 0, 5], radius = 2", "{ origin = [0, 0, 0], direction = [0, 0, 1] }");
 
-measure::map::MapSummary summary_of(std::initializer_list<std::pair<measure::answer::Outcome, std::uint64_t>> counts, double excess) {
+measure::map::MapSummary summary_of(std::initializer_list<std::pair<measure::answer::Outcome, std::uint64_t>> counts,
+                                    double excess) {
     measure::map::MapSummary s;
     for (const auto& [outcome, n] : counts) {
         s.outcomes[static_cast<std::size_t>(outcome)] = n;
@@ -57,7 +61,10 @@ bool same(double a, double b) { return a == b || (std::isnan(a) && std::isnan(b)
 TEST_CASE("verdicts that follow by hand") {
     const TextFile text(head + by_hand);
     const scene::sweep::CaseFile file(text.path());
-    const measure::sweep::CaseRequest request{.file = &file, .rows = {row("sphere.schoolbook", "f32"), row("sphere.schoolbook", "f64")}, .metrics = case_metrics};
+    const measure::sweep::CaseRequest request{
+        .file = &file,
+        .rows = {row("sphere.schoolbook", "f32"), row("sphere.schoolbook", "f64")},
+        .metrics = case_metrics};
     const auto cases = measure::sweep::run_cases(request);
     REQUIRE(cases.size() == file.size());
     struct Expected {
@@ -68,13 +75,14 @@ TEST_CASE("verdicts that follow by hand") {
     };
     constexpr double none = std::numeric_limits<double>::quiet_NaN();
     // In f64 the same lengths are ordinary, but that tiny is 2^-1074 there.
-    const Expected expected[] = {{"exact", measure::sweep::Verdict::right, 0, measure::sweep::Verdict::right},
-                                 {"radius lost", measure::sweep::Verdict::wrong_value, 12, measure::sweep::Verdict::right},
-                                 {"c overflows", measure::sweep::Verdict::false_miss, none, measure::sweep::Verdict::right},
-                                 {"c underflows", measure::sweep::Verdict::false_hit, none, measure::sweep::Verdict::right},
-                                 {"a overflows", measure::sweep::Verdict::not_a_number, none, measure::sweep::Verdict::right},
-                                 {"a underflows", measure::sweep::Verdict::wrong_value, 24, measure::sweep::Verdict::wrong_value},
-                                 {"exact miss", measure::sweep::Verdict::right, none, measure::sweep::Verdict::right}};
+    const Expected expected[] = {
+        {"exact", measure::sweep::Verdict::right, 0, measure::sweep::Verdict::right},
+        {"radius lost", measure::sweep::Verdict::wrong_value, 12, measure::sweep::Verdict::right},
+        {"c overflows", measure::sweep::Verdict::false_miss, none, measure::sweep::Verdict::right},
+        {"c underflows", measure::sweep::Verdict::false_hit, none, measure::sweep::Verdict::right},
+        {"a overflows", measure::sweep::Verdict::not_a_number, none, measure::sweep::Verdict::right},
+        {"a underflows", measure::sweep::Verdict::wrong_value, 24, measure::sweep::Verdict::wrong_value},
+        {"exact miss", measure::sweep::Verdict::right, none, measure::sweep::Verdict::right}};
     for (std::size_t i = 0; i < file.size(); ++i) {
         CAPTURE(expected[i].name);
         CHECK(file.name(i) == expected[i].name);
@@ -94,24 +102,33 @@ TEST_CASE("verdicts that follow by hand") {
     const double excess = cases[1][0].metrics[1].quantile(1);
     CHECK(excess > 8);
     CHECK(measure::sweep::verdict_of(cases[1][0], request.metrics, excess) == measure::sweep::Verdict::right);
-    CHECK(measure::sweep::verdict_of(cases[1][0], request.metrics, std::nextafter(excess, 0)) == measure::sweep::Verdict::wrong_value);
+    CHECK(measure::sweep::verdict_of(cases[1][0], request.metrics, std::nextafter(excess, 0)) ==
+          measure::sweep::Verdict::wrong_value);
 }
 
 TEST_CASE("wrong decisions come before wrong values, the most frequent of them counts") {
     using O = measure::answer::Outcome;
-    const auto verdict = [](std::initializer_list<std::pair<O, std::uint64_t>> counts, double excess) { return measure::sweep::verdict_of(summary_of(counts, excess), case_metrics, 3); };
-    constexpr double none = std::numeric_limits<double>::quiet_NaN(), infinity = std::numeric_limits<double>::infinity();
+    const auto verdict = [](std::initializer_list<std::pair<O, std::uint64_t>> counts, double excess) {
+        return measure::sweep::verdict_of(summary_of(counts, excess), case_metrics, 3);
+    };
+    constexpr double none = std::numeric_limits<double>::quiet_NaN(),
+                     infinity = std::numeric_limits<double>::infinity();
     CHECK(verdict({{O::agree_hit, 5}}, 3) == measure::sweep::Verdict::right);
     CHECK(verdict({{O::agree_hit, 5}}, 3.01) == measure::sweep::Verdict::wrong_value);
     CHECK(verdict({{O::agree_hit, 5}}, infinity) == measure::sweep::Verdict::wrong_value);
     CHECK(verdict({{O::agree_miss, 5}}, none) == measure::sweep::Verdict::right);
     CHECK(verdict({{O::agree_hit, 5}, {O::false_hit, 1}}, 24) == measure::sweep::Verdict::false_hit);
     CHECK(verdict({{O::agree_hit, 500}, {O::false_miss, 1}}, 0) == measure::sweep::Verdict::false_miss);
-    CHECK(verdict({{O::false_hit, 3}, {O::false_miss, 2}, {O::not_a_number, 1}}, 24) == measure::sweep::Verdict::false_hit);
-    CHECK(verdict({{O::false_hit, 1}, {O::false_miss, 2}, {O::not_a_number, 1}}, 24) == measure::sweep::Verdict::false_miss);
-    CHECK(verdict({{O::false_hit, 1}, {O::false_miss, 2}, {O::not_a_number, 3}}, 24) == measure::sweep::Verdict::not_a_number);
-    CHECK(verdict({{O::agree_hit, 9}, {O::false_hit, 9}, {O::unresolved, 1}}, 0) == measure::sweep::Verdict::unresolved);
-    CHECK(measure::sweep::verdict_names[static_cast<std::size_t>(measure::sweep::Verdict::not_a_number)] == "not_a_number");
+    CHECK(verdict({{O::false_hit, 3}, {O::false_miss, 2}, {O::not_a_number, 1}}, 24) ==
+          measure::sweep::Verdict::false_hit);
+    CHECK(verdict({{O::false_hit, 1}, {O::false_miss, 2}, {O::not_a_number, 1}}, 24) ==
+          measure::sweep::Verdict::false_miss);
+    CHECK(verdict({{O::false_hit, 1}, {O::false_miss, 2}, {O::not_a_number, 3}}, 24) ==
+          measure::sweep::Verdict::not_a_number);
+    CHECK(verdict({{O::agree_hit, 9}, {O::false_hit, 9}, {O::unresolved, 1}}, 0) ==
+          measure::sweep::Verdict::unresolved);
+    CHECK(measure::sweep::verdict_names[static_cast<std::size_t>(measure::sweep::Verdict::not_a_number)] ==
+          "not_a_number");
 }
 
 TEST_CASE("a ray that is none meets nothing, in any form and format") {
@@ -121,15 +138,20 @@ TEST_CASE("a ray that is none meets nothing, in any form and format") {
             std::string numbers[6] = {"0", "0.5", "-8", "0.25", "0", "1"};
             numbers[place] = "\"" + bad + "\"";
             text += one_case(bad + " at " + std::to_string(place), "centre = [0, 0, 0], radius = 2",
-                             "{ origin = [" + numbers[0] + ", " + numbers[1] + ", " + numbers[2] + "], direction = [" + numbers[3] + ", " + numbers[4] + ", " + numbers[5] + "] }");
+                             "{ origin = [" + numbers[0] + ", " + numbers[1] + ", " + numbers[2] + "], direction = [" +
+                                 numbers[3] + ", " + numbers[4] + ", " + numbers[5] + "] }");
         }
     }
     for (const char* origin : {"[0, 0.5, -8]", "[0, 0.5, 1]", "[0, 0, 2]", "['nan', 'inf', '-inf']"}) {
-        text += one_case("zero from " + std::string(origin), "centre = [0, 0, 0], radius = 2", "{ origin = " + std::string(origin) + ", direction = [0, '-0', 0] }");
+        text += one_case("zero from " + std::string(origin), "centre = [0, 0, 0], radius = 2",
+                         "{ origin = " + std::string(origin) + ", direction = [0, '-0', 0] }");
     }
     const TextFile on_disk(text);
     const scene::sweep::CaseFile file(on_disk.path());
-    const measure::sweep::CaseRequest request{.file = &file, .rows = all_rows(Shape::sphere, {"f32", "f64", "fp16", "bf16", "tf32", "p5", "p2"}), .metrics = case_metrics};
+    const measure::sweep::CaseRequest request{
+        .file = &file,
+        .rows = all_rows(Shape::sphere, {"f32", "f64", "fp16", "bf16", "tf32", "p5", "p2"}),
+        .metrics = case_metrics};
     const auto cases = measure::sweep::run_cases(request);
     REQUIRE(cases.size() == 22);
     std::uint64_t right = 0, invented = 0;
@@ -137,8 +159,12 @@ TEST_CASE("a ray that is none meets nothing, in any form and format") {
         REQUIRE(rows.size() == request.rows.size());
         for (const measure::map::MapSummary& s : rows) {
             CHECK(s.true_hits == 0);
-            CHECK(s.count(measure::answer::Outcome::agree_hit) + s.count(measure::answer::Outcome::false_miss) + s.count(measure::answer::Outcome::unresolved) == 0);
-            CHECK(s.count(measure::answer::Outcome::agree_miss) + s.count(measure::answer::Outcome::false_hit) + s.count(measure::answer::Outcome::not_a_number) == 1);
+            CHECK(s.count(measure::answer::Outcome::agree_hit) + s.count(measure::answer::Outcome::false_miss) +
+                      s.count(measure::answer::Outcome::unresolved) ==
+                  0);
+            CHECK(s.count(measure::answer::Outcome::agree_miss) + s.count(measure::answer::Outcome::false_hit) +
+                      s.count(measure::answer::Outcome::not_a_number) ==
+                  1);
             right += s.count(measure::answer::Outcome::agree_miss);
             invented += s.count(measure::answer::Outcome::false_hit);
         }
@@ -156,7 +182,8 @@ TEST_CASE("no solid is hit that is none") {
     CHECK_FALSE(measure::truth::is_proper(Ray<double>{{0, nan, 0}, {0, 1, 0}}));
     CHECK_FALSE(measure::truth::is_proper(Ray<double>{{0, 0, 0}, {infinity, 1, 0}}));
     CHECK_FALSE(measure::truth::is_proper(Ray<Real>{{Real(0), Real(0), Real(0)}, {Real(0), Real(0), Real(0)}}));
-    CHECK(measure::truth::is_proper(Ray<Real>{{Real(0), Real(0), Real(0)}, {Real(0), Real(0), Real(ldexp(Real(1), -5000))}}));
+    CHECK(measure::truth::is_proper(
+        Ray<Real>{{Real(0), Real(0), Real(0)}, {Real(0), Real(0), Real(ldexp(Real(1), -5000))}}));
     const Solid<double> good = Sphere<double>{{0, 0, 0}, 2};
     CHECK(measure::truth::find_truth(ray, good).is_hit());
     for (const double radius : {0.0, -2.0, nan, infinity}) {
@@ -172,7 +199,8 @@ TEST_CASE("no solid is hit that is none") {
     CHECK(measure::truth::is_proper(Solid<double>(Box<double>{{0, 0, 0}, {0, 1, 1}})));
     CHECK_FALSE(measure::truth::is_proper(Solid<double>(Box<double>{{0, 0, 0}, {-1, 1, 1}})));
     CHECK_FALSE(measure::truth::is_proper(Solid<double>(Box<double>{{0, 0, 0}, {1, nan, 1}})));
-    CHECK(measure::truth::find_truth(ray, Solid<double>(Box<double>{{-1, -1, 1}, {1, 1, -1}})).decision == measure::truth::Truth::Decision::miss);
+    CHECK(measure::truth::find_truth(ray, Solid<double>(Box<double>{{-1, -1, 1}, {1, 1, -1}})).decision ==
+          measure::truth::Truth::Decision::miss);
 }
 
 TEST_CASE("every file of extremes runs with every form, and the truth of each is proved") {
@@ -184,7 +212,8 @@ TEST_CASE("every file of extremes runs with every form, and the truth of each is
         CAPTURE(file.id);
         CHECK_FALSE(file.title.empty());
         CHECK_FALSE(file.note.empty());
-        const measure::sweep::CaseRequest request{.file = &file, .rows = all_rows(file.shape(), {"f32", "f64", "bf16"}), .metrics = case_metrics};
+        const measure::sweep::CaseRequest request{
+            .file = &file, .rows = all_rows(file.shape(), {"f32", "f64", "bf16"}), .metrics = case_metrics};
         const auto cases = measure::sweep::run_cases(request);
         REQUIRE(cases.size() == file.size());
         for (std::size_t i = 0; i < cases.size(); ++i) {
@@ -194,7 +223,8 @@ TEST_CASE("every file of extremes runs with every form, and the truth of each is
             for (std::size_t r = 0; r < request.rows.size(); ++r) {
                 CAPTURE(request.rows[r].form->info->name, request.rows[r].format.name);
                 const measure::map::MapSummary& s = cases[i][r];
-                const measure::sweep::Verdict v = measure::sweep::verdict_of(s, request.metrics, file.right_within_bits);
+                const measure::sweep::Verdict v =
+                    measure::sweep::verdict_of(s, request.metrics, file.right_within_bits);
                 CHECK(v != measure::sweep::Verdict::unresolved);
                 any_right |= v == measure::sweep::Verdict::right;
                 CHECK(s.rays > 0);

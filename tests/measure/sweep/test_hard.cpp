@@ -7,8 +7,8 @@
 #include <set>
 
 #include "catch.hpp"
-#include "measure/sweep/cases.hpp"
 #include "measure/rows.hpp"
+#include "measure/sweep/cases.hpp"
 
 using namespace lostbits;
 using namespace lostbits::testing;
@@ -30,7 +30,9 @@ TEST_CASE("every hard ray measures what its name says") {
             const bool is_value = part[4].matched;
             const measure::metric::Metric* metric = measure::metric::find_metric(is_value ? what : "lost_bits");
             REQUIRE(metric != nullptr);
-            const measure::sweep::CaseRequest request{.file = &file, .rows = {row(part[1].str(), part[2].str())}, .metrics = {metric, measure::metric::find_metric("excess_bits")}};
+            const measure::sweep::CaseRequest request{.file = &file,
+                                                      .rows = {row(part[1].str(), part[2].str())},
+                                                      .metrics = {metric, measure::metric::find_metric("excess_bits")}};
             // In the file the numbers are those of the format: rounding to it again must change none.
             for (const auto& group : file.rays(i, request.rows[0].format.shape)) {
                 const auto exact = file.rays(i, binary64).front();

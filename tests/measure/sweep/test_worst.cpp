@@ -6,9 +6,9 @@
 #include <limits>
 
 #include "catch.hpp"
-#include "measure/truth/certified.hpp"
 #include "measure/rows.hpp"
 #include "measure/seeded.hpp"
+#include "measure/truth/certified.hpp"
 #include "number/rounded.hpp"
 
 using namespace lostbits;
@@ -19,33 +19,45 @@ namespace {
 const auto folder = std::filesystem::path(LOSTBITS_DATA_DIR) / "sweeps/worst";
 
 std::string search_text(const std::string& more) {
-    return "schema = \"lostbits-sweep/1\"\ntitle = \"A test\"\nsource = \"-\"\n[search]\norigin = [-8, 8]\ndirection = [-1, 1]\ncentre = [-1, 1]\nradius = [0.5, 2]\n" + more;
+    return "schema = \"lostbits-sweep/1\"\ntitle = \"A test\"\nsource = \"-\"\n[search]\norigin = [-8, 8]\ndirection = "
+           "[-1, 1]\ncentre = [-1, 1]\nradius = [0.5, 2]\n" +
+           more;
 }
 
-std::vector<const measure::metric::Metric*> metrics_of(const scene::sweep::SearchFile& search) { return {measure::metric::find_metric("lost_bits"), measure::metric::find_metric("ulp_error"), measure::metric::find_metric(search.metric)}; }
+std::vector<const measure::metric::Metric*> metrics_of(const scene::sweep::SearchFile& search) {
+    return {measure::metric::find_metric("lost_bits"), measure::metric::find_metric("ulp_error"),
+            measure::metric::find_metric(search.metric)};
+}
 
 bool equal(const std::optional<measure::sweep::WorstFound>& a, const std::optional<measure::sweep::WorstFound>& b) {
     if (a.has_value() != b.has_value()) return false;
-    return !a || (a->outcome == b->outcome && a->value == b->value && a->ray.origin == b->ray.origin && a->ray.direction == b->ray.direction &&
-                  a->solid.numbers == b->solid.numbers && (a->t == b->t || std::isnan(a->t)) && a->evaluations == b->evaluations);
+    return !a || (a->outcome == b->outcome && a->value == b->value && a->ray.origin == b->ray.origin &&
+                  a->ray.direction == b->ray.direction && a->solid.numbers == b->solid.numbers &&
+                  (a->t == b->t || std::isnan(a->t)) && a->evaluations == b->evaluations);
 }
 
 bool is_of(double x, const FloatFormat& f) { return rounding::to_format(x, 0, f) == x; }
 
 /// One ray through one form alone, and the truth found anew.
 struct Alone {
-    Alone(const measure::map::MapRow& row, const Ray<double>& ray, const Solid<double>& solid) : truth(measure::truth::find_truth(ray, solid, {}, row.form->info->touching)) {
-        const double o[] = {ray.origin.x, ray.origin.y, ray.origin.z}, d[] = {ray.direction.x, ray.direction.y, ray.direction.z};
+    Alone(const measure::map::MapRow& row, const Ray<double>& ray, const Solid<double>& solid)
+        : truth(measure::truth::find_truth(ray, solid, {}, row.form->info->touching)) {
+        const double o[] = {ray.origin.x, ray.origin.y, ray.origin.z},
+                     d[] = {ray.direction.x, ray.direction.y, ray.direction.z};
         double t_, near, far;
         std::uint8_t hit_;
         const auto of = [](const double& x) { return std::span(&x, 1); };
-        row.form->rounded(row.format.shape, intersect::table::RayBatch<double>{of(o[0]), of(o[1]), of(o[2]), of(d[0]), of(d[1]), of(d[2])}, solid,
-                          intersect::table::HitBatch<double>{std::span(&t_, 1), std::span(&near, 1), std::span(&far, 1), std::span(&hit_, 1)});
+        row.form->rounded(
+            row.format.shape,
+            intersect::table::RayBatch<double>{of(o[0]), of(o[1]), of(o[2]), of(d[0]), of(d[1]), of(d[2])}, solid,
+            intersect::table::HitBatch<double>{std::span(&t_, 1), std::span(&near, 1), std::span(&far, 1),
+                                               std::span(&hit_, 1)});
         t = t_;
         hit = hit_ != 0;
         if (!hit || !truth.is_hit()) return;
         const std::int64_t ulp = ulp_exponent(row.format.shape, truth.t.floor_log2());
-        lost = measure::metric::lost_bits(measure::truth::scaled_difference(measure::truth::exactly(t), truth.t, ulp), row.format.shape.precision);
+        lost = measure::metric::lost_bits(measure::truth::scaled_difference(measure::truth::exactly(t), truth.t, ulp),
+                                          row.format.shape.precision);
     }
     measure::truth::Truth truth;
     double t = 0, lost = 0;
@@ -55,9 +67,11 @@ struct Alone {
 }  // namespace
 
 TEST_CASE("a search finds the same for any number of threads, and another for another seed") {
-    const TextFile text(search_text("impact_radii = [0, 0.9]\ndistance_radii = [1.25, 8]\nstarts = 2\ngenerations = 12\n"));
+    const TextFile text(
+        search_text("impact_radii = [0, 0.9]\ndistance_radii = [1.25, 8]\nstarts = 2\ngenerations = 12\n"));
     const scene::sweep::SearchFile search(text.path());
-    const measure::sweep::WorstRequest request{.search = &search, .rows = all_rows(Shape::sphere, {"f32", "bf16"}), .metrics = metrics_of(search)};
+    const measure::sweep::WorstRequest request{
+        .search = &search, .rows = all_rows(Shape::sphere, {"f32", "bf16"}), .metrics = metrics_of(search)};
     std::vector<std::optional<measure::sweep::WorstFound>> found[3];
     for (const std::size_t threads : {std::size_t{1}, std::size_t{2}}) {
         const Threads limit(threads);
@@ -68,7 +82,10 @@ TEST_CASE("a search finds the same for any number of threads, and another for an
         CAPTURE(request.rows[i].form->info->name, request.rows[i].format.name);
         CHECK(equal(found[0][i], found[1][i]));
         // A row's result does not depend on its neighbours.
-        if (i % 7 == 0) CHECK(equal(measure::sweep::find_worst({.search = &search, .rows = {request.rows[i]}, .metrics = request.metrics})[0], found[0][i]));
+        if (i % 7 == 0)
+            CHECK(equal(measure::sweep::find_worst(
+                            {.search = &search, .rows = {request.rows[i]}, .metrics = request.metrics})[0],
+                        found[0][i]));
         REQUIRE(found[0][i].has_value());
         const measure::sweep::WorstFound& w = *found[0][i];
         const FloatFormat& f = request.rows[i].format.shape;
@@ -78,9 +95,12 @@ TEST_CASE("a search finds the same for any number of threads, and another for an
         CHECK(w.evaluations <= 2 * 12 * 32);
         if (w.outcome == measure::answer::Outcome::agree_hit) CHECK(w.evaluations == 2 * 12 * 32);
     }
-    const TextFile other(search_text("impact_radii = [0, 0.9]\ndistance_radii = [1.25, 8]\nstarts = 2\ngenerations = 12\nseed = 2\n"));
+    const TextFile other(
+        search_text("impact_radii = [0, 0.9]\ndistance_radii = [1.25, 8]\nstarts = 2\ngenerations = 12\nseed = 2\n"));
     const scene::sweep::SearchFile second(other.path());
-    CHECK_FALSE(equal(measure::sweep::find_worst({.search = &second, .rows = {request.rows[0]}, .metrics = request.metrics})[0], found[0][0]));
+    CHECK_FALSE(
+        equal(measure::sweep::find_worst({.search = &second, .rows = {request.rows[0]}, .metrics = request.metrics})[0],
+              found[0][0]));
 }
 
 TEST_CASE("what a search says of its worst ray is what that ray measures alone") {
@@ -88,9 +108,11 @@ TEST_CASE("what a search says of its worst ray is what that ray measures alone")
         scene::sweep::SearchFile search(folder / (std::string(name) + ".toml"));
         search.starts = 2;
         search.generations = 16;
-        for (const measure::map::MapRow& r : {row("sphere.schoolbook", "f32"), row("sphere.press", "f64"), row("sphere.pythagoras", "bf16"), row("sphere.hearn_baker", "p12")}) {
+        for (const measure::map::MapRow& r : {row("sphere.schoolbook", "f32"), row("sphere.press", "f64"),
+                                              row("sphere.pythagoras", "bf16"), row("sphere.hearn_baker", "p12")}) {
             CAPTURE(name, r.form->info->name, r.format.name);
-            const auto found = measure::sweep::find_worst({.search = &search, .rows = {r}, .metrics = metrics_of(search)})[0];
+            const auto found =
+                measure::sweep::find_worst({.search = &search, .rows = {r}, .metrics = metrics_of(search)})[0];
             REQUIRE(found.has_value());
             const Alone alone(r, found->ray, found->solid);
             CHECK(search.holds(found->ray, found->solid));
@@ -121,7 +143,8 @@ TEST_CASE("a search beats as many rays drawn by chance") {
     std::uint64_t drawn = 0;
     while (drawn < found->evaluations) {
         double x[10];
-        for (std::size_t i = 0; i < 10; ++i) x[i] = stored(rng.uniform(search.ranges[i].low, search.ranges[i].high), binary32);
+        for (std::size_t i = 0; i < 10; ++i)
+            x[i] = stored(rng.uniform(search.ranges[i].low, search.ranges[i].high), binary32);
         // Aimed at a point of the ball, as the search's own first rays are: plain chance hits far less.
         const Vec<double> centre(x[6], x[7], x[8]), origin(x[0], x[1], x[2]);
         const Vec<double> to = centre + x[9] * rng.vec(-1, 1) - origin;
@@ -139,11 +162,14 @@ TEST_CASE("a search beats as many rays drawn by chance") {
 TEST_CASE("a search of ranges that hold no ray comes to nothing, one that meets a wrong decision stops there") {
     const TextFile none(search_text("distance_radii = [500, 600]\n"));
     const scene::sweep::SearchFile empty(none.path());
-    CHECK_FALSE(measure::sweep::find_worst({.search = &empty, .rows = {row("sphere.press", "f32")}, .metrics = metrics_of(empty)})[0].has_value());
+    CHECK_FALSE(measure::sweep::find_worst(
+                    {.search = &empty, .rows = {row("sphere.press", "f32")}, .metrics = metrics_of(empty)})[0]
+                    .has_value());
     // Near the silhouette a five-bit format decides wrongly at once.
     const TextFile edge(search_text("impact_radii = [0.95, 1]\nstarts = 64\n"));
     const scene::sweep::SearchFile hard(edge.path());
-    const auto found = measure::sweep::find_worst({.search = &hard, .rows = {row("sphere.schoolbook", "p5")}, .metrics = metrics_of(hard)})[0];
+    const auto found = measure::sweep::find_worst(
+        {.search = &hard, .rows = {row("sphere.schoolbook", "p5")}, .metrics = metrics_of(hard)})[0];
     REQUIRE(found.has_value());
     CHECK(found->outcome != measure::answer::Outcome::agree_hit);
     CHECK(found->evaluations < 64 * 64 * 32);

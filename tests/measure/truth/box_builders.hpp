@@ -1,4 +1,5 @@
-// Pieces that the families of rays and boxes share: integer boxes, points on their planes, rays that reach a point exactly.
+// Pieces that the families of rays and boxes share: integer boxes, points on their planes, rays that reach a point
+// exactly.
 #pragma once
 
 #include <array>
@@ -31,7 +32,9 @@ inline Box<double> random_box(Seeded& rng, double low, double high) {
 }
 
 inline BoxSample in_storage(BoxSample s, const FloatFormat& f) {
-    return {{stored(s.ray.origin, f), stored(s.ray.direction, f)}, {stored(s.box.lo, f), stored(s.box.hi, f)}, stored(s.tmax, f)};
+    return {{stored(s.ray.origin, f), stored(s.ray.direction, f)},
+            {stored(s.box.lo, f), stored(s.box.hi, f)},
+            stored(s.tmax, f)};
 }
 
 /// All lengths times 2^lengths and the direction times 2^direction: t is multiplied by 2^(lengths − direction).
@@ -62,7 +65,9 @@ inline Vec<double> point_of(Seeded& rng, const Box<double>& box, const std::arra
     for (int i = 0; i < 3; ++i) {
         const int where = place[static_cast<std::size_t>(i)];
         const auto side = static_cast<std::int64_t>(box.hi[i] - box.lo[i]);
-        p[i] = where < 0 ? box.lo[i] : where > 0 ? box.hi[i] : box.lo[i] + static_cast<double>(rng.integer(1, std::max<std::int64_t>(side - 1, 1)));
+        p[i] = where < 0   ? box.lo[i]
+               : where > 0 ? box.hi[i]
+                           : box.lo[i] + static_cast<double>(rng.integer(1, std::max<std::int64_t>(side - 1, 1)));
     }
     return p;
 }
@@ -78,7 +83,8 @@ inline Vec<double> integer_direction(Seeded& rng) {
 }
 
 /// A ray through p at t = steps, exactly; a third of them end somewhere near there.
-inline BoxSample through(Seeded& rng, const Box<double>& box, const Vec<double>& p, const Vec<double>& d, std::int64_t furthest = 400) {
+inline BoxSample through(Seeded& rng, const Box<double>& box, const Vec<double>& p, const Vec<double>& d,
+                         std::int64_t furthest = 400) {
     const auto steps = static_cast<double>(rng.integer(-furthest / 8, furthest));
     const Vec<double> origin = p - steps * d;
     const double tmax = rng.index(3) == 0 ? std::fabs(steps) + static_cast<double>(rng.integer(-2, 2)) : HUGE_VAL;
@@ -86,7 +92,8 @@ inline BoxSample through(Seeded& rng, const Box<double>& box, const Vec<double>&
 }
 
 inline std::array<int, 3> shuffled(Seeded& rng, std::array<int, 3> v) {
-    for (int i = 2; i > 0; --i) std::swap(v[static_cast<std::size_t>(i)], v[static_cast<std::size_t>(rng.index(i + 1))]);
+    for (int i = 2; i > 0; --i)
+        std::swap(v[static_cast<std::size_t>(i)], v[static_cast<std::size_t>(rng.index(i + 1))]);
     return v;
 }
 

@@ -22,7 +22,8 @@ BoxSample at_edge(Seeded& rng, const FloatFormat& f) {
     Vec<double> target = rng.vec(-5, 5);
     const int free = rng.index(4);
     for (int i = 0; i < 3; ++i) {
-        target[i] = i != free ? (rng.coin() ? box.lo[i] : box.hi[i]) : std::fmin(std::fmax(target[i], box.lo[i]), box.hi[i]);
+        target[i] =
+            i != free ? (rng.coin() ? box.lo[i] : box.hi[i]) : std::fmin(std::fmax(target[i], box.lo[i]), box.hi[i]);
     }
     return in_storage({{origin, target - origin}, box, HUGE_VAL}, f);
 }
@@ -121,8 +122,8 @@ BoxSample at_end(Seeded& rng, const FloatFormat&) {
     return {{point_of(rng, box, place) - steps * d, d}, box, steps};
 }
 
-/// An exact meeting of planes or of a plane and the ray's end, seen from the world's origin; then the origin moves by a hair, and
-/// what decides is as many bits away.
+/// An exact meeting of planes or of a plane and the ray's end, seen from the world's origin; then the origin moves by a
+/// hair, and what decides is as many bits away.
 BoxSample by_a_hair(Seeded& rng, const FloatFormat& f) {
     BoxSample s = rng.index(3) == 0 ? at_end(rng, f) : rng.coin() ? across_edge(rng, f) : across_corner(rng, f);
     s.box.lo -= s.ray.origin;
@@ -175,7 +176,8 @@ BoxSample about_end(Seeded& rng, const FloatFormat& f) {
     BoxSample s = random_ray(rng, f);
     double entry = 0;
     for (int i = 0; i < 3; ++i) {
-        entry = std::fmax(entry, ((s.ray.direction[i] > 0 ? s.box.lo[i] : s.box.hi[i]) - s.ray.origin[i]) / s.ray.direction[i]);
+        entry = std::fmax(
+            entry, ((s.ray.direction[i] > 0 ? s.box.lo[i] : s.box.hi[i]) - s.ray.origin[i]) / s.ray.direction[i]);
     }
     s.tmax = nudged(stored(entry, f), rng.integer(-1, 1), f);
     return s;
@@ -202,7 +204,9 @@ BoxSample huge(Seeded& rng, const FloatFormat& f) {
 
 /// Every number of any size at all.
 BoxSample mixed_exponents(Seeded& rng, const FloatFormat& f) {
-    const auto any = [&] { return rng.index(8) == 0 ? zero(rng) : stored(rng.signed_magnitude(f.emin - f.precision + 2, f.emax - 2), f); };
+    const auto any = [&] {
+        return rng.index(8) == 0 ? zero(rng) : stored(rng.signed_magnitude(f.emin - f.precision + 2, f.emax - 2), f);
+    };
     const auto vec = [&] {
         const double x = any(), y = any(), z = any();
         return Vec<double>(x, y, z);
@@ -262,9 +266,10 @@ const BoxFamily box_families[18] = {
 std::string paste(const BoxSample& s) {
     const Vec<double>&o = s.ray.origin, &d = s.ray.direction, &a = s.box.lo, &b = s.box.hi;
     char text[640];
-    std::snprintf(text, sizeof text,
-                  "Ray<double> ray{{%a, %a, %a}, {%a, %a, %a}}; Box<double> box{{%a, %a, %a}, {%a, %a, %a}}; double tmax = %a;", o.x, o.y, o.z,
-                  d.x, d.y, d.z, a.x, a.y, a.z, b.x, b.y, b.z, s.tmax);
+    std::snprintf(
+        text, sizeof text,
+        "Ray<double> ray{{%a, %a, %a}, {%a, %a, %a}}; Box<double> box{{%a, %a, %a}, {%a, %a, %a}}; double tmax = %a;",
+        o.x, o.y, o.z, d.x, d.y, d.z, a.x, a.y, a.z, b.x, b.y, b.z, s.tmax);
     return text;
 }
 

@@ -142,7 +142,8 @@ bool is_rounded(double rounded, const std::function<int(const Dyadic&)>& side, c
         half_above = e - f.precision;
         half_below = power_of_two && e > f.emin ? half_above - 1 : half_above;
         const double significand = std::ldexp(rounded, static_cast<int>(f.precision - 1 - e));
-        if (significand != std::floor(significand) || compare(value, end) >= 0) return false;  // not a number of the format
+        if (significand != std::floor(significand) || compare(value, end) >= 0)
+            return false;  // not a number of the format
         even = std::fmod(significand, 2) == 0;
     }
     if (rounded > 0) {
@@ -157,8 +158,9 @@ bool is_rounded(double rounded, const std::function<int(const Dyadic&)>& side, c
 std::string paste(const Ray<double>& ray, const Sphere<double>& sphere) {
     const Vec<double>&o = ray.origin, &d = ray.direction, &c = sphere.centre;
     char text[512];
-    std::snprintf(text, sizeof text, "Ray<double> ray{{%a, %a, %a}, {%a, %a, %a}}; Sphere<double> sphere{{%a, %a, %a}, %a};", o.x, o.y, o.z, d.x,
-                  d.y, d.z, c.x, c.y, c.z, sphere.radius);
+    std::snprintf(text, sizeof text,
+                  "Ray<double> ray{{%a, %a, %a}, {%a, %a, %a}}; Sphere<double> sphere{{%a, %a, %a}, %a};", o.x, o.y,
+                  o.z, d.x, d.y, d.z, c.x, c.y, c.z, sphere.radius);
     return text;
 }
 

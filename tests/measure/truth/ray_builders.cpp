@@ -25,7 +25,8 @@ Triple triple(Seeded& rng, std::int64_t largest_scale) {
     return {t.p * k, t.q * k, t.g * k};
 }
 
-Vec<double> combine(std::int64_t a, const Integers& u, std::int64_t b, const Integers& v, std::int64_t c, const Integers& w) {
+Vec<double> combine(std::int64_t a, const Integers& u, std::int64_t b, const Integers& v, std::int64_t c,
+                    const Integers& w) {
     const auto at = [&](int i) { return static_cast<double>(a * u[i] + b * v[i] + c * w[i]); };
     return {at(0), at(1), at(2)};
 }
@@ -54,7 +55,8 @@ RaySample shuffled(Seeded& rng, const RaySample& s) {
 }
 
 RaySample stored(const RaySample& s, const FloatFormat& f) {
-    return {{stored(s.ray.origin, f), stored(s.ray.direction, f)}, {stored(s.sphere.centre, f), stored(s.sphere.radius, f)}};
+    return {{stored(s.ray.origin, f), stored(s.ray.direction, f)},
+            {stored(s.sphere.centre, f), stored(s.sphere.radius, f)}};
 }
 
 Vec<double> unit_vector(Seeded& rng) {
@@ -104,10 +106,10 @@ RaySample integer_contact(Seeded& rng, const FloatFormat& storage) {
     s.ray.origin = s.sphere.centre + f;
     s.sphere.radius = static_cast<double>(g.g * e.length);
     switch (rng.index(4)) {
-    case 0: s.ray.direction = combine(1, e.u, 0, e.v, 0, e.w); break;  // along the surface
-    case 1: s.ray.direction = f; break;                                // straight out
-    case 2: s.ray.direction = -f; break;                               // through the centre
-    default: break;                                                    // the other frame's: any way
+        case 0: s.ray.direction = combine(1, e.u, 0, e.v, 0, e.w); break;  // along the surface
+        case 1: s.ray.direction = f; break;                                // straight out
+        case 2: s.ray.direction = -f; break;                               // through the centre
+        default: break;                                                    // the other frame's: any way
     }
     return s;
 }

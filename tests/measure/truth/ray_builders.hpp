@@ -22,7 +22,8 @@ struct Triple {
 Triple triple(Seeded& rng, std::int64_t largest_scale);
 
 /// a·u + b·v + c·w, exactly (the families keep within 2^53).
-Vec<double> combine(std::int64_t a, const Integers& u, std::int64_t b, const Integers& v, std::int64_t c, const Integers& w);
+Vec<double> combine(std::int64_t a, const Integers& u, std::int64_t b, const Integers& v, std::int64_t c,
+                    const Integers& w);
 
 /// Multiplies all lengths by 2^lengths and the direction by 2^direction.
 RaySample rescaled(RaySample s, int lengths, int direction);

@@ -24,18 +24,21 @@ RaySample near_tangent(Seeded& rng, const FloatFormat& f) {
 
 RaySample tangent(Seeded& rng, const FloatFormat& f) {
     const int reach = f == binary32 ? 60 : 400;
-    const int lengths = static_cast<int>(rng.integer(-reach, reach)), direction = static_cast<int>(rng.integer(-reach, reach));
+    const int lengths = static_cast<int>(rng.integer(-reach, reach)),
+              direction = static_cast<int>(rng.integer(-reach, reach));
     if (rng.index(4) != 0) return rescaled(integer_tangent(rng, f), lengths, direction);
     // Along an axis, any distance x: the other two components make a triple with the radius.
     const Triple g = triple(rng, 1000);
     const double x = stored(rng.uniform(-5e3, 5e3), f);
-    const RaySample s{{{-x, static_cast<double>(g.p), static_cast<double>(g.q)}, {1, 0, 0}}, {{0, 0, 0}, static_cast<double>(g.g)}};
+    const RaySample s{{{-x, static_cast<double>(g.p), static_cast<double>(g.q)}, {1, 0, 0}},
+                      {{0, 0, 0}, static_cast<double>(g.g)}};
     return rescaled(shuffled(rng, s), lengths, direction);
 }
 
 RaySample on_surface(Seeded& rng, const FloatFormat& f) {
     const int reach = f == binary32 ? 60 : 400;
-    const int lengths = static_cast<int>(rng.integer(-reach, reach)), direction = static_cast<int>(rng.integer(-reach, reach));
+    const int lengths = static_cast<int>(rng.integer(-reach, reach)),
+              direction = static_cast<int>(rng.integer(-reach, reach));
     return rescaled(integer_contact(rng, f), lengths, direction);
 }
 
@@ -52,16 +55,16 @@ RaySample inside(Seeded& rng, const FloatFormat& f) {
     RaySample s{{{0, 0, 0}, unit_vector(rng)}, {rng.vec(-1, 1), rng.uniform(1, 5)}};
     const Vec<double> out = unit_vector(rng) * s.sphere.radius;
     switch (rng.index(4)) {
-    case 0: s.ray.origin = s.sphere.centre; break;
-    case 1: s.ray.origin = s.sphere.centre + out * std::ldexp(1.0, -1 - rng.index(60)); break;
-    case 2: s.ray.origin = s.sphere.centre + out * rng.uniform(0, 0.999); break;
-    default: {  // one place below the surface
-        s.sphere.centre = {0, 0, 0};
-        s.sphere.radius = stored(s.sphere.radius, f);
-        s.ray.origin = {nudged(s.sphere.radius, -1, f), 0, 0};
-        s.ray.direction = rng.index(3) == 0 ? Vec<double>(0, 1, rng.unit()) : s.ray.direction;
-        s = shuffled(rng, s);
-    }
+        case 0: s.ray.origin = s.sphere.centre; break;
+        case 1: s.ray.origin = s.sphere.centre + out * std::ldexp(1.0, -1 - rng.index(60)); break;
+        case 2: s.ray.origin = s.sphere.centre + out * rng.uniform(0, 0.999); break;
+        default: {  // one place below the surface
+            s.sphere.centre = {0, 0, 0};
+            s.sphere.radius = stored(s.sphere.radius, f);
+            s.ray.origin = {nudged(s.sphere.radius, -1, f), 0, 0};
+            s.ray.direction = rng.index(3) == 0 ? Vec<double>(0, 1, rng.unit()) : s.ray.direction;
+            s = shuffled(rng, s);
+        }
     }
     return stored(s, f);
 }

@@ -15,12 +15,15 @@ RaySample tie(Seeded& rng, const FloatFormat& storage) {
     std::int64_t lower = normal + static_cast<std::int64_t>(rng.bits(f.precision - 1));
     int binade = static_cast<int>(rng.integer(f.emin, f.emax));
     switch (rng.index(6)) {
-    case 0: lower = rng.integer(0, std::min<std::int64_t>(normal - 1, 5)), binade = f.emin; break;  // subnormal
-    case 1: lower = 2 * normal - 1, binade = rng.coin() ? f.emax : binade; break;  // into the next binade, or overflow
-    case 2: lower = rng.integer(0, normal - 1), binade = f.emin; break;
-    default: break;
+        case 0: lower = rng.integer(0, std::min<std::int64_t>(normal - 1, 5)), binade = f.emin; break;  // subnormal
+        case 1:
+            lower = 2 * normal - 1, binade = rng.coin() ? f.emax : binade;
+            break;  // into the next binade, or overflow
+        case 2: lower = rng.integer(0, normal - 1), binade = f.emin; break;
+        default: break;
     }
-    const std::int64_t ticks = 2 * lower + (rng.index(8) == 0 ? 0 : 1);  // in half places; the even ones are exact numbers
+    const std::int64_t ticks =
+        2 * lower + (rng.index(8) == 0 ? 0 : 1);  // in half places; the even ones are exact numbers
     const int q = binade - f.precision;
 
     // Pythagoras again: at height 3k or 5k a sphere of radius 5k or 13k has half a chord of 4k or 12k.
@@ -59,9 +62,9 @@ namespace {
 
 RaySample small_scene(Seeded& rng) {
     switch (rng.index(3)) {
-    case 0: return integer_tangent(rng, binary32);
-    case 1: return integer_contact(rng, binary32);
-    default: return integer_scene(rng);
+        case 0: return integer_tangent(rng, binary32);
+        case 1: return integer_contact(rng, binary32);
+        default: return integer_scene(rng);
     }
 }
 
@@ -69,10 +72,10 @@ RaySample small_scene(Seeded& rng) {
 int any_scale(Seeded& rng, const FloatFormat& f) {
     const int lowest = f.emin - f.precision + 1, highest = f.emax - 24;
     switch (rng.index(4)) {
-    case 0: return lowest + rng.index(8);
-    case 1: return static_cast<int>(rng.integer(-20, 20));
-    case 2: return highest - rng.index(8);
-    default: return static_cast<int>(rng.integer(lowest, highest));
+        case 0: return lowest + rng.index(8);
+        case 1: return static_cast<int>(rng.integer(-20, 20));
+        case 2: return highest - rng.index(8);
+        default: return static_cast<int>(rng.integer(lowest, highest));
     }
 }
 
@@ -92,7 +95,8 @@ RaySample subnormal(Seeded& rng, const FloatFormat& storage) {
         return std::ldexp(k, tiny ? lowest + rng.index(3) : -rng.index(30));
     };
     const bool o = rng.coin(), d = rng.coin(), c = rng.coin(), r = rng.coin();
-    RaySample s{{{number(o), number(o), number(o)}, {number(d), number(d), number(d)}}, {{number(c), number(c), number(c)}, 0}};
+    RaySample s{{{number(o), number(o), number(o)}, {number(d), number(d), number(d)}},
+                {{number(c), number(c), number(c)}, 0}};
     while (s.sphere.radius == 0) s.sphere.radius = std::fabs(number(r));
     if (rng.coin()) {  // along an axis through the centre, so that a tiny sphere can be hit at all
         const double height = rng.coin() ? s.sphere.radius : 0.0;
@@ -106,7 +110,8 @@ RaySample subnormal(Seeded& rng, const FloatFormat& storage) {
 
 RaySample overflowing(Seeded& rng, const FloatFormat& storage) {
     const int highest = storage.emax - 24;
-    const int lengths = rng.index(3) == 0 ? storage.emax / 2 + rng.index(storage.emax / 2 - 24) : highest - rng.index(10);
+    const int lengths =
+        rng.index(3) == 0 ? storage.emax / 2 + rng.index(storage.emax / 2 - 24) : highest - rng.index(10);
     const int direction = any_scale(rng, storage);
     return rescaled(small_scene(rng), lengths, direction);
 }
@@ -132,8 +137,8 @@ RaySample mixed_exponents(Seeded& rng, const FloatFormat& storage) {
     return s;
 }
 
-// The tangent point lies at t = 2^p + n + τ: half way between two numbers when n is odd, but for τ, which lies up to two
-// thousand places below. f = −t·(3, 4) + ρ·(4, −3), r = 5ρ; each component of f is a difference of two stored
+// The tangent point lies at t = 2^p + n + τ: half way between two numbers when n is odd, but for τ, which lies up to
+// two thousand places below. f = −t·(3, 4) + ρ·(4, −3), r = 5ρ; each component of f is a difference of two stored
 // numbers, one for the large part and one for τ. With ρ = 3·2^(p−2) + δ the large parts are 4δ − 3n and
 // −25·2^(p−2) − (4n + 3δ), which fit p bits where 4n + 3δ is a multiple of 8; so does 5ρ where δ is one of 4.
 RaySample wide_tangent(Seeded& rng, const FloatFormat& storage) {
@@ -163,10 +168,10 @@ RaySample wide_contact(Seeded& rng, const FloatFormat& storage) {
     const auto way = [&] {
         const std::int64_t p = rng.integer(-3, 3), q = rng.integer(-3, 3);
         switch (rng.index(4)) {
-        case 0: return combine(p == 0 ? 1 : p, e.u, 0, e.v, 0, e.w);
-        case 1: return combine(p, e.u, -g.q, e.v, g.p, e.w);  // at right angles to f, too
-        case 2: return combine(1, e.u, p, e.v, q, e.w);
-        default: return combine(p, e.u, g.p, e.v, g.q, e.w);
+            case 0: return combine(p == 0 ? 1 : p, e.u, 0, e.v, 0, e.w);
+            case 1: return combine(p, e.u, -g.q, e.v, g.p, e.w);  // at right angles to f, too
+            case 2: return combine(1, e.u, p, e.v, q, e.w);
+            default: return combine(p, e.u, g.p, e.v, g.q, e.w);
         }
     };
     RaySample s{{f, way()}, {{0, 0, 0}, static_cast<double>(g.g * e.length)}};

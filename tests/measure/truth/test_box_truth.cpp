@@ -5,9 +5,9 @@
 #include "catch.hpp"
 #include "intersect/box/box_exact.hpp"
 #include "measure/truth/box_families.hpp"
+#include "measure/truth/enclose_box.hpp"
 #include "measure/truth/enclose_solid.hpp"
 #include "measure/truth/truth.hpp"
-#include "measure/truth/enclose_box.hpp"
 #include "number/dual.hpp"
 
 using namespace lostbits;
@@ -28,7 +28,10 @@ struct Question {
     BoxCase exact;
     Span closed, open;
     explicit Question(const BoxSample& s)
-        : sample(s), exact(test::exactly(s.ray, s.box, s.tmax)), closed(ray_in_box(exact, true)), open(ray_in_box(exact, false)) {}
+        : sample(s),
+          exact(test::exactly(s.ray, s.box, s.tmax)),
+          closed(ray_in_box(exact, true)),
+          open(ray_in_box(exact, false)) {}
 };
 
 bool keeps(BoxFamily::Promise promise, const Question& q) {
@@ -36,12 +39,14 @@ bool keeps(BoxFamily::Promise promise, const Question& q) {
     at_origin.tmax = 0;
     const bool in_closed = !ray_in_box(at_origin, true).is_empty(), in_open = !ray_in_box(at_origin, false).is_empty();
     switch (promise) {
-    case BoxFamily::Promise::none: return true;
-    case BoxFamily::Promise::touches: return !line_in_box(q.exact, true).is_empty() && line_in_box(q.exact, false).is_empty();
-    case BoxFamily::Promise::inside: return in_open;
-    case BoxFamily::Promise::on_boundary: return in_closed && !in_open;
-    case BoxFamily::Promise::flat: return line_in_box(q.exact, false).is_empty();
-    case BoxFamily::Promise::at_end: return !q.closed.is_empty() && q.open.is_empty() && q.closed.start() == *q.exact.tmax;
+        case BoxFamily::Promise::none: return true;
+        case BoxFamily::Promise::touches:
+            return !line_in_box(q.exact, true).is_empty() && line_in_box(q.exact, false).is_empty();
+        case BoxFamily::Promise::inside: return in_open;
+        case BoxFamily::Promise::on_boundary: return in_closed && !in_open;
+        case BoxFamily::Promise::flat: return line_in_box(q.exact, false).is_empty();
+        case BoxFamily::Promise::at_end:
+            return !q.closed.is_empty() && q.open.is_empty() && q.closed.start() == *q.exact.tmax;
     }
     return false;
 }
@@ -60,7 +65,8 @@ bool encloses(const measure::truth::Certified& c, const Rational& x) {
 
 /// The same for x = t·|d|, by squares: (middle − bound)² ≤ x² ≤ (middle + bound)².
 bool encloses_root(const measure::truth::Certified& c, const Rational& squared) {
-    const Rational unit = two_to(c.exponent), middle = (Rational(c.hi) + Rational(c.lo)) * unit, bound = Rational(c.bound) * unit;
+    const Rational unit = two_to(c.exponent), middle = (Rational(c.hi) + Rational(c.lo)) * unit,
+                   bound = Rational(c.bound) * unit;
     const Rational low = middle - bound, high = middle + bound;
     return (low.sign() <= 0 || low * low <= squared) && high.sign() >= 0 && squared <= high * high;
 }
@@ -81,7 +87,8 @@ double rounded(const Rational& x, const FloatFormat& f) {
 }
 
 bool contains(const Interval& x, const Rational& q) {
-    return x.is_bounded() && mpfr_cmp_q(x.lower(), q.backend().data()) <= 0 && mpfr_cmp_q(x.upper(), q.backend().data()) >= 0;
+    return x.is_bounded() && mpfr_cmp_q(x.lower(), q.backend().data()) <= 0 &&
+           mpfr_cmp_q(x.upper(), q.backend().data()) >= 0;
 }
 
 /// What is wrong with the proved answer, or nothing.
@@ -92,7 +99,8 @@ std::string disagreement(const Question& q, intersect::Touching convention, Tall
     tally.escalated += truth.bits > 106;
     tally.bits = std::max(tally.bits, truth.bits);
     if (truth.decision == measure::truth::Truth::Decision::unresolved) return "unresolved";
-    if (truth.is_hit() == want.is_empty()) return truth.is_hit() ? "a hit that fractions miss" : "a miss that fractions hit";
+    if (truth.is_hit() == want.is_empty())
+        return truth.is_hit() ? "a hit that fractions miss" : "a miss that fractions hit";
     if (truth.touches != (q.closed.is_empty() != q.open.is_empty())) return "the conventions differ otherwise";
     if (!truth.is_hit()) return truth.object == -1 ? "" : "a miss names an object";
 
@@ -100,10 +108,12 @@ std::string disagreement(const Question& q, intersect::Touching convention, Tall
     if (truth.object != 0) return "a hit without object";
     if (!encloses(truth.t, t)) return "t is not within its bound";
     if (truth.t.is_zero() != (t == 0)) return "t is zero, or is not, wrongly";
-    if (!encloses_root(truth.distance, t * t * test::dot(q.exact.direction, q.exact.direction))) return "the distance is not within its bound";
+    if (!encloses_root(truth.distance, t * t * test::dot(q.exact.direction, q.exact.direction)))
+        return "the distance is not within its bound";
     if (truth.t.bound > measure::truth::certified_tightness * std::fabs(truth.t.hi)) return "t is not tight";
     for (const FloatFormat& f : {binary64, binary32, binary16}) {
-        if (measure::truth::round_truth(truth, s.ray, s.box, f) != rounded(t, f)) return "t is not correctly rounded to " + std::to_string(f.precision) + " bits";
+        if (measure::truth::round_truth(truth, s.ray, s.box, f) != rounded(t, f))
+            return "t is not correctly rounded to " + std::to_string(f.precision) + " bits";
         tally.straddled += !measure::truth::round_certified(truth.t, f);
     }
     return "";
@@ -115,9 +125,11 @@ std::string contradiction(const Question& q, intersect::Touching convention, Tal
     const Span& want = convention == intersect::Touching::hit ? q.closed : q.open;
     for (const long bits : {6, 20, 53, 120}) {
         const Interval::Precision precision(bits);
-        const Box<Interval> box{measure::truth::lift_vec<Interval>(s.box.lo), measure::truth::lift_vec<Interval>(s.box.hi)};
+        const Box<Interval> box{measure::truth::lift_vec<Interval>(s.box.lo),
+                                measure::truth::lift_vec<Interval>(s.box.hi)};
         const Interval end(std::isinf(s.tmax) ? 0.0 : s.tmax);
-        const auto e = measure::truth::enclose(measure::truth::lift_ray<Interval>(s.ray), box, std::isinf(s.tmax) ? nullptr : &end, convention);
+        const auto e = measure::truth::enclose(measure::truth::lift_ray<Interval>(s.ray), box,
+                                               std::isinf(s.tmax) ? nullptr : &end, convention);
         ++tally.asked_low;
         tally.decided_low += !e.hit.is_unknown();
         const std::string at = " at " + std::to_string(bits) + " bits";
@@ -146,16 +158,20 @@ void check(const BoxFamily& family, const FloatFormat& storage, std::uint64_t se
         tally.closed += !q.closed.is_empty();
         tally.open += !q.open.is_empty();
         if (what.empty() || ++failures > 3) continue;
-        report += std::string(family.name) + ", seed " + std::to_string(seed) + ", index " + std::to_string(i) + ": " + what + "\n    " + paste(s) + "\n";
+        report += std::string(family.name) + ", seed " + std::to_string(seed) + ", index " + std::to_string(i) + ": " +
+                  what + "\n    " + paste(s) + "\n";
     }
-    std::printf("%-16s f%d %6d rays %6d closed %6d open %6d escalated %5d bits %6d straddled %3.0f %% decided low %5.1f s\n", family.name,
-                storage == binary32 ? 32 : 64, tally.rays, tally.closed, tally.open, tally.escalated, tally.bits, tally.straddled,
-                100.0 * tally.decided_low / tally.asked_low, static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC);
+    std::printf(
+        "%-16s f%d %6d rays %6d closed %6d open %6d escalated %5d bits %6d straddled %3.0f %% decided low %5.1f s\n",
+        family.name, storage == binary32 ? 32 : 64, tally.rays, tally.closed, tally.open, tally.escalated, tally.bits,
+        tally.straddled, 100.0 * tally.decided_low / tally.asked_low,
+        static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC);
     std::fflush(stdout);
     INFO(failures << " of " << tally.rays << " rays disagree; the first:\n" << report);
     CHECK(failures == 0);
     // A family that only ever hits or only ever misses tests half of what it seems to.
-    const bool always = family.promise == BoxFamily::Promise::inside || family.promise == BoxFamily::Promise::on_boundary ||
+    const bool always = family.promise == BoxFamily::Promise::inside ||
+                        family.promise == BoxFamily::Promise::on_boundary ||
                         family.promise == BoxFamily::Promise::at_end;
     CHECK(tally.closed > tally.rays / 20);
     if (!always) CHECK(tally.closed < tally.rays);
@@ -178,10 +194,10 @@ TEST_CASE("a ray without length, and one that ends before it starts", "[box]") {
     };
     for (const intersect::Touching convention : {intersect::Touching::hit, intersect::Touching::miss}) {
         const bool closed = convention == intersect::Touching::hit;
-        CHECK(shoot(0, 0, convention));                // the origin inside is enough
-        CHECK(shoot(-1, 0, convention) == closed);     // on the boundary it is for the closed box alone
-        CHECK(shoot(-1, 0x1p-1074, convention));       // the least bit of length is inside
-        CHECK(shoot(1, 5, convention) == closed);      // leaving
+        CHECK(shoot(0, 0, convention));             // the origin inside is enough
+        CHECK(shoot(-1, 0, convention) == closed);  // on the boundary it is for the closed box alone
+        CHECK(shoot(-1, 0x1p-1074, convention));    // the least bit of length is inside
+        CHECK(shoot(1, 5, convention) == closed);   // leaving
         CHECK_FALSE(shoot(0, -0x1p-1074, convention));
         CHECK_FALSE(shoot(0, -HUGE_VAL, convention));
         CHECK(shoot(0, HUGE_VAL, convention));
@@ -191,14 +207,16 @@ TEST_CASE("a ray without length, and one that ends before it starts", "[box]") {
 
 namespace {
 
-/// ∂t/∂(inputs in the order origin, direction, lo, hi) of t = (plane − o)/d: −1/d, −t/d and 1/d on the entered axis, else 0.
+/// ∂t/∂(inputs in the order origin, direction, lo, hi) of t = (plane − o)/d: −1/d, −t/d and 1/d on the entered axis,
+/// else 0.
 template <class E>
 void check_gradient(const BoxSample& s) {
     using D = Dual<E, 12>;
     const auto vec = [](const Vec<double>& v, std::size_t first) {
         return Vec<D>(D::input(E(v.x), first), D::input(E(v.y), first + 1), D::input(E(v.z), first + 2));
     };
-    const auto e = measure::truth::enclose<D>({vec(s.ray.origin, 0), vec(s.ray.direction, 3)}, {vec(s.box.lo, 6), vec(s.box.hi, 9)}, nullptr, intersect::Touching::hit);
+    const auto e = measure::truth::enclose<D>({vec(s.ray.origin, 0), vec(s.ray.direction, 3)},
+                                              {vec(s.box.lo, 6), vec(s.box.hi, 9)}, nullptr, intersect::Touching::hit);
     const Span want = ray_in_box(test::exactly(s.ray, s.box, HUGE_VAL), true);
     REQUIRE(e.hit.is_yes() == !want.is_empty());
     if (!e.hit.is_yes()) return;

@@ -3,9 +3,9 @@
 #include <cmath>
 
 #include "catch.hpp"
+#include "measure/seeded.hpp"
 #include "measure/truth/certified.hpp"
 #include "measure/truth/exact_reference.hpp"
-#include "measure/seeded.hpp"
 #include "number/rounded.hpp"
 
 using namespace lostbits;
@@ -23,12 +23,13 @@ measure::truth::Certified any_certified(Seeded& rng, int exponents) {
     }
     const double half = (std::nextafter(std::fabs(x.hi), 4.0) - std::fabs(x.hi)) / 2;
     switch (rng.index(4)) {
-    case 0: break;
-    case 1: x.lo = half * rng.sign(); break;  // a tie of 53 bits
-    case 2: x.lo = half * rng.signed_magnitude(-30, -1); break;
-    default: x.lo = half * rng.signed_magnitude(-1021, -1); break;
+        case 0: break;
+        case 1: x.lo = half * rng.sign(); break;  // a tie of 53 bits
+        case 2: x.lo = half * rng.signed_magnitude(-30, -1); break;
+        default: x.lo = half * rng.signed_magnitude(-1021, -1); break;
     }
-    if (std::fabs(x.hi) == 1 && std::signbit(x.hi) != std::signbit(x.lo)) x.lo /= 2;  // the places below are half as large
+    if (std::fabs(x.hi) == 1 && std::signbit(x.hi) != std::signbit(x.lo))
+        x.lo /= 2;  // the places below are half as large
     if (rng.index(3) != 0) x.bound = rng.magnitude(rng.coin() ? -1074 : -110, -73);
     x.exponent = rng.integer(-exponents, exponents);
     return x;
@@ -57,7 +58,8 @@ TEST_CASE("scaled_difference is accurate even where the words cancel") {
         const Dyadic error = Dyadic(computed) - exact;
         // |error| ≤ 2^-50 |exact| + 2^-1073, squared
         const Dyadic allowed = exact.scaled(-50) * exact.scaled(-50) + Dyadic(1.0).scaled(-2146);
-        INFO(std::hexfloat << x.hi << ' ' << x.lo << ' ' << x.exponent << "; " << y.hi << ' ' << y.lo << ' ' << y.exponent);
+        INFO(std::hexfloat << x.hi << ' ' << x.lo << ' ' << x.exponent << "; " << y.hi << ' ' << y.lo << ' '
+                           << y.exponent);
         if (compare(error * error, allowed) > 0) FAIL("computed " << std::hexfloat << computed);
     }
 }
@@ -81,7 +83,7 @@ TEST_CASE("compare tells only what both bounds allow, and tells it where they ar
         measure::truth::Certified y = rng.index(3) == 0 ? any_certified(rng, 3) : close_to(rng, x);
         if (rng.index(20) == 0) y = {};
         const int order = lostbits::measure::truth::compare(x, y);
-        const bool below = compare(upper_end(x), lower_end(y)) < 0, above = compare(lower_end(x), upper_end(y)) > 0;
+        const bool below = compare(upper_end(x), lower_end(y))<0, above = compare(lower_end(x), upper_end(y))> 0;
         INFO(std::hexfloat << x.hi << ' ' << x.lo << ' ' << x.bound << "; " << y.hi << ' ' << y.lo << ' ' << y.bound);
         if ((order < 0 && !below) || (order > 0 && !above)) FAIL("claims " << order);
         if (order != -lostbits::measure::truth::compare(y, x)) FAIL("depends on the order of its arguments");
@@ -114,7 +116,8 @@ TEST_CASE("both ends round correctly to any format, ties and tails of a thousand
     static constexpr FloatFormat formats[] = {binary64, binary32, binary16, bfloat16, tensor_float32};
     int straddled = 0;
     for (int i = 0; i < 400'000; ++i) {
-        const FloatFormat f = rng.coin() ? formats[rng.index(5)] : FloatFormat{static_cast<int>(rng.integer(2, 53)), -1022, 1023};
+        const FloatFormat f =
+            rng.coin() ? formats[rng.index(5)] : FloatFormat{static_cast<int>(rng.integer(2, 53)), -1022, 1023};
         measure::truth::Certified x = any_certified(rng, 1100);
         if (rng.coin()) x.exponent = rng.integer(f.emin - f.precision - 2, f.emin + 1);
         if (rng.index(8) == 0) x.exponent = f.emax + rng.index(2);
@@ -122,10 +125,14 @@ TEST_CASE("both ends round correctly to any format, ties and tails of a thousand
         if (std::fabs(x.hi) == 1 && std::signbit(x.hi) != std::signbit(x.lo)) x.lo = 0;
         const measure::truth::Neighbours ends = measure::truth::round_ends(x, f);
         const auto correct = [&](double rounded, const Dyadic& end) {
-            if (end.sign() >= 0) return is_rounded(rounded, [&](const Dyadic& m) { return compare(end, m); }, f);
-            return is_rounded(-rounded, [&](const Dyadic& m) { return compare(-end, m); }, f);
+            if (end.sign() >= 0)
+                return is_rounded(
+                    rounded, [&](const Dyadic& m) { return compare(end, m); }, f);
+            return is_rounded(
+                -rounded, [&](const Dyadic& m) { return compare(-end, m); }, f);
         };
-        INFO(std::hexfloat << x.hi << ", " << x.lo << ", " << x.bound << ", " << x.exponent << " to " << f.precision << " bits");
+        INFO(std::hexfloat << x.hi << ", " << x.lo << ", " << x.bound << ", " << x.exponent << " to " << f.precision
+                           << " bits");
         if (!correct(ends.lower, lower_end(x))) FAIL("lower end " << std::hexfloat << ends.lower);
         if (!correct(ends.upper, upper_end(x))) FAIL("upper end " << std::hexfloat << ends.upper);
         const auto rounded = round_certified(x, f);
@@ -144,7 +151,8 @@ TEST_CASE("certify keeps what a ball or an interval encloses") {
         if (const auto c = measure::truth::certify(exact)) {
             const Dyadic value = Dyadic(exact.hi()) + Dyadic(exact.lo());
             INFO(std::hexfloat << exact.hi() << ' ' << exact.lo());
-            if (compare(lower_end(*c), value) > 0 || compare(upper_end(*c), value) < 0) FAIL("the ball is not enclosed");
+            if (compare(lower_end(*c), value) > 0 || compare(upper_end(*c), value) < 0)
+                FAIL("the ball is not enclosed");
             if (!(std::fabs(c->hi) >= 1 && std::fabs(c->hi) < 2)) FAIL("hi is not normalised");
         }
         const Interval::Precision precision(rng.integer(96, 3000));
@@ -186,9 +194,11 @@ TEST_CASE("ordinals are the formats' own bit patterns") {
     Seeded rng(16);
     for (int i = 0; i < 100'000; ++i) {
         const double x = std::bit_cast<double>(rng.bits(64));
-        if (!std::isnan(x)) REQUIRE(measure::truth::ordinal(std::fabs(x), binary64) == std::bit_cast<std::int64_t>(std::fabs(x)));
+        if (!std::isnan(x))
+            REQUIRE(measure::truth::ordinal(std::fabs(x), binary64) == std::bit_cast<std::int64_t>(std::fabs(x)));
         const float y = std::bit_cast<float>(static_cast<std::uint32_t>(rng.bits(32)));
-        if (!std::isnan(y)) REQUIRE(measure::truth::ordinal(-std::fabs(y), binary32) == -std::bit_cast<std::int32_t>(std::fabs(y)));
+        if (!std::isnan(y))
+            REQUIRE(measure::truth::ordinal(-std::fabs(y), binary32) == -std::bit_cast<std::int32_t>(std::fabs(y)));
     }
     CHECK(measure::truth::ordinal(HUGE_VAL, binary64) == 0x7ff0000000000000);
     CHECK(measure::truth::ordinal(-HUGE_VAL, binary32) == -0x7f800000);

@@ -2,11 +2,11 @@
 #include <cmath>
 
 #include "catch.hpp"
-#include "measure/truth/conditioning.hpp"
 #include "measure/metric/metrics.hpp"
+#include "measure/seeded.hpp"
+#include "measure/truth/conditioning.hpp"
 #include "measure/truth/truth.hpp"
 #include "number/dual.hpp"
-#include "measure/seeded.hpp"
 
 using namespace lostbits;
 
@@ -24,7 +24,8 @@ Wide first_root(const std::array<Wide, 10>& x) {
 }
 
 std::array<double, 10> numbers(const Ray<double>& r, const Sphere<double>& s) {
-    return {r.origin.x, r.origin.y, r.origin.z, r.direction.x, r.direction.y, r.direction.z, s.centre.x, s.centre.y, s.centre.z, s.radius};
+    return {r.origin.x,    r.origin.y, r.origin.z, r.direction.x, r.direction.y,
+            r.direction.z, s.centre.x, s.centre.y, s.centre.z,    s.radius};
 }
 
 double by_differences(const Ray<double>& ray, const Sphere<double>& sphere) {
@@ -96,7 +97,8 @@ TEST_CASE("Real inputs have the condition of the same numbers") {
     const Ray<double> ray{{1.25, -2.5, 6}, {-0.25, 0.5, -1.5}};
     const Sphere<double> sphere{{0.5, -0.75, 1}, 1.5};
     const auto real = [](const Vec<double>& v) { return Vec<Real>(Real(v.x), Real(v.y), Real(v.z)); };
-    CHECK(measure::truth::condition(Ray<Real>{real(ray.origin), real(ray.direction)}, Sphere<Real>{real(sphere.centre), Real(sphere.radius)}) ==
+    CHECK(measure::truth::condition(Ray<Real>{real(ray.origin), real(ray.direction)},
+                                    Sphere<Real>{real(sphere.centre), Real(sphere.radius)}) ==
           Approx(measure::truth::condition(ray, sphere)).epsilon(1e-5));
 }
 
@@ -117,14 +119,22 @@ TEST_CASE("every operation of Dual differentiates as a central difference does")
         Wide (*plain)(const Wide&, const Wide&, const Wide&);
     };
     const Operation operations[] = {
-        {"+", [](const D& a, const D& b, const D&) { return a + b; }, [](const Wide& a, const Wide& b, const Wide&) { return Wide(a + b); }},
-        {"-", [](const D& a, const D& b, const D&) { return a - b; }, [](const Wide& a, const Wide& b, const Wide&) { return Wide(a - b); }},
-        {"*", [](const D& a, const D& b, const D&) { return a * b; }, [](const Wide& a, const Wide& b, const Wide&) { return Wide(a * b); }},
-        {"/", [](const D& a, const D& b, const D&) { return a / b; }, [](const Wide& a, const Wide& b, const Wide&) { return Wide(a / b); }},
-        {"neg", [](const D& a, const D&, const D&) { return -a; }, [](const Wide& a, const Wide&, const Wide&) { return Wide(-a); }},
-        {"sqrt", [](const D& a, const D&, const D&) { return sqrt(a * a + D(1)); }, [](const Wide& a, const Wide&, const Wide&) { return Wide(sqrt(Wide(a * a + 1))); }},
-        {"fma", [](const D& a, const D& b, const D& c) { return fma(a, b, c); }, [](const Wide& a, const Wide& b, const Wide& c) { return Wide(a * b + c); }},
-        {"abs", [](const D& a, const D&, const D&) { return abs(a); }, [](const Wide& a, const Wide&, const Wide&) { return Wide(abs(a)); }},
+        {"+", [](const D& a, const D& b, const D&) { return a + b; },
+         [](const Wide& a, const Wide& b, const Wide&) { return Wide(a + b); }},
+        {"-", [](const D& a, const D& b, const D&) { return a - b; },
+         [](const Wide& a, const Wide& b, const Wide&) { return Wide(a - b); }},
+        {"*", [](const D& a, const D& b, const D&) { return a * b; },
+         [](const Wide& a, const Wide& b, const Wide&) { return Wide(a * b); }},
+        {"/", [](const D& a, const D& b, const D&) { return a / b; },
+         [](const Wide& a, const Wide& b, const Wide&) { return Wide(a / b); }},
+        {"neg", [](const D& a, const D&, const D&) { return -a; },
+         [](const Wide& a, const Wide&, const Wide&) { return Wide(-a); }},
+        {"sqrt", [](const D& a, const D&, const D&) { return sqrt(a * a + D(1)); },
+         [](const Wide& a, const Wide&, const Wide&) { return Wide(sqrt(Wide(a * a + 1))); }},
+        {"fma", [](const D& a, const D& b, const D& c) { return fma(a, b, c); },
+         [](const Wide& a, const Wide& b, const Wide& c) { return Wide(a * b + c); }},
+        {"abs", [](const D& a, const D&, const D&) { return abs(a); },
+         [](const Wide& a, const Wide&, const Wide&) { return Wide(abs(a)); }},
         {"copysign", [](const D& a, const D& b, const D&) { return copysign(a, b); },
          [](const Wide& a, const Wide& b, const Wide&) { return (a < 0) == (b < 0) ? a : Wide(-a); }},
         {"select", [](const D& a, const D& b, const D& c) { return select(c > D(0), a * b, a + b); },
@@ -141,7 +151,8 @@ TEST_CASE("every operation of Dual differentiates as a central difference does")
                 const Wide step = ldexp(Wide(1), -300);
                 up[i] += step;
                 down[i] -= step;
-                const Wide slope = (operation.plain(up[0], up[1], up[2]) - operation.plain(down[0], down[1], down[2])) / (2 * step);
+                const Wide slope =
+                    (operation.plain(up[0], up[1], up[2]) - operation.plain(down[0], down[1], down[2])) / (2 * step);
                 CHECK(abs(Wide(result.derivative(i) - slope)) < 1e-100);
             }
         }

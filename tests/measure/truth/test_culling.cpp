@@ -13,7 +13,8 @@ using measure::truth::SphereIndex;
 namespace {
 
 /// A flake and a large sphere below it, seen from `eye`.
-scene::file::Scene flake_scene(int levels, const std::string& eye, const std::string& camera, const std::string& inputs = "shared") {
+scene::file::Scene flake_scene(int levels, const std::string& eye, const std::string& camera,
+                               const std::string& inputs = "shared") {
     const scene::test::Folder folder;
     const std::string text = R"(schema = "lostbits-scene/1"
 title = "A test"
@@ -24,7 +25,8 @@ eye = )" + eye + R"(
 look_at = [0, 0, 0]
 )" + camera + R"(
 [sphereflake]
-levels = )" + std::to_string(levels) + R"(
+levels = )" + std::to_string(levels) +
+                             R"(
 axis = [0.2, 0.9, 0.4]
 [[sphere]]
 centre = [0, -1001.5, 0]
@@ -54,19 +56,23 @@ Counts compare(const scene::file::Scene& scene, std::initializer_list<const char
     }
     for (const char* name : formats) {
         const Format format = *find_format(name);
-        const measure::truth::FormatInputs in = quick.inputs(format, {.unit_rays = true, .own_truth = true}), all = slow.inputs(format, {.unit_rays = true, .own_truth = true});
+        const measure::truth::FormatInputs in = quick.inputs(format, {.unit_rays = true, .own_truth = true}),
+                                           all = slow.inputs(format, {.unit_rays = true, .own_truth = true});
         CHECK(all.index == nullptr);
         for (std::size_t i = 0; i < in.own_truth.size(); ++i) CHECK(in.own_truth[i].object == all.own_truth[i].object);
         std::vector<std::uint32_t> found;
-        for (std::size_t i = 0; in.index && i < in.rays.size(); ++i, ++counts.rays) counts.few += in.index->candidates(in.rays[i], found);
+        for (std::size_t i = 0; in.index && i < in.rays.size(); ++i, ++counts.rays)
+            counts.few += in.index->candidates(in.rays[i], found);
         for (const intersect::table::Intersector& form : intersect::table::intersectors(Shape::sphere)) {
             if (!form.exists_in(format)) continue;
-            const measure::truth::Answers got = measure::truth::evaluate(form, in), want = measure::truth::evaluate(form, all);
+            const measure::truth::Answers got = measure::truth::evaluate(form, in),
+                                          want = measure::truth::evaluate(form, all);
             INFO(form.info->name << " in " << name);
             CHECK(got.hit == want.hit);
             CHECK(got.object == want.object);
             std::size_t different = 0;
-            for (std::size_t i = 0; i < got.t.size(); ++i) different += !(got.t[i] == want.t[i] || (std::isnan(got.t[i]) && std::isnan(want.t[i])));
+            for (std::size_t i = 0; i < got.t.size(); ++i)
+                different += !(got.t[i] == want.t[i] || (std::isnan(got.t[i]) && std::isnan(want.t[i])));
             CHECK(different == 0);
             for (const auto h : want.hit) counts.hits += h;
         }
@@ -84,21 +90,24 @@ TEST_CASE("an index of many spheres changes no answer: near", "[measure][culling
     CHECK(c.few > c.rays / 3);
 }
 
-TEST_CASE("an index of many spheres changes no answer: far, where rounding makes hits of misses", "[measure][culling]") {
+TEST_CASE("an index of many spheres changes no answer: far, where rounding makes hits of misses",
+          "[measure][culling]") {
     const Counts c = compare(flake_scene(3, "[210, 130, 170]", pinhole + "0.66"), {"f32", "f64", "p30"});
     CHECK(c.hits > 1000);
     CHECK(c.few > c.rays / 3);
     compare(flake_scene(2, "[2100, 1300, 1700]", pinhole + "0.066"), {"f32", "p40"});
 }
 
-TEST_CASE("an index of many spheres changes no answer: from inside, along the ground, parallel, of its own inputs", "[measure][culling]") {
+TEST_CASE("an index of many spheres changes no answer: from inside, along the ground, parallel, of its own inputs",
+          "[measure][culling]") {
     compare(flake_scene(3, "[0.1, 0.05, 0.3]", pinhole + "120"), {"f32", "f64"});
     compare(flake_scene(3, "[9, -1.4375, 7]", pinhole + "50"), {"f32", "f64"});
     compare(flake_scene(3, "[30, 20, 10]", "kind = \"orthographic\"\nwidth = 4"), {"f32", "f64"});
     compare(flake_scene(2, "[2.1, 1.3, 1.7]", pinhole + "60\nnormalise = false", "own"), {"f32", "f64", "bf16"});
 }
 
-TEST_CASE("no index where squares leave the format, where spheres are few, or solids no spheres", "[measure][culling]") {
+TEST_CASE("no index where squares leave the format, where spheres are few, or solids no spheres",
+          "[measure][culling]") {
     const measure::truth::RayBounds bounds{3, 1, 1};
     std::vector<Solid<double>> solids;
     for (int i = 0; i < 100; ++i) solids.emplace_back(Sphere<double>{{0.5 * i, 0, 0}, 0.25});

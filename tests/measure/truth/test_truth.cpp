@@ -22,10 +22,10 @@ struct Tally {
 
 bool keeps(RayFamily::Promise promise, const ExactHit& exact) {
     switch (promise) {
-    case RayFamily::Promise::tangent_line: return exact.is_tangent_line();
-    case RayFamily::Promise::on_surface: return exact.on_surface();
-    case RayFamily::Promise::inside: return exact.is_inside();
-    case RayFamily::Promise::none: return true;
+        case RayFamily::Promise::tangent_line: return exact.is_tangent_line();
+        case RayFamily::Promise::on_surface: return exact.on_surface();
+        case RayFamily::Promise::inside: return exact.is_inside();
+        case RayFamily::Promise::none: return true;
     }
     return false;
 }
@@ -42,7 +42,8 @@ std::string disagreement(const RaySample& s, RayFamily::Promise promise, ArbRefe
     tally.arb_bits = std::max(tally.arb_bits, ball.bits);
     if (truth.decision == measure::truth::Truth::Decision::unresolved) return "unresolved";
     if (ball.decision == ArbReference::Decision::undecided) return "Arb did not decide";
-    if (truth.is_hit() != exact.hit()) return truth.is_hit() ? "a hit that exact integers miss" : "a miss that exact integers hit";
+    if (truth.is_hit() != exact.hit())
+        return truth.is_hit() ? "a hit that exact integers miss" : "a miss that exact integers hit";
     if (truth.is_hit() != (ball.decision == ArbReference::Decision::hit)) return "Arb decides otherwise";
     if (!truth.is_hit()) return truth.object == -1 ? "" : "a miss names an object";
 
@@ -51,11 +52,13 @@ std::string disagreement(const RaySample& s, RayFamily::Promise promise, ArbRefe
     if (!encloses(truth.t, exact)) return "t is not within its bound";
     if (!encloses_distance(truth.distance, exact)) return "the distance is not within its bound";
     if (truth.t.bound > measure::truth::certified_tightness * std::fabs(truth.t.hi)) return "t is not tight";
-    if (truth.distance.bound > measure::truth::certified_tightness * std::fabs(truth.distance.hi)) return "the distance is not tight";
+    if (truth.distance.bound > measure::truth::certified_tightness * std::fabs(truth.distance.hi))
+        return "the distance is not tight";
     const auto side = [&](const Dyadic& x) { return exact.side(x); };
     for (const FloatFormat& f : {binary64, binary32, binary16, bfloat16, FloatFormat{52, -1022, 1023}}) {
         const double rounded = measure::truth::round_truth(truth, s.ray, s.sphere, f);
-        if (!is_rounded(rounded, side, f)) return "t is not correctly rounded to " + std::to_string(f.precision) + " bits";
+        if (!is_rounded(rounded, side, f))
+            return "t is not correctly rounded to " + std::to_string(f.precision) + " bits";
         if (f == binary64 && ball.rounded && rounded != ball.t) return "Arb rounds otherwise";
         tally.ties += !measure::truth::round_certified(truth.t, f);
     }
@@ -74,13 +77,13 @@ void check(const RayFamily& family, const FloatFormat& storage, int rays, std::u
         const RaySample s = family.make(rng, storage);
         const std::string what = disagreement(s, family.promise, arb, tally);
         if (what.empty() || ++failures > 3) continue;
-        report += std::string(family.name) + ", seed " + std::to_string(seed) + ", index " + std::to_string(i) + ": " + what + "\n    " +
-                  paste(s.ray, s.sphere) + "\n";
+        report += std::string(family.name) + ", seed " + std::to_string(seed) + ", index " + std::to_string(i) + ": " +
+                  what + "\n    " + paste(s.ray, s.sphere) + "\n";
     }
     tally.rays = rays;
-    std::printf("%-17s f%d  %7d rays  %7d hits  %6d escalated  %5d bits  %6d straddled  %6ld bits in Arb  %5.1f s\n", family.name,
-                storage == binary32 ? 32 : 64, tally.rays, tally.hits, tally.escalated, tally.bits, tally.ties, tally.arb_bits,
-                static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC);
+    std::printf("%-17s f%d  %7d rays  %7d hits  %6d escalated  %5d bits  %6d straddled  %6ld bits in Arb  %5.1f s\n",
+                family.name, storage == binary32 ? 32 : 64, tally.rays, tally.hits, tally.escalated, tally.bits,
+                tally.ties, tally.arb_bits, static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC);
     std::fflush(stdout);
     INFO(failures << " of " << rays << " rays disagree; the first:\n" << report);
     CHECK(failures == 0);

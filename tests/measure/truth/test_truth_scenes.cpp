@@ -13,13 +13,19 @@ using namespace lostbits::testing;
 
 namespace {
 
-std::vector<Solid<double>> solids(const std::vector<Sphere<double>>& spheres) { return {spheres.begin(), spheres.end()}; }
+std::vector<Solid<double>> solids(const std::vector<Sphere<double>>& spheres) {
+    return {spheres.begin(), spheres.end()};
+}
 
-measure::truth::Truth single(const Ray<double>& ray, const Sphere<double>& sphere) { return measure::truth::find_truth(ray, sphere); }
+measure::truth::Truth single(const Ray<double>& ray, const Sphere<double>& sphere) {
+    return measure::truth::find_truth(ray, sphere);
+}
 
 /// A double times a 256-bit factor: a number that no double holds.
 Real lifted(double x, const Real& factor) { return Real(x) * factor; }
-Vec<Real> lifted(const Vec<double>& v, const Real& factor) { return {lifted(v.x, factor), lifted(v.y, factor), lifted(v.z, factor)}; }
+Vec<Real> lifted(const Vec<double>& v, const Real& factor) {
+    return {lifted(v.x, factor), lifted(v.y, factor), lifted(v.z, factor)};
+}
 
 }  // namespace
 
@@ -47,14 +53,17 @@ TEST_CASE("the nearest of many spheres is the minimum of single ones") {
             any = true;
             if (!all.is_hit()) FAIL("a miss though sphere " << k << " is hit");
             if (lostbits::measure::truth::compare(one.t, all.t) < 0) FAIL("sphere " << k << " is nearer");
-            if (static_cast<int>(k) < all.object && lostbits::measure::truth::compare(one.t, all.t) == 0) FAIL("not the lowest of equals");
+            if (static_cast<int>(k) < all.object && lostbits::measure::truth::compare(one.t, all.t) == 0)
+                FAIL("not the lowest of equals");
         }
-        if (all.is_hit() != any || all.decision == measure::truth::Truth::Decision::unresolved) FAIL("a hit of nothing");
+        if (all.is_hit() != any || all.decision == measure::truth::Truth::Decision::unresolved)
+            FAIL("a hit of nothing");
         if (all.bits != most_bits) FAIL("bits " << all.bits << ", not " << most_bits);
         if (!any) continue;
         ++hits;
         const ExactHit exact(first.ray, spheres[all.object]);
-        if (!exact.hit() || !encloses(all.t, exact) || !encloses_distance(all.distance, exact)) FAIL("does not enclose the nearest");
+        if (!exact.hit() || !encloses(all.t, exact) || !encloses_distance(all.distance, exact))
+            FAIL("does not enclose the nearest");
     }
     CHECK(hits > 5000);
 }
@@ -145,7 +154,8 @@ TEST_CASE("the limit leaves a hard tangent unresolved that the default resolves"
         const measure::truth::Truth limited = find_truth(s.ray, s.sphere, measure::truth::TruthLimit{full.bits - 1});
         REQUIRE(limited.decision == measure::truth::Truth::Decision::unresolved);
         REQUIRE_FALSE(limited.is_hit());
-        REQUIRE(find_truth(s.ray, s.sphere, measure::truth::TruthLimit{64}).decision == measure::truth::Truth::Decision::unresolved);
+        REQUIRE(find_truth(s.ray, s.sphere, measure::truth::TruthLimit{64}).decision ==
+                measure::truth::Truth::Decision::unresolved);
         REQUIRE(find_truth(s.ray, s.sphere, measure::truth::TruthLimit{full.bits}).decision == full.decision);
     }
     CHECK(needed_more > 2000);
@@ -165,8 +175,8 @@ TEST_CASE("numbers that no double holds are taken as they are") {
 
 TEST_CASE("truth agrees with exact integers on 256-bit inputs") {
     Seeded rng(25);
-    RaySample (*const families[])(Seeded&, const FloatFormat&) = {random_ray,   near_tangent, tangent,     on_surface, near_surface,
-                                                                  inside,       huge_sphere,  tie,         near_tie};
+    RaySample (*const families[])(Seeded&, const FloatFormat&) = {
+        random_ray, near_tangent, tangent, on_surface, near_surface, inside, huge_sphere, tie, near_tie};
     int escalated = 0, hits = 0, beyond = 0;
     for (int i = 0; i < 20'000; ++i) {
         const RaySample s = families[rng.index(9)](rng, binary64);
@@ -178,7 +188,8 @@ TEST_CASE("truth agrees with exact integers on 256-bit inputs") {
         const measure::truth::Truth t = measure::truth::find_truth(ray, sphere);
         const ExactHit exact(ray, sphere);
         INFO(i << ": " << paste(s.ray, s.sphere) << " lengths over " << over << ", direction over " << under);
-        if (t.decision == measure::truth::Truth::Decision::unresolved || t.is_hit() != exact.hit()) FAIL("decides otherwise");
+        if (t.decision == measure::truth::Truth::Decision::unresolved || t.is_hit() != exact.hit())
+            FAIL("decides otherwise");
         escalated += t.bits > 106;
         beyond += t.bits > 384;
         if (!t.is_hit()) continue;
@@ -186,7 +197,8 @@ TEST_CASE("truth agrees with exact integers on 256-bit inputs") {
         if (!encloses(t.t, exact) || !encloses_distance(t.distance, exact)) FAIL("not within its bound");
         const auto side = [&](const Dyadic& x) { return exact.side(x); };
         for (const FloatFormat& f : {binary64, binary32, bfloat16})
-            if (!is_rounded(round_truth(t, ray, sphere, f), side, f)) FAIL("not correctly rounded to " << f.precision << " bits");
+            if (!is_rounded(round_truth(t, ray, sphere, f), side, f))
+                FAIL("not correctly rounded to " << f.precision << " bits");
     }
     CHECK(hits > 10'000);
     CHECK(escalated > 2'000);

@@ -6,8 +6,8 @@
 
 #include "catch.hpp"
 #include "number/error.hpp"
-#include "output/file/csv.hpp"
 #include "output/diff/difference.hpp"
+#include "output/file/csv.hpp"
 #include "output/file/number_text.hpp"
 #include "output/scratch.hpp"
 
@@ -24,7 +24,8 @@ constexpr float not_a_number = std::numeric_limits<float>::quiet_NaN();
 
 output::file::CsvTable table(const std::string& text) { return parse_csv(text, "t.csv"); }
 
-output::diff::CompareOptions within(std::initializer_list<const char*> tolerances, std::vector<std::string> ignored = {}) {
+output::diff::CompareOptions within(std::initializer_list<const char*> tolerances,
+                                    std::vector<std::string> ignored = {}) {
     CompareOptions options;
     for (const char* t : tolerances) options.tolerances.push_back(parse_tolerance(t));
     options.ignored = std::move(ignored);
@@ -32,7 +33,8 @@ output::diff::CompareOptions within(std::initializer_list<const char*> tolerance
 }
 
 /// Differences of two tables of one row and one column.
-output::diff::Comparison cells(const std::string& a, const std::string& b, const CompareOptions& options = {}, const std::string& column = "x") {
+output::diff::Comparison cells(const std::string& a, const std::string& b, const CompareOptions& options = {},
+                               const std::string& column = "x") {
     return compare(table(column + "\n" + csv_field(a) + "\n"), table(column + "\n" + csv_field(b) + "\n"), options);
 }
 
@@ -50,7 +52,10 @@ std::string complaint(const std::string& text) {
 }
 
 output::image::ExrImage image_of(std::vector<float> x, std::vector<std::uint32_t> id = {1, 2, 3, 4}) {
-    return {2, 2, {{"class.id", std::move(id)}, {"err.ulp", std::move(x)}}, {{"lostbits:command", "map"}, {"lostbits:form", "sphere.press"}}};
+    return {2,
+            2,
+            {{"class.id", std::move(id)}, {"err.ulp", std::move(x)}},
+            {{"lostbits:command", "map"}, {"lostbits:form", "sphere.press"}}};
 }
 
 }  // namespace
@@ -142,20 +147,27 @@ TEST_CASE("a cell's value is exact and does not depend on how it is written", "[
     CHECK(read_cell("1e-2000").kind == output::file::CellValue::Kind::number);
     CHECK(read_cell("-0x0p+0").negative);
     for (const char* nan : {"nan", "NaN", "-nan"}) CHECK(read_cell(nan).kind == output::file::CellValue::Kind::nan);
-    for (const char* word : {"inf", "-Infinity", "+INF"}) CHECK(read_cell(word).kind == output::file::CellValue::Kind::infinity);
+    for (const char* word : {"inf", "-Infinity", "+INF"})
+        CHECK(read_cell(word).kind == output::file::CellValue::Kind::infinity);
     CHECK(read_cell("").kind == output::file::CellValue::Kind::missing);
-    for (const char* text : {"-", ".", "e3", "1e", "1e+-3", "1 ", " 1", "1,5", "0x", "0x1p", "nano", "infinit", "1e99999999999", "1f", "--1"}) {
+    for (const char* text : {"-", ".", "e3", "1e", "1e+-3", "1 ", " 1", "1,5", "0x", "0x1p", "nano", "infinit",
+                             "1e99999999999", "1f", "--1"}) {
         INFO(text);
         CHECK(read_cell(text).kind == output::file::CellValue::Kind::text);
     }
 }
 
 TEST_CASE("without a tolerance numbers compare by exact value and text by bytes", "[difference]") {
-    for (const auto& [a, b] : {std::pair{"1e3", "1000"}, {"nan", "NaN"}, {"inf", "Infinity"}, {"a b", "a b"}, {"", ""}}) {
+    for (const auto& [a, b] :
+         {std::pair{"1e3", "1000"}, {"nan", "NaN"}, {"inf", "Infinity"}, {"a b", "a b"}, {"", ""}}) {
         INFO(a << " " << b);
         CHECK(cells(a, b).same());
     }
-    for (const auto& [a, b] : {std::pair{"1", "1.0000000000000000000001"}, {"0", "-0"}, {"a", "A"}, {"9007199254740993", "9007199254740992"}, {"1", "one"}}) {
+    for (const auto& [a, b] : {std::pair{"1", "1.0000000000000000000001"},
+                               {"0", "-0"},
+                               {"a", "A"},
+                               {"9007199254740993", "9007199254740992"},
+                               {"1", "one"}}) {
         INFO(a << " " << b);
         CHECK(cells(a, b).count == 1);
         CHECK(cells(b, a).count == 1);
@@ -294,7 +306,8 @@ TEST_CASE("EXR samples compare bit by bit, any NaN equals any, and a tolerance i
         CHECK(compare(image_of({1, 2, other, 4}), image_of({1, 2, 3, 4}), generous).count == 1);
     }
     CHECK(compare(image_of({inf, 0, 0, 0}), image_of({-inf, 0, 0, 0}), generous).count == 1);
-    const output::diff::Comparison codes = compare(image_of({1, 2, 3, 4}), image_of({1, 2, 3, 4}, {1, 7, 3, 4}), generous);
+    const output::diff::Comparison codes =
+        compare(image_of({1, 2, 3, 4}), image_of({1, 2, 3, 4}, {1, 7, 3, 4}), generous);
     REQUIRE(codes.count == 1);
     CHECK(codes.differences[0].what == "class.id at 1,0: 2 != 7");
     CHECK(compare(image_of({1, 2, 3, 4}), image_of({1, 2, 3, 4}, {1, 7, 3, 4}), within({}, {"class.*"})).same());
@@ -321,7 +334,8 @@ TEST_CASE("EXR sizes, channels, types and attributes", "[difference]") {
     CHECK(says(compare(a, b, within({"*=9"})), "channel err.ulp: type f32 != u32"));
 
     b = image_of({1, 2, 3, 4});
-    b.attributes = {{"lostbits:command", "another"}, {"lostbits:compiler", "another"}, {"lostbits:form", "sphere.press"}};
+    b.attributes = {
+        {"lostbits:command", "another"}, {"lostbits:compiler", "another"}, {"lostbits:form", "sphere.press"}};
     CHECK(compare(a, b, {}).same());
     b.attributes.back().second = "sphere.unified";
     CHECK(says(compare(a, b, {}), "attribute lostbits:form: \"sphere.press\" != \"sphere.unified\""));

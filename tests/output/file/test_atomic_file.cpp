@@ -102,9 +102,15 @@ TEST_CASE("an unwritable folder or file is refused before any work", "[atomic_fi
     ::chmod(folder.path().c_str(), 0555);
     const int answer = in_child([&] {
         if (::getuid() == 0 && ::setuid(65534) != 0) return 9;  // permissions do not bind root
-        if (!contains(refusal([&] { output::file::AtomicFile(folder / "a"); }), "a: cannot create: Permission denied; ")) return 1;
-        if (!contains(refusal([&] { output::file::AtomicFile(folder / "s/a"); }), "cannot create the folder: Permission")) return 2;
-        if (!contains(refusal([&] { output::file::AtomicFile(folder / "mine"); }), "cannot overwrite: Permission denied")) return 3;
+        if (!contains(refusal([&] { output::file::AtomicFile(folder / "a"); }),
+                      "a: cannot create: Permission denied; "))
+            return 1;
+        if (!contains(refusal([&] { output::file::AtomicFile(folder / "s/a"); }),
+                      "cannot create the folder: Permission"))
+            return 2;
+        if (!contains(refusal([&] { output::file::AtomicFile(folder / "mine"); }),
+                      "cannot overwrite: Permission denied"))
+            return 3;
         return 0;
     });
     ::chmod(folder.path().c_str(), 0755);
@@ -125,8 +131,8 @@ TEST_CASE("a full disk is reported and leaves nothing", "[atomic_file]") {
                 file.commit();
             });
             if (message.empty()) return 1;
-            return message == (folder / "big").string() +
-                                  ": cannot write: File too large; free space or choose another -o"
+            return message ==
+                           (folder / "big").string() + ": cannot write: File too large; free space or choose another -o"
                        ? 0
                        : 2;
         });
@@ -134,8 +140,8 @@ TEST_CASE("a full disk is reported and leaves nothing", "[atomic_file]") {
     REQUIRE(fill(90000) == 1);  // it fits
     REQUIRE(fs::file_size(folder / "big") == 90000);
     fs::remove(folder / "big");
-    REQUIRE(fill(110000) == 0);    // seen in commit
-    REQUIRE(fill(1000000) == 0);   // seen in write
+    REQUIRE(fill(110000) == 0);   // seen in commit
+    REQUIRE(fill(1000000) == 0);  // seen in write
     REQUIRE(folder.entries() == 0);
 }
 
@@ -178,7 +184,10 @@ TEST_CASE("what a dead process of the same id left is replaced; a second live wr
 TEST_CASE("a signal handler removes the partial files and keeps the finished ones", "[atomic_file]") {
     const Scratch folder;
     const int answer = in_child([&] {
-        std::signal(SIGTERM, [](int) { output::file::remove_partial_files(); ::_exit(42); });
+        std::signal(SIGTERM, [](int) {
+            output::file::remove_partial_files();
+            ::_exit(42);
+        });
         output::file::AtomicFile finished(folder / "finished");
         finished.commit();
         std::vector<std::unique_ptr<AtomicFile>> files;
@@ -203,13 +212,13 @@ TEST_CASE("commit after the signal handler ran says interrupted", "[atomic_file]
 
 TEST_CASE("the limit on open files rises to the hard one", "[atomic_file]") {
     REQUIRE(in_child([] {
-        rlimit limit{};
-        ::getrlimit(RLIMIT_NOFILE, &limit);
-        limit.rlim_cur = 64;
-        ::setrlimit(RLIMIT_NOFILE, &limit);
-        output::file::raise_open_file_limit();
-        rlimit after{};
-        ::getrlimit(RLIMIT_NOFILE, &after);
-        return after.rlim_cur == limit.rlim_max && after.rlim_cur > 64 ? 0 : 1;
-    }) == 0);
+                rlimit limit{};
+                ::getrlimit(RLIMIT_NOFILE, &limit);
+                limit.rlim_cur = 64;
+                ::setrlimit(RLIMIT_NOFILE, &limit);
+                output::file::raise_open_file_limit();
+                rlimit after{};
+                ::getrlimit(RLIMIT_NOFILE, &after);
+                return after.rlim_cur == limit.rlim_max && after.rlim_cur > 64 ? 0 : 1;
+            }) == 0);
 }

@@ -69,7 +69,9 @@ TEST_CASE("the bar counts from all threads and erases itself", "[progress]") {
         bar.say("note");
         std::vector<std::thread> threads;
         for (int t = 0; t < 4; ++t) {
-            threads.emplace_back([&] { for (int i = 0; i < 1000; ++i) bar.advance(); });
+            threads.emplace_back([&] {
+                for (int i = 0; i < 1000; ++i) bar.advance();
+            });
         }
         for (auto& thread : threads) thread.join();
         REQUIRE(bar.done() == 4000);

@@ -1,5 +1,5 @@
-#include <charconv>
 #include <bit>
+#include <charconv>
 #include <cmath>
 #include <cstdlib>
 #include <limits>
@@ -69,9 +69,9 @@ TEST_CASE("every bit pattern reads back from its text", "[number_text]") {
 TEST_CASE("a CSV file has exactly these bytes", "[csv]") {
     const Scratch folder;
     lostbits::output::file::CsvWriter csv(folder / "t.csv", {{"form", "string", "", "the form"},
-                                     {"rays", "integer", "", "rays"},
-                                     {"ulp_error_max", "number", "ulp", "worst"},
-                                     {"ok", "boolean", "", "whether it holds"}});
+                                                             {"rays", "integer", "", "rays"},
+                                                             {"ulp_error_max", "number", "ulp", "worst"},
+                                                             {"ok", "boolean", "", "whether it holds"}});
     csv.row({"plain", 3, 0.1, true});
     csv.row({"comma, \"quote\"", std::uint64_t{18446744073709551615u}, 0.1f, false});
     csv.row({"line\nbreak\r", -4, not_a_number, lostbits::output::file::Cell()});
@@ -108,8 +108,7 @@ TEST_CASE("wrong rows are faults of the program", "[csv]") {
     csv.add(2);
     CHECK_THROWS_AS(csv.add(3), std::logic_error);
     CHECK_THROWS_AS(CsvWriter(folder / "u.csv", {{"a", "float", "", ""}}), std::logic_error);
-    CHECK_THROWS_AS(CsvWriter(folder / "u.csv", {{"a", "string", "", ""}, {"a", "string", "", ""}}),
-                    std::logic_error);
+    CHECK_THROWS_AS(CsvWriter(folder / "u.csv", {{"a", "string", "", ""}, {"a", "string", "", ""}}), std::logic_error);
     CHECK_FALSE(fs::exists(folder / "u.csv"));
 }
 
@@ -117,18 +116,20 @@ TEST_CASE("UTF-8 is kept and anything else replaced", "[csv]") {
     const std::string good = "a\xC2\x80\xE0\xA0\x80\xEF\xBF\xBF\xF0\x90\x80\x80\xF4\x8F\xBF\xBF";
     CHECK(lostbits::output::file::valid_utf8(good) == good);
     const std::string mark = "\xEF\xBF\xBD";
-    CHECK(valid_utf8("\xC1\xBF") == mark + mark);                  // overlong
-    CHECK(valid_utf8("\xED\xA0\x80") == mark + mark + mark);       // surrogate
+    CHECK(valid_utf8("\xC1\xBF") == mark + mark);                        // overlong
+    CHECK(valid_utf8("\xED\xA0\x80") == mark + mark + mark);             // surrogate
     CHECK(valid_utf8("\xF4\x90\x80\x80") == mark + mark + mark + mark);  // past U+10FFFF
-    CHECK(valid_utf8("ab\xE2\x82") == "ab" + mark + mark);         // cut short
+    CHECK(valid_utf8("ab\xE2\x82") == "ab" + mark + mark);               // cut short
 }
 
 TEST_CASE("a data package describes its columns", "[datapackage]") {
     const Scratch folder;
     const std::vector<lostbits::output::file::DataResource> resources{
-        {"Scene A/summary.csv", "One row a form", {{"form", "string", "", "the form"},
-                                                    {"lost_bits_max", "number", "bits", "worst \xFF pixel"},
-                                                    {"ok", "boolean", "", "holds"}}}};
+        {"Scene A/summary.csv",
+         "One row a form",
+         {{"form", "string", "", "the form"},
+          {"lost_bits_max", "number", "bits", "worst \xFF pixel"},
+          {"ok", "boolean", "", "holds"}}}};
     lostbits::output::file::write_datapackage(folder / "datapackage.json", "Map of A", resources);
     write_datapackage(folder / "again.json", "Map of A", resources);
     const std::string text = slurp(folder / "datapackage.json");

@@ -5,17 +5,22 @@
 #include <optional>
 #include <utility>
 
-#include "output/image/image.hpp"
 #include "output/image/canvas.hpp"
+#include "output/image/image.hpp"
 
 namespace lostbits::output::test {
 
-inline output::image::Rgb8 pixel(const output::image::PngImage& image, int x, int y) { return image.pixels[static_cast<std::size_t>(y * image.width + x)]; }
+inline output::image::Rgb8 pixel(const output::image::PngImage& image, int x, int y) {
+    return image.pixels[static_cast<std::size_t>(y * image.width + x)];
+}
 
-inline std::int64_t count_of(const output::image::PngImage& image, output::image::Rgb8 colour) { return std::ranges::count(image.pixels, colour); }
+inline std::int64_t count_of(const output::image::PngImage& image, output::image::Rgb8 colour) {
+    return std::ranges::count(image.pixels, colour);
+}
 
 /// The top left corner of the first rectangle of that size and colour, line by line.
-inline std::optional<std::pair<int, int>> find_block(const output::image::PngImage& image, output::image::Rgb8 colour, int width, int height) {
+inline std::optional<std::pair<int, int>> find_block(const output::image::PngImage& image, output::image::Rgb8 colour,
+                                                     int width, int height) {
     const auto all = [&](int x0, int y0) {
         for (int y = y0; y < y0 + height; ++y) {
             for (int x = x0; x < x0 + width; ++x) {

@@ -3,8 +3,8 @@
 #include <limits>
 
 #include "catch.hpp"
-#include "number/error.hpp"
 #include "measure/answer/outcome.hpp"
+#include "number/error.hpp"
 #include "output/image/colour.hpp"
 #include "output/map/needed_files.hpp"
 #include "output/scratch.hpp"
@@ -78,11 +78,13 @@ TEST_CASE("no outcome looks like a value or like another outcome", "[colour]") {
         for (std::size_t i = 1; i < lostbits::output::image::outcome_colours.size(); ++i) {
             const Vector mine = oklab(eye(linear(outcome_colours[i])));
             for (const lostbits::output::image::Rgb8 value : ramp) {
-                INFO(lostbits::measure::answer::outcome_names[i] << " against " << int(value.r) << ' ' << int(value.g) << ' ' << int(value.b));
+                INFO(lostbits::measure::answer::outcome_names[i] << " against " << int(value.r) << ' ' << int(value.g)
+                                                                 << ' ' << int(value.b));
                 CHECK(distance(mine, oklab(eye(linear(value)))) > least);
             }
             for (std::size_t j = 0; j < i; ++j) {
-                INFO(lostbits::measure::answer::outcome_names[i] << " against " << lostbits::measure::answer::outcome_names[j]);
+                INFO(lostbits::measure::answer::outcome_names[i] << " against "
+                                                                 << lostbits::measure::answer::outcome_names[j]);
                 CHECK(distance(mine, oklab(eye(linear(outcome_colours[j])))) > least);
             }
         }
@@ -92,7 +94,8 @@ TEST_CASE("no outcome looks like a value or like another outcome", "[colour]") {
     // In grey the drawn outcomes still differ.
     for (std::size_t i = 1; i < lostbits::output::image::outcome_colours.size(); ++i) {
         for (std::size_t j = 1; j < i; ++j) {
-            INFO(lostbits::measure::answer::outcome_names[i] << " against " << lostbits::measure::answer::outcome_names[j]);
+            INFO(lostbits::measure::answer::outcome_names[i] << " against "
+                                                             << lostbits::measure::answer::outcome_names[j]);
             CHECK(std::abs(oklab(linear(outcome_colours[i]))[0] - oklab(linear(outcome_colours[j]))[0]) > 0.07);
         }
     }
@@ -103,7 +106,8 @@ TEST_CASE("what no width suffices for looks like no value and like no outcome", 
     const auto check = [&](auto eye, double least) {
         const Vector mine = oklab(eye(linear(lostbits::output::map::beyond_colour)));
         for (const lostbits::output::image::Rgb8 value : ramp) CHECK(distance(mine, oklab(eye(linear(value)))) > least);
-        for (const lostbits::output::image::Rgb8 outcome : outcome_colours) CHECK(distance(mine, oklab(eye(linear(outcome)))) > least);
+        for (const lostbits::output::image::Rgb8 outcome : outcome_colours)
+            CHECK(distance(mine, oklab(eye(linear(outcome)))) > least);
     };
     check([](const Vector& c) { return c; }, 0.15);
     check(deuteranope, 0.10);
@@ -133,7 +137,8 @@ TEST_CASE("a thousand categories have a colour each, the first of them the clear
         }
         seen.push_back(mine);
     }
-    for (std::uint32_t i = 0; i < 20; ++i) CHECK(lostbits::output::image::distinct_colour(i) == lostbits::output::image::object_colour(i + 1));
+    for (std::uint32_t i = 0; i < 20; ++i)
+        CHECK(lostbits::output::image::distinct_colour(i) == lostbits::output::image::object_colour(i + 1));
     CHECK(lostbits::output::image::distinct_colour(1000) == distinct_colour(0));
 }
 
@@ -190,7 +195,8 @@ TEST_CASE("ticks are round, within the range and few", "[colour]") {
 
 TEST_CASE("linear light goes there and back", "[colour]") {
     for (int i = 0; i < 256; ++i) {
-        CHECK(lostbits::output::image::srgb_byte(lostbits::output::image::linear_light(static_cast<std::uint8_t>(i))) == i);
+        CHECK(lostbits::output::image::srgb_byte(lostbits::output::image::linear_light(static_cast<std::uint8_t>(i))) ==
+              i);
     }
     CHECK(lostbits::output::image::srgb_byte(0x8000) == 188);
 }

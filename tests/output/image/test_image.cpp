@@ -21,8 +21,9 @@ namespace {
 
 // In no order that a sort would give, and two types mixed.
 const std::vector<output::image::Channel> channels{
-    {"truth.hi", output::image::Channel::Type::f32}, {"class.value", output::image::Channel::Type::u32}, {"R", output::image::Channel::Type::f32},
-    {"bits.lost", output::image::Channel::Type::f32}, {"B", output::image::Channel::Type::f32},          {"G", output::image::Channel::Type::f32},
+    {"truth.hi", output::image::Channel::Type::f32},  {"class.value", output::image::Channel::Type::u32},
+    {"R", output::image::Channel::Type::f32},         {"bits.lost", output::image::Channel::Type::f32},
+    {"B", output::image::Channel::Type::f32},         {"G", output::image::Channel::Type::f32},
     {"object.id", output::image::Channel::Type::u32}, {"A.z", output::image::Channel::Type::f32},
 };
 
@@ -42,13 +43,14 @@ std::vector<std::uint32_t> make_samples() {
 }
 
 void write_exr(const fs::path& path, const std::vector<std::uint32_t>& samples, std::initializer_list<int> steps) {
-    auto exr = backend().open_exr(path, {width, height, channels,
-                                         {{"lostbits:form", "sphere.schoolbook"}, {"lostbits:command", "map x"}}});
+    auto exr = backend().open_exr(
+        path, {width, height, channels, {{"lostbits:form", "sphere.schoolbook"}, {"lostbits:command", "map x"}}});
     const auto bytes = std::as_bytes(std::span(samples));
     const std::size_t row = static_cast<std::size_t>(width) * channels.size() * 4;
     int y = 0;
     for (const int rows : steps) {
-        exr->write_rows(y, rows, bytes.subspan(static_cast<std::size_t>(y) * row, static_cast<std::size_t>(rows) * row));
+        exr->write_rows(y, rows,
+                        bytes.subspan(static_cast<std::size_t>(y) * row, static_cast<std::size_t>(rows) * row));
         y += rows;
     }
     exr->close();
@@ -109,7 +111,9 @@ TEST_CASE("an EXR appears only when closed, and rows must come in order", "[exr]
     const std::vector<std::uint32_t> row(4 * 2);
     const auto bytes = std::as_bytes(std::span(row));
     {
-        auto exr = backend().open_exr(folder / "a.exr", {4, 2, {{"x.a", output::image::Channel::Type::f32}, {"x.b", output::image::Channel::Type::u32}}, {}});
+        auto exr = backend().open_exr(
+            folder / "a.exr",
+            {4, 2, {{"x.a", output::image::Channel::Type::f32}, {"x.b", output::image::Channel::Type::u32}}, {}});
         CHECK_THROWS_AS(exr->write_rows(1, 1, bytes), std::logic_error);
         CHECK_THROWS_AS(exr->write_rows(0, 2, bytes), std::logic_error);
         exr->write_rows(0, 1, bytes);
@@ -134,8 +138,7 @@ TEST_CASE("a full disk stops an EXR and a PNG, and nothing is left", "[exr][png]
             try {
                 write();
             } catch (const EnvironmentError& error) {
-                return std::string(error.what()).find(": cannot write: File too large; free space") !=
-                               std::string::npos
+                return std::string(error.what()).find(": cannot write: File too large; free space") != std::string::npos
                            ? 1
                            : 2;
             }
@@ -207,7 +210,8 @@ TEST_CASE("a PNG reads back and its bytes repeat", "[png]") {
     const Scratch folder;
     std::vector<output::image::Rgb8> pixels(50 * 30);
     for (std::size_t i = 0; i < pixels.size(); ++i) {
-        pixels[i] = {static_cast<std::uint8_t>(i), static_cast<std::uint8_t>(i / 7), static_cast<std::uint8_t>(255 - i)};
+        pixels[i] = {static_cast<std::uint8_t>(i), static_cast<std::uint8_t>(i / 7),
+                     static_cast<std::uint8_t>(255 - i)};
     }
     for (const auto* name : {"a.png", "b.png"}) {
         auto png = backend().open_png(folder / name, 50, 30);

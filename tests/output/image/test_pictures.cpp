@@ -18,8 +18,10 @@ namespace {
 lostbits::output::image::ColourScale viridis() { return {"viridis", backend().ramp("viridis", 256), 0, 24}; }
 
 std::vector<lostbits::output::image::LegendEntry> legend_of(const std::string& count) {
-    return {{"both miss", lostbits::output::image::outcome_colours[1], count},   {"false hit", outcome_colours[2], count},
-            {"false miss", outcome_colours[3], count},  {"not a number", outcome_colours[4], count},
+    return {{"both miss", lostbits::output::image::outcome_colours[1], count},
+            {"false hit", outcome_colours[2], count},
+            {"false miss", outcome_colours[3], count},
+            {"not a number", outcome_colours[4], count},
             {"unresolved", outcome_colours[5], count}};
 }
 
@@ -35,7 +37,9 @@ std::vector<lostbits::output::image::Rgb8> numbered(int width, int height) {
     return out;
 }
 
-lostbits::output::image::Rgb8 at(const PngImage& image, int x, int y) { return image.pixels[static_cast<std::size_t>(y * image.width + x)]; }
+lostbits::output::image::Rgb8 at(const PngImage& image, int x, int y) {
+    return image.pixels[static_cast<std::size_t>(y * image.width + x)];
+}
 
 /// Whether the outermost `rim` pixels are blank: nothing that was drawn ran over an edge.
 bool rim_is_blank(const lostbits::output::image::PngImage& image, int rim) {
@@ -56,7 +60,8 @@ std::int64_t count_of(const lostbits::output::image::PngImage& image, lostbits::
 int field_top(const lostbits::output::image::PngImage& image, int field_width) {
     for (int y = 0; y < image.height; ++y) {
         bool run = true;
-        for (int x = 0; x < field_width + 2 && run; ++x) run = at(image, image::style::margin + x, y) == image::style::line;
+        for (int x = 0; x < field_width + 2 && run; ++x)
+            run = at(image, image::style::margin + x, y) == image::style::line;
         if (run) return y + 1;
     }
     return -1;
@@ -72,8 +77,9 @@ TEST_CASE("a heatmap shows every sample of the field, enlarged by a whole factor
     for (const auto [width, height, factor] : {Size{64, 64, 6}, Size{400, 30, 1}, Size{1, 1, 384}, Size{7, 1000, 2}}) {
         INFO(width << " x " << height);
         const auto field = numbered(width, height);
-        lostbits::output::image::HeatmapWriter map(backend(), folder / "m.png",
-                          {"A title", {"a subtitle"}, width, height, viridis(), "lost bits", legend_of("1 (100.0%)")});
+        lostbits::output::image::HeatmapWriter map(
+            backend(), folder / "m.png",
+            {"A title", {"a subtitle"}, width, height, viridis(), "lost bits", legend_of("1 (100.0%)")});
         CHECK(map.magnification() == factor);
         const auto half = static_cast<std::size_t>(width) * static_cast<std::size_t>(height / 2);
         map.write_rows(std::span(field).first(half));
@@ -96,12 +102,19 @@ TEST_CASE("a heatmap shows every sample of the field, enlarged by a whole factor
 
 TEST_CASE("nothing in a heatmap is cut off, however long the words", "[heatmap]") {
     const Scratch folder;
-    const std::string sentence = "A title of ninety letters or more that says what was measured, of what and in which "
-                                 "format, and on";
+    const std::string sentence =
+        "A title of ninety letters or more that says what was measured, of what and in which "
+        "format, and on";
     for (const auto& title : {sentence, std::string(120, 'W'), std::string()}) {
-        lostbits::output::image::HeatmapWriter map(backend(), folder / "m.png",
-                          {title, {sentence + sentence, "short"}, 16, 16, viridis(), "relative error of the hit point",
-                           legend_of("123456789012345 (100.0%), and a remark that is far too long for a legend")});
+        lostbits::output::image::HeatmapWriter map(
+            backend(), folder / "m.png",
+            {title,
+             {sentence + sentence, "short"},
+             16,
+             16,
+             viridis(),
+             "relative error of the hit point",
+             legend_of("123456789012345 (100.0%), and a remark that is far too long for a legend")});
         map.write_rows(std::vector<lostbits::output::image::Rgb8>(256, Rgb8{1, 2, 3}));
         map.finish(legend_of("123456789012345 (100.0%), and a remark that is far too long for a legend, even longer"));
         CHECK(rim_is_blank(backend().read_png(folder / "m.png"), image::style::margin - 1));
@@ -119,7 +132,8 @@ TEST_CASE("the legend shows what occurred and nothing else; the bar is there whe
         return backend().read_png(folder / "m.png");
     };
     const auto all = make(legend_of("7"), true);
-    for (std::size_t i = 1; i < lostbits::output::image::outcome_colours.size(); ++i) CHECK(count_of(all, outcome_colours[i]) >= 100);
+    for (std::size_t i = 1; i < lostbits::output::image::outcome_colours.size(); ++i)
+        CHECK(count_of(all, outcome_colours[i]) >= 100);
     const auto one = make({legend_of("7")[2]}, true);
     CHECK(count_of(one, lostbits::output::image::outcome_colours[3]) >= 100);
     CHECK(count_of(one, outcome_colours[2]) == 0);
@@ -185,7 +199,8 @@ TEST_CASE("a thumbnail averages in linear light, exactly and in any order of row
             }
         }
         const lostbits::output::image::Rgb8 got = down.pixels()[static_cast<std::size_t>(j * 160 + i)];
-        CHECK(std::abs(got.r - lostbits::output::image::srgb_byte(static_cast<std::uint16_t>(std::lround(sum / weight)))) <= 1);
+        CHECK(std::abs(got.r -
+                       lostbits::output::image::srgb_byte(static_cast<std::uint16_t>(std::lround(sum / weight)))) <= 1);
         CHECK(got.b == 7);
     }
 }
@@ -193,7 +208,8 @@ TEST_CASE("a thumbnail averages in linear light, exactly and in any order of row
 TEST_CASE("thumbnails of odd shapes", "[thumbnail]") {
     const auto size = [](int w, int h) {
         lostbits::output::image::Thumbnail t(w, h);
-        t.add_rows(0, std::vector<lostbits::output::image::Rgb8>(static_cast<std::size_t>(w) * static_cast<std::size_t>(h), Rgb8{9, 8, 7}));
+        t.add_rows(0, std::vector<lostbits::output::image::Rgb8>(
+                          static_cast<std::size_t>(w) * static_cast<std::size_t>(h), Rgb8{9, 8, 7}));
         CHECK(std::ranges::all_of(t.pixels(), [](Rgb8 p) { return p == Rgb8{9, 8, 7}; }));
         return std::pair(t.width(), t.height());
     };
@@ -219,11 +235,18 @@ std::vector<std::string> words(const std::string& stem, std::size_t count) {
 }
 
 /// A sheet whose cells each hold one colour of their own, fed by `threads` threads.
-lostbits::output::image::PngImage sheet_of(const fs::path& path, std::size_t forms, std::size_t formats, unsigned threads) {
+lostbits::output::image::PngImage sheet_of(const fs::path& path, std::size_t forms, std::size_t formats,
+                                           unsigned threads) {
     ContactSheet sheet(backend(), path,
                        {"A contact sheet with a title that is longer than a small page is wide, so that it wraps",
-                        {"one line", "another"}, words("sphere.a_rather_long_name_", forms), words("p", formats), 64,
-                        32, viridis(), "lost bits", legend_of("123456 (99.9%)")});
+                        {"one line", "another"},
+                        words("sphere.a_rather_long_name_", forms),
+                        words("p", formats),
+                        64,
+                        32,
+                        viridis(),
+                        "lost bits",
+                        legend_of("123456 (99.9%)")});
     std::vector<std::thread> workers;
     for (unsigned t = 0; t < threads; ++t) {
         workers.emplace_back([&, t] {
@@ -269,7 +292,7 @@ TEST_CASE("a contact sheet does not show how many threads fed it", "[contact_she
 TEST_CASE("a cell without data is drawn as such, and a wrong one refused", "[contact_sheet]") {
     const Scratch folder;
     lostbits::output::image::ContactSheet sheet(backend(), folder / "s.png",
-                       {"T", {}, {"a", "b"}, {"f32"}, 64, 64, {}, "", {}});
+                                                {"T", {}, {"a", "b"}, {"f32"}, 64, 64, {}, "", {}});
     sheet.add_rows(0, 0, 0, std::vector<lostbits::output::image::Rgb8>(64 * 64, Rgb8{1, 2, 3}));
     sheet.add_rows(1, 0, 0, std::vector<Rgb8>(64 * 63, Rgb8{4, 5, 6}));
     CHECK_THROWS_AS(sheet.add_rows(2, 0, 0, std::vector<Rgb8>(64)), std::logic_error);

@@ -12,7 +12,9 @@ using namespace lostbits::output::test;
 
 namespace {
 
-lostbits::output::image::Rgb8 colour(std::size_t row, std::size_t column) { return {static_cast<std::uint8_t>(40 + row), static_cast<std::uint8_t>(90 + column), 77}; }
+lostbits::output::image::Rgb8 colour(std::size_t row, std::size_t column) {
+    return {static_cast<std::uint8_t>(40 + row), static_cast<std::uint8_t>(90 + column), 77};
+}
 
 /// Five columns in two groups, three rows, each cell a colour of its own.
 lostbits::output::plot::MatrixPlotSpec coloured() {
@@ -42,7 +44,8 @@ TEST_CASE("a matrix shows every cell in its place, groups apart", "[matrix_plot]
     for (std::size_t r = 0; r < 3; ++r) {
         for (std::size_t c = 0; c < 5; ++c) {
             CHECK(count_of(image, colour(r, c)) == 25 * 21);
-            CHECK(find_block(image, colour(r, c), 25, 21) == std::pair{first->first + places[c], first->second + 22 * static_cast<int>(r)});
+            CHECK(find_block(image, colour(r, c), 25, 21) ==
+                  std::pair{first->first + places[c], first->second + 22 * static_cast<int>(r)});
         }
     }
     CHECK(rim_is_blank(image));
@@ -54,7 +57,10 @@ TEST_CASE("a word in a cell is dark on light and light on dark", "[matrix_plot]"
     const Scratch folder;
     const auto plain = plotted(folder, coloured());
     const auto at = find_block(plain, colour(0, 0), 25, 21).value();
-    for (const auto& [ground, dark_ink] : {std::pair{lostbits::output::image::Rgb8{226, 238, 226}, true}, {Rgb8{0, 0, 0}, false}, {outcome_colours[3], true}, {Rgb8{68, 1, 84}, false}}) {
+    for (const auto& [ground, dark_ink] : {std::pair{lostbits::output::image::Rgb8{226, 238, 226}, true},
+                                           {Rgb8{0, 0, 0}, false},
+                                           {outcome_colours[3], true},
+                                           {Rgb8{68, 1, 84}, false}}) {
         auto spec = coloured();
         spec.cells[0] = {ground, "12"};
         const auto image = plotted(folder, spec);
@@ -110,5 +116,6 @@ TEST_CASE("not one cell a row and column is refused", "[matrix_plot]") {
     CHECK_THROWS_AS(plotted(folder, lostbits::output::plot::MatrixPlotSpec{}), std::invalid_argument);
     CHECK(folder.entries() == 0);
     plotted(folder, coloured());
-    CHECK_THROWS_AS(lostbits::output::plot::write_matrix_plot(backend(), folder / "m.png/below.png", coloured()), lostbits::EnvironmentError);
+    CHECK_THROWS_AS(lostbits::output::plot::write_matrix_plot(backend(), folder / "m.png/below.png", coloured()),
+                    lostbits::EnvironmentError);
 }

@@ -24,7 +24,8 @@ lostbits::output::plot::PlanePlotSpec coloured(int columns, int rows) {
     for (int j = 0; j < rows; ++j) spec.y.push_back(j);
     for (int j = 0; j < rows; ++j) {
         for (int i = 0; i < columns; ++i) {
-            spec.cells.push_back({no_value, lostbits::output::image::Rgb8{static_cast<std::uint8_t>(i), static_cast<std::uint8_t>(j), 77}});
+            spec.cells.push_back({no_value, lostbits::output::image::Rgb8{static_cast<std::uint8_t>(i),
+                                                                          static_cast<std::uint8_t>(j), 77}});
         }
     }
     return spec;
@@ -35,14 +36,17 @@ lostbits::output::image::PngImage plotted(const Scratch& folder, const PlanePlot
     return backend().read_png(folder / "p.png");
 }
 
-std::int64_t count_of(const lostbits::output::image::PngImage& image, lostbits::output::image::Rgb8 colour) { return std::ranges::count(image.pixels, colour); }
+std::int64_t count_of(const lostbits::output::image::PngImage& image, lostbits::output::image::Rgb8 colour) {
+    return std::ranges::count(image.pixels, colour);
+}
 
 bool rim_is_blank(const lostbits::output::image::PngImage& image) {
     const int rim = image::style::margin - 1;
     for (int y = 0; y < image.height; ++y) {
         for (int x = 0; x < image.width; ++x) {
             const bool inside = x >= rim && y >= rim && x < image.width - rim && y < image.height - rim;
-            if (!inside && image.pixels[static_cast<std::size_t>(y * image.width + x)] != image::style::page) return false;
+            if (!inside && image.pixels[static_cast<std::size_t>(y * image.width + x)] != image::style::page)
+                return false;
         }
     }
     return true;
@@ -74,7 +78,8 @@ TEST_CASE("values take the ramp, outcomes their colour, and what is neither is h
     const auto ramp = backend().ramp("viridis", 256);
     spec.scale.emplace("viridis", ramp, 0, 24);
     spec.unit = "lost bits";
-    spec.cells = {{0.0}, {std::numeric_limits<double>::infinity()}, {5.0, lostbits::output::image::outcome_colours[3]}, {12.0}};
+    spec.cells = {
+        {0.0}, {std::numeric_limits<double>::infinity()}, {5.0, lostbits::output::image::outcome_colours[3]}, {12.0}};
     const auto image = plotted(folder, spec);
     const std::int64_t cell = 280 * 210;
     CHECK(count_of(image, ramp.front()) >= cell);

@@ -4,8 +4,8 @@
 #include <set>
 
 #include "catch.hpp"
-#include "output/plot/plot_axis.hpp"
 #include "output/image/stroke.hpp"
+#include "output/plot/plot_axis.hpp"
 
 using namespace lostbits::output;
 using namespace lostbits::output::image;
@@ -49,9 +49,9 @@ TEST_CASE("ticks are round values at their places", "[plot]") {
 TEST_CASE("every range has ticks that differ, and they lie on it", "[plot]") {
     using Scale = Axis::Scale;
     const double huge = std::numeric_limits<double>::max(), tiny = std::numeric_limits<double>::denorm_min();
-    const std::vector<std::vector<double>> data{{},        {no_value, inf}, {7},       {0},      {-3, -3}, {huge, -huge},
-                                                {huge},    {tiny},     {1, std::nextafter(1, 2)},     {tiny, huge},
-                                                {0, 1e-9}, {1e-20},    {5, 5.0001},                   {0, 1, no_value}};
+    const std::vector<std::vector<double>> data{
+        {},     {no_value, inf},           {7},          {0},       {-3, -3}, {huge, -huge}, {huge},
+        {tiny}, {1, std::nextafter(1, 2)}, {tiny, huge}, {0, 1e-9}, {1e-20},  {5, 5.0001},   {0, 1, no_value}};
     for (const auto scale : {Scale::linear, Scale::log2, Scale::log10}) {
         for (const auto& values : data) {
             const lostbits::output::plot::AxisRange range({"", scale, {}, {}}, values);

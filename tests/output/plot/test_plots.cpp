@@ -20,7 +20,9 @@ constexpr double inf = std::numeric_limits<double>::infinity();
 constexpr double no_value = std::numeric_limits<double>::quiet_NaN();
 constexpr lostbits::output::image::Rgb8 first_colour{0, 114, 178}, second_colour{213, 94, 0};
 
-lostbits::output::image::Rgb8 at(const lostbits::output::image::PngImage& image, int x, int y) { return image.pixels[static_cast<std::size_t>(y * image.width + x)]; }
+lostbits::output::image::Rgb8 at(const lostbits::output::image::PngImage& image, int x, int y) {
+    return image.pixels[static_cast<std::size_t>(y * image.width + x)];
+}
 
 bool rim_is_blank(const lostbits::output::image::PngImage& image) {
     const int rim = image::style::margin - 1;
@@ -146,7 +148,8 @@ TEST_CASE("series that agree share a line and an entry; the others have looks of
     const Scratch folder;
     auto broken = level("c", 10), twin = level("d", 10);
     broken.y[3] = twin.y[3] = no_value;
-    const std::vector<lostbits::output::plot::Series> series{level("a", 10), broken, level("b", 10), twin, level("e", 11)};
+    const std::vector<lostbits::output::plot::Series> series{level("a", 10), broken, level("b", 10), twin,
+                                                             level("e", 11)};
     const auto lines = lostbits::output::plot::plot_lines(series);
     REQUIRE(lines.size() == 3);
     CHECK(lines[0].label == "a, b");
@@ -275,7 +278,9 @@ TEST_CASE("degenerate series are drawn as far as they can be", "[line_plot]") {
         return image;
     };
     for (const auto scale : {Scale::linear, Scale::log2, Scale::log10}) {
-        const auto inked = [&](const lostbits::output::plot::Series& series) { return drawn(draw(series, scale, scale)); };
+        const auto inked = [&](const lostbits::output::plot::Series& series) {
+            return drawn(draw(series, scale, scale));
+        };
         CHECK(inked({"a point", {3}, {7}, {}, {}}) > 15);
         CHECK(inked({"one x", {3, 3}, {7, 9}, {}, {}}) > 200);
         CHECK(inked({"constant", {1, 2}, {7, 7}, {}, {}}) > 600);

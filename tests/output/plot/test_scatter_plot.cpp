@@ -5,8 +5,8 @@
 #include <random>
 
 #include "catch.hpp"
-#include "output/plot/label_placement.hpp"
 #include "output/image/pixels.hpp"
+#include "output/plot/label_placement.hpp"
 #include "output/scratch.hpp"
 
 using namespace lostbits::output;
@@ -23,7 +23,9 @@ lostbits::output::plot::ScatterPlotSpec small() {
     spec.title = "A trade";
     spec.x = {"time", Axis::Scale::log2, {}, {}};
     spec.y = {"bits", Axis::Scale::linear, 0.0, {}};
-    spec.points = {{1, 10, 0.9, 1.1, 1, 0, false, false, "one"}, {4, 20, 3.5, 5, 3, 1, false, true, "four"}, {6, 5, 6, 6, 0, 0, true, false, ""}};
+    spec.points = {{1, 10, 0.9, 1.1, 1, 0, false, false, "one"},
+                   {4, 20, 3.5, 5, 3, 1, false, true, "four"},
+                   {6, 5, 6, 6, 0, 0, true, false, ""}};
     spec.front = {{1, 10, true}, {4, 20, false}};
     spec.keys = {{"f32", 0, 0}, {"dominated", 0, 0, true}};
     return spec;

@@ -5,11 +5,11 @@
 
 #include "catch.hpp"
 #include "measure/rows.hpp"
-#include "output/map/map_colour.hpp"
-#include "output/image/pixels.hpp"
 #include "output/file/read_csv.hpp"
-#include "output/sweep/worst_files.hpp"
+#include "output/image/pixels.hpp"
+#include "output/map/map_colour.hpp"
 #include "output/scratch.hpp"
+#include "output/sweep/worst_files.hpp"
 
 using namespace lostbits;
 using namespace lostbits::output;
@@ -63,8 +63,9 @@ TEST_CASE("cases.csv and matrix.png say what each form makes of each case") {
     const scene::sweep::CaseFile file(text.path());
     // f64 stands between two rows of f32: the picture gathers a format's forms, the table keeps the order.
     const measure::sweep::CaseRequest request{.file = &file,
-                              .rows = {row("sphere.schoolbook", "f32"), row("sphere.schoolbook", "f64"), row("sphere.schoolbook_strict", "f32")},
-                              .metrics = lostbits::testing::case_metrics};
+                                              .rows = {row("sphere.schoolbook", "f32"), row("sphere.schoolbook", "f64"),
+                                                       row("sphere.schoolbook_strict", "f32")},
+                                              .metrics = lostbits::testing::case_metrics};
     static_cast<void>(backend());
     output::sweep::CaseFiles files(request, folder.path());
     CHECK_FALSE(fs::exists(folder / "cases.csv"));
@@ -97,11 +98,15 @@ TEST_CASE("cases.csv and matrix.png say what each form makes of each case") {
 
     const auto image = backend().read_png(folder / "matrix.png");
     CHECK(rim_is_blank(image));
-    const output::image::ColourScale scale = metric_scale(*measure::metric::find_metric("lost_bits"), request.rows, backend());
+    const output::image::ColourScale scale =
+        metric_scale(*measure::metric::find_metric("lost_bits"), request.rows, backend());
     const auto first = find_block(image, {226, 238, 226}, 25, 21);
     REQUIRE(first.has_value());
-    const auto corner = [&](int column, int line) { return pixel(image, first->first + column, first->second + 22 * line); };
-    const output::image::Rgb8 colours[] = {{226, 238, 226}, scale.map(12), outcome_colours[3], outcome_colours[2], outcome_colours[4]};
+    const auto corner = [&](int column, int line) {
+        return pixel(image, first->first + column, first->second + 22 * line);
+    };
+    const output::image::Rgb8 colours[] = {
+        {226, 238, 226}, scale.map(12), outcome_colours[3], outcome_colours[2], outcome_colours[4]};
     CHECK(scale.map(12) != scale.map(0));
     for (int i = 0; i < 5; ++i) {
         CAPTURE(i);
@@ -137,25 +142,32 @@ centre = [-1, 1]
 radius = [0.5, 2]
 )");
     const scene::sweep::SearchFile search(text.path());
-    const measure::sweep::WorstRequest request{.search = &search,
-                               .rows = {row("sphere.schoolbook", "f32"), row("sphere.press", "f64"), row("sphere.unified", "bf16")},
-                               .metrics = lostbits::testing::case_metrics};
+    const measure::sweep::WorstRequest request{
+        .search = &search,
+        .rows = {row("sphere.schoolbook", "f32"), row("sphere.press", "f64"), row("sphere.unified", "bf16")},
+        .metrics = lostbits::testing::case_metrics};
     const Ray<double> ray{{0x1.79c78ap+2, -0x1.3d574ap-1, 0}, {-0x1.e0c60cp-1, 0x1p-149, -1}};
     const Sphere<double> sphere{{0x1.921fb54442d18p+0, -0.0, 0x1p-1074}, 0x1.fffffffffffffp+0};
     const std::vector<std::optional<measure::sweep::WorstFound>> found{
         measure::sweep::WorstFound{measure::answer::Outcome::agree_hit, 6.400023458, ray, sphere, 5.5, 5.25, 640},
-        measure::sweep::WorstFound{measure::answer::Outcome::false_hit, HUGE_VAL, {{1, 2, 3}, {0, 0, 1}}, sphere, 0x1p-3, std::nan(""), 32},
+        measure::sweep::WorstFound{
+            measure::answer::Outcome::false_hit, HUGE_VAL, {{1, 2, 3}, {0, 0, 1}}, sphere, 0x1p-3, std::nan(""), 32},
         std::nullopt};
     output::sweep::write_worst(folder.path(), request, found);
 
     const output::file::CsvTable table = read_csv(folder / "worst.csv");
     REQUIRE(table.rows() == 3);
-    CHECK((cell(table, "form", 0) == "sphere.schoolbook" && cell(table, "format", 0) == "f32" && cell(table, "found", 0) == "1"));
-    CHECK((cell(table, "outcome", 0) == "agree_hit" && cell(table, "lost_bits", 0) == "6.400023458" && cell(table, "evaluations", 0) == "640"));
+    CHECK((cell(table, "form", 0) == "sphere.schoolbook" && cell(table, "format", 0) == "f32" &&
+           cell(table, "found", 0) == "1"));
+    CHECK((cell(table, "outcome", 0) == "agree_hit" && cell(table, "lost_bits", 0) == "6.400023458" &&
+           cell(table, "evaluations", 0) == "640"));
     CHECK((cell(table, "t_hex", 0) == "0x1.6p+2" && cell(table, "truth_hex", 0) == "0x1.5p+2"));
-    CHECK((cell(table, "origin_x_hex", 0) == "0x1.79c78ap+2" && cell(table, "direction_y_hex", 0) == "0x1p-149" && cell(table, "radius_hex", 0) == "0x1.fffffffffffffp+0"));
-    CHECK((cell(table, "outcome", 1) == "false_hit" && cell(table, "lost_bits", 1).empty() && cell(table, "truth_hex", 1).empty()));
-    CHECK((cell(table, "found", 2) == "0" && cell(table, "outcome", 2).empty() && cell(table, "origin_x_hex", 2).empty()));
+    CHECK((cell(table, "origin_x_hex", 0) == "0x1.79c78ap+2" && cell(table, "direction_y_hex", 0) == "0x1p-149" &&
+           cell(table, "radius_hex", 0) == "0x1.fffffffffffffp+0"));
+    CHECK((cell(table, "outcome", 1) == "false_hit" && cell(table, "lost_bits", 1).empty() &&
+           cell(table, "truth_hex", 1).empty()));
+    CHECK((cell(table, "found", 2) == "0" && cell(table, "outcome", 2).empty() &&
+           cell(table, "origin_x_hex", 2).empty()));
 
     const scene::sweep::CaseFile hard(folder / "hard.toml");
     CHECK(hard.title == "The worst rays of each form: Rays that are \"hard\" \\ wrong");

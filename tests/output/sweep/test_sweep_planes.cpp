@@ -9,11 +9,11 @@
 
 #include "catch.hpp"
 #include "measure/rows.hpp"
-#include "output/map/map_colour.hpp"
-#include "output/image/pixels.hpp"
 #include "output/file/read_csv.hpp"
-#include "output/sweep/sweep_files.hpp"
+#include "output/image/pixels.hpp"
+#include "output/map/map_colour.hpp"
 #include "output/scratch.hpp"
+#include "output/sweep/sweep_files.hpp"
 
 using namespace lostbits;
 using namespace lostbits::output;
@@ -29,8 +29,10 @@ namespace {
 
 constexpr std::size_t columns = 4, lines = 3;
 
-std::string axis(const std::string& name, const std::string& from, const std::string& to, std::size_t steps, const std::string& set) {
-    return "[[axis]]\nname = \"" + name + "\"\nunit = \"r\"\nspacing = \"log2\"\nfrom = " + from + "\nto = " + to + "\nsteps = " + std::to_string(steps) + "\nset = [\"" + set + "\"]\n";
+std::string axis(const std::string& name, const std::string& from, const std::string& to, std::size_t steps,
+                 const std::string& set) {
+    return "[[axis]]\nname = \"" + name + "\"\nunit = \"r\"\nspacing = \"log2\"\nfrom = " + from + "\nto = " + to +
+           "\nsteps = " + std::to_string(steps) + "\nset = [\"" + set + "\"]\n";
 }
 
 std::string sweep_text(bool x_falls, bool y_falls) {
@@ -43,12 +45,15 @@ std::string sweep_text(bool x_falls, bool y_falls) {
 struct Planes {
     Planes(bool x_falls, bool y_falls) : text(sweep_text(x_falls, y_falls)), sweep(text.path(), LOSTBITS_DATA_DIR) {
         // In fp16 squares overflow from 256 radii on.
-        request = {.sweep = &sweep, .rows = {row("sphere.unified", "f32"), row("sphere.schoolbook", "fp16")}, .metrics = {}};
-        for (const char* name : {"lost_bits", "inherent_bits", "excess_bits"}) request.metrics.push_back(measure::metric::find_metric(name));
+        request = {
+            .sweep = &sweep, .rows = {row("sphere.unified", "f32"), row("sphere.schoolbook", "fp16")}, .metrics = {}};
+        for (const char* name : {"lost_bits", "inherent_bits", "excess_bits"})
+            request.metrics.push_back(measure::metric::find_metric(name));
         steps = measure::sweep::run_sweep(request);
         output::sweep::SweepFiles files(request, folder.path());
         files.finish(steps, {});
-        for (std::size_t r = 0; r < request.rows.size(); ++r) output::sweep::write_plane(backend(), folder.path(), request, steps, r);
+        for (std::size_t r = 0; r < request.rows.size(); ++r)
+            output::sweep::write_plane(backend(), folder.path(), request, steps, r);
     }
     Scratch folder;
     TextFile text;
@@ -57,16 +62,20 @@ struct Planes {
     std::vector<measure::sweep::SweepStep> steps;
 };
 
-float number(std::string_view text) { return text.empty() ? std::nanf("") : static_cast<float>(std::strtod(std::string(text).c_str(), nullptr)); }
+float number(std::string_view text) {
+    return text.empty() ? std::nanf("") : static_cast<float>(std::strtod(std::string(text).c_str(), nullptr));
+}
 
 bool same(float a, float b) { return a == b || (std::isnan(a) && std::isnan(b)); }
 
 }  // namespace
 
 TEST_CASE("a plane's channels are the table's numbers, columns rising, the highest line on top") {
-    const std::pair<const char*, const char*> pairs[] = {{"bits.lost_p50", "lost_bits_p50"}, {"bits.lost_p99", "lost_bits_p99"}, {"bits.lost_max", "lost_bits_max"},
-                                                         {"condition.inherent_p99", "inherent_bits_p99"}, {"condition.excess_p99", "excess_bits_p99"},
-                                                         {"class.false_hit", "false_hit"}, {"class.false_miss", "false_miss"}, {"class.not_a_number", "not_a_number"}};
+    const std::pair<const char*, const char*> pairs[] = {
+        {"bits.lost_p50", "lost_bits_p50"},          {"bits.lost_p99", "lost_bits_p99"},
+        {"bits.lost_max", "lost_bits_max"},          {"condition.inherent_p99", "inherent_bits_p99"},
+        {"condition.excess_p99", "excess_bits_p99"}, {"class.false_hit", "false_hit"},
+        {"class.false_miss", "false_miss"},          {"class.not_a_number", "not_a_number"}};
     std::map<std::string, std::string> bytes;
     for (const bool x_falls : {false, true}) {
         for (const bool y_falls : {true, false}) {
@@ -130,15 +139,20 @@ TEST_CASE("a plane's picture takes the ramp, paler inside the envelope, and an o
     const std::size_t lost = 0, excess = 2;
     for (std::size_t r = 0; r < 2; ++r) {
         const measure::map::MapRow& what = planes.request.rows[r];
-        const auto image = backend().read_png(planes.folder / (std::string(what.form->info->name) + "." + what.format.name + ".png"));
+        const auto image =
+            backend().read_png(planes.folder / (std::string(what.form->info->name) + "." + what.format.name + ".png"));
         CHECK(rim_is_blank(image));
-        const output::image::ColourScale scale = metric_scale(*measure::metric::find_metric("lost_bits"), planes.request.rows, backend());
+        const output::image::ColourScale scale =
+            metric_scale(*measure::metric::find_metric("lost_bits"), planes.request.rows, backend());
         int paler_cells = 0, wrong_cells = 0;
         for (const measure::sweep::SweepStep& step : planes.steps) {
             const measure::map::MapSummary& s = step.rows[r];
             const double p99 = s.metrics[lost].quantile(0.99);
-            constexpr measure::answer::Outcome kinds[] = {measure::answer::Outcome::false_hit, measure::answer::Outcome::false_miss, measure::answer::Outcome::not_a_number};
-            const measure::answer::Outcome worst = std::ranges::max(kinds, {}, [&](measure::answer::Outcome o) { return s.count(o); });
+            constexpr measure::answer::Outcome kinds[] = {measure::answer::Outcome::false_hit,
+                                                          measure::answer::Outcome::false_miss,
+                                                          measure::answer::Outcome::not_a_number};
+            const measure::answer::Outcome worst =
+                std::ranges::max(kinds, {}, [&](measure::answer::Outcome o) { return s.count(o); });
             const auto wrong = s.count(kinds[0]) + s.count(kinds[1]) + s.count(kinds[2]);
             CAPTURE(what.format.name, step.values[0], step.values[1], wrong, p99);
             std::optional<output::image::Rgb8> expected;

@@ -81,7 +81,9 @@ TEST_CASE("light, shadows and paint are read, a sphere's own words before the ma
     CHECK(look.materials[1].ambient == 0);
     CHECK(look.materials[1].specular == 0);
     CHECK(look.materials[1].exponent == 7);
-    const scene::file::Scene eps = loaded(replaced(painted, "offset = \"ulp\"\nulps = 4", "offset = \"epsilon\"\nepsilon = 1e-3\nsurface = \"half_diffuse\"\nbackground = 0.25"));
+    const scene::file::Scene eps =
+        loaded(replaced(painted, "offset = \"ulp\"\nulps = 4",
+                        "offset = \"epsilon\"\nepsilon = 1e-3\nsurface = \"half_diffuse\"\nbackground = 0.25"));
     CHECK(eps.appearance.shadows->epsilon == Real(1) / 1000);
     CHECK(eps.appearance.shadows->half_diffuse);
     CHECK(eps.appearance.shadows->background == Real(1) / 4);
@@ -89,33 +91,43 @@ TEST_CASE("light, shadows and paint are read, a sphere's own words before the ma
 
 TEST_CASE("a scene asks for the stages it has the means for, and no stage stands in for a later one") {
     const scene::file::Appearance phong = loaded(painted).appearance;
-    for (const scene::file::Stage s : {Stage::visible, Stage::diffuse, Stage::shadows, Stage::phong}) CHECK(scene::file::Stage::phong.last_up_to(s) == s);
+    for (const scene::file::Stage s : {Stage::visible, Stage::diffuse, Stage::shadows, Stage::phong})
+        CHECK(scene::file::Stage::phong.last_up_to(s) == s);
     const scene::file::Appearance matte = loaded(replaced(painted, "ks = 0.5", "ks = 0")).appearance;
     CHECK(matte.furthest() == scene::file::Stage::shadows);
     CHECK_FALSE(matte.asks_for(scene::file::Stage::phong));
-    const scene::file::Appearance plain = loaded(replaced(painted, "[shadows]\nown = true\noffset = \"ulp\"\nulps = 4\n", "")).appearance;
+    const scene::file::Appearance plain =
+        loaded(replaced(painted, "[shadows]\nown = true\noffset = \"ulp\"\nulps = 4\n", "")).appearance;
     CHECK(plain.furthest() == scene::file::Stage::phong);
     CHECK(plain.last_up_to(scene::file::Stage::shadows) == scene::file::Stage::diffuse);
 }
 
 TEST_CASE("what light and paint cannot be is said with its place") {
     CHECK(broken("[0.25, 0.5, 1]", "[0.25, 0.5, 255]") ==
-          "scene.toml:4:14: background lies outside of 0 to 1; a colour is [red, green, blue], each from 0 to 1 (a byte over 255)");
-    CHECK(broken("colour = [1, 0.5, 0]", "colour = [1, -0.5, 0]").starts_with("scene.toml:22:10: sphere[0].colour lies outside of 0 to 1"));
+          "scene.toml:4:14: background lies outside of 0 to 1; a colour is [red, green, blue], each from 0 to 1 (a "
+          "byte over 255)");
+    CHECK(broken("colour = [1, 0.5, 0]", "colour = [1, -0.5, 0]")
+              .starts_with("scene.toml:22:10: sphere[0].colour lies outside of 0 to 1"));
     CHECK(broken("colour = [1, 0.5, 0]", "color = [1, 0.5, 0]").starts_with("scene.toml:22:1: unknown key"));
-    CHECK(broken("ka = 0.125", "ka = -1") == "scene.toml:16:6: material.ka is negative and would take light away; write 0 or more");
+    CHECK(broken("ka = 0.125", "ka = -1") ==
+          "scene.toml:16:6: material.ka is negative and would take light away; write 0 or more");
     CHECK(broken("n = 7", "n = 2.5").starts_with("scene.toml:18:5: material.n"));
     CHECK(broken("n = 7", "n = 0").starts_with("scene.toml:18:5: material.n"));
     CHECK(broken("ks = 0.5", "ks = 4e38").starts_with("scene.toml:17:6: material.ks overflows binary32"));
-    CHECK(broken("position = [5, 6, 7]", "position = [5, 6, 4e38]").starts_with("scene.toml:10:12: light.position overflows binary32"));
-    CHECK(broken("[light]\nposition = [5, 6, 7]\n", "").find("shadows need a light to cast them; add [light]") != std::string::npos);
-    const std::string dark = replaced(replaced(painted, "[light]\nposition = [5, 6, 7]\n", ""), "[shadows]\nown = true\noffset = \"ulp\"\nulps = 4\n", "");
-    CHECK(scene_error(dark).find("ks above 0 asks for a highlight, which needs a light; add [light]") != std::string::npos);
+    CHECK(broken("position = [5, 6, 7]", "position = [5, 6, 4e38]")
+              .starts_with("scene.toml:10:12: light.position overflows binary32"));
+    CHECK(broken("[light]\nposition = [5, 6, 7]\n", "").find("shadows need a light to cast them; add [light]") !=
+          std::string::npos);
+    const std::string dark = replaced(replaced(painted, "[light]\nposition = [5, 6, 7]\n", ""),
+                                      "[shadows]\nown = true\noffset = \"ulp\"\nulps = 4\n", "");
+    CHECK(scene_error(dark).find("ks above 0 asks for a highlight, which needs a light; add [light]") !=
+          std::string::npos);
     CHECK(broken("own = true\n", "").starts_with("scene.toml:12:1: shadows.offset needs own = true"));
     CHECK(broken("offset = \"ulp\"", "offset = \"ulps\"").starts_with("scene.toml:13:10: shadows.offset"));
     CHECK(broken("ulps = 4", "epsilon = 4").starts_with("scene.toml:14:1: shadows.epsilon needs offset = \"epsilon\""));
     CHECK(broken("ulps = 4", "").find("shadows.ulps is missing") != std::string::npos);
-    CHECK(broken("ulps = 4", "ulps = 4\nbackground = 2").starts_with("scene.toml:15:14: shadows.background is above 1"));
+    CHECK(
+        broken("ulps = 4", "ulps = 4\nbackground = 2").starts_with("scene.toml:15:14: shadows.background is above 1"));
 }
 
 TEST_CASE("rays of the pixel plane go from the eye through the middles of pixels at z = 0, where t = 1") {
@@ -136,11 +148,16 @@ TEST_CASE("rays of the pixel plane go from the eye through the middles of pixels
 }
 
 TEST_CASE("what the pixel plane cannot be is said with its place") {
-    CHECK(broken("eye = [1, 2, 10]", "eye = [1, 2, 0]").starts_with("scene.toml:7:7: camera.eye lies in the plane of the pixels"));
-    CHECK(broken("eye = [1, 2, 10]", "eye = [1, 2, 1e-60]").starts_with("scene.toml:7:7: camera.eye lies in the plane of the pixels"));
-    CHECK(broken("extent = [-4, -1, 4, 3]", "extent = [4, -1, -4, 3]").starts_with("scene.toml:8:10: camera.extent covers nothing"));
+    CHECK(broken("eye = [1, 2, 10]", "eye = [1, 2, 0]")
+              .starts_with("scene.toml:7:7: camera.eye lies in the plane of the pixels"));
+    CHECK(broken("eye = [1, 2, 10]", "eye = [1, 2, 1e-60]")
+              .starts_with("scene.toml:7:7: camera.eye lies in the plane of the pixels"));
+    CHECK(broken("extent = [-4, -1, 4, 3]", "extent = [4, -1, -4, 3]")
+              .starts_with("scene.toml:8:10: camera.extent covers nothing"));
     CHECK(broken("extent = [-4, -1, 4, 3]", "extent = [-4, -1, 4]").starts_with("scene.toml:8:10: camera.extent"));
     CHECK(broken("extent = [-4, -1, 4, 3]", "").find("camera.extent is missing") != std::string::npos);
-    CHECK(broken("extent = [-4, -1, 4, 3]", "extent = [-4, -1, 4, 3]\nlook_at = [0, 0, 0]").starts_with("scene.toml:9:1: camera.look_at has no meaning"));
-    CHECK(scene_error(replaced(good_scene, "width = 2.5", "width = 2.5\nextent = [0, 0, 1, 1]")).starts_with("scene.toml:13:1: camera.extent belongs to kind"));
+    CHECK(broken("extent = [-4, -1, 4, 3]", "extent = [-4, -1, 4, 3]\nlook_at = [0, 0, 0]")
+              .starts_with("scene.toml:9:1: camera.look_at has no meaning"));
+    CHECK(scene_error(replaced(good_scene, "width = 2.5", "width = 2.5\nextent = [0, 0, 1, 1]"))
+              .starts_with("scene.toml:13:1: camera.extent belongs to kind"));
 }

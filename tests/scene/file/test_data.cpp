@@ -86,11 +86,11 @@ bool has_zero_or_equal_components(const Vec<double>& v) {
 TEST_CASE("the data folder holds the scenes that the documentation names") {
     std::set<std::string> ids;
     for (const scene::file::Scene& each : all_scenes()) ids.insert(each.id);
-    for (const std::string id : {"rtg-fig-7-3-100", "rtg-fig-7-3-2000", "rtg-fig-7-3-4100", "rtg-fig-7-3-8000",
-             "rtg-fig-7-3-100-oblique", "rtg-fig-7-3-2000-oblique", "rtg-fig-7-3-4100-oblique",
-             "rtg-fig-7-3-8000-oblique", "rtg-fig-7-4.r1e3", "rtg-fig-7-4.r1e4", "rtg-fig-7-4.r1e5",
-             "rtg-fig-7-4.r1e6", "rtg-fig-7-4.r6371000", "near-benign", "camera-inside", "grazing",
-             "world-offset", "world-offset-own"}) {
+    for (const std::string id :
+         {"rtg-fig-7-3-100", "rtg-fig-7-3-2000", "rtg-fig-7-3-4100", "rtg-fig-7-3-8000", "rtg-fig-7-3-100-oblique",
+          "rtg-fig-7-3-2000-oblique", "rtg-fig-7-3-4100-oblique", "rtg-fig-7-3-8000-oblique", "rtg-fig-7-4.r1e3",
+          "rtg-fig-7-4.r1e4", "rtg-fig-7-4.r1e5", "rtg-fig-7-4.r1e6", "rtg-fig-7-4.r6371000", "near-benign",
+          "camera-inside", "grazing", "world-offset", "world-offset-own"}) {
         CAPTURE(id);
         CHECK(ids.count(id) == 1);
     }
@@ -105,9 +105,9 @@ TEST_CASE("every scene is described and shows hits and misses") {
         if (each.width * each.height == 1) continue;  // one ray, to be explained
         const double hit = hit_fraction(each);
         CHECK(hit >= 0.1);
-        if (each.id == "camera-inside" || each.id == "sphereflake-far") CHECK(hit == 1);  // there the ground fills the picture
-        else
-            CHECK(hit <= 0.98);
+        if (each.id == "camera-inside" || each.id == "sphereflake-far")
+            CHECK(hit == 1);  // there the ground fills the picture
+        else CHECK(hit <= 0.98);
     }
 }
 
@@ -139,8 +139,7 @@ TEST_CASE("figure 7-4 stands on ever larger spheres, with no zero components") {
         CHECK(s.height == 240);
         const scene::rays::RayBlock rays = make_shared_rays(s, 0, s.height);
         std::size_t special = 0;
-        for (std::size_t i = 0; i < rays.size(); ++i)
-            special += rays.dx[i] == 0 || rays.dy[i] == 0 || rays.dz[i] == 0;
+        for (std::size_t i = 0; i < rays.size(); ++i) special += rays.dx[i] == 0 || rays.dy[i] == 0 || rays.dz[i] == 0;
         CHECK(special == 0);
     }
 }

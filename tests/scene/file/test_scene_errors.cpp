@@ -28,12 +28,12 @@ TEST_CASE("a radius is a positive number, also in binary32 when inputs are share
           "scene.toml:15:10: sphere[0].radius must be greater than 0; write a positive number");
     CHECK(broken("radius = 1", "radius = -1e-3") ==
           "scene.toml:15:10: sphere[0].radius must be greater than 0; write a positive number");
-    CHECK(
-        broken("radius = 1", "radius = 1e-46") ==
-        "scene.toml:15:10: sphere[0].radius becomes 0 in binary32, to which inputs = \"shared\" rounds; write at least 1.5e-45, or inputs = \"own\"");
-    CHECK(
-        broken("radius = 1", "radius = 1e39") ==
-        "scene.toml:15:10: sphere[0].radius overflows binary32, to which inputs = \"shared\" rounds; write at most 3.4e38, or inputs = \"own\"");
+    CHECK(broken("radius = 1", "radius = 1e-46") ==
+          "scene.toml:15:10: sphere[0].radius becomes 0 in binary32, to which inputs = \"shared\" rounds; write at "
+          "least 1.5e-45, or inputs = \"own\"");
+    CHECK(broken("radius = 1", "radius = 1e39") ==
+          "scene.toml:15:10: sphere[0].radius overflows binary32, to which inputs = \"shared\" rounds; write at most "
+          "3.4e38, or inputs = \"own\"");
     const std::string own = replaced(good_scene, "\"shared\"", "\"own\"");
     CHECK(loaded(replaced(own, "radius = 1", "radius = 1e-46")).spheres[0].radius > 0);
     CHECK(loaded(replaced(own, "radius = 1", "radius = 1e39")).spheres[0].radius > 0);
@@ -46,14 +46,11 @@ TEST_CASE("a radius is a positive number, also in binary32 when inputs are share
 TEST_CASE("every other number is finite in binary32 when inputs are shared") {
     CHECK(broken("centre = [0, 0, -10]", "centre = [0, 0, -1e39]")
               .starts_with("scene.toml:14:10: sphere[0].centre overflows binary32"));
-    CHECK(broken("eye = [0, 0, 0]", "eye = [0, 4e38, 0]")
-              .starts_with("scene.toml:9:7: camera.eye overflows binary32"));
+    CHECK(broken("eye = [0, 0, 0]", "eye = [0, 4e38, 0]").starts_with("scene.toml:9:7: camera.eye overflows binary32"));
     CHECK(broken("look_at = [0, 0, -1]", "look_at = [0, 0, -4e38]")
               .starts_with("scene.toml:10:11: camera.look_at overflows binary32"));
-    CHECK(broken("up = [0, 1, 0]", "up = [0, 4e38, 0]")
-              .starts_with("scene.toml:11:6: camera.up overflows binary32"));
-    CHECK(
-        broken("width = 2.5", "width = 4e38").starts_with("scene.toml:12:9: camera.width overflows binary32"));
+    CHECK(broken("up = [0, 1, 0]", "up = [0, 4e38, 0]").starts_with("scene.toml:11:6: camera.up overflows binary32"));
+    CHECK(broken("width = 2.5", "width = 4e38").starts_with("scene.toml:12:9: camera.width overflows binary32"));
     CHECK(broken("width = 2.5", "width = 2.5\nshift = [0, 4e38]")
               .starts_with("scene.toml:13:9: camera.shift overflows binary32"));
 }
@@ -61,9 +58,9 @@ TEST_CASE("every other number is finite in binary32 when inputs are shared") {
 TEST_CASE("a camera looks somewhere, the right way up") {
     CHECK(broken("look_at = [0, 0, -1]", "look_at = [0, 0, 0]") ==
           "scene.toml:10:11: camera.look_at equals camera.eye, which gives no direction; move either");
-    CHECK(
-        broken("up = [0, 1, 0]", "up = [0, 0, 7]") ==
-        "scene.toml:11:6: camera.up is parallel to the view, look_at - eye; write another, such as [0, 0, 1] or [0, 1, 0]");
+    CHECK(broken("up = [0, 1, 0]", "up = [0, 0, 7]") ==
+          "scene.toml:11:6: camera.up is parallel to the view, look_at - eye; write another, such as [0, 0, 1] or [0, "
+          "1, 0]");
     CHECK(broken("up = [0, 1, 0]", "up = [1e-13, 0, 1]").find("is parallel to the view") != std::string::npos);
     CHECK(broken("up = [0, 1, 0]", "up = [1e-11, 0, 1]") == "no error");
     CHECK(broken("up = [0, 1, 0]", "up = [0, 0, 0]") ==
@@ -78,22 +75,20 @@ TEST_CASE("a camera looks somewhere, the right way up") {
 TEST_CASE("a camera's window has a size of its own kind") {
     CHECK(broken("width = 2.5", "width = 0") ==
           "scene.toml:12:9: camera.width must be greater than 0; write a positive number");
-    CHECK(broken("width = 2.5", "width = 1e-46")
-              .starts_with("scene.toml:12:9: camera.width becomes 0 in binary32"));
+    CHECK(broken("width = 2.5", "width = 1e-46").starts_with("scene.toml:12:9: camera.width becomes 0 in binary32"));
     CHECK(broken("width = 2.5", "") ==
           "scene.toml:7:1: camera.width is missing; give it a number (4100, 1e-3, \"0x1.004p+12\")");
-    CHECK(
-        broken("width = 2.5", "width = 2.5\nfov_deg = 40") ==
-        "scene.toml:13:1: camera.fov_deg has no meaning for an orthographic camera; write width, in world units");
+    CHECK(broken("width = 2.5", "width = 2.5\nfov_deg = 40") ==
+          "scene.toml:13:1: camera.fov_deg has no meaning for an orthographic camera; write width, in world units");
     CHECK(broken("width = 2.5", "width = 2.5\nnormalise = true")
               .starts_with("scene.toml:13:1: camera.normalise has no meaning for an orthographic camera"));
     CHECK(scene_error(pinhole("fov_deg = 40")) == "no error");
     for (const std::string fov : {"0", "180", "-10", "360"})
         CHECK(scene_error(pinhole("fov_deg = " + fov)) ==
               "scene.toml:12:11: camera.fov_deg must lie between 0 and 180 degrees, both excluded; try 40");
-    CHECK(
-        scene_error(pinhole("fov_deg = 40\nwidth = 2")) ==
-        "scene.toml:13:1: camera.width has no meaning for a pinhole camera; write fov_deg, the vertical field of view in degrees");
+    CHECK(scene_error(pinhole("fov_deg = 40\nwidth = 2")) ==
+          "scene.toml:13:1: camera.width has no meaning for a pinhole camera; write fov_deg, the vertical field of "
+          "view in degrees");
     CHECK(scene_error(pinhole("fov_deg = 40\nnormalise = 1")) ==
           "scene.toml:13:13: camera.normalise is the integer 1, but true or false is expected here");
     CHECK(broken("width = 2.5", "width = 2.5\nshift = [1]") ==
@@ -124,17 +119,17 @@ TEST_CASE("a scene has a title, a camera and a sphere, and nothing unknown") {
     CHECK(broken("schema = \"lostbits-scene/1\"", "").starts_with("scene.toml:1:1: schema is missing"));
     CHECK(broken("[camera]", "[camra]") ==
           "scene.toml:7:2: camera is missing, but there is camra; did you mean \"camera\"?");
-    CHECK(broken("[[sphere]]", "[[spheres]]") ==
-          "scene.toml:13:3: unknown key spheres; did you mean \"sphere\"?");
+    CHECK(broken("[[sphere]]", "[[spheres]]") == "scene.toml:13:3: unknown key spheres; did you mean \"sphere\"?");
     CHECK(broken("[[sphere]]\ncentre = [0, 0, -10]\nradius = 1\n", "") ==
-          "scene.toml:1:1: sphere is missing; a scene has at least one [[sphere]] with centre and radius, or [[box]] with lo and hi");
+          "scene.toml:1:1: sphere is missing; a scene has at least one [[sphere]] with centre and radius, or [[box]] "
+          "with lo and hi");
     CHECK(broken("[[sphere]]", "[sphere]") ==
           "scene.toml:13:1: sphere is a table, but an array of tables, [[sphere]], is expected here");
     CHECK(broken("radius = 1", "radius = 1\nopacity = 3") ==
-          "scene.toml:16:1: unknown key sphere[0].opacity; known here: \"colour\", \"ka\", \"kd\", \"ks\", \"n\", \"centre\", \"radius\"");
-    CHECK(
-        broken("centre = ", "center = ") ==
-        "scene.toml:14:1: sphere[0].centre is missing, but there is sphere[0].center; did you mean \"centre\"?");
+          "scene.toml:16:1: unknown key sphere[0].opacity; known here: \"colour\", \"ka\", \"kd\", \"ks\", \"n\", "
+          "\"centre\", \"radius\"");
+    CHECK(broken("centre = ", "center = ") ==
+          "scene.toml:14:1: sphere[0].centre is missing, but there is sphere[0].center; did you mean \"centre\"?");
     CHECK(broken("up = [0, 1, 0]", "upp = [0, 1, 0]") ==
           "scene.toml:11:1: unknown key camera.upp; did you mean \"up\"?");
 }
@@ -150,9 +145,8 @@ TEST_CASE("variants are named once, with names that fit into file names") {
         "scene.toml:17:8: variant[0].name is \"a/b\", but names are part of file names; use letters, digits, - and _");
     CHECK(with("[[variant]]\nname = \"\"\nset = {}\n")
               .starts_with("scene.toml:17:8: variant[0].name is \"\", but names"));
-    CHECK(
-        with("[[variant]]\nname = \"a\"\nset = {}\n[[variant]]\nname = \"a\"\nset = {}\n") ==
-        "scene.toml:20:8: variant[1].name is \"a\", as another variant of the file already is; name each once");
+    CHECK(with("[[variant]]\nname = \"a\"\nset = {}\n[[variant]]\nname = \"a\"\nset = {}\n") ==
+          "scene.toml:20:8: variant[1].name is \"a\", as another variant of the file already is; name each once");
     CHECK(with("[[variant]]\nname = \"a\"\nset = 3\n") ==
           "scene.toml:18:7: variant[0].set is the integer 3, but a table is expected here");
     CHECK(with("[[variant]]\nname = \"a\"\nset = {}\nsets = 1\n") ==
@@ -169,13 +163,11 @@ TEST_CASE("a variant's mistakes are reported where the variant makes them") {
           "scene.toml:18:30: sphere[0].radius must be greater than 0; write a positive number");
     CHECK(with("\"sphere[0].raduis\" = 1") ==
           "scene.toml:18:9: unknown key sphere[0].raduis; did you mean \"radius\"?");
-    CHECK(
-        with("\"sphere[3].radius\" = 1") ==
-        "scene.toml:18:9: unknown path \"sphere[3].radius\": sphere is an array of 1; indices go from 0 to 0");
+    CHECK(with("\"sphere[3].radius\" = 1") ==
+          "scene.toml:18:9: unknown path \"sphere[3].radius\": sphere is an array of 1; indices go from 0 to 0");
     CHECK(with("\"camrea.eye\" = 1") ==
           "scene.toml:18:9: unknown path \"camrea.eye\": the file has no \"camrea\"; did you mean \"camera\"?");
-    CHECK(
-        with("\"variant[0].name\" = 1")
-            .starts_with(
-                "scene.toml:18:9: unknown path \"variant[0].name\": the file has no \"variant\"; known here:"));
+    CHECK(with("\"variant[0].name\" = 1")
+              .starts_with(
+                  "scene.toml:18:9: unknown path \"variant[0].name\": the file has no \"variant\"; known here:"));
 }

@@ -47,7 +47,7 @@ TEST_CASE("a scene holds what its file says") {
 TEST_CASE("what a scene leaves out has its default") {
     std::string text = good_scene;
     for (const std::string line :
-        {"note = \"nothing\"\n", "inputs = \"shared\"\n", "size = [8, 4]\n", "up = [0, 1, 0]\n"})
+         {"note = \"nothing\"\n", "inputs = \"shared\"\n", "size = [8, 4]\n", "up = [0, 1, 0]\n"})
         text = replaced(text, line, "");
     const scene::file::Scene s = loaded(text);
     CHECK(s.note.empty());
@@ -83,8 +83,7 @@ TEST_CASE("one variant can be chosen by name") {
     const std::vector<scene::file::Scene> one = all_loaded(two_variants, variant("big"));
     REQUIRE(one.size() == 1);
     CHECK(one[0].id == "scene.big");
-    CHECK(scene_error(two_variants, variant("bog")) ==
-          "scene.toml: no variant \"bog\"; did you mean \"big\"?");
+    CHECK(scene_error(two_variants, variant("bog")) == "scene.toml: no variant \"bog\"; did you mean \"big\"?");
     CHECK(scene_error(good_scene, variant("big")) == "scene.toml: no variant \"big\"; the file has none");
 }
 
@@ -127,8 +126,7 @@ TEST_CASE("a scene is found by path, id or id and variant") {
     const std::string folder = (data.path() / "scenes").string();
     CHECK(error_of([&] { find_scene("neer", data.path()); }) ==
           "no scene \"neer\" in " + folder + "; did you mean \"near\"? (a path to a .toml file will also do)");
-    CHECK(error_of([&] { find_scene("neer.big", data.path()); }).find("did you mean \"near\"?") !=
-          std::string::npos);
+    CHECK(error_of([&] { find_scene("neer.big", data.path()); }).find("did you mean \"near\"?") != std::string::npos);
     CHECK(error_of([&] { find_scene("zzzzzz", data.path()); }).find("known here: \"far-2.5\", \"near\"") !=
           std::string::npos);
 }

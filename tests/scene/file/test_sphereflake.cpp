@@ -53,7 +53,8 @@ TEST_CASE("the flake of two levels is the one that the scene of ninety-one spher
     REQUIRE(written.spheres.size() == all.size());
     for (std::size_t i = 0; i < all.size(); ++i) {
         CHECK(std::fabs(static_cast<double>(written.spheres[i].radius) - all[i].radius) < 1e-9);
-        for (int k = 0; k < 3; ++k) CHECK(std::fabs(static_cast<double>(written.spheres[i].centre[k]) - all[i].centre[k]) < 2e-9);
+        for (int k = 0; k < 3; ++k)
+            CHECK(std::fabs(static_cast<double>(written.spheres[i].centre[k]) - all[i].centre[k]) < 2e-9);
     }
 }
 
@@ -68,15 +69,19 @@ TEST_CASE("a flake stands behind the other spheres of its scene, and is refused 
     CHECK(shared[0].sphere().radius == 1);
     CHECK(shared[1].sphere().radius == 0.5);
     CHECK(shared[10].sphere().radius == static_cast<double>(static_cast<float>(0.5 / 3)));
-    const auto broken = [&](const std::string& from, const std::string& to) { return scene_error(replaced(text, from, to)); };
-    CHECK(broken("levels = 1", "levels = 10").find("scene.toml:14:10: sphereflake.levels must be a whole number from 0 to 9") == 0);
+    const auto broken = [&](const std::string& from, const std::string& to) {
+        return scene_error(replaced(text, from, to));
+    };
+    CHECK(broken("levels = 1", "levels = 10")
+              .find("scene.toml:14:10: sphereflake.levels must be a whole number from 0 to 9") == 0);
     CHECK(broken("levels = 1", "levels = 1.5").find("sphereflake.levels must be a whole number") != std::string::npos);
     CHECK(broken("radius = 0.5", "radius = 0").find("scene.toml:15:10: sphereflake.radius must lie between") == 0);
     CHECK(broken("radius = 0.5", "axis = [0, 0, 0]").find("sphereflake.axis gives no direction") != std::string::npos);
     CHECK(broken("radius = 0.5", "radios = 0.5").find("did you mean \"radius\"") != std::string::npos);
 }
 
-TEST_CASE("the constants of a march have the seed's values where they are not given, and are refused with their place") {
+TEST_CASE(
+    "the constants of a march have the seed's values where they are not given, and are refused with their place") {
     const std::string text = replaced(good_scene, "[[sphere]]", "[march]\nhit_eps = 0.01\n[[sphere]]");
     const Folder folder;
     const scene::file::Scene s = load_scene(folder.write("scene.toml", text)).front();
@@ -95,5 +100,6 @@ TEST_CASE("the constants of a march have the seed's values where they are not gi
     CHECK(broken("over_relaxation = 2").find("march.over_relaxation must lie in [1, 2)") != std::string::npos);
     CHECK(broken("hit_epsilon = 1").find("march.hit_epsilon") != std::string::npos);
     CHECK(replaced(text, "hit_eps = 0.01", "") != text);
-    CHECK(scene_error(replaced(text, "[march]\nhit_eps = 0.01", "[[box]]\nlo = [0, 0, 0]\nhi = [1, 1, 1]")).find("[march] table") != std::string::npos);
+    CHECK(scene_error(replaced(text, "[march]\nhit_eps = 0.01", "[[box]]\nlo = [0, 0, 0]\nhi = [1, 1, 1]"))
+              .find("[march] table") != std::string::npos);
 }

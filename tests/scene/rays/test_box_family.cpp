@@ -19,7 +19,8 @@ std::pair<Real, Real> clipped(const Ray<double>& ray, const Box<double>& box) {
     Real from(-ldexp(Real(1), 1000)), to(ldexp(Real(1), 1000));
     for (int i = 0; i < 3; ++i) {
         if (ray.direction[i] == 0) continue;
-        const Real a = (Real(box.lo[i]) - ray.origin[i]) / ray.direction[i], b = (Real(box.hi[i]) - ray.origin[i]) / ray.direction[i];
+        const Real a = (Real(box.lo[i]) - ray.origin[i]) / ray.direction[i],
+                   b = (Real(box.hi[i]) - ray.origin[i]) / ray.direction[i];
         from = std::max(from, std::min(a, b));
         to = std::min(to, std::max(a, b));
     }
@@ -48,7 +49,8 @@ TEST_CASE("a gap inward is a hit of about that depth, outward a miss, at edges a
                 const auto [from, to] = clipped(ray, solids.front().box());
                 if (gap < 0) REQUIRE(from < to);
                 else REQUIRE(from > to);
-                // The stretch inside (or missing) is as long as the gap allows: directions have components from 0.1 to 1.
+                // The stretch inside (or missing) is as long as the gap allows: directions have components from 0.1
+                // to 1.
                 REQUIRE(abs(to - from) < 0.3);
                 REQUIRE(abs(to - from) > 0x1p-12);
             });
@@ -68,13 +70,15 @@ TEST_CASE("aimed inside, every ray crosses the box; along a face it has a compon
     for_each_ray(family, [](const Ray<double>& ray, const auto& solids) {
         const Box<double> box = solids.front().box();
         int in_plane = 0;
-        for (int i = 0; i < 3; ++i) in_plane += ray.direction[i] == 0 && (ray.origin[i] == box.lo[i] || ray.origin[i] == box.hi[i]);
+        for (int i = 0; i < 3; ++i)
+            in_plane += ray.direction[i] == 0 && (ray.origin[i] == box.lo[i] || ray.origin[i] == box.hi[i]);
         REQUIRE(in_plane == 1);
     });
 }
 
 TEST_CASE("adjoining boxes fill one box and share its planes, and the rays go through what they share") {
-    for (const auto aim : {scene::rays::BoxFamily::Aim::face, scene::rays::BoxFamily::Aim::edge, scene::rays::BoxFamily::Aim::corner}) {
+    for (const auto aim :
+         {scene::rays::BoxFamily::Aim::face, scene::rays::BoxFamily::Aim::edge, scene::rays::BoxFamily::Aim::corner}) {
         scene::rays::BoxFamily family;
         family.aim = aim;
         family.adjoining = true;

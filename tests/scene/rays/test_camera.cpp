@@ -73,7 +73,7 @@ TEST_CASE("all six axes, with every perpendicular axis upright, give exact frame
             if (view / 2 == up / 2) continue;
             const std::string text =
                 replaced(replaced(good_scene, "look_at = [0, 0, -1]", std::string("look_at = ") + axes[view]),
-                    "up = [0, 1, 0]", std::string("up = ") + axes[up]);
+                         "up = [0, 1, 0]", std::string("up = ") + axes[up]);
             const scene::rays::CameraFrame<double> frame = make_frame<double>(loaded(text));
             CAPTURE(axes[view], axes[up]);
             CHECK(is_clean_axis(frame.forward));
@@ -87,7 +87,7 @@ TEST_CASE("all six axes, with every perpendicular axis upright, give exact frame
 
 TEST_CASE("the length of the view and of up does not matter") {
     const std::string text = replaced(replaced(good_scene, "look_at = [0, 0, -1]", "look_at = [0, 0, -1e6]"),
-        "up = [0, 1, 0]", "up = [0, 1e-6, 5]");
+                                      "up = [0, 1, 0]", "up = [0, 1e-6, 5]");
     const scene::rays::CameraFrame<double> frame = make_frame<double>(loaded(text));
     CHECK(equal(frame.forward, 0, 0, -1));
     CHECK(equal(frame.up, 0, 1, 0));
@@ -109,8 +109,7 @@ TEST_CASE("an oblique frame is orthonormal") {
     // up leans to the camera's up, forward goes to look_at.
     const scene::rays::CameraFrame<double> frame = make_frame<double>(s);
     CHECK(dot(frame.up, Vec<double>(0.2, 1, 0.1)) > 0);
-    CHECK(dot(frame.forward, Vec<double>(0.8, 1.9, -3.3)) ==
-          Approx(std::sqrt(0.8 * 0.8 + 1.9 * 1.9 + 3.3 * 3.3)));
+    CHECK(dot(frame.forward, Vec<double>(0.8, 1.9, -3.3)) == Approx(std::sqrt(0.8 * 0.8 + 1.9 * 1.9 + 3.3 * 3.3)));
 }
 
 TEST_CASE("double and ideal rays agree to 1e-15") {
@@ -140,16 +139,15 @@ TEST_CASE("a pinhole's directions are unit only if they are normalised") {
     CHECK(std::fabs(length(a.direction) - 1) < 1e-15);
     CHECK(length(b.direction) > 1.03);
     CHECK(length(cross(a.direction, b.direction)) < 1e-15);
-    CHECK(dot(b.direction, make_frame<double>(raw).forward) ==
-          Approx(1).epsilon(1e-14));  // on the plane at distance 1
+    CHECK(dot(b.direction, make_frame<double>(raw).forward) == Approx(1).epsilon(1e-14));  // on the plane at distance 1
 }
 
 TEST_CASE("the vertical field of view runs from the top edge to the bottom edge") {
     // One pixel high: the middle of the rows ±1/2 is a corner ray, seen by asking for rows beyond the picture.
-    const std::string text = replaced(
-        replaced(good_scene, "kind = \"orthographic\"", "kind = \"pinhole\""), "width = 2.5", "fov_deg = 90");
+    const std::string text =
+        replaced(replaced(good_scene, "kind = \"orthographic\"", "kind = \"pinhole\""), "width = 2.5", "fov_deg = 90");
     const scene::rays::CameraFrame<double> frame = make_frame<double>(loaded(text));  // 4 rows: edges at ±2 pixels
-    CHECK(frame.pitch == 0.5);                                           // 2 tan 45° / 4, correctly rounded
+    CHECK(frame.pitch == 0.5);  // 2 tan 45° / 4, correctly rounded
     const Ray<double> inner = scene::rays::ray(frame, 4, 0);
     CHECK(inner.direction.y / -inner.direction.z == Approx(0.75).epsilon(1e-15));
     CHECK(inner.direction.x / -inner.direction.z == Approx(0.25).epsilon(1e-15));  // pixels are square

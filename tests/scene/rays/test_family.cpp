@@ -22,7 +22,8 @@ struct Geometry {
     Geometry(const scene::rays::RayGroup& group, std::size_t i) {
         const Ray<double> ray = group.rays[i];
         const Sphere<double> sphere = group.solids.front().sphere();
-        const Vec<Real> f = lifted(ray.origin) - lifted(sphere.centre), d = lifted(ray.direction), c = cross<Real>(f, d);
+        const Vec<Real> f = lifted(ray.origin) - lifted(sphere.centre), d = lifted(ray.direction),
+                        c = cross<Real>(f, d);
         const Real r(sphere.radius), size = length(d);
         eye = static_cast<double>(Real(length(f) / r));
         impact = static_cast<double>(Real(length(c) / (size * r)));
@@ -83,7 +84,9 @@ TEST_CASE("a silhouette gap puts every line at 1 - gap radii, from both projecti
     for (const char* projection : {"parallel", "point"}) {
         for (const double gap : {0.5, 0x1p-5, 0x1p-10}) {
             for (const double radius : {1.0, 48.0}) {
-                scene::rays::Family f = family_of("projection = \"" + std::string(projection) + "\"\nimpact_from = 0.25\nweighting = \"silhouette\"\nviews = 4\nrays = 16\n");
+                scene::rays::Family f =
+                    family_of("projection = \"" + std::string(projection) +
+                              "\"\nimpact_from = 0.25\nweighting = \"silhouette\"\nviews = 4\nrays = 16\n");
                 f.silhouette_gap = gap;
                 f.radius = radius;
                 f.distance = 16;
@@ -114,7 +117,8 @@ TEST_CASE("a silhouette gap puts every line at 1 - gap radii, from both projecti
 
 TEST_CASE("rays away leave the centre behind; those that do not are the same, turned") {
     for (const double height : {1.0, 0.0, -0x1p-6, -0.5}) {
-        scene::rays::Family f = family_of("projection = \"point\"\nimpact_to = 0.5\nradius = 1\nviews = 6\nrays = 16\n");
+        scene::rays::Family f =
+            family_of("projection = \"point\"\nimpact_to = 0.5\nradius = 1\nviews = 6\nrays = 16\n");
         f.height = height;
         const auto toward = scene::rays::family_rays(f);
         f.away = true;
@@ -139,7 +143,8 @@ TEST_CASE("rays away leave the centre behind; those that do not are the same, tu
 
 TEST_CASE("an eye under the centre still has rays") {
     for (const double height : {-0.99, -1.0, -1.5, -3.0}) {
-        scene::rays::Family f = family_of("projection = \"point\"\nimpact_to = 0.99\nradius = 1\nviews = 4\nrays = 32\n");
+        scene::rays::Family f =
+            family_of("projection = \"point\"\nimpact_to = 0.99\nradius = 1\nviews = 4\nrays = 32\n");
         f.height = height;
         for (const scene::rays::RayGroup& g : family_rays(f)) {
             for (std::size_t i = 0; i < g.rays.size(); ++i) {

@@ -4,8 +4,8 @@
 
 #include "catch.hpp"
 #include "scene/rays/camera.hpp"
-#include "scene/toml/round.hpp"
 #include "scene/scene_text.hpp"
+#include "scene/toml/round.hpp"
 
 using namespace lostbits;
 using namespace lostbits::scene;
@@ -16,10 +16,9 @@ using namespace lostbits::scene::test;
 
 namespace {
 
-const std::string pinhole_scene =
-    replaced(replaced(replaced(good_scene, "kind = \"orthographic\"", "kind = \"pinhole\""), "width = 2.5",
-                 "fov_deg = 40"),
-        "eye = [0, 0, 0]", "eye = [0.1, 0.2, 0.3]");
+const std::string pinhole_scene = replaced(
+    replaced(replaced(good_scene, "kind = \"orthographic\"", "kind = \"pinhole\""), "width = 2.5", "fov_deg = 40"),
+    "eye = [0, 0, 0]", "eye = [0.1, 0.2, 0.3]");
 
 bool same(const std::vector<double>& a, const std::vector<double>& b) { return a == b; }
 
@@ -97,12 +96,13 @@ TEST_CASE("input rays follow the scene's inputs and the format") {
     CHECK(same(input_rays(shared, 0, 4, binary16), scene::rays::round_block(stored, binary16)));
     CHECK_FALSE(same(input_rays(shared, 0, 4, binary16), stored));
     CHECK_FALSE(same(input_rays(scene::file::Inputs::own, 0, 4, binary64), stored));
-    CHECK(same(input_rays(own, 0, 4, binary64), scene::rays::round_rays(scene::rays::make_own_rays(own, 0, 4), binary64)));
+    CHECK(same(input_rays(own, 0, 4, binary64),
+               scene::rays::round_rays(scene::rays::make_own_rays(own, 0, 4), binary64)));
 }
 
 TEST_CASE("a block of rays is rounded to a narrower format, its subnormals and overflow included") {
-    const scene::rays::RayBlock block{3, 0, 1, {1e6, -1e6, 1}, {0x1p-25, 0x1.8p-24, 0}, {65519, 65520, 1}, {0.1, 1, -1},
-        {0, 0, 1e-9}, {-1e-9, 1, 1}};
+    const scene::rays::RayBlock block{
+        3, 0, 1, {1e6, -1e6, 1}, {0x1p-25, 0x1.8p-24, 0}, {65519, 65520, 1}, {0.1, 1, -1}, {0, 0, 1e-9}, {-1e-9, 1, 1}};
     const scene::rays::RayBlock half = round_block(block, binary16);
     CHECK(intersect::sphere::half.ox == std::vector<double>{HUGE_VAL, -HUGE_VAL, 1});
     CHECK(half.oy == std::vector<double>{0, 0x1p-23, 0});
@@ -132,7 +132,8 @@ TEST_CASE("an input sphere follows the scene's inputs and the format") {
     const std::string text = replaced(good_scene, "radius = 1", "radius = 0.1");
     const scene::file::Scene shared = loaded(text);
     const scene::file::Scene own = loaded(replaced(text, "\"shared\"", "\"own\""));
-    CHECK(scene::rays::input_solid(scene::file::Inputs::shared, 0, binary64).sphere().radius == static_cast<double>(0.1f));
+    CHECK(scene::rays::input_solid(scene::file::Inputs::shared, 0, binary64).sphere().radius ==
+          static_cast<double>(0.1f));
     CHECK(input_solid(scene::file::Inputs::own, 0, binary64).sphere().radius == 0.1);
     CHECK(input_solid(own, 0, binary32).sphere().radius == static_cast<double>(0.1f));
     CHECK(input_solid(shared, 0, binary16).sphere().radius == 0x1.998p-4);

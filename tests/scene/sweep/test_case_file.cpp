@@ -7,8 +7,8 @@
 #include <set>
 
 #include "catch.hpp"
-#include "scene/sweep/search_file.hpp"
 #include "scene/scene_text.hpp"
+#include "scene/sweep/search_file.hpp"
 
 using namespace lostbits;
 using namespace lostbits::scene;
@@ -44,12 +44,15 @@ std::string case_error(const std::string& text) {
     const fs::path file = folder.write("c.toml", text);
     return error_in(folder, [&] { scene::sweep::CaseFile{file}; });
 }
-std::string broken(const std::string& from, const std::string& to) { return case_error(replaced(good_cases, from, to)); }
+std::string broken(const std::string& from, const std::string& to) {
+    return case_error(replaced(good_cases, from, to));
+}
 
 using Numbers = std::array<double, 10>;
 Numbers numbers_of(const scene::rays::RayGroup& g) {
     const Sphere<double> s = g.solids.front().sphere();
-    return {g.rays.ox[0], g.rays.oy[0], g.rays.oz[0], g.rays.dx[0], g.rays.dy[0], g.rays.dz[0], s.centre.x, s.centre.y, s.centre.z, s.radius};
+    return {g.rays.ox[0], g.rays.oy[0], g.rays.oz[0], g.rays.dx[0], g.rays.dy[0],
+            g.rays.dz[0], s.centre.x,   s.centre.y,   s.centre.z,   s.radius};
 }
 
 }  // namespace
@@ -62,7 +65,9 @@ TEST_CASE("cases are read in order, each with its rays and solids") {
     CHECK(file.name(1) == "two");
     CHECK(file.shape() == Shape::sphere);
     CHECK(file.matching("t*o", {}) == std::vector<std::size_t>{1});
-    CHECK(error_of([&] { static_cast<void>(file.matching("tow", {"claims.toml", 4, 2})); }) == "claims.toml:4:2: no case \"tow\" in c; did you mean \"two\"?");
+    CHECK(error_of([&] {
+              static_cast<void>(file.matching("tow", {"claims.toml", 4, 2}));
+          }) == "claims.toml:4:2: no case \"tow\" in c; did you mean \"two\"?");
     const auto first = file.rays(0, binary32);
     REQUIRE(first.size() == 1);
     CHECK(numbers_of(first[0]) == Numbers{5, 6, 7, 8, 9, 10, 1, 2, 3, 4});
@@ -85,14 +90,20 @@ TEST_CASE("each format gets a case in its own numbers; lengths scale lengths, di
         CHECK(group.rays.ox[1] == 2);
         CHECK(group.rays.dx[1] == std::ldexp(1, f.emin - f.precision + 1));
     }
-    const auto turned = loaded_cases(replaced(good_cases, "lengths = 1", "directions = \"emax/2\"")).rays(1, binary32).at(0);
+    const auto turned =
+        loaded_cases(replaced(good_cases, "lengths = 1", "directions = \"emax/2\"")).rays(1, binary32).at(0);
     CHECK(turned.solids[0].sphere().radius == 4);
-    const auto scaled = loaded_cases(replaced(good_cases, "name = \"one\"", "name = \"one\"\nlengths = \"emax/4\"\ndirections = -3")).rays(0, binary32).at(0);
-    CHECK(numbers_of(scaled) == Numbers{5 * 0x1p31, 6 * 0x1p31, 7 * 0x1p31, 1, 1.125, 1.25, 0x1p31, 0x1p32, 3 * 0x1p31, 0x1p33});
+    const auto scaled =
+        loaded_cases(replaced(good_cases, "name = \"one\"", "name = \"one\"\nlengths = \"emax/4\"\ndirections = -3"))
+            .rays(0, binary32)
+            .at(0);
+    CHECK(numbers_of(scaled) ==
+          Numbers{5 * 0x1p31, 6 * 0x1p31, 7 * 0x1p31, 1, 1.125, 1.25, 0x1p31, 0x1p32, 3 * 0x1p31, 0x1p33});
 }
 
 TEST_CASE("a symmetric case comes under 48 symmetries, ray and solid alike") {
-    const auto groups = loaded_cases(replaced(good_cases, "name = \"one\"", "name = \"one\"\nsymmetric = true")).rays(0, binary32);
+    const auto groups =
+        loaded_cases(replaced(good_cases, "name = \"one\"", "name = \"one\"\nsymmetric = true")).rays(0, binary32);
     REQUIRE(groups.size() == 48);
     std::set<Numbers> images;
     for (const scene::rays::RayGroup& g : groups) {
@@ -100,7 +111,8 @@ TEST_CASE("a symmetric case comes under 48 symmetries, ray and solid alike") {
         images.insert(n);
         REQUIRE(g.rays.size() == 1);
         CHECK(n[9] == 4);
-        // One signed permutation takes (5, 6, 7), (8, 9, 10) and (1, 2, 3) to the image: read off the origin, checked on the rest.
+        // One signed permutation takes (5, 6, 7), (8, 9, 10) and (1, 2, 3) to the image: read off the origin, checked
+        // on the rest.
         for (std::size_t axis = 0; axis < 3; ++axis) {
             const double from = std::fabs(n[axis]), sign = std::copysign(1, n[axis]);
             CHECK((from == 5 || from == 6 || from == 7));
@@ -141,10 +153,14 @@ rays = [{ origin = [0, 0, 0], direction = [1.5, 1, 4] }]
         CHECK((b.hi.x - b.lo.x) * (b.hi.y - b.lo.y) * (b.hi.z - b.lo.z) == 1 * 7 * 6);
     }
     CHECK(images.size() == 48);
-    CHECK(case_error(replaced(good_cases, "[[case]]\nname = \"two\"", "[[case]]\nname = \"b\"\nboxes = [{ lo = [0, 0, 0], hi = [1, 1, 1] }]\nrays = [{ origin = [0, 0, 0], "
-                                                                    "direction = [1, 0, 0] }]\n[[case]]\nname = \"two\""))
+    CHECK(case_error(
+              replaced(
+                  good_cases, "[[case]]\nname = \"two\"",
+                  "[[case]]\nname = \"b\"\nboxes = [{ lo = [0, 0, 0], hi = [1, 1, 1] }]\nrays = [{ origin = [0, 0, 0], "
+                  "direction = [1, 0, 0] }]\n[[case]]\nname = \"two\""))
               .starts_with("c.toml:8:1: has another shape than the cases before it"));
-    CHECK(case_error(replaced(boxes, "rays =", "spheres = [{ centre = [0, 0, 0], radius = 1 }]\nrays =")).starts_with("c.toml:4:1: has another shape"));
+    CHECK(case_error(replaced(boxes, "rays =", "spheres = [{ centre = [0, 0, 0], radius = 1 }]\nrays ="))
+              .starts_with("c.toml:4:1: has another shape"));
 }
 
 TEST_CASE("what is no file of cases is refused where it is wrong") {
@@ -152,19 +168,26 @@ TEST_CASE("what is no file of cases is refused where it is wrong") {
     CHECK(broken("lostbits-sweep/1", "lostbits-scene/1").starts_with("c.toml:1:10: "));
     CHECK(broken("title = \"A test\"\n", "").starts_with("c.toml:1:1: title is missing"));
     CHECK(broken("name = \"one\"\n", "").starts_with("c.toml:4:1: case[0].name is missing"));
-    CHECK(broken("name = \"two\"", "name = \"one\"") == "c.toml:9:8: case[1].name is \"one\", as another case is; name each once");
-    CHECK(broken("centre = [1, 2, 3], radius = 4 }]", "centre = [1, 2], radius = 4 }]").starts_with("c.toml:6:23: case[0].spheres[0].centre is an array of 2 where 3 numbers"));
-    CHECK(broken("direction = [8, 9, 10]", "direction = 8").find("c.toml:7:43: case[0].rays[0].direction is the integer 8 where 3 numbers") == 0);
+    CHECK(broken("name = \"two\"", "name = \"one\"") ==
+          "c.toml:9:8: case[1].name is \"one\", as another case is; name each once");
+    CHECK(broken("centre = [1, 2, 3], radius = 4 }]", "centre = [1, 2], radius = 4 }]")
+              .starts_with("c.toml:6:23: case[0].spheres[0].centre is an array of 2 where 3 numbers"));
+    CHECK(broken("direction = [8, 9, 10]", "direction = 8")
+              .find("c.toml:7:43: case[0].rays[0].direction is the integer 8 where 3 numbers") == 0);
     CHECK(broken("radius = 4", "radius = \"nan\"") == "c.toml:6:43: is nan, which only a ray may hold");
     CHECK(broken("centre = [1, 2, 3]", "centre = [1, inf, 3]") == "c.toml:6:27: is inf, which only a ray may hold");
     CHECK(broken("radius = 4", "radius = \"mx\"").starts_with("c.toml:6:43: \"mx\" is not a number"));
-    CHECK(broken("radius = 4", "radius = 4, colour = 1").starts_with("c.toml:6:46: unknown key case[0].spheres[0].colour"));
+    CHECK(broken("radius = 4", "radius = 4, colour = 1")
+              .starts_with("c.toml:6:46: unknown key case[0].spheres[0].colour"));
     CHECK(broken("lengths = 1", "lengths = \"emax/3\"").starts_with("c.toml:10:11: \"emax/3\" is no exponent"));
-    CHECK(broken("lengths = 1", "lenghts = 1").starts_with("c.toml:10:1: unknown key case[1].lenghts; did you mean \"lengths\"?"));
+    CHECK(broken("lengths = 1", "lenghts = 1")
+              .starts_with("c.toml:10:1: unknown key case[1].lenghts; did you mean \"lengths\"?"));
     CHECK(broken("lengths = 1", "symmetric = 1").starts_with("c.toml:10:13: case[1].symmetric is the integer 1"));
-    CHECK(broken("direction = [8, 9, 10] }]", "direction = [8, 9, 10], colour = 1 }]").find("unknown key case[0].rays[0].colour") != std::string::npos);
+    CHECK(broken("direction = [8, 9, 10] }]", "direction = [8, 9, 10], colour = 1 }]")
+              .find("unknown key case[0].rays[0].colour") != std::string::npos);
     CHECK(broken("spheres = [{ centre = [1, 2, 3], radius = 4 }]\n", "").starts_with("c.toml:4:1: a case has spheres"));
-    CHECK(broken("rays = [{ origin = [5, 6, 7], direction = [8, 9, 10] }]\n", "").starts_with("c.toml:4:1: a case has rays"));
+    CHECK(broken("rays = [{ origin = [5, 6, 7], direction = [8, 9, 10] }]\n", "")
+              .starts_with("c.toml:4:1: a case has rays"));
     CHECK(case_error(good_cases.substr(0, good_cases.find("[[case]]"))) == "c.toml:1:1: has no [[case]]");
     CHECK(case_error(good_cases + "[[axis]]\n").find("unknown key axis") != std::string::npos);
 }
@@ -174,9 +197,12 @@ TEST_CASE("the tables of a sweep tell its kind") {
     CHECK(scene::sweep::sweep_kind(folder.write("a.toml", "[[axis]]\n")) == scene::sweep::SweepKind::axes);
     CHECK(sweep_kind(folder.write("c.toml", "[[case]]\n")) == scene::sweep::SweepKind::cases);
     CHECK(sweep_kind(folder.write("s.toml", "[search]\n")) == scene::sweep::SweepKind::search);
-    for (const char* name : {"contact", "directions", "not-numbers", "scale"}) CHECK(scene::sweep::CaseFile(fs::path(LOSTBITS_DATA_DIR) / "sweeps/extremes" / (std::string(name) + ".toml")).size() > 5);
+    for (const char* name : {"contact", "directions", "not-numbers", "scale"})
+        CHECK(scene::sweep::CaseFile(fs::path(LOSTBITS_DATA_DIR) / "sweeps/extremes" / (std::string(name) + ".toml"))
+                  .size() > 5);
     for (const char* name : {"near", "far"}) {
         CHECK(scene::sweep::CaseFile(fs::path(LOSTBITS_DATA_DIR) / "hard" / (std::string(name) + ".toml")).size() > 30);
-        CHECK(sweep_kind(fs::path(LOSTBITS_DATA_DIR) / "sweeps/worst" / (std::string(name) + ".toml")) == scene::sweep::SweepKind::search);
+        CHECK(sweep_kind(fs::path(LOSTBITS_DATA_DIR) / "sweeps/worst" / (std::string(name) + ".toml")) ==
+              scene::sweep::SweepKind::search);
     }
 }

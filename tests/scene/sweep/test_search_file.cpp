@@ -1,8 +1,8 @@
 #include "scene/sweep/search_file.hpp"
 
 #include "catch.hpp"
-#include "scene/sweep/sweep_file.hpp"
 #include "scene/scene_text.hpp"
+#include "scene/sweep/sweep_file.hpp"
 
 using namespace lostbits;
 using namespace lostbits::scene;
@@ -50,8 +50,10 @@ TEST_CASE("a search holds a range for every number of ray and solid") {
     CHECK(s.ranges[9].low == 0.5);
     CHECK(s.metric == "lost_bits");
     CHECK(s.seed == 1);
-    const scene::sweep::SearchFile box = loaded_search(replaced(replaced(replaced(replaced(good_search, "centre", "lo"), "radius = [0.5, 2]", "hi = [1, 3]"), "distance_radii = [2, 5]\n", ""),
-                                                  "impact_radii = [0, 0.5]\n", "metric = \"ulp_error\"\nseed = 7\nstarts = 3\ngenerations = 5\n"));
+    const scene::sweep::SearchFile box = loaded_search(
+        replaced(replaced(replaced(replaced(good_search, "centre", "lo"), "radius = [0.5, 2]", "hi = [1, 3]"),
+                          "distance_radii = [2, 5]\n", ""),
+                 "impact_radii = [0, 0.5]\n", "metric = \"ulp_error\"\nseed = 7\nstarts = 3\ngenerations = 5\n"));
     CHECK(Shape::box.shape == Shape::box);
     REQUIRE(box.ranges.size() == 12);
     CHECK(box.ranges[11].high == 3);
@@ -67,16 +69,18 @@ TEST_CASE("a search holds a range for every number of ray and solid") {
 
 TEST_CASE("a search holds what lies in all its ranges, the derived ones too") {
     const scene::sweep::SearchFile s = loaded_search(good_search);
-    const auto holds = [&](const Vec<double>& o, const Vec<double>& d, double r) { return s.holds({o, d}, Sphere<double>{{0, 0, 0}, r}); };
+    const auto holds = [&](const Vec<double>& o, const Vec<double>& d, double r) {
+        return s.holds({o, d}, Sphere<double>{{0, 0, 0}, r});
+    };
     CHECK(holds({0, 0, 4}, {0, 0, -1}, 1));
-    CHECK(holds({0.5, 0, 4}, {0, 0, -1}, 1));         // impact 0.5
+    CHECK(holds({0.5, 0, 4}, {0, 0, -1}, 1));  // impact 0.5
     CHECK_FALSE(holds({0.5, 0.125, 4}, {0, 0, -1}, 1));
-    CHECK(holds({0.5, 0.125, 4}, {0, 0, -1}, 2));     // in radii
-    CHECK(holds({0.5, 0, 4}, {0, 0, -0.25}, 1));      // whatever the direction's length
+    CHECK(holds({0.5, 0.125, 4}, {0, 0, -1}, 2));  // in radii
+    CHECK(holds({0.5, 0, 4}, {0, 0, -0.25}, 1));   // whatever the direction's length
     CHECK(holds({0, 0, 5}, {0, 0, -1}, 1));
     CHECK(holds({0, 0, 8}, {0, 0, -1}, 2));
-    CHECK_FALSE(holds({0, 0, 5.5}, {0, 0, -1}, 1));   // too far
-    CHECK_FALSE(holds({0, 0, 1.5}, {0, 0, -1}, 1));   // too near
+    CHECK_FALSE(holds({0, 0, 5.5}, {0, 0, -1}, 1));  // too far
+    CHECK_FALSE(holds({0, 0, 1.5}, {0, 0, -1}, 1));  // too near
     CHECK_FALSE(holds({0, 0, 4}, {0, 0, -1.5}, 1));
     CHECK_FALSE(holds({0, 0, 4}, {0, 0, -1}, 0.25));
     CHECK_FALSE(holds({0, 0, 4}, {0, 0, 0}, 1));
@@ -85,7 +89,8 @@ TEST_CASE("a search holds what lies in all its ranges, the derived ones too") {
 
 TEST_CASE("what is no search is refused where it is wrong") {
     CHECK(broken("title", "title") == "no error");
-    CHECK(broken("origin = [-8, 8]", "origin = [8, -8]") == "s.toml:5:10: search.origin is [low, high] with low <= high");
+    CHECK(broken("origin = [-8, 8]", "origin = [8, -8]") ==
+          "s.toml:5:10: search.origin is [low, high] with low <= high");
     CHECK(broken("origin = [-8, 8]", "origin = [-8, 8, 9]").starts_with("s.toml:5:10: search.origin is an array of 3"));
     CHECK(broken("radius = [0.5, 2]", "radius = 2").starts_with("s.toml:8:10: search.radius is the integer 2"));
     CHECK(broken("radius = [0.5, 2]\n", "").starts_with("s.toml:4:1: search.radius is missing"));
@@ -115,21 +120,32 @@ label = "here"
 )";
     const Folder folder;
     const auto file = [&](const std::string& line) { return folder.write("m.toml", head + line + "\n"); };
-    const auto mark = [&](const std::string& line) { return scene::sweep::SweepFile(file(line), LOSTBITS_DATA_DIR).marks.at(0); };
-    const auto error = [&](const std::string& line) { return error_in(folder, [&] { scene::sweep::SweepFile(file(line), LOSTBITS_DATA_DIR); }); };
+    const auto mark = [&](const std::string& line) {
+        return scene::sweep::SweepFile(file(line), LOSTBITS_DATA_DIR).marks.at(0);
+    };
+    const auto error = [&](const std::string& line) {
+        return error_in(folder, [&] { scene::sweep::SweepFile(file(line), LOSTBITS_DATA_DIR); });
+    };
     CHECK(mark("format = \"f32\"").form.empty());
     CHECK(mark("format = \"f32\"").format == "f32");
     const auto plain = mark("measured = { form = \"sphere.press\", threshold = 26.5 }");
-    CHECK((plain.form == "sphere.press" && plain.event == "lost_bits" && plain.statistic == "p50" && plain.threshold == 26.5));
-    const auto full = mark("measured = { form = \"sphere.press\", event = \"lost_bits\", statistic = \"p99\", threshold = 1 }");
+    CHECK((plain.form == "sphere.press" && plain.event == "lost_bits" && plain.statistic == "p50" &&
+           plain.threshold == 26.5));
+    const auto full =
+        mark("measured = { form = \"sphere.press\", event = \"lost_bits\", statistic = \"p99\", threshold = 1 }");
     CHECK(full.statistic == "p99");
     const auto miss = mark("measured = { form = \"sphere.press\", event = \"false_miss\", threshold = 1 }");
     CHECK((miss.event == "false_miss" && miss.statistic == "count"));
-    CHECK(error("measured = { form = \"sphere.pres\", threshold = 1 }").starts_with("m.toml:15:21: mark[0].measured.form is \"sphere.pres\"; did you mean \"sphere.press\""));
-    CHECK(error("measured = { form = \"sphere.press\", event = \"lost_bit\", threshold = 1 }").find("did you mean \"lost_bits\"") != std::string::npos);
-    CHECK(error("measured = { form = \"sphere.press\", statistic = \"p51\", threshold = 1 }").find("mark[0].measured.statistic is \"p51\"") != std::string::npos);
-    CHECK(error("measured = { form = \"sphere.press\" }").starts_with("m.toml:15:12: mark[0].measured.threshold is missing"));
-    CHECK(error("measured = { form = \"sphere.press\", threshold = 1, colour = 2 }").find("unknown key mark[0].measured.colour") != std::string::npos);
+    CHECK(error("measured = { form = \"sphere.pres\", threshold = 1 }")
+              .starts_with("m.toml:15:21: mark[0].measured.form is \"sphere.pres\"; did you mean \"sphere.press\""));
+    CHECK(error("measured = { form = \"sphere.press\", event = \"lost_bit\", threshold = 1 }")
+              .find("did you mean \"lost_bits\"") != std::string::npos);
+    CHECK(error("measured = { form = \"sphere.press\", statistic = \"p51\", threshold = 1 }")
+              .find("mark[0].measured.statistic is \"p51\"") != std::string::npos);
+    CHECK(error("measured = { form = \"sphere.press\" }")
+              .starts_with("m.toml:15:12: mark[0].measured.threshold is missing"));
+    CHECK(error("measured = { form = \"sphere.press\", threshold = 1, colour = 2 }")
+              .find("unknown key mark[0].measured.colour") != std::string::npos);
     CHECK(error("measured = \"sphere.press\"").starts_with("m.toml:15:12: mark[0].measured is the string"));
 }
 

@@ -34,7 +34,7 @@ TEST_CASE("an error ends in what to try") {
     CHECK(lostbits::scene::toml::did_you_mean("camra", {"size", "camera"}) == R"(did you mean "camera"?)");
     CHECK(did_you_mean("zzz", {"size", "camera"}) == R"(known here: "size", "camera")");
     CHECK(did_you_mean("zzz", {}).empty());
-    const std::vector<std::string> many{
-        "a0", "a1", "a2", "a3", "a4", "a5", "a6", "a7", "a8", "a9", "b0", "b1", "b2", "b3"};
+    const std::vector<std::string> many{"a0", "a1", "a2", "a3", "a4", "a5", "a6",
+                                        "a7", "a8", "a9", "b0", "b1", "b2", "b3"};
     CHECK(did_you_mean("zzzzz", many).ends_with(R"("b1" and 2 more)"));
 }

@@ -1,6 +1,6 @@
 #include "catch.hpp"
-#include "scene/toml/toml_reader.hpp"
 #include "scene/scene_text.hpp"
+#include "scene/toml/toml_reader.hpp"
 
 using namespace lostbits;
 using namespace lostbits::scene;
@@ -59,7 +59,8 @@ TEST_CASE("overrides apply in order, after the variant's, and the size last") {
 TEST_CASE("an exact number makes an override, for the axes of sweeps") {
     const Real x = real("0.1");
     scene::file::LoadOptions options;
-    options.overrides.push_back({"sphere[0].radius", scene::toml::Node::of_number(x, {"a sweep", 0, 0}), {"a sweep", 0, 0}});
+    options.overrides.push_back(
+        {"sphere[0].radius", scene::toml::Node::of_number(x, {"a sweep", 0, 0}), {"a sweep", 0, 0}});
     CHECK(loaded(good_scene, options).spheres[0].radius == x);
 }
 
@@ -74,13 +75,11 @@ TEST_CASE("an override of an unknown path says what is there") {
     CHECK(
         set_error("sphre[0].radius=2") ==
         R"(--set sphre[0].radius=2: unknown path "sphre[0].radius": the file has no "sphre"; did you mean "sphere"?)");
-    CHECK(
-        set_error("camra.eye=[1,1,1]") ==
-        R"(--set camra.eye=[1,1,1]: unknown path "camra.eye": the file has no "camra"; did you mean "camera"?)");
+    CHECK(set_error("camra.eye=[1,1,1]") ==
+          R"(--set camra.eye=[1,1,1]: unknown path "camra.eye": the file has no "camra"; did you mean "camera"?)");
     CHECK(set_error("sphere[0].raduis=2") ==
           R"(--set sphere[0].raduis=2: unknown key sphere[0].raduis; did you mean "radius"?)");
-    CHECK(
-        set_error("camera.wdth=2") == R"(--set camera.wdth=2: unknown key camera.wdth; did you mean "width"?)");
+    CHECK(set_error("camera.wdth=2") == R"(--set camera.wdth=2: unknown key camera.wdth; did you mean "width"?)");
     CHECK(set_error("titel=x") == R"(--set titel=x: unknown key titel; did you mean "title"?)");
     CHECK(
         set_error("sphere[1].radius=2") ==
@@ -105,16 +104,13 @@ TEST_CASE("a malformed override says how one is written") {
     CHECK(set_error("=3") == "--set =3: is no assignment" + advice);
     CHECK(set_error("camera.eye=") == "--set camera.eye=: has no value after =" + advice);
     const std::string keys = "; write keys and indices from 0, as in sphere[0].radius";
-    CHECK(
-        set_error("camera..eye=1") == "--set camera..eye=1: the path \"camera..eye\" has an empty key" + keys);
+    CHECK(set_error("camera..eye=1") == "--set camera..eye=1: the path \"camera..eye\" has an empty key" + keys);
     CHECK(set_error("camera.=1") == "--set camera.=1: the path \"camera.\" has an empty key" + keys);
     CHECK(set_error("[0].radius=1") == "--set [0].radius=1: the path \"[0].radius\" has an empty key" + keys);
-    CHECK(
-        set_error("sphere[x].radius=1") ==
-        "--set sphere[x].radius=1: the path \"sphere[x].radius\" has an index that is no whole number" + keys);
+    CHECK(set_error("sphere[x].radius=1") ==
+          "--set sphere[x].radius=1: the path \"sphere[x].radius\" has an index that is no whole number" + keys);
     CHECK(set_error("sphere[-1].radius=1") ==
-          "--set sphere[-1].radius=1: the path \"sphere[-1].radius\" has an index that is no whole number" +
-              keys);
+          "--set sphere[-1].radius=1: the path \"sphere[-1].radius\" has an index that is no whole number" + keys);
     CHECK(set_error("sphere[0=1") ==
           "--set sphere[0=1: the path \"sphere[0\" has an index that is no whole number" + keys);
     CHECK(set_error("sphere[0]radius=1") ==
@@ -127,8 +123,7 @@ TEST_CASE("a value that the scene refuses is refused in the option's name") {
     CHECK(set_error("sphere[0].radius=abc")
               .starts_with("--set sphere[0].radius=abc: sphere[0].radius = \"abc\" is not a number; write"));
     CHECK(set_error("sphere[0].centre=[1, 2")
-              .starts_with(
-                  "--set sphere[0].centre=[1, 2: sphere[0].centre is the string \"[1, 2\", but an array"));
+              .starts_with("--set sphere[0].centre=[1, 2: sphere[0].centre is the string \"[1, 2\", but an array"));
     CHECK(set_error("camera.kind=pinhol") ==
           "--set camera.kind=pinhol: camera.kind is \"pinhol\", which is not known; did you mean \"pinhole\"?");
 }

@@ -6,8 +6,8 @@
 #include <mpfr.h>
 
 #include "catch.hpp"
-#include "scene/toml/round.hpp"
 #include "scene/scene_text.hpp"
+#include "scene/toml/round.hpp"
 
 using namespace lostbits;
 using namespace lostbits::scene;
@@ -83,7 +83,7 @@ TEST_CASE("nor does the width of Real round twice") {
 
 TEST_CASE("a decimal that is not exact ends in a set bit next to it") {
     for (const std::string text :
-        {"0.1", "-0.1", "0.3", "1e-3", "3.14159", "1e300", "-7e-300", "2.2250738585072011e-308"}) {
+         {"0.1", "-0.1", "0.3", "1e-3", "3.14159", "1e300", "-7e-300", "2.2250738585072011e-308"}) {
         const Real x = real(text);
         CHECK(mpfr_min_prec(x.backend().data()) == static_cast<mpfr_prec_t>(mpfr_get_prec(x.backend().data())));
         Real up = x, down = x;
@@ -95,8 +95,9 @@ TEST_CASE("a decimal that is not exact ends in a set bit next to it") {
 }
 
 TEST_CASE("what is no finite number is refused, with what to try") {
-    for (const std::string text : {"", " ", "abc", "1e", "1e+", "e5", ".", "-", "--1", "1.2.3", "1 ", " 1",
-             "1,5", "0x", "0x.p1", "0x1p", "0x1.8e4.", "1e5.0", "1_000", "1f", "1@5", "0b101", "infinite"}) {
+    for (const std::string text :
+         {"",    " ",  "abc",   "1e",   "1e+",      "e5",    ".",     "-",  "--1", "1.2.3", "1 ",      " 1",
+          "1,5", "0x", "0x.p1", "0x1p", "0x1.8e4.", "1e5.0", "1_000", "1f", "1@5", "0b101", "infinite"}) {
         CAPTURE(text);
         CHECK(
             fault(text) ==
@@ -107,7 +108,7 @@ TEST_CASE("what is no finite number is refused, with what to try") {
         CHECK(fault(text).starts_with("is not finite; write a decimal"));
     }
     for (const std::string text :
-        {"1e400", "-1e400", "1.8e308", "0x1p1024", "1e999999999999999999999", "-1e999999999999999999999"}) {
+         {"1e400", "-1e400", "1.8e308", "0x1p1024", "1e999999999999999999999", "-1e999999999999999999999"}) {
         CAPTURE(text);
         CHECK(fault(text).starts_with("is larger than the largest binary64"));
     }

@@ -24,7 +24,9 @@ const scene::toml::Where here{"t.toml", 3, 7};
 scene::toml::Node word(const std::string& text) { return Node::of_string(text, here); }
 
 int exponent(const std::string& text, const FloatFormat& f) { return scene::toml::Exponent(word(text)).in(f); }
-double quantity(const std::string& text, const FloatFormat& f, int scale = 0) { return scene::toml::Quantity(word(text), true).in(f, scale); }
+double quantity(const std::string& text, const FloatFormat& f, int scale = 0) {
+    return scene::toml::Quantity(word(text), true).in(f, scale);
+}
 
 std::string exponent_error(const std::string& text) {
     return error_of([&] { scene::toml::Exponent{word(text)}; });
@@ -67,20 +69,25 @@ TEST_CASE("an exponent is a sum of whole numbers and a format's own, quotients r
 }
 
 TEST_CASE("what is no exponent is refused where it stands") {
-    for (const std::string text : {"", "+", "emx", "max", "emax/3", "emax/", "emax/22", "emax*2", "2emax", "p3", "emax emin", "1.5", "0x10", "1e3", "10001",
-                                   "99999999999999999999", "emax + -3", "--3", "3 + + 4", "--2147483648", "emax+", "(emax)"}) {
+    for (const std::string text :
+         {"",          "+",   "emx",       "max",          "emax/3", "emax/", "emax/22", "emax*2",
+          "2emax",     "p3",  "emax emin", "1.5",          "0x10",   "1e3",   "10001",   "99999999999999999999",
+          "emax + -3", "--3", "3 + + 4",   "--2147483648", "emax+",  "(emax)"}) {
         CAPTURE(text);
         const std::string error = exponent_error(text);
         CHECK(error.starts_with("t.toml:3:7: "));
     }
     CHECK(exponent_error("emax/3") ==
-          "t.toml:3:7: \"emax/3\" is no exponent; write a sum of whole numbers, emax, emin and p, each perhaps over 2 or 4, such as \"emax/2 + 1\"");
+          "t.toml:3:7: \"emax/3\" is no exponent; write a sum of whole numbers, emax, emin and p, each perhaps over 2 "
+          "or 4, such as \"emax/2 + 1\"");
     CHECK(exponent_error("e max") == "t.toml:3:7: \"e max\" holds a space inside a number or word; take it out");
     scene::toml::Node flag;
     flag.kind = Node::Kind::boolean;
     flag.where = here;
-    CHECK(error_of([&] { scene::toml::Exponent{flag}; }) == "t.toml:3:7: is " + flag.describe() + " where a number or a string is expected");
-    CHECK(error_of([&] { scene::toml::Quantity(flag, true); }) == "t.toml:3:7: is " + flag.describe() + " where a number or a string is expected");
+    CHECK(error_of([&] { scene::toml::Exponent{flag}; }) ==
+          "t.toml:3:7: is " + flag.describe() + " where a number or a string is expected");
+    CHECK(error_of([&] { scene::toml::Quantity(flag, true); }) ==
+          "t.toml:3:7: is " + flag.describe() + " where a number or a string is expected");
 }
 
 TEST_CASE("the words are a format's own numbers, whatever the scale, with either sign") {
@@ -176,7 +183,8 @@ TEST_CASE("an ulp away is the neighbour, across binades, zero and both ends") {
 }
 
 TEST_CASE("what is no quantity is refused where it stands; a solid is finite") {
-    for (const std::string text : {"", "big", "max2", "2max", "maximum", "ulp", "+ ulp", "3 + 2 ulp", "3 + ulp + ulp", "--3", "3 +", "nan nan", "MAX", "1e400"}) {
+    for (const std::string text : {"", "big", "max2", "2max", "maximum", "ulp", "+ ulp", "3 + 2 ulp", "3 + ulp + ulp",
+                                   "--3", "3 +", "nan nan", "MAX", "1e400"}) {
         CAPTURE(text);
         CHECK(ray_error(text).starts_with("t.toml:3:7: "));
     }

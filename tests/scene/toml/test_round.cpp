@@ -18,8 +18,8 @@ using test::real;
 
 namespace {
 
-constexpr FloatFormat formats[] = {
-    binary16, bfloat16, tensor_float32, binary32, binary64, {2, -1022, 1023}, {27, -1022, 1023}, {4, -6, 7}};
+constexpr FloatFormat formats[] = {binary16, bfloat16,         tensor_float32,    binary32,
+                                   binary64, {2, -1022, 1023}, {27, -1022, 1023}, {4, -6, 7}};
 
 /// The independent twin: MPFR's own emulation of a format, by exponent range and `mpfr_subnormalize`.
 double by_emulation(const Real& x, const FloatFormat& f) {
@@ -84,8 +84,7 @@ TEST_CASE("rounding agrees with MPFR's emulation of the format, subnormals and o
             REQUIRE(same(ours, by_emulation(x, f)));
             subnormal += std::fabs(ours) < std::ldexp(1.0, f.emin);
             infinite += std::isinf(ours);
-            ties += abs(abs(x) - std::fabs(ours)) * 2 ==
-                    ldexp(Real(1), static_cast<int>(ulp_exponent(f, exponent)));
+            ties += abs(abs(x) - std::fabs(ours)) * 2 == ldexp(Real(1), static_cast<int>(ulp_exponent(f, exponent)));
         }
         CHECK(subnormal > 100);
         CHECK(infinite > 100);

@@ -34,7 +34,8 @@ std::string file_error(const std::string& text) {
 }
 
 std::string schema_error(const std::string& text) {
-    return Text(text).error([](scene::toml::TableReader& table) { scene::toml::require_schema(table, "lostbits-scene/1"); });
+    return Text(text).error(
+        [](scene::toml::TableReader& table) { scene::toml::require_schema(table, "lostbits-scene/1"); });
 }
 
 enum class Fruit { apple, pear };
@@ -49,7 +50,8 @@ TEST_CASE("a file that cannot be read says why") {
     CHECK(error_of([&] { scene::toml::read_toml(folder.path()); }) ==
           folder.path().string() + ":1:1: is a folder; name a .toml file in it");
     const fs::path large = folder.write("large.toml", std::string((16u << 20) + 1, '\n'));
-    CHECK(error_in(folder, [&] { scene::toml::read_toml(large); }).starts_with("large.toml:1:1: is larger than 16 MiB"));
+    CHECK(
+        error_in(folder, [&] { scene::toml::read_toml(large); }).starts_with("large.toml:1:1: is larger than 16 MiB"));
 }
 
 TEST_CASE("a syntax error carries its place") {
@@ -77,19 +79,20 @@ TEST_CASE("the schema is the first thing to agree on") {
     CHECK(
         schema_error("\na = 1") ==
         "t.toml:1:1: schema is missing, so what the keys mean is not known; write schema = \"lostbits-scene/1\" first");
-    CHECK(
-        schema_error("# c\nschema = \"lostbits-scene/2\"") ==
-        "t.toml:2:10: schema is \"lostbits-scene/2\", newer than this program reads; use a newer lostbits, or write schema = \"lostbits-scene/1\"");
-    CHECK(
-        schema_error("schema = \"lostbits-sweep/1\"") ==
-        "t.toml:1:10: schema is \"lostbits-sweep/1\", which is not the kind of file wanted here; write schema = \"lostbits-scene/1\"");
+    CHECK(schema_error("# c\nschema = \"lostbits-scene/2\"") ==
+          "t.toml:2:10: schema is \"lostbits-scene/2\", newer than this program reads; use a newer lostbits, or write "
+          "schema = \"lostbits-scene/1\"");
+    CHECK(schema_error("schema = \"lostbits-sweep/1\"") ==
+          "t.toml:1:10: schema is \"lostbits-sweep/1\", which is not the kind of file wanted here; write schema = "
+          "\"lostbits-scene/1\"");
     CHECK(schema_error("schema = \"\"").find("not the kind of file") != std::string::npos);
     CHECK(schema_error("schema = 1") == "t.toml:1:10: schema is the integer 1, but a string is expected here");
 }
 
 TEST_CASE("values of each type are read") {
     const Text text(
-        "s = \"word\"\ni = -7\nb = true\nn = [1, 2.5, \"0x1p3\"]\nw = [\"a\", \"b\"]\nf = \"pear\"\n[t]\nx = 1\n[[a]]\nx = 2\n[[a]]\nx = 3\n");
+        "s = \"word\"\ni = -7\nb = true\nn = [1, 2.5, \"0x1p3\"]\nw = [\"a\", \"b\"]\nf = \"pear\"\n[t]\nx = "
+        "1\n[[a]]\nx = 2\n[[a]]\nx = 3\n");
     scene::toml::TableReader table = text.reader();
     CHECK(table.string("s") == "word");
     CHECK(table.optional_string("s") == "word");
@@ -126,8 +129,7 @@ TEST_CASE("an optional key may be missing") {
 }
 
 TEST_CASE("a float is read from its digits, wherever it stands") {
-    const Text text(
-        "\"\xc3\xa9\xc3\xa9\" = [\"\xc3\xa9\", 0.1, 1_000.000_1, +3.5e-1] # \xc3\xa9\na = { b = 0.1 }\n");
+    const Text text("\"\xc3\xa9\xc3\xa9\" = [\"\xc3\xa9\", 0.1, 1_000.000_1, +3.5e-1] # \xc3\xa9\na = { b = 0.1 }\n");
     const scene::toml::Node& items = text.root.entries[0].value;
     CHECK(items.items[1].text == "0.1");
     CHECK(items.items[1].where.column == 14);
@@ -140,8 +142,11 @@ TEST_CASE("a float is read from its digits, wherever it stands") {
 
 TEST_CASE("a value of the wrong type says what was found and what is expected") {
     const Text text(
-        "a = 1\nb = \"x\"\nc = true\n  d = [1, \"x\", 3]\ne = 1979-05-27\nf = [1, 2]\ng = []\nh = inf\ni = \"nan\"\nj = \"1e400\"\nk = 2.5\nm = -nan\nn = [1, [2], 3]\n[t]\n");
-    const auto number = [&](const char* key) { return text.error([&](scene::toml::TableReader& t) { t.number(key); }); };
+        "a = 1\nb = \"x\"\nc = true\n  d = [1, \"x\", 3]\ne = 1979-05-27\nf = [1, 2]\ng = []\nh = inf\ni = \"nan\"\nj "
+        "= \"1e400\"\nk = 2.5\nm = -nan\nn = [1, [2], 3]\n[t]\n");
+    const auto number = [&](const char* key) {
+        return text.error([&](scene::toml::TableReader& t) { t.number(key); });
+    };
     const auto vec3 = [&](const char* key) { return text.error([&](scene::toml::TableReader& t) { t.vec3(key); }); };
     const auto integer = [&](const char* key) {
         return text.error([&](scene::toml::TableReader& t) { t.integer(key, 0, 5); });
@@ -157,9 +162,8 @@ TEST_CASE("a value of the wrong type says what was found and what is expected") 
     CHECK(number("h") == "t.toml:8:5: h = inf is not finite" + advice);
     CHECK(number("i") == "t.toml:9:5: i = \"nan\" is not finite" + advice);
     CHECK(number("m") == "t.toml:12:5: m = -nan is not finite" + advice);
-    CHECK(
-        number("j") ==
-        "t.toml:10:5: j = \"1e400\" is larger than the largest binary64, about 1.8e308; write a smaller number");
+    CHECK(number("j") ==
+          "t.toml:10:5: j = \"1e400\" is larger than the largest binary64, about 1.8e308; write a smaller number");
     CHECK(vec3("d") == "t.toml:4:11: d[1] = \"x\" is not a number" + advice);
     CHECK(vec3("n") == "t.toml:13:9: n[1] is an array of 1" + a_number);
     CHECK(vec3("f") == "t.toml:6:5: f is an array of 2, but an array of 3 numbers is expected here");
