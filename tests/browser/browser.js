@@ -5,16 +5,16 @@ const fs = require("node:fs");
 const path = require("node:path");
 const { pathToFileURL } = require("node:url");
 
-const candidates = ["/usr/bin/chromium-headless-shell", "/usr/bin/chromium", "/usr/bin/chromium-browser", "/usr/bin/google-chrome"];
+const candidates =
+    ["/usr/bin/chromium-headless-shell", "/usr/bin/chromium", "/usr/bin/chromium-browser", "/usr/bin/google-chrome"];
 
 /** What the tests need and this machine lacks, in a sentence; nothing when all is there. */
 function missing() {
     try {
         require("playwright-core");
-    } catch {
-        return "playwright-core is not in node_modules (npm ci puts it there)";
-    }
-    if (!executable()) return "no Chromium is installed (package chromium-headless-shell), or name one in LOSTBITS_CHROMIUM";
+    } catch { return "playwright-core is not in node_modules (npm ci puts it there)"; }
+    if (!executable())
+        return "no Chromium is installed (package chromium-headless-shell), or name one in LOSTBITS_CHROMIUM";
     return "";
 }
 
@@ -26,11 +26,10 @@ function executable() {
 class Browser {
     static async open() {
         const { chromium } = require("playwright-core");
-        return new Browser(await chromium.launch({ executablePath: executable(), args: ["--no-sandbox"] }));  // root, in CI, has no sandbox
+        return new Browser(await chromium.launch(
+            { executablePath: executable(), args: ["--no-sandbox"] }));  // root, in CI, has no sandbox
     }
-    constructor(browser) {
-        this.browser = browser;
-    }
+    constructor(browser) { this.browser = browser; }
     /** The page of a file, with lists of what it asked for and what it complained about. */
     async page(file, { hash = "", scripts = true, width = 1280, height = 900 } = {}) {
         const context = await this.browser.newContext({ javaScriptEnabled: scripts, viewport: { width, height } });
@@ -44,9 +43,10 @@ class Browser {
         if (scripts) await page.waitForSelector("html[data-ready]", { timeout: 20000, state: "attached" });
         return page;
     }
-    close() {
-        return this.browser.close();
-    }
+    close() { return this.browser.close(); }
 }
 
-module.exports = { Browser, missing };
+module.exports = {
+    Browser,
+    missing
+};

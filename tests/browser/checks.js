@@ -14,11 +14,14 @@ const lostbits = (...args) => execFileSync(program, ["--data", data, "-q", ...ar
 const forms = ["-i", "sphere.schoolbook", "-i", "sphere.unified", "-i", "sphere.unit_half_b", "-i", "sdf.sphere_trace"];
 const three = ["-f", "f32", "-f", "f64", "-f", "bf16"], two = ["-f", "f32", "-f", "f64"];
 const sweep = "sphere-tilt";
-const grids = ["sphere-height", "box-boundary", "extremes/contact"], gridForms = ["-i", "sphere.schoolbook", "-i", "sphere.unified", "-i", "box.baseline", "-i", "box.signs"];
+const grids = ["sphere-height", "box-boundary", "extremes/contact"],
+      gridForms = ["-i", "sphere.schoolbook", "-i", "sphere.unified", "-i", "box.baseline", "-i", "box.signs"];
 
 /** A scene of one sphere, `depth` in front of the eye (below 0: behind it), with a title that nobody foresaw. */
-const oddScene = (width, height, depth) => `schema = "lostbits-scene/1"
-title = "A title with <b>markup</b>, ${"no_place_to_break_it_".repeat(8)} and more words than any line holds, of a picture of ${width} by ${height}"
+const oddScene = (width, height, depth) =>
+    `schema = "lostbits-scene/1"
+title = "A title with <b>markup</b>, ${
+    "no_place_to_break_it_".repeat(8)} and more words than any line holds, of a picture of ${width} by ${height}"
 source = "-"
 size = [${width}, ${height}]
 [camera]
@@ -28,30 +31,45 @@ look_at = [0.1, 0, -4]
 up = [0, 1, 0]
 fov_deg = 45
 [[sphere]]
-centre = [0, 0, ${-depth}]
+centre = [0, 0, ${
+        - depth}]
 radius = 1
 `;
 
-/** `report` is one as a reader would make it; `small` is compared pixel by pixel with what `lostbits map` writes, `grids` cell by cell with `lostbits sweep`;
- * `large` is timed; `taped` has every form; `odd` is what nobody would make on purpose. */
+/**
+ * `report` is one as a reader would make it; `small` is compared pixel by pixel with what `lostbits map` writes,
+ * `grids` cell by cell with `lostbits sweep`; `large` is timed; `taped` has every form; `odd` is what nobody would make
+ * on purpose.
+ */
 function make() {
     fs.rmSync(folder, { recursive: true, force: true });
-    lostbits("report", "near-benign", "rtg-fig-7-3-4100-oblique", "sdf-sphere", sweep, ...forms, ...two, "--trade", "-o", at("report"));
-    lostbits("report", "near-benign", "-i", "sphere.unified", "-f", "f32", "--size", "512x512", "--no-claims", "-o", at("large"));
+    lostbits(
+        "report", "near-benign", "rtg-fig-7-3-4100-oblique", "sdf-sphere", sweep, ...forms, ...two, "--trade", "-o",
+        at("report"));
+    lostbits(
+        "report", "near-benign", "-i", "sphere.unified", "-f", "f32", "--size", "512x512", "--no-claims", "-o",
+        at("large"));
     lostbits(...operations.pageOf, "-o", at("taped"));
     lostbits("report", ...grids, ...gridForms, ...two, "-o", at("grids"));
     fs.mkdirSync(at("odd"), { recursive: true });
     fs.writeFileSync(at("odd/one-pixel.toml"), oddScene(1, 1, 5));
     fs.writeFileSync(at("odd/no-hit.toml"), oddScene(24, 16, -5));
-    lostbits("report", at("odd/one-pixel.toml"), at("odd/no-hit.toml"), "sphere-height", "box-boundary", "sdf-max-steps", "-i", "sphere.*", "-i", "box.signs", "-i", "sdf.sphere_trace", "-f", "p2", "-f", "p40", "-f", "f32", "-o", at("odd"));
+    lostbits(
+        "report", at("odd/one-pixel.toml"), at("odd/no-hit.toml"), "sphere-height", "box-boundary", "sdf-max-steps",
+        "-i", "sphere.*", "-i", "box.signs", "-i", "sdf.sphere_trace", "-f", "p2", "-f", "p40", "-f", "f32", "-o",
+        at("odd"));
     lostbits("report", sweep, "-i", "sphere.unified", "-f", "f32", "--no-claims", "-o", at("odd/sweep"));
     lostbits("report", "box-boundary", "-i", "box.signs", "-f", "f32", "--no-claims", "-o", at("odd/cases"));
     lostbits("sweep", ...grids, ...gridForms, ...two, "-o", at("sweep"));
     lostbits("sweep", sweep, ...forms, ...two, "-o", at("sweep"));
     const drawn = (...metrics) => metrics.flatMap((m) => ["--metric", m]), size = ["--size", "72x56"];
-    const errors = drawn("lost_bits", "ulp_error", "excess_bits", "inherent_bits", "condition"), rest = [...size, "--pixels", "csv", "-o", at("map")];
-    lostbits("report", "near-benign", "world-offset", "grazing", "sdf-sphere", ...forms, ...three, ...size, "--metric", "residual", "--metric", "culprit", "--no-claims", "-o", at("small"));
-    lostbits("map", "near-benign", "world-offset", "grazing", ...forms, ...three, ...errors, ...drawn("culprit"), ...rest);
+    const errors = drawn("lost_bits", "ulp_error", "excess_bits", "inherent_bits", "condition"),
+          rest = [...size, "--pixels", "csv", "-o", at("map")];
+    lostbits(
+        "report", "near-benign", "world-offset", "grazing", "sdf-sphere", ...forms, ...three, ...size, "--metric",
+        "residual", "--metric", "culprit", "--no-claims", "-o", at("small"));
+    lostbits(
+        "map", "near-benign", "world-offset", "grazing", ...forms, ...three, ...errors, ...drawn("culprit"), ...rest);
     lostbits("map", "sdf-sphere", ...forms, ...three, ...errors, ...drawn("iterations", "stop"), ...rest);
 }
 
@@ -65,14 +83,29 @@ async function main() {
         make();
         return 0;
     }
-    const checks = { ...require("./maps.js"), ...require("./sweeps.js"), ...require("./grids.js"), ...require("./whole.js"), ...operations.promises };
+    const checks = {
+        ...require("./maps.js"),
+        ...require("./sweeps.js"),
+        ...require("./grids.js"),
+        ...require("./whole.js"),
+        ...operations.promises
+    };
     if (!checks[name]) throw new Error(`no check is called ${name}; there are ${Object.keys(checks).join(", ")}`);
     const browser = await Browser.open();
     try {
-        await checks[name]({ browser, at, lostbits, report: at("report/index.html"), small: at("small/index.html"), large: at("large/index.html"), taped: at("taped/index.html"), grids: at("grids/index.html"), odd: at("odd/index.html"), sweep });
-    } finally {
-        await browser.close();
-    }
+        await checks[name]({
+            browser,
+            at,
+            lostbits,
+            report: at("report/index.html"),
+            small: at("small/index.html"),
+            large: at("large/index.html"),
+            taped: at("taped/index.html"),
+            grids: at("grids/index.html"),
+            odd: at("odd/index.html"),
+            sweep
+        });
+    } finally { await browser.close(); }
     return 0;
 }
 

@@ -2,9 +2,14 @@
 "use strict";
 
 const schoolbook = "#scene=near-benign&form=sphere.schoolbook&format=f32";
-const stateOf = (page) => page.evaluate(() => ({ ...state }));
+const stateOf = (page) => page.evaluate(() => ({...state }));
 const settled = (page) => page.evaluate(() => new Promise((done) => setTimeout(done, 150)));
 /** To six digits, and for ulps to a millionth: the page keeps t* - RN64(t*) as a float. */
 const near = (a, b) => a === b || (Number.isNaN(a) && Number.isNaN(b)) || Math.abs(a - b) <= 1e-6 + 1e-6 * Math.abs(b);
 
-module.exports = { schoolbook, stateOf, settled, near };
+module.exports = {
+    schoolbook,
+    stateOf,
+    settled,
+    near
+};

@@ -1,13 +1,29 @@
-// node tests/browser/screenshots.js REPORT.html FOLDER: the pictures of reports/screenshots, from a page as a browser shows it.
+// node tests/browser/screenshots.js REPORT.html FOLDER: the pictures of reports/screenshots, from a page as a browser
+// shows it.
 "use strict";
 
 const path = require("node:path");
 const { Browser, missing } = require("./browser.js");
 
 const views = [
-    { name: "maps", hash: "#scene=rtg-fig-7-3-4100-oblique&form=sphere.schoolbook&format=f32&other=sphere.half_b.f64&split=0.6&x=110&y=120", height: 1020 },
-    { name: "operations", hash: "#scene=rtg-fig-7-3-4100-oblique&form=sphere.schoolbook&format=f32&metric=culprit&x=110&y=120", at: "#maps", height: 1320 },
-    { name: "sweeps", hash: "#sweep=sphere-distance&statistic=lost_bits_p99&form=sphere.unified&format=f32", at: "#sweeps", height: 720 },
+    {
+        name: "maps",
+        hash:
+            "#scene=rtg-fig-7-3-4100-oblique&form=sphere.schoolbook&format=f32&other=sphere.half_b.f64&split=0.6&x=110&y=120",
+        height: 1020
+    },
+    {
+        name: "operations",
+        hash: "#scene=rtg-fig-7-3-4100-oblique&form=sphere.schoolbook&format=f32&metric=culprit&x=110&y=120",
+        at: "#maps",
+        height: 1320
+    },
+    {
+        name: "sweeps",
+        hash: "#sweep=sphere-distance&statistic=lost_bits_p99&form=sphere.unified&format=f32",
+        at: "#sweeps",
+        height: 720
+    },
     { name: "claims", at: "#claims", height: 720 },
 ];
 
@@ -24,9 +40,7 @@ async function main([report, folder]) {
             await page.screenshot({ path: path.join(folder, view.name + ".png") });
             await page.context().close();
         }
-    } finally {
-        await browser.close();
-    }
+    } finally { await browser.close(); }
 }
 
 main(process.argv.slice(2)).catch((error) => {

@@ -13,11 +13,14 @@ async function sweeps({ browser, report, at, sweep }) {
     assert.equal(plotted.rows.length * plotted.steps.length, csv.length);
     let compared = 0;
     for (const sample of csv) {
-        const row = plotted.rows.find((r) => r.form === sample.form && r.format === sample.format), k = plotted.steps.indexOf(Number(sample[plotted.axis]));
+        const row = plotted.rows.find((r) => r.form === sample.form && r.format === sample.format),
+              k = plotted.steps.indexOf(Number(sample[plotted.axis]));
         plotted.statistics.forEach((statistic, s) => {
             const cell = sample[statistic];
             assert.equal(String(row.outcomes[k][0]), sample.agree_hit);
-            assert.equal(String(row.values[s][k]), cell === "" ? "null" : String(Number(cell)), `${sample.form} ${sample.format} ${statistic} at ${sample[plotted.axis]}`);
+            assert.equal(
+                String(row.values[s][k]), cell === "" ? "null" : String(Number(cell)),
+                `${sample.form} ${sample.format} ${statistic} at ${sample[plotted.axis]}`);
             ++compared;
         });
     }
@@ -33,11 +36,14 @@ async function sweeps({ browser, report, at, sweep }) {
     await page.selectOption("#pick-statistic", "lost_bits_p99");
     for (const key of ["ArrowRight", "ArrowRight", "ArrowDown"]) await page.locator("#sweep-plot").press(key);
     await settled(page);
-    const now = await stateOf(page), facts = (key) => page.locator(`#sweep-facts tr[data-fact=${key}] td`).first().innerText();
+    const now = await stateOf(page),
+          facts = (key) => page.locator(`#sweep-facts tr[data-fact=${key}] td`).first().innerText();
     assert.equal(now.u, ((plotted.steps.length - 1) >> 1) + 1);
     const forms = plotted.rows.filter((r) => r.format === now.format).map((r) => r.form);
     assert.equal(now.form, forms[(forms.indexOf("sphere.unified") + 1) % forms.length]);
-    const step = csv.find((c) => c.form === now.form && c.format === now.format && Number(c[plotted.axis]) === [...plotted.steps].sort((a, b) => a - b)[now.u]);
+    const step = csv.find(
+        (c) => c.form === now.form && c.format === now.format &&
+            Number(c[plotted.axis]) === [...plotted.steps].sort((a, b) => a - b)[now.u]);
     assert.equal(await facts("lost_bits_p99"), step.lost_bits_p99);
     assert.equal(await facts("place"), step[plotted.axis]);
 }
@@ -46,8 +52,13 @@ async function trade({ browser, report }) {
     const page = await browser.page(report, { hash: "#shape=sphere" });
     assert.ok(await page.locator("#trade-plot canvas").count() > 0, "no plot");
     const place = await page.evaluate(() => {
-        const p = tradeParts.points.find((q) => q.name === "sphere.unified" && !q.dominated) ?? tradeParts.points[0], box = document.querySelector("#trade-plot .u-over").getBoundingClientRect();
-        return { name: p.name, x: box.left + tradeParts.plot.valToPos(p.time_ns, "x"), y: box.top + tradeParts.plot.valToPos(p.kept_bits, "y") };
+        const p = tradeParts.points.find((q) => q.name === "sphere.unified" && !q.dominated) ?? tradeParts.points[0],
+              box = document.querySelector("#trade-plot .u-over").getBoundingClientRect();
+        return {
+            name: p.name,
+            x: box.left + tradeParts.plot.valToPos(p.time_ns, "x"),
+            y: box.top + tradeParts.plot.valToPos(p.kept_bits, "y")
+        };
     });
     await page.evaluate(() => document.getElementById("trade-plot").scrollIntoView());
     const box = await page.locator("#trade-plot .u-over").boundingBox();
@@ -61,8 +72,11 @@ async function trade({ browser, report }) {
     const named = await page.evaluate(() => tradeParts.under.name);
     await page.mouse.click(box.x + local.x, box.y + local.y);
     assert.equal((await stateOf(page)).form, named);
-    // By the keyboard: from point to point by time, Enter for the map of one that has a map here (variants of compiler flags have none).
-    const walked = [], under = () => page.evaluate(() => [tradeParts.under.time_ns, tradeParts.under.name, Boolean(mapOf(tradeParts.under))]);
+    // By the keyboard: from point to point by time, Enter for the map of one that has a map here (variants of compiler
+    // flags have none).
+    const walked = [],
+          under = () =>
+              page.evaluate(() => [tradeParts.under.time_ns, tradeParts.under.name, Boolean(mapOf(tradeParts.under))]);
     await page.evaluate(() => sayPoint(null));
     do {
         await page.locator("#trade-plot").press("ArrowRight");
@@ -71,7 +85,12 @@ async function trade({ browser, report }) {
     assert.deepEqual(walked.map(([time]) => time), walked.map(([time]) => time).sort((x, y) => x - y));
     await page.locator("#trade-plot").press("Enter");
     assert.equal((await stateOf(page)).form, walked.at(-1)[1]);
-    assert.match(await page.locator("#trade").innerText(), /Times are short measurements of the run that made this page, on its machine/);
+    assert.match(
+        await page.locator("#trade").innerText(),
+        /Times are short measurements of the run that made this page, on its machine/);
 }
 
-module.exports = { sweeps, trade };
+module.exports = {
+    sweeps,
+    trade
+};

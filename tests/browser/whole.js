@@ -25,7 +25,10 @@ async function alone({ browser, report }) {
 
 /** A link restores the view, one to what is not there says so, and backwards goes back. */
 async function link({ browser, report }) {
-    const page = await browser.page(report, { hash: `${schoolbook}&metric=ulp_error&other=sphere.unified.f64&split=0.3&x=100&y=90&zoom=3.375&cx=0.4&cy=0.3&sweep=sphere-tilt&statistic=lost_bits_max` });
+    const page = await browser.page(report, {
+        hash: `${
+            schoolbook}&metric=ulp_error&other=sphere.unified.f64&split=0.3&x=100&y=90&zoom=3.375&cx=0.4&cy=0.3&sweep=sphere-tilt&statistic=lost_bits_max`
+    });
     await page.locator("#map").press("ArrowDown");
     await settled(page);
     const picture = () => document.getElementById("map").toDataURL(), before = await stateOf(page);
@@ -41,7 +44,8 @@ async function link({ browser, report }) {
 /** A claim leads to its pixel or its plot; the filter leaves what it says. */
 async function claims({ browser, report }) {
     const page = await browser.page(report);
-    const place = page.locator("table.claims a.jump[href*='scene=near-benign']").first(), target = await place.getAttribute("href");
+    const place = page.locator("table.claims a.jump[href*='scene=near-benign']").first(),
+          target = await place.getAttribute("href");
     await place.click();
     const now = await stateOf(page), asked = new URLSearchParams(target.slice(1));
     for (const key of ["scene", "form", "format"]) assert.equal(now[key], asked.get(key));
@@ -57,7 +61,10 @@ async function claims({ browser, report }) {
     assert.ok(left > 0 && left < all, `${left} of ${all}`);
 }
 
-/** Claims over planes and cases lead to their cell, those without a picture here name the command, and no link leads nowhere. */
+/**
+ * Claims over planes and cases lead to their cell, those without a picture here name the command, and no link leads
+ * nowhere.
+ */
 async function places({ browser, grids, report }) {
     const page = await browser.page(grids);
     const jump = async (id) => {
@@ -69,20 +76,29 @@ async function places({ browser, grids, report }) {
     const corner = await jump("rtg7.plane.unified-f32-1e3-1e6-innocence");
     assert.deepEqual([corner.sweep, corner.line, corner.u, corner.v], ["sphere-height", "sphere.unified.f32", 0, 45]);
     const inside = await jump("box.baseline-inside-innocence");
-    assert.deepEqual([inside.sweep, inside.line, inside.v, inside.statistic], ["box-boundary", "box.baseline.f32", 0, "false_miss_fraction"]);
+    assert.deepEqual(
+        [inside.sweep, inside.line, inside.v, inside.statistic],
+        ["box-boundary", "box.baseline.f32", 0, "false_miss_fraction"]);
     assert.match(await page.locator("#sweep-facts").innerText(), /through the inside/);
     for (const file of [grids, report]) {
         const checked = await browser.page(file), found = await checked.evaluate(() => {
-            const rows = [...document.querySelectorAll("table.claims tbody tr")], links = [...document.querySelectorAll("a.jump")];
-            return { rows: rows.length, silent: rows.filter((r) => !r.querySelector("a.jump") && !r.cells[2].querySelector("code")).map((r) => r.id),
-                noted: links.filter((a) => !readHash(a.hash) || notes.length > 0).map((a) => `${a.hash}: ${notes}`) };
+            const rows = [...document.querySelectorAll("table.claims tbody tr")],
+                  links = [...document.querySelectorAll("a.jump")];
+            return {
+                rows: rows.length,
+                silent: rows.filter((r) => !r.querySelector("a.jump") && !r.cells[2].querySelector("code"))
+                            .map((r) => r.id),
+                noted: links.filter((a) => !readHash(a.hash) || notes.length > 0).map((a) => `${a.hash}: ${notes}`)
+            };
         });
         assert.ok(found.rows > 5, `${found.rows} claims`);
         assert.deepEqual(found, { rows: found.rows, silent: [], noted: [] });
         // Without scripts a link leads to the part of the page that has the numbers.
-        const bare = await browser.page(file, { scripts: false }), anchors = await bare.locator("a.jump").evaluateAll((links) => links.map((a) => a.getAttribute("href")));
+        const bare = await browser.page(file, { scripts: false }),
+              anchors = await bare.locator("a.jump").evaluateAll((links) => links.map((a) => a.getAttribute("href")));
         const html = fs.readFileSync(file, "utf8");
-        for (const anchor of new Set(anchors)) assert.ok(html.includes(`id="${anchor.slice(1)}"`), `${anchor} leads nowhere`);
+        for (const anchor of new Set(anchors))
+            assert.ok(html.includes(`id="${anchor.slice(1)}"`), `${anchor} leads nowhere`);
     }
 }
 
@@ -90,17 +106,26 @@ async function places({ browser, grids, report }) {
 async function copies({ browser, report, grids, lostbits }) {
     const folder = fs.mkdtempSync(path.join(os.tmpdir(), "lostbits-copies-"));
     try {
-        const page = await browser.page(report, { hash: "#scene=rtg-fig-7-3-4100-oblique&form=sphere.schoolbook&format=f64&metric=ulp_error&sweep=sphere-tilt&statistic=lost_bits_p99" });
+        const page = await browser.page(report, {
+            hash:
+                "#scene=rtg-fig-7-3-4100-oblique&form=sphere.schoolbook&format=f64&metric=ulp_error&sweep=sphere-tilt&statistic=lost_bits_p99"
+        });
         const copied = async (button) => {
             await page.locator(button).click();
-            return page.locator(button).evaluate((e) => e.closest("section, .side").querySelector("pre.copied").textContent);
+            return page.locator(button).evaluate(
+                (e) => e.closest("section, .side").querySelector("pre.copied").textContent);
         };
-        let text = 'schema = "lostbits-claims/1"\n' + (await copied("#copy-claim"));
+        let text = "schema = \"lostbits-claims/1\"\n" + (await copied("#copy-claim"));
         await page.locator("#copy-sweep-claim").click();
         text += await page.locator("#sweep-view pre.copied").textContent();
         const cells = await browser.page(grids);
-        for (const hash of ["#sweep=sphere-height&form=sphere.schoolbook&format=f32&u=9&v=30&statistic=lost_bits_max", "#sweep=box-boundary&form=box.baseline&format=f32&judged=open&v=12&statistic=false_hit_fraction", "#sweep=contact&form=sphere.unified&format=f64&v=3"]) {
-            await cells.evaluate((hash) => { location.hash = hash; }, hash);
+        for (const hash
+                 of ["#sweep=sphere-height&form=sphere.schoolbook&format=f32&u=9&v=30&statistic=lost_bits_max",
+                     "#sweep=box-boundary&form=box.baseline&format=f32&judged=open&v=12&statistic=false_hit_fraction",
+                     "#sweep=contact&form=sphere.unified&format=f64&v=3"]) {
+            await cells.evaluate((hash) => {
+                location.hash = hash;
+            }, hash);
             await settled(cells);
             await cells.locator("#copy-sweep-claim").click();
             text += await cells.locator("#sweep-view pre.copied").textContent();
@@ -108,14 +133,16 @@ async function copies({ browser, report, grids, lostbits }) {
         fs.writeFileSync(path.join(folder, "claims.toml"), text);
         assert.equal(lostbits("check", path.join(folder, "claims.toml"), "--strict"), "", text);
         const command = await copied("#copy-command");
-        assert.match(command, /^lostbits map rtg-fig-7-3-4100-oblique -i sphere.schoolbook -f f64 --metric ulp_error --pixels csv -o out$/);
+        assert.match(
+            command,
+            /^lostbits map rtg-fig-7-3-4100-oblique -i sphere.schoolbook -f f64 --metric ulp_error --pixels csv -o out$/);
         await cells.locator("#copy-sweep-command").click();
-        assert.equal(await cells.locator("#sweep-view pre.copied").textContent(), "lostbits sweep contact -i sphere.unified -f f64 -o out");
+        assert.equal(
+            await cells.locator("#sweep-view pre.copied").textContent(),
+            "lostbits sweep contact -i sphere.unified -f f64 -o out");
         lostbits(...command.replace("-o out", `-o ${folder}/out`).split(" ").slice(1));
         assert.ok(fs.existsSync(path.join(folder, "out/rtg-fig-7-3-4100-oblique/sphere.schoolbook.f64.csv")));
-    } finally {
-        fs.rmSync(folder, { recursive: true });
-    }
+    } finally { fs.rmSync(folder, { recursive: true }); }
 }
 
 /** Without scripts: counts, tables and pictures are there to be read. */
@@ -124,7 +151,8 @@ async function plain({ browser, report, grids }) {
     const text = await page.locator("body").innerText();
     assert.match(text, /\d+\s+hold/);
     assert.match(text, /\d+\s+are refuted/);
-    for (const part of ["Four spheres close by", "sphere.schoolbook", "lost bits p50", "p99 loses half"]) assert.ok(text.includes(part), `"${part}" cannot be read`);
+    for (const part of ["Four spheres close by", "sphere.schoolbook", "lost bits p50", "p99 loses half"])
+        assert.ok(text.includes(part), `"${part}" cannot be read`);
     assert.ok((await page.locator("table.claims tbody tr:visible").count()) > 0);
     assert.equal(await page.locator("#map-view:visible").count(), 0);
     const pictures = await page.locator("img:visible").count();
@@ -132,29 +160,50 @@ async function plain({ browser, report, grids }) {
     assert.deepEqual(page.requested.filter((url) => !url.startsWith("data:")), [page.url()]);
     // Every format has its plots, and planes and cases theirs.
     const alts = await page.locator("#sweeps img").evaluateAll((images) => images.map((i) => i.alt));
-    for (const format of ["f32", "f64"]) assert.equal(alts.filter((alt) => alt.startsWith("99th percentile") && alt.endsWith(`, ${format}`)).length, 1, `${alts}`);
-    const bare = await browser.page(grids, { scripts: false }), cells = await bare.locator("#sweeps img:visible").evaluateAll((images) => images.map((i) => i.alt));
-    for (const alt of ["sphere.unified in f64", "by the closed solid", "by the open solid", "exact tangents"]) assert.ok(cells.some((p) => p.includes(alt)), `${alt} is not among ${cells}`);
+    for (const format of ["f32", "f64"])
+        assert.equal(
+            alts.filter((alt) => alt.startsWith("99th percentile") && alt.endsWith(`, ${format}`)).length, 1,
+            `${alts}`);
+    const bare = await browser.page(grids, { scripts: false }),
+          cells = await bare.locator("#sweeps img:visible").evaluateAll((images) => images.map((i) => i.alt));
+    for (const alt of ["sphere.unified in f64", "by the closed solid", "by the open solid", "exact tangents"])
+        assert.ok(cells.some((p) => p.includes(alt)), `${alt} is not among ${cells}`);
 }
 
-/** Pages that nobody foresaw, in a narrow window, in the dark and by the keyboard alone: nothing sticks out, nothing complains, every key answers. */
+/**
+ * Pages that nobody foresaw, in a narrow window, in the dark and by the keyboard alone: nothing sticks out, nothing
+ * complains, every key answers.
+ */
 async function odd({ browser, odd, at }) {
-    for (const [file, hash] of [[odd, "#scene=one-pixel"], [odd, "#scene=no-hit&sweep=box-boundary"], [odd, "#sweep=sdf-max-steps&format=p40"], [odd, "#sweep=sphere-height&format=p2"], [at("odd/sweep/index.html"), ""], [at("odd/cases/index.html"), ""]]) {
+    for (const [file, hash] of [
+             [odd, "#scene=one-pixel"], [odd, "#scene=no-hit&sweep=box-boundary"],
+             [odd, "#sweep=sdf-max-steps&format=p40"], [odd, "#sweep=sphere-height&format=p2"],
+             [at("odd/sweep/index.html"), ""], [at("odd/cases/index.html"), ""]]) {
         const page = await browser.page(file, { hash, width: 400, height: 800 }), where = `${file}${hash}`;
         await page.emulateMedia({ colorScheme: "dark" });
         await settled(page);
-        assert.equal(await page.evaluate(() => document.documentElement.scrollWidth), 400, `${where} is wider than its window`);
-        const [paper, text] = await page.evaluate(() => [getComputedStyle(document.body).backgroundColor, getComputedStyle(document.body).color].map((c) => Math.max(...c.match(/\d+/g).map(Number))));
+        assert.equal(
+            await page.evaluate(() => document.documentElement.scrollWidth), 400, `${where} is wider than its window`);
+        const [paper, text] = await page.evaluate(
+            () => [getComputedStyle(document.body).backgroundColor, getComputedStyle(document.body).color].map(
+                (c) => Math.max(...c.match(/\d+/g).map(Number))));
         assert.ok(paper < 64 && text > 192, `${where}: text ${text} on ${paper}`);
-        const inside = await page.evaluate(() => [...document.querySelectorAll("#map, #grid, #sweep-plot")].filter((e) => e.offsetParent).map((e) => e.id));
+        const inside = await page.evaluate(
+            () => [...document.querySelectorAll("#map, #grid, #sweep-plot")]
+                      .filter((e) => e.offsetParent)
+                      .map((e) => e.id));
         assert.ok(inside.length > 0, where);
         for (const id of inside) {
-            for (const key of ["ArrowRight", "ArrowDown", "m", "]", "[", "M", "ArrowLeft", "ArrowUp"]) await page.locator(`#${id}`).press(key);
+            for (const key of ["ArrowRight", "ArrowDown", "m", "]", "[", "M", "ArrowLeft", "ArrowUp"])
+                await page.locator(`#${id}`).press(key);
         }
         await settled(page);
         const now = await stateOf(page);
         assert.ok(inside.includes("map") ? now.x >= 0 : now.u >= 0 || now.v >= 0, `${where}: ${JSON.stringify(now)}`);
-        assert.ok(inside.every((id) => id === "map") || (await page.locator("#sweep-facts tr[data-fact=lost_bits_p99]").count()) === 1, `${where}: no numbers of a step`);
+        assert.ok(
+            inside.every((id) => id === "map") ||
+                (await page.locator("#sweep-facts tr[data-fact=lost_bits_p99]").count()) === 1,
+            `${where}: no numbers of a step`);
         assert.deepEqual(page.complaints, [], where);
         await page.context().close();
     }
@@ -165,7 +214,9 @@ async function ready({ browser, large }) {
     const size = fs.statSync(large).size, times = [];
     for (let k = 0; k < 3; ++k) {
         const page = await browser.page(large);
-        assert.deepEqual(await page.evaluate(() => [mapNow().width, mapNow().height, mapNow().metrics.length >= 6]), [512, 512, true]);
+        assert.deepEqual(
+            await page.evaluate(() => [mapNow().width, mapNow().height, mapNow().metrics.length >= 6]),
+            [512, 512, true]);
         times.push(Number(await page.evaluate(() => document.documentElement.dataset.ready)));
         await page.context().close();
     }
@@ -174,4 +225,13 @@ async function ready({ browser, large }) {
     assert.ok(Math.min(...times) < 1000, `ready after ${times.join(", ")} ms`);
 }
 
-module.exports = { alone, link, claims, places, copies, plain, odd, ready };
+module.exports = {
+    alone,
+    link,
+    claims,
+    places,
+    copies,
+    plain,
+    odd,
+    ready
+};

@@ -1,6 +1,6 @@
-// The operations of one ray: a form's tape run again in its format and without rounding, and the error of t shared out among
-// them. What src/measure/blame/attribution.cpp and operation_error.cpp do, over integers of any length where those have MPFR; the
-// browser test holds the two against each other.
+// The operations of one ray: a form's tape run again in its format and without rounding, and the error of t shared out
+// among them. What src/measure/blame/attribution.cpp and operation_error.cpp do, over integers of any length where
+// those have MPFR; the browser test holds the two against each other.
 
 const comparisons = ["less", "less_equal", "greater", "greater_equal"];
 const isComparison = (n) => comparisons.includes(n.op);
@@ -25,24 +25,41 @@ function nextUp(a, format) {
 /** What an operation makes of numbers of a format; of a decision, whether it holds. */
 function computed(op, [a, b, c], format) {
     switch (op) {
-        case "neg": return -a;
-        case "abs": return Math.abs(a);
-        case "copysign": return signBit(a) === signBit(b) ? a : -a;
-        case "min": return a < b ? a : b;
-        case "max": return a > b ? a : b;
-        case "select": return a ? b : c;
-        case "next_up": return nextUp(a, format);
-        case "next_down": return -nextUp(-a, format);
+        case "neg":
+            return -a;
+        case "abs":
+            return Math.abs(a);
+        case "copysign":
+            return signBit(a) === signBit(b) ? a : -a;
+        case "min":
+            return a < b ? a : b;
+        case "max":
+            return a > b ? a : b;
+        case "select":
+            return a ? b : c;
+        case "next_up":
+            return nextUp(a, format);
+        case "next_down":
+            return -nextUp(-a, format);
         case "constant":
-        case "convert": return toFormat(lift(a), format);
-        case "less": return a < b;
-        case "less_equal": return a <= b;
-        case "greater": return a > b;
-        case "greater_equal": return a >= b;
-        case "both": return a && b;
-        case "either": return a || b;
-        case "opposite": return !a;
-        case "any": return a;
+        case "convert":
+            return toFormat(lift(a), format);
+        case "less":
+            return a < b;
+        case "less_equal":
+            return a <= b;
+        case "greater":
+            return a > b;
+        case "greater_equal":
+            return a >= b;
+        case "both":
+            return a && b;
+        case "either":
+            return a || b;
+        case "opposite":
+            return !a;
+        case "any":
+            return a;
     }
     return toFormat(inFull(op, [a, b, c].map((x) => (x === undefined ? x : lift(x)))), format);
 }
@@ -73,36 +90,65 @@ function cancellationOf(n, x) {
     return n.value === 0 ? n.format.precision : Math.max(0, binade(largest) - binade(n.value));
 }
 
-/** By how much each operand's error is multiplied: the quotients between operands as computed (1) and exact (0); null: not at all. */
+/**
+ * By how much each operand's error is multiplied: the quotients between operands as computed (1) and exact (0); null:
+ * not at all.
+ */
 function quotients(n, now, exact, chosen) {
     const [a1, b1] = now, [a0, b0] = exact;
-    const unsigned = () => (signBit(a1) === signBit(a0) ? (signBit(a1) ? -1 : 1) : (Math.abs(a1) - Math.abs(a0)) / (a1 - a0));
+    const unsigned = () =>
+        (signBit(a1) === signBit(a0) ? (signBit(a1) ? -1 : 1) : (Math.abs(a1) - Math.abs(a0)) / (a1 - a0));
     switch (n.op) {
-        case "add": return [1, 1];
-        case "sub": return [1, -1];
-        case "mul": return [b0 / 2 + b1 / 2, a0 / 2 + a1 / 2];
-        case "fma": return [b0 / 2 + b1 / 2, a0 / 2 + a1 / 2, 1];
-        case "div": return [(1 / b0 + 1 / b1) / 2, -(a0 / b0 / b1 + a1 / b0 / b1) / 2];
+        case "add":
+            return [1, 1];
+        case "sub":
+            return [1, -1];
+        case "mul":
+            return [b0 / 2 + b1 / 2, a0 / 2 + a1 / 2];
+        case "fma":
+            return [b0 / 2 + b1 / 2, a0 / 2 + a1 / 2, 1];
+        case "div":
+            return [(1 / b0 + 1 / b1) / 2, -(a0 / b0 / b1 + a1 / b0 / b1) / 2];
         case "sqrt": {
             const sum = Math.sqrt(a0) + Math.sqrt(a1);
             return [sum === 0 ? 0 : 1 / sum];
         }
-        case "neg": return [-1];
-        case "abs": return [unsigned()];
-        case "copysign": return [signBit(b1) ? -unsigned() : unsigned(), null];
+        case "neg":
+            return [-1];
+        case "abs":
+            return [unsigned()];
+        case "copysign":
+            return [signBit(b1) ? -unsigned() : unsigned(), null];
         case "next_up":
         case "next_down":
-        case "convert": return [1];
+        case "convert":
+            return [1];
     }
     if (isComparison(n)) return [1, -1];
     const first = isChoice(n) ? n.operands.findIndex((o, k) => o === chosen && (n.op !== "select" || k > 0)) : -1;
     return n.operands.map((_, k) => (k === first ? 1 : null));
 }
 
-/** A tape as the page holds it and the inputs of a ray; see `Attribution` and `OperationError` in src/measure/blame/attribution.hpp. */
+/**
+ * A tape as the page holds it and the inputs of a ray; see `Attribution` and `OperationError` in
+ * src/measure/blame/attribution.hpp.
+ */
 class Walk {
     constructor(tape, inputs) {
-        this.nodes = tape.nodes.map(([op, format, ...operands]) => ({ op, operands, format: tape.formats[format], error: 0, rounding: 0, adjoint: 0, contribution: 0, cancelled: 0, local: 0, carried: false, live: false, turned: false }));
+        this.nodes = tape.nodes.map(([op, format, ...operands]) => ({
+                                        op,
+                                        operands,
+                                        format: tape.formats[format],
+                                        error: 0,
+                                        rounding: 0,
+                                        adjoint: 0,
+                                        contribution: 0,
+                                        cancelled: 0,
+                                        local: 0,
+                                        carried: false,
+                                        live: false,
+                                        turned: false
+                                    }));
         this.inputs = inputs;
         [this.hit, this.t] = tape.outputs;
         for (const n of this.nodes) this.forward(n);
@@ -114,12 +160,8 @@ class Walk {
         this.plainMiss = !this.at(this.hit).value && !this.at(this.hit).turned;
         if (this.plainMiss) this.culprit = -1;
     }
-    at(i) {
-        return this.nodes[i];
-    }
-    valuesOf(n) {
-        return n.op === "constant" ? n.operands : n.operands.map((o) => this.at(o).value);
-    }
+    at(i) { return this.nodes[i]; }
+    valuesOf(n) { return n.op === "constant" ? n.operands : n.operands.map((o) => this.at(o).value); }
 
     forward(n) {
         if (n.op === "input") {
@@ -142,7 +184,12 @@ class Walk {
 
     decide(n) {
         const [a, b] = n.operands.map((o) => (isComparison(n) ? this.at(o).full : this.at(o).exact));
-        const rules = { less: () => isLess(a, b), less_equal: () => isLessOrEqual(a, b), greater: () => isLess(b, a), greater_equal: () => isLessOrEqual(b, a) };
+        const rules = {
+            less: () => isLess(a, b),
+            less_equal: () => isLessOrEqual(a, b),
+            greater: () => isLess(b, a),
+            greater_equal: () => isLessOrEqual(b, a)
+        };
         n.exact = isComparison(n) ? rules[n.op]() : computed(n.op, [a, b], n.format);
         n.turned = n.exact !== n.value;
     }
@@ -151,13 +198,18 @@ class Walk {
     without(n, x) {
         if (isChoice(n)) return this.choose(n);
         if (n.op === "copysign") return this.sign(n, x);
-        const plain = { constant: () => x[0], neg: () => negated(x[0]), abs: () => magnitude(x[0]), next_up: () => x[0], next_down: () => x[0], convert: () => x[0] };
+        const plain = {
+            constant: () => x[0],
+            neg: () => negated(x[0]),
+            abs: () => magnitude(x[0]),
+            next_up: () => x[0],
+            next_down: () => x[0],
+            convert: () => x[0]
+        };
         n.full = plain[n.op] ? plain[n.op]() : exactly[n.op](...x);
     }
 
-    sidesOf(n) {
-        return n.op === "select" ? n.operands.slice(1) : n.operands;
-    }
+    sidesOf(n) { return n.op === "select" ? n.operands.slice(1) : n.operands; }
     /** The operand that a choice took. */
     chosen(n) {
         if (!isChoice(n)) return -1;
@@ -165,7 +217,8 @@ class Walk {
         return (n.op === "select" ? this.at(n.operands[0]).value : n.op === "min" ? a < b : a > b) ? first : second;
     }
     choose(n) {
-        const [first, second] = this.sidesOf(n), taken = this.chosen(n), was = taken === first, a = this.at(first).full, b = this.at(second).full;
+        const [first, second] = this.sidesOf(n), taken = this.chosen(n), was = taken === first, a = this.at(first).full,
+                      b = this.at(second).full;
         let is = was;
         if (n.op === "select") is = this.at(n.operands[0]).exact;
         else if (first !== second) is = n.op === "min" ? isLess(a, b) : isLess(b, a);
@@ -175,9 +228,7 @@ class Walk {
         if (n.turned) n.rounding = nearest(uncut.sub(this.isCut(taken) ? lift(n.value) : this.at(taken).full, n.full));
     }
     /** Whether a side taken by mistake has no exact value. */
-    isCut(taken) {
-        return !Number.isFinite(this.at(taken).exact) && this.at(taken).op !== "input";
-    }
+    isCut(taken) { return !Number.isFinite(this.at(taken).exact) && this.at(taken).op !== "input"; }
     sign(n, [a, b]) {
         const by = nearest(b), was = signBit(this.at(n.operands[1]).value), size = magnitude(a);
         const negative = by !== 0 && !Number.isNaN(by) ? isLess(b, 0) : was;
@@ -222,18 +273,26 @@ class Walk {
         if (!n.live || n.rounding === 0) return;
         n.contribution = n.rounding * n.adjoint;
         this.explained += n.contribution;
-        if (this.culprit < 0 || Math.abs(n.contribution) > Math.abs(this.at(this.culprit).contribution)) this.culprit = i;
+        if (this.culprit < 0 || Math.abs(n.contribution) > Math.abs(this.at(this.culprit).contribution))
+            this.culprit = i;
     }
 
     turnedComparison(decision) {
-        while (decision !== undefined && !isComparison(this.at(decision))) decision = this.at(decision).operands.find((o) => this.at(o).turned);
+        while (decision !== undefined && !isComparison(this.at(decision)))
+            decision = this.at(decision).operands.find((o) => this.at(o).turned);
         return decision !== undefined && this.at(decision).turned ? decision : -1;
     }
-    /** The subject where it is no finite number; of a comparison the side that is none and would be one without rounding. */
+    /**
+     * The subject where it is no finite number; of a comparison the side that is none and would be one without
+     * rounding.
+     */
     noNumberIn(subject) {
         const n = this.at(subject);
         if (!isDecision(n)) return Number.isFinite(n.value) ? -1 : subject;
-        return n.operands.find((o) => !Number.isFinite(this.at(o).value) && Number.isFinite(this.at(o).exact) && this.origin(o) >= 0) ?? -1;
+        return n.operands.find(
+                   (o) => !Number.isFinite(this.at(o).value) && Number.isFinite(this.at(o).exact) &&
+                       this.origin(o) >= 0) ??
+            -1;
     }
     /** Where a value that is no finite number came from. */
     origin(i) {
@@ -247,7 +306,8 @@ class Walk {
     }
     /** The ulp of the format at the subject's exact value, of a comparison at its larger side. */
     ulpOfSubject(format) {
-        const n = this.at(this.subject), sizes = isDecision(n) ? n.operands.map((o) => Math.abs(this.at(o).exact)) : [n.exact];
+        const n = this.at(this.subject),
+              sizes = isDecision(n) ? n.operands.map((o) => Math.abs(this.at(o).exact)) : [n.exact];
         return ulpOf({ format }, Math.max(...sizes.map(Math.abs)));
     }
 }

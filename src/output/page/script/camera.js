@@ -1,9 +1,20 @@
-// The ray of a pixel, as the program makes it: src/scene/rays/camera.hpp in the same order, over doubles or exact numbers.
+// The ray of a pixel, as the program makes it: src/scene/rays/camera.hpp in the same order, over doubles or exact
+// numbers.
 
 const inDoubles = {
-    of: (x) => x, exact: lift, add: (a, b) => a + b, sub: (a, b) => a - b, mul: (a, b) => a * b, div: (a, b) => a / b, sqrt: Math.sqrt,
+    of: (x) => x,
+    exact: lift,
+    add: (a, b) => a + b,
+    sub: (a, b) => a - b,
+    mul: (a, b) => a * b,
+    div: (a, b) => a / b,
+    sqrt: Math.sqrt,
 };
-const inExact = { of: readExact, exact: (x) => x, ...exactly };
+const inExact = {
+    of: readExact,
+    exact: (x) => x,
+    ...exactly
+};
 
 /** Origin and direction, six numbers of the arithmetic. */
 function cameraRay(camera, x, y, arithmetic) {
@@ -12,7 +23,8 @@ function cameraRay(camera, x, y, arithmetic) {
     const origin = vec(camera.origin), pitch = of(camera.pitch);
     const right = (from) => sub(add(whole(x), half), from), plus = (a, b) => a.map((p, k) => add(p, b[k]));
     if (camera.kind === "pixel_plane") {
-        const across = add(of(camera.left), mul(add(whole(x), half), pitch)), down = sub(of(camera.top), mul(add(whole(y), half), of(camera.pitch_down)));
+        const across = add(of(camera.left), mul(add(whole(x), half), pitch)),
+              down = sub(of(camera.top), mul(add(whole(y), half), of(camera.pitch_down)));
         return [...origin, sub(across, origin[0]), sub(down, origin[1]), sub(whole(0), origin[2])];
     }
     const a = mul(right(of(camera.centre_x)), pitch), b = mul(sub(of(camera.centre_y), add(whole(y), half)), pitch);
@@ -31,10 +43,14 @@ function unitDirection(d, format) {
     return d.map((p) => (p === 0 ? p : toFormat(exactly.div(lift(p), size), format)));
 }
 
-/** What a form is given in a format: the ray of a pixel and the numbers of a solid. Shared inputs pass through binary32. */
+/**
+ * What a form is given in a format: the ray of a pixel and the numbers of a solid. Shared inputs pass through
+ * binary32.
+ */
 function formInputs(map, row, x, y, solid) {
     const own = map.inputs === "own", through = (v) => toFormat(own ? v : lift(toFormat(v, binary32)), row);
-    const arithmetic = own ? inExact : inDoubles, ray = cameraRay(map.camera, x, y, arithmetic).map((v) => through(arithmetic.exact(v)));
+    const arithmetic = own ? inExact : inDoubles,
+          ray = cameraRay(map.camera, x, y, arithmetic).map((v) => through(arithmetic.exact(v)));
     const direction = row.direction === "unit" ? unitDirection(ray.slice(3), row) : ray.slice(3);
     return [...ray.slice(0, 3), ...direction, ...map.solids[solid].map((v) => through(readExact(v))), Infinity];
 }

@@ -15,7 +15,11 @@ function buildClaims() {
         count.textContent = asked.length > 0 ? `${left} of ${rows.length}` : "";
     });
     for (const row of rows) {
-        row.lastElementChild.append(make("br"), make("button", { type: "button", className: "small", onclick: () => copyText(row.dataset.command, copied) }, "copy the command"));
+        row.lastElementChild.append(
+            make("br"),
+            make(
+                "button", { type: "button", className: "small", onclick: () => copyText(row.dataset.command, copied) },
+                "copy the command"));
     }
     root.append(make("label", {}, "filter ", filter), " ", count, copied);
     root.hidden = false;

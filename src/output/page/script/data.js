@@ -39,9 +39,7 @@ class Planes {
         }
         return values;
     }
-    floats() {
-        return new Float32Array(this.unsigned(4, Uint32Array).buffer);
-    }
+    floats() { return new Float32Array(this.unsigned(4, Uint32Array).buffer); }
     /** Pairs of words, low and high. */
     wide() {
         const low = this.unsigned(4, Uint32Array);
@@ -54,7 +52,10 @@ class Planes {
     }
 }
 
-/** Undoes what `MapData::Group` does: bits less 2 last - before, folded, along each row of the picture. In two words of 32 bits. */
+/**
+ * Undoes what `MapData::Group` does: bits less 2 last - before, folded, along each row of the picture. In two words of
+ * 32 bits.
+ */
 function pointedTo({ low, high }, width, decision) {
     const values = new Float64Array(low.length);
     let lastLow = 0, lastHigh = 0, beforeLow = 0, beforeHigh = 0;
@@ -97,7 +98,8 @@ async function truthOf(map, group) {
 const unfold = (d) => (d >>> 1) ^ -(d & 1);
 
 function answers32(planes, truth) {
-    const d = planes.unsigned(4, Uint32Array), bits = new Uint32Array(d.length), near = new Float32Array(1), nearBits = new Uint32Array(near.buffer);
+    const d = planes.unsigned(4, Uint32Array), bits = new Uint32Array(d.length), near = new Float32Array(1),
+          nearBits = new Uint32Array(near.buffer);
     for (let i = 0; i < d.length; ++i) {
         near[0] = truth.decision[i] === 1 ? truth.truth[i] : 0;
         bits[i] = nearBits[0] + unfold(d[i]);
@@ -137,7 +139,9 @@ async function readRow(map, row, name) {
     const [bytes, truth] = await Promise.all([bytesOf(name), sharedTruth(map, row.group)]);
     const planes = new Planes(bytes, map.width * map.height);
     const outcome = planes.unsigned(1, Uint8Array), object = planes.unsigned(4, Uint32Array);
-    const t = row.coding === "bits32" ? answers32(planes, truth) : row.coding === "bits64" ? answers64(planes, truth) : planes.doubles();
+    const t = row.coding === "bits32" ? answers32(planes, truth) :
+        row.coding === "bits64"       ? answers64(planes, truth) :
+                                        planes.doubles();
     const stored = {};
     for (const metric of map.metrics) {
         if (metric.kind === "stored") stored[metric.name] = planes.floats();
@@ -145,7 +149,13 @@ async function readRow(map, row, name) {
     return { row, truth, outcome, object, t, stored, painted: new Map() };
 }
 
-const sampleAt = (pixels, i) => ({ t: pixels.t[i], truth: pixels.truth.truth[i], rest: pixels.truth.rest[i], condition: pixels.truth.condition[i], row: pixels.row });
+const sampleAt = (pixels, i) => ({
+    t: pixels.t[i],
+    truth: pixels.truth.truth[i],
+    rest: pixels.truth.rest[i],
+    condition: pixels.truth.condition[i],
+    row: pixels.row
+});
 
 /** A metric at pixel i; NaN where it does not exist. */
 function valueAt(pixels, metric, i) {
@@ -156,19 +166,22 @@ function valueAt(pixels, metric, i) {
 
 // Colours: the same tables and the same arithmetic as the PNGs.
 
-const ramp = Array.from({ length: 256 }, (_, i) => [0, 2, 4].map((k) => parseInt(index.ramp.slice(6 * i + k, 6 * i + k + 2), 16)));
+const ramp = Array.from(
+    { length: 256 }, (_, i) => [0, 2, 4].map((k) => parseInt(index.ramp.slice(6 * i + k, 6 * i + k + 2), 16)));
 
 function rampAt(metric, value) {
     if (value <= metric.lo) return ramp[0];
     if (value >= metric.hi) return ramp[255];
-    const p = metric.log2 ? (Math.log2(value) - Math.log2(metric.lo)) / (Math.log2(metric.hi) - Math.log2(metric.lo))
-                          : (value / 2 - metric.lo / 2) / (metric.hi / 2 - metric.lo / 2);
+    const p = metric.log2 ? (Math.log2(value) - Math.log2(metric.lo)) / (Math.log2(metric.hi) - Math.log2(metric.lo)) :
+                            (value / 2 - metric.lo / 2) / (metric.hi / 2 - metric.lo / 2);
     return ramp[Math.round(Math.min(1, Math.max(0, p)) * 255)];
 }
 
 function colourOf(metric, outcome, value) {
     if (metric.kind === "classes") return index.outcomes[outcome][1];
-    if (metric.blamed) return Number.isNaN(value) && outcome !== agreeHit ? index.outcomes[outcome][1] : metric.categories[Number.isNaN(value) ? 0 : value][1];
+    if (metric.blamed)
+        return Number.isNaN(value) && outcome !== agreeHit ? index.outcomes[outcome][1] :
+                                                             metric.categories[Number.isNaN(value) ? 0 : value][1];
     if (metric.marches) {
         if (Number.isNaN(value)) return index.outcomes[outcomeNames.indexOf("not_a_number")][1];
         return metric.categories ? metric.categories[value][1] : rampAt(metric, value);
@@ -185,7 +198,8 @@ function paint(map, pixels, metric) {
         canvas.height = map.height;
         const context = canvas.getContext("2d"), image = context.createImageData(map.width, map.height);
         for (let i = 0; i < pixels.outcome.length; ++i) {
-            const [r, g, b] = colourOf(metric, pixels.outcome[i], metric.kind === "classes" ? NaN : valueAt(pixels, metric, i));
+            const [r, g, b] =
+                colourOf(metric, pixels.outcome[i], metric.kind === "classes" ? NaN : valueAt(pixels, metric, i));
             image.data.set([r, g, b, 255], 4 * i);
         }
         context.putImageData(image, 0, 0);

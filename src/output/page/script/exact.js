@@ -28,7 +28,8 @@ function lift(x) {
 function readExact(text) {
     if (typeof text === "number") return lift(text);
     if (text === "inf" || text === "-inf") return text === "inf" ? Infinity : -Infinity;
-    const [digits, e] = text.split("p"), negative = digits[0] === "-", m = BigInt(`0x${negative ? digits.slice(1) : digits}`);
+    const [digits, e] = text.split("p"), negative = digits[0] === "-",
+                   m = BigInt(`0x${negative ? digits.slice(1) : digits}`);
     return m === 0n ? 0 : { m: negative ? -m : m, e: Number(e) };
 }
 
@@ -55,7 +56,16 @@ function toFormat(x, { precision, emin, emax }) {
     return scaled(Number(m), q);
 }
 
-const binary64 = { precision: 53, emin: -1022, emax: 1023 }, binary32 = { precision: 24, emin: -126, emax: 127 };
+const binary64 = {
+    precision: 53,
+    emin: -1022,
+    emax: 1023
+},
+      binary32 = {
+          precision: 24,
+          emin: -126,
+          emax: 127
+      };
 const nearest = (x) => toFormat(x, binary64);
 
 /** The operations before any cut: with `beyond` where a quotient or a root goes on below `bits` bits. */
@@ -71,7 +81,8 @@ const uncut = {
     fma: (a, b, c) => uncut.add(uncut.mul(a, b), c),
     div(a, b, bits = exactBits) {
         if (isSpecial(a) || isSpecial(b)) return signOf(a) / signOf(b);
-        const by = Math.max(0, bits + 2 + lengthOf(sizeOf(b.m)) - lengthOf(sizeOf(a.m))), whole = a.m << BigInt(by), m = whole / b.m;
+        const by = Math.max(0, bits + 2 + lengthOf(sizeOf(b.m)) - lengthOf(sizeOf(a.m))), whole = a.m << BigInt(by),
+              m = whole / b.m;
         return { m, e: a.e - by - b.e, beyond: m * b.m !== whole };
     },
     sqrt(a, bits = exactBits) {
@@ -99,12 +110,15 @@ function rootOf(n) {
 }
 
 /**
- * Quotients and roots that are equal differ where they were cut: what is left of a sum below 2^-1900 of its parts is taken for
- * nothing, or the sign of an offset that is zero would be one of noise.
+ * Quotients and roots that are equal differ where they were cut: what is left of a sum below 2^-1900 of its parts is
+ * taken for nothing, or the sign of an offset that is zero would be one of noise.
  */
 function sumOf(a, b) {
     const s = cut(uncut.add(a, b));
-    return !isSpecial(a) && !isSpecial(b) && !isSpecial(s) && exactBinade(s) < Math.max(exactBinade(a), exactBinade(b)) - 1900 ? 0 : s;
+    return !isSpecial(a) && !isSpecial(b) && !isSpecial(s) &&
+            exactBinade(s) < Math.max(exactBinade(a), exactBinade(b)) - 1900 ?
+        0 :
+        s;
 }
 
 const exactly = {
@@ -116,9 +130,7 @@ const exactly = {
     sqrt: (a) => cut(uncut.sqrt(a)),
 };
 
-function isLess(a, b) {
-    return isSpecial(a) || isSpecial(b) ? signOf(a) < signOf(b) : signOf(exactly.sub(a, b)) < 0;
-}
+function isLess(a, b) { return isSpecial(a) || isSpecial(b) ? signOf(a) < signOf(b) : signOf(exactly.sub(a, b)) < 0; }
 
 function isLessOrEqual(a, b) {
     return isSpecial(a) || isSpecial(b) ? signOf(a) <= signOf(b) : signOf(exactly.sub(a, b)) <= 0;

@@ -10,9 +10,23 @@ const shortTick = (x) => tickText(Number(x.toPrecision(3)));
 function layoutOf(sweep, rows) {
     if (sweep.kind === "plane") {
         const [x, y] = sweep.axes;
-        return { columns: x.values.length, lines: y.values.length, cell: (i, j) => [null, j * x.values.length + i], up: true, across: x.values.map(shortTick), down: y.values.map(shortTick) };
+        return {
+            columns: x.values.length,
+            lines: y.values.length,
+            cell: (i, j) => [null, j * x.values.length + i],
+            up: true,
+            across: x.values.map(shortTick),
+            down: y.values.map(shortTick)
+        };
     }
-    return { columns: rows.length, lines: sweep.cases.length, cell: (i, j) => [rows[i], j], up: false, across: rows.map((r) => r.form.slice(r.form.indexOf(".") + 1)), down: sweep.cases.map(([name]) => name) };
+    return {
+        columns: rows.length,
+        lines: sweep.cases.length,
+        cell: (i, j) => [rows[i], j],
+        up: false,
+        across: rows.map((r) => r.form.slice(r.form.indexOf(".") + 1)),
+        down: sweep.cases.map(([name]) => name)
+    };
 }
 
 const wrongOutcomes = ["false_hit", "false_miss", "not_a_number"].map((name) => outcomeNames.indexOf(name));
@@ -40,7 +54,8 @@ function cellLook(sweep, row, statistic, cell) {
     if (wrong >= 0) return { colour: index.outcomes[wrong][1], text: "" };
     if (Number.isNaN(value)) return { colour: null, text: "" };
     const colour = rampAt(isFraction(statistic) ? { lo: 0, hi: 1, log2: false } : sweep.scale, value);
-    const explained = statistic === "lost_bits_p99" && value >= 1 && cellValue(sweep, row, "excess_bits_p99", cell) < 1;  // the problem's, not the form's
+    const explained = statistic === "lost_bits_p99" && value >= 1 &&
+        cellValue(sweep, row, "excess_bits_p99", cell) < 1;  // the problem's, not the form's
     return { colour: explained ? colour.map((x, k) => (x + sweep.paper[k]) >> 1) : colour, text: "" };
 }
 
@@ -73,14 +88,23 @@ function frameOf(context, sweep, layout) {
         const w = Math.max(3, Math.floor(560 / layout.columns)), h = Math.max(3, Math.floor(400 / layout.lines));
         return { left: wide(layout.down) + 30, top: 6, w, h, gap: 0, below: 44 };
     }
-    return { left: Math.min(420, wide(layout.down)) + 10, top: Math.min(240, wide(layout.across)) + 10, w: 26, h: 22, gap: 1, below: 4 };
+    return {
+        left: Math.min(420, wide(layout.down)) + 10,
+        top: Math.min(240, wide(layout.across)) + 10,
+        w: 26,
+        h: 22,
+        gap: 1,
+        below: 4
+    };
 }
 
 function drawLabels(context, sweep, layout, frame) {
     const { left, top, w, h } = frame, every = layout.up ? [Math.ceil(56 / w), Math.ceil(22 / h)] : [1, 1];
     context.fillStyle = ink("--ink");
     context.textAlign = "right";
-    layout.down.forEach((text, j) => j % every[1] === 0 && context.fillText(text, left - 6, top + (layout.up ? layout.lines - 1 - j : j) * h + h / 2, left - 8));
+    layout.down.forEach(
+        (text, j) => j % every[1] === 0 &&
+            context.fillText(text, left - 6, top + (layout.up ? layout.lines - 1 - j : j) * h + h / 2, left - 8));
     layout.across.forEach((text, i) => {
         if (i % every[0] !== 0) return;
         context.save();
@@ -100,10 +124,12 @@ function drawLabels(context, sweep, layout, frame) {
 }
 
 function drawGrid() {
-    const { sweep, rows, chosen, statistic } = sweepParts.now, canvas = gridParts.canvas, layout = layoutOf(sweep, rows), font = "12px sans-serif";
+    const { sweep, rows, chosen, statistic } = sweepParts.now, canvas = gridParts.canvas,
+                                           layout = layoutOf(sweep, rows), font = "12px sans-serif";
     const sharp = Math.max(1, Math.min(3, Math.ceil(devicePixelRatio))), context = canvas.getContext("2d");
     context.font = font;
-    const frame = frameOf(context, sweep, layout), width = frame.left + layout.columns * frame.w + 8, height = frame.top + layout.lines * frame.h + frame.below;
+    const frame = frameOf(context, sweep, layout), width = frame.left + layout.columns * frame.w + 8,
+          height = frame.top + layout.lines * frame.h + frame.below;
     canvas.width = width * sharp;
     canvas.height = height * sharp;
     canvas.style.width = `${width}px`;
@@ -113,7 +139,9 @@ function drawGrid() {
     for (let j = 0; j < layout.lines; ++j) {
         for (let i = 0; i < layout.columns; ++i) {
             const [row, cell] = layout.cell(i, j), [x, y] = placeOf(layout, frame, i, j);
-            paintCell(context, cellLook(sweep, row ?? chosen, statistic, cell), x, y, frame.w - frame.gap, frame.h - frame.gap);
+            paintCell(
+                context, cellLook(sweep, row ?? chosen, statistic, cell), x, y, frame.w - frame.gap,
+                frame.h - frame.gap);
         }
     }
     const at = gridCell(sweep, rows, chosen);
@@ -126,10 +154,14 @@ function drawGrid() {
     }
     drawLabels(context, sweep, layout, frame);
     Object.assign(gridParts, { layout, frame, width, height });
-    canvas.setAttribute("aria-label", `${sweep.title}: ${words(statistic)} ${layout.up ? `of ${title(chosen)}` : `in ${chosen.format}`}; arrow keys move from cell to cell`);
+    canvas.setAttribute(
+        "aria-label",
+        `${sweep.title}: ${words(statistic)} ${
+            layout.up ? `of ${title(chosen)}` : `in ${chosen.format}`}; arrow keys move from cell to cell`);
 }
 
-const placeOf = (layout, frame, i, j) => [frame.left + i * frame.w, frame.top + (layout.up ? layout.lines - 1 - j : j) * frame.h];
+const placeOf =
+    (layout, frame, i, j) => [frame.left + i * frame.w, frame.top + (layout.up ? layout.lines - 1 - j : j) * frame.h];
 
 /** The chosen cell: column and line of a plane, form and case of a table; none where nothing is chosen. */
 function gridCell(sweep, rows, chosen) {
@@ -139,15 +171,23 @@ function gridCell(sweep, rows, chosen) {
 
 function gridUnder(event) {
     const box = gridParts.canvas.getBoundingClientRect(), { layout, frame, width, height } = gridParts;
-    const i = Math.floor((((event.clientX - box.left) / box.width) * width - frame.left) / frame.w), line = Math.floor((((event.clientY - box.top) / box.height) * height - frame.top) / frame.h);
-    return i >= 0 && i < layout.columns && line >= 0 && line < layout.lines ? [i, layout.up ? layout.lines - 1 - line : line] : null;
+    const i = Math.floor((((event.clientX - box.left) / box.width) * width - frame.left) / frame.w),
+          line = Math.floor((((event.clientY - box.top) / box.height) * height - frame.top) / frame.h);
+    return i >= 0 && i < layout.columns && line >= 0 && line < layout.lines ?
+        [i, layout.up ? layout.lines - 1 - line : line] :
+        null;
 }
 
 /** What the cell in column i of line j is of: its row, its number and where it lies, in words. */
 function cellAt(i, j) {
     const { sweep, rows, chosen } = sweepParts.now, [row, cell] = gridParts.layout.cell(i, j);
     if (sweep.kind === "cases") return { row: row ?? chosen, cell, place: [["case", sweep.cases[cell][0], ""]] };
-    return { row: chosen, cell, place: [[sweep.axes[0], i], [sweep.axes[1], j]].map(([axis, k]) => [axisTitle(axis), decimal(axis.values[k]), hex(axis.values[k])]) };
+    return {
+        row: chosen,
+        cell,
+        place: [[sweep.axes[0], i], [sweep.axes[1], j]].map(
+            ([axis, k]) => [axisTitle(axis), decimal(axis.values[k]), hex(axis.values[k])])
+    };
 }
 
 function chooseCell(i, j) {
@@ -157,30 +197,47 @@ function chooseCell(i, j) {
 
 function walkGrid(dx, dy) {
     const { sweep, rows, chosen } = sweepParts.now, { layout } = gridParts, at = gridCell(sweep, rows, chosen);
-    if (!at) return chooseCell(sweep.kind === "plane" ? layout.columns >> 1 : rows.indexOf(chosen), sweep.kind === "plane" ? layout.lines >> 1 : 0);
+    if (!at)
+        return chooseCell(
+            sweep.kind === "plane" ? layout.columns >> 1 : rows.indexOf(chosen),
+            sweep.kind === "plane" ? layout.lines >> 1 : 0);
     const inside = (x, n) => Math.min(n - 1, Math.max(0, x));
     return chooseCell(inside(at[0] + dx, layout.columns), inside(at[1] + (layout.up ? -dy : dy), layout.lines));
 }
 
 /** Bar and classes of what is drawn. */
 function gridLegend() {
-    const { sweep, rows, chosen, statistic } = sweepParts.now, seen = new Set(), shown = sweep.kind === "plane" ? [chosen] : rows;
+    const { sweep, rows, chosen, statistic } = sweepParts.now, seen = new Set(),
+                                           shown = sweep.kind === "plane" ? [chosen] : rows;
     for (const row of shown) {
         row.outcomes.forEach((counts, cell) => {
-            const verdict = statistic === "verdict" ? outcomeNames.indexOf(row.verdicts[cell]) : isFraction(statistic) ? -1 : mostlyWrong(counts);
+            const verdict = statistic === "verdict" ? outcomeNames.indexOf(row.verdicts[cell]) :
+                isFraction(statistic)               ? -1 :
+                                                      mostlyWrong(counts);
             if (verdict >= 0) seen.add(verdict);
         });
     }
     const scale = isFraction(statistic) ? [0, 0.25, 0.5, 0.75, 1].map((x) => [x, String(x)]) : sweep.scale.ticks;
     const entries = [rampBar(scale, statistic === "verdict" ? "lost bits, max" : words(statistic))];
     const add = (colour, text) => entries.push(make("span", { className: "class" }, swatch(colour), ` ${text}`));
-    if (statistic === "verdict") add(sweep.right, `right: every decision, and no answer more than ${decimal(sweep.within)} bits beyond the envelope; a number says of how many rays, or how many bits`);
-    for (const outcome of [...seen].sort()) add(index.outcomes[outcome][1], `${words(outcomeNames[outcome])}${statistic === "verdict" ? "" : " on most rays"}`);
+    if (statistic === "verdict")
+        add(sweep.right,
+            `right: every decision, and no answer more than ${
+                decimal(sweep.within)} bits beyond the envelope; a number says of how many rays, or how many bits`);
+    for (const outcome of [...seen].sort())
+        add(index.outcomes[outcome][1],
+            `${words(outcomeNames[outcome])}${statistic === "verdict" ? "" : " on most rays"}`);
     if (statistic === "lost_bits_p99") entries.push(make("span", { className: "class" }, "paler: inside the envelope"));
     return entries;
 }
 
-const gridKeys = { ArrowLeft: () => walkGrid(-1, 0), ArrowRight: () => walkGrid(1, 0), ArrowUp: () => walkGrid(0, -1), ArrowDown: () => walkGrid(0, 1), Escape: () => look({ u: -1, v: -1 }) };
+const gridKeys = {
+    ArrowLeft: () => walkGrid(-1, 0),
+    ArrowRight: () => walkGrid(1, 0),
+    ArrowUp: () => walkGrid(0, -1),
+    ArrowDown: () => walkGrid(0, 1),
+    Escape: () => look({ u: -1, v: -1 })
+};
 
 function buildGrid() {
     const canvas = make("canvas", { id: "grid", tabIndex: 0, role: "img", "aria-label": "cells" });

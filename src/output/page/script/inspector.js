@@ -20,7 +20,8 @@ async function pixelFacts(map, row, x, y) {
             lost_bits: agreed ? derived.lost_bits(s) : NaN,
         };
     });
-    const metrics = map.metrics.map((m) => [m, valueAt(pixels, m, i)]).filter(([m]) => !m.marches || row.form.startsWith("sdf."));
+    const metrics =
+        map.metrics.map((m) => [m, valueAt(pixels, m, i)]).filter(([m]) => !m.marches || row.form.startsWith("sdf."));
     return {
         outcome: outcomeNames[pixels.outcome[i]],
         decision: ["miss", "hit", "unresolved"][truth.decision[i]],
@@ -37,7 +38,9 @@ async function pixelFacts(map, row, x, y) {
 const tidy = (x) => (Number.isFinite(x) ? decimal(Number(x.toPrecision(7))) : decimal(x));
 
 function cells(tag, ...texts) {
-    return make("tr", {}, ...texts.map((text, k) => make(k === 0 ? "th" : tag, k === 0 ? { scope: "row" } : { className: "n" }, text)));
+    return make(
+        "tr", {},
+        ...texts.map((text, k) => make(k === 0 ? "th" : tag, k === 0 ? { scope: "row" } : { className: "n" }, text)));
 }
 
 function header(...texts) {
@@ -45,17 +48,25 @@ function header(...texts) {
 }
 
 function truthText(facts, row) {
-    if (facts.decision !== "hit") return [facts.decision === "miss" ? "The ray truly misses." : "The truth was not proved: it counts as nothing."];
+    if (facts.decision !== "hit")
+        return [
+            facts.decision === "miss" ? "The ray truly misses." : "The truth was not proved: it counts as nothing."
+        ];
     const bound = facts.bound === -32768 ? "exactly" : `within 2^${facts.bound}`;
     const rest = facts.rest === 0 ? "" : ` ${facts.rest < 0 ? "-" : "+"} ${tidy(Math.abs(facts.rest))}`;
-    return [make("b", {}, row.direction === "unit" ? "true distance " : "true t "), make("code", { data: { truth: decimal(facts.truth) } }, decimal(facts.truth)), `${rest}, ${bound}; `,
-        make("code", {}, hex(facts.truth)), `; solid ${facts.trueObject}`];
+    return [
+        make("b", {}, row.direction === "unit" ? "true distance " : "true t "),
+        make("code", { data: { truth: decimal(facts.truth) } }, decimal(facts.truth)), `${rest}, ${bound}; `,
+        make("code", {}, hex(facts.truth)), `; solid ${facts.trueObject}`
+    ];
 }
 
 function answerTable(facts) {
     const body = make("tbody");
     for (const a of facts.answers) {
-        body.append(cells("td", a.format, a.hit ? decimal(a.t) : "no hit", a.hit ? hex(a.t) : "", Number.isNaN(a.ulp_error) ? words(a.outcome) : tidy(a.ulp_error),
+        body.append(cells(
+            "td", a.format, a.hit ? decimal(a.t) : "no hit", a.hit ? hex(a.t) : "",
+            Number.isNaN(a.ulp_error) ? words(a.outcome) : tidy(a.ulp_error),
             Number.isNaN(a.lost_bits) ? "" : a.lost_bits.toFixed(2)));
         body.lastChild.dataset.format = a.format;
     }
@@ -65,7 +76,9 @@ function answerTable(facts) {
 function metricTable(facts) {
     const body = make("tbody");
     for (const [m, value] of facts.metrics) {
-        const text = Number.isNaN(value) ? "–" : m.categories ? categoryName(m, value) : `${tidy(value)} ${m.unit === "1" ? "" : m.unit}`;
+        const text = Number.isNaN(value) ? "–" :
+            m.categories                 ? categoryName(m, value) :
+                                           `${tidy(value)} ${m.unit === "1" ? "" : m.unit}`;
         body.append(cells("td", words(m.name), text));
         body.lastChild.title = m.meaning;
         body.lastChild.dataset.metric = m.name;
@@ -78,8 +91,11 @@ function verdictText(pixels, i) {
     if (pixels.outcome[i] !== agreeHit) return "";
     const s = sampleAt(pixels, i), lost = derived.lost_bits(s), inherent = derived.inherent_bits(s);
     if (lost < 1) return "Nothing worth mention is lost.";
-    if (lost - inherent < 1) return `Half an ulp in each input alone would cost ${inherent.toFixed(1)} bits: the problem is hard, the formula is not to blame.`;
-    return `Half an ulp in each input alone would cost ${inherent.toFixed(1)} bits; the other ${(lost - inherent).toFixed(1)} are the formula's own.`;
+    if (lost - inherent < 1)
+        return `Half an ulp in each input alone would cost ${
+            inherent.toFixed(1)} bits: the problem is hard, the formula is not to blame.`;
+    return `Half an ulp in each input alone would cost ${inherent.toFixed(1)} bits; the other ${
+        (lost - inherent).toFixed(1)} are the formula's own.`;
 }
 
 /** What to type for the same map, and for one ray of it. */
@@ -96,7 +112,8 @@ function commandsFor(map, row, x, y, metric) {
 function claimFor(map, row, metric) {
     const rays = row.outcomes.reduce((a, b) => a + b, 0);
     const statistic = row.statistics[metric.name];
-    const [column, value] = typeof statistic?.[1] === "number" ? [`${metric.name}_p99`, statistic[1]] : ["agree_hit", row.outcomes[agreeHit]];
+    const [column, value] = typeof statistic?.[1] === "number" ? [`${metric.name}_p99`, statistic[1]] :
+                                                                 ["agree_hit", row.outcomes[agreeHit]];
     return `[[claim]]
 id = "my.${map.id}.${row.form}.${row.format}.${column}"
 statement = "Say in a sentence what is to hold"
@@ -121,8 +138,11 @@ async function showPixel(element, map, row, x, y, pinned) {
     if (number !== asked) return;  // another pixel has been asked for since
     element.replaceChildren(
         make("h3", {}, `Pixel ${x}, ${y}${pinned ? "" : " (under the pointer)"}`),
-        make("p", { className: "outcome" }, swatch(index.outcomes[outcomeNames.indexOf(facts.outcome)][1]), ` ${words(facts.outcome)}: ${title(row)}`),
-        make("p", {}, ...truthText(facts, row)), answerTable(facts), metricTable(facts), make("p", { className: "verdict" }, facts.verdict));
+        make(
+            "p", { className: "outcome" }, swatch(index.outcomes[outcomeNames.indexOf(facts.outcome)][1]),
+            ` ${words(facts.outcome)}: ${title(row)}`),
+        make("p", {}, ...truthText(facts, row)), answerTable(facts), metricTable(facts),
+        make("p", { className: "verdict" }, facts.verdict));
     element.dataset.pixel = `${x},${y}`;
 }
 

@@ -9,26 +9,55 @@ function plotSweep({ sweep, rows, chosen, statistic }) {
     const { element } = sweepParts;
     sweepParts.order = order;
     element.replaceChildren();
-    element.setAttribute("aria-label", `${sweep.title}: ${words(statistic)} in ${chosen.format}, a line a form; arrow keys move from step to step and from form to form`);
+    element.setAttribute(
+        "aria-label",
+        `${sweep.title}: ${words(statistic)} in ${
+            chosen.format}, a line a form; arrow keys move from step to step and from form to form`);
     const ends = log ? logEnds(sweep.steps) : apart(Math.min(...sweep.steps), Math.max(...sweep.steps));
-    return new uPlot({
-        ...plotSize(element),
-        scales: { x: { time: false, distr: log ? 3 : 1, log: 2, range: () => ends }, y: { range: (_, low, high) => [0, bits ? Math.max(2, high * 1.05) : Math.max(0.05, high * 1.05)] } },
-        axes: [{ ...axisLook(axisTitle({ name: sweep.axis, unit: sweep.unit })), values: (_, ticks) => ticks.map(tickText) }, axisLook(words(statistic))],
-        cursor: { focus: { prox: 24 }, points: { size: 6 } },
-        focus: { alpha: 0.25 },
-        legend: { live: true },
-        series: [{ label: words(sweep.axis), value: (_, x) => (typeof x === "number" ? rounded(x) : "–") },
-            ...rows.map((r, k) => ({ label: r.form, stroke: lineColours[k % lineColours.length], width: r === chosen ? 3.5 : 1.25, dash: k < lineColours.length ? undefined : [6, 4], points: { show: false },
-                value: (_, y) => (typeof y === "number" ? rounded(y) : "–") }))],
-        hooks: { setSeries: [(u, k, options) => { if (options.focus !== null) sweepParts.focused = k; }], draw: [drawStep] },
-    }, data, element);
+    return new uPlot(
+        {
+            ...plotSize(element),
+            scales: {
+                x: { time: false, distr: log ? 3 : 1, log: 2, range: () => ends },
+                y: { range: (_, low, high) => [0, bits ? Math.max(2, high * 1.05) : Math.max(0.05, high * 1.05)] }
+            },
+            axes: [
+                {
+                    ...axisLook(axisTitle({ name: sweep.axis, unit: sweep.unit })),
+                    values: (_, ticks) => ticks.map(tickText)
+                },
+                axisLook(words(statistic))
+            ],
+            cursor: { focus: { prox: 24 }, points: { size: 6 } },
+            focus: { alpha: 0.25 },
+            legend: { live: true },
+            series: [
+                { label: words(sweep.axis), value: (_, x) => (typeof x === "number" ? rounded(x) : "–") },
+                ...rows.map((r, k) => ({
+                                label: r.form,
+                                stroke: lineColours[k % lineColours.length],
+                                width: r === chosen ? 3.5 : 1.25,
+                                dash: k < lineColours.length ? undefined : [6, 4],
+                                points: { show: false },
+                                value: (_, y) => (typeof y === "number" ? rounded(y) : "–")
+                            }))
+            ],
+            hooks: {
+                setSeries: [(u, k, options) => {
+                    if (options.focus !== null) sweepParts.focused = k;
+                }],
+                draw: [drawStep]
+            },
+        },
+        data, element);
 }
 
 /** A line at the chosen step, and a ring where it meets the chosen form. */
 function drawStep(plot) {
     if (state.u < 0) return;
-    const { sweep, chosen, statistic } = sweepParts.now, { cell } = stepAt(state.u), x = plot.valToPos(sweep.steps[cell], "x", true), value = cellValue(sweep, chosen, statistic, cell);
+    const { sweep, chosen, statistic } = sweepParts.now, { cell } = stepAt(state.u),
+                                     x = plot.valToPos(sweep.steps[cell], "x", true),
+                                     value = cellValue(sweep, chosen, statistic, cell);
     const { ctx: context, bbox } = plot;
     if (!(x >= bbox.left && x <= bbox.left + bbox.width)) return;
     context.save();
@@ -49,14 +78,24 @@ function drawStep(plot) {
 /** The k-th step in rising order, under the chosen form. */
 function stepAt(k) {
     const { sweep, chosen } = sweepParts.now, cell = sweepParts.order[k], value = sweep.steps[cell];
-    return { row: chosen, cell, place: [[axisTitle({ name: sweep.axis, unit: sweep.unit }), decimal(value), hex(value)]] };
+    return {
+        row: chosen,
+        cell,
+        place: [[axisTitle({ name: sweep.axis, unit: sweep.unit }), decimal(value), hex(value)]]
+    };
 }
 
 function onsetLines(row) {
-    if (row.onsets.length === 0) return [make("p", {}, "Nothing goes wrong along this sweep by the thresholds of lostbits.")];
+    if (row.onsets.length === 0)
+        return [make("p", {}, "Nothing goes wrong along this sweep by the thresholds of lostbits.")];
     const body = make("tbody");
-    for (const [event, statistic, threshold, good, bad] of row.onsets) body.append(cells("td", `${words(event)} ${statistic}`, decimal(threshold), good === null ? "–" : decimal(good), decimal(bad)));
-    return [make("details", {}, make("summary", {}, `Onsets of ${title(row)}: ${row.onsets.length}`), make("table", {}, header("event", "threshold", "last good", "first bad"), body))];
+    for (const [event, statistic, threshold, good, bad] of row.onsets)
+        body.append(cells(
+            "td", `${words(event)} ${statistic}`, decimal(threshold), good === null ? "–" : decimal(good),
+            decimal(bad)));
+    return [make(
+        "details", {}, make("summary", {}, `Onsets of ${title(row)}: ${row.onsets.length}`),
+        make("table", {}, header("event", "threshold", "last good", "first bad"), body))];
 }
 
 function walkSteps(by) {
@@ -64,7 +103,13 @@ function walkSteps(by) {
     return look({ u: state.u < 0 ? last >> 1 : Math.min(last, Math.max(0, state.u + by)) });
 }
 
-const lineKeys = { ArrowLeft: () => walkSteps(-1), ArrowRight: () => walkSteps(1), ArrowUp: () => turnRow(-1), ArrowDown: () => turnRow(1), Escape: () => look({ u: -1 }) };
+const lineKeys = {
+    ArrowLeft: () => walkSteps(-1),
+    ArrowRight: () => walkSteps(1),
+    ArrowUp: () => turnRow(-1),
+    ArrowDown: () => turnRow(1),
+    Escape: () => look({ u: -1 })
+};
 
 function buildLines() {
     const element = make("div", { className: "plot", id: "sweep-plot", tabIndex: 0, role: "group" });
@@ -72,7 +117,8 @@ function buildLines() {
         if (!event.target.closest(".u-over")) return;
         const { rows } = sweepParts.now, { idx } = sweepParts.plot.cursor;
         element.focus();
-        lookAlong(rows[(sweepParts.focused ?? 0) - 1] ?? sweepParts.now.chosen, typeof idx === "number" ? { u: idx } : {});
+        lookAlong(
+            rows[(sweepParts.focused ?? 0) - 1] ?? sweepParts.now.chosen, typeof idx === "number" ? { u: idx } : {});
     });
     walkedByKeys(element, lineKeys);
     return element;

@@ -38,7 +38,8 @@ async function start() {
         follow();
         scrollToSubject(link.hash);
     });
-    for (const link of document.querySelectorAll("a[data-view]")) link.href = `#${link.dataset.view}`;  // without scripts they lead to its table and pictures
+    for (const link of document.querySelectorAll("a[data-view]"))
+        link.href = `#${link.dataset.view}`;  // without scripts they lead to its table and pictures
     addEventListener("popstate", follow);
     addEventListener("hashchange", follow);
     // On paper nothing can be opened.
@@ -56,7 +57,8 @@ async function start() {
         clearTimeout(waiting);
         waiting = setTimeout(redraw, 100);
     });
-    for (const part of document.querySelectorAll("details.part")) part.open = false;  // they stand open where no script can
+    for (const part of document.querySelectorAll("details.part"))
+        part.open = false;  // they stand open where no script can
     settle();
     if (location.hash.includes("=")) await follow();
     else await Promise.all(listeners.map((show) => show([])));

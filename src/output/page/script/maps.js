@@ -17,7 +17,10 @@ function drawView(canvas, map, field) {
 function pixelUnder(canvas, map, event) {
     const box = canvas.getBoundingClientRect(), { left, top, w, h } = viewOf(map);
     const inside = (x, n) => Math.min(n - 1, Math.max(0, Math.floor(x)));
-    return { x: inside(left + ((event.clientX - box.left) / box.width) * w, map.width), y: inside(top + ((event.clientY - box.top) / box.height) * h, map.height) };
+    return {
+        x: inside(left + ((event.clientX - box.left) / box.width) * w, map.width),
+        y: inside(top + ((event.clientY - box.top) / box.height) * h, map.height)
+    };
 }
 
 /** Zooms about the point under the pointer. */
@@ -44,8 +47,10 @@ async function drawMap() {
     const factor = Math.max(1, Math.floor(576 / map.width));
     canvas.width = map.width * factor;
     canvas.height = map.height * factor;
-    canvas.parentElement.style.width = `${canvas.width + 2}px`;  // the slider is as long as the picture, whose frame is a pixel wide
-    const fields = await Promise.all([rowNow(), ...(other ? [other] : [])].map(async (row) => paint(map, await pixelsOf(map, row), metric)));
+    canvas.parentElement.style.width =
+        `${canvas.width + 2}px`;  // the slider is as long as the picture, whose frame is a pixel wide
+    const fields = await Promise.all(
+        [rowNow(), ...(other ? [other] : [])].map(async (row) => paint(map, await pixelsOf(map, row), metric)));
     if (map !== mapNow() || metric !== metricNow()) return;  // something newer is on its way
     drawView(canvas, map, fields[0]);
     if (other) {
@@ -60,12 +65,16 @@ async function drawMap() {
         context.fillRect(at - 1, 0, 2, canvas.height);
     }
     crosshair(canvas, map);
-    canvas.setAttribute("aria-label", `${map.title}: ${words(metric.name)} of ${title(rowNow())}${other ? ` against ${title(other)}` : ""}; arrow keys move from pixel to pixel`);
+    canvas.setAttribute(
+        "aria-label",
+        `${map.title}: ${words(metric.name)} of ${title(rowNow())}${
+            other ? ` against ${title(other)}` : ""}; arrow keys move from pixel to pixel`);
 }
 
 /** The ramp with its ticks, and what it is of. */
 function rampBar(ticks, text) {
-    const bar = make("canvas", { width: 256, height: 12, className: "bar", "aria-hidden": "true" }), context = bar.getContext("2d");
+    const bar = make("canvas", { width: 256, height: 12, className: "bar", "aria-hidden": "true" }),
+          context = bar.getContext("2d");
     ramp.forEach((c, i) => {
         context.fillStyle = `rgb(${c.join(",")})`;
         context.fillRect(i, 0, 1, 12);
@@ -80,30 +89,48 @@ function rampBar(ticks, text) {
 }
 
 /** An operation's expression, or a word of ours. */
-const categoryName = (metric, value) => (metric.blamed ? metric.categories[value][0] : words(metric.categories[value][0]));
+const categoryName = (metric, value) =>
+    (metric.blamed ? metric.categories[value][0] : words(metric.categories[value][0]));
 
 /** The operations that are to blame most often, and in how many pixels. */
 function culpritLegend(metric, pixels) {
     const counts = new Map(), most = 8;
-    for (const c of pixels.stored[metric.name]) if (!Number.isNaN(c)) counts.set(c, (counts.get(c) ?? 0) + 1);
-    const order = [...counts].sort((a, b) => b[1] - a[1] || a[0] - b[0]), rest = order.slice(most).reduce((sum, [, n]) => sum + n, 0);
-    const shown = order.slice(0, most).map(([c, n]) => make("span", { className: "class" }, swatch(metric.categories[c][1]), ` ${metric.categories[c][0]} ${n}`));
-    return rest > 0 ? [...shown, make("span", { className: "class" }, `${order.length - most} more, in colours of their own ${rest}`)] : shown;
+    for (const c of pixels.stored[metric.name])
+        if (!Number.isNaN(c)) counts.set(c, (counts.get(c) ?? 0) + 1);
+    const order = [...counts].sort((a, b) => b[1] - a[1] || a[0] - b[0]),
+          rest = order.slice(most).reduce((sum, [, n]) => sum + n, 0);
+    const shown = order.slice(0, most).map(
+        ([c, n]) =>
+            make("span", { className: "class" }, swatch(metric.categories[c][1]), ` ${metric.categories[c][0]} ${n}`));
+    return rest > 0 ?
+        [
+            ...shown,
+            make("span", { className: "class" }, `${order.length - most} more, in colours of their own ${rest}`)
+        ] :
+        shown;
 }
 
 async function drawLegend() {
     const metric = metricNow(), row = rowNow(), children = [];
-    if (metric.ticks) children.push(rampBar(metric.ticks, `${words(metric.name)}${metric.unit && metric.unit !== "1" && !metric.name.includes(metric.unit) ? `, ${metric.unit}` : ""}`));
+    if (metric.ticks)
+        children.push(rampBar(
+            metric.ticks,
+            `${words(metric.name)}${
+                metric.unit && metric.unit !== "1" && !metric.name.includes(metric.unit) ? `, ${metric.unit}` : ""}`));
     if (metric.blamed) children.push(...culpritLegend(metric, await pixelsOf(mapNow(), row)));
     else if (metric.categories) {
-        for (const [name, colour] of metric.categories) children.push(make("span", { className: "class" }, swatch(colour), ` ${words(name)}`));
+        for (const [name, colour] of metric.categories)
+            children.push(make("span", { className: "class" }, swatch(colour), ` ${words(name)}`));
     }
     if (metricNow() !== metric || rowNow() !== row) return;  // another is looked at by now
     if (!metric.marches) {
-        const wrongOnes = ["false_hit", "false_miss"].map((name) => outcomeNames.indexOf(name));  // a culprit is named for those too
+        const wrongOnes =
+            ["false_hit", "false_miss"].map((name) => outcomeNames.indexOf(name));  // a culprit is named for those too
         index.outcomes.forEach(([name, colour], o) => {
             if (metric.blamed && wrongOnes.includes(o)) return;
-            if (row.outcomes[o] > 0 && (o !== agreeHit || metric.kind === "classes")) children.push(make("span", { className: "class" }, swatch(colour), ` ${words(name)} ${row.outcomes[o]}`));
+            if (row.outcomes[o] > 0 && (o !== agreeHit || metric.kind === "classes"))
+                children.push(
+                    make("span", { className: "class" }, swatch(colour), ` ${words(name)} ${row.outcomes[o]}`));
         });
     }
     mapParts.legend.replaceChildren(...children);
@@ -114,15 +141,25 @@ function drawPickers() {
     const options = (names) => [...new Set(names)].map((n) => [n, n]);
     const able = metricsOf(map).filter((m) => !m.marches || state.form.startsWith("sdf."));
     const pickers = [
-        choice("scene", "pick-scene", index.maps.map((m) => [m.id, m.title]), state.scene, (scene) => look({ scene, x: -1, y: -1, zoom: 1, cx: 0.5, cy: 0.5, other: "" })),
+        choice(
+            "scene", "pick-scene", index.maps.map((m) => [m.id, m.title]), state.scene,
+            (scene) => look({ scene, x: -1, y: -1, zoom: 1, cx: 0.5, cy: 0.5, other: "" })),
         choice("form", "pick-form", options(map.rows.map((r) => r.form)), state.form, (form) => look({ form })),
-        choice("format", "pick-format", options(map.rows.filter((r) => r.form === state.form).map((r) => r.format)), state.format, (format) => look({ format })),
-        choice("metric", "pick-metric", able.map((m) => [m.name, words(m.name)]), state.metric, (metric) => look({ metric })),
-        choice("against", "pick-other", [["", "nothing"], ...map.rows.filter((r) => r !== row).map((r) => [keyOf(r), title(r)])], state.other, (other) => look({ other })),
+        choice(
+            "format", "pick-format", options(map.rows.filter((r) => r.form === state.form).map((r) => r.format)),
+            state.format, (format) => look({ format })),
+        choice(
+            "metric", "pick-metric", able.map((m) => [m.name, words(m.name)]), state.metric,
+            (metric) => look({ metric })),
+        choice(
+            "against", "pick-other",
+            [["", "nothing"], ...map.rows.filter((r) => r !== row).map((r) => [keyOf(r), title(r)])], state.other,
+            (other) => look({ other })),
     ];
     const held = document.activeElement?.id;
     mapParts.pickers.replaceChildren(...pickers);
-    if (held?.startsWith("pick-")) document.getElementById(held)?.focus();  // a picker that was just used keeps the keyboard
+    if (held?.startsWith("pick-"))
+        document.getElementById(held)?.focus();  // a picker that was just used keeps the keyboard
     mapParts.slider.hidden = state.other === "";
     mapParts.slider.value = state.split;
     mapParts.copyClaim.disabled = !map.own_size;  // a claim is of the scene at its own size
@@ -132,20 +169,30 @@ function drawPickers() {
 async function drawInspector(at) {
     const map = mapNow(), pinned = at === undefined, { x, y } = at ?? state;
     if (x < 0) {
-        mapParts.inspector.replaceChildren(make("p", {}, "Point at the picture to see a ray's numbers; click, or move with the arrow keys, to keep them."),
-            make("p", {}, "Wheel, + and − zoom; drag moves; 0 shows all; m and M change the metric, [ and ] the form; w goes to the worst pixel; x swaps the compared halves."));
+        mapParts.inspector.replaceChildren(
+            make(
+                "p", {},
+                "Point at the picture to see a ray's numbers; click, or move with the arrow keys, to keep them."),
+            make(
+                "p", {},
+                "Wheel, + and − zoom; drag moves; 0 shows all; m and M change the metric, [ and ] the form; w goes to the worst pixel; x swaps the compared halves."));
         delete mapParts.inspector.dataset.pixel;
         mapParts.operations.replaceChildren();
         return;
     }
-    await Promise.all([showPixel(mapParts.inspector, map, rowNow(), x, y, pinned), showOperations(mapParts.operations, map, rowNow(), x, y)]);
+    await Promise.all([
+        showPixel(mapParts.inspector, map, rowNow(), x, y, pinned),
+        showOperations(mapParts.operations, map, rowNow(), x, y)
+    ]);
 }
 
 /** The pixel under the pointer in a line, and, while none is chosen, in the inspector. */
 async function hover({ x, y }) {
     const map = mapNow(), metric = metricNow(), pixels = await pixelsOf(map, rowNow()), i = y * map.width + x;
     const value = metric.kind === "classes" ? NaN : valueAt(pixels, metric, i);
-    const text = Number.isNaN(value) ? "" : `, ${words(metric.name)} ${metric.categories ? categoryName(metric, value) : rounded(value)}`;
+    const text = Number.isNaN(value) ?
+        "" :
+        `, ${words(metric.name)} ${metric.categories ? categoryName(metric, value) : rounded(value)}`;
     mapParts.under.textContent = `${x}, ${y}: ${words(outcomeNames[pixels.outcome[i]])}${text}`;
     if (state.x < 0) await drawInspector({ x, y });
 }
@@ -157,11 +204,21 @@ function toWorst() {
 
 const mapKeys = {
     w: toWorst,
-    ArrowLeft: () => step(-1, 0), ArrowRight: () => step(1, 0), ArrowUp: () => step(0, -1), ArrowDown: () => step(0, 1),
-    "+": () => look(centred(state.zoom * 2)), "=": () => look(centred(state.zoom * 2)), "-": () => look(centred(state.zoom / 2)), 0: () => look({ zoom: 1 }),
-    m: () => turn("metric", metricsOf(mapNow()).filter((m) => !m.marches || state.form.startsWith("sdf.")).map((m) => m.name), 1),
-    M: () => turn("metric", metricsOf(mapNow()).filter((m) => !m.marches || state.form.startsWith("sdf.")).map((m) => m.name), -1),
-    "]": () => turn("form", [...new Set(mapNow().rows.map((r) => r.form))], 1), "[": () => turn("form", [...new Set(mapNow().rows.map((r) => r.form))], -1),
+    ArrowLeft: () => step(-1, 0),
+    ArrowRight: () => step(1, 0),
+    ArrowUp: () => step(0, -1),
+    ArrowDown: () => step(0, 1),
+    "+": () => look(centred(state.zoom * 2)),
+    "=": () => look(centred(state.zoom * 2)),
+    "-": () => look(centred(state.zoom / 2)),
+    0: () => look({ zoom: 1 }),
+    m: () => turn(
+        "metric", metricsOf(mapNow()).filter((m) => !m.marches || state.form.startsWith("sdf.")).map((m) => m.name), 1),
+    M: () => turn(
+        "metric", metricsOf(mapNow()).filter((m) => !m.marches || state.form.startsWith("sdf.")).map((m) => m.name),
+        -1),
+    "]": () => turn("form", [...new Set(mapNow().rows.map((r) => r.form))], 1),
+    "[": () => turn("form", [...new Set(mapNow().rows.map((r) => r.form))], -1),
     x: () => otherRow() && look({ form: otherRow().form, format: otherRow().format, other: keyOf(rowNow()) }),
 };
 
@@ -178,7 +235,8 @@ function centred(zoom) {
 function step(dx, dy) {
     const map = mapNow();
     if (state.x < 0) return look({ x: map.width >> 1, y: map.height >> 1 });
-    const x = Math.min(map.width - 1, Math.max(0, state.x + dx)), y = Math.min(map.height - 1, Math.max(0, state.y + dy));
+    const x = Math.min(map.width - 1, Math.max(0, state.x + dx)),
+          y = Math.min(map.height - 1, Math.max(0, state.y + dy));
     const { left, top, w, h } = viewOf(map);
     const seen = x >= left && x < left + w && y >= top && y < top + h;
     return look(seen ? { x, y } : { x, y, ...centredAt(map, x, y) });
@@ -201,7 +259,8 @@ function steer(canvas, onclick) {
         if (!held) return;
         const box = canvas.getBoundingClientRect(), dx = event.clientX - held.x, dy = event.clientY - held.y;
         held.moved ||= Math.hypot(dx, dy) > 3;
-        if (held.moved && state.zoom > 1) look({ cx: held.cx - dx / box.width / state.zoom, cy: held.cy - dy / box.height / state.zoom });
+        if (held.moved && state.zoom > 1)
+            look({ cx: held.cx - dx / box.width / state.zoom, cy: held.cy - dy / box.height / state.zoom });
     });
     canvas.addEventListener("pointerup", (event) => {
         if (held && !held.moved) onclick(event);
@@ -212,20 +271,52 @@ function steer(canvas, onclick) {
 function buildMaps() {
     const root = document.getElementById("map-view");
     Object.assign(mapParts, {
-        pickers: make("div", { className: "pickers" }), what: make("p", { className: "what" }), canvas: make("canvas", { id: "map", tabIndex: 0, role: "img" }),
-        slider: make("input", { type: "range", min: 0, max: 1, step: "any", id: "split", "aria-label": "where the compared half begins" }),
-        under: make("p", { className: "hint", id: "under" }, "\u00a0"), legend: make("div", { className: "legend" }), inspector: make("div", { className: "inspector", id: "inspector", "aria-live": "polite" }), operations: make("div", { id: "operations" }), copied: make("pre", { className: "copied", hidden: true }),
+        pickers: make("div", { className: "pickers" }),
+        what: make("p", { className: "what" }),
+        canvas: make("canvas", { id: "map", tabIndex: 0, role: "img" }),
+        slider: make("input", {
+            type: "range",
+            min: 0,
+            max: 1,
+            step: "any",
+            id: "split",
+            "aria-label": "where the compared half begins"
+        }),
+        under: make("p", { className: "hint", id: "under" }, "\u00a0"),
+        legend: make("div", { className: "legend" }),
+        inspector: make("div", { className: "inspector", id: "inspector", "aria-live": "polite" }),
+        operations: make("div", { id: "operations" }),
+        copied: make("pre", { className: "copied", hidden: true }),
     });
     const { canvas, slider, copied } = mapParts;
-    const command = (which) => commandsFor(mapNow(), rowNow(), Math.max(0, state.x), Math.max(0, state.y), metricNow())[which];
-    const buttons = make("div", { className: "buttons" },
+    const command = (which) =>
+        commandsFor(mapNow(), rowNow(), Math.max(0, state.x), Math.max(0, state.y), metricNow())[which];
+    const buttons = make(
+        "div", { className: "buttons" },
         make("button", { type: "button", id: "worst", onclick: toWorst }, "worst pixel"),
-        make("button", { type: "button", id: "copy-command", onclick: () => copyText(command("map"), copied) }, "copy the command"),
-        make("button", { type: "button", id: "copy-explain", onclick: () => copyText(command("explain"), copied) }, "copy the command for this ray"),
-        make("button", { type: "button", id: "copy-claim", onclick: () => copyText(claimFor(mapNow(), rowNow(), metricNow()), copied) }, "copy as claim"),
-        make("button", { type: "button", id: "copy-link", onclick: () => copyText(location.href, copied) }, "copy the link"));
-    root.append(mapParts.pickers, mapParts.what, make("div", { className: "stage" }, make("div", { className: "picture" }, canvas, slider, mapParts.under, mapParts.legend),
-        make("div", { className: "side" }, mapParts.inspector, buttons, copied)), mapParts.operations, make("div", { id: "panes" }));
+        make(
+            "button", { type: "button", id: "copy-command", onclick: () => copyText(command("map"), copied) },
+            "copy the command"),
+        make(
+            "button", { type: "button", id: "copy-explain", onclick: () => copyText(command("explain"), copied) },
+            "copy the command for this ray"),
+        make(
+            "button", {
+                type: "button",
+                id: "copy-claim",
+                onclick: () => copyText(claimFor(mapNow(), rowNow(), metricNow()), copied)
+            },
+            "copy as claim"),
+        make(
+            "button", { type: "button", id: "copy-link", onclick: () => copyText(location.href, copied) },
+            "copy the link"));
+    root.append(
+        mapParts.pickers, mapParts.what,
+        make(
+            "div", { className: "stage" },
+            make("div", { className: "picture" }, canvas, slider, mapParts.under, mapParts.legend),
+            make("div", { className: "side" }, mapParts.inspector, buttons, copied)),
+        mapParts.operations, make("div", { id: "panes" }));
     mapParts.copyClaim = buttons.querySelector("#copy-claim");
     root.hidden = false;
 

@@ -19,7 +19,10 @@ function lowOf(x) {
     return word.getUint32(4);
 }
 
-/** The shortest decimal that reads back to x, in the notation of the CSVs: the shorter of 100000 and 1e+05, the plain one of equals. */
+/**
+ * The shortest decimal that reads back to x, in the notation of the CSVs: the shorter of 100000 and 1e+05, the plain
+ * one of equals.
+ */
 function decimal(x) {
     if (Number.isNaN(x)) return "nan";
     if (!Number.isFinite(x)) return x < 0 ? "-inf" : "inf";
@@ -28,7 +31,9 @@ function decimal(x) {
     const digits = mantissa.replace(".", ""), e = Number(exponent), sign = x < 0 ? "-" : "";
     const scientific = mantissa + "e" + (e < 0 ? "-" : "+") + String(Math.abs(e)).padStart(2, "0");
     let plain;
-    if (e < 0) plain = "0." + "0".repeat(-e - 1) + digits;
+    if (e < 0)
+        plain = "0." +
+            "0".repeat(-e - 1) + digits;
     else if (digits.length <= e + 1) plain = BigInt(Math.abs(x)).toString();  // every digit, as std::to_chars has it
     else plain = digits.slice(0, e + 1) + "." + digits.slice(e + 1);
     return sign + (plain.length <= scientific.length ? plain : scientific);
@@ -39,7 +44,8 @@ function hex(x) {
     if (!Number.isFinite(x)) return decimal(x);
     const high = highOf(x), biased = (high >>> 20) & 2047, sign = high >>> 31 ? "-" : "";
     if (x === 0) return sign + "0x0p+0";
-    const fraction = ((high & 0xfffff).toString(16).padStart(5, "0") + lowOf(x).toString(16).padStart(8, "0")).replace(/0+$/, "");
+    const fraction =
+        ((high & 0xfffff).toString(16).padStart(5, "0") + lowOf(x).toString(16).padStart(8, "0")).replace(/0+$/, "");
     if (biased === 0) return `${sign}0x0.${fraction}p-1022`;
     const e = biased - 1023;
     return `${sign}0x1${fraction ? "." + fraction : ""}p${e < 0 ? "" : "+"}${e}`;
@@ -68,7 +74,8 @@ function scaled(x, e) {
 
 /**
  * What is known of a hit on which form and truth agree: t, t* = truth + rest, kappa, and the format's p and emin.
- * ulp_error is good to a float's precision: rest is a float, and t - truth is exact wherever the two are within a factor of two.
+ * ulp_error is good to a float's precision: rest is a float, and t - truth is exact wherever the two are within a
+ * factor of two.
  */
 const derived = {
     ulp_error(s) {

@@ -1,17 +1,28 @@
 // Every form and format of the scene side by side: one range, one view, moved together.
 
-const paneParts = { scene: "", cells: new Map() };
+const paneParts = {
+    scene: "",
+    cells: new Map()
+};
 
 function buildPane(map, row) {
     const factor = 144 / Math.max(map.width, map.height);
     const canvas = make("canvas", { width: Math.round(map.width * factor), height: Math.round(map.height * factor) });
     const lost = row.statistics.lost_bits?.[1];
     const wrong = index.outcomes.map(([name], o) => [name, row.outcomes[o]]).filter(([name, n], o) => o >= 2 && n > 0);
-    const button = make("button", { type: "button", className: "pane", title: `${row.title}; click to look at it, shift-click to compare with it`, data: { row: keyOf(row) } }, canvas,
-        make("b", {}, row.form.slice(row.form.indexOf(".") + 1)), ` ${row.format}`,
-        make("small", {}, lost === null || lost === undefined ? "no hit agreed on" : `p99 ${rounded(lost)} bits lost`), ...wrong.map(([name, n]) => make("small", {}, `${n} ${words(name)}`)));
+    const button = make(
+        "button", {
+            type: "button",
+            className: "pane",
+            title: `${row.title}; click to look at it, shift-click to compare with it`,
+            data: { row: keyOf(row) }
+        },
+        canvas, make("b", {}, row.form.slice(row.form.indexOf(".") + 1)), ` ${row.format}`,
+        make("small", {}, lost === null || lost === undefined ? "no hit agreed on" : `p99 ${rounded(lost)} bits lost`),
+        ...wrong.map(([name, n]) => make("small", {}, `${n} ${words(name)}`)));
     steer(canvas, () => {});
-    button.addEventListener("click", (event) => look(event.shiftKey ? { other: keyOf(row) } : { form: row.form, format: row.format }));
+    button.addEventListener(
+        "click", (event) => look(event.shiftKey ? { other: keyOf(row) } : { form: row.form, format: row.format }));
     return { row, canvas, button };
 }
 

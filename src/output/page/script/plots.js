@@ -2,7 +2,10 @@
 
 const hasPlots = typeof uPlot === "function";
 if (!hasPlots) index.sweeps = index.sweeps.filter((s) => s.kind !== "line");  // those are pictures then
-const lineColours = ["#4477aa", "#ee6677", "#228833", "#aa7700", "#0099bb", "#aa3377", "#555555", "#882255", "#117733", "#dd7711", "#332288", "#999933"];
+const lineColours = [
+    "#4477aa", "#ee6677", "#228833", "#aa7700", "#0099bb", "#aa3377", "#555555", "#882255", "#117733", "#dd7711",
+    "#332288", "#999933"
+];
 
 /** As wide as there is room. */
 const plotSize = (element) => ({ width: Math.max(240, Math.min(1100, element.clientWidth)), height: 380 });
@@ -21,9 +24,17 @@ const logEnds = (values) => {
 };
 
 /** A linear axis of a single value is given room about it. */
-const apart = (low, high) => (low < high ? [low, high] : [low - Math.abs(low || 1) / 10, high + Math.abs(high || 1) / 10]);
+const apart = (low, high) =>
+    (low < high ? [low, high] : [low - Math.abs(low || 1) / 10, high + Math.abs(high || 1) / 10]);
 
 /** A colour of page.css, which has two sets of them. */
 const ink = (name) => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
 
-const axisLook = (label) => ({ label, stroke: ink("--ink"), grid: { stroke: ink("--faint"), width: 1 }, ticks: { stroke: ink("--line"), width: 1 }, font: "12px sans-serif", labelFont: "12px sans-serif" });
+const axisLook = (label) => ({
+    label,
+    stroke: ink("--ink"),
+    grid: { stroke: ink("--faint"), width: 1 },
+    ticks: { stroke: ink("--line"), width: 1 },
+    font: "12px sans-serif",
+    labelFont: "12px sans-serif"
+});

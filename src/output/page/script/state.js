@@ -1,9 +1,34 @@
 // What is looked at; all of it stands in location.hash, so that a link restores the view.
 
-const classes = { name: "outcome", kind: "classes", unit: "", meaning: "what became of the ray" };
+const classes = {
+    name: "outcome",
+    kind: "classes",
+    unit: "",
+    meaning: "what became of the ray"
+};
 const metricsOf = (map) => [...map.metrics, classes];
 
-const state = { scene: "", form: "", format: "", metric: "", other: "", split: 0.5, x: -1, y: -1, zoom: 1, cx: 0.5, cy: 0.5, sweep: "", statistic: "", line: "", judged: "", u: -1, v: -1, shape: "", set: "" };
+const state = {
+    scene: "",
+    form: "",
+    format: "",
+    metric: "",
+    other: "",
+    split: 0.5,
+    x: -1,
+    y: -1,
+    zoom: 1,
+    cx: 0.5,
+    cy: 0.5,
+    sweep: "",
+    statistic: "",
+    line: "",
+    judged: "",
+    u: -1,
+    v: -1,
+    shape: "",
+    set: ""
+};
 const listeners = [];
 const notes = [];
 
@@ -27,7 +52,7 @@ function settle(asked = {}) {
         const map = mapNow();
         // A link to a sweep names a row of it, which the map need not have.
         const alongSweep = asked.sweep && !asked.scene && sweepHas(state.line);
-        if (alongSweep) asked = { ...asked, form: "", format: "" };
+        if (alongSweep) asked = {...asked, form: "", format: "" };
         choose("form", map.rows.map((r) => r.form));
         choose("format", map.rows.filter((r) => r.form === state.form).map((r) => r.format));
         const able = metricsOf(map).filter((m) => !m.marches || state.form.startsWith("sdf."));
@@ -94,7 +119,8 @@ function readHash(hash) {
 
 /** Changes what is looked at and shows it. */
 function look(changes) {
-    if (("form" in changes || "format" in changes) && !("line" in changes)) state.line = "";  // what the map shows is shown along the sweep
+    if (("form" in changes || "format" in changes) && !("line" in changes))
+        state.line = "";  // what the map shows is shown along the sweep
     Object.assign(state, changes);
     settle();
     history.replaceState(null, "", hashOf());
@@ -116,7 +142,8 @@ function make(tag, properties = {}, ...children) {
 
 function choice(label, id, options, value, onchange) {
     const select = make("select", { id });
-    for (const [key, text] of options) select.append(make("option", { value: key, textContent: text, selected: key === value }));
+    for (const [key, text] of options)
+        select.append(make("option", { value: key, textContent: text, selected: key === value }));
     select.addEventListener("change", () => onchange(select.value));
     return make("label", {}, label + " ", select);
 }

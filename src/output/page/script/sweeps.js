@@ -1,10 +1,15 @@
-// A statistic along a sweep, over a plane or for named cases: which one is looked at, and what is known of one of its cells.
+// A statistic along a sweep, over a plane or for named cases: which one is looked at, and what is known of one of its
+// cells.
 
-const sweepParts = { shown: "", plot: null };
+const sweepParts = {
+    shown: "",
+    plot: null
+};
 const sweepsRead = new Map();
 
 function sweepOf(id) {
-    if (!sweepsRead.has(id)) sweepsRead.set(id, bytesOf(`sweep:${id}`).then((bytes) => JSON.parse(new TextDecoder().decode(bytes))));
+    if (!sweepsRead.has(id))
+        sweepsRead.set(id, bytesOf(`sweep:${id}`).then((bytes) => JSON.parse(new TextDecoder().decode(bytes))));
     return sweepsRead.get(id);
 }
 
@@ -14,7 +19,8 @@ const axisTitle = (axis) => words(axis.name) + (axis.unit ? `, ${axis.unit}` : "
 /** The chosen row's key: the one that was asked for here, else the map's, else as near to it as the sweep has. */
 function sweepKey() {
     const { rows } = index.sweeps.find((s) => s.id === state.sweep);
-    return [state.line, `${state.form}.${state.format}`].find((key) => rows.includes(key)) ?? rows.find((key) => state.form && key.startsWith(`${state.form}.`)) ??
+    return [state.line, `${state.form}.${state.format}`].find((key) => rows.includes(key)) ??
+        rows.find((key) => state.form && key.startsWith(`${state.form}.`)) ??
         rows.find((key) => key.endsWith(`.${state.format}`)) ?? rows[0];
 }
 
@@ -31,11 +37,20 @@ function statisticOf(sweep) {
     return all.includes(state.statistic) ? state.statistic : all.includes("verdict") ? "verdict" : "lost_bits_p99";
 }
 
-/** What is looked at: the sweep, its rows of the chosen format and convention, the chosen one of them, and the statistic. */
+/**
+ * What is looked at: the sweep, its rows of the chosen format and convention, the chosen one of them, and the
+ * statistic.
+ */
 function sweepNow(sweep) {
     const judged = sweep.conventions?.includes(state.judged) ? state.judged : sweep.conventions?.[0];
     const all = sweep.rows.filter((r) => r.judged === judged), chosen = all.find((r) => keyOf(r) === sweepKey());
-    return { sweep, judged, rows: all.filter((r) => r.format === chosen.format), chosen, statistic: statisticOf(sweep) };
+    return {
+        sweep,
+        judged,
+        rows: all.filter((r) => r.format === chosen.format),
+        chosen,
+        statistic: statisticOf(sweep)
+    };
 }
 
 /** A statistic of a cell of a row: a step, a cell of a plane, a case. */
@@ -62,7 +77,8 @@ function factsTable({ row, cell, place }) {
         const value = cellValue(sweep, row, statistic, cell);
         add(words(statistic), Number.isNaN(value) ? "–" : decimal(value), "", statistic);
     }
-    const [note] = row.verdicts ? [sweep.cases[cell][1]] : [""], by = row.judged && row.judged !== "own" ? `, judged by the ${row.judged} solid` : "";
+    const [note] = row.verdicts ? [sweep.cases[cell][1]] : [""],
+          by = row.judged && row.judged !== "own" ? `, judged by the ${row.judged} solid` : "";
     return make("table", {}, make("caption", {}, `${title(row)}${by}${note ? `. ${note}` : ""}`), body);
 }
 
@@ -70,24 +86,41 @@ function factsTable({ row, cell, place }) {
 function showCell(under) {
     const { sweep, statistic } = sweepParts.now, pinned = cellNow();
     const line = ({ row, cell, place }) => {
-        const value = statistic === "verdict" ? words(row.verdicts[cell]) : rounded(cellValue(sweep, row, statistic, cell));
-        return `${title(row)}, ${place.map(([name, text]) => `${name} ${text}`).join("; ")}: ${words(statistic)} ${value === "nan" ? "has no value" : value}`;
+        const value =
+            statistic === "verdict" ? words(row.verdicts[cell]) : rounded(cellValue(sweep, row, statistic, cell));
+        return `${title(row)}, ${place.map(([name, text]) => `${name} ${text}`).join("; ")}: ${words(statistic)} ${
+            value === "nan" ? "has no value" : value}`;
     };
     sweepParts.under.textContent = under ? line(under) : "\u00a0";
     const known = pinned ?? under;
-    sweepParts.facts.replaceChildren(known ? factsTable(known) : make("p", { className: "hint" }, sweep.kind === "line" ?
-        "Click the plot for the numbers of a step, or walk along it with the arrow keys; the line under the pointer becomes the chosen form. Drag to zoom, double-click to see all." :
-        "Point at a cell for its numbers; click, or walk with the arrow keys, to keep them; Escape lets them go."));
+    sweepParts.facts.replaceChildren(
+        known ?
+            factsTable(known) :
+            make(
+                "p", { className: "hint" },
+                sweep.kind === "line" ?
+                    "Click the plot for the numbers of a step, or walk along it with the arrow keys; the line under the pointer becomes the chosen form. Drag to zoom, double-click to see all." :
+                    "Point at a cell for its numbers; click, or walk with the arrow keys, to keep them; Escape lets them go."));
 }
 
 /** A claim about the chosen cell, or else the last step or the first cell. */
 function sweepClaim() {
-    const { sweep, statistic } = sweepParts.now, { row, cell } = cellNow() ?? (sweep.kind === "line" ? stepAt(sweep.steps.length - 1) : cellAt(0, 0));
+    const { sweep, statistic } = sweepParts.now,
+                             { row, cell } =
+                                 cellNow() ?? (sweep.kind === "line" ? stepAt(sweep.steps.length - 1) : cellAt(0, 0));
     const known = statistic !== "verdict" && Number.isFinite(cellValue(sweep, row, statistic, cell));
-    const [column, value] = known ? [statistic, cellValue(sweep, row, statistic, cell)] : ["agree_hit", row.outcomes[cell][agreeHit]];
+    const [column, value] =
+        known ? [statistic, cellValue(sweep, row, statistic, cell)] : ["agree_hit", row.outcomes[cell][agreeHit]];
     const across = sweep.kind === "plane" ? sweep.axes[0].values.length : 1;
-    const at = sweep.kind === "cases" ? `case = ${JSON.stringify(sweep.cases[cell][0])}${row.judged === "own" ? "" : `\nconvention = "${row.judged}"`}` :
-        `at = [${(sweep.kind === "line" ? [sweep.steps[cell]] : [sweep.axes[0].values[cell % across], sweep.axes[1].values[Math.floor(cell / across)]]).map(decimal).join(", ")}]`;
+    const at = sweep.kind === "cases" ?
+        `case = ${JSON.stringify(sweep.cases[cell][0])}${
+            row.judged === "own" ? "" : `\nconvention = "${row.judged}"`}` :
+                                   `at = [${
+            (sweep.kind === "line" ?
+                                            [sweep.steps[cell]] :
+                                            [sweep.axes[0].values[cell % across], sweep.axes[1].values[Math.floor(cell / across)]])
+                .map(decimal)
+                .join(", ")}]`;
     return `[[claim]]
 id = "my.${sweep.id}.${row.form}.${row.format}.${column}"
 statement = "Say in a sentence what is to hold"
@@ -117,7 +150,13 @@ const turnStatistic = (by) => {
 
 /** Arrows as `keys` has them; m and M change the statistic, [ and ] the form, as over a map. */
 function walkedByKeys(element, keys) {
-    const all = { ...keys, m: () => turnStatistic(1), M: () => turnStatistic(-1), "]": () => turnRow(1), "[": () => turnRow(-1) };
+    const all = {
+        ...keys,
+        m: () => turnStatistic(1),
+        M: () => turnStatistic(-1),
+        "]": () => turnRow(1),
+        "[": () => turnRow(-1)
+    };
     element.addEventListener("keydown", (event) => {
         if (event.ctrlKey || event.metaKey || event.altKey || !all[event.key]) return;
         all[event.key]();
@@ -128,15 +167,28 @@ function walkedByKeys(element, keys) {
 function drawSweepPickers() {
     const { sweep, judged, rows, chosen, statistic } = sweepParts.now, held = document.activeElement?.id;
     sweepParts.pickers.replaceChildren(
-        choice("sweep", "pick-sweep", index.sweeps.map((s) => [s.id, s.title]), sweep.id, (id) => look({ sweep: id, u: -1, v: -1 })),
-        choice("statistic", "pick-statistic", statisticsOf(sweep).map((s) => [s, words(s)]), statistic, (s) => look({ statistic: s })),
-        choice("format", "pick-sweep-format", [...new Set(sweep.rows.map((r) => r.format))].map((f) => [f, f]), chosen.format, (format) => {
-            const all = sweep.rows.filter((r) => r.format === format);
-            return lookAlong(all.find((r) => r.form === chosen.form) ?? all[0]);
-        }),
-        choice("form", "pick-sweep-form", rows.map((r) => [r.form, r.form]), chosen.form, (form) => lookAlong(rows.find((r) => r.form === form))));
-    if (sweep.conventions?.length > 1) sweepParts.pickers.append(choice("judged by", "pick-judged", sweep.conventions.map((c) => [c, `the ${c} solid`]), judged, (c) => look({ judged: c })));
-    if (held && sweepParts.pickers.querySelector(`#${held}`)) document.getElementById(held).focus();  // a picker that was just used keeps the keyboard
+        choice(
+            "sweep", "pick-sweep", index.sweeps.map((s) => [s.id, s.title]), sweep.id,
+            (id) => look({ sweep: id, u: -1, v: -1 })),
+        choice(
+            "statistic", "pick-statistic", statisticsOf(sweep).map((s) => [s, words(s)]), statistic,
+            (s) => look({ statistic: s })),
+        choice(
+            "format", "pick-sweep-format", [...new Set(sweep.rows.map((r) => r.format))].map((f) => [f, f]),
+            chosen.format,
+            (format) => {
+                const all = sweep.rows.filter((r) => r.format === format);
+                return lookAlong(all.find((r) => r.form === chosen.form) ?? all[0]);
+            }),
+        choice(
+            "form", "pick-sweep-form", rows.map((r) => [r.form, r.form]), chosen.form,
+            (form) => lookAlong(rows.find((r) => r.form === form))));
+    if (sweep.conventions?.length > 1)
+        sweepParts.pickers.append(choice(
+            "judged by", "pick-judged", sweep.conventions.map((c) => [c, `the ${c} solid`]), judged,
+            (c) => look({ judged: c })));
+    if (held && sweepParts.pickers.querySelector(`#${held}`))
+        document.getElementById(held).focus();  // a picker that was just used keeps the keyboard
 }
 
 async function drawSweep() {
@@ -144,8 +196,12 @@ async function drawSweep() {
     if (sweep.id !== state.sweep) return;
     const now = sweepNow(sweep), { element, grid, legend, onsets } = sweepParts, line = sweep.kind === "line";
     sweepParts.now = now;
-    const [columns, lines] = line ? [sweep.steps.length, 1] : sweep.kind === "plane" ? sweep.axes.map((a) => a.values.length) : [1, sweep.cases.length];
-    if ((sweep.kind !== "cases" && !(state.u < columns)) || (!line && !(state.v < lines)) || (sweep.kind === "plane" && state.u < 0)) state.u = state.v = -1;
+    const [columns, lines] = line ? [sweep.steps.length, 1] :
+        sweep.kind === "plane"    ? sweep.axes.map((a) => a.values.length) :
+                                    [1, sweep.cases.length];
+    if ((sweep.kind !== "cases" && !(state.u < columns)) || (!line && !(state.v < lines)) ||
+        (sweep.kind === "plane" && state.u < 0))
+        state.u = state.v = -1;
     const shown = [sweep.id, now.statistic, keyOf(now.chosen), now.judged].join(" ");
     if (shown !== sweepParts.shown) {
         sweepParts.shown = shown;
@@ -165,13 +221,35 @@ async function drawSweep() {
 
 function buildSweeps() {
     const root = document.getElementById("sweep-view");
-    Object.assign(sweepParts, { pickers: make("div", { className: "pickers" }), element: buildLines(), grid: make("div", { className: "grid" }, buildGrid()), under: make("p", { className: "hint", id: "sweep-under" }, "\u00a0"),
-        legend: make("div", { className: "legend" }), facts: make("div", { className: "facts", id: "sweep-facts", "aria-live": "polite" }), onsets: make("div"), copied: make("pre", { className: "copied", hidden: true }) });
-    const { copied } = sweepParts, command = () => `lostbits sweep ${state.sweep} -i ${sweepParts.now.chosen.form} -f ${sweepParts.now.chosen.format} -o out`;
-    const button = (id, words, text) => make("button", { type: "button", id, onclick: () => copyText(text(), copied) }, words);
-    root.append(sweepParts.pickers, make("div", { className: "stage" }, make("div", { className: "picture wide" }, sweepParts.element, sweepParts.grid, sweepParts.under, sweepParts.legend),
-        make("div", { className: "side" }, sweepParts.facts,
-            make("div", { className: "buttons" }, button("copy-sweep-command", "copy the command", command), button("copy-sweep-claim", "copy as claim", sweepClaim), button("copy-sweep-link", "copy the link", () => location.href)), copied)),
+    Object.assign(sweepParts, {
+        pickers: make("div", { className: "pickers" }),
+        element: buildLines(),
+        grid: make("div", { className: "grid" }, buildGrid()),
+        under: make("p", { className: "hint", id: "sweep-under" }, "\u00a0"),
+        legend: make("div", { className: "legend" }),
+        facts: make("div", { className: "facts", id: "sweep-facts", "aria-live": "polite" }),
+        onsets: make("div"),
+        copied: make("pre", { className: "copied", hidden: true })
+    });
+    const { copied } = sweepParts,
+                   command = () => `lostbits sweep ${state.sweep} -i ${sweepParts.now.chosen.form} -f ${
+                       sweepParts.now.chosen.format} -o out`;
+    const button = (id, words, text) =>
+        make("button", { type: "button", id, onclick: () => copyText(text(), copied) }, words);
+    root.append(
+        sweepParts.pickers,
+        make(
+            "div", { className: "stage" },
+            make(
+                "div", { className: "picture wide" }, sweepParts.element, sweepParts.grid, sweepParts.under,
+                sweepParts.legend),
+            make(
+                "div", { className: "side" }, sweepParts.facts,
+                make(
+                    "div", { className: "buttons" }, button("copy-sweep-command", "copy the command", command),
+                    button("copy-sweep-claim", "copy as claim", sweepClaim),
+                    button("copy-sweep-link", "copy the link", () => location.href)),
+                copied)),
         sweepParts.onsets);
     root.hidden = false;
     listeners.push(drawSweep);

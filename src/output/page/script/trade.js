@@ -1,26 +1,58 @@
 // Time against kept bits; a point is a form, and a click shows its map.
 
-const tradeParts = { shown: "" };
+const tradeParts = {
+    shown: ""
+};
 
 function plotTrade(set) {
     const points = set.points.filter((p) => typeof p.kept_bits === "number").sort((a, b) => a.time_ns - b.time_ns);
     const x = points.map((p) => p.time_ns), pick = (test) => points.map((p) => (test(p) ? p.kept_bits : null));
     const look32 = { stroke: "#4477aa", fill: "#4477aa" }, look64 = { stroke: "#ee6677", fill: "#ee6677" };
-    const dots = (label, look, filled, size) => ({ label, ...look, paths: () => null, points: { show: true, size, width: 1.5, stroke: look.stroke, fill: filled ? look.fill : ink("--page") } });
+    const dots = (label, look, filled, size) => ({
+        label,
+        ...look,
+        paths: () => null,
+        points: { show: true, size, width: 1.5, stroke: look.stroke, fill: filled ? look.fill : ink("--page") }
+    });
     const best = (p) => !p.dominated;
     tradeParts.points = points;
     tradeParts.element.replaceChildren();
-    const plot = new uPlot({
-        ...plotSize(tradeParts.element),
-        scales: { x: { time: false, distr: 3, log: 2, range: () => logEnds(x) }, y: { range: (_, low, high) => [0, Math.max(4, high + 2)] } },
-        axes: [{ ...axisLook("time a ray, ns"), values: (_, ticks) => ticks.map(tickText) }, axisLook("bits that 99 % of the hits keep")],
-        legend: { live: false, markers: { fill: (u, k) => (k >= 4 ? ink("--page") : u.series[k].stroke()) } },
-        cursor: { points: { show: false } },
-        series: [{}, { label: "nothing beats these", stroke: ink("--ink"), width: 1.25, spanGaps: true, paths: uPlot.paths.stepped({ align: 1 }), points: { show: false } },
-            dots("f32", look32, true, 9), dots("f64", look64, true, 9), dots("f32, dominated or at times wrong", look32, false, 6), dots("f64, dominated or at times wrong", look64, false, 6)],
-        hooks: { setCursor: [(u) => pointUnder(u)] },
-    }, [x, pick(best), pick((p) => best(p) && p.wrong_fraction === 0 && p.format === "f32"), pick((p) => best(p) && p.wrong_fraction === 0 && p.format === "f64"),
-        pick((p) => !(best(p) && p.wrong_fraction === 0) && p.format === "f32"), pick((p) => !(best(p) && p.wrong_fraction === 0) && p.format === "f64")], tradeParts.element);
+    const plot =
+        new uPlot(
+            {
+                ...plotSize(tradeParts.element),
+                scales: {
+                    x: { time: false, distr: 3, log: 2, range: () => logEnds(x) },
+                    y: { range: (_, low, high) => [0, Math.max(4, high + 2)] }
+                },
+                axes: [
+                    {...axisLook("time a ray, ns"), values: (_, ticks) => ticks.map(tickText) },
+                    axisLook("bits that 99 % of the hits keep")
+                ],
+                legend: { live: false, markers: { fill: (u, k) => (k >= 4 ? ink("--page") : u.series[k].stroke()) } },
+                cursor: { points: { show: false } },
+                series: [
+                    {}, {
+                        label: "nothing beats these",
+                        stroke: ink("--ink"),
+                        width: 1.25,
+                        spanGaps: true,
+                        paths: uPlot.paths.stepped({ align: 1 }),
+                        points: { show: false }
+                    },
+                    dots("f32", look32, true, 9), dots("f64", look64, true, 9),
+                    dots("f32, dominated or at times wrong", look32, false, 6),
+                    dots("f64, dominated or at times wrong", look64, false, 6)
+                ],
+                hooks: { setCursor: [(u) => pointUnder(u)] },
+            },
+            [
+                x, pick(best), pick((p) => best(p) && p.wrong_fraction === 0 && p.format === "f32"),
+                pick((p) => best(p) && p.wrong_fraction === 0 && p.format === "f64"),
+                pick((p) => !(best(p) && p.wrong_fraction === 0) && p.format === "f32"),
+                pick((p) => !(best(p) && p.wrong_fraction === 0) && p.format === "f64")
+            ],
+            tradeParts.element);
     return plot;
 }
 
@@ -36,8 +68,12 @@ function pointUnder(plot) {
 
 function sayPoint(p) {
     tradeParts.under = p;
-    const how = p && (p.isa === "scalar" ? "one ray at a time" : `${p.isa}-bit registers`), wrong = p && p.wrong_fraction > 0 ? `, decides ${rounded(p.wrong_fraction)} of the rays wrongly` : "";
-    tradeParts.words.textContent = p ? `${p.form} in ${p.format}, ${how}: ${rounded(p.time_ns)} ns a ray, keeps ${rounded(p.kept_bits)} bits${wrong}${mapOf(p) ? "; click, or Enter, for its map" : ""}` : "\u00a0";
+    const how = p && (p.isa === "scalar" ? "one ray at a time" : `${p.isa}-bit registers`),
+          wrong = p && p.wrong_fraction > 0 ? `, decides ${rounded(p.wrong_fraction)} of the rays wrongly` : "";
+    tradeParts.words.textContent = p ?
+        `${p.form} in ${p.format}, ${how}: ${rounded(p.time_ns)} ns a ray, keeps ${rounded(p.kept_bits)} bits${wrong}${
+            mapOf(p) ? "; click, or Enter, for its map" : ""}` :
+        "\u00a0";
 }
 
 /** The next point by time, with the cursor on it: for the keyboard. */
@@ -63,7 +99,10 @@ function drawTrade() {
     const shown = `${trade.shape} ${set.name}`;
     if (shown === tradeParts.shown) return;
     tradeParts.shown = shown;
-    tradeParts.pickers.replaceChildren(choice("shape", "pick-shape", index.trades.map((t) => [t.shape, t.shape]), trade.shape, (shape) => look({ shape })),
+    tradeParts.pickers.replaceChildren(
+        choice(
+            "shape", "pick-shape", index.trades.map((t) => [t.shape, t.shape]), trade.shape,
+            (shape) => look({ shape })),
         choice("rays", "pick-set", trade.sets.map((s) => [s.name, s.title]), set.name, (name) => look({ set: name })));
     tradeParts.plot?.destroy();
     tradeParts.plot = plotTrade(set);
@@ -71,11 +110,25 @@ function drawTrade() {
 
 function buildTrade() {
     const root = document.getElementById("trade-view");
-    Object.assign(tradeParts, { pickers: make("div", { className: "pickers" }), element: make("div", { className: "plot", id: "trade-plot", tabIndex: 0, role: "group", "aria-label": "time against kept bits; arrow keys move from point to point, Enter shows the map" }), words: make("p", { className: "hint", "aria-live": "polite" }, " ") });
+    Object.assign(tradeParts, {
+        pickers: make("div", { className: "pickers" }),
+        element: make("div", {
+            className: "plot",
+            id: "trade-plot",
+            tabIndex: 0,
+            role: "group",
+            "aria-label": "time against kept bits; arrow keys move from point to point, Enter shows the map"
+        }),
+        words: make("p", { className: "hint", "aria-live": "polite" }, " ")
+    });
     root.append(tradeParts.pickers, tradeParts.element, tradeParts.words);
     root.hidden = false;
     tradeParts.element.addEventListener("click", () => showMapOf(tradeParts.under));
-    const keys = { ArrowRight: () => walkPoints(1), ArrowLeft: () => walkPoints(-1), Enter: () => showMapOf(tradeParts.under) };
+    const keys = {
+        ArrowRight: () => walkPoints(1),
+        ArrowLeft: () => walkPoints(-1),
+        Enter: () => showMapOf(tradeParts.under)
+    };
     tradeParts.element.addEventListener("keydown", (event) => {
         if (event.ctrlKey || event.metaKey || event.altKey || !keys[event.key]) return;
         keys[event.key]();
