@@ -1,5 +1,5 @@
-// The documents tell the truth: the commands of README.md and docs/ run, what they show is what the program prints, their links lead somewhere,
-// and the README stays short.
+// The documents tell the truth: the commands of README.md and docs/ run, what they show is what the program prints,
+// their links lead somewhere, and the README stays short.
 #include <algorithm>
 #include <array>
 #include <regex>
@@ -20,7 +20,8 @@ const fs::path root = fs::path(LOSTBITS_REPORTS_DIR).parent_path();
 
 std::vector<std::string> pages() {
     std::vector<std::string> all{"README.md"};
-    for (const auto& entry : fs::directory_iterator(root / "docs")) all.push_back("docs/" + entry.path().filename().string());
+    for (const auto& entry : fs::directory_iterator(root / "docs"))
+        all.push_back("docs/" + entry.path().filename().string());
     std::ranges::sort(all);
     return all;
 }
@@ -111,12 +112,17 @@ constexpr std::array cheaper{
     Cheaper{"map ", " --size 32x32", "a small picture has the same files"},
     Cheaper{"render ", " --size 32x32", "a small picture has the same files"},
     Cheaper{"report ", " --size 32x32", "a small picture has the same parts"},
-    Cheaper{"report -o out ", " --no-claims -i sphere.unified -i box.signs -i sdf.sphere_trace -f f32", "40 s; test_check.cpp measures every claim"},
-    Cheaper{"report near-benign --metric residual --trade ", " -i sphere.unified -i sphere.press", "times of every form are 6 s"},
-    Cheaper{"report rtg-fig-7-3-4100-oblique near-benign ", " --no-claims -i sphere.schoolbook -i sphere.unified", "20 s: the page of the screenshots"},
+    Cheaper{"report -o out ", " --no-claims -i sphere.unified -i box.signs -i sdf.sphere_trace -f f32",
+            "40 s; test_check.cpp measures every claim"},
+    Cheaper{"report near-benign --metric residual --trade ", " -i sphere.unified -i sphere.press",
+            "times of every form are 6 s"},
+    Cheaper{"report rtg-fig-7-3-4100-oblique near-benign ", " --no-claims -i sphere.schoolbook -i sphere.unified",
+            "20 s: the page of the screenshots"},
     Cheaper{"check  ", " --filter 'float.*'", "20 s; test_check.cpp measures every claim"},
-    Cheaper{"check --profile timing", " --filter 'speed.signs-over-inclusive-*'", "a minute; test_check.cpp measures times"},
-    Cheaper{"trade -o out ", " --quick -i sphere.unified -i sphere.press", "a minute; test_trade.cpp measures every form"},
+    Cheaper{"check --profile timing", " --filter 'speed.signs-over-inclusive-*'",
+            "a minute; test_check.cpp measures times"},
+    Cheaper{"trade -o out ", " --quick -i sphere.unified -i sphere.press",
+            "a minute; test_trade.cpp measures every form"},
 };
 
 /// The command without its comment, and with what makes it cheap.
@@ -126,7 +132,9 @@ std::string affordable(const Command& command, std::set<std::string_view>& used)
     text.erase(text.find_last_not_of(' ') + 1);
     const std::string padded = text + "  ";  // so that a start can say where the command ends
     for (const Cheaper& c : cheaper) {
-        if (!padded.starts_with(c.start) || (c.adds.find("--size") != std::string_view::npos && text.find("--size") != std::string::npos)) continue;
+        if (!padded.starts_with(c.start) ||
+            (c.adds.find("--size") != std::string_view::npos && text.find("--size") != std::string::npos))
+            continue;
         used.insert(c.start);
         text += c.adds;
     }
@@ -153,7 +161,9 @@ void lay_out(const Scratch& scratch, const std::string& page) {
             if (block.language != "toml") continue;
             std::string text;
             for (const std::string& line : block.lines) text += line + "\n";
-            for (const auto& [schema, name] : {std::pair{"lostbits-scene/", "mine.toml"}, {"lostbits-sweep/", "my-sweep.toml"}, {"lostbits-claims/", "my-claims.toml"}}) {
+            for (const auto& [schema, name] : {std::pair{"lostbits-scene/", "mine.toml"},
+                                               {"lostbits-sweep/", "my-sweep.toml"},
+                                               {"lostbits-claims/", "my-claims.toml"}}) {
                 if (text.find(schema) != std::string::npos) (void)scratch.write(name, text);
             }
         }
@@ -183,7 +193,8 @@ void hold_quarter(std::size_t quarter) {
 }
 
 std::size_t columns(const std::string& line) {
-    return static_cast<std::size_t>(std::ranges::count_if(line, [](char c) { return (static_cast<unsigned char>(c) & 0xC0) != 0x80; }));
+    return static_cast<std::size_t>(
+        std::ranges::count_if(line, [](char c) { return (static_cast<unsigned char>(c) & 0xC0) != 0x80; }));
 }
 
 }  // namespace
@@ -241,7 +252,8 @@ TEST_CASE("a command or an option that a sentence of the documents names exists"
                 REQUIRE(r.code == 0);
                 help[word] = r.out;
             }
-            for (auto o = std::sregex_iterator(rest.begin(), rest.end(), option); o != std::sregex_iterator(); ++o) CHECK(help[word].find((*o)[2]) != std::string::npos);
+            for (auto o = std::sregex_iterator(rest.begin(), rest.end(), option); o != std::sregex_iterator(); ++o)
+                CHECK(help[word].find((*o)[2]) != std::string::npos);
         }
     }
     CHECK(help.size() > 5);

@@ -1,5 +1,5 @@
-# Compiles fingerprint.cpp with every compiler here, with and without optimisation, for any machine and for this one, and
-# demands the same output of all. Run by ctest:
+# Compiles fingerprint.cpp with every compiler here, with and without optimisation, for any machine and for this one,
+# and demands the same output of all. Run by ctest:
 #   cmake -DSOURCE_DIR=… -DWORK_DIR=… -DINCLUDES=a;b -P bit_identity.cmake
 set(compilers "")
 foreach(name g++ clang++)
@@ -24,7 +24,8 @@ file(MAKE_DIRECTORY ${WORK_DIR})
 set(builds "")
 foreach(compiler ${compilers})
     foreach(level -O0 -O3)
-        list(APPEND builds "${compiler}+${level}+-ffp-contract=off" "${compiler}+${level}+-march=native+-ffp-contract=off")
+        list(APPEND builds "${compiler}+${level}+-ffp-contract=off"
+            "${compiler}+${level}+-march=native+-ffp-contract=off")
     endforeach()
 endforeach()
 # The control: contraction, where the machine has FMA, must change the output, or the comparison sees nothing.
