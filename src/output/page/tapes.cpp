@@ -64,7 +64,7 @@ std::string numbers_of(const std::vector<Solid<S>>& solids, const std::set<int>&
 }
 
 std::string node_json(const TapeNode& n) {
-    std::string text = fmt::format("[\"{}\",{}", tape_op_names[static_cast<std::size_t>(n.op)], n.format);
+    std::string text = fmt::format("[\"{}\",{}", name_of(n.op), n.format);
     if (n.op == TapeOp::constant) return text + fmt::format(",{}]", n.operands[0]);  // its value, which −1 may be
     for (const NodeId operand : n.operands) {
         if (operand != no_node) text += fmt::format(",{}", operand);
