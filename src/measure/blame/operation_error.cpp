@@ -3,14 +3,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "number/error_free.hpp"
 #include "number/real.hpp"
 #include "number/rounded.hpp"
 
 namespace lostbits::measure::blame {
 namespace {
-
-/// An error-free residual needs its lowest bit, some 2·53 places below the result, to be representable.
-bool residual_is_exact(double x) { return std::fabs(x) >= 0x1p-900 && std::fabs(x) <= 0x1p+1000; }
 
 /// A fused operation on any doubles is exact in 3 · 1074 + 1024 bits and a few.
 using Deep = BasicReal<4400>;
@@ -31,48 +29,47 @@ double rounding_reference(TapeOp op, const std::array<double, 3>& x, double valu
     return off;
 }
 
-/// value − (a + b): with TwoSum (Knuth), a + b = s + e.
+/// value − (a + b), a + b = s + e.
 double rounding_of_sum(double a, double b, double value) {
-    const double s = a + b, bb = s - a;
-    const double e = (a - (s - bb)) + (b - bb);
+    const auto [s, e] = two_sum(a, b);
     return (value - s) - e;
 }
 
 double rounding_of_product(double a, double b, double value) {
-    const double p = a * b;
-    return (value - p) - std::fma(a, b, -p);
+    const auto [p, e] = two_product(a, b);
+    return (value - p) - e;
 }
 
 /// a/b = q + r/b with r = a − qb exact.
 double rounding_of_quotient(double a, double b, double value) {
     const double q = a / b;
-    return (value - q) - std::fma(-q, b, a) / b;
+    return (value - q) - quotient_residual(a, b, q) / b;
 }
 
 /// √a = s + r/(2s) to within (r/2s)²/2s, r = a − s².
 double rounding_of_root(double a, double value) {
     const double s = std::sqrt(a);
-    return (value - s) - std::fma(-s, s, a) / (2 * s);
+    return (value - s) - root_residual(a, s) / (2 * s);
 }
 
 double rounding_of_finite(TapeOp op, const std::array<double, 3>& x, double value) {
     const auto [a, b, c] = x;
-    const auto safe = [](auto... y) { return (residual_is_exact(y) && ...); };
     switch (op) {
         case TapeOp::add:
         case TapeOp::sub:
-            return std::fabs(a) <= 0x1p+1000 && std::fabs(b) <= 0x1p+1000
+            return std::fabs(a) <= error_free_high && std::fabs(b) <= error_free_high
                        ? rounding_of_sum(a, op == TapeOp::add ? b : -b, value)
                        : rounding_reference(op, x, value);
         case TapeOp::mul:
-            return a == 0 || b == 0 ? 0
-                   : safe(a * b)    ? rounding_of_product(a, b, value)
-                                    : rounding_reference(op, x, value);
+            return a == 0 || b == 0             ? 0
+                   : residuals_are_exact(a * b) ? rounding_of_product(a, b, value)
+                                                : rounding_reference(op, x, value);
         case TapeOp::div:
-            return b == 0 || a == 0    ? 0
-                   : safe(a, b, a / b) ? rounding_of_quotient(a, b, value)
-                                       : rounding_reference(op, x, value);
-        case TapeOp::sqrt: return a <= 0 ? 0 : safe(a) ? rounding_of_root(a, value) : rounding_reference(op, x, value);
+            return b == 0 || a == 0                   ? 0
+                   : residuals_are_exact(a, b, a / b) ? rounding_of_quotient(a, b, value)
+                                                      : rounding_reference(op, x, value);
+        case TapeOp::sqrt:
+            return a <= 0 ? 0 : residuals_are_exact(a) ? rounding_of_root(a, value) : rounding_reference(op, x, value);
         default: return rounding_reference(op, x, value);
     }
 }
