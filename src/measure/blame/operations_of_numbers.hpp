@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "measure/blame/operation.hpp"
+#include "number/error_free.hpp"
 #include "number/rounded.hpp"
 
 namespace lostbits::measure::blame {
@@ -15,9 +16,6 @@ using Addends = std::optional<std::array<double, 2>>;
 struct IsNotASum {
     static Addends addends(auto...) { return {}; }
 };
-
-/// An error-free residual needs its lowest bit, some 2·53 places below the result, to be representable.
-inline bool has_residual(double x) { return std::fabs(x) >= 0x1p-900 && std::fabs(x) <= 0x1p+1000; }
 
 /// Written as its name or its digits.
 struct GivenText {
@@ -51,11 +49,9 @@ struct Operation<TapeOp::add> {
         return Exact::sum(a, b);
     }
     static double computed(double a, double b, const FloatFormat& f) { return rounding::add(a, b, f); }
-    /// TwoSum (Knuth): a + b = s + e.
     static std::optional<double> residual(double a, double b, double value) {
-        if (!(std::fabs(a) <= 0x1p+1000 && std::fabs(b) <= 0x1p+1000)) return {};
-        const double s = a + b, bb = s - a;
-        const double e = (a - (s - bb)) + (b - bb);
+        if (!(std::fabs(a) <= error_free_high && std::fabs(b) <= error_free_high)) return {};
+        const auto [s, e] = two_sum(a, b);
         return (value - s) - e;
     }
     static Addends addends(double a, double b) { return {{a, b}}; }
@@ -98,9 +94,9 @@ struct Operation<TapeOp::mul> : IsNotASum {
     static double computed(double a, double b, const FloatFormat& f) { return rounding::mul(a, b, f); }
     static std::optional<double> residual(double a, double b, double value) {
         if (a == 0 || b == 0) return 0;
-        const double p = a * b;
-        if (!has_residual(p)) return {};
-        return (value - p) - std::fma(a, b, -p);
+        if (!residuals_are_exact(a * b)) return {};
+        const auto [p, e] = two_product(a, b);
+        return (value - p) - e;
     }
     static Quotients quotients(const Step& a, const Step& b) { return {b.middle(), a.middle()}; }
 };
@@ -122,8 +118,8 @@ struct Operation<TapeOp::div> : IsNotASum {
     static std::optional<double> residual(double a, double b, double value) {
         if (a == 0 || b == 0) return 0;
         const double q = a / b;
-        if (!has_residual(a) || !has_residual(b) || !has_residual(q)) return {};
-        return (value - q) - std::fma(-q, b, a) / b;
+        if (!residuals_are_exact(a, b, q)) return {};
+        return (value - q) - quotient_residual(a, b, q) / b;
     }
     static Quotients quotients(const Step& a, const Step& b) {
         return {(1 / b.from + 1 / b.to) / 2, -(a.from / b.from / b.to + a.to / b.from / b.to) / 2};
@@ -146,9 +142,9 @@ struct Operation<TapeOp::sqrt> : IsNotASum {
     /// √a = s + r/(2s) to within (r/2s)²/2s, r = a − s².
     static std::optional<double> residual(double a, double value) {
         if (a <= 0) return 0;
-        if (!has_residual(a)) return {};
+        if (!residuals_are_exact(a)) return {};
         const double s = std::sqrt(a);
-        return (value - s) - std::fma(-s, s, a) / (2 * s);
+        return (value - s) - root_residual(a, s) / (2 * s);
     }
     /// Of a zero that is exact no error comes; its derivative is infinite all the same.
     static Quotients quotients(const Step& a) {
