@@ -58,8 +58,7 @@ Commands canonical_commands(const Scene& scene, const MapOptions& o) {
 }
 
 void print_table(const measure::map::MapRequest& request, const std::vector<measure::map::MapSummary>& summaries) {
-    const auto lost = static_cast<std::size_t>(
-        std::ranges::find(request.metrics, measure::metric::find_metric("lost_bits")) - request.metrics.begin());
+    const std::size_t lost = measure::metric::place_of(request.metrics, "lost_bits");
     fmt::print("  {:<28} {:<5} {:>10} {:>10} {:>9} {:>6} {:>9} {:>9}\n", "form", "fmt", "false hit", "false miss",
                "NaN", "bits:", "p50", "p99");
     for (std::size_t r = 0; r < summaries.size(); ++r) {
@@ -76,8 +75,8 @@ void print_table(const NeededRequest& request, const std::vector<measure::map::N
     for (std::size_t f = 0; f < summaries.size(); ++f) {
         const auto all = summaries[f].all();
         fmt::print("  {:<28} {:>14} {:>6} {:>6} {:>6} {:>10} {:>10}\n", request.forms[f]->info->name, "",
-                   measure::map::quantile(all, 0.5), measure::map::quantile(all, 0.99), measure::map::quantile(all, 1),
-                   summaries[f].hits_beyond, summaries[f].misses_beyond);
+                   all.quantile(0.5), all.quantile(0.99), all.quantile(1), summaries[f].hits_beyond,
+                   summaries[f].misses_beyond);
     }
 }
 
@@ -108,13 +107,12 @@ struct SceneWork {
 };
 
 SceneWork work_on(const Scene& scene, const MapOptions& o, const std::vector<MapRow>& rows,
-                  const std::vector<const Metric*>& wanted) {
+                  const std::vector<const Metric*>& wanted, measure::metric::MetricSet& made) {
     SceneWork work{
         {.scene = &scene, .rows = fitting(rows, [&](Shape shape) { return scene.meets(shape); }), .metrics = {}}, {}};
-    work.map.metrics = measured(wanted, work.map.rows);
-    measure::blame::bind_to_run(work.map.metrics, measure::map::forms_of(work.map.rows),
-                                [&scene] { return measure::blame::SettingOf(scene); });
-    measure::map::order_culprits(work.map);
+    work.map.metrics = made.for_forms(measured(wanted, work.map.rows), measure::map::forms_of(work.map.rows),
+                                      [&scene] { return measure::blame::SettingOf(scene); });
+    work.map.metrics = measure::map::order_culprits(work.map, made);
     if (o.bits_needed > 0)
         work.needed = NeededRequest{.scene = &scene, .forms = forms_of_any_width(work.map.rows), .bits = o.bits_needed};
     return work;
@@ -164,15 +162,18 @@ std::uint64_t map_scene(const SceneWork& work, const MapOptions& o, const Common
 
 /// The pictures of one scene: what was asked for, as its work measures it.
 std::vector<const Metric*> drawn_of(std::vector<const Metric*> asked, const SceneWork& work) {
-    for (const Metric*& m : asked) m = *std::ranges::find(work.map.metrics, m->name, &Metric::name);
+    std::ranges::transform(asked, asked.begin(), [&work](const Metric* m) {
+        return work.map.metrics[measure::metric::place_of(work.map.metrics, m->name)];
+    });
     return asked;
 }
 
 Exit run(const MapOptions& o, const Common& common) {
     if (o.out.empty()) throw InputError("-o: the name of the folder is empty; write -o . for this one");
     const auto rows = cross(select_forms(o.forms), select_formats(o.formats));
+    measure::metric::MetricSet made;
     const auto drawn =
-        o.metrics.empty() ? std::vector{measure::metric::find_metric("lost_bits")} : select_metrics(o.metrics);
+        o.metrics.empty() ? std::vector{measure::metric::find_metric("lost_bits")} : select_metrics(o.metrics, made);
     auto wanted = drawn;
     if (o.envelope) {
         if (std::ranges::find(drawn, measure::metric::find_metric("lost_bits")) == drawn.end())
@@ -187,7 +188,7 @@ Exit run(const MapOptions& o, const Common& common) {
     const ThreadLimit limit(common.threads);
 
     std::vector<SceneWork> works;
-    for (const auto& scene : scenes) works.push_back(work_on(scene, o, rows, wanted));
+    for (const auto& scene : scenes) works.push_back(work_on(scene, o, rows, wanted, made));
     for (const SceneWork& work : works) that_apply(drawn, work.map.rows, "scene " + work.map.scene->id);
     // A folder that cannot be written ends the run before the first ray, not after the tenth scene.
     for (const auto& scene : scenes)

@@ -120,6 +120,7 @@ std::vector<MapRow> rows_for(const std::string& subject, std::vector<MapRow> row
 }
 
 struct Work {
+    measure::metric::MetricSet made;  ///< outlives the maps, whose metrics it keeps
     std::vector<MapWork> maps;
     std::vector<SweepWork> sweeps;
     std::vector<Claim> claims;
@@ -156,9 +157,8 @@ Work plan(const ReportOptions& o, const std::filesystem::path& data) {
     const auto claims = o.no_claims ? std::vector<Claim>{} : read_all_claims(data);
     const auto rows = cross(select_forms(o.forms.empty() ? defaults.forms : o.forms),
                             select_formats(o.formats.empty() ? defaults.formats : o.formats));
-    const std::vector<const Metric*> asked =
-        o.metrics.empty() ? std::vector<const Metric*>{} : select_metrics(o.metrics);
     Work work;
+    const std::vector<const Metric*> asked = select_metrics(o.metrics, work.made);
     for (const scene::file::SceneName& name : subjects.scenes) {
         scene::file::LoadOptions options{.variant = name.variant};
         if (!o.size.empty()) options.size = parse_size(o.size);
@@ -169,9 +169,8 @@ Work plan(const ReportOptions& o, const std::filesystem::path& data) {
             std::vector<const Metric*> wanted = asked;
             for (const char* metric : {"lost_bits", "ulp_error", "condition", "inherent_bits", "excess_bits"})
                 wanted.push_back(measure::metric::find_metric(metric));
-            auto all = measured(wanted, fit);
-            measure::blame::bind_to_run(all, measure::map::forms_of(fit),
-                                        [&scene] { return measure::blame::SettingOf(scene); });
+            auto all = work.made.for_forms(measured(wanted, fit), measure::map::forms_of(fit),
+                                           [&scene] { return measure::blame::SettingOf(scene); });
             // Its float layer would be the largest part of most pages.
             std::erase_if(all, [&](const Metric* m) {
                 return m->name == "residual" && std::ranges::find(asked, m) == asked.end();
@@ -230,7 +229,7 @@ Exit run(const ReportOptions& o, const Common& common) {
         .command = canonical_command(o), .maps = {}, .sweeps = {}, .trades = {}, .claims = work.claims, .results = {}};
     std::uint64_t unresolved = 0;
     for (MapWork& map : work.maps) {
-        report.maps.push_back(map_part(map, advance));
+        report.maps.push_back(map_part(map, work.made, advance));
         unresolved += map.unresolved;
     }
     for (const SweepWork& sweep : work.sweeps)

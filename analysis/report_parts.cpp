@@ -149,10 +149,10 @@ SweepPart axes_part(const SweepWork& work, const Advance& advance) {
 
 }  // namespace
 
-output::page::MapPart map_part(MapWork& work, const Advance& advance) {
+output::page::MapPart map_part(MapWork& work, measure::metric::MetricSet& made, const Advance& advance) {
     const scene::file::Scene& scene = work.scene;
     measure::map::MapRequest request{.scene = &scene, .rows = work.rows, .metrics = work.metrics};
-    measure::map::order_culprits(request);
+    request.metrics = measure::map::order_culprits(request, made);
     request.progress = advance;
     const output::page::TemporaryFolder folder;
     const auto file = folder.path() / "contact.png";

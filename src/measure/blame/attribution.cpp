@@ -6,7 +6,7 @@
 #include "measure/blame/exact_arithmetic.hpp"
 #include "measure/blame/operation_error.hpp"
 #include "measure/blame/operations.hpp"
-#include "measure/metric/metrics.hpp"
+#include "measure/truth/lost_bits.hpp"
 #include "number/rounded.hpp"
 
 namespace lostbits::measure::blame {
@@ -180,7 +180,7 @@ private:
         if (!std::isfinite(off) || off == 0) return 0;
         const double size = std::fabs(of(i).exact);
         const long e = ulp_exponent(tape_.format_of(i), size == 0 ? -100000 : std::ilogb(size));
-        return metric::lost_bits(std::ldexp(off, static_cast<int>(-e)), tape_.format_of(i).precision);
+        return truth::lost_bits(std::ldexp(off, static_cast<int>(-e)), tape_.format_of(i).precision);
     }
 
     void seed(NodeId subject) {

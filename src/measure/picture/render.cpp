@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <map>
 
 #include "measure/picture/blockers.hpp"
@@ -18,11 +17,10 @@ namespace lostbits::measure::picture {
 using map::MapRow;
 using scene::file::Stage;
 using truth::Band;
+using truth::missing;
 using truth::Truth;
 
 namespace {
-
-constexpr double missing = std::numeric_limits<double>::quiet_NaN();
 
 template <class T>
 Vec<double> drop(const Vec<T>& v) {
@@ -105,7 +103,7 @@ public:
           appearance_(request.scene->appearance),
           n_(band.pixels()),
           rays_(in.geometry.rays_for(*row.form->info)),
-          answers_(truth::evaluate(*row.form, in.geometry)),
+          answers_(answer::evaluate(*row.form, in.geometry)),
           out_{band.y0(),
                band.rows(),
                in.geometry.rays.width,
@@ -138,7 +136,7 @@ private:
 
     /// The point and the normal as the format computes them, and how far they are off.
     void see() {
-        static const metric::Metric* const residual = metric::find_metric("residual");
+        const metric::Metric& residual = *metric::find_metric("residual");
         for_each_pixel_in(row_.format, n_, [&]<class T>(std::size_t i) {
             const Truth& truth = band_.truth(i, intersect::Touching::hit);
             out_.truth_object[i] = truth.is_hit() ? truth.object : -1;
@@ -151,9 +149,8 @@ private:
             point_[i] = drop(p);
             normal_[i] = drop(normal_at<T>(p, sphere));
             if (out_.seen[i] != Seen::same_sphere) return;
-            const metric::Sample sample{answers_.t[i], &row_.format, nullptr, missing,  nullptr,
-                                        nullptr,       missing,      &ray,    &solid(i)};
-            out_.residual[i] = std::fabs(residual->value(sample));
+            out_.residual[i] = std::fabs(
+                residual.value({.t = answers_.t[i], .format = &row_.format, .ray = &ray, .solid = &solid(i)}));
             if (truth_[i].has_normal) out_.normal_angle[i] = angle_between(normal_[i], truth_[i].normal);
         });
     }
@@ -252,7 +249,7 @@ private:
     const scene::file::Appearance& appearance_;
     std::size_t n_;
     const scene::rays::RayBlock& rays_;
-    truth::Answers answers_;
+    answer::Answers answers_;
     RenderBand out_;
     bool casts_ = false;
     std::vector<Vec<double>> point_, normal_;

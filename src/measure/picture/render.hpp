@@ -54,7 +54,7 @@ std::uint8_t byte_of(double channel);
 /// One form in one format over some scanlines.
 struct RenderBand {
     int y0, rows, width;
-    const truth::Answers* answers;
+    const answer::Answers* answers;
     std::span<const TruePixel> truth;
     std::vector<Seen> seen;
     std::vector<Shadow> shadow;        ///< empty where no stage casts shadows

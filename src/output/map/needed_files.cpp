@@ -5,6 +5,7 @@
 #include <bit>
 #include <cmath>
 
+#include "measure/metric/statistics.hpp"
 #include "output/file/csv.hpp"
 #include "output/image/heatmap.hpp"
 #include "output/map/map_colour.hpp"
@@ -21,6 +22,9 @@ using measure::map::NeededBand;
 using measure::map::NeededRequest;
 using measure::map::NeededSink;
 using measure::map::NeededSummary;
+using measure::map::WidthCounts;
+using measure::metric::Statistic;
+using measure::metric::statistics;
 
 namespace {
 
@@ -76,29 +80,17 @@ image::ExrSpec exr_spec(const NeededRequest& request, const Info& form, const st
                 {"lostbits:objects", "0 none, otherwise the solid's place in the scene, from 1"}}};
 }
 
-struct Statistic {
-    const char* name;
-    const char* meaning;
-    double (*of)(const NeededSummary::Counts&);
-};
-constexpr Statistic statistics[] = {
-    {"mean", "mean", measure::map::mean},
-    {"p50", "median", [](const NeededSummary::Counts& c) { return measure::map::quantile(c, 0.5); }},
-    {"p99", "99th percentile", [](const NeededSummary::Counts& c) { return measure::map::quantile(c, 0.99); }},
-    {"max", "largest", [](const NeededSummary::Counts& c) { return measure::map::quantile(c, 1); }},
-};
-
 std::vector<Column> table_columns() {
     std::vector<Column> columns{
         {"form", "string", "", "form under test"},
         {"bits_asked", "integer", "bits", "B: the answer is to be within half an ulp of B significand bits"},
         {"pixels", "integer", "", "rays, one a pixel"}};
     for (const Statistic& s : statistics) {
-        columns.push_back({std::string("needed_") + s.name, "number", "bits",
+        columns.push_back({"needed_" + std::string(s.name), "number", "bits",
                            std::string(s.meaning) + " of the widths needed, over the pixels that have one"});
     }
     for (const Statistic& s : statistics) {
-        columns.push_back({std::string("hit_needed_") + s.name, "number", "bits",
+        columns.push_back({"hit_needed_" + std::string(s.name), "number", "bits",
                            std::string(s.meaning) + " of the same over the rays that truly hit"});
     }
     columns.push_back({"hits_beyond_53", "integer", "", "rays that truly hit and on which not even 53 bits suffice"});
@@ -121,9 +113,9 @@ std::vector<Column> pixel_columns(int bits) {
 
 void add_row(CsvWriter& csv, const NeededRequest& request, const Info& form, const NeededSummary& s) {
     csv.add(form.name).add(request.bits).add(s.pixels());
-    for (const NeededSummary::Counts& counts : {s.all(), s.hits}) {
+    for (const WidthCounts& counts : {s.all(), s.hits}) {
         for (const Statistic& statistic : statistics)
-            csv.add(measure::map::count(counts) == 0 ? Cell() : Cell(statistic.of(counts)));
+            csv.add(counts.count() == 0 ? Cell() : Cell(statistic.of(counts)));
     }
     csv.add(s.hits_beyond).add(s.misses_beyond).add(s.unresolved);
     csv.end_row();

@@ -25,7 +25,7 @@ std::string paint_fields(const std::vector<measure::map::MapRow>& rows) {
     std::vector<std::string> ticks, names;
     for (const auto& tick : scale.ticks(7))
         ticks.push_back(fmt::format("[{},{}]", number(tick.position), json_text(tick.label)));
-    for (const Statistic& s : sweep_statistics()) names.push_back(json_text(s.name));
+    for (const std::string_view s : sweep_statistics) names.push_back(json_text(s));
     return fmt::format(R"("scale":{{"lo":{},"hi":{},"log2":{},"ticks":[{}]}},"paper":{},"statistics":[{}])",
                        number(scale.lo()), number(scale.hi()), scale.is_log2(), fmt::join(ticks, ","),
                        rgb(image::style::page), fmt::join(names, ","));

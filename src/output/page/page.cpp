@@ -7,6 +7,7 @@
 #include <limits>
 #include <set>
 
+#include "measure/map/summary_columns.hpp"
 #include "output/file/number_text.hpp"
 #include "output/map/map_colour.hpp"
 #include "output/page/assets.hpp"
@@ -174,9 +175,9 @@ std::string heading(const Report& report) {
 
 std::string summary_table(const measure::map::MapRequest& request,
                           const std::vector<measure::map::MapSummary>& summaries) {
-    const auto place = [&](const char* name) {
-        return static_cast<std::size_t>(std::ranges::find(request.metrics, measure::metric::find_metric(name)) -
-                                        request.metrics.begin());
+    const auto columns = measure::map::summary_columns(request.metrics);
+    const auto value = [&](std::string_view name, const measure::map::MapSummary& s) {
+        return measure::map::find_column(columns, name)->value(s);
     };
     std::string text =
         "<table><thead><tr><th scope=\"col\">form</th><th scope=\"col\">format</th><th scope=\"col\">false "
@@ -189,12 +190,10 @@ std::string summary_table(const measure::map::MapRequest& request,
         const measure::map::MapRow& row = request.rows[r];
         text += fmt::format("<tr data-row=\"{}\"><th scope=\"row\">{}</th><td>{}</td>", html(row_key(row)),
                             html(row.form->info->name), row.format.name);
-        for (const Outcome o : {Outcome::false_hit, Outcome::false_miss, Outcome::not_a_number, Outcome::unresolved})
-            text += fmt::format("<td class=\"n\">{}</td>", s.count(o));
-        const measure::metric::Distribution& lost = s.metrics[place("lost_bits")];
-        for (const double q : measure::metric::reported_quantiles)
-            text += fmt::format("<td class=\"n\">{}</td>", shown(lost.quantile(q)));
-        text += fmt::format("<td class=\"n\">{}</td>", shown(s.metrics[place("excess_bits")].quantile(0.99)));
+        for (const char* name : {"false_hit", "false_miss", "not_a_number", "unresolved"})
+            text += fmt::format("<td class=\"n\">{}</td>", static_cast<std::uint64_t>(value(name, s)));
+        for (const char* name : {"lost_bits_p50", "lost_bits_p99", "lost_bits_max", "excess_bits_p99"})
+            text += fmt::format("<td class=\"n\">{}</td>", shown(value(name, s)));
         if (s.worst.x < 0) text += "<td>&ndash;</td></tr>\n";
         else
             text += fmt::format(

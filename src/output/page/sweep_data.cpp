@@ -4,9 +4,9 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <cmath>
-#include <limits>
 
+#include "measure/map/summary_columns.hpp"
+#include "measure/truth/missing.hpp"
 #include "output/page/text.hpp"
 #include "output/speed/trade_files.hpp"
 
@@ -17,14 +17,6 @@ using measure::metric::Metric;
 using measure::sweep::Onset;
 
 namespace {
-
-double quantile(const MapSummary& s, const std::vector<const Metric*>& metrics, const char* name, double q) {
-    const auto at = std::ranges::find(metrics, measure::metric::find_metric(name));
-    return at == metrics.end() ? std::numeric_limits<double>::quiet_NaN()
-                               : s.metrics[static_cast<std::size_t>(at - metrics.begin())].quantile(q);
-}
-
-using Metrics = std::vector<const Metric*>;
 
 template <class Items, class Text>
 std::string list(const Items& items, const Text& text) {
@@ -40,26 +32,15 @@ const char* spacing_name(scene::sweep::Axis::Spacing s) {
 
 }  // namespace
 
-const std::vector<Statistic>& sweep_statistics() {
-    static const std::vector<Statistic> all{
-        {"lost_bits_p50", [](const MapSummary& s, const Metrics& m) { return quantile(s, m, "lost_bits", 0.5); }},
-        {"lost_bits_p99", [](const MapSummary& s, const Metrics& m) { return quantile(s, m, "lost_bits", 0.99); }},
-        {"lost_bits_max", [](const MapSummary& s, const Metrics& m) { return quantile(s, m, "lost_bits", 1); }},
-        {"excess_bits_p99", [](const MapSummary& s, const Metrics& m) { return quantile(s, m, "excess_bits", 0.99); }},
-        {"inherent_bits_p99",
-         [](const MapSummary& s, const Metrics& m) { return quantile(s, m, "inherent_bits", 0.99); }},
-        {"false_hit_fraction", [](const MapSummary& s, const Metrics&) { return false_hit_fraction(s); }},
-        {"false_miss_fraction", [](const MapSummary& s, const Metrics&) { return false_miss_fraction(s); }},
-    };
-    return all;
-}
-
 std::string row_fields(const measure::map::MapRow& row, const std::vector<const Metric*>& metrics, std::size_t cells,
                        const std::function<const MapSummary&(std::size_t)>& at) {
+    const auto columns = measure::map::summary_columns(metrics);
     std::vector<std::string> values, outcomes;
-    for (const Statistic& s : sweep_statistics()) {
+    for (const std::string_view name : sweep_statistics) {
+        const measure::map::SummaryColumn* const column = measure::map::find_column(columns, name);
         std::vector<std::string> all;
-        for (std::size_t c = 0; c < cells; ++c) all.push_back(number(s.of(at(c), metrics)));
+        for (std::size_t c = 0; c < cells; ++c)
+            all.push_back(number(column ? column->value(at(c)) : measure::truth::missing));
         values.push_back(fmt::format("[{}]", fmt::join(all, ",")));
     }
     for (std::size_t c = 0; c < cells; ++c) outcomes.push_back(fmt::format("[{}]", fmt::join(at(c).outcomes, ",")));
@@ -88,7 +69,7 @@ std::string sweep_json(const measure::sweep::SweepRequest& request, const std::v
         json_text(request.sweep->id), json_text(request.sweep->title), json_text(axis.name), json_text(axis.unit),
         spacing_name(axis.spacing),
         list(steps, [](const measure::sweep::SweepStep& s) { return number(s.values.front()); }),
-        list(sweep_statistics(), [](const Statistic& s) { return json_text(s.name); }), fmt::join(rows, ","));
+        list(sweep_statistics, json_text), fmt::join(rows, ","));
 }
 
 std::string onset_table(const measure::sweep::SweepRequest& request, const std::vector<Onset>& onsets) {

@@ -1,8 +1,10 @@
 // Sweeps and trades as the page holds them.
 #pragma once
 
+#include <array>
 #include <functional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "measure/speed/trade.hpp"
@@ -10,12 +12,10 @@
 
 namespace lostbits::output::page {
 
-/// A column of a sweep's samples.csv that the page plots.
-struct Statistic {
-    const char* name;
-    double (*of)(const measure::map::MapSummary& summary, const std::vector<const measure::metric::Metric*>& metrics);
-};
-[[nodiscard]] const std::vector<Statistic>& sweep_statistics();
+/// The columns of a sweep's samples.csv that the page plots.
+inline constexpr std::array<std::string_view, 7> sweep_statistics{
+    "lost_bits_p50",     "lost_bits_p99",      "lost_bits_max",      "excess_bits_p99",
+    "inherent_bits_p99", "false_hit_fraction", "false_miss_fraction"};
 
 /// `"form":…,"format":…,"values":[statistic][cell],"outcomes":[cell][outcome]`: the numbers of a row at every step,
 /// cell or case.

@@ -3,23 +3,11 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <limits>
 
 #include "output/file/csv.hpp"
 #include "output/file/number_text.hpp"
 
 namespace lostbits::output::page {
-
-using measure::answer::Outcome;
-
-namespace {
-
-double fraction(std::uint64_t part, std::uint64_t whole) {
-    return whole == 0 ? std::numeric_limits<double>::quiet_NaN()
-                      : static_cast<double>(part) / static_cast<double>(whole);
-}
-
-}  // namespace
 
 std::string html(std::string_view text) {
     std::string out;
@@ -61,13 +49,6 @@ std::string shown(double value) {
 
 std::string row_key(const measure::map::MapRow& row) {
     return std::string(row.form->info->name) + "." + row.format.name;
-}
-
-double false_hit_fraction(const measure::map::MapSummary& s) {
-    return fraction(s.count(Outcome::false_hit), s.rays - s.true_hits - s.count(Outcome::unresolved));
-}
-double false_miss_fraction(const measure::map::MapSummary& s) {
-    return fraction(s.count(Outcome::false_miss), s.true_hits);
 }
 
 }  // namespace lostbits::output::page

@@ -25,9 +25,4 @@ namespace lostbits::output::page {
 /// `sphere.unified.f32`: how the page calls a row.
 [[nodiscard]] std::string row_key(const measure::map::MapRow& row);
 
-/// `false_hit` among the rays that truly miss and `false_miss` among those that truly hit, as summary.csv has them; NaN
-/// where there are none.
-[[nodiscard]] double false_hit_fraction(const measure::map::MapSummary& summary);
-[[nodiscard]] double false_miss_fraction(const measure::map::MapSummary& summary);
-
 }  // namespace lostbits::output::page
