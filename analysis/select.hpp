@@ -67,8 +67,8 @@ void drop_unfitting(Things& things, const std::vector<measure::map::MapRow>& row
     std::erase_if(things, [&](const auto& thing) {
         const auto can = [&](Shape shape) { return meets(thing, shape); };
         if (!fitting(rows, can).empty()) return false;
-        left_out.push_back(std::string(name_of(thing)) +
-                           " can be asked of none of the selected intersectors; try -i '" + globs_of(can) + "'");
+        left_out.push_back("no selected form handles " + std::string(name_of(thing)) + "; try -i '" + globs_of(can) +
+                           "'");
         return true;
     });
     if (things.empty()) throw NothingSelected(left_out.front());

@@ -12,7 +12,7 @@ struct Divide {
         .title = "inclusive slabs with true division",
         .source =
             "Barnes, Fast, Branchless Ray/Bounding Box Intersections, part 3: Boundaries, with its t = (x - x0)/xd "
-            "taken at its word; seed 002",
+            "taken at its word",
     };
 
     template <Number T>

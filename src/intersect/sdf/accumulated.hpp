@@ -9,7 +9,7 @@ namespace lostbits::intersect::sdf {
 struct Accumulated {
     static constexpr Info info{.name = "sdf.accumulated",
                                .title = "p += d dir in place of o + t dir",
-                               .source = "common in shaders, after seed 003",
+                               .source = "common in shaders; after SDF Sphere Marching (lesson P0-C1)",
                                .direction = Direction::unit,
                                .roots = Roots::first_only};
 

@@ -47,7 +47,7 @@ OneRay::OneRay(const Scene& scene, int x, int y) {
 OneRay::OneRay(const Scene& scene, const Ray<double>& ray) {
     if (scene.inputs != scene::file::Inputs::shared)
         throw InputError("--ray: scene " + scene.id +
-                         " has inputs = \"own\", which are ideal numbers that no ray is given in; use --pixel");
+                         " has inputs = \"own\", which are ideal numbers, but --ray gives rounded ones; use --pixel");
     band_ = band_of(scene, ray);
 }
 

@@ -92,7 +92,7 @@ constexpr std::array labelled{
               metric::needs_attribution, metric::Ramp::magnitude, 0x1p-4, 0x1p+24, false, labelled_contribution}},
     Labelled{"cancellation:",
              "cancellation.",
-             {"", "bits", "", "bits that the operation of that name cancels of operands which already carry error",
+             {"", "bits", "", "bits that the operation of that name cancels of operands that were already wrong",
               metric::needs_attribution, metric::Ramp::bits, 0, 0, false, labelled_cancellation}}};
 
 }  // namespace
@@ -173,8 +173,9 @@ void bind_to_run(std::vector<const Metric*>& metrics, const std::vector<const In
             }
         }
         if (std::ranges::find(labels, label) != labels.end()) continue;
-        throw InputError("--metric " + std::string(m->name) + ": no selected form names \"" + label + "\"; " +
-                         (labels.empty() ? "none of them names anything" : scene::toml::did_you_mean(label, labels)));
+        throw InputError(
+            "--metric " + std::string(m->name) + ": no selected form has an operation named \"" + label + "\"; " +
+            (labels.empty() ? "none of them names its operations" : scene::toml::did_you_mean(label, labels)));
     }
 }
 

@@ -62,7 +62,7 @@ ClaimResult judge(const Claim& claim, double measured, const map::MapSummary* su
     if (summary && summary->count(answer::Outcome::unresolved) > 0) {
         result.trouble = std::to_string(summary->count(answer::Outcome::unresolved)) + " rays have no proved truth";
     } else if (std::isnan(measured)) {
-        result.trouble = "there is no sample to measure it on";
+        result.trouble = "there is no ray to measure it on";
     } else {
         result.state = measured >= claim.low && measured <= claim.high ? ClaimResult::State::agrees
                                                                        : ClaimResult::State::disagrees;
@@ -75,7 +75,7 @@ template <class Subject>
 MapRow row_for(const Claim& claim, const Subject& subject) {
     const MapRow row = claim_row(claim);
     if (subject.meets(row.form->shape)) return row;
-    scene::toml::fail(claim.where, claim.subject() + " cannot be asked of " + claim.form + ": it has " +
+    scene::toml::fail(claim.where, claim.subject() + " is not handled by " + claim.form + ": it has " +
                                        (row.form->shape == Shape::sdf ? "no [march] table" : "other solids") +
                                        "; name another form, or another scene or sweep");
 }
@@ -107,7 +107,7 @@ double trace_value(const Claim& claim, const scene::file::Scene& scene) {
     if (found == columns.end())
         scene::toml::fail(claim.where,
                           "unknown metric \"" + claim.metric +
-                              "\"; a step has t, x, y, z, length, d, and its march has steps, hit and end");
+                              "\"; a step has t, x, y, z, length and d, and a march has steps, hit and end");
     return found->second;
 }
 
@@ -161,7 +161,7 @@ void measure_render(const std::vector<Claim>& claims, const Places& places, cons
         const scene::file::Stage stage = claims[i].stage.value_or(look.furthest());
         if (!look.asks_for(stage))
             scene::toml::fail(claims[i].where,
-                              "scene \"" + first.render + "\" does not ask for stage " + std::string(name_of(stage)));
+                              "scene \"" + first.render + "\" has no stage " + std::string(name_of(stage)));
         stages.insert(stage);
         request.rows.push_back(row_for(claims[i], SpheresAlone{}));
     }
@@ -222,7 +222,8 @@ void measure_table(const std::vector<Claim>& claims, const Places& places, std::
                                   "\"; there are \"arithmetic\" and \"closest_as_tmax\", whose rows are box forms");
         }
         if (claim.metric != "fraction")
-            scene::toml::fail(claim.where, "unknown metric \"" + claim.metric + "\"; a table has fraction");
+            scene::toml::fail(claim.where,
+                              "unknown metric \"" + claim.metric + "\"; the only metric of a table is fraction");
         results[i] =
             judge(claim, claim.table == "arithmetic" ? arithmetic_value(claim) : closest_value(claim), nullptr);
     }
@@ -232,7 +233,7 @@ void measure_table(const std::vector<Claim>& claims, const Places& places, std::
 std::string missing_for(const Claim& claim) {
     for (const std::string& need : claim.requirements) {
         if (need == "processors-2") {
-            if (speed::allowed_processors().size() < 2) return "this program may use one processor";
+            if (speed::allowed_processors().size() < 2) return "this program may use only one processor";
             continue;
         }
         const auto isa = need.starts_with("isa-") ? intersect::simd::isa_named(need.substr(4)) : std::nullopt;
@@ -281,9 +282,8 @@ void measure_sweep(const std::vector<Claim>& claims, const Places& places, const
             for (std::size_t a = 0; a < claim.at.size(); ++a) {
                 const auto [low, high] = std::minmax(sweep.axes[a].from, sweep.axes[a].to);
                 if (claim.at[a] < low || claim.at[a] > high)
-                    scene::toml::fail(claim.where, "`at` lies outside of the axis " + sweep.axes[a].name +
-                                                       " of sweep \"" + claim.sweep +
-                                                       "\"; write a value between its ends");
+                    scene::toml::fail(claim.where, "`at` lies outside the axis " + sweep.axes[a].name + " of sweep \"" +
+                                                       claim.sweep + "\"; write a value between its ends");
             }
             const auto summary = sweep::run_place(request, rows[k], claim.at);
             results[places[k]] = judge(claim, columns.value(claim, summary), &summary);
@@ -315,7 +315,7 @@ MapRow claim_row(const Claim& claim) {
         const Format format = format_of(claim);
         if (!i.exists_in(format))
             scene::toml::fail(claim.where,
-                              claim.form + " does not exist in " + claim.format + "; it exists in f32 alone");
+                              claim.form + " does not exist in " + claim.format + "; it exists in f32 only");
         return {&i, format, claim.convention};
     }
     scene::toml::fail(claim.where,

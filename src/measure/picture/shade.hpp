@@ -1,4 +1,5 @@
-// The shading of seed 004, written once over any number: what the machine paints, and what is certainly right.
+// The shading of the course notes Ray-Casting Formulas, written once over any number: what the machine paints, and what
+// is certainly right.
 #pragma once
 
 #include "geometry/shapes.hpp"

@@ -109,7 +109,7 @@ private:
             case TapeOp::convert: return call("cast", i);
             case TapeOp::next_up: return neighbour(i, "toPositive", "+");
             case TapeOp::next_down: return neighbour(i, "toNegative", "-");
-            default: throw std::logic_error("an operation that is no number's");
+            default: throw std::logic_error("an operation that does not give a number");
         }
     }
 

@@ -34,6 +34,7 @@ Rgb8 paler(Rgb8 c) {
 
 std::string plain_name(Outcome o) {
     std::string name(measure::answer::outcome_names[static_cast<std::size_t>(o)]);
+    if (name.starts_with("agree_")) name.replace(0, 5, "correct");
     std::ranges::replace(name, '_', ' ');
     return name;
 }

@@ -62,11 +62,11 @@ constexpr HexPart worst_parts[] = {
 
 const char* outcome_meaning(Outcome o) {
     switch (o) {
-        case Outcome::agree_hit: return "rays on which form and truth agree that there is a hit";
-        case Outcome::agree_miss: return "rays on which form and truth agree that there is none";
+        case Outcome::agree_hit: return "correct hits: form and truth agree that there is a hit";
+        case Outcome::agree_miss: return "correct misses: form and truth agree that there is none";
         case Outcome::false_hit: return "rays that the form hits and the truth misses";
         case Outcome::false_miss: return "rays that the form misses and the truth hits";
-        case Outcome::not_a_number: return "rays on which the form claims a hit at NaN";
+        case Outcome::not_a_number: return "rays on which the form reports a hit at NaN";
         case Outcome::unresolved: return "rays whose truth was not proved within the stated limit";
     }
     return "";
@@ -77,7 +77,7 @@ const char* outcome_meaning(Outcome o) {
 std::vector<Column> SummaryTable::columns() const {
     std::vector<Column> columns{{"form", "string", "", "form under test"},
                                 {"format", "string", "", "format it computes in"},
-                                {"rays", "integer", "", "rays, one a pixel"}};
+                                {"rays", "integer", "", "rays, one per pixel"}};
     for (std::size_t o = 0; o < measure::answer::outcome_names.size(); ++o) {
         columns.push_back(
             {std::string(measure::answer::outcome_names[o]), "integer", "", outcome_meaning(static_cast<Outcome>(o))});
@@ -102,7 +102,8 @@ std::vector<Column> SummaryTable::columns() const {
             columns.push_back({name + "_" + s.name, "number", std::string(m->unit),
                                std::string(s.meaning) + " of |" + name + "|" + over});
     }
-    columns.push_back({"worst_x", "integer", "pixel", "column of the largest |ulp_error|, the first of equals"});
+    columns.push_back(
+        {"worst_x", "integer", "pixel", "column of the largest |ulp_error|, the first if several are equal"});
     columns.push_back({"worst_y", "integer", "pixel", "row of the same"});
     columns.push_back({"worst_object", "integer", "", "solid that the form hit there, from 0"});
     const char* const meaning =
@@ -153,7 +154,7 @@ void SummaryTable::add(file::CsvWriter& csv, const measure::map::MapRow& row, co
 std::vector<Column> pixel_columns(const measure::map::MapRequest& request) {
     std::vector<Column> columns{{"x", "integer", "pixel", "column, from the left"},
                                 {"y", "integer", "pixel", "row, from the top"},
-                                {"outcome", "string", "", "class of the ray"},
+                                {"outcome", "string", "", "outcome of the ray"},
                                 {"object", "integer", "", "solid that the form hit, from 0"},
                                 {"truth_object", "integer", "", "solid that the ray truly hits first"},
                                 {"t", "number", "t", "the form's answer, in its own unit"},

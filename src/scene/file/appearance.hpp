@@ -14,7 +14,7 @@
 
 namespace lostbits::scene::file {
 
-/// The stages of a picture, each on top of the one before (the steps of seed 004).
+/// The stages of a picture, each on top of the one before (the steps of the course notes Ray-Casting Formulas).
 enum class Stage : std::uint8_t { visible, diffuse, shadows, phong };
 inline constexpr std::array<std::string_view, 4> stage_names{"visible", "diffuse", "shadows", "phong"};
 inline std::string_view name_of(Stage stage) { return stage_names[static_cast<std::size_t>(stage)]; }

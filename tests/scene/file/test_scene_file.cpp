@@ -125,7 +125,7 @@ TEST_CASE("a scene is found by path, id or id and variant") {
     CHECK(find_scene("far-2.5.big", data.path()).variant == "big");
     const std::string folder = (data.path() / "scenes").string();
     CHECK(error_of([&] { find_scene("neer", data.path()); }) ==
-          "no scene \"neer\" in " + folder + "; did you mean \"near\"? (a path to a .toml file will also do)");
+          "no scene \"neer\" in " + folder + "; did you mean \"near\"? (a path to a .toml file works too)");
     CHECK(error_of([&] { find_scene("neer.big", data.path()); }).find("did you mean \"near\"?") != std::string::npos);
     CHECK(error_of([&] { find_scene("zzzzzz", data.path()); }).find("known here: \"far-2.5\", \"near\"") !=
           std::string::npos);

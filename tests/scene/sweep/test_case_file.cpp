@@ -169,13 +169,13 @@ TEST_CASE("what is no file of cases is refused where it is wrong") {
     CHECK(broken("title = \"A test\"\n", "").starts_with("c.toml:1:1: title is missing"));
     CHECK(broken("name = \"one\"\n", "").starts_with("c.toml:4:1: case[0].name is missing"));
     CHECK(broken("name = \"two\"", "name = \"one\"") ==
-          "c.toml:9:8: case[1].name is \"one\", as another case is; name each once");
+          "c.toml:9:8: case[1].name is \"one\", which is also the name of another case; give each its own name");
     CHECK(broken("centre = [1, 2, 3], radius = 4 }]", "centre = [1, 2], radius = 4 }]")
               .starts_with("c.toml:6:23: case[0].spheres[0].centre is an array of 2 where 3 numbers"));
     CHECK(broken("direction = [8, 9, 10]", "direction = 8")
               .find("c.toml:7:43: case[0].rays[0].direction is the integer 8 where 3 numbers") == 0);
-    CHECK(broken("radius = 4", "radius = \"nan\"") == "c.toml:6:43: is nan, which only a ray may hold");
-    CHECK(broken("centre = [1, 2, 3]", "centre = [1, inf, 3]") == "c.toml:6:27: is inf, which only a ray may hold");
+    CHECK(broken("radius = 4", "radius = \"nan\"") == "c.toml:6:43: is nan, which is allowed in rays only");
+    CHECK(broken("centre = [1, 2, 3]", "centre = [1, inf, 3]") == "c.toml:6:27: is inf, which is allowed in rays only");
     CHECK(broken("radius = 4", "radius = \"mx\"").starts_with("c.toml:6:43: \"mx\" is not a number"));
     CHECK(broken("radius = 4", "radius = 4, colour = 1")
               .starts_with("c.toml:6:46: unknown key case[0].spheres[0].colour"));

@@ -50,7 +50,8 @@ function header(...texts) {
 function truthText(facts, row) {
     if (facts.decision !== "hit")
         return [
-            facts.decision === "miss" ? "The ray truly misses." : "The truth was not proved: it counts as nothing."
+            facts.decision === "miss" ? "The ray truly misses." :
+                                        "The true answer could not be proved, so this ray is not counted."
         ];
     const bound = facts.bound === -32768 ? "exactly" : `within 2^${facts.bound}`;
     const rest = facts.rest === 0 ? "" : ` ${facts.rest < 0 ? "-" : "+"} ${tidy(Math.abs(facts.rest))}`;
@@ -90,12 +91,12 @@ function metricTable(facts) {
 function verdictText(pixels, i) {
     if (pixels.outcome[i] !== agreeHit) return "";
     const s = sampleAt(pixels, i), lost = derived.lost_bits(s), inherent = derived.inherent_bits(s);
-    if (lost < 1) return "Nothing worth mention is lost.";
+    if (lost < 1) return "Less than one bit is lost.";
     if (lost - inherent < 1)
-        return `Half an ulp in each input alone would cost ${
-            inherent.toFixed(1)} bits: the problem is hard, the formula is not to blame.`;
-    return `Half an ulp in each input alone would cost ${inherent.toFixed(1)} bits; the other ${
-        (lost - inherent).toFixed(1)} are the formula's own.`;
+        return `Half an ulp in each input would cost ${
+            inherent.toFixed(1)} bits: input rounding alone explains this loss.`;
+    return `Half an ulp in each input would cost ${inherent.toFixed(1)} bits; the formula loses the other ${
+        (lost - inherent).toFixed(1)} bits.`;
 }
 
 /** What to type for the same map, and for one ray of it. */
@@ -116,7 +117,7 @@ function claimFor(map, row, metric) {
                                                                  ["agree_hit", row.outcomes[agreeHit]];
     return `[[claim]]
 id = "my.${map.id}.${row.form}.${row.format}.${column}"
-statement = "Say in a sentence what is to hold"
+statement = "Say in one sentence what should hold"
 source = "-"
 verdict = "holds"
 note = "${column} over ${rays} rays, from the report"

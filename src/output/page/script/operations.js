@@ -38,7 +38,7 @@ function operationRow({ tape, walk }, row, i, ulp) {
     line.children[2].title = hex(n.value);
     line.dataset.node = i;
     if (i === walk.culprit) line.className = "culprit";
-    if (n.turned && n.rounding !== 0) line.children[1].append(make("em", {}, " rounding took the other side"));
+    if (n.turned && n.rounding !== 0) line.children[1].append(make("em", {}, " rounding chose the other side"));
     return line;
 }
 
@@ -49,20 +49,20 @@ function isShown(walk, tape, i) {
 
 function culpritSentence({ tape, walk }, ulp) {
     if (walk.subject < 0 || walk.plainMiss)
-        return "No decision of the form was turned by rounding, so no operation is to blame.";
+        return "Rounding changed no decision of the form, so no operation is to blame.";
     const subject = walk.at(walk.subject), n = walk.at(walk.culprit);
     if (walk.culprit < 0)
         return !isDecision(subject) && !Number.isFinite(subject.value) ?
-            "An input is no number of the format: everything after it follows." :
+            "An input is not finite in this format. Everything after it follows from that." :
             "No operation rounded on the way to the answer.";
     const what = tape.names[walk.culprit] === tape.expressions[walk.culprit] ?
         tape.expressions[walk.culprit] :
         `${tape.names[walk.culprit]} = ${tape.expressions[walk.culprit]}`;
-    if (!Number.isFinite(n.value)) return `${what} is ${decimal(n.value)}: everything after it follows.`;
+    if (!Number.isFinite(n.value)) return `${what} is ${decimal(n.value)}. Everything after it follows from that.`;
     const arrives = isDecision(subject) ? tape.expressions[walk.subject] : "t";
-    return `The largest contribution is that of ${what}: its ${n.turned ? "wrong turn" : "rounding"} of ${
-               brief(Math.abs(
-                   n.rounding / ownUlp(n)))} ulp arrives as ${brief(n.contribution / ulp)} ulp in ${arrives}. ` +
+    return `The largest contribution is that of ${what}: its ${n.turned ? "wrong choice" : "rounding"} of ${
+               brief(
+                   Math.abs(n.rounding / ownUlp(n)))} ulp becomes ${brief(n.contribution / ulp)} ulp in ${arrives}. ` +
         `All contributions sum to ${brief(walk.explained / ulp)} of ${brief(walk.error / ulp)} ulp.`;
 }
 
@@ -74,13 +74,13 @@ async function showOperations(element, map, row, x, y) {
     if (number !== operationsAsked) return;  // another pixel has been asked for since
     if (!found) {
         element.replaceChildren(make(
-            "p", { className: "hint" }, "A march has its own operations for every ray: ",
+            "p", { className: "hint" }, "A march has its own operations for every ray. ",
             make("code", {}, commandsFor(map, row, x, y, metricNow()).explain), " shows them."));
         return;
     }
     const { walk, tape, solid } = found, ulp = walk.subject < 0 ? NaN : walk.ulpOfSubject(row), body = make("tbody");
     walk.nodes.forEach((_, i) => isShown(walk, tape, i) && body.append(operationRow(found, row, i, ulp)));
-    const of = map.solid_count > 1 ? `, asked of solid ${solid}` : "";
+    const of = map.solid_count > 1 ? `, solid ${solid}` : "";
     element.replaceChildren(
         make("h3", {}, `Operation by operation: ${title(row)}${of}, pixel ${x}, ${y}`),
         make("p", { className: "sentence" }, culpritSentence(found, ulp)),
@@ -92,6 +92,6 @@ async function showOperations(element, map, row, x, y) {
             body),
         make(
             "p", { className: "hint" },
-            "own: its rounding, in ulps of itself; of t: what becomes of it in t; local: bits lost by the operation alone on exact operands. Operations on the way to t alone, and not those that are exact."));
+            "own: its rounding, in ulps of its own result. of t: what that rounding adds to the error of t. local: bits that the operation alone loses on exact operands. Only operations on the way to t are shown, without those that are exact."));
     element.dataset.pixel = `${x},${y}`;
 }
