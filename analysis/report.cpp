@@ -130,7 +130,7 @@ void plan_sweep(Work& work, const std::filesystem::path& path, const std::filesy
                 const std::vector<MapRow>& rows) {
     std::vector<MapRow> fit;
     const auto kind = scene::sweep::sweep_kind(path);
-    if (kind == scene::sweep::SweepKind::search) return;  // a search is no picture
+    if (kind == scene::sweep::SweepKind::search) return;  // a search has no picture
     if (kind == scene::sweep::SweepKind::cases)
         fit = fitting(rows, [file = scene::sweep::CaseFile(path)](Shape shape) { return file.meets(shape); });
     else fit = fitting(rows, [sweep = scene::sweep::SweepFile(path, data)](Shape shape) { return sweep.meets(shape); });

@@ -138,7 +138,7 @@ void run_search(const std::filesystem::path& path, const Chosen& chosen, const S
 /// Of which shapes the forms must be.
 using Meets = std::function<bool(Shape)>;
 
-/// Reads the file and forgets it: InputError for what is wrong with it; the forms that it can be asked of.
+/// Reads the file only to check it: InputError if something is wrong. Returns which forms can handle it.
 Meets check_file(const std::filesystem::path& path, SweepKind kind, bool worst, const std::filesystem::path& data) {
     using K = SweepKind;
     if (worst && kind != K::search)

@@ -24,7 +24,7 @@ template <class F>
 using RawKernel = void (*)(const RawBatch<F>&);
 
 /// The rays after the last whole pack, in buffers of a pack's size. Empty lanes repeat the last ray, so that no form
-/// loops longer on account of a ray that nobody asked for.
+/// loops longer because of a ray that is not in the batch.
 template <class F>
 struct Tail {
     static constexpr std::size_t most = 64 / sizeof(F);

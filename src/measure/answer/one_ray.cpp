@@ -10,7 +10,7 @@ using truth::Band;
 
 namespace {
 
-/// A ray alone: with its neighbours of the row, many spheres would be asked of each.
+/// A single ray: beside the other rays of its row, each would be tested against many more spheres.
 std::unique_ptr<Band> band_of(const Scene& scene, const Ray<double>& ray) {
     scene::rays::RayGroup group;
     group.rays = {1,

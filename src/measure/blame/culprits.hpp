@@ -25,7 +25,7 @@ struct Blame {
     double ulp = 0;  ///< of the format at the exact value of the subject
 };
 
-/// What the forms of a run are asked of; a view.
+/// The solids and constants that the forms of a run are given; a view.
 struct Setting {
     std::span<const Solid<double>> solids;
     const intersect::MarchConstants<double>* march = nullptr;  ///< null: no form that marches is asked
@@ -44,7 +44,7 @@ private:
 };
 
 /// Every operation of a form that can round or choose, in the order of its tape, each once, as maps and claims call it;
-/// empty where the form cannot be asked.
+/// empty where the form cannot handle the setting.
 std::vector<std::string> operations_of(const intersect::table::Intersector& form, const Setting& setting);
 
 /// `culprit` with its categories: first `none`, then the operations of each form, those that several forms share once.
@@ -58,7 +58,7 @@ const metric::Metric* labelled_metric(std::string_view name);
 inline bool is_labelled(const metric::Metric& metric) { return metric.name.find(':') != std::string_view::npos; }
 inline std::string_view label_of(const metric::Metric& metric) { return metric.name.substr(metric.name.find(':') + 1); }
 
-/// Every label of a form, in the order of its tape; empty where the form cannot be asked.
+/// Every label of a form, in the order of its tape; empty where the form cannot handle the setting.
 std::vector<std::string_view> labels_of(const intersect::table::Intersector& form, const Setting& setting);
 
 /// Gives `culprit` the operations of these forms. InputError for a label that none of them has, with did-you-mean.

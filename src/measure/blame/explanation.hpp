@@ -29,7 +29,7 @@ struct Explanation {
     std::vector<double> inputs;      ///< as the form received them
     std::optional<Vec<double>>
         given;                  ///< the direction as the ray has it, where the form received it normalised and rounded
-    int solid = 0, solids = 1;  ///< which of the scene's solids the form was asked of, from 0; of a march all together
+    int solid = 0, solids = 1;  ///< which of the scene's solids the form was given, from 0; of a march all together
     Tape tape;
     Attribution attribution;
     Standing standing;

@@ -70,7 +70,7 @@ ClaimResult judge(const Claim& claim, double measured, const map::MapSummary* su
     return result;
 }
 
-/// The form and format of a claim about a scene or sweep that the form can be asked about.
+/// The form and format of a claim about a scene or sweep that the form can handle.
 template <class Subject>
 MapRow row_for(const Claim& claim, const Subject& subject) {
     const MapRow row = claim_row(claim);

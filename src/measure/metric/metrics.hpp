@@ -47,7 +47,7 @@ enum Needs : unsigned {
 
 enum class Ramp { bits, magnitude, categories };
 
-/// The rays on which a metric is measured. `blamed` are agreed hits, false hits and false misses.
+/// The rays on which a metric is measured. `blamed` are correct hits, false hits and false misses.
 enum class Over { agreed_hits, marches, blamed };
 
 struct Metric {

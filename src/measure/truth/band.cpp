@@ -200,8 +200,8 @@ void meet_many(const intersect::table::Intersector& form, const RayBlock& rays, 
                           answers);
 }
 
-/// The solid whose surface is nearest to the point at t, by double precision: of the solids of a field none says "I was
-/// it".
+/// The solid whose surface is nearest to the point at t, by double precision: a march does not tell which solid
+/// of the field it hit.
 std::int32_t nearest_solid(const Ray<double>& ray, double t, const std::vector<Solid<double>>& solids) {
     const Vec<double> p = intersect::sdf::along(ray, t);
     const auto size = [&p](const Solid<double>& s) { return std::fabs(intersect::table::distance(s, p)); };

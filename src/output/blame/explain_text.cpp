@@ -209,7 +209,7 @@ std::string turned_sentences(const Explanation& x, const Words& words) {
     return text;
 }
 
-/// Of an answer that is no number: the input that the format makes none of.
+/// Of an answer that is not finite: the input that the format already made infinite or NaN.
 std::optional<std::string> lost_input(const Explanation& x) {
     const NodeId subject = x.attribution.subject;
     if (is_decision(x.tape[subject].op) || std::isfinite(x.tape[subject].value)) return {};

@@ -14,7 +14,7 @@ using measure::answer::Outcome;
 
 namespace {
 
-/// A hit on which both agree and for which the metric does not exist (a form with no exact value there).
+/// A correct hit for which the metric does not exist (a form with no exact value there).
 constexpr Rgb8 no_value{120, 90, 60};
 
 }  // namespace

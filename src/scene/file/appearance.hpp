@@ -31,8 +31,8 @@ struct Material {
 
 /// How shadows are cast: a ray from the point to the light, blocked by what it meets before the light.
 struct ShadowRule {
-    /// Where a shadow ray starts if it is also held against the sphere that it leaves: at the point as computed, moved
-    /// along the normal by `epsilon` world units, or by `ulps` units in the last place of its largest coordinate.
+    /// Where a shadow ray starts if it is also tested against the sphere that it leaves: at the point as computed,
+    /// moved along the normal by `epsilon` world units, or by `ulps` units in the last place of its largest coordinate.
     enum class Offset : std::uint8_t { none, epsilon, ulp };
 
     bool half_diffuse = false;      ///< in shadow keep half of the diffuse light, instead of ambient light alone

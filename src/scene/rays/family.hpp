@@ -14,7 +14,7 @@ namespace lostbits::scene::rays {
 struct RayGroup {
     RayBlock rays;
     std::vector<Solid<double>> solids;
-    std::optional<intersect::MarchConstants<double>> march = {};  ///< absent: no form that marches may be asked
+    std::optional<intersect::MarchConstants<double>> march = {};  ///< absent: forms that march cannot handle it
 };
 
 /// One sphere seen along directions w = (a, b, c)/n with whole a² + b² + c² = n² (Pythagorean quadruples), so that the

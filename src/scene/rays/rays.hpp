@@ -16,7 +16,7 @@ struct BasicRayBlock {
     int y0 = 0;
     int y1 = 0;
     std::vector<T> ox, oy, oz, dx, dy, dz;
-    std::vector<double> tmax = {};  ///< where each ray ends, for the forms that are told; empty: nowhere
+    std::vector<double> tmax = {};  ///< where each ray ends, for the forms that take it; empty: nowhere
 
     [[nodiscard]] std::size_t size() const { return ox.size(); }
     [[nodiscard]] Ray<T> operator[](std::size_t i) const { return {{ox[i], oy[i], oz[i]}, {dx[i], dy[i], dz[i]}}; }

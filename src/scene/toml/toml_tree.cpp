@@ -84,7 +84,7 @@ private:
 };
 
 Node parse(std::string_view text, const std::string& source) {
-    // A byte order mark is no character of the first line.
+    // A byte order mark is not a character of the first line.
     if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
     try {
         const ::toml::table table = ::toml::parse(text, std::string_view(source));

@@ -68,7 +68,7 @@ function culpritSentence({ tape, walk }, ulp) {
 
 let operationsAsked = 0;
 
-/** The form asked of the solid that it answered, or truly hits. */
+/** The operations of the form on the solid that it hit, or else that the ray truly hits. */
 async function showOperations(element, map, row, x, y) {
     const number = ++operationsAsked, found = await walkOf(map, row, x, y);
     if (number !== operationsAsked) return;  // another pixel has been asked for since
