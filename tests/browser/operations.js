@@ -163,7 +163,7 @@ async function table({ browser, report, lostbits }) {
         text);
     assert.match(
         await page.locator("#inspector .verdict").innerText(),
-        new RegExp(`other ${(told.lost_bits - told.inherent_bits).toFixed(1)} are the formula's own`));
+        new RegExp(`the formula loses the other ${(told.lost_bits - told.inherent_bits).toFixed(1)} bits`));
     await page.locator("#map").press("ArrowRight");
     await page.waitForFunction(() => document.getElementById("operations").dataset.pixel === "61,60");
     const march =

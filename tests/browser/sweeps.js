@@ -87,7 +87,7 @@ async function trade({ browser, report }) {
     assert.equal((await stateOf(page)).form, walked.at(-1)[1]);
     assert.match(
         await page.locator("#trade").innerText(),
-        /Times are short measurements of the run that made this page, on its machine/);
+        /Times were measured briefly by the run that made this page, on its machine/);
 }
 
 module.exports = {

@@ -100,7 +100,8 @@ TEST_CASE("a size override changes the size alone") {
 
 TEST_CASE("scenes are listed by name") {
     const Folder data;
-    CHECK(error_of([&] { scene::file::scene_files(data.path()); }).find("no folder of scenes") != std::string::npos);
+    CHECK(error_of([&] { scene::file::scene_files(data.path()); }).find("is not a folder of scenes") !=
+          std::string::npos);
     data.write("scenes/b.toml", good_scene);
     data.write("scenes/a.toml", good_scene);
     data.write("scenes/readme.md", "");

@@ -158,9 +158,9 @@ rays = [{ origin = [0, 0, 0], direction = [1.5, 1, 4] }]
                   good_cases, "[[case]]\nname = \"two\"",
                   "[[case]]\nname = \"b\"\nboxes = [{ lo = [0, 0, 0], hi = [1, 1, 1] }]\nrays = [{ origin = [0, 0, 0], "
                   "direction = [1, 0, 0] }]\n[[case]]\nname = \"two\""))
-              .starts_with("c.toml:8:1: has another shape than the cases before it"));
+              .starts_with("c.toml:8:1: has a different shape from the cases before it"));
     CHECK(case_error(replaced(boxes, "rays =", "spheres = [{ centre = [0, 0, 0], radius = 1 }]\nrays ="))
-              .starts_with("c.toml:4:1: has another shape"));
+              .starts_with("c.toml:4:1: has a different shape"));
 }
 
 TEST_CASE("what is no file of cases is refused where it is wrong") {
@@ -179,7 +179,7 @@ TEST_CASE("what is no file of cases is refused where it is wrong") {
     CHECK(broken("radius = 4", "radius = \"mx\"").starts_with("c.toml:6:43: \"mx\" is not a number"));
     CHECK(broken("radius = 4", "radius = 4, colour = 1")
               .starts_with("c.toml:6:46: unknown key case[0].spheres[0].colour"));
-    CHECK(broken("lengths = 1", "lengths = \"emax/3\"").starts_with("c.toml:10:11: \"emax/3\" is no exponent"));
+    CHECK(broken("lengths = 1", "lengths = \"emax/3\"").starts_with("c.toml:10:11: \"emax/3\" is not an exponent"));
     CHECK(broken("lengths = 1", "lenghts = 1")
               .starts_with("c.toml:10:1: unknown key case[1].lenghts; did you mean \"lengths\"?"));
     CHECK(broken("lengths = 1", "symmetric = 1").starts_with("c.toml:10:13: case[1].symmetric is the integer 1"));

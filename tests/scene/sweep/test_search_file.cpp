@@ -161,5 +161,5 @@ TEST_CASE("a sweep goes by its path below data/sweeps, or by its own name where 
     CHECK(find_sweep("c/top", data.path()) == top);
     CHECK(find_sweep(near.string(), "nowhere") == near);
     CHECK(error_of([&] { find_sweep("both", data.path()); }).find("\"a/both\"") != std::string::npos);
-    CHECK(error_of([&] { find_sweep("nar", data.path()); }).starts_with("nar:1:1: no such sweep file"));
+    CHECK(error_of([&] { find_sweep("nar", data.path()); }).starts_with("nar:1:1: is not a sweep file"));
 }

@@ -100,8 +100,8 @@ TEST_CASE("an override of an unknown path says what is there") {
 
 TEST_CASE("a malformed override says how one is written") {
     const std::string advice = "; write path=value, as in sphere[0].radius=1e3";
-    CHECK(set_error("radius") == "--set radius: is no assignment" + advice);
-    CHECK(set_error("=3") == "--set =3: is no assignment" + advice);
+    CHECK(set_error("radius") == "--set radius: is not an assignment" + advice);
+    CHECK(set_error("=3") == "--set =3: is not an assignment" + advice);
     CHECK(set_error("camera.eye=") == "--set camera.eye=: has no value after =" + advice);
     const std::string keys = "; write keys and indices from 0, as in sphere[0].radius";
     CHECK(set_error("camera..eye=1") == "--set camera..eye=1: the path \"camera..eye\" has an empty key" + keys);

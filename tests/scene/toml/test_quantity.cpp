@@ -68,7 +68,7 @@ TEST_CASE("an exponent is a sum of whole numbers and a format's own, quotients r
     CHECK(exponent("10000", binary32) == 10000);
 }
 
-TEST_CASE("what is no exponent is refused where it stands") {
+TEST_CASE("what is not an exponent is refused where it stands") {
     for (const std::string text :
          {"",          "+",   "emx",       "max",          "emax/3", "emax/", "emax/22", "emax*2",
           "2emax",     "p3",  "emax emin", "1.5",          "0x10",   "1e3",   "10001",   "99999999999999999999",
