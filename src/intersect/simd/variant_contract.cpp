@@ -1,4 +1,4 @@
-// The forms in 256-bit registers, compiled so that a·b + c may be contracted into one rounding, as compilers do
+// The forms in 256-bit registers, compiled so that a·b + c may be contracted into one rounding, as gcc does
 // unless told otherwise.
 #include "intersect/simd/packed_kernels.hpp"
 #include "intersect/simd/variant_raw.hpp"
