@@ -155,8 +155,8 @@ void print_largest(const char* name, const output::diff::Largest& largest) {
     if (!largest.at.empty()) fmt::print(", largest {} {:.4g} at {}", name, largest.value, largest.at);
 }
 
-/// One line a difference, then a summary with a line a column; `verbose` shows files and columns that agree, too, where
-/// they are not identical.
+/// One line per difference, then a summary with a line per column; `verbose` shows files and columns that agree, too,
+/// where they are not identical.
 void print(const Result& r, bool verbose) {
     if (!r.only.empty()) return fmt::print("{}: only in {}\n", r.file, r.only);
     const Comparison& c = r.comparison;

@@ -77,7 +77,7 @@ void drop_unfitting(Things& things, const std::vector<measure::map::MapRow>& row
     }
 }
 
-/// Limits every parallel loop to that many threads while it lives; 0 stands for one a core.
+/// Limits every parallel loop to that many threads while it lives; 0 stands for one per core.
 class ThreadLimit {
 public:
     explicit ThreadLimit(int threads);

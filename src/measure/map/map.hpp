@@ -86,7 +86,7 @@ public:
 void measure_row(const MapRow& row, const std::vector<const metric::Metric*>& metrics, const truth::Band& band,
                  const truth::FormatInputs& inputs, MapSummary& summary, MapSink* sink = nullptr);
 
-/// Every row over all groups of rays, one summary a row, their distributions sealed.
+/// Every row over all groups of rays, one summary per row, their distributions sealed.
 std::vector<MapSummary> measure_groups(std::vector<scene::rays::RayGroup> groups, const std::vector<MapRow>& rows,
                                        const std::vector<const metric::Metric*>& metrics, truth::TruthLimit limit);
 

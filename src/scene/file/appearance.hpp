@@ -48,7 +48,7 @@ struct Appearance {
     std::optional<Vec<Real>> light;     ///< one point light
     std::optional<ShadowRule> shadows;  ///< absent: nothing casts any
     Material base;                      ///< what a sphere is that says nothing else
-    std::vector<Material> materials;    ///< one a sphere, in the order of the spheres
+    std::vector<Material> materials;    ///< one per sphere, in the order of the spheres
 
     /// Whether the scene asks for what this stage adds: a light for `diffuse`, `[shadows]`, a ks above 0 for `phong`.
     [[nodiscard]] bool asks_for(Stage stage) const;

@@ -42,7 +42,7 @@ struct Family {
     double tilt = 0;                 ///< tilted: tangent of the angle to the x axis, in the xy plane
     double offset = 0;               ///< everything is moved by offset·(1, 0.6875, −0.4375)
     int views = 16;                  ///< directions w
-    int rays = 64;                   ///< rays a view
+    int rays = 64;                   ///< rays per view
     std::uint64_t seed = 1;
 };
 

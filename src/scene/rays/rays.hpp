@@ -9,7 +9,7 @@
 
 namespace lostbits::scene::rays {
 
-/// Rays of the pixel rows [y0, y1), a component an array: ray (y − y0)·width + x is pixel (x, y).
+/// Rays of the pixel rows [y0, y1), a component per array: ray (y − y0)·width + x is pixel (x, y).
 template <class T>
 struct BasicRayBlock {
     int width = 0;

@@ -1,4 +1,4 @@
-// Sweeps along one axis: a line a form, drawn by uPlot; the thick one is the chosen form's.
+// Sweeps along one axis: a line per form, drawn by uPlot; the thick one is the chosen form's.
 
 function plotSweep({ sweep, rows, chosen, statistic }) {
     const s = sweep.statistics.indexOf(statistic), log = sweep.spacing === "log2" && Math.min(...sweep.steps) > 0;
