@@ -89,8 +89,8 @@ std::vector<const intersect::table::Intersector*> forms_of_any_width(const std::
     }
     if (forms.empty())
         throw NothingSelected(
-            "--bits-needed: all of the selected intersectors exist in binary32 only; `lostbits list intersectors` says "
-            "which");
+            "--bits-needed: all selected intersectors exist in binary32 only; `lostbits list intersectors` shows the "
+            "formats of each");
     return forms;
 }
 
@@ -169,7 +169,7 @@ std::vector<const Metric*> drawn_of(std::vector<const Metric*> asked, const Scen
 }
 
 Exit run(const MapOptions& o, const Common& common) {
-    if (o.out.empty()) throw InputError("-o: the name of the folder is empty; write -o . for this one");
+    if (o.out.empty()) throw InputError("-o: the name of the folder is empty; write -o . for the current folder");
     const auto rows = cross(select_forms(o.forms), select_formats(o.formats));
     measure::metric::MetricSet made;
     const auto drawn =
@@ -212,7 +212,8 @@ Exit run(const MapOptions& o, const Common& common) {
     }
     progress.finish();
     if (unresolved == 0) return Exit::done;
-    fmt::print(stderr, "lostbits: the truth of {} rays was not proved within {} bits; they are classed `unresolved`\n",
+    fmt::print(stderr,
+               "lostbits: the true answer of {} rays could not be proved within {} bits; they count as `unresolved`\n",
                unresolved, measure::truth::TruthLimit{}.bits);
     return Exit::internal;
 }
@@ -227,17 +228,20 @@ void add_map(CLI::App& program, const Common& common, Command& chosen) {
     command->add_option("-i,--intersector", o->forms, "Forms, by name or glob (default: all)");
     command->add_option("-f,--format", o->formats,
                         "Formats: f32, f64, fp16, bf16, tf32, pN, pA..pB (default: f32 f64)");
-    command->add_option("--metric", o->metrics,
-                        "Metrics to draw (default: lost_bits); globs, or contribution:LABEL of what forms name so");
+    command->add_option(
+        "--metric", o->metrics,
+        "Metrics to draw (default: lost_bits); globs, or contribution:LABEL for an operation that forms call LABEL");
     command->add_option("--size", o->size, "Picture size, WxH in pixels (default: the scene's)");
     command->add_option("--variant", o->variant, "One variant of a scene that has several (default: all)");
     command->add_option("--set", o->set, "Change a number of the scene first: sphere[0].radius=10");
-    command->add_option("--pixels", o->pixels, "csv: also write a row a pixel")->check(CLI::IsMember({"none", "csv"}));
+    command->add_option("--pixels", o->pixels, "csv: also write one row per pixel")
+        ->check(CLI::IsMember({"none", "csv"}));
     command
-        ->add_option("--bits-needed", o->bits_needed,
-                     "Also per pixel the significand width that a form needs for this many correct bits (1 to 52)")
+        ->add_option(
+            "--bits-needed", o->bits_needed,
+            "Also find, for every pixel, the significand width that a form needs for this many correct bits (1 to 52)")
         ->check(CLI::Range(1, 52));
-    command->add_flag("--envelope", o->envelope, "Draw lost bits paler where the problem itself explains them");
+    command->add_flag("--envelope", o->envelope, "Draw lost bits paler where input rounding alone explains them");
     command->add_option("-o,--out", o->out, "Folder for the results")->required();
     command->callback([o, &common, &chosen] { chosen = [o, &common] { return run(*o, common); }; });
 }

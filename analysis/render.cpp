@@ -47,13 +47,12 @@ std::vector<Scene> renderable(std::vector<Scene> scenes) {
     for (const Scene& scene : scenes) {
         if (scene.flake)
             throw InputError(
-                fmt::format("{}: the spheres of [sphereflake] have no colours, so that there is no picture to render; "
-                            "`lostbits map` takes it",
+                fmt::format("{}: the spheres of [sphereflake] have no colours, so there is no picture to render; use "
+                            "`lostbits map`",
                             scene.path.string()));
         if (!scene.meets(Shape::sphere))
-            throw InputError(
-                fmt::format("{}: render shades spheres, and scene \"{}\" has none; `lostbits map` takes it",
-                            scene.path.string(), scene.id));
+            throw InputError(fmt::format("{}: render draws spheres, and scene \"{}\" has none; use `lostbits map`",
+                                         scene.path.string(), scene.id));
     }
     return scenes;
 }
@@ -70,7 +69,7 @@ std::vector<scene::file::Stage> stages_of(const Scene& scene, const RenderOption
         const Stage drawn = scene.appearance.last_up_to(asked);
         stages.insert(drawn);
         if (drawn != asked && !quiet)
-            fmt::print(stderr, "lostbits: {} does not ask for {}; its last stage before that is {}\n", scene.id, word,
+            fmt::print(stderr, "lostbits: scene {} has no stage {}; drawing stage {} instead\n", scene.id, word,
                        name_of(drawn));
     }
     return {stages.begin(), stages.end()};
@@ -102,12 +101,12 @@ std::uint64_t render_scene(const RenderRequest& request, const RenderOptions& o,
 }
 
 Exit run(const RenderOptions& o, const Common& common) {
-    if (o.out.empty()) throw InputError("-o: the name of the folder is empty; write -o . for this one");
+    if (o.out.empty()) throw InputError("-o: the name of the folder is empty; write -o . for the current folder");
     const auto rows = fitting(cross(select_forms(o.forms), select_formats(o.formats)),
                               [](Shape shape) { return shape == Shape::sphere; });
     if (rows.empty())
         throw NothingSelected(
-            "render shades spheres, and none of the selected intersectors meets one; try -i 'sphere.*'");
+            "render draws spheres, and none of the selected intersectors is a sphere form; try -i 'sphere.*'");
     const auto scenes = renderable(load_scenes({o.scenes, o.size, o.variant, o.set}, data_folder(common.data)));
     const ThreadLimit limit(common.threads);
 
@@ -132,8 +131,8 @@ Exit run(const RenderOptions& o, const Common& common) {
     progress.finish();
     if (unproved > 0 && !common.quiet)
         fmt::print(stderr,
-                   "lostbits: {} pixels have something that {} bits did not prove; they are counted as `unresolved` "
-                   "and drawn as such\n",
+                   "lostbits: {} pixels could not be proved within {} bits; they count as `unresolved` and are drawn "
+                   "as such\n",
                    unproved, measure::picture::PictureLimit{}.bits);
     return unproved == 0 ? Exit::done : Exit::internal;
 }
@@ -142,16 +141,15 @@ Exit run(const RenderOptions& o, const Common& common) {
 
 void add_render(CLI::App& program, const Common& common, Command& chosen) {
     auto* command = program.add_subcommand(
-        "render",
-        "A scene's picture, stage by stage, in the arithmetic of a form and format, against the certified picture");
+        "render", "Draw a scene, stage by stage, with a form in a format, and compare with the certified picture");
     const auto o = std::make_shared<RenderOptions>();
-    command->add_option("SCENE", o->scenes, "Scene files, or names in data/scenes; of spheres")->required();
+    command->add_option("SCENE", o->scenes, "Scene files, or names in data/scenes; scenes of spheres")->required();
     command->add_option("-i,--intersector", o->forms,
                         "Forms that find hits and shadows, by name or glob (default: sphere.expanded)");
     command->add_option("-f,--format", o->formats, "Formats: f32, f64, fp16, bf16, tf32, pN, pA..pB (default: f32)");
     command
         ->add_option("--stage", o->stages,
-                     "visible, diffuse, shadows, phong; may be repeated (default: the last that the scene asks for)")
+                     "visible, diffuse, shadows, phong; may be repeated (default: the last that the scene has)")
         ->check(
             CLI::IsMember(std::vector<std::string>(scene::file::stage_names.begin(), scene::file::stage_names.end())));
     command->add_option("--size", o->size, "Picture size, WxH in pixels (default: the scene's)");

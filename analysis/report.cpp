@@ -73,7 +73,7 @@ void add_subject(Subjects& subjects, const std::string& word, const std::filesys
         subjects.sweeps.push_back(scene::sweep::find_sweep(word, data));
     else {
         names.insert(names.end(), sweeps.begin(), sweeps.end());
-        throw InputError(word + ": neither a file nor a scene or sweep under " + data.string() + "; " +
+        throw InputError(word + ": is not a file, nor a scene or sweep under " + data.string() + "; " +
                          scene::toml::did_you_mean(word, names));
     }
 }
@@ -131,7 +131,7 @@ void plan_sweep(Work& work, const std::filesystem::path& path, const std::filesy
                 const std::vector<MapRow>& rows) {
     std::vector<MapRow> fit;
     const auto kind = scene::sweep::sweep_kind(path);
-    if (kind == scene::sweep::SweepKind::search) return;  // a search is no picture
+    if (kind == scene::sweep::SweepKind::search) return;  // a search has no picture
     if (kind == scene::sweep::SweepKind::cases)
         fit = fitting(rows, [file = scene::sweep::CaseFile(path)](Shape shape) { return file.meets(shape); });
     else fit = fitting(rows, [sweep = scene::sweep::SweepFile(path, data)](Shape shape) { return sweep.meets(shape); });
@@ -186,12 +186,11 @@ Work plan(const ReportOptions& o, const std::filesystem::path& data) {
         if (is_chosen(c, o, work)) work.claims.push_back(c);
     }
     if (work.maps.empty() && work.sweeps.empty())
-        throw NothingSelected(
-            "report: none of the selected intersectors can be asked about any of the selected scenes and sweeps");
+        throw NothingSelected("report: no selected form handles any of the selected scenes and sweeps");
     std::set<std::string> ids;
     for (const MapWork& m : work.maps) {
         if (!ids.insert(m.scene.id).second)
-            throw InputError(fmt::format("scene \"{}\" is given twice; a page shows it once", m.scene.id));
+            throw InputError(fmt::format("scene \"{}\" is given twice; a page shows it only once", m.scene.id));
     }
     return work;
 }
@@ -211,7 +210,7 @@ std::string canonical_command(const ReportOptions& o) {
 }
 
 Exit run(const ReportOptions& o, const Common& common) {
-    if (o.out.empty()) throw InputError("-o: the name of the folder is empty; write -o . for this one");
+    if (o.out.empty()) throw InputError("-o: the name of the folder is empty; write -o . for the current folder");
     const auto data = data_folder(common.data);
     Work work = plan(o, data);
     const ThreadLimit limit(common.threads);
@@ -250,9 +249,10 @@ Exit run(const ReportOptions& o, const Common& common) {
     file.commit();
     if (!common.quiet) fmt::print("{}\n", file.path().string());
     if (unresolved > 0) {
-        fmt::print(stderr,
-                   "lostbits: the truth of {} rays was not proved within {} bits; they are classed `unresolved`\n",
-                   unresolved, measure::truth::TruthLimit{}.bits);
+        fmt::print(
+            stderr,
+            "lostbits: the true answer of {} rays could not be proved within {} bits; they count as `unresolved`\n",
+            unresolved, measure::truth::TruthLimit{}.bits);
         return Exit::internal;
     }
     const bool all_agree = std::ranges::all_of(report.results, [](const ClaimResult& r) {
@@ -272,12 +272,12 @@ void add_report(CLI::App& program, const Common& common, Command& chosen) {
                         "Forms, by name or glob (default: those of data/report.toml, and those that claims name)");
     command->add_option("-f,--format", o->formats,
                         "Formats: f32, f64, fp16, bf16, tf32, pN, pA..pB (default: f32 f64)");
-    command->add_option("--metric", o->metrics, "Metrics beside the default ones; globs");
+    command->add_option("--metric", o->metrics, "Metrics in addition to the default ones; globs");
     command->add_option("--size", o->size, "Picture size, WxH in pixels (default: each scene's)");
     command->add_option("--claims", o->claims, "Claims by id; globs (default: all, or those about the SUBJECTs)");
-    command->add_flag("--no-claims", o->no_claims, "No claims");
+    command->add_flag("--no-claims", o->no_claims, "Leave claims out");
     command->add_flag("--all", o->all, "Every scene and sweep under data");
-    command->add_flag("--trade", o->trade, "Also measure speed, briefly: the page then differs from run to run");
+    command->add_flag("--trade", o->trade, "Also measure speed, briefly; the page then differs from run to run");
     command->add_option("-o,--out", o->out, "Folder for index.html")->required();
     command->callback([o, &common, &chosen] { chosen = [o, &common] { return run(*o, common); }; });
 }

@@ -79,7 +79,8 @@ SweepPart case_part(const SweepWork& work) {
     part.json = output::page::case_json(request, cases);
     for (const auto& judged : file.conventions) {
         const std::string alt =
-            judged ? fmt::format("{}, by the {} solid", file.title, intersect::convention_name(judged)) : file.title;
+            judged ? fmt::format("{}, judged by the {} solid", file.title, intersect::convention_name(judged))
+                   : file.title;
         part.pictures.push_back(output::page::picture(
             alt, [&](const auto& to) { output::sweep::write_case_matrix(to, request, cases, judged); }));
     }

@@ -77,8 +77,8 @@ std::vector<const Metric*> select_metrics(const std::vector<std::string>& globs,
         if (glob == "contribution" || glob.ends_with(':')) {
             const std::string of = glob.substr(0, glob.find(':'));
             throw InputError(
-                fmt::format("--metric {}: of which operation? write {}:LABEL, such as {}:c; `lostbits list labels` has "
-                            "every form's",
+                fmt::format("--metric {}: name an operation, {}:LABEL, such as {}:c; `lostbits list labels` shows the "
+                            "labels of every form",
                             glob, of, of));
         }
         for (const Metric* m : select_rows(measure::metric::metrics(), {glob}, "metric", "--metric",
@@ -104,7 +104,7 @@ std::vector<const Metric*> that_apply(std::vector<const Metric*> asked, const st
     std::erase_if(asked, [](const Metric* m) { return m->over == measure::metric::Over::marches; });
     if (asked.empty())
         throw InputError(fmt::format(
-            "--metric {}: {} is asked of no form that marches; add -i 'sdf.*', or a [march] table to it", first, what));
+            "--metric {}: none of the selected forms marches in {}; add -i 'sdf.*', or a [march] table", first, what));
     return asked;
 }
 
@@ -159,8 +159,8 @@ std::vector<MapRow> cross(const std::vector<const Intersector*>& forms, const st
     }
     if (rows.empty())
         throw NothingSelected(
-            "none of the selected intersectors exists in the selected formats; `lostbits list intersectors` says which "
-            "do");
+            "none of the selected intersectors exists in the selected formats; `lostbits list intersectors` shows the "
+            "formats of each");
     return rows;
 }
 
@@ -212,7 +212,7 @@ std::pair<int, int> parse_size(const std::string& text) {
         return error == std::errc{} && stop == text.data() + end;
     };
     if (x == std::string::npos || !number(0, x, size[0]) || !number(x + 1, text.size(), size[1])) {
-        throw InputError(fmt::format("--size {}: not a size; write width and height in pixels, like 512x384", text));
+        throw InputError(fmt::format("--size {}: is not a size; write width and height in pixels, like 512x384", text));
     }
     return {size[0], size[1]};
 }

@@ -129,8 +129,8 @@ void run_search(const std::filesystem::path& path, const Chosen& chosen, const S
     progress.finish();
     if (std::ranges::none_of(found, [](const auto& w) { return w.has_value(); })) {
         throw NothingSelected(path.string() +
-                              ": no ray of these ranges was hit by any form; distance_radii and impact_radii must "
-                              "leave something of the other ranges");
+                              ": no form hit anything with a ray of these ranges; distance_radii and impact_radii may "
+                              "exclude all of the other ranges");
     }
     output::sweep::write_worst(folder, request, found);
     if (!common.quiet) fmt::print("{}\n", (folder / "worst.csv").string());
@@ -139,13 +139,14 @@ void run_search(const std::filesystem::path& path, const Chosen& chosen, const S
 /// Of which shapes the forms must be.
 using Meets = std::function<bool(Shape)>;
 
-/// Reads the file and forgets it: InputError for what is wrong with it; the forms that it can be asked of.
+/// Reads the file only to check it: InputError if something is wrong. Returns which forms can handle it.
 Meets check_file(const std::filesystem::path& path, SweepKind kind, bool worst, const std::filesystem::path& data) {
     using K = SweepKind;
     if (worst && kind != K::search)
         throw InputError(path.string() +
                          ":1:1: --worst needs a [search] table: the ranges to search; see data/sweeps/worst");
-    if (!worst && kind == K::search) throw InputError(path.string() + ":1:1: a [search] table is for --worst; add it");
+    if (!worst && kind == K::search)
+        throw InputError(path.string() + ":1:1: this file has a [search] table, which only --worst uses; add --worst");
     const auto only = [](Shape shape) { return [shape](Shape form) { return form == shape; }; };
     if (kind == K::cases) return only(scene::sweep::CaseFile(path).shape());
     if (kind == K::axes) {
@@ -161,8 +162,8 @@ Meets check_file(const std::filesystem::path& path, SweepKind kind, bool worst, 
     if (metric == nullptr) {
         std::vector<std::string> names;
         for (const measure::metric::Metric& m : measure::metric::metrics()) names.emplace_back(m.name);
-        throw InputError(path.string() + ":1:1: search.metric is \"" + search.metric +
-                         "\", which no metric is called; " + scene::toml::did_you_mean(search.metric, names));
+        throw InputError(path.string() + ":1:1: search.metric is \"" + search.metric + "\", which is not a metric; " +
+                         scene::toml::did_you_mean(search.metric, names));
     }
     if (metric->by_run())
         throw InputError(
@@ -178,7 +179,7 @@ Exit run(const SweepOptions& o, const Common& common) {
     if (!o.metrics.empty()) chosen.asked = select_metrics(o.metrics, made);
     for (const char* name : {"inherent_bits", "excess_bits"})
         chosen.asked.push_back(measure::metric::find_metric(name));
-    if (o.out.empty()) throw InputError("-o: the name of the folder is empty; write -o . for this one");
+    if (o.out.empty()) throw InputError("-o: the name of the folder is empty; write -o . for the current folder");
     const auto data = data_folder(common.data);
     // Every file is read before the first is worked on: bad input leaves nothing behind.
     struct Sweep {
@@ -218,7 +219,7 @@ void add_sweep(CLI::App& program, const Common& common, Command& chosen) {
     command->add_option("-i,--intersector", o->forms, "Forms, by name or glob (default: all)");
     command->add_option("-f,--format", o->formats,
                         "Formats: f32, f64, fp16, bf16, tf32, pN, pA..pB (default: f32 f64)");
-    command->add_option("--metric", o->metrics, "Metrics beside the default ones; globs");
+    command->add_option("--metric", o->metrics, "Metrics in addition to the default ones; globs");
     command->add_flag("--worst", o->worst, "Search the ranges of a [search] file for the worst ray of each form");
     command->add_option("-o,--out", o->out, "Folder for the results")->required();
     command->callback([o, &common, &chosen] { chosen = [o, &common] { return run(*o, common); }; });

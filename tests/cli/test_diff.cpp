@@ -136,7 +136,7 @@ TEST_CASE("diff: bad input exits with 2, says why, and prints no half of an answ
         {"a.csv b.csv --tolerance ulp_eror=1", "--tolerance ulp_eror: unknown column; did you mean \"ulp_error\"?"},
         {"a.csv b.csv --ignore fomr", "--ignore fomr: unknown column; did you mean \"form\"?"},
         {"a.csv b.csv --ignore 'z*'", "known here: \"form\", \"ulp_error\""},
-        {"c.txt c.txt --ignore x", "nothing here has columns"},
+        {"c.txt c.txt --ignore x", "no file here has columns"},
         {"a.csv b.csv --tolerance ulp_error", "COLUMN=ABS"},
         {"a.csv b.csv --tolerance ulp_error=-1", "at least 0"},
         {"a.csv b.csv --tolerance ulp_error=inf", "--ignore"},

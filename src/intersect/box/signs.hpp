@@ -11,8 +11,7 @@ struct Signs {
     static constexpr Info info{
         .name = "box.signs",
         .title = "slabs, planes chosen by the sign of 1/d",
-        .source =
-            "Barnes, Fast, Branchless Ray/Bounding Box Intersections, part 3: Boundaries, section Signs; seed 002",
+        .source = "Barnes, Fast, Branchless Ray/Bounding Box Intersections, part 3: Boundaries, section Signs",
     };
 
     template <Number T, BoxOf<T> B>

@@ -11,7 +11,7 @@ struct EarlyExit {
     static constexpr Info info{
         .name = "sphere.early_exit",
         .title = "unified, sign of c picks the root",
-        .source = "Haines, Günther, Akenine-Möller, Ray Tracing Gems ch. 7 (2019), section 7.2; seed 000",
+        .source = "Haines, Günther, Akenine-Möller, Ray Tracing Gems ch. 7 (2019), section 7.2",
         .roots = Roots::first_only,
     };
 

@@ -10,7 +10,7 @@ struct Expanded {
     static constexpr Info info{
         .name = "sphere.expanded",
         .title = "segment form with the square of f expanded",
-        .source = "Ray-Casting Formulas; seed 004",
+        .source = "Ray-Casting Formulas (course notes)",
         .roots = Roots::near_only,
     };
 

@@ -10,7 +10,7 @@ struct HearnBaker {
     static constexpr Info info{
         .name = "sphere.hearn_baker",
         .title = "Hearn and Baker discriminant, plain roots",
-        .source = "Haines, Günther, Akenine-Möller, Ray Tracing Gems ch. 7 (2019), eq. 5; Hearn and Baker; seed 000",
+        .source = "Haines, Günther, Akenine-Möller, Ray Tracing Gems ch. 7 (2019), eq. 5; Hearn and Baker",
     };
 
     template <Number T>

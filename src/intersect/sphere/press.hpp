@@ -10,8 +10,7 @@ struct Press {
         .name = "sphere.press",
         .title = "Press et al. roots, schoolbook discriminant",
         .source =
-            "Haines, Günther, Akenine-Möller, Ray Tracing Gems ch. 7 (2019), eq. 6; Press et al., Numerical Recipes; "
-            "seed 000",
+            "Haines, Günther, Akenine-Möller, Ray Tracing Gems ch. 7 (2019), eq. 6; Press et al., Numerical Recipes",
     };
 
     template <Number T>

@@ -10,7 +10,7 @@ struct Schoolbook {
     static constexpr Info info{
         .name = "sphere.schoolbook",
         .title = "schoolbook quadratic, touching hits",
-        .source = "Haines, Günther, Akenine-Möller, Ray Tracing Gems ch. 7 (2019), eqs. 2 and 3; seed 000",
+        .source = "Haines, Günther, Akenine-Möller, Ray Tracing Gems ch. 7 (2019), eqs. 2 and 3",
     };
 
     template <Number T>

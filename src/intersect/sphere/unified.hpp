@@ -9,7 +9,7 @@ struct Unified {
     static constexpr Info info{
         .name = "sphere.unified",
         .title = "Hearn and Baker discriminant, Press et al. roots",
-        .source = "Haines, Günther, Akenine-Möller, Ray Tracing Gems ch. 7 (2019), eqs. 7-10; seed 000",
+        .source = "Haines, Günther, Akenine-Möller, Ray Tracing Gems ch. 7 (2019), eqs. 7-10",
     };
 
     template <Number T>

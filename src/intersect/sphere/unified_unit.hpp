@@ -9,7 +9,7 @@ struct UnifiedUnit {
     static constexpr Info info{
         .name = "sphere.unified_unit",
         .title = "unified, unit direction",
-        .source = "Haines, Günther, Akenine-Möller, Ray Tracing Gems ch. 7 (2019), section 7.2; seed 000",
+        .source = "Haines, Günther, Akenine-Möller, Ray Tracing Gems ch. 7 (2019), section 7.2",
         .direction = Direction::unit,
     };
 

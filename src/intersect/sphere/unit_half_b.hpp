@@ -10,7 +10,7 @@ struct UnitHalfB {
     static constexpr Info info{
         .name = "sphere.unit_half_b",
         .title = "shader form, unit direction, near root",
-        .source = "procedural_shader_framework, analytic_sphere.glsl; seed 001",
+        .source = "Ruimin Ma, analytic_sphere.glsl, procedural_shader_framework",
         .direction = Direction::unit,
         .roots = Roots::near_only,
     };

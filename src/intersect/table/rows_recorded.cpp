@@ -6,7 +6,8 @@
 namespace lostbits::intersect::table {
 namespace {
 
-/// Marks where the samples of a march end, and gives its operations the names that seed 003 has for them.
+/// Marks where the samples of a march end, and gives its operations the names that the lesson SDF Sphere Marching has
+/// for them.
 template <class T>
 struct SampleMarks {
     void operator()(const RecordedMask& /*active*/, const T& t, const Vec<T>& p, const T& d) const {

@@ -10,7 +10,7 @@ using truth::Band;
 
 namespace {
 
-/// A ray alone: with its neighbours of the row, many spheres would be asked of each.
+/// A single ray: beside the other rays of its row, each would be tested against many more spheres.
 std::unique_ptr<Band> band_of(const Scene& scene, const Ray<double>& ray) {
     scene::rays::RayGroup group;
     group.rays = {.width = 1,
@@ -47,7 +47,7 @@ OneRay::OneRay(const Scene& scene, int x, int y) {
 OneRay::OneRay(const Scene& scene, const Ray<double>& ray) {
     if (scene.inputs != scene::file::Inputs::shared)
         throw InputError("--ray: scene " + scene.id +
-                         " has inputs = \"own\", which are ideal numbers that no ray is given in; use --pixel");
+                         " has inputs = \"own\", which are ideal numbers, but --ray gives rounded ones; use --pixel");
     band_ = band_of(scene, ray);
 }
 

@@ -243,7 +243,7 @@ private:
         return decision != no_node && of(decision).turned ? decision : no_node;
     }
 
-    /// The subject where it is no finite number; of a comparison the side that is none and would be one without
+    /// The subject where it is not finite; of a comparison, the side that is not finite and would be without
     /// rounding.
     NodeId no_number_in(NodeId subject) {
         if (!is_decision(tape_[subject].op)) return std::isfinite(computed(subject)) ? no_node : subject;
@@ -255,7 +255,7 @@ private:
         return no_node;
     }
 
-    /// Where a value that is no finite number came from: the operation whose own operands still are.
+    /// The operation that made a value infinite or NaN: its own operands are still finite.
     NodeId origin(NodeId i) {
         for (;;) {
             const TapeNode& n = tape_[i];

@@ -34,7 +34,7 @@ struct OperationError {
 
 struct Attribution {
     std::vector<OperationError> of;  ///< a node each
-    NodeId subject = no_node;        ///< what was asked about: t, or the comparison that turned the form's decision
+    NodeId subject = no_node;        ///< what is explained: t, or the comparison that turned the form's decision
     bool exact_hit = false;          ///< the form's decision without rounding
     bool cut_short =
         false;             ///< without rounding a loop would have gone on: exact values end where the computed ones did

@@ -23,7 +23,7 @@ struct Blame {
     double ulp = 0;  ///< of the format at the exact value of the subject
 };
 
-/// What the forms of a run are asked of; a view.
+/// The solids and constants that the forms of a run are given; a view.
 struct Setting {
     std::span<const Solid<double>> solids;
     const intersect::MarchConstants<double>* march = nullptr;  ///< null: no form that marches is asked
@@ -45,7 +45,7 @@ private:
 /// empty where the form cannot be asked.
 std::vector<std::string> operation_names(const intersect::table::Intersector& form, const Setting& setting);
 
-/// Every label of a form, in the order of its tape; empty where the form cannot be asked.
+/// Every label of a form, in the order of its tape; empty where the form cannot handle the setting.
 std::vector<std::string_view> labels_of(const intersect::table::Intersector& form, const Setting& setting);
 
 /// The share of one category, or of several, in the rays that have a culprit, by the counts of `culprit`'s categories;

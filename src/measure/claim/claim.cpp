@@ -23,7 +23,7 @@ namespace {
 std::string missing_for(const Claim& claim) {
     for (const std::string& need : claim.requirements) {
         if (need == "processors-2") {
-            if (speed::allowed_processors().size() < 2) return "this program may use one processor";
+            if (speed::allowed_processors().size() < 2) return "this program may use only one processor";
             continue;
         }
         const auto isa = need.starts_with("isa-") ? intersect::simd::isa_named(need.substr(4)) : std::nullopt;
@@ -53,7 +53,7 @@ ClaimResult judge(const Claim& claim, double measured, const map::MapSummary* su
     if (summary && summary->count(answer::Outcome::unresolved) > 0) {
         result.trouble = std::to_string(summary->count(answer::Outcome::unresolved)) + " rays have no proved truth";
     } else if (std::isnan(measured)) {
-        result.trouble = "there is no sample to measure it on";
+        result.trouble = "there is no ray to measure it on";
     } else {
         result.state = measured >= claim.low && measured <= claim.high ? ClaimResult::State::agrees
                                                                        : ClaimResult::State::disagrees;
@@ -69,7 +69,7 @@ MapRow claim_row(const Claim& claim) {
         const Format format = claim_format(claim);
         if (!i.exists_in(format))
             scene::toml::fail(claim.where,
-                              claim.form + " does not exist in " + claim.format + "; it exists in f32 alone");
+                              claim.form + " does not exist in " + claim.format + "; it exists in f32 only");
         return {&i, format, claim.convention};
     }
     scene::toml::fail(claim.where,

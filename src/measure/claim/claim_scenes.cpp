@@ -44,7 +44,7 @@ double trace_value(const Claim& claim, const scene::file::Scene& scene) {
     if (found == columns.end())
         scene::toml::fail(claim.where,
                           "unknown metric \"" + claim.metric +
-                              "\"; a step has t, x, y, z, length, d, and its march has steps, hit and end");
+                              "\"; a step has t, x, y, z, length and d, and a march has steps, hit and end");
     return found->second;
 }
 
@@ -92,7 +92,7 @@ void measure_render(const std::vector<Claim>& claims, const Places& places, cons
         const scene::file::Stage stage = claims[i].stage.value_or(look.furthest());
         if (!look.asks_for(stage))
             scene::toml::fail(claims[i].where,
-                              "scene \"" + first.render + "\" does not ask for stage " + std::string(name_of(stage)));
+                              "scene \"" + first.render + "\" has no stage " + std::string(name_of(stage)));
         stages.insert(stage);
         request.rows.push_back(row_for(claims[i], SpheresAlone{}));
     }

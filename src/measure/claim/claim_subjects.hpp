@@ -49,7 +49,7 @@ template <class Subject>
 map::MapRow row_for(const scene::claim::Claim& claim, const Subject& subject) {
     const map::MapRow row = claim_row(claim);
     if (subject.meets(row.form->shape)) return row;
-    scene::toml::fail(claim.where, claim.subject() + " cannot be asked of " + claim.form + ": it has " +
+    scene::toml::fail(claim.where, claim.subject() + " is not handled by " + claim.form + ": it has " +
                                        (row.form->shape == Shape::sdf ? "no [march] table" : "other solids") +
                                        "; name another form, or another scene or sweep");
 }

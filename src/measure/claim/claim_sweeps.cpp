@@ -42,7 +42,7 @@ void check_place(const Claim& claim, const scene::sweep::SweepFile& sweep) {
     for (std::size_t a = 0; a < claim.at.size(); ++a) {
         const auto [low, high] = std::minmax(sweep.axes[a].from, sweep.axes[a].to);
         if (claim.at[a] < low || claim.at[a] > high)
-            scene::toml::fail(claim.where, "`at` lies outside of the axis " + sweep.axes[a].name + " of sweep \"" +
+            scene::toml::fail(claim.where, "`at` lies outside the axis " + sweep.axes[a].name + " of sweep \"" +
                                                claim.sweep + "\"; write a value between its ends");
     }
 }

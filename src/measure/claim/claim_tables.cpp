@@ -38,7 +38,8 @@ void measure_table(const std::vector<Claim>& claims, const Places& places, std::
                                   "\"; there are \"arithmetic\" and \"closest_as_tmax\", whose rows are box forms");
         }
         if (claim.metric != "fraction")
-            scene::toml::fail(claim.where, "unknown metric \"" + claim.metric + "\"; a table has fraction");
+            scene::toml::fail(claim.where,
+                              "unknown metric \"" + claim.metric + "\"; the only metric of a table is fraction");
         results[i] =
             judge(claim, claim.table == "arithmetic" ? arithmetic_value(claim) : closest_value(claim), nullptr);
     }

@@ -31,7 +31,7 @@ std::vector<double> nearest(const map::MapRow& row, const FormatInputs& in, bool
 
 double differs_with_closest(const map::MapRow& row, double distance) {
     if (row.form->shape != Shape::box)
-        throw InputError(std::string(row.form->info->name) + " is not told where a ray ends");
+        throw InputError(std::string(row.form->info->name) + " does not take the end of a ray");
     scene::rays::BoxFamily family;
     family.adjoining = true;
     family.distance = distance;

@@ -96,7 +96,7 @@ struct RowRequest {
 void measure_row(const RowRequest& request, const truth::Band& band, const truth::FormatInputs& inputs,
                  MapSummary& summary);
 
-/// Every row over all groups of rays, one summary a row, their distributions sealed.
+/// Every row over all groups of rays, one summary per row, their distributions sealed.
 std::vector<MapSummary> measure_groups(std::vector<scene::rays::RayGroup> groups, const std::vector<MapRow>& rows,
                                        const std::vector<const metric::Metric*>& metrics, truth::TruthLimit limit);
 

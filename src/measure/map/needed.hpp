@@ -85,7 +85,7 @@ std::uint64_t needed_units(const NeededRequest& request);
 /// The forms over one band, `needed` in the order of `request.forms`. A pixel's value is the smallest P such that P and
 /// every width above it up to 53 suffice. Correctness is not monotone in P (a narrow width may be lucky), so nothing
 /// short of looking at all of P…53 proves a value P: widths are scanned from 53 down, and a pixel leaves the scan at
-/// the first width that fails. That costs 53 − P + 2 evaluations a pixel, the least that any proof can take.
+/// the first width that fails. That costs 53 − P + 2 evaluations per pixel, the least that any proof can take.
 ///
 /// As for every format, inputs are rounded to pP too: shared inputs are binary32 numbers, so widths below 24 (own
 /// inputs: all widths) see input error on top of the form's own rounding, and the value is that of the whole pipeline

@@ -29,14 +29,15 @@ double outcome(const S& s) {
 /// Of every summary, whatever was measured.
 Columns outcome_columns() {
     Columns columns{
-        {"rays", Kind::count, "", "rays, one a pixel", [](const S& s) { return number(s.rays); }},
-        {"agree_hit", Kind::count, "", "rays on which form and truth agree that there is a hit",
+        {"rays", Kind::count, "", "rays, one per pixel", [](const S& s) { return number(s.rays); }},
+        {"agree_hit", Kind::count, "", "correct hits: form and truth agree that there is a hit",
          outcome<Outcome::agree_hit>},
-        {"agree_miss", Kind::count, "", "rays on which form and truth agree that there is none",
+        {"agree_miss", Kind::count, "", "correct misses: form and truth agree that there is none",
          outcome<Outcome::agree_miss>},
         {"false_hit", Kind::count, "", "rays that the form hits and the truth misses", outcome<Outcome::false_hit>},
         {"false_miss", Kind::count, "", "rays that the form misses and the truth hits", outcome<Outcome::false_miss>},
-        {"not_a_number", Kind::count, "", "rays on which the form claims a hit at NaN", outcome<Outcome::not_a_number>},
+        {"not_a_number", Kind::count, "", "rays on which the form reports a hit at NaN",
+         outcome<Outcome::not_a_number>},
         {"unresolved", Kind::count, "", "rays whose truth was not proved within the stated limit",
          outcome<Outcome::unresolved>},
         // A NaN is an answer to a ray that truly hits or truly misses; it is in neither fraction's numerator.
@@ -139,11 +140,12 @@ Columns summary_columns(const std::vector<const Metric*>& metrics) {
 
 Columns worst_columns(const std::vector<Shape>& shapes) {
     using W = WorstRay;
-    Columns columns{{"worst_x", Kind::count, "pixel", "column of the largest |ulp_error|, the first of equals",
-                     of_worst([](const W& w) { return w.x; })},
-                    {"worst_y", Kind::count, "pixel", "row of the same", of_worst([](const W& w) { return w.y; })},
-                    {"worst_object", Kind::count, "", "solid that the form hit there, from 0",
-                     of_worst([](const W& w) { return w.object; })}};
+    Columns columns{
+        {"worst_x", Kind::count, "pixel", "column of the largest |ulp_error|, the first if several are equal",
+         of_worst([](const W& w) { return w.x; })},
+        {"worst_y", Kind::count, "pixel", "row of the same", of_worst([](const W& w) { return w.y; })},
+        {"worst_object", Kind::count, "", "solid that the form hit there, from 0",
+         of_worst([](const W& w) { return w.object; })}};
     const auto add_hex = [&columns](const std::string& name, std::function<double(const S&)> value) {
         columns.push_back({"worst_" + name + "_hex", Kind::hex, "",
                            "the worst ray in the format (before any normalisation) and the form's answer, exactly, as "

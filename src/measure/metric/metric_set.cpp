@@ -40,7 +40,7 @@ constexpr Metric labelled[] = {
     {.name = "cancellation:",
      .unit = "bits",
      .layer = "cancellation.",
-     .meaning = "bits that the operation of that name cancels of operands which already carry error",
+     .meaning = "bits that the operation of that name cancels of operands that were already wrong",
      .needs = needs_attribution,
      .value = cancellation}};
 
@@ -57,8 +57,9 @@ void refuse_unknown_label(const Metric& metric, const std::vector<const Intersec
     }
     if (std::ranges::find(labels, metric.label) != labels.end()) return;
     const std::string label(metric.label);
-    throw InputError("--metric " + std::string(metric.name) + ": no selected form names \"" + label + "\"; " +
-                     (labels.empty() ? "none of them names anything" : scene::toml::did_you_mean(label, labels)));
+    throw InputError("--metric " + std::string(metric.name) + ": no selected form has an operation named \"" + label +
+                     "\"; " +
+                     (labels.empty() ? "none of them names its operations" : scene::toml::did_you_mean(label, labels)));
 }
 
 }  // namespace

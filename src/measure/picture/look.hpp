@@ -17,7 +17,7 @@ struct Look {
     Vec<S> light{S(0), S(0), S(0)};  ///< meaningless where the scene has none
     S shadow_on_background{S(1)};    ///< factor
     S epsilon{S(0)};
-    std::vector<Paint<S>> paints;  ///< one a sphere
+    std::vector<Paint<S>> paints;  ///< one per sphere
 };
 
 template <class S, class Lift>

@@ -120,7 +120,8 @@ struct RenderRequest {
     std::function<void(std::uint64_t)> progress = [](std::uint64_t) {};  ///< as `MapRequest::progress`
 };
 
-/// A summary a row and stage: those of a row's stages side by side. The results do not depend on the number of threads.
+/// A summary per row and stage: those of a row's stages side by side. The results do not depend on the number of
+/// threads.
 std::vector<RenderSummary> run_render(const RenderRequest& request, RenderSink* sink = nullptr);
 
 }  // namespace lostbits::measure::picture

@@ -1,4 +1,5 @@
-// The shading of seed 004, written once over any number: what the machine paints, and what is certainly right.
+// The shading of the course notes Ray-Casting Formulas, written once over any number: what the machine paints, and what
+// is certainly right.
 #pragma once
 
 #include "geometry/shapes.hpp"
@@ -63,7 +64,7 @@ T whole_power(const T& x, int n) {
     return power;
 }
 
-/// The start of a shadow ray that is also held against its own sphere: the point moved along the normal by `epsilon`,
+/// The start of a shadow ray that is also tested against its own sphere: the point moved along the normal by `epsilon`,
 /// or by `ulps` units in the last place of its largest coordinate (none for numbers that stand for exact arithmetic).
 template <Number T>
 Vec<T> shadow_origin(const Vec<T>& p, const Vec<T>& n, scene::file::ShadowRule::Offset offset, const T& epsilon,

@@ -17,7 +17,7 @@ namespace {
 
 constexpr std::size_t slice_in_memory = std::size_t{1} << 14;  // rays: about 600 kB a call
 
-/// The arrays of a load in both formats; those of a format that nobody asks for stay empty.
+/// The arrays of a load in both formats; those of a format that is not timed stay empty.
 struct Stores {
     std::unique_ptr<RayStore<float>> f32;
     std::unique_ptr<RayStore<double>> f64;

@@ -168,7 +168,7 @@ double round_exactly(const Truth& truth, const Ray<S>& ray, const Solid<S>& soli
         if (*side != 0) return *side < 0 ? lower : upper;
         return ordinal(lower, format) % 2 == 0 ? lower : upper;
     }
-    throw Error(Exit::internal, "no precision told the side of a rounding boundary");
+    throw Error(Exit::internal, "no precision was enough to tell the side of a rounding boundary");
 }
 
 }  // namespace

@@ -72,7 +72,7 @@ private:
         return is_rounded && !wide_ ? fmt::format("rounded({}, 0)", value) : value;
     }
     void refuse(std::string_view what) const {
-        throw InputError(fmt::format("--c: {} has {}, which C has for float and double alone; try -f f32 or f64",
+        throw InputError(fmt::format("--c: {} has {}, which C has for float and double only; try -f f32 or f64",
                                      x_.form->info->name, what));
     }
 
@@ -93,15 +93,16 @@ private:
         else see(n.value);
         if (exact || safe) return;
         throw InputError(
-            fmt::format("--c: {} is {}, so near to the ends of double's range that what it leaves out is no double, "
-                        "which {} bits need; try -f f64, or a format of at most 25 bits",
+            fmt::format("--c: {} is {}, so close to the ends of double's range that its rounding error is not a "
+                        "double, as {} bits need it; try -f f64, or a format of at most 25 bits",
                         text_.definition(i), file::decimal(n.value), x_.format.shape.precision));
     }
 
     [[nodiscard]] std::string rounding_functions(const std::string& body) const {
         const FloatFormat& f = x_.format.shape;
         std::string text = fmt::format(
-            "/* r + rest, r the nearest double: to {0} significand bits, exponents {1} to {2}, nearest even. "
+            "/* r + rest, where r is the nearest double, rounded to {0} significand bits, exponents {1} to {2}, "
+            "nearest even. "
             "*/\nstatic double rounded(double r, double rest) {{\n"
             "    int e;\n    double m, k;\n    if (r == 0 || isnan(r) || isinf(r)) return r;\n    frexp(r, &e);\n    e "
             "= (e - 1 > {1} ? e - 1 : {1}) - {0} + 1;\n"

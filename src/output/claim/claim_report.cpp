@@ -199,8 +199,9 @@ std::string rounded(double x) { return std::isfinite(x) ? fmt::format("{:.6g}", 
 std::string row_text(const Claim& c, const ClaimResult& r) {
     const std::string verdict = r.state == State::agrees
                                     ? (c.verdict == Claim::Verdict::holds ? "holds" : "**refuted**")
-                                : r.state == State::skipped ? "skipped"
-                                                            : "**no longer measures as stated**";
+                                : r.state == State::skipped          ? "skipped"
+                                : c.verdict == Claim::Verdict::holds ? "**expected to hold, does not**"
+                                                                     : "**refuted, but the number has changed**";
     // Expressions have stars.
     const std::string what =
         c.operations.empty() ? quantity(c) : fmt::format("{} of `{}`", c.metric, fmt::join(c.operations, "`, `"));
@@ -220,7 +221,7 @@ std::string screenshots_in(const std::filesystem::path& folder) {
     for (const auto& [name, what] : {std::pair{"maps", "Lost bits of one form beside another, and one ray"},
                                      std::pair{"operations", "Culprits, and the operations of one ray"},
                                      std::pair{"sweeps", "Lost bits along a parameter"},
-                                     std::pair{"claims", "Claims, each leading to its pixels or its plot"}}) {
+                                     std::pair{"claims", "Claims; each leads to its pixels or its plot"}}) {
         const std::string file = fmt::format("screenshots/{}.png", name);
         if (std::filesystem::exists(folder / file)) text += fmt::format("\n![{}]({})\n", what, file);
     }
@@ -238,11 +239,11 @@ void write_claim_report(const std::filesystem::path& folder, const std::vector<C
         else ++(claims[i].verdict == Claim::Verdict::holds ? held : refuted);
     }
     std::string text = fmt::format(
-        "# What the sources say, and what is measured\n\nMade by `lostbits check --report reports`; do not edit. {} "
-        "sentences and parts of sentences: {} hold, {} are refuted{}. Every "
-        "number is of the run that made this page; the tests of lostbits make it anew. `lostbits report` makes a page "
-        "of them for a browser, where each leads to its pixels or its plot.\n{}",
-        claims.size(), held, refuted, other == 0 ? "" : fmt::format(", {} could not be judged or changed", other),
+        "# What the sources say, and what we measure\n\nMade by `lostbits check --report reports`; do not edit. {} "
+        "claims, each a sentence or a part of one: {} hold, {} are refuted{}. Every number was measured by the run "
+        "that made this page; a test makes the page again and compares. `lostbits report` makes the same as a page for "
+        "a browser, where each claim leads to its pixels or its plot.\n{}",
+        claims.size(), held, refuted, other == 0 ? "" : fmt::format(", {} failed or could not be measured", other),
         screenshots_in(folder));
     for (const Subject& subject : subjects_of(claims)) {
         const Claim& first = claims[subject.claims.front()];

@@ -257,8 +257,8 @@ bool same_size(const auto& a, const auto& b, const CompareOptions& options, Comp
 Tolerance parse_tolerance(const std::string& text) {
     const auto equals = text.rfind('=');
     if (equals == std::string::npos || equals == 0) {
-        throw InputError(
-            fmt::format("--tolerance {}: no tolerance; write COLUMN=ABS or COLUMN=ABS,REL, as in lost_bits=0.5", text));
+        throw InputError(fmt::format(
+            "--tolerance {}: is not a tolerance; write COLUMN=ABS or COLUMN=ABS,REL, as in lost_bits=0.5", text));
     }
     const std::string numbers = text.substr(equals + 1);
     const auto comma = numbers.find(',');
@@ -266,7 +266,8 @@ Tolerance parse_tolerance(const std::string& text) {
         const CellValue value = file::read_cell(word);
         if (value.kind == Kind::number && !value.negative) return value;
         throw InputError(fmt::format(
-            "--tolerance {}: \"{}\" is no finite number of at least 0; write one, or --ignore the column", text, word));
+            "--tolerance {}: \"{}\" is not a finite number of at least 0; write one, or use --ignore for the column",
+            text, word));
     };
     return {text.substr(0, equals), read(numbers.substr(0, comma)),
             comma == std::string::npos ? read("0") : read(numbers.substr(comma + 1))};

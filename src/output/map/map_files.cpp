@@ -42,7 +42,7 @@ bool is_enveloped(const MapFilesOptions& options, const Metric& drawn) {
 }
 
 LegendEntry envelope_entry(const image::ColourScale& scale, std::string count) {
-    return {"paler: inside the envelope", paler(scale.map(scale.hi() / 2)), std::move(count)};
+    return {"paler: input rounding alone explains it", paler(scale.map(scale.hi() / 2)), std::move(count)};
 }
 
 /// Every class that may occur, with the widest count, in a picture of so many pixels.

@@ -61,7 +61,7 @@ void SummaryTable::add(file::CsvWriter& csv, const measure::map::MapRow& row,
 std::vector<Column> pixel_columns(const measure::map::MapRequest& request) {
     std::vector<Column> columns{{"x", "integer", "pixel", "column, from the left"},
                                 {"y", "integer", "pixel", "row, from the top"},
-                                {"outcome", "string", "", "class of the ray"},
+                                {"outcome", "string", "", "outcome of the ray"},
                                 {"object", "integer", "", "solid that the form hit, from 0"},
                                 {"truth_object", "integer", "", "solid that the ray truly hits first"},
                                 {"t", "number", "t", "the form's answer, in its own unit"},

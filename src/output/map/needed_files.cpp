@@ -35,7 +35,7 @@ constexpr const char* truth_names[] = {"miss", "hit", "unresolved"};
 std::string stem(const Info& form) { return std::string(form.name) + ".needed"; }
 
 LegendEntry beyond_entry(std::string count) {
-    return {fmt::format("not even {} bits suffice", measure::map::most_width), beyond_colour, std::move(count)};
+    return {fmt::format("not even {} bits are enough", measure::map::most_width), beyond_colour, std::move(count)};
 }
 LegendEntry unresolved_entry(std::string count) {
     return {plain_name(measure::answer::Outcome::unresolved), unresolved_colour, std::move(count)};
@@ -84,7 +84,7 @@ std::vector<Column> table_columns() {
     std::vector<Column> columns{
         {"form", "string", "", "form under test"},
         {"bits_asked", "integer", "bits", "B: the answer is to be within half an ulp of B significand bits"},
-        {"pixels", "integer", "", "rays, one a pixel"}};
+        {"pixels", "integer", "", "rays, one per pixel"}};
     for (const Statistic& s : statistics) {
         columns.push_back({"needed_" + std::string(s.name), "number", "bits",
                            std::string(s.meaning) + " of the widths needed, over the pixels that have one"});
@@ -93,8 +93,9 @@ std::vector<Column> table_columns() {
         columns.push_back({"hit_needed_" + std::string(s.name), "number", "bits",
                            std::string(s.meaning) + " of the same over the rays that truly hit"});
     }
-    columns.push_back({"hits_beyond_53", "integer", "", "rays that truly hit and on which not even 53 bits suffice"});
-    columns.push_back({"misses_beyond_53", "integer", "", "rays that truly miss and that even 53 bits hit"});
+    columns.push_back(
+        {"hits_beyond_53", "integer", "", "rays that truly hit and for which not even 53 bits are enough"});
+    columns.push_back({"misses_beyond_53", "integer", "", "rays that truly miss and that are hit even with 53 bits"});
     columns.push_back({"unresolved", "integer", "", "rays whose truth was not proved within the stated limit"});
     return columns;
 }
@@ -107,7 +108,7 @@ std::vector<Column> pixel_columns(int bits) {
         {"truth_object", "integer", "", "solid that the ray truly hits first, from 0"},
         {"needed", "number", "bits",
          fmt::format(
-             "smallest width that suffices for {} correct bits, as every wider one does; inf where not even 53 bits do",
+             "smallest width that is enough for {} correct bits, as every wider one is; inf where not even 53 bits are",
              bits)}};
 }
 

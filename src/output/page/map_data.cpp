@@ -208,7 +208,7 @@ std::string metric_json(const Metric& m, std::span<const MapRow> rows) {
     return text + fmt::format(R"(,"categories":[{}]}})", fmt::join(categories, ","));
 }
 
-/// A march is no one tape: how many samples it takes is each ray's own.
+/// A march does not have one tape for all rays: each ray takes its own number of samples.
 bool is_taped(const MapRow& row) { return row.form->shape != Shape::sdf; }
 
 std::string summary_json(const MapRequest& request, const MapRow& row, const measure::map::MapSummary& s,

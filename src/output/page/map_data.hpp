@@ -31,7 +31,7 @@ public:
     MapData(const MapData&) = delete;
     MapData& operator=(const MapData&) = delete;
 
-    /// One a row of the request, in its order.
+    /// One per row of the request, in its order.
     [[nodiscard]] std::vector<measure::map::MapSink*> sinks();
 
     /// After the map: everything but pixels, as JSON. `own_size`: no other size was asked for than the scene's, so that

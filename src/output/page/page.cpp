@@ -137,8 +137,8 @@ std::string sweeps_section(const Report& report) {
 std::string trades_section(const Report& report) {
     if (report.trades.empty()) return "";
     std::string text = fmt::format(
-        "<section id=\"trade\"><h2>Speed against accuracy</h2>\n<p>Times are short measurements of the run that made "
-        "this page, on its machine{}: another run has other times.</p>\n<div id=\"trade-view\" hidden></div>\n",
+        "<section id=\"trade\"><h2>Speed against accuracy</h2>\n<p>Times were measured briefly by the run that made "
+        "this page, on its machine{}. Another run measures other times.</p>\n<div id=\"trade-view\" hidden></div>\n",
         report.processor.empty() ? "" : fmt::format(" ({})", html(report.processor)));
     for (const TradePart& t : report.trades) {
         text += fmt::format("<details open class=\"part\"><summary>{}</summary><pre>{}</pre>{}</details>\n",
@@ -158,7 +158,7 @@ std::string counted(std::size_t n, const char* thing) { return fmt::format("{} {
 std::string heading(const Report& report) {
     std::string text = "<header><h1>lostbits report</h1>\n";
     if (!report.claims.empty())
-        text += fmt::format("<p>{} measured:</p>\n", counted(report.claims.size(), "sentence")) +
+        text += fmt::format("<p>{} measured:</p>\n", counted(report.claims.size(), "claim")) +
                 verdict_tiles(count_verdicts(report));
     text += fmt::format("<p>{}, {}. Made by <code>{}</code>.</p>\n<nav>", counted(report.maps.size(), "map"),
                         counted(report.sweeps.size(), "sweep"), html(report.command));
@@ -167,8 +167,8 @@ std::string heading(const Report& report) {
     if (!report.trades.empty()) text += "<a href=\"#trade\">Speed</a> ";
     if (!report.claims.empty()) text += "<a href=\"#claims\">Claims</a>";
     return text +
-           "</nav>\n<noscript><p>Without scripts the page shows tables and contact sheets; with them, every "
-           "pixel.</p></noscript></header>\n";
+           "</nav>\n<noscript><p>Without scripts this page shows tables and contact sheets. With scripts it shows "
+           "every pixel.</p></noscript></header>\n";
 }
 
 }  // namespace

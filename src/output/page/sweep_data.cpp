@@ -99,7 +99,7 @@ std::string onset_table(const measure::sweep::SweepRequest& request, const std::
             });
             const bool is = found != onsets.end() && found->found;
             text += fmt::format("<td class=\"n\">{}{}</td>", is ? shown(found->first_bad) : "&ndash;",
-                                is && found->from_start ? " (from the first)" : "");
+                                is && found->from_start ? " (from the start)" : "");
         }
         text += "</tr>\n";
     }

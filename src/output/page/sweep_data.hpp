@@ -33,7 +33,7 @@ inline constexpr std::array<std::string_view, 7> sweep_statistics{
 [[nodiscard]] std::string onset_table(const measure::sweep::SweepRequest& request,
                                       const std::vector<measure::sweep::Onset>& onsets);
 
-/// What is plotted of a trade, for each set of rays: time, kept bits, wrong decisions and what nothing beats, as JSON.
+/// What is plotted of a trade, for each set of rays: time, kept bits, wrong decisions and the Pareto front, as JSON.
 [[nodiscard]] std::string trade_json(const measure::speed::TradeRequest& request,
                                      const measure::speed::TradeResult& result);
 

@@ -93,7 +93,7 @@ public:
             open(ErrorMap::normal, 0, stem(row) + ".normal.png", error_map_kind(ErrorMap::normal).title);
         if (any_stage(request, &ShadeRule::shadows)) {
             const char* const note =
-                "decisions of shadow where both see the same: on spheres that face the light, and on the background if "
+                "shadow decisions where both see the same: on spheres that face the light, and on the background if "
                 "it is a plane";
             shadow_ = std::make_unique<HeatmapWriter>(
                 backend, options.folder / (stem(row) + ".shadow.png"),

@@ -64,7 +64,7 @@ AxisRange range_of(const Axis& axis, const std::vector<double>& edges) {
 
 void write_plane_plot(image::ImageBackend& backend, const std::filesystem::path& path, const PlanePlotSpec& spec) {
     if (spec.x.empty() || spec.y.empty() || spec.cells.size() != spec.x.size() * spec.y.size()) {
-        throw std::invalid_argument(path.string() + ": not one cell a pair of parameters");
+        throw std::invalid_argument(path.string() + ": not one cell per pair of parameters");
     }
     bool hatched = false;
     for (const auto& cell : spec.cells) {

@@ -54,7 +54,7 @@ std::vector<ScatterPlotSpec::Key> keys_of(const TradeRequest& request) {
             keys.push_back({look.label, look.marker, 0, true});
     }
     keys.push_back({"decides some rays wrongly", 0, 0, false, true});
-    keys.push_back({"dominated", 0, 0, true});
+    keys.push_back({"not on the Pareto front", 0, 0, true});
     return keys;
 }
 
@@ -73,9 +73,9 @@ ScatterPlotSpec trade_plot(const TradeRequest& request, const measure::speed::Tr
                                  "quartile to quartile.",
                                  result.accuracy(set, 0).rays, rays.name, static_cast<double>(bytes) / 1024,
                                  request.plan.repetitions),
-                     "Named: what no other beats. Fewer wrong decisions count before more bits, so the line may step "
-                     "down to a form that is never wrong."};
-    spec.x = {"time a ray, ns", plot::Axis::Scale::log2, {}, {}};
+                     "Named: the Pareto front. Fewer wrong decisions count before more bits, so it may step down to a "
+                     "form that is never wrong."};
+    spec.x = {"time per ray, ns", plot::Axis::Scale::log2, {}, {}};
     spec.y = {"bits that 99 % of the hits keep", plot::Axis::Scale::linear, 0.0, {}};
     std::vector<std::size_t> front;
     for (std::size_t k = 0; k < all.size(); ++k) {

@@ -23,12 +23,12 @@ namespace {
 
 std::vector<Column> case_columns(const CaseRequest& request) {
     std::vector<Column> columns{
-        {"case", "string", "", "what is extreme about it"},
+        {"case", "string", "", "name of the case"},
         {"convention", "string", "",
-         "by whose word touching is judged: the form's own, the closed solid's, the open one's"},
+         "how touching is judged: by the form's own rule (own), as a hit (closed), or as a miss (open)"},
         {"verdict", "string", "",
-         fmt::format("right (every decision, and no answer more than {} bits beyond the envelope), wrong_value, or the "
-                     "most frequent wrong decision",
+         fmt::format("right (every decision is right, and no answer loses more than {} bits beyond what half an ulp in "
+                     "each input would cost), wrong_value, or the most frequent wrong decision",
                      file::decimal(request.file->right_within_bits))}};
     for (Column& c : map::SummaryTable{request.metrics, {request.file->shape()}}.columns()) {
         if (c.name == "rays") c.meaning = "rays of the case";
@@ -73,10 +73,10 @@ void write_case_matrix(const std::filesystem::path& path, const CaseRequest& req
         .title = judged
                      ? fmt::format("{}: judged as {} solids", request.file->title, intersect::convention_name(judged))
                      : request.file->title,
-        .subtitle = {fmt::format("Right: every decision, and no answer more than {} bits beyond what half an ulp in "
-                                 "each input would cost. A number in a coloured cell: "
-                                 "how many of the rays; on the ramp: bits lost by the worst.",
-                                 file::decimal(request.file->right_within_bits))},
+        .subtitle = {fmt::format(
+            "Right: every decision is right, and no answer loses more than {} bits beyond what half an ulp in each "
+            "input would cost. A number in a coloured cell: how many rays; on the ramp: bits lost by the worst ray.",
+            file::decimal(request.file->right_within_bits))},
         .groups = {},
         .rows = {},
         .cells = {},

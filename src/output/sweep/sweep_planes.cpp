@@ -144,7 +144,8 @@ void write_plane_picture(ImageBackend& backend, const std::filesystem::path& pat
     }
     spec.legend = map::outcome_legend(drawn);
     if (any_inside)
-        spec.legend.push_back({"paler: inside the envelope", map::paler(spec.scale->map(spec.scale->hi() / 2)), {}});
+        spec.legend.push_back(
+            {"paler: input rounding alone explains it", map::paler(spec.scale->map(spec.scale->hi() / 2)), {}});
     plot::write_plane_plot(backend, path, spec);
 }
 

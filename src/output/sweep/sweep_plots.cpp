@@ -82,7 +82,7 @@ void write_lines(ImageBackend& backend, const std::filesystem::path& path, const
                  const Quantity& quantity, PlotSize size = {}) {
     LinePlotSpec spec{
         .title = fmt::format("{} in {}", quantity.title, format.name),
-        .subtitle = {request.sweep->title, fmt::format("{} rays a step", steps.front().rows.front().rays)},
+        .subtitle = {request.sweep->title, fmt::format("{} rays per step", steps.front().rows.front().rays)},
         .x = plot_axis(request.sweep->axes.front()),
         .y = quantity.axis,
         .series = {},
@@ -144,7 +144,7 @@ void write_split_plot(ImageBackend& backend, const std::filesystem::path& path, 
     const MapRow& row = request.rows[r];
     LinePlotSpec spec{
         .title = fmt::format("Model and rounding error of {} in {}, medians", row.form->info->name, row.format.name),
-        .subtitle = {request.sweep->title, fmt::format("{} rays a step", steps.front().rows.front().rays)},
+        .subtitle = {request.sweep->title, fmt::format("{} rays per step", steps.front().rows.front().rays)},
         .x = plot_axis(request.sweep->axes.front()),
         .y = {"ulp", plot::Axis::Scale::log2, 0x1p-6, {}},
         .series = {}};
@@ -172,7 +172,7 @@ void write_march_plots(ImageBackend& backend, const std::filesystem::path& folde
         return static_cast<double>(n) / static_cast<double>(s.rays);
     };
     write_lines(backend, folder / fmt::format("unfinished.{}.png", format.name), request, steps, onsets, format,
-                {"Marches that came to no end",
+                {"Marches that did not finish",
                  {"share of rays", plot::Axis::Scale::linear, 0.0, 1.0},
                  unfinished,
                  {},
@@ -213,7 +213,7 @@ void write_culprit_plot(ImageBackend& backend, const std::filesystem::path& path
     std::ranges::stable_sort(order, [&](std::size_t a, std::size_t b) { return peak[a] > peak[b]; });
     LinePlotSpec spec{.title = fmt::format("Culprits of {} in {}", row.form->info->name, row.format.name),
                       .subtitle = {request.sweep->title,
-                                   fmt::format("{} rays a step; an operation's share of the rays that have a culprit",
+                                   fmt::format("{} rays per step; an operation's share of the rays that have a culprit",
                                                steps.front().rows[r].rays)},
                       .x = plot_axis(request.sweep->axes.front()),
                       .y = {"share of rays", plot::Axis::Scale::linear, 0.0, 1.0},

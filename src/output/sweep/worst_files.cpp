@@ -28,7 +28,7 @@ std::vector<file::Column> worst_columns(const WorstRequest& request) {
     std::vector<file::Column> columns{
         {"form", "string", "", "form under test"},
         {"format", "string", "", "format it computes in"},
-        {"found", "boolean", "", "whether any ray of the box was hit"},
+        {"found", "boolean", "", "whether the form hit anything within the ranges"},
         {"outcome", "string", "", "class of the worst ray"},
         {std::string(metric.name), "number", std::string(metric.unit),
          "of the worst ray; missing where the decision is wrong"},

@@ -77,7 +77,8 @@ Camera read_pixel_plane(TableReader& table, const Numbers& numbers) {
     camera.kind = Camera::Kind::pixel_plane;
     camera.eye = numbers.finite(table, "eye", table.vec3("eye"));
     if (numbers.vanishes(camera.eye.z))
-        table.fail_at("eye", "lies in the plane of the pixels, z = 0, which it sees as a line; move it off the plane");
+        table.fail_at("eye",
+                      "lies in the plane of the pixels, z = 0, and would see it as a line; move it off the plane");
     for (const char* key : {"look_at", "up", "shift"})
         table.reject(key, "has no meaning for a camera of pixels at z = 0; extent and eye say where it looks");
     for (const char* key : {"width", "fov_deg"})
@@ -112,15 +113,15 @@ Camera read_camera(TableReader table, const Numbers& numbers) {
     camera.shift_up = numbers.finite(table, "shift", shift[1]);
 
     const Vec<Real> view = camera.look_at - camera.eye;
-    if (is_zero(view)) table.fail_at("look_at", "equals camera.eye, which gives no direction; move either");
-    if (is_zero(camera.up)) table.fail_at("up", "is zero, which is no direction; write [0, 1, 0]");
+    if (is_zero(view)) table.fail_at("look_at", "equals camera.eye, which gives no direction; move one of them");
+    if (is_zero(camera.up)) table.fail_at("up", "is zero, which is not a direction; write [0, 1, 0]");
     if (is_parallel(view, camera.up))
         table.fail_at("up", "is parallel to the view, look_at - eye; write another, such as [0, 0, 1] or [0, 1, 0]");
 
     if (camera.kind == Camera::Kind::orthographic) {
         table.reject("fov_deg", "has no meaning for an orthographic camera; write width, in world units");
         table.reject("normalise",
-                     "has no meaning for an orthographic camera, whose directions are all one; leave it out");
+                     "has no meaning for an orthographic camera, whose rays all have the same direction; leave it out");
         camera.width = numbers.positive(table, "width", table.number("width"));
     } else {
         table.reject("width",
@@ -144,7 +145,7 @@ SphereSpec read_sphere(TableReader& table, const Numbers& numbers) {
 BoxSpec read_box(TableReader& table, const Numbers& numbers) {
     BoxSpec box{numbers.finite(table, "lo", table.vec3("lo")), numbers.finite(table, "hi", table.vec3("hi"))};
     for (int i = 0; i < 3; ++i)
-        if (box.lo[i] > box.hi[i]) table.fail_at("hi", "lies below lo in a component; a box has lo <= hi in each");
+        if (box.lo[i] > box.hi[i]) table.fail_at("hi", "is below lo in a component; a box needs lo <= hi in each");
     table.reject_unknown_keys();
     return box;
 }
@@ -182,8 +183,8 @@ SceneFile::SceneFile(const std::filesystem::path& path) : path_(path), root_(tom
                 "name", "is \"" + variant.name + "\", but names are part of file names; use letters, digits, - and _");
         const auto same = [&](const Variant& other) { return other.name == variant.name; };
         if (std::any_of(variants_.begin(), variants_.end(), same))
-            table.fail_at("name",
-                          "is \"" + variant.name + "\", as another variant of the file already is; name each once");
+            table.fail_at("name", "is \"" + variant.name +
+                                      "\", which is also the name of another variant; give each its own name");
         table.table("set");
         table.reject_unknown_keys();
         const Node& node = root_.find("variant")->items[variants_.size()];
@@ -233,7 +234,7 @@ Scene SceneFile::interpret(const Variant* variant, const LoadOptions& options) c
         scene.width = static_cast<int>((*size)[0]);
         scene.height = static_cast<int>((*size)[1]);
         if ((*size)[0] * (*size)[1] > most_pixels)
-            file.fail_at("size", "is an absurd size: more than 2^30 pixels; make it smaller");
+            file.fail_at("size", "is too large: more than 2^30 pixels; make it smaller");
     }
     const Numbers numbers(scene.inputs);
     scene.camera = read_camera(file.table("camera"), numbers);
@@ -255,8 +256,7 @@ Scene SceneFile::interpret(const Variant* variant, const LoadOptions& options) c
             "is missing; a scene has at least one [[sphere]] with centre and radius, or [[box]] with lo and hi");
     if (scene.shapes().size() > 1 && !scene.march)
         file.fail_at("box",
-                     "beside [[sphere]] leaves no form that meets both but those that march; write two scenes, or a "
-                     "[march] table");
+                     "and [[sphere]] in one scene need a form that marches; write two scenes, or add a [march] table");
     return scene;
 }
 
@@ -294,8 +294,8 @@ std::vector<std::filesystem::path> scene_files(const std::filesystem::path& data
     for (const auto& entry : std::filesystem::directory_iterator(folder, error))
         if (entry.path().extension() == ".toml") files.push_back(entry.path());
     if (error)
-        throw InputError(folder.string() + ": no folder of scenes: " + error.message() +
-                         "; name the data folder that holds scenes/ with --data");
+        throw InputError(folder.string() + ": is not a folder of scenes: " + error.message() +
+                         "; name the folder that contains scenes/ with --data");
     std::sort(files.begin(), files.end());
     return files;
 }
@@ -318,7 +318,7 @@ SceneName find_scene(const std::string& name_or_path, const std::filesystem::pat
         if (dot < name.size() && ids[i] == stem) return {files[i], name.substr(dot + 1)};
     const std::string hint = toml::did_you_mean(stem, ids);
     throw InputError("no scene \"" + name_or_path + "\" in " + (data_dir / "scenes").string() +
-                     (hint.empty() ? "" : "; " + hint) + " (a path to a .toml file will also do)");
+                     (hint.empty() ? "" : "; " + hint) + " (a path to a .toml file works too)");
 }
 
 }  // namespace lostbits::scene::file

@@ -57,7 +57,7 @@ struct Scene {
     Appearance appearance;                                 ///< for pictures of it
     std::filesystem::path path;
 
-    /// Whether the forms of a shape can be asked about the scene: all of its solids are of that shape, or, for `sdf`,
+    /// Whether the forms of a shape can handle the scene: all of its solids are of that shape, or, for `sdf`,
     /// the scene has constants for the march.
     [[nodiscard]] bool meets(Shape shape) const;
     /// The shapes of its solids, each once.

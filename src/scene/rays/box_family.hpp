@@ -20,7 +20,7 @@ struct BoxFamily {
     double direction_magnitude = 1;  ///< length of the directions, to the nearest power of two
     double offset = 0;               ///< everything is moved by offset·(1, 0.6875, −0.4375)
     int views = 16;                  ///< boxes
-    int rays = 64;                   ///< rays a box
+    int rays = 64;                   ///< rays per box
     std::uint64_t seed = 1;
 };
 

@@ -14,7 +14,7 @@ namespace lostbits::scene::rays {
 struct RayGroup {
     RayBlock rays;
     std::vector<Solid<double>> solids;
-    std::optional<intersect::MarchConstants<double>> march = {};  ///< absent: no form that marches may be asked
+    std::optional<intersect::MarchConstants<double>> march = {};  ///< absent: forms that march cannot handle it
 };
 
 /// One sphere seen along directions w = (a, b, c)/n with whole a² + b² + c² = n² (Pythagorean quadruples), so that the
@@ -42,7 +42,7 @@ struct Family {
     double tilt = 0;                 ///< tilted: tangent of the angle to the x axis, in the xy plane
     double offset = 0;               ///< everything is moved by offset·(1, 0.6875, −0.4375)
     int views = 16;                  ///< directions w
-    int rays = 64;                   ///< rays a view
+    int rays = 64;                   ///< rays per view
     std::uint64_t seed = 1;
 };
 

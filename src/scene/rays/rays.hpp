@@ -9,14 +9,14 @@
 
 namespace lostbits::scene::rays {
 
-/// Rays of the pixel rows [y0, y1), a component an array: ray (y − y0)·width + x is pixel (x, y).
+/// Rays of the pixel rows [y0, y1), a component per array: ray (y − y0)·width + x is pixel (x, y).
 template <class T>
 struct BasicRayBlock {
     int width = 0;
     int y0 = 0;
     int y1 = 0;
     std::vector<T> ox, oy, oz, dx, dy, dz;
-    std::vector<double> tmax = {};  ///< where each ray ends, for the forms that are told; empty: nowhere
+    std::vector<double> tmax = {};  ///< where each ray ends, for the forms that take it; empty: nowhere
 
     [[nodiscard]] std::size_t size() const { return ox.size(); }
     [[nodiscard]] Ray<T> operator[](std::size_t i) const { return {{ox[i], oy[i], oz[i]}, {dx[i], dy[i], dz[i]}}; }

@@ -40,7 +40,7 @@ void fill(Axis& axis, TableReader& table) {
         const std::int64_t first = place(static_cast<float>(axis.from)), last = place(static_cast<float>(axis.to));
         if (last < first) table.fail_at("to", "must be greater than from with spacing = \"every_float\"");
         if (last - first >= most_steps)
-            table.fail_at("to", "leaves more than 100000 floats between from and to; bring them closer");
+            table.fail_at("to", "leaves more than 100000 floats between from and to; bring them closer together");
         for (std::int64_t n = first; n <= last; ++n) axis.values.push_back(static_cast<double>(float_at(n)));
         return;
     }
@@ -147,14 +147,15 @@ SweepFile::SweepFile(const std::filesystem::path& path, const std::filesystem::p
     } else {
         rays::read_box_family(*boxes);
     }
-    if (scene) file.reject("march", "stands in the scene of a sweep over a scene; write it there");
+    if (scene) file.reject("march", "belongs in the scene file if the sweep is over a scene; write it there");
     else if (auto march = file.optional_table("march")) file::read_march(*march, file::Inputs::shared);
     const char* const prefix = scene ? "" : family ? "family." : "box_family.";
     for (TableReader& axis : file.tables("axis")) axes.push_back(read_axis(axis, prefix));
     if (axes.empty() || axes.size() > 2)
         toml::fail(file.where(), "a sweep has one or two [[axis]] tables, this has " + std::to_string(axes.size()));
     if (axes.size() == 2 && axes[0].name == axes[1].name)
-        toml::fail(file.where(), "both axes are named \"" + axes[0].name + "\"; names are columns, so name them apart");
+        toml::fail(file.where(),
+                   "both axes are named \"" + axes[0].name + "\"; give each its own name: they become column names");
     for (TableReader& mark : file.tables("mark")) {
         Mark m{static_cast<double>(mark.number("at")),
                mark.string("label"),
@@ -246,7 +247,7 @@ std::filesystem::path find_sweep(const std::string& name_or_path, const std::fil
     };
     if (std::ranges::count_if(names, last_part) == 1)
         return folder / (*std::ranges::find_if(names, last_part) + ".toml");
-    throw InputError(name_or_path + ":1:1: no such sweep file, nor a name in " + folder.string() + "; " +
+    throw InputError(name_or_path + ":1:1: is not a sweep file, nor a name in " + folder.string() + "; " +
                      toml::did_you_mean(name_or_path, names));
 }
 

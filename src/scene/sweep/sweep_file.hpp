@@ -31,7 +31,7 @@ struct Axis {
 
 class SweepFile {
 public:
-    /// InputError with a position for anything that is no sweep. A scene is looked up in `data_dir`.
+    /// InputError with a position for anything that is not a sweep. A scene is looked up in `data_dir`.
     SweepFile(const std::filesystem::path& path, const std::filesystem::path& data_dir);
 
     std::string id, title, source, note;
@@ -49,7 +49,7 @@ public:
     };
     std::vector<Mark> marks;
 
-    /// Whether the forms of a shape can be asked along the sweep.
+    /// Whether the forms of a shape can handle the sweep.
     [[nodiscard]] bool meets(Shape shape) const {
         return shape == Shape::sdf ? marches_ : shapes_ == std::vector{shape};
     }

@@ -226,7 +226,7 @@ void TableReader::reject_unknown_keys() const {
 void require_schema(TableReader& file, std::string_view schema) {
     const std::string expected = "schema = \"" + std::string(schema) + '"';
     if (!file.optional_string("schema"))
-        fail(file.where(), "schema is missing, so what the keys mean is not known; write " + expected + " first");
+        fail(file.where(), "schema is missing, so the meaning of the keys is unknown; write " + expected + " first");
     const std::string found = file.string("schema");
     if (found == schema) return;
 
@@ -241,7 +241,7 @@ void require_schema(TableReader& file, std::string_view schema) {
     if (kind == wanted_kind && version > newest)
         file.fail_at("schema",
                      "is \"" + found + "\", newer than this program reads; use a newer lostbits, or write " + expected);
-    file.fail_at("schema", "is \"" + found + "\", which is not the kind of file wanted here; write " + expected);
+    file.fail_at("schema", "is \"" + found + "\", which is another kind of file than expected here; write " + expected);
 }
 
 }  // namespace lostbits::scene::toml

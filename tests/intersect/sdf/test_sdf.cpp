@@ -74,7 +74,7 @@ void compare_widths(std::uint64_t seed) {
     CHECK(misses > 1000);
 }
 
-/// The loop of seed 003 as anybody would write it.
+/// The loop of the lesson SDF Sphere Marching as anybody would write it.
 template <class S>
 std::pair<bool, S> plain_march(const Ray<S>& ray, const Sphere<S>& sphere, const intersect::MarchConstants<S>& c,
                                int& samples) {

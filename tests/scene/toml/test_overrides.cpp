@@ -99,21 +99,21 @@ TEST_CASE("an override of an unknown path says what is there") {
 
 TEST_CASE("a malformed override says how one is written") {
     const std::string advice = "; write path=value, as in sphere[0].radius=1e3";
-    CHECK(set_error("radius") == "--set radius: is no assignment" + advice);
-    CHECK(set_error("=3") == "--set =3: is no assignment" + advice);
+    CHECK(set_error("radius") == "--set radius: is not an assignment" + advice);
+    CHECK(set_error("=3") == "--set =3: is not an assignment" + advice);
     CHECK(set_error("camera.eye=") == "--set camera.eye=: has no value after =" + advice);
     const std::string keys = "; write keys and indices from 0, as in sphere[0].radius";
     CHECK(set_error("camera..eye=1") == "--set camera..eye=1: the path \"camera..eye\" has an empty key" + keys);
     CHECK(set_error("camera.=1") == "--set camera.=1: the path \"camera.\" has an empty key" + keys);
     CHECK(set_error("[0].radius=1") == "--set [0].radius=1: the path \"[0].radius\" has an empty key" + keys);
     CHECK(set_error("sphere[x].radius=1") ==
-          "--set sphere[x].radius=1: the path \"sphere[x].radius\" has an index that is no whole number" + keys);
+          "--set sphere[x].radius=1: the path \"sphere[x].radius\" has an index that is not a whole number" + keys);
     CHECK(set_error("sphere[-1].radius=1") ==
-          "--set sphere[-1].radius=1: the path \"sphere[-1].radius\" has an index that is no whole number" + keys);
+          "--set sphere[-1].radius=1: the path \"sphere[-1].radius\" has an index that is not a whole number" + keys);
     CHECK(set_error("sphere[0=1") ==
-          "--set sphere[0=1: the path \"sphere[0\" has an index that is no whole number" + keys);
+          "--set sphere[0=1: the path \"sphere[0\" has an index that is not a whole number" + keys);
     CHECK(set_error("sphere[0]radius=1") ==
-          "--set sphere[0]radius=1: the path \"sphere[0]radius\" goes on after an index without a dot" + keys);
+          "--set sphere[0]radius=1: the path \"sphere[0]radius\" continues after an index without a dot" + keys);
 }
 
 TEST_CASE("a value that the scene refuses is refused in the option's name") {

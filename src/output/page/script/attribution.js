@@ -132,7 +132,7 @@ class Walk {
         this.explained = 0;
         this.culprit = -1;
         if (this.subject >= 0) this.attribute(this.subject);
-        // The t of a miss is no answer, so no operation is the culprit of it.
+        // The t of a miss is not an answer, so no operation is its culprit.
         this.plainMiss = !this.at(this.hit).value && !this.at(this.hit).turned;
         if (this.plainMiss) this.culprit = -1;
     }
@@ -270,7 +270,7 @@ class Walk {
         return decision !== undefined && this.at(decision).turned ? decision : -1;
     }
     /**
-     * The subject where it is no finite number; of a comparison the side that is none and would be one without
+     * The subject where it is not finite; of a comparison, the side that is not finite and would be without
      * rounding.
      */
     noNumberIn(subject) {
@@ -281,7 +281,7 @@ class Walk {
                        this.origin(o) >= 0) ??
             -1;
     }
-    /** Where a value that is no finite number came from. */
+    /** The operation that made a value infinite or NaN. */
     origin(i) {
         for (;;) {
             const n = this.at(i), taken = this.sideTaken(n);

@@ -227,7 +227,8 @@ function gridLegend() {
     for (const outcome of [...seen].sort())
         add(index.outcomes[outcome][1],
             `${words(outcomeNames[outcome])}${statistic === "verdict" ? "" : " on most rays"}`);
-    if (statistic === "lost_bits_p99") entries.push(make("span", { className: "class" }, "paler: inside the envelope"));
+    if (statistic === "lost_bits_p99")
+        entries.push(make("span", { className: "class" }, "paler: input rounding alone explains it"));
     return entries;
 }
 

@@ -50,7 +50,8 @@ function header(...texts) {
 function truthText(facts, row) {
     if (facts.decision !== "hit")
         return [
-            facts.decision === "miss" ? "The ray truly misses." : "The truth was not proved: it counts as nothing."
+            facts.decision === "miss" ? "The ray truly misses." :
+                                        "The true answer could not be proved, so this ray is not counted."
         ];
     const bound = facts.bound === -32768 ? "exactly" : `within 2^${facts.bound}`;
     const rest = facts.rest === 0 ? "" : ` ${facts.rest < 0 ? "-" : "+"} ${tidy(Math.abs(facts.rest))}`;
@@ -118,7 +119,7 @@ function claimFor(map, row, metric) {
                                                                  ["agree_hit", row.outcomes[agreeHit]];
     return `[[claim]]
 id = "my.${map.id}.${row.form}.${row.format}.${column}"
-statement = "Say in a sentence what is to hold"
+statement = "Say in one sentence what should hold"
 source = "-"
 verdict = "holds"
 note = "${column} over ${rays} rays, from the report"

@@ -105,7 +105,7 @@ function culpritLegend(metric, pixels) {
     return rest > 0 ?
         [
             ...shown,
-            make("span", { className: "class" }, `${order.length - most} more, in colours of their own ${rest}`)
+            make("span", { className: "class" }, `${order.length - most} more, each in its own colour ${rest}`)
         ] :
         shown;
 }

@@ -50,7 +50,7 @@ function operationRow({ tape, walk }, row, i, ulp) {
     line.children[2].title = hex(n.value);
     line.dataset.node = i;
     if (i === walk.culprit) line.className = "culprit";
-    if (n.turned && n.rounding !== 0) line.children[1].append(make("em", {}, " rounding took the other side"));
+    if (n.turned && n.rounding !== 0) line.children[1].append(make("em", {}, " rounding chose the other side"));
     return line;
 }
 
@@ -82,7 +82,7 @@ function amplifierText({ tape, walk }) {
 function culpritSentence(found, row, ulp) {
     const { tape, walk, pixels, i } = found;
     if (walk.subject < 0 || walk.plainMiss)
-        return "No decision of the form was turned by rounding, so no operation is to blame.";
+        return "Rounding changed no decision of the form, so no operation is to blame.";
     if (walk.culprit < 0) {
         const lost = lostInput(found);
         return lost < 0 ? "No operation rounded on the way to the answer." :
@@ -95,7 +95,7 @@ function culpritSentence(found, row, ulp) {
           share = n.contribution / walk.error;
     let text =
         `${amplifierText(found)}${harmless ? "The largest contribution is that of" : "The culprit is"} ${what}: ` +
-        `its ${n.turned ? "wrong turn" : "rounding"} of ${brief(Math.abs(n.rounding / ownUlp(n)))} ulp arrives as ` +
+        `its ${n.turned ? "wrong choice" : "rounding"} of ${brief(Math.abs(n.rounding / ownUlp(n)))} ulp arrives as ` +
         `${brief(Math.abs(n.contribution / ulp))} ulp in ${
             isDecision(walk.at(walk.subject)) ? tape.expressions[walk.subject] : "t"}`;
     if (share > 1 || share < 0)
@@ -111,19 +111,19 @@ function sumsSentence({ walk }, ulp) {
 
 let operationsAsked = 0;
 
-/** The form asked of the solid that it answered, or truly hits. */
+/** The operations of the form on the solid that it hit, or else that the ray truly hits. */
 async function showOperations(element, map, row, x, y) {
     const number = ++operationsAsked, found = await walkOf(map, row, x, y);
     if (number !== operationsAsked) return;  // another pixel has been asked for since
     if (!found) {
         element.replaceChildren(make(
-            "p", { className: "hint" }, "A march has its own operations for every ray: ",
+            "p", { className: "hint" }, "A march has its own operations for every ray. ",
             make("code", {}, commandsFor(map, row, x, y, metricNow()).explain), " shows them."));
         return;
     }
     const { walk, tape, solid } = found, ulp = walk.subject < 0 ? NaN : walk.ulpOfSubject(row), body = make("tbody");
     walk.nodes.forEach((_, i) => isShown(walk, tape, i) && body.append(operationRow(found, row, i, ulp)));
-    const of = map.solid_count > 1 ? `, asked of solid ${solid}` : "";
+    const of = map.solid_count > 1 ? `, solid ${solid}` : "";
     element.replaceChildren(
         make("h3", {}, `Operation by operation: ${title(row)}${of}, pixel ${x}, ${y}`),
         make("p", { className: "sentence" }, culpritSentence(found, row, ulp) + sumsSentence(found, ulp)),
@@ -135,6 +135,6 @@ async function showOperations(element, map, row, x, y) {
             body),
         make(
             "p", { className: "hint" },
-            "own: its rounding, in ulps of itself; of t: what becomes of it in t; local: bits lost by the operation alone on exact operands. Operations on the way to t alone, and not those that are exact."));
+            "own: its rounding, in ulps of its own result. of t: what that rounding adds to the error of t. local: bits that the operation alone loses on exact operands. Only operations on the way to t are shown, without those that are exact."));
     element.dataset.pixel = `${x},${y}`;
 }

@@ -99,8 +99,8 @@ function showCell(under) {
             make(
                 "p", { className: "hint" },
                 sweep.kind === "line" ?
-                    "Click the plot for the numbers of a step, or walk along it with the arrow keys; the line under the pointer becomes the chosen form. Drag to zoom, double-click to see all." :
-                    "Point at a cell for its numbers; click, or walk with the arrow keys, to keep them; Escape lets them go."));
+                    "Click the plot for the numbers of a step, or walk along it with the arrow keys. A click also chooses the form whose line is under the pointer. Drag to zoom, double-click to see all." :
+                    "Point at a cell for its numbers. Click, or walk with the arrow keys, to keep them; Escape lets them go."));
 }
 
 /** A claim about the chosen cell, or else the last step or the first cell. */
@@ -123,7 +123,7 @@ function sweepClaim() {
                 .join(", ")}]`;
     return `[[claim]]
 id = "my.${sweep.id}.${row.form}.${row.format}.${column}"
-statement = "Say in a sentence what is to hold"
+statement = "Say in one sentence what should hold"
 source = "-"
 verdict = "holds"
 note = "From the report"

@@ -26,14 +26,14 @@ function plotTrade(set) {
                     y: { range: (_, low, high) => [0, Math.max(4, high + 2)] }
                 },
                 axes: [
-                    {...axisLook("time a ray, ns"), values: (_, ticks) => ticks.map(tickText) },
+                    {...axisLook("time per ray, ns"), values: (_, ticks) => ticks.map(tickText) },
                     axisLook("bits that 99 % of the hits keep")
                 ],
                 legend: { live: false, markers: { fill: (u, k) => (k >= 4 ? ink("--page") : u.series[k].stroke()) } },
                 cursor: { points: { show: false } },
                 series: [
                     {}, {
-                        label: "nothing beats these",
+                        label: "the Pareto front",
                         stroke: ink("--ink"),
                         width: 1.25,
                         spanGaps: true,
@@ -41,8 +41,8 @@ function plotTrade(set) {
                         points: { show: false }
                     },
                     dots("f32", look32, true, 9), dots("f64", look64, true, 9),
-                    dots("f32, dominated or at times wrong", look32, false, 6),
-                    dots("f64, dominated or at times wrong", look64, false, 6)
+                    dots("f32, not on the front, or sometimes wrong", look32, false, 6),
+                    dots("f64, not on the front, or sometimes wrong", look64, false, 6)
                 ],
                 hooks: { setCursor: [(u) => pointUnder(u)] },
             },
@@ -71,8 +71,8 @@ function sayPoint(p) {
     const how = p && (p.isa === "scalar" ? "one ray at a time" : `${p.isa}-bit registers`),
           wrong = p && p.wrong_fraction > 0 ? `, decides ${rounded(p.wrong_fraction)} of the rays wrongly` : "";
     tradeParts.words.textContent = p ?
-        `${p.form} in ${p.format}, ${how}: ${rounded(p.time_ns)} ns a ray, keeps ${rounded(p.kept_bits)} bits${wrong}${
-            mapOf(p) ? "; click, or Enter, for its map" : ""}` :
+        `${p.form} in ${p.format}, ${how}: ${rounded(p.time_ns)} ns per ray, keeps ${rounded(p.kept_bits)} bits${
+            wrong}${mapOf(p) ? "; click, or Enter, for its map" : ""}` :
         "\u00a0";
 }
 
