@@ -166,17 +166,17 @@ output::page::MapPart map_part(MapWork& work, const Advance& advance) {
     const auto summaries = measure::map::run_map(request, sinks);
     sheet.finish(summaries);
     work.unresolved = summaries.front().count(measure::answer::Outcome::unresolved);
-    return {scene.id,
-            scene.title,
-            scene.note,
-            scene.source,
-            keys_of(work.rows),
-            data.index(summaries, work.own_size),
-            data.blobs(),
-            output::page::summary_table(request, summaries),
-            {fmt::format("{}: lost bits of every form and format", scene.title), output::page::bytes_of(file)},
-            work.own_size,
-            names_of(work.metrics)};
+    return {.id = scene.id,
+            .title = scene.title,
+            .note = scene.note,
+            .source = scene.source,
+            .rows = keys_of(work.rows),
+            .index = data.index(summaries, work.own_size),
+            .blobs = data.blobs(),
+            .table = output::page::summary_table(request, summaries),
+            .sheet = {fmt::format("{}: lost bits of every form and format", scene.title), output::page::bytes_of(file)},
+            .own_size = work.own_size,
+            .metrics = names_of(work.metrics)};
 }
 
 SweepPart sweep_part(const SweepWork& work, const Advance& advance) {

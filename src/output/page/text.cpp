@@ -33,23 +33,6 @@ std::string html(std::string_view text) {
     return out;
 }
 
-std::string json_text(std::string_view text) {
-    std::string out = "\"";
-    for (const char c : file::valid_utf8(text)) {
-        if (c == '"' || c == '\\') out += {'\\', c};
-        else if (c == '\n') out += "\\n";
-        else if (c == '<' || static_cast<unsigned char>(c) < 0x20)
-            out += fmt::format("\\u{:04x}", static_cast<unsigned>(c));
-        else out += c;
-    }
-    return out + '"';
-}
-
-std::string number(double value) {
-    if (std::isnan(value)) return "null";
-    return std::isinf(value) ? json_text(file::decimal(value)) : file::decimal(value);
-}
-
 std::string shown(double value) {
     if (std::isnan(value)) return "&ndash;";
     const std::string look = value != 0 && (std::fabs(value) < 1e-3 || std::fabs(value) >= 1e7)
