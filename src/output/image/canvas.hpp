@@ -47,6 +47,9 @@ private:
     std::vector<Rgb8> pixels_;
 };
 
+/// Writes the pixels as a PNG. Throws as `ImageBackend::open_png` does.
+void save_png(ImageBackend& backend, const std::filesystem::path& path, const Canvas& canvas);
+
 /// `text` in lines of at most `width` pixels, broken between words, and inside a word only where it alone is wider.
 [[nodiscard]] std::vector<TextBitmap> wrap_text(ImageBackend& backend, std::string_view text, int size, bool bold,
                                                 int width);

@@ -247,9 +247,7 @@ void write_line_plot(image::ImageBackend& backend, const std::filesystem::path& 
     legend.draw(page, spec.width - image::style::margin - legend.width(), frame.y);
     page.picture(image::style::margin, page.height() - image::style::margin - notes.height(), notes);
 
-    const auto png = backend.open_png(path, page.width(), page.height());
-    png->write_rows(page.height(), page.pixels());
-    png->close();
+    image::save_png(backend, path, page);
 }
 
 }  // namespace lostbits::output::plot

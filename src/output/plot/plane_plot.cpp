@@ -110,9 +110,7 @@ void write_plane_plot(image::ImageBackend& backend, const std::filesystem::path&
     page.picture(frame.x + frame.width + 1 + gap, frame.y - 1, bar);
     page.picture(image::style::margin, page.height() - image::style::margin - legend.height(), legend.draw(entries));
 
-    const auto png = backend.open_png(path, page.width(), page.height());
-    png->write_rows(page.height(), page.pixels());
-    png->close();
+    image::save_png(backend, path, page);
 }
 
 }  // namespace lostbits::output::plot

@@ -215,9 +215,7 @@ void write_scatter_plot(ImageBackend& backend, const std::filesystem::path& path
     keys.draw(page, image::style::margin, frame.y + frame.height + 1 + axes.below() + gap);
     page.picture(image::style::margin, page.height() - image::style::margin - notes.height(), notes);
 
-    const auto png = backend.open_png(path, page.width(), page.height());
-    png->write_rows(page.height(), page.pixels());
-    png->close();
+    image::save_png(backend, path, page);
 }
 
 }  // namespace lostbits::output::plot

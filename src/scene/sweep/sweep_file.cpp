@@ -7,22 +7,19 @@
 #include "intersect/table/table.hpp"
 #include "number/error.hpp"
 #include "scene/file/march_table.hpp"
+#include "scene/toml/round.hpp"
 
 namespace lostbits::scene::sweep {
 
 using intersect::Touching;
 using rays::RayGroup;
 using toml::TableReader;
+using toml::to_12_bits;
 
 namespace {
 
 constexpr std::string_view schema = "lostbits-sweep/1";
 constexpr long long most_steps = 100000;
-
-double to_12_bits(double x) {
-    const int shift = 11 - std::ilogb(x);
-    return std::ldexp(std::nearbyint(std::ldexp(x, shift)), -shift);
-}
 
 /// Floats in order of value, as whole numbers.
 std::int64_t place(float x) {

@@ -9,6 +9,7 @@
 #include "intersect/info.hpp"
 #include "scene/file/scene.hpp"
 #include "scene/rays/box_family.hpp"
+#include "scene/rays/family.hpp"
 
 namespace lostbits::scene::sweep {
 
