@@ -17,6 +17,7 @@ void add_paint(Json& json, const std::vector<measure::map::MapRow>& rows) {
     json["scale"] =
         scale_json(map::metric_scale(*measure::metric::find_metric("lost_bits"), rows, image::image_backend()));
     json["paper"] = colour_json(image::style::page);
+    json["paler_means"] = map::paler_means;
     json["statistics"] = array_of(sweep_statistics(), [](const Statistic& s) { return s.name; });
 }
 
@@ -53,7 +54,7 @@ Json case_json(const measure::sweep::CaseRequest& request, const std::vector<std
               {"title", file.title},
               {"kind", "cases"},
               {"cases", names},
-              {"within", number_json(file.right_within_bits)},
+              {"right_means", sweep::right_means(file)},
               {"right", colour_json(sweep::case_right_colour)},
               {"conventions", array_of(file.conventions, intersect::convention_name)}};
     add_paint(json, request.rows);

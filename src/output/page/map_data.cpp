@@ -7,7 +7,9 @@
 #include <cmath>
 #include <set>
 
+#include "output/image/exr_parts.hpp"
 #include "output/map/metric_paint.hpp"
+#include "output/map/row_names.hpp"
 #include "output/page/tapes.hpp"
 #include "output/page/text.hpp"
 
@@ -39,8 +41,6 @@ std::int16_t bound_exponent(const measure::truth::Certified& x) {
     const double m = std::frexp(x.bound, &e);  // bound = m 2^e, 1/2 <= m < 1
     return static_cast<std::int16_t>(std::clamp<std::int64_t>(x.exponent + e - (m == 0.5), -32767, 32767));
 }
-
-std::uint64_t bits32(double x) { return std::bit_cast<std::uint32_t>(static_cast<float>(x)); }
 
 }  // namespace
 
@@ -140,7 +140,7 @@ private:
                                 ? result.band->rounded_truth(i, binary64, row_.form->info->direction, result.touching)
                                 : 0;
         switch (row_.format.engine) {
-            case Format::Engine::native32: return folded_difference(bits32(t), bits32(near), 4);
+            case Format::Engine::native32: return folded_difference(image::float_word(t), image::float_word(near), 4);
             case Format::Engine::native64:
                 return folded_difference(std::bit_cast<std::uint64_t>(t), std::bit_cast<std::uint64_t>(near), 8);
             case Format::Engine::rounded: break;
@@ -162,8 +162,7 @@ private:
 };
 
 MapData::MapData(const MapRequest& request) : request_(request) {
-    const std::size_t n =
-        static_cast<std::size_t>(request.scene->width) * static_cast<std::size_t>(request.scene->height);
+    const std::size_t n = request.scene->pixels();
     for (const MapRow& row : request.rows) {
         const auto found = std::ranges::find_if(groups_, [&row](const auto& g) { return g->is_of(row); });
         const auto g = static_cast<std::size_t>(found - groups_.begin());
@@ -276,9 +275,9 @@ std::vector<Blob> MapData::blobs() const {
     }
     for (const auto& row : rows_) {
         if (is_taped(row->row()))
-            all.push_back({fmt::format("tape:{}", row_key(row->row())),
+            all.push_back({fmt::format("tape:{}", map::row_name(row->row())),
                            pack(text_of(tape_json(*row->row().form, row->row().format)))});
-        all.push_back({fmt::format("row:{}:{}", request_.scene->id, row_key(row->row())), pack(row->bytes())});
+        all.push_back({fmt::format("row:{}:{}", request_.scene->id, map::row_name(row->row())), pack(row->bytes())});
     }
     return all;
 }

@@ -7,6 +7,7 @@
 #include <set>
 
 #include "output/map/map_colour.hpp"
+#include "output/map/row_names.hpp"
 #include "output/page/assets.hpp"
 #include "output/page/claims_table.hpp"
 #include "output/page/text.hpp"
@@ -182,7 +183,7 @@ std::string summary_table(const measure::map::MapRequest& request,
     for (std::size_t r = 0; r < summaries.size(); ++r) {
         const measure::map::MapSummary& s = summaries[r];
         const measure::map::MapRow& row = request.rows[r];
-        text += fmt::format("<tr data-row=\"{}\"><th scope=\"row\">{}</th><td>{}</td>", html(row_key(row)),
+        text += fmt::format("<tr data-row=\"{}\"><th scope=\"row\">{}</th><td>{}</td>", html(map::row_name(row)),
                             html(row.form->info->name), row.format.name);
         for (const Outcome o : {Outcome::false_hit, Outcome::false_miss, Outcome::not_a_number, Outcome::unresolved})
             text += fmt::format("<td class=\"n\">{}</td>", s.count(o));

@@ -18,7 +18,7 @@ struct Picture {
 
 struct MapPart {
     std::string id, title, note, source;
-    std::vector<std::string> rows;  ///< `row_key` of each
+    std::vector<std::string> rows;  ///< `map::row_name` of each
     Json index;                     ///< of `MapData::index`
     std::vector<Blob> blobs;
     std::string table;  ///< HTML, see `summary_table`
@@ -32,7 +32,7 @@ struct SweepPart {
     enum class Kind { line, plane, cases };
     Kind kind = Kind::line;
     std::string id, title, note, source;
-    std::vector<std::string> rows;               ///< `row_key` of each
+    std::vector<std::string> rows;               ///< `map::row_name` of each
     std::vector<std::vector<double>> axes = {};  ///< the values of each as the page numbers them; of cases none
     std::vector<std::string> cases = {};
     Json json = {};  ///< of `sweep_json`, `plane_json` or `case_json`

@@ -8,6 +8,7 @@
 
 #include "output/page/text.hpp"
 #include "output/speed/trade_files.hpp"
+#include "output/speed/trade_plot.hpp"
 
 namespace lostbits::output::page {
 
@@ -133,7 +134,7 @@ Json trade_json(const measure::speed::TradeRequest& request, const measure::spee
             points.push_back({{"form", kernel.form->name},
                               {"name", kernel.measured.form->info->name},
                               {"format", kernel.measured.format.name},
-                              {"isa", kernel.isa},
+                              {"registers", speed::registers_of(kernel)},
                               {"time_ns", number_json(all[k].time_ns)},
                               {"kept_bits", number_json(all[k].kept_bits)},
                               {"wrong_fraction", number_json(all[k].wrong_fraction)},
@@ -141,7 +142,9 @@ Json trade_json(const measure::speed::TradeRequest& request, const measure::spee
         }
         parts.push_back({{"name", sets[s].name}, {"title", sets[s].title}, {"points", std::move(points)}});
     }
-    return {{"shape", shape_names[static_cast<std::size_t>(request.shape)]}, {"sets", std::move(parts)}};
+    return {{"shape", name_of(request.shape)},
+            {"axes", Json::array({speed::time_title, speed::kept_title})},
+            {"sets", std::move(parts)}};
 }
 
 }  // namespace lostbits::output::page

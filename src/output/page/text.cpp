@@ -42,10 +42,6 @@ std::string shown(double value) {
                        value == std::floor(value) && std::fabs(value) < 1e7 ? file::decimal(value) : look);
 }
 
-std::string row_key(const measure::map::MapRow& row) {
-    return std::string(row.form->info->name) + "." + row.format.name;
-}
-
 double false_hit_fraction(const measure::map::MapSummary& s) {
     return fraction(s.count(Outcome::false_hit), s.rays - s.true_hits - s.count(Outcome::unresolved));
 }

@@ -15,9 +15,6 @@ namespace lostbits::output::page {
 /// a NaN.
 [[nodiscard]] std::string shown(double value);
 
-/// `sphere.unified.f32`: how the page calls a row.
-[[nodiscard]] std::string row_key(const measure::map::MapRow& row);
-
 /// `false_hit` among the rays that truly miss and `false_miss` among those that truly hit, as summary.csv has them; NaN
 /// where there are none.
 [[nodiscard]] double false_hit_fraction(const measure::map::MapSummary& summary);

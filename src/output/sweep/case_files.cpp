@@ -9,6 +9,7 @@
 #include "output/file/number_text.hpp"
 #include "output/map/map_colour.hpp"
 #include "output/map/map_tables.hpp"
+#include "output/map/row_names.hpp"
 #include "output/plot/matrix_plot.hpp"
 
 namespace lostbits::output::sweep {
@@ -19,6 +20,11 @@ using measure::map::MapSummary;
 using measure::sweep::CaseRequest;
 using measure::sweep::Verdict;
 
+std::string right_means(const scene::sweep::CaseFile& file) {
+    return fmt::format("every decision, and no answer more than {} bits beyond the envelope",
+                       file::decimal(file.right_within_bits));
+}
+
 namespace {
 
 std::vector<Column> case_columns(const CaseRequest& request) {
@@ -27,9 +33,7 @@ std::vector<Column> case_columns(const CaseRequest& request) {
         {"convention", "string", "",
          "by whose word touching is judged: the form's own, the closed solid's, the open one's"},
         {"verdict", "string", "",
-         fmt::format("right (every decision, and no answer more than {} bits beyond the envelope), wrong_value, or the "
-                     "most frequent wrong decision",
-                     file::decimal(request.file->right_within_bits))}};
+         fmt::format("right ({}), wrong_value, or the most frequent wrong decision", right_means(*request.file))}};
     for (Column& c : map::SummaryTable{request.metrics, {request.file->shape()}}.columns()) {
         if (c.name == "rays") c.meaning = "rays of the case";
         if (c.name == "worst_x") c.meaning = "ray with the largest |ulp_error| in its group, from 0";
@@ -92,8 +96,7 @@ void write_case_matrix(const std::filesystem::path& path, const CaseRequest& req
     for (auto& group : spec.groups) {
         for (std::size_t r = 0; r < request.rows.size(); ++r) {
             if (request.rows[r].format.name != group.label || request.rows[r].judged != judged) continue;
-            const auto name = request.rows[r].form->info->name;
-            group.columns.emplace_back(name.substr(name.find('.') + 1));
+            group.columns.push_back(map::short_name(*request.rows[r].form->info));
             order.push_back(r);
         }
     }

@@ -153,12 +153,9 @@ SweepFile::SweepFile(const std::filesystem::path& path, const std::filesystem::p
     if (axes.size() == 2 && axes[0].name == axes[1].name)
         toml::fail(file.where(), "both axes are named \"" + axes[0].name + "\"; names are columns, so name them apart");
     for (TableReader& mark : file.tables("mark")) {
-        Mark m{static_cast<double>(mark.number("at")),
-               mark.string("label"),
-               mark.optional_string("format").value_or(""),
-               {},
-               {},
-               {}};
+        Mark m{.at = static_cast<double>(mark.number("at")),
+               .label = mark.string("label"),
+               .format = mark.optional_string("format").value_or("")};
         if (auto measured = mark.optional_table("measured")) {
             m.form = known(*measured, "form", form_names());
             m.event = measured->has("event") ? known(*measured, "event",

@@ -28,7 +28,7 @@ function zoomBy(canvas, map, event, factor) {
     const box = canvas.getBoundingClientRect();
     const u = (event.clientX - box.left) / box.width - 0.5, v = (event.clientY - box.top) / box.height - 0.5;
     const zoom = Math.min(64, Math.max(1, state.zoom * factor));
-    look({ zoom, cx: state.cx + u / state.zoom - u / zoom, cy: state.cy + v / state.zoom - v / zoom });
+    goTo({ zoom, cx: state.cx + u / state.zoom - u / zoom, cy: state.cy + v / state.zoom - v / zoom });
 }
 
 function crosshair(canvas, map) {
@@ -143,18 +143,18 @@ function drawPickers() {
     const pickers = [
         choice(
             "scene", "pick-scene", index.maps.map((m) => [m.id, m.title]), state.scene,
-            (scene) => look({ scene, x: -1, y: -1, zoom: 1, cx: 0.5, cy: 0.5, other: "" })),
-        choice("form", "pick-form", options(map.rows.map((r) => r.form)), state.form, (form) => look({ form })),
+            (scene) => goTo({ scene, x: -1, y: -1, zoom: 1, cx: 0.5, cy: 0.5, other: "" })),
+        choice("form", "pick-form", options(map.rows.map((r) => r.form)), state.form, (form) => goTo({ form })),
         choice(
             "format", "pick-format", options(map.rows.filter((r) => r.form === state.form).map((r) => r.format)),
-            state.format, (format) => look({ format })),
+            state.format, (format) => goTo({ format })),
         choice(
             "metric", "pick-metric", able.map((m) => [m.name, words(m.name)]), state.metric,
-            (metric) => look({ metric })),
+            (metric) => goTo({ metric })),
         choice(
             "against", "pick-other",
             [["", "nothing"], ...map.rows.filter((r) => r !== row).map((r) => [keyOf(r), title(r)])], state.other,
-            (other) => look({ other })),
+            (other) => goTo({ other })),
     ];
     const held = document.activeElement?.id;
     mapParts.pickers.replaceChildren(...pickers);
@@ -199,7 +199,7 @@ async function hover({ x, y }) {
 
 function toWorst() {
     const { worst } = rowNow();
-    return worst && look({ x: worst.x, y: worst.y, ...(state.zoom > 1 ? centredAt(mapNow(), worst.x, worst.y) : {}) });
+    return worst && goTo({ x: worst.x, y: worst.y, ...(state.zoom > 1 ? centredAt(mapNow(), worst.x, worst.y) : {}) });
 }
 
 const mapKeys = {
@@ -208,10 +208,10 @@ const mapKeys = {
     ArrowRight: () => step(1, 0),
     ArrowUp: () => step(0, -1),
     ArrowDown: () => step(0, 1),
-    "+": () => look(centred(state.zoom * 2)),
-    "=": () => look(centred(state.zoom * 2)),
-    "-": () => look(centred(state.zoom / 2)),
-    0: () => look({ zoom: 1 }),
+    "+": () => goTo(centred(state.zoom * 2)),
+    "=": () => goTo(centred(state.zoom * 2)),
+    "-": () => goTo(centred(state.zoom / 2)),
+    0: () => goTo({ zoom: 1 }),
     m: () => turn(
         "metric", metricsOf(mapNow()).filter((m) => !m.marches || state.form.startsWith("sdf.")).map((m) => m.name), 1),
     M: () => turn(
@@ -219,11 +219,11 @@ const mapKeys = {
         -1),
     "]": () => turn("form", [...new Set(mapNow().rows.map((r) => r.form))], 1),
     "[": () => turn("form", [...new Set(mapNow().rows.map((r) => r.form))], -1),
-    x: () => otherRow() && look({ form: otherRow().form, format: otherRow().format, other: keyOf(rowNow()) }),
+    x: () => otherRow() && goTo({ form: otherRow().form, format: otherRow().format, other: keyOf(rowNow()) }),
 };
 
 function turn(key, names, by) {
-    return look({ [key]: names[(names.indexOf(state[key]) + by + names.length) % names.length] });
+    return goTo({ [key]: names[(names.indexOf(state[key]) + by + names.length) % names.length] });
 }
 
 /** Around the chosen pixel, or where the view is. */
@@ -234,12 +234,12 @@ function centred(zoom) {
 
 function step(dx, dy) {
     const map = mapNow();
-    if (state.x < 0) return look({ x: map.width >> 1, y: map.height >> 1 });
+    if (state.x < 0) return goTo({ x: map.width >> 1, y: map.height >> 1 });
     const x = Math.min(map.width - 1, Math.max(0, state.x + dx)),
           y = Math.min(map.height - 1, Math.max(0, state.y + dy));
     const { left, top, w, h } = viewOf(map);
     const seen = x >= left && x < left + w && y >= top && y < top + h;
-    return look(seen ? { x, y } : { x, y, ...centredAt(map, x, y) });
+    return goTo(seen ? { x, y } : { x, y, ...centredAt(map, x, y) });
 }
 
 const centredAt = (map, x, y) => ({ cx: (x + 0.5) / map.width, cy: (y + 0.5) / map.height });
@@ -260,7 +260,7 @@ function steer(canvas, onclick) {
         const box = canvas.getBoundingClientRect(), dx = event.clientX - held.x, dy = event.clientY - held.y;
         held.moved ||= Math.hypot(dx, dy) > 3;
         if (held.moved && state.zoom > 1)
-            look({ cx: held.cx - dx / box.width / state.zoom, cy: held.cy - dy / box.height / state.zoom });
+            goTo({ cx: held.cx - dx / box.width / state.zoom, cy: held.cy - dy / box.height / state.zoom });
     });
     canvas.addEventListener("pointerup", (event) => {
         if (held && !held.moved) onclick(event);
@@ -322,7 +322,7 @@ function buildMaps() {
 
     steer(canvas, (event) => {
         canvas.focus();
-        look(pixelUnder(canvas, mapNow(), event));
+        goTo(pixelUnder(canvas, mapNow(), event));
     });
     canvas.addEventListener("pointermove", (event) => hover(pixelUnder(canvas, mapNow(), event)));
     canvas.addEventListener("pointerleave", () => {
@@ -330,12 +330,12 @@ function buildMaps() {
         if (state.x < 0) drawInspector();
     });
     canvas.addEventListener("keydown", (event) => {
-        if (event.key === "Escape") look({ x: -1, y: -1 });
+        if (event.key === "Escape") goTo({ x: -1, y: -1 });
         else if (!event.ctrlKey && !event.metaKey && !event.altKey && mapKeys[event.key]) mapKeys[event.key]();
         else return;
         event.preventDefault();
     });
-    slider.addEventListener("input", () => look({ split: Number(slider.value) }));
+    slider.addEventListener("input", () => goTo({ split: Number(slider.value) }));
     listeners.push(async () => {
         drawPickers();
         await Promise.all([drawLegend(), drawMap(), drawInspector()]);
