@@ -214,10 +214,10 @@ struct MapFiles::Parts {
     const MapRequest& request;
     MapFilesOptions options;
     SummaryTable table;
-    std::vector<Sheet> sheets;
-    std::vector<std::unique_ptr<RowFiles>> rows;
-    std::unique_ptr<CsvWriter> summary;
-    std::optional<CulpritTable> culprits;
+    std::vector<Sheet> sheets = {};
+    std::vector<std::unique_ptr<RowFiles>> rows = {};
+    std::unique_ptr<CsvWriter> summary = {};
+    std::optional<CulpritTable> culprits = {};
 };
 
 MapFiles::MapFiles(const MapRequest& request, const MapFilesOptions& options)
