@@ -38,7 +38,7 @@ void compare_samples(const std::string& name, const std::vector<Sample>& a, cons
     ColumnDifference& column = ledger.result.columns.emplace_back();
     column.name = name;
     for (std::size_t i = 0; i < a.size(); ++i) {
-        Verdict v;
+        PairVerdict v;
         if constexpr (std::is_same_v<Sample, float>) v = judge_samples(a[i], b[i], within);
         else v.differs = a[i] != b[i];
         const auto place = [&] { return fmt::format("{},{}", i % width, i / width); };

@@ -85,7 +85,7 @@ Comparison compare(const CsvTable& a, const CsvTable& b, const CompareOptions& o
         for (std::size_t c = 0; c < pairs.size(); ++c) {
             const std::string_view left = pairs[c].a->cells[r], right = pairs[c].b->cells[r];
             if (left == right) continue;
-            const Verdict v = judge_cells(left, right, pairs[c].tolerance, pairs[c].as_text);
+            const PairVerdict v = judge_cells(left, right, pairs[c].tolerance, pairs[c].as_text);
             if (!book(ledger.result.columns[c], v, [&] { return fmt::format("line {}", a.lines[r]); })) continue;
             ledger.add(a.lines[r], [&] {
                 return fmt::format("{}: {} != {}{}", pairs[c].a->name, shown(left), shown(right), distances(v));

@@ -47,7 +47,7 @@ bool at_most(const Exact& a, const Exact& b) {
 
 }  // namespace
 
-Verdict judge_cells(std::string_view a, std::string_view b, const Tolerance* tolerance, bool as_text) {
+PairVerdict judge_cells(std::string_view a, std::string_view b, const Tolerance* tolerance, bool as_text) {
     const CellValue x = file::read_cell(a), y = file::read_cell(b);
     if (x.kind != Kind::number || y.kind != Kind::number) {
         const bool both_text = x.kind == Kind::text && y.kind == Kind::text;
@@ -56,7 +56,7 @@ Verdict judge_cells(std::string_view a, std::string_view b, const Tolerance* tol
     const Exact p(x), q(y), apart = distance(p, q);
     const Exact larger = at_most({abs(p.n), p.exponent}, {abs(q.n), q.exponent}) ? Exact(abs(q.n), q.exponent)
                                                                                  : Exact(abs(p.n), p.exponent);
-    Verdict v{.measured = true, .absolute = apart.approximate()};
+    PairVerdict v{.measured = true, .absolute = apart.approximate()};
     if (larger.n != 0) {
         // Scaled to the larger, so that neither leaves the range of a double.
         const int magnitude = larger.exponent + static_cast<int>(larger.n.str().size());
@@ -72,7 +72,7 @@ Verdict judge_cells(std::string_view a, std::string_view b, const Tolerance* tol
     return v;
 }
 
-Verdict judge_samples(float a, float b, const std::optional<std::pair<double, double>>& tolerance) {
+PairVerdict judge_samples(float a, float b, const std::optional<std::pair<double, double>>& tolerance) {
     if (std::bit_cast<std::uint32_t>(a) == std::bit_cast<std::uint32_t>(b) || (std::isnan(a) && std::isnan(b)))
         return {};
     if (!std::isfinite(a) || !std::isfinite(b)) return {.differs = true, .kinds = true};
@@ -81,7 +81,7 @@ Verdict judge_samples(float a, float b, const std::optional<std::pair<double, do
     return {.differs = !tolerated, .measured = true, .absolute = apart, .relative = larger == 0 ? 0 : apart / larger};
 }
 
-std::string distances(const Verdict& v) {
+std::string distances(const PairVerdict& v) {
     return v.measured ? fmt::format(" (abs {:.4g}, rel {:.4g})", v.absolute, v.relative) : "";
 }
 

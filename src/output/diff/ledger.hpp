@@ -11,7 +11,7 @@
 namespace lostbits::output::diff {
 
 /// What two cells or samples that are not the same have to do with each other.
-struct Verdict {
+struct PairVerdict {
     bool differs = false;
     bool kinds = false;     ///< they are not both finite numbers
     bool measured = false;  ///< they are, and these are their distances
@@ -19,12 +19,12 @@ struct Verdict {
 };
 
 /// Decimals are compared exactly; `as_text`: what is not the same text differs.
-Verdict judge_cells(std::string_view a, std::string_view b, const Tolerance* tolerance, bool as_text);
+PairVerdict judge_cells(std::string_view a, std::string_view b, const Tolerance* tolerance, bool as_text);
 /// `tolerance`: absolute and relative.
-Verdict judge_samples(float a, float b, const std::optional<std::pair<double, double>>& tolerance);
+PairVerdict judge_samples(float a, float b, const std::optional<std::pair<double, double>>& tolerance);
 
 /// ` (abs …, rel …)` where they were measured.
-std::string distances(const Verdict& v);
+std::string distances(const PairVerdict& v);
 
 /// The tolerance of a column or channel: the last that names it; null where none does.
 const Tolerance* tolerance_of(const std::string& name, const CompareOptions& options);
@@ -44,7 +44,7 @@ struct Ledger {
 };
 
 /// Books a verdict under its column; says whether it is a difference.
-inline bool book(ColumnDifference& column, const Verdict& v, const auto& make_place) {
+inline bool book(ColumnDifference& column, const PairVerdict& v, const auto& make_place) {
     column.count += v.differs;
     column.kinds += v.differs && v.kinds;
     const auto raise = [&](Largest& largest, double value) {
