@@ -10,10 +10,9 @@
 #include "commands.hpp"
 #include "measure/blame/culprits.hpp"
 #include "measure/map/culprit_order.hpp"
-#include "number/interruption.hpp"
-#include "output/file/atomic_file.hpp"
 #include "output/map/map_files.hpp"
 #include "output/map/needed_files.hpp"
+#include "results.hpp"
 #include "scene/file/scene.hpp"
 #include "select.hpp"
 
@@ -46,14 +45,10 @@ struct Commands {
 };
 
 Commands canonical_commands(const Scene& scene, const MapOptions& o) {
-    std::string forms, what, input;
-    for (const auto& f : o.forms) forms += " -i '" + f + "'";
-    for (const auto& f : o.formats) what += " -f " + f;
-    for (const auto& m : o.metrics) what += " --metric " + m;
+    std::string what = each(" -f ", o.formats) + each(" --metric ", o.metrics), input = each(" --set '", o.set, "'");
     if (o.envelope) what += " --envelope";
-    for (const auto& s : o.set) input += " --set '" + s + "'";
     if (!o.size.empty()) input += " --size " + o.size;
-    const std::string start = fmt::format("lostbits map {}{}", scene.id, forms);
+    const std::string start = fmt::format("lostbits map {}{}", scene.id, each(" -i '", o.forms, "'"));
     return {start + what + input, fmt::format("{} --bits-needed {}{}", start, o.bits_needed, input)};
 }
 
@@ -100,9 +95,7 @@ struct SceneWork {
     std::optional<NeededRequest> needed;
 
     [[nodiscard]] std::uint64_t units() const {
-        const auto pixels =
-            static_cast<std::uint64_t>(map.scene->width) * static_cast<std::uint64_t>(map.scene->height);
-        return pixels * map.rows.size() + (needed ? measure::map::needed_units(*needed) : 0);
+        return map.scene->pixels() * map.rows.size() + (needed ? measure::map::needed_units(*needed) : 0);
     }
 };
 
@@ -140,9 +133,13 @@ std::uint64_t map_scene(const SceneWork& work, const MapOptions& o, const Common
     std::optional<output::map::NeededFiles> needed_files;
     if (work.needed)
         needed_files.emplace(*work.needed, output::map::NeededFilesOptions{folder, pixels, commands.needed});
-    output::map::MapFiles files(work.map,
-                                {folder, drawn, pixels, commands.map, o.envelope,
-                                 needed_files ? needed_files->resources() : std::vector<output::file::DataResource>{}});
+    output::map::MapFiles files(
+        work.map, {.folder = folder,
+                   .drawn = drawn,
+                   .pixels_csv = pixels,
+                   .command = commands.map,
+                   .envelope = o.envelope,
+                   .also = needed_files ? needed_files->resources() : std::vector<output::file::DataResource>{}});
 
     const auto summaries = measure::map::run_map(work.map, files.sinks());
     std::vector<measure::map::NeededSummary> needed;
@@ -169,7 +166,7 @@ std::vector<const Metric*> drawn_of(std::vector<const Metric*> asked, const Scen
 }
 
 Exit run(const MapOptions& o, const Common& common) {
-    if (o.out.empty()) throw InputError("-o: the name of the folder is empty; write -o . for the current folder");
+    require_folder(o.out);
     const auto rows = cross(select_forms(o.forms), select_formats(o.formats));
     measure::metric::MetricSet made;
     const auto drawn =
@@ -190,9 +187,7 @@ Exit run(const MapOptions& o, const Common& common) {
     std::vector<SceneWork> works;
     for (const auto& scene : scenes) works.push_back(work_on(scene, o, rows, wanted, made));
     for (const SceneWork& work : works) that_apply(drawn, work.map.rows, "scene " + work.map.scene->id);
-    // A folder that cannot be written ends the run before the first ray, not after the tenth scene.
-    for (const auto& scene : scenes)
-        output::file::AtomicFile probe(std::filesystem::path(o.out) / scene.id / "summary.csv");
+    for (const auto& scene : scenes) probe(std::filesystem::path(o.out) / scene.id / "summary.csv");
     if (o.bits_needed > 0 && !common.quiet) note_skipped(works);
     if (!common.quiet) {
         for (const SceneWork& work : works) note_lost_constants(*work.map.scene, work.map.rows);
@@ -201,21 +196,14 @@ Exit run(const MapOptions& o, const Common& common) {
     std::uint64_t units = 0, unresolved = 0;
     for (const SceneWork& work : works) units += work.units();
     output::file::Progress progress(units, "map", common.progress, common.quiet);
-    const auto advance = [&progress](std::uint64_t done) {
-        progress.advance(done);
-        stop_if_interrupted();
-    };
+    const auto advance = advancing(progress);
     for (SceneWork& work : works) {
         work.map.progress = advance;
         if (work.needed) work.needed->progress = advance;
         unresolved += map_scene(work, o, common, drawn_of(that_apply(drawn, work.map.rows, work.map.scene->id), work));
     }
     progress.finish();
-    if (unresolved == 0) return Exit::done;
-    fmt::print(stderr,
-               "lostbits: the true answer of {} rays could not be proved within {} bits; they count as `unresolved`\n",
-               unresolved, measure::truth::TruthLimit{}.bits);
-    return Exit::internal;
+    return end_with_unproved(unresolved);
 }
 
 }  // namespace

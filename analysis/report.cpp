@@ -12,6 +12,7 @@
 #include "number/interruption.hpp"
 #include "output/file/atomic_file.hpp"
 #include "report_parts.hpp"
+#include "results.hpp"
 #include "scene/claim/claims_file.hpp"
 #include "scene/claim/report_file.hpp"
 #include "scene/sweep/case_file.hpp"
@@ -175,8 +176,7 @@ Work plan(const ReportOptions& o, const std::filesystem::path& data) {
             std::erase_if(all, [&](const Metric* m) {
                 return m->name == "residual" && std::ranges::find(asked, m) == asked.end();
             });
-            work.units +=
-                static_cast<std::uint64_t>(scene.width) * static_cast<std::uint64_t>(scene.height) * fit.size();
+            work.units += scene.pixels() * fit.size();
             work.maps.push_back({std::move(scene), std::move(fit), std::move(all), o.size.empty()});
         }
     }
@@ -198,10 +198,8 @@ Work plan(const ReportOptions& o, const std::filesystem::path& data) {
 std::string canonical_command(const ReportOptions& o) {
     std::string text = "lostbits report";
     for (const auto& s : o.subjects) text += " " + std::filesystem::path(s).filename().string();
-    for (const auto& f : o.forms) text += " -i '" + f + "'";
-    for (const auto& f : o.formats) text += " -f " + f;
-    for (const auto& m : o.metrics) text += " --metric " + m;
-    for (const auto& c : o.claims) text += " --claims '" + c + "'";
+    text += each(" -i '", o.forms, "'") + each(" -f ", o.formats) + each(" --metric ", o.metrics) +
+            each(" --claims '", o.claims, "'");
     if (!o.size.empty()) text += " --size " + o.size;
     if (o.all) text += " --all";
     if (o.no_claims) text += " --no-claims";
@@ -210,7 +208,7 @@ std::string canonical_command(const ReportOptions& o) {
 }
 
 Exit run(const ReportOptions& o, const Common& common) {
-    if (o.out.empty()) throw InputError("-o: the name of the folder is empty; write -o . for the current folder");
+    require_folder(o.out);
     const auto data = data_folder(common.data);
     Work work = plan(o, data);
     const ThreadLimit limit(common.threads);
@@ -220,10 +218,7 @@ Exit run(const ReportOptions& o, const Common& common) {
     output::file::Progress progress(
         work.units + sweep_units * work.sweeps.size() + (work.claims.empty() ? 0 : claims_units), "report",
         common.progress, common.quiet);
-    const auto advance = [&progress](std::uint64_t done) {
-        progress.advance(done);
-        stop_if_interrupted();
-    };
+    const auto advance = advancing(progress);
     output::page::Report report{
         .command = canonical_command(o), .maps = {}, .sweeps = {}, .trades = {}, .claims = work.claims, .results = {}};
     std::uint64_t unresolved = 0;
@@ -248,13 +243,7 @@ Exit run(const ReportOptions& o, const Common& common) {
     file.write(output::page::page(report));
     file.commit();
     if (!common.quiet) fmt::print("{}\n", file.path().string());
-    if (unresolved > 0) {
-        fmt::print(
-            stderr,
-            "lostbits: the true answer of {} rays could not be proved within {} bits; they count as `unresolved`\n",
-            unresolved, measure::truth::TruthLimit{}.bits);
-        return Exit::internal;
-    }
+    if (const Exit end = end_with_unproved(unresolved); end != Exit::done) return end;
     const bool all_agree = std::ranges::all_of(report.results, [](const ClaimResult& r) {
         return r.state == ClaimResult::State::agrees || r.state == ClaimResult::State::skipped;
     });

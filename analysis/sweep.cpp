@@ -6,11 +6,11 @@
 #include <memory>
 
 #include "commands.hpp"
-#include "number/interruption.hpp"
 #include "output/sweep/case_files.hpp"
 #include "output/sweep/sweep_files.hpp"
 #include "output/sweep/sweep_plots.hpp"
 #include "output/sweep/worst_files.hpp"
+#include "results.hpp"
 #include "select.hpp"
 
 namespace lostbits::analysis {
@@ -67,10 +67,7 @@ void run_case_file(const std::filesystem::path& path, const Chosen& chosen, cons
     const auto folder = std::filesystem::path(o.out) / file.id;
     output::sweep::CaseFiles files(request, folder);
     Progress progress(file.size() * request.rows.size(), file.id, common.progress, common.quiet);
-    request.progress = [&progress](std::uint64_t done) {
-        progress.advance(done);
-        stop_if_interrupted();
-    };
+    request.progress = advancing(progress);
     files.finish(measure::sweep::run_cases(request));
     progress.finish();
     if (!common.quiet) fmt::print("{}\n", (folder / "cases.csv").string());
@@ -91,13 +88,10 @@ void run_axes(const std::filesystem::path& path, const Chosen& chosen, const Swe
     const auto folder = std::filesystem::path(o.out) / sweep.id;
     output::sweep::SweepFiles files(request, folder);
     Progress progress(measure::sweep::sweep_units(request), sweep.id, common.progress, common.quiet);
-    request.progress = [&progress](std::uint64_t done) {
-        progress.advance(done);
-        stop_if_interrupted();
-    };
+    request.progress = advancing(progress);
     const auto steps = measure::sweep::run_sweep(request);
     const auto onsets = measure::sweep::find_onsets(request, steps);
-    output::sweep::write_sweep_plots(output::image::image_backend(), folder, request, steps, onsets);
+    output::sweep::write_sweep_plots(folder, {request, steps, onsets});
     files.finish(steps, onsets);
     progress.finish();
     if (common.quiet) return;
@@ -117,14 +111,9 @@ void run_search(const std::filesystem::path& path, const Chosen& chosen, const S
         chosen.made.for_forms(measured({chosen.made.find(search.metric)}, request.rows),
                               measure::map::forms_of(request.rows), measure::blame::Setting{std::span(&any, 1)});
     const auto folder = std::filesystem::path(o.out) / search.id;
-    {
-        const output::file::AtomicFile probe(folder / "worst.csv");
-    }  // a folder that cannot be written ends the run before the search
+    probe(folder / "worst.csv");
     Progress progress(request.rows.size(), search.id, common.progress, common.quiet);
-    request.progress = [&progress](std::uint64_t done) {
-        progress.advance(done);
-        stop_if_interrupted();
-    };
+    request.progress = advancing(progress);
     const auto found = measure::sweep::find_worst(request);
     progress.finish();
     if (std::ranges::none_of(found, [](const auto& w) { return w.has_value(); })) {
@@ -179,7 +168,7 @@ Exit run(const SweepOptions& o, const Common& common) {
     if (!o.metrics.empty()) chosen.asked = select_metrics(o.metrics, made);
     for (const char* name : {"inherent_bits", "excess_bits"})
         chosen.asked.push_back(measure::metric::find_metric(name));
-    if (o.out.empty()) throw InputError("-o: the name of the folder is empty; write -o . for the current folder");
+    require_folder(o.out);
     const auto data = data_folder(common.data);
     // Every file is read before the first is worked on: bad input leaves nothing behind.
     struct Sweep {

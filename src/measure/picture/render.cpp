@@ -7,7 +7,7 @@
 #include <map>
 
 #include "measure/picture/blockers.hpp"
-#include "measure/picture/look.hpp"
+#include "measure/picture/stored_appearance.hpp"
 #include "measure/truth/unit_direction.hpp"
 #include "number/interruption.hpp"
 #include "number/with_number.hpp"
@@ -86,7 +86,7 @@ Shadow compare(TrueShadow truth, std::uint8_t blocked) {
 /// What one format receives of a band, for all forms.
 struct Inputs {
     truth::FormatInputs geometry;
-    Look<double> look;
+    StoredAppearance<double> look;
     std::vector<Vec<double>> points;  ///< of the pixels at z = 0; empty under other cameras
 };
 
@@ -264,7 +264,7 @@ std::map<std::string, Inputs> inputs_of(const RenderRequest& request, const Band
     for (const auto& [name, need] : needs) {
         const Format format = *find_format(name);
         inputs.emplace(name,
-                       Inputs{band.inputs(format, need), input_look(*request.scene, format.shape),
+                       Inputs{band.inputs(format, need), input_appearance(*request.scene, format.shape),
                               input_pixel_points(*request.scene, band.y0(), band.y0() + band.rows(), format.shape)});
     }
     return inputs;
@@ -285,7 +285,7 @@ std::vector<RenderSummary> run_render(const RenderRequest& request, RenderSink* 
         summaries[k].stage = request.stages[k % stages];
         summaries[k].rule = shade_rule(scene.appearance, summaries[k].stage);
     }
-    const Look<double> look = input_look(scene, binary64);
+    const StoredAppearance<double> look = input_appearance(scene, binary64);
     for (int y0 = 0; y0 < scene.height; y0 += map::band_rows(scene.width)) {
         const Band band(scene, y0, std::min(scene.height, y0 + map::band_rows(scene.width)));
         const std::vector<TruePixel> truth = find_true_picture(scene, band, request.stages, request.limit);

@@ -2,8 +2,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "measure/picture/look.hpp"
 #include "measure/picture/render.hpp"
+#include "measure/picture/stored_appearance.hpp"
 #include "number/error.hpp"
 #include "scene/toml/did_you_mean.hpp"
 
@@ -123,7 +123,7 @@ constexpr RenderColumn table[] = {
 
 }  // namespace
 
-void add_to_summary(const RenderBand& band, std::size_t place, const Look<double>& look, RenderSummary& s) {
+void add_to_summary(const RenderBand& band, std::size_t place, const StoredAppearance<double>& look, RenderSummary& s) {
     const auto stage = static_cast<std::size_t>(s.stage);
     for (std::size_t i = 0; i < band.seen.size(); ++i) {
         const Painted& p = band.painted[place][i];

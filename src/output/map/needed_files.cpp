@@ -2,11 +2,11 @@
 
 #include <fmt/format.h>
 
-#include <bit>
 #include <cmath>
 
 #include "measure/metric/statistics.hpp"
 #include "output/file/csv.hpp"
+#include "output/image/exr_parts.hpp"
 #include "output/image/heatmap.hpp"
 #include "output/map/map_colour.hpp"
 
@@ -42,8 +42,7 @@ LegendEntry unresolved_entry(std::string count) {
 }
 
 image::HeatmapSpec heatmap_spec(const NeededRequest& request, const Info& form, const image::ColourScale& scale) {
-    const auto widest = fmt::format("{} (>99.9%)", static_cast<std::uint64_t>(request.scene->width) *
-                                                       static_cast<std::uint64_t>(request.scene->height));
+    const auto widest = fmt::format("{} (>99.9%)", request.scene->pixels());
     return {.title = fmt::format("{}: significand bits needed for {} correct {}", form.name, request.bits,
                                  request.bits == 1 ? "one" : "ones"),
             .subtitle = {request.scene->title, std::string(form.title),
@@ -75,7 +74,7 @@ image::ExrSpec exr_spec(const NeededRequest& request, const Info& form, const st
                 {"lostbits:form", std::string(form.name)},
                 {"lostbits:format", fmt::format("p{}..p{}", measure::map::least_width, measure::map::most_width)},
                 {"lostbits:bits", std::to_string(request.bits)},
-                {"lostbits:compiler", LOSTBITS_COMPILER},
+                image::compiler_attribute(),
                 {"lostbits:truths", "0 miss, 1 hit, 2 unresolved"},
                 {"lostbits:objects", "0 none, otherwise the solid's place in the scene, from 1"}}};
 }
@@ -122,8 +121,6 @@ void add_row(CsvWriter& csv, const NeededRequest& request, const Info& form, con
     csv.end_row();
 }
 
-std::uint32_t float_word(double x) { return std::bit_cast<std::uint32_t>(static_cast<float>(x)); }
-
 }  // namespace
 
 /// The files of one form.
@@ -164,10 +161,9 @@ private:
     void write_exr(const NeededBand& result) {
         samples_.clear();
         for (std::size_t i = 0; i < field_.size(); ++i) {
-            for (const std::uint8_t c : {field_[i].r, field_[i].g, field_[i].b})
-                samples_.push_back(float_word(image::linear_light(c) / 65535.0));
+            for (const std::uint32_t word : image::preview_words(field_[i])) samples_.push_back(word);
             const measure::truth::Truth& truth = result.truth(i);
-            samples_.push_back(float_word(result.needed[i]));
+            samples_.push_back(image::float_word(result.needed[i]));
             samples_.push_back(static_cast<std::uint32_t>(truth.decision));
             samples_.push_back(truth.is_hit() ? static_cast<std::uint32_t>(truth.object + 1) : 0);
         }

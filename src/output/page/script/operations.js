@@ -126,7 +126,7 @@ async function showOperations(element, map, row, x, y) {
     const of = map.solid_count > 1 ? `, solid ${solid}` : "";
     element.replaceChildren(
         make("h3", {}, `Operation by operation: ${title(row)}${of}, pixel ${x}, ${y}`),
-        make("p", { className: "sentence" }, culpritSentence(found, row, ulp) + sumsSentence(found, ulp)),
+        make("p", { className: "claim" }, culpritSentence(found, row, ulp) + sumsSentence(found, ulp)),
         make(
             "table", { className: "operations" },
             header(
