@@ -96,10 +96,17 @@ void join(const Truth& of_one, int i, Truth& best) {
     best.touches = touches;
 }
 
+/// What decides a truth besides the ray and the solids.
+struct Terms {
+    TruthLimit limit;
+    Touching touching;
+    double tmax = HUGE_VAL;
+};
+
 /// `at(k)` is the place of the k-th of `count` solids to ask about.
 template <class S, class At>
-Truth find(const Ray<S>& ray, std::span<const Solid<S>> solids, std::size_t count, const At& at, TruthLimit limit,
-           Touching touching, double tmax) {
+Truth find(const Ray<S>& ray, std::span<const Solid<S>> solids, std::size_t count, const At& at, const Terms& terms) {
+    const auto [limit, touching, tmax] = terms;
     Truth best;
     if (!is_ray(ray) || !(tmax >= 0)) return best;
     const Ray<Ball> quick = lift_ray<Ball>(ray);
@@ -118,14 +125,14 @@ Truth find(const Ray<S>& ray, std::span<const Solid<S>> solids, std::size_t coun
 template <class S>
 Truth find_all(const Ray<S>& ray, std::span<const Solid<S>> solids, TruthLimit limit, Touching touching, double tmax) {
     return find(
-        ray, solids, solids.size(), [](std::size_t k) { return k; }, limit, touching, tmax);
+        ray, solids, solids.size(), [](std::size_t k) { return k; }, Terms{limit, touching, tmax});
 }
 
 template <class S>
 Truth find_some(const Ray<S>& ray, std::span<const Solid<S>> solids, std::span<const std::uint32_t> among,
                 TruthLimit limit, Touching touching) {
     return find(
-        ray, solids, among.size(), [among](std::size_t k) { return std::size_t{among[k]}; }, limit, touching, HUGE_VAL);
+        ray, solids, among.size(), [among](std::size_t k) { return std::size_t{among[k]}; }, Terms{limit, touching});
 }
 
 /// −1, 0, +1 as t* lies below, at or above the dyadic number m > 0, or nothing where this precision does not tell: with
