@@ -36,7 +36,7 @@ std::vector<std::string_view> steps_of(const Tape& tape) {
     for (NodeId i = tape.size() - 1; i >= 0; --i) {
         const TapeNode& n = tape[i];
         if (!n.label.empty()) step[static_cast<std::size_t>(i)] = n.label;
-        if (n.op <= TapeOp::constant) continue;
+        if (is_given(n.op)) continue;
         // Users come later on the tape; the earliest of them is seen last and keeps its word.
         for (const NodeId operand : n.operands) {
             if (operand != no_node && tape[operand].label.empty() && !is_decision(n.op))
@@ -51,11 +51,6 @@ std::optional<Target<double>> target_of(const Intersector& form, const Setting& 
         return setting.march ? std::optional(Target<double>(setting.solids, *setting.march)) : std::nullopt;
     const auto fits = std::ranges::find(setting.solids, form.shape, &Solid<double>::shape);
     return fits == setting.solids.end() ? std::nullopt : std::optional(Target<double>(*fits));
-}
-
-/// Not where the result is exact whatever the operands are.
-bool can_err(TapeOp op) {
-    return op == TapeOp::constant || (is_operation(op) && op != TapeOp::neg && op != TapeOp::abs);
 }
 
 }  // namespace

@@ -70,7 +70,7 @@ NodeId Explanation::amplifier(NodeId from) const {
     int bits = 1;
     for (NodeId i = from + 1; i < tape.size(); ++i) {
         const OperationError& e = attribution.of[static_cast<std::size_t>(i)];
-        if (!e.live || tape[i].op <= TapeOp::constant) continue;  // whose operands are no places on the tape
+        if (!e.live || is_given(tape[i].op)) continue;  // whose operands are no places on the tape
         for (const NodeId operand : tape[i].operands) {
             if (operand != no_node && reached[static_cast<std::size_t>(operand)])
                 reached[static_cast<std::size_t>(i)] = true;

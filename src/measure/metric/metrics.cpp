@@ -64,8 +64,8 @@ template <class E>
 E off_surface(const Vec<double>& p, const Sphere<double>& sphere) {
     const Vec<E> v(E(p.x) - E(sphere.centre.x), E(p.y) - E(sphere.centre.y), E(p.z) - E(sphere.centre.z));
     const E r(sphere.radius);
-    const E v2 = dot(v, v);
-    return (v2 - r * r) / (r * (sqrt(v2) + r));
+    const E v2 = square(v);
+    return (v2 - square(r)) / (r * (sqrt(v2) + r));
 }
 
 /// How far p lies outside the box (negative: inside), by its worst component, in longest sides.

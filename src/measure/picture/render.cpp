@@ -10,7 +10,7 @@
 #include "measure/picture/look.hpp"
 #include "measure/truth/unit_direction.hpp"
 #include "number/interruption.hpp"
-#include "number/rounded.hpp"
+#include "number/with_number.hpp"
 
 namespace lostbits::measure::picture {
 
@@ -22,13 +22,9 @@ using truth::Truth;
 
 namespace {
 
-double drop(float x) { return x; }
-double drop(double x) { return x; }
-double drop(RoundedAny x) { return x.value(); }
-
 template <class T>
 Vec<double> drop(const Vec<T>& v) {
-    return {drop(v.x), drop(v.y), drop(v.z)};
+    return {as_double(v.x), as_double(v.y), as_double(v.z)};
 }
 
 template <class T>
@@ -43,21 +39,13 @@ Vec<T> lift_number(const Vec<double>& v) {
 /// Calls `work.operator()<T>(i)` for every pixel, T the number that the format is evaluated in.
 template <class Work>
 void for_each_pixel_in(const Format& format, std::size_t count, const Work& work) {
-    const auto all = [&]<class T>(const auto& range) {
-        for (std::size_t i = range.begin(); i < range.end(); ++i) {
-            stop_if_interrupted();
-            work.template operator()<T>(i);
-        }
-    };
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, 256), [&](const auto& range) {
-        switch (format.engine) {
-            case Format::Engine::native32: return all.template operator()<float>(range);
-            case Format::Engine::native64: return all.template operator()<double>(range);
-            case Format::Engine::rounded: {
-                const CurrentFormat::Scope scope(format.shape);
-                return all.template operator()<RoundedAny>(range);
+        with_number(format, [&]<class T>() {
+            for (std::size_t i = range.begin(); i < range.end(); ++i) {
+                stop_if_interrupted();
+                work.template operator()<T>(i);
             }
-        }
+        });
     });
 }
 
@@ -185,7 +173,7 @@ private:
         const Vec<T> way = light - start;
         Cast cast{drop(start), drop(way), 1};
         if (unit() && is_finite(cast.direction)) {
-            cast.reach = drop(length(way));
+            cast.reach = as_double(length(way));
             cast.direction = truth::unit_direction(cast.direction, row_.format.shape);
         }
         return cast;

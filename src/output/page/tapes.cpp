@@ -63,8 +63,15 @@ std::string numbers_of(const std::vector<Solid<S>>& solids, const std::set<int>&
     return fmt::format("{{{}}}", fmt::join(all, ","));
 }
 
+/// `{"add":"rounded",…}`: the kind of every operation there is.
+std::string operations_json() {
+    std::vector<std::string> all;
+    for (const TapeOpRow& row : tape_operations) all.push_back(fmt::format(R"("{}":"{}")", row.name, row.kind_name));
+    return fmt::format("{{{}}}", fmt::join(all, ","));
+}
+
 std::string node_json(const TapeNode& n) {
-    std::string text = fmt::format("[\"{}\",{}", tape_op_names[static_cast<std::size_t>(n.op)], n.format);
+    std::string text = fmt::format("[\"{}\",{}", name_of(n.op), n.format);
     if (n.op == TapeOp::constant) return text + fmt::format(",{}]", n.operands[0]);  // its value, which −1 may be
     for (const NodeId operand : n.operands) {
         if (operand != no_node) text += fmt::format(",{}", operand);
@@ -92,19 +99,22 @@ std::string tape_json(const intersect::table::Intersector& form, const Format& f
     form.record(format, {Vec<double>(1, 2, 3), Vec<double>(4, 5, 6)}, target, HUGE_VAL, tape);
     const measure::blame::TapeText text(tape, intersect::table::input_names(form, target),
                                         measure::blame::TapeText::Style::pretty);
-    std::vector<std::string> formats, nodes, names, expressions, labelled;
+    std::vector<std::string> formats, nodes, names, expressions, definitions, operands, labelled;
     for (const FloatFormat& f : tape.formats)
         formats.push_back(fmt::format(R"({{"precision":{},"emin":{},"emax":{}}})", f.precision, f.emin, f.emax));
     for (NodeId i = 0; i < tape.size(); ++i) {
         nodes.push_back(node_json(tape[i]));
         names.push_back(json_text(text.name(i)));
         expressions.push_back(json_text(text.expression(i)));
+        definitions.push_back(json_text(text.definition(i)));
+        operands.push_back(json_text(text.operand(i)));
         labelled.push_back(tape[i].label.empty() ? "0" : "1");
     }
     return fmt::format(
-        R"({{"formats":[{}],"nodes":[{}],"names":[{}],"expressions":[{}],"labelled":[{}],"outputs":[{},{}]}})",
-        fmt::join(formats, ","), fmt::join(nodes, ","), fmt::join(names, ","), fmt::join(expressions, ","),
-        fmt::join(labelled, ","), tape.outputs.hit, tape.outputs.t);
+        R"({{"operations":{},"formats":[{}],"nodes":[{}],"names":[{}],"expressions":[{}],"definitions":[{}],"operands":[{}],"labelled":[{}],"outputs":[{},{}]}})",
+        operations_json(), fmt::join(formats, ","), fmt::join(nodes, ","), fmt::join(names, ","),
+        fmt::join(expressions, ","), fmt::join(definitions, ","), fmt::join(operands, ","), fmt::join(labelled, ","),
+        tape.outputs.hit, tape.outputs.t);
 }
 
 }  // namespace lostbits::output::page

@@ -18,7 +18,8 @@ namespace lostbits::output::page {
 [[nodiscard]] std::string solids_json(const scene::file::Scene& scene, const std::set<int>& places);
 
 /// The tape of a form that does not march, which is the same for every ray but for the numbers on it: operations with
-/// the places of their formats and operands, and their names and expressions as `lostbits explain` writes them.
+/// the places of their formats and operands, and their texts as `lostbits explain` writes them; and of what kind each
+/// operation is that any tape can have.
 [[nodiscard]] std::string tape_json(const intersect::table::Intersector& form, const Format& format);
 
 }  // namespace lostbits::output::page
