@@ -2,17 +2,17 @@
 
 #include <bit>
 #include <cmath>
-#include <limits>
+
+#include "measure/truth/missing.hpp"
 
 #include "output/image/exr_parts.hpp"
 
 namespace lostbits::output::map {
 
 using image::ExrSpec;
+using measure::truth::missing;
 
 namespace {
-
-constexpr double missing = std::numeric_limits<double>::quiet_NaN();
 
 ExrSpec spec_of(const measure::map::MapRequest& request, const measure::map::MapRow& row, const std::string& command) {
     using enum image::Channel::Type;
