@@ -36,7 +36,7 @@ std::vector<std::string> labels_of(const std::vector<double>& values) {
 
 }  // namespace
 
-AxisRange::AxisRange(const Axis& axis, const std::vector<double>& values) : title_(axis.title), scale_(axis.scale) {
+AxisRange::AxisRange(const AxisSpec& axis, const std::vector<double>& values) : title_(axis.title), scale_(axis.scale) {
     for (const auto& end : {axis.low, axis.high}) {
         if (end && (!std::isfinite(*end) || (is_log() && !(*end > 0)))) {
             throw std::invalid_argument("axis " + axis.title + ": an end without a place");
@@ -76,7 +76,9 @@ void AxisRange::widen(bool low_fixed, bool high_fixed) {
 bool AxisRange::has_place(double value) const noexcept { return is_log() ? value > 0 : !std::isnan(value); }
 
 double AxisRange::scaled(double value) const noexcept {
-    return scale_ == Axis::Scale::linear ? value : scale_ == Axis::Scale::log2 ? std::log2(value) : std::log10(value);
+    return scale_ == AxisSpec::Scale::linear ? value
+           : scale_ == AxisSpec::Scale::log2 ? std::log2(value)
+                                             : std::log10(value);
 }
 
 double AxisRange::place(double s) const noexcept {
@@ -90,7 +92,7 @@ double AxisRange::position(double value) const noexcept {
 }
 
 std::vector<AxisRange::Tick> AxisRange::exponent_ticks(int most) const {
-    const bool two = scale_ == Axis::Scale::log2;
+    const bool two = scale_ == AxisSpec::Scale::log2;
     double step = 1;
     const std::vector<double> steps = two ? std::vector<double>{1, 2, 4, 8, 16, 32, 64, 128, 256, 512, 1024}
                                           : std::vector<double>{1, 2, 5, 10, 20, 50, 100, 200, 500};

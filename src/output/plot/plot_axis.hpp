@@ -8,7 +8,7 @@
 namespace lostbits::output::plot {
 
 /// What the caller says about an axis.
-struct Axis {
+struct AxisSpec {
     enum class Scale { linear, log2, log10 };
     std::string title;
     Scale scale = Scale::linear;
@@ -21,7 +21,7 @@ public:
     /// The ends are those of `axis`, else the least and greatest of `values` that have a place. A range without extent
     /// is widened about its value, and a linear one that comes near 0 starts there. Throws std::invalid_argument for
     /// ends that are not finite, not in order, or not positive on a log scale.
-    AxisRange(const Axis& axis, const std::vector<double>& values);
+    AxisRange(const AxisSpec& axis, const std::vector<double>& values);
 
     /// Whether `value` has a place: infinities have, a NaN and what is not positive on a log scale have not.
     [[nodiscard]] bool has_place(double value) const noexcept;
@@ -40,7 +40,7 @@ public:
     [[nodiscard]] std::vector<Tick> ticks(int most) const;
 
     [[nodiscard]] const std::string& title() const noexcept { return title_; }
-    [[nodiscard]] bool is_log() const noexcept { return scale_ != Axis::Scale::linear; }
+    [[nodiscard]] bool is_log() const noexcept { return scale_ != AxisSpec::Scale::linear; }
 
 private:
     [[nodiscard]] double scaled(double value) const noexcept;
@@ -49,7 +49,7 @@ private:
     [[nodiscard]] std::vector<Tick> exponent_ticks(int most) const;
 
     std::string title_;
-    Axis::Scale scale_;
+    AxisSpec::Scale scale_;
     double lo_ = 0, hi_ = 1;  // exponents on a log scale
 };
 

@@ -175,7 +175,7 @@ private:
     Stroke stroke_;
 };
 
-AxisRange range_of(const ScatterPlotSpec& spec, const Axis& axis, bool is_x) {
+AxisRange range_of(const ScatterPlotSpec& spec, const AxisSpec& axis, bool is_x) {
     std::vector<double> values;
     for (const auto& p : spec.points) {
         if (std::isnan(p.x) || std::isnan(p.y)) continue;

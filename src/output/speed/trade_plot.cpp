@@ -79,8 +79,8 @@ ScatterPlotSpec trade_plot(const TradeRequest& request, const measure::speed::Tr
                                  request.plan.repetitions),
                      "Named: the Pareto front. Fewer wrong decisions count before more bits, so it may step down to a "
                      "form that is never wrong."};
-    spec.x = {time_title, plot::Axis::Scale::log2, {}, {}};
-    spec.y = {kept_title, plot::Axis::Scale::linear, 0.0, {}};
+    spec.x = {time_title, plot::AxisSpec::Scale::log2, {}, {}};
+    spec.y = {kept_title, plot::AxisSpec::Scale::linear, 0.0, {}};
     std::vector<std::size_t> front;
     for (std::size_t k = 0; k < all.size(); ++k) {
         const TradeKernel& kernel = request.kernels[k];

@@ -25,8 +25,8 @@ using measure::sweep::SweepStep;
 using plot::LinePlotSpec;
 using plot::Series;
 
-plot::Axis plot_axis(const scene::sweep::Axis& axis) {
-    using S = plot::Axis::Scale;
+plot::AxisSpec plot_axis(const scene::sweep::Axis& axis) {
+    using S = plot::AxisSpec::Scale;
     return {axis.unit.empty() ? axis.name : fmt::format("{} [{}]", axis.name, axis.unit),
             axis.spacing == scene::sweep::Axis::Spacing::log2 ? S::log2 : S::linear,
             {},
@@ -64,7 +64,7 @@ Series series_of(const std::vector<SweepStep>& steps, std::size_t row, const std
 
 struct Quantity {
     std::string title;
-    plot::Axis axis;
+    plot::AxisSpec axis;
     std::function<double(const MapSummary&)> value;
     std::function<double(const MapSummary&)> envelope;  ///< empty: none
     bool (*shows)(const MapRow&) = [](const MapRow&) { return true; };
@@ -73,7 +73,7 @@ struct Quantity {
 bool marches(const MapRow& row) { return row.form->shape == Shape::sdf; }
 
 /// What every plot along a sweep has: the sweep's own words and axis, and how many rays a step has.
-LinePlotSpec plot_along(const MeasuredSweep& sweep, const std::string& title, const plot::Axis& y) {
+LinePlotSpec plot_along(const MeasuredSweep& sweep, const std::string& title, const plot::AxisSpec& y) {
     const scene::sweep::SweepFile& file = *sweep.request.sweep;
     return {.title = title,
             .subtitle = {file.title, fmt::format("{} rays per step", sweep.steps.front().rows.front().rays)},
@@ -121,7 +121,7 @@ void write_lost_bits_plot(const std::filesystem::path& path, const MeasuredSweep
     const SweepRequest& request = sweep.request;
     const std::size_t lost = index_of(request, "lost_bits"), inherent = index_of(request, "inherent_bits");
     Quantity quantity{fmt::format("Lost bits, {}", q == 0.5 ? "median" : "99th percentile"),
-                      {"lost bits", plot::Axis::Scale::linear, 0.0, static_cast<double>(format.shape.precision)},
+                      {"lost bits", plot::AxisSpec::Scale::linear, 0.0, static_cast<double>(format.shape.precision)},
                       [lost, q](const MapSummary& s) { return s.metrics[lost].quantile(q); },
                       {}};
     if (inherent < request.metrics.size())
@@ -131,9 +131,10 @@ void write_lost_bits_plot(const std::filesystem::path& path, const MeasuredSweep
 
 void write_wrong_plot(const std::filesystem::path& path, const MeasuredSweep& sweep, const Format& format,
                       PlotSize size) {
-    write_lines(path, sweep, format,
-                {"Rays with the wrong answer", {"share of rays", plot::Axis::Scale::linear, 0.0, 1.0}, wrong_share, {}},
-                size);
+    write_lines(
+        path, sweep, format,
+        {"Rays with the wrong answer", {"share of rays", plot::AxisSpec::Scale::linear, 0.0, 1.0}, wrong_share, {}},
+        size);
 }
 
 namespace {
@@ -144,7 +145,7 @@ void write_split_plot(const std::filesystem::path& path, const MeasuredSweep& sw
     const MapRow& row = request.rows[r];
     LinePlotSpec spec = plot_along(
         sweep, fmt::format("Model and rounding error of {} in {}, medians", row.form->info->name, row.format.name),
-        {"ulp", plot::Axis::Scale::log2, 0x1p-6, {}});
+        {"ulp", plot::AxisSpec::Scale::log2, 0x1p-6, {}});
     for (const char* name : {"model_error", "rounding_error", "ulp_error"}) {
         const std::size_t m = index_of(request, name);
         const std::string label =
@@ -170,13 +171,13 @@ void write_march_plots(const std::filesystem::path& folder, const MeasuredSweep&
     };
     write_lines(folder / fmt::format("unfinished.{}.png", format.name), sweep, format,
                 {"Marches that did not finish",
-                 {"share of rays", plot::Axis::Scale::linear, 0.0, 1.0},
+                 {"share of rays", plot::AxisSpec::Scale::linear, 0.0, 1.0},
                  unfinished,
                  {},
                  marches});
     write_lines(folder / fmt::format("iterations.{}.png", format.name), sweep, format,
                 {"Samples of the field, 99th percentile",
-                 {"samples", plot::Axis::Scale::log2, 1.0, {}},
+                 {"samples", plot::AxisSpec::Scale::log2, 1.0, {}},
                  [iterations](const MapSummary& s) { return s.metrics[iterations].quantile(0.99); },
                  {},
                  marches});
@@ -208,7 +209,7 @@ void write_culprit_plot(const std::filesystem::path& path, const MeasuredSweep& 
     if (order.empty()) return;
     std::ranges::stable_sort(order, [&](std::size_t a, std::size_t b) { return peak[a] > peak[b]; });
     LinePlotSpec spec = plot_along(sweep, fmt::format("Culprits of {} in {}", row.form->info->name, row.format.name),
-                                   {"share of rays", plot::Axis::Scale::linear, 0.0, 1.0});
+                                   {"share of rays", plot::AxisSpec::Scale::linear, 0.0, 1.0});
     spec.subtitle.back() += "; an operation's share of the rays that have a culprit";
     const auto add = [&](const std::string& label, std::span<const std::size_t> places) {
         spec.series.push_back(series_of(sweep.steps, r, label, [&](const MapSummary& s) {

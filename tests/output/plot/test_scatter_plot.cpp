@@ -21,8 +21,8 @@ constexpr lostbits::output::image::Rgb8 first{0, 114, 178}, second{213, 94, 0}, 
 lostbits::output::plot::ScatterPlotSpec small() {
     ScatterPlotSpec spec;
     spec.title = "A trade";
-    spec.x = {"time", Axis::Scale::log2, {}, {}};
-    spec.y = {"bits", Axis::Scale::linear, 0.0, {}};
+    spec.x = {"time", AxisSpec::Scale::log2, {}, {}};
+    spec.y = {"bits", AxisSpec::Scale::linear, 0.0, {}};
     spec.points = {
         {.x = 1, .y = 10, .x_low = 0.9, .x_high = 1.1, .marker = 1, .label = "one"},
         {.x = 4, .y = 20, .x_low = 3.5, .x_high = 5, .marker = 3, .colour = 1, .hollow = true, .label = "four"},
