@@ -54,8 +54,9 @@ Listing metric_table() {
         l.rows.push_back({std::string(m.name), std::string(m.unit), std::string(m.layer), m.by_default ? "yes" : "no",
                           std::string(m.meaning)});
     }
+    measure::metric::MetricSet made;
     for (const char* name : {"contribution:LABEL", "cancellation:LABEL"}) {
-        const measure::metric::Metric& m = *measure::blame::labelled_metric(name);
+        const measure::metric::Metric& m = *made.find(name);
         l.rows.push_back({name, std::string(m.unit), std::string(m.layer), "no",
                           std::string(m.meaning) + "; `lostbits list labels` shows the labels of each form"});
     }

@@ -7,9 +7,8 @@
 #include <set>
 
 #include "commands.hpp"
-#include "number/interruption.hpp"
-#include "output/file/atomic_file.hpp"
 #include "output/picture/render_files.hpp"
+#include "results.hpp"
 #include "scene/file/scene.hpp"
 #include "select.hpp"
 
@@ -33,13 +32,8 @@ struct RenderOptions {
 
 /// What to type to make these files again.
 std::string canonical_command(const Scene& scene, const RenderOptions& o) {
-    std::string text = "lostbits render " + scene.id;
-    for (const auto& f : o.forms) text += " -i '" + f + "'";
-    for (const auto& f : o.formats) text += " -f " + f;
-    for (const auto& s : o.stages) text += " --stage " + s;
-    for (const auto& s : o.set) text += " --set '" + s + "'";
-    if (!o.size.empty()) text += " --size " + o.size;
-    return text;
+    return "lostbits render " + scene.id + each(" -i '", o.forms, "'") + each(" -f ", o.formats) +
+           each(" --stage ", o.stages) + each(" --set '", o.set, "'") + (o.size.empty() ? "" : " --size " + o.size);
 }
 
 /// The scenes themselves; InputError where one has no spheres with colours.
@@ -101,7 +95,7 @@ std::uint64_t render_scene(const RenderRequest& request, const RenderOptions& o,
 }
 
 Exit run(const RenderOptions& o, const Common& common) {
-    if (o.out.empty()) throw InputError("-o: the name of the folder is empty; write -o . for the current folder");
+    require_folder(o.out);
     const auto rows = fitting(cross(select_forms(o.forms), select_formats(o.formats)),
                               [](Shape shape) { return shape == Shape::sphere; });
     if (rows.empty())
@@ -114,18 +108,13 @@ Exit run(const RenderOptions& o, const Common& common) {
     std::uint64_t units = 0, unproved = 0;
     for (const auto& scene : scenes) {
         requests.push_back({.scene = &scene, .stages = stages_of(scene, o, common.quiet), .rows = rows});
-        units += static_cast<std::uint64_t>(scene.width) * static_cast<std::uint64_t>(scene.height) * rows.size();
+        units += scene.pixels() * rows.size();
     }
-    // A folder that cannot be written ends the run before the first ray, not after the tenth scene.
-    for (const auto& scene : scenes)
-        output::file::AtomicFile probe(std::filesystem::path(o.out) / scene.id / "summary.csv");
+    for (const auto& scene : scenes) probe(std::filesystem::path(o.out) / scene.id / "summary.csv");
 
     output::file::Progress progress(units, "render", common.progress, common.quiet);
     for (RenderRequest& request : requests) {
-        request.progress = [&progress](std::uint64_t done) {
-            progress.advance(done);
-            stop_if_interrupted();
-        };
+        request.progress = advancing(progress);
         unproved += render_scene(request, o, common);
     }
     progress.finish();

@@ -11,7 +11,6 @@
 #include <set>
 #include <thread>
 
-#include "measure/blame/culprits.hpp"
 #include "number/error.hpp"
 #include "scene/file/march_table.hpp"
 #include "scene/toml/did_you_mean.hpp"
@@ -68,10 +67,10 @@ std::vector<const Intersector*> select_forms(const std::vector<std::string>& glo
                        [](const Intersector& i) { return i.info->name; });
 }
 
-std::vector<const Metric*> select_metrics(const std::vector<std::string>& globs) {
+std::vector<const Metric*> select_metrics(const std::vector<std::string>& globs, measure::metric::MetricSet& made) {
     std::vector<const Metric*> chosen;
     for (const std::string& glob : globs) {
-        if (const Metric* const one = measure::blame::labelled_metric(glob)) {
+        if (const Metric* const one = made.find(glob)) {
             if (std::ranges::find(chosen, one) == chosen.end()) chosen.push_back(one);
             continue;
         }
@@ -116,8 +115,7 @@ std::vector<const Metric*> measured(const std::vector<const Metric*>& asked, con
         const bool named = std::ranges::find(asked, &m) != asked.end();
         if ((m.by_default || named) && (marches || m.over != measure::metric::Over::marches)) all.push_back(&m);
     }
-    std::ranges::copy_if(asked, std::back_inserter(all),
-                         [](const Metric* m) { return measure::blame::is_labelled(*m); });
+    std::ranges::copy_if(asked, std::back_inserter(all), [](const Metric* m) { return !m->label.empty(); });
     return all;
 }
 

@@ -12,7 +12,7 @@
 
 #include "intersect/table/table.hpp"
 #include "measure/map/map.hpp"
-#include "measure/metric/metrics.hpp"
+#include "measure/metric/metric_set.hpp"
 #include "number/error.hpp"
 #include "number/format.hpp"
 #include "scene/file/scene.hpp"
@@ -26,8 +26,9 @@ std::vector<const intersect::table::Intersector*> select_forms(const std::vector
 /// Formats by name, or ranges `p5..p12`; duplicates are dropped. InputError with did-you-mean.
 std::vector<Format> select_formats(const std::vector<std::string>& names);
 
-/// Metrics by name or glob, in the order asked for. InputError with did-you-mean.
-std::vector<const measure::metric::Metric*> select_metrics(const std::vector<std::string>& globs);
+/// Metrics by name or glob, in the order asked for; `made` keeps those of labels. InputError with did-you-mean.
+std::vector<const measure::metric::Metric*> select_metrics(const std::vector<std::string>& globs,
+                                                           measure::metric::MetricSet& made);
 
 /// Those of the metrics that any of the rows has: the ones of marches go where no row marches. InputError where that
 /// leaves none; `what` is the scene or sweep.

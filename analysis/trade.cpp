@@ -6,8 +6,8 @@
 
 #include "commands.hpp"
 #include "measure/speed/trade.hpp"
-#include "number/interruption.hpp"
 #include "output/speed/trade_files.hpp"
+#include "results.hpp"
 #include "select.hpp"
 
 namespace lostbits::analysis {
@@ -43,7 +43,7 @@ measure::speed::TimingPlan plan_of(const TradeOptions& o) {
 }
 
 Exit run(const TradeOptions& o, const Common& common) {
-    if (o.out.empty()) throw InputError("-o: the name of the folder is empty; write -o . for the current folder");
+    require_folder(o.out);
     const Shape shape = o.shape == "box" ? Shape::box : Shape::sphere;
     const auto rows =
         fitting(cross(select_forms(o.forms), native_formats(o.formats)), [shape](Shape form) { return form == shape; });
@@ -62,10 +62,7 @@ Exit run(const TradeOptions& o, const Common& common) {
     const ThreadLimit limit(common.threads);
     output::file::Progress progress(measure::speed::trade_units(request), fmt::format("trade {}", o.shape),
                                     common.progress, common.quiet);
-    request.plan.progress = [&progress](std::uint64_t done) {
-        progress.advance(done);
-        stop_if_interrupted();
-    };
+    request.plan.progress = advancing(progress);
     const measure::speed::TradeResult result = measure::speed::run_trade(request);
     files.finish(result);
     progress.finish();

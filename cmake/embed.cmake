@@ -1,7 +1,9 @@
 # cmake -P embed.cmake: texts of inline page elements, with the hashes that the page's policy names, as one C++ file.
 #   OUT     the file to write
 #   ASSETS  name=part+part…,… : each the parts' texts one after another; no part: an empty text
-set(code "// Made by cmake/embed.cmake from src/output/page/script; do not edit.\n#include \"output/page/assets.hpp\"\n\nnamespace lostbits::output::page {\n\n")
+string(CONCAT code
+    "// Made by cmake/embed.cmake from src/output/page/script; do not edit.\n"
+    "#include \"output/page/assets.hpp\"\n\nnamespace lostbits::output::page {\n\n")
 string(REPLACE "," ";" ASSETS "${ASSETS}")
 foreach(asset IN LISTS ASSETS)
     string(REGEX MATCH "^([a-z_]+)=(.*)$" _ "${asset}")

@@ -13,12 +13,14 @@ foreach(library core scene measure)
     set_target_properties(lostbits_${library} PROPERTIES EXPORT_NAME ${library})
     add_library(lostbits::${library} ALIAS lostbits_${library})
 endforeach()
-install(TARGETS lostbits_core lostbits_scene lostbits_measure EXPORT lostbits-targets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
+install(TARGETS lostbits_core lostbits_scene lostbits_measure EXPORT lostbits-targets ARCHIVE DESTINATION
+    ${CMAKE_INSTALL_LIBDIR})
 
 set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/lostbits)
 install(EXPORT lostbits-targets NAMESPACE lostbits:: DESTINATION ${package_dir})
 configure_package_config_file(cmake/lostbits-config.cmake.in lostbits-config.cmake INSTALL_DESTINATION ${package_dir})
 write_basic_package_version_file(lostbits-config-version.cmake COMPATIBILITY SameMinorVersion)
-install(FILES ${CMAKE_CURRENT_BINARY_DIR}/lostbits-config.cmake ${CMAKE_CURRENT_BINARY_DIR}/lostbits-config-version.cmake
+install(FILES ${CMAKE_CURRENT_BINARY_DIR}/lostbits-config.cmake
+    ${CMAKE_CURRENT_BINARY_DIR}/lostbits-config-version.cmake
               cmake/FindMPFR.cmake cmake/FindMPFI.cmake
         DESTINATION ${package_dir})

@@ -118,7 +118,7 @@ async function inspector({ browser, small, at }) {
             near(parseFloat(shown), Number(csv[i][metric])), `${metric}: ${shown}, the CSV has ${csv[i][metric]}`);
     }
     const miss = csv.find((row) => row.outcome === "agree_miss");
-    await page.evaluate(([x, y]) => look({ x, y }), [Number(miss.x), Number(miss.y)]);
+    await page.evaluate(([x, y]) => goTo({ x, y }), [Number(miss.x), Number(miss.y)]);
     assert.match(await page.locator("#inspector").innerText(), /truly misses/);
     // A click chooses what lies under it; pointing at something else says so in a line.
     const box = await page.locator("#map").boundingBox();

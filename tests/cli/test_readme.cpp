@@ -1,4 +1,4 @@
-// The README shows what the tool makes now: the committed picture and table are made again and compared.
+// The README and docs/sweep.md show what the tool makes now: the committed pictures and the table are made again and compared.
 #include <cstdlib>
 
 #include "catch.hpp"

@@ -1,5 +1,5 @@
-# Compiles fingerprint.cpp with every compiler here, with and without optimisation, for any machine and for this one, and
-# demands the same output of all. Run by ctest:
+# Compiles fingerprint.cpp with every compiler here, with and without optimisation, for any machine and for this one,
+# and demands the same output of all. Run by ctest:
 #   cmake -DSOURCE_DIR=… -DWORK_DIR=… -DINCLUDES=a;b -P bit_identity.cmake
 set(compilers "")
 foreach(name g++ clang++)
@@ -7,11 +7,10 @@ foreach(name g++ clang++)
     if(found_${name})
         list(APPEND compilers ${found_${name}})
     else()
-        message(STATUS "${name} not found: its half of the comparison is skipped")
+        message(STATUS "SKIPPED: ${name} is not installed, and half of the comparison is its")
     endif()
 endforeach()
 if(NOT compilers)
-    message(STATUS "SKIPPED: no compiler by the name of g++ or clang++")
     return()
 endif()
 
@@ -25,7 +24,8 @@ file(MAKE_DIRECTORY ${WORK_DIR})
 set(builds "")
 foreach(compiler ${compilers})
     foreach(level -O0 -O3)
-        list(APPEND builds "${compiler}+${level}+-ffp-contract=off" "${compiler}+${level}+-march=native+-ffp-contract=off")
+        list(APPEND builds "${compiler}+${level}+-ffp-contract=off"
+            "${compiler}+${level}+-march=native+-ffp-contract=off")
     endforeach()
 endforeach()
 # The control: contraction, where the machine has FMA, must change the output, or the comparison sees nothing.

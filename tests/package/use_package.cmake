@@ -9,7 +9,8 @@ endfunction()
 
 file(REMOVE_RECURSE ${WORK_DIR})
 step(${CMAKE_COMMAND} --install ${BUILD_DIR} --prefix ${WORK_DIR}/prefix)
-step(${CMAKE_COMMAND} -S ${CONSUMER_DIR} -B ${WORK_DIR}/build -DCMAKE_PREFIX_PATH=${WORK_DIR}/prefix -DCMAKE_CXX_COMPILER=${CXX} -DCMAKE_BUILD_TYPE=Release)
+step(${CMAKE_COMMAND} -S ${CONSUMER_DIR} -B ${WORK_DIR}/build -DCMAKE_PREFIX_PATH=${WORK_DIR}/prefix
+    -DCMAKE_CXX_COMPILER=${CXX} -DCMAKE_BUILD_TYPE=Release)
 step(${CMAKE_COMMAND} --build ${WORK_DIR}/build)
 step(${WORK_DIR}/build/consumer)
 string(STRIP "${last_output}" last_output)
@@ -17,7 +18,8 @@ if(NOT last_output STREQUAL "t = 4, lost bits = 0")
     message(FATAL_ERROR "the consumer printed: ${last_output}")
 endif()
 # The installed program finds its data and its image module from where it stands.
-step(${CMAKE_COMMAND} -E chdir ${WORK_DIR} ${WORK_DIR}/prefix/bin/lostbits map near-benign -i sphere.press -f f32 --size 16x16 -o ${WORK_DIR}/out)
+step(${CMAKE_COMMAND} -E chdir ${WORK_DIR} ${WORK_DIR}/prefix/bin/lostbits map near-benign -i sphere.press -f f32
+    --size 16x16 -o ${WORK_DIR}/out)
 foreach(file summary.csv contact.png sphere.press.f32.exr)
     if(NOT EXISTS ${WORK_DIR}/out/near-benign/${file})
         message(FATAL_ERROR "the installed program did not write ${file}")

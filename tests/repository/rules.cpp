@@ -1,52 +1,13 @@
 #include "repository/rules.hpp"
 
 #include <algorithm>
-#include <array>
 #include <map>
 #include <regex>
+#include <set>
 #include <sstream>
-#include <string_view>
 
 namespace lostbits::test {
 namespace {
-
-constexpr std::array<std::string_view, 7> order{"number",  "geometry", "intersect", "scene",
-                                                "measure", "output",   "analysis"};
-
-/// The place of a layer by its folder's name; −1 for anything else.
-long place(std::string_view folder) {
-    const auto found = std::find(order.begin(), order.end(), folder);
-    return found == order.end() ? -1 : found - order.begin();
-}
-
-/// The layer that a file belongs to: src/<layer>/… or analysis/….
-long layer_of(const std::string& path) {
-    if (path.starts_with("analysis/")) return place("analysis");
-    if (!path.starts_with("src/")) return -1;
-    return place(std::string_view(path).substr(4, path.find('/', 4) - 4));
-}
-
-struct Include {
-    std::size_t line;
-    char bracket;
-    std::string name;
-};
-
-std::vector<Include> includes_of(const std::string& text) {
-    static const std::regex directive(R"re(^\s*#\s*include\s*([<"])([^>"]+)[>"])re");
-    std::vector<Include> all;
-    std::istringstream lines(text);
-    std::size_t number = 0;
-    for (std::string line; std::getline(lines, line);) {
-        ++number;
-        if (std::smatch m; std::regex_search(line, m, directive)) all.push_back({number, m[1].str()[0], m[2].str()});
-    }
-    return all;
-}
-
-std::string at(const SourceFile& file, std::size_t line, const std::string& what) {
-    return file.path + ":" + std::to_string(line) + ": " + what;
-}
 
 std::size_t line_of(const std::string& text, std::size_t position) {
     return 1 + static_cast<std::size_t>(
@@ -100,22 +61,20 @@ std::string code_of(const std::string& text) {
     return code;
 }
 
-Offences include_directions(const SourceFile& file) {
-    Offences offences;
-    const long own = layer_of(file.path);
-    if (own < 0) return {file.path + ": in no layer of the house"};
-    for (const Include& include : includes_of(file.text)) {
-        const long other = place(std::string_view(include.name).substr(0, include.name.find('/')));
-        if (other > own)
-            offences.push_back(
-                at(file, include.line,
-                   std::string(order[static_cast<std::size_t>(own)]) + " includes " + include.name + ", to its right"));
-        // The program's own files lie side by side in one folder; everything else is named from src/.
-        const bool beside = file.path.starts_with("analysis/") && include.name.find('/') == std::string::npos;
-        if (other < 0 && include.bracket == '"' && !beside)
-            offences.push_back(at(file, include.line, include.name + " is not named from the source root"));
+std::vector<Include> includes_of(const std::string& text) {
+    static const std::regex directive(R"re(^\s*#\s*include\s*([<"])([^>"]+)[>"])re");
+    std::vector<Include> all;
+    std::istringstream lines(text);
+    std::size_t number = 0;
+    for (std::string line; std::getline(lines, line);) {
+        ++number;
+        if (std::smatch m; std::regex_search(line, m, directive)) all.push_back({number, m[1].str()[0], m[2].str()});
     }
-    return offences;
+    return all;
+}
+
+std::string at(const SourceFile& file, std::size_t line, const std::string& what) {
+    return file.path + ":" + std::to_string(line) + ": " + what;
 }
 
 bool is_form(const SourceFile& file) {
@@ -126,8 +85,8 @@ Offences form_includes(const SourceFile& file) {
     Offences offences;
     if (!in_shape_folder(file)) return offences;
     for (const Include& include : includes_of(file.text)) {
-        const long layer = place(std::string_view(include.name).substr(0, include.name.find('/')));
-        if (layer < 0 || layer > place("intersect"))
+        static const std::set<std::string> allowed{"number", "geometry", "intersect"};
+        if (!allowed.contains(include.name.substr(0, include.name.find('/'))))
             offences.push_back(at(file, include.line, "a form includes " + include.name));
     }
     return offences;
@@ -191,9 +150,18 @@ Offences catalogue_agrees(const std::vector<SourceFile>& files, const SourceFile
 }
 
 Offences file_length(const SourceFile& file) {
+    Offences offences;
     const auto lines = std::count(file.text.begin(), file.text.end(), '\n');
-    if (lines <= 350) return {};
-    return {file.path + ": " + std::to_string(lines) + " lines"};
+    if (lines > 350) offences.push_back(file.path + ": " + std::to_string(lines) + " lines");
+    std::istringstream text(file.text);
+    std::size_t number = 0;
+    for (std::string line; std::getline(text, line);) {
+        ++number;
+        // Characters, not bytes: a continuation byte of UTF-8 begins with 10.
+        const auto width = std::count_if(line.begin(), line.end(), [](char c) { return (c & 0xC0) != 0x80; });
+        if (width > 120) offences.push_back(at(file, number, std::to_string(width) + " characters"));
+    }
+    return offences;
 }
 
 }  // namespace lostbits::test

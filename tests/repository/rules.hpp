@@ -16,9 +16,15 @@ using Offences = std::vector<std::string>;  ///< `path:line: what`
 /// The text with comments and the contents of string literals replaced by spaces, lines kept.
 std::string code_of(const std::string& text);
 
-/// number < geometry < intersect < scene < measure < output < analysis: nothing includes anything to its right, and our
-/// own headers are named from src/ (the program's own, in analysis/, by their bare name).
-Offences include_directions(const SourceFile& file);
+struct Include {
+    std::size_t line;
+    char bracket;
+    std::string name;
+};
+std::vector<Include> includes_of(const std::string& text);
+
+/// `path:line: what`
+std::string at(const SourceFile& file, std::size_t line, const std::string& what);
 
 /// True for src/intersect/<shape>/<form>.hpp that declares an `Info`: a form, as opposed to a helper of forms.
 bool is_form(const SourceFile& file);
@@ -32,7 +38,7 @@ Offences formula_rules(const SourceFile& file);
 /// Every form is included once and listed once in the catalogue, and the catalogue holds nothing else.
 Offences catalogue_agrees(const std::vector<SourceFile>& files, const SourceFile& catalogue);
 
-/// A file that needs more than 350 lines is two files.
+/// A file that needs more than 350 lines is two files, and a line of more than 120 characters is two lines.
 Offences file_length(const SourceFile& file);
 
 }  // namespace lostbits::test

@@ -2,10 +2,11 @@
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
+#include <set>
 #include <sstream>
 
 #include "catch.hpp"
-#include "repository/rules.hpp"
+#include "repository/rooms.hpp"
 
 namespace lostbits::test {
 namespace {
@@ -27,6 +28,14 @@ std::vector<SourceFile> read_tree(const std::vector<std::string>& folders) {
         }
     std::sort(files.begin(), files.end(), [](const SourceFile& a, const SourceFile& b) { return a.path < b.path; });
     return files;
+}
+
+std::string text_of(const std::string& path) {
+    std::ifstream in(fs::path(LOSTBITS_SOURCE_DIR) / path, std::ios::binary);
+    REQUIRE(in);
+    std::ostringstream text;
+    text << in.rdbuf();
+    return text.str();
 }
 
 SourceFile find(const std::vector<SourceFile>& files, const std::string& path) {
@@ -55,28 +64,94 @@ SourceFile form(const std::string& body) { return {"src/intersect/sphere/snippet
 
 }  // namespace
 
-TEST_CASE("includes point one way", "[repository]") {
+TEST_CASE("includes point one way, between layers and between rooms", "[repository]") {
+    const auto rooms = rooms_in(text_of("src/README.md"));
+    REQUIRE(rooms.size() > 30);
     const auto files = read_tree({"src", "analysis"});
-    REQUIRE(files.size() > 40);
-    hold_everywhere(files, include_directions);
+    REQUIRE(files.size() > 300);
+    hold_everywhere(files, [&](const SourceFile& file) { return include_directions(rooms, file); });
 }
 
 TEST_CASE("an include to the right is caught", "[repository]") {
-    CHECK(include_directions({"src/number/x.hpp", "#include \"geometry/vec.hpp\"\n"}).size() == 1);
-    CHECK(include_directions(
-              {"src/intersect/table/table.cpp", "#include <cmath>\n#include \"measure/truth/truth.hpp\"\n"})
-              .size() == 1);
-    CHECK(include_directions({"src/intersect/sphere/x.hpp", "  #  include <scene/rays/camera.hpp>\n"}).size() == 1);
-    CHECK(include_directions({"src/output/x.cpp", "#include \"analysis/main.hpp\"\n"}).size() == 1);
-    CHECK(include_directions({"src/number/x.hpp", "#include \"../geometry/vec.hpp\"\n"}).size() == 1);
-    CHECK(include_directions({"src/output/x.cpp", "#include \"csv.hpp\"\n"}).size() == 1);
-    CHECK(include_directions({"src/extra/x.hpp", ""}).size() == 1);
-    CHECK(
-        include_directions({"src/measure/x.hpp",
-                            "#include \"number/real.hpp\"\n#include \"measure/truth/truth.hpp\"\n#include <mpfr.h>\n"})
-            .empty());
-    CHECK(include_directions({"analysis/x.cpp", "#include \"output/file/csv.hpp\"\n#include \"commands.hpp\"\n"})
-              .empty());
+    const auto judge = [rooms = rooms_in(text_of("src/README.md"))](const char* path, const char* text) {
+        return include_directions(rooms, {path, text}).size();
+    };
+    CHECK(judge("src/number/x.hpp", "#include \"geometry/vec.hpp\"\n") == 1);
+    CHECK(judge("src/intersect/table/table.cpp", "#include <cmath>\n#include \"measure/truth/truth.hpp\"\n") == 1);
+    CHECK(judge("src/intersect/sphere/x.hpp", "  #  include <scene/rays/camera.hpp>\n") == 1);
+    CHECK(judge("src/measure/truth/x.cpp", "#include \"measure/metric/metrics.hpp\"\n") == 1);
+    CHECK(judge("src/output/file/x.hpp", "#include \"output/plot/plot_axis.hpp\"\n") == 1);
+    CHECK(judge("src/intersect/info.hpp", "#include \"intersect/sphere/roots.hpp\"\n") == 1);
+    CHECK(judge("src/output/map/x.cpp", "#include \"analysis/main.hpp\"\n") == 1);
+    CHECK(judge("src/number/x.hpp", "#include \"../geometry/vec.hpp\"\n") == 1);
+    CHECK(judge("src/output/file/x.cpp", "#include \"csv.hpp\"\n") == 1);
+    CHECK(judge("src/measure/x.hpp", "") == 1);
+    CHECK(judge("src/extra/x.hpp", "") == 1);
+    CHECK(judge("src/measure/metric/x.hpp",
+                "#include \"number/real.hpp\"\n#include \"measure/truth/truth.hpp\"\n#include <mpfr.h>\n") == 0);
+    CHECK(judge("src/intersect/catalogue.hpp", "#include \"intersect/sphere/press.hpp\"\n") == 0);
+    CHECK(judge("analysis/x.cpp", "#include \"output/file/csv.hpp\"\n#include \"commands.hpp\"\n") == 0);
+}
+
+TEST_CASE("every room says what it is for, as the list of rooms does, and no room is too large", "[repository]") {
+    const std::string readme = text_of("src/README.md");
+    const auto rooms = rooms_in(readme);
+    std::vector<std::string> found;
+    for (const SourceFile& file : read_tree({"src"})) {
+        const std::string room = file.path.substr(4, file.path.rfind('/') - 4);
+        if (found.empty() || found.back() != room) found.push_back(room);
+    }
+    for (const std::string& room : std::set<std::string>(found.begin(), found.end())) {
+        INFO(room);
+        REQUIRE(std::ranges::find(rooms, room) != rooms.end());
+        const std::string own = text_of("src/" + room + "/README.md");
+        CHECK(std::ranges::count(own, '\n') == 1);
+        const auto row = readme.find("| `" + room + "` | ") + room.size() + 7;
+        const std::string purpose = readme.substr(row + 1, readme.find(" |\n", row) - row - 1);
+        CHECK(own.substr(1, purpose.size()) == purpose);
+    }
+    const Offences crowded = room_sizes(read_tree({"src", "analysis"}));
+    INFO(listing(crowded));
+    CHECK(crowded.empty());
+    CHECK(room_sizes(std::vector<SourceFile>(23, {"src/output/map/x.cpp", ""})).size() == 1);
+    CHECK(room_sizes(std::vector<SourceFile>(22, {"src/output/map/x.cpp", ""})).empty());
+    CHECK(room_sizes(std::vector<SourceFile>(99, {"src/intersect/sphere/x.hpp", ""})).empty());
+}
+
+TEST_CASE("a room is a namespace", "[repository]") {
+    hold_everywhere(read_tree({"src", "analysis"}), room_namespace);
+    CHECK(room_namespace({"src/measure/map/x.cpp", "namespace lostbits::measure::sweep {\n}\n"}).size() == 2);
+    CHECK(room_namespace({"src/measure/map/x.cpp", "namespace lostbits {\n}\n"}).size() == 2);
+    CHECK(room_namespace({"src/measure/map/x.cpp", "namespace lostbits::measure::map {\n}\n"}).empty());
+    CHECK(room_namespace({"src/geometry/x.hpp", "namespace lostbits {\n}\n"}).empty());
+}
+
+TEST_CASE("no two definitions share a name", "[repository]") {
+    const auto files = read_tree({"src", "analysis"});
+    std::size_t definitions = 0;
+    for (const SourceFile& file : files) definitions += definitions_in(file).size();
+    CHECK(definitions > 500);
+    const Offences offences = names_are_unique(files);
+    INFO(listing(offences));
+    CHECK(offences.empty());
+}
+
+TEST_CASE("two definitions of one name are caught", "[repository]") {
+    const auto judge = [](const std::string& a, const std::string& b) {
+        return names_are_unique({{"src/measure/map/a.hpp", a}, {"src/measure/sweep/b.hpp", b}}).size();
+    };
+    const std::string room = "namespace lostbits::measure {\n", other = "namespace lostbits::output {\n";
+    const std::string type = "struct Standing {\n    int x;\n};\n";
+    CHECK(judge(room + type + "}\n", room + type + "}\n") == 1);
+    CHECK(judge(room + type + "}\n", other + type + "}\n") == 1);
+    CHECK(judge(room + type + "}\n", other + "using Standing = int;\n}\n") == 1);
+    CHECK(judge(room + type + "}\n", room + "enum class Standing : char { a, b };\n}\n") == 1);
+    const std::string function = "inline int twice(int x) {\n    return 2 * x;\n}\n";
+    CHECK(judge(room + function + "}\n", room + function + "}\n") == 1);
+    CHECK(judge(room + function + "}\n", other + function + "}\n") == 0);
+    CHECK(judge(room + type + "}\n", room + "namespace {\n" + type + "}\n}\n") == 0);
+    CHECK(judge(room + type + "}\n", room + "struct Standing;\nstruct Place {\n    struct Standing {};\n};\n}\n") == 0);
+    CHECK(judge(room + type + "}\n", room + "/* struct Standing {} */ void f() { struct Standing {}; }\n}\n") == 0);
 }
 
 TEST_CASE("forms stand on number, geometry and intersect, and obey the rules of a formula", "[repository]") {
@@ -176,6 +251,8 @@ TEST_CASE("no file has outgrown its page", "[repository]") {
     const auto of_lines = [](int n) { return SourceFile{"src/x.cpp", std::string(static_cast<std::size_t>(n), '\n')}; };
     CHECK(file_length(of_lines(350)).empty());
     CHECK(file_length(of_lines(351)).size() == 1);
+    CHECK(file_length({"src/x.cpp", std::string(121, 'x')}).size() == 1);
+    CHECK(file_length({"src/x.cpp", "ü" + std::string(119, 'x')}).empty());
 }
 
 TEST_CASE("comments and strings are not code", "[repository]") {

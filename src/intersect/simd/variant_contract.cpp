@@ -2,13 +2,9 @@
 // unless told otherwise.
 #include "intersect/simd/packed_kernels.hpp"
 #include "intersect/simd/variant_raw.hpp"
+#include "number/width.hpp"
 
 namespace lostbits::intersect::simd {
-namespace {
-
-struct Width : Registers<32> {};
-
-}  // namespace
 
 void fill_variant_contract(RawRow* rows) { fill_raw<Width>(rows); }
 

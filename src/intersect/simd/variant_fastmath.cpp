@@ -3,13 +3,9 @@
 #define LOSTBITS_MEASURES_FAST_MATH
 #include "intersect/simd/packed_kernels.hpp"
 #include "intersect/simd/variant_raw.hpp"
+#include "number/width.hpp"
 
 namespace lostbits::intersect::simd {
-namespace {
-
-struct Width : Registers<32> {};
-
-}  // namespace
 
 void fill_variant_fastmath(RawRow* rows) { fill_raw<Width>(rows); }
 

@@ -13,15 +13,15 @@ namespace {
 /// A single ray: beside the other rays of its row, each would be tested against many more spheres.
 std::unique_ptr<Band> band_of(const Scene& scene, const Ray<double>& ray) {
     scene::rays::RayGroup group;
-    group.rays = {1,
-                  0,
-                  1,
-                  {ray.origin.x},
-                  {ray.origin.y},
-                  {ray.origin.z},
-                  {ray.direction.x},
-                  {ray.direction.y},
-                  {ray.direction.z}};
+    group.rays = {.width = 1,
+                  .y0 = 0,
+                  .y1 = 1,
+                  .ox = {ray.origin.x},
+                  .oy = {ray.origin.y},
+                  .oz = {ray.origin.z},
+                  .dx = {ray.direction.x},
+                  .dy = {ray.direction.y},
+                  .dz = {ray.direction.z}};
     group.solids = scene::rays::shared_solids(scene);
     if (scene.march) group.march = scene::file::round_march(*scene.march, binary32);
     return std::make_unique<Band>(std::move(group));

@@ -41,7 +41,7 @@ struct Attribution {
     double error = 0;      ///< of the subject (of the difference of a comparison's sides)
     double explained = 0;  ///< sum of the contributions
     double first_order = 0;  ///< the same with derivatives; only where asked for
-    int shadow_bits = 0;     ///< precision of the exact values: 106 (double-double with bounds), or 2048
+    int exact_bits = 0;      ///< precision of the exact values: 106 (double-double with bounds), or 2048
     /// The live operation with the largest |contribution|, the first of equals; of a subject (or a side of it) that is
     /// no number, the operation that made it so. None where nothing was lost.
     NodeId culprit = no_node;

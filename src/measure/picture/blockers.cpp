@@ -67,19 +67,9 @@ std::vector<std::uint8_t> find_blockers(const intersect::table::Intersector& for
     tbb::parallel_for(std::size_t{0}, chunks, [&](std::size_t c) {
         stop_if_interrupted();
         const std::size_t begin = c * chunk, count = std::min(chunk, blocked.size() - begin);
-        switch (format.engine) {
-            case Format::Engine::native32:
-                hold_against<float>(native.f32, shadow, solids, own_counts, begin, count, blocked);
-                break;
-            case Format::Engine::native64:
-                hold_against<double>(native.f64, shadow, solids, own_counts, begin, count, blocked);
-                break;
-            case Format::Engine::rounded: {
-                const auto kernel = [&](const auto&... a) { form.rounded(format.shape, a...); };
-                hold_against<double>(kernel, shadow, solids, own_counts, begin, count, blocked);
-                break;
-            }
-        }
+        with_kernel(form, native, format, [&]<class S>(const auto& kernel) {
+            hold_against<S>(kernel, shadow, solids, own_counts, begin, count, blocked);
+        });
     });
     return blocked;
 }

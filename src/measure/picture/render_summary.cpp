@@ -1,24 +1,23 @@
 // The summary of a rendered picture: what is counted, and its columns.
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
-#include "measure/picture/look.hpp"
 #include "measure/picture/render.hpp"
+#include "measure/picture/stored_appearance.hpp"
 #include "number/error.hpp"
 #include "scene/toml/did_you_mean.hpp"
 
 namespace lostbits::measure::picture {
 
 using metric::Distribution;
+using truth::fraction;
+using truth::missing;
 
 namespace {
 
-constexpr double missing = std::numeric_limits<double>::quiet_NaN();
 using R = RenderSummary;
 
 double number(std::uint64_t n) { return static_cast<double>(n); }
-double share(std::uint64_t part, std::uint64_t whole) { return whole == 0 ? missing : number(part) / number(whole); }
 double median(const Distribution& d) { return d.quantile(0.5); }
 double nearly_all(const Distribution& d) { return d.quantile(0.99); }
 double largest(const Distribution& d) { return d.quantile(1); }
@@ -67,7 +66,7 @@ constexpr RenderColumn table[] = {
     {"changed", "", "pixels with a byte that differs from the certified picture", true,
      [](const R& r) { return number(r.changed); }},
     {"changed_fraction", "1", "changed, as a share of all pixels", false,
-     [](const R& r) { return share(r.changed, r.pixels); }},
+     [](const R& r) { return fraction(r.changed, r.pixels); }},
     {"colour_error_mean", "8-bit steps",
      "mean of the largest |channel - true channel| * 255, where form and truth see the same", false,
      [](const R& r) { return r.colour_error.mean(); }},
@@ -101,13 +100,13 @@ constexpr RenderColumn table[] = {
     {"false_light", "", "surface_shadowed that the form lights", true, shadows<false, Shadow::false_light>},
     {"own_shadow_fraction", "1", "own_shadow, as a share of surface_lit", false,
      [](const R& r) {
-         return r.rule.shadows ? share(r.count(false, Shadow::own_shadow), truly_lit(r, false)) : missing;
+         return r.rule.shadows ? fraction(r.count(false, Shadow::own_shadow), truly_lit(r, false)) : missing;
      }},
     {"flip_fraction", "1", "false_shadow and false_light, as a share of surface_lit and surface_shadowed", false,
      [](const R& r) {
          if (!r.rule.shadows) return missing;
-         return share(r.count(false, Shadow::false_shadow) + r.count(false, Shadow::false_light),
-                      truly_lit(r, false) + truly_dark(r, false));
+         return fraction(r.count(false, Shadow::false_shadow) + r.count(false, Shadow::false_light),
+                         truly_lit(r, false) + truly_dark(r, false));
      }},
     {"background_lit", "", "background that truly gets the light, as seen by both", true,
      [](const R& r) { return r.rule.shadows ? number(truly_lit(r, true)) : missing; }},
@@ -119,12 +118,12 @@ constexpr RenderColumn table[] = {
      shadows<true, Shadow::false_light>},
     {"light_in_shadow_fraction", "1",
      "share of the certified picture's points that face the light, are in shadow, and get diffuse light all the same",
-     false, [](const R& r) { return r.rule.shadows ? share(r.light_in_true_shadow, r.true_shadow) : missing; }},
+     false, [](const R& r) { return r.rule.shadows ? fraction(r.light_in_true_shadow, r.true_shadow) : missing; }},
 };
 
 }  // namespace
 
-void add_to_summary(const RenderBand& band, std::size_t place, const Look<double>& look, RenderSummary& s) {
+void add_to_summary(const RenderBand& band, std::size_t place, const StoredAppearance<double>& look, RenderSummary& s) {
     const auto stage = static_cast<std::size_t>(s.stage);
     for (std::size_t i = 0; i < band.seen.size(); ++i) {
         const Painted& p = band.painted[place][i];

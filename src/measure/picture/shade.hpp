@@ -58,7 +58,7 @@ T whole_power(const T& x, int n) {
     while (bit <= n / 2) bit *= 2;
     T power = x;
     for (bit /= 2; bit > 0; bit /= 2) {
-        power = power * power;
+        power = square(power);
         if ((n & bit) != 0) power = power * x;
     }
     return power;

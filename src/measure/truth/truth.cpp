@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <ranges>
 
 #include "measure/truth/enclose_solid.hpp"
 #include "number/error.hpp"
@@ -96,36 +97,35 @@ void join(const Truth& of_one, int i, Truth& best) {
     best.touches = touches;
 }
 
-/// `at(k)` is the place of the k-th of `count` solids to ask about.
-template <class S, class At>
-Truth find(const Ray<S>& ray, std::span<const Solid<S>> solids, std::size_t count, const At& at, TruthLimit limit,
-           Touching touching, double tmax) {
+/// How the truth is asked for, whichever the solids.
+struct Terms {
+    TruthLimit limit;
+    Touching touching;
+    double tmax;
+};
+
+/// About the solids at the places `among`.
+template <class S, class Places>
+Truth find(const Ray<S>& ray, std::span<const Solid<S>> solids, const Places& among, const Terms& terms) {
+    const auto [limit, touching, tmax] = terms;
     Truth best;
     if (!is_ray(ray) || !(tmax >= 0)) return best;
     const Ray<Ball> quick = lift_ray<Ball>(ray);
-    for (std::size_t k = 0; k < count; ++k) {
-        const Solid<S>& solid = solids[at(k)];
+    for (const std::size_t at : among) {
+        const Solid<S>& solid = solids[at];
         if (!is_solid(solid)) continue;
         Truth one;
         one.bits = 106;
         if (!settle(enclose_until(quick, lift_solid<Ball>(solid), tmax), touching, one))
             one = escalate(ray, solid, limit, touching, tmax);
-        join(one, static_cast<int>(at(k)), best);
+        join(one, static_cast<int>(at), best);
     }
     return best;
 }
 
 template <class S>
-Truth find_all(const Ray<S>& ray, std::span<const Solid<S>> solids, TruthLimit limit, Touching touching, double tmax) {
-    return find(
-        ray, solids, solids.size(), [](std::size_t k) { return k; }, limit, touching, tmax);
-}
-
-template <class S>
-Truth find_some(const Ray<S>& ray, std::span<const Solid<S>> solids, std::span<const std::uint32_t> among,
-                TruthLimit limit, Touching touching) {
-    return find(
-        ray, solids, among.size(), [among](std::size_t k) { return std::size_t{among[k]}; }, limit, touching, HUGE_VAL);
+Truth find_all(const Ray<S>& ray, std::span<const Solid<S>> solids, const Terms& terms) {
+    return find(ray, solids, std::views::iota(std::size_t{0}, solids.size()), terms);
 }
 
 /// −1, 0, +1 as t* lies below, at or above the dyadic number m > 0, or nothing where this precision does not tell: with
@@ -135,9 +135,9 @@ Truth find_some(const Ray<S>& ray, std::span<const Solid<S>> solids, std::span<c
 std::optional<int> side_of(const Ray<Interval>& ray, const Sphere<Interval>& sphere, const Interval& m) {
     const Interval zero(0);
     const Vec<Interval> f = ray.origin - sphere.centre;
-    const Interval a = dot(ray.direction, ray.direction);
+    const Interval a = square(ray.direction);
     const Interval h = dot(f, ray.direction);
-    const Interval c = dot(f, f) - sphere.radius * sphere.radius;
+    const Interval c = square(f) - square(sphere.radius);
     const Interval p = (a * m + h + h) * m + c;
     const Interval past = a * m + h;
     if ((c > zero).is_unknown()) return std::nullopt;
@@ -175,20 +175,20 @@ double round_exactly(const Truth& truth, const Ray<S>& ray, const Solid<S>& soli
 
 Truth find_truth(const Ray<double>& ray, std::span<const Solid<double>> solids, TruthLimit limit, Touching touching,
                  double tmax) {
-    return find_all(ray, solids, limit, touching, tmax);
+    return find_all(ray, solids, {limit, touching, tmax});
 }
 Truth find_truth(const Ray<Real>& ray, std::span<const Solid<Real>> solids, TruthLimit limit, Touching touching,
                  double tmax) {
-    return find_all(ray, solids, limit, touching, tmax);
+    return find_all(ray, solids, {limit, touching, tmax});
 }
 
 Truth find_truth_among(const Ray<double>& ray, std::span<const Solid<double>> solids,
                        std::span<const std::uint32_t> among, TruthLimit limit, Touching touching) {
-    return find_some(ray, solids, among, limit, touching);
+    return find(ray, solids, among, {limit, touching, HUGE_VAL});
 }
 Truth find_truth_among(const Ray<Real>& ray, std::span<const Solid<Real>> solids, std::span<const std::uint32_t> among,
                        TruthLimit limit, Touching touching) {
-    return find_some(ray, solids, among, limit, touching);
+    return find(ray, solids, among, {limit, touching, HUGE_VAL});
 }
 
 bool is_proper(const Ray<double>& ray) { return is_ray(ray); }

@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "measure/truth/lost_bits.hpp"
 #include "output/file/number_text.hpp"
 
 namespace lostbits::output::blame {
@@ -33,12 +34,11 @@ std::string answer_line(const intersect::table::Intersector& form, const Format&
         case Outcome::agree_hit: break;
     }
     const measure::truth::Certified& t = ray.true_t(*form.info);
-    const double ulps = measure::truth::scaled_difference(measure::truth::exactly(log.hit.t), t,
-                                                          ulp_exponent(format.shape, t.floor_log2()));
+    const double ulps = measure::truth::ulp_error(log.hit.t, t, format.shape);
     return fmt::format(
         "The form reports a hit at {} ({}), and the true one is at {}: {:.4g} ulp off, {:.1f} of {} bits lost.",
         file::decimal(log.hit.t), file::hex(log.hit.t), file::decimal(ray.rounded_truth(*form.info, binary64)), ulps,
-        measure::metric::lost_bits(ulps, format.shape.precision), format.shape.precision);
+        measure::truth::lost_bits(ulps, format.shape.precision), format.shape.precision);
 }
 
 }  // namespace

@@ -168,23 +168,16 @@ std::string picture_sweep(const std::filesystem::path& folder, const std::vector
         return text;
     }
     const auto onsets = measure::sweep::find_onsets(request, steps);
-    std::vector<Format> formats;
-    for (const MapRow& r : rows) {
-        if (std::ranges::find(formats, r.format) == formats.end()) formats.push_back(r.format);
-    }
-    for (const Format& format : formats) {
+    const sweep::MeasuredSweep measured{request, steps, onsets};
+    for (const Format& format : sweep::formats_of(measured)) {
         const auto show = [&](const char* what) {
             const std::string file = fmt::format("{}.{}.{}.png", sweep.id, what, format.name);
             text += fmt::format("![{}: {}, {}](pictures/{})\n", sweep.title, what, format.name, file);
             return folder / "pictures" / file;
         };
-        if (shown.median)
-            sweep::write_lost_bits_plot(image::image_backend(), show("lost_bits_p50"), request, steps, onsets, format,
-                                        0.5);
-        if (shown.tail)
-            sweep::write_lost_bits_plot(image::image_backend(), show("lost_bits_p99"), request, steps, onsets, format,
-                                        0.99);
-        if (shown.wrong) sweep::write_wrong_plot(image::image_backend(), show("wrong"), request, steps, onsets, format);
+        if (shown.median) sweep::write_lost_bits_plot(show("lost_bits_p50"), measured, format, 0.5);
+        if (shown.tail) sweep::write_lost_bits_plot(show("lost_bits_p99"), measured, format, 0.99);
+        if (shown.wrong) sweep::write_wrong_plot(show("wrong"), measured, format);
     }
     return text;
 }

@@ -81,8 +81,7 @@ std::optional<Place> place_in_sweep(const Claim& c, const Report& report) {
     const std::string column = c.onset == "lost_bits" ? "lost_bits_" + c.statistic
                                : c.onset.empty()      ? c.metric
                                                       : c.onset + "_fraction";
-    if (std::ranges::any_of(sweep_statistics(), [&](const Statistic& s) { return s.name == column; }))
-        view += "&statistic=" + column;
+    if (std::ranges::find(sweep_statistics, column) != sweep_statistics.end()) view += "&statistic=" + column;
     return Place{"sweep-" + id, view + cell_of(c, *part)};
 }
 

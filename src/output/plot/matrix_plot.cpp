@@ -99,9 +99,7 @@ void write_matrix_plot(image::ImageBackend& backend, const std::filesystem::path
     }
     page.picture(x0 + field_width + block_gap, y0, bar);
     page.picture(image::style::margin, below, legend.draw(spec.legend));
-    const auto png = backend.open_png(path, page.width(), page.height());
-    png->write_rows(page.height(), page.pixels());
-    png->close();
+    image::save_png(backend, path, page);
 }
 
 }  // namespace lostbits::output::plot

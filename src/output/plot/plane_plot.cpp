@@ -76,7 +76,7 @@ void write_plane_plot(image::ImageBackend& backend, const std::filesystem::path&
     const auto x_edges = edges_of(spec.x_axis, spec.x), y_edges = edges_of(spec.y_axis, spec.y);
     const AxisRange x = range_of(spec.x_axis, x_edges), y = range_of(spec.y_axis, y_edges);
     PlotFrame frame{0, 0, extent(spec.x.size(), least_width), extent(spec.y.size(), least_height)};
-    const PlotAxes axes(backend, spec.x_axis, x, spec.y_axis, y, frame.width, frame.height);
+    const PlotAxes axes(backend, x, y, frame.width, frame.height);
     const Canvas bar = spec.scale ? image::colour_bar(backend, *spec.scale, spec.unit, frame.height + 2) : Canvas(0, 0);
     const int beside = std::max(axes.right(), bar.width() > 0 ? gap + bar.width() : 0);
     const int content = axes.left() + frame.width + 1 + beside;
@@ -110,9 +110,7 @@ void write_plane_plot(image::ImageBackend& backend, const std::filesystem::path&
     page.picture(frame.x + frame.width + 1 + gap, frame.y - 1, bar);
     page.picture(image::style::margin, page.height() - image::style::margin - legend.height(), legend.draw(entries));
 
-    const auto png = backend.open_png(path, page.width(), page.height());
-    png->write_rows(page.height(), page.pixels());
-    png->close();
+    image::save_png(backend, path, page);
 }
 
 }  // namespace lostbits::output::plot

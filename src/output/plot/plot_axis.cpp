@@ -1,10 +1,11 @@
 #include "output/plot/plot_axis.hpp"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <limits>
 #include <stdexcept>
+
+#include "output/image/ticks.hpp"
 
 namespace lostbits::output::plot {
 namespace {
@@ -16,19 +17,10 @@ constexpr double least_size = 1e-300;
 
 /// Multiples of 1, 2 or 5 times ten^k from `lo` to `hi`, at most `most` + 1 of them.
 std::vector<double> round_values(double lo, double hi, int most) {
-    const double least = (hi / 2 - lo / 2) / most * 2;
-    const double ten = std::pow(10.0, std::floor(std::log10(least)));
-    double step = 10 * ten;
-    for (const double m : {5.0, 2.0, 1.0}) {
-        if (m * ten >= least * (1 - 1e-9)) step = m * ten;
-    }
-    std::vector<double> out;
-    const auto inside = [&](double value) { return std::isfinite(value) && value <= hi + step * 1e-9; };
-    for (double k = std::ceil(lo / step - 1e-9); inside(k * step); k += 1) out.push_back(k * step);
-    return out;
+    return image::multiples(image::round_step((hi / 2 - lo / 2) / most * 2), lo, hi);
 }
 
-/// As many digits as tell the ticks apart, and none of the noise of 3 times 0.1.
+/// With as many digits as tell the ticks apart.
 std::vector<std::string> labels_of(const std::vector<double>& values) {
     double largest = 0, step = 0;
     for (std::size_t i = 0; i < values.size(); ++i) {
@@ -37,19 +29,14 @@ std::vector<std::string> labels_of(const std::vector<double>& values) {
     }
     const double digits = step > 0 && std::isfinite(step) ? std::ceil(std::log10(largest / step)) + 1 : 6;
     std::vector<std::string> out;
-    for (const double value : values) {
-        char text[40];
-        const auto end = std::to_chars(text, text + sizeof text, value + 0.0, std::chars_format::general,
-                                       static_cast<int>(std::clamp(digits, 6.0, 16.0)))
-                             .ptr;
-        out.emplace_back(text, end);
-    }
+    for (const double value : values)
+        out.push_back(image::tick_label(value, static_cast<int>(std::clamp(digits, 6.0, 16.0))));
     return out;
 }
 
 }  // namespace
 
-AxisRange::AxisRange(const Axis& axis, const std::vector<double>& values) : scale_(axis.scale) {
+AxisRange::AxisRange(const Axis& axis, const std::vector<double>& values) : title_(axis.title), scale_(axis.scale) {
     for (const auto& end : {axis.low, axis.high}) {
         if (end && (!std::isfinite(*end) || (is_log() && !(*end > 0)))) {
             throw std::invalid_argument("axis " + axis.title + ": an end without a place");

@@ -39,6 +39,7 @@ public:
     /// Round values between the ends, about `most` (at least 2) labelled ones.
     [[nodiscard]] std::vector<Tick> ticks(int most) const;
 
+    [[nodiscard]] const std::string& title() const noexcept { return title_; }
     [[nodiscard]] bool is_log() const noexcept { return scale_ != Axis::Scale::linear; }
 
 private:
@@ -47,6 +48,7 @@ private:
     void widen(bool low_fixed, bool high_fixed);
     [[nodiscard]] std::vector<Tick> exponent_ticks(int most) const;
 
+    std::string title_;
     Axis::Scale scale_;
     double lo_ = 0, hi_ = 1;  // exponents on a log scale
 };

@@ -65,7 +65,7 @@ std::vector<Column> standing_columns() {
          {"false_hit_fraction", "number", "1", "false hits among the rays that truly miss"},
          {"false_miss_fraction", "number", "1", "false misses among the rays that truly hit"},
          {"wrong_fraction", "number", "1", "false hits, false misses and NaNs among all rays whose truth is known"},
-         {"dominated", "boolean", "",
+         {"not on the Pareto front", "boolean", "",
           "whether another entry of the set is at least as fast and at least as accurate, and better in one of the "
           "two; the more accurate entry has the smaller wrong_fraction or, if these are equal, the greater "
           "kept_bits_p99"}});
@@ -75,13 +75,12 @@ std::vector<Column> standing_columns() {
 Cell number_or_missing(double x) { return std::isnan(x) ? Cell() : Cell(x); }
 
 Cell fraction(std::uint64_t part, std::uint64_t whole) {
-    return whole == 0 ? Cell() : Cell(static_cast<double>(part) / static_cast<double>(whole));
+    return number_or_missing(measure::truth::fraction(part, whole));
 }
 
 const measure::metric::Distribution& metric_of(const TradeRequest& request, const measure::map::MapSummary& s,
                                                const char* name) {
-    return s.metrics[static_cast<std::size_t>(std::ranges::find(request.metrics, measure::metric::find_metric(name)) -
-                                              request.metrics.begin())];
+    return s.metrics[measure::metric::place_of(request.metrics, name)];
 }
 
 void add_kernel(file::CsvWriter& csv, const measure::speed::TradeKernel& kernel) {
@@ -164,7 +163,7 @@ void TradeFiles::write_standings(const TradeResult& result) {
                 .add(number_or_missing(lost.quantile(0.99)));
             standings_.add(number_or_missing(metric_of(request_, a, "excess_bits").quantile(0.99)))
                 .add(number_or_missing(all[k].kept_bits));
-            standings_.add(fraction(a.count(Outcome::false_hit), a.rays - a.true_hits - a.count(Outcome::unresolved)));
+            standings_.add(fraction(a.count(Outcome::false_hit), a.true_misses()));
             standings_.add(fraction(a.count(Outcome::false_miss), a.true_hits))
                 .add(all[k].wrong_fraction)
                 .add(static_cast<bool>(beaten[k]));

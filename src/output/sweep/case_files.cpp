@@ -9,6 +9,7 @@
 #include "output/file/number_text.hpp"
 #include "output/map/map_colour.hpp"
 #include "output/map/map_tables.hpp"
+#include "output/map/row_names.hpp"
 #include "output/plot/matrix_plot.hpp"
 
 namespace lostbits::output::sweep {
@@ -19,6 +20,13 @@ using measure::map::MapSummary;
 using measure::sweep::CaseRequest;
 using measure::sweep::Verdict;
 
+std::string right_means(const scene::sweep::CaseFile& file) {
+    return fmt::format(
+        "every decision is right, and no answer loses more than {} bits beyond what half an ulp in each input would "
+        "cost",
+        file::decimal(file.right_within_bits));
+}
+
 namespace {
 
 std::vector<Column> case_columns(const CaseRequest& request) {
@@ -27,9 +35,7 @@ std::vector<Column> case_columns(const CaseRequest& request) {
         {"convention", "string", "",
          "how touching is judged: by the form's own rule (own), as a hit (closed), or as a miss (open)"},
         {"verdict", "string", "",
-         fmt::format("right (every decision is right, and no answer loses more than {} bits beyond what half an ulp in "
-                     "each input would cost), wrong_value, or the most frequent wrong decision",
-                     file::decimal(request.file->right_within_bits))}};
+         fmt::format("right ({}), wrong_value, or the most frequent wrong decision", right_means(*request.file))}};
     for (Column& c : map::SummaryTable{request.metrics, {request.file->shape()}}.columns()) {
         if (c.name == "rays") c.meaning = "rays of the case";
         if (c.name == "worst_x") c.meaning = "ray with the largest |ulp_error| in its group, from 0";
@@ -74,9 +80,8 @@ void write_case_matrix(const std::filesystem::path& path, const CaseRequest& req
                      ? fmt::format("{}: judged as {} solids", request.file->title, intersect::convention_name(judged))
                      : request.file->title,
         .subtitle = {fmt::format(
-            "Right: every decision is right, and no answer loses more than {} bits beyond what half an ulp in each "
-            "input would cost. A number in a coloured cell: how many rays; on the ramp: bits lost by the worst ray.",
-            file::decimal(request.file->right_within_bits))},
+            "Right: {}. A number in a coloured cell: how many rays; on the ramp: bits lost by the worst ray.",
+            right_means(*request.file))},
         .groups = {},
         .rows = {},
         .cells = {},
@@ -92,8 +97,7 @@ void write_case_matrix(const std::filesystem::path& path, const CaseRequest& req
     for (auto& group : spec.groups) {
         for (std::size_t r = 0; r < request.rows.size(); ++r) {
             if (request.rows[r].format.name != group.label || request.rows[r].judged != judged) continue;
-            const auto name = request.rows[r].form->info->name;
-            group.columns.emplace_back(name.substr(name.find('.') + 1));
+            group.columns.push_back(map::short_name(*request.rows[r].form->info));
             order.push_back(r);
         }
     }

@@ -23,7 +23,8 @@ std::vector<double> ray_numbers(const WorstFound& w) {
 }
 
 std::vector<file::Column> worst_columns(const WorstRequest& request) {
-    const measure::metric::Metric& metric = *measure::metric::find_metric(request.search->metric);
+    const measure::metric::Metric& metric =
+        *request.metrics[measure::metric::place_of(request.metrics, request.search->metric)];
     std::vector<file::Column> columns{
         {"form", "string", "", "form under test"},
         {"format", "string", "", "format it computes in"},

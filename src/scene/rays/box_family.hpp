@@ -1,7 +1,11 @@
 // Families of rays at boxes: seeded, aimed at faces, edges and corners, and past them by a stated gap.
 #pragma once
 
-#include "scene/rays/family.hpp"
+#include <cstdint>
+#include <vector>
+
+#include "scene/rays/rays.hpp"
+#include "scene/toml/toml_reader.hpp"
 
 namespace lostbits::scene::rays {
 

@@ -2,20 +2,12 @@
 #pragma once
 
 #include <cstdint>
-#include <optional>
 #include <vector>
 
 #include "scene/rays/rays.hpp"
 #include "scene/toml/toml_reader.hpp"
 
 namespace lostbits::scene::rays {
-
-/// A ray set with the solids it is aimed at: what a step of a sweep evaluates.
-struct RayGroup {
-    RayBlock rays;
-    std::vector<Solid<double>> solids;
-    std::optional<intersect::MarchConstants<double>> march = {};  ///< absent: forms that march cannot handle it
-};
 
 /// One sphere seen along directions w = (a, b, c)/n with whole a² + b² + c² = n² (Pythagorean quadruples), so that the
 /// distances a sweep asks for exist exactly in binary32, in oblique directions too.

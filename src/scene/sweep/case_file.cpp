@@ -64,15 +64,6 @@ Vec<double> vec_in(const std::vector<Quantity>& v, const FloatFormat& f, int exp
     return {v[0].in(f, exponent), v[1].in(f, exponent), v[2].in(f, exponent)};
 }
 
-void push(rays::RayBlock& block, const Vec<double>& o, const Vec<double>& d) {
-    block.ox.push_back(o.x);
-    block.oy.push_back(o.y);
-    block.oz.push_back(o.z);
-    block.dx.push_back(d.x);
-    block.dy.push_back(d.y);
-    block.dz.push_back(d.z);
-}
-
 }  // namespace
 
 CaseFile::Case CaseFile::read_case(TableReader& table) {
@@ -185,7 +176,7 @@ std::vector<RayGroup> CaseFile::rays(std::size_t i, const FloatFormat& format) c
         for (const RaySpec& ray : c.rays) {
             Vec<double> d = symmetry.of(vec_in(ray.direction, format, directions));
             for (int k = 0; c.zeros && k < 3; ++k) d[k] = d[k] == 0 ? *c.zeros : d[k];
-            push(group.rays, symmetry.of(vec_in(ray.origin, format, lengths)), d);
+            group.rays.push({symmetry.of(vec_in(ray.origin, format, lengths)), d});
         }
         const bool ends = std::ranges::any_of(c.rays, [](const RaySpec& ray) { return !ray.tmax.empty(); });
         for (const RaySpec& ray : c.rays) {

@@ -7,22 +7,19 @@
 #include "intersect/table/table.hpp"
 #include "number/error.hpp"
 #include "scene/file/march_table.hpp"
+#include "scene/toml/round.hpp"
 
 namespace lostbits::scene::sweep {
 
 using intersect::Touching;
 using rays::RayGroup;
 using toml::TableReader;
+using toml::to_12_bits;
 
 namespace {
 
 constexpr std::string_view schema = "lostbits-sweep/1";
 constexpr long long most_steps = 100000;
-
-double to_12_bits(double x) {
-    const int shift = 11 - std::ilogb(x);
-    return std::ldexp(std::nearbyint(std::ldexp(x, shift)), -shift);
-}
 
 /// Floats in order of value, as whole numbers.
 std::int64_t place(float x) {
@@ -157,12 +154,9 @@ SweepFile::SweepFile(const std::filesystem::path& path, const std::filesystem::p
         toml::fail(file.where(),
                    "both axes are named \"" + axes[0].name + "\"; give each its own name: they become column names");
     for (TableReader& mark : file.tables("mark")) {
-        Mark m{static_cast<double>(mark.number("at")),
-               mark.string("label"),
-               mark.optional_string("format").value_or(""),
-               {},
-               {},
-               {}};
+        Mark m{.at = static_cast<double>(mark.number("at")),
+               .label = mark.string("label"),
+               .format = mark.optional_string("format").value_or("")};
         if (auto measured = mark.optional_table("measured")) {
             m.form = known(*measured, "form", form_names());
             m.event = measured->has("event") ? known(*measured, "event",

@@ -9,6 +9,7 @@
 #include "intersect/info.hpp"
 #include "scene/file/scene.hpp"
 #include "scene/rays/box_family.hpp"
+#include "scene/rays/family.hpp"
 
 namespace lostbits::scene::sweep {
 
@@ -44,7 +45,7 @@ public:
     struct Mark {
         double at;
         std::string label, format;
-        std::string form, event, statistic;  ///< as in onsets.csv; empty: nothing beside it
+        std::string form = {}, event = {}, statistic = {};  ///< as in onsets.csv; empty: nothing beside it
         double threshold = 1;
     };
     std::vector<Mark> marks;

@@ -128,10 +128,10 @@ TEST_CASE("a byte is 255 times the channel, rounded half up and clamped") {
     CHECK(measure::picture::byte_of(1) == 255);
     CHECK(measure::picture::byte_of(0.5) == 128);  // 127.5
     CHECK(measure::picture::byte_of(std::nextafter(0.5, 0)) == 127);
-    CHECK(byte_of(-1) == 0);
-    CHECK(byte_of(1e300) == 255);
-    CHECK(byte_of(HUGE_VAL) == 255);
-    CHECK(byte_of(std::nan("")) == 0);
+    CHECK(measure::picture::byte_of(-1) == 0);
+    CHECK(measure::picture::byte_of(1e300) == 255);
+    CHECK(measure::picture::byte_of(HUGE_VAL) == 255);
+    CHECK(measure::picture::byte_of(std::nan("")) == 0);
 }
 
 TEST_CASE(

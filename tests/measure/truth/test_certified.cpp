@@ -207,7 +207,7 @@ TEST_CASE("ordinals are the formats' own bit patterns") {
     for (const auto& [f, infinity] : {std::pair{binary16, 0x7c00}, {bfloat16, 0x7f80}, {FloatFormat{2, -2, 3}, 14}}) {
         double x = 0;
         for (int n = 0; n <= infinity; ++n, x = rounding::next_up(x, f)) {
-            if (measure::truth::ordinal(x, f) != n || ordinal(-x, f) != -n) FAIL(x << " at " << n);
+            if (measure::truth::ordinal(x, f) != n || measure::truth::ordinal(-x, f) != -n) FAIL(x << " at " << n);
         }
         CHECK(std::isinf(x));
     }

@@ -83,8 +83,8 @@ TEST_CASE("where touching is a miss, a tangent goes on to what lies behind") {
     // From a point of the surface: along the tangent plane it touches, into the sphere it does not.
     const Sphere<double> unit{{0, 0, 0}, 1};
     CHECK(measure::truth::find_truth(Ray<double>{{1, 0, 0}, {0, 1, 0}}, unit).touches);
-    CHECK(!find_truth(Ray<double>{{1, 0, 0}, {0x1p-80, 1, 0}}, unit).touches);
-    CHECK(!find_truth(Ray<double>{{0, 0, -2}, {0, 0, 1}}, unit).touches);
+    CHECK(!measure::truth::find_truth(Ray<double>{{1, 0, 0}, {0x1p-80, 1, 0}}, unit).touches);
+    CHECK(!measure::truth::find_truth(Ray<double>{{0, 0, -2}, {0, 0, 1}}, unit).touches);
 }
 
 TEST_CASE("coincident spheres are one, and the first of them is named") {

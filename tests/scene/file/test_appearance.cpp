@@ -92,7 +92,7 @@ TEST_CASE("light, shadows and paint are read, a sphere's own words before the ma
 TEST_CASE("a scene asks for the stages it has the means for, and no stage stands in for a later one") {
     const scene::file::Appearance phong = loaded(painted).appearance;
     for (const scene::file::Stage s : {Stage::visible, Stage::diffuse, Stage::shadows, Stage::phong})
-        CHECK(scene::file::Stage::phong.last_up_to(s) == s);
+        CHECK(phong.last_up_to(s) == s);
     const scene::file::Appearance matte = loaded(replaced(painted, "ks = 0.5", "ks = 0")).appearance;
     CHECK(matte.furthest() == scene::file::Stage::shadows);
     CHECK_FALSE(matte.asks_for(scene::file::Stage::phong));

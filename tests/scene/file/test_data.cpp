@@ -158,7 +158,7 @@ TEST_CASE("grazing rays pass within a thousandth of the limb, half of them hitti
     for (std::size_t i = 0; i < rays.size(); i += 97) {
         const Vec<Real> o(Real(rays.ox[i]), Real(rays.oy[i]), Real(rays.oz[i])),
             d(Real(rays.dx[i]), Real(rays.dy[i]), Real(rays.dz[i]));
-        const Vec<Real> c = cross<Real>(Shape::sphere.centre - o, d);
+        const Vec<Real> c = cross<Real>(sphere.centre - o, d);
         const Real apart = length(c) / length(d);
         REQUIRE(abs(apart - 1) < 1e-3);
     }

@@ -134,7 +134,7 @@ TEST_CASE("double and ideal rays agree to 1e-15") {
 TEST_CASE("a pinhole's directions are unit only if they are normalised") {
     const scene::file::Scene unit = loaded(oblique_pinhole);
     const scene::file::Scene raw = loaded(replaced(oblique_pinhole, "fov_deg = 50", "fov_deg = 50\nnormalise = false"));
-    const Ray<double> a = scene::rays::ray(scene::rays::make_frame<double>(scene::rays::detail::unit), 1, 1);
+    const Ray<double> a = scene::rays::ray(scene::rays::make_frame<double>(unit), 1, 1);
     const Ray<double> b = ray(make_frame<double>(raw), 1, 1);
     CHECK(std::fabs(length(a.direction) - 1) < 1e-15);
     CHECK(length(b.direction) > 1.03);

@@ -55,7 +55,7 @@ TEST_CASE("tilted views go along (1, t, 11/16 t), the centre on the axis, as far
         for (const double distance : {4.0, 1000.0, 777.7}) {
             scene::rays::Family f = family_of("directions = \"tilted\"\nimpact_to = 0.99\nviews = 3\nrays = 8\n");
             f.tilt = tilt;
-            f.distance = intersect::table::distance;
+            f.distance = distance;
             const auto groups = scene::rays::family_rays(f);
             REQUIRE(groups.size() == 3);
             for (const scene::rays::RayGroup& g : groups) {
@@ -64,7 +64,7 @@ TEST_CASE("tilted views go along (1, t, 11/16 t), the centre on the axis, as far
                 CHECK(std::fabs(static_cast<double>(length(centre)) / distance - 1) <= 0x1p-12);
                 for (std::size_t i = 0; i < g.rays.size(); ++i) {
                     const Vec<double> d = g.rays[i].direction;
-                    CAPTURE(tilt, intersect::table::distance, d.x, d.y, d.z);
+                    CAPTURE(tilt, distance, d.x, d.y, d.z);
                     CHECK(d.x > 0);
                     CHECK(std::fabs(d.y - tilt * d.x) <= 0x1p-12 * tilt * d.x);
                     CHECK(std::fabs(d.z - 0.6875 * tilt * d.x) <= 0x1p-12 * tilt * d.x);

@@ -79,7 +79,7 @@ TEST_CASE("own rays are the ideal ones, rounded once to each format") {
     CHECK(all_binary32(single.dx));
     CHECK(single.ox[0] == static_cast<double>(0.1f));
     CHECK(scene::rays::round_rays(ideal, binary64).ox[0] == 0.1);
-    CHECK(intersect::sphere::half.ox[0] == 0x1.998p-4);
+    CHECK(half.ox[0] == 0x1.998p-4);
     for (std::size_t i = 0; i < ideal.size(); ++i) {
         REQUIRE(single.dy[i] == scene::toml::round_to_format(ideal.dy[i], binary32));
         REQUIRE(half.dz[i] == round_to_format(ideal.dz[i], binary16));
@@ -91,20 +91,27 @@ TEST_CASE("input rays follow the scene's inputs and the format") {
     const scene::file::Scene shared = loaded(pinhole_scene);
     const scene::file::Scene own = loaded(replaced(pinhole_scene, "\"shared\"", "\"own\""));
     const scene::rays::RayBlock stored = make_shared_rays(shared, 0, 4);
-    CHECK(same(scene::rays::input_rays(scene::file::Inputs::shared, 0, 4, binary32), stored));
+    CHECK(same(scene::rays::input_rays(shared, 0, 4, binary32), stored));
     CHECK(same(input_rays(shared, 0, 4, binary64), stored));
     CHECK(same(input_rays(shared, 0, 4, binary16), scene::rays::round_block(stored, binary16)));
     CHECK_FALSE(same(input_rays(shared, 0, 4, binary16), stored));
-    CHECK_FALSE(same(input_rays(scene::file::Inputs::own, 0, 4, binary64), stored));
+    CHECK_FALSE(same(input_rays(own, 0, 4, binary64), stored));
     CHECK(same(input_rays(own, 0, 4, binary64),
                scene::rays::round_rays(scene::rays::make_own_rays(own, 0, 4), binary64)));
 }
 
 TEST_CASE("a block of rays is rounded to a narrower format, its subnormals and overflow included") {
-    const scene::rays::RayBlock block{
-        3, 0, 1, {1e6, -1e6, 1}, {0x1p-25, 0x1.8p-24, 0}, {65519, 65520, 1}, {0.1, 1, -1}, {0, 0, 1e-9}, {-1e-9, 1, 1}};
+    const scene::rays::RayBlock block{.width = 3,
+                                      .y0 = 0,
+                                      .y1 = 1,
+                                      .ox = {1e6, -1e6, 1},
+                                      .oy = {0x1p-25, 0x1.8p-24, 0},
+                                      .oz = {65519, 65520, 1},
+                                      .dx = {0.1, 1, -1},
+                                      .dy = {0, 0, 1e-9},
+                                      .dz = {-1e-9, 1, 1}};
     const scene::rays::RayBlock half = round_block(block, binary16);
-    CHECK(intersect::sphere::half.ox == std::vector<double>{HUGE_VAL, -HUGE_VAL, 1});
+    CHECK(half.ox == std::vector<double>{HUGE_VAL, -HUGE_VAL, 1});
     CHECK(half.oy == std::vector<double>{0, 0x1p-23, 0});
     CHECK(half.oz == std::vector<double>{65504, HUGE_VAL, 1});
     CHECK(half.dx == std::vector<double>{0x1.998p-4, 1, -1});
@@ -132,9 +139,8 @@ TEST_CASE("an input sphere follows the scene's inputs and the format") {
     const std::string text = replaced(good_scene, "radius = 1", "radius = 0.1");
     const scene::file::Scene shared = loaded(text);
     const scene::file::Scene own = loaded(replaced(text, "\"shared\"", "\"own\""));
-    CHECK(scene::rays::input_solid(scene::file::Inputs::shared, 0, binary64).sphere().radius ==
-          static_cast<double>(0.1f));
-    CHECK(input_solid(scene::file::Inputs::own, 0, binary64).sphere().radius == 0.1);
+    CHECK(scene::rays::input_solid(shared, 0, binary64).sphere().radius == static_cast<double>(0.1f));
+    CHECK(input_solid(own, 0, binary64).sphere().radius == 0.1);
     CHECK(input_solid(own, 0, binary32).sphere().radius == static_cast<double>(0.1f));
     CHECK(input_solid(shared, 0, binary16).sphere().radius == 0x1.998p-4);
 }

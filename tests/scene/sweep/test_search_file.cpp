@@ -54,7 +54,7 @@ TEST_CASE("a search holds a range for every number of ray and solid") {
         replaced(replaced(replaced(replaced(good_search, "centre", "lo"), "radius = [0.5, 2]", "hi = [1, 3]"),
                           "distance_radii = [2, 5]\n", ""),
                  "impact_radii = [0, 0.5]\n", "metric = \"ulp_error\"\nseed = 7\nstarts = 3\ngenerations = 5\n"));
-    CHECK(Shape::box.shape == Shape::box);
+    CHECK(box.shape == Shape::box);
     REQUIRE(box.ranges.size() == 12);
     CHECK(box.ranges[11].high == 3);
     CHECK(box.metric == "ulp_error");

@@ -87,16 +87,18 @@ function metricTable(facts) {
     return make("table", { className: "metrics" }, body);
 }
 
-/** Whether the problem or the formula is to blame, as `lostbits explain` judges it. */
+/** Whether the problem or the formula is to blame: the sentence of `lostbits explain`, letter by letter. */
 function verdictText(pixels, i) {
-    if (pixels.outcome[i] !== agreeHit) return "";
-    const s = sampleAt(pixels, i), lost = derived.lost_bits(s), inherent = derived.inherent_bits(s);
-    if (lost < 1) return "Less than one bit is lost.";
-    if (lost - inherent < 1)
-        return `Half an ulp in each input would cost ${
-            inherent.toFixed(1)} bits: input rounding alone explains this loss.`;
-    return `Half an ulp in each input would cost ${inherent.toFixed(1)} bits; the formula loses the other ${
-        (lost - inherent).toFixed(1)} bits.`;
+    const s = sampleAt(pixels, i), outcome = outcomeNames[pixels.outcome[i]],
+          costs = fixed(derived.inherent_bits(s), 1);
+    if (outcome === "agree_miss") return "Nothing is lost.";
+    if (pixels.truth.decision[i] !== 1) return "The ray has no hit, so no envelope.";
+    const envelope = `Condition ${brief(s.condition)}: half an ulp in each input`;
+    if (outcome !== "agree_hit") return `${envelope} costs ${costs} bits.`;
+    const lost = derived.lost_bits(s), alone = `${envelope} alone would cost ${costs} bits`;
+    if (lost < 1) return `${alone}. Nothing worth mention is lost.`;
+    if (derived.excess_bits(s) < 1) return `${alone}; within it the problem is hard, the formula is not to blame.`;
+    return `${alone}; ${fixed(derived.excess_bits(s), 1)} bits beyond it are the formula's own.`;
 }
 
 /** What to type for the same map, and for one ray of it. */

@@ -99,7 +99,7 @@ function onsetLines(row) {
 
 function walkSteps(by) {
     const last = sweepParts.now.sweep.steps.length - 1;
-    return look({ u: state.u < 0 ? last >> 1 : Math.min(last, Math.max(0, state.u + by)) });
+    return goTo({ u: state.u < 0 ? last >> 1 : Math.min(last, Math.max(0, state.u + by)) });
 }
 
 const lineKeys = {
@@ -107,7 +107,7 @@ const lineKeys = {
     ArrowRight: () => walkSteps(1),
     ArrowUp: () => turnRow(-1),
     ArrowDown: () => turnRow(1),
-    Escape: () => look({ u: -1 })
+    Escape: () => goTo({ u: -1 })
 };
 
 function buildLines() {
@@ -116,7 +116,7 @@ function buildLines() {
         if (!event.target.closest(".u-over")) return;
         const { rows } = sweepParts.now, { idx } = sweepParts.plot.cursor;
         element.focus();
-        lookAlong(
+        goAlong(
             rows[(sweepParts.focused ?? 0) - 1] ?? sweepParts.now.chosen, typeof idx === "number" ? { u: idx } : {});
     });
     walkedByKeys(element, lineKeys);

@@ -22,7 +22,7 @@ function buildPane(map, row) {
         ...wrong.map(([name, n]) => make("small", {}, `${n} ${words(name)}`)));
     steer(canvas, () => {});
     button.addEventListener(
-        "click", (event) => look(event.shiftKey ? { other: keyOf(row) } : { form: row.form, format: row.format }));
+        "click", (event) => goTo(event.shiftKey ? { other: keyOf(row) } : { form: row.form, format: row.format }));
     return { row, canvas, button };
 }
 

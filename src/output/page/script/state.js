@@ -118,7 +118,7 @@ function readHash(hash) {
 }
 
 /** Changes what is looked at and shows it. */
-function look(changes) {
+function goTo(changes) {
     if (("form" in changes || "format" in changes) && !("line" in changes))
         state.line = "";  // what the map shows is shown along the sweep
     Object.assign(state, changes);

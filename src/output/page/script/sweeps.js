@@ -25,9 +25,9 @@ function sweepKey() {
 }
 
 /** Chooses a row of the sweep, and the same in the map where that has it. */
-function lookAlong(row, more = {}) {
+function goAlong(row, more = {}) {
     const inMap = index.maps.length > 0 && mapNow().rows.some((r) => keyOf(r) === keyOf(row));
-    return look({ line: keyOf(row), ...(inMap ? { form: row.form, format: row.format } : {}), ...more });
+    return goTo({ line: keyOf(row), ...(inMap ? { form: row.form, format: row.format } : {}), ...more });
 }
 
 const statisticsOf = (sweep) => (sweep.kind === "cases" ? ["verdict", ...sweep.statistics] : sweep.statistics);
@@ -140,12 +140,12 @@ in = [${decimal(value)}, ${decimal(value)}]
 
 function turnRow(by) {
     const { rows, chosen } = sweepParts.now;
-    return lookAlong(rows[(rows.indexOf(chosen) + by + rows.length) % rows.length]);
+    return goAlong(rows[(rows.indexOf(chosen) + by + rows.length) % rows.length]);
 }
 
 const turnStatistic = (by) => {
     const { sweep, statistic } = sweepParts.now, all = statisticsOf(sweep);
-    return look({ statistic: all[(all.indexOf(statistic) + by + all.length) % all.length] });
+    return goTo({ statistic: all[(all.indexOf(statistic) + by + all.length) % all.length] });
 };
 
 /** Arrows as `keys` has them; m and M change the statistic, [ and ] the form, as over a map. */
@@ -169,24 +169,24 @@ function drawSweepPickers() {
     sweepParts.pickers.replaceChildren(
         choice(
             "sweep", "pick-sweep", index.sweeps.map((s) => [s.id, s.title]), sweep.id,
-            (id) => look({ sweep: id, u: -1, v: -1 })),
+            (id) => goTo({ sweep: id, u: -1, v: -1 })),
         choice(
             "statistic", "pick-statistic", statisticsOf(sweep).map((s) => [s, words(s)]), statistic,
-            (s) => look({ statistic: s })),
+            (s) => goTo({ statistic: s })),
         choice(
             "format", "pick-sweep-format", [...new Set(sweep.rows.map((r) => r.format))].map((f) => [f, f]),
             chosen.format,
             (format) => {
                 const all = sweep.rows.filter((r) => r.format === format);
-                return lookAlong(all.find((r) => r.form === chosen.form) ?? all[0]);
+                return goAlong(all.find((r) => r.form === chosen.form) ?? all[0]);
             }),
         choice(
             "form", "pick-sweep-form", rows.map((r) => [r.form, r.form]), chosen.form,
-            (form) => lookAlong(rows.find((r) => r.form === form))));
+            (form) => goAlong(rows.find((r) => r.form === form))));
     if (sweep.conventions?.length > 1)
         sweepParts.pickers.append(choice(
             "judged by", "pick-judged", sweep.conventions.map((c) => [c, `the ${c} solid`]), judged,
-            (c) => look({ judged: c })));
+            (c) => goTo({ judged: c })));
     if (held && sweepParts.pickers.querySelector(`#${held}`))
         document.getElementById(held).focus();  // a picker that was just used keeps the keyboard
 }

@@ -4,7 +4,7 @@ const tradeParts = {
     shown: ""
 };
 
-function plotTrade(set) {
+function plotTrade(trade, set) {
     const points = set.points.filter((p) => typeof p.kept_bits === "number").sort((a, b) => a.time_ns - b.time_ns);
     const x = points.map((p) => p.time_ns), pick = (test) => points.map((p) => (test(p) ? p.kept_bits : null));
     const look32 = { stroke: "#4477aa", fill: "#4477aa" }, look64 = { stroke: "#ee6677", fill: "#ee6677" };
@@ -15,6 +15,7 @@ function plotTrade(set) {
         points: { show: true, size, width: 1.5, stroke: look.stroke, fill: filled ? look.fill : ink("--page") }
     });
     const best = (p) => !p.dominated;
+    const timeAxis = {...axisLook(trade.axes[0]), values: (_, ticks) => ticks.map(tickText) };
     tradeParts.points = points;
     tradeParts.element.replaceChildren();
     const plot =
@@ -25,10 +26,7 @@ function plotTrade(set) {
                     x: { time: false, distr: 3, log: 2, range: () => logEnds(x) },
                     y: { range: (_, low, high) => [0, Math.max(4, high + 2)] }
                 },
-                axes: [
-                    {...axisLook("time per ray, ns"), values: (_, ticks) => ticks.map(tickText) },
-                    axisLook("bits that 99 % of the hits keep")
-                ],
+                axes: [timeAxis, axisLook(trade.axes[1])],
                 legend: { live: false, markers: { fill: (u, k) => (k >= 4 ? ink("--page") : u.series[k].stroke()) } },
                 cursor: { points: { show: false } },
                 series: [
@@ -68,11 +66,10 @@ function pointUnder(plot) {
 
 function sayPoint(p) {
     tradeParts.under = p;
-    const how = p && (p.isa === "scalar" ? "one ray at a time" : `${p.isa}-bit registers`),
-          wrong = p && p.wrong_fraction > 0 ? `, decides ${rounded(p.wrong_fraction)} of the rays wrongly` : "";
+    const wrong = p && p.wrong_fraction > 0 ? `, decides ${rounded(p.wrong_fraction)} of the rays wrongly` : "";
     tradeParts.words.textContent = p ?
-        `${p.form} in ${p.format}, ${how}: ${rounded(p.time_ns)} ns per ray, keeps ${rounded(p.kept_bits)} bits${
-            wrong}${mapOf(p) ? "; click, or Enter, for its map" : ""}` :
+        `${p.form} in ${p.format}, ${p.registers}: ${rounded(p.time_ns)} ns per ray, keeps ${
+            rounded(p.kept_bits)} bits${wrong}${mapOf(p) ? "; click, or Enter, for its map" : ""}` :
         "\u00a0";
 }
 
@@ -90,7 +87,7 @@ const mapOf = (p) => (index.maps.length > 0 && hasRow(mapNow(), p) ? mapNow() : 
 function showMapOf(p) {
     const map = p && mapOf(p);
     if (!map) return;
-    look({ form: p.name, format: p.format, ...(map === mapNow() ? {} : { scene: map.id, x: -1, y: -1 }) });
+    goTo({ form: p.name, format: p.format, ...(map === mapNow() ? {} : { scene: map.id, x: -1, y: -1 }) });
     document.getElementById("maps").scrollIntoView();
 }
 
@@ -102,10 +99,10 @@ function drawTrade() {
     tradeParts.pickers.replaceChildren(
         choice(
             "shape", "pick-shape", index.trades.map((t) => [t.shape, t.shape]), trade.shape,
-            (shape) => look({ shape })),
-        choice("rays", "pick-set", trade.sets.map((s) => [s.name, s.title]), set.name, (name) => look({ set: name })));
+            (shape) => goTo({ shape })),
+        choice("rays", "pick-set", trade.sets.map((s) => [s.name, s.title]), set.name, (name) => goTo({ set: name })));
     tradeParts.plot?.destroy();
-    tradeParts.plot = plotTrade(set);
+    tradeParts.plot = plotTrade(trade, set);
 }
 
 function buildTrade() {

@@ -1,0 +1,64 @@
+// Arithmetic for the exact values of a tape: over a number that does not round, or that says how much.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "number/ball.hpp"
+#include "number/real.hpp"
+
+namespace lostbits::measure::blame {
+
+/// Double-double with bounds: what a map affords.
+struct QuickExact {
+    using Number = Ball;
+    static constexpr int bits = 106;
+
+    /// Infinity is beyond every number that a ball holds.
+    static Ball sum(const Ball& a, const Ball& b) { return a + b; }
+    static Ball lift(double x) { return std::isinf(x) ? Ball(std::copysign(0x1p+880, x)) : Ball(x); }
+    static std::optional<bool> less(const Ball& a, const Ball& b) { return settled(a < b); }
+    static std::optional<bool> less_equal(const Ball& a, const Ball& b) { return settled(a <= b); }
+    static double nearest(const Ball& x) { return x.undefined() == Undefined::always ? std::nan("") : x.hi(); }
+    /// Zero where the bound leaves it open that they are the same.
+    static double difference(double computed, const Ball& exact) {
+        const Ball d = lift(computed) - exact;
+        return std::fabs(d.hi()) <= d.radius() ? 0 : d.hi() + d.lo();
+    }
+    static bool is_good(const Ball& x, double computed) {
+        return std::isfinite(computed) && x.is_bounded() &&
+               x.radius() <= 0x1p-60 * std::fmax(std::fabs(computed), std::fabs(x.hi()));
+    }
+
+private:
+    static std::optional<bool> settled(Tri t) { return t.is_unknown() ? std::nullopt : std::optional(t.is_yes()); }
+};
+
+/// 2048 bits: exact for the sums and products of a form over any rays that are not thousands of binades wide, and all
+/// but exact for its roots.
+struct DeepExact {
+    using Number = BasicReal<2048>;
+    static constexpr int bits = 2048;
+
+    /// Quotients and roots that are equal differ where they were rounded: what is left of a sum below 2^-1900 of its
+    /// parts is taken for nothing, or the sign of an offset that is zero (h of a foot point, dot(p, d)) would be one of
+    /// noise.
+    static Number sum(const Number& a, const Number& b) {
+        const Number s = a + b;
+        const bool regular =
+            mpfr_regular_p(a.backend().data()) != 0 && mpfr_regular_p(b.backend().data()) != 0 && s != 0;
+        return regular && ilogb(s) < std::max(ilogb(a), ilogb(b)) - 1900 ? Number(0) : s;
+    }
+    static Number lift(double x) { return Number(x); }
+    static std::optional<bool> less(const Number& a, const Number& b) { return a < b && !same(a, b); }
+    static std::optional<bool> less_equal(const Number& a, const Number& b) { return a <= b || same(a, b); }
+    static double nearest(const Number& x) { return mpfr_get_d(x.backend().data(), MPFR_RNDN); }
+    static double difference(double computed, const Number& exact) { return nearest(Number(computed) - exact); }
+    static bool is_good(const Number& /*x*/, double /*computed*/) { return true; }
+
+private:
+    static bool same(const Number& a, const Number& b) { return sum(a, -b) == 0; }
+};
+
+}  // namespace lostbits::measure::blame

@@ -1,0 +1,61 @@
+// A scene's light and paint as stored numbers, rounded as its geometry is.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "measure/picture/shade.hpp"
+#include "number/format.hpp"
+#include "scene/file/scene.hpp"
+
+namespace lostbits::measure::picture {
+
+/// S is double (shared inputs: every number rounded once to binary32; or any format's numbers) or Real (own inputs).
+template <class S>
+struct StoredAppearance {
+    Vec<S> background{S(0), S(0), S(0)};
+    Vec<S> light{S(0), S(0), S(0)};  ///< meaningless where the scene has none
+    S shadow_on_background{S(1)};    ///< factor
+    S epsilon{S(0)};
+    std::vector<Paint<S>> paints;  ///< one per sphere
+};
+
+template <class S, class Lift>
+auto lifted(const Vec<S>& v, Lift lift) {
+    using T = std::decay_t<std::invoke_result_t<Lift, const S&>>;
+    return Vec<T>(lift(v.x), lift(v.y), lift(v.z));
+}
+
+template <class S, class Lift>
+auto lifted(const Paint<S>& p, Lift lift) {
+    using T = std::decay_t<std::invoke_result_t<Lift, const S&>>;
+    return Paint<T>{lifted(p.colour, lift), lift(p.ambient), lift(p.diffuse), lift(p.specular), p.exponent, p.shiny};
+}
+
+/// Each number through `lift`. Whether a sphere is shiny stays: a ks that a format rounds to 0 adds nothing by itself.
+template <class S, class Lift>
+auto lifted(const StoredAppearance<S>& look, Lift lift) {
+    using T = std::decay_t<std::invoke_result_t<Lift, const S&>>;
+    StoredAppearance<T> to{lifted(look.background, lift),
+                           lifted(look.light, lift),
+                           lift(look.shadow_on_background),
+                           lift(look.epsilon),
+                           {}};
+    for (const Paint<S>& p : look.paints) to.paints.push_back(lifted(p, lift));
+    return to;
+}
+
+/// The ideal numbers.
+StoredAppearance<Real> own_appearance(const scene::file::Appearance& appearance);
+/// The same, each rounded once to binary32: what every format shares.
+StoredAppearance<double> shared_appearance(const scene::file::Appearance& appearance);
+/// What a form in format F is given, as `scene::input_solid`.
+StoredAppearance<double> input_appearance(const scene::file::Scene& scene, const FloatFormat& f);
+
+/// The points of the pixels of rows [y0, y1) in the plane z = 0, where the camera has them there: S as above.
+template <class S>
+std::vector<Vec<S>> pixel_points(const scene::file::Scene& scene, int y0, int y1);
+/// The same as a form in format F is given them.
+std::vector<Vec<double>> input_pixel_points(const scene::file::Scene& scene, int y0, int y1, const FloatFormat& f);
+
+}  // namespace lostbits::measure::picture

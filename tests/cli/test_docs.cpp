@@ -1,0 +1,309 @@
+// The documents tell the truth: the commands of README.md and docs/ run, what they show is what the program prints,
+// their links lead somewhere, and the README stays short.
+#include <algorithm>
+#include <array>
+#include <regex>
+#include <set>
+#include <span>
+#include <sstream>
+#include <string_view>
+
+#include "catch.hpp"
+#include "program.hpp"
+
+using namespace lostbits::test;
+namespace fs = std::filesystem;
+
+namespace {
+
+const fs::path root = fs::path(LOSTBITS_REPORTS_DIR).parent_path();
+
+std::vector<std::string> pages() {
+    std::vector<std::string> all{"README.md"};
+    for (const auto& entry : fs::directory_iterator(root / "docs"))
+        all.push_back("docs/" + entry.path().filename().string());
+    std::ranges::sort(all);
+    return all;
+}
+
+std::vector<std::string> lines_of(const std::string& text) {
+    std::vector<std::string> lines;
+    std::istringstream in(text);
+    for (std::string line; std::getline(in, line);) lines.push_back(line);
+    return lines;
+}
+
+/// A block between ``` and ```, with the word behind the first of them.
+struct Block {
+    std::string language;
+    std::vector<std::string> lines;
+    std::size_t first = 0;  ///< the number of its first line in the page
+};
+
+std::vector<Block> blocks_of(const std::string& page) {
+    std::vector<Block> blocks;
+    bool inside = false;
+    const auto lines = lines_of(contents(root / page));
+    for (std::size_t i = 0; i < lines.size(); ++i) {
+        if (lines[i].starts_with("```")) {
+            if (!inside) blocks.push_back({lines[i].substr(3), {}, i + 2});
+            inside = !inside;
+        } else if (inside) blocks.back().lines.push_back(lines[i]);
+    }
+    return blocks;
+}
+
+/// A line `$ build/lostbits …` of a console block.
+struct Command {
+    std::string where, arguments;
+    std::vector<std::string> shown;  ///< the output that the page shows, `...` for any lines; none: it shows nothing
+    int code = 0;                    ///< the exit code that the page promises: `# exit N` at the end of the line
+};
+
+constexpr std::string_view prompt = "$ ", program = "build/lostbits ";
+
+/// What pages tell to run and this test does not.
+struct Other {
+    std::string_view start, why;
+};
+constexpr std::array others{
+    Other{"./run", "builds everything"},
+    Other{"cmake ", "builds everything; tests/package installs"},
+    Other{"ctest ", "runs this test"},
+    Other{"cc ray.c ", "test_explain.cpp compiles the C program of every form"},
+    Other{"build/bench/", "measures time, and is not always built"},
+    Other{"node tests/browser/screenshots.js ", "needs a browser; tests/browser has one where there is one"},
+};
+
+std::vector<Command> commands_of(const std::string& page) {
+    std::vector<Command> commands;
+    for (const Block& block : blocks_of(page)) {
+        if (block.language != "console") continue;
+        bool ours = false;
+        for (std::size_t i = 0; i < block.lines.size(); ++i) {
+            const std::string& line = block.lines[i];
+            const std::string where = page + ":" + std::to_string(block.first + i);
+            if (!line.starts_with(prompt)) {
+                INFO(where << ": output without a command of ours: " << line);
+                REQUIRE(ours);
+                commands.back().shown.push_back(line);
+                continue;
+            }
+            const std::string typed = line.substr(prompt.size());
+            ours = typed.starts_with(program);
+            if (!ours) {
+                INFO(where << ": neither run nor listed: " << typed);
+                CHECK(std::ranges::any_of(others, [&](const Other& o) { return typed.starts_with(o.start); }));
+                continue;
+            }
+            std::smatch exit;
+            const bool promised = std::regex_search(typed, exit, std::regex(R"(# exit (\d+))"));
+            commands.push_back({where, typed.substr(program.size()), {}, promised ? std::stoi(exit[1]) : 0});
+        }
+    }
+    return commands;
+}
+
+/// Commands that are run on less than the page says. Everything else runs as it stands there.
+struct Cheaper {
+    std::string_view start, adds, why;
+};
+constexpr std::array cheaper{
+    Cheaper{"map ", " --size 32x32", "a small picture has the same files"},
+    Cheaper{"render ", " --size 32x32", "a small picture has the same files"},
+    Cheaper{"report ", " --size 32x32", "a small picture has the same parts"},
+    Cheaper{"report -o out ", " --no-claims -i sphere.unified -i box.signs -i sdf.sphere_trace -f f32",
+            "40 s; test_check.cpp measures every claim"},
+    Cheaper{"report near-benign --metric residual --trade ", " -i sphere.unified -i sphere.press",
+            "times of every form are 6 s"},
+    Cheaper{"report rtg-fig-7-3-4100-oblique near-benign ", " --no-claims -i sphere.schoolbook -i sphere.unified",
+            "20 s: the page of the screenshots"},
+    Cheaper{"check  ", " --filter 'float.*'", "20 s; test_check.cpp measures every claim"},
+    Cheaper{"check --profile timing", " --filter 'speed.signs-over-inclusive-*'",
+            "a minute; test_check.cpp measures times"},
+    Cheaper{"trade -o out ", " --quick -i sphere.unified -i sphere.press",
+            "a minute; test_trade.cpp measures every form"},
+};
+
+/// The command without its comment, and with what makes it cheap.
+std::string affordable(const Command& command, std::set<std::string_view>& used) {
+    std::string text = command.arguments;
+    if (const auto comment = text.find(" #"); comment != std::string::npos) text.erase(comment);
+    text.erase(text.find_last_not_of(' ') + 1);
+    const std::string padded = text + "  ";  // so that a start can say where the command ends
+    for (const Cheaper& c : cheaper) {
+        if (!padded.starts_with(c.start) ||
+            (c.adds.find("--size") != std::string_view::npos && text.find("--size") != std::string::npos))
+            continue;
+        used.insert(c.start);
+        text += c.adds;
+    }
+    return text;
+}
+
+/// Lines against lines; `...` stands for any number of them.
+bool shows(std::span<const std::string> shown, std::span<const std::string> printed) {
+    if (shown.empty()) return printed.empty();
+    if (shown[0] == "...") {
+        for (std::size_t skipped = 0; skipped <= printed.size(); ++skipped) {
+            if (shows(shown.subspan(1), printed.subspan(skipped))) return true;
+        }
+        return false;
+    }
+    return !printed.empty() && shown[0] == printed[0] && shows(shown.subspan(1), printed.subspan(1));
+}
+
+/// The files that pages tell to save, as they stand there, and the data of the project.
+void lay_out(const Scratch& scratch, const std::string& page) {
+    fs::create_directory_symlink(LOSTBITS_DATA_DIR, scratch.path() / "data");
+    for (const std::string& from : {std::string("README.md"), page}) {
+        for (const Block& block : blocks_of(from)) {
+            if (block.language != "toml") continue;
+            std::string text;
+            for (const std::string& line : block.lines) text += line + "\n";
+            for (const auto& [schema, name] : {std::pair{"lostbits-scene/", "mine.toml"},
+                                               {"lostbits-sweep/", "my-sweep.toml"},
+                                               {"lostbits-claims/", "my-claims.toml"}}) {
+                if (text.find(schema) != std::string::npos) (void)scratch.write(name, text);
+            }
+        }
+    }
+}
+
+/// Runs the commands of a page in their order, in one folder.
+void hold(const std::string& page) {
+    const auto commands = commands_of(page);
+    if (commands.empty()) return;
+    const Scratch scratch;
+    lay_out(scratch, page);
+    std::set<std::string_view> used;
+    for (const Command& command : commands) {
+        const std::string arguments = affordable(command, used);
+        const auto r = run(arguments, scratch.path());
+        INFO(command.where << ": lostbits " << arguments << "\n" << r.out << r.err);
+        CHECK(r.code == command.code);
+        if (!command.shown.empty()) CHECK(shows(command.shown, lines_of(r.out)));
+    }
+}
+
+/// Every fourth page, so that they run beside one another.
+void hold_quarter(std::size_t quarter) {
+    const auto all = pages();
+    for (std::size_t i = quarter; i < all.size(); i += 4) hold(all[i]);
+}
+
+std::size_t columns(const std::string& line) {
+    return static_cast<std::size_t>(
+        std::ranges::count_if(line, [](char c) { return (static_cast<unsigned char>(c) & 0xC0) != 0x80; }));
+}
+
+}  // namespace
+
+TEST_CASE("the commands of the documents do what the documents say: first quarter of the pages") { hold_quarter(0); }
+TEST_CASE("the commands of the documents do what the documents say: second quarter of the pages") { hold_quarter(1); }
+TEST_CASE("the commands of the documents do what the documents say: third quarter of the pages") { hold_quarter(2); }
+TEST_CASE("the commands of the documents do what the documents say: last quarter of the pages") { hold_quarter(3); }
+
+TEST_CASE("what the documents are held against can fail") {
+    const std::vector<std::string> printed{"one", "two", "three", "four"};
+    const auto says = [&](std::vector<std::string> shown) { return shows(shown, printed); };
+    CHECK(says({"one", "two", "three", "four"}));
+    CHECK(says({"one", "...", "four"}));
+    CHECK(says({"...", "two", "...", "four", "..."}));
+    CHECK_FALSE(says({"one", "two", "three"}));
+    CHECK_FALSE(says({"one", "...", "two"}));
+    CHECK_FALSE(says({"...", "three", "two", "..."}));
+    CHECK_FALSE(says({"...", "Two", "..."}));
+    std::set<std::string_view> used;
+    CHECK(affordable({"", "map x -o out   # all", {}}, used) == "map x -o out --size 32x32");
+    CHECK(affordable({"", "map x --size 8x8", {}}, used) == "map x --size 8x8");
+    CHECK(affordable({"", "check --filter 'a'", {}}, used) == "check --filter 'a'");
+}
+
+TEST_CASE("the documents have commands and output, and each way to make them cheap is needed") {
+    std::set<std::string_view> used;
+    std::size_t commands = 0, shown = 0;
+    for (const std::string& page : pages()) {
+        for (const Command& command : commands_of(page)) {
+            (void)affordable(command, used);
+            ++commands;
+            shown += command.shown.size();
+        }
+    }
+    CHECK(commands > 50);
+    CHECK(shown > 5);
+    for (const Cheaper& c : cheaper) {
+        INFO(c.start);
+        CHECK(used.contains(c.start));
+    }
+}
+
+TEST_CASE("a command or an option that a sentence of the documents names exists") {
+    // `lostbits WORD …` between backquotes.
+    static const std::regex named(R"(`lostbits ([a-z]+)([^`]*)`)"), option(R"((^|\s)(--[a-z-]+))");
+    std::map<std::string, std::string> help;
+    for (const std::string& page : pages()) {
+        const std::string text = contents(root / page);
+        for (auto m = std::sregex_iterator(text.begin(), text.end(), named); m != std::sregex_iterator(); ++m) {
+            const std::string word = (*m)[1], rest = (*m)[2];
+            INFO(page << ": " << m->str());
+            if (!help.contains(word)) {
+                const auto r = run(word + " --help");
+                REQUIRE(r.code == 0);
+                help[word] = r.out;
+            }
+            for (auto o = std::sregex_iterator(rest.begin(), rest.end(), option); o != std::sregex_iterator(); ++o)
+                CHECK(help[word].find((*o)[2]) != std::string::npos);
+        }
+    }
+    CHECK(help.size() > 5);
+}
+
+TEST_CASE("the README has at most 150 lines, and lines of documents fit 120 columns") {
+    CHECK(lines_of(contents(root / "README.md")).size() <= 150);
+    for (const std::string& page : pages()) {
+        bool block = false;
+        const auto lines = lines_of(contents(root / page));
+        for (std::size_t i = 0; i < lines.size(); ++i) {
+            if (lines[i].starts_with("```")) block = !block;
+            // Rows of tables, links and what is typed or printed cannot be wrapped.
+            if (block || lines[i].starts_with("|") || lines[i].find("](") != std::string::npos) continue;
+            INFO(page << ":" << i + 1);
+            CHECK(columns(lines[i]) <= 120);
+        }
+    }
+}
+
+TEST_CASE("links of the documents lead somewhere, and the index has every page") {
+    static const std::regex link(R"(\]\(([^)\s#]+)(#[^)\s]*)?\))");
+    std::size_t links = 0;
+    for (const std::string& page : pages()) {
+        const std::string text = contents(root / page);
+        for (auto m = std::sregex_iterator(text.begin(), text.end(), link); m != std::sregex_iterator(); ++m) {
+            const std::string target = (*m)[1];
+            if (target.find("://") != std::string::npos) continue;
+            INFO(page << ": " << target);
+            CHECK(fs::exists((root / page).parent_path() / target));
+            ++links;
+        }
+    }
+    CHECK(links > 40);
+    const std::string index = contents(root / "docs/README.md");
+    for (const std::string& page : pages()) {
+        if (page == "README.md" || page == "docs/README.md") continue;
+        INFO(page);
+        CHECK(index.find("](" + page.substr(5) + ")") != std::string::npos);
+    }
+}
+
+TEST_CASE("documents cite sources by their titles, not by our numbers for them") {
+    static const std::regex number(R"([Ss]eed[- ]0\d\d|\b0\d\d_[0-9a-f]{16})");
+    auto all = pages();
+    all.push_back("data/README.md");
+    for (const std::string& page : all) {
+        std::smatch m;
+        const std::string text = contents(root / page);
+        INFO(page << ": " << (std::regex_search(text, m, number) ? m.str() : ""));
+        CHECK_FALSE(std::regex_search(text, number));
+    }
+}

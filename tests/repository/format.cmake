@@ -1,0 +1,27 @@
+# cmake -P format.cmake: every C++ and script file is formatted as .clang-format says, and a file that is not is seen.
+#   CLANG_FORMAT  the program, empty where it was not found
+#   ROOT          the repository
+#   WORK          a folder for the control
+if(NOT CLANG_FORMAT)
+    message("skipped: clang-format is not installed")
+    return()
+endif()
+set(files)
+foreach(folder src analysis tests bench)
+    file(GLOB_RECURSE found ${ROOT}/${folder}/*.hpp ${ROOT}/${folder}/*.cpp ${ROOT}/${folder}/*.js)
+    list(APPEND files ${found})
+endforeach()
+list(LENGTH files count)
+if(count LESS 300)
+    message(FATAL_ERROR "${count} files found: the folders are not where they were")
+endif()
+execute_process(COMMAND ${CLANG_FORMAT} --dry-run -Werror ${files} RESULT_VARIABLE result ERROR_VARIABLE offences)
+if(NOT result EQUAL 0)
+    message(FATAL_ERROR "not formatted; clang-format -i FILE mends it:\n${offences}")
+endif()
+file(COPY ${ROOT}/.clang-format DESTINATION ${WORK})
+file(WRITE ${WORK}/control.cpp "int  twice(int x){return 2*x;}\n")
+execute_process(COMMAND ${CLANG_FORMAT} --dry-run -Werror ${WORK}/control.cpp RESULT_VARIABLE result ERROR_QUIET)
+if(result EQUAL 0)
+    message(FATAL_ERROR "a file that is not formatted was not seen")
+endif()
