@@ -294,7 +294,7 @@ TEST_CASE("a constant on the way to t is no place on the tape") {
     REQUIRE(r.code == 0);
     const auto told = nlohmann::json::parse(r.out);
     CHECK(told["outcome"] == "agree_hit");
-    CHECK(has(told["claim"], "arrives as"));
+    CHECK(has(told["sentence"], "becomes"));
 }
 
 TEST_CASE("an overflow behind a turned decision is to blame, and not what rounds beside it") {

@@ -46,7 +46,7 @@ enum Needs : unsigned {
 enum class Ramp { bits, magnitude, categories };
 
 /// The rays on which a metric is measured. `marches`: every ray, whatever its outcome, of the forms that march;
-/// `blamed`: agreed hits, false hits and false misses.
+/// `blamed`: correct hits, false hits and false misses.
 enum class Over { agreed_hits, marches, blamed };
 
 struct Metric {

@@ -85,7 +85,7 @@ std::string explain_json(const measure::blame::Explanation& x) {
     j["condition"] = if_any(x.condition);
     j["inherent_bits"] = if_any(x.inherent);
     j["verdict"] = verdict(x);
-    j["claim"] = culprit_sentence(x);
+    j["sentence"] = culprit_sentence(x);
     j["culprit"] = node_or_null(text, a.culprit);
     const auto of_subject = [&a](double v) { return a.subject == no_node ? Json(nullptr) : number(v); };
     j["attribution"] = {{"subject", node_or_null(text, a.subject)},

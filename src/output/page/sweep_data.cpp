@@ -119,7 +119,7 @@ Json trade_json(const measure::speed::TradeRequest& request, const measure::spee
                               {"time_ns", number_json(all[k].time_ns)},
                               {"kept_bits", number_json(all[k].kept_bits)},
                               {"wrong_fraction", number_json(all[k].wrong_fraction)},
-                              {"not on the Pareto front", static_cast<bool>(beaten[k])}});
+                              {"dominated", static_cast<bool>(beaten[k])}});
         }
         parts.push_back({{"name", sets[s].name}, {"title", sets[s].title}, {"points", std::move(points)}});
     }

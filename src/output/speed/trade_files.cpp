@@ -65,7 +65,7 @@ std::vector<Column> standing_columns() {
          {"false_hit_fraction", "number", "1", "false hits among the rays that truly miss"},
          {"false_miss_fraction", "number", "1", "false misses among the rays that truly hit"},
          {"wrong_fraction", "number", "1", "false hits, false misses and NaNs among all rays whose truth is known"},
-         {"not on the Pareto front", "boolean", "",
+         {"dominated", "boolean", "",
           "whether another entry of the set is at least as fast and at least as accurate, and better in one of the "
           "two; the more accurate entry has the smaller wrong_fraction or, if these are equal, the greater "
           "kept_bits_p99"}});

@@ -28,7 +28,7 @@ lostbits::output::plot::ScatterPlotSpec small() {
         {.x = 4, .y = 20, .x_low = 3.5, .x_high = 5, .marker = 3, .colour = 1, .hollow = true, .label = "four"},
         {.x = 6, .y = 5, .x_low = 6, .x_high = 6, .faint = true}};
     spec.front = {{1, 10, true}, {4, 20, false}};
-    spec.keys = {{"f32", 0, 0}, {"not on the Pareto front", 0, 0, true}};
+    spec.keys = {{"f32", 0, 0}, {"dominated", 0, 0, true}};
     return spec;
 }
 

@@ -107,7 +107,7 @@ TEST_CASE("what light and paint cannot be is said with its place") {
           "scene.toml:4:14: background is not between 0 and 1; a colour is [red, green, blue], each from 0 to 1 (a "
           "byte divided by 255)");
     CHECK(broken("colour = [1, 0.5, 0]", "colour = [1, -0.5, 0]")
-              .starts_with("scene.toml:22:10: sphere[0].colour lies outside of 0 to 1"));
+              .starts_with("scene.toml:22:10: sphere[0].colour is not between 0 and 1"));
     CHECK(broken("colour = [1, 0.5, 0]", "color = [1, 0.5, 0]").starts_with("scene.toml:22:1: unknown key"));
     CHECK(broken("ka = 0.125", "ka = -1") ==
           "scene.toml:16:6: material.ka is negative and would take light away; write 0 or more");

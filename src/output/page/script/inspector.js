@@ -92,13 +92,13 @@ function verdictText(pixels, i) {
     const s = sampleAt(pixels, i), outcome = outcomeNames[pixels.outcome[i]],
           costs = fixed(derived.inherent_bits(s), 1);
     if (outcome === "agree_miss") return "Nothing is lost.";
-    if (pixels.truth.decision[i] !== 1) return "The ray has no hit, so no envelope.";
+    if (pixels.truth.decision[i] !== 1) return "The ray hits nothing, so it has no condition number.";
     const envelope = `Condition ${brief(s.condition)}: half an ulp in each input`;
     if (outcome !== "agree_hit") return `${envelope} costs ${costs} bits.`;
-    const lost = derived.lost_bits(s), alone = `${envelope} alone would cost ${costs} bits`;
-    if (lost < 1) return `${alone}. Nothing worth mention is lost.`;
-    if (derived.excess_bits(s) < 1) return `${alone}; within it the problem is hard, the formula is not to blame.`;
-    return `${alone}; ${fixed(derived.excess_bits(s), 1)} bits beyond it are the formula's own.`;
+    const lost = derived.lost_bits(s), alone = `${envelope} would cost ${costs} bits`;
+    if (lost < 1) return `${alone}. Less than one bit is lost.`;
+    if (derived.excess_bits(s) < 1) return `${alone}; input rounding alone explains this loss.`;
+    return `${alone}; the formula loses the other ${fixed(derived.excess_bits(s), 1)} bits.`;
 }
 
 /** What to type for the same map, and for one ray of it. */

@@ -32,9 +32,8 @@ function brief(x) {
     const [coarse, exponent] = Math.abs(x).toExponential(2).split("e"), e = Number(exponent),
                    mantissa = toEven(coarse, Math.abs(x).toExponential(60).split("e")[0]), sign = x < 0 ? "-" : "",
                    plain = Math.abs(x) >= 0.01 && Math.abs(x) < 1e6;
-    if (plain && e < 3) return sign + String(Number(`${mantissa}e${e}`));
-    return `${sign}${plain ? mantissa.replace(/\.?0+$/, "") : mantissa}e${e < 0 ? "-" : "+"}${
-        String(Math.abs(e)).padStart(2, "0")}`;
+    if (plain) return sign + String(Number(`${mantissa}e${e}`));
+    return `${sign}${mantissa}e${e < 0 ? "-" : "+"}${String(Math.abs(e)).padStart(2, "0")}`;
 }
 
 function operationRow({ tape, walk }, row, i, ulp) {
@@ -59,7 +58,7 @@ function isShown(walk, tape, i) {
     return isOperation(n) && n.live && (tape.labelled[i] || n.rounding !== 0 || n.cancelled > 1 || i === walk.culprit);
 }
 
-/** The input that the format makes no number of, where the answer is none for that reason. */
+/** The input that is not finite in the format, where the answer is not finite for that reason. */
 function lostInput({ tape, walk }) {
     const subject = walk.at(walk.subject);
     if (isDecision(subject) || Number.isFinite(subject.value)) return -1;
@@ -73,7 +72,7 @@ function amplifierText({ tape, walk }) {
     const a = walk.at(amplifier),
           carried = a.operands.filter((o) => walk.at(o).error !== 0 && walk.at(o).op !== "constant").map((o) => {
               const n = walk.at(o);
-              return `; ${tape.operands[o]} already carried ${brief(Math.abs(n.error / ownUlp(n)))} ulp`;
+              return `; ${tape.operands[o]} was already off by ${brief(Math.abs(n.error / ownUlp(n)))} ulp`;
           });
     return `${tape.definitions[amplifier]} cancels ${a.cancelled} of ${a.format.precision} bits${carried.join("")}. `;
 }
@@ -86,20 +85,20 @@ function culpritSentence(found, row, ulp) {
     if (walk.culprit < 0) {
         const lost = lostInput(found);
         return lost < 0 ? "No operation rounded on the way to the answer." :
-                          `${tape.names[lost]} is ${decimal(walk.at(lost).value)} in ${
-                              row.format}, an input: everything after it follows.`;
+                          `The input ${tape.names[lost]} is ${decimal(walk.at(lost).value)} in ${
+                              row.format}. Everything after it follows from that.`;
     }
     const n = walk.at(walk.culprit), what = tape.definitions[walk.culprit];
-    if (!Number.isFinite(n.value)) return `${what} is ${decimal(n.value)}: everything after it follows.`;
+    if (!Number.isFinite(n.value)) return `${what} is ${decimal(n.value)}. Everything after it follows from that.`;
     const harmless = pixels.outcome[i] === agreeHit && derived.lost_bits(sampleAt(pixels, i)) < 1,
           share = n.contribution / walk.error;
     let text =
         `${amplifierText(found)}${harmless ? "The largest contribution is that of" : "The culprit is"} ${what}: ` +
-        `its ${n.turned ? "wrong choice" : "rounding"} of ${brief(Math.abs(n.rounding / ownUlp(n)))} ulp arrives as ` +
+        `its ${n.turned ? "wrong choice" : "rounding"} of ${brief(Math.abs(n.rounding / ownUlp(n)))} ulp becomes ` +
         `${brief(Math.abs(n.contribution / ulp))} ulp in ${
             isDecision(walk.at(walk.subject)) ? tape.expressions[walk.subject] : "t"}`;
     if (share > 1 || share < 0)
-        text += `; the other roundings take all but ${brief(Math.abs(walk.error / ulp))} of it back`;
+        text += `; the other roundings cancel all but ${brief(Math.abs(walk.error / ulp))} ulp of it`;
     else if (Number.isFinite(share)) text += `, ${fixed(100 * share, 0)} % of the error`;
     return `${text}.`;
 }
@@ -126,7 +125,7 @@ async function showOperations(element, map, row, x, y) {
     const of = map.solid_count > 1 ? `, solid ${solid}` : "";
     element.replaceChildren(
         make("h3", {}, `Operation by operation: ${title(row)}${of}, pixel ${x}, ${y}`),
-        make("p", { className: "claim" }, culpritSentence(found, row, ulp) + sumsSentence(found, ulp)),
+        make("p", { className: "sentence" }, culpritSentence(found, row, ulp) + sumsSentence(found, ulp)),
         make(
             "table", { className: "operations" },
             header(
