@@ -8,6 +8,7 @@
 #include "intersect/catalogue.hpp"
 #include "intersect/table/table.hpp"
 #include "number/draw.hpp"
+#include "number/error.hpp"
 #include "number/rounded.hpp"
 
 namespace lostbits::test {
