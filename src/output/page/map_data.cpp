@@ -220,8 +220,9 @@ Json summary_json(const MapRequest& request, const MapRow& row, const measure::m
     Json statistics = Json::object();
     for (std::size_t m = 0; m < request.metrics.size(); ++m) {
         if (!request.metrics[m]->categories.empty()) continue;
-        statistics[std::string(request.metrics[m]->name)] = array_of(
-            measure::metric::reported_quantiles, [&](double q) { return number_json(s.metrics[m].quantile(q)); });
+        statistics[std::string(request.metrics[m]->name)] =
+            array_of(measure::metric::quantiles,
+                     [&](const measure::metric::Statistic& q) { return number_json(q.of(s.metrics[m])); });
     }
     const FloatFormat& f = row.format.shape;
     return {{"form", row.form->info->name},

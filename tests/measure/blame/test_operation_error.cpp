@@ -31,7 +31,8 @@ TEST_CASE("the rounding of an operation is its result minus the exact one", "[at
                 const double value = measure::blame::result_of(op, x, f);
                 const NodeId n = tape.add(op, f, value, id[0], binary ? id[1] : no_node, ternary ? id[2] : no_node);
                 Mpfr exact(4400), off(200);
-                evaluate(oracle, exact, Mpfr(x[0], 53), Mpfr(x[1], 53), Mpfr(x[2], 53), MPFR_RNDN);
+                const Mpfr a(x[0], 53), b(x[1], 53), c(x[2], 53);
+                evaluate(oracle, exact, {a, b, c}, MPFR_RNDN);
                 if (!std::isfinite(value) || mpfr_number_p(exact) == 0) continue;
                 mpfr_d_sub(off, value, exact, MPFR_RNDN);
                 const double want = mpfr_get_d(off, MPFR_RNDN), got = measure::blame::rounding_of(tape, n);
