@@ -123,12 +123,15 @@ public:
         outputs = {};
         inputs_ = 0;
     }
-    NodeId add(TapeOp op, const FloatFormat& format, double value, NodeId a = no_node, NodeId b = no_node,
-               NodeId c = no_node) {
-        nodes.push_back({op, place_of(format), {a, b, c}, value, {}});
+    /// What an operation is done to; those that it has not are none.
+    struct Operands {
+        NodeId a = no_node, b = no_node, c = no_node;
+    };
+    NodeId add(TapeOp op, const FloatFormat& format, double value, const Operands& of = {}) {
+        nodes.push_back({op, place_of(format), {of.a, of.b, of.c}, value, {}});
         return size() - 1;
     }
-    NodeId add_input(const FloatFormat& format, double value) { return add(TapeOp::input, format, value, inputs_++); }
+    NodeId add_input(const FloatFormat& format, double value) { return add(TapeOp::input, format, value, {inputs_++}); }
 
     /// Names an operation, once: a later name for the same value is another letter of the source for it.
     void name(NodeId i, std::string_view label) {

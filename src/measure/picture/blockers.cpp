@@ -19,10 +19,16 @@ std::vector<S> stored(const std::vector<double>& x, std::size_t begin, std::size
     return y;
 }
 
+struct Part {
+    std::size_t begin, count;
+    bool own_counts;
+};
+
 /// One chunk of shadow rays against all solids.
 template <class S, class Kernel>
 void hold_against(const Kernel& kernel, const ShadowRays& shadow, const std::vector<Solid<double>>& solids,
-                  bool own_counts, std::size_t begin, std::size_t count, std::vector<std::uint8_t>& blocked) {
+                  const Part& part, std::vector<std::uint8_t>& blocked) {
+    const auto [begin, count, own_counts] = part;
     const scene::rays::RayBlock& r = shadow.rays;
     const auto ox = stored<S>(r.ox, begin, count), oy = stored<S>(r.oy, begin, count),
                oz = stored<S>(r.oz, begin, count);
@@ -68,7 +74,7 @@ std::vector<std::uint8_t> find_blockers(const intersect::table::Intersector& for
         stop_if_interrupted();
         const std::size_t begin = c * chunk, count = std::min(chunk, blocked.size() - begin);
         with_kernel(form, native, format, [&]<class S>(const auto& kernel) {
-            hold_against<S>(kernel, shadow, solids, own_counts, begin, count, blocked);
+            hold_against<S>(kernel, shadow, solids, {begin, count, own_counts}, blocked);
         });
     });
     return blocked;

@@ -228,9 +228,9 @@ private:
         const Paint<T> paint = lifted(in_.look.paints[static_cast<std::size_t>(answers_.object[i])],
                                       [](double x) { return lift_number<T>(x); });
         const Vec<T> p = lift_number<T>(point_[i]);
-        return shade<T>(paint, rule, blocked_[i] != blocked_by_nothing, lift_number<T>(normal_[i]),
-                        unit_of<T>(lift_number<T>(in_.look.light) - p),
-                        unit_of<T>(lift_number<T>(rays_[i].origin) - p));
+        return shade<T>(paint, rule, blocked_[i] != blocked_by_nothing,
+                        {lift_number<T>(normal_[i]), unit_of<T>(lift_number<T>(in_.look.light) - p),
+                         unit_of<T>(lift_number<T>(rays_[i].origin) - p)});
     }
 
     template <class T>

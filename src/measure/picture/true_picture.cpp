@@ -147,7 +147,7 @@ private:
         }
         const Paint<E> paint = lifted(look_.paints[object], truth::lift<E, S>);
         for (const auto& [stage, rule] : rules_)
-            settled &= settle(shade<E>(paint, rule, shadowed, n, l, v), out.colours[stage]);
+            settled &= settle(shade<E>(paint, rule, shadowed, {n, l, v}), out.colours[stage]);
         return settled;
     }
 

@@ -1,5 +1,5 @@
-# cmake -DCOMPILER=… -DSOURCE=… -DFOLDER=… -P ghost_operation.cmake: an operation of the tape does not compile until its struct and its
-# texts are there.
+# cmake -DCOMPILER=… -DSOURCE=… -DFOLDER=… -P ghost_operation.cmake: an operation of the tape does not
+# compile until its struct and its texts are there.
 file(READ ${SOURCE}/src/number/tape.hpp tape)
 string(REGEX REPLACE "(row\\(any,[^)]*\\))" "\\1 row(ghost, rounded, 2)" with_ghost "${tape}")
 if(with_ghost STREQUAL tape)
@@ -10,7 +10,8 @@ file(WRITE ${FOLDER}/number/tape.hpp "${with_ghost}")
 # A pattern of what the compiler says; nothing: it compiles.
 function(expect says)
     execute_process(
-        COMMAND ${COMPILER} -std=c++20 -fsyntax-only ${ARGN} -I${FOLDER} -I${SOURCE}/src ${SOURCE}/tests/measure/blame/ghost_operation.cpp
+        COMMAND ${COMPILER} -std=c++20 -fsyntax-only ${ARGN} -I${FOLDER} -I${SOURCE}/src
+                ${SOURCE}/tests/measure/blame/ghost_operation.cpp
         RESULT_VARIABLE code ERROR_VARIABLE said)
     if(says STREQUAL "" AND NOT code EQUAL 0)
         message(FATAL_ERROR "a complete operation does not compile:\n${said}")

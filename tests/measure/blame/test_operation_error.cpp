@@ -29,7 +29,7 @@ TEST_CASE("the rounding of an operation is its result minus the exact one", "[at
                 for (std::size_t k = 0; k < 3; ++k) id[k] = tape.add_input(f, x[k]);
                 const bool binary = op != TapeOp::sqrt, ternary = op == TapeOp::fma;
                 const double value = measure::blame::result_of(op, x, f);
-                const NodeId n = tape.add(op, f, value, id[0], binary ? id[1] : no_node, ternary ? id[2] : no_node);
+                const NodeId n = tape.add(op, f, value, {id[0], binary ? id[1] : no_node, ternary ? id[2] : no_node});
                 Mpfr exact(4400), off(200);
                 const Mpfr a(x[0], 53), b(x[1], 53), c(x[2], 53);
                 evaluate(oracle, exact, {a, b, c}, MPFR_RNDN);
@@ -88,9 +88,9 @@ TEST_CASE("cancelled bits by hand", "[attribution]") {
     const auto cancelled = [](TapeOp op, double a, double b, double c = 0) {
         Tape tape;
         const NodeId x = tape.add_input(binary32, a), y = tape.add_input(binary32, b), z = tape.add_input(binary32, c);
-        return measure::blame::cancellation(
-            tape, tape.add(op, binary32, measure::blame::result_of(op, {a, b, c}, binary32), x, y,
-                           op == TapeOp::fma ? z : no_node));
+        return measure::blame::cancellation(tape,
+                                            tape.add(op, binary32, measure::blame::result_of(op, {a, b, c}, binary32),
+                                                     {x, y, op == TapeOp::fma ? z : no_node}));
     };
     CHECK(cancelled(TapeOp::sub, 1.5, 1.25) == 2);  // 2^0 and 2^0 leave 2^-2
     CHECK(cancelled(TapeOp::add, 8, -7.5) == 4);    // 2^3 and 2^2 leave 2^-1

@@ -80,21 +80,21 @@ TEST_CASE("an override of an unknown path says what is there") {
           R"(--set sphere[0].raduis=2: unknown key sphere[0].raduis; did you mean "radius"?)");
     CHECK(set_error("camera.wdth=2") == R"(--set camera.wdth=2: unknown key camera.wdth; did you mean "width"?)");
     CHECK(set_error("titel=x") == R"(--set titel=x: unknown key titel; did you mean "title"?)");
-    CHECK(
-        set_error("sphere[1].radius=2") ==
-        R"(--set sphere[1].radius=2: unknown path "sphere[1].radius": sphere is an array of 1; indices go from 0 to 0)");
+    CHECK(set_error("sphere[1].radius=2") ==
+          R"(--set sphere[1].radius=2: unknown path "sphere[1].radius": sphere is an array of 1; )"
+          R"(indices go from 0 to 0)");
     CHECK(
         set_error("sphere.radius=2") ==
         R"(--set sphere.radius=2: unknown path "sphere.radius": sphere is an array of 1; say which: sphere[0].radius)");
-    CHECK(
-        set_error("camera[0].eye=2") ==
-        R"(--set camera[0].eye=2: unknown path "camera[0].eye": camera is a table, which has no indices; leave [...] out)");
-    CHECK(
-        set_error("title.x=2") ==
-        R"(--set title.x=2: unknown path "title.x": title is the string "A test", which has no keys; end the path there)");
-    CHECK(
-        set_error("sphere[0].centre[3]=2") ==
-        R"(--set sphere[0].centre[3]=2: unknown path "sphere[0].centre[3]": sphere[0].centre is an array of 3; indices go from 0 to 2)");
+    CHECK(set_error("camera[0].eye=2") ==
+          R"(--set camera[0].eye=2: unknown path "camera[0].eye": camera is a table, which has no )"
+          R"(indices; leave [...] out)");
+    CHECK(set_error("title.x=2") ==
+          R"(--set title.x=2: unknown path "title.x": title is the string "A test", which has no )"
+          R"(keys; end the path there)");
+    CHECK(set_error("sphere[0].centre[3]=2") ==
+          R"(--set sphere[0].centre[3]=2: unknown path "sphere[0].centre[3]": sphere[0].centre is an )"
+          R"(array of 3; indices go from 0 to 2)");
 }
 
 TEST_CASE("a malformed override says how one is written") {

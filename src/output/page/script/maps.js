@@ -110,7 +110,8 @@ async function drawInspector(at) {
                 "Point at the picture to see a ray's numbers; click, or move with the arrow keys, to keep them."),
             make(
                 "p", {},
-                "Wheel, + and − zoom; drag moves; 0 shows all; m and M change the metric, [ and ] the form; w goes to the worst pixel; x swaps the compared halves."));
+                "Wheel, + and − zoom; drag moves; 0 shows all; m and M change the metric, " +
+                    "[ and ] the form; w goes to the worst pixel; x swaps the compared halves."));
         delete mapParts.inspector.dataset.pixel;
         mapParts.operations.replaceChildren();
         return;

@@ -99,7 +99,9 @@ function showCell(under) {
             make(
                 "p", { className: "hint" },
                 sweep.kind === "line" ?
-                    "Click the plot for the numbers of a step, or walk along it with the arrow keys. A click also chooses the form whose line is under the pointer. Drag to zoom, double-click to see all." :
+                    "Click the plot for the numbers of a step, or walk along it with the arrow keys. " +
+                        "A click also chooses the form whose line is under the pointer. " +
+                        "Drag to zoom, double-click to see all." :
                     "Point at a cell for its numbers. Click, or walk with the arrow keys, to keep them; Escape lets them go."));
 }
 

@@ -75,7 +75,9 @@ function sayPoint(p) {
 
 /** The next point by time, with the cursor on it: for the keyboard. */
 function walkPoints(by) {
-    const { points, plot, under } = tradeParts, last = points.length - 1, p = points[under ? Math.min(last, Math.max(0, points.indexOf(under) + by)) : by > 0 ? 0 : last];
+    const { points, plot, under } = tradeParts, last = points.length - 1;
+    const next = under ? Math.min(last, Math.max(0, points.indexOf(under) + by)) : by > 0 ? 0 : last;
+    const p = points[next];
     plot.setCursor({ left: plot.valToPos(p.time_ns, "x"), top: plot.valToPos(p.kept_bits, "y") }, false);
     sayPoint(p);
 }
