@@ -182,8 +182,7 @@ async function table({ browser, report, lostbits }) {
     const verdict = await page.locator("#inspector .verdict").innerText();
     assert.equal(verdict, told.verdict);
     assert.match(
-        verdict,
-        new RegExp(`${(told.lost_bits - told.inherent_bits).toFixed(1)} bits beyond it are the formula's own`));
+        verdict, new RegExp(`the formula loses the other ${(told.lost_bits - told.inherent_bits).toFixed(1)} bits`));
     await page.locator("#map").press("ArrowRight");
     await page.waitForFunction(() => document.getElementById("operations").dataset.pixel === "61,60");
     const march =
