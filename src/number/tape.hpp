@@ -100,6 +100,11 @@ struct TapeOutputs {
     NodeId hit = no_node, t = no_node, near = no_node, far = no_node;
 };
 
+/// What an operation is done to; those that it has not are none.
+struct TapeOperands {
+    NodeId a = no_node, b = no_node, c = no_node;
+};
+
 class Tape {
 public:
     std::vector<TapeNode> nodes;
@@ -123,11 +128,7 @@ public:
         outputs = {};
         inputs_ = 0;
     }
-    /// What an operation is done to; those that it has not are none.
-    struct Operands {
-        NodeId a = no_node, b = no_node, c = no_node;
-    };
-    NodeId add(TapeOp op, const FloatFormat& format, double value, const Operands& of = {}) {
+    NodeId add(TapeOp op, const FloatFormat& format, double value, const TapeOperands& of = {}) {
         nodes.push_back({op, place_of(format), {of.a, of.b, of.c}, value, {}});
         return size() - 1;
     }

@@ -1,4 +1,4 @@
-// What costs what: points of two properties, those that nothing beats joined by a stepped line and named.
+// Points of two properties; those on the Pareto front are joined by a stepped line and named.
 #pragma once
 
 #include <filesystem>
