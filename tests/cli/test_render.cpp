@@ -163,7 +163,7 @@ TEST_CASE("what render refuses: the place or the word, the exit code, and nothin
     const Case cases[] = {
         {with("[shadows]\n"), "", 2, "scene.toml:18:1: shadows need a light"},
         {with("ks = 0.5\n"), "", 2, "scene.toml:18:6: sphere[0].ks above 0 asks for a highlight"},
-        {with("colour = [2, 0, 0]\n"), "", 2, "scene.toml:18:10: sphere[0].colour lies outside of 0 to 1"},
+        {with("colour = [2, 0, 0]\n"), "", 2, "scene.toml:18:10: sphere[0].colour is not between 0 and 1"},
         {with("[light]\npositon = [0, 0, 0]\n"), "", 2, "position"},
         {with("[shadows]\nown = 1\n[light]\nposition = [1, 2, 3]\n"), "", 2, "scene.toml:19:7: shadows.own"},
         {good_scene, "--stage fong", 2, "stage"},
