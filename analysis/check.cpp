@@ -42,8 +42,8 @@ std::vector<Claim> load(const CheckOptions& o, const std::filesystem::path& data
         for (const auto& path : scene::claim::claim_files(word)) {
             for (Claim& claim : scene::claim::read_claims(path)) {
                 if (!ids.insert(claim.id).second)
-                    scene::toml::fail(claim.where,
-                                      "the id \"" + claim.id + "\" stands in another file too; ids are unique");
+                    scene::toml::fail(claim.where, "the id \"" + claim.id +
+                                                       "\" is used in another file too; each id may be used once");
                 const bool chosen = o.filters.empty() || std::ranges::any_of(o.filters, [&](const std::string& f) {
                                         return fnmatch(f.c_str(), claim.id.c_str(), 0) == 0;
                                     });
@@ -53,8 +53,9 @@ std::vector<Claim> load(const CheckOptions& o, const std::filesystem::path& data
         }
     }
     if (claims.empty() && others > 0)
-        throw NothingSelected(fmt::format("no claim is selected: they are of the other profile; try --profile {}",
-                                          o.timing() ? "results" : "timing"));
+        throw NothingSelected(
+            fmt::format("no claim is selected: the claims that match have the other profile; try --profile {}",
+                        o.timing() ? "results" : "timing"));
     if (claims.empty()) throw NothingSelected("no claim is selected; see --filter, or `lostbits list claims`");
     return claims;
 }
@@ -69,7 +70,11 @@ void print(const Claim& claim, const ClaimResult& r, const CheckOptions& o, bool
                        : r.state == State::broken                                                        ? "broken"
                        : r.state == State::skipped                                                       ? "skipped"
                                                                                                          : "FAILED";
-    fmt::print("{:<8} {} ({}: {})\n", word, claim.id, verdict, claim.statement);
+    const char* what = r.state == State::skipped                ? "cannot be measured on this machine"
+                       : r.state == State::broken               ? "could not be measured"
+                       : claim.verdict == Claim::Verdict::holds ? "expected to hold, does not"
+                                                                : "refuted, but the measured number has changed";
+    fmt::print("{}: {}: {} ({})\n", word, what, claim.id, claim.statement);
     fmt::print("         {}: {}\n", claim.where.text(), output::claim::explain(claim, r));
     if (r.witness.x >= 0) {
         fmt::print("         worst ray: origin {} {} {}, direction {} {} {}\n",
@@ -77,7 +82,7 @@ void print(const Claim& claim, const ClaimResult& r, const CheckOptions& o, bool
                    output::file::hex(r.witness.ray.origin.z), output::file::hex(r.witness.ray.direction.x),
                    output::file::hex(r.witness.ray.direction.y), output::file::hex(r.witness.ray.direction.z));
     }
-    fmt::print("         again: {}\n", output::claim::reproduce(claim));
+    fmt::print("         reproduce: {}\n", output::claim::reproduce(claim));
     if (o.annotations == "github" && r.state != State::skipped) {
         fmt::print("::{} file={},line={},title={}::{}\n", std::string_view(word) == "warning" ? "warning" : "error",
                    claim.where.source, claim.where.line, claim.id, output::claim::explain(claim, r));
@@ -105,8 +110,8 @@ Exit run(const CheckOptions& o, const Common& common) {
     if (o.timing() && (o.strict || !o.junit.empty() || !o.csv.empty() || !o.json.empty() || !o.report.empty() ||
                        o.annotations != "none")) {
         throw InputError(
-            "--profile timing goes with none of --strict, --junit, --export-csv, --export-json, --report and "
-            "--annotations: times gate nothing and are in no report");
+            "--profile timing cannot be combined with --strict, --junit, --export-csv, --export-json, --report or "
+            "--annotations: times never fail a check, and no report shows them; leave those options out");
     }
     const auto data = data_folder(common.data);
     const auto claims = load(o, data);
@@ -135,7 +140,7 @@ Exit run(const CheckOptions& o, const Common& common) {
     if (!o.json.empty()) output::claim::write_claims_json(o.json, claims, results);
     if (!o.report.empty()) output::claim::write_claim_report(o.report, claims, results, data);
     if (!common.quiet) {
-        fmt::print("{} claims: {} measure as stated, {} do not{}\n", claims.size(), agreed,
+        fmt::print("{} claim{} confirmed, {} failed{}\n", agreed, agreed == 1 ? "" : "s",
                    claims.size() - agreed - skipped, skipped == 0 ? "" : fmt::format(", {} skipped", skipped));
     }
     return failed == 0 ? Exit::done : Exit::answer_is_no;
@@ -144,19 +149,21 @@ Exit run(const CheckOptions& o, const Common& common) {
 }  // namespace
 
 void add_check(CLI::App& program, const Common& common, Command& chosen) {
-    auto* command = program.add_subcommand("check", "Measure claims anew and compare with what they state");
+    auto* command = program.add_subcommand("check", "Measure every claim again and compare with what it states");
     const auto o = std::make_shared<CheckOptions>();
     command->add_option("CLAIMS", o->files, "Claim files or folders (default: data/claims)");
     command->add_option("--filter", o->filters, "Only claims whose id matches a glob");
     command->add_option("--junit", o->junit, "Write JUnit XML");
-    command->add_option("--export-csv", o->csv, "Write a row a claim");
-    command->add_option("--export-json", o->json, "Write an array of claims");
-    command->add_option("--report", o->report, "Write README.md, claims.csv and pictures into a folder");
+    command->add_option("--export-csv", o->csv, "Write CSV, one row per claim");
+    command->add_option("--export-json", o->json, "Write JSON, one object per claim");
+    command->add_option("--report", o->report, "Write README.md, claims.csv and pictures into this folder");
     command->add_option("--annotations", o->annotations, "github: also print workflow annotations")
         ->check(CLI::IsMember({"none", "github"}));
-    command->add_option("--profile", o->profile, "results, or timing: claims about speed, reported and never failed")
+    command
+        ->add_option("--profile", o->profile,
+                     "results (default), or timing: claims about speed, which are shown and never fail")
         ->check(CLI::IsMember({"results", "timing"}));
-    command->add_flag("--strict", o->strict, "Claims of severity warn fail too");
+    command->add_flag("--strict", o->strict, "Claims of severity warn count as failures too");
     command->add_flag("--measure", o->measure, "Print what each claim measures now, without judging");
     command->callback([o, &common, &chosen] { chosen = [o, &common] { return run(*o, common); }; });
 }

@@ -17,7 +17,7 @@ struct Common {
     output::file::Progress::Mode progress = output::file::Progress::Mode::automatic;
     bool quiet = false;
     bool verbose = false;
-    int threads = 0;  ///< 0: one a core
+    int threads = 0;  ///< 0: one per core
     std::string isa;  ///< a name of `isa_names`; empty: the best that the processor has
 };
 

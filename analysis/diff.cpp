@@ -82,7 +82,7 @@ std::set<fs::path> files_below(const fs::path& folder) {
             if (entry.is_directory()) continue;
             // A pipe or a socket would make the run wait for ever; a broken link has nothing to compare.
             if (!entry.is_regular_file())
-                throw InputError(entry.path().string() + ": no regular file; move it out of the folder");
+                throw InputError(entry.path().string() + ": is not a regular file; move it out of the folder");
             files.insert(entry.path().lexically_relative(folder));
         }
     } catch (const fs::filesystem_error& error) {
@@ -97,7 +97,7 @@ std::vector<Result> compare_folders(const DiffWords& w, const CompareOptions& op
     const auto left = files_below(a), right = files_below(b);
     auto all = left;
     all.insert(right.begin(), right.end());
-    if (all.empty()) throw NothingSelected(fmt::format("{} and {} hold no file; check the paths", w.a, w.b));
+    if (all.empty()) throw NothingSelected(fmt::format("{} and {} contain no files; check the paths", w.a, w.b));
     std::vector<Result> results;
     for (const fs::path& file : all) {
         stop_if_interrupted();
@@ -116,22 +116,22 @@ std::vector<Result> compare_all(const DiffWords& w, const CompareOptions& option
         std::error_code error;
         const auto s = fs::status(path, error);
         if (s.type() == fs::file_type::not_found) throw InputError(path + ": no such file or folder; check the path");
-        if (error)
-            throw EnvironmentError(path + ": cannot be looked at: " + error.message() + "; check the permissions");
+        if (error) throw EnvironmentError(path + ": cannot be read: " + error.message() + "; check the permissions");
         return s;
     };
     const auto a = status(w.a), b = status(w.b);
     if (fs::is_directory(a) && fs::is_directory(b)) return compare_folders(w, options);
     if (fs::is_directory(a) || fs::is_directory(b)) {
         const auto& [folder, file] = fs::is_directory(a) ? std::tie(w.a, w.b) : std::tie(w.b, w.a);
-        throw InputError(fmt::format("{}: a folder, but {} is a file; compare two folders or two files", folder, file));
+        throw InputError(
+            fmt::format("{}: is a folder, but {} is a file; compare two folders or two files", folder, file));
     }
     // What comes through a pipe has no name that says its kind: it is taken for what the other one is.
     const FileKind left = kind_of(fs::is_regular_file(a) ? w.a : w.b),
                    right = kind_of(fs::is_regular_file(b) ? w.b : w.a);
     if (left != right)
-        throw InputError(
-            fmt::format("{}: {}, but {} is {}; compare two of one kind", w.a, name_of(left), w.b, name_of(right)));
+        throw InputError(fmt::format("{}: is {}, but {} is {}; compare two files of the same kind", w.a, name_of(left),
+                                     w.b, name_of(right)));
     return {{w.a, compare_files(w.a, w.b, left, options), ""}};
 }
 
@@ -145,7 +145,7 @@ void refuse_unknown_columns(const CompareOptions& options, const std::vector<Res
             return;
         const std::string hint = scene::toml::did_you_mean(pattern, {names.begin(), names.end()});
         throw InputError(fmt::format("{} {}: unknown column; {}", option, pattern,
-                                     hint.empty() ? "nothing here has columns or channels" : hint));
+                                     hint.empty() ? "no file here has columns or channels" : hint));
     };
     for (const auto& t : options.tolerances) check("--tolerance", t.column);
     for (const auto& pattern : options.ignored) check("--ignore", pattern);
@@ -155,8 +155,8 @@ void print_largest(const char* name, const output::diff::Largest& largest) {
     if (!largest.at.empty()) fmt::print(", largest {} {:.4g} at {}", name, largest.value, largest.at);
 }
 
-/// One line a difference, then a summary with a line a column; `verbose` shows files and columns that agree, too, where
-/// they are not identical.
+/// One line per difference, then a summary with a line per column; `verbose` shows files and columns that agree, too,
+/// where they are not identical.
 void print(const Result& r, bool verbose) {
     if (!r.only.empty()) return fmt::print("{}: only in {}\n", r.file, r.only);
     const Comparison& c = r.comparison;
@@ -202,11 +202,11 @@ void add_diff(CLI::App& program, const Common& common, Command& chosen) {
         "Where two CSV files, two EXR files or two folders differ; NaN, infinite and missing values always count");
     const auto w = std::make_shared<DiffWords>();
     command->add_option("A", w->a, "A file or a folder")->required();
-    command->add_option("B", w->b, "Another of its kind")->required();
+    command->add_option("B", w->b, "The file or folder to compare it with")->required();
     // One word each: A and B may follow.
     command
         ->add_option("--tolerance", w->tolerances,
-                     "COLUMN=ABS[,REL]: how far numbers may be apart; columns and channels by name or glob, the last "
+                     "COLUMN=ABS[,REL]: how far apart numbers may be; columns and channels by name or glob, the last "
                      "match counts")
         ->allow_extra_args(false);
     command->add_option("--ignore", w->ignored, "COLUMN: leave out columns and channels, by name or glob")

@@ -77,16 +77,16 @@ measure::answer::OneRay ray_of(const ExplainOptions& o, const Scene& scene) {
     if (pixel) {
         constexpr double most = 1e9;  // more than any picture has, less than an int
         if (x.size() != 2 || std::ranges::any_of(x, [](double v) { return v != std::floor(v) || std::fabs(v) > most; }))
-            throw InputError("--pixel " + o.pixel + ": not a pixel; write its column and row, like 17,42");
+            throw InputError("--pixel " + o.pixel + ": is not a pixel; write its column and row, like 17,42");
         return {scene, static_cast<int>(x[0]), static_cast<int>(x[1])};
     }
     if (x.size() != 6)
         throw InputError("--ray " + o.ray +
-                         ": not a ray; write origin and direction, six numbers with commas between them");
+                         ": is not a ray; write origin and direction, six numbers with commas between them");
     const Ray<double> ray{{x[0], x[1], x[2]}, {x[3], x[4], x[5]}};
     if (!measure::truth::is_proper(ray))
         throw InputError("--ray " + o.ray +
-                         ": no ray in binary32; its numbers must be finite and its direction not zero");
+                         ": is not a ray in binary32; its numbers must be finite and its direction not zero");
     return {scene, ray};
 }
 
@@ -97,12 +97,12 @@ Exit run(const ExplainOptions& o, const Common& common) {
     if (forms.size() != 1 || formats.size() != 1) throw InputError("explain: name one form and one format");
     const intersect::table::Intersector& form = *forms.front();
     if (!scene.meets(form.shape)) {
-        throw InputError(fmt::format("-i {}: scene {} has no solids, or no [march] table, for it; try -i '{}'", o.form,
-                                     scene.id, globs_of([&](Shape shape) { return scene.meets(shape); })));
+        throw InputError(fmt::format("-i {}: scene {} has no solids for this form, or no [march] table; try -i '{}'",
+                                     o.form, scene.id, globs_of([&](Shape shape) { return scene.meets(shape); })));
     }
     if (!form.exists_in(formats.front()))
         throw InputError(
-            fmt::format("-i {}: does not exist in {}; it is defined in f32 alone: try -f f32", o.form, o.format));
+            fmt::format("-i {}: this form does not exist in {}, only in f32; try -f f32", o.form, o.format));
     const measure::answer::OneRay ray = ray_of(o, scene);
     if (!common.quiet) note_lost_constants(scene, {{&form, formats.front()}});
     const measure::blame::Explanation x = measure::blame::explain(form, formats.front(), ray);
@@ -125,14 +125,14 @@ void add_explain(CLI::App& program, const Common& common, Command& chosen) {
     const auto o = std::make_shared<ExplainOptions>();
     command->add_option("SCENE", o->scene, "A scene file, or a name in data/scenes")->required();
     command->add_option("--pixel", o->pixel, "Column and row of a pixel, from the left and from the top: 17,42");
-    command->add_option("--size", o->size, "Size of the picture that the pixel is of, WxH (default: the scene's)");
+    command->add_option("--size", o->size, "Size of the picture that contains the pixel, WxH (default: the scene's)");
     command->add_option(
         "--ray", o->ray,
         "A ray among the scene's solids: OX,OY,OZ,DX,DY,DZ, decimals or hexadecimal floats, rounded once to binary32");
     command->add_option("-i,--intersector", o->form, "The form")->required();
     command->add_option("-f,--format", o->format, "The format (default: f32)");
     command->add_option("--set", o->set, "Change a number of the scene first: march.hit_eps=1e-6");
-    auto* const as = command->add_option_group("as", "In place of the table");
+    auto* const as = command->add_option_group("as", "Instead of the table");
     as->add_flag("--json", o->json, "Everything, as JSON");
     as->add_flag("--fpcore", o->fpcore, "FPCore 2.0 of t, for Herbie and FPBench");
     as->add_flag("--latex", o->latex, "The operations as a LaTeX align*");

@@ -54,10 +54,11 @@ Listing metric_table() {
         l.rows.push_back({std::string(m.name), std::string(m.unit), std::string(m.layer), m.by_default ? "yes" : "no",
                           std::string(m.meaning)});
     }
+    measure::metric::MetricSet made;
     for (const char* name : {"contribution:LABEL", "cancellation:LABEL"}) {
-        const measure::metric::Metric& m = *measure::blame::labelled_metric(name);
+        const measure::metric::Metric& m = *made.find(name);
         l.rows.push_back({name, std::string(m.unit), std::string(m.layer), "no",
-                          std::string(m.meaning) + "; `lostbits list labels` has the labels of each form"});
+                          std::string(m.meaning) + "; `lostbits list labels` shows the labels of each form"});
     }
     return l;
 }
@@ -186,7 +187,7 @@ Exit run(const std::string& what, bool json, const Common& common) {
 
 void add_list(CLI::App& program, const Common& common, Command& chosen) {
     auto* command = program.add_subcommand(
-        "list", "What there is: intersectors, labels of their operations, formats, metrics, scenes, sweeps, claims");
+        "list", "List intersectors, labels of their operations, formats, metrics, scenes, sweeps, claims");
     const auto what = std::make_shared<std::string>("intersectors");
     const auto json = std::make_shared<bool>(false);
     command->add_option("WHAT", *what, "What to list")

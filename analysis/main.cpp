@@ -28,14 +28,14 @@ void add_common(CLI::App& program, Common& common) {
     program.add_option("--progress", common.progress, "Progress on stderr: auto (on a terminal), bar, none")
         ->transform(CLI::CheckedTransformer(modes))
         ->default_str("auto");
-    program.add_flag("-q,--quiet", common.quiet, "No messages but errors");
-    program.add_flag("-v,--verbose", common.verbose, "Say more");
-    program.add_option("-j,--threads", common.threads, "Threads (default: one a core); results do not depend on it")
+    program.add_flag("-q,--quiet", common.quiet, "Print errors only");
+    program.add_flag("-v,--verbose", common.verbose, "Print more detail");
+    program.add_option("-j,--threads", common.threads, "Threads (default: one per core); results do not depend on it")
         ->check(CLI::Range(1, 1024));
     program
-        .add_option(
-            "--isa", common.isa,
-            "Width of the registers: scalar, 128, 256, 512 (default: the widest here); results do not depend on it")
+        .add_option("--isa", common.isa,
+                    "Width of the registers: scalar, 128, 256, 512 (default: the widest of this processor); results do "
+                    "not depend on it")
         ->check(CLI::IsMember(
             std::vector<std::string>(intersect::simd::isa_names.begin(), intersect::simd::isa_names.end())));
 }
@@ -46,7 +46,7 @@ void explain(const CLI::App& program, const CLI::ParseError& error, int argc, ch
     std::vector<std::string> commands;
     for (const CLI::App* sub : program.get_subcommands({})) commands.push_back(sub->get_name());
     if (argc > 1 && argv[1][0] != '-' && program.get_subcommands().empty()) {
-        fmt::print(stderr, "lostbits: \"{}\" is no command; {}\n", argv[1],
+        fmt::print(stderr, "lostbits: \"{}\" is not a command; {}\n", argv[1],
                    scene::toml::did_you_mean(argv[1], commands));
     } else {
         fmt::print(stderr, "lostbits: see `lostbits{} --help`\n",
@@ -91,8 +91,10 @@ namespace {
 /// A library that gives up (a thread pool without memory for its threads) ends here: no partial file stays.
 [[noreturn]] void on_terminate() {
     lostbits::output::file::remove_partial_files();
-    std::fputs("lostbits: stopped by a library; out of memory or threads? Try fewer forms, a smaller --size, or -j 1\n",
-               stderr);
+    std::fputs(
+        "lostbits: a library stopped the program, perhaps for lack of memory or threads; try fewer forms, a smaller "
+        "--size, or -j 1\n",
+        stderr);
     std::_Exit(static_cast<int>(std::current_exception() ? lostbits::Exit::internal : lostbits::Exit::environment));
 }
 

@@ -10,10 +10,9 @@
 #include "commands.hpp"
 #include "measure/blame/culprits.hpp"
 #include "measure/map/culprit_order.hpp"
-#include "number/interruption.hpp"
-#include "output/file/atomic_file.hpp"
 #include "output/map/map_files.hpp"
 #include "output/map/needed_files.hpp"
+#include "results.hpp"
 #include "scene/file/scene.hpp"
 #include "select.hpp"
 
@@ -46,20 +45,15 @@ struct Commands {
 };
 
 Commands canonical_commands(const Scene& scene, const MapOptions& o) {
-    std::string forms, what, input;
-    for (const auto& f : o.forms) forms += " -i '" + f + "'";
-    for (const auto& f : o.formats) what += " -f " + f;
-    for (const auto& m : o.metrics) what += " --metric " + m;
+    std::string what = each(" -f ", o.formats) + each(" --metric ", o.metrics), input = each(" --set '", o.set, "'");
     if (o.envelope) what += " --envelope";
-    for (const auto& s : o.set) input += " --set '" + s + "'";
     if (!o.size.empty()) input += " --size " + o.size;
-    const std::string start = fmt::format("lostbits map {}{}", scene.id, forms);
+    const std::string start = fmt::format("lostbits map {}{}", scene.id, each(" -i '", o.forms, "'"));
     return {start + what + input, fmt::format("{} --bits-needed {}{}", start, o.bits_needed, input)};
 }
 
 void print_table(const measure::map::MapRequest& request, const std::vector<measure::map::MapSummary>& summaries) {
-    const auto lost = static_cast<std::size_t>(
-        std::ranges::find(request.metrics, measure::metric::find_metric("lost_bits")) - request.metrics.begin());
+    const std::size_t lost = measure::metric::place_of(request.metrics, "lost_bits");
     fmt::print("  {:<28} {:<5} {:>10} {:>10} {:>9} {:>6} {:>9} {:>9}\n", "form", "fmt", "false hit", "false miss",
                "NaN", "bits:", "p50", "p99");
     for (std::size_t r = 0; r < summaries.size(); ++r) {
@@ -76,8 +70,8 @@ void print_table(const NeededRequest& request, const std::vector<measure::map::N
     for (std::size_t f = 0; f < summaries.size(); ++f) {
         const auto all = summaries[f].all();
         fmt::print("  {:<28} {:>14} {:>6} {:>6} {:>6} {:>10} {:>10}\n", request.forms[f]->info->name, "",
-                   measure::map::quantile(all, 0.5), measure::map::quantile(all, 0.99), measure::map::quantile(all, 1),
-                   summaries[f].hits_beyond, summaries[f].misses_beyond);
+                   all.quantile(0.5), all.quantile(0.99), all.quantile(1), summaries[f].hits_beyond,
+                   summaries[f].misses_beyond);
     }
 }
 
@@ -90,8 +84,8 @@ std::vector<const intersect::table::Intersector*> forms_of_any_width(const std::
     }
     if (forms.empty())
         throw NothingSelected(
-            "--bits-needed: all of the selected intersectors exist in binary32 only; `lostbits list intersectors` says "
-            "which");
+            "--bits-needed: all selected intersectors exist in binary32 only; `lostbits list intersectors` shows the "
+            "formats of each");
     return forms;
 }
 
@@ -101,20 +95,17 @@ struct SceneWork {
     std::optional<NeededRequest> needed;
 
     [[nodiscard]] std::uint64_t units() const {
-        const auto pixels =
-            static_cast<std::uint64_t>(map.scene->width) * static_cast<std::uint64_t>(map.scene->height);
-        return pixels * map.rows.size() + (needed ? measure::map::needed_units(*needed) : 0);
+        return map.scene->pixels() * map.rows.size() + (needed ? measure::map::needed_units(*needed) : 0);
     }
 };
 
 SceneWork work_on(const Scene& scene, const MapOptions& o, const std::vector<MapRow>& rows,
-                  const std::vector<const Metric*>& wanted) {
+                  const std::vector<const Metric*>& wanted, measure::metric::MetricSet& made) {
     SceneWork work{
         {.scene = &scene, .rows = fitting(rows, [&](Shape shape) { return scene.meets(shape); }), .metrics = {}}, {}};
-    work.map.metrics = measured(wanted, work.map.rows);
-    measure::blame::bind_to_run(work.map.metrics, measure::map::forms_of(work.map.rows),
-                                [&scene] { return measure::blame::SettingOf(scene); });
-    measure::map::order_culprits(work.map);
+    work.map.metrics = made.for_forms(measured(wanted, work.map.rows), measure::map::forms_of(work.map.rows),
+                                      [&scene] { return measure::blame::SettingOf(scene); });
+    work.map.metrics = measure::map::order_culprits(work.map, made);
     if (o.bits_needed > 0)
         work.needed = NeededRequest{.scene = &scene, .forms = forms_of_any_width(work.map.rows), .bits = o.bits_needed};
     return work;
@@ -142,9 +133,13 @@ std::uint64_t map_scene(const SceneWork& work, const MapOptions& o, const Common
     std::optional<output::map::NeededFiles> needed_files;
     if (work.needed)
         needed_files.emplace(*work.needed, output::map::NeededFilesOptions{folder, pixels, commands.needed});
-    output::map::MapFiles files(work.map,
-                                {folder, drawn, pixels, commands.map, o.envelope,
-                                 needed_files ? needed_files->resources() : std::vector<output::file::DataResource>{}});
+    output::map::MapFiles files(
+        work.map, {.folder = folder,
+                   .drawn = drawn,
+                   .pixels_csv = pixels,
+                   .command = commands.map,
+                   .envelope = o.envelope,
+                   .also = needed_files ? needed_files->resources() : std::vector<output::file::DataResource>{}});
 
     const auto summaries = measure::map::run_map(work.map, files.sinks());
     std::vector<measure::map::NeededSummary> needed;
@@ -164,15 +159,18 @@ std::uint64_t map_scene(const SceneWork& work, const MapOptions& o, const Common
 
 /// The pictures of one scene: what was asked for, as its work measures it.
 std::vector<const Metric*> drawn_of(std::vector<const Metric*> asked, const SceneWork& work) {
-    for (const Metric*& m : asked) m = *std::ranges::find(work.map.metrics, m->name, &Metric::name);
+    std::ranges::transform(asked, asked.begin(), [&work](const Metric* m) {
+        return work.map.metrics[measure::metric::place_of(work.map.metrics, m->name)];
+    });
     return asked;
 }
 
 Exit run(const MapOptions& o, const Common& common) {
-    if (o.out.empty()) throw InputError("-o: the name of the folder is empty; write -o . for this one");
+    require_folder(o.out);
     const auto rows = cross(select_forms(o.forms), select_formats(o.formats));
+    measure::metric::MetricSet made;
     const auto drawn =
-        o.metrics.empty() ? std::vector{measure::metric::find_metric("lost_bits")} : select_metrics(o.metrics);
+        o.metrics.empty() ? std::vector{measure::metric::find_metric("lost_bits")} : select_metrics(o.metrics, made);
     auto wanted = drawn;
     if (o.envelope) {
         if (std::ranges::find(drawn, measure::metric::find_metric("lost_bits")) == drawn.end())
@@ -187,11 +185,9 @@ Exit run(const MapOptions& o, const Common& common) {
     const ThreadLimit limit(common.threads);
 
     std::vector<SceneWork> works;
-    for (const auto& scene : scenes) works.push_back(work_on(scene, o, rows, wanted));
+    for (const auto& scene : scenes) works.push_back(work_on(scene, o, rows, wanted, made));
     for (const SceneWork& work : works) that_apply(drawn, work.map.rows, "scene " + work.map.scene->id);
-    // A folder that cannot be written ends the run before the first ray, not after the tenth scene.
-    for (const auto& scene : scenes)
-        output::file::AtomicFile probe(std::filesystem::path(o.out) / scene.id / "summary.csv");
+    for (const auto& scene : scenes) probe(std::filesystem::path(o.out) / scene.id / "summary.csv");
     if (o.bits_needed > 0 && !common.quiet) note_skipped(works);
     if (!common.quiet) {
         for (const SceneWork& work : works) note_lost_constants(*work.map.scene, work.map.rows);
@@ -200,20 +196,14 @@ Exit run(const MapOptions& o, const Common& common) {
     std::uint64_t units = 0, unresolved = 0;
     for (const SceneWork& work : works) units += work.units();
     output::file::Progress progress(units, "map", common.progress, common.quiet);
-    const auto advance = [&progress](std::uint64_t done) {
-        progress.advance(done);
-        stop_if_interrupted();
-    };
+    const auto advance = advancing(progress);
     for (SceneWork& work : works) {
         work.map.progress = advance;
         if (work.needed) work.needed->progress = advance;
         unresolved += map_scene(work, o, common, drawn_of(that_apply(drawn, work.map.rows, work.map.scene->id), work));
     }
     progress.finish();
-    if (unresolved == 0) return Exit::done;
-    fmt::print(stderr, "lostbits: the truth of {} rays was not proved within {} bits; they are classed `unresolved`\n",
-               unresolved, measure::truth::TruthLimit{}.bits);
-    return Exit::internal;
+    return end_with_unproved(unresolved);
 }
 
 }  // namespace
@@ -226,17 +216,20 @@ void add_map(CLI::App& program, const Common& common, Command& chosen) {
     command->add_option("-i,--intersector", o->forms, "Forms, by name or glob (default: all)");
     command->add_option("-f,--format", o->formats,
                         "Formats: f32, f64, fp16, bf16, tf32, pN, pA..pB (default: f32 f64)");
-    command->add_option("--metric", o->metrics,
-                        "Metrics to draw (default: lost_bits); globs, or contribution:LABEL of what forms name so");
+    command->add_option(
+        "--metric", o->metrics,
+        "Metrics to draw (default: lost_bits); globs, or contribution:LABEL for an operation that forms call LABEL");
     command->add_option("--size", o->size, "Picture size, WxH in pixels (default: the scene's)");
     command->add_option("--variant", o->variant, "One variant of a scene that has several (default: all)");
     command->add_option("--set", o->set, "Change a number of the scene first: sphere[0].radius=10");
-    command->add_option("--pixels", o->pixels, "csv: also write a row a pixel")->check(CLI::IsMember({"none", "csv"}));
+    command->add_option("--pixels", o->pixels, "csv: also write one row per pixel")
+        ->check(CLI::IsMember({"none", "csv"}));
     command
-        ->add_option("--bits-needed", o->bits_needed,
-                     "Also per pixel the significand width that a form needs for this many correct bits (1 to 52)")
+        ->add_option(
+            "--bits-needed", o->bits_needed,
+            "Also find, for every pixel, the significand width that a form needs for this many correct bits (1 to 52)")
         ->check(CLI::Range(1, 52));
-    command->add_flag("--envelope", o->envelope, "Draw lost bits paler where the problem itself explains them");
+    command->add_flag("--envelope", o->envelope, "Draw lost bits paler where input rounding alone explains them");
     command->add_option("-o,--out", o->out, "Folder for the results")->required();
     command->callback([o, &common, &chosen] { chosen = [o, &common] { return run(*o, common); }; });
 }

@@ -7,9 +7,8 @@
 #include <set>
 
 #include "commands.hpp"
-#include "number/interruption.hpp"
-#include "output/file/atomic_file.hpp"
 #include "output/picture/render_files.hpp"
+#include "results.hpp"
 #include "scene/file/scene.hpp"
 #include "select.hpp"
 
@@ -33,13 +32,8 @@ struct RenderOptions {
 
 /// What to type to make these files again.
 std::string canonical_command(const Scene& scene, const RenderOptions& o) {
-    std::string text = "lostbits render " + scene.id;
-    for (const auto& f : o.forms) text += " -i '" + f + "'";
-    for (const auto& f : o.formats) text += " -f " + f;
-    for (const auto& s : o.stages) text += " --stage " + s;
-    for (const auto& s : o.set) text += " --set '" + s + "'";
-    if (!o.size.empty()) text += " --size " + o.size;
-    return text;
+    return "lostbits render " + scene.id + each(" -i '", o.forms, "'") + each(" -f ", o.formats) +
+           each(" --stage ", o.stages) + each(" --set '", o.set, "'") + (o.size.empty() ? "" : " --size " + o.size);
 }
 
 /// The scenes themselves; InputError where one has no spheres with colours.
@@ -47,13 +41,12 @@ std::vector<Scene> renderable(std::vector<Scene> scenes) {
     for (const Scene& scene : scenes) {
         if (scene.flake)
             throw InputError(
-                fmt::format("{}: the spheres of [sphereflake] have no colours, so that there is no picture to render; "
-                            "`lostbits map` takes it",
+                fmt::format("{}: the spheres of [sphereflake] have no colours, so there is no picture to render; use "
+                            "`lostbits map`",
                             scene.path.string()));
         if (!scene.meets(Shape::sphere))
-            throw InputError(
-                fmt::format("{}: render shades spheres, and scene \"{}\" has none; `lostbits map` takes it",
-                            scene.path.string(), scene.id));
+            throw InputError(fmt::format("{}: render draws spheres, and scene \"{}\" has none; use `lostbits map`",
+                                         scene.path.string(), scene.id));
     }
     return scenes;
 }
@@ -70,7 +63,7 @@ std::vector<scene::file::Stage> stages_of(const Scene& scene, const RenderOption
         const Stage drawn = scene.appearance.last_up_to(asked);
         stages.insert(drawn);
         if (drawn != asked && !quiet)
-            fmt::print(stderr, "lostbits: {} does not ask for {}; its last stage before that is {}\n", scene.id, word,
+            fmt::print(stderr, "lostbits: scene {} has no stage {}; drawing stage {} instead\n", scene.id, word,
                        name_of(drawn));
     }
     return {stages.begin(), stages.end()};
@@ -102,12 +95,12 @@ std::uint64_t render_scene(const RenderRequest& request, const RenderOptions& o,
 }
 
 Exit run(const RenderOptions& o, const Common& common) {
-    if (o.out.empty()) throw InputError("-o: the name of the folder is empty; write -o . for this one");
+    require_folder(o.out);
     const auto rows = fitting(cross(select_forms(o.forms), select_formats(o.formats)),
                               [](Shape shape) { return shape == Shape::sphere; });
     if (rows.empty())
         throw NothingSelected(
-            "render shades spheres, and none of the selected intersectors meets one; try -i 'sphere.*'");
+            "render draws spheres, and none of the selected intersectors is a sphere form; try -i 'sphere.*'");
     const auto scenes = renderable(load_scenes({o.scenes, o.size, o.variant, o.set}, data_folder(common.data)));
     const ThreadLimit limit(common.threads);
 
@@ -115,25 +108,20 @@ Exit run(const RenderOptions& o, const Common& common) {
     std::uint64_t units = 0, unproved = 0;
     for (const auto& scene : scenes) {
         requests.push_back({.scene = &scene, .stages = stages_of(scene, o, common.quiet), .rows = rows});
-        units += static_cast<std::uint64_t>(scene.width) * static_cast<std::uint64_t>(scene.height) * rows.size();
+        units += scene.pixels() * rows.size();
     }
-    // A folder that cannot be written ends the run before the first ray, not after the tenth scene.
-    for (const auto& scene : scenes)
-        output::file::AtomicFile probe(std::filesystem::path(o.out) / scene.id / "summary.csv");
+    for (const auto& scene : scenes) probe(std::filesystem::path(o.out) / scene.id / "summary.csv");
 
     output::file::Progress progress(units, "render", common.progress, common.quiet);
     for (RenderRequest& request : requests) {
-        request.progress = [&progress](std::uint64_t done) {
-            progress.advance(done);
-            stop_if_interrupted();
-        };
+        request.progress = advancing(progress);
         unproved += render_scene(request, o, common);
     }
     progress.finish();
     if (unproved > 0 && !common.quiet)
         fmt::print(stderr,
-                   "lostbits: {} pixels have something that {} bits did not prove; they are counted as `unresolved` "
-                   "and drawn as such\n",
+                   "lostbits: {} pixels could not be proved within {} bits; they count as `unresolved` and are drawn "
+                   "as such\n",
                    unproved, measure::picture::PictureLimit{}.bits);
     return unproved == 0 ? Exit::done : Exit::internal;
 }
@@ -142,16 +130,15 @@ Exit run(const RenderOptions& o, const Common& common) {
 
 void add_render(CLI::App& program, const Common& common, Command& chosen) {
     auto* command = program.add_subcommand(
-        "render",
-        "A scene's picture, stage by stage, in the arithmetic of a form and format, against the certified picture");
+        "render", "Draw a scene, stage by stage, with a form in a format, and compare with the certified picture");
     const auto o = std::make_shared<RenderOptions>();
-    command->add_option("SCENE", o->scenes, "Scene files, or names in data/scenes; of spheres")->required();
+    command->add_option("SCENE", o->scenes, "Scene files, or names in data/scenes; scenes of spheres")->required();
     command->add_option("-i,--intersector", o->forms,
                         "Forms that find hits and shadows, by name or glob (default: sphere.expanded)");
     command->add_option("-f,--format", o->formats, "Formats: f32, f64, fp16, bf16, tf32, pN, pA..pB (default: f32)");
     command
         ->add_option("--stage", o->stages,
-                     "visible, diffuse, shadows, phong; may be repeated (default: the last that the scene asks for)")
+                     "visible, diffuse, shadows, phong; may be repeated (default: the last that the scene has)")
         ->check(
             CLI::IsMember(std::vector<std::string>(scene::file::stage_names.begin(), scene::file::stage_names.end())));
     command->add_option("--size", o->size, "Picture size, WxH in pixels (default: the scene's)");

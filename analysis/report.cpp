@@ -12,6 +12,7 @@
 #include "number/interruption.hpp"
 #include "output/file/atomic_file.hpp"
 #include "report_parts.hpp"
+#include "results.hpp"
 #include "scene/claim/claims_file.hpp"
 #include "scene/claim/report_file.hpp"
 #include "scene/sweep/case_file.hpp"
@@ -73,7 +74,7 @@ void add_subject(Subjects& subjects, const std::string& word, const std::filesys
         subjects.sweeps.push_back(scene::sweep::find_sweep(word, data));
     else {
         names.insert(names.end(), sweeps.begin(), sweeps.end());
-        throw InputError(word + ": neither a file nor a scene or sweep under " + data.string() + "; " +
+        throw InputError(word + ": is not a file, nor a scene or sweep under " + data.string() + "; " +
                          scene::toml::did_you_mean(word, names));
     }
 }
@@ -120,6 +121,7 @@ std::vector<MapRow> rows_for(const std::string& subject, std::vector<MapRow> row
 }
 
 struct Work {
+    measure::metric::MetricSet made;  ///< outlives the maps, whose metrics it keeps
     std::vector<MapWork> maps;
     std::vector<SweepWork> sweeps;
     std::vector<Claim> claims;
@@ -130,7 +132,7 @@ void plan_sweep(Work& work, const std::filesystem::path& path, const std::filesy
                 const std::vector<MapRow>& rows) {
     std::vector<MapRow> fit;
     const auto kind = scene::sweep::sweep_kind(path);
-    if (kind == scene::sweep::SweepKind::search) return;  // a search is no picture
+    if (kind == scene::sweep::SweepKind::search) return;  // a search has no picture
     if (kind == scene::sweep::SweepKind::cases)
         fit = fitting(rows, [file = scene::sweep::CaseFile(path)](Shape shape) { return file.meets(shape); });
     else fit = fitting(rows, [sweep = scene::sweep::SweepFile(path, data)](Shape shape) { return sweep.meets(shape); });
@@ -156,9 +158,8 @@ Work plan(const ReportOptions& o, const std::filesystem::path& data) {
     const auto claims = o.no_claims ? std::vector<Claim>{} : read_all_claims(data);
     const auto rows = cross(select_forms(o.forms.empty() ? defaults.forms : o.forms),
                             select_formats(o.formats.empty() ? defaults.formats : o.formats));
-    const std::vector<const Metric*> asked =
-        o.metrics.empty() ? std::vector<const Metric*>{} : select_metrics(o.metrics);
     Work work;
+    const std::vector<const Metric*> asked = select_metrics(o.metrics, work.made);
     for (const scene::file::SceneName& name : subjects.scenes) {
         scene::file::LoadOptions options{.variant = name.variant};
         if (!o.size.empty()) options.size = parse_size(o.size);
@@ -169,15 +170,13 @@ Work plan(const ReportOptions& o, const std::filesystem::path& data) {
             std::vector<const Metric*> wanted = asked;
             for (const char* metric : {"lost_bits", "ulp_error", "condition", "inherent_bits", "excess_bits"})
                 wanted.push_back(measure::metric::find_metric(metric));
-            auto all = measured(wanted, fit);
-            measure::blame::bind_to_run(all, measure::map::forms_of(fit),
-                                        [&scene] { return measure::blame::SettingOf(scene); });
+            auto all = work.made.for_forms(measured(wanted, fit), measure::map::forms_of(fit),
+                                           [&scene] { return measure::blame::SettingOf(scene); });
             // Its float layer would be the largest part of most pages.
             std::erase_if(all, [&](const Metric* m) {
                 return m->name == "residual" && std::ranges::find(asked, m) == asked.end();
             });
-            work.units +=
-                static_cast<std::uint64_t>(scene.width) * static_cast<std::uint64_t>(scene.height) * fit.size();
+            work.units += scene.pixels() * fit.size();
             work.maps.push_back({std::move(scene), std::move(fit), std::move(all), o.size.empty()});
         }
     }
@@ -187,12 +186,11 @@ Work plan(const ReportOptions& o, const std::filesystem::path& data) {
         if (is_chosen(c, o, work)) work.claims.push_back(c);
     }
     if (work.maps.empty() && work.sweeps.empty())
-        throw NothingSelected(
-            "report: none of the selected intersectors can be asked about any of the selected scenes and sweeps");
+        throw NothingSelected("report: no selected form handles any of the selected scenes and sweeps");
     std::set<std::string> ids;
     for (const MapWork& m : work.maps) {
         if (!ids.insert(m.scene.id).second)
-            throw InputError(fmt::format("scene \"{}\" is given twice; a page shows it once", m.scene.id));
+            throw InputError(fmt::format("scene \"{}\" is given twice; a page shows it only once", m.scene.id));
     }
     return work;
 }
@@ -200,10 +198,8 @@ Work plan(const ReportOptions& o, const std::filesystem::path& data) {
 std::string canonical_command(const ReportOptions& o) {
     std::string text = "lostbits report";
     for (const auto& s : o.subjects) text += " " + std::filesystem::path(s).filename().string();
-    for (const auto& f : o.forms) text += " -i '" + f + "'";
-    for (const auto& f : o.formats) text += " -f " + f;
-    for (const auto& m : o.metrics) text += " --metric " + m;
-    for (const auto& c : o.claims) text += " --claims '" + c + "'";
+    text += each(" -i '", o.forms, "'") + each(" -f ", o.formats) + each(" --metric ", o.metrics) +
+            each(" --claims '", o.claims, "'");
     if (!o.size.empty()) text += " --size " + o.size;
     if (o.all) text += " --all";
     if (o.no_claims) text += " --no-claims";
@@ -212,7 +208,7 @@ std::string canonical_command(const ReportOptions& o) {
 }
 
 Exit run(const ReportOptions& o, const Common& common) {
-    if (o.out.empty()) throw InputError("-o: the name of the folder is empty; write -o . for this one");
+    require_folder(o.out);
     const auto data = data_folder(common.data);
     Work work = plan(o, data);
     const ThreadLimit limit(common.threads);
@@ -222,15 +218,12 @@ Exit run(const ReportOptions& o, const Common& common) {
     output::file::Progress progress(
         work.units + sweep_units * work.sweeps.size() + (work.claims.empty() ? 0 : claims_units), "report",
         common.progress, common.quiet);
-    const auto advance = [&progress](std::uint64_t done) {
-        progress.advance(done);
-        stop_if_interrupted();
-    };
+    const auto advance = advancing(progress);
     output::page::Report report{
         .command = canonical_command(o), .maps = {}, .sweeps = {}, .trades = {}, .claims = work.claims, .results = {}};
     std::uint64_t unresolved = 0;
     for (MapWork& map : work.maps) {
-        report.maps.push_back(map_part(map, advance));
+        report.maps.push_back(map_part(map, work.made, advance));
         unresolved += map.unresolved;
     }
     for (const SweepWork& sweep : work.sweeps)
@@ -250,12 +243,7 @@ Exit run(const ReportOptions& o, const Common& common) {
     file.write(output::page::page(report));
     file.commit();
     if (!common.quiet) fmt::print("{}\n", file.path().string());
-    if (unresolved > 0) {
-        fmt::print(stderr,
-                   "lostbits: the truth of {} rays was not proved within {} bits; they are classed `unresolved`\n",
-                   unresolved, measure::truth::TruthLimit{}.bits);
-        return Exit::internal;
-    }
+    if (const Exit end = end_with_unproved(unresolved); end != Exit::done) return end;
     const bool all_agree = std::ranges::all_of(report.results, [](const ClaimResult& r) {
         return r.state == ClaimResult::State::agrees || r.state == ClaimResult::State::skipped;
     });
@@ -273,12 +261,12 @@ void add_report(CLI::App& program, const Common& common, Command& chosen) {
                         "Forms, by name or glob (default: those of data/report.toml, and those that claims name)");
     command->add_option("-f,--format", o->formats,
                         "Formats: f32, f64, fp16, bf16, tf32, pN, pA..pB (default: f32 f64)");
-    command->add_option("--metric", o->metrics, "Metrics beside the default ones; globs");
+    command->add_option("--metric", o->metrics, "Metrics in addition to the default ones; globs");
     command->add_option("--size", o->size, "Picture size, WxH in pixels (default: each scene's)");
     command->add_option("--claims", o->claims, "Claims by id; globs (default: all, or those about the SUBJECTs)");
-    command->add_flag("--no-claims", o->no_claims, "No claims");
+    command->add_flag("--no-claims", o->no_claims, "Leave claims out");
     command->add_flag("--all", o->all, "Every scene and sweep under data");
-    command->add_flag("--trade", o->trade, "Also measure speed, briefly: the page then differs from run to run");
+    command->add_flag("--trade", o->trade, "Also measure speed, briefly; the page then differs from run to run");
     command->add_option("-o,--out", o->out, "Folder for index.html")->required();
     command->callback([o, &common, &chosen] { chosen = [o, &common] { return run(*o, common); }; });
 }

@@ -7,11 +7,11 @@
 
 #include "measure/map/culprit_order.hpp"
 #include "measure/sweep/cases.hpp"
+#include "output/map/row_names.hpp"
 #include "output/map/scene_sheet.hpp"
 #include "output/page/grid_data.hpp"
 #include "output/page/picture.hpp"
 #include "output/page/sweep_data.hpp"
-#include "output/page/text.hpp"
 #include "output/speed/trade_files.hpp"
 #include "output/speed/trade_plot.hpp"
 #include "output/sweep/case_files.hpp"
@@ -45,7 +45,7 @@ private:
 
 std::vector<std::string> keys_of(const std::vector<MapRow>& rows) {
     std::vector<std::string> keys;
-    for (const MapRow& row : rows) keys.push_back(output::page::row_key(row));
+    for (const MapRow& row : rows) keys.push_back(output::map::row_name(row));
     return keys;
 }
 
@@ -79,7 +79,8 @@ SweepPart case_part(const SweepWork& work) {
     part.json = output::page::case_json(request, cases);
     for (const auto& judged : file.conventions) {
         const std::string alt =
-            judged ? fmt::format("{}, by the {} solid", file.title, intersect::convention_name(judged)) : file.title;
+            judged ? fmt::format("{}, judged by the {} solid", file.title, intersect::convention_name(judged))
+                   : file.title;
         part.pictures.push_back(output::page::picture(
             alt, [&](const auto& to) { output::sweep::write_case_matrix(to, request, cases, judged); }));
     }
@@ -87,23 +88,16 @@ SweepPart case_part(const SweepWork& work) {
 }
 
 /// Of every format, small: they stand where the plots cannot.
-std::vector<output::page::Picture> line_pictures(const measure::sweep::SweepRequest& request,
-                                                 const std::vector<measure::sweep::SweepStep>& steps,
-                                                 const std::vector<measure::sweep::Onset>& onsets) {
+std::vector<output::page::Picture> line_pictures(const output::sweep::MeasuredSweep& sweep) {
     constexpr output::sweep::PlotSize size{820, 470};
-    auto& backend = output::image::image_backend();
-    std::vector<Format> formats;
-    for (const MapRow& row : request.rows) {
-        if (std::ranges::find(formats, row.format) == formats.end()) formats.push_back(row.format);
-    }
     std::vector<output::page::Picture> pictures;
-    for (const Format& format : formats) {
-        const std::string what = fmt::format("{}, {}", request.sweep->title, format.name);
+    for (const Format& format : output::sweep::formats_of(sweep)) {
+        const std::string what = fmt::format("{}, {}", sweep.request.sweep->title, format.name);
         pictures.push_back(output::page::picture("99th percentile of lost bits: " + what, [&](const auto& to) {
-            output::sweep::write_lost_bits_plot(backend, to, request, steps, onsets, format, 0.99, size);
+            output::sweep::write_lost_bits_plot(to, sweep, format, 0.99, size);
         }));
         pictures.push_back(output::page::picture("Share of wrong answers: " + what, [&](const auto& to) {
-            output::sweep::write_wrong_plot(backend, to, request, steps, onsets, format, size);
+            output::sweep::write_wrong_plot(to, sweep, format, size);
         }));
     }
     return pictures;
@@ -143,16 +137,16 @@ SweepPart axes_part(const SweepWork& work, const Advance& advance) {
     part.axes = {sweep.axes.front().values};
     part.json = output::page::sweep_json(request, steps, onsets);
     part.table = output::page::onset_table(request, onsets);
-    part.pictures = line_pictures(request, steps, onsets);
+    part.pictures = line_pictures({request, steps, onsets});
     return part;
 }
 
 }  // namespace
 
-output::page::MapPart map_part(MapWork& work, const Advance& advance) {
+output::page::MapPart map_part(MapWork& work, measure::metric::MetricSet& made, const Advance& advance) {
     const scene::file::Scene& scene = work.scene;
     measure::map::MapRequest request{.scene = &scene, .rows = work.rows, .metrics = work.metrics};
-    measure::map::order_culprits(request);
+    request.metrics = measure::map::order_culprits(request, made);
     request.progress = advance;
     const output::page::TemporaryFolder folder;
     const auto file = folder.path() / "contact.png";
@@ -166,17 +160,17 @@ output::page::MapPart map_part(MapWork& work, const Advance& advance) {
     const auto summaries = measure::map::run_map(request, sinks);
     sheet.finish(summaries);
     work.unresolved = summaries.front().count(measure::answer::Outcome::unresolved);
-    return {scene.id,
-            scene.title,
-            scene.note,
-            scene.source,
-            keys_of(work.rows),
-            data.index(summaries, work.own_size),
-            data.blobs(),
-            output::page::summary_table(request, summaries),
-            {fmt::format("{}: lost bits of every form and format", scene.title), output::page::bytes_of(file)},
-            work.own_size,
-            names_of(work.metrics)};
+    return {.id = scene.id,
+            .title = scene.title,
+            .note = scene.note,
+            .source = scene.source,
+            .rows = keys_of(work.rows),
+            .index = data.index(summaries, work.own_size),
+            .blobs = data.blobs(),
+            .table = output::page::summary_table(request, summaries),
+            .sheet = {fmt::format("{}: lost bits of every form and format", scene.title), output::page::bytes_of(file)},
+            .own_size = work.own_size,
+            .metrics = names_of(work.metrics)};
 }
 
 SweepPart sweep_part(const SweepWork& work, const Advance& advance) {

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "measure/metric/metric_set.hpp"
 #include "output/page/page.hpp"
 #include "scene/file/scene.hpp"
 
@@ -22,7 +23,8 @@ struct MapWork {
     bool own_size = true;          ///< the scene's own, not --size
     std::uint64_t unresolved = 0;  ///< after `map_part`: rays without a proved truth
 };
-output::page::MapPart map_part(MapWork& work, const Advance& advance);
+/// `made` keeps the metrics that are made for it.
+output::page::MapPart map_part(MapWork& work, measure::metric::MetricSet& made, const Advance& advance);
 
 /// A sweep along one axis, over a plane, or over named cases, under rows that fit it.
 struct SweepWork {

@@ -11,7 +11,6 @@
 #include <set>
 #include <thread>
 
-#include "measure/blame/culprits.hpp"
 #include "number/error.hpp"
 #include "scene/file/march_table.hpp"
 #include "scene/toml/did_you_mean.hpp"
@@ -68,18 +67,18 @@ std::vector<const Intersector*> select_forms(const std::vector<std::string>& glo
                        [](const Intersector& i) { return i.info->name; });
 }
 
-std::vector<const Metric*> select_metrics(const std::vector<std::string>& globs) {
+std::vector<const Metric*> select_metrics(const std::vector<std::string>& globs, measure::metric::MetricSet& made) {
     std::vector<const Metric*> chosen;
     for (const std::string& glob : globs) {
-        if (const Metric* const one = measure::blame::labelled_metric(glob)) {
+        if (const Metric* const one = made.find(glob)) {
             if (std::ranges::find(chosen, one) == chosen.end()) chosen.push_back(one);
             continue;
         }
         if (glob == "contribution" || glob.ends_with(':')) {
             const std::string of = glob.substr(0, glob.find(':'));
             throw InputError(
-                fmt::format("--metric {}: of which operation? write {}:LABEL, such as {}:c; `lostbits list labels` has "
-                            "every form's",
+                fmt::format("--metric {}: name an operation, {}:LABEL, such as {}:c; `lostbits list labels` shows the "
+                            "labels of every form",
                             glob, of, of));
         }
         for (const Metric* m : select_rows(measure::metric::metrics(), {glob}, "metric", "--metric",
@@ -105,7 +104,7 @@ std::vector<const Metric*> that_apply(std::vector<const Metric*> asked, const st
     std::erase_if(asked, [](const Metric* m) { return m->over == measure::metric::Over::marches; });
     if (asked.empty())
         throw InputError(fmt::format(
-            "--metric {}: {} is asked of no form that marches; add -i 'sdf.*', or a [march] table to it", first, what));
+            "--metric {}: none of the selected forms marches in {}; add -i 'sdf.*', or a [march] table", first, what));
     return asked;
 }
 
@@ -116,8 +115,7 @@ std::vector<const Metric*> measured(const std::vector<const Metric*>& asked, con
         const bool named = std::ranges::find(asked, &m) != asked.end();
         if ((m.by_default || named) && (marches || m.over != measure::metric::Over::marches)) all.push_back(&m);
     }
-    std::ranges::copy_if(asked, std::back_inserter(all),
-                         [](const Metric* m) { return measure::blame::is_labelled(*m); });
+    std::ranges::copy_if(asked, std::back_inserter(all), [](const Metric* m) { return !m->label.empty(); });
     return all;
 }
 
@@ -161,8 +159,8 @@ std::vector<MapRow> cross(const std::vector<const Intersector*>& forms, const st
     }
     if (rows.empty())
         throw NothingSelected(
-            "none of the selected intersectors exists in the selected formats; `lostbits list intersectors` says which "
-            "do");
+            "none of the selected intersectors exists in the selected formats; `lostbits list intersectors` shows the "
+            "formats of each");
     return rows;
 }
 
@@ -214,7 +212,7 @@ std::pair<int, int> parse_size(const std::string& text) {
         return error == std::errc{} && stop == text.data() + end;
     };
     if (x == std::string::npos || !number(0, x, size[0]) || !number(x + 1, text.size(), size[1])) {
-        throw InputError(fmt::format("--size {}: not a size; write width and height in pixels, like 512x384", text));
+        throw InputError(fmt::format("--size {}: is not a size; write width and height in pixels, like 512x384", text));
     }
     return {size[0], size[1]};
 }

@@ -12,7 +12,7 @@
 
 #include "intersect/table/table.hpp"
 #include "measure/map/map.hpp"
-#include "measure/metric/metrics.hpp"
+#include "measure/metric/metric_set.hpp"
 #include "number/error.hpp"
 #include "number/format.hpp"
 #include "scene/file/scene.hpp"
@@ -26,8 +26,9 @@ std::vector<const intersect::table::Intersector*> select_forms(const std::vector
 /// Formats by name, or ranges `p5..p12`; duplicates are dropped. InputError with did-you-mean.
 std::vector<Format> select_formats(const std::vector<std::string>& names);
 
-/// Metrics by name or glob, in the order asked for. InputError with did-you-mean.
-std::vector<const measure::metric::Metric*> select_metrics(const std::vector<std::string>& globs);
+/// Metrics by name or glob, in the order asked for; `made` keeps those of labels. InputError with did-you-mean.
+std::vector<const measure::metric::Metric*> select_metrics(const std::vector<std::string>& globs,
+                                                           measure::metric::MetricSet& made);
 
 /// Those of the metrics that any of the rows has: the ones of marches go where no row marches. InputError where that
 /// leaves none; `what` is the scene or sweep.
@@ -46,7 +47,7 @@ void note_lost_constants(const scene::file::Scene& scene, const std::vector<meas
 std::vector<measure::map::MapRow> cross(const std::vector<const intersect::table::Intersector*>& forms,
                                         const std::vector<Format>& formats);
 
-/// Those rows whose forms can be asked: `meets(Shape)` tells of which shapes.
+/// The rows whose forms have a shape that `meets(Shape)` accepts.
 template <class Meets>
 std::vector<measure::map::MapRow> fitting(const std::vector<measure::map::MapRow>& rows, const Meets& meets) {
     std::vector<measure::map::MapRow> chosen;
@@ -55,11 +56,11 @@ std::vector<measure::map::MapRow> fitting(const std::vector<measure::map::MapRow
     return chosen;
 }
 
-/// `sphere.*, sdf.*`: the globs of the forms that can be asked.
+/// `sphere.*, sdf.*`: the globs of the forms of these shapes.
 std::string globs_of(const std::function<bool(Shape)>& meets);
 
-/// Drops what no selected form can be asked about and says so on stderr unless `quiet`; `meets(thing, Shape)` tells of
-/// which shapes the forms must be, `name_of` a thing's name. NothingSelected where that leaves none.
+/// Drops what no selected form handles and says so on stderr unless `quiet`; `meets(thing, Shape)` tells which shapes
+/// of forms can handle a thing, `name_of` its name. NothingSelected where that leaves none.
 template <class Things, class Meets, class NameOf>
 void drop_unfitting(Things& things, const std::vector<measure::map::MapRow>& rows, bool quiet, Meets meets,
                     NameOf name_of) {
@@ -67,8 +68,8 @@ void drop_unfitting(Things& things, const std::vector<measure::map::MapRow>& row
     std::erase_if(things, [&](const auto& thing) {
         const auto can = [&](Shape shape) { return meets(thing, shape); };
         if (!fitting(rows, can).empty()) return false;
-        left_out.push_back(std::string(name_of(thing)) +
-                           " can be asked of none of the selected intersectors; try -i '" + globs_of(can) + "'");
+        left_out.push_back("no selected form handles " + std::string(name_of(thing)) + "; try -i '" + globs_of(can) +
+                           "'");
         return true;
     });
     if (things.empty()) throw NothingSelected(left_out.front());
@@ -77,7 +78,7 @@ void drop_unfitting(Things& things, const std::vector<measure::map::MapRow>& row
     }
 }
 
-/// Limits every parallel loop to that many threads while it lives; 0 stands for one a core.
+/// Limits every parallel loop to that many threads while it lives; 0 stands for one per core.
 class ThreadLimit {
 public:
     explicit ThreadLimit(int threads);

@@ -6,12 +6,11 @@
 #include <memory>
 
 #include "commands.hpp"
-#include "measure/blame/culprits.hpp"
-#include "number/interruption.hpp"
 #include "output/sweep/case_files.hpp"
 #include "output/sweep/sweep_files.hpp"
 #include "output/sweep/sweep_plots.hpp"
 #include "output/sweep/worst_files.hpp"
+#include "results.hpp"
 #include "select.hpp"
 
 namespace lostbits::analysis {
@@ -47,6 +46,7 @@ void print_onsets(const measure::sweep::SweepRequest& request, const std::vector
 struct Chosen {
     std::vector<MapRow> rows;
     std::vector<const measure::metric::Metric*> asked;  ///< metrics beside the default ones
+    measure::metric::MetricSet& made;
 };
 
 /// What a run over named cases leaves: the matrix.
@@ -54,9 +54,10 @@ void run_case_file(const std::filesystem::path& path, const Chosen& chosen, cons
                    const Common& common) {
     const scene::sweep::CaseFile file(path);
     const auto rows = fitting(chosen.rows, [&](Shape shape) { return file.meets(shape); });
-    measure::sweep::CaseRequest request{.file = &file, .rows = {}, .metrics = measured(chosen.asked, rows)};
-    measure::blame::bind_to_run(request.metrics, measure::map::forms_of(rows),
-                                [&file] { return measure::blame::SettingOf(file.rays(0, binary64).front()); });
+    measure::sweep::CaseRequest request{.file = &file, .rows = {}, .metrics = {}};
+    request.metrics = chosen.made.for_forms(measured(chosen.asked, rows), measure::map::forms_of(rows), [&file] {
+        return measure::blame::SettingOf(file.rays(0, binary64).front());
+    });
     for (MapRow row : rows) {
         for (const auto& judged : file.conventions) {
             row.judged = judged;
@@ -66,10 +67,7 @@ void run_case_file(const std::filesystem::path& path, const Chosen& chosen, cons
     const auto folder = std::filesystem::path(o.out) / file.id;
     output::sweep::CaseFiles files(request, folder);
     Progress progress(file.size() * request.rows.size(), file.id, common.progress, common.quiet);
-    request.progress = [&progress](std::uint64_t done) {
-        progress.advance(done);
-        stop_if_interrupted();
-    };
+    request.progress = advancing(progress);
     files.finish(measure::sweep::run_cases(request));
     progress.finish();
     if (!common.quiet) fmt::print("{}\n", (folder / "cases.csv").string());
@@ -84,20 +82,16 @@ void run_axes(const std::filesystem::path& path, const Chosen& chosen, const Swe
     if (std::ranges::any_of(request.rows, [](const MapRow& row) { return row.form->shape == Shape::sdf; })) {
         for (const char* name : {"model_error", "rounding_error"}) asked.push_back(measure::metric::find_metric(name));
     }
-    request.metrics = measured(asked, request.rows);
-    measure::blame::bind_to_run(request.metrics, measure::map::forms_of(request.rows),
-                                [&sweep] { return measure::blame::SettingOf(sweep.first_rays()); });
+    request.metrics = chosen.made.for_forms(measured(asked, request.rows), measure::map::forms_of(request.rows),
+                                            [&sweep] { return measure::blame::SettingOf(sweep.first_rays()); });
     for (MapRow& row : request.rows) row.judged = sweep.convention;
     const auto folder = std::filesystem::path(o.out) / sweep.id;
     output::sweep::SweepFiles files(request, folder);
     Progress progress(measure::sweep::sweep_units(request), sweep.id, common.progress, common.quiet);
-    request.progress = [&progress](std::uint64_t done) {
-        progress.advance(done);
-        stop_if_interrupted();
-    };
+    request.progress = advancing(progress);
     const auto steps = measure::sweep::run_sweep(request);
     const auto onsets = measure::sweep::find_onsets(request, steps);
-    output::sweep::write_sweep_plots(output::image::image_backend(), folder, request, steps, onsets);
+    output::sweep::write_sweep_plots(folder, {request, steps, onsets});
     files.finish(steps, onsets);
     progress.finish();
     if (common.quiet) return;
@@ -111,25 +105,21 @@ void run_search(const std::filesystem::path& path, const Chosen& chosen, const S
         .search = &search,
         .rows = fitting(chosen.rows, [&](Shape shape) { return search.shape == shape; }),
         .metrics = {}};
-    request.metrics = measured({measure::metric::find_metric(search.metric)}, request.rows);
     Solid<double> any;  // labels do not depend on its numbers
     any.shape = search.shape;
-    measure::blame::bind_to_run(request.metrics, measure::map::forms_of(request.rows), {std::span(&any, 1)});
+    request.metrics =
+        chosen.made.for_forms(measured({chosen.made.find(search.metric)}, request.rows),
+                              measure::map::forms_of(request.rows), measure::blame::Setting{std::span(&any, 1)});
     const auto folder = std::filesystem::path(o.out) / search.id;
-    {
-        const output::file::AtomicFile probe(folder / "worst.csv");
-    }  // a folder that cannot be written ends the run before the search
+    probe(folder / "worst.csv");
     Progress progress(request.rows.size(), search.id, common.progress, common.quiet);
-    request.progress = [&progress](std::uint64_t done) {
-        progress.advance(done);
-        stop_if_interrupted();
-    };
+    request.progress = advancing(progress);
     const auto found = measure::sweep::find_worst(request);
     progress.finish();
     if (std::ranges::none_of(found, [](const auto& w) { return w.has_value(); })) {
         throw NothingSelected(path.string() +
-                              ": no ray of these ranges was hit by any form; distance_radii and impact_radii must "
-                              "leave something of the other ranges");
+                              ": no form hit anything with a ray of these ranges; distance_radii and impact_radii may "
+                              "exclude all of the other ranges");
     }
     output::sweep::write_worst(folder, request, found);
     if (!common.quiet) fmt::print("{}\n", (folder / "worst.csv").string());
@@ -138,13 +128,14 @@ void run_search(const std::filesystem::path& path, const Chosen& chosen, const S
 /// Of which shapes the forms must be.
 using Meets = std::function<bool(Shape)>;
 
-/// Reads the file and forgets it: InputError for what is wrong with it; the forms that it can be asked of.
+/// Reads the file only to check it: InputError if something is wrong. Returns which forms can handle it.
 Meets check_file(const std::filesystem::path& path, SweepKind kind, bool worst, const std::filesystem::path& data) {
     using K = SweepKind;
     if (worst && kind != K::search)
         throw InputError(path.string() +
                          ":1:1: --worst needs a [search] table: the ranges to search; see data/sweeps/worst");
-    if (!worst && kind == K::search) throw InputError(path.string() + ":1:1: a [search] table is for --worst; add it");
+    if (!worst && kind == K::search)
+        throw InputError(path.string() + ":1:1: this file has a [search] table, which only --worst uses; add --worst");
     const auto only = [](Shape shape) { return [shape](Shape form) { return form == shape; }; };
     if (kind == K::cases) return only(scene::sweep::CaseFile(path).shape());
     if (kind == K::axes) {
@@ -155,13 +146,15 @@ Meets check_file(const std::filesystem::path& path, SweepKind kind, bool worst, 
         };
     }
     const scene::sweep::SearchFile search(path);
-    if (measure::metric::find_metric(search.metric) == nullptr) {
+    measure::metric::MetricSet made;
+    const measure::metric::Metric* const metric = made.find(search.metric);
+    if (metric == nullptr) {
         std::vector<std::string> names;
         for (const measure::metric::Metric& m : measure::metric::metrics()) names.emplace_back(m.name);
-        throw InputError(path.string() + ":1:1: search.metric is \"" + search.metric +
-                         "\", which no metric is called; " + scene::toml::did_you_mean(search.metric, names));
+        throw InputError(path.string() + ":1:1: search.metric is \"" + search.metric + "\", which is not a metric; " +
+                         scene::toml::did_you_mean(search.metric, names));
     }
-    if (measure::metric::find_metric(search.metric)->by_run())
+    if (metric->by_run())
         throw InputError(
             path.string() + ":1:1: search.metric is \"" + search.metric +
             "\", which names an operation and has no largest value; try cancellation, or contribution:LABEL");
@@ -169,12 +162,13 @@ Meets check_file(const std::filesystem::path& path, SweepKind kind, bool worst, 
 }
 
 Exit run(const SweepOptions& o, const Common& common) {
-    Chosen chosen{cross(select_forms(o.forms), select_formats(o.formats)), {}};
+    measure::metric::MetricSet made;
+    Chosen chosen{cross(select_forms(o.forms), select_formats(o.formats)), {}, made};
     // A sweep always knows what the problem itself costs: its plots carry the envelope.
-    if (!o.metrics.empty()) chosen.asked = select_metrics(o.metrics);
+    if (!o.metrics.empty()) chosen.asked = select_metrics(o.metrics, made);
     for (const char* name : {"inherent_bits", "excess_bits"})
         chosen.asked.push_back(measure::metric::find_metric(name));
-    if (o.out.empty()) throw InputError("-o: the name of the folder is empty; write -o . for this one");
+    require_folder(o.out);
     const auto data = data_folder(common.data);
     // Every file is read before the first is worked on: bad input leaves nothing behind.
     struct Sweep {
@@ -214,7 +208,7 @@ void add_sweep(CLI::App& program, const Common& common, Command& chosen) {
     command->add_option("-i,--intersector", o->forms, "Forms, by name or glob (default: all)");
     command->add_option("-f,--format", o->formats,
                         "Formats: f32, f64, fp16, bf16, tf32, pN, pA..pB (default: f32 f64)");
-    command->add_option("--metric", o->metrics, "Metrics beside the default ones; globs");
+    command->add_option("--metric", o->metrics, "Metrics in addition to the default ones; globs");
     command->add_flag("--worst", o->worst, "Search the ranges of a [search] file for the worst ray of each form");
     command->add_option("-o,--out", o->out, "Folder for the results")->required();
     command->callback([o, &common, &chosen] { chosen = [o, &common] { return run(*o, common); }; });

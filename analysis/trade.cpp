@@ -6,8 +6,8 @@
 
 #include "commands.hpp"
 #include "measure/speed/trade.hpp"
-#include "number/interruption.hpp"
 #include "output/speed/trade_files.hpp"
+#include "results.hpp"
 #include "select.hpp"
 
 namespace lostbits::analysis {
@@ -26,8 +26,8 @@ std::vector<Format> native_formats(const std::vector<std::string>& names) {
     const auto formats = select_formats(names);
     for (const Format& f : formats) {
         if (f.engine == Format::Engine::rounded)
-            throw InputError(
-                fmt::format("-f {}: its time would be that of an emulation; only f32 and f64 are timed", f.name));
+            throw InputError(fmt::format(
+                "-f {}: this format is emulated, so its time says nothing; only f32 and f64 are timed", f.name));
     }
     return formats;
 }
@@ -43,13 +43,13 @@ measure::speed::TimingPlan plan_of(const TradeOptions& o) {
 }
 
 Exit run(const TradeOptions& o, const Common& common) {
-    if (o.out.empty()) throw InputError("-o: the name of the folder is empty; write -o . for this one");
+    require_folder(o.out);
     const Shape shape = o.shape == "box" ? Shape::box : Shape::sphere;
     const auto rows =
         fitting(cross(select_forms(o.forms), native_formats(o.formats)), [shape](Shape form) { return form == shape; });
     if (rows.empty())
         throw NothingSelected(fmt::format(
-            "--shape {0}: none of the selected intersectors is about a {0}; try -i '{0}.*' or another --shape",
+            "--shape {0}: none of the selected intersectors is a {0} form; try -i '{0}.*' or another --shape",
             o.shape));
     measure::speed::TradeRequest request{.shape = shape,
                                          .kernels = measure::speed::trade_kernels(rows),
@@ -62,10 +62,7 @@ Exit run(const TradeOptions& o, const Common& common) {
     const ThreadLimit limit(common.threads);
     output::file::Progress progress(measure::speed::trade_units(request), fmt::format("trade {}", o.shape),
                                     common.progress, common.quiet);
-    request.plan.progress = [&progress](std::uint64_t done) {
-        progress.advance(done);
-        stop_if_interrupted();
-    };
+    request.plan.progress = advancing(progress);
     const measure::speed::TradeResult result = measure::speed::run_trade(request);
     files.finish(result);
     progress.finish();
@@ -77,7 +74,7 @@ Exit run(const TradeOptions& o, const Common& common) {
 }  // namespace
 
 void add_trade(CLI::App& program, const Common& common, Command& chosen) {
-    auto* command = program.add_subcommand("trade", "Measured speed against measured accuracy, and what nothing beats");
+    auto* command = program.add_subcommand("trade", "Measured speed against measured accuracy, with the Pareto front");
     const auto o = std::make_shared<TradeOptions>();
     command->add_option("--shape", o->shape, "sphere (default) or box")->check(CLI::IsMember({"sphere", "box"}));
     command->add_option("-i,--intersector", o->forms, "Forms, by name or glob (default: all of the shape)");

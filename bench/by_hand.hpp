@@ -6,7 +6,7 @@
 
 namespace by_hand {
 
-/// One ray (ox, oy, oz, dx, dy, dz) against n boxes; columns: lo x, y, z, hi x, y, z; t as in seed 002.
+/// One ray (ox, oy, oz, dx, dy, dz) against n boxes; columns: lo x, y, z, hi x, y, z; t as in Barnes, part 3.
 template <class F>
 using Boxes = void (*)(const F* ray, const F* const columns[6], F* t, std::size_t n);
 

@@ -11,7 +11,7 @@
 
 namespace lostbits {
 
-/// `sdf` is no solid's: it stands for what meets any solids together, as one field of distances.
+/// `sdf` is not a solid: it stands for forms that meet all solids together, as one field of distances.
 enum class Shape : std::uint8_t { sphere, box, sdf };
 
 inline constexpr std::array<std::string_view, 3> shape_names{"sphere", "box", "sdf"};

@@ -20,6 +20,12 @@ T dot(const Vec<T>& a, const Vec<T>& b) {
     return a.x * b.x + a.y * b.y + a.z * b.z;
 }
 
+/// a·a, the squares summed in the same order.
+template <Number T>
+T square(const Vec<T>& a) {
+    return square(a.x) + square(a.y) + square(a.z);
+}
+
 /// a × b, each component one difference of two products.
 template <Number T>
 Vec<T> cross(const Vec<T>& a, const Vec<T>& b) {
@@ -29,7 +35,7 @@ Vec<T> cross(const Vec<T>& a, const Vec<T>& b) {
 /// |a| = √(a·a). Overflows and underflows where a·a does: that, too, is measured.
 template <Number T>
 T length(const Vec<T>& a) {
-    return sqrt(dot(a, a));
+    return sqrt(square(a));
 }
 
 }  // namespace lostbits

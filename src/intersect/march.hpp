@@ -30,8 +30,14 @@ inline constexpr std::array<std::string_view, 5> march_number_names{"hit_eps", "
 template <class S, class Lift>
 auto transformed(const MarchConstants<S>& c, Lift lift) {
     using T = std::decay_t<std::invoke_result_t<Lift, const S&>>;
-    return MarchConstants<T>{lift(c.hit_eps),         lift(c.max_dist), lift(c.relative_eps), lift(c.cone),
-                             lift(c.over_relaxation), c.max_steps,      c.secant_steps,       c.bisect_steps};
+    return MarchConstants<T>{.hit_eps = lift(c.hit_eps),
+                             .max_dist = lift(c.max_dist),
+                             .relative_eps = lift(c.relative_eps),
+                             .cone = lift(c.cone),
+                             .over_relaxation = lift(c.over_relaxation),
+                             .max_steps = c.max_steps,
+                             .secant_steps = c.secant_steps,
+                             .bisect_steps = c.bisect_steps};
 }
 
 /// Why a march ended. `stagnated` is the step cap reached with t + d == t: more steps would have changed nothing.

@@ -5,6 +5,7 @@
 
 #include "geometry/shapes.hpp"
 #include "intersect/march.hpp"
+#include "number/with_number.hpp"
 
 namespace lostbits::intersect {
 
@@ -47,19 +48,17 @@ struct MarchStep {
 };
 
 /// Keeps every sample.
-template <class T, class Drop>
+template <class T>
 class StepLog {
 public:
-    explicit StepLog(Drop drop) : drop_(drop) {}
     void operator()(bool active, const T& t, const Vec<T>& p, const T& d) {
         if (!active) return;
-        const auto number = [this](const T& x) { return static_cast<double>(drop_(x)); };
-        steps_.push_back({number(t), {number(p.x), number(p.y), number(p.z)}, number(length(p)), number(d)});
+        const Vec<double> at{as_double(p.x), as_double(p.y), as_double(p.z)};
+        steps_.push_back({as_double(t), at, as_double(length(p)), as_double(d)});
     }
     [[nodiscard]] std::vector<MarchStep> take() { return std::move(steps_); }
 
 private:
-    Drop drop_;
     std::vector<MarchStep> steps_;
 };
 

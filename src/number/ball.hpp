@@ -3,6 +3,7 @@
 #pragma once
 
 #include "number/concept.hpp"
+#include "number/error_free.hpp"
 #include "number/tri.hpp"
 
 namespace lostbits {
@@ -38,23 +39,13 @@ public:
     [[nodiscard]] bool is_exact() const { return radius_ == 0 && undefined_ == Undefined::never; }
 
     friend Ball operator+(const Ball& a, const Ball& b) {
-        if (a.lo_ == 0 && b.lo_ == 0) {  // the sum of two doubles is a double-double, exactly
-            const double s = a.hi_ + b.hi_;
-            const double bb = s - a.hi_;
-            const double e = (a.hi_ - (s - bb)) + (b.hi_ - bb);
-            return finish(s, e, a.radius_ + b.radius_, false, a, b);
-        }
-        const double sh = a.hi_ + b.hi_;
-        const double sb = sh - a.hi_;
-        const double sl = (a.hi_ - (sh - sb)) + (b.hi_ - sb);
-        const double th = a.lo_ + b.lo_;
-        const double tb = th - a.lo_;
-        const double tl = (a.lo_ - (th - tb)) + (b.lo_ - tb);
-        const double c = sl + th;
-        const double vh = sh + c;
-        const double w = tl + (c - (vh - sh));
-        const double hi = vh + w;
-        return finish(hi, w - (hi - vh), a.radius_ + b.radius_, true, a, b);
+        const double spread = a.radius_ + b.radius_;
+        const DoubleDouble s = two_sum(a.hi_, b.hi_);
+        // The sum of two doubles is a double-double, exactly.
+        if (a.lo_ == 0 && b.lo_ == 0) return finish(s, spread, are_points(a, b), either(a, b));
+        const DoubleDouble t = two_sum(a.lo_, b.lo_);
+        const DoubleDouble v = quick_two_sum(s.hi, s.lo + t.hi);
+        return finish(quick_two_sum(v.hi, t.lo + v.lo), spread, false, either(a, b));
     }
     friend Ball operator-(const Ball& a) {
         Ball r = a;
@@ -65,16 +56,14 @@ public:
     friend Ball operator-(const Ball& a, const Ball& b) { return a + (-b); }
     friend Ball operator*(const Ball& a, const Ball& b) {
         if (a.is_zero() || b.is_zero()) return a.is_bounded() && b.is_bounded() ? Ball(0) : unknown();
-        const double ph = a.hi_ * b.hi_;
-        double pl = std::fma(a.hi_, b.hi_, -ph);
+        const DoubleDouble p = two_product(a.hi_, b.hi_);
         const double spread = std::fabs(a.hi_) * b.radius_ + std::fabs(b.hi_) * a.radius_ + a.radius_ * b.radius_;
         const bool one_word = a.lo_ == 0 && b.lo_ == 0;
-        if (one_word) return in_range(ph) ? finish(ph, pl, spread, false, a, b) : unknown();
-        pl += std::fma(a.hi_, b.lo_, a.lo_ * b.hi_);
-        const double hi = ph + pl;
+        if (one_word) return in_range(p.hi) ? finish(p, spread, are_points(a, b), either(a, b)) : unknown();
+        const DoubleDouble r = quick_two_sum(p.hi, p.lo + std::fma(a.hi_, b.lo_, a.lo_ * b.hi_));
         // A midpoint of zero inside a wide ball is a legitimate factor: only its radius counts.
-        if (!in_range(hi) && !(a.hi_ == 0 || b.hi_ == 0)) return unknown();
-        return finish(hi, pl - (hi - ph), spread, true, a, b);
+        if (!in_range(r.hi) && !(a.hi_ == 0 || b.hi_ == 0)) return unknown();
+        return finish(r, spread, false, either(a, b));
     }
     friend Ball operator/(const Ball& a, const Ball& b) {
         const double distance_from_zero = std::fabs(b.hi_) * (1 - 0x1p-50) - b.radius_;
@@ -83,11 +72,10 @@ public:
         const double qh = a.hi_ / b.hi_;
         if (!in_range(qh) || !in_range(a.hi_)) return unknown();
         // r = a − qh·b, which is small enough to be a double-double again.
-        const double rh = std::fma(-qh, b.hi_, a.hi_);
+        const double rh = quotient_residual(a.hi_, b.hi_, qh);
         const double ql = (rh + (a.lo_ - qh * b.lo_)) / b.hi_;
-        const double hi = qh + ql;
         const double spread = (a.radius_ + (std::fabs(qh) * (1 + 0x1p-50)) * b.radius_) / distance_from_zero;
-        return finish(hi, ql - (hi - qh), spread, true, a, b);
+        return finish(quick_two_sum(qh, ql), spread, false, either(a, b));
     }
     Ball& operator+=(const Ball& b) { return *this = *this + b; }
     Ball& operator-=(const Ball& b) { return *this = *this - b; }
@@ -102,10 +90,9 @@ public:
         }
         if (!in_range(a.hi_)) return unknown();
         const double sh = std::sqrt(a.hi_);
-        const double sl = (a.lo_ + std::fma(-sh, sh, a.hi_)) / (2 * sh);
-        const double hi = sh + sl;
+        const double sl = (a.lo_ + root_residual(a.hi_, sh)) / (2 * sh);
         // |√x − √a| = |x − a|/(√x + √a) ≤ radius/√a
-        return finish(hi, sl - (hi - sh), a.radius_ / (sh * (1 - 0x1p-50)), true, a, a);
+        return finish(quick_two_sum(sh, sl), a.radius_ / (sh * (1 - 0x1p-50)), false, a.undefined_);
     }
     friend Ball fma(const Ball& a, const Ball& b, const Ball& c) { return a * b + c; }
     friend Ball abs(const Ball& a) {
@@ -147,17 +134,18 @@ private:
     static constexpr double inflate = 1 + 0x1p-45;
     static constexpr double smallest_radius = 0x1p-960;
 
-    static bool in_range(double x) { return std::fabs(x) >= 0x1p-900 && std::fabs(x) <= 0x1p+900; }
+    // Below 2^1000, so that radii, too, have room.
+    static constexpr double largest = 0x1p+900;
+    static bool in_range(double x) { return std::fabs(x) >= error_free_low && std::fabs(x) <= largest; }
+    static bool are_points(const Ball& a, const Ball& b) { return a.radius_ == 0 && b.radius_ == 0; }
     [[nodiscard]] bool is_zero() const { return hi_ == 0 && radius_ == 0; }
     static Undefined either(const Ball& a, const Ball& b) { return spread(a.undefined_, b.undefined_); }
 
-    static Ball finish(double hi, double lo, double spread, bool rounded, const Ball& a, const Ball& b) {
-        const bool exact = !rounded && a.radius_ == 0 && b.radius_ == 0;
-        if (!exact) spread = (spread + std::fabs(hi) * dd_error) * inflate + smallest_radius;
-        const Undefined u = either(a, b);
-        if (!(std::fabs(hi) <= 0x1p+900) || !(spread < HUGE_VAL))
+    static Ball finish(DoubleDouble middle, double spread, bool exact, Undefined u) {
+        if (!exact) spread = (spread + std::fabs(middle.hi) * dd_error) * inflate + smallest_radius;
+        if (!(std::fabs(middle.hi) <= largest) || !(spread < HUGE_VAL))
             return unknown(u == Undefined::always ? u : Undefined::maybe);
-        Ball r(hi, lo, spread);
+        Ball r(middle.hi, middle.lo, spread);
         r.undefined_ = u;
         return r;
     }

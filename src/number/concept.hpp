@@ -63,6 +63,19 @@ T max(const T& a, const T& b) {
     return select(a > b, a, b);
 }
 
+/// x². A product of two numbers that happen to be equal is a product; this says that it is a square, which enclosures
+/// know to be no less than zero.
+template <class T>
+T square(const T& x) {
+    return x * x;
+}
+
+/// x² + c, rounded once.
+template <class T>
+T fma_square(const T& x, const T& c) {
+    return fma(x, x, c);
+}
+
 /// `f(mask)`: what a formula does with a decision. Enclosures overload it: where the decision is open they follow both
 /// sides to the end and join the results, which is tighter than joining at once.
 template <class M, class F>
@@ -120,6 +133,8 @@ concept Number = std::copyable<T> && std::constructible_from<T, int> && Mask<mas
     { a >= b } -> std::same_as<mask_t<T>>;
     { sqrt(a) } -> std::same_as<T>;
     { fma(a, b, c) } -> std::same_as<T>;
+    { square(a) } -> std::same_as<T>;
+    { fma_square(a, c) } -> std::same_as<T>;
     { abs(a) } -> std::same_as<T>;
     { copysign(a, b) } -> std::same_as<T>;
     { next_up(a) } -> std::same_as<T>;

@@ -68,6 +68,15 @@ public:
             return a.gradient_[i] * b.value_ + a.value_ * b.gradient_[i] + c.gradient_[i];
         });
     }
+    friend Dual square(const Dual& a) {
+        return with(square(a.value_),
+                    [&](std::size_t i) { return a.gradient_[i] * a.value_ + a.value_ * a.gradient_[i]; });
+    }
+    friend Dual fma_square(const Dual& a, const Dual& c) {
+        return with(fma_square(a.value_, c.value_), [&](std::size_t i) {
+            return a.gradient_[i] * a.value_ + a.value_ * a.gradient_[i] + c.gradient_[i];
+        });
+    }
     friend Dual abs(const Dual& a) {
         const auto negative = a.value_ < F(0);
         return with(abs(a.value_), [&](std::size_t i) { return select(negative, -a.gradient_[i], a.gradient_[i]); });

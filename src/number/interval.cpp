@@ -77,9 +77,7 @@ Interval operator-(const Interval& a, const Interval& b) {
 }
 Interval operator*(const Interval& a, const Interval& b) {
     Interval r;
-    // A square is not negative: without this the root of x·x + y·y is undefined wherever x and y may be zero.
-    if (&a == &b) mpfi_sqr(r.value_, a.value_);
-    else mpfi_mul(r.value_, a.value_, b.value_);
+    mpfi_mul(r.value_, a.value_, b.value_);
     r.settle(spread(a.undefined_, b.undefined_));
     return r;
 }
@@ -129,6 +127,13 @@ Interval sqrt(const Interval& a) {
 }
 
 Interval fma(const Interval& a, const Interval& b, const Interval& c) { return a * b + c; }
+
+Interval square(const Interval& a) {
+    Interval r;
+    mpfi_sqr(r.value_, a.value_);
+    r.settle(a.undefined_);
+    return r;
+}
 
 Interval abs(const Interval& a) {
     Interval r;

@@ -29,7 +29,7 @@ public:
     static RecordedMask noted(TapeOp op, bool value, NodeId a, NodeId b = no_node) {
         Tape* const tape = Tape::current();
         return {value,
-                tape ? tape->add(op, tape->formats.empty() ? binary64 : tape->formats.front(), value ? 1 : 0, a, b)
+                tape ? tape->add(op, tape->formats.empty() ? binary64 : tape->formats.front(), value ? 1 : 0, {a, b})
                      : no_node};
     }
 
@@ -128,7 +128,7 @@ private:
     }
     static NodeId noted(TapeOp op, const F& value, NodeId a, NodeId b = no_node, NodeId c = no_node) {
         Tape* const tape = Tape::current();
-        return tape ? tape->add(op, format(), as_double(value), a, b, c) : no_node;
+        return tape ? tape->add(op, format(), as_double(value), {a, b, c}) : no_node;
     }
     static Recorded made(TapeOp op, const F& value, NodeId a, NodeId b = no_node, NodeId c = no_node) {
         return Recorded(value, noted(op, value, a, b, c));

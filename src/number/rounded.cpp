@@ -5,9 +5,18 @@
 
 #include <mpfr.h>
 
+#include "number/error.hpp"
+#include "number/error_free.hpp"
+
 namespace lostbits {
 
-thread_local FloatFormat CurrentFormat::current_ = binary64;
+constinit thread_local const FloatFormat* CurrentFormat::current_ = nullptr;
+
+void CurrentFormat::refuse() {
+    throw Error(Exit::internal,
+                "a number of a format chosen at run time was used where no format is set: wrap the code in "
+                "CurrentFormat::Scope, or call it through with_number");
+}
 
 namespace rounding {
 namespace {
@@ -15,13 +24,6 @@ namespace {
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
 int sign_of(double x) { return (x > 0) - (x < 0); }
-
-// An error-free residual needs its lowest bit, about 2·53 places below the result, to be representable:
-// |r| ≥ 2^(-1074 + 2·53 + 1) is enough for a product, a quotient's and a root's residual alike.
-constexpr double safe_low = 0x1p-960;
-constexpr double safe_high = 0x1p+1000;
-
-bool residual_is_exact(double x) { return std::fabs(x) >= safe_low && std::fabs(x) <= safe_high; }
 
 /// An MPFR number of 64 bits: operations truncate and then set the last bit when inexact ("round to odd"), after
 /// which rounding to any format of at most 62 bits is correct (Boldo and Melquiond, 2008).
@@ -98,35 +100,33 @@ double to_format(double r, int residual, const FloatFormat& f) {
 }
 
 double add(double a, double b, const FloatFormat& f) {
-    const double s = a + b;
+    const auto [s, error] = two_sum(a, b);
     if (!std::isfinite(s)) return s;
-    const double bb = s - a;  // TwoSum (Knuth): the error of an addition is a double, subnormals included
-    const double error = (a - (s - bb)) + (b - bb);
-    if (std::fabs(s) > safe_high) return add_reference(a, b, f);
+    if (std::fabs(s) > error_free_high) return add_reference(a, b, f);
     return to_format(s, sign_of(error), f);
 }
 
 double mul(double a, double b, const FloatFormat& f) {
-    const double p = a * b;
-    if (!residual_is_exact(p)) return mul_reference(a, b, f);
-    return to_format(p, sign_of(std::fma(a, b, -p)), f);
+    const auto [p, error] = two_product(a, b);
+    if (!residuals_are_exact(p)) return mul_reference(a, b, f);
+    return to_format(p, sign_of(error), f);
 }
 
 double div(double a, double b, const FloatFormat& f) {
     const double q = a / b;
-    if (!residual_is_exact(q) || !residual_is_exact(a) || !residual_is_exact(b)) return div_reference(a, b, f);
-    return to_format(q, sign_of(std::fma(-q, b, a)) * sign_of(b), f);
+    if (!residuals_are_exact(a, b, q)) return div_reference(a, b, f);
+    return to_format(q, sign_of(quotient_residual(a, b, q)) * sign_of(b), f);
 }
 
 double sqrt(double a, const FloatFormat& f) {
     const double s = std::sqrt(a);
-    if (!residual_is_exact(a)) return sqrt_reference(a, f);
-    return to_format(s, sign_of(std::fma(-s, s, a)), f);
+    if (!residuals_are_exact(a)) return sqrt_reference(a, f);
+    return to_format(s, sign_of(root_residual(a, s)), f);
 }
 
 double fma(double a, double b, double c, const FloatFormat& f) {
     const double p = a * b;
-    if (2 * f.precision > 53 || !residual_is_exact(p)) return fma_reference(a, b, c, f);
+    if (2 * f.precision > 53 || !residuals_are_exact(p)) return fma_reference(a, b, c, f);
     return add(p, c, f);  // a·b has at most 2p ≤ 53 bits, so p is exact
 }
 

@@ -33,25 +33,33 @@ double next_up(double a, const FloatFormat& f);
 
 }  // namespace rounding
 
-/// The format that `Rounded<dynamic_precision>` computes in on this thread.
+/// The format that `RoundedAny` computes in on this thread: that of the innermost scope.
 class CurrentFormat {
 public:
-    static const FloatFormat& get() { return current_; }
+    /// Error(Exit::internal) outside of every scope, where nobody has said which format is meant.
+    static const FloatFormat& get() {
+        if (!current_) [[unlikely]]
+            refuse();
+        return *current_;
+    }
 
     /// Sets the thread's format for the lifetime of the scope.
     class Scope {
     public:
-        explicit Scope(const FloatFormat& f) : before_(current_) { current_ = f; }
+        explicit Scope(const FloatFormat& f) : format_(f), before_(current_) { current_ = &format_; }
         ~Scope() { current_ = before_; }
         Scope(const Scope&) = delete;
         Scope& operator=(const Scope&) = delete;
 
     private:
-        FloatFormat before_;
+        FloatFormat format_;
+        const FloatFormat* before_;
     };
 
 private:
-    static thread_local FloatFormat current_;
+    [[noreturn]] static void refuse();
+    // constinit: other files read it without asking first whether it has been initialised.
+    static constinit thread_local const FloatFormat* current_;
 };
 
 template <int P, int Emin, int Emax>

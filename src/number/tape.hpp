@@ -11,45 +11,76 @@
 
 namespace lostbits {
 
-/// `constant` is an integer of the formula's text, `convert` the way to or from a wider format; from `less` on the
-/// values are decisions, 1 or 0.
-enum class TapeOp : std::uint8_t {
-    input,
-    constant,
-    add,
-    sub,
-    mul,
-    div,
-    sqrt,
-    fma,
-    neg,
-    abs,
-    copysign,
-    min,
-    max,
-    select,
-    next_up,
-    next_down,
-    convert,
-    less,
-    less_equal,
-    greater,
-    greater_equal,
-    both,
-    either,
-    opposite,
-    any
+/// What an operation makes of its operands. What must be known of an operation follows from its kind.
+enum class OperationKind : std::uint8_t {
+    given,       ///< an input, or an integer of the formula's text: its operands are not nodes
+    rounded,     ///< a number computed from numbers and rounded to the format
+    exact,       ///< a number computed from one of the format without rounding
+    moved,       ///< a number taken to another one: a neighbour, or the nearest of another format
+    sign,        ///< a number with the sign of another
+    choice,      ///< one of two numbers
+    comparison,  ///< a decision about two numbers; the value of a decision is 1 or 0
+    logic        ///< a decision made from decisions
 };
 
-inline constexpr std::array<std::string_view, 25> tape_op_names{
-    "input",      "constant", "add",           "sub",  "mul",    "div",      "sqrt",      "fma",     "neg",
-    "abs",        "copysign", "min",           "max",  "select", "next_up",  "next_down", "convert", "less",
-    "less_equal", "greater",  "greater_equal", "both", "either", "opposite", "any"};
+/// All operations of a tape: name, kind, number of operands. The one list of them: everything else that is known of an
+/// operation is its struct in measure/blame/operations.hpp, and a row without its struct does not compile.
+///
+/// `constant` is an integer of the formula's text, `convert` the way to or from a wider format, `any` what a loop asks.
+// clang-format off
+#define LOSTBITS_TAPE_OPERATIONS(row)  \
+    row(input,         given,      0)  \
+    row(constant,      given,      0)  \
+    row(add,           rounded,    2)  \
+    row(sub,           rounded,    2)  \
+    row(mul,           rounded,    2)  \
+    row(div,           rounded,    2)  \
+    row(sqrt,          rounded,    1)  \
+    row(fma,           rounded,    3)  \
+    row(neg,           exact,      1)  \
+    row(abs,           exact,      1)  \
+    row(copysign,      sign,       2)  \
+    row(min,           choice,     2)  \
+    row(max,           choice,     2)  \
+    row(select,        choice,     3)  \
+    row(next_up,       moved,      1)  \
+    row(next_down,     moved,      1)  \
+    row(convert,       moved,      1)  \
+    row(less,          comparison, 2)  \
+    row(less_equal,    comparison, 2)  \
+    row(greater,       comparison, 2)  \
+    row(greater_equal, comparison, 2)  \
+    row(both,          logic,      2)  \
+    row(either,        logic,      2)  \
+    row(opposite,      logic,      1)  \
+    row(any,           logic,      1)
+// clang-format on
 
-inline constexpr bool is_decision(TapeOp op) { return op >= TapeOp::less; }
-inline constexpr bool is_comparison(TapeOp op) { return op >= TapeOp::less && op <= TapeOp::greater_equal; }
-/// Neither input nor constant: something was done.
-inline constexpr bool is_operation(TapeOp op) { return op > TapeOp::constant && op < TapeOp::less; }
+#define LOSTBITS_ENUMERATOR(name, kind, operands) name,
+enum class TapeOp : std::uint8_t { LOSTBITS_TAPE_OPERATIONS(LOSTBITS_ENUMERATOR) };
+#undef LOSTBITS_ENUMERATOR
+
+struct TapeOpRow {
+    TapeOp op;
+    std::string_view name;
+    OperationKind kind;
+    std::string_view kind_name;
+    std::size_t operands;
+};
+
+#define LOSTBITS_ROW(name, kind, operands) TapeOpRow{TapeOp::name, #name, OperationKind::kind, #kind, operands},
+inline constexpr std::array tape_operations{LOSTBITS_TAPE_OPERATIONS(LOSTBITS_ROW)};
+#undef LOSTBITS_ROW
+
+constexpr const TapeOpRow& row_of(TapeOp op) { return tape_operations[static_cast<std::size_t>(op)]; }
+constexpr std::string_view name_of(TapeOp op) { return row_of(op).name; }
+constexpr OperationKind kind_of(TapeOp op) { return row_of(op).kind; }
+
+constexpr bool is_given(TapeOp op) { return kind_of(op) == OperationKind::given; }
+constexpr bool is_comparison(TapeOp op) { return kind_of(op) == OperationKind::comparison; }
+constexpr bool is_decision(TapeOp op) { return is_comparison(op) || kind_of(op) == OperationKind::logic; }
+/// Whether something was done that gives a number.
+constexpr bool is_operation(TapeOp op) { return !is_given(op) && !is_decision(op); }
 
 using NodeId = std::int32_t;
 inline constexpr NodeId no_node = -1;
@@ -67,6 +98,11 @@ struct TapeNode {
 /// `hit` is the decision of the form, the others numbers; as in `Hit`.
 struct TapeOutputs {
     NodeId hit = no_node, t = no_node, near = no_node, far = no_node;
+};
+
+/// What an operation is done to; those that it has not are none.
+struct TapeOperands {
+    NodeId a = no_node, b = no_node, c = no_node;
 };
 
 class Tape {
@@ -92,12 +128,11 @@ public:
         outputs = {};
         inputs_ = 0;
     }
-    NodeId add(TapeOp op, const FloatFormat& format, double value, NodeId a = no_node, NodeId b = no_node,
-               NodeId c = no_node) {
-        nodes.push_back({op, place_of(format), {a, b, c}, value, {}});
+    NodeId add(TapeOp op, const FloatFormat& format, double value, const TapeOperands& of = {}) {
+        nodes.push_back({op, place_of(format), {of.a, of.b, of.c}, value, {}});
         return size() - 1;
     }
-    NodeId add_input(const FloatFormat& format, double value) { return add(TapeOp::input, format, value, inputs_++); }
+    NodeId add_input(const FloatFormat& format, double value) { return add(TapeOp::input, format, value, {inputs_++}); }
 
     /// Names an operation, once: a later name for the same value is another letter of the source for it.
     void name(NodeId i, std::string_view label) {

@@ -162,7 +162,7 @@ async function walk({ browser, grids, at }) {
     await check();
     assert.deepEqual([(await press("Escape")).u, (await press("["))["line"]], [-1, "sphere.schoolbook.f32"]);
     // Among cases left and right change the form; box forms are chosen beside maps that have none.
-    await page.evaluate(() => look({ sweep: "box-boundary", statistic: "", u: -1, v: -1 }));
+    await page.evaluate(() => goTo({ sweep: "box-boundary", statistic: "", u: -1, v: -1 }));
     await press("ArrowDown");
     assert.equal((await press("ArrowRight")).line, "box.signs.f32");
     assert.equal((await press("ArrowDown")).v, 1);

@@ -108,7 +108,7 @@ async function inspector({ browser, small, at }) {
     const page = await browser.page(small, { hash: `${schoolbook}&metric=lost_bits&x=${x}&y=${y}` });
     const text = await page.locator("#inspector").innerText();
     for (const expected
-             of [`Pixel ${x}, ${y}`, "agree hit", csv[i].t, csv[i].t_hex, csv[i].truth, csv[i].truth_hex, wide[i].t,
+             of [`Pixel ${x}, ${y}`, "correct hit", csv[i].t, csv[i].t_hex, csv[i].truth, csv[i].truth_hex, wide[i].t,
                  wide[i].t_hex, Number(csv[i].lost_bits).toFixed(2), "within 2^"]) {
         assert.ok(text.includes(expected), `the inspector lacks ${expected}: ${text}`);
     }
@@ -118,7 +118,7 @@ async function inspector({ browser, small, at }) {
             near(parseFloat(shown), Number(csv[i][metric])), `${metric}: ${shown}, the CSV has ${csv[i][metric]}`);
     }
     const miss = csv.find((row) => row.outcome === "agree_miss");
-    await page.evaluate(([x, y]) => look({ x, y }), [Number(miss.x), Number(miss.y)]);
+    await page.evaluate(([x, y]) => goTo({ x, y }), [Number(miss.x), Number(miss.y)]);
     assert.match(await page.locator("#inspector").innerText(), /truly misses/);
     // A click chooses what lies under it; pointing at something else says so in a line.
     const box = await page.locator("#map").boundingBox();

@@ -67,7 +67,20 @@ function compare(walk, operations, where) {
     });
 }
 
-/** Exact values, roundings, adjoints, contributions and culprits are those of `lostbits explain`. */
+/** The script knows every operation that a tape can have, and no other. */
+async function rules({ browser, taped }) {
+    const page = await browser.page(taped);
+    const { known, all } = await page.evaluate(async () => {
+        const { operations } = await tapeOf(index.maps[0].rows[0]);
+        return { known: Object.keys(operationRules), all: Object.keys(operations) };
+    });
+    assert.deepEqual(known, all);
+}
+
+/**
+ * Exact values, roundings, adjoints, contributions, culprits and the sentences about them are those of `lostbits
+ * explain`.
+ */
 async function attributes({ browser, taped, lostbits }) {
     const page = await browser.page(taped);
     const rays = await page.evaluate(async () => {
@@ -78,7 +91,7 @@ async function attributes({ browser, taped, lostbits }) {
                     continue;  // three is prime to the four formats: all forms, each in some
                 const { worst } = row, k = (r * 7919 + index.maps.indexOf(map) * 104729) % (map.width * map.height);
                 const [x, y] = r % 2 === 0 && worst ? [worst.x, worst.y] : [k % map.width, Math.floor(k / map.width)],
-                          { walk } = await walkOf(map, row, x, y);
+                          found = await walkOf(map, row, x, y), { walk } = found;
                 // Through JSON: NaN and infinities as text.
                 const plain = JSON.parse(JSON.stringify(
                     walk.nodes,
@@ -95,7 +108,9 @@ async function attributes({ browser, taped, lostbits }) {
                     y,
                     nodes: plain,
                     culprit: walk.culprit,
-                    explained: decimal(walk.explained)
+                    explained: decimal(walk.explained),
+                    sentence: culpritSentence(found, row, walk.subject < 0 ? NaN : walk.ulpOfSubject(row)),
+                    verdict: verdictText(found.pixels, found.i)
                 });
             }
         }
@@ -116,6 +131,8 @@ async function attributes({ browser, taped, lostbits }) {
         }
         compare(ray, told.operations, where);
         assert.equal(ray.culprit, told.operations.findIndex((o) => o.name === told.culprit), `${where}: culprit`);
+        assert.equal(ray.sentence, told.sentence, where);
+        assert.equal(ray.verdict, told.verdict, where);
         culprits += ray.culprit >= 0;
         if (told.attribution.subject !== null)
             assert.ok(
@@ -161,9 +178,11 @@ async function table({ browser, report, lostbits }) {
     assert.ok(
         Math.abs(parts - told.attribution.explained / ulp) < 1 && Math.abs(all - told.attribution.error / ulp) < 1,
         text);
+    assert.ok(text.startsWith(`${told.sentence} `), text);
+    const verdict = await page.locator("#inspector .verdict").innerText();
+    assert.equal(verdict, told.verdict);
     assert.match(
-        await page.locator("#inspector .verdict").innerText(),
-        new RegExp(`other ${(told.lost_bits - told.inherent_bits).toFixed(1)} are the formula's own`));
+        verdict, new RegExp(`the formula loses the other ${(told.lost_bits - told.inherent_bits).toFixed(1)} bits`));
     await page.locator("#map").press("ArrowRight");
     await page.waitForFunction(() => document.getElementById("operations").dataset.pixel === "61,60");
     const march =
@@ -175,5 +194,5 @@ async function table({ browser, report, lostbits }) {
 
 module.exports = {
     pageOf,
-    promises : { reruns, attributes, table }
+    promises : { reruns, rules, attributes, table }
 };

@@ -68,7 +68,7 @@ async function trade({ browser, report }) {
     }, place.name);
     await page.mouse.move(box.x + local.x, box.y + local.y);
     await settled(page);
-    assert.match(await page.locator("#trade-view .hint").innerText(), /ns a ray, keeps/);
+    assert.match(await page.locator("#trade-view .hint").innerText(), /ns per ray, keeps/);
     const named = await page.evaluate(() => tradeParts.under.name);
     await page.mouse.click(box.x + local.x, box.y + local.y);
     assert.equal((await stateOf(page)).form, named);
@@ -87,7 +87,7 @@ async function trade({ browser, report }) {
     assert.equal((await stateOf(page)).form, walked.at(-1)[1]);
     assert.match(
         await page.locator("#trade").innerText(),
-        /Times are short measurements of the run that made this page, on its machine/);
+        /Times were measured briefly by the run that made this page, on its machine/);
 }
 
 module.exports = {

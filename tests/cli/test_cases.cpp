@@ -116,14 +116,15 @@ TEST_CASE("cases and searches that are wrong, or asked for wrongly, write nothin
         const char *place, *says;
     };
     const Case cases[] = {
-        {small_search, "", ":1:1: ", "a [search] table is for --worst; add it"},
+        {small_search, "", ":1:1: ", "this file has a [search] table, which only --worst uses; add --worst"},
         {small_cases, "--worst", ":1:1: ", "--worst needs a [search] table"},
         {head + "[family]\n[[axis]]\n", "--worst", ":1:1: ", "--worst needs a [search] table"},
         {small_search + "metric = \"lost_bit\"\n", "--worst", ":1:1: ", "did you mean \"lost_bits\""},
-        {small_search + "metric = \"lost*\"\n", "--worst", ":1:1: ", "no metric is called"},
+        {small_search + "metric = \"lost*\"\n", "--worst", ":1:1: ", "is not a metric"},
         {replaced(small_search, "radius = [0.5, 2]", "radius = [2, 0.5]"), "--worst", ":8:10: ", "low <= high"},
-        {replaced(small_cases, "radius = 2", "radius = \"nan\""), "", ":6:43: ", "only a ray may hold"},
-        {replaced(small_cases, "name =", "lengths = \"emax/3\"\nname ="), "", ":5:11: ", "no exponent"},
+        {replaced(small_cases, "radius = 2", "radius = \"nan\""), "",
+         ":6:43: ", "is nan, which is allowed in rays only"},
+        {replaced(small_cases, "name =", "lengths = \"emax/3\"\nname ="), "", ":5:11: ", "is not an exponent"},
     };
     for (const Case& c : cases) {
         const Scratch scratch;

@@ -36,7 +36,7 @@ TEST_CASE("a claim that does not measure as stated fails, by name, with the wors
     const auto r =
         run("check '" + file + "' --junit '" + junit + "' --export-json '" + json + "' --annotations github");
     CHECK(r.code == 1);
-    CHECK(r.out.find("FAILED   wrong (holds: A sentence)") != std::string::npos);
+    CHECK(r.out.find("FAILED: expected to hold, does not: wrong (A sentence)") != std::string::npos);
     CHECK(r.out.find("measured 1") != std::string::npos);
     CHECK(r.out.find("lostbits map camera-inside -i sphere.unit_half_b -f f32") != std::string::npos);
     CHECK(r.out.find("::error file=") != std::string::npos);

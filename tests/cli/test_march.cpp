@@ -13,7 +13,7 @@ bool has(const std::string& text, const std::string& part) { return text.find(pa
 }  // namespace
 
 TEST_CASE("explain prints a march sample by sample") {
-    const auto r = run("explain sdf-seed-003.off-axis --pixel 0,0 -i sdf.sphere_trace -f f64");
+    const auto r = run("explain sdf-by-hand.off-axis --pixel 0,0 -i sdf.sphere_trace -f f64");
     REQUIRE(r.code == 0);
     CHECK(has(r.out, "1.0293462564704334"));  // |p| of the second sample, where the seed has 1.030
     CHECK(has(r.out, "step by 0.001297"));
@@ -22,17 +22,17 @@ TEST_CASE("explain prints a march sample by sample") {
     CHECK_FALSE(has(r.out, "\n   4 "));  // and no fifth
     CHECK(has(r.out, "The culprit is"));
     const auto same =
-        run("explain sdf-seed-003.off-axis --ray 0,0,3,0x1.978fd4p-4,0,-0x1.fd73cap-1 -i sdf.sphere_trace");
+        run("explain sdf-by-hand.off-axis --ray 0,0,3,0x1.978fd4p-4,0,-0x1.fd73cap-1 -i sdf.sphere_trace");
     CHECK(same.code == 0);
     CHECK(has(same.out, "1.02934623"));
-    CHECK(has(run("explain sdf-seed-003.miss --pixel 0,0 -i sdf.sphere_trace").out, "miss: t > 20"));
+    CHECK(has(run("explain sdf-by-hand.miss --pixel 0,0 -i sdf.sphere_trace").out, "miss: t > 20"));
     CHECK(
-        has(run("explain sdf-seed-003.off-axis --ray 4,4,4,-1,-1,-1 -i sdf.sphere_trace --set march.hit_eps=1e-12").out,
+        has(run("explain sdf-by-hand.off-axis --ray 4,4,4,-1,-1,-1 -i sdf.sphere_trace --set march.hit_eps=1e-12").out,
             "no step: t + d = t"));
 }
 
 TEST_CASE("explain says what is wrong with its arguments") {
-    const std::string scene = "explain sdf-seed-003.on-axis ";
+    const std::string scene = "explain sdf-by-hand.on-axis ";
     const auto refused = [](const std::string& arguments, const std::string& words) {
         const auto r = run(arguments);
         INFO(arguments << ": " << r.err);
@@ -48,7 +48,7 @@ TEST_CASE("explain says what is wrong with its arguments") {
     refused(scene + "--ray 0,0,3,0,0,0 -i sdf.sphere_trace", "direction not zero");
     refused(scene + "--pixel 0,0 -i sdf.sphere_trce", "sdf.sphere_trace");
     refused(scene + "--pixel 0,0 -i sdf.sphere_trace -f f33", "f32");
-    refused("explain sdf-seed-003 --pixel 0,0 -i sdf.sphere_trace", "name one");
+    refused("explain sdf-by-hand --pixel 0,0 -i sdf.sphere_trace", "name one");
     refused("explain grazing --pixel 0,0 -i sdf.sphere_trace", "no [march] table");
 }
 

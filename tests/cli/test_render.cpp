@@ -143,7 +143,7 @@ TEST_CASE("a scene without paint is drawn as what it asks for, and a stage beyon
                       out = " -o '" + scratch.path().string() + "'";
     const auto r = run("render " + scene + " --stage phong" + out);
     CHECK(r.code == 0);
-    CHECK(r.err.find("scene does not ask for phong; its last stage before that is visible") != std::string::npos);
+    CHECK(r.err.find("has no stage phong; drawing stage visible instead") != std::string::npos);
     CHECK(std::filesystem::exists(scratch.path() / "scene/visible.sphere.expanded.f32.png"));
     CHECK_FALSE(std::filesystem::exists(scratch.path() / "scene/sphere.expanded.f32.normal.png"));
     CHECK(run("render " + scene + " --stage phong -q" + out).err.empty());
@@ -208,7 +208,7 @@ TEST_CASE("a claim about a rendered picture: its number, and what it cannot be a
          {std::tuple{"render = \"raycast-curse.pixels\"", "pixels", "raycast-course"},
           {"render = \"raycast-course\"", "pixels", "has variants"},
           {"render = \"raycast-far.at0\"\nstage = \"phongg\"", "pixels", "phong"},
-          {"render = \"raycast-acne.none\"\nstage = \"phong\"", "pixels", "does not ask for"},
+          {"render = \"raycast-acne.none\"\nstage = \"phong\"", "pixels", "has no stage"},
           {"render = \"box-one\"", "pixels", "no spheres"},
           {"render = \"raycast-far.at0\"\nat = 3", "pixels", "at"},
           {"scene = \"grazing\"\nstage = \"phong\"", "pixels", "stage"},

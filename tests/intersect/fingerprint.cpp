@@ -4,10 +4,10 @@
 #include <bit>
 #include <cstdint>
 #include <cstdio>
-#include <type_traits>
 #include <utility>
 
 #include "intersect/catalogue.hpp"
+#include "intersect/takes.hpp"
 #include "number/random.hpp"
 
 namespace lostbits::test {
@@ -107,7 +107,7 @@ BoxSample<T> draw_box(Random& random, int kind) {
 
 template <class Form, class T>
 Hit<T> shoot(Random& random, int kind) {
-    if constexpr (std::is_invocable_v<decltype(&Form::template intersect<T>), const Ray<T>&, const Sphere<T>&>) {
+    if constexpr (intersect::shape_of<Form> == Shape::sphere) {
         const Sample<T> x = draw<T>(random, kind, Form::info.direction == intersect::Direction::unit);
         return Form::intersect(x.ray, x.sphere);
     } else {

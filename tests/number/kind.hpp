@@ -114,8 +114,8 @@ inline bool holds_result(Op op, const std::array<const Mpfr*, 3>& x, const Mpfr&
                          Undefined undefined) {
     constexpr long wide = 3000;  // enough for sums across the whole range of double to be exact
     Mpfr down(wide), up(wide);
-    evaluate(op, down, *x[0], *x[1], *x[2], MPFR_RNDD);
-    evaluate(op, up, *x[0], *x[1], *x[2], MPFR_RNDU);
+    evaluate(op, down, {*x[0], *x[1], *x[2]}, MPFR_RNDD);
+    evaluate(op, up, {*x[0], *x[1], *x[2]}, MPFR_RNDU);
     if (mpfr_nan_p(down) != 0) return undefined != Undefined::never;
     if (mpfr_inf_p(down) != 0) return undefined != Undefined::never || mpfr_inf_p(lower) != 0 || mpfr_inf_p(upper) != 0;
     return undefined != Undefined::always && mpfr_lessequal_p(lower, down) && mpfr_lessequal_p(up, upper);
@@ -248,14 +248,15 @@ struct Kind<Real> {
         const mpfr_srcptr got = result.backend().data();
         const long bits = mpfr_get_prec(got);
         Mpfr want(bits), slack(bits);
-        evaluate(op, want, x[0].point, x[1].point, x[2].point, MPFR_RNDN);
+        evaluate(op, want, {x[0].point, x[1].point, x[2].point}, MPFR_RNDN);
         if (mpfr_nan_p(want) != 0 || mpfr_nan_p(got) != 0)
             return bits >= 256 && mpfr_nan_p(want) != 0 && mpfr_nan_p(got) != 0;
-        if (op != Op::fused || mpfr_inf_p(want) != 0)
+        const bool fused = op == Op::fused || op == Op::fused_square;
+        if (!fused || mpfr_inf_p(want) != 0)
             return bits >= 256 && mpfr_equal_p(got, want) && mpfr_signbit(got) == mpfr_signbit(want);
         // Boost's fma rounds the product too: off by at most an ulp of the larger term.
         Mpfr error(bits);
-        mpfr_mul(slack, x[0].point, x[1].point, MPFR_RNDU);
+        mpfr_mul(slack, x[0].point, x[op == Op::fused ? 1 : 0].point, MPFR_RNDU);
         mpfr_abs(slack, slack, MPFR_RNDN);
         mpfr_mul_2si(slack, slack, -bits + 1, MPFR_RNDU);
         Mpfr last(bits);

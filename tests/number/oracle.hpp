@@ -37,12 +37,29 @@ private:
 };
 
 /// Everything a formula may do to numbers. `choose` is select(a < b, b, c).
-enum class Op { add, subtract, multiply, divide, root, fused, negate, absolute, copy_sign, minimum, maximum, choose };
-inline constexpr Op every_op[] = {Op::add,    Op::subtract, Op::multiply,  Op::divide,  Op::root,    Op::fused,
-                                  Op::negate, Op::absolute, Op::copy_sign, Op::minimum, Op::maximum, Op::choose};
-inline constexpr const char* op_names[] = {"a + b",          "a - b",        "a * b",     "a / b",
-                                           "sqrt(a)",        "fma(a, b, c)", "-a",        "abs(a)",
-                                           "copysign(a, b)", "min(a, b)",    "max(a, b)", "select(a < b, b, c)"};
+enum class Op {
+    add,
+    subtract,
+    multiply,
+    divide,
+    root,
+    fused,
+    negate,
+    absolute,
+    copy_sign,
+    minimum,
+    maximum,
+    choose,
+    square,
+    fused_square
+};
+inline constexpr Op every_op[] = {Op::add,     Op::subtract, Op::multiply, Op::divide,      Op::root,
+                                  Op::fused,   Op::negate,   Op::absolute, Op::copy_sign,   Op::minimum,
+                                  Op::maximum, Op::choose,   Op::square,   Op::fused_square};
+inline constexpr const char* op_names[] = {"a + b",          "a - b",           "a * b",     "a / b",
+                                           "sqrt(a)",        "fma(a, b, c)",    "-a",        "abs(a)",
+                                           "copysign(a, b)", "min(a, b)",       "max(a, b)", "select(a < b, b, c)",
+                                           "square(a)",      "fma_square(a, c)"};
 
 /// The operation over any number, as formulas write it.
 template <class T>
@@ -60,12 +77,20 @@ T apply(Op op, const T& a, const T& b, const T& c) {
         case Op::minimum: return min(a, b);
         case Op::maximum: return max(a, b);
         case Op::choose: return select(a < b, b, c);
+        case Op::square: return square(a);
+        case Op::fused_square: return fma_square(a, c);
     }
     return a;
 }
 
+/// The exact values of operands.
+struct Points {
+    const Mpfr &a, &b, &c;
+};
+
 /// The same in MPFR: the exact result rounded once to the precision of `out`. Returns MPFR's ternary value.
-inline int evaluate(Op op, Mpfr& out, const Mpfr& a, const Mpfr& b, const Mpfr& c, mpfr_rnd_t round) {
+inline int evaluate(Op op, Mpfr& out, const Points& x, mpfr_rnd_t round) {
+    const auto& [a, b, c] = x;
     switch (op) {
         case Op::add: return mpfr_add(out, a, b, round);
         case Op::subtract: return mpfr_sub(out, a, b, round);
@@ -79,6 +104,8 @@ inline int evaluate(Op op, Mpfr& out, const Mpfr& a, const Mpfr& b, const Mpfr& 
         case Op::minimum: return mpfr_set(out, mpfr_less_p(a, b) ? a : b, round);
         case Op::maximum: return mpfr_set(out, mpfr_greater_p(a, b) ? a : b, round);
         case Op::choose: return mpfr_set(out, mpfr_less_p(a, b) ? b : c, round);
+        case Op::square: return mpfr_sqr(out, a, round);
+        case Op::fused_square: return mpfr_fma(out, a, a, c, round);
     }
     return 0;
 }
@@ -105,7 +132,7 @@ private:
 inline double correctly_rounded(Op op, const Mpfr& a, const Mpfr& b, const Mpfr& c, const FloatFormat& f) {
     const ExponentRange range(f);
     Mpfr r(f.precision);
-    const int inexact = evaluate(op, r, a, b, c, MPFR_RNDN);
+    const int inexact = evaluate(op, r, {a, b, c}, MPFR_RNDN);
     mpfr_subnormalize(r, inexact, MPFR_RNDN);
     return mpfr_get_d(r, MPFR_RNDN);
 }

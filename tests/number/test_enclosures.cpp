@@ -1,5 +1,6 @@
 // Ball, Interval and their three-valued masks beyond the generic test: tightness, refinement, Kleene's tables.
 #include "catch.hpp"
+#include "geometry/vec.hpp"
 #include "number/kind.hpp"
 
 namespace lostbits::test {
@@ -56,8 +57,8 @@ TEST_CASE("an interval's ends are the exact result rounded down and up", "[numbe
         const Interval::Precision scope(precision);
         const Interval r = apply(op, x, y, y);
         Mpfr down(precision), up(precision);
-        evaluate(op, down, Mpfr(a, 53), Mpfr(b, 53), Mpfr(b, 53), MPFR_RNDD);
-        evaluate(op, up, Mpfr(a, 53), Mpfr(b, 53), Mpfr(b, 53), MPFR_RNDU);
+        evaluate(op, down, {Mpfr(a, 53), Mpfr(b, 53), Mpfr(b, 53)}, MPFR_RNDD);
+        evaluate(op, up, {Mpfr(a, 53), Mpfr(b, 53), Mpfr(b, 53)}, MPFR_RNDU);
         wrong += !mpfr_equal_p(r.lower(), down) || !mpfr_equal_p(r.upper(), up) || r.undefined() != Undefined::never;
         ++seen;
     }
@@ -110,6 +111,18 @@ TEST_CASE("the working precision belongs to its scope and to results only", "[nu
     CHECK_FALSE(Ball(std::nan("")).is_bounded());
     CHECK_FALSE(Ball(HUGE_VAL).is_bounded());
     CHECK(mpfr_cmp_d(Interval(Real(-0.375)).lower(), -0.375) == 0);
+}
+
+TEST_CASE("a square knows that it is one, a product does not", "[number][interval]") {
+    const Interval x = Interval::between(-1, 2), product = x * x, squared = square(x);
+    CHECK(mpfr_cmp_si(product.lower(), -2) == 0);
+    CHECK(mpfr_cmp_si(product.upper(), 4) == 0);
+    CHECK(mpfr_zero_p(squared.lower()) != 0);
+    CHECK(mpfr_cmp_si(squared.upper(), 4) == 0);
+    CHECK(mpfr_cmp_si(fma_square(x, Interval(1)).lower(), 1) == 0);
+    const Vec<Interval> v(x, x, Interval(0));
+    CHECK(sqrt(dot(v, v)).undefined() == Undefined::maybe);
+    CHECK(length(v).undefined() == Undefined::never);
 }
 
 TEST_CASE("an undecided selection covers both sides", "[number][interval]") {

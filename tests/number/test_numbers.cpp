@@ -10,10 +10,18 @@ bool one_if(const T& x) {  // +1 rather than −1: the sign bit, seen through co
     return Kind<T>::is(copysign(T(1), x), 1);
 }
 
+/// For tests on a few values: any one setting.
+template <class T>
+struct OneSetting {
+    Random random{1};
+    typename Kind<T>::Setting setting{random};
+};
+
 }  // namespace
 
 TEMPLATE_LIST_TEST_CASE("a number obeys the laws on values that every format holds", "[number]", RunnableNumbers) {
     using T = TestType;
+    const OneSetting<T> setting;
     const auto is = [](const T& x, int v) { return Kind<T>::is(x, v); };
     const T zero(0), one(1), two(2), three(3), four(4), six(6);
 
@@ -25,6 +33,8 @@ TEMPLATE_LIST_TEST_CASE("a number obeys the laws on values that every format hol
     CHECK(is(-three, -3));
     CHECK(is(sqrt(four), 2));
     CHECK(is(sqrt(zero), 0));
+    CHECK(is(square(two), 4));
+    CHECK(is(fma_square(two, -three), 1));
     CHECK(is(fma(two, three, -four), 2));
     CHECK(is(abs(-three), 3));
     CHECK(is(abs(three), 3));
@@ -52,6 +62,7 @@ TEMPLATE_LIST_TEST_CASE("a number obeys the laws on values that every format hol
 
 TEMPLATE_LIST_TEST_CASE("comparisons and masks of a number", "[number]", RunnableNumbers) {
     using T = TestType;
+    const OneSetting<T> setting;
     const T one(1), two(2), also_two(2);
 
     CHECK(surely(one < two));
@@ -84,6 +95,7 @@ TEMPLATE_LIST_TEST_CASE("comparisons and masks of a number", "[number]", Runnabl
 
 TEMPLATE_LIST_TEST_CASE("the undefined spreads and never decides", "[number]", RunnableNumbers) {
     using T = TestType;
+    const OneSetting<T> setting;
     const T one(1), zero(0), bad = sqrt(T(-1));
     const auto undefined = [](const T& x) { return Kind<T>::is_undefined(x); };
 

@@ -96,8 +96,8 @@ Offences formula_rules(const SourceFile& file) {
     Offences offences;
     if (!in_shape_folder(file)) return offences;
     const std::string code = code_of(file.text);
-    static const std::regex libm(
-        R"((\bstd::|(^|[^:\w])::)(sqrt|cbrt|hypot|fma|f?abs|f?min|f?max|copysign|signbit|pow|exp|log|sin|cos|tan|floor|ceil|nextafter)\w*\b)");
+    static const std::regex libm(R"((\bstd::|(^|[^:\w])::)(sqrt|cbrt|hypot|fma|f?abs|f?min|f?max|)"
+                                 R"(copysign|signbit|pow|exp|log|sin|cos|tan|floor|ceil|nextafter)\w*\b)");
     static const std::regex decimal(
         R"((\b\d+\.\d*|\.\d+)([eE][-+]?\d+)?[fFlL]?|\b\d+[eE][-+]?\d+|\b0[xX][0-9a-fA-F.]*[pP][-+]?\d+)");
     static const std::regex branch(R"(\b(if|while|switch)\s*\((?!\s*!?\s*any_of\b))");

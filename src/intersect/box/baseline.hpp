@@ -11,8 +11,8 @@ namespace lostbits::intersect::box {
 struct Baseline {
     static constexpr Info info{
         .name = "box.baseline",
-        .title = "slabs, no care for NaN",
-        .source = "Barnes, Fast, Branchless Ray/Bounding Box Intersections, part 1, as recalled in part 3; seed 002",
+        .title = "slabs, NaN not handled",
+        .source = "Barnes, Fast, Branchless Ray/Bounding Box Intersections, part 1, as recalled in part 3",
         .touching = Touching::miss,
     };
 

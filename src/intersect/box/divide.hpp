@@ -11,8 +11,8 @@ struct Divide {
         .name = "box.divide",
         .title = "inclusive slabs with true division",
         .source =
-            "Barnes, Fast, Branchless Ray/Bounding Box Intersections, part 3: Boundaries, with its t = (x - x0)/xd "
-            "taken at its word; seed 002",
+            "Barnes, Fast, Branchless Ray/Bounding Box Intersections, part 3: Boundaries, with t = (x - x0)/xd as "
+            "written there",
     };
 
     template <Number T>

@@ -22,7 +22,7 @@ struct EmbreeFma {
         for (int axis = 0; axis < 3; ++axis) {
             const T d = ray.direction[axis];
             const T inv = named("inv", T(1) / select(abs(d) < tiny, tiny, d));
-            const Planes<T> planes = planes_by_sign<T>(box.lo[axis], box.hi[axis], inv);
+            const Planes<T> planes = planes_by_sign<T>(box, axis, inv);
             const T o_inv = named("o_inv", ray.origin[axis] * inv);
             tmin = named("tmin", max(fma(planes.bmin, inv, -o_inv), tmin));
             tmax = named("tmax", min(fma(planes.bmax, inv, -o_inv), tmax));

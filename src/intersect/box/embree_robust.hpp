@@ -14,10 +14,10 @@ struct EmbreeRobust {
         .source = "Embree 3, kernels/bvh/node_intersector1.h, robust mode",
     };
 
-    template <Number T>
-    static Hit<T> intersect(const Ray<T>& ray, const Box<T>& box, const T& limit) {
+    template <Number T, BoxOf<T> B>
+    static Hit<T> intersect(const Ray<T>& ray, const B& box, const T& limit) {
         T tmin(0), tmax = limit;
-        clip_by_signs<T>(ray, box, tmin, tmax);
+        clip_by_signs(ray, box, tmin, tmax);
         const T three_eps = T(3) * (T(2) * unit_roundoff<T>());
         const T down = T(1) - three_eps, up = T(1) + three_eps;
         return entered<T>(down * tmin <= up * tmax, {tmin, tmax});

@@ -10,7 +10,7 @@ struct Exclusive {
     static constexpr Info info{
         .name = "box.exclusive",
         .title = "slabs, a NaN leaves nothing: open box",
-        .source = "Barnes, Fast, Branchless Ray/Bounding Box Intersections, part 2, as recalled in part 3; seed 002",
+        .source = "Barnes, Fast, Branchless Ray/Bounding Box Intersections, part 2, as recalled in part 3",
         .touching = Touching::miss,
     };
 

@@ -10,7 +10,7 @@ struct Inclusive {
     static constexpr Info info{
         .name = "box.inclusive",
         .title = "slabs, a NaN changes nothing: closed box",
-        .source = "Barnes, Fast, Branchless Ray/Bounding Box Intersections, part 3: Boundaries; seed 002",
+        .source = "Barnes, Fast, Branchless Ray/Bounding Box Intersections, part 3: Boundaries",
     };
 
     template <Number T>

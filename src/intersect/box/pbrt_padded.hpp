@@ -13,13 +13,13 @@ struct PbrtPadded {
         .source = "Pharr, Jakob, Humphreys, pbrt-v4, sections 6.1.2 and 6.8.2; Ize 2013",
     };
 
-    template <Number T>
-    static Hit<T> intersect(const Ray<T>& ray, const Box<T>& box, const T& limit) {
+    template <Number T, BoxOf<T> B>
+    static Hit<T> intersect(const Ray<T>& ray, const B& box, const T& limit) {
         const T padding = T(1) + T(2) * gamma_bound<T>(3);
         T tmin(0), tmax = limit;
         for (int axis = 0; axis < 3; ++axis) {
             const T inv = named("inv", T(1) / ray.direction[axis]);
-            const Planes<T> planes = planes_by_sign<T>(box.lo[axis], box.hi[axis], inv);
+            const Planes<T> planes = planes_by_sign<T>(box, axis, inv);
             const T dmin = named("dmin", (planes.bmin - ray.origin[axis]) * inv);
             const T dmax = named("dmax", (planes.bmax - ray.origin[axis]) * inv * padding);
             tmin = named("tmin", max(dmin, tmin));

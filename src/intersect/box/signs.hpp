@@ -11,14 +11,13 @@ struct Signs {
     static constexpr Info info{
         .name = "box.signs",
         .title = "slabs, planes chosen by the sign of 1/d",
-        .source =
-            "Barnes, Fast, Branchless Ray/Bounding Box Intersections, part 3: Boundaries, section Signs; seed 002",
+        .source = "Barnes, Fast, Branchless Ray/Bounding Box Intersections, part 3: Boundaries, section Signs",
     };
 
-    template <Number T>
-    static Hit<T> intersect(const Ray<T>& ray, const Box<T>& box, const T& limit) {
+    template <Number T, BoxOf<T> B>
+    static Hit<T> intersect(const Ray<T>& ray, const B& box, const T& limit) {
         T tmin(0), tmax = limit;
-        clip_by_signs<T>(ray, box, tmin, tmax);
+        clip_by_signs(ray, box, tmin, tmax);
         return entered<T>(tmin <= tmax, {tmin, tmax});
     }
 };

@@ -28,28 +28,39 @@ struct Planes {
     T bmax;
 };
 
-/// True of numbers whose kernel, knowing the ray's signs beforehand, hands over each box with its planes already in
-/// order: `lo` is then the plane that the line meets first.
+/// A box from a kernel that knows the ray's signs beforehand: its planes lie in the order in which the line meets them.
 template <class T>
-inline constexpr bool planes_in_order = false;
+struct OrderedBox {
+    Vec<T> first;
+    Vec<T> second;
+};
+
+/// What the forms that put planes in order by the sign of 1/d alone may be given.
+template <class B, class T>
+concept BoxOf = std::same_as<B, Box<T>> || std::same_as<B, OrderedBox<T>>;
 
 /// lo before hi where the sign bit of inv = 1/d is clear, hi before lo where it is set. A direction of −0 has inv = −∞
 /// and its planes change places, so a ray between them still runs from −∞ to +∞.
 template <Number T>
-Planes<T> planes_by_sign(const T& lo, const T& hi, const T& inv) {
-    if constexpr (planes_in_order<T>) return {lo, hi};
+Planes<T> planes_by_sign(const Box<T>& box, int axis, const T& inv) {
     const mask_t<T> sign = copysign(T(1), inv) < T(0);
-    return {select(sign, hi, lo), select(sign, lo, hi)};
+    return {select(sign, box.hi[axis], box.lo[axis]), select(sign, box.lo[axis], box.hi[axis])};
+}
+
+/// As the kernel has found them.
+template <Number T>
+Planes<T> planes_by_sign(const OrderedBox<T>& box, int axis, const T& /*inv*/) {
+    return {box.first[axis], box.second[axis]};
 }
 
 /// tmin = max(dmin, tmin), tmax = min(dmax, tmax) with dmin = (bmin − o)·inv, dmax = (bmax − o)·inv. A NaN from 0·∞ (a
 /// ray in one of the planes) leaves both as they were, because min and max answer their second operand. (Two numbers
 /// and no Segment: GCC 12 writes a struct of packs to the stack in every round.)
-template <Number T>
-void clip_by_signs(const Ray<T>& ray, const Box<T>& box, T& tmin, T& tmax) {
+template <Number T, BoxOf<T> B>
+void clip_by_signs(const Ray<T>& ray, const B& box, T& tmin, T& tmax) {
     for (int axis = 0; axis < 3; ++axis) {
         const T inv = named("inv", T(1) / ray.direction[axis]);
-        const Planes<T> planes = planes_by_sign<T>(box.lo[axis], box.hi[axis], inv);
+        const Planes<T> planes = planes_by_sign<T>(box, axis, inv);
         const T dmin = named("dmin", (planes.bmin - ray.origin[axis]) * inv);
         const T dmax = named("dmax", (planes.bmax - ray.origin[axis]) * inv);
         tmin = named("tmin", max(dmin, tmin));

@@ -8,8 +8,8 @@ namespace lostbits::intersect::sdf {
 /// p += d·dir in place of p = o + t·dir; the same in exact arithmetic. Reads hit_eps, max_dist, max_steps.
 struct Accumulated {
     static constexpr Info info{.name = "sdf.accumulated",
-                               .title = "p += d dir in place of o + t dir",
-                               .source = "common in shaders, after seed 003",
+                               .title = "p += d dir instead of o + t dir",
+                               .source = "common in shaders; after SDF Sphere Marching (lesson P0-C1)",
                                .direction = Direction::unit,
                                .roots = Roots::first_only};
 

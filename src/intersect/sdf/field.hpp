@@ -1,5 +1,5 @@
-// Signed distance fields: how far a point is from the surface, negative inside. Sources: seed 003; J. C. Hart, "Sphere
-// tracing", The Visual Computer 12 (1996).
+// Signed distance fields: how far a point is from the surface, negative inside. Sources: SDF Sphere Marching (lesson
+// P0-C1); J. C. Hart, "Sphere tracing", The Visual Computer 12 (1996).
 #pragma once
 
 #include "geometry/shapes.hpp"

@@ -27,7 +27,8 @@ Vec<T> along(const Ray<T>& ray, const T& t) {
                   ray.origin.z + t * ray.direction.z);
 }
 
-/// d = field(o + t·dir); a hit where `close(d, t)`; otherwise t += d, a miss where t > max_dist. Seed 003, step 3.
+/// d = field(o + t·dir); a hit where `close(d, t)`; otherwise t += d, a miss where t > max_dist. SDF Sphere Marching,
+/// step 3.
 template <Number T, class Field, class Watch, class Close>
 Marched<T> march(const Ray<T>& ray, const Field& field, const MarchConstants<T>& c, Watch& watch, const Close& close) {
     const T zero(0);

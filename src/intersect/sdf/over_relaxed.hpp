@@ -10,7 +10,7 @@ namespace lostbits::intersect::sdf {
 /// where d < hit_eps after a step that was not taken back. Reads over_relaxation, hit_eps, max_dist, max_steps.
 struct OverRelaxed {
     static constexpr Info info{.name = "sdf.over_relaxed",
-                               .title = "steps of omega d, taken back where the spheres part",
+                               .title = "steps of omega d, undone where the spheres part",
                                .source = "Keinert et al. 2014, enhanced sphere tracing",
                                .direction = Direction::unit,
                                .roots = Roots::first_only};

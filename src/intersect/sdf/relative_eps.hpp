@@ -9,7 +9,7 @@ namespace lostbits::intersect::sdf {
 struct RelativeEps {
     static constexpr Info info{.name = "sdf.relative_eps",
                                .title = "hit where the field is below relative_eps t",
-                               .source = "common in shaders, after seed 003",
+                               .source = "common in shaders; after SDF Sphere Marching (lesson P0-C1)",
                                .direction = Direction::unit,
                                .roots = Roots::first_only};
 

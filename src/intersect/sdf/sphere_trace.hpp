@@ -1,4 +1,5 @@
-// The march of seed 003: steps of the field's own size until it is below an absolute threshold.
+// The march of SDF Sphere Marching (lesson P0-C1): steps of the field's own size until it is below an absolute
+// threshold.
 #pragma once
 
 #include "intersect/sdf/march_loop.hpp"
@@ -10,7 +11,7 @@ namespace lostbits::intersect::sdf {
 struct SphereTrace {
     static constexpr Info info{.name = "sdf.sphere_trace",
                                .title = "hit where the field is below hit_eps",
-                               .source = "seed 003; Hart 1996",
+                               .source = "SDF Sphere Marching (lesson P0-C1); Hart 1996",
                                .direction = Direction::unit,
                                .roots = Roots::first_only};
 

@@ -20,51 +20,6 @@ constexpr std::size_t forms = form_count;
 
 constexpr std::size_t bytes_of(Isa isa) { return isa == Isa::w512 ? 64 : isa == Isa::w256 ? 32 : 16; }
 
-template <class F>
-using RawKernel = void (*)(const RawBatch<F>&);
-
-/// The rays after the last whole pack, in buffers of a pack's size. Empty lanes repeat the last ray, so that no form
-/// loops longer on account of a ray that nobody asked for.
-template <class F>
-struct Tail {
-    static constexpr std::size_t most = 64 / sizeof(F);
-    F rays[6][most], tmax[most];
-    F t[most], near[most], far[most];
-    std::uint8_t hit[most];
-};
-
-template <class F>
-void run_tail(RawKernel<F> kernel, std::size_t lanes, const RawBatch<F>& rest) {
-    Tail<F> tail;
-    const auto fill = [&](F* to, const F* from) {
-        for (std::size_t k = 0; k < lanes; ++k) to[k] = from[std::min(k, rest.size - 1)];
-    };
-    for (int c = 0; c < 6; ++c) fill(tail.rays[c], rest.rays[c]);
-    if (rest.tmax) fill(tail.tmax, rest.tmax);
-    const auto& in = tail.rays;
-    kernel({{in[0], in[1], in[2], in[3], in[4], in[5]},
-            rest.tmax ? tail.tmax : nullptr,
-            rest.target,
-            tail.t,
-            tail.near,
-            tail.far,
-            tail.hit,
-            lanes});
-    std::copy_n(tail.t, rest.size, rest.t);
-    std::copy_n(tail.near, rest.size, rest.near);
-    std::copy_n(tail.far, rest.size, rest.far);
-    std::copy_n(tail.hit, rest.size, rest.hit);
-}
-
-template <class F>
-void run(RawKernel<F> kernel, std::size_t lanes, const RayBatch<F>& rays, const Target<F>& target,
-         const HitBatch<F>& hits) {
-    const FlatTarget<F> flat(target);
-    const std::size_t left = rays.size() % lanes, whole = rays.size() - left;
-    if (whole) kernel(raw_batch(rays, flat.raw(), hits, 0, whole));
-    if (left) run_tail(kernel, lanes, raw_batch(rays, flat.raw(), hits, whole, left));
-}
-
 template <Isa isa>
 const std::array<RawRow, forms>& raw_rows() {
     static const auto rows = [] {
@@ -81,12 +36,12 @@ const std::array<RawRow, forms>& raw_rows() {
 
 template <Isa isa, std::size_t form>
 void run32(const RayBatch<float>& rays, const Target<float>& target, const HitBatch<float>& hits) {
-    run(raw_rows<isa>()[form].f32, bytes_of(isa) / sizeof(float), rays, target, hits);
+    run_packed(raw_rows<isa>()[form].f32, bytes_of(isa) / sizeof(float), rays, target, hits);
 }
 
 template <Isa isa, std::size_t form>
 void run64(const RayBatch<double>& rays, const Target<double>& target, const HitBatch<double>& hits) {
-    run(raw_rows<isa>()[form].f64, bytes_of(isa) / sizeof(double), rays, target, hits);
+    run_packed(raw_rows<isa>()[form].f64, bytes_of(isa) / sizeof(double), rays, target, hits);
 }
 
 template <Isa isa>

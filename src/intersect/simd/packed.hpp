@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "intersect/table/table.hpp"
+#include "number/with_number.hpp"
 
 namespace lostbits::intersect::simd {
 
@@ -47,5 +48,16 @@ std::span<const PackedRow> packed_rows(Isa isa);
 /// The kernels at `current_isa()` of a row of the table; of a row that is not the table's (a form made up by a test,
 /// one from elsewhere) its own native ones.
 PackedRow packed_kernels(const table::Intersector& form);
+
+/// `use.operator()<S>(kernel)` with the kernel of a form in a format, whose batches are stored in S. `native` are the
+/// form's kernels in float and double: packed ones, or its own.
+template <class Use>
+void with_kernel(const table::Intersector& form, const PackedRow& native, const Format& format, const Use& use) {
+    with_number(format, [&]<class T>() {
+        if constexpr (std::same_as<T, float>) use.template operator()<float>(native.f32);
+        else if constexpr (std::same_as<T, double>) use.template operator()<double>(native.f64);
+        else use.template operator()<double>([&](const auto&... a) { form.rounded(format.shape, a...); });
+    });
+}
 
 }  // namespace lostbits::intersect::simd

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "intersect/simd/packed_raw.hpp"
+#include "intersect/simd/packed_target.hpp"
 #include "intersect/table/kernels.hpp"
 
 namespace lostbits::intersect::simd {
@@ -19,24 +19,20 @@ struct RayNumbers {
         : numbers{ray.origin.x, ray.origin.y, ray.origin.z, ray.direction.x, ray.direction.y, ray.direction.z} {}
 };
 
-/// The solids after the last whole pack, in buffers of a pack's size whose empty lanes repeat the last solid.
+/// The solids after the last whole register, in buffers of a register's size.
 template <class F>
 [[gnu::noinline]] void run_tail(Kernel<F> kernel, std::size_t lanes, std::size_t columns, const RawSolids<F>& all) {
-    constexpr std::size_t most = 64 / sizeof(F);
     const std::size_t left = all.size % lanes, whole = all.size - left;
-    RawSolids<F> part = all;
-    F numbers[6][most], t[most];
-    std::uint8_t hit[most];
+    RegisterColumn<F> numbers[6], t;
+    std::uint8_t hit[sizeof t.lanes / sizeof(F)];
+    RawSolids<F> part{.ray = all.ray, .numbers = {}, .t = t.lanes, .hit = hit, .size = lanes};
     for (std::size_t c = 0; c < columns; ++c) {
-        for (std::size_t k = 0; k < lanes; ++k) numbers[c][k] = all.numbers[c][whole + std::min(k, left - 1)];
-        part.numbers[c] = numbers[c];
+        numbers[c].fill(all.numbers[c] + whole, left, lanes);
+        part.numbers[c] = numbers[c].lanes;
     }
-    for (std::size_t k = 0; k < lanes; ++k) t[k] = all.t[whole + std::min(k, left - 1)];
-    part.t = t;
-    part.hit = hit;
-    part.size = lanes;
+    t.fill(all.t + whole, left, lanes);
     kernel(part);
-    std::copy_n(t, left, all.t + whole);
+    std::copy_n(t.lanes, left, all.t + whole);
     if (all.hit) std::copy_n(hit, left, all.hit + whole);
 }
 

@@ -21,7 +21,7 @@ struct SphereArrays {
 };
 
 /// t[i] is where the ray ends for box i: the closest hit found so far, or infinity. On a hit it becomes the form's t,
-/// where the ray enters the box; otherwise it stays. (The interface is that of seed 002.)
+/// where the ray enters the box; otherwise it stays. (The interface is that of Barnes's article, part 3.)
 template <class S>
 using ManyBoxes = void (*)(const Ray<S>&, const BoxArrays<S>&, std::span<S> t);
 

@@ -11,56 +11,37 @@
 
 namespace lostbits::intersect::simd {
 
-/// The forms that take a box's planes in the order of the sign of 1/d, which is the sign of d, the same for all boxes.
-/// (Not box.embree_fma: there the sign of a tiny d changes. Of a NaN neither sign nor order matters: every t is NaN.)
-template <class Form>
-inline constexpr bool orders_planes = false;
-template <>
-inline constexpr bool orders_planes<box::Signs> = true;
-template <>
-inline constexpr bool orders_planes<box::PbrtPadded> = true;
-template <>
-inline constexpr bool orders_planes<box::MaxMult> = true;
-template <>
-inline constexpr bool orders_planes<box::EmbreeRobust> = true;
-
-/// Registers of boxes whose planes are in order.
-template <class Width>
-struct InOrder : Width {};
-
-}  // namespace lostbits::intersect::simd
-
-template <class F, class Width>
-inline constexpr bool
-    lostbits::intersect::box::planes_in_order<lostbits::Pack<F, lostbits::intersect::simd::InOrder<Width>>> = true;
-
-namespace lostbits::intersect::simd {
-
-/// Whether the ray meets hi first along an axis with this direction, of a form that asks.
-template <class Form, class F>
-constexpr bool turns(F direction) {
-    return orders_planes<Form> && __builtin_signbit(direction);
-}
+/// The forms that may be given a box's planes in order: they ask for the sign of 1/d, which is the sign of d, the same
+/// for all boxes. (Not box.embree_fma: there the sign of a tiny d changes. Of a NaN neither sign nor order matters:
+/// every t is NaN.)
+template <class Form, class T>
+concept TakesOrderedBox = requires(const Ray<T>& ray, const box::OrderedBox<T>& box, const T& limit) {
+    Form::intersect(ray, box, limit);
+};
 
 /// The ray is the same in every round, so the compiler moves what depends on it alone (1/d) in front of the loop.
 template <class Form, class F, class Width>
 [[gnu::flatten]] void one_ray_many_boxes(const RawSolids<F>& batch) {
-    using P = Pack<F, std::conditional_t<orders_planes<Form>, InOrder<Width>, Width>>;
-    const bool turned[3] = {turns<Form>(batch.ray[3]), turns<Form>(batch.ray[4]), turns<Form>(batch.ray[5])};
+    using P = Pack<F, Width>;
+    constexpr bool in_order = TakesOrderedBox<Form, P>;
+    using B = std::conditional_t<in_order, box::OrderedBox<P>, Box<P>>;
+    // Whether the ray meets hi first along an axis.
+    const auto turns = [r = batch.ray](int axis) { return in_order && __builtin_signbit(r[3 + axis]); };
+    const bool turned[3] = {turns(0), turns(1), turns(2)};
     const auto column = [&](int k) { return batch.numbers[turned[k % 3] ? (k + 3) % 6 : k]; };
     // Local pointers, each read from where it was stored: no store of the loop can reach them, and a copy of the struct
     // by wide moves waits for the narrow stores that filled it, which with dead stores in the loop made 256 boxes 8 %
     // slower than the loop by hand.
-    const F *const lo_x = column(0), *const lo_y = column(1), *const lo_z = column(2);
-    const F *const hi_x = column(3), *const hi_y = column(4), *const hi_z = column(5);
+    const F *const first_x = column(0), *const first_y = column(1), *const first_z = column(2);
+    const F *const second_x = column(3), *const second_y = column(4), *const second_z = column(5);
     F* const t = batch.t;
     const std::size_t size = batch.size;
     const auto number = [r = batch.ray](int k) { return P(r[k]); };
     const Ray<P> ray{{number(0), number(1), number(2)}, {number(3), number(4), number(5)}};
     for (std::size_t i = 0; i < size; i += P::lanes) {
         const P end = P::load(t + i);
-        const Box<P> box{{P::load(lo_x + i), P::load(lo_y + i), P::load(lo_z + i)},
-                         {P::load(hi_x + i), P::load(hi_y + i), P::load(hi_z + i)}};
+        const B box{{P::load(first_x + i), P::load(first_y + i), P::load(first_z + i)},
+                    {P::load(second_x + i), P::load(second_y + i), P::load(second_z + i)}};
         const Hit<P> hit = Form::intersect(ray, box, end);
         select(hit.hit, hit.t, end).store(t + i);
     }

@@ -1,6 +1,7 @@
-// A batch and its target as the kernels of packed_raw.hpp read them.
+// A batch and its target as the kernels of packed_raw.hpp read them, and the rays that fill no register.
 #pragma once
 
+#include <algorithm>
 #include <vector>
 
 #include "intersect/simd/packed_raw.hpp"
@@ -43,15 +44,68 @@ private:
 template <class F>
 RawBatch<F> raw_batch(const table::RayBatch<F>& rays, const RawTarget<F>& target, const table::HitBatch<F>& hits,
                       std::size_t i, std::size_t size) {
-    return {{rays.ox.data() + i, rays.oy.data() + i, rays.oz.data() + i, rays.dx.data() + i, rays.dy.data() + i,
-             rays.dz.data() + i},
-            rays.tmax.empty() ? nullptr : rays.tmax.data() + i,
-            &target,
-            hits.t.data() + i,
-            hits.near.data() + i,
-            hits.far.data() + i,
-            hits.hit.data() + i,
-            size};
+    return {.rays = {rays.ox.data() + i, rays.oy.data() + i, rays.oz.data() + i, rays.dx.data() + i, rays.dy.data() + i,
+                     rays.dz.data() + i},
+            .tmax = rays.tmax.empty() ? nullptr : rays.tmax.data() + i,
+            .target = &target,
+            .t = hits.t.data() + i,
+            .near = hits.near.data() + i,
+            .far = hits.far.data() + i,
+            .hit = hits.hit.data() + i,
+            .size = size};
+}
+
+template <class F>
+using RawKernel = void (*)(const RawBatch<F>&);
+
+/// A register's worth of one column, of the widest registers.
+template <class F>
+struct RegisterColumn {
+    F lanes[64 / sizeof(F)];
+
+    /// The `left` numbers after the last whole register. Empty lanes repeat the last of them, so that no form loops
+    /// longer on account of a ray that nobody asked for.
+    void fill(const F* from, std::size_t left, std::size_t width) {
+        for (std::size_t k = 0; k < width; ++k) lanes[k] = from[std::min(k, left - 1)];
+    }
+};
+
+/// Fewer rays than fill a register, in buffers of a register's size.
+template <class F>
+void run_tail(RawKernel<F> kernel, std::size_t lanes, const RawBatch<F>& rest) {
+    RegisterColumn<F> rays[6], tmax, t, near, far;
+    std::uint8_t hit[sizeof t.lanes / sizeof(F)];
+    RawBatch<F> full{.rays = {},
+                     .tmax = nullptr,
+                     .target = rest.target,
+                     .t = t.lanes,
+                     .near = near.lanes,
+                     .far = far.lanes,
+                     .hit = hit,
+                     .size = lanes};
+    for (int c = 0; c < 6; ++c) {
+        rays[c].fill(rest.rays[c], rest.size, lanes);
+        full.rays[c] = rays[c].lanes;
+    }
+    if (rest.tmax) {
+        tmax.fill(rest.tmax, rest.size, lanes);
+        full.tmax = tmax.lanes;
+    }
+    kernel(full);
+    std::copy_n(t.lanes, rest.size, rest.t);
+    std::copy_n(near.lanes, rest.size, rest.near);
+    std::copy_n(far.lanes, rest.size, rest.far);
+    std::copy_n(hit, rest.size, rest.hit);
+}
+
+/// A batch of any size by a kernel of whole registers of `lanes` numbers.
+template <class F>
+void run_packed(RawKernel<F> kernel, std::size_t lanes, const table::RayBatch<F>& rays, const Target<F>& target,
+                const table::HitBatch<F>& hits) {
+    const FlatTarget<F> flat(target);
+    const std::size_t left = rays.size() % lanes, whole = rays.size() - left;
+    if (whole) kernel(raw_batch(rays, flat.raw(), hits, 0, whole));
+    if (left) run_tail(kernel, lanes, raw_batch(rays, flat.raw(), hits, whole, left));
 }
 
 }  // namespace lostbits::intersect::simd

@@ -1,4 +1,4 @@
-// One ray against many boxes by the loop that anybody would write first: a form's scalar source for each box in turn,
+// One ray against many boxes by the simplest loop: a form's scalar source for each box in turn,
 // left to the compiler to vectorise, with the instructions that the packs have. What packs are worth is measured
 // against it.
 #pragma once

@@ -1,14 +1,10 @@
-// The forms in 256-bit registers, compiled with leave to contract a·b + c into one rounding: what happens to them where
-// nobody switches that off.
+// The forms in 256-bit registers, compiled so that a·b + c may be contracted into one rounding, as gcc does
+// unless told otherwise.
 #include "intersect/simd/packed_kernels.hpp"
 #include "intersect/simd/variant_raw.hpp"
+#include "number/width.hpp"
 
 namespace lostbits::intersect::simd {
-namespace {
-
-struct Width : Registers<32> {};
-
-}  // namespace
 
 void fill_variant_contract(RawRow* rows) { fill_raw<Width>(rows); }
 

@@ -32,54 +32,14 @@ const std::array<RawRow, form_count>& raw_rows() {
     return rows;
 }
 
-template <class F>
-using RawKernel = void (*)(const RawBatch<F>&);
-
-/// Whole packs, and then the last pack's worth of rays once more: where the two overlap the same is written twice.
-template <class F>
-void run_packs(RawKernel<F> kernel, const RayBatch<F>& rays, const RawTarget<F>& target, const HitBatch<F>& hits) {
-    constexpr std::size_t lanes = register_bytes / sizeof(F);
-    const auto from = [&](std::size_t i, std::size_t size) { return raw_batch(rays, target, hits, i, size); };
-    kernel(from(0, rays.size() / lanes * lanes));
-    if (rays.size() % lanes != 0) kernel(from(rays.size() - lanes, lanes));
-}
-
-/// Fewer rays than a pack holds, filled up with the last of them.
-template <class F>
-void run_few(RawKernel<F> kernel, const RayBatch<F>& rays, const RawTarget<F>& target, const HitBatch<F>& hits) {
-    constexpr std::size_t lanes = register_bytes / sizeof(F);
-    const auto filled = [](std::span<const F> column) {
-        std::vector<F> out(column.begin(), column.end());
-        if (!out.empty()) out.resize(lanes, out.back());
-        return out;
-    };
-    const auto ox = filled(rays.ox), oy = filled(rays.oy), oz = filled(rays.oz), dx = filled(rays.dx),
-               dy = filled(rays.dy), dz = filled(rays.dz), tmax = filled(rays.tmax);
-    std::array<F, lanes> t{}, near{}, far{};
-    std::array<std::uint8_t, lanes> hit{};
-    run_packs<F>(kernel, {ox, oy, oz, dx, dy, dz, tmax}, target, {t, near, far, hit});
-    std::copy_n(t.begin(), rays.size(), hits.t.begin());
-    std::copy_n(near.begin(), rays.size(), hits.near.begin());
-    std::copy_n(far.begin(), rays.size(), hits.far.begin());
-    std::copy_n(hit.begin(), rays.size(), hits.hit.begin());
-}
-
-template <class F>
-void run(RawKernel<F> kernel, const RayBatch<F>& rays, const Target<F>& target, const HitBatch<F>& hits) {
-    if (rays.size() == 0) return;
-    const FlatTarget<F> flat(target);
-    if (rays.size() < register_bytes / sizeof(F)) run_few(kernel, rays, flat.raw(), hits);
-    else run_packs(kernel, rays, flat.raw(), hits);
-}
-
 template <Fill fill, std::size_t form>
 void run32(const RayBatch<float>& rays, const Target<float>& target, const HitBatch<float>& hits) {
-    run(raw_rows<fill>()[form].f32, rays, target, hits);
+    run_packed(raw_rows<fill>()[form].f32, register_bytes / sizeof(float), rays, target, hits);
 }
 
 template <Fill fill, std::size_t form>
 void run64(const RayBatch<double>& rays, const Target<double>& target, const HitBatch<double>& hits) {
-    run(raw_rows<fill>()[form].f64, rays, target, hits);
+    run_packed(raw_rows<fill>()[form].f64, register_bytes / sizeof(double), rays, target, hits);
 }
 
 /// A table of its own, whose names and infos live as long as the program.
@@ -95,9 +55,11 @@ std::span<const Intersector> rows_of(std::string_view variant) {
             infos[i].name = names[i];
         }
         const auto& raw = raw_rows<fill>();
-        return std::array<Intersector, form_count>{Intersector{&infos[form], table[form].shape, run32<fill, form>,
-                                                               raw[form].f64 ? run64<fill, form> : nullptr, nullptr,
-                                                               nullptr, nullptr}...};
+        return std::array<Intersector, form_count>{
+            Intersector{.info = &infos[form],
+                        .shape = table[form].shape,
+                        .native32 = run32<fill, form>,
+                        .native64 = raw[form].f64 ? run64<fill, form> : nullptr}...};
     }
     (std::make_index_sequence<form_count>{});
     return rows;

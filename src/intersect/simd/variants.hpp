@@ -17,8 +17,8 @@ struct Variant {
         rows;  ///< in the order of `intersectors()`, as `sphere.unified+contract`; native kernels alone
 };
 
-/// Those that this build contains and this processor runs. Their rows are in no other table: nobody gets them who does
-/// not ask.
+/// Those that this build contains and this processor runs. Their rows are in no other table, so they are used only
+/// where they are asked for by name.
 std::span<const Variant> variants();
 
 }  // namespace lostbits::intersect::simd

@@ -16,11 +16,11 @@ struct CrossProduct {
     template <Number T>
     static Hit<T> intersect(const Ray<T>& ray, const Sphere<T>& sphere) {
         const Vec<T> f = ray.origin - sphere.centre;
-        const T a = named("a", dot(ray.direction, ray.direction));
+        const T a = named("a", square(ray.direction));
         const T minus_b = named("b'", -dot(f, ray.direction));
         const Vec<T> m = cross(f, ray.direction);
-        const T disc = named("disc", a * (sphere.radius * sphere.radius) - dot(m, m));
-        const T c = named("c", dot(f, f) - sphere.radius * sphere.radius);
+        const T disc = named("disc", a * square(sphere.radius) - square(m));
+        const T c = named("c", square(f) - square(sphere.radius));
         return first_hit<T>(disc < T(0), unified_roots<T>(a, minus_b, c, sqrt(disc)));
     }
 };

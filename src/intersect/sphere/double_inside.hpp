@@ -23,10 +23,10 @@ struct DoubleInside {
         const Vec<W> d = widen(ray.direction);
         const Vec<W> f = widen(ray.origin) - widen(sphere.centre);
         const W r = Wider<T>::widen(sphere.radius);
-        const W a = named("a", dot(d, d));
+        const W a = named("a", square(d));
         const W b = named("b", W(2) * dot(f, d));
-        const W c = named("c", dot(f, f) - r * r);
-        const W disc = named("disc", b * b - W(4) * a * c);
+        const W c = named("c", square(f) - square(r));
+        const W disc = named("disc", square(b) - W(4) * a * c);
         const Hit<W> wide = first_hit<W>(disc < W(0), press_roots<W>(a, b, c, sqrt(disc)));
         return Hit<T>{wide.hit, Wider<T>::narrow(wide.t), Wider<T>::narrow(wide.near), Wider<T>::narrow(wide.far)};
     }

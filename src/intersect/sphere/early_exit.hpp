@@ -11,19 +11,19 @@ struct EarlyExit {
     static constexpr Info info{
         .name = "sphere.early_exit",
         .title = "unified, sign of c picks the root",
-        .source = "Haines, Günther, Akenine-Möller, Ray Tracing Gems ch. 7 (2019), section 7.2; seed 000",
+        .source = "Haines, Günther, Akenine-Möller, Ray Tracing Gems ch. 7 (2019), section 7.2",
         .roots = Roots::first_only,
     };
 
     template <Number T>
     static Hit<T> intersect(const Ray<T>& ray, const Sphere<T>& sphere) {
         const Vec<T> f = ray.origin - sphere.centre;
-        const T a = named("a", dot(ray.direction, ray.direction));
+        const T a = named("a", square(ray.direction));
         const T minus_b = named("b'", -dot(f, ray.direction));
         const Vec<T> l = f + (minus_b / a) * ray.direction;
-        const T delta = named("delta", sphere.radius * sphere.radius - dot(l, l));
+        const T delta = named("delta", square(sphere.radius) - square(l));
 
-        const T c = named("c", dot(f, f) - sphere.radius * sphere.radius);
+        const T c = named("c", square(f) - square(sphere.radius));
         const mask_t<T> outside = c > T(0);
         const mask_t<T> behind = minus_b < T(0);
         const T root = sqrt(a * delta);

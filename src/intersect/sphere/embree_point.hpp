@@ -16,11 +16,11 @@ struct EmbreePoint {
     template <Number T>
     static Hit<T> intersect(const Ray<T>& ray, const Sphere<T>& sphere) {
         const Vec<T> g = sphere.centre - ray.origin;
-        const T rd2 = named("rd2", T(1) / dot(ray.direction, ray.direction));
+        const T rd2 = named("rd2", T(1) / square(ray.direction));
         const T tc = named("tc", dot(g, ray.direction) * rd2);
         const Vec<T> perp = g - tc * ray.direction;
-        const T l2 = named("l2", dot(perp, perp));
-        const T r2 = sphere.radius * sphere.radius;
+        const T l2 = named("l2", square(perp));
+        const T r2 = square(sphere.radius);
         const T td = named("td", sqrt((r2 - l2) * rd2));
         return first_hit<T>(!(l2 <= r2), RootPair<T>{tc - td, tc + td});
     }

@@ -10,18 +10,18 @@ struct Expanded {
     static constexpr Info info{
         .name = "sphere.expanded",
         .title = "segment form with the square of f expanded",
-        .source = "Ray-Casting Formulas; seed 004",
+        .source = "Ray-Casting Formulas (course notes)",
         .roots = Roots::near_only,
     };
 
     template <Number T>
     static Hit<T> intersect(const Ray<T>& ray, const Sphere<T>& sphere) {
         const Vec<T> f = ray.origin - sphere.centre;
-        const T a = named("a", dot(ray.direction, ray.direction));
+        const T a = named("a", square(ray.direction));
         const T b = named("b", T(2) * dot(f, ray.direction));
-        const T c = named("c", dot(sphere.centre, sphere.centre) + dot(ray.origin, ray.origin) -
-                                   T(2) * dot(sphere.centre, ray.origin) - sphere.radius * sphere.radius);
-        const T disc = named("disc", b * b - T(4) * a * c);
+        const T c = named("c", square(sphere.centre) + square(ray.origin) - T(2) * dot(sphere.centre, ray.origin) -
+                                   square(sphere.radius));
+        const T disc = named("disc", square(b) - T(4) * a * c);
         return near_hit<T>(disc < T(0), (-b - sqrt(disc)) / (T(2) * a));
     }
 };

@@ -15,10 +15,10 @@ struct FactoredC {
     template <Number T>
     static Hit<T> intersect(const Ray<T>& ray, const Sphere<T>& sphere) {
         const Vec<T> f = ray.origin - sphere.centre;
-        const T a = named("a", dot(ray.direction, ray.direction));
+        const T a = named("a", square(ray.direction));
         const T minus_b = named("b'", -dot(f, ray.direction));
         const Vec<T> l = f + (minus_b / a) * ray.direction;
-        const T delta = named("delta", sphere.radius * sphere.radius - dot(l, l));
+        const T delta = named("delta", square(sphere.radius) - square(l));
 
         const T len = named("|f|", length(f));
         const T c = named("c", (len - sphere.radius) * (len + sphere.radius));

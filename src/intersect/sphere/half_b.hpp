@@ -16,10 +16,10 @@ struct HalfB {
     template <Number T>
     static Hit<T> intersect(const Ray<T>& ray, const Sphere<T>& sphere) {
         const Vec<T> f = ray.origin - sphere.centre;
-        const T a = named("a", dot(ray.direction, ray.direction));
+        const T a = named("a", square(ray.direction));
         const T h = named("h", dot(f, ray.direction));
-        const T c = named("c", dot(f, f) - sphere.radius * sphere.radius);
-        const T disc = named("disc", h * h - a * c);
+        const T c = named("c", square(f) - square(sphere.radius));
+        const T disc = named("disc", square(h) - a * c);
         return first_hit<T>(disc < T(0), plain_half_roots<T>(a, h, sqrt(disc)));
     }
 };

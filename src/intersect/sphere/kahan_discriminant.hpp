@@ -19,12 +19,12 @@ struct KahanDiscriminant {
     template <Number T>
     static Hit<T> intersect(const Ray<T>& ray, const Sphere<T>& sphere) {
         const Vec<T> f = ray.origin - sphere.centre;
-        const T a = named("a", dot(ray.direction, ray.direction));
+        const T a = named("a", square(ray.direction));
         const T h = named("h", dot(f, ray.direction));
-        const T c = named("c", dot(f, f) - sphere.radius * sphere.radius);
+        const T c = named("c", square(f) - square(sphere.radius));
         const T w = named("w", a * c);
         const T e = named("e", fma(-a, c, w));
-        const T disc = named("disc", fma(h, h, -w) + e);
+        const T disc = named("disc", fma_square(h, -w) + e);
         return first_hit<T>(disc < T(0), unified_roots<T>(a, -h, c, sqrt(disc)));
     }
 };

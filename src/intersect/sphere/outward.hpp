@@ -41,7 +41,7 @@ struct Outward {
         const T low = abs(a.lo), high = abs(a.hi);
         const mask_t<T> has_zero = a.lo <= T(0) && a.hi >= T(0);
         const T least = min(low, high), most = max(low, high);
-        return {select(has_zero, T(0), next_down(least * least)), next_up(most * most)};
+        return {select(has_zero, T(0), next_down(square(least))), next_up(square(most))};
     }
     [[nodiscard]] T middle() const { return (lo + hi) / T(2); }
 };

@@ -15,9 +15,9 @@ struct PbrtFactored {
     template <Number T>
     static Hit<T> intersect(const Ray<T>& ray, const Sphere<T>& sphere) {
         const Vec<T> f = ray.origin - sphere.centre;
-        const T a = named("a", dot(ray.direction, ray.direction));
+        const T a = named("a", square(ray.direction));
         const T b = named("b", T(2) * dot(f, ray.direction));
-        const T c = named("c", dot(f, f) - sphere.radius * sphere.radius);
+        const T c = named("c", square(f) - square(sphere.radius));
         const T l = named("l", length(f - (b / (T(2) * a)) * ray.direction));
         const T disc = named("disc", T(4) * a * (sphere.radius + l) * (sphere.radius - l));
         return first_hit<T>(disc < T(0), press_roots<T>(a, b, c, sqrt(disc)));

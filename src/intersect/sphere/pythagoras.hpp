@@ -18,8 +18,8 @@ struct Pythagoras {
     static Hit<T> intersect(const Ray<T>& ray, const Sphere<T>& sphere) {
         const Vec<T> f = ray.origin - sphere.centre;
         const T tca = named("tca", -dot(f, ray.direction));
-        const T l2 = named("l2", dot(f, f) - tca * tca);
-        const T r2 = sphere.radius * sphere.radius;
+        const T l2 = named("l2", square(f) - square(tca));
+        const T r2 = square(sphere.radius);
         const T thc = named("thc", sqrt(r2 - l2));
         return first_hit<T>(l2 > r2, RootPair<T>{tca - thc, tca + thc});
     }

@@ -49,7 +49,8 @@ RootPair<T> plain_half_roots(const T& a, const T& h, const T& root) {
 }
 
 /// Equation (6), Press et al.: q = −½(b + sign(b) root), roots c/q and q/a, so that nothing of like size is
-/// subtracted. sign(0) = +1 as published code has it (the text of seed 000 says −1); c/q is the near root where b < 0.
+/// subtracted. sign(0) = +1 as published code has it (the text of Ray Tracing Gems ch. 7 says −1); c/q is the near root
+/// where b < 0.
 template <Number T>
 RootPair<T> press_roots(const T& a, const T& b, const T& c, const T& root) {
     return decide(b < T(0), [&](const mask_t<T>& ahead) {

@@ -18,17 +18,17 @@ struct TwoStep {
     template <Number T>
     static Hit<T> intersect(const Ray<T>& ray, const Sphere<T>& sphere) {
         const Vec<T> f = ray.origin - sphere.centre;
-        const T a = named("a", dot(ray.direction, ray.direction));
+        const T a = named("a", square(ray.direction));
         const T h = named("h", dot(f, ray.direction));
-        const T c = named("c", dot(f, f) - sphere.radius * sphere.radius);
-        const T disc = named("disc", h * h - a * c);
+        const T c = named("c", square(f) - square(sphere.radius));
+        const T disc = named("disc", square(h) - a * c);
         const T root = sqrt(disc);
         const T first = named("t1", (-h - root) / a);
         const mask_t<T> again = abs(first) > T(10) * sphere.radius;
         const Vec<T> g = f + first * ray.direction;
         const T h2 = named("h2", dot(g, ray.direction));
-        const T c2 = named("c2", dot(g, g) - sphere.radius * sphere.radius);
-        const T disc2 = named("disc2", h2 * h2 - a * c2);
+        const T c2 = named("c2", square(g) - square(sphere.radius));
+        const T disc2 = named("disc2", square(h2) - a * c2);
         const T root2 = sqrt(disc2);
         const mask_t<T> refined = again && disc2 > T(0);
         const T near = select(refined, first + (-h2 - root2) / a, first);

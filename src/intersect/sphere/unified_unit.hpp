@@ -9,7 +9,7 @@ struct UnifiedUnit {
     static constexpr Info info{
         .name = "sphere.unified_unit",
         .title = "unified, unit direction",
-        .source = "Haines, Günther, Akenine-Möller, Ray Tracing Gems ch. 7 (2019), section 7.2; seed 000",
+        .source = "Haines, Günther, Akenine-Möller, Ray Tracing Gems ch. 7 (2019), section 7.2",
         .direction = Direction::unit,
     };
 
@@ -18,8 +18,8 @@ struct UnifiedUnit {
         const Vec<T> f = ray.origin - sphere.centre;
         const T minus_b = named("b'", -dot(f, ray.direction));
         const Vec<T> l = f + minus_b * ray.direction;
-        const T delta = named("delta", sphere.radius * sphere.radius - dot(l, l));
-        const T c = named("c", dot(f, f) - sphere.radius * sphere.radius);
+        const T delta = named("delta", square(sphere.radius) - square(l));
+        const T c = named("c", square(f) - square(sphere.radius));
         const mask_t<T> behind = minus_b < T(0);
         const T root = sqrt(delta);
         const T q = named("q", minus_b + select(behind, -root, root));

@@ -10,7 +10,7 @@ struct UnitHalfB {
     static constexpr Info info{
         .name = "sphere.unit_half_b",
         .title = "shader form, unit direction, near root",
-        .source = "procedural_shader_framework, analytic_sphere.glsl; seed 001",
+        .source = "Ruimin Ma, analytic_sphere.glsl, procedural_shader_framework",
         .direction = Direction::unit,
         .roots = Roots::near_only,
     };
@@ -18,9 +18,9 @@ struct UnitHalfB {
     template <Number T>
     static Hit<T> intersect(const Ray<T>& ray, const Sphere<T>& sphere) {
         const Vec<T> f = ray.origin - sphere.centre;
-        const T c = named("c", dot(f, f) - sphere.radius * sphere.radius);
+        const T c = named("c", square(f) - square(sphere.radius));
         const T b = named("b", dot(ray.direction, f));
-        const T disc = named("disc", b * b - c);
+        const T disc = named("disc", square(b) - c);
         const T t = -b - sqrt(abs(disc));
         // step(0, x) is 1 unless x < 0; mix(-1, t, step) keeps t there and the sentinel elsewhere.
         const mask_t<T> hit = !(min(t, disc) < T(0));

@@ -11,7 +11,7 @@
 
 namespace lostbits::intersect::table {
 
-/// `Form::intersect` on a target; `tmax` reaches the forms that are told where a ray ends, `watch` those that march.
+/// `Form::intersect` on a target; `tmax` reaches the forms that take the end of a ray, `watch` those that march.
 template <class Form, class T, class Watch>
 Hit<T> intersect_target(const Ray<T>& ray, const Target<T>& target, const T& tmax, Watch& watch) {
     if constexpr (shape_of<Form> == Shape::sphere) return Form::intersect(ray, target.solids.front().sphere());

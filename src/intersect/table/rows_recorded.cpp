@@ -1,11 +1,13 @@
 #include "intersect/table/recording.hpp"
 #include "intersect/table/rows.hpp"
 #include "number/recorded.hpp"
+#include "number/with_number.hpp"
 
 namespace lostbits::intersect::table {
 namespace {
 
-/// Marks where the samples of a march end, and gives its operations the names that seed 003 has for them.
+/// Marks where the samples of a march end, and gives its operations the names that the lesson SDF Sphere Marching has
+/// for them.
 template <class T>
 struct SampleMarks {
     void operator()(const RecordedMask& /*active*/, const T& t, const Vec<T>& p, const T& d) const {
@@ -38,13 +40,7 @@ void evaluate_on(Tape& tape, const Ray<double>& ray, const Target<double>& targe
 template <class Form>
 void record_of(const Format& format, const Ray<double>& ray, const Target<double>& target, double tmax, Tape& tape) {
     tape.clear();
-    switch (format.engine) {
-        case Format::Engine::native32: return evaluate_on<Form, float>(tape, ray, target, tmax);
-        case Format::Engine::native64: return evaluate_on<Form, double>(tape, ray, target, tmax);
-        case Format::Engine::rounded: break;
-    }
-    const CurrentFormat::Scope scope(format.shape);
-    evaluate_on<Form, RoundedAny>(tape, ray, target, tmax);
+    with_number(format, [&]<class F>() { evaluate_on<Form, F>(tape, ray, target, tmax); });
 }
 
 /// Two samples of a march, and each refinement once or twice, are all that there is: what follows does the same again.

@@ -47,9 +47,10 @@ struct Intersector {
     void (*native32)(const RayBatch<float>&, const Target<float>&, const HitBatch<float>&);
     void (*native64)(const RayBatch<double>&, const Target<double>&, const HitBatch<double>&);
     /// Inputs are rounded to the format on the way in.
-    void (*rounded)(const FloatFormat&, const RayBatch<double>&, const Target<double>&, const HitBatch<double>&);
-    Hit<Ball> (*ball)(const Ray<Ball>&, const Target<Ball>&);
-    Hit<Interval> (*interval)(const Ray<Interval>&, const Target<Interval>&);
+    void (*rounded)(const FloatFormat&, const RayBatch<double>&, const Target<double>&,
+                    const HitBatch<double>&) = nullptr;
+    Hit<Ball> (*ball)(const Ray<Ball>&, const Target<Ball>&) = nullptr;
+    Hit<Interval> (*interval)(const Ray<Interval>&, const Target<Interval>&) = nullptr;
     /// Every sample of one march; null for the forms that do not march. Inputs are numbers of the format.
     MarchLog (*log)(const Format&, const Ray<double>&, const Target<double>&) = nullptr;
     /// Every operation of one evaluation, onto a tape that it clears first. Inputs are numbers of the format.

@@ -10,18 +10,18 @@ using truth::Band;
 
 namespace {
 
-/// A ray alone: with its neighbours of the row, many spheres would be asked of each.
+/// A single ray: beside the other rays of its row, each would be tested against many more spheres.
 std::unique_ptr<Band> band_of(const Scene& scene, const Ray<double>& ray) {
     scene::rays::RayGroup group;
-    group.rays = {1,
-                  0,
-                  1,
-                  {ray.origin.x},
-                  {ray.origin.y},
-                  {ray.origin.z},
-                  {ray.direction.x},
-                  {ray.direction.y},
-                  {ray.direction.z}};
+    group.rays = {.width = 1,
+                  .y0 = 0,
+                  .y1 = 1,
+                  .ox = {ray.origin.x},
+                  .oy = {ray.origin.y},
+                  .oz = {ray.origin.z},
+                  .dx = {ray.direction.x},
+                  .dy = {ray.direction.y},
+                  .dz = {ray.direction.z}};
     group.solids = scene::rays::shared_solids(scene);
     if (scene.march) group.march = scene::file::round_march(*scene.march, binary32);
     return std::make_unique<Band>(std::move(group));
@@ -47,7 +47,7 @@ OneRay::OneRay(const Scene& scene, int x, int y) {
 OneRay::OneRay(const Scene& scene, const Ray<double>& ray) {
     if (scene.inputs != scene::file::Inputs::shared)
         throw InputError("--ray: scene " + scene.id +
-                         " has inputs = \"own\", which are ideal numbers that no ray is given in; use --pixel");
+                         " has inputs = \"own\", which are ideal numbers, but --ray gives rounded ones; use --pixel");
     band_ = band_of(scene, ray);
 }
 

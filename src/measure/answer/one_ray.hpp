@@ -5,7 +5,6 @@
 #include <optional>
 
 #include "measure/answer/outcome.hpp"
-#include "measure/metric/metrics.hpp"
 #include "measure/truth/band.hpp"
 #include "scene/file/scene.hpp"
 

@@ -3,23 +3,24 @@
 #include <algorithm>
 #include <cmath>
 
+#include "measure/blame/exact_arithmetic.hpp"
 #include "measure/blame/operation_error.hpp"
-#include "measure/blame/shadow.hpp"
-#include "measure/metric/metrics.hpp"
+#include "measure/blame/operations.hpp"
+#include "measure/truth/lost_bits.hpp"
 #include "number/rounded.hpp"
 
 namespace lostbits::measure::blame {
 namespace {
 
-/// One tape over one kind of exact number: forward for the exact values, backward for the adjoints.
-template <class Shadow>
+/// One tape over one exact arithmetic: forward for the exact values, backward for the adjoints.
+template <class Exact>
 class Walk {
 public:
-    using S = typename Shadow::Number;
+    using Number = typename Exact::Number;
 
-    Walk(const Tape& tape, AttributionDepth depth) : tape_(tape), depth_(depth), exact_(tape.nodes.size(), S(0)) {
+    Walk(const Tape& tape, AttributionDepth depth) : tape_(tape), depth_(depth), exact_(tape.nodes.size(), Number(0)) {
         found_.of.resize(tape.nodes.size());
-        found_.shadow_bits = Shadow::bits;
+        found_.exact_bits = Exact::bits;
         for (NodeId i = 0; i < tape.size(); ++i) forward(i);
         found_.exact_hit = tape.outputs.hit != no_node && is_true(tape.outputs.hit);
     }
@@ -46,7 +47,7 @@ public:
 
 private:
     OperationError& of(NodeId i) { return found_.of[static_cast<std::size_t>(i)]; }
-    S& exact(NodeId i) { return exact_[static_cast<std::size_t>(i)]; }
+    Number& exact(NodeId i) { return exact_[static_cast<std::size_t>(i)]; }
     [[nodiscard]] double computed(NodeId i) const { return tape_[i].value; }
     bool is_true(NodeId i) { return of(i).exact != 0; }
 
@@ -54,41 +55,34 @@ private:
         failed_ |= !decision.has_value();
         return decision.value_or(as_computed);
     }
-    bool exactly_less(NodeId a, NodeId b, bool as_computed) {
-        return settled(Shadow::less(exact(a), exact(b)), as_computed);
-    }
-    bool exactly_less_equal(NodeId a, NodeId b, bool as_computed) {
-        return settled(Shadow::less_equal(exact(a), exact(b)), as_computed);
-    }
+
+    /// Decides by exact values; where those leave it open, as the format did.
+    struct ExactJudge {
+        Walk& walk;
+        const TapeNode& n;
+        [[nodiscard]] bool less(std::size_t k, std::size_t l) const {
+            const NodeId a = n.operands[k], b = n.operands[l];
+            if (a == b) return false;
+            return walk.settled(Exact::less(walk.exact(a), walk.exact(b)), walk.computed(a) < walk.computed(b));
+        }
+        [[nodiscard]] bool less_equal(std::size_t k, std::size_t l) const {
+            const NodeId a = n.operands[k], b = n.operands[l];
+            return walk.settled(Exact::less_equal(walk.exact(a), walk.exact(b)), walk.computed(a) <= walk.computed(b));
+        }
+        [[nodiscard]] bool holds(std::size_t k) const { return walk.is_true(n.operands[k]); }
+    };
 
     void forward(NodeId i) {
         const TapeNode& n = tape_[i];
-        const auto [a, b, c] = n.operands;
         OperationError& e = of(i);
         if (is_decision(n.op)) return decide(i);
-        switch (n.op) {
-            case TapeOp::input: exact(i) = Shadow::lift(n.value); break;
-            case TapeOp::constant: exact(i) = S(static_cast<int>(a)); break;
-            case TapeOp::add: exact(i) = Shadow::sum(exact(a), exact(b)); break;
-            case TapeOp::sub: exact(i) = Shadow::sum(exact(a), -exact(b)); break;
-            case TapeOp::mul: exact(i) = exact(a) * exact(b); break;
-            case TapeOp::div: exact(i) = exact(a) / exact(b); break;
-            case TapeOp::sqrt: exact(i) = sqrt(exact(a)); break;
-            case TapeOp::fma: exact(i) = Shadow::sum(exact(a) * exact(b), exact(c)); break;
-            case TapeOp::neg: exact(i) = -exact(a); break;
-            case TapeOp::next_up:
-            case TapeOp::next_down:
-            case TapeOp::convert: exact(i) = exact(a); break;
-            case TapeOp::abs: exact(i) = abs(exact(a)); break;
-            case TapeOp::copysign: sign(i); break;
-            default: choose(i);
-        }
+        find_exact(i);
         if (n.op == TapeOp::input) {
             e.exact = n.value;  // infinity too, which a ball holds no better than as a large number
             return;
         }
-        e.exact = Shadow::nearest(exact(i));
-        e.error = Shadow::difference(n.value, exact(i));
+        e.exact = Exact::nearest(exact(i));
+        e.error = Exact::difference(n.value, exact(i));
         if (!e.turned) e.rounding = rounding_of(tape_, i);
         e.cancelled = cancellation(tape_, i);
         for (const NodeId operand : n.operands)
@@ -96,43 +90,46 @@ private:
         if (depth_.full) e.local_bits = local_bits(i);
     }
 
+    void find_exact(NodeId i) {
+        const TapeNode& n = tape_[i];
+        const auto computed_exactly = [&]<TapeOp op>() -> Number {
+            return with_operands<op>(
+                [](const auto&... x) -> Number { return Operation<op>::template exact<Exact>(x...); },
+                [&](std::size_t k) -> const Number& { return exact(n.operands[k]); });
+        };
+        switch (kind_of(n.op)) {
+            case OperationKind::given:
+                exact(i) = with<OperationKind::given>(
+                    n.op, [&]<TapeOp op>() -> Number { return Operation<op>::template exact<Exact>(n); });
+                break;
+            case OperationKind::rounded: exact(i) = with<OperationKind::rounded>(n.op, computed_exactly); break;
+            case OperationKind::exact: exact(i) = with<OperationKind::exact>(n.op, computed_exactly); break;
+            case OperationKind::moved: exact(i) = exact(n.operands[0]); break;
+            case OperationKind::sign: sign(i); break;
+            case OperationKind::choice: choose(i); break;
+            case OperationKind::comparison:
+            case OperationKind::logic: break;
+        }
+    }
+
     void decide(NodeId i) {
         const TapeNode& n = tape_[i];
-        const auto [a, b, c] = n.operands;
-        const bool was = n.value != 0;
-        bool is = was;
-        switch (n.op) {
-            case TapeOp::less: is = exactly_less(a, b, was); break;
-            case TapeOp::less_equal: is = exactly_less_equal(a, b, was); break;
-            case TapeOp::greater: is = exactly_less(b, a, was); break;
-            case TapeOp::greater_equal: is = exactly_less_equal(b, a, was); break;
-            case TapeOp::both: is = is_true(a) && is_true(b); break;
-            case TapeOp::either: is = is_true(a) || is_true(b); break;
-            case TapeOp::opposite: is = !is_true(a); break;
-            default: is = is_true(a);
-        }
+        const bool was = n.value != 0, is = holds(n.op, ExactJudge{*this, n});
         of(i).exact = is;
         of(i).turned = is != was;
         if (n.op == TapeOp::any && is && !was) found_.cut_short = true;
     }
 
-    /// select, min, max: the exact value is that of the side that exact values choose; where it is not the side that
-    /// was taken, what lies between the two is the choice's own error.
+    /// The exact value of a choice is that of the side that exact values choose; where it is not the side that was
+    /// taken, what lies between the two is the choice's own error.
     void choose(NodeId i) {
-        const NodeId taken = chosen(tape_, i);
         const TapeNode& n = tape_[i];
-        const bool first = taken == first_side(n);
-        bool exactly = first;
-        if (n.op == TapeOp::select) exactly = is_true(n.operands[0]);
-        else if (n.operands[0] != n.operands[1])
-            exactly = n.op == TapeOp::min ? exactly_less(n.operands[0], n.operands[1], first)
-                                          : exactly_less(n.operands[1], n.operands[0], first);
-        const NodeId meant = exactly == first ? taken : other_side(n, taken);
+        const NodeId taken = side_taken(tape_, i), meant = side_taken(n, ExactJudge{*this, n});
         exact(i) = exact(meant);
         of(i).turned = meant != taken;
         if (meant == taken) return;
         of(i).rounding =
-            is_cut(taken) ? Shadow::difference(n.value, exact(meant)) : Shadow::nearest(exact(taken) - exact(meant));
+            is_cut(taken) ? Exact::difference(n.value, exact(meant)) : Exact::nearest(exact(taken) - exact(meant));
     }
 
     /// Whether a side that was taken by mistake has no exact value (the root of what is negative but for rounding):
@@ -142,40 +139,48 @@ private:
     /// |a| with the sign of b; of a zero or NaN the sign as computed.
     void sign(NodeId i) {
         const auto [a, b, c] = tape_[i].operands;
-        const double by = Shadow::nearest(exact(b));
+        const double by = Exact::nearest(exact(b));
         const bool was = std::signbit(computed(b));
         bool negative = was;
-        if (by != 0 && !std::isnan(by)) negative = settled(Shadow::less(exact(b), S(0)), was);
-        const S size = abs(exact(a));
+        if (by != 0 && !std::isnan(by)) negative = settled(Exact::less(exact(b), Number(0)), was);
+        const Number size = abs(exact(a));
         exact(i) = negative ? -size : size;
         of(i).turned = negative != was;
-        if (negative != was) of(i).rounding = Shadow::nearest(was ? -size - size : size + size);
+        if (negative != was) of(i).rounding = Exact::nearest(was ? -size - size : size + size);
     }
 
     double local_bits(NodeId i) {
-        if constexpr (std::same_as<Shadow, DeepShadow>) {
+        if constexpr (std::same_as<Exact, DeepExact>) {
             const TapeNode& n = tape_[i];
-            if (!is_operation(n.op) || n.op >= TapeOp::min || n.op == TapeOp::neg)
-                return n.op == TapeOp::convert ? bits_off(i, round_to(exact(n.operands[0]), i), i) : 0;
-            std::array<double, 3> x{};
-            for (std::size_t k = 0; k < 3; ++k) {
-                if (n.operands[k] != no_node) x[k] = round_to(exact(n.operands[k]), n.operands[k]);
+            switch (kind_of(n.op)) {
+                case OperationKind::rounded:
+                case OperationKind::sign: {
+                    std::array<double, 3> x{};
+                    for (std::size_t k = 0; k < row_of(n.op).operands; ++k)
+                        x[k] = round_to(exact(n.operands[k]), n.operands[k]);
+                    return bits_off(i, result_of(n.op, x, tape_.format_of(i)));
+                }
+                case OperationKind::given:
+                case OperationKind::exact:  // a rounded operand is off by half an ulp, which is no bit
+                case OperationKind::moved:  // what it adds, it adds on purpose
+                case OperationKind::choice:
+                case OperationKind::comparison:
+                case OperationKind::logic: break;
             }
-            return bits_off(i, apply(n.op, x, tape_.format_of(i)), i);
         }
         return 0;
     }
-    double round_to(const S& x, NodeId as) {
-        const double near = Shadow::nearest(x);
-        const double rest = Shadow::nearest(x - S(near));
+    double round_to(const Number& x, NodeId as) {
+        const double near = Exact::nearest(x);
+        const double rest = Exact::nearest(x - Number(near));
         return rounding::to_format(near, (rest > 0) - (rest < 0), tape_.format_of(as));
     }
-    double bits_off(NodeId i, double rerun, NodeId as) {
-        const double off = Shadow::difference(rerun, exact(i));
+    double bits_off(NodeId i, double rerun) {
+        const double off = Exact::difference(rerun, exact(i));
         if (!std::isfinite(off) || off == 0) return 0;
         const double size = std::fabs(of(i).exact);
-        const long e = ulp_exponent(tape_.format_of(as), size == 0 ? -100000 : std::ilogb(size));
-        return metric::lost_bits(std::ldexp(off, static_cast<int>(-e)), tape_.format_of(as).precision);
+        const long e = ulp_exponent(tape_.format_of(i), size == 0 ? -100000 : std::ilogb(size));
+        return truth::lost_bits(std::ldexp(off, static_cast<int>(-e)), tape_.format_of(i).precision);
     }
 
     void seed(NodeId subject) {
@@ -184,26 +189,29 @@ private:
         e.adjoint = e.derivative = 1;
     }
 
-    /// Hands node i's adjoint on to its operands. A comparison stands for the difference of its sides.
+    /// Hands node i's adjoint on to its operands.
     void backward(NodeId i) {
         const TapeNode& n = tape_[i];
         const OperationError& e = of(i);
-        if (!e.live || n.op == TapeOp::input || n.op == TapeOp::constant) return;
-        failed_ |= !is_decision(n.op) && !Shadow::is_good(exact(i), n.value);
-        if (const NodeId taken = chosen(tape_, i); e.turned && taken != no_node && is_cut(taken)) return;
-        std::array<Operand, 3> x{};
-        for (std::size_t k = 0; k < 3; ++k) {
-            if (n.operands[k] != no_node && !is_decision(tape_[n.operands[k]].op))
-                x[k] = {computed(n.operands[k]), of(n.operands[k]).exact};
+        if (!e.live || is_given(n.op)) return;
+        failed_ |= !is_decision(n.op) && !Exact::is_good(exact(i), n.value);
+        const NodeId taken = side_taken(tape_, i);
+        if (e.turned && taken != no_node && is_cut(taken)) return;
+        std::array<Step, 3> differences{}, points{};
+        for (std::size_t k = 0; k < row_of(n.op).operands; ++k) {
+            if (is_decision(tape_[n.operands[k]].op)) continue;
+            const double x = computed(n.operands[k]);
+            differences[k] = {of(n.operands[k]).exact, x};
+            points[k] = {x, x, true};
         }
-        const Weights difference = quotients(n, x, chosen(tape_, i), false);
-        const Weights slope = depth_.full ? quotients(n, x, chosen(tape_, i), true) : Weights{};
-        for (std::size_t k = 0; k < 3; ++k) {
-            if (!difference.follows[k]) continue;
+        const Quotients difference = quotients_of(n, differences, taken);
+        const Quotients derivative = depth_.full ? quotients_of(n, points, taken) : Quotients{};
+        for (std::size_t k = 0; k < row_of(n.op).operands; ++k) {
+            if (!difference[k]) continue;
             OperationError& operand = of(n.operands[k]);
             operand.live = true;
-            operand.adjoint += e.adjoint * difference.by[k];
-            if (depth_.full) operand.derivative += e.derivative * slope.by[k];
+            operand.adjoint += e.adjoint * *difference[k];
+            if (depth_.full) operand.derivative += e.derivative * *derivative[k];
         }
     }
 
@@ -235,7 +243,7 @@ private:
         return decision != no_node && of(decision).turned ? decision : no_node;
     }
 
-    /// The subject where it is no finite number; of a comparison the side that is none and would be one without
+    /// The subject where it is not finite; of a comparison, the side that is not finite and would be without
     /// rounding.
     NodeId no_number_in(NodeId subject) {
         if (!is_decision(tape_[subject].op)) return std::isfinite(computed(subject)) ? no_node : subject;
@@ -247,15 +255,17 @@ private:
         return no_node;
     }
 
-    /// Where a value that is no finite number came from: the operation whose own operands still are.
+    /// The operation that made a value infinite or NaN: its own operands are still finite.
     NodeId origin(NodeId i) {
         for (;;) {
             const TapeNode& n = tape_[i];
-            if (n.op == TapeOp::input || n.op == TapeOp::constant) return no_node;
+            if (is_given(n.op)) return no_node;
+            const NodeId taken = side_taken(tape_, i);
             NodeId next = no_node;
             for (const NodeId operand : n.operands) {
-                const bool taken = chosen(tape_, i) == no_node || operand == chosen(tape_, i);
-                if (operand != no_node && taken && next == no_node && !std::isfinite(computed(operand))) next = operand;
+                const bool follows = taken == no_node || operand == taken;
+                if (operand != no_node && follows && next == no_node && !std::isfinite(computed(operand)))
+                    next = operand;
             }
             if (next == no_node) return i;
             i = next;
@@ -264,7 +274,7 @@ private:
 
     const Tape& tape_;
     AttributionDepth depth_;
-    std::vector<S> exact_;
+    std::vector<Number> exact_;
     Attribution found_;
     bool failed_ = false;
 };
@@ -272,11 +282,11 @@ private:
 template <class Subject>
 Attribution attributed(const Tape& tape, AttributionDepth depth, Subject subject) {
     if (!depth.full) {
-        Walk<QuickShadow> quick(tape, depth);
+        Walk<QuickExact> quick(tape, depth);
         if (!quick.failed()) quick.attribute(subject(quick));
         if (!quick.failed()) return quick.take();
     }
-    Walk<DeepShadow> deep(tape, depth);
+    Walk<DeepExact> deep(tape, depth);
     deep.attribute(subject(deep));
     return deep.take();
 }

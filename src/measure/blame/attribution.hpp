@@ -34,14 +34,14 @@ struct OperationError {
 
 struct Attribution {
     std::vector<OperationError> of;  ///< a node each
-    NodeId subject = no_node;        ///< what was asked about: t, or the comparison that turned the form's decision
+    NodeId subject = no_node;        ///< what is explained: t, or the comparison that turned the form's decision
     bool exact_hit = false;          ///< the form's decision without rounding
     bool cut_short =
         false;             ///< without rounding a loop would have gone on: exact values end where the computed ones did
     double error = 0;      ///< of the subject (of the difference of a comparison's sides)
     double explained = 0;  ///< sum of the contributions
     double first_order = 0;  ///< the same with derivatives; only where asked for
-    int shadow_bits = 0;     ///< precision of the exact values: 106 (double-double with bounds), or 2048
+    int exact_bits = 0;      ///< precision of the exact values: 106 (double-double with bounds), or 2048
     /// The live operation with the largest |contribution|, the first of equals; of a subject (or a side of it) that is
     /// no number, the operation that made it so. None where nothing was lost.
     NodeId culprit = no_node;

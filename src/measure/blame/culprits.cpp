@@ -1,33 +1,23 @@
 #include "measure/blame/culprits.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <deque>
-#include <limits>
-#include <map>
-#include <mutex>
 #include <numeric>
 #include <optional>
 
 #include "intersect/table/recording.hpp"
 #include "measure/blame/operation_error.hpp"
 #include "measure/blame/tape_text.hpp"
-#include "number/error.hpp"
+#include "measure/truth/missing.hpp"
 #include "scene/file/march_table.hpp"
-#include "scene/toml/did_you_mean.hpp"
-#include "scene/toml/round.hpp"
 
 namespace lostbits::measure::blame {
 
 using intersect::Target;
 using intersect::table::Intersector;
-using metric::Metric;
+using truth::missing;
 
 namespace {
-
-constexpr double missing = std::numeric_limits<double>::quiet_NaN();
-constexpr std::string_view none = "none: nothing rounds";
 
 /// Whatever decides the names of operations: kinds, operands, labels. FNV-1a over 64 bits.
 std::uint64_t structure_of(const Tape& tape) {
@@ -46,7 +36,7 @@ std::vector<std::string_view> steps_of(const Tape& tape) {
     for (NodeId i = tape.size() - 1; i >= 0; --i) {
         const TapeNode& n = tape[i];
         if (!n.label.empty()) step[static_cast<std::size_t>(i)] = n.label;
-        if (n.op <= TapeOp::constant) continue;
+        if (is_given(n.op)) continue;
         // Users come later on the tape; the earliest of them is seen last and keeps its word.
         for (const NodeId operand : n.operands) {
             if (operand != no_node && tape[operand].label.empty() && !is_decision(n.op))
@@ -63,45 +53,13 @@ std::optional<Target<double>> target_of(const Intersector& form, const Setting& 
     return fits == setting.solids.end() ? std::nullopt : std::optional(Target<double>(*fits));
 }
 
-/// Not where the result is exact whatever the operands are.
-bool can_err(TapeOp op) {
-    return op == TapeOp::constant || (is_operation(op) && op != TapeOp::neg && op != TapeOp::abs);
-}
-
-double labelled_contribution(const metric::Sample& s) {
-    if (!s.blame || s.blame->attribution->subject == no_node ||
-        is_decision((*s.blame->tape)[s.blame->attribution->subject].op))
-        return missing;
-    return contribution_of(*s.blame->tape, *s.blame->attribution, label_of(*s.metric)) / s.blame->ulp;
-}
-
-double labelled_cancellation(const metric::Sample& s) {
-    return s.blame ? cancellation_of(*s.blame->tape, *s.blame->attribution, label_of(*s.metric)) : missing;
-}
-
-/// What there is of each label; `name` is to be filled in.
-struct Labelled {
-    std::string_view prefix, layer;
-    Metric metric;
-};
-constexpr std::array labelled{
-    Labelled{"contribution:",
-             "contribution.",
-             {"", "ulp", "",
-              "what the operations of that name add to t by their own rounding, in ulps of t without rounding",
-              metric::needs_attribution, metric::Ramp::magnitude, 0x1p-4, 0x1p+24, false, labelled_contribution}},
-    Labelled{"cancellation:",
-             "cancellation.",
-             {"", "bits", "", "bits that the operation of that name cancels of operands which already carry error",
-              metric::needs_attribution, metric::Ramp::bits, 0, 0, false, labelled_cancellation}}};
-
 }  // namespace
 
 SettingOf::SettingOf(const scene::file::Scene& scene) : solids_(scene::rays::shared_solids(scene)) {
     if (scene.march) march_ = scene::file::round_march(*scene.march, binary32);
 }
 
-std::vector<std::string> operations_of(const Intersector& form, const Setting& setting) {
+std::vector<std::string> operation_names(const Intersector& form, const Setting& setting) {
     std::vector<std::string> operations;
     const auto target = target_of(form, setting);
     if (!target) return operations;
@@ -116,38 +74,6 @@ std::vector<std::string> operations_of(const Intersector& form, const Setting& s
     return operations;
 }
 
-const Metric* culprit_among(std::span<const Intersector* const> forms, const Setting& setting) {
-    static std::mutex lock;
-    static std::deque<std::string> texts;
-    static std::deque<std::vector<std::string_view>> lists;
-    static std::deque<Metric> rows;
-    const std::lock_guard guard(lock);
-    auto& list = lists.emplace_back(std::vector{none});
-    for (const Intersector* form : forms) {
-        for (const std::string& operation : operations_of(*form, setting)) {
-            if (std::ranges::find(list, operation) == list.end()) list.push_back(texts.emplace_back(operation));
-        }
-    }
-    Metric row = *metric::find_metric("culprit");
-    row.categories = list;
-    return &rows.emplace_back(row);
-}
-
-const Metric* labelled_metric(std::string_view name) {
-    static std::mutex lock;
-    static std::deque<std::string> texts;
-    static std::map<std::string, Metric, std::less<>> rows;
-    const auto kind = std::ranges::find_if(
-        labelled, [&](const Labelled& l) { return name.starts_with(l.prefix) && name.size() > l.prefix.size(); });
-    if (kind == labelled.end()) return nullptr;
-    const std::lock_guard guard(lock);
-    if (const auto found = rows.find(name); found != rows.end()) return &found->second;
-    Metric row = kind->metric;
-    row.name = texts.emplace_back(name);
-    row.layer = texts.emplace_back(std::string(kind->layer) + std::string(name.substr(kind->prefix.size())));
-    return &rows.emplace(row.name, row).first->second;
-}
-
 std::vector<std::string_view> labels_of(const Intersector& form, const Setting& setting) {
     std::vector<std::string_view> labels;
     const auto target = target_of(form, setting);
@@ -160,35 +86,11 @@ std::vector<std::string_view> labels_of(const Intersector& form, const Setting& 
     return labels;
 }
 
-void bind_to_run(std::vector<const Metric*>& metrics, const std::vector<const Intersector*>& forms,
-                 const Setting& setting) {
-    for (const Metric*& m : metrics) {
-        if (m->by_run()) m = culprit_among(forms, setting);
-        if (!is_labelled(*m)) continue;
-        const std::string label(label_of(*m));
-        std::vector<std::string> labels;
-        for (const Intersector* form : forms) {
-            for (const auto& each : labels_of(*form, setting)) {
-                if (std::ranges::find(labels, each) == labels.end()) labels.emplace_back(each);
-            }
-        }
-        if (std::ranges::find(labels, label) != labels.end()) continue;
-        throw InputError("--metric " + std::string(m->name) + ": no selected form names \"" + label + "\"; " +
-                         (labels.empty() ? "none of them names anything" : scene::toml::did_you_mean(label, labels)));
-    }
-}
-
-void bind_to_run(std::vector<const Metric*>& metrics, const std::vector<const Intersector*>& forms,
-                 const std::function<SettingOf()>& setting) {
-    if (std::ranges::none_of(metrics, [](const Metric* m) { return m->by_run() || is_labelled(*m); })) return;
-    bind_to_run(metrics, forms, setting().get());
-}
-
 double culprit_share(std::span<const std::uint64_t> counts, std::span<const std::size_t> places) {
     const std::uint64_t all = std::accumulate(counts.begin() + 1, counts.end(), std::uint64_t{0});
     std::uint64_t some = 0;
     for (const std::size_t place : places) some += counts[place];
-    return all == 0 ? missing : static_cast<double>(some) / static_cast<double>(all);
+    return truth::fraction(some, all);
 }
 
 double contribution_of(const Tape& tape, const Attribution& attribution, std::string_view label) {

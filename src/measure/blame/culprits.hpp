@@ -1,8 +1,7 @@
-// Culprits as the categories of a map: every operation of the forms of a run has one place in one list.
+// What the tape of one ray says of the operations of its form: which one is to blame, by name.
 #pragma once
 
 #include <cstdint>
-#include <functional>
 #include <optional>
 #include <span>
 #include <string>
@@ -11,7 +10,6 @@
 
 #include "intersect/table/table.hpp"
 #include "measure/blame/attribution.hpp"
-#include "measure/metric/metrics.hpp"
 #include "scene/file/scene.hpp"
 #include "scene/rays/family.hpp"
 
@@ -25,7 +23,7 @@ struct Blame {
     double ulp = 0;  ///< of the format at the exact value of the subject
 };
 
-/// What the forms of a run are asked of; a view.
+/// The solids and constants that the forms of a run are given; a view.
 struct Setting {
     std::span<const Solid<double>> solids;
     const intersect::MarchConstants<double>* march = nullptr;  ///< null: no form that marches is asked
@@ -45,29 +43,10 @@ private:
 
 /// Every operation of a form that can round or choose, in the order of its tape, each once, as maps and claims call it;
 /// empty where the form cannot be asked.
-std::vector<std::string> operations_of(const intersect::table::Intersector& form, const Setting& setting);
+std::vector<std::string> operation_names(const intersect::table::Intersector& form, const Setting& setting);
 
-/// `culprit` with its categories: first `none`, then the operations of each form, those that several forms share once.
-/// Lives as long as the program.
-const metric::Metric* culprit_among(std::span<const intersect::table::Intersector* const> forms,
-                                    const Setting& setting);
-
-/// `contribution:LABEL` or `cancellation:LABEL`: the row of that label, or null where `name` is no such name. Lives as
-/// long as the program.
-const metric::Metric* labelled_metric(std::string_view name);
-inline bool is_labelled(const metric::Metric& metric) { return metric.name.find(':') != std::string_view::npos; }
-inline std::string_view label_of(const metric::Metric& metric) { return metric.name.substr(metric.name.find(':') + 1); }
-
-/// Every label of a form, in the order of its tape; empty where the form cannot be asked.
+/// Every label of a form, in the order of its tape; empty where the form cannot handle the setting.
 std::vector<std::string_view> labels_of(const intersect::table::Intersector& form, const Setting& setting);
-
-/// Gives `culprit` the operations of these forms. InputError for a label that none of them has, with did-you-mean.
-void bind_to_run(std::vector<const metric::Metric*>& metrics,
-                 const std::vector<const intersect::table::Intersector*>& forms, const Setting& setting);
-/// The same of a setting that is made only where a metric depends on it: a scene may have millions of solids.
-void bind_to_run(std::vector<const metric::Metric*>& metrics,
-                 const std::vector<const intersect::table::Intersector*>& forms,
-                 const std::function<SettingOf()>& setting);
 
 /// The share of one category, or of several, in the rays that have a culprit, by the counts of `culprit`'s categories;
 /// NaN where no ray has one. Rays on which nothing rounds have none.

@@ -2,37 +2,34 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "intersect/table/recording.hpp"
+#include "measure/answer/answers.hpp"
 #include "measure/blame/operation_error.hpp"
 #include "measure/truth/conditioning.hpp"
+#include "measure/truth/lost_bits.hpp"
 
 namespace lostbits::measure::blame {
 
 using answer::OneRay;
 using answer::Outcome;
 using intersect::table::Intersector;
+using truth::missing;
 
 namespace {
 
-constexpr double missing = std::numeric_limits<double>::quiet_NaN();
-
 Standing standing_of(const Intersector& form, const Format& format, const OneRay& ray, bool hit, double t) {
-    Standing s{&form, answer::classify(ray.truth(*form.info).decision, hit, t), t, missing, missing};
+    Standing s{&form, answer::classify(ray.truth(*form.info).decision, hit, t), t};
     if (s.outcome != Outcome::agree_hit) return s;
-    const truth::Certified& truth = ray.true_t(*form.info);
-    s.ulps = std::isinf(t)
-                 ? t
-                 : truth::scaled_difference(truth::exactly(t), truth, ulp_exponent(format.shape, truth.floor_log2()));
-    s.lost = metric::lost_bits(s.ulps, format.shape.precision);
+    s.ulps = truth::ulp_error(t, ray.true_t(*form.info), format.shape);
+    s.lost = truth::lost_bits(s.ulps, format.shape.precision);
     return s;
 }
 
 /// The nearest answer over the solids of the scene, as a picture has it.
 Standing standing_of(const Intersector& form, const Format& format, const OneRay& ray) {
     const OneRay::Inputs in = ray.inputs(form, format);
-    const truth::Answers answers = truth::evaluate(form, in.all);
+    const answer::Answers answers = answer::evaluate(form, in.all);
     return standing_of(form, format, ray, answers.hit[in.index] != 0, answers.t[in.index]);
 }
 
@@ -73,7 +70,7 @@ NodeId Explanation::amplifier(NodeId from) const {
     int bits = 1;
     for (NodeId i = from + 1; i < tape.size(); ++i) {
         const OperationError& e = attribution.of[static_cast<std::size_t>(i)];
-        if (!e.live || tape[i].op <= TapeOp::constant) continue;  // whose operands are no places on the tape
+        if (!e.live || is_given(tape[i].op)) continue;  // whose operands are no places on the tape
         for (const NodeId operand : tape[i].operands) {
             if (operand != no_node && reached[static_cast<std::size_t>(operand)])
                 reached[static_cast<std::size_t>(i)] = true;
@@ -97,18 +94,9 @@ std::vector<NodeId> Explanation::turned() const {
 
 Explanation explain(const Intersector& form, const Format& format, const OneRay& ray) {
     const OneRay::Inputs in = ray.inputs(form, format);
-    const truth::Answers answers = truth::evaluate(form, in.all);
+    const answer::Answers answers = answer::evaluate(form, in.all);
     const truth::Truth& truth = ray.truth(*form.info);
-    Explanation x{.form = &form,
-                  .format = format,
-                  .names = {},
-                  .inputs = {},
-                  .given = {},
-                  .tape = {},
-                  .attribution = {},
-                  .standing = {},
-                  .true_t = {},
-                  .better = {}};
+    Explanation x{.form = &form, .format = format};
     const Vec<double> given = in.all.rays[in.index].direction, received = in.ray(*form.info).direction;
     if (given.x != received.x || given.y != received.y || given.z != received.z) x.given = given;
     x.solids = static_cast<int>(in.all.solids.size());

@@ -7,16 +7,17 @@
 
 #include "measure/answer/one_ray.hpp"
 #include "measure/blame/attribution.hpp"
+#include "measure/truth/missing.hpp"
 
 namespace lostbits::measure::blame {
 
 /// How a form fares on the ray.
 struct Standing {
-    const intersect::table::Intersector* form;
-    answer::Outcome outcome;
-    double t;     ///< its answer
-    double ulps;  ///< (t − t*)/ulp(t*); NaN unless both hit
-    double lost;  ///< bits; NaN unless both hit
+    const intersect::table::Intersector* form = nullptr;
+    answer::Outcome outcome = answer::Outcome::agree_miss;
+    double t = 0;                  ///< its answer
+    double ulps = truth::missing;  ///< (t − t*)/ulp(t*); NaN unless both hit
+    double lost = truth::missing;  ///< bits; NaN unless both hit
     bool is_right() const { return outcome == answer::Outcome::agree_hit || outcome == answer::Outcome::agree_miss; }
     /// A right decision before a wrong one, then fewer lost bits.
     bool beats(const Standing& other) const;
@@ -25,20 +26,20 @@ struct Standing {
 struct Explanation {
     const intersect::table::Intersector* form;
     Format format;
-    std::vector<std::string> names;  ///< of the inputs, in the tape's order
-    std::vector<double> inputs;      ///< as the form received them
-    std::optional<Vec<double>>
-        given;                  ///< the direction as the ray has it, where the form received it normalised and rounded
+    std::vector<std::string> names = {};  ///< of the inputs, in the tape's order
+    std::vector<double> inputs = {};      ///< as the form received them
+    ///  the direction as the ray has it, where the form received it normalised and rounded
+    std::optional<Vec<double>> given = {};
     int solid = 0, solids = 1;  ///< which of the scene's solids the form was asked of, from 0; of a march all together
-    Tape tape;
-    Attribution attribution;
-    Standing standing;
+    Tape tape = {};
+    Attribution attribution = {};
+    Standing standing = {};
     bool hit = false;  ///< the form's decision
     truth::Truth::Decision truth = truth::Truth::Decision::miss;
-    std::optional<double> true_t;  ///< t*, correctly rounded to binary64
-    double condition = 0;          ///< κ; NaN for a miss
-    double inherent = 0;           ///< bits of the envelope; NaN for a miss
-    std::vector<Standing> better;  ///< forms of the same shape in the same format that do better, best first
+    std::optional<double> true_t = {};  ///< t*, correctly rounded to binary64
+    double condition = 0;               ///< κ; NaN for a miss
+    double inherent = 0;                ///< bits of the envelope; NaN for a miss
+    std::vector<Standing> better = {};  ///< forms of the same shape in the same format that do better, best first
 
     /// Lost bits beyond the envelope.
     [[nodiscard]] double excess() const { return standing.lost > inherent ? standing.lost - inherent : 0; }

@@ -3,134 +3,98 @@
 #include <algorithm>
 #include <cmath>
 
+#include "measure/blame/operations.hpp"
 #include "number/real.hpp"
-#include "number/rounded.hpp"
 
 namespace lostbits::measure::blame {
 namespace {
 
-/// An error-free residual needs its lowest bit, some 2·53 places below the result, to be representable.
-bool residual_is_exact(double x) { return std::fabs(x) >= 0x1p-900 && std::fabs(x) <= 0x1p+1000; }
-
 /// A fused operation on any doubles is exact in 3 · 1074 + 1024 bits and a few.
-using Deep = BasicReal<4400>;
+struct ResidualExact {
+    using Number = BasicReal<4400>;
+    static Number sum(const Number& a, const Number& b) { return a + b; }
+};
 
-double rounding_reference(TapeOp op, const std::array<double, 3>& x, double value) {
-    const Deep a(x[0]), b(x[1]), c(x[2]);
-    Deep r;
-    switch (op) {
-        case TapeOp::add: r = a + b; break;
-        case TapeOp::sub: r = a - b; break;
-        case TapeOp::mul: r = a * b; break;
-        case TapeOp::div: r = a / b; break;
-        case TapeOp::sqrt: r = sqrt(a); break;
-        default: r = a * b + c;
+/// Decides as the format did.
+struct ComputedJudge {
+    const Tape& tape;
+    const TapeNode& n;
+    [[nodiscard]] double value(std::size_t k) const { return tape[n.operands[k]].value; }
+    [[nodiscard]] bool less(std::size_t a, std::size_t b) const { return value(a) < value(b); }
+    [[nodiscard]] bool holds(std::size_t k) const { return value(k) != 0; }
+};
+
+/// Of finite operands and a result that is a number.
+template <TapeOp op>
+double rounding_from(const std::array<double, 3>& x, double value) {
+    using Deep = ResidualExact::Number;
+    const auto operand = [&](std::size_t k) { return x[k]; };
+    if (std::isfinite(value)) {
+        const auto residual = [value](auto... of) { return Operation<op>::residual(of..., value); };
+        if (const auto known = with_operands<op>(residual, operand)) return *known;
     }
-    const double off = mpfr_get_d(Deep(Deep(value) - r).backend().data(), MPFR_RNDN);
-    // Divisions and roots that are exact in the format are so here.
-    return off;
-}
-
-/// value − (a + b): with TwoSum (Knuth), a + b = s + e.
-double rounding_of_sum(double a, double b, double value) {
-    const double s = a + b, bb = s - a;
-    const double e = (a - (s - bb)) + (b - bb);
-    return (value - s) - e;
-}
-
-double rounding_of_product(double a, double b, double value) {
-    const double p = a * b;
-    return (value - p) - std::fma(a, b, -p);
-}
-
-/// a/b = q + r/b with r = a − qb exact.
-double rounding_of_quotient(double a, double b, double value) {
-    const double q = a / b;
-    return (value - q) - std::fma(-q, b, a) / b;
-}
-
-/// √a = s + r/(2s) to within (r/2s)²/2s, r = a − s².
-double rounding_of_root(double a, double value) {
-    const double s = std::sqrt(a);
-    return (value - s) - std::fma(-s, s, a) / (2 * s);
-}
-
-double rounding_of_finite(TapeOp op, const std::array<double, 3>& x, double value) {
-    const auto [a, b, c] = x;
-    const auto safe = [](auto... y) { return (residual_is_exact(y) && ...); };
-    switch (op) {
-        case TapeOp::add:
-        case TapeOp::sub:
-            return std::fabs(a) <= 0x1p+1000 && std::fabs(b) <= 0x1p+1000
-                       ? rounding_of_sum(a, op == TapeOp::add ? b : -b, value)
-                       : rounding_reference(op, x, value);
-        case TapeOp::mul:
-            return a == 0 || b == 0 ? 0
-                   : safe(a * b)    ? rounding_of_product(a, b, value)
-                                    : rounding_reference(op, x, value);
-        case TapeOp::div:
-            return b == 0 || a == 0    ? 0
-                   : safe(a, b, a / b) ? rounding_of_quotient(a, b, value)
-                                       : rounding_reference(op, x, value);
-        case TapeOp::sqrt: return a <= 0 ? 0 : safe(a) ? rounding_of_root(a, value) : rounding_reference(op, x, value);
-        default: return rounding_reference(op, x, value);
-    }
+    const Deep exact =
+        with_operands<op>([](auto... of) -> Deep { return Operation<op>::template exact<ResidualExact>(of...); },
+                          [&](std::size_t k) { return Deep(x[k]); });
+    if (std::isinf(value)) return mpfr_number_p(exact.backend().data()) != 0 ? value : 0;  // a/0 is no overflow
+    return mpfr_get_d(Deep(Deep(value) - exact).backend().data(), MPFR_RNDN);
 }
 
 }  // namespace
 
-NodeId first_side(const TapeNode& n) { return n.op == TapeOp::select ? n.operands[1] : n.operands[0]; }
-
-NodeId other_side(const TapeNode& n, NodeId side) {
-    const NodeId second = n.op == TapeOp::select ? n.operands[2] : n.operands[1];
-    return side == first_side(n) ? second : first_side(n);
+NodeId side_taken(const Tape& tape, NodeId i) {
+    const TapeNode& n = tape[i];
+    return kind_of(n.op) == OperationKind::choice ? side_taken(n, ComputedJudge{tape, n}) : no_node;
 }
 
-NodeId chosen(const Tape& tape, NodeId i) {
-    const TapeNode& n = tape[i];
-    const auto [a, b, c] = n.operands;
-    switch (n.op) {
-        case TapeOp::select: return tape[a].value != 0 ? b : c;
-        case TapeOp::min: return tape[a].value < tape[b].value ? a : b;
-        case TapeOp::max: return tape[a].value > tape[b].value ? a : b;
-        default: return no_node;
+bool can_err(TapeOp op) {
+    switch (kind_of(op)) {
+        case OperationKind::given: return op == TapeOp::constant;
+        case OperationKind::rounded:
+        case OperationKind::moved:
+        case OperationKind::sign:
+        case OperationKind::choice: return true;
+        case OperationKind::exact:
+        case OperationKind::comparison:
+        case OperationKind::logic: return false;
     }
+    return false;
 }
 
 double rounding_of(const Tape& tape, NodeId i) {
     const TapeNode& n = tape[i];
-    if (n.op == TapeOp::constant) return n.value - static_cast<double>(n.operands[0]);
-    if (n.op == TapeOp::input || is_decision(n.op)) return 0;
+    if (is_given(n.op)) {
+        return with<OperationKind::given>(n.op, [&]<TapeOp op>() { return Operation<op>::rounding(n); });
+    }
+    if (std::isnan(n.value)) return 0;
     std::array<double, 3> x{};
-    for (std::size_t k = 0; k < 3; ++k) {
-        if (n.operands[k] == no_node || is_decision(tape[n.operands[k]].op)) continue;
+    for (std::size_t k = 0; k < row_of(n.op).operands; ++k) {
         x[k] = tape[n.operands[k]].value;
         if (!std::isfinite(x[k])) return 0;
     }
-    switch (n.op) {
-        case TapeOp::next_up:
-        case TapeOp::next_down:
-        case TapeOp::convert: return n.value - x[0];
-        case TapeOp::neg:
-        case TapeOp::abs:
-        case TapeOp::copysign:
-        case TapeOp::min:
-        case TapeOp::max:
-        case TapeOp::select: return 0;
-        default: break;
+    switch (kind_of(n.op)) {
+        case OperationKind::rounded:
+            return with<OperationKind::rounded>(n.op, [&]<TapeOp op>() { return rounding_from<op>(x, n.value); });
+        case OperationKind::moved: return n.value - x[0];
+        case OperationKind::given:
+        case OperationKind::exact:
+        case OperationKind::sign:
+        case OperationKind::choice:
+        case OperationKind::comparison:
+        case OperationKind::logic: return 0;
     }
-    if (std::isnan(n.value) || (n.op == TapeOp::div && x[1] == 0)) return 0;
-    return std::isinf(n.value) ? n.value : rounding_of_finite(n.op, x, n.value);
+    return 0;
 }
 
 int cancellation(const Tape& tape, NodeId i) {
     const TapeNode& n = tape[i];
-    if (n.op != TapeOp::add && n.op != TapeOp::sub && n.op != TapeOp::fma) return 0;
-    double a = tape[n.operands[0]].value, b = tape[n.operands[1]].value;
-    if (n.op == TapeOp::fma) {
-        a *= b;
-        b = tape[n.operands[2]].value;
-    }
+    if (kind_of(n.op) != OperationKind::rounded) return 0;
+    const Addends addends = with<OperationKind::rounded>(n.op, [&]<TapeOp op>() {
+        return with_operands<op>([](auto... x) { return Operation<op>::addends(x...); },
+                                 [&](std::size_t k) { return tape[n.operands[k]].value; });
+    });
+    if (!addends) return 0;
+    const auto [a, b] = *addends;
     const double largest = std::max(std::fabs(a), std::fabs(b));
     if (!std::isfinite(a) || !std::isfinite(b) || !std::isfinite(n.value) || largest == 0) return 0;
     if (n.value == 0) return tape.format_of(i).precision;
@@ -142,66 +106,44 @@ double ulp_at(double x, const FloatFormat& format) {
                       static_cast<int>(ulp_exponent(format, x == 0 || !std::isfinite(x) ? -100000 : std::ilogb(x))));
 }
 
-double apply(TapeOp op, const std::array<double, 3>& x, const FloatFormat& f) {
-    switch (op) {
-        case TapeOp::add: return rounding::add(x[0], x[1], f);
-        case TapeOp::sub: return rounding::add(x[0], -x[1], f);
-        case TapeOp::mul: return rounding::mul(x[0], x[1], f);
-        case TapeOp::div: return rounding::div(x[0], x[1], f);
-        case TapeOp::sqrt: return rounding::sqrt(x[0], f);
-        case TapeOp::fma: return rounding::fma(x[0], x[1], x[2], f);
-        case TapeOp::neg: return -x[0];
-        case TapeOp::abs: return std::fabs(x[0]);
-        case TapeOp::copysign: return std::copysign(x[0], x[1]);
-        case TapeOp::next_up: return rounding::next_up(x[0], f);
-        case TapeOp::next_down: return -rounding::next_up(-x[0], f);
-        default: return rounding::to_format(x[0], 0, f);
+double result_of(TapeOp op, const std::array<double, 3>& x, const FloatFormat& format) {
+    const auto computed = [&]<TapeOp known>() {
+        return with_operands<known>([&](auto... of) { return Operation<known>::computed(of..., format); },
+                                    [&](std::size_t k) { return x[k]; });
+    };
+    switch (kind_of(op)) {
+        case OperationKind::rounded: return with<OperationKind::rounded>(op, computed);
+        case OperationKind::exact: return with<OperationKind::exact>(op, computed);
+        case OperationKind::moved: return with<OperationKind::moved>(op, computed);
+        case OperationKind::sign: return with<OperationKind::sign>(op, computed);
+        case OperationKind::given:
+        case OperationKind::choice:
+        case OperationKind::comparison:
+        case OperationKind::logic: break;
     }
+    throw std::logic_error("an operation that computes nothing from numbers alone");
 }
 
-Weights quotients(const TapeNode& n, const std::array<Operand, 3>& x, NodeId chosen, bool slopes) {
-    const auto& [a, b, c] = x;
-    // The operands between which a quotient is taken: the derivative is the quotient over no distance.
-    const double a0 = slopes ? a.computed : a.exact, b0 = slopes ? b.computed : b.exact;
-    const double a1 = a.computed, b1 = b.computed;
-    const auto unsigned_by = [&] {  // (|a1| − |a0|)/(a1 − a0)
-        if (std::signbit(a1) == std::signbit(a0)) return std::signbit(a1) ? -1.0 : 1.0;
-        return (std::fabs(a1) - std::fabs(a0)) / (a1 - a0);
+Quotients quotients_of(const TapeNode& n, const std::array<Step, 3>& x, NodeId taken) {
+    const auto own = [&]<TapeOp op>() {
+        return with_operands<op>([](const auto&... of) { return Operation<op>::quotients(of...); },
+                                 [&](std::size_t k) -> const Step& { return x[k]; });
     };
-    switch (n.op) {
-        case TapeOp::add: return {{1, 1, 0}, {true, true, false}};
-        case TapeOp::sub: return {{1, -1, 0}, {true, true, false}};
-        case TapeOp::mul: return {{b0 / 2 + b1 / 2, a0 / 2 + a1 / 2, 0}, {true, true, false}};
-        case TapeOp::fma: return {{b0 / 2 + b1 / 2, a0 / 2 + a1 / 2, 1}, {true, true, true}};
-        case TapeOp::div: return {{(1 / b0 + 1 / b1) / 2, -(a0 / b0 / b1 + a1 / b0 / b1) / 2, 0}, {true, true, false}};
-        case TapeOp::sqrt: {
-            // Of a zero that is exact no error comes; its derivative is infinite all the same.
-            const double sum = std::sqrt(a0) + std::sqrt(a1);
-            return {{sum == 0 && !slopes ? 0 : 1 / sum, 0, 0}, {true, false, false}};
+    switch (kind_of(n.op)) {
+        case OperationKind::rounded: return with<OperationKind::rounded>(n.op, own);
+        case OperationKind::exact: return with<OperationKind::exact>(n.op, own);
+        case OperationKind::sign: return with<OperationKind::sign>(n.op, own);
+        case OperationKind::moved: return {1};
+        case OperationKind::comparison: return {1, -1};  // it stands for the difference of its sides
+        case OperationKind::choice: {
+            Quotients q;
+            q[static_cast<std::size_t>(std::ranges::find(n.operands, taken) - n.operands.begin())] = 1;
+            return q;
         }
-        case TapeOp::neg: return {{-1, 0, 0}, {true, false, false}};
-        case TapeOp::abs: return {{unsigned_by(), 0, 0}, {true, false, false}};
-        case TapeOp::copysign: return {{std::signbit(b1) ? -unsigned_by() : unsigned_by(), 0, 0}, {true, false, false}};
-        case TapeOp::next_up:
-        case TapeOp::next_down:
-        case TapeOp::convert: return {{1, 0, 0}, {true, false, false}};
-        case TapeOp::min:
-        case TapeOp::max:
-        case TapeOp::select: {
-            Weights w;
-            for (std::size_t k = n.op == TapeOp::select ? 1 : 0; k < 3; ++k) {
-                if (n.operands[k] != chosen || w.follows[0] || w.follows[1]) continue;
-                w.by[k] = 1;
-                w.follows[k] = true;
-            }
-            return w;
-        }
-        case TapeOp::less:
-        case TapeOp::less_equal:
-        case TapeOp::greater:
-        case TapeOp::greater_equal: return {{1, -1, 0}, {true, true, false}};
-        default: return {};
+        case OperationKind::given:
+        case OperationKind::logic: return {};
     }
+    return {};
 }
 
 }  // namespace lostbits::measure::blame

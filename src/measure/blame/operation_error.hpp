@@ -3,15 +3,16 @@
 
 #include <array>
 
-#include "number/tape.hpp"
+#include "measure/blame/operation.hpp"
 
 namespace lostbits::measure::blame {
 
 /// The operand that a select, min or max took; none for any other operation.
-NodeId chosen(const Tape& tape, NodeId i);
-/// The side that a select, min or max names first.
-NodeId first_side(const TapeNode& n);
-NodeId other_side(const TapeNode& n, NodeId side);
+NodeId side_taken(const Tape& tape, NodeId i);
+
+/// Whether a result can differ from the exact one on the same operands, by rounding or by a choice that rounding
+/// turned.
+bool can_err(TapeOp op);
 
 /// computed − the exact operation on the operands as computed, from error-free residuals: good to a few units in 2^-50
 /// of itself, and zero where the operation was exact. Infinite where a finite result overflowed; zero where an operand
@@ -25,21 +26,11 @@ int cancellation(const Tape& tape, NodeId i);
 /// The ulp of the format at x, of any sign: 2^(max(⌊log2|x|⌋, emin) − p + 1); the smallest for 0, infinity and NaN.
 double ulp_at(double x, const FloatFormat& format);
 
-/// The operation on numbers of the format, correctly rounded to it.
-double apply(TapeOp op, const std::array<double, 3>& x, const FloatFormat& format);
+/// What the operation gives for numbers of the format, correctly rounded to it. Not of inputs, choices and decisions.
+double result_of(TapeOp op, const std::array<double, 3>& x, const FloatFormat& format);
 
-struct Operand {
-    double computed = 0, exact = 0;
-};
-
-/// By how much each operand's error is multiplied on the way through; `follows` is false for decisions, for sides not
-/// taken, and for the operand of copysign that gives its sign.
-struct Weights {
-    std::array<double, 3> by{};
-    std::array<bool, 3> follows{};
-};
-
-/// The difference quotients of `OperationError`, or, where `slopes`, the derivatives at the computed operands.
-Weights quotients(const TapeNode& n, const std::array<Operand, 3>& x, NodeId chosen, bool slopes);
+/// The difference quotients of `OperationError`, or the derivatives where the steps are none. Of a choice, which has
+/// none by itself, 1 for the side that it took.
+Quotients quotients_of(const TapeNode& n, const std::array<Step, 3>& x, NodeId taken);
 
 }  // namespace lostbits::measure::blame

@@ -2,23 +2,13 @@
 
 #include <algorithm>
 
+#include "measure/blame/operations.hpp"
+
 namespace lostbits::measure::blame {
 namespace {
 
 constexpr std::size_t short_enough = 40,
                       short_in_latex = 120;  ///< letters of an expression that is written out within another
-
-/// How tightly an operation binds: sums 1, products 2, signs 3, everything else as a function or a name.
-int binding(TapeOp op) {
-    switch (op) {
-        case TapeOp::add:
-        case TapeOp::sub: return 1;
-        case TapeOp::mul:
-        case TapeOp::div: return 2;
-        case TapeOp::neg: return 3;
-        default: return is_decision(op) ? 0 : 4;
-    }
-}
 
 /// `o.x` without its component; empty where it has none.
 std::string vector_of(const std::string& name) {
@@ -143,7 +133,7 @@ std::string TapeText::identifier(NodeId i) const {
 /// A sum or difference of inputs, or one of them alone: short enough to be read in place of a name.
 bool TapeText::is_simple(NodeId i) const {
     const TapeNode& n = tape_[i];
-    if (n.op == TapeOp::input || n.op == TapeOp::constant) return true;
+    if (is_given(n.op)) return true;
     const auto named = [&](NodeId part) { return !tape_[part].label.empty() || tape_[part].op == TapeOp::input; };
     if (style_ == Style::generic && n.label.empty() && (n.op == TapeOp::add || n.op == TapeOp::sub) &&
         named(n.operands[0]) && named(n.operands[1]))
@@ -179,77 +169,27 @@ std::string TapeText::operand(NodeId i, int binds) const {
     if (n.op == TapeOp::input || !n.label.empty()) return own;
     if (n.op == TapeOp::constant) return n.operands[0] < 0 && binds > 1 ? in_brackets(own) : own;
     if (!vector_of(name(i)).empty() && !is_simple(i)) return own;
-    if (style_ == Style::generic && n.op == TapeOp::select) return "(...)";
+    if (style_ == Style::generic && !text_of(n.op).generic.empty()) return "(...)";
     const std::string text = expression(i);
     Dot dot;
     const bool function = style_ == Style::plain && dot_of(i, dot);
     if (text.size() > (style_ == Style::latex ? short_in_latex : short_enough) && !dot_of(i, dot))
         return style_ == Style::generic ? "(...)" : own;
-    return !function && binding(n.op) < binds ? in_brackets(text) : text;
+    return !function && text_of(n.op).binds.level < binds ? in_brackets(text) : text;
 }
 
 std::string TapeText::written_out(NodeId i) const {
     const TapeNode& n = tape_[i];
-    const bool pretty = style_ == Style::pretty;
-    const auto at = [&](std::size_t k, int binds) { return operand(n.operands[k], binds); };
-    const auto both = [&](const std::string& sign, int left, int right) { return at(0, left) + sign + at(1, right); };
-    const auto called = [&](const std::string& f) {
-        std::string text = f + "(";
-        for (std::size_t k = 0; k < 3 && n.operands[k] != no_node; ++k) text += (k ? ", " : "") + at(k, 0);
-        return text + ")";
-    };
-    switch (n.op) {
-        case TapeOp::add: return both(" + ", 1, 1);
-        case TapeOp::sub: return both(pretty ? " − " : " - ", 1, 2);
-        case TapeOp::mul: return both(pretty ? "·" : "*", 2, 3);
-        case TapeOp::div: return both("/", 2, 3);
-        case TapeOp::neg: return (pretty ? "−" : "-") + at(0, 3);
-        case TapeOp::less: return both(" < ", 1, 1);
-        case TapeOp::less_equal: return both(" <= ", 1, 1);
-        case TapeOp::greater: return both(" > ", 1, 1);
-        case TapeOp::greater_equal: return both(" >= ", 1, 1);
-        case TapeOp::both: return both(" and ", 1, 1);
-        case TapeOp::either: return both(" or ", 1, 1);
-        case TapeOp::opposite: return "not " + at(0, 1);
-        case TapeOp::select:
-            return style_ == Style::generic ? "a choice"
-                                            : called("select");  // what it chooses by differs from round to round
-        default: return called(std::string(tape_op_names[static_cast<std::size_t>(n.op)]));
-    }
-}
-
-std::string TapeText::latex(NodeId i) const {
-    const TapeNode& n = tape_[i];
-    const auto at = [&](std::size_t k, int binds) { return operand(n.operands[k], binds); };
-    switch (n.op) {
-        case TapeOp::mul: return at(0, 2) + " \\, " + at(1, 3);
-        case TapeOp::div: return "\\frac{" + at(0, 0) + "}{" + at(1, 0) + "}";
-        case TapeOp::sqrt: return "\\sqrt{" + at(0, 0) + "}";
-        case TapeOp::abs: return "\\left|" + at(0, 0) + "\\right|";
-        case TapeOp::less_equal: return at(0, 1) + " \\le " + at(1, 1);
-        case TapeOp::greater_equal: return at(0, 1) + " \\ge " + at(1, 1);
-        case TapeOp::both: return at(0, 1) + " \\land " + at(1, 1);
-        case TapeOp::either: return at(0, 1) + " \\lor " + at(1, 1);
-        case TapeOp::opposite: return "\\lnot " + at(0, 1);
-        case TapeOp::select:
-            return "\\begin{cases} " + at(1, 0) + " & " + at(0, 0) + " \\\\ " + at(2, 0) +
-                   " & \\text{otherwise} \\end{cases}";
-        case TapeOp::fma:
-        case TapeOp::copysign:
-        case TapeOp::min:
-        case TapeOp::max:
-        case TapeOp::next_up:
-        case TapeOp::next_down:
-        case TapeOp::convert: {
-            std::string f;
-            for (const char c : tape_op_names[static_cast<std::size_t>(n.op)])
-                f += c == '_' ? "\\_" : std::string(1, c);
-            std::string text = "\\operatorname{" + f + "}(";
-            for (std::size_t k = 0; k < 3 && n.operands[k] != no_node; ++k) text += (k ? ", " : "") + at(k, 0);
-            return text + ")";
+    const auto pattern = [this](const OperationText& text) {
+        switch (style_) {
+            case Style::pretty: return text.pretty.text;
+            case Style::latex: return text.latex.text;
+            case Style::generic: return text.generic.empty() ? text.plain.text : text.generic;
+            case Style::plain: break;
         }
-        default: return written_out(i);
-    }
+        return text.plain.text;
+    };
+    return filled(pattern(text_of(n.op)), [&](std::size_t k, int binds) { return operand(n.operands[k], binds); });
 }
 
 const std::string& TapeText::expression(NodeId i) const {
@@ -259,10 +199,9 @@ const std::string& TapeText::expression(NodeId i) const {
 }
 
 std::string TapeText::composed(NodeId i) const {
-    const TapeNode& n = tape_[i];
-    if (n.op == TapeOp::input || n.op == TapeOp::constant) return shown(i);
+    if (is_given(tape_[i].op)) return shown(i);
     Dot dot;
-    if (!dot_of(i, dot)) return style_ == Style::latex ? latex(i) : written_out(i);
+    if (!dot_of(i, dot)) return written_out(i);
     if (style_ == Style::pretty) return vector_text(dot.a, false) + "·" + vector_text(dot.b, false);
     if (style_ == Style::latex) return vector_text(dot.a, false) + " \\cdot " + vector_text(dot.b, false);
     return "dot(" + vector_text(dot.a, true) + ", " + vector_text(dot.b, true) + ")";
@@ -270,7 +209,7 @@ std::string TapeText::composed(NodeId i) const {
 
 std::string TapeText::definition(NodeId i) const {
     const TapeNode& n = tape_[i];
-    if (n.op == TapeOp::input || n.op == TapeOp::constant) return name(i);
+    if (is_given(n.op)) return name(i);
     const bool own = !n.label.empty() || !vector_of(name(i)).empty();
     return own ? shown(i) + " = " + expression(i) : expression(i);
 }

@@ -16,13 +16,9 @@ namespace lostbits::measure::blame {
 /// short and is `s12` where it is not.
 class TapeText {
 public:
-    enum class Style {
-        plain,
-        pretty,
-        latex,
-        generic
-    };  ///< plain is ASCII: `dot(a, b) - r*r`; pretty: `a·b − r·r`; latex: in math mode; generic: plain, but alike for
-        ///< every axis and every round of a loop
+    /// plain is ASCII: `dot(a, b) - r*r`; pretty: `a·b − r·r`; latex: in math mode; generic: plain, but alike for every
+    /// axis and every round of a loop.
+    enum class Style { plain, pretty, latex, generic };
 
     TapeText(const Tape& tape, std::vector<std::string> inputs, Style style);
 
@@ -56,7 +52,6 @@ private:
     [[nodiscard]] std::string operand(NodeId i, int binds) const;
     [[nodiscard]] std::string composed(NodeId i) const;
     [[nodiscard]] std::string written_out(NodeId i) const;
-    [[nodiscard]] std::string latex(NodeId i) const;
     [[nodiscard]] std::string vector_shown(const std::string& base) const;
 
     const Tape& tape_;

@@ -3,8 +3,8 @@
 
 #include <vector>
 
-#include "measure/blame/culprits.hpp"
 #include "measure/map/map.hpp"
+#include "measure/metric/metric_set.hpp"
 #include "scene/claim/claims_file.hpp"
 
 namespace lostbits::measure::claim {
@@ -32,6 +32,7 @@ private:
     [[nodiscard]] double culprits(const scene::claim::Claim& claim, const map::MapSummary& summary) const;
 
     blame::Setting setting_;
+    metric::MetricSet made_;
     std::vector<const metric::Metric*> metrics_;
 };
 

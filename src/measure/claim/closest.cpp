@@ -17,10 +17,9 @@ std::vector<double> nearest(const map::MapRow& row, const FormatInputs& in, bool
     const std::size_t n = in.rays.size();
     std::vector<double> best(n, HUGE_VAL);
     for (const Solid<double>& solid : in.solids) {
-        FormatInputs one{
-            .format = in.format, .rays = in.rays, .solids = {solid}, .march = {}, .unit_rays = {}, .own_truth = {}};
+        FormatInputs one{.format = in.format, .rays = in.rays, .solids = {solid}};
         if (pass_on) one.rays.tmax = best;
-        const truth::Answers answers = truth::evaluate(*row.form, one);
+        const answer::Answers answers = answer::evaluate(*row.form, one);
         for (std::size_t i = 0; i < n; ++i) {
             if (answers.hit[i] != 0 && answers.t[i] < best[i]) best[i] = answers.t[i];
         }
@@ -32,7 +31,7 @@ std::vector<double> nearest(const map::MapRow& row, const FormatInputs& in, bool
 
 double differs_with_closest(const map::MapRow& row, double distance) {
     if (row.form->shape != Shape::box)
-        throw InputError(std::string(row.form->info->name) + " is not told where a ray ends");
+        throw InputError(std::string(row.form->info->name) + " does not take the end of a ray");
     scene::rays::BoxFamily family;
     family.adjoining = true;
     family.distance = distance;

@@ -2,12 +2,13 @@
 #pragma once
 
 #include "measure/map/map.hpp"
+#include "measure/metric/metric_set.hpp"
 
 namespace lostbits::measure::map {
 
-/// Replaces `culprit` among the request's metrics by one whose categories stand in the order of how often they are to
-/// blame over all rows of a small picture of the scene (at most 96 rays across); what does not occur there comes after,
-/// in the order of the tapes. The same for any number of threads.
-void order_culprits(MapRequest& request);
+/// The request's metrics with the categories of `culprit` in the order of how often they are to blame over all rows of
+/// a small picture of the scene (at most 96 rays across); what does not occur there comes after, in the order of the
+/// tapes. The same for any number of threads.
+std::vector<const metric::Metric*> order_culprits(const MapRequest& request, metric::MetricSet& made);
 
 }  // namespace lostbits::measure::map

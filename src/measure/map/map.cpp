@@ -4,11 +4,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <map>
 
 #include "measure/answer/self.hpp"
-#include "measure/blame/culprits.hpp"
+#include "measure/truth/lost_bits.hpp"
+#include "measure/truth/missing.hpp"
 
 namespace lostbits::measure::map {
 
@@ -20,11 +20,10 @@ using metric::Sample;
 using truth::Band;
 using truth::BandNeeds;
 using truth::FormatInputs;
+using truth::missing;
 using truth::Truth;
 
 namespace {
-
-constexpr double missing = std::numeric_limits<double>::quiet_NaN();
 
 const truth::Certified* in_unit_of(const Truth& truth, const intersect::Info& info) {
     if (!truth.is_hit()) return nullptr;
@@ -42,15 +41,18 @@ public:
           blamer_(*row.form, row.format, culprits_of(metrics)) {}
 
     void measure(std::size_t i, MapSummary& summary) {
-        const truth::Answers& answers = *result_.answers;
+        const answer::Answers& answers = *result_.answers;
         const FormatInputs& in = *result_.inputs;
         const Truth& truth = result_.truth(i);
         const intersect::Info& info = *row_.form->info;
         const Ray<double> ray = in.rays_for(info)[i];
         const Solid<double>& solid = in.solids[static_cast<std::size_t>(answers.object[i])];
-        Sample sample{answers.t[i], &row_.format, in_unit_of(truth, info), missing, nullptr, nullptr, missing, &ray,
-                      &solid,       march_of(i)};
-
+        Sample sample{.t = answers.t[i],
+                      .format = &row_.format,
+                      .truth = in_unit_of(truth, info),
+                      .ray = &ray,
+                      .solid = &solid,
+                      .march = march_of(i)};
         if (needs_ & metric::needs_rounded_truth)
             sample.truth_rounded = result_.band->rounded_truth(i, row_.format.shape, info.direction, row_.touching());
         if (needs_ & metric::needs_own_truth) sample.own = in.ideal ? sample.truth : in_unit_of(in.own_truth[i], info);
@@ -75,18 +77,15 @@ public:
         const Ray<double> ray = result_.inputs->rays_for(*row_.form->info)[i];
         const Blame blame = blame_of(i, object);
         take(i,
-             {result_.answers->t[i], &row_.format, nullptr, missing, nullptr, nullptr, missing, &ray, nullptr,
-              march_of(i), &blame},
+             {.t = result_.answers->t[i], .format = &row_.format, .ray = &ray, .march = march_of(i), .blame = &blame},
              Over::blamed, summary);
     }
 
     /// The metrics of how a ray was marched, whatever came of it.
     void measure_march(std::size_t i, MapSummary& summary) {
         const Ray<double> ray = result_.inputs->rays_for(*row_.form->info)[i];
-        take(i,
-             {result_.answers->t[i], &row_.format, nullptr, missing, nullptr, nullptr, missing, &ray, nullptr,
-              march_of(i)},
-             Over::marches, summary);
+        take(i, {.t = result_.answers->t[i], .format = &row_.format, .ray = &ray, .march = march_of(i)}, Over::marches,
+             summary);
     }
 
 private:
@@ -110,7 +109,7 @@ private:
     void take(std::size_t i, Sample sample, Over over, MapSummary& summary) {
         for (std::size_t m = 0; m < metrics_.size(); ++m) {
             if (metrics_[m]->over != over) continue;
-            sample.metric = metrics_[m];
+            sample.label = metrics_[m]->label;
             const double value = metrics_[m]->value(sample);
             result_.metrics[m][i] = value;
             summary.add(m, *metrics_[m], value);
@@ -118,12 +117,17 @@ private:
     }
 
     void keep_worst(std::size_t i, const Sample& sample, MapSummary& summary) {
-        static const Metric* const ulps = metric::find_metric("ulp_error");
-        const double size = std::fabs(ulps->value(sample));
+        const double size = std::fabs(truth::ulp_error(sample.t, *sample.truth, row_.format.shape));
         if (!(size > summary.worst.size)) return;
         const int x = static_cast<int>(i % static_cast<std::size_t>(result_.width));
         const int y = result_.y0 + static_cast<int>(i / static_cast<std::size_t>(result_.width));
-        summary.worst = {x, y, result_.answers->object[i], size, result_.inputs->rays[i], *sample.solid, sample.t};
+        summary.worst = {.x = x,
+                         .y = y,
+                         .object = result_.answers->object[i],
+                         .size = size,
+                         .ray = result_.inputs->rays[i],
+                         .solid = *sample.solid,
+                         .t = sample.t};
     }
 
     const std::vector<const Metric*>& metrics_;
@@ -169,14 +173,20 @@ unsigned needs_of(const std::vector<const Metric*>& metrics) {
     return needs;
 }
 
-void measure_row(const MapRow& row, const std::vector<const Metric*>& metrics, const Band& band,
-                 const FormatInputs& inputs, MapSummary& summary, MapSink* sink) {
-    const truth::Answers answers = truth::evaluate(*row.form, inputs);
+void measure_row(const RowRequest& request, const Band& band, const FormatInputs& inputs, MapSummary& summary) {
+    const MapRow& row = request.row;
+    const answer::Answers answers = answer::evaluate(*row.form, inputs);
     const std::size_t n = band.pixels();
-    BandResult result{band.y0(), band.rows(),    inputs.rays.width,       &band, &inputs,
-                      &answers,  row.touching(), std::vector<Outcome>(n), {}};
-    result.metrics.assign(metrics.size(), std::vector<double>(n, missing));
-    Measurement measurement(metrics, row, result);
+    BandResult result{.y0 = band.y0(),
+                      .rows = band.rows(),
+                      .width = inputs.rays.width,
+                      .band = &band,
+                      .inputs = &inputs,
+                      .answers = &answers,
+                      .touching = row.touching(),
+                      .outcomes = std::vector<Outcome>(n),
+                      .metrics = {request.metrics.size(), std::vector<double>(n, missing)}};
+    Measurement measurement(request.metrics, row, result);
     for (std::size_t i = 0; i < n; ++i) {
         const Truth& truth = result.truth(i);
         const Outcome outcome = answer::classify(truth.decision, answers.hit[i] != 0, answers.t[i]);
@@ -190,7 +200,7 @@ void measure_row(const MapRow& row, const std::vector<const Metric*>& metrics, c
         measurement.measure(i, summary);
     }
     summary.rays += n;
-    if (sink) sink->band(result);
+    if (request.sink) request.sink->band(result);
 }
 
 std::vector<MapSummary> measure_groups(std::vector<scene::rays::RayGroup> groups, const std::vector<MapRow>& rows,
@@ -204,7 +214,7 @@ std::vector<MapSummary> measure_groups(std::vector<scene::rays::RayGroup> groups
         for (const auto& [name, needs] : needs_by_format(rows, metrics))
             inputs.emplace(name, band.inputs(*find_format(name), needs));
         for (std::size_t r = 0; r < rows.size(); ++r)
-            measure_row(rows[r], metrics, band, inputs.at(rows[r].format.name), summaries[r]);
+            measure_row({rows[r], metrics}, band, inputs.at(rows[r].format.name), summaries[r]);
     }
     for (MapSummary& s : summaries) {
         for (metric::Distribution& d : s.metrics) d.seal();
@@ -231,8 +241,8 @@ std::vector<MapSummary> run_map(const MapRequest& request, const std::vector<Map
         for (const auto& [name, needs] : formats) inputs.emplace(name, band.inputs(*find_format(name), needs));
         tbb::parallel_for(std::size_t{0}, request.rows.size(), [&](std::size_t r) {
             const MapRow& row = request.rows[r];
-            measure_row(row, request.metrics, band, inputs.at(row.format.name), summaries[r],
-                        r < sinks.size() ? sinks[r] : nullptr);
+            measure_row({row, request.metrics, r < sinks.size() ? sinks[r] : nullptr}, band, inputs.at(row.format.name),
+                        summaries[r]);
             request.progress(band.pixels());
         });
     }

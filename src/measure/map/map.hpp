@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "measure/answer/answers.hpp"
 #include "measure/answer/outcome.hpp"
 #include "measure/metric/metrics.hpp"
 #include "measure/metric/statistics.hpp"
@@ -56,6 +57,8 @@ struct MapSummary {
     /// To the distribution of metric m, or to the counts of its categories.
     void add(std::size_t m, const metric::Metric& metric, double value);
     [[nodiscard]] std::uint64_t count(answer::Outcome o) const { return outcomes[static_cast<std::size_t>(o)]; }
+    /// Rays that truly miss, whatever the form says.
+    [[nodiscard]] std::uint64_t true_misses() const { return rays - true_hits - count(answer::Outcome::unresolved); }
 };
 
 /// A row's results over some scanlines.
@@ -63,7 +66,7 @@ struct BandResult {
     int y0, rows, width;
     const truth::Band* band;
     const truth::FormatInputs* inputs;
-    const truth::Answers* answers;
+    const answer::Answers* answers;
     intersect::Touching touching;
     std::vector<answer::Outcome> outcomes;
     /// One vector per requested metric; NaN where the metric does not exist.
@@ -81,12 +84,19 @@ public:
     virtual void band(const BandResult& result) = 0;
 };
 
-/// Evaluates one row on a band, adds what it finds to `summary` (made for these metrics) and shows the
-/// result to the sink, if any.
-void measure_row(const MapRow& row, const std::vector<const metric::Metric*>& metrics, const truth::Band& band,
-                 const truth::FormatInputs& inputs, MapSummary& summary, MapSink* sink = nullptr);
+/// What one row is to be measured by, and who is shown it band by band (may be null).
+struct RowRequest {
+    const MapRow& row;
+    const std::vector<const metric::Metric*>& metrics;
+    MapSink* sink = nullptr;
+};
 
-/// Every row over all groups of rays, one summary a row, their distributions sealed.
+/// Evaluates a row on a band, of which `inputs` are those of its format, and adds what it finds to `summary`, which is
+/// made for these metrics.
+void measure_row(const RowRequest& request, const truth::Band& band, const truth::FormatInputs& inputs,
+                 MapSummary& summary);
+
+/// Every row over all groups of rays, one summary per row, their distributions sealed.
 std::vector<MapSummary> measure_groups(std::vector<scene::rays::RayGroup> groups, const std::vector<MapRow>& rows,
                                        const std::vector<const metric::Metric*>& metrics, truth::TruthLimit limit);
 

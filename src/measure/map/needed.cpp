@@ -7,23 +7,23 @@
 #include <numeric>
 #include <string>
 
+#include "measure/answer/answers.hpp"
 #include "measure/answer/outcome.hpp"
 #include "measure/map/map.hpp"
+#include "measure/truth/missing.hpp"
 
 namespace lostbits::measure::map {
 
 using intersect::Direction;
 using truth::FormatInputs;
+using truth::missing;
 using truth::Truth;
 
 namespace {
 
-constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
-
 /// The rays `pixels` of what a form receives.
 FormatInputs only(const FormatInputs& all, const intersect::Info& info, const std::vector<std::uint32_t>& pixels) {
-    FormatInputs some{
-        .format = all.format, .rays = {}, .solids = all.solids, .march = all.march, .unit_rays = {}, .own_truth = {}};
+    FormatInputs some{.format = all.format, .solids = all.solids, .march = all.march};
     const scene::rays::RayBlock& from = all.rays_for(info);
     scene::rays::RayBlock& to = info.direction == Direction::unit ? some.unit_rays : some.rays;
     const auto gather = [&pixels](const std::vector<double>& x) {
@@ -47,11 +47,11 @@ void step(Scan& scan, const intersect::table::Intersector& form, const FormatInp
           NeededBand& result) {
     if (scan.pixels.empty()) return;
     const int width = inputs.format.shape.precision;
-    const truth::Answers answers = truth::evaluate(form, only(inputs, *form.info, scan.pixels));
+    const answer::Answers answers = answer::evaluate(form, only(inputs, *form.info, scan.pixels));
     std::size_t kept = 0;
     for (std::size_t k = 0; k < scan.pixels.size(); ++k) {
         const std::uint32_t i = scan.pixels[k];
-        if (suffices(result.truth(i), *form.info, width, answers.hit[k] != 0, answers.t[k], bits))
+        if (suffices(result.truth(i), *form.info, width, {answers.hit[k] != 0, answers.t[k]}, bits))
             scan.pixels[kept++] = i;
         else result.needed[i] = width == most_width ? needed_beyond : width + 1;
     }
@@ -84,11 +84,12 @@ bool keeps_bits(double t, const truth::Certified& truth, int bits) {
     return std::fabs(truth::scaled_difference(truth::exactly(t), truth, ulp)) <= 0.5;
 }
 
-bool suffices(const Truth& truth, const intersect::Info& form, int width, bool hit, double t, int bits) {
-    switch (answer::classify(truth.decision, hit, t)) {
+bool suffices(const Truth& truth, const intersect::Info& form, int width, Answer given, int bits) {
+    switch (answer::classify(truth.decision, given.hit, given.t)) {
         case answer::Outcome::agree_miss: return true;
         case answer::Outcome::agree_hit:
-            return width >= bits && keeps_bits(t, form.direction == Direction::unit ? truth.distance : truth.t, bits);
+            return width >= bits &&
+                   keeps_bits(given.t, form.direction == Direction::unit ? truth.distance : truth.t, bits);
         default: return false;
     }
 }
@@ -103,33 +104,31 @@ void NeededSummary::add(const Truth& truth, double needed) {
     }
 }
 
-NeededSummary::Counts NeededSummary::all() const {
-    Counts sum = hits;
+WidthCounts NeededSummary::all() const {
+    WidthCounts sum = hits;
     for (std::size_t w = 0; w < sum.size(); ++w) sum[w] += misses[w];
     return sum;
 }
 
-std::uint64_t NeededSummary::pixels() const { return count(all()) + hits_beyond + misses_beyond + unresolved; }
+std::uint64_t NeededSummary::pixels() const { return all().count() + hits_beyond + misses_beyond + unresolved; }
 
-std::uint64_t count(const NeededSummary::Counts& counts) {
-    return std::accumulate(counts.begin(), counts.end(), std::uint64_t{0});
-}
+std::uint64_t WidthCounts::count() const { return std::accumulate(begin(), end(), std::uint64_t{0}); }
 
-double mean(const NeededSummary::Counts& counts) {
+double WidthCounts::mean() const {
     std::uint64_t sum = 0;
-    for (std::size_t w = 0; w < counts.size(); ++w) sum += w * counts[w];
-    const std::uint64_t n = count(counts);
-    return n == 0 ? unknown : static_cast<double>(sum) / static_cast<double>(n);
+    for (std::size_t w = 0; w < size(); ++w) sum += w * (*this)[w];
+    const std::uint64_t n = count();
+    return n == 0 ? missing : static_cast<double>(sum) / static_cast<double>(n);
 }
 
-double quantile(const NeededSummary::Counts& counts, double q) {
-    const std::uint64_t n = count(counts);
-    if (n == 0) return unknown;
+double WidthCounts::quantile(double q) const {
+    const std::uint64_t n = count();
+    if (n == 0) return missing;
     const auto rank =
         std::clamp<std::uint64_t>(static_cast<std::uint64_t>(std::ceil(q * static_cast<double>(n))), 1, n);
     std::uint64_t seen = 0;
     std::size_t w = 0;
-    while ((seen += counts[w]) < rank) ++w;
+    while ((seen += (*this)[w]) < rank) ++w;
     return static_cast<double>(w);
 }
 
@@ -143,8 +142,12 @@ std::vector<NeededBand> measure_needed(const NeededRequest& request, const truth
     std::vector<NeededBand> results;
     for (const intersect::table::Intersector* form : request.forms) {
         const int columns = static_cast<int>(band.pixels()) / std::max(1, band.rows());
-        results.push_back(
-            {band.y0(), band.rows(), columns, &band, form->info, std::vector<double>(band.pixels(), unknown)});
+        results.push_back({.y0 = band.y0(),
+                           .rows = band.rows(),
+                           .width = columns,
+                           .band = &band,
+                           .form = form->info,
+                           .needed = std::vector<double>(band.pixels(), missing)});
     }
     std::vector<Scan> scans = scans_of(results);
     for (int width = most_width; width >= least_width; --width) {

@@ -21,30 +21,37 @@ inline constexpr double needed_beyond = std::numeric_limits<double>::infinity();
 /// may fall on either side of it.
 bool keeps_bits(double t, const truth::Certified& truth, int bits);
 
+/// What a form says of a ray.
+struct Answer {
+    bool hit;
+    double t;
+};
+
 /// What a width P must do on one ray: decide as the truth does (by the form's own convention on touching) and, on a
 /// hit, keep B bits and have them, that is correct_bits = P − lost_bits(P) ≥ B. So P ≥ B on a hit: a narrower number
 /// that lies near t* by luck carries no B bits.
-bool suffices(const truth::Truth& truth, const intersect::Info& form, int width, bool hit, double t, int bits);
+bool suffices(const truth::Truth& truth, const intersect::Info& form, int width, Answer given, int bits);
 
-/// Of one form over a picture. Counts by width: exact statistics of whole numbers.
+/// [w]: pixels that need w bits. Statistics of whole numbers are exact.
+struct WidthCounts : std::array<std::uint64_t, most_width + 1> {
+    [[nodiscard]] std::uint64_t count() const;
+    /// NaN where there is none.
+    [[nodiscard]] double mean() const;
+    /// The nearest-rank quantile, 0 < q ≤ 1; NaN where there is none.
+    [[nodiscard]] double quantile(double q) const;
+};
+
+/// Of one form over a picture.
 struct NeededSummary {
-    /// [w]: pixels that need w bits.
-    using Counts = std::array<std::uint64_t, most_width + 1>;
-    Counts hits{}, misses{};                           ///< by what the ray truly does
+    WidthCounts hits{}, misses{};                      ///< by what the ray truly does
     std::uint64_t hits_beyond = 0, misses_beyond = 0;  ///< not even `most_width` bits suffice
     std::uint64_t unresolved = 0;
 
     void add(const truth::Truth& truth, double needed);
     /// Hits and misses together.
-    [[nodiscard]] Counts all() const;
+    [[nodiscard]] WidthCounts all() const;
     [[nodiscard]] std::uint64_t pixels() const;
 };
-
-std::uint64_t count(const NeededSummary::Counts& counts);
-/// NaN where there is none.
-double mean(const NeededSummary::Counts& counts);
-/// The nearest-rank quantile, 0 < q ≤ 1; NaN where there is none.
-double quantile(const NeededSummary::Counts& counts, double q);
 
 /// A form's results over some scanlines.
 struct NeededBand {
@@ -78,7 +85,7 @@ std::uint64_t needed_units(const NeededRequest& request);
 /// The forms over one band, `needed` in the order of `request.forms`. A pixel's value is the smallest P such that P and
 /// every width above it up to 53 suffice. Correctness is not monotone in P (a narrow width may be lucky), so nothing
 /// short of looking at all of P…53 proves a value P: widths are scanned from 53 down, and a pixel leaves the scan at
-/// the first width that fails. That costs 53 − P + 2 evaluations a pixel, the least that any proof can take.
+/// the first width that fails. That costs 53 − P + 2 evaluations per pixel, the least that any proof can take.
 ///
 /// As for every format, inputs are rounded to pP too: shared inputs are binary32 numbers, so widths below 24 (own
 /// inputs: all widths) see input error on top of the form's own rounding, and the value is that of the whole pipeline

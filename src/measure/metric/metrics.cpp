@@ -1,32 +1,26 @@
 #include "measure/metric/metrics.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <limits>
+#include <iterator>
 
-#include "measure/blame/culprits.hpp"
 #include "measure/truth/conditioning.hpp"
+#include "measure/truth/lost_bits.hpp"
 #include "number/rounded.hpp"
 
 namespace lostbits::measure::metric {
+
+using truth::missing;
+
 namespace {
-
-constexpr double missing = std::numeric_limits<double>::quiet_NaN();
-
-std::int64_t ulp_of_truth(const Sample& s) { return ulp_exponent(s.format->shape, s.truth->floor_log2()); }
 
 /// (x − y) in ulps of the format at t*.
 double in_ulps(const Sample& s, const truth::Certified& x, const truth::Certified& y) {
-    return truth::scaled_difference(x, y, ulp_of_truth(s));
+    return truth::scaled_difference(x, y, ulp_exponent(s.format->shape, s.truth->floor_log2()));
 }
 
-double ulp_error(const Sample& s) {
-    if (std::isinf(s.t)) return s.t;
-    return in_ulps(s, truth::exactly(s.t), *s.truth);
-}
-
-double lost(const Sample& s) { return lost_bits(ulp_error(s), s.format->shape.precision); }
+double ulp_error(const Sample& s) { return truth::ulp_error(s.t, *s.truth, s.format->shape); }
+double lost(const Sample& s) { return truth::lost_bits(ulp_error(s), s.format->shape.precision); }
 double correct(const Sample& s) { return s.format->shape.precision - lost(s); }
 
 double herbie(const Sample& s) {
@@ -70,8 +64,8 @@ template <class E>
 E off_surface(const Vec<double>& p, const Sphere<double>& sphere) {
     const Vec<E> v(E(p.x) - E(sphere.centre.x), E(p.y) - E(sphere.centre.y), E(p.z) - E(sphere.centre.z));
     const E r(sphere.radius);
-    const E v2 = dot(v, v);
-    return (v2 - r * r) / (r * (sqrt(v2) + r));
+    const E v2 = square(v);
+    return (v2 - square(r)) / (r * (sqrt(v2) + r));
 }
 
 /// How far p lies outside the box (negative: inside), by its worst component, in longest sides.
@@ -119,54 +113,155 @@ double cancelled(const Sample& s) { return s.blame ? blame::worst_cancellation(*
 
 constexpr unsigned split = needs_own_truth | needs_self;
 
-constexpr std::array table{
-    Metric{"lost_bits", "bits", "bits.lost", "clamp(log2(2|ulp_error|), 0, p): significand bits that are wrong",
-           needs_nothing, Ramp::bits, 0, 0, true, lost},
-    Metric{"correct_bits", "bits", "bits.correct", "p - lost_bits", needs_nothing, Ramp::bits, 0, 0, false, correct},
-    Metric{"herbie_bits", "bits", "bits.herbie",
-           "log2(1 + |ordinal(t) - ordinal(RN(t*))|): Herbie's and FPBench's measure", needs_rounded_truth, Ramp::bits,
-           0, 0, false, herbie},
-    Metric{"ulp_error", "ulp", "err.ulp", "(t - t*)/ulp(t*), signed, against the unrounded truth", needs_nothing,
-           Ramp::magnitude, 0x1p-4, 0x1p+24, true, ulp_error},
-    Metric{"relative_error", "1", "err.relative", "|t - t*|/|t*|", needs_nothing, Ramp::magnitude, 0x1p-30, 1, true,
-           relative},
-    Metric{"absolute_error", "t", "err.absolute", "|t - t*|, in units of t", needs_nothing, Ramp::magnitude, 0x1p-30,
-           0x1p+10, false, absolute},
-    Metric{"residual", "size", "err.residual",
-           "(|P - G| - r)/r for P = o + t d computed in the format: how far the hit point is off the surface; of a "
-           "box: how far outside, in longest sides",
-           needs_nothing, Ramp::magnitude, 0x1p-30, 1, true, residual},
-    Metric{"input_error", "ulp", "split.input", "(t* of the inputs as the format holds them - t*)/ulp(t*)",
-           needs_own_truth, Ramp::magnitude, 0x1p-4, 0x1p+24, false, input_error},
-    Metric{"model_error", "ulp", "split.model", "(the form without rounding - t* of its inputs)/ulp(t*)", split,
-           Ramp::magnitude, 0x1p-4, 0x1p+24, false, model_error},
-    Metric{"rounding_error", "ulp", "split.rounding",
-           "(t - the form without rounding)/ulp(t*); the three sum to ulp_error", needs_self, Ramp::magnitude, 0x1p-4,
-           0x1p+24, false, rounding_error},
-    Metric{"condition", "1", "condition.kappa",
-           "kappa = sum |x_i dt/dx_i| / |t| over all inputs of the ray and the sphere it truly hits", needs_condition,
-           Ramp::magnitude, 1, 0x1p+30, false, condition_number},
-    Metric{"inherent_bits", "bits", "condition.inherent",
-           "bits that half an ulp in each input alone would cost: lost bits of max(1/2, kappa/2) ulp", needs_condition,
-           Ramp::bits, 0, 0, false, inherent},
-    Metric{"excess_bits", "bits", "condition.excess", "lost_bits beyond inherent_bits: the formula's own",
-           needs_condition, Ramp::bits, 0, 0, false, excess},
-    Metric{"cancellation", "bits", "culprit.cancellation",
-           "bits of the largest cancellation on the way to t whose operands already carry error", needs_attribution,
-           Ramp::bits, 0, 0, false, cancelled},
-    Metric{
-        "culprit", "", "culprit.operation",
-        "the operation whose rounding arrives as the largest part of the error, or of a decision that rounding turned",
-        needs_attribution, Ramp::categories, 0, 0, false, culprit, Over::blamed},
-    Metric{"iterations", "samples", "march.iterations", "samples of the field that the march took", needs_nothing,
-           Ramp::magnitude, 1, 0x1p+8, true, iterations, Over::marches},
-    Metric{"stop", "", "march.stop", "why the march ended; stagnated: at the step cap, with t + d == t", needs_nothing,
-           Ramp::categories, 0, 0, true, stop, Over::marches, intersect::stop_names},
-    Metric{"least_field", "length", "march.least_field", "smallest |field| that the march sampled", needs_nothing,
-           Ramp::magnitude, 0x1p-30, 0x1p+4, true, least_field, Over::marches},
-    Metric{"overshoot", "length", "march.overshoot",
-           "how deep inside the march sampled the field: max(0, -field); from outside it is 0 in exact arithmetic",
-           needs_nothing, Ramp::magnitude, 0x1p-30, 0x1p+4, false, overshoot, Over::marches},
+constexpr Metric table[] = {
+    {.name = "lost_bits",
+     .unit = "bits",
+     .layer = "bits.lost",
+     .meaning = "clamp(log2(2|ulp_error|), 0, p): significand bits that are wrong",
+     .by_default = true,
+     .value = lost},
+    {.name = "correct_bits", .unit = "bits", .layer = "bits.correct", .meaning = "p - lost_bits", .value = correct},
+    {.name = "herbie_bits",
+     .unit = "bits",
+     .layer = "bits.herbie",
+     .meaning = "log2(1 + |ordinal(t) - ordinal(RN(t*))|): Herbie's and FPBench's measure",
+     .needs = needs_rounded_truth,
+     .value = herbie},
+    {.name = "ulp_error",
+     .unit = "ulp",
+     .layer = "err.ulp",
+     .meaning = "(t - t*)/ulp(t*), signed, against the unrounded truth",
+     .ramp = Ramp::magnitude,
+     .low = 0x1p-4,
+     .high = 0x1p+24,
+     .by_default = true,
+     .value = ulp_error},
+    {.name = "relative_error",
+     .unit = "1",
+     .layer = "err.relative",
+     .meaning = "|t - t*|/|t*|",
+     .ramp = Ramp::magnitude,
+     .low = 0x1p-30,
+     .high = 1,
+     .by_default = true,
+     .value = relative},
+    {.name = "absolute_error",
+     .unit = "t",
+     .layer = "err.absolute",
+     .meaning = "|t - t*|, in units of t",
+     .ramp = Ramp::magnitude,
+     .low = 0x1p-30,
+     .high = 0x1p+10,
+     .value = absolute},
+    {.name = "residual",
+     .unit = "size",
+     .layer = "err.residual",
+     .meaning = "(|P - G| - r)/r for P = o + t d computed in the format: how far the hit point is off the surface; of "
+                "a box: how far outside, in longest sides",
+     .ramp = Ramp::magnitude,
+     .low = 0x1p-30,
+     .high = 1,
+     .by_default = true,
+     .value = residual},
+    {.name = "input_error",
+     .unit = "ulp",
+     .layer = "split.input",
+     .meaning = "(t* of the inputs as the format holds them - t*)/ulp(t*)",
+     .needs = needs_own_truth,
+     .ramp = Ramp::magnitude,
+     .low = 0x1p-4,
+     .high = 0x1p+24,
+     .value = input_error},
+    {.name = "model_error",
+     .unit = "ulp",
+     .layer = "split.model",
+     .meaning = "(the form without rounding - t* of its inputs)/ulp(t*)",
+     .needs = split,
+     .ramp = Ramp::magnitude,
+     .low = 0x1p-4,
+     .high = 0x1p+24,
+     .value = model_error},
+    {.name = "rounding_error",
+     .unit = "ulp",
+     .layer = "split.rounding",
+     .meaning = "(t - the form without rounding)/ulp(t*); the three sum to ulp_error",
+     .needs = needs_self,
+     .ramp = Ramp::magnitude,
+     .low = 0x1p-4,
+     .high = 0x1p+24,
+     .value = rounding_error},
+    {.name = "condition",
+     .unit = "1",
+     .layer = "condition.kappa",
+     .meaning = "kappa = sum |x_i dt/dx_i| / |t| over all inputs of the ray and the sphere it truly hits",
+     .needs = needs_condition,
+     .ramp = Ramp::magnitude,
+     .low = 1,
+     .high = 0x1p+30,
+     .value = condition_number},
+    {.name = "inherent_bits",
+     .unit = "bits",
+     .layer = "condition.inherent",
+     .meaning = "bits that half an ulp in each input alone would cost: lost bits of max(1/2, kappa/2) ulp",
+     .needs = needs_condition,
+     .value = inherent},
+    {.name = "excess_bits",
+     .unit = "bits",
+     .layer = "condition.excess",
+     .meaning = "lost_bits beyond inherent_bits: what the formula itself loses",
+     .needs = needs_condition,
+     .value = excess},
+    {.name = "cancellation",
+     .unit = "bits",
+     .layer = "culprit.cancellation",
+     .meaning = "bits of the largest cancellation on the way to t whose operands were already wrong",
+     .needs = needs_attribution,
+     .value = cancelled},
+    {.name = "culprit",
+     .layer = "culprit.operation",
+     .meaning =
+         "the operation whose rounding contributes most to the error of t, or to a decision that rounding changed",
+     .needs = needs_attribution,
+     .ramp = Ramp::categories,
+     .value = culprit,
+     .over = Over::blamed},
+    {.name = "iterations",
+     .unit = "samples",
+     .layer = "march.iterations",
+     .meaning = "samples of the field that the march took",
+     .ramp = Ramp::magnitude,
+     .low = 1,
+     .high = 0x1p+8,
+     .by_default = true,
+     .value = iterations,
+     .over = Over::marches},
+    {.name = "stop",
+     .layer = "march.stop",
+     .meaning = "why the march ended; stagnated: at the step cap, with t + d == t",
+     .ramp = Ramp::categories,
+     .by_default = true,
+     .value = stop,
+     .over = Over::marches,
+     .categories = intersect::stop_names},
+    {.name = "least_field",
+     .unit = "length",
+     .layer = "march.least_field",
+     .meaning = "smallest |field| that the march sampled",
+     .ramp = Ramp::magnitude,
+     .low = 0x1p-30,
+     .high = 0x1p+4,
+     .by_default = true,
+     .value = least_field,
+     .over = Over::marches},
+    {.name = "overshoot",
+     .unit = "length",
+     .layer = "march.overshoot",
+     .meaning = "how deep inside the march sampled the field: max(0, -field); from outside it is 0 in exact arithmetic",
+     .ramp = Ramp::magnitude,
+     .low = 0x1p-30,
+     .high = 0x1p+4,
+     .value = overshoot,
+     .over = Over::marches},
 };
 
 }  // namespace
@@ -175,13 +270,11 @@ std::span<const Metric> metrics() { return table; }
 
 const Metric* find_metric(std::string_view name) {
     const auto found = std::ranges::find(table, name, &Metric::name);
-    return found == table.end() ? blame::labelled_metric(name) : &*found;
+    return found == std::end(table) ? nullptr : found;
 }
 
-double lost_bits(double ulps, int precision) {
-    const double size = std::fabs(ulps);
-    if (!(size > 0.5)) return 0;
-    return std::min(std::log2(size) + 1, static_cast<double>(precision));
+std::size_t place_of(const std::vector<const Metric*>& metrics, std::string_view name) {
+    return static_cast<std::size_t>(std::ranges::find(metrics, name, &Metric::name) - metrics.begin());
 }
 
 }  // namespace lostbits::measure::metric

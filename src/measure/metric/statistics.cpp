@@ -6,6 +6,8 @@
 #include <limits>
 #include <stdexcept>
 
+#include "measure/truth/missing.hpp"
+
 namespace lostbits::measure::metric {
 
 void Quantiles::add(double x) {
@@ -22,7 +24,7 @@ void Quantiles::add(double x) {
 }
 
 double Quantiles::at(double q) const {
-    if (count_ == 0) return std::numeric_limits<double>::quiet_NaN();
+    if (count_ == 0) return truth::missing;
     const auto rank = static_cast<std::uint64_t>(std::ceil(q * static_cast<double>(count_)));
     if (rank >= count_) return largest_;
     std::uint64_t seen = zeros_;
@@ -51,22 +53,22 @@ void Distribution::add(double x) {
 }
 
 double Distribution::mean() const {
-    if (count_ == 0) return std::numeric_limits<double>::quiet_NaN();
+    if (count_ == 0) return truth::missing;
     return infinite_ ? std::numeric_limits<double>::infinity() : moments_.mean();
 }
 
 double Distribution::quantile(double q) const {
-    if (count_ == 0) return std::numeric_limits<double>::quiet_NaN();
+    if (count_ == 0) return truth::missing;
     if (quantiles_) return quantiles_->at(q);
-    const auto place = std::ranges::find(reported_quantiles, q);
-    if (place == reported_quantiles.end())
-        throw std::logic_error("a sealed distribution keeps the reported quantiles alone");
-    return sealed_[static_cast<std::size_t>(place - reported_quantiles.begin())];
+    const auto kept = std::ranges::find(quantiles, q, &Statistic::q);
+    if (kept == quantiles.end())
+        throw std::logic_error("a sealed distribution keeps the quantiles of the tables alone");
+    return sealed_[static_cast<std::size_t>(kept - quantiles.begin())];
 }
 
 void Distribution::seal() {
     if (!quantiles_) return;
-    for (std::size_t i = 0; i < sealed_.size(); ++i) sealed_[i] = quantiles_->at(reported_quantiles[i]);
+    for (std::size_t i = 0; i < sealed_.size(); ++i) sealed_[i] = quantiles_->at(quantiles[i].q);
     quantiles_.reset();
 }
 

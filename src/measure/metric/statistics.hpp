@@ -4,6 +4,8 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <span>
+#include <string_view>
 #include <vector>
 
 namespace lostbits::measure::metric {
@@ -45,8 +47,20 @@ private:
     std::array<std::unique_ptr<Binade>, 2048> binades_;
 };
 
-/// The quantiles that every table shows.
-inline constexpr std::array<double, 3> reported_quantiles{0.5, 0.99, 1.0};
+/// What tables say of many numbers: a column each.
+struct Statistic {
+    std::string_view name, meaning;
+    double q;  ///< 0 for the mean
+
+    template <class Numbers>
+    [[nodiscard]] double of(const Numbers& numbers) const {
+        return q == 0 ? numbers.mean() : numbers.quantile(q);
+    }
+};
+inline constexpr std::array<Statistic, 4> statistics{
+    {{"mean", "mean", 0}, {"p50", "median", 0.5}, {"p99", "99th percentile", 0.99}, {"max", "largest", 1}}};
+/// Those that are quantiles.
+inline constexpr std::span<const Statistic, 3> quantiles(statistics.begin() + 1, statistics.end());
 
 /// What the summary says of one metric: of |x|, over the samples where it exists.
 class Distribution {
@@ -55,16 +69,16 @@ public:
     [[nodiscard]] std::uint64_t count() const { return count_; }
     /// Infinite when any sample is; NaN when there is none.
     [[nodiscard]] double mean() const;
-    /// One of `reported_quantiles`, or any other before `seal`.
+    /// That of one of the `statistics`, or any other before `seal`.
     [[nodiscard]] double quantile(double q) const;
-    /// Keeps the reported quantiles and gives the buckets back: a sweep holds thousands of these.
+    /// Keeps the quantiles of the `statistics` and gives the buckets back: a sweep holds thousands of these.
     void seal();
 
 private:
     std::uint64_t count_ = 0;
     Moments moments_;
     std::unique_ptr<Quantiles> quantiles_;
-    std::array<double, reported_quantiles.size()> sealed_{};
+    std::array<double, quantiles.size()> sealed_{};
     bool infinite_ = false;
 };
 

@@ -19,10 +19,16 @@ std::vector<S> stored(const std::vector<double>& x, std::size_t begin, std::size
     return y;
 }
 
+struct Part {
+    std::size_t begin, count;
+    bool own_counts;
+};
+
 /// One chunk of shadow rays against all solids.
 template <class S, class Kernel>
 void hold_against(const Kernel& kernel, const ShadowRays& shadow, const std::vector<Solid<double>>& solids,
-                  bool own_counts, std::size_t begin, std::size_t count, std::vector<std::uint8_t>& blocked) {
+                  const Part& part, std::vector<std::uint8_t>& blocked) {
+    const auto [begin, count, own_counts] = part;
     const scene::rays::RayBlock& r = shadow.rays;
     const auto ox = stored<S>(r.ox, begin, count), oy = stored<S>(r.oy, begin, count),
                oz = stored<S>(r.oz, begin, count);
@@ -67,19 +73,9 @@ std::vector<std::uint8_t> find_blockers(const intersect::table::Intersector& for
     tbb::parallel_for(std::size_t{0}, chunks, [&](std::size_t c) {
         stop_if_interrupted();
         const std::size_t begin = c * chunk, count = std::min(chunk, blocked.size() - begin);
-        switch (format.engine) {
-            case Format::Engine::native32:
-                hold_against<float>(native.f32, shadow, solids, own_counts, begin, count, blocked);
-                break;
-            case Format::Engine::native64:
-                hold_against<double>(native.f64, shadow, solids, own_counts, begin, count, blocked);
-                break;
-            case Format::Engine::rounded: {
-                const auto kernel = [&](const auto&... a) { form.rounded(format.shape, a...); };
-                hold_against<double>(kernel, shadow, solids, own_counts, begin, count, blocked);
-                break;
-            }
-        }
+        with_kernel(form, native, format, [&]<class S>(const auto& kernel) {
+            hold_against<S>(kernel, shadow, solids, {begin, count, own_counts}, blocked);
+        });
     });
     return blocked;
 }

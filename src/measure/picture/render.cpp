@@ -4,33 +4,27 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <map>
 
 #include "measure/picture/blockers.hpp"
-#include "measure/picture/look.hpp"
+#include "measure/picture/stored_appearance.hpp"
 #include "measure/truth/unit_direction.hpp"
 #include "number/interruption.hpp"
-#include "number/rounded.hpp"
+#include "number/with_number.hpp"
 
 namespace lostbits::measure::picture {
 
 using map::MapRow;
 using scene::file::Stage;
 using truth::Band;
+using truth::missing;
 using truth::Truth;
 
 namespace {
 
-constexpr double missing = std::numeric_limits<double>::quiet_NaN();
-
-double drop(float x) { return x; }
-double drop(double x) { return x; }
-double drop(RoundedAny x) { return x.value(); }
-
 template <class T>
 Vec<double> drop(const Vec<T>& v) {
-    return {drop(v.x), drop(v.y), drop(v.z)};
+    return {as_double(v.x), as_double(v.y), as_double(v.z)};
 }
 
 template <class T>
@@ -45,21 +39,13 @@ Vec<T> lift_number(const Vec<double>& v) {
 /// Calls `work.operator()<T>(i)` for every pixel, T the number that the format is evaluated in.
 template <class Work>
 void for_each_pixel_in(const Format& format, std::size_t count, const Work& work) {
-    const auto all = [&]<class T>(const auto& range) {
-        for (std::size_t i = range.begin(); i < range.end(); ++i) {
-            stop_if_interrupted();
-            work.template operator()<T>(i);
-        }
-    };
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, 256), [&](const auto& range) {
-        switch (format.engine) {
-            case Format::Engine::native32: return all.template operator()<float>(range);
-            case Format::Engine::native64: return all.template operator()<double>(range);
-            case Format::Engine::rounded: {
-                const CurrentFormat::Scope scope(format.shape);
-                return all.template operator()<RoundedAny>(range);
+        with_number(format, [&]<class T>() {
+            for (std::size_t i = range.begin(); i < range.end(); ++i) {
+                stop_if_interrupted();
+                work.template operator()<T>(i);
             }
-        }
+        });
     });
 }
 
@@ -100,7 +86,7 @@ Shadow compare(TrueShadow truth, std::uint8_t blocked) {
 /// What one format receives of a band, for all forms.
 struct Inputs {
     truth::FormatInputs geometry;
-    Look<double> look;
+    StoredAppearance<double> look;
     std::vector<Vec<double>> points;  ///< of the pixels at z = 0; empty under other cameras
 };
 
@@ -117,7 +103,7 @@ public:
           appearance_(request.scene->appearance),
           n_(band.pixels()),
           rays_(in.geometry.rays_for(*row.form->info)),
-          answers_(truth::evaluate(*row.form, in.geometry)),
+          answers_(answer::evaluate(*row.form, in.geometry)),
           out_{band.y0(),
                band.rows(),
                in.geometry.rays.width,
@@ -150,7 +136,7 @@ private:
 
     /// The point and the normal as the format computes them, and how far they are off.
     void see() {
-        static const metric::Metric* const residual = metric::find_metric("residual");
+        const metric::Metric& residual = *metric::find_metric("residual");
         for_each_pixel_in(row_.format, n_, [&]<class T>(std::size_t i) {
             const Truth& truth = band_.truth(i, intersect::Touching::hit);
             out_.truth_object[i] = truth.is_hit() ? truth.object : -1;
@@ -163,9 +149,8 @@ private:
             point_[i] = drop(p);
             normal_[i] = drop(normal_at<T>(p, sphere));
             if (out_.seen[i] != Seen::same_sphere) return;
-            const metric::Sample sample{answers_.t[i], &row_.format, nullptr, missing,  nullptr,
-                                        nullptr,       missing,      &ray,    &solid(i)};
-            out_.residual[i] = std::fabs(residual->value(sample));
+            out_.residual[i] = std::fabs(
+                residual.value({.t = answers_.t[i], .format = &row_.format, .ray = &ray, .solid = &solid(i)}));
             if (truth_[i].has_normal) out_.normal_angle[i] = angle_between(normal_[i], truth_[i].normal);
         });
     }
@@ -188,7 +173,7 @@ private:
         const Vec<T> way = light - start;
         Cast cast{drop(start), drop(way), 1};
         if (unit() && is_finite(cast.direction)) {
-            cast.reach = drop(length(way));
+            cast.reach = as_double(length(way));
             cast.direction = truth::unit_direction(cast.direction, row_.format.shape);
         }
         return cast;
@@ -243,9 +228,9 @@ private:
         const Paint<T> paint = lifted(in_.look.paints[static_cast<std::size_t>(answers_.object[i])],
                                       [](double x) { return lift_number<T>(x); });
         const Vec<T> p = lift_number<T>(point_[i]);
-        return shade<T>(paint, rule, blocked_[i] != blocked_by_nothing, lift_number<T>(normal_[i]),
-                        unit_of<T>(lift_number<T>(in_.look.light) - p),
-                        unit_of<T>(lift_number<T>(rays_[i].origin) - p));
+        return shade<T>(paint, rule, blocked_[i] != blocked_by_nothing,
+                        {lift_number<T>(normal_[i]), unit_of<T>(lift_number<T>(in_.look.light) - p),
+                         unit_of<T>(lift_number<T>(rays_[i].origin) - p)});
     }
 
     template <class T>
@@ -264,7 +249,7 @@ private:
     const scene::file::Appearance& appearance_;
     std::size_t n_;
     const scene::rays::RayBlock& rays_;
-    truth::Answers answers_;
+    answer::Answers answers_;
     RenderBand out_;
     bool casts_ = false;
     std::vector<Vec<double>> point_, normal_;
@@ -279,7 +264,7 @@ std::map<std::string, Inputs> inputs_of(const RenderRequest& request, const Band
     for (const auto& [name, need] : needs) {
         const Format format = *find_format(name);
         inputs.emplace(name,
-                       Inputs{band.inputs(format, need), input_look(*request.scene, format.shape),
+                       Inputs{band.inputs(format, need), input_appearance(*request.scene, format.shape),
                               input_pixel_points(*request.scene, band.y0(), band.y0() + band.rows(), format.shape)});
     }
     return inputs;
@@ -300,7 +285,7 @@ std::vector<RenderSummary> run_render(const RenderRequest& request, RenderSink* 
         summaries[k].stage = request.stages[k % stages];
         summaries[k].rule = shade_rule(scene.appearance, summaries[k].stage);
     }
-    const Look<double> look = input_look(scene, binary64);
+    const StoredAppearance<double> look = input_appearance(scene, binary64);
     for (int y0 = 0; y0 < scene.height; y0 += map::band_rows(scene.width)) {
         const Band band(scene, y0, std::min(scene.height, y0 + map::band_rows(scene.width)));
         const std::vector<TruePixel> truth = find_true_picture(scene, band, request.stages, request.limit);

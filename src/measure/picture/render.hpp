@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "measure/map/map.hpp"
-#include "measure/picture/look.hpp"
 #include "measure/picture/shade.hpp"
+#include "measure/picture/stored_appearance.hpp"
 #include "measure/picture/true_picture.hpp"
 
 namespace lostbits::measure::picture {
@@ -54,7 +54,7 @@ std::uint8_t byte_of(double channel);
 /// One form in one format over some scanlines.
 struct RenderBand {
     int y0, rows, width;
-    const truth::Answers* answers;
+    const answer::Answers* answers;
     std::span<const TruePixel> truth;
     std::vector<Seen> seen;
     std::vector<Shadow> shadow;        ///< empty where no stage casts shadows
@@ -91,7 +91,8 @@ struct RenderSummary {
 
 /// Adds a band to the summary of one stage, the `place`-th of the request, pixel by pixel from the top. `look` holds
 /// the scene's paint as binary64 is given it.
-void add_to_summary(const RenderBand& band, std::size_t place, const Look<double>& look, RenderSummary& summary);
+void add_to_summary(const RenderBand& band, std::size_t place, const StoredAppearance<double>& look,
+                    RenderSummary& summary);
 
 /// A column of the summary, after stage, form and format; the CSV and the claims read the same rows.
 struct RenderColumn {
@@ -120,7 +121,8 @@ struct RenderRequest {
     std::function<void(std::uint64_t)> progress = [](std::uint64_t) {};  ///< as `MapRequest::progress`
 };
 
-/// A summary a row and stage: those of a row's stages side by side. The results do not depend on the number of threads.
+/// A summary per row and stage: those of a row's stages side by side. The results do not depend on the number of
+/// threads.
 std::vector<RenderSummary> run_render(const RenderRequest& request, RenderSink* sink = nullptr);
 
 }  // namespace lostbits::measure::picture

@@ -1,24 +1,23 @@
 // The summary of a rendered picture: what is counted, and its columns.
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
-#include "measure/picture/look.hpp"
 #include "measure/picture/render.hpp"
+#include "measure/picture/stored_appearance.hpp"
 #include "number/error.hpp"
 #include "scene/toml/did_you_mean.hpp"
 
 namespace lostbits::measure::picture {
 
 using metric::Distribution;
+using truth::fraction;
+using truth::missing;
 
 namespace {
 
-constexpr double missing = std::numeric_limits<double>::quiet_NaN();
 using R = RenderSummary;
 
 double number(std::uint64_t n) { return static_cast<double>(n); }
-double share(std::uint64_t part, std::uint64_t whole) { return whole == 0 ? missing : number(part) / number(whole); }
 double median(const Distribution& d) { return d.quantile(0.5); }
 double nearly_all(const Distribution& d) { return d.quantile(0.99); }
 double largest(const Distribution& d) { return d.quantile(1); }
@@ -55,17 +54,19 @@ constexpr RenderColumn table[] = {
     {"pixels", "", "pixels of the picture", true, [](const R& r) { return number(r.pixels); }},
     {"same_sphere", "", "pixels on which form and truth see the same sphere", true, seen<Seen::same_sphere>},
     {"background", "", "pixels on which both see the background", true, seen<Seen::background>},
-    {"other_sphere", "", "pixels on which the form sees another sphere than is there", true, seen<Seen::other_sphere>},
+    {"other_sphere", "", "pixels on which the form sees another sphere than the true one", true,
+     seen<Seen::other_sphere>},
     {"lost_sphere", "", "pixels on which the form sees the background instead of a sphere", true,
      seen<Seen::lost_sphere>},
-    {"extra_sphere", "", "pixels on which the form sees a sphere before the bare background", true,
+    {"extra_sphere", "", "pixels on which the form sees a sphere where there is only background", true,
      seen<Seen::extra_sphere>},
-    {"not_a_number", "", "pixels on which the form claims a hit at NaN", true, seen<Seen::not_a_number>},
-    {"unresolved", "", "pixels of which it is not proved what they show, whether they are in shadow, or their colour",
-     true, [](const R& r) { return number(r.unresolved()); }},
-    {"changed", "", "pixels with a byte that is not that of the certified picture", true,
+    {"not_a_number", "", "pixels on which the form reports a hit at NaN", true, seen<Seen::not_a_number>},
+    {"unresolved", "", "pixels whose content, shadow or colour could not be proved", true,
+     [](const R& r) { return number(r.unresolved()); }},
+    {"changed", "", "pixels with a byte that differs from the certified picture", true,
      [](const R& r) { return number(r.changed); }},
-    {"changed_fraction", "1", "changed among all pixels", false, [](const R& r) { return share(r.changed, r.pixels); }},
+    {"changed_fraction", "1", "changed, as a share of all pixels", false,
+     [](const R& r) { return fraction(r.changed, r.pixels); }},
     {"colour_error_mean", "8-bit steps",
      "mean of the largest |channel - true channel| * 255, where form and truth see the same", false,
      [](const R& r) { return r.colour_error.mean(); }},
@@ -97,15 +98,15 @@ constexpr RenderColumn table[] = {
     {"own_shadow", "", "surface_lit that the form puts in the shadow of its own sphere alone: acne", true,
      shadows<false, Shadow::own_shadow>},
     {"false_light", "", "surface_shadowed that the form lights", true, shadows<false, Shadow::false_light>},
-    {"own_shadow_fraction", "1", "own_shadow among surface_lit", false,
+    {"own_shadow_fraction", "1", "own_shadow, as a share of surface_lit", false,
      [](const R& r) {
-         return r.rule.shadows ? share(r.count(false, Shadow::own_shadow), truly_lit(r, false)) : missing;
+         return r.rule.shadows ? fraction(r.count(false, Shadow::own_shadow), truly_lit(r, false)) : missing;
      }},
-    {"flip_fraction", "1", "false_shadow and false_light among surface_lit and surface_shadowed", false,
+    {"flip_fraction", "1", "false_shadow and false_light, as a share of surface_lit and surface_shadowed", false,
      [](const R& r) {
          if (!r.rule.shadows) return missing;
-         return share(r.count(false, Shadow::false_shadow) + r.count(false, Shadow::false_light),
-                      truly_lit(r, false) + truly_dark(r, false));
+         return fraction(r.count(false, Shadow::false_shadow) + r.count(false, Shadow::false_light),
+                         truly_lit(r, false) + truly_dark(r, false));
      }},
     {"background_lit", "", "background that truly gets the light, as seen by both", true,
      [](const R& r) { return r.rule.shadows ? number(truly_lit(r, true)) : missing; }},
@@ -117,12 +118,12 @@ constexpr RenderColumn table[] = {
      shadows<true, Shadow::false_light>},
     {"light_in_shadow_fraction", "1",
      "share of the certified picture's points that face the light, are in shadow, and get diffuse light all the same",
-     false, [](const R& r) { return r.rule.shadows ? share(r.light_in_true_shadow, r.true_shadow) : missing; }},
+     false, [](const R& r) { return r.rule.shadows ? fraction(r.light_in_true_shadow, r.true_shadow) : missing; }},
 };
 
 }  // namespace
 
-void add_to_summary(const RenderBand& band, std::size_t place, const Look<double>& look, RenderSummary& s) {
+void add_to_summary(const RenderBand& band, std::size_t place, const StoredAppearance<double>& look, RenderSummary& s) {
     const auto stage = static_cast<std::size_t>(s.stage);
     for (std::size_t i = 0; i < band.seen.size(); ++i) {
         const Painted& p = band.painted[place][i];

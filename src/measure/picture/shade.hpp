@@ -1,4 +1,5 @@
-// The shading of seed 004, written once over any number: what the machine paints, and what is certainly right.
+// The shading of the course notes Ray-Casting Formulas, written once over any number: what the machine paints, and what
+// is certainly right.
 #pragma once
 
 #include "geometry/shapes.hpp"
@@ -57,13 +58,13 @@ T whole_power(const T& x, int n) {
     while (bit <= n / 2) bit *= 2;
     T power = x;
     for (bit /= 2; bit > 0; bit /= 2) {
-        power = power * power;
+        power = square(power);
         if ((n & bit) != 0) power = power * x;
     }
     return power;
 }
 
-/// The start of a shadow ray that is also held against its own sphere: the point moved along the normal by `epsilon`,
+/// The start of a shadow ray that is also tested against its own sphere: the point moved along the normal by `epsilon`,
 /// or by `ulps` units in the last place of its largest coordinate (none for numbers that stand for exact arithmetic).
 template <Number T>
 Vec<T> shadow_origin(const Vec<T>& p, const Vec<T>& n, scene::file::ShadowRule::Offset offset, const T& epsilon,
@@ -78,14 +79,19 @@ Vec<T> shadow_origin(const Vec<T>& p, const Vec<T>& n, scene::file::ShadowRule::
     return Vec<T>(p.x + away * n.x, p.y + away * n.y, p.z + away * n.z);
 }
 
+/// At a point of a surface: its unit normal, and the unit vectors to the light and to the eye.
+template <Number T>
+struct Facing {
+    Vec<T> normal, to_light, to_eye;
+};
+
 /// C = ka S + kd max(0, N·L) S + ks max(0, H·N)ⁿ (1, 1, 1) with H = (L + V)/|L + V|, as far as `rule` goes. In shadow
 /// the diffuse term goes, or halves by the source's variant, and so does the highlight; a point that faces away from
 /// the light (N·L ≤ 0) has no highlight, being in its own sphere's shadow. The source has no max(0, ·): there N·L < 0
-/// takes ambient light away. `l` and `v` are unit vectors from the point to the light and to the eye. A NaN stays one:
-/// max(0, x) gives x.
+/// takes ambient light away. A NaN stays one: max(0, x) gives x.
 template <Number T>
-Vec<T> shade(const Paint<T>& paint, const ShadeRule& rule, const mask_t<T>& shadowed, const Vec<T>& n, const Vec<T>& l,
-             const Vec<T>& v) {
+Vec<T> shade(const Paint<T>& paint, const ShadeRule& rule, const mask_t<T>& shadowed, const Facing<T>& facing_of) {
+    const auto& [n, l, v] = facing_of;
     if (!rule.diffuse) return paint.colour;
     const T zero(0);
     const T facing = dot(n, l);

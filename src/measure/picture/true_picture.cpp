@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "measure/picture/look.hpp"
+#include "measure/picture/stored_appearance.hpp"
 #include "measure/truth/enclose.hpp"
 #include "number/interruption.hpp"
 
@@ -88,11 +88,11 @@ public:
         if constexpr (std::is_same_v<S, double>) {
             rays_ = scene::rays::make_shared_rays(scene, band.y0(), band.y0() + band.rows());
             solids_ = scene::rays::shared_solids(scene);
-            look_ = shared_look(scene.appearance);
+            look_ = shared_appearance(scene.appearance);
         } else {
             rays_ = scene::rays::make_own_rays(scene, band.y0(), band.y0() + band.rows());
             solids_ = scene.solids();
-            look_ = own_look(scene.appearance);
+            look_ = own_appearance(scene.appearance);
         }
         for (const Stage stage : stages) {
             rules_.emplace_back(static_cast<std::size_t>(stage), shade_rule(scene.appearance, stage));
@@ -147,7 +147,7 @@ private:
         }
         const Paint<E> paint = lifted(look_.paints[object], truth::lift<E, S>);
         for (const auto& [stage, rule] : rules_)
-            settled &= settle(shade<E>(paint, rule, shadowed, n, l, v), out.colours[stage]);
+            settled &= settle(shade<E>(paint, rule, shadowed, {n, l, v}), out.colours[stage]);
         return settled;
     }
 
@@ -184,7 +184,7 @@ private:
     scene::rays::BasicRayBlock<S> rays_;
     std::vector<Solid<S>> solids_;
     std::vector<Vec<S>> points_;
-    Look<S> look_;
+    StoredAppearance<S> look_;
     std::vector<std::pair<std::size_t, ShadeRule>> rules_;
 };
 

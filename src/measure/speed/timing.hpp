@@ -56,8 +56,8 @@ struct Timing {
     double median = 0, low_quartile = 0, high_quartile = 0;
 };
 
-/// Seconds an item of every piece of work, one a repetition. By steady_clock, on one processor. One unit of progress a
-/// piece of work and repetition.
+/// Seconds an item of every piece of work, one per repetition. By steady_clock, on one processor. One unit of progress
+/// a piece of work and repetition.
 std::vector<std::vector<double>> sample_interleaved(std::span<const TimedWork> work, const TimingPlan& plan);
 /// The same, summed up.
 std::vector<Timing> time_interleaved(std::span<const TimedWork> work, const TimingPlan& plan);

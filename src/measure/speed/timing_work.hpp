@@ -16,7 +16,7 @@
 
 namespace lostbits::measure::speed {
 
-/// Boxes scattered about a ray's way, a column a number, and the t of each: infinite at first, where the ray enters
+/// Boxes scattered about a ray's way, a column per number, and the t of each: infinite at first, where the ray enters
 /// once it was hit. Columns start at cache lines, each at another place of its page, so that reads and writes do not
 /// collide there.
 template <class S>

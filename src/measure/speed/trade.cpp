@@ -17,7 +17,7 @@ namespace {
 
 constexpr std::size_t slice_in_memory = std::size_t{1} << 14;  // rays: about 600 kB a call
 
-/// The arrays of a load in both formats; those of a format that nobody asks for stay empty.
+/// The arrays of a load in both formats; those of a format that is not timed stay empty.
 struct Stores {
     std::unique_ptr<RayStore<float>> f32;
     std::unique_ptr<RayStore<double>> f64;
@@ -155,8 +155,7 @@ TradeResult run_trade(const TradeRequest& request) {
 
 ParetoPoint pareto_point(const Timing& timing, const MapRow& row, const map::MapSummary& accuracy,
                          const std::vector<const metric::Metric*>& metrics) {
-    const auto lost =
-        static_cast<std::size_t>(std::ranges::find(metrics, metric::find_metric("lost_bits")) - metrics.begin());
+    const std::size_t lost = metric::place_of(metrics, "lost_bits");
     const auto wrong = accuracy.count(Outcome::false_hit) + accuracy.count(Outcome::false_miss) +
                        accuracy.count(Outcome::not_a_number);
     const auto known = accuracy.rays - accuracy.count(Outcome::unresolved);

@@ -9,6 +9,7 @@
 
 #include "intersect/table/table.hpp"
 #include "scene/rays/box_family.hpp"
+#include "scene/rays/family.hpp"
 
 namespace lostbits::measure::speed {
 

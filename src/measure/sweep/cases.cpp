@@ -45,8 +45,7 @@ Verdict verdict_of(const MapSummary& s, const std::vector<const metric::Metric*>
                                                       {Outcome::false_hit, Verdict::false_hit}};
     const auto worst = std::ranges::max_element(faults, {}, [&](const auto& f) { return s.count(f.first); });
     if (s.count(worst->first) > 0) return worst->second;
-    const auto excess =
-        static_cast<std::size_t>(std::ranges::find(metrics, metric::find_metric("excess_bits")) - metrics.begin());
+    const std::size_t excess = metric::place_of(metrics, "excess_bits");
     return s.metrics[excess].count() > 0 && s.metrics[excess].quantile(1) > within ? Verdict::wrong_value
                                                                                    : Verdict::right;
 }

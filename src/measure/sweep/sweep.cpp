@@ -17,12 +17,6 @@ using metric::Metric;
 
 namespace {
 
-struct Statistic {
-    const char* name;
-    double q;
-};
-constexpr Statistic statistics[] = {{"p50", 0.5}, {"p99", 0.99}, {"max", 1.0}};
-
 /// The rows of one step.
 std::vector<MapSummary> run_step(const SweepRequest& request, const std::vector<MapRow>& rows,
                                  const std::vector<double>& values) {
@@ -38,20 +32,15 @@ struct Event {
     [[nodiscard]] bool happens(const MapSummary& s) const { return value(s) >= threshold; }
 };
 
-/// The place of a metric among those of the request; their number where it is not there.
-std::size_t place_of(const std::vector<const Metric*>& metrics, const char* name) {
-    return static_cast<std::size_t>(std::ranges::find(metrics, metric::find_metric(name)) - metrics.begin());
-}
-
 std::vector<Event> events_of(const MapRow& row, const std::vector<const Metric*>& metrics) {
-    const std::size_t lost = place_of(metrics, "lost_bits"), stop = place_of(metrics, "stop");
+    const std::size_t lost = metric::place_of(metrics, "lost_bits"), stop = metric::place_of(metrics, "stop");
     std::vector<Event> events;
     const double p = row.format.shape.precision;
-    for (const Statistic& s : statistics) {
+    for (const metric::Statistic& s : metric::quantiles) {
         for (const double bits : {1.0, 4.0, 8.0, p / 2, p}) {
             if (bits > p) continue;
-            events.push_back(
-                {"lost_bits", s.name, bits, [lost, s](const MapSummary& m) { return m.metrics[lost].quantile(s.q); }});
+            events.push_back({"lost_bits", std::string(s.name), bits,
+                              [lost, s](const MapSummary& m) { return s.of(m.metrics[lost]); }});
         }
     }
     for (const Outcome o : {Outcome::false_hit, Outcome::false_miss, Outcome::not_a_number}) {
@@ -73,9 +62,9 @@ std::vector<Event> events_of(const MapRow& row, const std::vector<const Metric*>
 class Between {
 public:
     Between(SweepRequest request, std::size_t row) : request_(std::move(request)), row_{request_.rows[row]} {
-        for (const Metric*& m : request_.metrics) {
-            if (m->over != metric::Over::marches) m = metric::find_metric("lost_bits");
-        }
+        std::ranges::replace_if(
+            request_.metrics, [](const Metric* m) { return m->over != metric::Over::marches; },
+            metric::find_metric("lost_bits"));
     }
     const MapSummary& at(double value) {
         const auto [place, fresh] = seen_.try_emplace(value);

@@ -12,7 +12,7 @@ namespace lostbits::measure::sweep {
 
 /// The rows at one step.
 struct SweepStep {
-    std::vector<double> values;  ///< one an axis
+    std::vector<double> values;  ///< one per axis
     std::vector<map::MapSummary> rows;
 };
 

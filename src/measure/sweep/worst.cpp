@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "measure/truth/missing.hpp"
 #include "number/rounded.hpp"
 #include "scene/rays/random.hpp"
 
@@ -56,7 +57,7 @@ public:
             outcome = o;
             t = result.answers->t[i];
             truth = result.truth(i).is_hit() ? result.band->rounded_truth(i, binary64, unit_of_, result.touching)
-                                             : std::numeric_limits<double>::quiet_NaN();
+                                             : truth::missing;
         }
     }
     double score = -1;
@@ -76,8 +77,7 @@ public:
           file_(*request.search),
           row_(row),
           random_(file_.seed),
-          metric_(static_cast<std::size_t>(std::ranges::find(request.metrics, metric::find_metric(file_.metric)) -
-                                           request.metrics.begin())) {}
+          metric_(metric::place_of(request.metrics, file_.metric)) {}
 
     std::optional<WorstFound> run() {
         for (int start = 0; start < file_.starts && best_.outcome == Outcome::agree_hit; ++start) climb();
@@ -169,16 +169,20 @@ private:
         if (needs & metric::needs_condition) band.find_condition();
         const auto inputs = band.inputs(
             row_.format, {row_.form->info->direction == Direction::unit, (needs & metric::needs_own_truth) != 0});
-        map::MapSummary summary;
-        summary = map::MapSummary(request_.metrics);
+        map::MapSummary summary(request_.metrics);
         Judge judge(metric_, row_.form->info->direction);
-        map::measure_row(row_, request_.metrics, band, inputs, summary, &judge);
+        map::measure_row({row_, request_.metrics, &judge}, band, inputs, summary);
         return judge;
     }
 
     void keep(const Judge& judge, const Place& place) {
         if (!(judge.score > best_.value)) return;
-        best_ = {judge.outcome, judge.score, place.ray(), place.solid(file_.shape), judge.t, judge.truth, 0};
+        best_ = {.outcome = judge.outcome,
+                 .value = judge.score,
+                 .ray = place.ray(),
+                 .solid = place.solid(file_.shape),
+                 .t = judge.t,
+                 .truth = judge.truth};
     }
 
     const WorstRequest& request_;

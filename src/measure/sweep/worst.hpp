@@ -30,9 +30,9 @@ struct WorstRequest {
 };
 
 /// From each of `starts` random rays: `generations` times 32 neighbours, each a few ordinals of the format (a random
-/// power of two) away in one to three numbers, and the best of them is gone on from if it is no worse than what there
-/// was. A wrong decision ends the search of its row. Nothing where no ray of the box is hit. The result depends on the
-/// file alone, not on the number of threads.
+/// power of two) away in one to three numbers, and the search goes on from the best of them if it is not worse than
+/// before. A wrong decision ends the search of its row. Nothing where no ray of the box is hit. The result depends on
+/// the file alone, not on the number of threads.
 std::vector<std::optional<WorstFound>> find_worst(const WorstRequest& request);
 
 }  // namespace lostbits::measure::sweep

@@ -1,49 +1,15 @@
 // A band of a picture: rays made once, their truth found once, and the same numbers handed to every form and format.
 #pragma once
 
-#include <memory>
 #include <optional>
 #include <unordered_map>
 #include <vector>
 
-#include "intersect/table/table.hpp"
-#include "measure/truth/culling.hpp"
-#include "measure/truth/truth.hpp"
+#include "measure/truth/format_inputs.hpp"
 #include "scene/file/scene.hpp"
 #include "scene/rays/family.hpp"
-#include "scene/rays/rays.hpp"
 
 namespace lostbits::measure::truth {
-
-/// What forms in one format receive. Rays and spheres are numbers of the format, held in doubles.
-struct FormatInputs {
-    Format format;
-    scene::rays::RayBlock rays;
-    std::vector<Solid<double>> solids;
-    /// Where the scene has them; a form that marches is never asked without.
-    std::optional<intersect::MarchConstants<double>> march = {};
-    /// Directions normalised and rounded to the format; empty unless a form asks for them.
-    scene::rays::RayBlock unit_rays;
-    /// The truth of these inputs; empty where they are the ideal ones, or where no metric asks.
-    std::vector<Truth> own_truth;
-    bool ideal = false;                             ///< the inputs are exactly those of the truth
-    std::shared_ptr<const SphereIndex> index = {};  ///< candidates among the solids for each ray; null: all of them
-
-    [[nodiscard]] const scene::rays::RayBlock& rays_for(const intersect::Info& info) const {
-        return info.direction == intersect::Direction::unit ? unit_rays : rays;
-    }
-    /// What a form is aimed at: one of the solids, or all of them together.
-    [[nodiscard]] intersect::Target<double> target_for(const intersect::table::Intersector& form,
-                                                       std::size_t solid) const {
-        return form.shape == Shape::sdf ? intersect::Target<double>(solids, march.value())
-                                        : intersect::Target<double>(solids[solid]);
-    }
-};
-
-struct BandNeeds {
-    bool unit_rays = false;
-    bool own_truth = false;
-};
 
 /// Rows [y0, y1) of a scene.
 class Band {
@@ -96,17 +62,5 @@ private:
     std::vector<double> condition_;
     std::unordered_map<std::size_t, Open> open_;  ///< where touching makes a difference
 };
-
-/// The answers of one form in one format to a band: the nearest hit over all solids, found in the format.
-struct Answers {
-    std::vector<double> t;
-    std::vector<std::uint8_t> hit;
-    std::vector<std::int32_t>
-        object;  ///< −1 where there is no hit; of a field, the solid whose surface is nearest to the answer
-    std::vector<intersect::MarchRecord> march = {};  ///< of the forms that march, for every ray; empty for the others
-};
-
-/// Evaluates a row of the table. A hit at NaN never beats another hit; alone it stays, for the outcome to show.
-Answers evaluate(const intersect::table::Intersector& form, const FormatInputs& inputs);
 
 }  // namespace lostbits::measure::truth

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "number/error_free.hpp"
 #include "number/rounded.hpp"
 
 namespace lostbits::measure::truth {
@@ -12,16 +13,6 @@ namespace {
 /// ldexp that saturates: exponents here may exceed int.
 double scale(double x, std::int64_t e) {
     return std::ldexp(x, static_cast<int>(std::clamp<std::int64_t>(e, -5000, 5000)));
-}
-
-struct DoubleDouble {
-    double hi, lo;
-};
-
-DoubleDouble two_sum(double a, double b) {
-    const double s = a + b;
-    const double bb = s - a;
-    return {s, (a - (s - bb)) + (b - bb)};
 }
 
 Certified normalised(double hi, double lo, double bound, std::int64_t exponent) {

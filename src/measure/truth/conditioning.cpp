@@ -4,7 +4,8 @@
 #include <optional>
 #include <vector>
 
-#include "measure/metric/metrics.hpp"
+#include "measure/truth/lost_bits.hpp"
+#include "measure/truth/missing.hpp"
 #include "number/dual.hpp"
 
 namespace lostbits::measure::truth {
@@ -59,7 +60,7 @@ template <class E, std::size_t N, class S>
 std::optional<double> condition_in(const Ray<S>& ray, const Solid<S>& solid) {
     const Problem<E, N> problem(ray, solid);
     const auto found = enclose(problem.ray, problem.solid);
-    if (found.hit.is_no()) return std::numeric_limits<double>::quiet_NaN();
+    if (found.hit.is_no()) return missing;
     if (!found.hit.is_yes()) return std::nullopt;
     if (found.t.value().is_exact() && (found.t.value() <= E(0)).is_yes())
         return std::numeric_limits<double>::infinity();
@@ -89,6 +90,6 @@ double condition_of(const Ray<S>& ray, const Solid<S>& solid) {
 double condition(const Ray<double>& ray, const Solid<double>& solid) { return condition_of(ray, solid); }
 double condition(const Ray<Real>& ray, const Solid<Real>& solid) { return condition_of(ray, solid); }
 
-double inherent_bits(double condition, int precision) { return metric::lost_bits(condition / 2, precision); }
+double inherent_bits(double condition, int precision) { return lost_bits(condition / 2, precision); }
 
 }  // namespace lostbits::measure::truth

@@ -37,7 +37,7 @@ RayBounds join(const RayBounds& a, const RayBounds& b);
 class SphereIndex {
 public:
     /// Nothing where no index can be trusted (squares of the picture's numbers overflow or vanish in the format), where
-    /// there are fewer than 64 solids or one that is no sphere, or where this build has no Embree: ask every solid
+    /// there are fewer than 64 solids or one that is not a sphere, or where this build has no Embree: ask every solid
     /// then. `format` null: for the truth.
     static std::shared_ptr<const SphereIndex> make(std::span<const Solid<double>> solids, const RayBounds& bounds,
                                                    const FloatFormat* format);

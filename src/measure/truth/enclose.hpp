@@ -28,15 +28,15 @@ Enclosed<E> enclose(const Ray<E>& ray, const Sphere<E>& sphere) {
     const E zero(0);
     const Vec<E> f = ray.origin - sphere.centre;
     const E h = dot(f, ray.direction);
-    const E r2 = sphere.radius * sphere.radius;
-    const E c = dot(f, f) - r2;
+    const E r2 = square(sphere.radius);
+    const E c = square(f) - r2;
     const Tri outside = c > zero;
     const Tri leaving = h >= zero;
     if ((outside && leaving).is_yes()) return {Tri::no, zero, zero};
 
-    const E a = dot(ray.direction, ray.direction);
+    const E a = square(ray.direction);
     const Vec<E> m = cross(f, ray.direction);
-    const E discriminant = a * r2 - dot(m, m);
+    const E discriminant = a * r2 - square(m);
     const Tri hit = !outside || (!leaving && !(discriminant < zero));
     if (hit.is_no()) return {hit, zero, zero};
     if (hit.is_unknown() || outside.is_unknown()) return {Tri::unknown, zero, zero};

@@ -128,7 +128,7 @@ Enclosed<E> enclose(const Ray<E>& ray, const Box<E>& box, const E* tmax, interse
     if (!first) return unknown;
     if ((first->n <= zero).is_yes()) return {Tri::yes, zero, zero, touching};
     const E t = first->n / first->m;
-    return {Tri::yes, t, t * sqrt(dot(ray.direction, ray.direction)), touching};
+    return {Tri::yes, t, t * length(ray.direction), touching};
 }
 
 }  // namespace lostbits::measure::truth

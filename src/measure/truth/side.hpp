@@ -24,7 +24,7 @@ std::optional<int> sign_of_sum(const E& u, const E& v, const E& a) {
     const auto of_u = sign(u), of_v = sign(v);
     if (!of_u || !of_v) return std::nullopt;
     if (*of_u == 0 || *of_v == 0 || *of_u == *of_v) return *of_u != 0 ? *of_u : *of_v;
-    const auto larger = sign<E>(u * u * a - v * v);
+    const auto larger = sign<E>(square(u) * a - square(v));
     if (!larger) return std::nullopt;
     return *of_u * *larger;
 }
@@ -35,12 +35,12 @@ std::optional<int> sign_of_sum(const E& u, const E& v, const E& a) {
 template <class E>
 std::optional<int> side_of(const Ray<E>& ray, const Sphere<E>& sphere, const E& m, Length length) {
     const Vec<E> f = ray.origin - sphere.centre;
-    const E a = dot(ray.direction, ray.direction);
+    const E a = square(ray.direction);
     const E h = dot(f, ray.direction);
-    const E c = dot(f, f) - sphere.radius * sphere.radius;
+    const E c = square(f) - square(sphere.radius);
     const bool parameter = length == Length::parameter;
     const auto outside = sign(c);
-    const auto p = parameter ? sign<E>((a * m + h + h) * m + c) : sign_of_sum<E>(m * m + c, (h + h) * m, a);
+    const auto p = parameter ? sign<E>((a * m + h + h) * m + c) : sign_of_sum<E>(square(m) + c, (h + h) * m, a);
     if (!outside || !p) return std::nullopt;
     if (*outside <= 0) return -*p;
     if (*p < 0) return -1;
@@ -59,7 +59,7 @@ std::optional<int> side_of(const Ray<E>& ray, const Box<E>& box, const E& m, Len
     if (!first) return std::nullopt;
     const E there = m * first->m;
     if (length == Length::parameter) return sign<E>(first->n - there);
-    return sign<E>(first->n * first->n * dot(ray.direction, ray.direction) - there * there);
+    return sign<E>(square(first->n) * square(ray.direction) - square(there));
 }
 
 template <class E>

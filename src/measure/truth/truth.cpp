@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <ranges>
 
 #include "measure/truth/side.hpp"
 #include "number/error.hpp"
@@ -129,37 +130,36 @@ void join(const Truth& of_one, int i, Truth& best) {
     best.touches = touches;
 }
 
-/// `at(k)` is the place of the k-th of `count` solids to ask about.
-template <class S, class At>
-Truth find(const Ray<S>& ray, std::span<const Solid<S>> solids, std::size_t count, const At& at, TruthLimit limit,
-           Touching touching, double tmax) {
+/// How the truth is asked for, whichever the solids.
+struct Terms {
+    TruthLimit limit;
+    Touching touching;
+    double tmax;
+};
+
+/// About the solids at the places `among`.
+template <class S, class Places>
+Truth find(const Ray<S>& ray, std::span<const Solid<S>> solids, const Places& among, const Terms& terms) {
+    const auto [limit, touching, tmax] = terms;
     Truth best;
     if (!is_ray(ray) || !(tmax >= 0)) return best;
     const Ray<Ball> quick = lift_ray<Ball>(ray);
-    for (std::size_t k = 0; k < count; ++k) {
-        const Solid<S>& solid = solids[at(k)];
+    for (const std::size_t at : among) {
+        const Solid<S>& solid = solids[at];
         if (!is_solid(solid)) continue;
         Truth one;
         one.bits = 106;
         const auto known = [](const Certified& x, Length) { return !straddled_power(x); };
         if (!settle(enclose_until(quick, lift_solid<Ball>(solid), tmax), touching, one, known))
             one = escalate(ray, solid, limit, touching, tmax);
-        join(one, static_cast<int>(at(k)), best);
+        join(one, static_cast<int>(at), best);
     }
     return best;
 }
 
 template <class S>
-Truth find_all(const Ray<S>& ray, std::span<const Solid<S>> solids, TruthLimit limit, Touching touching, double tmax) {
-    return find(
-        ray, solids, solids.size(), [](std::size_t k) { return k; }, limit, touching, tmax);
-}
-
-template <class S>
-Truth find_some(const Ray<S>& ray, std::span<const Solid<S>> solids, std::span<const std::uint32_t> among,
-                TruthLimit limit, Touching touching) {
-    return find(
-        ray, solids, among.size(), [among](std::size_t k) { return std::size_t{among[k]}; }, limit, touching, HUGE_VAL);
+Truth find_all(const Ray<S>& ray, std::span<const Solid<S>> solids, const Terms& terms) {
+    return find(ray, solids, std::views::iota(std::size_t{0}, solids.size()), terms);
 }
 
 template <class S>
@@ -178,27 +178,27 @@ double round_exactly(const Truth& truth, const Ray<S>& ray, const Solid<S>& soli
         if (*side != 0) return *side < 0 ? lower : upper;
         return ordinal(lower, format) % 2 == 0 ? lower : upper;
     }
-    throw Error(Exit::internal, "no precision told the side of a rounding boundary");
+    throw Error(Exit::internal, "no precision was enough to tell the side of a rounding boundary");
 }
 
 }  // namespace
 
 Truth find_truth(const Ray<double>& ray, std::span<const Solid<double>> solids, TruthLimit limit, Touching touching,
                  double tmax) {
-    return find_all(ray, solids, limit, touching, tmax);
+    return find_all(ray, solids, {limit, touching, tmax});
 }
 Truth find_truth(const Ray<Real>& ray, std::span<const Solid<Real>> solids, TruthLimit limit, Touching touching,
                  double tmax) {
-    return find_all(ray, solids, limit, touching, tmax);
+    return find_all(ray, solids, {limit, touching, tmax});
 }
 
 Truth find_truth_among(const Ray<double>& ray, std::span<const Solid<double>> solids,
                        std::span<const std::uint32_t> among, TruthLimit limit, Touching touching) {
-    return find_some(ray, solids, among, limit, touching);
+    return find(ray, solids, among, {limit, touching, HUGE_VAL});
 }
 Truth find_truth_among(const Ray<Real>& ray, std::span<const Solid<Real>> solids, std::span<const std::uint32_t> among,
                        TruthLimit limit, Touching touching) {
-    return find_some(ray, solids, among, limit, touching);
+    return find(ray, solids, among, {limit, touching, HUGE_VAL});
 }
 
 bool is_proper(const Ray<double>& ray) { return is_ray(ray); }

@@ -1,8 +1,7 @@
 #include "measure/truth/unit_direction.hpp"
 
-#include <limits>
-
 #include "measure/truth/certified.hpp"
+#include "measure/truth/missing.hpp"
 
 namespace lostbits::measure::truth {
 namespace {
@@ -28,10 +27,10 @@ double settle(double part, const Vec<double>& d, const FloatFormat& format) {
         if (const auto x = component(part, length, format)) return *x;
         last = certify(Interval(part) / length);
     }
-    if (!last) return std::numeric_limits<double>::quiet_NaN();
+    if (!last) return missing;
     // A component exactly half way (3/5 of a power of two, say, in a tiny format): to even, as the midpoint rounds.
     last->bound = 0;
-    return round_certified(*last, format).value_or(std::numeric_limits<double>::quiet_NaN());
+    return round_certified(*last, format).value_or(missing);
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "measure/blame/operations.hpp"
 #include "measure/blame/tape_text.hpp"
 #include "number/error.hpp"
 #include "output/blame/explain_programs.hpp"
@@ -58,53 +59,21 @@ private:
     std::string value(NodeId i) {
         const TapeNode& n = x_.tape[i];
         if (n.op == TapeOp::input) return literal(n.value, is_double(i));
-        const auto at = [&](std::size_t k) { return operand(n.operands[k]); };
-        const auto infix = [&](const char* sign) { return fmt::format("{} {} {}", at(0), sign, at(1)); };
-        const char* const suffix = is_double(i) ? "" : "f";
-        const auto rounded = [&](const char* called, const std::string& exact) {
-            if (!rounds_) return exact;
-            if (!wide_) return fmt::format("rounded({}, 0)", exact);
-            refuse_unsafe(i);
-            return n.op == TapeOp::sqrt
-                       ? fmt::format("{}({})", called, at(0))
-                       : fmt::format("{}({}, {})", called, at(0), n.op == TapeOp::sub ? "-" + at(1) : at(1));
-        };
-        switch (n.op) {
-            case TapeOp::add: return rounded("sum", infix("+"));
-            case TapeOp::sub: return rounded("sum", infix("-"));
-            case TapeOp::mul: return rounded("product", infix("*"));
-            case TapeOp::div: return rounded("quotient", infix("/"));
-            case TapeOp::sqrt: return rounded("root", fmt::format("sqrt{}({})", suffix, at(0)));
-            case TapeOp::fma:
-                refuse_rounded("a fused multiply-add");
-                return fmt::format("fma{}({}, {}, {})", suffix, at(0), at(1), at(2));
-            case TapeOp::neg: return "-" + at(0);
-            case TapeOp::abs: return fmt::format("fabs{}({})", suffix, at(0));
-            case TapeOp::copysign: return fmt::format("copysign{}({}, {})", suffix, at(0), at(1));
-            case TapeOp::min: return fmt::format("{0} < {1} ? {0} : {1}", at(0), at(1));
-            case TapeOp::max: return fmt::format("{0} > {1} ? {0} : {1}", at(0), at(1));
-            case TapeOp::select: return fmt::format("{} ? {} : {}", at(0), at(1), at(2));
-            case TapeOp::next_up:
-                refuse_rounded("a move to the next number");
-                return fmt::format("nextafter{}({}, INFINITY)", suffix, at(0));
-            case TapeOp::next_down:
-                refuse_rounded("a move to the next number");
-                return fmt::format("nextafter{}({}, -INFINITY)", suffix, at(0));
-            case TapeOp::convert: return fmt::format("({}){}", is_double(i) ? "double" : "float", at(0));
-            case TapeOp::less: return infix("<");
-            case TapeOp::less_equal: return infix("<=");
-            case TapeOp::greater: return infix(">");
-            case TapeOp::greater_equal: return infix(">=");
-            case TapeOp::both: return infix("&&");
-            case TapeOp::either: return infix("||");
-            case TapeOp::opposite: return "!" + at(0);
-            default: return at(0);
-        }
+        const measure::blame::OperationText& text = measure::blame::text_of(n.op);
+        if (rounds_ && !text.c_lacks.empty()) refuse(text.c_lacks);
+        const bool is_rounded = rounds_ && !text.c_wide.empty();
+        if (is_rounded && wide_) refuse_unsafe(i);
+        const std::string value = measure::blame::filled(
+            is_rounded && wide_ ? text.c_wide : text.c.text, [&](std::size_t k, int) { return operand(n.operands[k]); },
+            [&](char letter) -> std::string {
+                if (letter == 't') return is_double(i) ? "double" : "float";
+                return is_double(i) ? "" : "f";
+            });
+        return is_rounded && !wide_ ? fmt::format("rounded({}, 0)", value) : value;
     }
-    void refuse_rounded(const char* what) const {
-        if (rounds_)
-            throw InputError(fmt::format("--c: {} has {}, which C has for float and double alone; try -f f32 or f64",
-                                         x_.form->info->name, what));
+    void refuse(std::string_view what) const {
+        throw InputError(fmt::format("--c: {} has {}, which C has for float and double only; try -f f32 or f64",
+                                     x_.form->info->name, what));
     }
 
     /// What a sum, product, quotient or root leaves out is a double where nothing comes near to the ends of the range
@@ -124,15 +93,16 @@ private:
         else see(n.value);
         if (exact || safe) return;
         throw InputError(
-            fmt::format("--c: {} is {}, so near to the ends of double's range that what it leaves out is no double, "
-                        "which {} bits need; try -f f64, or a format of at most 25 bits",
+            fmt::format("--c: {} is {}, so close to the ends of double's range that its rounding error is not a "
+                        "double, as {} bits need it; try -f f64, or a format of at most 25 bits",
                         text_.definition(i), file::decimal(n.value), x_.format.shape.precision));
     }
 
     [[nodiscard]] std::string rounding_functions(const std::string& body) const {
         const FloatFormat& f = x_.format.shape;
         std::string text = fmt::format(
-            "/* r + rest, r the nearest double: to {0} significand bits, exponents {1} to {2}, nearest even. "
+            "/* r + rest, where r is the nearest double, rounded to {0} significand bits, exponents {1} to {2}, "
+            "nearest even. "
             "*/\nstatic double rounded(double r, double rest) {{\n"
             "    int e;\n    double m, k;\n    if (r == 0 || isnan(r) || isinf(r)) return r;\n    frexp(r, &e);\n    e "
             "= (e - 1 > {1} ? e - 1 : {1}) - {0} + 1;\n"

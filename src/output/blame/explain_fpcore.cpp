@@ -1,8 +1,8 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <stdexcept>
 
+#include "measure/blame/operations.hpp"
 #include "measure/blame/tape_text.hpp"
 #include "output/blame/explain_programs.hpp"
 #include "output/blame/tape_slice.hpp"
@@ -45,7 +45,7 @@ public:
         std::string body;
         for (NodeId i = 0; i < x_.tape.size(); ++i) {
             if (!slice_.needs(i) || !is_bound(i)) continue;
-            const std::string value = is_decision(x_.tape[i].op) ? fmt::format("(if {} 1 0)", decision(i)) : number(i);
+            const std::string value = is_decision(x_.tape[i].op) ? fmt::format("(if {} 1 0)", written(i)) : number(i);
             body += fmt::format("    [{} {}]\n", text_.identifier(i), value);
         }
         return fmt::format(
@@ -63,62 +63,20 @@ private:
         return !slice_.is_constant(i);
     }
     [[nodiscard]] std::string operand(NodeId i) const {
-        if (is_decision(x_.tape[i].op))
-            return is_bound(i) ? fmt::format("(== {} 1)", text_.identifier(i)) : decision(i);
+        if (is_decision(x_.tape[i].op)) return is_bound(i) ? fmt::format("(== {} 1)", text_.identifier(i)) : written(i);
         return slice_.is_constant(i) ? rational(x_.tape[i].value) : text_.identifier(i);
     }
-    [[nodiscard]] std::string call(const char* f, NodeId i) const {
-        std::string text = fmt::format("({}", f);
-        for (const NodeId operand_id : x_.tape[i].operands) {
-            if (operand_id != no_node) text += " " + operand(operand_id);
-        }
-        return text + ")";
-    }
-    [[nodiscard]] std::string decision(NodeId i) const {
-        switch (x_.tape[i].op) {
-            case TapeOp::less: return call("<", i);
-            case TapeOp::less_equal: return call("<=", i);
-            case TapeOp::greater: return call(">", i);
-            case TapeOp::greater_equal: return call(">=", i);
-            case TapeOp::both: return call("and", i);
-            case TapeOp::either: return call("or", i);
-            case TapeOp::opposite: return call("not", i);
-            default: return operand(x_.tape[i].operands[0]);
-        }
+    [[nodiscard]] std::string written(NodeId i) const {
+        const TapeNode& n = x_.tape[i];
+        const FloatFormat& f = x_.tape.format_of(i);
+        return measure::blame::filled(
+            measure::blame::text_of(n.op).fpcore.text, [&](std::size_t k, int) { return operand(n.operands[k]); },
+            [&](char) { return rational(std::ldexp(1.0, f.emin - f.precision + 1)); });
     }
     [[nodiscard]] std::string number(NodeId i) const {
-        const std::string text = rounded(i);
+        const std::string text = written(i);
         const bool other = !(x_.tape.format_of(i) == x_.format.shape);
         return other ? fmt::format("(! :precision {} {})", precision_name(x_.tape.format_of(i)), text) : text;
-    }
-    [[nodiscard]] std::string rounded(NodeId i) const {
-        const auto at = [&](std::size_t k) { return operand(x_.tape[i].operands[k]); };
-        switch (x_.tape[i].op) {
-            case TapeOp::add: return call("+", i);
-            case TapeOp::sub: return call("-", i);
-            case TapeOp::mul: return call("*", i);
-            case TapeOp::div: return call("/", i);
-            case TapeOp::sqrt: return call("sqrt", i);
-            case TapeOp::fma: return call("fma", i);
-            case TapeOp::neg: return call("-", i);
-            case TapeOp::abs: return call("fabs", i);
-            case TapeOp::copysign: return call("copysign", i);
-            case TapeOp::min: return fmt::format("(if (< {0} {1}) {0} {1})", at(0), at(1));
-            case TapeOp::max: return fmt::format("(if (> {0} {1}) {0} {1})", at(0), at(1));
-            case TapeOp::select: return call("if", i);
-            case TapeOp::convert: return call("cast", i);
-            case TapeOp::next_up: return neighbour(i, "toPositive", "+");
-            case TapeOp::next_down: return neighbour(i, "toNegative", "-");
-            default: throw std::logic_error("an operation that is no number's");
-        }
-    }
-
-    /// FPCore names no neighbours, but x + η rounded upward, η the smallest positive number of the format, is the next
-    /// above any finite x; −∞ stays what it is, and above −η comes +0 in place of −0.
-    [[nodiscard]] std::string neighbour(NodeId i, const char* direction, const char* sign) const {
-        const FloatFormat& f = x_.tape.format_of(i);
-        return fmt::format("(! :round {} ({} {} {}))", direction, sign, operand(x_.tape[i].operands[0]),
-                           rational(std::ldexp(1.0, f.emin - f.precision + 1)));
     }
 
     [[nodiscard]] std::string arguments() const {

@@ -25,13 +25,13 @@ Json operation(const measure::blame::Explanation& x, const TapeText& text, NodeI
     const TapeNode& n = x.tape[i];
     const measure::blame::OperationError& e = x.attribution.of[static_cast<std::size_t>(i)];
     Json operands = Json::array();
-    if (n.op != TapeOp::input && n.op != TapeOp::constant) {
+    if (!is_given(n.op)) {
         for (const NodeId operand : n.operands) {
             if (operand != no_node) operands.push_back(text.name(operand));
         }
     }
     Json j{{"name", text.name(i)},
-           {"operation", std::string(tape_op_names[static_cast<std::size_t>(n.op)])},
+           {"operation", std::string(name_of(n.op))},
            {"operands", operands},
            {"expression", text.expression(i)}};
     if (!n.label.empty()) j["label"] = std::string(n.label);
@@ -95,7 +95,7 @@ std::string explain_json(const measure::blame::Explanation& x) {
                         {"explained", of_subject(a.explained)},
                         {"first_order", of_subject(a.first_order)},
                         {"ulp", if_any(x.ulp_of_subject())},
-                        {"shadow_bits", a.shadow_bits}};
+                        {"shadow_bits", a.exact_bits}};
     j["operations"] = Json::array();
     for (NodeId i = 0; i < x.tape.size(); ++i) j["operations"].push_back(operation(x, text, i));
     j["better"] = Json::array();

@@ -24,7 +24,8 @@ namespace {
 std::string short_number(double x) {
     if (std::isnan(x)) return "nan";
     if (x == 0) return "0";
-    return std::fabs(x) >= 0.01 && std::fabs(x) < 1e6 ? fmt::format("{:.3g}", x) : fmt::format("{:.2e}", x);
+    return std::fabs(x) >= 0.01 && std::fabs(x) < 1e6 ? fmt::format("{}", std::stod(fmt::format("{:.3g}", x)))
+                                                      : fmt::format("{:.2e}", x);
 }
 
 /// Letters, not bytes.
@@ -102,7 +103,7 @@ std::string row_of(const Explanation& x, const Words& words, NodeId i) {
     if (width_of(left) > widest_expression) left += "\n" + std::string(widest_expression, ' ');
     std::string line = padded(std::move(left), widest_expression) + " " + tail;
     while (line.back() == ' ') line.pop_back();
-    return line + (e.turned && e.rounding != 0 ? "  rounding took the other side" : "") + "\n";
+    return line + (e.turned && e.rounding != 0 ? "  rounding chose the other side" : "") + "\n";
 }
 
 /// The nodes that the table shows: of a march those of the last samples, unless all are asked for.
@@ -130,29 +131,31 @@ std::string table(const Explanation& x, const Words& words, bool all) {
 std::string outcome_sentence(const Explanation& x) {
     const std::string form(x.form->info->name);
     switch (x.standing.outcome) {
-        case Outcome::agree_miss: return fmt::format("{} misses, and so does the ray.", form);
+        case Outcome::agree_miss: return fmt::format("{} misses, and so does the exact ray: a correct miss.", form);
         case Outcome::false_hit:
-            return fmt::format("{} answers {}; truly the ray misses: a false hit.", form, file::decimal(x.standing.t));
+            return fmt::format("{} reports a hit at {}, but the ray misses: a false hit.", form,
+                               file::decimal(x.standing.t));
         case Outcome::false_miss:
-            return fmt::format("{} misses; truly the ray hits at {}: a false miss.", form,
+            return fmt::format("{} reports a miss, but the ray hits at {}: a false miss.", form,
                                file::decimal(x.true_t.value_or(0)));
-        case Outcome::not_a_number: return fmt::format("{} answers a hit at NaN.", form);
-        case Outcome::unresolved: return "The truth of this ray was not proved.";
+        case Outcome::not_a_number: return fmt::format("{} reports a hit at NaN.", form);
+        case Outcome::unresolved: return "The true answer for this ray could not be proved.";
         case Outcome::agree_hit: break;
     }
-    return fmt::format("t = {} ({}); truly {}: {:.4g} ulp off, {:.1f} of {} bits lost.", file::decimal(x.standing.t),
-                       file::hex(x.standing.t), file::decimal(x.true_t.value_or(0)), x.standing.ulps, x.standing.lost,
-                       x.format.shape.precision);
+    return fmt::format("t = {} ({}), the true t is {}: {:.4g} ulp off, {:.1f} of {} bits lost.",
+                       file::decimal(x.standing.t), file::hex(x.standing.t), file::decimal(x.true_t.value_or(0)),
+                       x.standing.ulps, x.standing.lost, x.format.shape.precision);
 }
 
 std::string model_sentence(const Explanation& x) {
     if (x.attribution.cut_short)
-        return "Without rounding the march would have gone on; exact values end where the computed ones did.\n";
+        return "Without rounding the march would have gone on. The exact values shown end where the computed ones "
+               "do.\n";
     const bool truly = x.truth == measure::truth::Truth::Decision::hit;
     if (x.truth == measure::truth::Truth::Decision::unresolved || x.attribution.exact_hit == truly) return "";
     return fmt::format(
-        "Without rounding the form {}, on inputs as the format holds them: what parts it from the truth there is what "
-        "it assumes, or the inputs.\n",
+        "On the inputs as the format stores them, the form {} even without rounding. It differs from the truth because "
+        "of what it assumes, or because the inputs were rounded.\n",
         x.attribution.exact_hit ? "hits" : "misses");
 }
 
@@ -164,12 +167,12 @@ std::string sums_sentence(const Explanation& x, const Words& words) {
                                    short_number(a.error / ulp),
                                    std::fabs(rest) <= 1e-6 * std::fabs(a.error)
                                        ? ""
-                                       : fmt::format("; {} ulp are not attributed", short_number(rest / ulp)));
+                                       : fmt::format("; {} ulp belong to no operation", short_number(rest / ulp)));
     if (!(std::fabs(a.first_order - a.error) <= 0.1 * std::fabs(a.error))) {
         // Infinite parts of both signs have no sum.
         text += fmt::format(
-            " First order alone {}: it does not hold here, and the difference quotients are what is shown.",
-            std::isfinite(a.first_order) ? "would say " + short_number(a.first_order / ulp) : "has infinite parts");
+            " A first-order estimate {} and is wrong here, so difference quotients are shown instead.",
+            std::isfinite(a.first_order) ? "gives " + short_number(a.first_order / ulp) : "has infinite terms");
     }
     return text + "\n";
 }
@@ -180,8 +183,8 @@ std::string split_sentence(const Explanation& x, const Words& words) {
     const double rounding = x.attribution.error / words.ulp();
     if (!(std::fabs(x.standing.ulps - rounding) > 0.01)) return "";
     return fmt::format(
-        "Rounding makes {} ulp of the {}; the rest is what the form gives without rounding, on inputs as the format "
-        "holds them.\n",
+        "Rounding inside the form makes {} of the {} ulp. The rest is there even without it, on the inputs as the "
+        "format stores them.\n",
         short_number(rounding), short_number(x.standing.ulps));
 }
 
@@ -190,7 +193,7 @@ std::string turned_sentences(const Explanation& x, const Words& words) {
     for (const NodeId i : x.turned()) {
         const TapeNode& n = x.tape[i];
         if (!is_comparison(n.op)) {
-            text += fmt::format("Rounding turned the choice in {}: the other side is {} away.\n",
+            text += fmt::format("Rounding changed the choice in {}: the other side is {} away.\n",
                                 words.text().definition(i), short_number(std::fabs(words.of(i).rounding)));
             continue;
         }
@@ -201,32 +204,32 @@ std::string turned_sentences(const Explanation& x, const Words& words) {
                                         file::decimal(x.tape[s].value), file::decimal(words.of(s).exact)));
         }
         text +=
-            fmt::format("Rounding turned the decision {}: {}.\n", words.text().expression(i), fmt::join(sides, "; "));
+            fmt::format("Rounding changed the decision {}: {}.\n", words.text().expression(i), fmt::join(sides, "; "));
     }
     return text;
 }
 
-/// Of an answer that is no number: the input that the format makes none of.
+/// Of an answer that is not finite: the input that the format already made infinite or NaN.
 std::optional<std::string> lost_input(const Explanation& x) {
     const NodeId subject = x.attribution.subject;
     if (is_decision(x.tape[subject].op) || std::isfinite(x.tape[subject].value)) return {};
     for (std::size_t i = 0; i < x.inputs.size(); ++i) {
         if (!std::isfinite(x.inputs[i]) && x.names[i] != "limit")
-            return fmt::format("{} is {} in {}, an input: everything after it follows.", x.names[i],
+            return fmt::format("The input {} is {} in {}. Everything after it follows from that.", x.names[i],
                                file::decimal(x.inputs[i]), x.format.name);
     }
     return {};
 }
 
 std::string better_sentence(const Explanation& x) {
-    if (x.better.empty()) return "No form of its shape does better on this ray in this format.\n";
+    if (x.better.empty()) return "No other form of the same shape does better on this ray in this format.\n";
     std::string text = "Better on this ray:";
     constexpr std::size_t most = 6;
     for (std::size_t i = 0; i < std::min(most, x.better.size()); ++i) {
         const measure::blame::Standing& s = x.better[i];
         text +=
             fmt::format("{} {} ({})", i ? "," : "", s.form->info->name,
-                        s.outcome == Outcome::agree_hit ? fmt::format("{:.1f} bits lost", s.lost) : "rightly a miss");
+                        s.outcome == Outcome::agree_hit ? fmt::format("{:.1f} bits lost", s.lost) : "a correct miss");
     }
     return text + (x.better.size() > most ? fmt::format(" and {} more.\n", x.better.size() - most) : ".\n");
 }
@@ -236,28 +239,28 @@ std::string better_sentence(const Explanation& x) {
 std::string verdict(const Explanation& x) {
     if (x.standing.outcome != Outcome::agree_hit) {
         if (x.standing.outcome == Outcome::agree_miss) return "Nothing is lost.";
-        return std::isnan(x.condition) ? "The ray has no hit, so no envelope."
+        return std::isnan(x.condition) ? "The ray hits nothing, so it has no condition number."
                                        : fmt::format("Condition {}: half an ulp in each input costs {:.1f} bits.",
                                                      short_number(x.condition), x.inherent);
     }
-    const std::string envelope = fmt::format("Condition {}: half an ulp in each input alone would cost {:.1f} bits",
+    const std::string envelope = fmt::format("Condition {}: half an ulp in each input would cost {:.1f} bits",
                                              short_number(x.condition), x.inherent);
-    if (x.standing.lost < 1) return envelope + ". Nothing worth mention is lost.";
-    if (x.excess() < 1) return envelope + "; within it the problem is hard, the formula is not to blame.";
-    return envelope + fmt::format("; {:.1f} bits beyond it are the formula's own.", x.excess());
+    if (x.standing.lost < 1) return envelope + ". Less than one bit is lost.";
+    if (x.excess() < 1) return envelope + "; input rounding alone explains this loss.";
+    return envelope + fmt::format("; the formula loses the other {:.1f} bits.", x.excess());
 }
 
 std::string culprit_sentence(const Explanation& x) {
     const Words words(x);
     const NodeId culprit = x.attribution.culprit;
     if (x.attribution.subject == no_node || measure::blame::is_plain_miss(x.tape, x.attribution))
-        return "No decision of the form was turned by rounding, so no operation is to blame.";
+        return "Rounding changed no decision of the form, so no operation is to blame.";
     if (culprit == no_node) return lost_input(x).value_or("No operation rounded on the way to the answer.");
     const TapeNode& n = x.tape[culprit];
     const std::string what = words.text().definition(culprit);
     const NodeId subject = x.attribution.subject;
     if (!std::isfinite(n.value))
-        return fmt::format("{} is {}: everything after it follows.", what, file::decimal(n.value));
+        return fmt::format("{} is {}. Everything after it follows from that.", what, file::decimal(n.value));
     const std::string arrives =
         is_decision(x.tape[subject].op) ? fmt::format("in {}", words.text().expression(subject)) : "in t";
     std::string text;
@@ -267,21 +270,21 @@ std::string culprit_sentence(const Explanation& x) {
                            words.of(amplifier).cancelled, x.tape.format_of(amplifier).precision);
         for (const NodeId operand : a.operands) {
             if (operand == no_node || words.of(operand).error == 0 || x.tape[operand].op == TapeOp::constant) continue;
-            text += fmt::format("; {} already carried {} ulp", words.text().operand(operand),
+            text += fmt::format("; {} was already off by {} ulp", words.text().operand(operand),
                                 short_number(std::fabs(words.own_ulps(operand, words.of(operand).error))));
         }
         text += ". ";
     }
     const OperationError& e = words.of(culprit);
     const bool harmless = x.standing.outcome == Outcome::agree_hit && x.standing.lost < 1;
-    text +=
-        fmt::format("{} {}: its {} of {} ulp arrives as {} ulp {}",
-                    harmless ? "The largest contribution is that of" : "The culprit is", what,
-                    e.turned ? "wrong turn" : "rounding", short_number(std::fabs(words.own_ulps(culprit, e.rounding))),
-                    short_number(std::fabs(words.contribution(culprit))), arrives);
+    text += fmt::format("{} {}: its {} of {} ulp becomes {} ulp {}",
+                        harmless ? "The largest contribution is that of" : "The culprit is", what,
+                        e.turned ? "wrong choice" : "rounding",
+                        short_number(std::fabs(words.own_ulps(culprit, e.rounding))),
+                        short_number(std::fabs(words.contribution(culprit))), arrives);
     const double share = e.contribution / x.attribution.error;
     if (share > 1 || share < 0)
-        text += fmt::format("; the other roundings take all but {} of it back",
+        text += fmt::format("; the other roundings cancel all but {} ulp of it",
                             short_number(std::fabs(x.attribution.error / words.ulp())));
     else if (std::isfinite(share)) text += fmt::format(", {:.0f} % of the error", 100 * share);
     return text + ".";
@@ -290,8 +293,7 @@ std::string culprit_sentence(const Explanation& x) {
 std::string explain_text(const Explanation& x, bool all) {
     const Words words(x);
     std::string text = fmt::format("{} in {}: {}\n", x.form->info->name, x.format.name, x.form->info->title);
-    if (x.solids > 1 && x.form->shape != Shape::sdf)
-        text += fmt::format("asked of solid {} of {}\n", x.solid + 1, x.solids);
+    if (x.solids > 1 && x.form->shape != Shape::sdf) text += fmt::format("solid {} of {}\n", x.solid + 1, x.solids);
     if (x.given) {
         text += fmt::format(
             "The direction ({}, {}, {}) is normalised and rounded: the form takes unit directions, and its t is a "
@@ -300,8 +302,8 @@ std::string explain_text(const Explanation& x, bool all) {
     }
     text += inputs_block(x) + "\n" + table(x, words, all);
     text +=
-        "\n* the culprit; - not on the way to the answer. local: bits lost by the operation alone on exact operands, "
-        "each rounded once. own: its rounding, in ulps of itself.\n\n";
+        "\n* marks the culprit, - what is not on the way to the answer. local: bits that the operation alone loses on "
+        "exact operands, each rounded once. own: its rounding, in ulps of its own result.\n\n";
     text += outcome_sentence(x) + "\n" + culprit_sentence(x) + "\n" + sums_sentence(x, words) +
             split_sentence(x, words) + turned_sentences(x, words) + model_sentence(x) + verdict(x) + "\n" +
             better_sentence(x);

@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "measure/truth/lost_bits.hpp"
 #include "output/file/number_text.hpp"
 
 namespace lostbits::output::blame {
@@ -21,23 +22,23 @@ std::string answer_line(const intersect::table::Intersector& form, const Format&
     const measure::truth::Truth& truth = ray.truth(*form.info);
     const bool hit = log.hit.hit;
     switch (measure::answer::classify(truth.decision, hit, log.hit.t)) {
-        case Outcome::agree_miss: return "The form misses, and so does the ray.";
+        case Outcome::agree_miss: return "The form misses, and so does the exact ray: a correct miss.";
         case Outcome::false_hit:
-            return fmt::format("The form answers {}; truly the ray misses: a false hit.", file::decimal(log.hit.t));
+            return fmt::format("The form reports a hit at {}, but the ray misses: a false hit.",
+                               file::decimal(log.hit.t));
         case Outcome::false_miss:
-            return fmt::format("The form misses; truly the ray hits at {}: a false miss.",
+            return fmt::format("The form reports a miss, but the ray hits at {}: a false miss.",
                                file::decimal(ray.rounded_truth(*form.info, binary64)));
-        case Outcome::not_a_number: return "The form answers a hit at NaN.";
-        case Outcome::unresolved: return "The truth of this ray was not proved.";
+        case Outcome::not_a_number: return "The form reports a hit at NaN.";
+        case Outcome::unresolved: return "The true answer for this ray could not be proved.";
         case Outcome::agree_hit: break;
     }
     const measure::truth::Certified& t = ray.true_t(*form.info);
-    const double ulps = measure::truth::scaled_difference(measure::truth::exactly(log.hit.t), t,
-                                                          ulp_exponent(format.shape, t.floor_log2()));
-    return fmt::format("The form answers {} ({}); truly it is {}: {:.4g} ulp, {:.1f} of {} bits lost.",
-                       file::decimal(log.hit.t), file::hex(log.hit.t),
-                       file::decimal(ray.rounded_truth(*form.info, binary64)), ulps,
-                       measure::metric::lost_bits(ulps, format.shape.precision), format.shape.precision);
+    const double ulps = measure::truth::ulp_error(log.hit.t, t, format.shape);
+    return fmt::format(
+        "The form reports a hit at {} ({}), and the true one is at {}: {:.4g} ulp off, {:.1f} of {} bits lost.",
+        file::decimal(log.hit.t), file::hex(log.hit.t), file::decimal(ray.rounded_truth(*form.info, binary64)), ulps,
+        measure::truth::lost_bits(ulps, format.shape.precision), format.shape.precision);
 }
 
 }  // namespace
@@ -50,7 +51,7 @@ std::string action_of(const MarchLog& log, std::size_t step, const intersect::Ma
                    : fmt::format("step by {:.4g}", log.steps[step + 1].t - log.steps[step].t);
     if (log.hit.hit) return "hit";
     if (log.hit.t > constants.max_dist) return fmt::format("miss: t > {}", file::decimal(constants.max_dist));
-    return fmt::format("miss: {} samples are up", constants.max_steps);
+    return fmt::format("miss: all {} samples are used", constants.max_steps);
 }
 
 std::string march_table(const intersect::table::Intersector& form, const Format& format,

@@ -17,7 +17,7 @@ struct TapeSlice {
         : needed(tape.nodes.size()), constant(tape.nodes.size()), uses(tape.nodes.size()) {
         for (const NodeId root : roots) needed[static_cast<std::size_t>(root)] = true;
         for (NodeId i = tape.size() - 1; i >= 0; --i) {
-            if (!needed[static_cast<std::size_t>(i)] || tape[i].op <= TapeOp::constant) continue;
+            if (!needed[static_cast<std::size_t>(i)] || is_given(tape[i].op)) continue;
             for (const NodeId operand : tape[i].operands) {
                 if (operand == no_node) continue;
                 needed[static_cast<std::size_t>(operand)] = true;
@@ -26,7 +26,7 @@ struct TapeSlice {
         }
         for (NodeId i = 0; i < tape.size(); ++i) {
             bool all = tape[i].op != TapeOp::input;
-            if (tape[i].op > TapeOp::constant) {
+            if (!is_given(tape[i].op)) {
                 for (const NodeId operand : tape[i].operands)
                     all = all && (operand == no_node || constant[static_cast<std::size_t>(operand)]);
             }

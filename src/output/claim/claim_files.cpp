@@ -158,10 +158,10 @@ void write_claims_csv(const std::filesystem::path& path, const std::vector<Claim
                                {"form", "string", "", "form under test"},
                                {"format", "string", "", "format it computes in"},
                                {"quantity", "string", "", "what is measured"},
-                               {"expected_low", "number", "", "least value that agrees"},
+                               {"expected_low", "number", "", "smallest value that agrees"},
                                {"expected_high", "number", "", "largest value that agrees"},
                                {"measured", "number", "", "missing where nothing could be measured"},
-                               {"state", "string", "", "agrees, disagrees or broken"},
+                               {"state", "string", "", "agrees, disagrees, broken (could not be measured) or skipped"},
                                {"witness", "string", "", "the worst ray of the measurement in hexadecimal floats"}});
     for (std::size_t i = 0; i < claims.size(); ++i) {
         const Claim& c = claims[i];

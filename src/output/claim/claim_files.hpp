@@ -14,7 +14,7 @@ namespace lostbits::output::claim {
 void write_junit(const std::filesystem::path& path, const std::vector<scene::claim::Claim>& claims,
                  const std::vector<measure::claim::ClaimResult>& results, bool strict);
 
-/// One row a claim: sentence, verdict, expectation, measurement, state, and the witness in hexadecimal floats.
+/// One row per claim: sentence, verdict, expectation, measurement, state, and the witness in hexadecimal floats.
 void write_claims_csv(const std::filesystem::path& path, const std::vector<scene::claim::Claim>& claims,
                       const std::vector<measure::claim::ClaimResult>& results);
 

@@ -168,23 +168,16 @@ std::string picture_sweep(const std::filesystem::path& folder, const std::vector
         return text;
     }
     const auto onsets = measure::sweep::find_onsets(request, steps);
-    std::vector<Format> formats;
-    for (const MapRow& r : rows) {
-        if (std::ranges::find(formats, r.format) == formats.end()) formats.push_back(r.format);
-    }
-    for (const Format& format : formats) {
+    const sweep::MeasuredSweep measured{request, steps, onsets};
+    for (const Format& format : sweep::formats_of(measured)) {
         const auto show = [&](const char* what) {
             const std::string file = fmt::format("{}.{}.{}.png", sweep.id, what, format.name);
             text += fmt::format("![{}: {}, {}](pictures/{})\n", sweep.title, what, format.name, file);
             return folder / "pictures" / file;
         };
-        if (shown.median)
-            sweep::write_lost_bits_plot(image::image_backend(), show("lost_bits_p50"), request, steps, onsets, format,
-                                        0.5);
-        if (shown.tail)
-            sweep::write_lost_bits_plot(image::image_backend(), show("lost_bits_p99"), request, steps, onsets, format,
-                                        0.99);
-        if (shown.wrong) sweep::write_wrong_plot(image::image_backend(), show("wrong"), request, steps, onsets, format);
+        if (shown.median) sweep::write_lost_bits_plot(show("lost_bits_p50"), measured, format, 0.5);
+        if (shown.tail) sweep::write_lost_bits_plot(show("lost_bits_p99"), measured, format, 0.99);
+        if (shown.wrong) sweep::write_wrong_plot(show("wrong"), measured, format);
     }
     return text;
 }
@@ -199,8 +192,9 @@ std::string rounded(double x) { return std::isfinite(x) ? fmt::format("{:.6g}", 
 std::string row_text(const Claim& c, const ClaimResult& r) {
     const std::string verdict = r.state == State::agrees
                                     ? (c.verdict == Claim::Verdict::holds ? "holds" : "**refuted**")
-                                : r.state == State::skipped ? "skipped"
-                                                            : "**no longer measures as stated**";
+                                : r.state == State::skipped          ? "skipped"
+                                : c.verdict == Claim::Verdict::holds ? "**expected to hold, does not**"
+                                                                     : "**refuted, but the number has changed**";
     // Expressions have stars.
     const std::string what =
         c.operations.empty() ? quantity(c) : fmt::format("{} of `{}`", c.metric, fmt::join(c.operations, "`, `"));
@@ -220,7 +214,7 @@ std::string screenshots_in(const std::filesystem::path& folder) {
     for (const auto& [name, what] : {std::pair{"maps", "Lost bits of one form beside another, and one ray"},
                                      std::pair{"operations", "Culprits, and the operations of one ray"},
                                      std::pair{"sweeps", "Lost bits along a parameter"},
-                                     std::pair{"claims", "Claims, each leading to its pixels or its plot"}}) {
+                                     std::pair{"claims", "Claims; each leads to its pixels or its plot"}}) {
         const std::string file = fmt::format("screenshots/{}.png", name);
         if (std::filesystem::exists(folder / file)) text += fmt::format("\n![{}]({})\n", what, file);
     }
@@ -238,11 +232,11 @@ void write_claim_report(const std::filesystem::path& folder, const std::vector<C
         else ++(claims[i].verdict == Claim::Verdict::holds ? held : refuted);
     }
     std::string text = fmt::format(
-        "# What the sources say, and what is measured\n\nMade by `lostbits check --report reports`; do not edit. {} "
-        "sentences and parts of sentences: {} hold, {} are refuted{}. Every "
-        "number is of the run that made this page; the tests of lostbits make it anew. `lostbits report` makes a page "
-        "of them for a browser, where each leads to its pixels or its plot.\n{}",
-        claims.size(), held, refuted, other == 0 ? "" : fmt::format(", {} could not be judged or changed", other),
+        "# What the sources say, and what we measure\n\nMade by `lostbits check --report reports`; do not edit. {} "
+        "claims, each a sentence or a part of one: {} hold, {} are refuted{}. Every number was measured by the run "
+        "that made this page; a test makes the page again and compares. `lostbits report` makes the same as a page for "
+        "a browser, where each claim leads to its pixels or its plot.\n{}",
+        claims.size(), held, refuted, other == 0 ? "" : fmt::format(", {} failed or could not be measured", other),
         screenshots_in(folder));
     for (const Subject& subject : subjects_of(claims)) {
         const Claim& first = claims[subject.claims.front()];

@@ -78,7 +78,7 @@ void Progress::advance(std::uint64_t n) noexcept {
         const std::lock_guard lock(mutex_);
         draw();
     } catch (...) {
-        // A bar that cannot be drawn is no reason to stop the work.
+        // The work goes on if the bar cannot be drawn.
     }
 }
 

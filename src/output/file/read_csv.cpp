@@ -58,9 +58,11 @@ private:
             const char c = text_[at_];
             if (c == '"')
                 fail(line_,
-                     "not a CSV: a quote inside an unquoted cell; quote the whole cell and double the quotes in it");
-            if (c == '\r') fail(line_, "not a CSV: a carriage return without a line feed; end lines with LF or CRLF");
-            if (c == '\0') fail(line_, "not a CSV: a NUL byte; give a text file");
+                     "is not a CSV file: a quote inside an unquoted cell; quote the whole cell and double the quotes "
+                     "in it");
+            if (c == '\r')
+                fail(line_, "is not a CSV file: a carriage return without a line feed; end lines with LF or CRLF");
+            if (c == '\0') fail(line_, "is not a CSV file: a NUL byte; give a text file");
         }
         return {text_.data() + begin, at_ - begin};
     }
@@ -71,14 +73,15 @@ private:
         for (;; ++at_) {
             if (at_end())
                 fail(opened,
-                     "not a CSV: a quoted cell that never ends; close it with a quote, and double the quotes inside");
+                     "is not a CSV file: a quoted cell that never ends; close it with a quote, and double the quotes "
+                     "inside");
             if (text_[at_] == '"' && (++at_ == text_.size() || text_[at_] != '"')) break;
-            if (text_[at_] == '\0') fail(line_, "not a CSV: a NUL byte; give a text file");
+            if (text_[at_] == '\0') fail(line_, "is not a CSV file: a NUL byte; give a text file");
             line_ += text_[at_] == '\n';
             text_[end++] = text_[at_];
         }
         if (!ends_row() && text_[at_] != ',')
-            fail(line_, "not a CSV: text after a closing quote; double the quotes inside a quoted cell");
+            fail(line_, "is not a CSV file: text after a closing quote; double the quotes inside a quoted cell");
         return {text_.data() + begin, end - begin};
     }
 
@@ -141,7 +144,7 @@ CsvTable parse_csv(std::string text, const std::string& source) {
     CsvTable table{source, {}, {}, std::make_unique<std::string>(std::move(text))};
     Parser parser(*table.text, source);
     parser.skip_byte_order_mark();
-    if (parser.at_end()) parser.fail(1, "not a CSV: empty; a CSV begins with a header");
+    if (parser.at_end()) parser.fail(1, "is not a CSV file: it is empty; a CSV file begins with a header");
     std::vector<std::string_view> cells;
     parser.row(cells);
     std::unordered_set<std::string_view> names;
@@ -154,9 +157,9 @@ CsvTable parse_csv(std::string text, const std::string& source) {
         const std::size_t line = parser.line();
         parser.row(cells);
         if (cells.size() != table.columns.size()) {
-            parser.fail(line, "not a CSV: " + std::to_string(cells.size()) + (cells.size() == 1 ? " cell" : " cells") +
-                                  " where the header has " + std::to_string(table.columns.size()) +
-                                  "; quote cells that hold commas");
+            parser.fail(line, "is not a CSV file: " + std::to_string(cells.size()) +
+                                  (cells.size() == 1 ? " cell" : " cells") + " where the header has " +
+                                  std::to_string(table.columns.size()) + "; quote cells that contain commas");
         }
         table.lines.push_back(line);
         for (std::size_t c = 0; c < cells.size(); ++c) table.columns[c].cells.push_back(cells[c]);
@@ -168,7 +171,7 @@ CsvTable read_csv(const std::filesystem::path& path) { return parse_csv(read_fil
 
 std::string read_file(const std::filesystem::path& path) {
     std::error_code error;
-    if (std::filesystem::is_directory(path, error)) throw InputError(path.string() + ": a folder; give a file");
+    if (std::filesystem::is_directory(path, error)) throw InputError(path.string() + ": is a folder; give a file");
     errno = 0;
     std::ifstream in(path, std::ios::binary);
     std::string text;

@@ -11,8 +11,6 @@ constexpr int swatch = 12;
 constexpr int swatch_gap = 6;
 constexpr int column_gap = 18;
 
-int line_height(int size) { return size + (size + 2) / 3; }
-
 std::uint8_t blend(std::uint8_t paper, std::uint8_t ink, int coverage) {
     return static_cast<std::uint8_t>((paper * (255 - coverage) + ink * coverage + 127) / 255);
 }
@@ -125,8 +123,8 @@ Canvas heading(ImageBackend& backend, std::string_view title, std::span<const st
     int height = 0;
     const auto add = [&](std::string_view text, int size, bool bold, Rgb8 colour) {
         for (auto& line : wrap_text(backend, text, size, bold, width)) {
-            lines.push_back({std::move(line), line_height(size), colour});
-            height += line_height(size);
+            lines.push_back({std::move(line), style::line_height(size), colour});
+            height += style::line_height(size);
         }
     };
     add(title, style::title_size, true, style::ink);
@@ -140,8 +138,14 @@ Canvas heading(ImageBackend& backend, std::string_view title, std::span<const st
     return out;
 }
 
+void save_png(ImageBackend& backend, const std::filesystem::path& path, const Canvas& canvas) {
+    const auto png = backend.open_png(path, canvas.width(), canvas.height());
+    png->write_rows(canvas.height(), canvas.pixels());
+    png->close();
+}
+
 Canvas colour_bar(ImageBackend& backend, const ColourScale& scale, std::string_view unit, int height) {
-    const int unit_height = line_height(style::text_size) + 4;
+    const int unit_height = style::line_height(style::text_size) + 4;
     const int label_half = backend.render_text("0", style::text_size).height / 2;
     // The frame and half a label stay inside the strip at the lower end.
     const int top = unit_height + label_half, bar_height = std::max(height - top - label_half - 1, 2);
@@ -162,8 +166,8 @@ Canvas colour_bar(ImageBackend& backend, const ColourScale& scale, std::string_v
     for (std::size_t i = 0; i < ticks.size(); ++i) {
         const int y = top + static_cast<int>((1 - ticks[i].position) * (bar_height - 1) + 0.5);
         out.fill(1 + bar_width, y, 5, 1, style::soft_ink);
-        // Digits reach from the baseline up to 0.73 em: their middle belongs on the tick.
-        out.text(1 + bar_width + 9, y - labels[i].baseline + style::text_size * 73 / 200, labels[i], style::ink);
+        out.text(1 + bar_width + 9, y - labels[i].baseline + style::digit_rise(style::text_size), labels[i],
+                 style::ink);
     }
     return out;
 }
@@ -180,7 +184,7 @@ Legend::Legend(ImageBackend& backend, std::span<const LegendEntry> widest, int w
     columns_ = std::clamp((width + column_gap) / (column_width_ + column_gap), 1, count);
     const int rows = (count + columns_ - 1) / columns_;
     columns_ = (count + rows - 1) / rows;  // three and three, not five and one
-    height_ = rows * (line_height(style::text_size) + 4);
+    height_ = rows * (style::line_height(style::text_size) + 4);
 }
 
 Canvas Legend::draw(std::span<const LegendEntry> entries) const {
@@ -188,7 +192,7 @@ Canvas Legend::draw(std::span<const LegendEntry> entries) const {
     Canvas out(width_, height_);
     for (std::size_t i = 0; i < entries.size(); ++i) {
         const int x = static_cast<int>(i) % columns_ * (column_width_ + column_gap);
-        const int y = static_cast<int>(i) / columns_ * (line_height(style::text_size) + 4);
+        const int y = static_cast<int>(i) / columns_ * (style::line_height(style::text_size) + 4);
         out.fill(x + 1, y + 3, swatch, swatch, entries[i].colour);
         out.frame(x + 1, y + 3, swatch, swatch, style::line);
         const int text_x = x + swatch + 2 + swatch_gap;

@@ -1,6 +1,7 @@
 // A picture in memory, text on it, and the furniture that heatmaps and contact sheets share.
 #pragma once
 
+#include <filesystem>
 #include <optional>
 #include <span>
 #include <string>
@@ -23,6 +24,10 @@ inline constexpr int title_size = 18;  // pixels to the em
 inline constexpr int text_size = 13;
 inline constexpr int small_size = 11;
 inline constexpr int smallest_size = 9;  // below this letters are no longer letters
+
+inline constexpr int line_height(int size) { return size + (size + 2) / 3; }
+/// From the baseline to the middle of the digits, which are 0.73 em high.
+inline constexpr int digit_rise(int size) { return size * 73 / 200; }
 }  // namespace style
 
 /// Pixels row by row. Drawing outside is cut off.
@@ -46,6 +51,9 @@ private:
     int width_, height_;
     std::vector<Rgb8> pixels_;
 };
+
+/// Writes the pixels as a PNG. Throws as `ImageBackend::open_png` does.
+void save_png(ImageBackend& backend, const std::filesystem::path& path, const Canvas& canvas);
 
 /// `text` in lines of at most `width` pixels, broken between words, and inside a word only where it alone is wider.
 [[nodiscard]] std::vector<TextBitmap> wrap_text(ImageBackend& backend, std::string_view text, int size, bool bold,

@@ -1,12 +1,12 @@
 #include "output/image/colour.hpp"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <limits>
 #include <stdexcept>
 
 #include "output/file/number_text.hpp"
+#include "output/image/ticks.hpp"
 
 namespace lostbits::output::image {
 namespace {
@@ -37,24 +37,13 @@ bool divides(double step, double value) {
     return std::fabs(n - std::round(n)) < 1e-6;
 }
 
-/// A round step of at least `least`: one that lands on both ends where there is one, else 1, 2 or 5 times ten^k.
-double round_step(double least, double lo, double hi) {
+/// A round step of at least `least`: one that lands on both ends where there is one, else that of axes.
+double step_between(double lo, double hi, double least) {
     const double ten = std::pow(10.0, std::floor(std::log10(least)));
-    const auto enough = [&](double m) { return m * ten >= least * (1 - 1e-9); };
     for (const double m : {1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0}) {
-        if (enough(m) && divides(m * ten, lo) && divides(m * ten, hi)) return m * ten;
+        if (m * ten >= least * (1 - 1e-9) && divides(m * ten, lo) && divides(m * ten, hi)) return m * ten;
     }
-    for (const double m : {1.0, 2.0, 5.0}) {
-        if (enough(m)) return m * ten;
-    }
-    return 10 * ten;
-}
-
-/// Six digits: a tick at 3 times 0.1 is not 0.30000000000000004.
-std::string tick_label(double value) {
-    char text[32];
-    const auto end = std::to_chars(text, text + sizeof text, value + 0.0, std::chars_format::general, 6).ptr;
-    return {text, end};
+    return round_step(least);
 }
 
 /// Oklab (Ottosson 2020) in thousandths: whole numbers, so that the last bits of a machine's cbrt decide nothing.
@@ -167,10 +156,8 @@ std::vector<ColourScale::Tick> ColourScale::ticks(int most) const {
                 {position(std::exp2(e)), plain || e == 0 ? file::decimal(std::exp2(e)) : "2^" + file::decimal(e)});
         }
     } else {
-        const double step = round_step((hi_ / 2 - lo_ / 2) / (most - 1) * 2, lo_, hi_);
-        for (double k = std::ceil(lo_ / step - 1e-9); k * step <= hi_ + step * 1e-9; k += 1) {
-            out.push_back({position(k * step), tick_label(k * step)});
-        }
+        const double step = step_between(lo_, hi_, (hi_ / 2 - lo_ / 2) / (most - 1) * 2);
+        for (const double value : multiples(step, lo_, hi_)) out.push_back({position(value), tick_label(value)});
     }
     // A range that holds no two round values is labelled at its ends.
     if (out.size() < 2) out = {{0, tick_label(lo_)}, {1, tick_label(hi_)}};

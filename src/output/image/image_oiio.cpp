@@ -214,7 +214,7 @@ PngImage OiioBackend::read_png(const std::filesystem::path& path) {
     const auto in = open_input(path, "png");
     const OIIO::ImageSpec& spec = in->spec();
     if (spec.nchannels != 3 || spec.format != OIIO::TypeDesc::UINT8) {
-        throw InputError(path.string() + ": not an 8-bit RGB picture");
+        throw InputError(path.string() + ": is not an 8-bit RGB picture");
     }
     PngImage out{spec.width, spec.height, {}};
     out.pixels.resize(static_cast<std::size_t>(spec.width) * static_cast<std::size_t>(spec.height));

@@ -14,12 +14,12 @@ std::uint8_t blend(std::uint8_t paper, std::uint8_t ink, double coverage) {
     return srgb_byte(static_cast<std::uint16_t>(std::lround(light)));
 }
 
-/// The part of a..b within the box (Liang and Barsky 1984); false where there is none.
-bool clip(Point& a, Point& b, double x0, double y0, double x1, double y1) {
+/// The part of a..b within the box from `low` to `high` (Liang and Barsky 1984); false where there is none.
+bool clip(Point& a, Point& b, Point low, Point high) {
     const double dx = b.x - a.x, dy = b.y - a.y;
     double enter = 0, leave = 1;
     const std::array<std::array<double, 2>, 4> sides{
-        {{-dx, a.x - x0}, {dx, x1 - a.x}, {-dy, a.y - y0}, {dy, y1 - a.y}}};
+        {{-dx, a.x - low.x}, {dx, high.x - a.x}, {-dy, a.y - low.y}, {dy, high.y - a.y}}};
     for (const auto& [speed, room] : sides) {
         if (speed == 0) {
             if (room < 0) return false;
@@ -75,7 +75,7 @@ void Stroke::polyline(std::span<const Point> points, double thickness, std::span
     double left = dashes.empty() ? 0 : dashes[0];
     for (std::size_t i = 1; i < points.size(); ++i) {
         Point a = points[i - 1], b = points[i];
-        if (!clip(a, b, x_ - 8.0, y_ - 8.0, x_ + width_ + 8.0, y_ + height_ + 8.0)) continue;
+        if (!clip(a, b, {x_ - 8.0, y_ - 8.0}, {x_ + width_ + 8.0, y_ + height_ + 8.0})) continue;
         if (dashes.empty()) {
             segment(a, b, thickness);
             continue;

@@ -22,10 +22,11 @@ std::vector<std::size_t> culprits_by_count(const std::vector<std::uint64_t>& cou
 std::vector<Column> CulpritTable::columns(std::vector<Column> before) {
     before.push_back({"form", "string", "", "form under test"});
     before.push_back({"format", "string", "", "format it computes in"});
-    before.push_back({"operation", "string", "",
-                      "what the form computes there; one axis stands for all, one round of a loop for every round"});
     before.push_back(
-        {"culprit_rays", "integer", "", "rays whose culprit it is: agreed hits, false hits and false misses"});
+        {"operation", "string", "",
+         "what the form computes there; one axis stands for all three, and one round of a loop for every round"});
+    before.push_back(
+        {"culprit_rays", "integer", "", "rays whose culprit it is: correct hits, false hits and false misses"});
     before.push_back({"culprit_fraction", "number", "1", "their share of the rays that have a culprit"});
     return before;
 }

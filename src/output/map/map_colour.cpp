@@ -14,7 +14,7 @@ using measure::answer::Outcome;
 
 namespace {
 
-/// A hit on which both agree and for which the metric does not exist (a form with no exact value there).
+/// A correct hit for which the metric does not exist (a form with no exact value there).
 constexpr Rgb8 no_value{120, 90, 60};
 
 }  // namespace
@@ -34,6 +34,7 @@ Rgb8 paler(Rgb8 c) {
 
 std::string plain_name(Outcome o) {
     std::string name(measure::answer::outcome_names[static_cast<std::size_t>(o)]);
+    if (name.starts_with("agree_")) name.replace(0, 5, "correct");
     std::ranges::replace(name, '_', ' ');
     return name;
 }

@@ -2,15 +2,17 @@
 
 #include <bit>
 #include <cmath>
-#include <limits>
+
+#include "measure/truth/missing.hpp"
+
+#include "output/image/exr_parts.hpp"
 
 namespace lostbits::output::map {
 
 using image::ExrSpec;
+using measure::truth::missing;
 
 namespace {
-
-constexpr double missing = std::numeric_limits<double>::quiet_NaN();
 
 ExrSpec spec_of(const measure::map::MapRequest& request, const measure::map::MapRow& row, const std::string& command) {
     using enum image::Channel::Type;
@@ -37,7 +39,7 @@ ExrSpec spec_of(const measure::map::MapRequest& request, const measure::map::Map
         {"lostbits:scene", request.scene->id},
         {"lostbits:form", std::string(row.form->info->name)},
         {"lostbits:format", row.format.name},
-        {"lostbits:compiler", LOSTBITS_COMPILER},
+        image::compiler_attribute(),
         {"lostbits:outcomes", outcomes},
         {"lostbits:objects", "0 none, otherwise the solid's place in the scene, from 1"},
     };
@@ -51,21 +53,17 @@ ExrSpec spec_of(const measure::map::MapRequest& request, const measure::map::Map
     return spec;
 }
 
-std::uint32_t bits(double x) { return std::bit_cast<std::uint32_t>(static_cast<float>(x)); }
-
 /// hi, lo, word1, word0 of one number.
 std::uint32_t* put(std::uint32_t* out, double x) {
     const auto hi = static_cast<float>(x);
     const double lo = std::isfinite(hi) ? x - static_cast<double>(hi) : 0.0;
     const auto word = std::bit_cast<std::uint64_t>(x);
     *out++ = std::bit_cast<std::uint32_t>(hi);
-    *out++ = bits(lo);
+    *out++ = image::float_word(lo);
     *out++ = static_cast<std::uint32_t>(word >> 32);
     *out++ = static_cast<std::uint32_t>(word);
     return out;
 }
-
-float linear(std::uint8_t srgb) { return static_cast<float>(image::linear_light(srgb)) / 65535.0F; }
 
 }  // namespace
 
@@ -83,8 +81,7 @@ void MapExr::write(const measure::map::BandResult& result, std::span<const image
     std::uint32_t* out = samples_.data();
     const auto id = [](int object) { return static_cast<std::uint32_t>(object + 1); };
     for (std::size_t i = 0; i < n; ++i) {
-        for (const std::uint8_t c : {preview[i].r, preview[i].g, preview[i].b})
-            *out++ = std::bit_cast<std::uint32_t>(linear(c));
+        for (const std::uint32_t word : image::preview_words(preview[i])) *out++ = word;
         const bool hit = result.answers->hit[i] != 0;
         out = put(out, hit ? result.answers->t[i] : missing);
         const measure::truth::Truth& truth = result.truth(i);
@@ -94,7 +91,7 @@ void MapExr::write(const measure::map::BandResult& result, std::span<const image
         *out++ = static_cast<std::uint32_t>(result.outcomes[i]);
         *out++ = id(hit ? result.answers->object[i] : -1);
         *out++ = id(truth.is_hit() ? truth.object : -1);
-        for (const auto& metric : result.metrics) *out++ = bits(metric[i]);
+        for (const auto& metric : result.metrics) *out++ = image::float_word(metric[i]);
     }
     writer_->write_rows(result.y0, result.rows, std::as_bytes(std::span(samples_)));
 }

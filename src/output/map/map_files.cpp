@@ -11,6 +11,7 @@
 #include "output/map/map_exr.hpp"
 #include "output/map/map_tables.hpp"
 #include "output/map/metric_paint.hpp"
+#include "output/map/row_names.hpp"
 
 namespace lostbits::output::map {
 
@@ -28,8 +29,6 @@ std::size_t index_of(const std::vector<const Metric*>& all, const Metric* one) {
     return static_cast<std::size_t>(std::ranges::find(all, one) - all.begin());
 }
 
-std::string short_name(const intersect::Info& info) { return std::string(info.name.substr(info.name.find('.') + 1)); }
-
 /// `contribution.c`: a metric's name where no colon may be.
 std::string file_word(const Metric& metric) {
     std::string word(metric.name);
@@ -42,7 +41,7 @@ bool is_enveloped(const MapFilesOptions& options, const Metric& drawn) {
 }
 
 LegendEntry envelope_entry(const image::ColourScale& scale, std::string count) {
-    return {"paler: inside the envelope", paler(scale.map(scale.hi() / 2)), std::move(count)};
+    return {paler_means, paler(scale.map(scale.hi() / 2)), std::move(count)};
 }
 
 /// Every class that may occur, with the widest count, in a picture of so many pixels.
@@ -62,10 +61,6 @@ std::vector<LegendEntry> final_legend(const MetricPaint& paint, const MapSummary
     return entries;
 }
 
-std::uint64_t pixels_of(const MapRequest& request) {
-    return static_cast<std::uint64_t>(request.scene->width) * static_cast<std::uint64_t>(request.scene->height);
-}
-
 /// A contact sheet: forms across; down, each format with each of the metrics that share a bar.
 struct Sheet {
     MetricPaint paint;  ///< of all its metrics
@@ -83,15 +78,12 @@ struct Sheet {
     static std::size_t place(const std::vector<std::string>& names, const std::string& name) {
         return static_cast<std::size_t>(std::ranges::find(names, name) - names.begin());
     }
-    static void add(std::vector<std::string>& names, const std::string& name) {
-        if (std::ranges::find(names, name) == names.end()) names.push_back(name);
-    }
 
     void open(const MapRequest& request, const MapFilesOptions& options, bool first) {
         for (const MapRow& row : request.rows) {
             if (!paint.applies_to(row)) continue;
-            add(forms, short_name(*row.form->info));
-            for (const Metric* m : metrics) add(lines, line_name(row, *m));
+            static_cast<void>(find_or_add(forms, short_name(*row.form->info)));
+            for (const Metric* m : metrics) static_cast<void>(find_or_add(lines, line_name(row, *m)));
         }
         const std::string name = first ? "contact.png" : fmt::format("contact.{}.png", file_word(*metrics.front()));
         page = std::make_unique<image::ContactSheet>(
@@ -106,7 +98,7 @@ struct Sheet {
                              .field_height = request.scene->height,
                              .scale = paint.scale(),
                              .unit = std::string(paint.metric().unit),
-                             .legend = possible_legend(options, paint, pixels_of(request) * request.rows.size())});
+                             .legend = possible_legend(options, paint, request.scene->pixels() * request.rows.size())});
     }
 };
 
@@ -141,7 +133,7 @@ public:
           row_(row),
           lost_(index_of(request.metrics, measure::metric::find_metric("lost_bits"))),
           excess_(index_of(request.metrics, measure::metric::find_metric("excess_bits"))) {
-        const std::string stem = std::string(row.form->info->name) + "." + row.format.name;
+        const std::string stem = row_name(row);
         exr_ = std::make_unique<MapExr>(backend, options.folder / (stem + ".exr"), request, row, options.command);
         for (const Metric* m : options.drawn) {
             Sheet& sheet = *std::ranges::find_if(
@@ -156,7 +148,7 @@ public:
                 .height = request.scene->height,
                 .scale = paint.scale(),
                 .unit = std::string(m->unit),
-                .legend = possible_legend(options, paint, pixels_of(request))};
+                .legend = possible_legend(options, paint, request.scene->pixels())};
             drawings_.push_back({index_of(request.metrics, m), paint, &sheet, is_enveloped(options, *m),
                                  std::make_unique<image::HeatmapWriter>(
                                      backend, options.folder / (stem + suffix + ".png"), std::move(spec))});
@@ -222,14 +214,14 @@ struct MapFiles::Parts {
     const MapRequest& request;
     MapFilesOptions options;
     SummaryTable table;
-    std::vector<Sheet> sheets;
-    std::vector<std::unique_ptr<RowFiles>> rows;
-    std::unique_ptr<CsvWriter> summary;
-    std::optional<CulpritTable> culprits;
+    std::vector<Sheet> sheets = {};
+    std::vector<std::unique_ptr<RowFiles>> rows = {};
+    std::unique_ptr<CsvWriter> summary = {};
+    std::optional<CulpritTable> culprits = {};
 };
 
 MapFiles::MapFiles(const MapRequest& request, const MapFilesOptions& options)
-    : parts_(new Parts{request, options, {request.metrics, request.scene->shapes()}, {}, {}, {}, {}}) {
+    : parts_(new Parts{.request = request, .options = options, .table = {request.metrics, request.scene->shapes()}}) {
     Parts& p = *parts_;
     p.summary = std::make_unique<CsvWriter>(options.folder / "summary.csv", p.table.columns());
     if (CulpritTable::is_wanted(request.metrics))
@@ -279,7 +271,7 @@ void MapFiles::finish(const std::vector<MapSummary>& summaries) {
             {"culprits.csv", "One row per form, format and operation that is a culprit", CulpritTable::columns({})});
     if (p.options.pixels_csv) {
         for (const MapRow& row : p.request.rows) {
-            const std::string stem = std::string(row.form->info->name) + "." + row.format.name;
+            const std::string stem = row_name(row);
             resources.push_back({stem + ".csv",
                                  fmt::format("One row per pixel: {} in {}", row.form->info->name, row.format.name),
                                  pixel_columns(p.request)});

@@ -15,7 +15,7 @@ struct MapFilesOptions {
     std::filesystem::path folder;  ///< of this scene; made if missing
     std::vector<const measure::metric::Metric*>
         drawn;                ///< one heatmap each; the first is also the contact sheet's and the preview's
-    bool pixels_csv = false;  ///< a row a pixel in `<form>.<format>.csv`
+    bool pixels_csv = false;  ///< a row per pixel in `<form>.<format>.csv`
     std::string command;      ///< what to type to make these files again, for the EXR header
     /// Draws lost bits paler where the problem explains them (`inside_envelope`); `excess_bits` must be measured then.
     bool envelope = false;

@@ -4,21 +4,23 @@
 #include <filesystem>
 #include <vector>
 
-#include "measure/map/map.hpp"
+#include "measure/map/summary_columns.hpp"
 #include "output/file/csv.hpp"
 
 namespace lostbits::output::map {
 
-/// Counts and fractions, then mean, p50, p99 and max of |metric| (or the counts of its categories), then the worst ray
-/// by |ulp_error| with every number it takes to evaluate it again, in hex. Empty where there is no sample. `shapes` are
-/// those of the solids, each once: they name the columns of the worst ray's solid.
-struct SummaryTable {
-    std::vector<const measure::metric::Metric*> metrics;
-    std::vector<Shape> shapes;
+/// What is known of a row of the map, as the columns of `measure::map::summary_columns` and `worst_columns`. Empty
+/// where there is no sample.
+class SummaryTable {
+public:
+    SummaryTable(const std::vector<const measure::metric::Metric*>& metrics, const std::vector<Shape>& shapes);
 
     [[nodiscard]] std::vector<file::Column> columns() const;
     /// The cells of one row, from `form` on; the caller ends the row.
     void add(file::CsvWriter& csv, const measure::map::MapRow& row, const measure::map::MapSummary& summary) const;
+
+private:
+    std::vector<measure::map::SummaryColumn> columns_;
 };
 
 std::vector<file::Column> pixel_columns(const measure::map::MapRequest& request);

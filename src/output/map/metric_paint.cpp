@@ -128,7 +128,7 @@ std::vector<LegendEntry> MetricPaint::culprit_legend(const MapSummary& summary, 
                            count_text(counts.front(), summary.rays)});
     if (rest > 0)
         entries.push_back(
-            {"other operations, colours of their own", image::style::page, count_text(rest, summary.rays)});
+            {"other operations, each in its own colour", image::style::page, count_text(rest, summary.rays)});
     for (std::size_t o = 0; o < summary.outcomes.size(); ++o) {
         const auto outcome = static_cast<Outcome>(o);
         if (summary.outcomes[o] == 0 || outcome == Outcome::agree_hit || outcome == Outcome::false_hit ||
@@ -166,8 +166,8 @@ std::string MetricPaint::glance(const MapSummary& s, std::size_t m) const {
     if (metric_->over == Over::marches)
         return fmt::format("median {}\nlargest {}", short_number(d.quantile(0.5)), short_number(d.quantile(1)));
     const auto faults = faults_of(s);
-    if (s.count(Outcome::agree_hit) == 0 && faults.empty()) return "nothing hit";
-    std::string text = "no hit agreed on";
+    if (s.count(Outcome::agree_hit) == 0 && faults.empty()) return "no hits";
+    std::string text = "no correct hit";
     if (s.count(Outcome::agree_hit) > 0) {
         if (metric_->name == "lost_bits") text = fmt::format("p99 {:.1f} bits lost", d.quantile(0.99));
         else

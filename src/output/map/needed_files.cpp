@@ -2,10 +2,11 @@
 
 #include <fmt/format.h>
 
-#include <bit>
 #include <cmath>
 
+#include "measure/metric/statistics.hpp"
 #include "output/file/csv.hpp"
+#include "output/image/exr_parts.hpp"
 #include "output/image/heatmap.hpp"
 #include "output/map/map_colour.hpp"
 
@@ -21,6 +22,9 @@ using measure::map::NeededBand;
 using measure::map::NeededRequest;
 using measure::map::NeededSink;
 using measure::map::NeededSummary;
+using measure::map::WidthCounts;
+using measure::metric::Statistic;
+using measure::metric::statistics;
 
 namespace {
 
@@ -31,15 +35,14 @@ constexpr const char* truth_names[] = {"miss", "hit", "unresolved"};
 std::string stem(const Info& form) { return std::string(form.name) + ".needed"; }
 
 LegendEntry beyond_entry(std::string count) {
-    return {fmt::format("not even {} bits suffice", measure::map::most_width), beyond_colour, std::move(count)};
+    return {fmt::format("not even {} bits are enough", measure::map::most_width), beyond_colour, std::move(count)};
 }
 LegendEntry unresolved_entry(std::string count) {
     return {plain_name(measure::answer::Outcome::unresolved), unresolved_colour, std::move(count)};
 }
 
 image::HeatmapSpec heatmap_spec(const NeededRequest& request, const Info& form, const image::ColourScale& scale) {
-    const auto widest = fmt::format("{} (>99.9%)", static_cast<std::uint64_t>(request.scene->width) *
-                                                       static_cast<std::uint64_t>(request.scene->height));
+    const auto widest = fmt::format("{} (>99.9%)", request.scene->pixels());
     return {.title = fmt::format("{}: significand bits needed for {} correct {}", form.name, request.bits,
                                  request.bits == 1 ? "one" : "ones"),
             .subtitle = {request.scene->title, std::string(form.title),
@@ -71,38 +74,27 @@ image::ExrSpec exr_spec(const NeededRequest& request, const Info& form, const st
                 {"lostbits:form", std::string(form.name)},
                 {"lostbits:format", fmt::format("p{}..p{}", measure::map::least_width, measure::map::most_width)},
                 {"lostbits:bits", std::to_string(request.bits)},
-                {"lostbits:compiler", LOSTBITS_COMPILER},
+                image::compiler_attribute(),
                 {"lostbits:truths", "0 miss, 1 hit, 2 unresolved"},
                 {"lostbits:objects", "0 none, otherwise the solid's place in the scene, from 1"}}};
 }
-
-struct Statistic {
-    const char* name;
-    const char* meaning;
-    double (*of)(const NeededSummary::Counts&);
-};
-constexpr Statistic statistics[] = {
-    {"mean", "mean", measure::map::mean},
-    {"p50", "median", [](const NeededSummary::Counts& c) { return measure::map::quantile(c, 0.5); }},
-    {"p99", "99th percentile", [](const NeededSummary::Counts& c) { return measure::map::quantile(c, 0.99); }},
-    {"max", "largest", [](const NeededSummary::Counts& c) { return measure::map::quantile(c, 1); }},
-};
 
 std::vector<Column> table_columns() {
     std::vector<Column> columns{
         {"form", "string", "", "form under test"},
         {"bits_asked", "integer", "bits", "B: the answer is to be within half an ulp of B significand bits"},
-        {"pixels", "integer", "", "rays, one a pixel"}};
+        {"pixels", "integer", "", "rays, one per pixel"}};
     for (const Statistic& s : statistics) {
-        columns.push_back({std::string("needed_") + s.name, "number", "bits",
+        columns.push_back({"needed_" + std::string(s.name), "number", "bits",
                            std::string(s.meaning) + " of the widths needed, over the pixels that have one"});
     }
     for (const Statistic& s : statistics) {
-        columns.push_back({std::string("hit_needed_") + s.name, "number", "bits",
+        columns.push_back({"hit_needed_" + std::string(s.name), "number", "bits",
                            std::string(s.meaning) + " of the same over the rays that truly hit"});
     }
-    columns.push_back({"hits_beyond_53", "integer", "", "rays that truly hit and on which not even 53 bits suffice"});
-    columns.push_back({"misses_beyond_53", "integer", "", "rays that truly miss and that even 53 bits hit"});
+    columns.push_back(
+        {"hits_beyond_53", "integer", "", "rays that truly hit and for which not even 53 bits are enough"});
+    columns.push_back({"misses_beyond_53", "integer", "", "rays that truly miss and that are hit even with 53 bits"});
     columns.push_back({"unresolved", "integer", "", "rays whose truth was not proved within the stated limit"});
     return columns;
 }
@@ -115,21 +107,19 @@ std::vector<Column> pixel_columns(int bits) {
         {"truth_object", "integer", "", "solid that the ray truly hits first, from 0"},
         {"needed", "number", "bits",
          fmt::format(
-             "smallest width that suffices for {} correct bits, as every wider one does; inf where not even 53 bits do",
+             "smallest width that is enough for {} correct bits, as every wider one is; inf where not even 53 bits are",
              bits)}};
 }
 
 void add_row(CsvWriter& csv, const NeededRequest& request, const Info& form, const NeededSummary& s) {
     csv.add(form.name).add(request.bits).add(s.pixels());
-    for (const NeededSummary::Counts& counts : {s.all(), s.hits}) {
+    for (const WidthCounts& counts : {s.all(), s.hits}) {
         for (const Statistic& statistic : statistics)
-            csv.add(measure::map::count(counts) == 0 ? Cell() : Cell(statistic.of(counts)));
+            csv.add(counts.count() == 0 ? Cell() : Cell(statistic.of(counts)));
     }
     csv.add(s.hits_beyond).add(s.misses_beyond).add(s.unresolved);
     csv.end_row();
 }
-
-std::uint32_t float_word(double x) { return std::bit_cast<std::uint32_t>(static_cast<float>(x)); }
 
 }  // namespace
 
@@ -171,10 +161,9 @@ private:
     void write_exr(const NeededBand& result) {
         samples_.clear();
         for (std::size_t i = 0; i < field_.size(); ++i) {
-            for (const std::uint8_t c : {field_[i].r, field_[i].g, field_[i].b})
-                samples_.push_back(float_word(image::linear_light(c) / 65535.0));
+            for (const std::uint32_t word : image::preview_words(field_[i])) samples_.push_back(word);
             const measure::truth::Truth& truth = result.truth(i);
-            samples_.push_back(float_word(result.needed[i]));
+            samples_.push_back(image::float_word(result.needed[i]));
             samples_.push_back(static_cast<std::uint32_t>(truth.decision));
             samples_.push_back(truth.is_hit() ? static_cast<std::uint32_t>(truth.object + 1) : 0);
         }

@@ -18,14 +18,14 @@ inline constexpr image::Rgb8 beyond_colour{120, 30, 0};
 
 struct NeededFilesOptions {
     std::filesystem::path folder;  ///< of this scene; made if missing
-    bool pixels_csv = false;       ///< a row a pixel in `<form>.needed.csv`
+    bool pixels_csv = false;       ///< a row per pixel in `<form>.needed.csv`
     std::string command;           ///< what to type to make these files again, for the EXR header
 };
 
 /// `<form>.needed.png`: the width on viridis from 2 to 53. `<form>.needed.exr`, channels of 32 bits: `R`, `G`, `B` (the
 /// picture in linear light), `bits.needed` (FLOAT: 2 to 53, infinity where not even 53 suffice, NaN where the truth is
 /// unresolved), `class.truth` (UINT: 0 miss, 1 hit, 2 unresolved) and `class.truth_object` (UINT: from 1, 0 is none).
-/// `needed.csv`: a row a form. Opened, served and finished as MapFiles; finish it before the map of the same folder,
+/// `needed.csv`: a row per form. Opened, served and finished as MapFiles; finish it before the map of the same folder,
 /// whose summary.csv says that all is there.
 class NeededFiles {
 public:

@@ -18,7 +18,7 @@ public:
     SceneSheet(const SceneSheet&) = delete;
     SceneSheet& operator=(const SceneSheet&) = delete;
 
-    /// One a row of the request, in its order.
+    /// One per row of the request, in its order.
     [[nodiscard]] std::vector<measure::map::MapSink*> sinks();
     void finish(const std::vector<measure::map::MapSummary>& summaries);
 

@@ -81,8 +81,7 @@ std::optional<Place> place_in_sweep(const Claim& c, const Report& report) {
     const std::string column = c.onset == "lost_bits" ? "lost_bits_" + c.statistic
                                : c.onset.empty()      ? c.metric
                                                       : c.onset + "_fraction";
-    if (std::ranges::any_of(sweep_statistics(), [&](const Statistic& s) { return s.name == column; }))
-        view += "&statistic=" + column;
+    if (std::ranges::find(sweep_statistics, column) != sweep_statistics.end()) view += "&statistic=" + column;
     return Place{"sweep-" + id, view + cell_of(c, *part)};
 }
 
@@ -105,7 +104,7 @@ std::string measured_on(const Claim& c, const ClaimResult& r, const Report& repo
         fmt::format("<a class=\"jump\" href=\"#{}\"{}>{}</a>", html(place->anchor),
                     place->view.empty() ? "" : fmt::format(" data-view=\"{}\"", html(place->view)), text);
     return place->drawn ? link + row
-                        : fmt::format("{}{}<br><small>its picture: <code>{}</code></small>", link, row,
+                        : fmt::format("{}{}<br><small>to draw its picture: <code>{}</code></small>", link, row,
                                       html(claim::reproduce(c)));
 }
 
@@ -116,7 +115,10 @@ Word word_of(const Claim& c, const ClaimResult& r) {
     switch (r.state) {
         case State::agrees:
             return c.verdict == Claim::Verdict::holds ? Word{"holds", "holds"} : Word{"refuted", "refuted"};
-        case State::disagrees: return {"no longer measures as stated", "differs"};
+        case State::disagrees:
+            return {c.verdict == Claim::Verdict::holds ? "expected to hold, does not"
+                                                       : "refuted, but the number has changed",
+                    "differs"};
         case State::broken: return {"could not be measured", "differs"};
         case State::skipped: break;
     }
@@ -150,9 +152,9 @@ VerdictCounts count_verdicts(const Report& report) {
 
 std::string verdict_tiles(const VerdictCounts& n) {
     std::string text = "<ul class=\"tiles\" id=\"verdicts\">";
-    if (n.differing) text += tile(n.differing, "no longer measure as stated", "differs");
+    if (n.differing) text += tile(n.differing, "failed", "differs");
     if (n.broken) text += tile(n.broken, "could not be measured", "differs");
-    text += tile(n.held, "hold", "holds") + tile(n.refuted, "are refuted", "refuted");
+    text += tile(n.held, "hold", "holds") + tile(n.refuted, "refuted", "refuted");
     if (n.skipped) text += tile(n.skipped, "skipped on this machine", "skipped");
     return text + "</ul>\n";
 }

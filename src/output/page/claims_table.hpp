@@ -14,7 +14,7 @@ struct VerdictCounts {
 
 /// The counts as tiles, the gravest first to be seen.
 [[nodiscard]] std::string verdict_tiles(const VerdictCounts& counts);
-/// A row a claim; where the page shows what it was measured on, its place is a link to it.
+/// A row per claim; where the page shows what it was measured on, its place is a link to it.
 [[nodiscard]] std::string claims_table(const Report& report);
 
 }  // namespace lostbits::output::page

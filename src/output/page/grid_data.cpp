@@ -1,11 +1,7 @@
 #include "output/page/grid_data.hpp"
 
-#include <fmt/format.h>
-#include <fmt/ranges.h>
-
 #include "output/map/map_colour.hpp"
 #include "output/page/sweep_data.hpp"
-#include "output/page/text.hpp"
 #include "output/sweep/case_files.hpp"
 #include "output/sweep/sweep_planes.hpp"
 
@@ -15,69 +11,65 @@ using measure::map::MapSummary;
 
 namespace {
 
-std::string rgb(const image::Rgb8& c) { return fmt::format("[{},{},{}]", c.r, c.g, c.b); }
-
 /// What all grids need to be painted as the PNGs are: the scale of lost bits, and the paper that paler colours are
 /// mixed with.
-std::string paint_fields(const std::vector<measure::map::MapRow>& rows) {
-    const image::ColourScale scale =
-        map::metric_scale(*measure::metric::find_metric("lost_bits"), rows, image::image_backend());
-    std::vector<std::string> ticks, names;
-    for (const auto& tick : scale.ticks(7))
-        ticks.push_back(fmt::format("[{},{}]", number(tick.position), json_text(tick.label)));
-    for (const Statistic& s : sweep_statistics()) names.push_back(json_text(s.name));
-    return fmt::format(R"("scale":{{"lo":{},"hi":{},"log2":{},"ticks":[{}]}},"paper":{},"statistics":[{}])",
-                       number(scale.lo()), number(scale.hi()), scale.is_log2(), fmt::join(ticks, ","),
-                       rgb(image::style::page), fmt::join(names, ","));
+void add_paint(Json& json, const std::vector<measure::map::MapRow>& rows) {
+    json["scale"] =
+        scale_json(map::metric_scale(*measure::metric::find_metric("lost_bits"), rows, image::image_backend()));
+    json["paper"] = colour_json(image::style::page);
+    json["paler_means"] = map::paler_means;
+    json["statistics"] = sweep_statistics;
 }
 
-std::string axis_json(const scene::sweep::Axis& axis, const std::vector<double>& values) {
-    std::vector<std::string> all;
-    for (const double v : values) all.push_back(number(v));
-    return fmt::format(R"({{"name":{},"unit":{},"values":[{}]}})", json_text(axis.name), json_text(axis.unit),
-                       fmt::join(all, ","));
+Json axis_json(const scene::sweep::Axis& axis, const std::vector<double>& values) {
+    return {{"name", axis.name}, {"unit", axis.unit}, {"values", array_of(values, number_json)}};
 }
 
 }  // namespace
 
-std::string plane_json(const measure::sweep::SweepRequest& request,
-                       const std::vector<measure::sweep::SweepStep>& steps) {
+Json plane_json(const measure::sweep::SweepRequest& request, const std::vector<measure::sweep::SweepStep>& steps) {
     const sweep::Plane plane(request, steps);
     const std::size_t columns = plane.x.size();
-    std::vector<std::string> rows;
+    const auto& axes = request.sweep->axes;
+    Json json{{"id", request.sweep->id},
+              {"title", request.sweep->title},
+              {"kind", "plane"},
+              {"axes", Json::array({axis_json(axes[0], plane.x), axis_json(axes[1], plane.y)})}};
+    add_paint(json, request.rows);
+    Json& rows = json["rows"] = Json::array();
     for (std::size_t r = 0; r < request.rows.size(); ++r) {
         const auto at = [&](std::size_t cell) -> const MapSummary& {
             return plane.at(r, cell % columns, cell / columns);
         };
-        rows.push_back(
-            fmt::format("{{{}}}", row_fields(request.rows[r], request.metrics, columns * plane.y.size(), at)));
+        rows.push_back(row_json(request.rows[r], request.metrics, columns * plane.y.size(), at));
     }
-    const auto& axes = request.sweep->axes;
-    return fmt::format(R"({{"id":{},"title":{},"kind":"plane","axes":[{},{}],{},"rows":[{}]}})",
-                       json_text(request.sweep->id), json_text(request.sweep->title), axis_json(axes[0], plane.x),
-                       axis_json(axes[1], plane.y), paint_fields(request.rows), fmt::join(rows, ","));
+    return json;
 }
 
-std::string case_json(const measure::sweep::CaseRequest& request, const std::vector<std::vector<MapSummary>>& cases) {
+Json case_json(const measure::sweep::CaseRequest& request, const std::vector<std::vector<MapSummary>>& cases) {
     const scene::sweep::CaseFile& file = *request.file;
-    std::vector<std::string> names, conventions, rows;
-    for (std::size_t i = 0; i < file.size(); ++i)
-        names.push_back(fmt::format("[{},{}]", json_text(file.name(i)), json_text(file.note_of(i))));
-    for (const auto& judged : file.conventions) conventions.push_back(json_text(intersect::convention_name(judged)));
+    Json names = Json::array();
+    for (std::size_t i = 0; i < file.size(); ++i) names.push_back(Json::array({file.name(i), file.note_of(i)}));
+    Json json{{"id", file.id},
+              {"title", file.title},
+              {"kind", "cases"},
+              {"cases", names},
+              {"right_means", sweep::right_means(file)},
+              {"right", colour_json(sweep::case_right_colour)},
+              {"conventions", array_of(file.conventions, intersect::convention_name)}};
+    add_paint(json, request.rows);
+    Json& rows = json["rows"] = Json::array();
     for (std::size_t r = 0; r < request.rows.size(); ++r) {
-        std::vector<std::string> verdicts;
-        for (const auto& each : cases)
-            verdicts.push_back(json_text(measure::sweep::verdict_names[static_cast<std::size_t>(
-                measure::sweep::verdict_of(each[r], request.metrics, file.right_within_bits))]));
         const auto at = [&](std::size_t cell) -> const MapSummary& { return cases[cell][r]; };
-        rows.push_back(fmt::format(
-            R"({{{},"judged":{},"verdicts":[{}]}})", row_fields(request.rows[r], request.metrics, cases.size(), at),
-            json_text(intersect::convention_name(request.rows[r].judged)), fmt::join(verdicts, ",")));
+        Json row = row_json(request.rows[r], request.metrics, cases.size(), at);
+        row["judged"] = intersect::convention_name(request.rows[r].judged);
+        row["verdicts"] = array_of(cases, [&](const std::vector<MapSummary>& each) {
+            return measure::sweep::verdict_names[static_cast<std::size_t>(
+                measure::sweep::verdict_of(each[r], request.metrics, file.right_within_bits))];
+        });
+        rows.push_back(std::move(row));
     }
-    return fmt::format(
-        R"({{"id":{},"title":{},"kind":"cases","cases":[{}],"within":{},"right":{},"conventions":[{}],{},"rows":[{}]}})",
-        json_text(file.id), json_text(file.title), fmt::join(names, ","), number(file.right_within_bits),
-        rgb(sweep::case_right_colour), fmt::join(conventions, ","), paint_fields(request.rows), fmt::join(rows, ","));
+    return json;
 }
 
 }  // namespace lostbits::output::page

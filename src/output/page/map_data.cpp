@@ -1,15 +1,15 @@
 #include "output/page/map_data.hpp"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <set>
 
-#include "output/file/number_text.hpp"
+#include "output/image/exr_parts.hpp"
 #include "output/map/metric_paint.hpp"
+#include "output/map/row_names.hpp"
 #include "output/page/tapes.hpp"
 #include "output/page/text.hpp"
 
@@ -41,8 +41,6 @@ std::int16_t bound_exponent(const measure::truth::Certified& x) {
     const double m = std::frexp(x.bound, &e);  // bound = m 2^e, 1/2 <= m < 1
     return static_cast<std::int16_t>(std::clamp<std::int64_t>(x.exponent + e - (m == 0.5), -32767, 32767));
 }
-
-std::uint64_t bits32(double x) { return std::bit_cast<std::uint32_t>(static_cast<float>(x)); }
 
 }  // namespace
 
@@ -142,7 +140,7 @@ private:
                                 ? result.band->rounded_truth(i, binary64, row_.form->info->direction, result.touching)
                                 : 0;
         switch (row_.format.engine) {
-            case Format::Engine::native32: return folded_difference(bits32(t), bits32(near), 4);
+            case Format::Engine::native32: return folded_difference(image::float_word(t), image::float_word(near), 4);
             case Format::Engine::native64:
                 return folded_difference(std::bit_cast<std::uint64_t>(t), std::bit_cast<std::uint64_t>(near), 8);
             case Format::Engine::rounded: break;
@@ -164,8 +162,7 @@ private:
 };
 
 MapData::MapData(const MapRequest& request) : request_(request) {
-    const std::size_t n =
-        static_cast<std::size_t>(request.scene->width) * static_cast<std::size_t>(request.scene->height);
+    const std::size_t n = request.scene->pixels();
     for (const MapRow& row : request.rows) {
         const auto found = std::ranges::find_if(groups_, [&row](const auto& g) { return g->is_of(row); });
         const auto g = static_cast<std::size_t>(found - groups_.begin());
@@ -185,70 +182,86 @@ std::vector<MapSink*> MapData::sinks() {
 
 namespace {
 
-std::string metric_json(const Metric& m, std::span<const MapRow> rows) {
+Json metric_json(const Metric& m, std::span<const MapRow> rows) {
     const map::MetricPaint paint(m, rows, image::image_backend());
-    std::string text = fmt::format(R"({{"name":{},"unit":{},"meaning":{},"marches":{},"blamed":{},"kind":"{}")",
-                                   json_text(m.name), json_text(m.unit), json_text(m.meaning),
-                                   m.over == measure::metric::Over::marches, m.over == measure::metric::Over::blamed,
-                                   is_derived(m)     ? "derived"
-                                   : is_condition(m) ? "shared"
-                                                     : "stored");
-    if (const auto& scale = paint.scale()) {
-        std::vector<std::string> ticks;
-        for (const auto& tick : scale->ticks(7))
-            ticks.push_back(fmt::format("[{},{}]", number(tick.position), json_text(tick.label)));
-        return text + fmt::format(R"(,"lo":{},"hi":{},"log2":{},"ticks":[{}]}})", number(scale->lo()),
-                                  number(scale->hi()), scale->is_log2(), fmt::join(ticks, ","));
+    Json json{{"name", m.name},
+              {"unit", m.unit},
+              {"meaning", m.meaning},
+              {"marches", m.over == measure::metric::Over::marches},
+              {"blamed", m.over == measure::metric::Over::blamed},
+              {"kind", is_derived(m)     ? "derived"
+                       : is_condition(m) ? "shared"
+                                         : "stored"}};
+    if (paint.scale()) {
+        json.update(scale_json(*paint.scale()));
+        return json;
     }
-    std::vector<std::string> categories;
+    Json& categories = json["categories"] = Json::array();
     for (std::size_t c = 0; c < m.categories.size(); ++c) {
         const image::Rgb8 colour = paint.colour(measure::answer::Outcome::agree_hit, static_cast<double>(c));
-        categories.push_back(fmt::format("[{},[{},{},{}]]", json_text(m.categories[c]), colour.r, colour.g, colour.b));
+        categories.push_back(Json::array({m.categories[c], colour_json(colour)}));
     }
-    return text + fmt::format(R"(,"categories":[{}]}})", fmt::join(categories, ","));
+    return json;
 }
 
-/// A march is no one tape: how many samples it takes is each ray's own.
+/// A march does not have one tape for all rays: each ray takes its own number of samples.
 bool is_taped(const MapRow& row) { return row.form->shape != Shape::sdf; }
 
-std::string summary_json(const MapRequest& request, const MapRow& row, const measure::map::MapSummary& s,
-                         std::size_t group) {
-    std::vector<std::string> statistics;
+const char* coding_name(const Format& format) {
+    switch (format.engine) {
+        case Format::Engine::native32: return "bits32";
+        case Format::Engine::native64: return "bits64";
+        case Format::Engine::rounded: break;
+    }
+    return "plain64";
+}
+
+Json summary_json(const MapRequest& request, const MapRow& row, const measure::map::MapSummary& s, std::size_t group) {
+    Json statistics = Json::object();
     for (std::size_t m = 0; m < request.metrics.size(); ++m) {
         if (!request.metrics[m]->categories.empty()) continue;
-        const measure::metric::Distribution& d = s.metrics[m];
-        statistics.push_back(fmt::format("{}:[{},{},{}]", json_text(request.metrics[m]->name), number(d.quantile(0.5)),
-                                         number(d.quantile(0.99)), number(d.quantile(1))));
+        statistics[std::string(request.metrics[m]->name)] =
+            array_of(measure::metric::quantiles,
+                     [&](const measure::metric::Statistic& q) { return number_json(q.of(s.metrics[m])); });
     }
-    const std::string worst = s.worst.x < 0 ? "null" : fmt::format(R"({{"x":{},"y":{}}})", s.worst.x, s.worst.y);
     const FloatFormat& f = row.format.shape;
-    return fmt::format(
-        R"({{"form":{},"format":{},"title":{},"precision":{},"emin":{},"emax":{},"taped":{},"coding":"{}","direction":"{}","group":{},"outcomes":[{}],"statistics":{{{}}},"worst":{}}})",
-        json_text(row.form->info->name), json_text(row.format.name), json_text(row.form->info->title), f.precision,
-        f.emin, f.emax, is_taped(row),
-        row.format.engine == Format::Engine::native32   ? "bits32"
-        : row.format.engine == Format::Engine::native64 ? "bits64"
-                                                        : "plain64",
-        row.form->info->direction == Direction::unit ? "unit" : "any", group, fmt::join(s.outcomes, ","),
-        fmt::join(statistics, ","), worst);
+    return {{"form", row.form->info->name},
+            {"format", row.format.name},
+            {"title", row.form->info->title},
+            {"precision", f.precision},
+            {"emin", f.emin},
+            {"emax", f.emax},
+            {"taped", is_taped(row)},
+            {"coding", coding_name(row.format)},
+            {"direction", row.form->info->direction == Direction::unit ? "unit" : "any"},
+            {"group", group},
+            {"outcomes", s.outcomes},
+            {"statistics", std::move(statistics)},
+            {"worst", s.worst.x < 0 ? Json() : Json{{"x", s.worst.x}, {"y", s.worst.y}}}};
 }
 
 }  // namespace
 
-std::string MapData::index(const std::vector<measure::map::MapSummary>& summaries, bool own_size) const {
+Json MapData::index(const std::vector<measure::map::MapSummary>& summaries, bool own_size) const {
     const scene::file::Scene& scene = *request_.scene;
-    std::vector<std::string> metrics, rows;
-    for (const Metric* m : request_.metrics) metrics.push_back(metric_json(*m, request_.rows));
+    Json rows = Json::array();
     for (std::size_t r = 0; r < rows_.size(); ++r)
         rows.push_back(summary_json(request_, request_.rows[r], summaries[r], rows_[r]->group()));
     std::set<int> places{0};
     for (const auto& group : groups_) places.insert(group->places.begin(), group->places.end());
     for (const auto& row : rows_) places.insert(row->places().begin(), row->places().end());
-    return fmt::format(
-        R"({{"id":{},"title":{},"note":{},"inputs":"{}","camera":{},"solids":{},"solid_count":{},"width":{},"height":{},"own_size":{},"metrics":[{}],"rows":[{}]}})",
-        json_text(scene.id), json_text(scene.title), json_text(scene.note),
-        scene.inputs == scene::file::Inputs::own ? "own" : "shared", camera_json(scene), solids_json(scene, places),
-        scene.solid_count(), scene.width, scene.height, own_size, fmt::join(metrics, ","), fmt::join(rows, ","));
+    return {{"id", scene.id},
+            {"title", scene.title},
+            {"note", scene.note},
+            {"inputs", scene.inputs == scene::file::Inputs::own ? "own" : "shared"},
+            {"camera", camera_json(scene)},
+            {"solids", solids_json(scene, places)},
+            {"solid_count", scene.solid_count()},
+            {"width", scene.width},
+            {"height", scene.height},
+            {"own_size", own_size},
+            {"metrics", array_of(request_.metrics, [&](const Metric* m) { return metric_json(*m, request_.rows); })},
+            {"rows", std::move(rows)}};
 }
 
 std::vector<Blob> MapData::blobs() const {
@@ -263,9 +276,9 @@ std::vector<Blob> MapData::blobs() const {
     }
     for (const auto& row : rows_) {
         if (is_taped(row->row()))
-            all.push_back(
-                {fmt::format("tape:{}", row_key(row->row())), pack(tape_json(*row->row().form, row->row().format))});
-        all.push_back({fmt::format("row:{}:{}", request_.scene->id, row_key(row->row())), pack(row->bytes())});
+            all.push_back({fmt::format("tape:{}", map::row_name(row->row())),
+                           pack(text_of(tape_json(*row->row().form, row->row().format)))});
+        all.push_back({fmt::format("row:{}:{}", request_.scene->id, map::row_name(row->row())), pack(row->bytes())});
     }
     return all;
 }

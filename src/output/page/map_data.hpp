@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "measure/map/map.hpp"
+#include "output/page/json.hpp"
 #include "output/page/pack.hpp"
 
 namespace lostbits::output::page {
@@ -31,12 +32,12 @@ public:
     MapData(const MapData&) = delete;
     MapData& operator=(const MapData&) = delete;
 
-    /// One a row of the request, in its order.
+    /// One per row of the request, in its order.
     [[nodiscard]] std::vector<measure::map::MapSink*> sinks();
 
-    /// After the map: everything but pixels, as JSON. `own_size`: no other size was asked for than the scene's, so that
+    /// After the map: everything but pixels. `own_size`: no other size was asked for than the scene's, so that
     /// claims have the same rays.
-    [[nodiscard]] std::string index(const std::vector<measure::map::MapSummary>& summaries, bool own_size) const;
+    [[nodiscard]] Json index(const std::vector<measure::map::MapSummary>& summaries, bool own_size) const;
     /// The pixels, and the tapes of the forms, which other maps may have too.
     [[nodiscard]] std::vector<Blob> blobs() const;
 

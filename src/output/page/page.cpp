@@ -1,14 +1,14 @@
 #include "output/page/page.hpp"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <limits>
 #include <set>
 
-#include "output/file/number_text.hpp"
+#include "measure/map/summary_columns.hpp"
 #include "output/map/map_colour.hpp"
+#include "output/map/row_names.hpp"
 #include "output/page/assets.hpp"
 #include "output/page/claims_table.hpp"
 #include "output/page/text.hpp"
@@ -60,41 +60,38 @@ std::string instead_of_plots(const std::vector<Picture>& pictures) {
     return plot_script.text.empty() ? images(pictures) : without_scripts(pictures);
 }
 
-std::string rgb(const image::Rgb8& c) { return fmt::format("[{},{},{}]", c.r, c.g, c.b); }
-
 /// The colours of the PNGs: the ramp, the outcomes and the hit without a value.
-std::string colours_json() {
+Json colours_json() {
     image::ImageBackend& backend = image::image_backend();
-    std::vector<std::string> ramp, outcomes;
-    for (const image::Rgb8& c : backend.ramp("viridis", 256))
-        ramp.push_back(fmt::format("{:02x}{:02x}{:02x}", c.r, c.g, c.b));
+    std::string ramp;
+    for (const image::Rgb8& c : backend.ramp("viridis", 256)) ramp += fmt::format("{:02x}{:02x}{:02x}", c.r, c.g, c.b);
+    Json outcomes = Json::array();
     for (std::size_t o = 0; o < image::outcome_colours.size(); ++o)
-        outcomes.push_back(
-            fmt::format("[{},{}]", json_text(measure::answer::outcome_names[o]), rgb(image::outcome_colours[o])));
+        outcomes.push_back(Json::array({measure::answer::outcome_names[o], colour_json(image::outcome_colours[o])}));
     const image::ColourScale any("viridis", backend.ramp("viridis", 2), 0, 1);
-    return fmt::format(R"("ramp":"{}","outcomes":[{}],"no_value":{})", fmt::join(ramp, ""), fmt::join(outcomes, ","),
-                       rgb(map::pixel_colour(any, Outcome::agree_hit, std::numeric_limits<double>::quiet_NaN())));
+    return {{"ramp", ramp},
+            {"outcomes", std::move(outcomes)},
+            {"no_value",
+             colour_json(map::pixel_colour(any, Outcome::agree_hit, std::numeric_limits<double>::quiet_NaN()))}};
 }
 
-std::string sweep_index(const SweepPart& s) {
-    std::vector<std::string> rows;
-    for (const auto& key : s.rows) rows.push_back(json_text(key));
-    return fmt::format(R"({{"id":{},"title":{},"kind":"{}","rows":[{}]}})", json_text(s.id), json_text(s.title),
-                       s.kind == SweepPart::Kind::line    ? "line"
-                       : s.kind == SweepPart::Kind::plane ? "plane"
-                                                          : "cases",
-                       fmt::join(rows, ","));
-}
-
-std::string index_json(const Report& report) {
-    std::vector<std::string> maps, sweeps, trades;
-    for (const MapPart& m : report.maps) maps.push_back(m.index);
-    for (const SweepPart& s : report.sweeps) {
-        sweeps.push_back(sweep_index(s));
+const char* kind_name(SweepPart::Kind kind) {
+    switch (kind) {
+        case SweepPart::Kind::line: return "line";
+        case SweepPart::Kind::plane: return "plane";
+        case SweepPart::Kind::cases: break;
     }
-    for (const TradePart& t : report.trades) trades.push_back(t.json);
-    return fmt::format(R"({{{},"maps":[{}],"sweeps":[{}],"trades":[{}]}})", colours_json(), fmt::join(maps, ","),
-                       fmt::join(sweeps, ","), fmt::join(trades, ","));
+    return "cases";
+}
+
+Json index_json(const Report& report) {
+    Json json = colours_json();
+    json["maps"] = array_of(report.maps, [](const MapPart& m) { return m.index; });
+    json["sweeps"] = array_of(report.sweeps, [](const SweepPart& s) {
+        return Json{{"id", s.id}, {"title", s.title}, {"kind", kind_name(s.kind)}, {"rows", s.rows}};
+    });
+    json["trades"] = array_of(report.trades, [](const TradePart& t) { return t.json; });
+    return json;
 }
 
 std::string blob(const std::string& name, const std::string& packed) {
@@ -136,8 +133,8 @@ std::string sweeps_section(const Report& report) {
 std::string trades_section(const Report& report) {
     if (report.trades.empty()) return "";
     std::string text = fmt::format(
-        "<section id=\"trade\"><h2>Speed against accuracy</h2>\n<p>Times are short measurements of the run that made "
-        "this page, on its machine{}: another run has other times.</p>\n<div id=\"trade-view\" hidden></div>\n",
+        "<section id=\"trade\"><h2>Speed against accuracy</h2>\n<p>Times were measured briefly by the run that made "
+        "this page, on its machine{}. Another run measures other times.</p>\n<div id=\"trade-view\" hidden></div>\n",
         report.processor.empty() ? "" : fmt::format(" ({})", html(report.processor)));
     for (const TradePart& t : report.trades) {
         text += fmt::format("<details open class=\"part\"><summary>{}</summary><pre>{}</pre>{}</details>\n",
@@ -157,7 +154,7 @@ std::string counted(std::size_t n, const char* thing) { return fmt::format("{} {
 std::string heading(const Report& report) {
     std::string text = "<header><h1>lostbits report</h1>\n";
     if (!report.claims.empty())
-        text += fmt::format("<p>{} measured:</p>\n", counted(report.claims.size(), "sentence")) +
+        text += fmt::format("<p>{} measured:</p>\n", counted(report.claims.size(), "claim")) +
                 verdict_tiles(count_verdicts(report));
     text += fmt::format("<p>{}, {}. Made by <code>{}</code>.</p>\n<nav>", counted(report.maps.size(), "map"),
                         counted(report.sweeps.size(), "sweep"), html(report.command));
@@ -166,17 +163,17 @@ std::string heading(const Report& report) {
     if (!report.trades.empty()) text += "<a href=\"#trade\">Speed</a> ";
     if (!report.claims.empty()) text += "<a href=\"#claims\">Claims</a>";
     return text +
-           "</nav>\n<noscript><p>Without scripts the page shows tables and contact sheets; with them, every "
-           "pixel.</p></noscript></header>\n";
+           "</nav>\n<noscript><p>Without scripts this page shows tables and contact sheets. With scripts it shows "
+           "every pixel.</p></noscript></header>\n";
 }
 
 }  // namespace
 
 std::string summary_table(const measure::map::MapRequest& request,
                           const std::vector<measure::map::MapSummary>& summaries) {
-    const auto place = [&](const char* name) {
-        return static_cast<std::size_t>(std::ranges::find(request.metrics, measure::metric::find_metric(name)) -
-                                        request.metrics.begin());
+    const auto columns = measure::map::summary_columns(request.metrics);
+    const auto value = [&](std::string_view name, const measure::map::MapSummary& s) {
+        return measure::map::find_column(columns, name)->value(s);
     };
     std::string text =
         "<table><thead><tr><th scope=\"col\">form</th><th scope=\"col\">format</th><th scope=\"col\">false "
@@ -187,14 +184,12 @@ std::string summary_table(const measure::map::MapRequest& request,
     for (std::size_t r = 0; r < summaries.size(); ++r) {
         const measure::map::MapSummary& s = summaries[r];
         const measure::map::MapRow& row = request.rows[r];
-        text += fmt::format("<tr data-row=\"{}\"><th scope=\"row\">{}</th><td>{}</td>", html(row_key(row)),
+        text += fmt::format("<tr data-row=\"{}\"><th scope=\"row\">{}</th><td>{}</td>", html(map::row_name(row)),
                             html(row.form->info->name), row.format.name);
-        for (const Outcome o : {Outcome::false_hit, Outcome::false_miss, Outcome::not_a_number, Outcome::unresolved})
-            text += fmt::format("<td class=\"n\">{}</td>", s.count(o));
-        const measure::metric::Distribution& lost = s.metrics[place("lost_bits")];
-        for (const double q : measure::metric::reported_quantiles)
-            text += fmt::format("<td class=\"n\">{}</td>", shown(lost.quantile(q)));
-        text += fmt::format("<td class=\"n\">{}</td>", shown(s.metrics[place("excess_bits")].quantile(0.99)));
+        for (const char* name : {"false_hit", "false_miss", "not_a_number", "unresolved"})
+            text += fmt::format("<td class=\"n\">{}</td>", static_cast<std::uint64_t>(value(name, s)));
+        for (const char* name : {"lost_bits_p50", "lost_bits_p99", "lost_bits_max", "excess_bits_p99"})
+            text += fmt::format("<td class=\"n\">{}</td>", shown(value(name, s)));
         if (s.worst.x < 0) text += "<td>&ndash;</td></tr>\n";
         else
             text += fmt::format(
@@ -218,7 +213,7 @@ std::string page(const Report& report) {
     if (!plot_style.text.empty()) text += fmt::format("<style>{}</style>\n", plot_style.text);
     text += "</head><body>\n" + heading(report) + "<main>\n" + maps_section(report) + sweeps_section(report) +
             trades_section(report) + claims_section(report) + "</main>\n";
-    text += fmt::format("<script type=\"application/json\" id=\"index\">{}</script>\n", index_json(report));
+    text += fmt::format("<script type=\"application/json\" id=\"index\">{}</script>\n", text_of(index_json(report)));
     std::set<std::string_view> written;  // maps share the tapes of their forms
     for (const MapPart& m : report.maps) {
         for (const Blob& b : m.blobs) {
@@ -226,7 +221,7 @@ std::string page(const Report& report) {
         }
     }
     for (const SweepPart& s : report.sweeps) {
-        text += blob("sweep:" + s.id, pack(s.json));
+        text += blob("sweep:" + s.id, pack(text_of(s.json)));
     }
     if (!plot_script.text.empty())
         text += fmt::format("<!-- The plots are drawn by uPlot:\n{}-->\n<script>{}</script>\n", plot_licence.text,

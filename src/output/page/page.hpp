@@ -18,8 +18,8 @@ struct Picture {
 
 struct MapPart {
     std::string id, title, note, source;
-    std::vector<std::string> rows;  ///< `row_key` of each
-    std::string index;              ///< JSON of `MapData::index`
+    std::vector<std::string> rows;  ///< `map::row_name` of each
+    Json index;                     ///< of `MapData::index`
     std::vector<Blob> blobs;
     std::string table;  ///< HTML, see `summary_table`
     Picture sheet;
@@ -32,16 +32,18 @@ struct SweepPart {
     enum class Kind { line, plane, cases };
     Kind kind = Kind::line;
     std::string id, title, note, source;
-    std::vector<std::string> rows;               ///< `row_key` of each
+    std::vector<std::string> rows;               ///< `map::row_name` of each
     std::vector<std::vector<double>> axes = {};  ///< the values of each as the page numbers them; of cases none
     std::vector<std::string> cases = {};
-    std::string json = {};  ///< of `sweep_json`, `plane_json` or `case_json`
+    Json json = {};  ///< of `sweep_json`, `plane_json` or `case_json`
     std::string table = {};
     std::vector<Picture> pictures = {};  ///< for readers without scripts; of a line for all where uPlot is missing
 };
 
 struct TradePart {
-    std::string shape, json, words;
+    std::string shape;
+    Json json;  ///< of `trade_json`
+    std::string words;
     std::vector<Picture> pictures;
 };
 

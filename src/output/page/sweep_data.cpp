@@ -1,14 +1,14 @@
 #include "output/page/sweep_data.hpp"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
-#include <cmath>
-#include <limits>
 
+#include "measure/map/summary_columns.hpp"
+#include "measure/truth/missing.hpp"
 #include "output/page/text.hpp"
 #include "output/speed/trade_files.hpp"
+#include "output/speed/trade_plot.hpp"
 
 namespace lostbits::output::page {
 
@@ -18,21 +18,6 @@ using measure::sweep::Onset;
 
 namespace {
 
-double quantile(const MapSummary& s, const std::vector<const Metric*>& metrics, const char* name, double q) {
-    const auto at = std::ranges::find(metrics, measure::metric::find_metric(name));
-    return at == metrics.end() ? std::numeric_limits<double>::quiet_NaN()
-                               : s.metrics[static_cast<std::size_t>(at - metrics.begin())].quantile(q);
-}
-
-using Metrics = std::vector<const Metric*>;
-
-template <class Items, class Text>
-std::string list(const Items& items, const Text& text) {
-    std::vector<std::string> all;
-    for (const auto& item : items) all.push_back(text(item));
-    return fmt::format("[{}]", fmt::join(all, ","));
-}
-
 const char* spacing_name(scene::sweep::Axis::Spacing s) {
     using S = scene::sweep::Axis::Spacing;
     return s == S::log2 ? "log2" : s == S::linear ? "linear" : s == S::whole ? "whole" : "every_float";
@@ -40,55 +25,48 @@ const char* spacing_name(scene::sweep::Axis::Spacing s) {
 
 }  // namespace
 
-const std::vector<Statistic>& sweep_statistics() {
-    static const std::vector<Statistic> all{
-        {"lost_bits_p50", [](const MapSummary& s, const Metrics& m) { return quantile(s, m, "lost_bits", 0.5); }},
-        {"lost_bits_p99", [](const MapSummary& s, const Metrics& m) { return quantile(s, m, "lost_bits", 0.99); }},
-        {"lost_bits_max", [](const MapSummary& s, const Metrics& m) { return quantile(s, m, "lost_bits", 1); }},
-        {"excess_bits_p99", [](const MapSummary& s, const Metrics& m) { return quantile(s, m, "excess_bits", 0.99); }},
-        {"inherent_bits_p99",
-         [](const MapSummary& s, const Metrics& m) { return quantile(s, m, "inherent_bits", 0.99); }},
-        {"false_hit_fraction", [](const MapSummary& s, const Metrics&) { return false_hit_fraction(s); }},
-        {"false_miss_fraction", [](const MapSummary& s, const Metrics&) { return false_miss_fraction(s); }},
-    };
-    return all;
-}
-
-std::string row_fields(const measure::map::MapRow& row, const std::vector<const Metric*>& metrics, std::size_t cells,
-                       const std::function<const MapSummary&(std::size_t)>& at) {
-    std::vector<std::string> values, outcomes;
-    for (const Statistic& s : sweep_statistics()) {
-        std::vector<std::string> all;
-        for (std::size_t c = 0; c < cells; ++c) all.push_back(number(s.of(at(c), metrics)));
-        values.push_back(fmt::format("[{}]", fmt::join(all, ",")));
+Json row_json(const measure::map::MapRow& row, const std::vector<const Metric*>& metrics, std::size_t cells,
+              const std::function<const MapSummary&(std::size_t)>& at) {
+    const auto columns = measure::map::summary_columns(metrics);
+    Json values = Json::array(), outcomes = Json::array();
+    for (const std::string_view name : sweep_statistics) {
+        const measure::map::SummaryColumn* const column = measure::map::find_column(columns, name);
+        Json& all = values.emplace_back(Json::array());
+        for (std::size_t c = 0; c < cells; ++c)
+            all.push_back(number_json(column ? column->value(at(c)) : measure::truth::missing));
     }
-    for (std::size_t c = 0; c < cells; ++c) outcomes.push_back(fmt::format("[{}]", fmt::join(at(c).outcomes, ",")));
-    return fmt::format(R"("form":{},"format":{},"values":[{}],"outcomes":[{}])", json_text(row.form->info->name),
-                       json_text(row.format.name), fmt::join(values, ","), fmt::join(outcomes, ","));
+    for (std::size_t c = 0; c < cells; ++c) outcomes.push_back(at(c).outcomes);
+    return {{"form", row.form->info->name},
+            {"format", row.format.name},
+            {"values", std::move(values)},
+            {"outcomes", std::move(outcomes)}};
 }
 
-std::string sweep_json(const measure::sweep::SweepRequest& request, const std::vector<measure::sweep::SweepStep>& steps,
-                       const std::vector<Onset>& onsets) {
+Json sweep_json(const measure::sweep::SweepRequest& request, const std::vector<measure::sweep::SweepStep>& steps,
+                const std::vector<Onset>& onsets) {
     const scene::sweep::Axis& axis = request.sweep->axes.front();
-    std::vector<std::string> rows;
+    Json rows = Json::array();
     for (std::size_t r = 0; r < request.rows.size(); ++r) {
-        std::vector<std::string> found;
+        Json row = row_json(request.rows[r], request.metrics, steps.size(),
+                            [&](std::size_t k) -> const MapSummary& { return steps[k].rows[r]; });
+        Json& found = row["onsets"] = Json::array();
         for (const Onset& o : onsets) {
             if (o.row != r || !o.found) continue;
-            found.push_back(fmt::format("[{},{},{},{},{}]", json_text(o.event), json_text(o.statistic),
-                                        number(o.threshold), o.from_start ? "null" : number(o.last_good),
-                                        number(o.first_bad)));
+            found.push_back(Json::array({o.event, o.statistic, number_json(o.threshold),
+                                         o.from_start ? Json() : number_json(o.last_good), number_json(o.first_bad)}));
         }
-        const auto numbers = row_fields(request.rows[r], request.metrics, steps.size(),
-                                        [&](std::size_t k) -> const MapSummary& { return steps[k].rows[r]; });
-        rows.push_back(fmt::format(R"({{{},"onsets":[{}]}})", numbers, fmt::join(found, ",")));
+        rows.push_back(std::move(row));
     }
-    return fmt::format(
-        R"({{"id":{},"title":{},"kind":"line","axis":{},"unit":{},"spacing":"{}","steps":{},"statistics":{},"rows":[{}]}})",
-        json_text(request.sweep->id), json_text(request.sweep->title), json_text(axis.name), json_text(axis.unit),
-        spacing_name(axis.spacing),
-        list(steps, [](const measure::sweep::SweepStep& s) { return number(s.values.front()); }),
-        list(sweep_statistics(), [](const Statistic& s) { return json_text(s.name); }), fmt::join(rows, ","));
+    return {
+        {"id", request.sweep->id},
+        {"title", request.sweep->title},
+        {"kind", "line"},
+        {"axis", axis.name},
+        {"unit", axis.unit},
+        {"spacing", spacing_name(axis.spacing)},
+        {"steps", array_of(steps, [](const measure::sweep::SweepStep& s) { return number_json(s.values.front()); })},
+        {"statistics", sweep_statistics},
+        {"rows", std::move(rows)}};
 }
 
 std::string onset_table(const measure::sweep::SweepRequest& request, const std::vector<Onset>& onsets) {
@@ -118,33 +96,36 @@ std::string onset_table(const measure::sweep::SweepRequest& request, const std::
             });
             const bool is = found != onsets.end() && found->found;
             text += fmt::format("<td class=\"n\">{}{}</td>", is ? shown(found->first_bad) : "&ndash;",
-                                is && found->from_start ? " (from the first)" : "");
+                                is && found->from_start ? " (from the start)" : "");
         }
         text += "</tr>\n";
     }
     return text + "</tbody></table>\n";
 }
 
-std::string trade_json(const measure::speed::TradeRequest& request, const measure::speed::TradeResult& result) {
+Json trade_json(const measure::speed::TradeRequest& request, const measure::speed::TradeResult& result) {
     const auto sets = measure::speed::ray_sets(request.shape);
-    std::vector<std::string> parts;
+    Json parts = Json::array();
     for (std::size_t s = 0; s < sets.size(); ++s) {
         const auto all = speed::pareto_points_of(request, result, s);
         const auto beaten = measure::speed::dominated(all);
-        std::vector<std::string> points;
+        Json points = Json::array();
         for (std::size_t k = 0; k < all.size(); ++k) {
             const measure::speed::TradeKernel& kernel = request.kernels[k];
-            points.push_back(fmt::format(
-                R"({{"form":{},"name":{},"format":{},"isa":{},"time_ns":{},"kept_bits":{},"wrong_fraction":{},"dominated":{}}})",
-                json_text(kernel.form->name), json_text(kernel.measured.form->info->name),
-                json_text(kernel.measured.format.name), json_text(kernel.isa), number(all[k].time_ns),
-                number(all[k].kept_bits), number(all[k].wrong_fraction), beaten[k] ? "true" : "false"));
+            points.push_back({{"form", kernel.form->name},
+                              {"name", kernel.measured.form->info->name},
+                              {"format", kernel.measured.format.name},
+                              {"registers", speed::registers_of(kernel)},
+                              {"time_ns", number_json(all[k].time_ns)},
+                              {"kept_bits", number_json(all[k].kept_bits)},
+                              {"wrong_fraction", number_json(all[k].wrong_fraction)},
+                              {"dominated", static_cast<bool>(beaten[k])}});
         }
-        parts.push_back(fmt::format(R"({{"name":{},"title":{},"points":[{}]}})", json_text(sets[s].name),
-                                    json_text(sets[s].title), fmt::join(points, ",")));
+        parts.push_back({{"name", sets[s].name}, {"title", sets[s].title}, {"points", std::move(points)}});
     }
-    return fmt::format(R"({{"shape":{},"sets":[{}]}})", json_text(shape_names[static_cast<std::size_t>(request.shape)]),
-                       fmt::join(parts, ","));
+    return {{"shape", name_of(request.shape)},
+            {"axes", Json::array({speed::time_title, speed::kept_title})},
+            {"sets", std::move(parts)}};
 }
 
 }  // namespace lostbits::output::page

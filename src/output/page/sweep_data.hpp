@@ -1,40 +1,38 @@
 // Sweeps and trades as the page holds them.
 #pragma once
 
+#include <array>
 #include <functional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "measure/speed/trade.hpp"
 #include "measure/sweep/sweep.hpp"
+#include "output/page/json.hpp"
 
 namespace lostbits::output::page {
 
-/// A column of a sweep's samples.csv that the page plots.
-struct Statistic {
-    const char* name;
-    double (*of)(const measure::map::MapSummary& summary, const std::vector<const measure::metric::Metric*>& metrics);
-};
-[[nodiscard]] const std::vector<Statistic>& sweep_statistics();
+/// The columns of a sweep's samples.csv that the page plots.
+inline constexpr std::array<std::string_view, 7> sweep_statistics{
+    "lost_bits_p50",     "lost_bits_p99",      "lost_bits_max",      "excess_bits_p99",
+    "inherent_bits_p99", "false_hit_fraction", "false_miss_fraction"};
 
-/// `"form":…,"format":…,"values":[statistic][cell],"outcomes":[cell][outcome]`: the numbers of a row at every step,
+/// `{"form":…,"format":…,"values":[statistic][cell],"outcomes":[cell][outcome]}`: the numbers of a row at every step,
 /// cell or case.
-[[nodiscard]] std::string row_fields(const measure::map::MapRow& row,
-                                     const std::vector<const measure::metric::Metric*>& metrics, std::size_t cells,
-                                     const std::function<const measure::map::MapSummary&(std::size_t)>& at);
+[[nodiscard]] Json row_json(const measure::map::MapRow& row, const std::vector<const measure::metric::Metric*>& metrics,
+                            std::size_t cells, const std::function<const measure::map::MapSummary&(std::size_t)>& at);
 
-/// A sweep along one axis: the axis with its values, and of every row outcomes and each statistic at every step, as
-/// JSON.
-[[nodiscard]] std::string sweep_json(const measure::sweep::SweepRequest& request,
-                                     const std::vector<measure::sweep::SweepStep>& steps,
-                                     const std::vector<measure::sweep::Onset>& onsets);
+/// A sweep along one axis: the axis with its values, and of every row outcomes and each statistic at every step.
+[[nodiscard]] Json sweep_json(const measure::sweep::SweepRequest& request,
+                              const std::vector<measure::sweep::SweepStep>& steps,
+                              const std::vector<measure::sweep::Onset>& onsets);
 
 /// A table of a row each, with the places where things first go wrong, as HTML.
 [[nodiscard]] std::string onset_table(const measure::sweep::SweepRequest& request,
                                       const std::vector<measure::sweep::Onset>& onsets);
 
-/// What is plotted of a trade, for each set of rays: time, kept bits, wrong decisions and what nothing beats, as JSON.
-[[nodiscard]] std::string trade_json(const measure::speed::TradeRequest& request,
-                                     const measure::speed::TradeResult& result);
+/// What is plotted of a trade, for each set of rays: time, kept bits, wrong decisions and the Pareto front.
+[[nodiscard]] Json trade_json(const measure::speed::TradeRequest& request, const measure::speed::TradeResult& result);
 
 }  // namespace lostbits::output::page

@@ -1,7 +1,6 @@
 #include "output/page/tapes.hpp"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 #include <gmp.h>
 
 #include <memory>
@@ -9,7 +8,6 @@
 
 #include "intersect/table/recording.hpp"
 #include "measure/blame/tape_text.hpp"
-#include "output/page/text.hpp"
 #include "scene/rays/camera.hpp"
 #include "scene/rays/rays.hpp"
 
@@ -19,71 +17,83 @@ using scene::file::Scene;
 
 namespace {
 
-std::string exact_text(double x) { return number(x); }
+Json exact_json(double x) { return number_json(x); }
 
 /// `"-1a2bp-12"`: m 2^e with m in hexadecimal.
-std::string exact_text(const Real& x) {
-    if (mpfr_number_p(x.backend().data()) == 0) return number(static_cast<double>(x));
+Json exact_json(const Real& x) {
+    if (mpfr_number_p(x.backend().data()) == 0) return number_json(static_cast<double>(x));
     mpz_t m;
     mpz_init(m);
     const mpfr_exp_t e = mpfr_zero_p(x.backend().data()) ? 0 : mpfr_get_z_2exp(m, x.backend().data());
     const std::unique_ptr<char, void (*)(void*)> digits(mpz_get_str(nullptr, 16, m), std::free);
     mpz_clear(m);
-    return fmt::format("\"{}p{}\"", digits.get(), e);
+    return fmt::format("{}p{}", digits.get(), e);
 }
 
 template <class T>
-std::string exact_text(const Vec<T>& v) {
-    return fmt::format("[{},{},{}]", exact_text(v.x), exact_text(v.y), exact_text(v.z));
+Json exact_json(const Vec<T>& v) {
+    return Json::array({exact_json(v.x), exact_json(v.y), exact_json(v.z)});
 }
 
 template <class T>
-std::string frame_json(const Scene& scene) {
+Json frame_json(const Scene& scene) {
     const auto f = scene::rays::make_frame<T>(scene);
     if (f.kind == scene::file::Camera::Kind::pixel_plane) {
-        return fmt::format(R"({{"kind":"pixel_plane","origin":{},"left":{},"top":{},"pitch":{},"pitch_down":{}}})",
-                           exact_text(f.origin), exact_text(f.left), exact_text(f.top), exact_text(f.pitch),
-                           exact_text(f.pitch_down));
+        return {{"kind", "pixel_plane"},    {"origin", exact_json(f.origin)}, {"left", exact_json(f.left)},
+                {"top", exact_json(f.top)}, {"pitch", exact_json(f.pitch)},   {"pitch_down", exact_json(f.pitch_down)}};
     }
-    return fmt::format(
-        R"({{"kind":"{}","normalise":{},"origin":{},"right":{},"up":{},"forward":{},"pitch":{},"centre_x":{},"centre_y":{}}})",
-        f.kind == scene::file::Camera::Kind::orthographic ? "orthographic" : "pinhole", f.normalise,
-        exact_text(f.origin), exact_text(f.right), exact_text(f.up), exact_text(f.forward), exact_text(f.pitch),
-        exact_text(f.centre_x), exact_text(f.centre_y));
+    return {{"kind", f.kind == scene::file::Camera::Kind::orthographic ? "orthographic" : "pinhole"},
+            {"normalise", f.normalise},
+            {"origin", exact_json(f.origin)},
+            {"right", exact_json(f.right)},
+            {"up", exact_json(f.up)},
+            {"forward", exact_json(f.forward)},
+            {"pitch", exact_json(f.pitch)},
+            {"centre_x", exact_json(f.centre_x)},
+            {"centre_y", exact_json(f.centre_y)}};
 }
 
 template <class S>
-std::string numbers_of(const std::vector<Solid<S>>& solids, const std::set<int>& places) {
-    std::vector<std::string> all;
+Json numbers_of(const std::vector<Solid<S>>& solids, const std::set<int>& places) {
+    Json all = Json::object();
     for (const int place : places) {
-        std::vector<std::string> numbers;
-        for (const S& x : solids.at(static_cast<std::size_t>(place)).used()) numbers.push_back(exact_text(x));
-        all.push_back(fmt::format("\"{}\":[{}]", place, fmt::join(numbers, ",")));
+        all[std::to_string(place)] =
+            array_of(solids.at(static_cast<std::size_t>(place)).used(), [](const S& x) { return exact_json(x); });
     }
-    return fmt::format("{{{}}}", fmt::join(all, ","));
+    return all;
 }
 
-std::string node_json(const TapeNode& n) {
-    std::string text = fmt::format("[\"{}\",{}", tape_op_names[static_cast<std::size_t>(n.op)], n.format);
-    if (n.op == TapeOp::constant) return text + fmt::format(",{}]", n.operands[0]);  // its value, which −1 may be
-    for (const NodeId operand : n.operands) {
-        if (operand != no_node) text += fmt::format(",{}", operand);
+/// `{"add":"rounded",…}`: the kind of every operation there is.
+Json operations_json() {
+    Json all = Json::object();
+    for (const TapeOpRow& row : tape_operations) all[std::string(row.name)] = row.kind_name;
+    return all;
+}
+
+Json node_json(const TapeNode& n) {
+    Json node{name_of(n.op), n.format};
+    if (n.op == TapeOp::constant) {
+        node.push_back(n.operands[0]);  // its value, which −1 may be
+        return node;
     }
-    return text + "]";
+    for (const NodeId operand : n.operands) {
+        if (operand != no_node) node.push_back(operand);
+    }
+    return node;
 }
 
 }  // namespace
 
-std::string camera_json(const Scene& scene) {
+Json camera_json(const Scene& scene) {
     return scene.inputs == scene::file::Inputs::own ? frame_json<Real>(scene) : frame_json<double>(scene);
 }
 
-std::string solids_json(const Scene& scene, const std::set<int>& places) {
+Json solids_json(const Scene& scene, const std::set<int>& places) {
     return scene.inputs == scene::file::Inputs::own ? numbers_of(scene.solids(), places)
                                                     : numbers_of(scene::rays::shared_solids(scene), places);
 }
 
-std::string tape_json(const intersect::table::Intersector& form, const Format& format) {
+Json tape_json(const intersect::table::Intersector& form, const Format& format) {
     Solid<double> solid;
     solid.shape = form.shape;
     solid.numbers = {1, 2, 3, 4, 5, 6};
@@ -92,19 +102,28 @@ std::string tape_json(const intersect::table::Intersector& form, const Format& f
     form.record(format, {Vec<double>(1, 2, 3), Vec<double>(4, 5, 6)}, target, HUGE_VAL, tape);
     const measure::blame::TapeText text(tape, intersect::table::input_names(form, target),
                                         measure::blame::TapeText::Style::pretty);
-    std::vector<std::string> formats, nodes, names, expressions, labelled;
-    for (const FloatFormat& f : tape.formats)
-        formats.push_back(fmt::format(R"({{"precision":{},"emin":{},"emax":{}}})", f.precision, f.emin, f.emax));
+    Json nodes = Json::array(), names = Json::array(), expressions = Json::array(), definitions = Json::array(),
+         operands = Json::array(), labelled = Json::array();
     for (NodeId i = 0; i < tape.size(); ++i) {
         nodes.push_back(node_json(tape[i]));
-        names.push_back(json_text(text.name(i)));
-        expressions.push_back(json_text(text.expression(i)));
-        labelled.push_back(tape[i].label.empty() ? "0" : "1");
+        names.push_back(text.name(i));
+        expressions.push_back(text.expression(i));
+        definitions.push_back(text.definition(i));
+        operands.push_back(text.operand(i));
+        labelled.push_back(tape[i].label.empty() ? 0 : 1);
     }
-    return fmt::format(
-        R"({{"formats":[{}],"nodes":[{}],"names":[{}],"expressions":[{}],"labelled":[{}],"outputs":[{},{}]}})",
-        fmt::join(formats, ","), fmt::join(nodes, ","), fmt::join(names, ","), fmt::join(expressions, ","),
-        fmt::join(labelled, ","), tape.outputs.hit, tape.outputs.t);
+    return {{"operations", operations_json()},
+            {"formats", array_of(tape.formats,
+                                 [](const FloatFormat& f) {
+                                     return Json{{"precision", f.precision}, {"emin", f.emin}, {"emax", f.emax}};
+                                 })},
+            {"nodes", std::move(nodes)},
+            {"names", std::move(names)},
+            {"expressions", std::move(expressions)},
+            {"definitions", std::move(definitions)},
+            {"operands", std::move(operands)},
+            {"labelled", std::move(labelled)},
+            {"outputs", Json::array({tape.outputs.hit, tape.outputs.t})}};
 }
 
 }  // namespace lostbits::output::page

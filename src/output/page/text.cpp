@@ -3,23 +3,11 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <limits>
 
 #include "output/file/csv.hpp"
 #include "output/file/number_text.hpp"
 
 namespace lostbits::output::page {
-
-using measure::answer::Outcome;
-
-namespace {
-
-double fraction(std::uint64_t part, std::uint64_t whole) {
-    return whole == 0 ? std::numeric_limits<double>::quiet_NaN()
-                      : static_cast<double>(part) / static_cast<double>(whole);
-}
-
-}  // namespace
 
 std::string html(std::string_view text) {
     std::string out;
@@ -33,23 +21,6 @@ std::string html(std::string_view text) {
     return out;
 }
 
-std::string json_text(std::string_view text) {
-    std::string out = "\"";
-    for (const char c : file::valid_utf8(text)) {
-        if (c == '"' || c == '\\') out += {'\\', c};
-        else if (c == '\n') out += "\\n";
-        else if (c == '<' || static_cast<unsigned char>(c) < 0x20)
-            out += fmt::format("\\u{:04x}", static_cast<unsigned>(c));
-        else out += c;
-    }
-    return out + '"';
-}
-
-std::string number(double value) {
-    if (std::isnan(value)) return "null";
-    return std::isinf(value) ? json_text(file::decimal(value)) : file::decimal(value);
-}
-
 std::string shown(double value) {
     if (std::isnan(value)) return "&ndash;";
     const std::string look = value != 0 && (std::fabs(value) < 1e-3 || std::fabs(value) >= 1e7)
@@ -57,17 +28,6 @@ std::string shown(double value) {
                                  : fmt::format("{:.4g}", value);
     return fmt::format("<data value=\"{}\">{}</data>", file::decimal(value),
                        value == std::floor(value) && std::fabs(value) < 1e7 ? file::decimal(value) : look);
-}
-
-std::string row_key(const measure::map::MapRow& row) {
-    return std::string(row.form->info->name) + "." + row.format.name;
-}
-
-double false_hit_fraction(const measure::map::MapSummary& s) {
-    return fraction(s.count(Outcome::false_hit), s.rays - s.true_hits - s.count(Outcome::unresolved));
-}
-double false_miss_fraction(const measure::map::MapSummary& s) {
-    return fraction(s.count(Outcome::false_miss), s.true_hits);
 }
 
 }  // namespace lostbits::output::page

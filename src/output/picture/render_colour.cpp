@@ -22,10 +22,11 @@ constexpr std::array<Rgb8, measure::picture::seen_names.size()> seen_colours{
     of(Outcome::agree_hit), of(Outcome::agree_miss),   {160, 82, 45},          of(Outcome::false_miss),
     of(Outcome::false_hit), of(Outcome::not_a_number), of(Outcome::unresolved)};
 constexpr std::array<const char*, measure::picture::seen_names.size()> seen_labels{
-    "same sphere", "background", "another sphere", "sphere lost", "sphere where none is", "not a number", "not proved"};
+    "same sphere",  "background", "another sphere", "sphere lost", "sphere where there is none",
+    "not a number", "not proved"};
 
 /// A map of shadow decisions has red and pink for these, so pixels that show something else have one colour there.
-constexpr const char* seen_otherwise = "seen otherwise";
+constexpr const char* seen_otherwise = "sees something else";
 
 constexpr std::array<Rgb8, measure::picture::shadow_names.size()> shadow_colours{
     of(Outcome::agree_miss), {255, 246, 205},         {105, 110, 122},        of(Outcome::false_hit),

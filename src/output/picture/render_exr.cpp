@@ -1,11 +1,14 @@
 #include "output/picture/render_exr.hpp"
 
-#include <bit>
 #include <span>
 
+#include "output/image/exr_parts.hpp"
 #include "output/picture/render_colour.hpp"
 
 namespace lostbits::output::picture {
+
+using image::float_word;
+
 namespace {
 
 image::ExrSpec spec_of(const measure::picture::RenderRequest& request, const measure::map::MapRow& row,
@@ -34,14 +37,12 @@ image::ExrSpec spec_of(const measure::picture::RenderRequest& request, const mea
                        {"lostbits:scene", request.scene->id},
                        {"lostbits:form", std::string(row.form->info->name)},
                        {"lostbits:format", row.format.name},
-                       {"lostbits:compiler", LOSTBITS_COMPILER},
+                       image::compiler_attribute(),
                        {"lostbits:seen", list(measure::picture::seen_names)},
                        {"lostbits:shadow", list(measure::picture::shadow_names)},
                        {"lostbits:objects", "0 none, otherwise the sphere's place in the scene, from 1"}};
     return spec;
 }
-
-std::uint32_t word(double x) { return std::bit_cast<std::uint32_t>(static_cast<float>(x)); }
 
 }  // namespace
 
@@ -53,20 +54,20 @@ RenderExr::RenderExr(image::ImageBackend& backend, const std::filesystem::path& 
 void RenderExr::write(const measure::picture::RenderBand& band) {
     samples_.clear();
     for (std::size_t i = 0; i < band.seen.size(); ++i) {
-        const image::Rgb8 preview = picture_colour(band.painted.back()[i]);
-        for (const std::uint8_t c : {preview.r, preview.g, preview.b})
-            samples_.push_back(word(image::linear_light(c) / 65535.0));
+        for (const std::uint32_t word : image::preview_words(picture_colour(band.painted.back()[i])))
+            samples_.push_back(word);
         for (std::size_t s = 0; s < request_.stages.size(); ++s) {
             const measure::picture::Painted& p = band.painted[s][i];
             const measure::picture::TrueColour& truth =
                 band.truth[i].colours[static_cast<std::size_t>(request_.stages[s])];
-            for (int k = 0; k < 3; ++k) samples_.push_back(word(p.colour[k]));
+            for (int k = 0; k < 3; ++k) samples_.push_back(float_word(p.colour[k]));
             for (const measure::picture::Tight& c : truth.channel)
-                samples_.push_back(truth.certain ? word(c.hi) : word(std::numeric_limits<double>::quiet_NaN()));
-            samples_.push_back(word(p.error));
+                samples_.push_back(truth.certain ? float_word(c.hi)
+                                                 : float_word(std::numeric_limits<double>::quiet_NaN()));
+            samples_.push_back(float_word(p.error));
         }
-        samples_.push_back(word(band.normal_angle[i]));
-        samples_.push_back(word(band.residual[i]));
+        samples_.push_back(float_word(band.normal_angle[i]));
+        samples_.push_back(float_word(band.residual[i]));
         samples_.push_back(static_cast<std::uint32_t>(band.seen[i]));
         samples_.push_back(band.shadow.empty() ? 0 : static_cast<std::uint32_t>(band.shadow[i]));
         samples_.push_back(band.answers->hit[i] != 0 ? static_cast<std::uint32_t>(band.answers->object[i] + 1) : 0);

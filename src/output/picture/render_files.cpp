@@ -8,6 +8,7 @@
 #include "output/file/datapackage.hpp"
 #include "output/image/heatmap.hpp"
 #include "output/map/map_colour.hpp"
+#include "output/map/row_names.hpp"
 #include "output/picture/render_colour.hpp"
 #include "output/picture/render_exr.hpp"
 #include "output/picture/render_sheet.hpp"
@@ -16,17 +17,13 @@ namespace lostbits::output::picture {
 
 using file::Cell;
 using image::HeatmapWriter;
+using map::row_name;
 using measure::map::MapRow;
 using measure::picture::RenderBand;
 using measure::picture::RenderRequest;
 using measure::picture::ShadeRule;
 
 namespace {
-
-std::string stem(const MapRow& row) { return fmt::format("{}.{}", row.form->info->name, row.format.name); }
-std::uint64_t pixels_of(const RenderRequest& r) {
-    return static_cast<std::uint64_t>(r.scene->width) * static_cast<std::uint64_t>(r.scene->height);
-}
 
 bool any_stage(const RenderRequest& request, bool ShadeRule::*asks) {
     return std::ranges::any_of(request.stages, [&](scene::file::Stage s) {
@@ -71,10 +68,11 @@ class RenderRowFiles {
 public:
     RenderRowFiles(const RenderRequest& request, const MapRow& row, const RenderFilesOptions& options,
                    image::ImageBackend& backend)
-        : request_(request), exr_(backend, options.folder / (stem(row) + ".exr"), request, row, options.command) {
+        : request_(request), exr_(backend, options.folder / (row_name(row) + ".exr"), request, row, options.command) {
         const auto open = [&](ErrorMap d, std::size_t stage, const std::string& name, const std::string& title) {
             const ErrorMapKind& kind = error_map_kind(d);
-            image::HeatmapSpec spec = map_spec(request, row, title, kind.note, widest_seen_legend(pixels_of(request)));
+            image::HeatmapSpec spec =
+                map_spec(request, row, title, kind.note, widest_seen_legend(request.scene->pixels()));
             spec.scale = error_map_scale(d, backend);
             spec.unit = kind.unit;
             const image::ColourScale scale = *spec.scale;
@@ -83,21 +81,21 @@ public:
         };
         for (std::size_t s = 0; s < request.stages.size(); ++s) {
             const std::string stage(name_of(request.stages[s]));
-            pictures_.push_back(backend.open_png(options.folder / fmt::format("{}.{}.png", stage, stem(row)),
+            pictures_.push_back(backend.open_png(options.folder / fmt::format("{}.{}.png", stage, row_name(row)),
                                                  request.scene->width, request.scene->height));
-            open(ErrorMap::colour, s, fmt::format("{}.{}.colour.png", stage, stem(row)),
+            open(ErrorMap::colour, s, fmt::format("{}.{}.colour.png", stage, row_name(row)),
                  fmt::format("{}, {}", stage, error_map_kind(ErrorMap::colour).title));
         }
-        open(ErrorMap::residual, 0, stem(row) + ".residual.png", error_map_kind(ErrorMap::residual).title);
+        open(ErrorMap::residual, 0, row_name(row) + ".residual.png", error_map_kind(ErrorMap::residual).title);
         if (any_stage(request, &ShadeRule::diffuse))
-            open(ErrorMap::normal, 0, stem(row) + ".normal.png", error_map_kind(ErrorMap::normal).title);
+            open(ErrorMap::normal, 0, row_name(row) + ".normal.png", error_map_kind(ErrorMap::normal).title);
         if (any_stage(request, &ShadeRule::shadows)) {
             const char* const note =
-                "decisions of shadow where both see the same: on spheres that face the light, and on the background if "
+                "shadow decisions where both see the same: on spheres that face the light, and on the background if "
                 "it is a plane";
             shadow_ = std::make_unique<HeatmapWriter>(
-                backend, options.folder / (stem(row) + ".shadow.png"),
-                map_spec(request, row, "shadow decisions", note, widest_shadow_legend(pixels_of(request))));
+                backend, options.folder / (row_name(row) + ".shadow.png"),
+                map_spec(request, row, "shadow decisions", note, widest_shadow_legend(request.scene->pixels())));
         }
     }
 

@@ -12,8 +12,6 @@ using measure::picture::Seen;
 
 namespace {
 
-std::string short_name(const intersect::Info& info) { return std::string(info.name.substr(info.name.find('.') + 1)); }
-
 std::string percent(std::uint64_t part, std::uint64_t whole) {
     const double share = 100.0 * static_cast<double>(part) / static_cast<double>(whole);
     return share > 0 && share < 0.1 ? std::string("<0.1%") : fmt::format("{:.1f}%", share);
@@ -36,29 +34,21 @@ std::string glance(const measure::picture::RenderSummary& s) {
 
 RenderSheet::RenderSheet(image::ImageBackend& backend, const std::filesystem::path& path,
                          const measure::picture::RenderRequest& request)
-    : request_(request) {
-    const auto place = [](std::vector<std::string>& names, const std::string& one) {
-        const auto at = static_cast<std::size_t>(std::ranges::find(names, one) - names.begin());
-        if (at == names.size()) names.push_back(one);
-        return at;
-    };
-    for (const measure::map::MapRow& row : request.rows) {
-        column_.push_back(place(forms_, short_name(*row.form->info)));
-        format_.push_back(place(formats_, row.format.name));
-    }
+    : request_(request), grid_(request.rows) {
     const scene::file::Scene& scene = *request.scene;
     image::SheetSpec spec{.title = scene.title,
                           .subtitle = {fmt::format("{}, {} x {} pixels", scene.id, scene.width, scene.height),
                                        "the picture of each form in each format, beside the certified one"},
-                          .forms = forms_,
+                          .forms = {"certified"},
                           .formats = {},
                           .field_width = scene.width,
                           .field_height = scene.height,
                           .scale = std::nullopt,
                           .unit = "",
                           .legend = {{"not a number", nan_colour, ""}, {"colour not proved", unproved_colour, ""}}};
+    spec.forms.insert(spec.forms.end(), grid_.forms.begin(), grid_.forms.end());
     for (const scene::file::Stage stage : request.stages) {
-        for (const std::string& format : formats_)
+        for (const std::string& format : grid_.formats)
             spec.formats.push_back(fmt::format("{}, {}", name_of(stage), format));
     }
     sheet_.emplace(backend, path, std::move(spec));
@@ -71,7 +61,7 @@ void RenderSheet::reference(int y0, int, std::span<const measure::picture::TrueP
         std::ranges::transform(truth, field.begin(), [stage](const measure::picture::TruePixel& p) {
             return picture_colour(p.colours[stage]);
         });
-        for (std::size_t f = 0; f < formats_.size(); ++f) sheet_->add_rows(0, line(s, f), y0, field);
+        for (std::size_t f = 0; f < grid_.formats.size(); ++f) sheet_->add_rows(0, line(s, f), y0, field);
     }
 }
 
@@ -80,7 +70,7 @@ void RenderSheet::row(std::size_t row, const measure::picture::RenderBand& band)
     for (std::size_t s = 0; s < request_.stages.size(); ++s) {
         std::ranges::transform(band.painted[s], field.begin(),
                                [](const measure::picture::Painted& p) { return picture_colour(p); });
-        sheet_->add_rows(column_[row], line(s, format_[row]), band.y0, field);
+        sheet_->add_rows(column(row), line(s, grid_.places[row].format), band.y0, field);
     }
 }
 
@@ -88,7 +78,7 @@ void RenderSheet::finish(const std::vector<measure::picture::RenderSummary>& sum
     const std::size_t stages = request_.stages.size();
     bool any_nan = false, any_unproved = false;
     for (std::size_t k = 0; k < summaries.size(); ++k) {
-        sheet_->set_note(column_[k / stages], line(k % stages, format_[k / stages]), glance(summaries[k]));
+        sheet_->set_note(column(k / stages), line(k % stages, grid_.places[k / stages].format), glance(summaries[k]));
         any_nan |= summaries[k].colour_not_a_number > 0;
         any_unproved |= summaries[k].unresolved() > 0;
     }

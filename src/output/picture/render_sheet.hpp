@@ -7,6 +7,7 @@
 
 #include "measure/picture/render.hpp"
 #include "output/image/contact_sheet.hpp"
+#include "output/map/row_names.hpp"
 
 namespace lostbits::output::picture {
 
@@ -23,13 +24,14 @@ public:
     void finish(const std::vector<measure::picture::RenderSummary>& summaries);
 
 private:
+    /// The certified picture stands in the first.
+    [[nodiscard]] std::size_t column(std::size_t row) const { return 1 + grid_.places[row].form; }
     [[nodiscard]] std::size_t line(std::size_t stage, std::size_t format) const {
-        return stage * formats_.size() + format;
+        return stage * grid_.formats.size() + format;
     }
 
     const measure::picture::RenderRequest& request_;
-    std::vector<std::string> forms_{"certified"}, formats_;
-    std::vector<std::size_t> column_, format_;  ///< of each row of the request
+    map::RowGrid grid_;
     std::optional<image::ContactSheet> sheet_;
 };
 

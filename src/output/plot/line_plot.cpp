@@ -200,11 +200,11 @@ void write_line_plot(image::ImageBackend& backend, const std::filesystem::path& 
     const Canvas head = image::heading(backend, spec.title, spec.subtitle, content);
     const int top = image::style::margin + head.height() + (head.height() > 0 ? gap : 0);
     const int nominal = std::max(spec.height - top - image::style::margin - 60, 100);
-    const PlotLegend legend(backend, sorted, spec.envelope ? &spec.envelope->label : nullptr, markers, content,
-                            nominal);
+    const PlotLegend legend(backend, sorted, spec.envelope ? &spec.envelope->label : nullptr, markers,
+                            {content, nominal});
     const int right =
         std::max(legend.width() > 0 ? legend_gap + legend.width() : 0, spec.marks.empty() ? 0 : least_right);
-    const PlotAxes axes(backend, spec.x, x, spec.y, y, content - right - 60, nominal);
+    const PlotAxes axes(backend, x, y, content - right - 60, nominal);
 
     PlotFrame frame{image::style::margin + axes.left(), 0, 1, 1, frame_pad};
     frame.width = spec.width - image::style::margin - std::max(right, axes.right()) - 1 - frame.x;
@@ -247,9 +247,7 @@ void write_line_plot(image::ImageBackend& backend, const std::filesystem::path& 
     legend.draw(page, spec.width - image::style::margin - legend.width(), frame.y);
     page.picture(image::style::margin, page.height() - image::style::margin - notes.height(), notes);
 
-    const auto png = backend.open_png(path, page.width(), page.height());
-    png->write_rows(page.height(), page.pixels());
-    png->close();
+    image::save_png(backend, path, page);
 }
 
 }  // namespace lostbits::output::plot

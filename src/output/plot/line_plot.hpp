@@ -29,7 +29,7 @@ struct PlotMark {
 struct LinePlotSpec {
     std::string title;
     std::vector<std::string> subtitle;
-    Axis x, y;
+    AxisSpec x, y;
     std::vector<Series> series;
     std::optional<Series> envelope = {};  ///< what no form can be better than: grey below it
     std::vector<PlotMark> marks = {};

@@ -37,8 +37,6 @@ constexpr double marker_radius = 3.6;
 constexpr int sample_width = 34, sample_gap = 7, column_gap = 16, entry_gap = 4;
 constexpr int mark_gap = 8;
 
-int line_height(int size) { return size + (size + 2) / 3; }
-
 bool same(const std::vector<double>& a, const std::vector<double>& b) {
     // A NaN is where a NaN is; 0 and -0 are drawn alike.
     return std::ranges::equal(a, b, [](double p, double q) { return p == q || (std::isnan(p) && std::isnan(q)); });
@@ -126,7 +124,7 @@ void draw_edge_triangle(Stroke& stroke, Point tip, bool up) {
 }
 
 PlotLegend::PlotLegend(ImageBackend& backend, std::span<const PlotLine> lines, const std::string* envelope,
-                       bool markers, int width, int height)
+                       bool markers, Room room)
     : markers_(markers) {
     struct Try {
         int size, columns, per_cent;  // of the width, for all columns
@@ -134,16 +132,18 @@ PlotLegend::PlotLegend(ImageBackend& backend, std::span<const PlotLine> lines, c
     for (const auto& [size, columns, per_cent] :
          {Try{image::style::text_size, 1, 26}, Try{12, 1, 26}, Try{image::style::small_size, 1, 26},
           Try{image::style::small_size, 2, 40}, Try{10, 2, 40}}) {
-        const int room = (width * per_cent / 100 - (columns - 1) * column_gap) / columns;
-        if (arrange(backend, lines, envelope, size, columns, room, height)) return;
+        const int column_width = (room.width * per_cent / 100 - (columns - 1) * column_gap) / columns;
+        arrange(backend, lines, envelope, {size, columns, column_width});
+        if (height_ <= room.height) return;
     }
 }
 
-bool PlotLegend::arrange(ImageBackend& backend, std::span<const PlotLine> lines, const std::string* envelope, int size,
-                         int columns, int room, int height) {
+void PlotLegend::arrange(ImageBackend& backend, std::span<const PlotLine> lines, const std::string* envelope,
+                         const Layout& layout) {
+    const int size = layout.size, columns = layout.columns;
     entries_.clear();
     size_ = size;
-    const int text_room = std::max(room - sample_width - sample_gap, 40);
+    const int text_room = std::max(layout.column_width - sample_width - sample_gap, 40);
     int total = 0, highest = 0;
     const auto add = [&](const std::string& label, const PlotLine* line) {
         Entry entry{{}, line};
@@ -154,8 +154,8 @@ bool PlotLegend::arrange(ImageBackend& backend, std::span<const PlotLine> lines,
             entry.text = image::wrap_text(backend, label, size, false, text_room);
         }
         const int rows = std::max<int>(static_cast<int>(entry.text.size()), 1);
-        highest = std::max(highest, rows * line_height(size) + entry_gap);
-        total += rows * line_height(size) + entry_gap;
+        highest = std::max(highest, rows * image::style::line_height(size) + entry_gap);
+        total += rows * image::style::line_height(size) + entry_gap;
         entries_.push_back(std::move(entry));
     };
     for (const auto& line : lines) add(line.label, &line);
@@ -167,7 +167,8 @@ bool PlotLegend::arrange(ImageBackend& backend, std::span<const PlotLine> lines,
         int column = 0, y = 0;
         height_ = 0;
         for (auto& entry : entries_) {
-            const int h = std::max<int>(static_cast<int>(entry.text.size()), 1) * line_height(size) + entry_gap;
+            const int h =
+                std::max<int>(static_cast<int>(entry.text.size()), 1) * image::style::line_height(size) + entry_gap;
             if (y + h > limit && y > 0) {
                 ++column;
                 y = 0;
@@ -189,7 +190,6 @@ bool PlotLegend::arrange(ImageBackend& backend, std::span<const PlotLine> lines,
             for (const auto& text : entry.text) width_ = std::max(width_, x + sample_width + sample_gap + text.width);
         }
     }
-    return height_ <= height;
 }
 
 void PlotLegend::draw(image::Canvas& canvas, int x0, int y0) const {
@@ -199,15 +199,15 @@ void PlotLegend::draw(image::Canvas& canvas, int x0, int y0) const {
         for (const auto& text : entry.text) {
             // Raised exponents make a line higher at its top; baselines stay where they are.
             canvas.text(x + sample_width + sample_gap, text_y + size_ - text.baseline, text, image::style::ink);
-            text_y += line_height(size_);
+            text_y += image::style::line_height(size_);
         }
-        const double middle = y + size_ - size_ * 73 / 200 + 0.5;
+        const double middle = y + size_ - image::style::digit_rise(size_) + 0.5;
         if (entry.line == nullptr) {
             canvas.fill(x, static_cast<int>(middle) - 5, sample_width, 11, envelope_fill);
             canvas.fill(x, static_cast<int>(middle) - 5, sample_width, 1, envelope_edge);
             continue;
         }
-        Stroke stroke(x, y - 6, sample_width, line_height(size_) + 12);
+        Stroke stroke(x, y - 6, sample_width, image::style::line_height(size_) + 12);
         stroke.polyline(std::array<Point, 2>{{{x + 1.5, middle}, {x + sample_width - 1.5, middle}}}, line_thickness,
                         entry.line->dashes);
         if (markers_ || entry.line->marker > 0) {

@@ -36,9 +36,12 @@ inline constexpr image::Rgb8 envelope_edge{150, 150, 150};
 /// The legend at the right: lines in the order given, the envelope last.
 class PlotLegend {
 public:
-    /// Takes small letters and a second column before it is higher than `height`, and at most two fifths of `width`.
+    struct Room {
+        int width, height;
+    };
+    /// Takes small letters and a second column before it is higher than the room, and at most two fifths of its width.
     PlotLegend(image::ImageBackend& backend, std::span<const PlotLine> lines, const std::string* envelope, bool markers,
-               int width, int height);
+               Room room);
 
     [[nodiscard]] int width() const noexcept { return width_; }
     [[nodiscard]] int height() const noexcept { return height_; }
@@ -50,8 +53,11 @@ private:
         const PlotLine* line;  // nullptr for the envelope
         int column = 0, y = 0;
     };
-    bool arrange(image::ImageBackend& backend, std::span<const PlotLine> lines, const std::string* envelope, int size,
-                 int columns, int room, int height);
+    struct Layout {
+        int size, columns, column_width;
+    };
+    void arrange(image::ImageBackend& backend, std::span<const PlotLine> lines, const std::string* envelope,
+                 const Layout& layout);
 
     std::vector<Entry> entries_;
     bool markers_;

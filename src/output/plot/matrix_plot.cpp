@@ -53,7 +53,7 @@ void draw_cell(Canvas& page, image::ImageBackend& backend, int x, int y, const M
 void write_matrix_plot(image::ImageBackend& backend, const std::filesystem::path& path, const MatrixPlotSpec& spec) {
     const std::size_t columns = column_count(spec);
     if (columns == 0 || spec.rows.empty() || spec.cells.size() != columns * spec.rows.size())
-        throw std::invalid_argument(path.string() + ": not one cell a row and column");
+        throw std::invalid_argument(path.string() + ": not one cell per row and column");
     std::vector<TextBitmap> row_labels, column_labels, group_labels;
     int left = 0, head_room = 0;
     for (const auto& r : spec.rows) {
@@ -99,9 +99,7 @@ void write_matrix_plot(image::ImageBackend& backend, const std::filesystem::path
     }
     page.picture(x0 + field_width + block_gap, y0, bar);
     page.picture(image::style::margin, below, legend.draw(spec.legend));
-    const auto png = backend.open_png(path, page.width(), page.height());
-    png->write_rows(page.height(), page.pixels());
-    png->close();
+    image::save_png(backend, path, page);
 }
 
 }  // namespace lostbits::output::plot

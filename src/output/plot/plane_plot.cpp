@@ -17,26 +17,30 @@ constexpr int least_width = 560, least_height = 420;  // of the field, in pixels
 constexpr image::Rgb8 hatch_paper{240, 240, 238}, hatch_ink{200, 200, 202};
 constexpr int hatch_pitch = 6;
 
-double on_scale(Axis::Scale scale, double value) {
-    return scale == Axis::Scale::linear ? value : scale == Axis::Scale::log2 ? std::log2(value) : std::log10(value);
+double on_scale(AxisSpec::Scale scale, double value) {
+    return scale == AxisSpec::Scale::linear ? value
+           : scale == AxisSpec::Scale::log2 ? std::log2(value)
+                                            : std::log10(value);
 }
 
-double off_scale(Axis::Scale scale, double value) {
-    return scale == Axis::Scale::linear ? value : scale == Axis::Scale::log2 ? std::exp2(value) : std::pow(10.0, value);
+double off_scale(AxisSpec::Scale scale, double value) {
+    return scale == AxisSpec::Scale::linear ? value
+           : scale == AxisSpec::Scale::log2 ? std::exp2(value)
+                                            : std::pow(10.0, value);
 }
 
 /// Where cells begin and end: half-way between the parameters, and as far beyond the outer ones.
-std::vector<double> edges_of(const Axis& axis, const std::vector<double>& values) {
+std::vector<double> edges_of(const AxisSpec& axis, const std::vector<double>& values) {
     std::vector<double> s;
     for (const double value : values) {
-        if (!std::isfinite(value) || (axis.scale != Axis::Scale::linear && !(value > 0)) ||
+        if (!std::isfinite(value) || (axis.scale != AxisSpec::Scale::linear && !(value > 0)) ||
             (!s.empty() && !(on_scale(axis.scale, value) > s.back()))) {
             throw std::invalid_argument("plane plot: " + axis.title + " does not rise, or leaves its axis");
         }
         s.push_back(on_scale(axis.scale, value));
     }
     // A single cell is given room about its value: a tenth of it, or an octave or a decade.
-    const double lone = axis.scale == Axis::Scale::linear && s[0] != 0 ? std::fabs(s[0]) / 5 : 1;
+    const double lone = axis.scale == AxisSpec::Scale::linear && s[0] != 0 ? std::fabs(s[0]) / 5 : 1;
     std::vector<double> out{s.size() > 1 ? s[0] - (s[1] - s[0]) / 2 : s[0] - lone / 2};
     for (std::size_t i = 1; i < s.size(); ++i) out.push_back(s[i - 1] + (s[i] - s[i - 1]) / 2);
     out.push_back(s.size() > 1 ? s.back() + (s.back() - s[s.size() - 2]) / 2 : s[0] + lone / 2);
@@ -56,7 +60,7 @@ void hatch(Canvas& canvas, int x, int y, int width, int height) {
     }
 }
 
-AxisRange range_of(const Axis& axis, const std::vector<double>& edges) {
+AxisRange range_of(const AxisSpec& axis, const std::vector<double>& edges) {
     return {{axis.title, axis.scale, edges.front(), edges.back()}, {}};
 }
 
@@ -64,7 +68,7 @@ AxisRange range_of(const Axis& axis, const std::vector<double>& edges) {
 
 void write_plane_plot(image::ImageBackend& backend, const std::filesystem::path& path, const PlanePlotSpec& spec) {
     if (spec.x.empty() || spec.y.empty() || spec.cells.size() != spec.x.size() * spec.y.size()) {
-        throw std::invalid_argument(path.string() + ": not one cell a pair of parameters");
+        throw std::invalid_argument(path.string() + ": not one cell per pair of parameters");
     }
     bool hatched = false;
     for (const auto& cell : spec.cells) {
@@ -76,7 +80,7 @@ void write_plane_plot(image::ImageBackend& backend, const std::filesystem::path&
     const auto x_edges = edges_of(spec.x_axis, spec.x), y_edges = edges_of(spec.y_axis, spec.y);
     const AxisRange x = range_of(spec.x_axis, x_edges), y = range_of(spec.y_axis, y_edges);
     PlotFrame frame{0, 0, extent(spec.x.size(), least_width), extent(spec.y.size(), least_height)};
-    const PlotAxes axes(backend, spec.x_axis, x, spec.y_axis, y, frame.width, frame.height);
+    const PlotAxes axes(backend, x, y, frame.width, frame.height);
     const Canvas bar = spec.scale ? image::colour_bar(backend, *spec.scale, spec.unit, frame.height + 2) : Canvas(0, 0);
     const int beside = std::max(axes.right(), bar.width() > 0 ? gap + bar.width() : 0);
     const int content = axes.left() + frame.width + 1 + beside;
@@ -110,9 +114,7 @@ void write_plane_plot(image::ImageBackend& backend, const std::filesystem::path&
     page.picture(frame.x + frame.width + 1 + gap, frame.y - 1, bar);
     page.picture(image::style::margin, page.height() - image::style::margin - legend.height(), legend.draw(entries));
 
-    const auto png = backend.open_png(path, page.width(), page.height());
-    png->write_rows(page.height(), page.pixels());
-    png->close();
+    image::save_png(backend, path, page);
 }
 
 }  // namespace lostbits::output::plot

@@ -21,7 +21,7 @@ struct PlaneCell {
 struct PlanePlotSpec {
     std::string title;
     std::vector<std::string> subtitle;
-    Axis x_axis, y_axis;                      ///< title and scale; the ends follow from the cells
+    AxisSpec x_axis, y_axis;                  ///< title and scale; the ends follow from the cells
     std::vector<double> x, y;                 ///< the parameters of columns (to the right) and rows (upwards), rising
     std::vector<PlaneCell> cells;             ///< row by row, the row of y[0] first
     std::optional<image::ColourScale> scale;  ///< required where a cell shows its value

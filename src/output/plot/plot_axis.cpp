@@ -1,10 +1,11 @@
 #include "output/plot/plot_axis.hpp"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <limits>
 #include <stdexcept>
+
+#include "output/image/ticks.hpp"
 
 namespace lostbits::output::plot {
 namespace {
@@ -16,19 +17,10 @@ constexpr double least_size = 1e-300;
 
 /// Multiples of 1, 2 or 5 times ten^k from `lo` to `hi`, at most `most` + 1 of them.
 std::vector<double> round_values(double lo, double hi, int most) {
-    const double least = (hi / 2 - lo / 2) / most * 2;
-    const double ten = std::pow(10.0, std::floor(std::log10(least)));
-    double step = 10 * ten;
-    for (const double m : {5.0, 2.0, 1.0}) {
-        if (m * ten >= least * (1 - 1e-9)) step = m * ten;
-    }
-    std::vector<double> out;
-    const auto inside = [&](double value) { return std::isfinite(value) && value <= hi + step * 1e-9; };
-    for (double k = std::ceil(lo / step - 1e-9); inside(k * step); k += 1) out.push_back(k * step);
-    return out;
+    return image::multiples(image::round_step((hi / 2 - lo / 2) / most * 2), lo, hi);
 }
 
-/// As many digits as tell the ticks apart, and none of the noise of 3 times 0.1.
+/// With as many digits as tell the ticks apart.
 std::vector<std::string> labels_of(const std::vector<double>& values) {
     double largest = 0, step = 0;
     for (std::size_t i = 0; i < values.size(); ++i) {
@@ -37,19 +29,14 @@ std::vector<std::string> labels_of(const std::vector<double>& values) {
     }
     const double digits = step > 0 && std::isfinite(step) ? std::ceil(std::log10(largest / step)) + 1 : 6;
     std::vector<std::string> out;
-    for (const double value : values) {
-        char text[40];
-        const auto end = std::to_chars(text, text + sizeof text, value + 0.0, std::chars_format::general,
-                                       static_cast<int>(std::clamp(digits, 6.0, 16.0)))
-                             .ptr;
-        out.emplace_back(text, end);
-    }
+    for (const double value : values)
+        out.push_back(image::tick_label(value, static_cast<int>(std::clamp(digits, 6.0, 16.0))));
     return out;
 }
 
 }  // namespace
 
-AxisRange::AxisRange(const Axis& axis, const std::vector<double>& values) : scale_(axis.scale) {
+AxisRange::AxisRange(const AxisSpec& axis, const std::vector<double>& values) : title_(axis.title), scale_(axis.scale) {
     for (const auto& end : {axis.low, axis.high}) {
         if (end && (!std::isfinite(*end) || (is_log() && !(*end > 0)))) {
             throw std::invalid_argument("axis " + axis.title + ": an end without a place");
@@ -89,7 +76,9 @@ void AxisRange::widen(bool low_fixed, bool high_fixed) {
 bool AxisRange::has_place(double value) const noexcept { return is_log() ? value > 0 : !std::isnan(value); }
 
 double AxisRange::scaled(double value) const noexcept {
-    return scale_ == Axis::Scale::linear ? value : scale_ == Axis::Scale::log2 ? std::log2(value) : std::log10(value);
+    return scale_ == AxisSpec::Scale::linear ? value
+           : scale_ == AxisSpec::Scale::log2 ? std::log2(value)
+                                             : std::log10(value);
 }
 
 double AxisRange::place(double s) const noexcept {
@@ -103,7 +92,7 @@ double AxisRange::position(double value) const noexcept {
 }
 
 std::vector<AxisRange::Tick> AxisRange::exponent_ticks(int most) const {
-    const bool two = scale_ == Axis::Scale::log2;
+    const bool two = scale_ == AxisSpec::Scale::log2;
     double step = 1;
     const std::vector<double> steps = two ? std::vector<double>{1, 2, 4, 8, 16, 32, 64, 128, 256, 512, 1024}
                                           : std::vector<double>{1, 2, 5, 10, 20, 50, 100, 200, 500};

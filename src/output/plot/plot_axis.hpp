@@ -8,7 +8,7 @@
 namespace lostbits::output::plot {
 
 /// What the caller says about an axis.
-struct Axis {
+struct AxisSpec {
     enum class Scale { linear, log2, log10 };
     std::string title;
     Scale scale = Scale::linear;
@@ -21,7 +21,7 @@ public:
     /// The ends are those of `axis`, else the least and greatest of `values` that have a place. A range without extent
     /// is widened about its value, and a linear one that comes near 0 starts there. Throws std::invalid_argument for
     /// ends that are not finite, not in order, or not positive on a log scale.
-    AxisRange(const Axis& axis, const std::vector<double>& values);
+    AxisRange(const AxisSpec& axis, const std::vector<double>& values);
 
     /// Whether `value` has a place: infinities have, a NaN and what is not positive on a log scale have not.
     [[nodiscard]] bool has_place(double value) const noexcept;
@@ -39,7 +39,8 @@ public:
     /// Round values between the ends, about `most` (at least 2) labelled ones.
     [[nodiscard]] std::vector<Tick> ticks(int most) const;
 
-    [[nodiscard]] bool is_log() const noexcept { return scale_ != Axis::Scale::linear; }
+    [[nodiscard]] const std::string& title() const noexcept { return title_; }
+    [[nodiscard]] bool is_log() const noexcept { return scale_ != AxisSpec::Scale::linear; }
 
 private:
     [[nodiscard]] double scaled(double value) const noexcept;
@@ -47,7 +48,8 @@ private:
     void widen(bool low_fixed, bool high_fixed);
     [[nodiscard]] std::vector<Tick> exponent_ticks(int most) const;
 
-    Axis::Scale scale_;
+    std::string title_;
+    AxisSpec::Scale scale_;
     double lo_ = 0, hi_ = 1;  // exponents on a log scale
 };
 

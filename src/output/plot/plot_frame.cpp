@@ -77,11 +77,8 @@ std::vector<PlotAxes::Tick> PlotAxes::render(ImageBackend& backend, const AxisRa
     return out;
 }
 
-PlotAxes::PlotAxes(ImageBackend& backend, const Axis& x, const AxisRange& x_range, const Axis& y,
-                   const AxisRange& y_range, int width, int height)
-    : x_ticks_(render(backend, x_range, width / tick_pitch_x)),
-      y_ticks_(render(backend, y_range, height / tick_pitch_y)),
-      digit_rise_(image::style::text_size * 73 / 200) {
+PlotAxes::PlotAxes(ImageBackend& backend, const AxisRange& x, const AxisRange& y, int width, int height)
+    : x_ticks_(render(backend, x, width / tick_pitch_x)), y_ticks_(render(backend, y, height / tick_pitch_y)) {
     int widest = 0, highest = 0;
     for (const auto& tick : y_ticks_) {
         widest = std::max(widest, tick.label.width);
@@ -93,16 +90,16 @@ PlotAxes::PlotAxes(ImageBackend& backend, const Axis& x, const AxisRange& x_rang
     }
     left_ = std::max(1 + tick_length + label_gap + widest, right_);
     below_ = 1 + tick_length + label_gap + highest;
-    if (!x.title.empty()) {
-        x_title_ = image::fit_text(backend, x.title, image::style::text_size, false, width);
-        if (x.title.find('^') != std::string::npos) {
-            auto raised = power_text(backend, x.title, image::style::text_size);
+    if (!x.title().empty()) {
+        x_title_ = image::fit_text(backend, x.title(), image::style::text_size, false, width);
+        if (x.title().find('^') != std::string::npos) {
+            auto raised = power_text(backend, x.title(), image::style::text_size);
             if (raised.width <= width) x_title_ = std::move(raised);
         }
         below_ += title_gap + x_title_.height;
     }
-    if (!y.title.empty()) {
-        y_title_ = turned(image::fit_text(backend, y.title, image::style::text_size, false, height));
+    if (!y.title().empty()) {
+        y_title_ = turned(image::fit_text(backend, y.title(), image::style::text_size, false, height));
         left_ += title_gap + y_title_.width;
     }
 }
@@ -132,8 +129,9 @@ void PlotAxes::draw(image::Canvas& canvas, const PlotFrame& frame) const {
         const int y = static_cast<int>(std::floor(frame.up(tick.position)));
         const int length = tick.label.width > 0 ? tick_length : minor_length;
         canvas.fill(frame.x - 1 - length, y, length, 1, image::style::soft_ink);
-        canvas.text(frame.x - 1 - tick_length - label_gap - tick.label.width, y - tick.label.baseline + digit_rise_,
-                    tick.label, image::style::ink);
+        canvas.text(frame.x - 1 - tick_length - label_gap - tick.label.width,
+                    y - tick.label.baseline + image::style::digit_rise(image::style::text_size), tick.label,
+                    image::style::ink);
     }
     canvas.text(frame.x + (frame.width - x_title_.width) / 2, label_y + highest + title_gap, x_title_,
                 image::style::ink);

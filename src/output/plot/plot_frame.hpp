@@ -30,8 +30,7 @@ struct PlotFrame {
 class PlotAxes {
 public:
     /// For a frame of about `width` by `height` pixels.
-    PlotAxes(image::ImageBackend& backend, const Axis& x, const AxisRange& x_range, const Axis& y,
-             const AxisRange& y_range, int width, int height);
+    PlotAxes(image::ImageBackend& backend, const AxisRange& x, const AxisRange& y, int width, int height);
 
     /// Pixels that ticks, labels and title take outside the frame.
     [[nodiscard]] int left() const noexcept { return left_; }
@@ -56,7 +55,6 @@ private:
     std::vector<Tick> x_ticks_, y_ticks_;
     image::TextBitmap x_title_, y_title_;
     int left_ = 0, below_ = 0, above_ = 0, right_ = 0;
-    int digit_rise_ = 0;  // from a label's baseline to the middle of its digits
 };
 
 }  // namespace lostbits::output::plot

@@ -27,10 +27,16 @@ constexpr std::array<double, 2> dashes{5, 4};
 
 Rgb8 colour_of(std::size_t colour, bool faint) { return faint ? faint_colour : palette[colour % palette.size()]; }
 
-void paint_marker(Canvas& canvas, Stroke& stroke, Point at, int marker, Rgb8 colour, bool hollow) {
-    draw_marker(stroke, at, marker);
-    stroke.paint(canvas, colour);
-    if (!hollow) return;
+struct Marker {
+    int kind;
+    Rgb8 colour;
+    bool hollow;
+};
+
+void paint_marker(Canvas& canvas, Stroke& stroke, Point at, const Marker& marker) {
+    draw_marker(stroke, at, marker.kind);
+    stroke.paint(canvas, marker.colour);
+    if (!marker.hollow) return;
     stroke.disc(at, hole);
     stroke.paint(canvas, image::style::page);
 }
@@ -64,7 +70,7 @@ public:
         Stroke stroke(0, 0, canvas.width(), canvas.height());
         for (const auto& p : placed_) {
             const Point at{x + p.x + marker_room / 2.0, y + p.y + line / 2.0};
-            paint_marker(canvas, stroke, at, p.key->marker, colour_of(p.key->colour, p.key->faint), p.key->hollow);
+            paint_marker(canvas, stroke, at, {p.key->marker, colour_of(p.key->colour, p.key->faint), p.key->hollow});
             canvas.text(x + p.x + marker_room, y + p.y + (line - p.text.height) / 2, p.text, image::style::ink);
         }
     }
@@ -117,7 +123,7 @@ public:
                 stroke_.polyline(spread, 1);
                 stroke_.paint(canvas_, colour);
             }
-            paint_marker(canvas_, stroke_, place(p.x, p.y), p.marker, colour, p.hollow);
+            paint_marker(canvas_, stroke_, place(p.x, p.y), {p.marker, colour, p.hollow});
         }
     }
 
@@ -169,7 +175,7 @@ private:
     Stroke stroke_;
 };
 
-AxisRange range_of(const ScatterPlotSpec& spec, const Axis& axis, bool is_x) {
+AxisRange range_of(const ScatterPlotSpec& spec, const AxisSpec& axis, bool is_x) {
     std::vector<double> values;
     for (const auto& p : spec.points) {
         if (std::isnan(p.x) || std::isnan(p.y)) continue;
@@ -189,7 +195,7 @@ void write_scatter_plot(ImageBackend& backend, const std::filesystem::path& path
     const int content = spec.width - 2 * image::style::margin;
     const Canvas head = image::heading(backend, spec.title, spec.subtitle, content);
     const Keys keys(backend, spec.keys, content);
-    const PlotAxes axes(backend, spec.x, x, spec.y, y, content - 60, spec.height - 200);
+    const PlotAxes axes(backend, x, y, content - 60, spec.height - 200);
     const auto lacking = static_cast<int>(
         std::ranges::count_if(spec.points, [&](const ScatterPoint& p) { return !has_place(p, x, y); }));
     const std::string absent =
@@ -215,9 +221,7 @@ void write_scatter_plot(ImageBackend& backend, const std::filesystem::path& path
     keys.draw(page, image::style::margin, frame.y + frame.height + 1 + axes.below() + gap);
     page.picture(image::style::margin, page.height() - image::style::margin - notes.height(), notes);
 
-    const auto png = backend.open_png(path, page.width(), page.height());
-    png->write_rows(page.height(), page.pixels());
-    png->close();
+    image::save_png(backend, path, page);
 }
 
 }  // namespace lostbits::output::plot

@@ -1,4 +1,4 @@
-// What costs what: points of two properties, those that nothing beats joined by a stepped line and named.
+// Points of two properties; those on the Pareto front are joined by a stepped line and named.
 #pragma once
 
 #include <filesystem>
@@ -23,7 +23,7 @@ struct ScatterPoint {
 struct ScatterPlotSpec {
     std::string title;
     std::vector<std::string> subtitle;
-    Axis x, y;
+    AxisSpec x, y;
     std::vector<ScatterPoint> points;  ///< a point with a NaN has no place; it is counted in a footnote
     struct Step {
         double x, y;

@@ -28,18 +28,18 @@ std::vector<Column> time_columns() {
     std::vector<Column> columns = kernel_columns;
     columns.insert(columns.end(),
                    {{"working_set", "string", "",
-                     "where rays and answers lie: l1, l2 (half of the cache), memory (walked round and round)"},
+                     "where rays and answers lie: l1, l2 (half of the cache), memory (read again and again)"},
                     {"working_set_bytes", "integer", "B", "of rays and answers"},
                     {"working_set_rays", "integer", "", "rays that these bytes hold"},
                     {"hit_rate", "number", "1",
-                     "share of the rays that hit; in l1 a processor may learn the few hundred rays by heart, which "
-                     "flatters kernels that branch"},
-                    {"time_ns", "number", "ns", "a ray; median of the repetitions"},
-                    {"time_ns_q1", "number", "ns", "a ray; first quartile"},
-                    {"time_ns_q3", "number", "ns", "a ray; third quartile"},
+                     "share of the rays that hit; in l1 a processor can learn the few hundred rays, so kernels that "
+                     "branch look faster than they are"},
+                    {"time_ns", "number", "ns", "per ray; median of the repetitions"},
+                    {"time_ns_q1", "number", "ns", "per ray; first quartile"},
+                    {"time_ns_q3", "number", "ns", "per ray; third quartile"},
                     {"spread", "number", "1", "(third - first quartile)/median"},
                     {"rays_per_second", "number", "1/s", "1/time"},
-                    {"repetitions", "integer", "", "measurements, one a round over all kernels"}});
+                    {"repetitions", "integer", "", "measurements, one in each round over all kernels"}});
     for (const auto name : operation_names) {
         columns.push_back({fmt::format("ops_{}", name), "integer", "",
                            fmt::format("{} of one evaluation of the form on a hit, as it is written, constants folded",
@@ -56,32 +56,31 @@ std::vector<Column> standing_columns() {
     columns.insert(columns.end(), kernel_columns.begin(), kernel_columns.end());
     columns.insert(
         columns.end(),
-        {{"time_ns", "number", "ns", "a ray of the easy set, working set l1, hit rate 0.5: median"},
+        {{"time_ns", "number", "ns", "per ray of the easy set, working set l1, hit rate 0.5: median"},
          {"rays", "integer", "", "rays of the set"},
-         {"lost_bits_p50", "number", "bits", "median over the hits that form and truth agree on"},
+         {"lost_bits_p50", "number", "bits", "median over the correct hits"},
          {"lost_bits_p99", "number", "bits", "99th percentile over the same"},
          {"excess_bits_p99", "number", "bits", "99th percentile of what is lost beyond what the problem itself costs"},
-         {"kept_bits_p99", "number", "bits", "significand bits of the format less lost_bits_p99"},
+         {"kept_bits_p99", "number", "bits", "significand bits of the format minus lost_bits_p99"},
          {"false_hit_fraction", "number", "1", "false hits among the rays that truly miss"},
          {"false_miss_fraction", "number", "1", "false misses among the rays that truly hit"},
          {"wrong_fraction", "number", "1", "false hits, false misses and NaNs among all rays whose truth is known"},
          {"dominated", "boolean", "",
-          "another entry of the set is at least as fast and at least as accurate, and better in one; more accurate is "
-          "what has the smaller wrong_fraction, and among "
-          "equals the greater kept_bits_p99"}});
+          "whether another entry of the set is at least as fast and at least as accurate, and better in one of the "
+          "two; the more accurate entry has the smaller wrong_fraction or, if these are equal, the greater "
+          "kept_bits_p99"}});
     return columns;
 }
 
 Cell number_or_missing(double x) { return std::isnan(x) ? Cell() : Cell(x); }
 
 Cell fraction(std::uint64_t part, std::uint64_t whole) {
-    return whole == 0 ? Cell() : Cell(static_cast<double>(part) / static_cast<double>(whole));
+    return number_or_missing(measure::truth::fraction(part, whole));
 }
 
 const measure::metric::Distribution& metric_of(const TradeRequest& request, const measure::map::MapSummary& s,
                                                const char* name) {
-    return s.metrics[static_cast<std::size_t>(std::ranges::find(request.metrics, measure::metric::find_metric(name)) -
-                                              request.metrics.begin())];
+    return s.metrics[measure::metric::place_of(request.metrics, name)];
 }
 
 void add_kernel(file::CsvWriter& csv, const measure::speed::TradeKernel& kernel) {
@@ -108,7 +107,7 @@ std::vector<measure::speed::ParetoPoint> pareto_points_of(const TradeRequest& re
 
 std::string trade_in_words(const TradeRequest& request, const TradeResult& result) {
     std::string text =
-        "Time a ray of the easy set, working set l1, every other ray a hit; measured in this run, so it varies.\n";
+        "Time per ray of the easy set, working set l1, every other ray a hit. Measured in this run, so it varies.\n";
     const auto sets = measure::speed::ray_sets(request.shape);
     for (std::size_t s = 0; s < sets.size(); ++s) {
         const auto all = pareto_points_of(request, result, s);
@@ -117,7 +116,7 @@ std::string trade_in_words(const TradeRequest& request, const TradeResult& resul
             const auto best = measure::speed::cheapest(all, bits);
             const std::string answer =
                 best ? fmt::format("is {}: {:.2f} ns", in_words(request.kernels[*best]), all[*best].time_ns)
-                     : "does not exist: none keeps them";
+                     : "does not exist: none keeps that many";
             text += fmt::format(
                 "  the cheapest form that keeps at least {:>2} bits (p99) on this set with no wrong decision {}\n",
                 bits, answer);
@@ -164,7 +163,7 @@ void TradeFiles::write_standings(const TradeResult& result) {
                 .add(number_or_missing(lost.quantile(0.99)));
             standings_.add(number_or_missing(metric_of(request_, a, "excess_bits").quantile(0.99)))
                 .add(number_or_missing(all[k].kept_bits));
-            standings_.add(fraction(a.count(Outcome::false_hit), a.rays - a.true_hits - a.count(Outcome::unresolved)));
+            standings_.add(fraction(a.count(Outcome::false_hit), a.true_misses()));
             standings_.add(fraction(a.count(Outcome::false_miss), a.true_hits))
                 .add(all[k].wrong_fraction)
                 .add(static_cast<bool>(beaten[k]));

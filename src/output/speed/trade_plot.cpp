@@ -6,6 +6,7 @@
 #include <cmath>
 #include <string_view>
 
+#include "output/map/row_names.hpp"
 #include "output/speed/trade_files.hpp"
 
 namespace lostbits::output::speed {
@@ -16,31 +17,30 @@ using plot::ScatterPlotSpec;
 
 namespace {
 
-struct Look {
+/// How a kernel is drawn.
+struct KernelMark {
     std::string_view isa, variant;
     int marker;
     const char* label;
 };
-constexpr Look looks[] = {{"scalar", "", 0, "one ray at a time"},
-                          {"128", "", 1, "128-bit registers"},
-                          {"256", "", 2, "256-bit"},
-                          {"512", "", 3, "512-bit"},
-                          {"256", "contract", 4, "256-bit, contracted"},
-                          {"256", "fastmath", 5, "256-bit, fast math"}};
+constexpr KernelMark kernel_marks[] = {{"scalar", "", 0, "one ray at a time"},
+                                       {"128", "", 1, "128-bit registers"},
+                                       {"256", "", 2, "256-bit"},
+                                       {"512", "", 3, "512-bit"},
+                                       {"256", "contract", 4, "256-bit, contracted"},
+                                       {"256", "fastmath", 5, "256-bit, fast math"}};
 
-bool looks_so(const TradeKernel& kernel, const Look& look) {
-    return kernel.isa == look.isa && kernel.variant == look.variant;
+bool is_marked_so(const TradeKernel& kernel, const KernelMark& mark) {
+    return kernel.isa == mark.isa && kernel.variant == mark.variant;
 }
 
 int marker_of(const TradeKernel& kernel) {
-    const auto found = std::ranges::find_if(looks, [&kernel](const Look& look) { return looks_so(kernel, look); });
-    return found == std::end(looks) ? 0 : found->marker;
+    const auto found =
+        std::ranges::find_if(kernel_marks, [&kernel](const KernelMark& mark) { return is_marked_so(kernel, mark); });
+    return found == std::end(kernel_marks) ? 0 : found->marker;
 }
 
 std::size_t colour_of(const Format& format) { return format.engine == Format::Engine::native64 ? 1 : 0; }
-
-/// Without the shape, which the title has.
-std::string short_name(const intersect::Info& info) { return std::string(info.name.substr(info.name.find('.') + 1)); }
 
 std::vector<ScatterPlotSpec::Key> keys_of(const TradeRequest& request) {
     std::vector<ScatterPlotSpec::Key> keys;
@@ -49,16 +49,20 @@ std::vector<ScatterPlotSpec::Key> keys_of(const TradeRequest& request) {
         if (std::ranges::any_of(request.kernels, in))
             keys.push_back({name, 0, colour_of(std::ranges::find_if(request.kernels, in)->measured.format)});
     }
-    for (const Look& look : looks) {
-        if (std::ranges::any_of(request.kernels, [&look](const TradeKernel& k) { return looks_so(k, look); }))
-            keys.push_back({look.label, look.marker, 0, true});
+    for (const KernelMark& mark : kernel_marks) {
+        if (std::ranges::any_of(request.kernels, [&mark](const TradeKernel& k) { return is_marked_so(k, mark); }))
+            keys.push_back({mark.label, mark.marker, 0, true});
     }
     keys.push_back({"decides some rays wrongly", 0, 0, false, true});
-    keys.push_back({"dominated", 0, 0, true});
+    keys.push_back({"not on the Pareto front", 0, 0, true});
     return keys;
 }
 
 }  // namespace
+
+std::string registers_of(const TradeKernel& kernel) {
+    return kernel.isa == "scalar" ? "one ray at a time" : fmt::format("{}-bit registers", kernel.isa);
+}
 
 ScatterPlotSpec trade_plot(const TradeRequest& request, const measure::speed::TradeResult& result, std::size_t set) {
     const auto all = pareto_points_of(request, result, set);
@@ -73,17 +77,23 @@ ScatterPlotSpec trade_plot(const TradeRequest& request, const measure::speed::Tr
                                  "quartile to quartile.",
                                  result.accuracy(set, 0).rays, rays.name, static_cast<double>(bytes) / 1024,
                                  request.plan.repetitions),
-                     "Named: what no other beats. Fewer wrong decisions count before more bits, so the line may step "
-                     "down to a form that is never wrong."};
-    spec.x = {"time a ray, ns", plot::Axis::Scale::log2, {}, {}};
-    spec.y = {"bits that 99 % of the hits keep", plot::Axis::Scale::linear, 0.0, {}};
+                     "Named: the Pareto front. Fewer wrong decisions count before more bits, so it may step down to a "
+                     "form that is never wrong."};
+    spec.x = {time_title, plot::AxisSpec::Scale::log2, {}, {}};
+    spec.y = {kept_title, plot::AxisSpec::Scale::linear, 0.0, {}};
     std::vector<std::size_t> front;
     for (std::size_t k = 0; k < all.size(); ++k) {
         const TradeKernel& kernel = request.kernels[k];
         const measure::speed::Timing& t = result.times[k][load].timing;
-        spec.points.push_back({all[k].time_ns, all[k].kept_bits, t.low_quartile * 1e9, t.high_quartile * 1e9,
-                               marker_of(kernel), colour_of(kernel.measured.format), beaten[k], !all[k].never_wrong(),
-                               beaten[k] ? std::string() : short_name(*kernel.measured.form->info)});
+        spec.points.push_back({.x = all[k].time_ns,
+                               .y = all[k].kept_bits,
+                               .x_low = t.low_quartile * 1e9,
+                               .x_high = t.high_quartile * 1e9,
+                               .marker = marker_of(kernel),
+                               .colour = colour_of(kernel.measured.format),
+                               .faint = beaten[k],
+                               .hollow = !all[k].never_wrong(),
+                               .label = beaten[k] ? std::string() : map::short_name(*kernel.measured.form->info)});
         if (!beaten[k] && !std::isnan(all[k].kept_bits)) front.push_back(k);
     }
     std::ranges::stable_sort(front, {}, [&all](std::size_t k) { return all[k].time_ns; });

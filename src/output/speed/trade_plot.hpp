@@ -2,11 +2,18 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 
 #include "measure/speed/trade.hpp"
 #include "output/plot/scatter_plot.hpp"
 
 namespace lostbits::output::speed {
+
+/// The titles of its axes, here and on the page.
+inline constexpr const char *time_title = "time per ray, ns", *kept_title = "bits that 99 % of the hits keep";
+
+/// `one ray at a time`, `256-bit registers`
+std::string registers_of(const measure::speed::TradeKernel& kernel);
 
 /// What is drawn: markers by register width, colours by format; grey what is dominated, hollow what decides any ray
 /// wrongly. The stepped line joins what is not dominated; it is dashed between those that are sometimes wrong.

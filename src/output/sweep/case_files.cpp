@@ -9,6 +9,7 @@
 #include "output/file/number_text.hpp"
 #include "output/map/map_colour.hpp"
 #include "output/map/map_tables.hpp"
+#include "output/map/row_names.hpp"
 #include "output/plot/matrix_plot.hpp"
 
 namespace lostbits::output::sweep {
@@ -19,17 +20,22 @@ using measure::map::MapSummary;
 using measure::sweep::CaseRequest;
 using measure::sweep::Verdict;
 
+std::string right_means(const scene::sweep::CaseFile& file) {
+    return fmt::format(
+        "every decision is right, and no answer loses more than {} bits beyond what half an ulp in each input would "
+        "cost",
+        file::decimal(file.right_within_bits));
+}
+
 namespace {
 
 std::vector<Column> case_columns(const CaseRequest& request) {
     std::vector<Column> columns{
-        {"case", "string", "", "what is extreme about it"},
+        {"case", "string", "", "name of the case"},
         {"convention", "string", "",
-         "by whose word touching is judged: the form's own, the closed solid's, the open one's"},
+         "how touching is judged: by the form's own rule (own), as a hit (closed), or as a miss (open)"},
         {"verdict", "string", "",
-         fmt::format("right (every decision, and no answer more than {} bits beyond the envelope), wrong_value, or the "
-                     "most frequent wrong decision",
-                     file::decimal(request.file->right_within_bits))}};
+         fmt::format("right ({}), wrong_value, or the most frequent wrong decision", right_means(*request.file))}};
     for (Column& c : map::SummaryTable{request.metrics, {request.file->shape()}}.columns()) {
         if (c.name == "rays") c.meaning = "rays of the case";
         if (c.name == "worst_x") c.meaning = "ray with the largest |ulp_error| in its group, from 0";
@@ -73,10 +79,9 @@ void write_case_matrix(const std::filesystem::path& path, const CaseRequest& req
         .title = judged
                      ? fmt::format("{}: judged as {} solids", request.file->title, intersect::convention_name(judged))
                      : request.file->title,
-        .subtitle = {fmt::format("Right: every decision, and no answer more than {} bits beyond what half an ulp in "
-                                 "each input would cost. A number in a coloured cell: "
-                                 "how many of the rays; on the ramp: bits lost by the worst.",
-                                 file::decimal(request.file->right_within_bits))},
+        .subtitle = {fmt::format(
+            "Right: {}. A number in a coloured cell: how many rays; on the ramp: bits lost by the worst ray.",
+            right_means(*request.file))},
         .groups = {},
         .rows = {},
         .cells = {},
@@ -92,8 +97,7 @@ void write_case_matrix(const std::filesystem::path& path, const CaseRequest& req
     for (auto& group : spec.groups) {
         for (std::size_t r = 0; r < request.rows.size(); ++r) {
             if (request.rows[r].format.name != group.label || request.rows[r].judged != judged) continue;
-            const auto name = request.rows[r].form->info->name;
-            group.columns.emplace_back(name.substr(name.find('.') + 1));
+            group.columns.push_back(map::short_name(*request.rows[r].form->info));
             order.push_back(r);
         }
     }

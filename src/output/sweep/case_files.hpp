@@ -14,6 +14,9 @@ namespace lostbits::output::sweep {
 /// Of a case that a form has right.
 inline constexpr image::Rgb8 case_right_colour{226, 238, 226};
 
+/// What the verdict `right` means: `every decision is right, and no answer loses more than 1 bits beyond …`.
+[[nodiscard]] std::string right_means(const scene::sweep::CaseFile& file);
+
 /// Opened before the work, named when it is whole.
 class CaseFiles {
 public:

@@ -8,6 +8,7 @@
 
 #include "output/file/number_text.hpp"
 #include "output/map/map_colour.hpp"
+#include "output/map/row_names.hpp"
 #include "output/plot/plane_plot.hpp"
 
 namespace lostbits::output::sweep {
@@ -143,15 +144,13 @@ void write_plane_picture(ImageBackend& backend, const std::filesystem::path& pat
         }
     }
     spec.legend = map::outcome_legend(drawn);
-    if (any_inside)
-        spec.legend.push_back({"paler: inside the envelope", map::paler(spec.scale->map(spec.scale->hi() / 2)), {}});
+    if (any_inside) spec.legend.push_back({map::paler_means, map::paler(spec.scale->map(spec.scale->hi() / 2)), {}});
     plot::write_plane_plot(backend, path, spec);
 }
 
 void write_plane(ImageBackend& backend, const std::filesystem::path& folder, const SweepRequest& request,
                  const std::vector<SweepStep>& steps, std::size_t row) {
-    const MapRow& what = request.rows[row];
-    const std::string stem = fmt::format("{}.{}", what.form->info->name, what.format.name);
+    const std::string stem = map::row_name(request.rows[row]);
     write_plane_picture(backend, folder / (stem + ".png"), request, steps, row);
     write_exr(backend, folder / (stem + ".exr"), request, Plane(request, steps), row);
 }

@@ -11,7 +11,7 @@
 namespace lostbits::output::sweep {
 
 /// A sweep's axis as a plot shows it.
-plot::Axis plot_axis(const scene::sweep::Axis& axis);
+plot::AxisSpec plot_axis(const scene::sweep::Axis& axis);
 /// Rays with a wrong decision or NaN, among all.
 double wrong_share(const measure::map::MapSummary& s);
 

@@ -10,13 +10,12 @@
 
 #include "measure/blame/culprits.hpp"
 #include "output/map/culprit_table.hpp"
-#include "output/map/map_colour.hpp"
+#include "output/map/row_names.hpp"
 #include "output/plot/line_plot.hpp"
 #include "output/sweep/sweep_planes.hpp"
 
 namespace lostbits::output::sweep {
 
-using image::ImageBackend;
 using measure::answer::Outcome;
 using measure::map::MapRow;
 using measure::map::MapSummary;
@@ -26,8 +25,8 @@ using measure::sweep::SweepStep;
 using plot::LinePlotSpec;
 using plot::Series;
 
-plot::Axis plot_axis(const scene::sweep::Axis& axis) {
-    using S = plot::Axis::Scale;
+plot::AxisSpec plot_axis(const scene::sweep::Axis& axis) {
+    using S = plot::AxisSpec::Scale;
     return {axis.unit.empty() ? axis.name : fmt::format("{} [{}]", axis.name, axis.unit),
             axis.spacing == scene::sweep::Axis::Spacing::log2 ? S::log2 : S::linear,
             {},
@@ -48,10 +47,6 @@ std::size_t index_of(const SweepRequest& request, const char* metric) {
                                     request.metrics.begin());
 }
 
-std::string short_name(const MapRow& row) {
-    return std::string(row.form->info->name.substr(row.form->info->name.find('.') + 1));
-}
-
 /// One value of a row along the sweep, in rising order of the parameter.
 Series series_of(const std::vector<SweepStep>& steps, std::size_t row, const std::string& label,
                  const std::function<double(const MapSummary&)>& value) {
@@ -69,7 +64,7 @@ Series series_of(const std::vector<SweepStep>& steps, std::size_t row, const std
 
 struct Quantity {
     std::string title;
-    plot::Axis axis;
+    plot::AxisSpec axis;
     std::function<double(const MapSummary&)> value;
     std::function<double(const MapSummary&)> envelope;  ///< empty: none
     bool (*shows)(const MapRow&) = [](const MapRow&) { return true; };
@@ -77,23 +72,28 @@ struct Quantity {
 
 bool marches(const MapRow& row) { return row.form->shape == Shape::sdf; }
 
-void write_lines(ImageBackend& backend, const std::filesystem::path& path, const SweepRequest& request,
-                 const std::vector<SweepStep>& steps, const std::vector<Onset>& onsets, const Format& format,
+/// What every plot along a sweep has: the sweep's own words and axis, and how many rays a step has.
+LinePlotSpec plot_along(const MeasuredSweep& sweep, const std::string& title, const plot::AxisSpec& y) {
+    const scene::sweep::SweepFile& file = *sweep.request.sweep;
+    return {.title = title,
+            .subtitle = {file.title, fmt::format("{} rays per step", sweep.steps.front().rows.front().rays)},
+            .x = plot_axis(file.axes.front()),
+            .y = y,
+            .series = {}};
+}
+
+void write_lines(const std::filesystem::path& path, const MeasuredSweep& sweep, const Format& format,
                  const Quantity& quantity, PlotSize size = {}) {
-    LinePlotSpec spec{
-        .title = fmt::format("{} in {}", quantity.title, format.name),
-        .subtitle = {request.sweep->title, fmt::format("{} rays a step", steps.front().rows.front().rays)},
-        .x = plot_axis(request.sweep->axes.front()),
-        .y = quantity.axis,
-        .series = {},
-        .width = size.width,
-        .height = size.height};
+    const SweepRequest& request = sweep.request;
+    LinePlotSpec spec = plot_along(sweep, fmt::format("{} in {}", quantity.title, format.name), quantity.axis);
+    spec.width = size.width;
+    spec.height = size.height;
     for (std::size_t r = 0; r < request.rows.size(); ++r) {
         if (request.rows[r].format != format || !quantity.shows(request.rows[r])) continue;
-        spec.series.push_back(series_of(steps, r, short_name(request.rows[r]), quantity.value));
+        spec.series.push_back(series_of(sweep.steps, r, map::short_name(*request.rows[r].form->info), quantity.value));
         // The envelope is the problem's, not a form's: any row that sees hits all along gives it.
         if (quantity.envelope && !spec.envelope) {
-            Series envelope = series_of(steps, r, "envelope: half an ulp in each input", quantity.envelope);
+            Series envelope = series_of(sweep.steps, r, "envelope: half an ulp in each input", quantity.envelope);
             if (std::ranges::none_of(envelope.y, [](double y) { return std::isnan(y); }))
                 spec.envelope = std::move(envelope);
         }
@@ -101,69 +101,67 @@ void write_lines(ImageBackend& backend, const std::filesystem::path& path, const
     for (const auto& mark : request.sweep->marks) {
         if (!mark.format.empty() && mark.format != format.name) continue;
         spec.marks.push_back({mark.at, mark.label});
-        const auto measured = std::ranges::find_if(onsets, [&](const Onset& o) {
-            const MapRow& row = request.rows[o.row];
+        const auto measured = std::ranges::find_if(sweep.onsets, [&](const Onset& o) {
+            const MapRow& row = sweep.request.rows[o.row];
             return o.found && row.form->info->name == mark.form && row.format == format && o.event == mark.event &&
                    o.statistic == mark.statistic && o.threshold == mark.threshold;
         });
-        if (measured != onsets.end())
+        if (measured != sweep.onsets.end())
             spec.marks.push_back(
-                {measured->first_bad, fmt::format("{}: measured", short_name(request.rows[measured->row]))});
+                {measured->first_bad,
+                 fmt::format("{}: measured", map::short_name(*request.rows[measured->row].form->info))});
     }
-    plot::write_line_plot(backend, path, spec);
+    plot::write_line_plot(image::image_backend(), path, spec);
 }
 
 }  // namespace
 
-void write_lost_bits_plot(ImageBackend& backend, const std::filesystem::path& path, const SweepRequest& request,
-                          const std::vector<SweepStep>& steps, const std::vector<Onset>& onsets, const Format& format,
-                          double q, PlotSize size) {
+void write_lost_bits_plot(const std::filesystem::path& path, const MeasuredSweep& sweep, const Format& format, double q,
+                          PlotSize size) {
+    const SweepRequest& request = sweep.request;
     const std::size_t lost = index_of(request, "lost_bits"), inherent = index_of(request, "inherent_bits");
     Quantity quantity{fmt::format("Lost bits, {}", q == 0.5 ? "median" : "99th percentile"),
-                      {"lost bits", plot::Axis::Scale::linear, 0.0, static_cast<double>(format.shape.precision)},
+                      {"lost bits", plot::AxisSpec::Scale::linear, 0.0, static_cast<double>(format.shape.precision)},
                       [lost, q](const MapSummary& s) { return s.metrics[lost].quantile(q); },
                       {}};
     if (inherent < request.metrics.size())
         quantity.envelope = [inherent, q](const MapSummary& s) { return s.metrics[inherent].quantile(q); };
-    write_lines(backend, path, request, steps, onsets, format, quantity, size);
+    write_lines(path, sweep, format, quantity, size);
 }
 
-void write_wrong_plot(ImageBackend& backend, const std::filesystem::path& path, const SweepRequest& request,
-                      const std::vector<SweepStep>& steps, const std::vector<Onset>& onsets, const Format& format,
+void write_wrong_plot(const std::filesystem::path& path, const MeasuredSweep& sweep, const Format& format,
                       PlotSize size) {
-    write_lines(backend, path, request, steps, onsets, format,
-                {"Rays with the wrong answer", {"share of rays", plot::Axis::Scale::linear, 0.0, 1.0}, wrong_share, {}},
-                size);
+    write_lines(
+        path, sweep, format,
+        {"Rays with the wrong answer", {"share of rays", plot::AxisSpec::Scale::linear, 0.0, 1.0}, wrong_share, {}},
+        size);
 }
 
 namespace {
 
 /// Model and rounding error of one row, side by side.
-void write_split_plot(ImageBackend& backend, const std::filesystem::path& path, const SweepRequest& request,
-                      const std::vector<SweepStep>& steps, std::size_t r) {
+void write_split_plot(const std::filesystem::path& path, const MeasuredSweep& sweep, std::size_t r) {
+    const SweepRequest& request = sweep.request;
     const MapRow& row = request.rows[r];
-    LinePlotSpec spec{
-        .title = fmt::format("Model and rounding error of {} in {}, medians", row.form->info->name, row.format.name),
-        .subtitle = {request.sweep->title, fmt::format("{} rays a step", steps.front().rows.front().rays)},
-        .x = plot_axis(request.sweep->axes.front()),
-        .y = {"ulp", plot::Axis::Scale::log2, 0x1p-6, {}},
-        .series = {}};
+    LinePlotSpec spec = plot_along(
+        sweep, fmt::format("Model and rounding error of {} in {}, medians", row.form->info->name, row.format.name),
+        {"ulp", plot::AxisSpec::Scale::log2, 0x1p-6, {}});
     for (const char* name : {"model_error", "rounding_error", "ulp_error"}) {
         const std::size_t m = index_of(request, name);
         const std::string label =
             name == std::string("ulp_error") ? "all error" : std::string(name).substr(0, std::string(name).find('_'));
         spec.series.push_back(
-            series_of(steps, r, label, [m](const MapSummary& s) { return s.metrics[m].quantile(0.5); }));
+            series_of(sweep.steps, r, label, [m](const MapSummary& s) { return s.metrics[m].quantile(0.5); }));
     }
     for (const auto& mark : request.sweep->marks) {
         if (mark.format.empty() || mark.format == row.format.name) spec.marks.push_back({mark.at, mark.label});
     }
-    plot::write_line_plot(backend, path, spec);
+    plot::write_line_plot(image::image_backend(), path, spec);
 }
 
 /// What a sweep over forms that march shows beside its errors; nothing where none does.
-void write_march_plots(ImageBackend& backend, const std::filesystem::path& folder, const SweepRequest& request,
-                       const std::vector<SweepStep>& steps, const std::vector<Onset>& onsets, const Format& format) {
+void write_march_plots(const std::filesystem::path& folder, const MeasuredSweep& sweep, const Format& format) {
+    const SweepRequest& request = sweep.request;
     const std::size_t stop = index_of(request, "stop"), iterations = index_of(request, "iterations");
     if (stop == request.metrics.size()) return;
     const auto unfinished = [stop](const MapSummary& s) {
@@ -171,37 +169,36 @@ void write_march_plots(ImageBackend& backend, const std::filesystem::path& folde
                        s.categories[stop][static_cast<std::size_t>(intersect::Stop::stagnated)];
         return static_cast<double>(n) / static_cast<double>(s.rays);
     };
-    write_lines(backend, folder / fmt::format("unfinished.{}.png", format.name), request, steps, onsets, format,
-                {"Marches that came to no end",
-                 {"share of rays", plot::Axis::Scale::linear, 0.0, 1.0},
+    write_lines(folder / fmt::format("unfinished.{}.png", format.name), sweep, format,
+                {"Marches that did not finish",
+                 {"share of rays", plot::AxisSpec::Scale::linear, 0.0, 1.0},
                  unfinished,
                  {},
                  marches});
-    write_lines(backend, folder / fmt::format("iterations.{}.png", format.name), request, steps, onsets, format,
+    write_lines(folder / fmt::format("iterations.{}.png", format.name), sweep, format,
                 {"Samples of the field, 99th percentile",
-                 {"samples", plot::Axis::Scale::log2, 1.0, {}},
+                 {"samples", plot::AxisSpec::Scale::log2, 1.0, {}},
                  [iterations](const MapSummary& s) { return s.metrics[iterations].quantile(0.99); },
                  {},
                  marches});
     for (std::size_t r = 0; r < request.rows.size(); ++r) {
         const MapRow& row = request.rows[r];
         if (row.format == format && marches(row))
-            write_split_plot(backend, folder / fmt::format("split.{}.{}.png", row.form->info->name, format.name),
-                             request, steps, r);
+            write_split_plot(folder / fmt::format("split.{}.{}.png", row.form->info->name, format.name), sweep, r);
     }
 }
 
 /// Which operation is to blame along the axis, of one row: the shares of those that are to blame most anywhere, and of
 /// the others together.
-void write_culprit_plot(ImageBackend& backend, const std::filesystem::path& path, const SweepRequest& request,
-                        const std::vector<SweepStep>& steps, std::size_t r) {
+void write_culprit_plot(const std::filesystem::path& path, const MeasuredSweep& sweep, std::size_t r) {
+    const SweepRequest& request = sweep.request;
     constexpr std::size_t most = 7;
     constexpr std::size_t longest = 70;
     const MapRow& row = request.rows[r];
     const auto m = static_cast<std::size_t>(std::ranges::find_if(request.metrics, &measure::metric::Metric::by_run) -
                                             request.metrics.begin());
     std::vector<double> peak(request.metrics[m]->categories.size());
-    for (const SweepStep& step : steps) {
+    for (const SweepStep& step : sweep.steps) {
         for (std::size_t c = 1; c < peak.size(); ++c)
             peak[c] = std::fmax(peak[c], measure::blame::culprit_share(step.rows[r].categories[m], std::array{c}));
     }
@@ -211,15 +208,11 @@ void write_culprit_plot(ImageBackend& backend, const std::filesystem::path& path
     }
     if (order.empty()) return;
     std::ranges::stable_sort(order, [&](std::size_t a, std::size_t b) { return peak[a] > peak[b]; });
-    LinePlotSpec spec{.title = fmt::format("Culprits of {} in {}", row.form->info->name, row.format.name),
-                      .subtitle = {request.sweep->title,
-                                   fmt::format("{} rays a step; an operation's share of the rays that have a culprit",
-                                               steps.front().rows[r].rays)},
-                      .x = plot_axis(request.sweep->axes.front()),
-                      .y = {"share of rays", plot::Axis::Scale::linear, 0.0, 1.0},
-                      .series = {}};
+    LinePlotSpec spec = plot_along(sweep, fmt::format("Culprits of {} in {}", row.form->info->name, row.format.name),
+                                   {"share of rays", plot::AxisSpec::Scale::linear, 0.0, 1.0});
+    spec.subtitle.back() += "; an operation's share of the rays that have a culprit";
     const auto add = [&](const std::string& label, std::span<const std::size_t> places) {
-        spec.series.push_back(series_of(steps, r, label, [&](const MapSummary& s) {
+        spec.series.push_back(series_of(sweep.steps, r, label, [&](const MapSummary& s) {
             return measure::blame::culprit_share(s.categories[m], places);
         }));
     };
@@ -231,32 +224,36 @@ void write_culprit_plot(ImageBackend& backend, const std::filesystem::path& path
     }
     if (named < order.size())
         add(fmt::format("{} other operations", order.size() - named), std::span(order).subspan(named));
-    plot::write_line_plot(backend, path, spec);
+    plot::write_line_plot(image::image_backend(), path, spec);
 }
 
 }  // namespace
 
-void write_sweep_plots(ImageBackend& backend, const std::filesystem::path& folder, const SweepRequest& request,
-                       const std::vector<SweepStep>& steps, const std::vector<Onset>& onsets) {
-    if (request.sweep->axes.size() == 2) {
-        for (std::size_t row = 0; row < request.rows.size(); ++row) write_plane(backend, folder, request, steps, row);
-        return;
-    }
+std::vector<Format> formats_of(const MeasuredSweep& sweep) {
     std::vector<Format> formats;
-    for (const MapRow& row : request.rows) {
+    for (const MapRow& row : sweep.request.rows) {
         if (std::ranges::find(formats, row.format) == formats.end()) formats.push_back(row.format);
     }
-    for (const Format& format : formats) {
-        const auto file = [&](const char* name) { return folder / fmt::format("{}.{}.png", name, format.name); };
-        write_lost_bits_plot(backend, file("lost_bits_p50"), request, steps, onsets, format, 0.5);
-        write_lost_bits_plot(backend, file("lost_bits_p99"), request, steps, onsets, format, 0.99);
-        write_wrong_plot(backend, file("wrong"), request, steps, onsets, format);
-        write_march_plots(backend, folder, request, steps, onsets, format);
+    return formats;
+}
+
+void write_sweep_plots(const std::filesystem::path& folder, const MeasuredSweep& sweep) {
+    const SweepRequest& request = sweep.request;
+    if (request.sweep->axes.size() == 2) {
+        for (std::size_t row = 0; row < request.rows.size(); ++row)
+            write_plane(image::image_backend(), folder, request, sweep.steps, row);
+        return;
+    }
+    for (const Format& format : formats_of(sweep)) {
+        const auto file = [&](const std::string& name) { return folder / fmt::format("{}.{}.png", name, format.name); };
+        write_lost_bits_plot(file("lost_bits_p50"), sweep, format, 0.5);
+        write_lost_bits_plot(file("lost_bits_p99"), sweep, format, 0.99);
+        write_wrong_plot(file("wrong"), sweep, format);
+        write_march_plots(folder, sweep, format);
         for (std::size_t r = 0; r < request.rows.size(); ++r) {
             const MapRow& row = request.rows[r];
             if (row.format == format && map::CulpritTable::is_wanted(request.metrics))
-                write_culprit_plot(backend, file(fmt::format("culprit.{}", row.form->info->name).c_str()), request,
-                                   steps, r);
+                write_culprit_plot(file(fmt::format("culprit.{}", row.form->info->name)), sweep, r);
         }
     }
 }

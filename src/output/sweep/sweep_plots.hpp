@@ -4,18 +4,25 @@
 #include <filesystem>
 
 #include "measure/sweep/sweep.hpp"
-#include "output/image/image.hpp"
 
 namespace lostbits::output::sweep {
+
+/// A sweep and what was found along it.
+struct MeasuredSweep {
+    const measure::sweep::SweepRequest& request;
+    const std::vector<measure::sweep::SweepStep>& steps;
+    const std::vector<measure::sweep::Onset>& onsets;
+};
+
+/// The formats of its rows, each once.
+[[nodiscard]] std::vector<Format> formats_of(const MeasuredSweep& sweep);
 
 /// One axis: `lost_bits_p50.<format>.png` and `lost_bits_p99.<format>.png` with every form, the conditioning envelope
 /// (inherent bits, where the request measures them) and the sweep's own marks; and `wrong.<format>.png`, the share of
 /// rays that are false hits, false misses or NaN; where culprits are measured, `culprit.<form>.<format>.png`. Two axes:
 /// `<form>.<format>.png`, the p99 of lost bits over the plane, with the colour of the commonest wrong outcome where
 /// more than half of the rays are wrong.
-void write_sweep_plots(image::ImageBackend& backend, const std::filesystem::path& folder,
-                       const measure::sweep::SweepRequest& request, const std::vector<measure::sweep::SweepStep>& steps,
-                       const std::vector<measure::sweep::Onset>& onsets);
+void write_sweep_plots(const std::filesystem::path& folder, const MeasuredSweep& sweep);
 
 /// Of a picture, in pixels.
 struct PlotSize {
@@ -23,15 +30,11 @@ struct PlotSize {
 };
 
 /// One of them: the quantile q (0.5 or 0.99) of lost bits in one format.
-void write_lost_bits_plot(image::ImageBackend& backend, const std::filesystem::path& path,
-                          const measure::sweep::SweepRequest& request,
-                          const std::vector<measure::sweep::SweepStep>& steps,
-                          const std::vector<measure::sweep::Onset>& onsets, const Format& format, double q,
+void write_lost_bits_plot(const std::filesystem::path& path, const MeasuredSweep& sweep, const Format& format, double q,
                           PlotSize size = {});
 
 /// The share of rays with the wrong answer, in one format.
-void write_wrong_plot(image::ImageBackend& backend, const std::filesystem::path& path,
-                      const measure::sweep::SweepRequest& request, const std::vector<measure::sweep::SweepStep>& steps,
-                      const std::vector<measure::sweep::Onset>& onsets, const Format& format, PlotSize size = {});
+void write_wrong_plot(const std::filesystem::path& path, const MeasuredSweep& sweep, const Format& format,
+                      PlotSize size = {});
 
 }  // namespace lostbits::output::sweep

@@ -23,11 +23,12 @@ std::vector<double> ray_numbers(const WorstFound& w) {
 }
 
 std::vector<file::Column> worst_columns(const WorstRequest& request) {
-    const measure::metric::Metric& metric = *measure::metric::find_metric(request.search->metric);
+    const measure::metric::Metric& metric =
+        *request.metrics[measure::metric::place_of(request.metrics, request.search->metric)];
     std::vector<file::Column> columns{
         {"form", "string", "", "form under test"},
         {"format", "string", "", "format it computes in"},
-        {"found", "boolean", "", "whether any ray of the box was hit"},
+        {"found", "boolean", "", "whether the form hit anything within the ranges"},
         {"outcome", "string", "", "class of the worst ray"},
         {std::string(metric.name), "number", std::string(metric.unit),
          "of the worst ray; missing where the decision is wrong"},

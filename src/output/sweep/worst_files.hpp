@@ -9,7 +9,7 @@
 
 namespace lostbits::output::sweep {
 
-/// Writes both; `hard.toml` is a sweep of cases, one a row, its numbers in hexadecimal.
+/// Writes both; `hard.toml` is a sweep of cases, one per row, its numbers in hexadecimal.
 void write_worst(const std::filesystem::path& folder, const measure::sweep::WorstRequest& request,
                  const std::vector<std::optional<measure::sweep::WorstFound>>& found);
 

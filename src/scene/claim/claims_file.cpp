@@ -30,7 +30,8 @@ void read_timing(TableReader table, Claim& claim) {
     timing.data = table.string("data");
     timing.all_processors = table.optional_boolean("all_processors").value_or(false);
     if (auto over = table.optional_table("over")) {
-        if (timing.all_processors) table.reject("over", "goes with no all_processors: that is over one processor");
+        if (timing.all_processors)
+            table.reject("over", "cannot be combined with all_processors, which compares with one processor");
         timing.over_form = over->optional_string("form").value_or(claim.form);
         timing.over_kernel = over->optional_string("kernel").value_or(timing.kernel);
         over->reject_unknown_keys();
@@ -48,9 +49,7 @@ void read_given(TableReader table, Claim& claim) {
     claim.scene = table.optional_string("scene").value_or("");
     claim.sweep = table.optional_string("sweep").value_or("");
     claim.table = table.optional_string("table").value_or("");
-    if (table.has("timing"))
-        table.reject("timing",
-                     "needs `profile = \"timing\"` at the head of the file, which keeps it from gating anything");
+    if (table.has("timing")) table.reject("timing", "needs `profile = \"timing\"` at the head of the file");
     claim.render = table.optional_string("render").value_or("");
     if (int{!claim.scene.empty()} + int{!claim.sweep.empty()} + int{!claim.table.empty()} +
             int{!claim.render.empty()} !=
@@ -102,11 +101,11 @@ void read_given(TableReader table, Claim& claim) {
 void read_operations(TableReader& table, Claim& claim) {
     constexpr std::string_view share = "culprit_fraction", key = "operation";
     if (claim.metric != share)
-        return table.reject(key, "goes with metric = \"culprit_fraction\": it names whose share that is");
+        return table.reject(key, "goes with metric = \"culprit_fraction\", the share of that operation");
     if (!table.has(key))
         table.fail_at("metric",
-                      "needs an operation whose share it is: operation = \"c\", what the formula calls it, or an "
-                      "expression as `lostbits map --metric culprit` writes it");
+                      "needs an operation: operation = \"c\", its name in the formula, or an expression as `lostbits "
+                      "map --metric culprit` writes it");
     claim.quantity = table.where(key);
     claim.operations = table.node(key).kind == Node::Kind::array ? table.strings(key) : std::vector{table.string(key)};
     if (claim.operations.empty()) table.fail_at(key, "is empty; name an operation");
@@ -130,7 +129,7 @@ void read_expect(TableReader table, Claim& claim) {
     const auto ends = table.numbers("in", 2);
     claim.low = static_cast<double>(ends[0]);
     claim.high = static_cast<double>(ends[1]);
-    if (!(claim.low <= claim.high)) table.fail_at("in", "is [low, high] with low <= high");
+    if (!(claim.low <= claim.high)) table.fail_at("in", "must be [low, high] with low <= high");
     table.reject_unknown_keys();
 }
 
@@ -147,14 +146,14 @@ std::vector<Claim> read_claims(const std::filesystem::path& path) {
         Claim claim;
         claim.where = table.where();
         claim.id = table.string("id");
-        if (!ids.insert(claim.id).second) table.fail_at("id", "is given twice; ids are unique");
+        if (!ids.insert(claim.id).second) table.fail_at("id", "is given twice; each id may be used once");
         claim.statement = table.string("statement");
         claim.source = table.string("source");
         claim.note = table.optional_string("note").value_or("");
         claim.verdict = table.one_of<V>("verdict", verdicts);
         claim.profile = profile;
         if (profile == Claim::Profile::timing && table.has("severity"))
-            table.reject("severity", "has no meaning where nothing can fail: times gate nothing");
+            table.reject("severity", "has no meaning here: times never fail a check");
         claim.severity = table.optional_one_of<S>("severity", severities).value_or(S::error);
         if (profile == Claim::Profile::timing) read_timing(table.table("given"), claim);
         else read_given(table.table("given"), claim);

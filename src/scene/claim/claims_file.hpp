@@ -65,7 +65,7 @@ struct Claim {
     double low = 0, high = 0;  ///< both ends count
 };
 
-/// All claims of a file. InputError with a position for anything that is no claim; an id given twice is one.
+/// All claims of a file. InputError with a position for anything that is not a claim; an id given twice is one.
 std::vector<Claim> read_claims(const std::filesystem::path& path);
 
 /// All `*.toml` of a folder, sorted, or the file itself.

@@ -14,7 +14,7 @@ struct ReportFile {
     std::vector<std::string> formats;
 };
 
-/// InputError with a position for anything that is no such file.
+/// InputError with a position for anything that is not such a file.
 ReportFile read_report_file(const std::filesystem::path& path);
 
 }  // namespace lostbits::scene::claim

@@ -20,8 +20,9 @@ Vec<Real> read_colour(TableReader& table, std::string_view key, const Vec<Real>&
     if (!colour) return otherwise;
     for (int i = 0; i < 3; ++i) {
         if ((*colour)[i] < 0 || (*colour)[i] > 1)
-            table.fail_at(key,
-                          "lies outside of 0 to 1; a colour is [red, green, blue], each from 0 to 1 (a byte over 255)");
+            table.fail_at(
+                key,
+                "is not between 0 and 1; a colour is [red, green, blue], each from 0 to 1 (a byte divided by 255)");
     }
     return *colour;
 }
@@ -49,7 +50,8 @@ ShadowRule read_shadows(TableReader table, const NumberCheck& check) {
     rule.own = table.optional_boolean("own").value_or(false);
     if (!rule.own) {
         for (const char* key : {"offset", "epsilon", "ulps"})
-            table.reject(key, "needs own = true: without it no shadow ray is held against the sphere that it leaves");
+            table.reject(key,
+                         "needs own = true: without it a shadow ray is not tested against the sphere that it leaves");
     }
     rule.offset = table.optional_one_of<Offset>("offset", offset_names).value_or(Offset::none);
     if (rule.offset == Offset::epsilon)

@@ -14,7 +14,7 @@
 
 namespace lostbits::scene::file {
 
-/// The stages of a picture, each on top of the one before (the steps of seed 004).
+/// The stages of a picture, each on top of the one before (the steps of the course notes Ray-Casting Formulas).
 enum class Stage : std::uint8_t { visible, diffuse, shadows, phong };
 inline constexpr std::array<std::string_view, 4> stage_names{"visible", "diffuse", "shadows", "phong"};
 inline std::string_view name_of(Stage stage) { return stage_names[static_cast<std::size_t>(stage)]; }
@@ -31,8 +31,8 @@ struct Material {
 
 /// How shadows are cast: a ray from the point to the light, blocked by what it meets before the light.
 struct ShadowRule {
-    /// Where a shadow ray starts if it is also held against the sphere that it leaves: at the point as computed, moved
-    /// along the normal by `epsilon` world units, or by `ulps` units in the last place of its largest coordinate.
+    /// Where a shadow ray starts if it is also tested against the sphere that it leaves: at the point as computed,
+    /// moved along the normal by `epsilon` world units, or by `ulps` units in the last place of its largest coordinate.
     enum class Offset : std::uint8_t { none, epsilon, ulp };
 
     bool half_diffuse = false;      ///< in shadow keep half of the diffuse light, instead of ambient light alone
@@ -48,7 +48,7 @@ struct Appearance {
     std::optional<Vec<Real>> light;     ///< one point light
     std::optional<ShadowRule> shadows;  ///< absent: nothing casts any
     Material base;                      ///< what a sphere is that says nothing else
-    std::vector<Material> materials;    ///< one a sphere, in the order of the spheres
+    std::vector<Material> materials;    ///< one per sphere, in the order of the spheres
 
     /// Whether the scene asks for what this stage adds: a light for `diffuse`, `[shadows]`, a ks above 0 for `phong`.
     [[nodiscard]] bool asks_for(Stage stage) const;

@@ -50,8 +50,8 @@ MarchConstants<Real> read_march(TableReader table, Inputs inputs) {
     if (c.over_relaxation < 1 ||
         toml::round_to_format(c.over_relaxation, inputs == Inputs::shared ? binary32 : binary64) >= 2)
         table.fail_at("over_relaxation",
-                      "must lie in [1, 2): below 1 a step is no relaxation, from 2 on it can leave the sphere behind "
-                      "it; try 1.4");
+                      "must lie in [1, 2): below 1 steps get shorter, and from 2 on a step is longer than its sphere "
+                      "is wide; try 1.4");
     c.max_steps = count(table, "max_steps", 1, 100000, c.max_steps);
     c.secant_steps = count(table, "secant_steps", 0, 200, c.secant_steps);
     c.bisect_steps = count(table, "bisect_steps", 0, 200, c.bisect_steps);

@@ -57,6 +57,9 @@ struct Scene {
     Appearance appearance;                                 ///< for pictures of it
     std::filesystem::path path;
 
+    [[nodiscard]] std::uint64_t pixels() const {
+        return static_cast<std::uint64_t>(width) * static_cast<std::uint64_t>(height);
+    }
     /// Whether the forms of a shape can be asked about the scene: all of its solids are of that shape, or, for `sdf`,
     /// the scene has constants for the march.
     [[nodiscard]] bool meets(Shape shape) const;

@@ -62,7 +62,7 @@ Sphereflake read_sphereflake(toml::TableReader table) {
     const Real levels = table.number("levels");
     if (levels != floor(levels) || levels < 0 || levels > most_flake_levels) {
         table.fail_at("levels", "must be a whole number from 0 to " + std::to_string(most_flake_levels) +
-                                    "; 5 makes 66430 spheres, each more nine times as many");
+                                    "; 5 makes 66430 spheres, and each further level nine times as many");
     }
     flake.levels = static_cast<int>(levels);
     if (const auto centre = table.optional_vec3("centre")) flake.centre = stored(*centre);
@@ -77,7 +77,7 @@ Sphereflake read_sphereflake(toml::TableReader table) {
         const Vec<double> a = stored(*axis);
         const double size = length(a);
         if (!(size > 0) || !std::isfinite(size))
-            table.fail_at("axis", "gives no direction in binary64; write [0, 0, 1]");
+            table.fail_at("axis", "is not a direction in binary64; write [0, 0, 1]");
         flake.axis = a;
     }
     table.reject_unknown_keys();

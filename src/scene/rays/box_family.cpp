@@ -3,18 +3,16 @@
 #include <array>
 #include <cmath>
 
-#include "scene/rays/random.hpp"
+#include "scene/rays/family_parts.hpp"
 
 namespace lostbits::scene::rays {
 namespace {
-
-double stored(double x) { return static_cast<double>(static_cast<float>(x)); }
 
 /// Random sides between a half and all of the size; one of them of the stated thickness; not centred anywhere special.
 Box<double> draw_box(Random& random, const BoxFamily& f) {
     Box<double> box;
     const int thin = random.below(3);
-    const Vec<double> away = f.offset * Vec<double>(1, 0.6875, -0.4375);
+    const Vec<double> away = offset_of(f);
     for (int i = 0; i < 3; ++i) {
         const double side = f.size * (i == thin && f.thickness < 1 ? f.thickness : random.between(0.5, 1));
         box.lo[i] = stored(away[i] + f.size * random.between(-0.75, -0.25));
@@ -75,15 +73,6 @@ Vec<double> draw_direction(Random& random, const Feature& feature) {
     return d / length(d);
 }
 
-void push(RayBlock& r, const Vec<double>& o, const Vec<double>& d) {
-    r.ox.push_back(stored(o.x));
-    r.oy.push_back(stored(o.y));
-    r.oz.push_back(stored(o.z));
-    r.dx.push_back(stored(d.x));
-    r.dy.push_back(stored(d.y));
-    r.dz.push_back(stored(d.z));
-}
-
 RayGroup box_rays(Random& random, const BoxFamily& f) {
     const Box<double> box = draw_box(random, f);
     Vec<double> middle(0, 0, 0);
@@ -91,7 +80,7 @@ RayGroup box_rays(Random& random, const BoxFamily& f) {
     RayGroup group;
     if (f.adjoining) group.solids = cut(box, middle);
     else group.solids.emplace_back(box);
-    const double magnitude = std::ldexp(1.0, std::ilogb(f.direction_magnitude * std::sqrt(2.0)));
+    const double magnitude = direction_length(f);
     for (int i = 0; i < f.rays; ++i) {
         Feature feature = draw_feature(random, f, box);
         Vec<double> d = draw_direction(random, feature);
@@ -102,10 +91,8 @@ RayGroup box_rays(Random& random, const BoxFamily& f) {
             }
         }
         const Vec<double> moved = feature.point + (f.gap * f.size) * feature.outward;
-        push(group.rays, moved - (f.distance * f.size) * d, magnitude * d);
+        group.rays.push({stored(moved - (f.distance * f.size) * d), stored(magnitude * d)});
     }
-    group.rays.width = f.rays;
-    group.rays.y1 = 1;
     return group;
 }
 
@@ -118,32 +105,15 @@ BoxFamily read_box_family(toml::TableReader table) {
     BoxFamily f;
     f.aim = table.optional_one_of<A>("aim", aims).value_or(f.aim);
     f.adjoining = table.optional_boolean("adjoining").value_or(false);
-    const auto number = [&](const char* key, double& target, double low, double high) {
-        const auto x = table.optional_number(key);
-        if (!x) return;
-        target = static_cast<double>(*x);
-        if (!(target >= low && target <= high))
-            table.fail_at(key, "must lie between " + std::to_string(low) + " and " + std::to_string(high));
-    };
-    number("size", f.size, 0x1p-100, 0x1p+100);
-    number("thickness", f.thickness, 0, 1);
-    number("distance", f.distance, 0, 0x1p+100);
-    number("gap", f.gap, -0.25, 0.25);
-    number("direction_magnitude", f.direction_magnitude, 0x1p-120, 0x1p+120);
-    number("offset", f.offset, -0x1p+100, 0x1p+100);
+    table.read_number("size", f.size, 0x1p-100, 0x1p+100);
+    table.read_number("thickness", f.thickness, 0, 1);
+    table.read_number("distance", f.distance, 0, 0x1p+100);
+    table.read_number("gap", f.gap, -0.25, 0.25);
     if (f.adjoining && f.thickness == 0) table.fail_at("thickness", "must be above 0 with adjoining boxes");
-    f.views = static_cast<int>(table.optional_integer("views", 1, 4096).value_or(f.views));
-    f.rays = static_cast<int>(table.optional_integer("rays", 1, 65536).value_or(f.rays));
-    f.seed = static_cast<std::uint64_t>(table.optional_integer("seed", 0, 1LL << 53).value_or(1));
-    table.reject_unknown_keys();
+    read_common_keys(table, f);
     return f;
 }
 
-std::vector<RayGroup> box_family_rays(const BoxFamily& family) {
-    Random random(family.seed);
-    std::vector<RayGroup> groups;
-    for (int v = 0; v < family.views; ++v) groups.push_back(box_rays(random, family));
-    return groups;
-}
+std::vector<RayGroup> box_family_rays(const BoxFamily& family) { return draw_views(family, box_rays); }
 
 }  // namespace lostbits::scene::rays

@@ -1,7 +1,11 @@
 // Families of rays at boxes: seeded, aimed at faces, edges and corners, and past them by a stated gap.
 #pragma once
 
-#include "scene/rays/family.hpp"
+#include <cstdint>
+#include <vector>
+
+#include "scene/rays/rays.hpp"
+#include "scene/toml/toml_reader.hpp"
 
 namespace lostbits::scene::rays {
 
@@ -20,7 +24,7 @@ struct BoxFamily {
     double direction_magnitude = 1;  ///< length of the directions, to the nearest power of two
     double offset = 0;               ///< everything is moved by offset·(1, 0.6875, −0.4375)
     int views = 16;                  ///< boxes
-    int rays = 64;                   ///< rays a box
+    int rays = 64;                   ///< rays per box
     std::uint64_t seed = 1;
 };
 

@@ -91,18 +91,18 @@ CameraFrame<T> make_frame(const file::Scene& scene) {
     const Real centre_y = height / 2 + camera.shift_up * width;
 
     using detail::from_real;
-    return {camera.kind,
-            camera.normalise,
-            from_real<T>(camera.eye),
-            from_real<T>(right),
-            from_real<T>(up),
-            from_real<T>(forward),
-            from_real<T>(pitch),
-            from_real<T>(centre_x),
-            from_real<T>(centre_y),
-            T(0),
-            T(0),
-            T(0)};
+    return {.kind = camera.kind,
+            .normalise = camera.normalise,
+            .origin = from_real<T>(camera.eye),
+            .right = from_real<T>(right),
+            .up = from_real<T>(up),
+            .forward = from_real<T>(forward),
+            .pitch = from_real<T>(pitch),
+            .centre_x = from_real<T>(centre_x),
+            .centre_y = from_real<T>(centre_y),
+            .left = T(0),
+            .top = T(0),
+            .pitch_down = T(0)};
 }
 
 /// pixel_plane: the middle of pixel (x, y) in the world, (left + (x + ½)·pitch, top − (y + ½)·pitch_down, 0).

@@ -2,20 +2,12 @@
 #pragma once
 
 #include <cstdint>
-#include <optional>
 #include <vector>
 
 #include "scene/rays/rays.hpp"
 #include "scene/toml/toml_reader.hpp"
 
 namespace lostbits::scene::rays {
-
-/// A ray set with the solids it is aimed at: what a step of a sweep evaluates.
-struct RayGroup {
-    RayBlock rays;
-    std::vector<Solid<double>> solids;
-    std::optional<intersect::MarchConstants<double>> march = {};  ///< absent: no form that marches may be asked
-};
 
 /// One sphere seen along directions w = (a, b, c)/n with whole a² + b² + c² = n² (Pythagorean quadruples), so that the
 /// distances a sweep asks for exist exactly in binary32, in oblique directions too.
@@ -42,7 +34,7 @@ struct Family {
     double tilt = 0;                 ///< tilted: tangent of the angle to the x axis, in the xy plane
     double offset = 0;               ///< everything is moved by offset·(1, 0.6875, −0.4375)
     int views = 16;                  ///< directions w
-    int rays = 64;                   ///< rays a view
+    int rays = 64;                   ///< rays per view
     std::uint64_t seed = 1;
 };
 

@@ -15,27 +15,25 @@ namespace {
 template <class T>
 BasicRayBlock<T> make_rays(const Scene& scene, int y0, int y1) {
     const CameraFrame<T> frame = make_frame<T>(scene);
-    BasicRayBlock<T> block{scene.width, y0, y1, {}, {}, {}, {}, {}, {}, {}};
+    BasicRayBlock<T> block;
+    block.width = scene.width;
+    block.y0 = y0;
+    block.y1 = y1;
     const std::size_t count = static_cast<std::size_t>(scene.width) * static_cast<std::size_t>(y1 - y0);
     for (auto* component : {&block.ox, &block.oy, &block.oz, &block.dx, &block.dy, &block.dz})
         component->reserve(count);
     for (int y = y0; y < y1; ++y) {
-        for (int x = 0; x < scene.width; ++x) {
-            const Ray<T> r = ray(frame, x, y);
-            block.ox.push_back(r.origin.x);
-            block.oy.push_back(r.origin.y);
-            block.oz.push_back(r.origin.z);
-            block.dx.push_back(r.direction.x);
-            block.dy.push_back(r.direction.y);
-            block.dz.push_back(r.direction.z);
-        }
+        for (int x = 0; x < scene.width; ++x) block.push(ray(frame, x, y));
     }
     return block;
 }
 
 template <class T, class Round>
 RayBlock rounded(const BasicRayBlock<T>& from, Round round) {
-    RayBlock to{from.width, from.y0, from.y1, {}, {}, {}, {}, {}, {}, {}};
+    RayBlock to;
+    to.width = from.width;
+    to.y0 = from.y0;
+    to.y1 = from.y1;
     const auto all = [&](const std::vector<T>& in, std::vector<double>& out) {
         out.resize(in.size());
         std::transform(in.begin(), in.end(), out.begin(), round);

@@ -1,24 +1,34 @@
 // The rays of a picture, made once and stored as the numbers that every form is given.
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "geometry/solid.hpp"
+#include "intersect/march.hpp"
 #include "number/format.hpp"
 #include "scene/file/scene.hpp"
 
 namespace lostbits::scene::rays {
 
-/// Rays of the pixel rows [y0, y1), a component an array: ray (y − y0)·width + x is pixel (x, y).
+/// Rays of the pixel rows [y0, y1), a component per array: ray (y − y0)·width + x is pixel (x, y).
 template <class T>
 struct BasicRayBlock {
     int width = 0;
     int y0 = 0;
     int y1 = 0;
     std::vector<T> ox, oy, oz, dx, dy, dz;
-    std::vector<double> tmax = {};  ///< where each ray ends, for the forms that are told; empty: nowhere
+    std::vector<double> tmax = {};  ///< where each ray ends, for the forms that take it; empty: nowhere
 
     [[nodiscard]] std::size_t size() const { return ox.size(); }
+    void push(const Ray<T>& ray) {
+        ox.push_back(ray.origin.x);
+        oy.push_back(ray.origin.y);
+        oz.push_back(ray.origin.z);
+        dx.push_back(ray.direction.x);
+        dy.push_back(ray.direction.y);
+        dz.push_back(ray.direction.z);
+    }
     [[nodiscard]] Ray<T> operator[](std::size_t i) const { return {{ox[i], oy[i], oz[i]}, {dx[i], dy[i], dz[i]}}; }
 };
 
@@ -26,6 +36,13 @@ struct BasicRayBlock {
 using RayBlock = BasicRayBlock<double>;
 /// The ideal rays. About 500 bytes each: ask for a few rows at a time.
 using IdealRayBlock = BasicRayBlock<Real>;
+
+/// A ray set with the solids it is aimed at: what a step of a sweep evaluates.
+struct RayGroup {
+    RayBlock rays;
+    std::vector<Solid<double>> solids;
+    std::optional<intersect::MarchConstants<double>> march = {};  ///< absent: no form that marches may be asked
+};
 
 /// Shared inputs: the camera in double, each component then rounded once to binary32.
 RayBlock make_shared_rays(const file::Scene& scene, int y0, int y1);

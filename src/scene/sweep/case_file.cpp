@@ -64,15 +64,6 @@ Vec<double> vec_in(const std::vector<Quantity>& v, const FloatFormat& f, int exp
     return {v[0].in(f, exponent), v[1].in(f, exponent), v[2].in(f, exponent)};
 }
 
-void push(rays::RayBlock& block, const Vec<double>& o, const Vec<double>& d) {
-    block.ox.push_back(o.x);
-    block.oy.push_back(o.y);
-    block.oz.push_back(o.z);
-    block.dx.push_back(d.x);
-    block.dy.push_back(d.y);
-    block.dz.push_back(d.z);
-}
-
 }  // namespace
 
 CaseFile::Case CaseFile::read_case(TableReader& table) {
@@ -126,19 +117,21 @@ CaseFile::CaseFile(const std::filesystem::path& path) : id(path.stem().string())
             if (name == "own") conventions.emplace_back(std::nullopt);
             else if (name == "closed") conventions.emplace_back(intersect::Touching::hit);
             else if (name == "open") conventions.emplace_back(intersect::Touching::miss);
-            else file.fail_at("conventions", "holds \"" + name + "\"; there are own, closed and open");
+            else file.fail_at("conventions", "holds \"" + name + "\"; write own, closed or open");
         }
         if (conventions.empty()) file.fail_at("conventions", "is empty; leave it out, or name own, closed or open");
     }
     for (TableReader& table : file.tables("case")) {
         Case c = read_case(table);
         if (std::ranges::find(cases_, c.name, &Case::name) != cases_.end())
-            table.fail_at("name", "is \"" + c.name + "\", as another case is; name each once");
+            table.fail_at("name",
+                          "is \"" + c.name + "\", which is also the name of another case; give each its own name");
         const auto other = [&](const SolidSpec& s) {
             return s.shape != (cases_.empty() ? c : cases_.front()).solids.front().shape;
         };
         if (std::ranges::any_of(c.solids, other))
-            toml::fail(table.where(), "has another shape than the cases before it; a file is about one shape");
+            toml::fail(table.where(),
+                       "has a different shape from the cases before it; all cases of a file have one shape");
         for (const SolidSpec& spec : c.solids) {
             std::vector<double> x;
             for (const Quantity& q : spec.numbers) x.push_back(q.in(binary64, 0));
@@ -147,7 +140,7 @@ CaseFile::CaseFile(const std::filesystem::path& path) : id(path.stem().string())
             for (std::size_t k = 0; spec.shape == Shape::box && k < 3; ++k) {
                 if (x[k] > x[k + 3])
                     toml::fail(table.where(),
-                               "has a box whose hi lies below its lo in a component; a box has lo <= hi in each");
+                               "has a box whose hi is below its lo in a component; a box needs lo <= hi in each");
             }
         }
         cases_.push_back(std::move(c));
@@ -183,7 +176,7 @@ std::vector<RayGroup> CaseFile::rays(std::size_t i, const FloatFormat& format) c
         for (const RaySpec& ray : c.rays) {
             Vec<double> d = symmetry.of(vec_in(ray.direction, format, directions));
             for (int k = 0; c.zeros && k < 3; ++k) d[k] = d[k] == 0 ? *c.zeros : d[k];
-            push(group.rays, symmetry.of(vec_in(ray.origin, format, lengths)), d);
+            group.rays.push({symmetry.of(vec_in(ray.origin, format, lengths)), d});
         }
         const bool ends = std::ranges::any_of(c.rays, [](const RaySpec& ray) { return !ray.tmax.empty(); });
         for (const RaySpec& ray : c.rays) {

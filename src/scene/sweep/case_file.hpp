@@ -15,7 +15,7 @@ namespace lostbits::scene::sweep {
 /// A sweep over `[[case]]` tables in place of axes.
 class CaseFile {
 public:
-    /// InputError with a position for anything that is no file of cases.
+    /// InputError with a position for anything that is not a file of cases.
     explicit CaseFile(const std::filesystem::path& path);
 
     std::string id, title, source, note;

@@ -20,7 +20,7 @@ struct Range {
 /// A sweep file with a `[search]` table in place of axes.
 class SearchFile {
 public:
-    /// InputError with a position for anything that is no search.
+    /// InputError with a position for anything that is not a search.
     explicit SearchFile(const std::filesystem::path& path);
 
     std::string id, title, source, note;

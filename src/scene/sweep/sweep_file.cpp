@@ -7,22 +7,19 @@
 #include "intersect/table/table.hpp"
 #include "number/error.hpp"
 #include "scene/file/march_table.hpp"
+#include "scene/toml/round.hpp"
 
 namespace lostbits::scene::sweep {
 
 using intersect::Touching;
 using rays::RayGroup;
 using toml::TableReader;
+using toml::to_12_bits;
 
 namespace {
 
 constexpr std::string_view schema = "lostbits-sweep/1";
 constexpr long long most_steps = 100000;
-
-double to_12_bits(double x) {
-    const int shift = 11 - std::ilogb(x);
-    return std::ldexp(std::nearbyint(std::ldexp(x, shift)), -shift);
-}
 
 /// Floats in order of value, as whole numbers.
 std::int64_t place(float x) {
@@ -40,7 +37,7 @@ void fill(Axis& axis, TableReader& table) {
         const std::int64_t first = place(static_cast<float>(axis.from)), last = place(static_cast<float>(axis.to));
         if (last < first) table.fail_at("to", "must be greater than from with spacing = \"every_float\"");
         if (last - first >= most_steps)
-            table.fail_at("to", "leaves more than 100000 floats between from and to; bring them closer");
+            table.fail_at("to", "leaves more than 100000 floats between from and to; bring them closer together");
         for (std::int64_t n = first; n <= last; ++n) axis.values.push_back(static_cast<double>(float_at(n)));
         return;
     }
@@ -147,21 +144,19 @@ SweepFile::SweepFile(const std::filesystem::path& path, const std::filesystem::p
     } else {
         rays::read_box_family(*boxes);
     }
-    if (scene) file.reject("march", "stands in the scene of a sweep over a scene; write it there");
+    if (scene) file.reject("march", "belongs in the scene file if the sweep is over a scene; write it there");
     else if (auto march = file.optional_table("march")) file::read_march(*march, file::Inputs::shared);
     const char* const prefix = scene ? "" : family ? "family." : "box_family.";
     for (TableReader& axis : file.tables("axis")) axes.push_back(read_axis(axis, prefix));
     if (axes.empty() || axes.size() > 2)
         toml::fail(file.where(), "a sweep has one or two [[axis]] tables, this has " + std::to_string(axes.size()));
     if (axes.size() == 2 && axes[0].name == axes[1].name)
-        toml::fail(file.where(), "both axes are named \"" + axes[0].name + "\"; names are columns, so name them apart");
+        toml::fail(file.where(),
+                   "both axes are named \"" + axes[0].name + "\"; give each its own name: they become column names");
     for (TableReader& mark : file.tables("mark")) {
-        Mark m{static_cast<double>(mark.number("at")),
-               mark.string("label"),
-               mark.optional_string("format").value_or(""),
-               {},
-               {},
-               {}};
+        Mark m{.at = static_cast<double>(mark.number("at")),
+               .label = mark.string("label"),
+               .format = mark.optional_string("format").value_or("")};
         if (auto measured = mark.optional_table("measured")) {
             m.form = known(*measured, "form", form_names());
             m.event = measured->has("event") ? known(*measured, "event",
@@ -246,7 +241,7 @@ std::filesystem::path find_sweep(const std::string& name_or_path, const std::fil
     };
     if (std::ranges::count_if(names, last_part) == 1)
         return folder / (*std::ranges::find_if(names, last_part) + ".toml");
-    throw InputError(name_or_path + ":1:1: no such sweep file, nor a name in " + folder.string() + "; " +
+    throw InputError(name_or_path + ":1:1: is not a sweep file, nor a name in " + folder.string() + "; " +
                      toml::did_you_mean(name_or_path, names));
 }
 

@@ -9,6 +9,7 @@
 #include "intersect/info.hpp"
 #include "scene/file/scene.hpp"
 #include "scene/rays/box_family.hpp"
+#include "scene/rays/family.hpp"
 
 namespace lostbits::scene::sweep {
 
@@ -31,7 +32,7 @@ struct Axis {
 
 class SweepFile {
 public:
-    /// InputError with a position for anything that is no sweep. A scene is looked up in `data_dir`.
+    /// InputError with a position for anything that is not a sweep. A scene is looked up in `data_dir`.
     SweepFile(const std::filesystem::path& path, const std::filesystem::path& data_dir);
 
     std::string id, title, source, note;
@@ -44,12 +45,12 @@ public:
     struct Mark {
         double at;
         std::string label, format;
-        std::string form, event, statistic;  ///< as in onsets.csv; empty: nothing beside it
+        std::string form = {}, event = {}, statistic = {};  ///< as in onsets.csv; empty: nothing beside it
         double threshold = 1;
     };
     std::vector<Mark> marks;
 
-    /// Whether the forms of a shape can be asked along the sweep.
+    /// Whether the forms of a shape can handle the sweep.
     [[nodiscard]] bool meets(Shape shape) const {
         return shape == Shape::sdf ? marches_ : shapes_ == std::vector{shape};
     }

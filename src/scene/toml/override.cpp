@@ -33,12 +33,12 @@ std::vector<Step> steps_of(const Override& change) {
             std::size_t index = 0;
             const auto [stop, error] = std::from_chars(path.data() + i + 1, path.data() + path.size(), index);
             if (error != std::errc{} || stop == path.data() + path.size() || *stop != ']')
-                malformed("has an index that is no whole number");
+                malformed("has an index that is not a whole number");
             i = static_cast<std::size_t>(stop - path.data()) + 1;
             steps.push_back({true, "", index, i});
         }
         if (i == path.size()) return steps;
-        if (path[i] != '.') malformed("goes on after an index without a dot");
+        if (path[i] != '.') malformed("continues after an index without a dot");
         ++i;
     }
 }

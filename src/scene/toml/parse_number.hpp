@@ -9,7 +9,7 @@
 
 namespace lostbits::scene::toml {
 
-/// Why a text is no number, as the end of a sentence: `is not a number; …`, with what to try.
+/// Why a text is not a number, as the end of a sentence: `is not a number; …`, with what to try.
 struct NumberFault {
     std::string why;
     bool too_large = false;  ///< a number, but above the largest binary64

@@ -27,7 +27,7 @@ std::string text_of(const Node& node) {
             continue;
         }
         if (space && !out.empty() && is_part_of_a_word(out.back()) && is_part_of_a_word(c))
-            fail(node.where, "\"" + node.text + "\" holds a space inside a number or word; take it out");
+            fail(node.where, "\"" + node.text + "\" contains a space inside a number or word; remove it");
         space = false;
         out += c;
     }
@@ -48,9 +48,10 @@ bool ends(std::string& text, std::string_view tail) {
 Exponent::Exponent(const Node& node) {
     const std::string text = text_of(node);
     const auto bad = [&] {
-        fail(node.where, "\"" + text +
-                             "\" is no exponent; write a sum of whole numbers, emax, emin and p, each perhaps over 2 "
-                             "or 4, such as \"emax/2 + 1\"");
+        fail(node.where,
+             "\"" + text +
+                 "\" is not an exponent; write a sum of whole numbers, emax, emin and p, each perhaps over 2 "
+                 "or 4, such as \"emax/2 + 1\"");
     };
     std::size_t at = 0;
     while (at < text.size()) {
@@ -95,7 +96,7 @@ Quantity::Quantity(const Node& node, bool special) {
     for (const auto& [name, word] : words) {
         if (rest.substr(sign ? 1 : 0) != name) continue;
         if (!special && (word == Word::nan || word == Word::inf))
-            fail(node.where, "is " + std::string(name) + ", which only a ray may hold");
+            fail(node.where, "is " + std::string(name) + ", which is allowed in rays only");
         word_ = word;
         negative_ = minus;
         return;

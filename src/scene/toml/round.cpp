@@ -1,5 +1,6 @@
 #include "scene/toml/round.hpp"
 
+#include <cmath>
 #include <limits>
 
 #include <mpfr.h>
@@ -20,6 +21,12 @@ double round_to_format(const Real& x, const FloatFormat& f) {
     mpfr_mul_2si(raw, raw, last_place, MPFR_RNDN);
     if (mpfr_get_exp(raw) - 1 > f.emax) return (negative ? -1 : 1) * std::numeric_limits<double>::infinity();
     return mpfr_get_d(raw, MPFR_RNDN);
+}
+
+double to_12_bits(double x) {
+    if (x == 0) return 0;
+    const int shift = 11 - std::ilogb(x);
+    return std::ldexp(std::nearbyint(std::ldexp(x, shift)), -shift);
 }
 
 }  // namespace lostbits::scene::toml

@@ -10,4 +10,7 @@ namespace lostbits::scene::toml {
 /// one). Subnormals are F's own; magnitudes of (2 − 2^−p)·2^emax and above become infinite; a zero keeps x's sign.
 double round_to_format(const Real& x, const FloatFormat& f);
 
+/// x to 12 significant bits: a few such numbers have exact products and sums in binary32.
+double to_12_bits(double x);
+
 }  // namespace lostbits::scene::toml

@@ -161,6 +161,12 @@ std::optional<Real> TableReader::optional_number(std::string_view key) {
     return number(key);
 }
 
+void TableReader::read_number(std::string_view key, double& x, double lowest, double highest) {
+    x = static_cast<double>(optional_number(key).value_or(Real(x)));
+    if (!(x >= lowest && x <= highest))
+        fail_at(key, "must lie between " + std::to_string(lowest) + " and " + std::to_string(highest));
+}
+
 std::vector<Real> TableReader::numbers(std::string_view key, std::size_t count) {
     return as_numbers(demand(key, array_of(count, "numbers")), path_to(key), count);
 }
@@ -226,7 +232,7 @@ void TableReader::reject_unknown_keys() const {
 void require_schema(TableReader& file, std::string_view schema) {
     const std::string expected = "schema = \"" + std::string(schema) + '"';
     if (!file.optional_string("schema"))
-        fail(file.where(), "schema is missing, so what the keys mean is not known; write " + expected + " first");
+        fail(file.where(), "schema is missing, so the meaning of the keys is unknown; write " + expected + " first");
     const std::string found = file.string("schema");
     if (found == schema) return;
 
@@ -241,7 +247,7 @@ void require_schema(TableReader& file, std::string_view schema) {
     if (kind == wanted_kind && version > newest)
         file.fail_at("schema",
                      "is \"" + found + "\", newer than this program reads; use a newer lostbits, or write " + expected);
-    file.fail_at("schema", "is \"" + found + "\", which is not the kind of file wanted here; write " + expected);
+    file.fail_at("schema", "is \"" + found + "\", which is another kind of file than expected here; write " + expected);
 }
 
 }  // namespace lostbits::scene::toml

@@ -40,6 +40,8 @@ public:
     /// (`parse_number`): 0.1 and "0.1" are both one tenth, not the nearest double.
     Real number(std::string_view key);
     std::optional<Real> optional_number(std::string_view key);
+    /// Sets `x` to the number in [lowest, highest], where there is one.
+    void read_number(std::string_view key, double& x, double lowest, double highest);
     /// `count` numbers, or any positive number of them for count = 0.
     std::vector<Real> numbers(std::string_view key, std::size_t count = 0);
     std::optional<std::vector<Real>> optional_numbers(std::string_view key, std::size_t count = 0);

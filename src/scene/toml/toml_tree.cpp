@@ -84,7 +84,7 @@ private:
 };
 
 Node parse(std::string_view text, const std::string& source) {
-    // A byte order mark is no character of the first line.
+    // A byte order mark is not a character of the first line.
     if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
     try {
         const ::toml::table table = ::toml::parse(text, std::string_view(source));
@@ -171,7 +171,7 @@ void reject_endless_keys(const std::string& text, const std::string& source) {
         if (c == '\n') ++line;
         if (c == '\n' || c == '=' || c == ',' || c == '{') dots = 0;
         else if (c == '.' && ++dots > most_parts)
-            fail({source, line, 1}, "has a key of more than 256 parts, which no file by hand has; check the path");
+            fail({source, line, 1}, "has a key of more than 256 parts; check that this is the right file");
     }
 }
 
@@ -191,9 +191,8 @@ Node read_toml(const std::filesystem::path& path) {
         file.read(chunk.data(), chunk.size());
         text.append(chunk.data(), static_cast<std::size_t>(file.gcount()));
     }
-    if (file.bad()) fail(start, "reading failed half way; check the disk");
-    if (text.size() > most_bytes)
-        fail(start, "is larger than 16 MiB, which no file of numbers by hand is; check the path");
+    if (file.bad()) fail(start, "could not be read to its end; check the disk");
+    if (text.size() > most_bytes) fail(start, "is larger than 16 MiB; check that this is the right file");
     reject_endless_keys(text, start.source);
     return parse(text, start.source);
 }
@@ -202,7 +201,7 @@ Override parse_override(std::string_view assignment, std::string_view option) {
     const Where where{std::string(option) + ' ' + std::string(assignment), 0, 0};
     const std::size_t equals = assignment.find('=');
     if (equals == std::string_view::npos || equals == 0)
-        fail(where, "is no assignment; write path=value, as in sphere[0].radius=1e3");
+        fail(where, "is not an assignment; write path=value, as in sphere[0].radius=1e3");
     const auto trimmed = [](std::string_view s) {
         while (!s.empty() && s.front() == ' ') s.remove_prefix(1);
         while (!s.empty() && s.back() == ' ') s.remove_suffix(1);

@@ -74,20 +74,21 @@ void compare_widths(std::uint64_t seed) {
     CHECK(misses > 1000);
 }
 
-/// The loop of seed 003 as anybody would write it.
+/// The loop of the lesson SDF Sphere Marching as anybody would write it.
 template <class S>
-std::pair<bool, S> plain_march(const Ray<S>& ray, const Sphere<S>& sphere, S eps, int steps, S most, int& samples) {
+std::pair<bool, S> plain_march(const Ray<S>& ray, const Sphere<S>& sphere, const intersect::MarchConstants<S>& c,
+                               int& samples) {
     S t = 0;
-    for (samples = 1; samples <= steps; ++samples) {
+    for (samples = 1; samples <= c.max_steps; ++samples) {
         const S x = ray.origin.x + t * ray.direction.x - sphere.centre.x;
         const S y = ray.origin.y + t * ray.direction.y - sphere.centre.y;
         const S z = ray.origin.z + t * ray.direction.z - sphere.centre.z;
         const S d = std::sqrt(x * x + y * y + z * z) - sphere.radius;
-        if (d < eps) return {true, t};
+        if (d < c.hit_eps) return {true, t};
         t += d;
-        if (t > most) return {false, t};
+        if (t > c.max_dist) return {false, t};
     }
-    samples = steps;
+    samples = c.max_steps;
     return {false, t};
 }
 
@@ -139,8 +140,7 @@ TEST_CASE("sphere_trace is the seed's loop", "[intersect][sdf]") {
         const auto got = run<double>(intersect::table::intersectors(Shape::sdf).front().native64, field, true);
         for (std::size_t i = 0; i < field.rays.size(); ++i) {
             int samples = 0;
-            const auto [hit, t] = plain_march<double>(field.rays[i], field.solids[0].sphere(), field.march.hit_eps,
-                                                      field.march.max_steps, field.march.max_dist, samples);
+            const auto [hit, t] = plain_march<double>(field.rays[i], field.solids[0].sphere(), field.march, samples);
             CHECK((got.hit[i] != 0) == hit);
             CHECK(got.t[i] == t);
             CHECK(got.march[i].iterations == samples);

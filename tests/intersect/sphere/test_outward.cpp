@@ -53,8 +53,8 @@ void enclose(const FloatFormat& f) {
                                  : op == Op::divide   ? x / y
                                                       : sqrt(x);
             Mpfr down(400), up(400);
-            evaluate(op, down, a.point, b.point, b.point, MPFR_RNDD);
-            evaluate(op, up, a.point, b.point, b.point, MPFR_RNDU);
+            evaluate(op, down, {a.point, b.point, b.point}, MPFR_RNDD);
+            evaluate(op, up, {a.point, b.point, b.point}, MPFR_RNDU);
             if (!mpfr_number_p(down)) continue;  // a point divided by zero
             wrong += !(mpfr_cmp_d(down, value(r.lo)) >= 0 && mpfr_cmp_d(up, value(r.hi)) <= 0);
             bounded += std::isfinite(value(r.lo)) && std::isfinite(value(r.hi));

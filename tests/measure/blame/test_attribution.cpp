@@ -66,13 +66,13 @@ TEST_CASE("every operation on a tape is the operation of the format on its opera
         for (NodeId i = 0; i < tape.size(); ++i) {
             const TapeNode& n = tape[i];
             if (!is_operation(n.op)) continue;
-            if (const NodeId side = measure::blame::chosen(tape, i); side != no_node) {
+            if (const NodeId side = measure::blame::side_taken(tape, i); side != no_node) {
                 REQUIRE(same_number(n.value, tape[side].value));
                 continue;
             }
             std::array<double, 3> x{};
             for (std::size_t k = 0; k < 3; ++k) x[k] = n.operands[k] == no_node ? 0 : tape[n.operands[k]].value;
-            REQUIRE(same_number(n.value, measure::blame::apply(n.op, x, tape.format_of(i))));
+            REQUIRE(same_number(n.value, measure::blame::result_of(n.op, x, tape.format_of(i))));
         }
     });
 }
@@ -127,12 +127,12 @@ TEST_CASE("contributions sum to the error, and to first order derivatives do", "
     CHECK(first_order > 700);
 }
 
-TEST_CASE("the quick shadow and the deep one agree", "[attribution]") {
+TEST_CASE("the quick exact arithmetic and the deep one agree", "[attribution]") {
     int quick = 0;
     on_every_form({"f32", "f64"}, 12, 100, [&](const Intersector&, const Format&, const Setting&, const Tape& tape) {
         const Attribution a = measure::blame::attribute(tape), b = measure::blame::attribute(tape, {.full = true});
-        REQUIRE(b.shadow_bits == 2048);
-        quick += a.shadow_bits == 106;
+        REQUIRE(b.exact_bits == 2048);
+        quick += a.exact_bits == 106;
         REQUIRE(a.subject == b.subject);
         REQUIRE(a.exact_hit == b.exact_hit);
         if (!std::isfinite(b.error)) return;

@@ -13,7 +13,9 @@
 namespace lostbits::test {
 
 using intersect::table::Intersector;
+using measure::metric::find_metric;
 using measure::metric::Metric;
+using measure::metric::MetricSet;
 
 namespace {
 
@@ -31,8 +33,8 @@ TEST_CASE("every culprit is among the operations of its form, and no plain miss 
             Random random(7);
             for (int i = 0; i < 40; ++i) {
                 const Setting s = draw_setting(random, form, format, 1);
-                const Intersector* const forms[] = {&form};
-                const Metric* const culprit = measure::blame::culprit_among(forms, given(s));
+                MetricSet made;
+                const Metric* const culprit = made.for_forms({find_metric("culprit")}, {&form}, given(s)).front();
                 measure::blame::Blamer blamer(form, format, culprit->categories);
                 const measure::blame::Blame blame = blamer.of(s.ray, s.target(form), HUGE_VAL);
                 INFO(form.info->name << " in " << name << ", ray " << i);
@@ -44,7 +46,7 @@ TEST_CASE("every culprit is among the operations of its form, and no plain miss 
                 }
                 if (blame.attribution->culprit == no_node) continue;
                 REQUIRE(blame.culprit >= 1);
-                const auto operations = operations_of(form, given(s));
+                const auto operations = measure::blame::operation_names(form, given(s));
                 CHECK(std::ranges::find(operations, culprit->categories[static_cast<std::size_t>(blame.culprit)]) !=
                       operations.end());
                 ++blamed;
@@ -93,30 +95,46 @@ TEST_CASE("an unknown label is refused with what was meant, a known one is bound
     const std::array<Solid<double>, 1> solids{unit};
     std::vector<const Intersector*> forms;
     for (const Intersector& form : intersect::table::intersectors(Shape::sphere)) forms.push_back(&form);
-    std::vector<const Metric*> metrics{measure::blame::labelled_metric("contribution:disc"),
-                                       measure::blame::labelled_metric("cancellation:c"),
-                                       measure::metric::find_metric("culprit")};
-    measure::blame::bind_to_run(metrics, forms, {solids});
+    const measure::blame::Setting setting{solids};
+    MetricSet made;
+    const std::vector<const Metric*> asked{made.find("contribution:disc"), made.find("cancellation:c"),
+                                           made.find("culprit")};
+    const auto metrics = made.for_forms(asked, forms, setting);
+    CHECK(metrics[0] == asked[0]);
+    CHECK(metrics[1] == asked[1]);
     CHECK(metrics[2]->categories.size() > 100);
-    CHECK(measure::blame::labelled_metric("contribution:") == nullptr);
-    CHECK(measure::blame::labelled_metric("contributions:c") == nullptr);
-    std::vector<const Metric*> wrong{measure::blame::labelled_metric("cancellation:disk")};
-    CHECK_THROWS_WITH(measure::blame::bind_to_run(wrong, forms, {solids}), Catch::Contains("did you mean \"disc\"?"));
+    CHECK(asked[2]->categories.empty());  // the table's own row stays as it is
+    CHECK(made.find("contribution:") == nullptr);
+    CHECK(made.find("contributions:c") == nullptr);
+    CHECK_THROWS_WITH(made.for_forms({made.find("cancellation:disk")}, forms, setting),
+                      Catch::Contains("did you mean \"disc\"?"));
+}
+
+TEST_CASE("a run keeps one row of a label, and what it keeps stays when it moves", "[culprits]") {
+    MetricSet made;
+    const Metric* const of_c = made.find("contribution:c");
+    REQUIRE(of_c != nullptr);
+    for (int i = 0; i < 100; ++i) made.find("contribution:c" + std::to_string(i));
+    CHECK(made.find("contribution:c") == of_c);
+    const MetricSet kept = std::move(made);
+    CHECK(of_c->name == "contribution:c");
+    CHECK(of_c->layer == "contribution.c");
+    CHECK(of_c->label == "c");
+    CHECK(find_metric("contribution:c") == nullptr);
 }
 
 TEST_CASE("categories go by how often they are to blame", "[culprits]") {
     const auto found = scene::file::find_scene("near-benign", LOSTBITS_DATA_DIR);
     const scene::file::Scene scene = scene::file::load_scene(found.path, {.size = std::pair{60, 40}}).front();
     measure::map::MapRequest request{
-        .scene = &scene,
-        .rows = {},
-        .metrics = {measure::metric::find_metric("lost_bits"), measure::metric::find_metric("culprit")}};
+        .scene = &scene, .rows = {}, .metrics = {find_metric("lost_bits"), find_metric("culprit")}};
     for (const Intersector& form : intersect::table::intersectors(Shape::sphere))
         request.rows.push_back({&form, *find_format("f32")});
-    measure::blame::bind_to_run(request.metrics, measure::map::forms_of(request.rows),
-                                measure::blame::SettingOf(scene).get());
+    MetricSet made;
+    request.metrics =
+        made.for_forms(request.metrics, measure::map::forms_of(request.rows), measure::blame::SettingOf(scene).get());
     const Metric* const before = request.metrics[1];
-    order_culprits(request);
+    request.metrics = order_culprits(request, made);
     const Metric* const after = request.metrics[1];
     CHECK(after->categories.front() == before->categories.front());
     std::vector<std::string_view> a(before->categories.begin(), before->categories.end()),

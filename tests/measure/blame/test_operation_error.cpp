@@ -28,15 +28,16 @@ TEST_CASE("the rounding of an operation is its result minus the exact one", "[at
                 std::array<NodeId, 3> id{};
                 for (std::size_t k = 0; k < 3; ++k) id[k] = tape.add_input(f, x[k]);
                 const bool binary = op != TapeOp::sqrt, ternary = op == TapeOp::fma;
-                const double value = measure::blame::apply(op, x, f);
-                const NodeId n = tape.add(op, f, value, id[0], binary ? id[1] : no_node, ternary ? id[2] : no_node);
+                const double value = measure::blame::result_of(op, x, f);
+                const NodeId n = tape.add(op, f, value, {id[0], binary ? id[1] : no_node, ternary ? id[2] : no_node});
                 Mpfr exact(4400), off(200);
-                evaluate(oracle, exact, Mpfr(x[0], 53), Mpfr(x[1], 53), Mpfr(x[2], 53), MPFR_RNDN);
+                const Mpfr a(x[0], 53), b(x[1], 53), c(x[2], 53);
+                evaluate(oracle, exact, {a, b, c}, MPFR_RNDN);
                 if (!std::isfinite(value) || mpfr_number_p(exact) == 0) continue;
                 mpfr_d_sub(off, value, exact, MPFR_RNDN);
                 const double want = mpfr_get_d(off, MPFR_RNDN), got = measure::blame::rounding_of(tape, n);
-                INFO(tape_op_names[static_cast<std::size_t>(op)]
-                     << " " << Mpfr(x[0], 53).text() << " " << Mpfr(x[1], 53).text() << " " << Mpfr(x[2], 53).text());
+                INFO(name_of(op) << " " << Mpfr(x[0], 53).text() << " " << Mpfr(x[1], 53).text() << " "
+                                 << Mpfr(x[2], 53).text());
                 // A quotient of 4400 bits is not exact either.
                 const bool endless = op == TapeOp::div || op == TapeOp::sqrt;
                 if (endless && std::fabs(want) < std::ldexp(std::fabs(value), -1000)) REQUIRE(got == 0);
@@ -64,22 +65,21 @@ TEST_CASE("a difference goes through an operation by its quotient, exactly", "[a
     for (const TapeOp op :
          {TapeOp::add, TapeOp::sub, TapeOp::mul, TapeOp::div, TapeOp::sqrt, TapeOp::abs, TapeOp::neg, TapeOp::fma})
         for (int i = 0; i < 2000; ++i) {
-            std::array<measure::blame::Operand, 3> x;
-            for (measure::blame::Operand& o : x) {
-                o.computed = std::ldexp(random.sign() * (1 + random.unit()), static_cast<int>(random.between(-3, 3)));
-                o.exact = o.computed * (1 + 0.4 * (2 * random.unit() - 1));  // not first order by far
-                if (op == TapeOp::sqrt) o = {std::fabs(o.computed), std::fabs(o.exact)};
+            std::array<measure::blame::Step, 3> x;
+            for (measure::blame::Step& o : x) {
+                o.to = std::ldexp(random.sign() * (1 + random.unit()), static_cast<int>(random.between(-3, 3)));
+                o.from = o.to * (1 + 0.4 * (2 * random.unit() - 1));  // not first order by far
+                if (op == TapeOp::sqrt) o = {std::fabs(o.from), std::fabs(o.to)};
             }
-            if (op == TapeOp::abs && random.one_in(2)) x[0].exact = -x[0].exact / 3;
-            const measure::blame::Weights w = measure::blame::quotients(TapeNode{.op = op}, x, no_node, false);
+            if (op == TapeOp::abs && random.one_in(2)) x[0].from = -x[0].from / 3;
+            const measure::blame::Quotients by = measure::blame::quotients_of(TapeNode{.op = op}, x, no_node);
             BasicReal<400> through(0);
             for (std::size_t k = 0; k < 3; ++k) {
-                if (w.follows[k])
-                    through += BasicReal<400>(w.by[k]) * (BasicReal<400>(x[k].computed) - BasicReal<400>(x[k].exact));
+                if (by[k]) through += BasicReal<400>(*by[k]) * (BasicReal<400>(x[k].to) - BasicReal<400>(x[k].from));
             }
-            const BasicReal<400> want = evaluated(op, x[0].computed, x[1].computed, x[2].computed) -
-                                        evaluated(op, x[0].exact, x[1].exact, x[2].exact);
-            INFO(tape_op_names[static_cast<std::size_t>(op)]);
+            const BasicReal<400> want =
+                evaluated(op, x[0].to, x[1].to, x[2].to) - evaluated(op, x[0].from, x[1].from, x[2].from);
+            INFO(name_of(op));
             REQUIRE(abs(through - want) <= BasicReal<400>(0x1p-44));
         }
 }
@@ -88,8 +88,9 @@ TEST_CASE("cancelled bits by hand", "[attribution]") {
     const auto cancelled = [](TapeOp op, double a, double b, double c = 0) {
         Tape tape;
         const NodeId x = tape.add_input(binary32, a), y = tape.add_input(binary32, b), z = tape.add_input(binary32, c);
-        return measure::blame::cancellation(tape, tape.add(op, binary32, measure::blame::apply(op, {a, b, c}, binary32),
-                                                           x, y, op == TapeOp::fma ? z : no_node));
+        return measure::blame::cancellation(tape,
+                                            tape.add(op, binary32, measure::blame::result_of(op, {a, b, c}, binary32),
+                                                     {x, y, op == TapeOp::fma ? z : no_node}));
     };
     CHECK(cancelled(TapeOp::sub, 1.5, 1.25) == 2);  // 2^0 and 2^0 leave 2^-2
     CHECK(cancelled(TapeOp::add, 8, -7.5) == 4);    // 2^3 and 2^2 leave 2^-1

@@ -128,7 +128,7 @@ TEST_CASE("one ray is the pixel of the map", "[measure][march]") {
     const intersect::table::Intersector& form = intersect::table::intersectors(Shape::sdf).front();
     measure::truth::Band band(scene, 0, 16);
     const auto inputs = band.inputs(*find_format("f32"), {.unit_rays = true, .own_truth = false});
-    const measure::truth::Answers all = measure::truth::evaluate(form, inputs);
+    const measure::answer::Answers all = measure::answer::evaluate(form, inputs);
     for (const auto& [x, y] : {std::pair{3, 4}, std::pair{8, 9}, std::pair{15, 0}}) {
         const OneRay one(scene, x, y);
         const intersect::table::MarchLog log = measure::answer::march_log(form, *find_format("f32"), one);

@@ -176,16 +176,16 @@ TEST_CASE("what suffices on one ray", "[needed]") {
     const intersect::Info& any = *form("sphere.schoolbook").info;
     const intersect::Info& unit = *form("sphere.unit_half_b").info;
     REQUIRE(unit.direction == intersect::Direction::unit);
-    CHECK(measure::map::suffices(hit, any, 12, true, 4, 12));
-    CHECK_FALSE(measure::map::suffices(hit, any, 11, true, 4, 12));  // right, but by luck: 11 bits are no 12
-    CHECK_FALSE(measure::map::suffices(hit, any, 12, true, 8, 12));
-    CHECK(measure::map::suffices(hit, unit, 12, true, 8, 12));
-    CHECK_FALSE(measure::map::suffices(hit, any, 53, false, 4, 12));
-    CHECK_FALSE(measure::map::suffices(hit, any, 53, true, std::nan(""), 12));
-    CHECK(measure::map::suffices(miss, any, 2, false, std::nan(""), 12));
-    CHECK_FALSE(measure::map::suffices(miss, any, 53, true, 4, 12));
-    CHECK_FALSE(measure::map::suffices(open, any, 53, true, 4, 12));
-    CHECK_FALSE(measure::map::suffices(open, any, 53, false, 4, 12));
+    CHECK(measure::map::suffices(hit, any, 12, {true, 4}, 12));
+    CHECK_FALSE(measure::map::suffices(hit, any, 11, {true, 4}, 12));  // right, but by luck: 11 bits are no 12
+    CHECK_FALSE(measure::map::suffices(hit, any, 12, {true, 8}, 12));
+    CHECK(measure::map::suffices(hit, unit, 12, {true, 8}, 12));
+    CHECK_FALSE(measure::map::suffices(hit, any, 53, {false, 4}, 12));
+    CHECK_FALSE(measure::map::suffices(hit, any, 53, {true, std::nan("")}, 12));
+    CHECK(measure::map::suffices(miss, any, 2, {false, std::nan("")}, 12));
+    CHECK_FALSE(measure::map::suffices(miss, any, 53, {true, 4}, 12));
+    CHECK_FALSE(measure::map::suffices(open, any, 53, {true, 4}, 12));
+    CHECK_FALSE(measure::map::suffices(open, any, 53, {false, 4}, 12));
 }
 
 TEST_CASE("a ray without a proved truth has no width, and is counted apart", "[needed]") {
@@ -210,19 +210,19 @@ TEST_CASE("a ray without a proved truth has no width, and is counted apart", "[n
     measure::map::NeededSummary summary;
     for (std::size_t i = 0; i < 2; ++i) summary.add(results[0].truth(i), results[0].needed[i]);
     CHECK(summary.unresolved == 1);
-    CHECK(measure::map::count(summary.all()) == 1);
+    CHECK(summary.all().count() == 1);
 }
 
 TEST_CASE("statistics of whole widths are exact", "[needed]") {
-    measure::map::NeededSummary::Counts counts{};
-    CHECK(std::isnan(measure::map::mean(counts)));
-    CHECK(std::isnan(measure::map::quantile(counts, 0.5)));
+    measure::map::WidthCounts counts{};
+    CHECK(std::isnan(counts.mean()));
+    CHECK(std::isnan(counts.quantile(0.5)));
     counts[2] = 1, counts[14] = 97, counts[30] = 1, counts[53] = 1;
-    CHECK(measure::map::count(counts) == 100);
-    CHECK(measure::map::mean(counts) == (2 + 14 * 97 + 30 + 53) / 100.0);
-    CHECK(measure::map::quantile(counts, 0.01) == 2);
-    CHECK(measure::map::quantile(counts, 0.5) == 14);
-    CHECK(measure::map::quantile(counts, 0.98) == 14);
-    CHECK(measure::map::quantile(counts, 0.99) == 30);
-    CHECK(measure::map::quantile(counts, 1) == 53);
+    CHECK(counts.count() == 100);
+    CHECK(counts.mean() == (2 + 14 * 97 + 30 + 53) / 100.0);
+    CHECK(counts.quantile(0.01) == 2);
+    CHECK(counts.quantile(0.5) == 14);
+    CHECK(counts.quantile(0.98) == 14);
+    CHECK(counts.quantile(0.99) == 30);
+    CHECK(counts.quantile(1) == 53);
 }

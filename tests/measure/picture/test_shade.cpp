@@ -47,8 +47,9 @@ Vec<T> shade_random(std::mt19937_64& engine, const measure::picture::ShadeRule& 
     const Sphere<T> sphere{point(), T(unit() + 0.5)};
     const T ka(unit()), kd(unit()), ks(unit());
     const measure::picture::Paint<T> paint{colour, ka, kd, ks, 1 + static_cast<int>(engine() % 20), true};
-    return measure::picture::shade<T>(paint, rule, mask_t<T>(shadowed), measure::picture::normal_at<T>(p, sphere),
-                                      measure::picture::unit_of<T>(light - p), measure::picture::unit_of<T>(eye - p));
+    return measure::picture::shade<T>(paint, rule, mask_t<T>(shadowed),
+                                      {measure::picture::normal_at<T>(p, sphere),
+                                       measure::picture::unit_of<T>(light - p), measure::picture::unit_of<T>(eye - p)});
 }
 
 }  // namespace
@@ -56,29 +57,29 @@ Vec<T> shade_random(std::mt19937_64& engine, const measure::picture::ShadeRule& 
 TEST_CASE("shade, by hand: n, l and v along z, and l at 60 degrees") {
     const auto n = vec<double>(0, 0, 1);
     // N·L = 1, H = (0, 0, 1): ka S + kd S + ks = 0.75 S + 0.75.
-    CHECK(measure::picture::shade<double>(shiny(), everything, false, n, n, n) == vec<double>(1.125, 0.9375, 1.5));
-    CHECK(measure::picture::shade<double>(shiny(), everything, true, n, n, n) ==
+    CHECK(measure::picture::shade<double>(shiny(), everything, false, {n, n, n}) == vec<double>(1.125, 0.9375, 1.5));
+    CHECK(measure::picture::shade<double>(shiny(), everything, true, {n, n, n}) ==
           vec<double>(0.125, 0.0625, 0.25));  // ka S alone
     measure::picture::ShadeRule half = everything;
     half.half_diffuse = true;
-    CHECK(measure::picture::shade<double>(shiny(), half, true, n, n, n) ==
+    CHECK(measure::picture::shade<double>(shiny(), half, true, {n, n, n}) ==
           vec<double>(0.25, 0.125, 0.5));  // ka S + ½ kd S
-    CHECK(measure::picture::shade<double>(shiny(), half, false, n, n, n) == vec<double>(1.125, 0.9375, 1.5));
+    CHECK(measure::picture::shade<double>(shiny(), half, false, {n, n, n}) == vec<double>(1.125, 0.9375, 1.5));
     measure::picture::ShadeRule diffuse{.diffuse = true};
-    CHECK(measure::picture::shade<double>(shiny(), diffuse, true, n, n, n) == vec<double>(0.375, 0.1875, 0.75));
-    CHECK(measure::picture::shade<double>(shiny(), measure::picture::ShadeRule{}, true, n, n, n) == shiny().colour);
+    CHECK(measure::picture::shade<double>(shiny(), diffuse, true, {n, n, n}) == vec<double>(0.375, 0.1875, 0.75));
+    CHECK(measure::picture::shade<double>(shiny(), measure::picture::ShadeRule{}, true, {n, n, n}) == shiny().colour);
     // N·L = ½ and L = V: H = L, (H·N)³ = ⅛.
     const auto l = vec<double>(std::sqrt(0.75), 0, 0.5);
-    const Vec<double> c = measure::picture::shade<double>(shiny(), everything, false, n, l, l);
+    const Vec<double> c = measure::picture::shade<double>(shiny(), everything, false, {n, l, l});
     CHECK(c.x == Approx(0.5 * (0.25 + 0.25) + 0.75 / 8).epsilon(1e-15));
     // From behind no light at all, and none taken away.
-    CHECK(measure::picture::shade<double>(shiny(), everything, false, n, -n, n) == vec<double>(0.125, 0.0625, 0.25));
+    CHECK(measure::picture::shade<double>(shiny(), everything, false, {n, -n, n}) == vec<double>(0.125, 0.0625, 0.25));
     measure::picture::Paint<double> matte = shiny();
     matte.shiny = false;
-    CHECK(measure::picture::shade<double>(matte, everything, false, n, n, n) == vec<double>(0.375, 0.1875, 0.75));
+    CHECK(measure::picture::shade<double>(matte, everything, false, {n, n, n}) == vec<double>(0.375, 0.1875, 0.75));
     // A NaN is not taken for darkness.
     const double nan = std::numeric_limits<double>::quiet_NaN();
-    CHECK(std::isnan(measure::picture::shade<double>(shiny(), everything, false, vec<double>(nan, 0, 1), n, n).x));
+    CHECK(std::isnan(measure::picture::shade<double>(shiny(), everything, false, {vec<double>(nan, 0, 1), n, n}).x));
 }
 
 TEST_CASE("whole powers are exact where the numbers are") {

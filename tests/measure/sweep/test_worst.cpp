@@ -8,7 +8,7 @@
 #include "catch.hpp"
 #include "measure/rows.hpp"
 #include "measure/seeded.hpp"
-#include "measure/truth/certified.hpp"
+#include "measure/truth/lost_bits.hpp"
 #include "number/rounded.hpp"
 
 using namespace lostbits;
@@ -56,8 +56,8 @@ struct Alone {
         hit = hit_ != 0;
         if (!hit || !truth.is_hit()) return;
         const std::int64_t ulp = ulp_exponent(row.format.shape, truth.t.floor_log2());
-        lost = measure::metric::lost_bits(measure::truth::scaled_difference(measure::truth::exactly(t), truth.t, ulp),
-                                          row.format.shape.precision);
+        lost = measure::truth::lost_bits(measure::truth::scaled_difference(measure::truth::exactly(t), truth.t, ulp),
+                                         row.format.shape.precision);
     }
     measure::truth::Truth truth;
     double t = 0, lost = 0;

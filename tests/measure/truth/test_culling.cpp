@@ -65,8 +65,8 @@ Counts compare(const scene::file::Scene& scene, std::initializer_list<const char
             counts.few += in.index->candidates(in.rays[i], found);
         for (const intersect::table::Intersector& form : intersect::table::intersectors(Shape::sphere)) {
             if (!form.exists_in(format)) continue;
-            const measure::truth::Answers got = measure::truth::evaluate(form, in),
-                                          want = measure::truth::evaluate(form, all);
+            const measure::answer::Answers got = measure::answer::evaluate(form, in),
+                                           want = measure::answer::evaluate(form, all);
             INFO(form.info->name << " in " << name);
             CHECK(got.hit == want.hit);
             CHECK(got.object == want.object);

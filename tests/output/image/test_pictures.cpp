@@ -1,6 +1,4 @@
 #include <algorithm>
-#include <cmath>
-#include <random>
 #include <set>
 #include <thread>
 
@@ -77,9 +75,14 @@ TEST_CASE("a heatmap shows every sample of the field, enlarged by a whole factor
     for (const auto [width, height, factor] : {Size{64, 64, 6}, Size{400, 30, 1}, Size{1, 1, 384}, Size{7, 1000, 2}}) {
         INFO(width << " x " << height);
         const auto field = numbered(width, height);
-        lostbits::output::image::HeatmapWriter map(
-            backend(), folder / "m.png",
-            {"A title", {"a subtitle"}, width, height, viridis(), "lost bits", legend_of("1 (100.0%)")});
+        lostbits::output::image::HeatmapWriter map(backend(), folder / "m.png",
+                                                   {.title = "A title",
+                                                    .subtitle = {"a subtitle"},
+                                                    .width = width,
+                                                    .height = height,
+                                                    .scale = viridis(),
+                                                    .unit = "lost bits",
+                                                    .legend = legend_of("1 (100.0%)")});
         CHECK(map.magnification() == factor);
         const auto half = static_cast<std::size_t>(width) * static_cast<std::size_t>(height / 2);
         map.write_rows(std::span(field).first(half));
@@ -108,13 +111,13 @@ TEST_CASE("nothing in a heatmap is cut off, however long the words", "[heatmap]"
     for (const auto& title : {sentence, std::string(120, 'W'), std::string()}) {
         lostbits::output::image::HeatmapWriter map(
             backend(), folder / "m.png",
-            {title,
-             {sentence + sentence, "short"},
-             16,
-             16,
-             viridis(),
-             "relative error of the hit point",
-             legend_of("123456789012345 (100.0%), and a remark that is far too long for a legend")});
+            {.title = title,
+             .subtitle = {sentence + sentence, "short"},
+             .width = 16,
+             .height = 16,
+             .scale = viridis(),
+             .unit = "relative error of the hit point",
+             .legend = legend_of("123456789012345 (100.0%), and a remark that is far too long for a legend")});
         map.write_rows(std::vector<lostbits::output::image::Rgb8>(256, Rgb8{1, 2, 3}));
         map.finish(legend_of("123456789012345 (100.0%), and a remark that is far too long for a legend, even longer"));
         CHECK(rim_is_blank(backend().read_png(folder / "m.png"), image::style::margin - 1));
@@ -124,7 +127,13 @@ TEST_CASE("nothing in a heatmap is cut off, however long the words", "[heatmap]"
 TEST_CASE("the legend shows what occurred and nothing else; the bar is there when a scale is", "[heatmap]") {
     const Scratch folder;
     const auto make = [&](std::vector<lostbits::output::image::LegendEntry> entries, bool bar) {
-        lostbits::output::image::HeatmapSpec spec{"T", {}, 8, 8, {}, "lost bits", legend_of("64")};
+        lostbits::output::image::HeatmapSpec spec{.title = "T",
+                                                  .subtitle = {},
+                                                  .width = 8,
+                                                  .height = 8,
+                                                  .scale = {},
+                                                  .unit = "lost bits",
+                                                  .legend = legend_of("64")};
         if (bar) spec.scale = viridis();
         lostbits::output::image::HeatmapWriter map(backend(), folder / "m.png", std::move(spec));
         map.write_rows(std::vector<lostbits::output::image::Rgb8>(64, Rgb8{1, 2, 3}));
@@ -147,7 +156,13 @@ TEST_CASE("the legend shows what occurred and nothing else; the bar is there whe
 
 TEST_CASE("a heatmap is whole or not there, and repeats its bytes", "[heatmap]") {
     const Scratch folder;
-    const lostbits::output::image::HeatmapSpec spec{"T", {}, 4, 3, viridis(), "bits", legend_of("9")};
+    const lostbits::output::image::HeatmapSpec spec{.title = "T",
+                                                    .subtitle = {},
+                                                    .width = 4,
+                                                    .height = 3,
+                                                    .scale = viridis(),
+                                                    .unit = "bits",
+                                                    .legend = legend_of("9")};
     const auto field = numbered(4, 3);
     {
         lostbits::output::image::HeatmapWriter map(backend(), folder / "m.png", spec);
@@ -166,66 +181,6 @@ TEST_CASE("a heatmap is whole or not there, and repeats its bytes", "[heatmap]")
     CHECK(slurp(folder / "a") == slurp(folder / "b"));
 }
 
-TEST_CASE("a thumbnail averages in linear light, exactly and in any order of rows", "[thumbnail]") {
-    std::vector<lostbits::output::image::Rgb8> board;
-    for (int y = 0; y < 320; ++y) {
-        for (int x = 0; x < 640; ++x) board.push_back((x + y) % 2 == 0 ? Rgb8{255, 255, 255} : Rgb8{});
-    }
-    lostbits::output::image::Thumbnail grey(640, 320);
-    grey.add_rows(0, board);
-    CHECK(grey.width() == 160);
-    CHECK(grey.height() == 80);
-    CHECK(std::ranges::all_of(grey.pixels(), [](Rgb8 p) { return p == Rgb8{188, 188, 188}; }));  // not 128
-
-    std::mt19937 random(1);
-    std::vector<Rgb8> noise(static_cast<std::size_t>(333 * 211));
-    for (auto& p : noise) p = {static_cast<std::uint8_t>(random()), static_cast<std::uint8_t>(random()), 7};
-    Thumbnail down(333, 211), up(333, 211);
-    for (int y = 0; y < 211; ++y) down.add_rows(y, std::span(noise).subspan(static_cast<std::size_t>(y) * 333, 333));
-    for (int y = 210; y >= 0; --y) up.add_rows(y, std::span(noise).subspan(static_cast<std::size_t>(y) * 333, 333));
-    CHECK((down.pixels() == up.pixels()));
-    // Against the definition: the mean over the pixel's exact area, in floating point.
-    for (const auto& [i, j] : {std::pair{0, 0}, std::pair{159, 100}, std::pair{80, 50}}) {
-        double sum = 0, weight = 0;
-        for (int y = 0; y < 211; ++y) {
-            for (int x = 0; x < 333; ++x) {
-                const auto part = [](double a, double b, double c, double d) {
-                    return std::max(0.0, std::min(b, d) - std::max(a, c));
-                };
-                const double w = part(x, x + 1, i * 333.0 / 160, (i + 1) * 333.0 / 160) *
-                                 part(y, y + 1, j * 211.0 / down.height(), (j + 1) * 211.0 / down.height());
-                sum += w * lostbits::output::image::linear_light(noise[static_cast<std::size_t>(y * 333 + x)].r);
-                weight += w;
-            }
-        }
-        const lostbits::output::image::Rgb8 got = down.pixels()[static_cast<std::size_t>(j * 160 + i)];
-        CHECK(std::abs(got.r -
-                       lostbits::output::image::srgb_byte(static_cast<std::uint16_t>(std::lround(sum / weight)))) <= 1);
-        CHECK(got.b == 7);
-    }
-}
-
-TEST_CASE("thumbnails of odd shapes", "[thumbnail]") {
-    const auto size = [](int w, int h) {
-        lostbits::output::image::Thumbnail t(w, h);
-        t.add_rows(0, std::vector<lostbits::output::image::Rgb8>(
-                          static_cast<std::size_t>(w) * static_cast<std::size_t>(h), Rgb8{9, 8, 7}));
-        CHECK(std::ranges::all_of(t.pixels(), [](Rgb8 p) { return p == Rgb8{9, 8, 7}; }));
-        return std::pair(t.width(), t.height());
-    };
-    CHECK(size(64, 64) == std::pair(128, 128));
-    CHECK(size(1, 1) == std::pair(160, 160));
-    CHECK(size(1024, 1) == std::pair(160, 1));
-    CHECK(size(1, 5000) == std::pair(1, 160));
-    CHECK(size(161, 160) == std::pair(160, 159));
-    CHECK(size(256, 1024) == std::pair(40, 160));
-    lostbits::output::image::Thumbnail t(10, 10);
-    CHECK_THROWS_AS(t.add_rows(0, std::vector<lostbits::output::image::Rgb8>(11)), std::logic_error);
-    CHECK_THROWS_AS(t.add_rows(9, std::vector<lostbits::output::image::Rgb8>(20)), std::logic_error);
-    CHECK_THROWS_AS(t.add_rows(-1, std::vector<lostbits::output::image::Rgb8>(10)), std::logic_error);
-    CHECK_THROWS_AS(t.pixels(), std::logic_error);
-}
-
 namespace {
 
 std::vector<std::string> words(const std::string& stem, std::size_t count) {
@@ -237,16 +192,17 @@ std::vector<std::string> words(const std::string& stem, std::size_t count) {
 /// A sheet whose cells each hold one colour of their own, fed by `threads` threads.
 lostbits::output::image::PngImage sheet_of(const fs::path& path, std::size_t forms, std::size_t formats,
                                            unsigned threads) {
-    ContactSheet sheet(backend(), path,
-                       {"A contact sheet with a title that is longer than a small page is wide, so that it wraps",
-                        {"one line", "another"},
-                        words("sphere.a_rather_long_name_", forms),
-                        words("p", formats),
-                        64,
-                        32,
-                        viridis(),
-                        "lost bits",
-                        legend_of("123456 (99.9%)")});
+    ContactSheet sheet(
+        backend(), path,
+        {.title = "A contact sheet with a title that is longer than a small page is wide, so that it wraps",
+         .subtitle = {"one line", "another"},
+         .forms = words("sphere.a_rather_long_name_", forms),
+         .formats = words("p", formats),
+         .field_width = 64,
+         .field_height = 32,
+         .scale = viridis(),
+         .unit = "lost bits",
+         .legend = legend_of("123456 (99.9%)")});
     std::vector<std::thread> workers;
     for (unsigned t = 0; t < threads; ++t) {
         workers.emplace_back([&, t] {
@@ -292,7 +248,15 @@ TEST_CASE("a contact sheet does not show how many threads fed it", "[contact_she
 TEST_CASE("a cell without data is drawn as such, and a wrong one refused", "[contact_sheet]") {
     const Scratch folder;
     lostbits::output::image::ContactSheet sheet(backend(), folder / "s.png",
-                                                {"T", {}, {"a", "b"}, {"f32"}, 64, 64, {}, "", {}});
+                                                {.title = "T",
+                                                 .subtitle = {},
+                                                 .forms = {"a", "b"},
+                                                 .formats = {"f32"},
+                                                 .field_width = 64,
+                                                 .field_height = 64,
+                                                 .scale = {},
+                                                 .unit = "",
+                                                 .legend = {}});
     sheet.add_rows(0, 0, 0, std::vector<lostbits::output::image::Rgb8>(64 * 64, Rgb8{1, 2, 3}));
     sheet.add_rows(1, 0, 0, std::vector<Rgb8>(64 * 63, Rgb8{4, 5, 6}));
     CHECK_THROWS_AS(sheet.add_rows(2, 0, 0, std::vector<Rgb8>(64)), std::logic_error);
@@ -301,6 +265,15 @@ TEST_CASE("a cell without data is drawn as such, and a wrong one refused", "[con
     const auto image = backend().read_png(folder / "s.png");
     CHECK(count_of(image, {1, 2, 3}) == 128 * 128);
     CHECK(count_of(image, {4, 5, 6}) == 0);
-    CHECK_THROWS_AS(ContactSheet(backend(), folder / "t.png", {"T", {}, {}, {"f32"}, 4, 4, {}, "", {}}),
+    CHECK_THROWS_AS(ContactSheet(backend(), folder / "t.png",
+                                 {.title = "T",
+                                  .subtitle = {},
+                                  .forms = {},
+                                  .formats = {"f32"},
+                                  .field_width = 4,
+                                  .field_height = 4,
+                                  .scale = {},
+                                  .unit = "",
+                                  .legend = {}}),
                     std::logic_error);
 }

@@ -18,8 +18,8 @@ constexpr double no_value = std::numeric_limits<double>::quiet_NaN();
 lostbits::output::plot::PlanePlotSpec coloured(int columns, int rows) {
     PlanePlotSpec spec;
     spec.title = "A plane";
-    spec.x_axis = {"distance", Axis::Scale::log2, {}, {}};
-    spec.y_axis = {"height", Axis::Scale::linear, {}, {}};
+    spec.x_axis = {"distance", AxisSpec::Scale::log2, {}, {}};
+    spec.y_axis = {"height", AxisSpec::Scale::linear, {}, {}};
     for (int i = 0; i < columns; ++i) spec.x.push_back(std::exp2(i));
     for (int j = 0; j < rows; ++j) spec.y.push_back(j);
     for (int j = 0; j < rows; ++j) {

@@ -27,7 +27,7 @@ std::vector<std::string> labels(const lostbits::output::plot::AxisRange& range, 
 }  // namespace
 
 TEST_CASE("ticks are round values at their places", "[plot]") {
-    using Scale = Axis::Scale;
+    using Scale = AxisSpec::Scale;
     using Labels = std::vector<std::string>;
     CHECK(labels(lostbits::output::plot::AxisRange({"", Scale::log2, 1.0, std::exp2(30)}, {}), 8) ==
           Labels{"2^0", "2^4", "2^8", "2^12", "2^16", "2^20", "2^24", "2^28"});
@@ -47,7 +47,7 @@ TEST_CASE("ticks are round values at their places", "[plot]") {
 }
 
 TEST_CASE("every range has ticks that differ, and they lie on it", "[plot]") {
-    using Scale = Axis::Scale;
+    using Scale = AxisSpec::Scale;
     const double huge = std::numeric_limits<double>::max(), tiny = std::numeric_limits<double>::denorm_min();
     const std::vector<std::vector<double>> data{
         {},     {no_value, inf},           {7},          {0},       {-3, -3}, {huge, -huge}, {huge},

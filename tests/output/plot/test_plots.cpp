@@ -89,8 +89,8 @@ lostbits::output::plot::Series level(const std::string& label, double y, int n =
 lostbits::output::plot::LinePlotSpec spec_of(std::vector<Series> series) {
     LinePlotSpec spec;
     spec.title = "Lost bits";
-    spec.x = {"distance", Axis::Scale::log2, {}, {}};
-    spec.y = {"lost bits", Axis::Scale::linear, 0.0, 53.0};
+    spec.x = {"distance", AxisSpec::Scale::log2, {}, {}};
+    spec.y = {"lost bits", AxisSpec::Scale::linear, 0.0, 53.0};
     spec.series = std::move(series);
     return spec;
 }
@@ -267,7 +267,7 @@ TEST_CASE("the envelope is grey below its line and the page above", "[line_plot]
 
 TEST_CASE("degenerate series are drawn as far as they can be", "[line_plot]") {
     const Scratch folder;
-    using Scale = Axis::Scale;
+    using Scale = AxisSpec::Scale;
     const auto draw = [&](lostbits::output::plot::Series series, Scale x, Scale y) {
         lostbits::output::plot::LinePlotSpec spec;
         spec.x.scale = x;

@@ -21,11 +21,12 @@ constexpr lostbits::output::image::Rgb8 first{0, 114, 178}, second{213, 94, 0}, 
 lostbits::output::plot::ScatterPlotSpec small() {
     ScatterPlotSpec spec;
     spec.title = "A trade";
-    spec.x = {"time", Axis::Scale::log2, {}, {}};
-    spec.y = {"bits", Axis::Scale::linear, 0.0, {}};
-    spec.points = {{1, 10, 0.9, 1.1, 1, 0, false, false, "one"},
-                   {4, 20, 3.5, 5, 3, 1, false, true, "four"},
-                   {6, 5, 6, 6, 0, 0, true, false, ""}};
+    spec.x = {"time", AxisSpec::Scale::log2, {}, {}};
+    spec.y = {"bits", AxisSpec::Scale::linear, 0.0, {}};
+    spec.points = {
+        {.x = 1, .y = 10, .x_low = 0.9, .x_high = 1.1, .marker = 1, .label = "one"},
+        {.x = 4, .y = 20, .x_low = 3.5, .x_high = 5, .marker = 3, .colour = 1, .hollow = true, .label = "four"},
+        {.x = 6, .y = 5, .x_low = 6, .x_high = 6, .faint = true}};
     spec.front = {{1, 10, true}, {4, 20, false}};
     spec.keys = {{"f32", 0, 0}, {"dominated", 0, 0, true}};
     return spec;
@@ -120,7 +121,8 @@ TEST_CASE("what has no value is left out and counted", "[scatter_plot]") {
     const Scratch folder;
     auto spec = small();
     const auto with = plotted(folder, spec);
-    spec.points.push_back({3, std::numeric_limits<double>::quiet_NaN(), 3, 3, 0, 1, false, false, "lost"});
+    spec.points.push_back(
+        {.x = 3, .y = std::numeric_limits<double>::quiet_NaN(), .x_low = 3, .x_high = 3, .colour = 1, .label = "lost"});
     const auto image = plotted(folder, spec);
     CHECK(image.width == with.width);
     CHECK(image.pixels != with.pixels);

@@ -149,9 +149,20 @@ radius = [0.5, 2]
     const Ray<double> ray{{0x1.79c78ap+2, -0x1.3d574ap-1, 0}, {-0x1.e0c60cp-1, 0x1p-149, -1}};
     const Sphere<double> sphere{{0x1.921fb54442d18p+0, -0.0, 0x1p-1074}, 0x1.fffffffffffffp+0};
     const std::vector<std::optional<measure::sweep::WorstFound>> found{
-        measure::sweep::WorstFound{measure::answer::Outcome::agree_hit, 6.400023458, ray, sphere, 5.5, 5.25, 640},
-        measure::sweep::WorstFound{
-            measure::answer::Outcome::false_hit, HUGE_VAL, {{1, 2, 3}, {0, 0, 1}}, sphere, 0x1p-3, std::nan(""), 32},
+        measure::sweep::WorstFound{.outcome = measure::answer::Outcome::agree_hit,
+                                   .value = 6.400023458,
+                                   .ray = ray,
+                                   .solid = sphere,
+                                   .t = 5.5,
+                                   .truth = 5.25,
+                                   .evaluations = 640},
+        measure::sweep::WorstFound{.outcome = measure::answer::Outcome::false_hit,
+                                   .value = HUGE_VAL,
+                                   .ray = {{1, 2, 3}, {0, 0, 1}},
+                                   .solid = sphere,
+                                   .t = 0x1p-3,
+                                   .truth = std::nan(""),
+                                   .evaluations = 32},
         std::nullopt};
     output::sweep::write_worst(folder.path(), request, found);
 

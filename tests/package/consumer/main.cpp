@@ -2,18 +2,19 @@
 #include <cstdio>
 
 #include "intersect/catalogue.hpp"
-#include "measure/metric/metrics.hpp"
+#include "measure/truth/lost_bits.hpp"
 #include "measure/truth/truth.hpp"
 
 int main() {
     using namespace lostbits;
+    using namespace lostbits::measure::truth;
     const Ray<float> ray{{0, 0, 5}, {0, 0, -1}};
     const Sphere<float> sphere{{0, 0, 0}, 1};
-    const Hit<float> hit = sphere::Unified::intersect(ray, sphere);
+    const Hit<float> hit = intersect::sphere::Unified::intersect(ray, sphere);
 
     const Sphere<double> exact_sphere{{0, 0, 0}, 1};
     const Truth truth = find_truth({{0, 0, 5}, {0, 0, -1}}, exact_sphere);
-    const double ulps = scaled_difference(exactly(hit.t), truth.t, ulp_exponent(binary32, truth.t.floor_log2()));
+    const double ulps = ulp_error(hit.t, truth.t, binary32);
     std::printf("t = %g, lost bits = %g\n", static_cast<double>(hit.t), lost_bits(ulps, 24));
     return hit.hit ? 0 : 1;
 }

@@ -104,10 +104,10 @@ TEST_CASE("a scene asks for the stages it has the means for, and no stage stands
 
 TEST_CASE("what light and paint cannot be is said with its place") {
     CHECK(broken("[0.25, 0.5, 1]", "[0.25, 0.5, 255]") ==
-          "scene.toml:4:14: background lies outside of 0 to 1; a colour is [red, green, blue], each from 0 to 1 (a "
-          "byte over 255)");
+          "scene.toml:4:14: background is not between 0 and 1; a colour is [red, green, blue], each from 0 to 1 (a "
+          "byte divided by 255)");
     CHECK(broken("colour = [1, 0.5, 0]", "colour = [1, -0.5, 0]")
-              .starts_with("scene.toml:22:10: sphere[0].colour lies outside of 0 to 1"));
+              .starts_with("scene.toml:22:10: sphere[0].colour is not between 0 and 1"));
     CHECK(broken("colour = [1, 0.5, 0]", "color = [1, 0.5, 0]").starts_with("scene.toml:22:1: unknown key"));
     CHECK(broken("ka = 0.125", "ka = -1") ==
           "scene.toml:16:6: material.ka is negative and would take light away; write 0 or more");

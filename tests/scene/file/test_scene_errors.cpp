@@ -56,14 +56,14 @@ TEST_CASE("every other number is finite in binary32 when inputs are shared") {
 
 TEST_CASE("a camera looks somewhere, the right way up") {
     CHECK(broken("look_at = [0, 0, -1]", "look_at = [0, 0, 0]") ==
-          "scene.toml:10:11: camera.look_at equals camera.eye, which gives no direction; move either");
+          "scene.toml:10:11: camera.look_at equals camera.eye, which gives no direction; move one of them");
     CHECK(broken("up = [0, 1, 0]", "up = [0, 0, 7]") ==
           "scene.toml:11:6: camera.up is parallel to the view, look_at - eye; write another, such as [0, 0, 1] or [0, "
           "1, 0]");
     CHECK(broken("up = [0, 1, 0]", "up = [1e-13, 0, 1]").find("is parallel to the view") != std::string::npos);
     CHECK(broken("up = [0, 1, 0]", "up = [1e-11, 0, 1]") == "no error");
     CHECK(broken("up = [0, 1, 0]", "up = [0, 0, 0]") ==
-          "scene.toml:11:6: camera.up is zero, which is no direction; write [0, 1, 0]");
+          "scene.toml:11:6: camera.up is zero, which is not a direction; write [0, 1, 0]");
     CHECK(broken("up = [0, 1, 0]\n", "") == "no error");
     CHECK(broken("kind = \"orthographic\"", "kind = \"orthografic\"") ==
           "scene.toml:8:8: camera.kind is \"orthografic\", which is not known; did you mean \"orthographic\"?");
@@ -104,7 +104,7 @@ TEST_CASE("a picture has a sane size") {
     CHECK(broken("size = [8, 4]", "size = 8") ==
           "scene.toml:6:8: size is the integer 8, but an array of 2 whole numbers is expected here");
     CHECK(broken("size = [8, 4]", "size = [54161, 19825]") ==
-          "scene.toml:6:8: size is an absurd size: more than 2^30 pixels; make it smaller");
+          "scene.toml:6:8: size is too large: more than 2^30 pixels; make it smaller");
     CHECK(broken("size = [8, 4]", "size = [65536, 16384]") == "no error");
     scene::file::LoadOptions options;
     options.size = {0, 5};
@@ -144,8 +144,9 @@ TEST_CASE("variants are named once, with names that fit into file names") {
         "scene.toml:17:8: variant[0].name is \"a/b\", but names are part of file names; use letters, digits, - and _");
     CHECK(with("[[variant]]\nname = \"\"\nset = {}\n")
               .starts_with("scene.toml:17:8: variant[0].name is \"\", but names"));
-    CHECK(with("[[variant]]\nname = \"a\"\nset = {}\n[[variant]]\nname = \"a\"\nset = {}\n") ==
-          "scene.toml:20:8: variant[1].name is \"a\", as another variant of the file already is; name each once");
+    CHECK(
+        with("[[variant]]\nname = \"a\"\nset = {}\n[[variant]]\nname = \"a\"\nset = {}\n") ==
+        "scene.toml:20:8: variant[1].name is \"a\", which is also the name of another variant; give each its own name");
     CHECK(with("[[variant]]\nname = \"a\"\nset = 3\n") ==
           "scene.toml:18:7: variant[0].set is the integer 3, but a table is expected here");
     CHECK(with("[[variant]]\nname = \"a\"\nset = {}\nsets = 1\n") ==

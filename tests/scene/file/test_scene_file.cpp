@@ -99,7 +99,8 @@ TEST_CASE("a size override changes the size alone") {
 
 TEST_CASE("scenes are listed by name") {
     const Folder data;
-    CHECK(error_of([&] { scene::file::scene_files(data.path()); }).find("no folder of scenes") != std::string::npos);
+    CHECK(error_of([&] { scene::file::scene_files(data.path()); }).find("is not a folder of scenes") !=
+          std::string::npos);
     data.write("scenes/b.toml", good_scene);
     data.write("scenes/a.toml", good_scene);
     data.write("scenes/readme.md", "");
@@ -124,7 +125,7 @@ TEST_CASE("a scene is found by path, id or id and variant") {
     CHECK(find_scene("far-2.5.big", data.path()).variant == "big");
     const std::string folder = (data.path() / "scenes").string();
     CHECK(error_of([&] { find_scene("neer", data.path()); }) ==
-          "no scene \"neer\" in " + folder + "; did you mean \"near\"? (a path to a .toml file will also do)");
+          "no scene \"neer\" in " + folder + "; did you mean \"near\"? (a path to a .toml file works too)");
     CHECK(error_of([&] { find_scene("neer.big", data.path()); }).find("did you mean \"near\"?") != std::string::npos);
     CHECK(error_of([&] { find_scene("zzzzzz", data.path()); }).find("known here: \"far-2.5\", \"near\"") !=
           std::string::npos);

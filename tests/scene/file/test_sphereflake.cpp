@@ -76,7 +76,7 @@ TEST_CASE("a flake stands behind the other spheres of its scene, and is refused 
               .find("scene.toml:14:10: sphereflake.levels must be a whole number from 0 to 9") == 0);
     CHECK(broken("levels = 1", "levels = 1.5").find("sphereflake.levels must be a whole number") != std::string::npos);
     CHECK(broken("radius = 0.5", "radius = 0").find("scene.toml:15:10: sphereflake.radius must lie between") == 0);
-    CHECK(broken("radius = 0.5", "axis = [0, 0, 0]").find("sphereflake.axis gives no direction") != std::string::npos);
+    CHECK(broken("radius = 0.5", "axis = [0, 0, 0]").find("sphereflake.axis is not a direction") != std::string::npos);
     CHECK(broken("radius = 0.5", "radios = 0.5").find("did you mean \"radius\"") != std::string::npos);
 }
 

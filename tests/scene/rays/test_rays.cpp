@@ -101,8 +101,15 @@ TEST_CASE("input rays follow the scene's inputs and the format") {
 }
 
 TEST_CASE("a block of rays is rounded to a narrower format, its subnormals and overflow included") {
-    const scene::rays::RayBlock block{
-        3, 0, 1, {1e6, -1e6, 1}, {0x1p-25, 0x1.8p-24, 0}, {65519, 65520, 1}, {0.1, 1, -1}, {0, 0, 1e-9}, {-1e-9, 1, 1}};
+    const scene::rays::RayBlock block{.width = 3,
+                                      .y0 = 0,
+                                      .y1 = 1,
+                                      .ox = {1e6, -1e6, 1},
+                                      .oy = {0x1p-25, 0x1.8p-24, 0},
+                                      .oz = {65519, 65520, 1},
+                                      .dx = {0.1, 1, -1},
+                                      .dy = {0, 0, 1e-9},
+                                      .dz = {-1e-9, 1, 1}};
     const scene::rays::RayBlock half = round_block(block, binary16);
     CHECK(half.ox == std::vector<double>{HUGE_VAL, -HUGE_VAL, 1});
     CHECK(half.oy == std::vector<double>{0, 0x1p-23, 0});

@@ -90,7 +90,7 @@ TEST_CASE("a search holds what lies in all its ranges, the derived ones too") {
 TEST_CASE("what is no search is refused where it is wrong") {
     CHECK(broken("title", "title") == "no error");
     CHECK(broken("origin = [-8, 8]", "origin = [8, -8]") ==
-          "s.toml:5:10: search.origin is [low, high] with low <= high");
+          "s.toml:5:10: search.origin must be [low, high] with low <= high");
     CHECK(broken("origin = [-8, 8]", "origin = [-8, 8, 9]").starts_with("s.toml:5:10: search.origin is an array of 3"));
     CHECK(broken("radius = [0.5, 2]", "radius = 2").starts_with("s.toml:8:10: search.radius is the integer 2"));
     CHECK(broken("radius = [0.5, 2]\n", "").starts_with("s.toml:4:1: search.radius is missing"));
@@ -161,5 +161,5 @@ TEST_CASE("a sweep goes by its path below data/sweeps, or by its own name where 
     CHECK(find_sweep("c/top", data.path()) == top);
     CHECK(find_sweep(near.string(), "nowhere") == near);
     CHECK(error_of([&] { find_sweep("both", data.path()); }).find("\"a/both\"") != std::string::npos);
-    CHECK(error_of([&] { find_sweep("nar", data.path()); }).starts_with("nar:1:1: no such sweep file"));
+    CHECK(error_of([&] { find_sweep("nar", data.path()); }).starts_with("nar:1:1: is not a sweep file"));
 }

@@ -80,40 +80,40 @@ TEST_CASE("an override of an unknown path says what is there") {
           R"(--set sphere[0].raduis=2: unknown key sphere[0].raduis; did you mean "radius"?)");
     CHECK(set_error("camera.wdth=2") == R"(--set camera.wdth=2: unknown key camera.wdth; did you mean "width"?)");
     CHECK(set_error("titel=x") == R"(--set titel=x: unknown key titel; did you mean "title"?)");
-    CHECK(
-        set_error("sphere[1].radius=2") ==
-        R"(--set sphere[1].radius=2: unknown path "sphere[1].radius": sphere is an array of 1; indices go from 0 to 0)");
+    CHECK(set_error("sphere[1].radius=2") ==
+          R"(--set sphere[1].radius=2: unknown path "sphere[1].radius": sphere is an array of 1; )"
+          R"(indices go from 0 to 0)");
     CHECK(
         set_error("sphere.radius=2") ==
         R"(--set sphere.radius=2: unknown path "sphere.radius": sphere is an array of 1; say which: sphere[0].radius)");
-    CHECK(
-        set_error("camera[0].eye=2") ==
-        R"(--set camera[0].eye=2: unknown path "camera[0].eye": camera is a table, which has no indices; leave [...] out)");
-    CHECK(
-        set_error("title.x=2") ==
-        R"(--set title.x=2: unknown path "title.x": title is the string "A test", which has no keys; end the path there)");
-    CHECK(
-        set_error("sphere[0].centre[3]=2") ==
-        R"(--set sphere[0].centre[3]=2: unknown path "sphere[0].centre[3]": sphere[0].centre is an array of 3; indices go from 0 to 2)");
+    CHECK(set_error("camera[0].eye=2") ==
+          R"(--set camera[0].eye=2: unknown path "camera[0].eye": camera is a table, which has no )"
+          R"(indices; leave [...] out)");
+    CHECK(set_error("title.x=2") ==
+          R"(--set title.x=2: unknown path "title.x": title is the string "A test", which has no )"
+          R"(keys; end the path there)");
+    CHECK(set_error("sphere[0].centre[3]=2") ==
+          R"(--set sphere[0].centre[3]=2: unknown path "sphere[0].centre[3]": sphere[0].centre is an )"
+          R"(array of 3; indices go from 0 to 2)");
 }
 
 TEST_CASE("a malformed override says how one is written") {
     const std::string advice = "; write path=value, as in sphere[0].radius=1e3";
-    CHECK(set_error("radius") == "--set radius: is no assignment" + advice);
-    CHECK(set_error("=3") == "--set =3: is no assignment" + advice);
+    CHECK(set_error("radius") == "--set radius: is not an assignment" + advice);
+    CHECK(set_error("=3") == "--set =3: is not an assignment" + advice);
     CHECK(set_error("camera.eye=") == "--set camera.eye=: has no value after =" + advice);
     const std::string keys = "; write keys and indices from 0, as in sphere[0].radius";
     CHECK(set_error("camera..eye=1") == "--set camera..eye=1: the path \"camera..eye\" has an empty key" + keys);
     CHECK(set_error("camera.=1") == "--set camera.=1: the path \"camera.\" has an empty key" + keys);
     CHECK(set_error("[0].radius=1") == "--set [0].radius=1: the path \"[0].radius\" has an empty key" + keys);
     CHECK(set_error("sphere[x].radius=1") ==
-          "--set sphere[x].radius=1: the path \"sphere[x].radius\" has an index that is no whole number" + keys);
+          "--set sphere[x].radius=1: the path \"sphere[x].radius\" has an index that is not a whole number" + keys);
     CHECK(set_error("sphere[-1].radius=1") ==
-          "--set sphere[-1].radius=1: the path \"sphere[-1].radius\" has an index that is no whole number" + keys);
+          "--set sphere[-1].radius=1: the path \"sphere[-1].radius\" has an index that is not a whole number" + keys);
     CHECK(set_error("sphere[0=1") ==
-          "--set sphere[0=1: the path \"sphere[0\" has an index that is no whole number" + keys);
+          "--set sphere[0=1: the path \"sphere[0\" has an index that is not a whole number" + keys);
     CHECK(set_error("sphere[0]radius=1") ==
-          "--set sphere[0]radius=1: the path \"sphere[0]radius\" goes on after an index without a dot" + keys);
+          "--set sphere[0]radius=1: the path \"sphere[0]radius\" continues after an index without a dot" + keys);
 }
 
 TEST_CASE("a value that the scene refuses is refused in the option's name") {

@@ -67,7 +67,7 @@ TEST_CASE("an exponent is a sum of whole numbers and a format's own, quotients r
     CHECK(exponent("10000", binary32) == 10000);
 }
 
-TEST_CASE("what is no exponent is refused where it stands") {
+TEST_CASE("what is not an exponent is refused where it stands") {
     for (const std::string text :
          {"",          "+",   "emx",       "max",          "emax/3", "emax/", "emax/22", "emax*2",
           "2emax",     "p3",  "emax emin", "1.5",          "0x10",   "1e3",   "10001",   "99999999999999999999",
@@ -77,9 +77,10 @@ TEST_CASE("what is no exponent is refused where it stands") {
         CHECK(error.starts_with("t.toml:3:7: "));
     }
     CHECK(exponent_error("emax/3") ==
-          "t.toml:3:7: \"emax/3\" is no exponent; write a sum of whole numbers, emax, emin and p, each perhaps over 2 "
+          "t.toml:3:7: \"emax/3\" is not an exponent; write a sum of whole numbers, emax, emin and p, each perhaps "
+          "over 2 "
           "or 4, such as \"emax/2 + 1\"");
-    CHECK(exponent_error("e max") == "t.toml:3:7: \"e max\" holds a space inside a number or word; take it out");
+    CHECK(exponent_error("e max") == "t.toml:3:7: \"e max\" contains a space inside a number or word; remove it");
     scene::toml::Node flag;
     flag.kind = Node::Kind::boolean;
     flag.where = here;
@@ -187,10 +188,10 @@ TEST_CASE("what is no quantity is refused where it stands; a solid is finite") {
         CAPTURE(text);
         CHECK(ray_error(text).starts_with("t.toml:3:7: "));
     }
-    CHECK(ray_error("1 2") == "t.toml:3:7: \"1 2\" holds a space inside a number or word; take it out");
+    CHECK(ray_error("1 2") == "t.toml:3:7: \"1 2\" contains a space inside a number or word; remove it");
     CHECK(ray_error("big").find("max, min, tiny, nan or inf") != std::string::npos);
-    CHECK(solid_error("nan") == "t.toml:3:7: is nan, which only a ray may hold");
-    CHECK(solid_error("-inf") == "t.toml:3:7: is inf, which only a ray may hold");
+    CHECK(solid_error("nan") == "t.toml:3:7: is nan, which is allowed in rays only");
+    CHECK(solid_error("-inf") == "t.toml:3:7: is inf, which is allowed in rays only");
     CHECK(solid_error("inf - ulp").starts_with("t.toml:3:7: is inf"));
     CHECK(solid_error("max") == "no error");
     CHECK(ray_error("-nan") == "no error");
@@ -200,6 +201,6 @@ TEST_CASE("what is no quantity is refused where it stands; a solid is finite") {
     const std::vector<scene::toml::Node>& items = root.find("a")->items;
     CHECK(std::isnan(scene::toml::Quantity(items[0], true).in(binary32, 0)));
     CHECK(Quantity(items[1], true).in(binary32, 0) == -infinity);
-    CHECK(error_in(folder, [&] { Quantity(items[2], false); }) == "t.toml:1:17: is inf, which only a ray may hold");
+    CHECK(error_in(folder, [&] { Quantity(items[2], false); }) == "t.toml:1:17: is inf, which is allowed in rays only");
     CHECK(Quantity(items[3], false).in(binary64, 0) == 1e-3);
 }

@@ -75,16 +75,17 @@ TEST_CASE("a byte order mark moves no position") {
 
 TEST_CASE("the schema is the first thing to agree on") {
     CHECK(schema_error("schema = \"lostbits-scene/1\"") == "no error");
-    CHECK(
-        schema_error("\na = 1") ==
-        "t.toml:1:1: schema is missing, so what the keys mean is not known; write schema = \"lostbits-scene/1\" first");
+    CHECK(schema_error("\na = 1") ==
+          "t.toml:1:1: schema is missing, so the meaning of the keys is unknown; write schema = \"lostbits-scene/1\" "
+          "first");
     CHECK(schema_error("# c\nschema = \"lostbits-scene/2\"") ==
           "t.toml:2:10: schema is \"lostbits-scene/2\", newer than this program reads; use a newer lostbits, or write "
           "schema = \"lostbits-scene/1\"");
-    CHECK(schema_error("schema = \"lostbits-sweep/1\"") ==
-          "t.toml:1:10: schema is \"lostbits-sweep/1\", which is not the kind of file wanted here; write schema = "
-          "\"lostbits-scene/1\"");
-    CHECK(schema_error("schema = \"\"").find("not the kind of file") != std::string::npos);
+    CHECK(
+        schema_error("schema = \"lostbits-sweep/1\"") ==
+        "t.toml:1:10: schema is \"lostbits-sweep/1\", which is another kind of file than expected here; write schema = "
+        "\"lostbits-scene/1\"");
+    CHECK(schema_error("schema = \"\"").find("another kind of file") != std::string::npos);
     CHECK(schema_error("schema = 1") == "t.toml:1:10: schema is the integer 1, but a string is expected here");
 }
 

@@ -2,11 +2,12 @@
 // among them. What src/measure/blame/attribution.cpp and operation_error.cpp do, over integers of any length where
 // those have MPFR; the browser test holds the two against each other.
 
-const comparisons = ["less", "less_equal", "greater", "greater_equal"];
-const isComparison = (n) => comparisons.includes(n.op);
-const isDecision = (n) => isComparison(n) || ["both", "either", "opposite", "any"].includes(n.op);
-const isOperation = (n) => !isDecision(n) && n.op !== "input" && n.op !== "constant";
-const isChoice = (n) => n.op === "select" || n.op === "min" || n.op === "max";
+// Kinds come with the tape: number/tape.hpp has them.
+const isGiven = (n) => n.kind === "given";
+const isComparison = (n) => n.kind === "comparison";
+const isDecision = (n) => isComparison(n) || n.kind === "logic";
+const isOperation = (n) => !isGiven(n) && !isDecision(n);
+const isChoice = (n) => n.kind === "choice";
 const signBit = (x) => x < 0 || Object.is(x, -0);
 
 /** The neighbour above, IEEE 754's nextUp. */
@@ -22,46 +23,60 @@ function nextUp(a, format) {
     return next === 0 && a < 0 ? -0 : next;
 }
 
-/** What an operation makes of numbers of a format; of a decision, whether it holds. */
-function computed(op, [a, b, c], format) {
-    switch (op) {
-        case "neg":
-            return -a;
-        case "abs":
-            return Math.abs(a);
-        case "copysign":
-            return signBit(a) === signBit(b) ? a : -a;
-        case "min":
-            return a < b ? a : b;
-        case "max":
-            return a > b ? a : b;
-        case "select":
-            return a ? b : c;
-        case "next_up":
-            return nextUp(a, format);
-        case "next_down":
-            return -nextUp(-a, format);
-        case "constant":
-        case "convert":
-            return toFormat(lift(a), format);
-        case "less":
-            return a < b;
-        case "less_equal":
-            return a <= b;
-        case "greater":
-            return a > b;
-        case "greater_equal":
-            return a >= b;
-        case "both":
-            return a && b;
-        case "either":
-            return a || b;
-        case "opposite":
-            return !a;
-        case "any":
-            return a;
-    }
-    return toFormat(inFull(op, [a, b, c].map((x) => (x === undefined ? x : lift(x)))), format);
+/** From the exact value of an operand to the computed one; see `Step` in src/measure/blame/operation.hpp. */
+const middle = ({ from, to }) => from / 2 + to / 2;
+const ofSize = ({ from, to }) =>
+    (signBit(to) === signBit(from) ? (signBit(to) ? -1 : 1) : (Math.abs(to) - Math.abs(from)) / (to - from));
+
+/**
+ * Every operation of a tape by its name in number/tape.hpp, with what its kind asks for. Rounded ones are in `uncut`
+ * and `exactly` (exact.js) too. `quotients`: by how much each operand's error is multiplied; null: not at all. A judge
+ * decides by values of its own.
+ */
+const operationRules = {
+    input: {},
+    constant: {},
+    add: { addends: (a, b) => [a, b], quotients: () => [1, 1] },
+    sub: { addends: (a, b) => [a, b], quotients: () => [1, -1] },
+    mul: { addends: () => null, quotients: (a, b) => [middle(b), middle(a)] },
+    div: {
+        addends: () => null,
+        quotients: (a, b) => [(1 / b.from + 1 / b.to) / 2, -(a.from / b.from / b.to + a.to / b.from / b.to) / 2]
+    },
+    sqrt: {
+        addends: () => null,
+        quotients(a) {
+            const sum = Math.sqrt(a.from) + Math.sqrt(a.to);
+            return [sum === 0 ? 0 : 1 / sum];
+        }
+    },
+    fma: { addends: (a, b, c) => [a * b, c], quotients: (a, b) => [middle(b), middle(a), 1] },
+    neg: { computed: (a) => -a, exact: negated, quotients: () => [-1] },
+    abs: { computed: Math.abs, exact: magnitude, quotients: (a) => [ofSize(a)] },
+    copysign: {
+        computed: (a, b) => (signBit(a) === signBit(b) ? a : -a),
+        quotients: (a, b) => [signBit(b.to) ? -ofSize(a) : ofSize(a), null]
+    },
+    min: { sides: [0, 1], takesFirst: (judge) => judge.isLess(0, 1) },
+    max: { sides: [0, 1], takesFirst: (judge) => judge.isLess(1, 0) },
+    select: { sides: [1, 2], takesFirst: (judge) => judge.holds(0) },
+    next_up: { computed: nextUp },
+    next_down: { computed: (a, format) => -nextUp(-a, format) },
+    convert: { computed: (a, format) => toFormat(lift(a), format) },
+    less: { holds: (judge) => judge.isLess(0, 1) },
+    less_equal: { holds: (judge) => judge.isLessOrEqual(0, 1) },
+    greater: { holds: (judge) => judge.isLess(1, 0) },
+    greater_equal: { holds: (judge) => judge.isLessOrEqual(1, 0) },
+    both: { holds: (judge) => judge.holds(0) && judge.holds(1) },
+    either: { holds: (judge) => judge.holds(0) || judge.holds(1) },
+    opposite: { holds: (judge) => !judge.holds(0) },
+    any: { holds: (judge) => judge.holds(0) },
+};
+
+/** What an operation makes of numbers of a format; not of choices and decisions. */
+function resultOf({ op, kind, format }, x) {
+    if (kind === "rounded") return toFormat(inFull(op, x.map(lift)), format);
+    return operationRules[op].computed(...x, format);
 }
 
 /** One of + - * / sqrt fma; of a quotient or a root so many bits that it rounds rightly to any format. */
@@ -74,59 +89,19 @@ function inFull(op, [a, b, c]) {
 function roundingOf(n, x) {
     if (n.op === "constant") return n.value - n.operands[0];
     if (!isOperation(n) || x.some((v) => typeof v === "number" && !Number.isFinite(v))) return 0;
-    if (["next_up", "next_down", "convert"].includes(n.op)) return n.value - x[0];
-    if (!["add", "sub", "mul", "div", "sqrt", "fma"].includes(n.op)) return 0;
-    if (Number.isNaN(n.value) || (n.op === "div" && x[1] === 0)) return 0;
+    if (n.kind === "moved") return n.value - x[0];
+    if (n.kind !== "rounded" || Number.isNaN(n.value) || (n.op === "div" && x[1] === 0)) return 0;
     if (!Number.isFinite(n.value)) return n.value;
-    const [a, b, c] = x.map(lift);
-    return nearest(uncut.sub(lift(n.value), exactly[n.op](a, b, c)));
+    return nearest(uncut.sub(lift(n.value), exactly[n.op](...x.map(lift))));
 }
 
 /** max(exponent of operands) - exponent of result of a sum. */
 function cancellationOf(n, x) {
-    if (n.op !== "add" && n.op !== "sub" && n.op !== "fma") return 0;
-    const [a, b] = n.op === "fma" ? [x[0] * x[1], x[2]] : x, largest = Math.max(Math.abs(a), Math.abs(b));
-    if (!Number.isFinite(a) || !Number.isFinite(b) || !Number.isFinite(n.value) || largest === 0) return 0;
+    const addends = n.kind === "rounded" ? operationRules[n.op].addends(...x) : null;
+    if (!addends) return 0;
+    const largest = Math.max(...addends.map(Math.abs));
+    if (!addends.every(Number.isFinite) || !Number.isFinite(n.value) || largest === 0) return 0;
     return n.value === 0 ? n.format.precision : Math.max(0, binade(largest) - binade(n.value));
-}
-
-/**
- * By how much each operand's error is multiplied: the quotients between operands as computed (1) and exact (0); null:
- * not at all.
- */
-function quotients(n, now, exact, chosen) {
-    const [a1, b1] = now, [a0, b0] = exact;
-    const unsigned = () =>
-        (signBit(a1) === signBit(a0) ? (signBit(a1) ? -1 : 1) : (Math.abs(a1) - Math.abs(a0)) / (a1 - a0));
-    switch (n.op) {
-        case "add":
-            return [1, 1];
-        case "sub":
-            return [1, -1];
-        case "mul":
-            return [b0 / 2 + b1 / 2, a0 / 2 + a1 / 2];
-        case "fma":
-            return [b0 / 2 + b1 / 2, a0 / 2 + a1 / 2, 1];
-        case "div":
-            return [(1 / b0 + 1 / b1) / 2, -(a0 / b0 / b1 + a1 / b0 / b1) / 2];
-        case "sqrt": {
-            const sum = Math.sqrt(a0) + Math.sqrt(a1);
-            return [sum === 0 ? 0 : 1 / sum];
-        }
-        case "neg":
-            return [-1];
-        case "abs":
-            return [unsigned()];
-        case "copysign":
-            return [signBit(b1) ? -unsigned() : unsigned(), null];
-        case "next_up":
-        case "next_down":
-        case "convert":
-            return [1];
-    }
-    if (isComparison(n)) return [1, -1];
-    const first = isChoice(n) ? n.operands.findIndex((o, k) => o === chosen && (n.op !== "select" || k > 0)) : -1;
-    return n.operands.map((_, k) => (k === first ? 1 : null));
 }
 
 /**
@@ -137,6 +112,7 @@ class Walk {
     constructor(tape, inputs) {
         this.nodes = tape.nodes.map(([op, format, ...operands]) => ({
                                         op,
+                                        kind: tape.operations[op],
                                         operands,
                                         format: tape.formats[format],
                                         error: 0,
@@ -156,12 +132,12 @@ class Walk {
         this.explained = 0;
         this.culprit = -1;
         if (this.subject >= 0) this.attribute(this.subject);
-        // The t of a miss is no answer, so no operation is the culprit of it.
+        // The t of a miss is not an answer, so no operation is its culprit.
         this.plainMiss = !this.at(this.hit).value && !this.at(this.hit).turned;
         if (this.plainMiss) this.culprit = -1;
     }
     at(i) { return this.nodes[i]; }
-    valuesOf(n) { return n.op === "constant" ? n.operands : n.operands.map((o) => this.at(o).value); }
+    valuesOf(n) { return n.operands.map((o) => this.at(o).value); }
 
     forward(n) {
         if (n.op === "input") {
@@ -170,59 +146,60 @@ class Walk {
             n.exact = n.value;
             return;
         }
-        const x = this.valuesOf(n);
-        n.value = computed(n.op, x, n.format);
+        const x = isGiven(n) ? n.operands : this.valuesOf(n);
+        n.value = this.computed(n, x);
         if (isDecision(n)) return this.decide(n);
-        this.without(n, n.op === "constant" ? n.operands.map(lift) : n.operands.map((o) => this.at(o).full));
+        this.findExact(n);
         n.exact = nearest(n.full);
         n.error = nearest(uncut.sub(lift(n.value), n.full));
         if (!n.turned) n.rounding = roundingOf(n, x);
         n.cancelled = cancellationOf(n, x);
-        n.carried = n.op !== "constant" && n.operands.some((o) => this.at(o).error !== 0);
+        n.carried = !isGiven(n) && n.operands.some((o) => this.at(o).error !== 0);
         n.local = this.localBits(n);
     }
 
-    decide(n) {
-        const [a, b] = n.operands.map((o) => (isComparison(n) ? this.at(o).full : this.at(o).exact));
-        const rules = {
-            less: () => isLess(a, b),
-            less_equal: () => isLessOrEqual(a, b),
-            greater: () => isLess(b, a),
-            greater_equal: () => isLessOrEqual(b, a)
+    computed(n, x) {
+        if (isGiven(n)) return toFormat(lift(x[0]), n.format);
+        if (isChoice(n)) return this.at(this.sideTaken(n)).value;
+        return isDecision(n) ? operationRules[n.op].holds(this.computedJudge(n)) : resultOf(n, x);
+    }
+    /** Decides as the format does. */
+    computedJudge(n) {
+        const x = this.valuesOf(n);
+        return { isLess: (k, l) => x[k] < x[l], isLessOrEqual: (k, l) => x[k] <= x[l], holds: (k) => x[k] };
+    }
+    /** Decides by exact values. */
+    exactJudge(n) {
+        const operand = (k) => this.at(n.operands[k]);
+        return {
+            isLess: (k, l) => n.operands[k] !== n.operands[l] && isLess(operand(k).full, operand(l).full),
+            isLessOrEqual: (k, l) => isLessOrEqual(operand(k).full, operand(l).full),
+            holds: (k) => operand(k).exact
         };
-        n.exact = isComparison(n) ? rules[n.op]() : computed(n.op, [a, b], n.format);
+    }
+
+    decide(n) {
+        n.exact = operationRules[n.op].holds(this.exactJudge(n));
         n.turned = n.exact !== n.value;
     }
 
     /** The value without any rounding, every decision taken by exact values. */
-    without(n, x) {
+    findExact(n) {
         if (isChoice(n)) return this.choose(n);
-        if (n.op === "copysign") return this.sign(n, x);
-        const plain = {
-            constant: () => x[0],
-            neg: () => negated(x[0]),
-            abs: () => magnitude(x[0]),
-            next_up: () => x[0],
-            next_down: () => x[0],
-            convert: () => x[0]
-        };
-        n.full = plain[n.op] ? plain[n.op]() : exactly[n.op](...x);
+        const x = isGiven(n) ? n.operands.map(lift) : n.operands.map((o) => this.at(o).full);
+        if (n.kind === "sign") return this.sign(n, x);
+        if (n.kind === "rounded") n.full = exactly[n.op](...x);
+        else n.full = n.kind === "exact" ? operationRules[n.op].exact(...x) : x[0];
     }
 
-    sidesOf(n) { return n.op === "select" ? n.operands.slice(1) : n.operands; }
-    /** The operand that a choice took. */
-    chosen(n) {
-        if (!isChoice(n)) return -1;
-        const [first, second] = this.sidesOf(n), a = this.at(first).value, b = this.at(second).value;
-        return (n.op === "select" ? this.at(n.operands[0]).value : n.op === "min" ? a < b : a > b) ? first : second;
+    sideOf(n, judge) {
+        const { sides, takesFirst } = operationRules[n.op];
+        return n.operands[sides[takesFirst(judge) ? 0 : 1]];
     }
+    /** The operand that a choice took. */
+    sideTaken(n) { return isChoice(n) ? this.sideOf(n, this.computedJudge(n)) : -1; }
     choose(n) {
-        const [first, second] = this.sidesOf(n), taken = this.chosen(n), was = taken === first, a = this.at(first).full,
-                      b = this.at(second).full;
-        let is = was;
-        if (n.op === "select") is = this.at(n.operands[0]).exact;
-        else if (first !== second) is = n.op === "min" ? isLess(a, b) : isLess(b, a);
-        const meant = is === was ? taken : was ? second : first;
+        const taken = this.sideTaken(n), meant = this.sideOf(n, this.exactJudge(n));
         n.full = this.at(meant).full;
         n.turned = meant !== taken;
         if (n.turned) n.rounding = nearest(uncut.sub(this.isCut(taken) ? lift(n.value) : this.at(taken).full, n.full));
@@ -239,9 +216,9 @@ class Walk {
 
     /** Bits that the operation loses when rerun on exact operands, each rounded once. */
     localBits(n) {
-        if (!isOperation(n) || isChoice(n) || ["neg", "next_up", "next_down"].includes(n.op)) return 0;
-        const x = n.operands.map((o) => toFormat(this.at(o).full, n.op === "convert" ? n.format : this.at(o).format));
-        const off = nearest(uncut.sub(lift(computed(n.op, x, n.format)), n.full));
+        if (n.kind !== "rounded" && n.kind !== "sign") return 0;
+        const x = n.operands.map((o) => toFormat(this.at(o).full, this.at(o).format));
+        const off = nearest(uncut.sub(lift(resultOf(n, x)), n.full));
         if (!Number.isFinite(off) || off === 0) return 0;
         const size = Math.abs(off / ulpOf(n, n.exact));
         return size > 0.5 ? Math.min(Math.log2(size) + 1, n.format.precision) : 0;
@@ -257,16 +234,26 @@ class Walk {
         if (broken >= 0) this.culprit = this.origin(broken);
     }
     backward(n) {
-        if (!n.live || n.op === "input" || n.op === "constant") return;
-        const taken = this.chosen(n);
-        if (n.turned && taken >= 0 && this.isCut(taken)) return;
-        const weights = quotients(n, this.valuesOf(n), n.operands.map((o) => this.at(o).exact), taken);
-        weights.forEach((weight, k) => {
-            if (weight === null) return;
+        if (!n.live || isGiven(n)) return;
+        if (n.turned && isChoice(n) && this.isCut(this.sideTaken(n))) return;
+        this.quotientsOf(n).forEach((quotient, k) => {
+            if (quotient === null) return;
             const operand = this.at(n.operands[k]);
             operand.live = true;
-            operand.adjoint += n.adjoint * weight;
+            operand.adjoint += n.adjoint * quotient;
         });
+    }
+    /** Of a choice 1 for the side that it took; a comparison stands for the difference of its sides. */
+    quotientsOf(n) {
+        if (n.kind === "logic") return [];
+        if (n.kind === "moved") return [1];
+        if (isComparison(n)) return [1, -1];
+        if (isChoice(n)) {
+            const place = n.operands.indexOf(this.sideTaken(n));
+            return n.operands.map((_, k) => (k === place ? 1 : null));
+        }
+        return operationRules[n.op].quotients(
+            ...n.operands.map((o) => ({ from: this.at(o).exact, to: this.at(o).value })));
     }
     sumUp(i) {
         const n = this.at(i);
@@ -283,7 +270,7 @@ class Walk {
         return decision !== undefined && this.at(decision).turned ? decision : -1;
     }
     /**
-     * The subject where it is no finite number; of a comparison the side that is none and would be one without
+     * The subject where it is not finite; of a comparison, the side that is not finite and would be without
      * rounding.
      */
     noNumberIn(subject) {
@@ -294,15 +281,29 @@ class Walk {
                        this.origin(o) >= 0) ??
             -1;
     }
-    /** Where a value that is no finite number came from. */
+    /** The operation that made a value infinite or NaN. */
     origin(i) {
         for (;;) {
-            const n = this.at(i), taken = this.chosen(n);
-            if (n.op === "input" || n.op === "constant") return -1;
+            const n = this.at(i), taken = this.sideTaken(n);
+            if (isGiven(n)) return -1;
             const next = n.operands.find((o) => (taken < 0 || o === taken) && !Number.isFinite(this.at(o).value));
             if (next === undefined) return i;
             i = next;
         }
+    }
+    /**
+     * The live cancellation of most bits that the error of an operation goes through, of two bits or more; -1: none.
+     */
+    amplifier(from) {
+        const reached = new Set([from]);
+        let most = -1, bits = 1;
+        for (let i = from + 1; i < this.nodes.length; ++i) {
+            const n = this.at(i);
+            if (!n.live || isGiven(n) || !n.operands.some((o) => reached.has(o))) continue;
+            reached.add(i);
+            if (n.carried && n.cancelled > bits) [most, bits] = [i, n.cancelled];
+        }
+        return most;
     }
     /** The ulp of the format at the subject's exact value, of a comparison at its larger side. */
     ulpOfSubject(format) {

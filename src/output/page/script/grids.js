@@ -192,7 +192,7 @@ function cellAt(i, j) {
 
 function chooseCell(i, j) {
     const { sweep, rows } = sweepParts.now;
-    return sweep.kind === "plane" ? look({ u: i, v: j }) : lookAlong(rows[i], { v: j });
+    return sweep.kind === "plane" ? goTo({ u: i, v: j }) : goAlong(rows[i], { v: j });
 }
 
 function walkGrid(dx, dy) {
@@ -221,13 +221,11 @@ function gridLegend() {
     const entries = [rampBar(scale, statistic === "verdict" ? "lost bits, max" : words(statistic))];
     const add = (colour, text) => entries.push(make("span", { className: "class" }, swatch(colour), ` ${text}`));
     if (statistic === "verdict")
-        add(sweep.right,
-            `right: every decision, and no answer more than ${
-                decimal(sweep.within)} bits beyond the envelope; a number says of how many rays, or how many bits`);
+        add(sweep.right, `right: ${sweep.right_means}; a number says of how many rays, or how many bits`);
     for (const outcome of [...seen].sort())
         add(index.outcomes[outcome][1],
             `${words(outcomeNames[outcome])}${statistic === "verdict" ? "" : " on most rays"}`);
-    if (statistic === "lost_bits_p99") entries.push(make("span", { className: "class" }, "paler: inside the envelope"));
+    if (statistic === "lost_bits_p99") entries.push(make("span", { className: "class" }, sweep.paler_means));
     return entries;
 }
 
@@ -236,7 +234,7 @@ const gridKeys = {
     ArrowRight: () => walkGrid(1, 0),
     ArrowUp: () => walkGrid(0, -1),
     ArrowDown: () => walkGrid(0, 1),
-    Escape: () => look({ u: -1, v: -1 })
+    Escape: () => goTo({ u: -1, v: -1 })
 };
 
 function buildGrid() {

@@ -50,7 +50,8 @@ function header(...texts) {
 function truthText(facts, row) {
     if (facts.decision !== "hit")
         return [
-            facts.decision === "miss" ? "The ray truly misses." : "The truth was not proved: it counts as nothing."
+            facts.decision === "miss" ? "The ray truly misses." :
+                                        "The true answer could not be proved, so this ray is not counted."
         ];
     const bound = facts.bound === -32768 ? "exactly" : `within 2^${facts.bound}`;
     const rest = facts.rest === 0 ? "" : ` ${facts.rest < 0 ? "-" : "+"} ${tidy(Math.abs(facts.rest))}`;
@@ -86,16 +87,18 @@ function metricTable(facts) {
     return make("table", { className: "metrics" }, body);
 }
 
-/** Whether the problem or the formula is to blame, as `lostbits explain` judges it. */
+/** Whether the problem or the formula is to blame: the sentence of `lostbits explain`, letter by letter. */
 function verdictText(pixels, i) {
-    if (pixels.outcome[i] !== agreeHit) return "";
-    const s = sampleAt(pixels, i), lost = derived.lost_bits(s), inherent = derived.inherent_bits(s);
-    if (lost < 1) return "Nothing worth mention is lost.";
-    if (lost - inherent < 1)
-        return `Half an ulp in each input alone would cost ${
-            inherent.toFixed(1)} bits: the problem is hard, the formula is not to blame.`;
-    return `Half an ulp in each input alone would cost ${inherent.toFixed(1)} bits; the other ${
-        (lost - inherent).toFixed(1)} are the formula's own.`;
+    const s = sampleAt(pixels, i), outcome = outcomeNames[pixels.outcome[i]],
+          costs = fixed(derived.inherent_bits(s), 1);
+    if (outcome === "agree_miss") return "Nothing is lost.";
+    if (pixels.truth.decision[i] !== 1) return "The ray hits nothing, so it has no condition number.";
+    const envelope = `Condition ${brief(s.condition)}: half an ulp in each input`;
+    if (outcome !== "agree_hit") return `${envelope} costs ${costs} bits.`;
+    const lost = derived.lost_bits(s), alone = `${envelope} would cost ${costs} bits`;
+    if (lost < 1) return `${alone}. Less than one bit is lost.`;
+    if (derived.excess_bits(s) < 1) return `${alone}; input rounding alone explains this loss.`;
+    return `${alone}; the formula loses the other ${fixed(derived.excess_bits(s), 1)} bits.`;
 }
 
 /** What to type for the same map, and for one ray of it. */
@@ -116,7 +119,7 @@ function claimFor(map, row, metric) {
                                                                  ["agree_hit", row.outcomes[agreeHit]];
     return `[[claim]]
 id = "my.${map.id}.${row.form}.${row.format}.${column}"
-statement = "Say in a sentence what is to hold"
+statement = "Say in one sentence what should hold"
 source = "-"
 verdict = "holds"
 note = "${column} over ${rays} rays, from the report"

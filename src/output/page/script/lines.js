@@ -1,4 +1,4 @@
-// Sweeps along one axis: a line a form, drawn by uPlot; the thick one is the chosen form's.
+// Sweeps along one axis: a line per form, drawn by uPlot; the thick one is the chosen form's.
 
 function plotSweep({ sweep, rows, chosen, statistic }) {
     const s = sweep.statistics.indexOf(statistic), log = sweep.spacing === "log2" && Math.min(...sweep.steps) > 0;
@@ -12,7 +12,7 @@ function plotSweep({ sweep, rows, chosen, statistic }) {
     element.setAttribute(
         "aria-label",
         `${sweep.title}: ${words(statistic)} in ${
-            chosen.format}, a line a form; arrow keys move from step to step and from form to form`);
+            chosen.format}, one line per form; arrow keys move from step to step and from form to form`);
     const ends = log ? logEnds(sweep.steps) : apart(Math.min(...sweep.steps), Math.max(...sweep.steps));
     return new uPlot(
         {
@@ -86,8 +86,7 @@ function stepAt(k) {
 }
 
 function onsetLines(row) {
-    if (row.onsets.length === 0)
-        return [make("p", {}, "Nothing goes wrong along this sweep by the thresholds of lostbits.")];
+    if (row.onsets.length === 0) return [make("p", {}, "No threshold is crossed along this sweep.")];
     const body = make("tbody");
     for (const [event, statistic, threshold, good, bad] of row.onsets)
         body.append(cells(
@@ -100,7 +99,7 @@ function onsetLines(row) {
 
 function walkSteps(by) {
     const last = sweepParts.now.sweep.steps.length - 1;
-    return look({ u: state.u < 0 ? last >> 1 : Math.min(last, Math.max(0, state.u + by)) });
+    return goTo({ u: state.u < 0 ? last >> 1 : Math.min(last, Math.max(0, state.u + by)) });
 }
 
 const lineKeys = {
@@ -108,7 +107,7 @@ const lineKeys = {
     ArrowRight: () => walkSteps(1),
     ArrowUp: () => turnRow(-1),
     ArrowDown: () => turnRow(1),
-    Escape: () => look({ u: -1 })
+    Escape: () => goTo({ u: -1 })
 };
 
 function buildLines() {
@@ -117,7 +116,7 @@ function buildLines() {
         if (!event.target.closest(".u-over")) return;
         const { rows } = sweepParts.now, { idx } = sweepParts.plot.cursor;
         element.focus();
-        lookAlong(
+        goAlong(
             rows[(sweepParts.focused ?? 0) - 1] ?? sweepParts.now.chosen, typeof idx === "number" ? { u: idx } : {});
     });
     walkedByKeys(element, lineKeys);

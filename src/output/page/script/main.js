@@ -5,7 +5,7 @@ function follow() {
     const note = document.getElementById("note");
     note.hidden = notes.length === 0;
     note.textContent = notes.join("; ");
-    return look({});
+    return goTo({});
 }
 
 function scrollToSubject(hash) {
@@ -17,7 +17,7 @@ function scrollToSubject(hash) {
 /** Plots are drawn in the colours and the room of the moment. */
 function redraw() {
     sweepParts.shown = tradeParts.shown = "";
-    return look({});
+    return goTo({});
 }
 
 async function start() {

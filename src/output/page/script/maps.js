@@ -1,4 +1,4 @@
-// The map of one form: pickers, the picture with its compared half, legend and inspector.
+// The map of one form: pickers, the picture with its compared half, and the inspector.
 
 const mapParts = {};
 
@@ -28,7 +28,7 @@ function zoomBy(canvas, map, event, factor) {
     const box = canvas.getBoundingClientRect();
     const u = (event.clientX - box.left) / box.width - 0.5, v = (event.clientY - box.top) / box.height - 0.5;
     const zoom = Math.min(64, Math.max(1, state.zoom * factor));
-    look({ zoom, cx: state.cx + u / state.zoom - u / zoom, cy: state.cy + v / state.zoom - v / zoom });
+    goTo({ zoom, cx: state.cx + u / state.zoom - u / zoom, cy: state.cy + v / state.zoom - v / zoom });
 }
 
 function crosshair(canvas, map) {
@@ -71,71 +71,6 @@ async function drawMap() {
             other ? ` against ${title(other)}` : ""}; arrow keys move from pixel to pixel`);
 }
 
-/** The ramp with its ticks, and what it is of. */
-function rampBar(ticks, text) {
-    const bar = make("canvas", { width: 256, height: 12, className: "bar", "aria-hidden": "true" }),
-          context = bar.getContext("2d");
-    ramp.forEach((c, i) => {
-        context.fillStyle = `rgb(${c.join(",")})`;
-        context.fillRect(i, 0, 1, 12);
-    });
-    const scale = make("span", { className: "scale" }, bar);
-    for (const [position, label] of ticks) {
-        const tick = make("span", { className: "tick" }, label);
-        tick.style.left = `${position * 256}px`;
-        scale.append(tick);
-    }
-    return make("span", { className: "ramp" }, scale, make("span", { className: "unit" }, text));
-}
-
-/** An operation's expression, or a word of ours. */
-const categoryName = (metric, value) =>
-    (metric.blamed ? metric.categories[value][0] : words(metric.categories[value][0]));
-
-/** The operations that are to blame most often, and in how many pixels. */
-function culpritLegend(metric, pixels) {
-    const counts = new Map(), most = 8;
-    for (const c of pixels.stored[metric.name])
-        if (!Number.isNaN(c)) counts.set(c, (counts.get(c) ?? 0) + 1);
-    const order = [...counts].sort((a, b) => b[1] - a[1] || a[0] - b[0]),
-          rest = order.slice(most).reduce((sum, [, n]) => sum + n, 0);
-    const shown = order.slice(0, most).map(
-        ([c, n]) =>
-            make("span", { className: "class" }, swatch(metric.categories[c][1]), ` ${metric.categories[c][0]} ${n}`));
-    return rest > 0 ?
-        [
-            ...shown,
-            make("span", { className: "class" }, `${order.length - most} more, in colours of their own ${rest}`)
-        ] :
-        shown;
-}
-
-async function drawLegend() {
-    const metric = metricNow(), row = rowNow(), children = [];
-    if (metric.ticks)
-        children.push(rampBar(
-            metric.ticks,
-            `${words(metric.name)}${
-                metric.unit && metric.unit !== "1" && !metric.name.includes(metric.unit) ? `, ${metric.unit}` : ""}`));
-    if (metric.blamed) children.push(...culpritLegend(metric, await pixelsOf(mapNow(), row)));
-    else if (metric.categories) {
-        for (const [name, colour] of metric.categories)
-            children.push(make("span", { className: "class" }, swatch(colour), ` ${words(name)}`));
-    }
-    if (metricNow() !== metric || rowNow() !== row) return;  // another is looked at by now
-    if (!metric.marches) {
-        const wrongOnes =
-            ["false_hit", "false_miss"].map((name) => outcomeNames.indexOf(name));  // a culprit is named for those too
-        index.outcomes.forEach(([name, colour], o) => {
-            if (metric.blamed && wrongOnes.includes(o)) return;
-            if (row.outcomes[o] > 0 && (o !== agreeHit || metric.kind === "classes"))
-                children.push(
-                    make("span", { className: "class" }, swatch(colour), ` ${words(name)} ${row.outcomes[o]}`));
-        });
-    }
-    mapParts.legend.replaceChildren(...children);
-}
-
 function drawPickers() {
     const map = mapNow(), row = rowNow();
     const options = (names) => [...new Set(names)].map((n) => [n, n]);
@@ -143,18 +78,18 @@ function drawPickers() {
     const pickers = [
         choice(
             "scene", "pick-scene", index.maps.map((m) => [m.id, m.title]), state.scene,
-            (scene) => look({ scene, x: -1, y: -1, zoom: 1, cx: 0.5, cy: 0.5, other: "" })),
-        choice("form", "pick-form", options(map.rows.map((r) => r.form)), state.form, (form) => look({ form })),
+            (scene) => goTo({ scene, x: -1, y: -1, zoom: 1, cx: 0.5, cy: 0.5, other: "" })),
+        choice("form", "pick-form", options(map.rows.map((r) => r.form)), state.form, (form) => goTo({ form })),
         choice(
             "format", "pick-format", options(map.rows.filter((r) => r.form === state.form).map((r) => r.format)),
-            state.format, (format) => look({ format })),
+            state.format, (format) => goTo({ format })),
         choice(
             "metric", "pick-metric", able.map((m) => [m.name, words(m.name)]), state.metric,
-            (metric) => look({ metric })),
+            (metric) => goTo({ metric })),
         choice(
             "against", "pick-other",
             [["", "nothing"], ...map.rows.filter((r) => r !== row).map((r) => [keyOf(r), title(r)])], state.other,
-            (other) => look({ other })),
+            (other) => goTo({ other })),
     ];
     const held = document.activeElement?.id;
     mapParts.pickers.replaceChildren(...pickers);
@@ -175,7 +110,8 @@ async function drawInspector(at) {
                 "Point at the picture to see a ray's numbers; click, or move with the arrow keys, to keep them."),
             make(
                 "p", {},
-                "Wheel, + and − zoom; drag moves; 0 shows all; m and M change the metric, [ and ] the form; w goes to the worst pixel; x swaps the compared halves."));
+                "Wheel, + and − zoom; drag moves; 0 shows all; m and M change the metric, " +
+                    "[ and ] the form; w goes to the worst pixel; x swaps the compared halves."));
         delete mapParts.inspector.dataset.pixel;
         mapParts.operations.replaceChildren();
         return;
@@ -199,7 +135,7 @@ async function hover({ x, y }) {
 
 function toWorst() {
     const { worst } = rowNow();
-    return worst && look({ x: worst.x, y: worst.y, ...(state.zoom > 1 ? centredAt(mapNow(), worst.x, worst.y) : {}) });
+    return worst && goTo({ x: worst.x, y: worst.y, ...(state.zoom > 1 ? centredAt(mapNow(), worst.x, worst.y) : {}) });
 }
 
 const mapKeys = {
@@ -208,10 +144,10 @@ const mapKeys = {
     ArrowRight: () => step(1, 0),
     ArrowUp: () => step(0, -1),
     ArrowDown: () => step(0, 1),
-    "+": () => look(centred(state.zoom * 2)),
-    "=": () => look(centred(state.zoom * 2)),
-    "-": () => look(centred(state.zoom / 2)),
-    0: () => look({ zoom: 1 }),
+    "+": () => goTo(centred(state.zoom * 2)),
+    "=": () => goTo(centred(state.zoom * 2)),
+    "-": () => goTo(centred(state.zoom / 2)),
+    0: () => goTo({ zoom: 1 }),
     m: () => turn(
         "metric", metricsOf(mapNow()).filter((m) => !m.marches || state.form.startsWith("sdf.")).map((m) => m.name), 1),
     M: () => turn(
@@ -219,11 +155,11 @@ const mapKeys = {
         -1),
     "]": () => turn("form", [...new Set(mapNow().rows.map((r) => r.form))], 1),
     "[": () => turn("form", [...new Set(mapNow().rows.map((r) => r.form))], -1),
-    x: () => otherRow() && look({ form: otherRow().form, format: otherRow().format, other: keyOf(rowNow()) }),
+    x: () => otherRow() && goTo({ form: otherRow().form, format: otherRow().format, other: keyOf(rowNow()) }),
 };
 
 function turn(key, names, by) {
-    return look({ [key]: names[(names.indexOf(state[key]) + by + names.length) % names.length] });
+    return goTo({ [key]: names[(names.indexOf(state[key]) + by + names.length) % names.length] });
 }
 
 /** Around the chosen pixel, or where the view is. */
@@ -234,12 +170,12 @@ function centred(zoom) {
 
 function step(dx, dy) {
     const map = mapNow();
-    if (state.x < 0) return look({ x: map.width >> 1, y: map.height >> 1 });
+    if (state.x < 0) return goTo({ x: map.width >> 1, y: map.height >> 1 });
     const x = Math.min(map.width - 1, Math.max(0, state.x + dx)),
           y = Math.min(map.height - 1, Math.max(0, state.y + dy));
     const { left, top, w, h } = viewOf(map);
     const seen = x >= left && x < left + w && y >= top && y < top + h;
-    return look(seen ? { x, y } : { x, y, ...centredAt(map, x, y) });
+    return goTo(seen ? { x, y } : { x, y, ...centredAt(map, x, y) });
 }
 
 const centredAt = (map, x, y) => ({ cx: (x + 0.5) / map.width, cy: (y + 0.5) / map.height });
@@ -260,7 +196,7 @@ function steer(canvas, onclick) {
         const box = canvas.getBoundingClientRect(), dx = event.clientX - held.x, dy = event.clientY - held.y;
         held.moved ||= Math.hypot(dx, dy) > 3;
         if (held.moved && state.zoom > 1)
-            look({ cx: held.cx - dx / box.width / state.zoom, cy: held.cy - dy / box.height / state.zoom });
+            goTo({ cx: held.cx - dx / box.width / state.zoom, cy: held.cy - dy / box.height / state.zoom });
     });
     canvas.addEventListener("pointerup", (event) => {
         if (held && !held.moved) onclick(event);
@@ -322,7 +258,7 @@ function buildMaps() {
 
     steer(canvas, (event) => {
         canvas.focus();
-        look(pixelUnder(canvas, mapNow(), event));
+        goTo(pixelUnder(canvas, mapNow(), event));
     });
     canvas.addEventListener("pointermove", (event) => hover(pixelUnder(canvas, mapNow(), event)));
     canvas.addEventListener("pointerleave", () => {
@@ -330,12 +266,12 @@ function buildMaps() {
         if (state.x < 0) drawInspector();
     });
     canvas.addEventListener("keydown", (event) => {
-        if (event.key === "Escape") look({ x: -1, y: -1 });
+        if (event.key === "Escape") goTo({ x: -1, y: -1 });
         else if (!event.ctrlKey && !event.metaKey && !event.altKey && mapKeys[event.key]) mapKeys[event.key]();
         else return;
         event.preventDefault();
     });
-    slider.addEventListener("input", () => look({ split: Number(slider.value) }));
+    slider.addEventListener("input", () => goTo({ split: Number(slider.value) }));
     listeners.push(async () => {
         drawPickers();
         await Promise.all([drawLegend(), drawMap(), drawInspector()]);

@@ -15,15 +15,26 @@ async function walkOf(map, row, x, y) {
     if (!row.taped) return null;
     const [tape, pixels] = await Promise.all([tapeOf(row), pixelsOf(map, row)]), i = y * map.width + x;
     const solid = Math.max(0, (pixels.object[i] > 0 ? pixels.object[i] : pixels.truth.object[i]) - 1);
-    return { tape, solid, walk: new Walk(tape, formInputs(map, row, x, y, solid)) };
+    return { tape, solid, pixels, i, walk: new Walk(tape, formInputs(map, row, x, y, solid)) };
 }
 
+/** Halves to even, as the program has them; `longer` is the same number with more digits. */
+function toEven(text, longer) {
+    const rest = longer.slice(text.length).replace(".", "");
+    return /^50*$/.test(rest) && Number(text.at(-1)) % 2 === 1 ? longer.slice(0, text.length) : text;
+}
+const fixed = (x, digits) => (Number.isFinite(x) ? toEven(x.toFixed(digits), x.toFixed(digits + 60)) : decimal(x));
+
 /** Three digits. */
-const brief = (x) =>
-    (!Number.isFinite(x)                          ? decimal(x) :
-         x === 0                                  ? "0" :
-         Math.abs(x) >= 0.01 && Math.abs(x) < 1e6 ? String(Number(x.toPrecision(3))) :
-                                                    x.toExponential(2));
+function brief(x) {
+    if (!Number.isFinite(x)) return decimal(x);
+    if (x === 0) return "0";
+    const [coarse, exponent] = Math.abs(x).toExponential(2).split("e"), e = Number(exponent),
+                   mantissa = toEven(coarse, Math.abs(x).toExponential(60).split("e")[0]), sign = x < 0 ? "-" : "",
+                   plain = Math.abs(x) >= 0.01 && Math.abs(x) < 1e6;
+    if (plain) return sign + String(Number(`${mantissa}e${e}`));
+    return `${sign}${mantissa}e${e < 0 ? "-" : "+"}${String(Math.abs(e)).padStart(2, "0")}`;
+}
 
 function operationRow({ tape, walk }, row, i, ulp) {
     const n = walk.at(i), digits = 1 + Math.ceil(n.format.precision * 0.30103),
@@ -38,7 +49,7 @@ function operationRow({ tape, walk }, row, i, ulp) {
     line.children[2].title = hex(n.value);
     line.dataset.node = i;
     if (i === walk.culprit) line.className = "culprit";
-    if (n.turned && n.rounding !== 0) line.children[1].append(make("em", {}, " rounding took the other side"));
+    if (n.turned && n.rounding !== 0) line.children[1].append(make("em", {}, " rounding chose the other side"));
     return line;
 }
 
@@ -47,43 +58,74 @@ function isShown(walk, tape, i) {
     return isOperation(n) && n.live && (tape.labelled[i] || n.rounding !== 0 || n.cancelled > 1 || i === walk.culprit);
 }
 
-function culpritSentence({ tape, walk }, ulp) {
+/** The input that is not finite in the format, where the answer is not finite for that reason. */
+function lostInput({ tape, walk }) {
+    const subject = walk.at(walk.subject);
+    if (isDecision(subject) || Number.isFinite(subject.value)) return -1;
+    return walk.nodes.findIndex((n, i) => n.op === "input" && !Number.isFinite(n.value) && tape.names[i] !== "limit");
+}
+
+/** What the rounding of the culprit goes through, and what was lost before. */
+function amplifierText({ tape, walk }) {
+    const amplifier = walk.amplifier(walk.culprit);
+    if (amplifier < 0) return "";
+    const a = walk.at(amplifier),
+          carried = a.operands.filter((o) => walk.at(o).error !== 0 && walk.at(o).op !== "constant").map((o) => {
+              const n = walk.at(o);
+              return `; ${tape.operands[o]} was already off by ${brief(Math.abs(n.error / ownUlp(n)))} ulp`;
+          });
+    return `${tape.definitions[amplifier]} cancels ${a.cancelled} of ${a.format.precision} bits${carried.join("")}. `;
+}
+
+/** The sentence of `lostbits explain`, letter by letter. */
+function culpritSentence(found, row, ulp) {
+    const { tape, walk, pixels, i } = found;
     if (walk.subject < 0 || walk.plainMiss)
-        return "No decision of the form was turned by rounding, so no operation is to blame.";
-    const subject = walk.at(walk.subject), n = walk.at(walk.culprit);
-    if (walk.culprit < 0)
-        return !isDecision(subject) && !Number.isFinite(subject.value) ?
-            "An input is no number of the format: everything after it follows." :
-            "No operation rounded on the way to the answer.";
-    const what = tape.names[walk.culprit] === tape.expressions[walk.culprit] ?
-        tape.expressions[walk.culprit] :
-        `${tape.names[walk.culprit]} = ${tape.expressions[walk.culprit]}`;
-    if (!Number.isFinite(n.value)) return `${what} is ${decimal(n.value)}: everything after it follows.`;
-    const arrives = isDecision(subject) ? tape.expressions[walk.subject] : "t";
-    return `The largest contribution is that of ${what}: its ${n.turned ? "wrong turn" : "rounding"} of ${
-               brief(Math.abs(
-                   n.rounding / ownUlp(n)))} ulp arrives as ${brief(n.contribution / ulp)} ulp in ${arrives}. ` +
-        `All contributions sum to ${brief(walk.explained / ulp)} of ${brief(walk.error / ulp)} ulp.`;
+        return "Rounding changed no decision of the form, so no operation is to blame.";
+    if (walk.culprit < 0) {
+        const lost = lostInput(found);
+        return lost < 0 ? "No operation rounded on the way to the answer." :
+                          `The input ${tape.names[lost]} is ${decimal(walk.at(lost).value)} in ${
+                              row.format}. Everything after it follows from that.`;
+    }
+    const n = walk.at(walk.culprit), what = tape.definitions[walk.culprit];
+    if (!Number.isFinite(n.value)) return `${what} is ${decimal(n.value)}. Everything after it follows from that.`;
+    const harmless = pixels.outcome[i] === agreeHit && derived.lost_bits(sampleAt(pixels, i)) < 1,
+          share = n.contribution / walk.error;
+    let text =
+        `${amplifierText(found)}${harmless ? "The largest contribution is that of" : "The culprit is"} ${what}: ` +
+        `its ${n.turned ? "wrong choice" : "rounding"} of ${brief(Math.abs(n.rounding / ownUlp(n)))} ulp becomes ` +
+        `${brief(Math.abs(n.contribution / ulp))} ulp in ${
+            isDecision(walk.at(walk.subject)) ? tape.expressions[walk.subject] : "t"}`;
+    if (share > 1 || share < 0)
+        text += `; the other roundings cancel all but ${brief(Math.abs(walk.error / ulp))} ulp of it`;
+    else if (Number.isFinite(share)) text += `, ${fixed(100 * share, 0)} % of the error`;
+    return `${text}.`;
+}
+
+function sumsSentence({ walk }, ulp) {
+    if (walk.subject < 0 || walk.plainMiss || !Number.isFinite(walk.error)) return "";
+    return ` Contributions sum to ${brief(walk.explained / ulp)} of ${brief(walk.error / ulp)} ulp.`;
 }
 
 let operationsAsked = 0;
 
-/** The form asked of the solid that it answered, or truly hits. */
+/** The operations of the form on the solid that it hit, or else that the ray truly hits. */
 async function showOperations(element, map, row, x, y) {
     const number = ++operationsAsked, found = await walkOf(map, row, x, y);
     if (number !== operationsAsked) return;  // another pixel has been asked for since
     if (!found) {
         element.replaceChildren(make(
-            "p", { className: "hint" }, "A march has its own operations for every ray: ",
+            "p", { className: "hint" }, "A march has its own operations for every ray. ",
             make("code", {}, commandsFor(map, row, x, y, metricNow()).explain), " shows them."));
         return;
     }
     const { walk, tape, solid } = found, ulp = walk.subject < 0 ? NaN : walk.ulpOfSubject(row), body = make("tbody");
     walk.nodes.forEach((_, i) => isShown(walk, tape, i) && body.append(operationRow(found, row, i, ulp)));
-    const of = map.solid_count > 1 ? `, asked of solid ${solid}` : "";
+    const of = map.solid_count > 1 ? `, solid ${solid}` : "";
     element.replaceChildren(
         make("h3", {}, `Operation by operation: ${title(row)}${of}, pixel ${x}, ${y}`),
-        make("p", { className: "sentence" }, culpritSentence(found, ulp)),
+        make("p", { className: "sentence" }, culpritSentence(found, row, ulp) + sumsSentence(found, ulp)),
         make(
             "table", { className: "operations" },
             header(
@@ -92,6 +134,9 @@ async function showOperations(element, map, row, x, y) {
             body),
         make(
             "p", { className: "hint" },
-            "own: its rounding, in ulps of itself; of t: what becomes of it in t; local: bits lost by the operation alone on exact operands. Operations on the way to t alone, and not those that are exact."));
+            "own: its rounding, in ulps of its own result. " +
+                "of t: what that rounding adds to the error of t. " +
+                "local: bits that the operation alone loses on exact operands. " +
+                "Only operations on the way to t are shown, without those that are exact."));
     element.dataset.pixel = `${x},${y}`;
 }

@@ -18,11 +18,11 @@ function buildPane(map, row) {
             data: { row: keyOf(row) }
         },
         canvas, make("b", {}, row.form.slice(row.form.indexOf(".") + 1)), ` ${row.format}`,
-        make("small", {}, lost === null || lost === undefined ? "no hit agreed on" : `p99 ${rounded(lost)} bits lost`),
+        make("small", {}, lost === null || lost === undefined ? "no correct hit" : `p99 ${rounded(lost)} bits lost`),
         ...wrong.map(([name, n]) => make("small", {}, `${n} ${words(name)}`)));
     steer(canvas, () => {});
     button.addEventListener(
-        "click", (event) => look(event.shiftKey ? { other: keyOf(row) } : { form: row.form, format: row.format }));
+        "click", (event) => goTo(event.shiftKey ? { other: keyOf(row) } : { form: row.form, format: row.format }));
     return { row, canvas, button };
 }
 

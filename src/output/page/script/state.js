@@ -4,7 +4,7 @@ const classes = {
     name: "outcome",
     kind: "classes",
     unit: "",
-    meaning: "what became of the ray"
+    meaning: "whether form and truth agree about the ray"
 };
 const metricsOf = (map) => [...map.metrics, classes];
 
@@ -101,7 +101,7 @@ function readHash(hash) {
     const asked = Object.fromEntries(new URLSearchParams(text));
     notes.length = 0;
     for (const [key, value] of Object.entries(asked)) {
-        if (!(key in state)) notes.push(`"${key}" means nothing in a link`);
+        if (!(key in state)) notes.push(`"${key}" is not known in a link`);
         else state[key] = typeof state[key] === "number" ? (value === "" ? NaN : Number(value)) : value;
     }
     if (!("zoom" in asked)) Object.assign(state, { zoom: 1, cx: 0.5, cy: 0.5 });
@@ -118,7 +118,7 @@ function readHash(hash) {
 }
 
 /** Changes what is looked at and shows it. */
-function look(changes) {
+function goTo(changes) {
     if (("form" in changes || "format" in changes) && !("line" in changes))
         state.line = "";  // what the map shows is shown along the sweep
     Object.assign(state, changes);
@@ -148,7 +148,7 @@ function choice(label, id, options, value, onchange) {
     return make("label", {}, label + " ", select);
 }
 
-const words = (name) => name.replaceAll("_", " ");
+const words = (name) => name.replace(/^agree_/, "correct_").replaceAll("_", " ");
 
 /** Puts a text on the clipboard and shows it: it can be read and selected where a browser lends no clipboard. */
 function copyText(text, output) {

@@ -25,9 +25,9 @@ function sweepKey() {
 }
 
 /** Chooses a row of the sweep, and the same in the map where that has it. */
-function lookAlong(row, more = {}) {
+function goAlong(row, more = {}) {
     const inMap = index.maps.length > 0 && mapNow().rows.some((r) => keyOf(r) === keyOf(row));
-    return look({ line: keyOf(row), ...(inMap ? { form: row.form, format: row.format } : {}), ...more });
+    return goTo({ line: keyOf(row), ...(inMap ? { form: row.form, format: row.format } : {}), ...more });
 }
 
 const statisticsOf = (sweep) => (sweep.kind === "cases" ? ["verdict", ...sweep.statistics] : sweep.statistics);
@@ -99,8 +99,10 @@ function showCell(under) {
             make(
                 "p", { className: "hint" },
                 sweep.kind === "line" ?
-                    "Click the plot for the numbers of a step, or walk along it with the arrow keys; the line under the pointer becomes the chosen form. Drag to zoom, double-click to see all." :
-                    "Point at a cell for its numbers; click, or walk with the arrow keys, to keep them; Escape lets them go."));
+                    "Click the plot for the numbers of a step, or walk along it with the arrow keys. " +
+                        "A click also chooses the form whose line is under the pointer. " +
+                        "Drag to zoom, double-click to see all." :
+                    "Point at a cell for its numbers. Click, or walk with the arrow keys, to keep them; Escape lets them go."));
 }
 
 /** A claim about the chosen cell, or else the last step or the first cell. */
@@ -123,7 +125,7 @@ function sweepClaim() {
                 .join(", ")}]`;
     return `[[claim]]
 id = "my.${sweep.id}.${row.form}.${row.format}.${column}"
-statement = "Say in a sentence what is to hold"
+statement = "Say in one sentence what should hold"
 source = "-"
 verdict = "holds"
 note = "From the report"
@@ -140,12 +142,12 @@ in = [${decimal(value)}, ${decimal(value)}]
 
 function turnRow(by) {
     const { rows, chosen } = sweepParts.now;
-    return lookAlong(rows[(rows.indexOf(chosen) + by + rows.length) % rows.length]);
+    return goAlong(rows[(rows.indexOf(chosen) + by + rows.length) % rows.length]);
 }
 
 const turnStatistic = (by) => {
     const { sweep, statistic } = sweepParts.now, all = statisticsOf(sweep);
-    return look({ statistic: all[(all.indexOf(statistic) + by + all.length) % all.length] });
+    return goTo({ statistic: all[(all.indexOf(statistic) + by + all.length) % all.length] });
 };
 
 /** Arrows as `keys` has them; m and M change the statistic, [ and ] the form, as over a map. */
@@ -169,24 +171,24 @@ function drawSweepPickers() {
     sweepParts.pickers.replaceChildren(
         choice(
             "sweep", "pick-sweep", index.sweeps.map((s) => [s.id, s.title]), sweep.id,
-            (id) => look({ sweep: id, u: -1, v: -1 })),
+            (id) => goTo({ sweep: id, u: -1, v: -1 })),
         choice(
             "statistic", "pick-statistic", statisticsOf(sweep).map((s) => [s, words(s)]), statistic,
-            (s) => look({ statistic: s })),
+            (s) => goTo({ statistic: s })),
         choice(
             "format", "pick-sweep-format", [...new Set(sweep.rows.map((r) => r.format))].map((f) => [f, f]),
             chosen.format,
             (format) => {
                 const all = sweep.rows.filter((r) => r.format === format);
-                return lookAlong(all.find((r) => r.form === chosen.form) ?? all[0]);
+                return goAlong(all.find((r) => r.form === chosen.form) ?? all[0]);
             }),
         choice(
             "form", "pick-sweep-form", rows.map((r) => [r.form, r.form]), chosen.form,
-            (form) => lookAlong(rows.find((r) => r.form === form))));
+            (form) => goAlong(rows.find((r) => r.form === form))));
     if (sweep.conventions?.length > 1)
         sweepParts.pickers.append(choice(
             "judged by", "pick-judged", sweep.conventions.map((c) => [c, `the ${c} solid`]), judged,
-            (c) => look({ judged: c })));
+            (c) => goTo({ judged: c })));
     if (held && sweepParts.pickers.querySelector(`#${held}`))
         document.getElementById(held).focus();  // a picker that was just used keeps the keyboard
 }

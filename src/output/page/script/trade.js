@@ -4,7 +4,7 @@ const tradeParts = {
     shown: ""
 };
 
-function plotTrade(set) {
+function plotTrade(trade, set) {
     const points = set.points.filter((p) => typeof p.kept_bits === "number").sort((a, b) => a.time_ns - b.time_ns);
     const x = points.map((p) => p.time_ns), pick = (test) => points.map((p) => (test(p) ? p.kept_bits : null));
     const look32 = { stroke: "#4477aa", fill: "#4477aa" }, look64 = { stroke: "#ee6677", fill: "#ee6677" };
@@ -15,6 +15,7 @@ function plotTrade(set) {
         points: { show: true, size, width: 1.5, stroke: look.stroke, fill: filled ? look.fill : ink("--page") }
     });
     const best = (p) => !p.dominated;
+    const timeAxis = {...axisLook(trade.axes[0]), values: (_, ticks) => ticks.map(tickText) };
     tradeParts.points = points;
     tradeParts.element.replaceChildren();
     const plot =
@@ -25,15 +26,12 @@ function plotTrade(set) {
                     x: { time: false, distr: 3, log: 2, range: () => logEnds(x) },
                     y: { range: (_, low, high) => [0, Math.max(4, high + 2)] }
                 },
-                axes: [
-                    {...axisLook("time a ray, ns"), values: (_, ticks) => ticks.map(tickText) },
-                    axisLook("bits that 99 % of the hits keep")
-                ],
+                axes: [timeAxis, axisLook(trade.axes[1])],
                 legend: { live: false, markers: { fill: (u, k) => (k >= 4 ? ink("--page") : u.series[k].stroke()) } },
                 cursor: { points: { show: false } },
                 series: [
                     {}, {
-                        label: "nothing beats these",
+                        label: "the Pareto front",
                         stroke: ink("--ink"),
                         width: 1.25,
                         spanGaps: true,
@@ -41,8 +39,8 @@ function plotTrade(set) {
                         points: { show: false }
                     },
                     dots("f32", look32, true, 9), dots("f64", look64, true, 9),
-                    dots("f32, dominated or at times wrong", look32, false, 6),
-                    dots("f64, dominated or at times wrong", look64, false, 6)
+                    dots("f32, not on the front, or sometimes wrong", look32, false, 6),
+                    dots("f64, not on the front, or sometimes wrong", look64, false, 6)
                 ],
                 hooks: { setCursor: [(u) => pointUnder(u)] },
             },
@@ -68,17 +66,18 @@ function pointUnder(plot) {
 
 function sayPoint(p) {
     tradeParts.under = p;
-    const how = p && (p.isa === "scalar" ? "one ray at a time" : `${p.isa}-bit registers`),
-          wrong = p && p.wrong_fraction > 0 ? `, decides ${rounded(p.wrong_fraction)} of the rays wrongly` : "";
+    const wrong = p && p.wrong_fraction > 0 ? `, decides ${rounded(p.wrong_fraction)} of the rays wrongly` : "";
     tradeParts.words.textContent = p ?
-        `${p.form} in ${p.format}, ${how}: ${rounded(p.time_ns)} ns a ray, keeps ${rounded(p.kept_bits)} bits${wrong}${
-            mapOf(p) ? "; click, or Enter, for its map" : ""}` :
+        `${p.form} in ${p.format}, ${p.registers}: ${rounded(p.time_ns)} ns per ray, keeps ${
+            rounded(p.kept_bits)} bits${wrong}${mapOf(p) ? "; click, or Enter, for its map" : ""}` :
         "\u00a0";
 }
 
 /** The next point by time, with the cursor on it: for the keyboard. */
 function walkPoints(by) {
-    const { points, plot, under } = tradeParts, last = points.length - 1, p = points[under ? Math.min(last, Math.max(0, points.indexOf(under) + by)) : by > 0 ? 0 : last];
+    const { points, plot, under } = tradeParts, last = points.length - 1;
+    const next = under ? Math.min(last, Math.max(0, points.indexOf(under) + by)) : by > 0 ? 0 : last;
+    const p = points[next];
     plot.setCursor({ left: plot.valToPos(p.time_ns, "x"), top: plot.valToPos(p.kept_bits, "y") }, false);
     sayPoint(p);
 }
@@ -90,7 +89,7 @@ const mapOf = (p) => (index.maps.length > 0 && hasRow(mapNow(), p) ? mapNow() : 
 function showMapOf(p) {
     const map = p && mapOf(p);
     if (!map) return;
-    look({ form: p.name, format: p.format, ...(map === mapNow() ? {} : { scene: map.id, x: -1, y: -1 }) });
+    goTo({ form: p.name, format: p.format, ...(map === mapNow() ? {} : { scene: map.id, x: -1, y: -1 }) });
     document.getElementById("maps").scrollIntoView();
 }
 
@@ -102,10 +101,10 @@ function drawTrade() {
     tradeParts.pickers.replaceChildren(
         choice(
             "shape", "pick-shape", index.trades.map((t) => [t.shape, t.shape]), trade.shape,
-            (shape) => look({ shape })),
-        choice("rays", "pick-set", trade.sets.map((s) => [s.name, s.title]), set.name, (name) => look({ set: name })));
+            (shape) => goTo({ shape })),
+        choice("rays", "pick-set", trade.sets.map((s) => [s.name, s.title]), set.name, (name) => goTo({ set: name })));
     tradeParts.plot?.destroy();
-    tradeParts.plot = plotTrade(set);
+    tradeParts.plot = plotTrade(trade, set);
 }
 
 function buildTrade() {

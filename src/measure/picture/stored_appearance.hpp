@@ -12,12 +12,12 @@ namespace lostbits::measure::picture {
 
 /// S is double (shared inputs: every number rounded once to binary32; or any format's numbers) or Real (own inputs).
 template <class S>
-struct Look {
+struct StoredAppearance {
     Vec<S> background{S(0), S(0), S(0)};
     Vec<S> light{S(0), S(0), S(0)};  ///< meaningless where the scene has none
     S shadow_on_background{S(1)};    ///< factor
     S epsilon{S(0)};
-    std::vector<Paint<S>> paints;  ///< one a sphere
+    std::vector<Paint<S>> paints;  ///< one per sphere
 };
 
 template <class S, class Lift>
@@ -34,23 +34,23 @@ auto lifted(const Paint<S>& p, Lift lift) {
 
 /// Each number through `lift`. Whether a sphere is shiny stays: a ks that a format rounds to 0 adds nothing by itself.
 template <class S, class Lift>
-auto lifted(const Look<S>& look, Lift lift) {
+auto lifted(const StoredAppearance<S>& look, Lift lift) {
     using T = std::decay_t<std::invoke_result_t<Lift, const S&>>;
-    Look<T> to{lifted(look.background, lift),
-               lifted(look.light, lift),
-               lift(look.shadow_on_background),
-               lift(look.epsilon),
-               {}};
+    StoredAppearance<T> to{lifted(look.background, lift),
+                           lifted(look.light, lift),
+                           lift(look.shadow_on_background),
+                           lift(look.epsilon),
+                           {}};
     for (const Paint<S>& p : look.paints) to.paints.push_back(lifted(p, lift));
     return to;
 }
 
 /// The ideal numbers.
-Look<Real> own_look(const scene::file::Appearance& appearance);
+StoredAppearance<Real> own_appearance(const scene::file::Appearance& appearance);
 /// The same, each rounded once to binary32: what every format shares.
-Look<double> shared_look(const scene::file::Appearance& appearance);
+StoredAppearance<double> shared_appearance(const scene::file::Appearance& appearance);
 /// What a form in format F is given, as `scene::input_solid`.
-Look<double> input_look(const scene::file::Scene& scene, const FloatFormat& f);
+StoredAppearance<double> input_appearance(const scene::file::Scene& scene, const FloatFormat& f);
 
 /// The points of the pixels of rows [y0, y1) in the plane z = 0, where the camera has them there: S as above.
 template <class S>

@@ -1,12 +1,11 @@
-// The loop over a question's numbers, included by one translation unit for each register width.
-#pragma once
-
-#include "number/pack.hpp"
+// The loop over a question's numbers; compiled once for each register width.
 #include "number/pack_ops.hpp"
+#include "number/width.hpp"
 
 namespace lostbits::test {
+namespace {
 
-template <class Width, class F>
+template <class F>
 void ask(const PackQuestion<F>& q) {
     using P = Pack<F, Width>;
     for (std::size_t i = 0; i < q.size; i += P::lanes) {
@@ -21,5 +20,10 @@ void ask(const PackQuestion<F>& q) {
         }
     }
 }
+
+}  // namespace
+
+void LOSTBITS_NAME_OF_WIDTH(ask)(const PackQuestion<float>& question) { ask(question); }
+void LOSTBITS_NAME_OF_WIDTH(ask)(const PackQuestion<double>& question) { ask(question); }
 
 }  // namespace lostbits::test

@@ -1,4 +1,4 @@
-#include "measure/picture/look.hpp"
+#include "measure/picture/stored_appearance.hpp"
 
 #include "number/rounded.hpp"
 #include "scene/rays/camera.hpp"
@@ -8,8 +8,8 @@ namespace lostbits::measure::picture {
 
 using scene::file::Scene;
 
-Look<Real> own_look(const scene::file::Appearance& appearance) {
-    Look<Real> look;
+StoredAppearance<Real> own_appearance(const scene::file::Appearance& appearance) {
+    StoredAppearance<Real> look;
     look.background = appearance.background;
     if (appearance.light) look.light = *appearance.light;
     if (appearance.shadows) {
@@ -21,14 +21,15 @@ Look<Real> own_look(const scene::file::Appearance& appearance) {
     return look;
 }
 
-Look<double> shared_look(const scene::file::Appearance& appearance) {
-    return lifted(own_look(appearance), [](const Real& x) { return scene::toml::round_to_format(x, binary32); });
+StoredAppearance<double> shared_appearance(const scene::file::Appearance& appearance) {
+    return lifted(own_appearance(appearance), [](const Real& x) { return scene::toml::round_to_format(x, binary32); });
 }
 
-Look<double> input_look(const Scene& scene, const FloatFormat& f) {
+StoredAppearance<double> input_appearance(const Scene& scene, const FloatFormat& f) {
     if (scene.inputs == scene::file::Inputs::own)
-        return lifted(own_look(scene.appearance), [&f](const Real& x) { return scene::toml::round_to_format(x, f); });
-    return lifted(shared_look(scene.appearance), [&f](double x) { return rounding::to_format(x, 0, f); });
+        return lifted(own_appearance(scene.appearance),
+                      [&f](const Real& x) { return scene::toml::round_to_format(x, f); });
+    return lifted(shared_appearance(scene.appearance), [&f](double x) { return rounding::to_format(x, 0, f); });
 }
 
 template <class S>

@@ -1,4 +1,4 @@
-// The exact values beside a tape: the same operations over a number that does not round, or that says how much.
+// Arithmetic for the exact values of a tape: over a number that does not round, or that says how much.
 #pragma once
 
 #include <algorithm>
@@ -11,7 +11,7 @@
 namespace lostbits::measure::blame {
 
 /// Double-double with bounds: what a map affords.
-struct QuickShadow {
+struct QuickExact {
     using Number = Ball;
     static constexpr int bits = 106;
 
@@ -37,7 +37,7 @@ private:
 
 /// 2048 bits: exact for the sums and products of a form over any rays that are not thousands of binades wide, and all
 /// but exact for its roots.
-struct DeepShadow {
+struct DeepExact {
     using Number = BasicReal<2048>;
     static constexpr int bits = 2048;
 

@@ -1,0 +1,38 @@
+#include "results.hpp"
+
+#include <fmt/format.h>
+
+#include "measure/truth/truth.hpp"
+#include "number/interruption.hpp"
+#include "output/file/atomic_file.hpp"
+
+namespace lostbits::analysis {
+
+void require_folder(const std::string& out) {
+    if (out.empty()) throw InputError("-o: the name of the folder is empty; write -o . for the current folder");
+}
+
+void probe(const std::filesystem::path& file) { const output::file::AtomicFile opened(file); }
+
+std::function<void(std::uint64_t)> advancing(output::file::Progress& progress) {
+    return [&progress](std::uint64_t done) {
+        progress.advance(done);
+        stop_if_interrupted();
+    };
+}
+
+std::string each(const char* before, const std::vector<std::string>& values, const char* after) {
+    std::string text;
+    for (const std::string& value : values) text += before + value + after;
+    return text;
+}
+
+Exit end_with_unproved(std::uint64_t rays) {
+    if (rays == 0) return Exit::done;
+    fmt::print(stderr,
+               "lostbits: the true answer of {} rays could not be proved within {} bits; they count as `unresolved`\n",
+               rays, measure::truth::TruthLimit{}.bits);
+    return Exit::internal;
+}
+
+}  // namespace lostbits::analysis

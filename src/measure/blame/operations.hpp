@@ -1,0 +1,72 @@
+// From an operation of a tape to what is known of it.
+#pragma once
+
+#include <algorithm>
+#include <stdexcept>
+#include <utility>
+
+#include "measure/blame/operations_of_numbers.hpp"
+#include "measure/blame/operations_that_decide.hpp"
+
+// A switch over kinds or operations names them all.
+#pragma GCC diagnostic error "-Wswitch"
+
+namespace lostbits::measure::blame {
+
+/// f<op>(), for an operation of that kind.
+template <OperationKind kind, class F>
+decltype(auto) with(TapeOp op, const F& f) {
+    switch (op) {
+#define LOSTBITS_CASE(name, kind_of_name, operands)                                                      \
+    case TapeOp::name:                                                                                   \
+        if constexpr (OperationKind::kind_of_name == kind) return f.template operator()<TapeOp::name>(); \
+        else break;
+        LOSTBITS_TAPE_OPERATIONS(LOSTBITS_CASE)
+#undef LOSTBITS_CASE
+    }
+    throw std::logic_error("an operation of another kind");
+}
+
+/// f(operand(0), …), as many as the operation has.
+template <TapeOp op, class F, class Operand>
+decltype(auto) with_operands(const F& f, const Operand& operand) {
+    return [&]<std::size_t... k>(std::index_sequence<k...>)->decltype(auto) { return f(operand(k)...); }
+    (std::make_index_sequence<row_of(op).operands>());
+}
+
+constexpr const OperationText& text_of(TapeOp op) {
+    switch (op) {
+#define LOSTBITS_CASE(name, kind, operands) \
+    case TapeOp::name: return Operation<TapeOp::name>::text;
+        LOSTBITS_TAPE_OPERATIONS(LOSTBITS_CASE)
+#undef LOSTBITS_CASE
+    }
+    throw std::logic_error("not an operation");
+}
+
+static_assert(std::ranges::all_of(tape_operations,
+                                  [](const TapeOpRow& row) {
+                                      const bool rounds =
+                                          row.kind == OperationKind::rounded || row.kind == OperationKind::moved;
+                                      const OperationText& text = text_of(row.op);
+                                      return !rounds || !text.c_wide.empty() || !text.c_lacks.empty();
+                                  }),
+              "explain --c: an operation that rounds has no text for formats that C has not");
+
+/// Whether a decision holds.
+template <class Judge>
+bool holds(TapeOp op, const Judge& judge) {
+    const auto asked = [&]<TapeOp decision>() { return Operation<decision>::holds(judge); };
+    return is_comparison(op) ? with<OperationKind::comparison>(op, asked) : with<OperationKind::logic>(op, asked);
+}
+
+/// The operand that a choice takes.
+template <class Judge>
+NodeId side_taken(const TapeNode& n, const Judge& judge) {
+    return with<OperationKind::choice>(n.op, [&]<TapeOp choice>() {
+        const auto [first, second] = Operation<choice>::sides;
+        return n.operands[Operation<choice>::takes_first(judge) ? first : second];
+    });
+}
+
+}  // namespace lostbits::measure::blame

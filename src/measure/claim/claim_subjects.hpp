@@ -1,0 +1,67 @@
+// Claims about one subject are measured together.
+#pragma once
+
+#include <algorithm>
+#include <filesystem>
+#include <vector>
+
+#include "measure/claim/claim.hpp"
+#include "number/error.hpp"
+
+namespace lostbits::measure::claim {
+
+/// The claims about one scene or sweep: their places in the list.
+using Places = std::vector<std::size_t>;
+
+/// The claims at these places, each into its place of `results`: about a scene, a rendered scene, a sweep along axes or
+/// over cases, a table.
+void measure_scene(const std::vector<scene::claim::Claim>& claims, const Places& places,
+                   const std::filesystem::path& data_dir, std::vector<ClaimResult>& results);
+void measure_render(const std::vector<scene::claim::Claim>& claims, const Places& places,
+                    const std::filesystem::path& data_dir, std::vector<ClaimResult>& results);
+void measure_sweep(const std::vector<scene::claim::Claim>& claims, const Places& places,
+                   const std::filesystem::path& data_dir, std::vector<ClaimResult>& results);
+void measure_table(const std::vector<scene::claim::Claim>& claims, const Places& places,
+                   std::vector<ClaimResult>& results);
+
+/// What becomes of a claim that measures so; `summary` (may be null) is what the number was taken from.
+ClaimResult judge(const scene::claim::Claim& claim, double measured, const map::MapSummary* summary);
+
+/// The format of a claim. InputError for an unknown name.
+Format claim_format(const scene::claim::Claim& claim);
+
+/// The rows of several claims, each once: its place.
+inline std::size_t place_in(std::vector<map::MapRow>& rows, const map::MapRow& row) {
+    const auto found = std::ranges::find(rows, row);
+    if (found != rows.end()) return static_cast<std::size_t>(found - rows.begin());
+    rows.push_back(row);
+    return rows.size() - 1;
+}
+
+inline std::vector<scene::claim::Claim> those_at(const std::vector<scene::claim::Claim>& claims, const Places& places) {
+    std::vector<scene::claim::Claim> some;
+    for (const std::size_t i : places) some.push_back(claims[i]);
+    return some;
+}
+
+/// The form and format of a claim about a scene or sweep that the form can be asked about.
+template <class Subject>
+map::MapRow row_for(const scene::claim::Claim& claim, const Subject& subject) {
+    const map::MapRow row = claim_row(claim);
+    if (subject.meets(row.form->shape)) return row;
+    scene::toml::fail(claim.where, claim.subject() + " is not handled by " + claim.form + ": it has " +
+                                       (row.form->shape == Shape::sdf ? "no [march] table" : "other solids") +
+                                       "; name another form, or another scene or sweep");
+}
+
+/// What `find` finds for a claim; an unknown name is the claim's fault, so its place starts the message.
+template <class Find>
+auto find_for(const scene::claim::Claim& claim, const Find& find) {
+    try {
+        return find();
+    } catch (const InputError& error) {
+        scene::toml::fail(claim.where, error.what());
+    }
+}
+
+}  // namespace lostbits::measure::claim

@@ -1,0 +1,175 @@
+#include "measure/map/summary_columns.hpp"
+
+#include <algorithm>
+#include <array>
+#include <numeric>
+
+#include "measure/truth/missing.hpp"
+
+namespace lostbits::measure::map {
+
+using answer::Outcome;
+using metric::Metric;
+using truth::fraction;
+using truth::missing;
+
+namespace {
+
+using Columns = std::vector<SummaryColumn>;
+using Kind = SummaryColumn::Kind;
+using S = MapSummary;
+
+double number(std::uint64_t n) { return static_cast<double>(n); }
+
+template <Outcome o>
+double outcome(const S& s) {
+    return number(s.count(o));
+}
+
+/// Of every summary, whatever was measured.
+Columns outcome_columns() {
+    Columns columns{
+        {"rays", Kind::count, "", "rays, one per pixel", [](const S& s) { return number(s.rays); }},
+        {"agree_hit", Kind::count, "", "correct hits: form and truth agree that there is a hit",
+         outcome<Outcome::agree_hit>},
+        {"agree_miss", Kind::count, "", "correct misses: form and truth agree that there is none",
+         outcome<Outcome::agree_miss>},
+        {"false_hit", Kind::count, "", "rays that the form hits and the truth misses", outcome<Outcome::false_hit>},
+        {"false_miss", Kind::count, "", "rays that the form misses and the truth hits", outcome<Outcome::false_miss>},
+        {"not_a_number", Kind::count, "", "rays on which the form reports a hit at NaN",
+         outcome<Outcome::not_a_number>},
+        {"unresolved", Kind::count, "", "rays whose truth was not proved within the stated limit",
+         outcome<Outcome::unresolved>},
+        // A NaN is an answer to a ray that truly hits or truly misses; it is in neither fraction's numerator.
+        {"false_hit_fraction", Kind::number, "1", "false_hit among the rays that truly miss",
+         [](const S& s) { return fraction(s.count(Outcome::false_hit), s.true_misses()); }},
+        {"false_miss_fraction", Kind::number, "1", "false_miss among the rays that truly hit",
+         [](const S& s) { return fraction(s.count(Outcome::false_miss), s.true_hits); }},
+        {"not_a_number_fraction", Kind::number, "1", "not_a_number among all rays",
+         [](const S& s) { return fraction(s.count(Outcome::not_a_number), s.rays); }},
+        {"wrong_object", Kind::count, "", "agree_hit, but the form found another solid first",
+         [](const S& s) { return number(s.wrong_object); }}};
+    columns[columns.size() - 2].tabled = false;
+    return columns;
+}
+
+std::uint64_t sum(const std::vector<std::uint64_t>& counts) {
+    return std::accumulate(counts.begin(), counts.end(), std::uint64_t{0});
+}
+
+/// The place of the most frequent culprit; missing where no ray has one.
+double most_frequent(const std::vector<std::uint64_t>& counts) {
+    const auto most = std::max_element(counts.begin() + 1, counts.end());
+    return most == counts.end() || *most == 0 ? missing : number(static_cast<std::uint64_t>(most - counts.begin()));
+}
+
+void add_culprit(const Metric& metric, std::size_t m, Columns& columns) {
+    columns.push_back({.name = column_name(metric),
+                       .kind = Kind::category,
+                       .unit = "",
+                       .meaning = std::string(metric.meaning) + ": the most frequent",
+                       .value = [m](const S& s) { return most_frequent(s.categories[m]); },
+                       .categories = metric.categories});
+    columns.push_back({column_name(metric) + "_fraction", Kind::number, "1",
+                       "its share of the rays that have a culprit", [m](const S& s) {
+                           const double most = most_frequent(s.categories[m]);
+                           if (std::isnan(most)) return missing;
+                           return blame::culprit_share(s.categories[m], std::array{static_cast<std::size_t>(most)});
+                       }});
+}
+
+/// A form that does not march has none of these: missing, not zero.
+void add_categories(const Metric& metric, std::size_t m, Columns& columns) {
+    const std::string name = column_name(metric);
+    for (std::size_t c = 0; c < metric.categories.size(); ++c) {
+        const std::string category(metric.categories[c]);
+        columns.push_back({name + "_" + category, Kind::count, "",
+                           "rays whose " + name + " is " + category + ": " + std::string(metric.meaning),
+                           [m, c](const S& s) {
+                               const auto& counts = s.categories[m];
+                               return sum(counts) == 0 ? missing : number(counts[c]);
+                           }});
+        columns.push_back({.name = name + "_" + category + "_fraction",
+                           .kind = Kind::number,
+                           .unit = "1",
+                           .meaning = "their share of all rays",
+                           .value = [m, c](const S& s) { return fraction(s.categories[m][c], sum(s.categories[m])); },
+                           .tabled = false});
+    }
+}
+
+void add_statistics(const Metric& metric, std::size_t m, Columns& columns) {
+    const std::string name = column_name(metric),
+                      over = metric.over == metric::Over::marches ? " over all rays" : " over agree_hit";
+    for (const metric::Statistic& statistic : metric::statistics) {
+        const bool bucketed = statistic.q > 0 && statistic.q < 1;
+        columns.push_back(
+            {column_name(metric, statistic), Kind::number, std::string(metric.unit),
+             std::string(statistic.meaning) + (bucketed ? " (to 2^-11 of itself)" : "") + " of |" + name + "|" + over,
+             [m, statistic](const S& s) { return statistic.of(s.metrics[m]); }});
+    }
+}
+
+/// A number of the worst ray, where there is one.
+template <class Part>
+std::function<double(const S&)> of_worst(const Part& part) {
+    return [part](const S& s) { return s.worst.x < 0 ? missing : part(s.worst); };
+}
+
+}  // namespace
+
+std::string column_name(const Metric& metric) {
+    std::string name(metric.name);
+    std::ranges::replace(name, ':', '_');
+    return name;
+}
+
+std::string column_name(const Metric& metric, const metric::Statistic& statistic) {
+    return column_name(metric) + "_" + std::string(statistic.name);
+}
+
+Columns summary_columns(const std::vector<const Metric*>& metrics) {
+    Columns columns = outcome_columns();
+    for (std::size_t m = 0; m < metrics.size(); ++m) {
+        if (metrics[m]->by_run()) add_culprit(*metrics[m], m, columns);
+        else if (!metrics[m]->categories.empty()) add_categories(*metrics[m], m, columns);
+        else add_statistics(*metrics[m], m, columns);
+    }
+    return columns;
+}
+
+Columns worst_columns(const std::vector<Shape>& shapes) {
+    using W = WorstRay;
+    Columns columns{
+        {"worst_x", Kind::count, "pixel", "column of the largest |ulp_error|, the first if several are equal",
+         of_worst([](const W& w) { return w.x; })},
+        {"worst_y", Kind::count, "pixel", "row of the same", of_worst([](const W& w) { return w.y; })},
+        {"worst_object", Kind::count, "", "solid that the form hit there, from 0",
+         of_worst([](const W& w) { return w.object; })}};
+    const auto add_hex = [&columns](const std::string& name, std::function<double(const S&)> value) {
+        columns.push_back({"worst_" + name + "_hex", Kind::hex, "",
+                           "the worst ray in the format (before any normalisation) and the form's answer, exactly, as "
+                           "a C hexadecimal float",
+                           std::move(value)});
+    };
+    add_hex("t", of_worst([](const W& w) { return w.t; }));
+    const char* const axes[] = {"x", "y", "z"};
+    for (int k = 0; k < 3; ++k)
+        add_hex(std::string("origin_") + axes[k], of_worst([k](const W& w) { return w.ray.origin[k]; }));
+    for (int k = 0; k < 3; ++k)
+        add_hex(std::string("direction_") + axes[k], of_worst([k](const W& w) { return w.ray.direction[k]; }));
+    for (const Shape shape : shapes) {
+        for (std::size_t i = 0; i < number_names(shape).size(); ++i) {
+            add_hex(std::string(number_names(shape)[i]),
+                    of_worst([shape, i](const W& w) { return w.solid.shape == shape ? w.solid.numbers[i] : missing; }));
+        }
+    }
+    return columns;
+}
+
+const SummaryColumn* find_column(const Columns& columns, std::string_view name) {
+    const auto found = std::ranges::find(columns, name, &SummaryColumn::name);
+    return found == columns.end() ? nullptr : &*found;
+}
+
+}  // namespace lostbits::measure::map

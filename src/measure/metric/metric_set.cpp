@@ -1,0 +1,116 @@
+#include "measure/metric/metric_set.hpp"
+
+#include <algorithm>
+
+#include "number/error.hpp"
+#include "scene/toml/did_you_mean.hpp"
+
+namespace lostbits::measure::metric {
+
+using intersect::table::Intersector;
+using truth::missing;
+
+namespace {
+
+constexpr const char* no_culprit = "none: nothing rounds";
+
+double contribution(const Sample& s) {
+    if (!s.blame) return missing;
+    const Tape& tape = *s.blame->tape;
+    const NodeId subject = s.blame->attribution->subject;
+    if (subject == no_node || is_decision(tape[subject].op)) return missing;
+    return blame::contribution_of(tape, *s.blame->attribution, s.label) / s.blame->ulp;
+}
+
+double cancellation(const Sample& s) {
+    return s.blame ? blame::cancellation_of(*s.blame->tape, *s.blame->attribution, s.label) : missing;
+}
+
+/// What there is of each label: `name` and `layer` lack it.
+constexpr Metric labelled[] = {
+    {.name = "contribution:",
+     .unit = "ulp",
+     .layer = "contribution.",
+     .meaning = "what the operations of that name add to t by their own rounding, in ulps of t without rounding",
+     .needs = needs_attribution,
+     .ramp = Ramp::magnitude,
+     .low = 0x1p-4,
+     .high = 0x1p+24,
+     .value = contribution},
+    {.name = "cancellation:",
+     .unit = "bits",
+     .layer = "cancellation.",
+     .meaning = "bits that the operation of that name cancels of operands that were already wrong",
+     .needs = needs_attribution,
+     .value = cancellation}};
+
+template <class Texts, class Text>
+void add_once(Texts& texts, const Text& text) {
+    if (std::ranges::find(texts, text) == texts.end()) texts.emplace_back(text);
+}
+
+void refuse_unknown_label(const Metric& metric, const std::vector<const Intersector*>& forms,
+                          const blame::Setting& setting) {
+    std::vector<std::string> labels;
+    for (const Intersector* form : forms) {
+        for (const std::string_view label : blame::labels_of(*form, setting)) add_once(labels, label);
+    }
+    if (std::ranges::find(labels, metric.label) != labels.end()) return;
+    const std::string label(metric.label);
+    throw InputError("--metric " + std::string(metric.name) + ": no selected form has an operation named \"" + label +
+                     "\"; " +
+                     (labels.empty() ? "none of them names its operations" : scene::toml::did_you_mean(label, labels)));
+}
+
+}  // namespace
+
+const Metric* MetricSet::find(std::string_view name) {
+    if (const Metric* const row = find_metric(name)) return row;
+    const auto known = std::ranges::find(made_, name, &Made::name);
+    if (known != made_.end()) return &known->row;
+    const auto kind = std::ranges::find_if(
+        labelled, [&](const Metric& m) { return name.starts_with(m.name) && name.size() > m.name.size(); });
+    if (kind == std::end(labelled)) return nullptr;
+    Made& made = made_.emplace_back();
+    made.name = name;
+    made.layer = std::string(kind->layer) + made.name.substr(kind->name.size());
+    made.row = *kind;
+    made.row.name = made.name;
+    made.row.layer = made.layer;
+    made.row.label = made.row.name.substr(kind->name.size());
+    return &made.row;
+}
+
+const Metric* MetricSet::culprit_of(const std::vector<std::string>& operations) {
+    Made& made = made_.emplace_back();
+    made.operations = operations;
+    made.categories.emplace_back(no_culprit);
+    made.categories.insert(made.categories.end(), made.operations.begin(), made.operations.end());
+    made.row = *find_metric("culprit");
+    made.row.categories = made.categories;
+    return &made.row;
+}
+
+std::vector<const Metric*> MetricSet::for_forms(std::vector<const Metric*> metrics,
+                                                const std::vector<const Intersector*>& forms,
+                                                const blame::Setting& setting) {
+    for (const Metric*& m : metrics) {
+        if (!m->label.empty()) refuse_unknown_label(*m, forms, setting);
+        if (!m->by_run()) continue;
+        std::vector<std::string> operations;
+        for (const Intersector* form : forms) {
+            for (const std::string& operation : blame::operation_names(*form, setting)) add_once(operations, operation);
+        }
+        m = culprit_of(operations);
+    }
+    return metrics;
+}
+
+std::vector<const Metric*> MetricSet::for_forms(std::vector<const Metric*> metrics,
+                                                const std::vector<const Intersector*>& forms,
+                                                const std::function<blame::SettingOf()>& setting) {
+    if (std::ranges::none_of(metrics, [](const Metric* m) { return m->by_run() || !m->label.empty(); })) return metrics;
+    return for_forms(std::move(metrics), forms, setting().get());
+}
+
+}  // namespace lostbits::measure::metric

@@ -1,0 +1,45 @@
+// What the forms of one format are given of a band, and the truth of that.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "intersect/table/table.hpp"
+#include "measure/truth/culling.hpp"
+#include "measure/truth/truth.hpp"
+#include "scene/rays/rays.hpp"
+
+namespace lostbits::measure::truth {
+
+/// What forms in one format receive. Rays and spheres are numbers of the format, held in doubles.
+struct FormatInputs {
+    Format format;
+    scene::rays::RayBlock rays = {};
+    std::vector<Solid<double>> solids = {};
+    /// Where the scene has them; a form that marches is never asked without.
+    std::optional<intersect::MarchConstants<double>> march = {};
+    /// Directions normalised and rounded to the format; empty unless a form asks for them.
+    scene::rays::RayBlock unit_rays = {};
+    /// The truth of these inputs; empty where they are the ideal ones, or where no metric asks.
+    std::vector<Truth> own_truth = {};
+    bool ideal = false;                             ///< the inputs are exactly those of the truth
+    std::shared_ptr<const SphereIndex> index = {};  ///< candidates among the solids for each ray; null: all of them
+
+    [[nodiscard]] const scene::rays::RayBlock& rays_for(const intersect::Info& info) const {
+        return info.direction == intersect::Direction::unit ? unit_rays : rays;
+    }
+    /// What a form is aimed at: one of the solids, or all of them together.
+    [[nodiscard]] intersect::Target<double> target_for(const intersect::table::Intersector& form,
+                                                       std::size_t solid) const {
+        return form.shape == Shape::sdf ? intersect::Target<double>(solids, march.value())
+                                        : intersect::Target<double>(solids[solid]);
+    }
+};
+
+struct BandNeeds {
+    bool unit_rays = false;
+    bool own_truth = false;
+};
+
+}  // namespace lostbits::measure::truth

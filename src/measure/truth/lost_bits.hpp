@@ -1,0 +1,24 @@
+// How large an error is, in ulps of the truth and in bits.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+
+#include "measure/truth/certified.hpp"
+
+namespace lostbits::measure::truth {
+
+/// (t − t*)/ulp(t*) in that format; an infinite answer is infinitely far off.
+inline double ulp_error(double t, const Certified& truth, const FloatFormat& format) {
+    if (std::isinf(t)) return t;
+    return scaled_difference(exactly(t), truth, ulp_exponent(format, truth.floor_log2()));
+}
+
+/// Lost bits of an error of that many ulps: clamp(log2(2|ulps|), 0, p). Half an ulp loses none, 2^k ulps lose k + 1.
+inline double lost_bits(double ulps, int precision) {
+    const double size = std::fabs(ulps);
+    if (!(size > 0.5)) return 0;
+    return std::min(std::log2(size) + 1, static_cast<double>(precision));
+}
+
+}  // namespace lostbits::measure::truth

@@ -1,0 +1,16 @@
+// Missing, zero and undefined are three things: a number that nobody could measure is NaN, and tables leave it out.
+#pragma once
+
+#include <cstdint>
+#include <limits>
+
+namespace lostbits::measure::truth {
+
+inline constexpr double missing = std::numeric_limits<double>::quiet_NaN();
+
+/// `part` among `whole`; missing where there is nothing that it could be a part of.
+inline double fraction(std::uint64_t part, std::uint64_t whole) {
+    return whole == 0 ? missing : static_cast<double>(part) / static_cast<double>(whole);
+}
+
+}  // namespace lostbits::measure::truth

@@ -1,0 +1,19 @@
+// For a source that is compiled once for each register width (cmake/isa.cmake): the registers, and names that tell the
+// widths apart.
+#pragma once
+
+#include "number/pack.hpp"
+
+namespace lostbits {
+namespace {
+
+/// Of internal linkage, and with it everything that is instantiated over it (see `Registers`).
+struct Width : Registers<LOSTBITS_REGISTER_BYTES> {};
+
+}  // namespace
+}  // namespace lostbits
+
+/// `fill_packed` becomes `fill_packed_w256`.
+#define LOSTBITS_NAME_OF_WIDTH(name) LOSTBITS_JOIN_NAMES(name, LOSTBITS_ISA)
+#define LOSTBITS_JOIN_NAMES(name, isa) LOSTBITS_JOIN_EXPANDED(name, isa)
+#define LOSTBITS_JOIN_EXPANDED(name, isa) name##_##isa

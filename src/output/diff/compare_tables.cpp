@@ -1,0 +1,101 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "output/diff/ledger.hpp"
+
+namespace lostbits::output::diff {
+
+using file::CsvColumn;
+using file::CsvTable;
+
+namespace {
+
+std::string shown(std::string_view cell) {
+    using Kind = file::CellValue::Kind;
+    const Kind kind = file::read_cell(cell).kind;
+    return kind == Kind::missing ? "(empty)" : kind == Kind::text ? in_quotes(cell) : std::string(cell);
+}
+
+/// For each of a list of distinct numbers, whether it is in one longest increasing subsequence: the others are the
+/// fewest that have to move to put the list in order.
+std::vector<bool> in_order(const std::vector<std::size_t>& list) {
+    std::vector<std::size_t> length(list.size(), 1), before(list.size());
+    std::size_t best = 0;
+    for (std::size_t i = 0; i < list.size(); ++i) {
+        before[i] = i;
+        for (std::size_t j = 0; j < i; ++j) {
+            if (list[j] < list[i] && length[j] + 1 > length[i]) length[i] = length[j] + 1, before[i] = j;
+        }
+        if (length[i] > length[best]) best = i;
+    }
+    std::vector<bool> in(list.size());
+    for (std::size_t i = best; !list.empty() && !in[i]; i = before[i]) in[i] = true;
+    return in;
+}
+
+/// A column of both tables.
+struct Pair {
+    const CsvColumn *a, *b;
+    const Tolerance* tolerance;
+    bool as_text;
+};
+
+/// Books what the headers differ in and returns the columns of both, in the first's order.
+std::vector<Pair> match_headers(const CsvTable& a, const CsvTable& b, Ledger& ledger) {
+    std::vector<Pair> pairs;
+    std::vector<std::size_t> places;
+    for (const CsvColumn& column : a.columns) {
+        ledger.result.names.push_back(column.name);
+        if (ignores(ledger.options, column.name)) continue;
+        const CsvColumn* other = b.find(column.name);
+        if (other == nullptr) {
+            ledger.add(1, [&] { return fmt::format("column {} is missing in the second", column.name); });
+            continue;
+        }
+        const Tolerance* tolerance = tolerance_of(column.name, ledger.options);
+        pairs.push_back({&column, other, tolerance, tolerance == nullptr && column.name.ends_with("_hex")});
+        places.push_back(static_cast<std::size_t>(other - b.columns.data()));
+    }
+    for (const CsvColumn& column : b.columns) {
+        if (a.find(column.name) != nullptr) continue;
+        ledger.result.names.push_back(column.name);
+        if (!ignores(ledger.options, column.name))
+            ledger.add(1, [&] { return fmt::format("column {} is added in the second", column.name); });
+    }
+    const auto stays = in_order(places);
+    for (std::size_t i = 0; i < pairs.size(); ++i) {
+        if (stays[i]) continue;
+        const auto place = pairs[i].a - a.columns.data() + 1;
+        ledger.add(1, [&] {
+            return fmt::format("column {} moved from place {} to place {}", pairs[i].a->name, place, places[i] + 1);
+        });
+    }
+    return pairs;
+}
+
+}  // namespace
+
+Comparison compare(const CsvTable& a, const CsvTable& b, const CompareOptions& options) {
+    Ledger ledger{options, {}};
+    const auto pairs = match_headers(a, b, ledger);
+    const std::size_t rows = std::min(a.rows(), b.rows());
+    for (const Pair& p : pairs) ledger.result.columns.emplace_back().name = p.a->name;
+    for (std::size_t r = 0; r < rows; ++r) {
+        for (std::size_t c = 0; c < pairs.size(); ++c) {
+            const std::string_view left = pairs[c].a->cells[r], right = pairs[c].b->cells[r];
+            if (left == right) continue;
+            const PairVerdict v = judge_cells(left, right, pairs[c].tolerance, pairs[c].as_text);
+            if (!book(ledger.result.columns[c], v, [&] { return fmt::format("line {}", a.lines[r]); })) continue;
+            ledger.add(a.lines[r], [&] {
+                return fmt::format("{}: {} != {}{}", pairs[c].a->name, shown(left), shown(right), distances(v));
+            });
+        }
+    }
+    if (a.rows() != b.rows())
+        ledger.add(0,
+                   [&] { return fmt::format("rows: {} != {}; the first {} are compared", a.rows(), b.rows(), rows); });
+    return ledger.result;
+}
+
+}  // namespace lostbits::output::diff

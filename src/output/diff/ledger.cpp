@@ -1,0 +1,112 @@
+#include "output/diff/ledger.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <bit>
+#include <boost/multiprecision/cpp_int.hpp>
+#include <cmath>
+#include <cstdlib>
+
+namespace lostbits::output::diff {
+
+using file::CellValue;
+
+namespace {
+
+using Kind = CellValue::Kind;
+
+/// n · 10^exponent. Decimals and their differences and products are exact in it, so 0.4 and 0.3 are within 0.1.
+struct Exact {
+    boost::multiprecision::cpp_int n;
+    int exponent = 0;
+
+    explicit Exact(const CellValue& v) : n(v.digits.empty() ? "0" : v.digits), exponent(v.exponent) {
+        if (v.negative) n = -n;
+    }
+    Exact(boost::multiprecision::cpp_int digits, int power) : n(std::move(digits)), exponent(power) {}
+
+    [[nodiscard]] boost::multiprecision::cpp_int at(int power) const {
+        return n *
+               boost::multiprecision::pow(boost::multiprecision::cpp_int(10), static_cast<unsigned>(exponent - power));
+    }
+    [[nodiscard]] double approximate(int shift = 0) const {
+        return std::strtod((n.str() + "e" + std::to_string(exponent - shift)).c_str(), nullptr);
+    }
+};
+
+Exact distance(const Exact& a, const Exact& b) {
+    const int power = std::min(a.exponent, b.exponent);
+    return {abs(a.at(power) - b.at(power)), power};
+}
+
+bool at_most(const Exact& a, const Exact& b) {
+    const int power = std::min(a.exponent, b.exponent);
+    return a.at(power) <= b.at(power);
+}
+
+}  // namespace
+
+PairVerdict judge_cells(std::string_view a, std::string_view b, const Tolerance* tolerance, bool as_text) {
+    const CellValue x = file::read_cell(a), y = file::read_cell(b);
+    if (x.kind != Kind::number || y.kind != Kind::number) {
+        const bool both_text = x.kind == Kind::text && y.kind == Kind::text;
+        return {.differs = !(x == y), .kinds = !both_text};
+    }
+    const Exact p(x), q(y), apart = distance(p, q);
+    const Exact larger = at_most({abs(p.n), p.exponent}, {abs(q.n), q.exponent}) ? Exact(abs(q.n), q.exponent)
+                                                                                 : Exact(abs(p.n), p.exponent);
+    PairVerdict v{.measured = true, .absolute = apart.approximate()};
+    if (larger.n != 0) {
+        // Scaled to the larger, so that neither leaves the range of a double.
+        const int magnitude = larger.exponent + static_cast<int>(larger.n.str().size());
+        v.relative = apart.approximate(magnitude) / larger.approximate(magnitude);
+    }
+    if (tolerance == nullptr) {
+        v.differs = as_text || !(x == y);
+        return v;
+    }
+    const Exact relative(tolerance->relative);
+    v.differs = !at_most(apart, Exact(tolerance->absolute)) &&
+                !at_most(apart, {relative.n * larger.n, relative.exponent + larger.exponent});
+    return v;
+}
+
+PairVerdict judge_samples(float a, float b, const std::optional<std::pair<double, double>>& tolerance) {
+    if (std::bit_cast<std::uint32_t>(a) == std::bit_cast<std::uint32_t>(b) || (std::isnan(a) && std::isnan(b)))
+        return {};
+    if (!std::isfinite(a) || !std::isfinite(b)) return {.differs = true, .kinds = true};
+    const double x = a, y = b, apart = std::fabs(x - y), larger = std::max(std::fabs(x), std::fabs(y));
+    const bool tolerated = tolerance && (apart <= tolerance->first || apart <= tolerance->second * larger);
+    return {.differs = !tolerated, .measured = true, .absolute = apart, .relative = larger == 0 ? 0 : apart / larger};
+}
+
+std::string distances(const PairVerdict& v) {
+    return v.measured ? fmt::format(" (abs {:.4g}, rel {:.4g})", v.absolute, v.relative) : "";
+}
+
+const Tolerance* tolerance_of(const std::string& name, const CompareOptions& options) {
+    const auto found = std::find_if(options.tolerances.rbegin(), options.tolerances.rend(),
+                                    [&](const Tolerance& t) { return names_column(t.column, name); });
+    return found == options.tolerances.rend() ? nullptr : &*found;
+}
+
+bool ignores(const CompareOptions& options, const std::string& name) {
+    return std::ranges::any_of(options.ignored,
+                               [&](const std::string& pattern) { return names_column(pattern, name); });
+}
+
+std::string in_quotes(std::string_view text) {
+    std::string out = "\"";
+    for (const char c : text) {
+        if (c == '\n') out += "\\n";
+        else if (c == '\r') out += "\\r";
+        else if (static_cast<unsigned char>(c) < ' ' || c == 0x7F)
+            out += fmt::format("\\x{:02x}", static_cast<unsigned char>(c));
+        else if (c == '"' || c == '\\') out += {'\\', c};
+        else out += c;
+    }
+    return out + '"';
+}
+
+}  // namespace lostbits::output::diff

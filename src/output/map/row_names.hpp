@@ -1,0 +1,43 @@
+// How forms and rows are called in pictures and file names, and their places in a table of forms by formats.
+#pragma once
+
+#include <algorithm>
+#include <string>
+#include <vector>
+
+#include "measure/map/map.hpp"
+
+namespace lostbits::output::map {
+
+/// `unified` of `sphere.unified`: where all forms are of one shape.
+[[nodiscard]] inline std::string short_name(const intersect::Info& info) {
+    return std::string(info.name.substr(info.name.find('.') + 1));
+}
+
+/// `sphere.unified.f32`
+[[nodiscard]] inline std::string row_name(const measure::map::MapRow& row) {
+    return std::string(row.form->info->name) + "." + row.format.name;
+}
+
+/// The place of a name in a list, at the end of which a new one is put.
+[[nodiscard]] inline std::size_t find_or_add(std::vector<std::string>& names, const std::string& name) {
+    const auto at = static_cast<std::size_t>(std::ranges::find(names, name) - names.begin());
+    if (at == names.size()) names.push_back(name);
+    return at;
+}
+
+/// Forms across, formats down, both in the order in which the rows have them first.
+struct RowGrid {
+    struct Place {
+        std::size_t form, format;
+    };
+    std::vector<std::string> forms, formats;
+    std::vector<Place> places;  ///< one a row
+
+    explicit RowGrid(const std::vector<measure::map::MapRow>& rows) {
+        for (const measure::map::MapRow& row : rows)
+            places.push_back({find_or_add(forms, short_name(*row.form->info)), find_or_add(formats, row.format.name)});
+    }
+};
+
+}  // namespace lostbits::output::map

@@ -1,0 +1,41 @@
+#include <bit>
+#include <cmath>
+#include <cstdlib>
+#include <limits>
+#include <random>
+
+#include "catch.hpp"
+#include "output/file/number_text.hpp"
+#include "output/page/json.hpp"
+
+using namespace lostbits::output;
+using namespace lostbits::output::page;
+
+TEST_CASE("numbers of the page are the CSV's own decimals and read back to the same bits", "[json]") {
+    for (const double x : {1.0, -0.0, 0.1, 12.818665731680333, 1e300, 0x1p-1074, 5e-324, 1e23, 9007199254740993.0}) {
+        const std::string text = page::text_of(number_json(x));
+        CHECK(text == file::decimal(x));
+        CHECK(std::bit_cast<std::uint64_t>(std::strtod(text.c_str(), nullptr)) == std::bit_cast<std::uint64_t>(x));
+    }
+    std::mt19937_64 random(1);
+    for (int i = 0; i < 10000; ++i) {
+        const auto x = std::bit_cast<double>(random());
+        if (std::isfinite(x)) CHECK(page::text_of(number_json(x)) == file::decimal(x));
+    }
+}
+
+TEST_CASE("what is not a finite number is null or a word", "[json]") {
+    constexpr double inf = std::numeric_limits<double>::infinity();
+    CHECK(page::text_of(number_json(std::nan(""))) == "null");
+    CHECK(page::text_of(number_json(inf)) == "\"inf\"");
+    CHECK(page::text_of(number_json(-inf)) == "\"-inf\"");
+}
+
+TEST_CASE("JSON of the page may stand inside a script element, and keeps the order of its members", "[json]") {
+    const Json json{
+        {"</script>", "a < b & \"c\"\n"}, {"b", Json::array({true, 1, 2.5, nullptr})}, {"a", Json::object()}};
+    const std::string text = page::text_of(json);
+    CHECK(text == R"({"\u003c/script>":"a \u003c b & \"c\"\n","b":[true,1,2.5,null],"a":{}})");
+    CHECK(Json::parse(text) == json);
+    CHECK(page::text_of(Json("\xff")) == "\"\xEF\xBF\xBD\"");
+}
