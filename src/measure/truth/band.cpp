@@ -159,15 +159,9 @@ FormatInputs Band::inputs(const Format& format, BandNeeds needs) const {
 double Band::rounded_truth(std::size_t i, const FloatFormat& format, intersect::Direction unit_of,
                            Touching touching) const {
     const Truth& truth = this->truth(i, touching);
-    if (unit_of == intersect::Direction::unit) {
-        // A distance is irrational but where |d| is rational; a bound that straddles is settled as the midpoint rounds.
-        Certified middle = truth.distance;
-        if (const auto r = round_certified(middle, format)) return *r;
-        middle.bound = 0;
-        return round_certified(middle, format).value_or(missing);
-    }
+    const Length length = unit_of == intersect::Direction::unit ? Length::distance : Length::parameter;
     return with_ray(i, [&](const auto& ray, auto solids) {
-        return round_truth(truth, ray, solids[static_cast<std::size_t>(truth.object)], format);
+        return round_truth(truth, ray, solids[static_cast<std::size_t>(truth.object)], format, length);
     });
 }
 

@@ -131,18 +131,4 @@ Enclosed<E> enclose(const Ray<E>& ray, const Box<E>& box, const E* tmax, interse
     return {Tri::yes, t, t * length(ray.direction), touching};
 }
 
-/// −1, 0, +1 as t* of a ray that hits lies below, at or above m, or nothing where this precision does not tell.
-template <class E>
-std::optional<int> side_of(const Ray<E>& ray, const Box<E>& box, const E& m) {
-    const auto slabs = slabs_of(ray, box);
-    if (!slabs) return std::nullopt;
-    const auto first = first_entry(*slabs);
-    if (!first) return std::nullopt;
-    const E there = m * first->m;
-    if ((first->n < there).is_yes()) return -1;
-    if ((first->n > there).is_yes()) return 1;
-    if ((first->n <= there && first->n >= there).is_yes()) return 0;
-    return std::nullopt;
-}
-
 }  // namespace lostbits::measure::truth

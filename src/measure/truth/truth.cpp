@@ -5,7 +5,7 @@
 #include <limits>
 #include <ranges>
 
-#include "measure/truth/enclose_solid.hpp"
+#include "measure/truth/side.hpp"
 #include "number/error.hpp"
 
 namespace lostbits::measure::truth {
@@ -14,9 +14,35 @@ using intersect::Touching;
 
 namespace {
 
-/// Fills in a miss or a tightly enclosed hit; false where this precision does not settle it.
-template <class E>
-bool settle(const Enclosed<E>& e, Touching touching, Truth& truth) {
+/// Where the bound of x > 0 leaves open in which binade x lies: k, for 2^k that it straddles. (The bound is below 2^-72
+/// and hi + lo at least 2^-53 below 2, so it never reaches the binade above.)
+std::optional<std::int64_t> straddled_power(const Certified& x) {
+    if (x.hi == 1 && x.lo < x.bound && x.lo >= -x.bound) return x.exponent;
+    return std::nullopt;
+}
+
+Interval power_of_two(std::int64_t k) {
+    Interval r(1);
+    for (; k > 0; k -= std::min<std::int64_t>(k, 1000))
+        r *= Interval(std::ldexp(1.0, static_cast<int>(std::min<std::int64_t>(k, 1000))));
+    for (; k < 0; k += std::min<std::int64_t>(-k, 1000))
+        r *= Interval(std::ldexp(1.0, -static_cast<int>(std::min<std::int64_t>(-k, 1000))));
+    return r;
+}
+
+/// x once it is known to lie below, at or above the power of two that its bound straddles.
+Certified on_side(const Certified& x, int side) {
+    if (side == 0) return {.hi = 1, .lo = 0, .bound = 0, .exponent = x.exponent};
+    // [lo − bound, 0] or [0, lo + bound], by its middle; below, the middle must show it even where it underflows.
+    const double end = side < 0 ? x.lo - x.bound : x.lo + x.bound;
+    const double middle = side < 0 ? std::min(end / 2, -0x1p-1074) : end / 2;
+    return {.hi = 1, .lo = middle, .bound = std::fabs(end) / 2 * (1 + 0x1p-50) + 0x1p-1074, .exponent = x.exponent};
+}
+
+/// Fills in a miss or a tightly enclosed hit; false where this precision does not settle it. `place(x, Length)` decides
+/// the binade of a length, false where this precision does not tell: an ulp of it is a matter of its binade.
+template <class E, class Place>
+bool settle(const Enclosed<E>& e, Touching touching, Truth& truth, const Place& place) {
     if (e.hit.is_yes() && e.touching) {
         truth.touches = true;
         if (touching == Touching::miss) return true;
@@ -26,10 +52,9 @@ bool settle(const Enclosed<E>& e, Touching touching, Truth& truth) {
         return true;
     }
     if (!e.hit.is_yes()) return false;
-    const auto t = certify(e.t);
-    if (!t) return false;
-    const auto distance = certify(e.distance);
-    if (!distance) return false;
+    auto t = certify(e.t), distance = certify(e.distance);
+    if (!t || !distance) return false;
+    if (!place(*t, Length::parameter) || !place(*distance, Length::distance)) return false;
     truth.decision = Truth::Decision::hit;
     truth.t = *t;
     truth.distance = *distance;
@@ -73,8 +98,16 @@ Truth escalate(const Ray<S>& ray, const Solid<S>& solid, TruthLimit limit, Touch
     for (int bits = std::is_same_v<S, Real> ? 384 : 192; bits <= limit.bits; bits *= 2) {
         const Interval::Precision precision(bits);
         truth.bits = bits;
-        if (settle(enclose_until(lift_ray<Interval>(ray), lift_solid<Interval>(solid), tmax), touching, truth))
-            return truth;
+        const Ray<Interval> wide_ray = lift_ray<Interval>(ray);
+        const Solid<Interval> wide_solid = lift_solid<Interval>(solid);
+        const auto place = [&](Certified& x, Length length) {
+            const auto power = straddled_power(x);
+            if (!power) return true;
+            const auto side = side_of(wide_ray, wide_solid, power_of_two(*power), length);
+            if (side) x = on_side(x, *side);
+            return side.has_value();
+        };
+        if (settle(enclose_until(wide_ray, wide_solid, tmax), touching, truth, place)) return truth;
     }
     truth.decision = Truth::Decision::unresolved;
     return truth;
@@ -116,7 +149,8 @@ Truth find(const Ray<S>& ray, std::span<const Solid<S>> solids, const Places& am
         if (!is_solid(solid)) continue;
         Truth one;
         one.bits = 106;
-        if (!settle(enclose_until(quick, lift_solid<Ball>(solid), tmax), touching, one))
+        const auto known = [](const Certified& x, Length) { return !straddled_power(x); };
+        if (!settle(enclose_until(quick, lift_solid<Ball>(solid), tmax), touching, one, known))
             one = escalate(ray, solid, limit, touching, tmax);
         join(one, static_cast<int>(at), best);
     }
@@ -128,32 +162,10 @@ Truth find_all(const Ray<S>& ray, std::span<const Solid<S>> solids, const Terms&
     return find(ray, solids, std::views::iota(std::size_t{0}, solids.size()), terms);
 }
 
-/// −1, 0, +1 as t* lies below, at or above the dyadic number m > 0, or nothing where this precision does not tell: with
-/// P(t) = a t² + 2 h t + c, the near root (from outside) is above m where P(m) > 0 and a m + h < 0; the far root (from
-/// inside) is above m where P(m) < 0. From outside P is positive before the near root, from inside negative before the
-/// far one.
-std::optional<int> side_of(const Ray<Interval>& ray, const Sphere<Interval>& sphere, const Interval& m) {
-    const Interval zero(0);
-    const Vec<Interval> f = ray.origin - sphere.centre;
-    const Interval a = square(ray.direction);
-    const Interval h = dot(f, ray.direction);
-    const Interval c = square(f) - square(sphere.radius);
-    const Interval p = (a * m + h + h) * m + c;
-    const Interval past = a * m + h;
-    if ((c > zero).is_unknown()) return std::nullopt;
-    const bool outside = (c > zero).is_yes();
-    if ((p < zero).is_yes()) return outside ? -1 : 1;
-    if (!(p > zero).is_yes() && !p.is_exact()) return std::nullopt;
-    if (!outside) return p.is_exact() && !(p > zero).is_yes() ? 0 : -1;
-    // Past the middle both P(m) > 0 and the root P(m) = 0 lie beyond the near root.
-    if ((past > zero).is_unknown()) return std::nullopt;
-    if ((past > zero).is_yes()) return -1;
-    return (p > zero).is_yes() ? 1 : 0;
-}
-
 template <class S>
-double round_exactly(const Truth& truth, const Ray<S>& ray, const Solid<S>& solid, const FloatFormat& format) {
-    const auto [lower, upper] = round_ends(truth.t, format);
+double round_exactly(const Truth& truth, const Ray<S>& ray, const Solid<S>& solid, const FloatFormat& format,
+                     Length length) {
+    const auto [lower, upper] = round_ends(length == Length::parameter ? truth.t : truth.distance, format);
     if (lower == upper) return lower;
     for (int bits = std::is_same_v<S, Real> ? 384 : 192; bits <= TruthLimit{}.bits; bits *= 2) {
         const Interval::Precision precision(bits);
@@ -161,9 +173,7 @@ double round_exactly(const Truth& truth, const Ray<S>& ray, const Solid<S>& soli
         const Interval middle = std::isinf(upper)
                                     ? Interval(lower) + Interval(std::ldexp(1.0, format.emax - format.precision))
                                     : (Interval(lower) + Interval(upper)) / Interval(2);
-        const auto lifted = lift_solid<Interval>(solid);
-        const auto side = solid.shape == Shape::sphere ? side_of(lift_ray<Interval>(ray), lifted.sphere(), middle)
-                                                       : truth::side_of(lift_ray<Interval>(ray), lifted.box(), middle);
+        const auto side = side_of(lift_ray<Interval>(ray), lift_solid<Interval>(solid), middle, length);
         if (!side) continue;
         if (*side != 0) return *side < 0 ? lower : upper;
         return ordinal(lower, format) % 2 == 0 ? lower : upper;
@@ -196,11 +206,13 @@ bool is_proper(const Ray<Real>& ray) { return is_ray(ray); }
 bool is_proper(const Solid<double>& solid) { return is_solid(solid); }
 bool is_proper(const Solid<Real>& solid) { return is_solid(solid); }
 
-double round_truth(const Truth& truth, const Ray<double>& ray, const Solid<double>& solid, const FloatFormat& format) {
-    return round_exactly(truth, ray, solid, format);
+double round_truth(const Truth& truth, const Ray<double>& ray, const Solid<double>& solid, const FloatFormat& format,
+                   Length length) {
+    return round_exactly(truth, ray, solid, format, length);
 }
-double round_truth(const Truth& truth, const Ray<Real>& ray, const Solid<Real>& solid, const FloatFormat& format) {
-    return round_exactly(truth, ray, solid, format);
+double round_truth(const Truth& truth, const Ray<Real>& ray, const Solid<Real>& solid, const FloatFormat& format,
+                   Length length) {
+    return round_exactly(truth, ray, solid, format, length);
 }
 
 }  // namespace lostbits::measure::truth

@@ -22,7 +22,8 @@ struct Truth {
     int bits = 0;
     /// Some solid is touched and no more: the two conventions may differ on this ray.
     bool touches = false;
-    /// The ray parameter, in lengths of the direction as stored.
+    /// The ray parameter, in lengths of the direction as stored. Its binade is proved, as is that of the distance: the
+    /// bound never straddles a power of two.
     Certified t;
     /// The same as a distance, t·|d|: what a form that receives a unit direction is asked for.
     Certified distance;
@@ -67,9 +68,14 @@ inline Truth find_truth(const Ray<Real>& ray, const Solid<Real>& solid, TruthLim
     return find_truth(ray, std::span(&solid, 1), limit, touching, tmax);
 }
 
-/// t* correctly rounded to a format, ties decided exactly: where the certified bound straddles a
-/// rounding boundary, the sign of the quadratic at the boundary tells the side. For a hit only.
-double round_truth(const Truth& truth, const Ray<double>& ray, const Solid<double>& solid, const FloatFormat& format);
-double round_truth(const Truth& truth, const Ray<Real>& ray, const Solid<Real>& solid, const FloatFormat& format);
+/// What is asked about: t*, in lengths of the direction as stored, or the distance t*·|d|.
+enum class Length { parameter, distance };
+
+/// t* (or the distance) correctly rounded to a format, ties decided exactly: where the certified bound straddles a
+/// rounding boundary, the sign of a polynomial at the boundary tells the side. For a hit only.
+double round_truth(const Truth& truth, const Ray<double>& ray, const Solid<double>& solid, const FloatFormat& format,
+                   Length length = Length::parameter);
+double round_truth(const Truth& truth, const Ray<Real>& ray, const Solid<Real>& solid, const FloatFormat& format,
+                   Length length = Length::parameter);
 
 }  // namespace lostbits::measure::truth

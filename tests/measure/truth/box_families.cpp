@@ -239,10 +239,25 @@ BoxSample tie(Seeded& rng, const FloatFormat& f) {
     return rescaled(in_storage({{origin, d}, box, HUGE_VAL}, f), 0, static_cast<int>(rng.integer(-20, 20)));
 }
 
+/// The entry, or its distance, on a power of two, or off it by less than a bound of 2^-72 can tell.
+BoxSample power_of_two(Seeded& rng, const FloatFormat& f) {
+    const double k = std::ldexp(1.0, rng.index(11) - 5);
+    const auto small = [&] { return static_cast<double>(rng.index(15) - 7); };
+    BoxSample s;
+    s.ray.direction =
+        rng.coin() ? Vec<double>(1 + rng.index(9), small(), small()) : Vec<double>(3 + rng.index(9), 0, 0);
+    const double near = s.ray.direction.y == 0 && s.ray.direction.z == 0 ? k : k * s.ray.direction.x;
+    const double y = k * s.ray.direction.y, z = k * s.ray.direction.z;
+    s.box = {{near, y - 3, z - 3}, {near + 5, y + 3, z + 3}};
+    if (rng.index(8) == 0) s.ray.direction.x = -s.ray.direction.x;
+    if (rng.coin()) s.ray.origin.x = std::ldexp(rng.coin() ? 1.0 : -1.0, -75 - rng.index(f == binary32 ? 40 : 700));
+    return s;
+}
+
 }  // namespace
 
 using Promise = BoxFamily::Promise;
-const BoxFamily box_families[18] = {
+const BoxFamily box_families[19] = {
     {"random", Promise::none, random_ray, 20000},
     {"at edge", Promise::none, at_edge, 10000},
     {"along face", Promise::touches, along_face, 5000},
@@ -261,6 +276,7 @@ const BoxFamily box_families[18] = {
     {"huge", Promise::none, huge, 4000},
     {"mixed exponents", Promise::none, mixed_exponents, 2000},
     {"tie", Promise::none, tie, 5000},
+    {"power of two", Promise::none, power_of_two, 6000},
 };
 
 std::string paste(const BoxSample& s) {

@@ -28,7 +28,7 @@ struct BoxFamily {
     int rays;  ///< per storage format
 };
 
-extern const BoxFamily box_families[18];
+extern const BoxFamily box_families[19];
 
 /// The inputs as C++ that compiles.
 std::string paste(const BoxSample& sample);

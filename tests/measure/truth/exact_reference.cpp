@@ -123,6 +123,12 @@ bool encloses_distance(const Certified& s, const ExactHit& exact) {
     return exact.distance_side(lower_end(s)) >= 0 && exact.distance_side(upper_end(s)) <= 0;
 }
 
+bool is_in_binade(const Certified& x, const std::function<int(const Dyadic&)>& side) {
+    if (x.is_zero()) return side(Dyadic()) == 0;
+    const Dyadic start = Dyadic(1.0).scaled(x.floor_log2());
+    return side(start) >= 0 && side(start.scaled(1)) < 0;
+}
+
 bool is_rounded(double rounded, const std::function<int(const Dyadic&)>& side, const FloatFormat& f) {
     if (!(rounded >= 0)) return false;
     const Dyadic tick = Dyadic(1.0).scaled(f.emin - f.precision);  // half the smallest subnormal

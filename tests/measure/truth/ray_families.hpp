@@ -46,6 +46,12 @@ RaySample mixed_exponents(Seeded&, const FloatFormat&);
 RaySample wide_tangent(Seeded&, const FloatFormat&);
 RaySample wide_contact(Seeded&, const FloatFormat&);
 
+// Powers of two: t or the distance on one, or so near that bounds of 2^-72 cannot tell.
+RaySample power_contact(Seeded&, const FloatFormat&);
+RaySample power_distance(Seeded&, const FloatFormat&);
+RaySample power_tangent(Seeded&, const FloatFormat&);
+RaySample power_beside(Seeded&, const FloatFormat&);
+
 inline constexpr RayFamily near_families[] = {
     {"random", RayFamily::Promise::none, random_ray, 200'000, 200'000, 0},
     {"near tangent", RayFamily::Promise::none, near_tangent, 150'000, 150'000, 0},
@@ -57,6 +63,13 @@ inline constexpr RayFamily near_families[] = {
     {"far away", RayFamily::Promise::none, far_away, 50'000, 50'000, 0},
     {"huge sphere", RayFamily::Promise::none, huge_sphere, 50'000, 50'000, 8'000},
     {"scaled direction", RayFamily::Promise::none, scaled_direction, 30'000, 30'000, 0},
+};
+
+inline constexpr RayFamily power_families[] = {
+    {"power contact", RayFamily::Promise::none, power_contact, 10'000, 10'000, 10'000},
+    {"power distance", RayFamily::Promise::inside, power_distance, 10'000, 10'000, 10'000},
+    {"power tangent", RayFamily::Promise::tangent_line, power_tangent, 10'000, 10'000, 10'000},
+    {"power beside", RayFamily::Promise::none, power_beside, 10'000, 10'000, 10'000},
 };
 
 inline constexpr RayFamily wide_families[] = {

@@ -71,6 +71,13 @@ bool encloses_root(const measure::truth::Certified& c, const Rational& squared) 
     return (low.sign() <= 0 || low * low <= squared) && high.sign() >= 0 && squared <= high * high;
 }
 
+/// Whether x (or, by `squares`, its square) is in the binade that the certified value is in: 2^k ≤ x < 2^(k + 1).
+bool is_in_binade(const measure::truth::Certified& c, const Rational& x, bool squares = false) {
+    if (c.is_zero()) return x == 0;
+    const std::int64_t k = c.floor_log2(), times = squares ? 2 : 1;
+    return two_to(times * k) <= x && x < two_to(times * (k + 1));
+}
+
 /// x rounded to nearest even by MPFR, subnormals and overflow included.
 double rounded(const Rational& x, const FloatFormat& f) {
     const mpfr_exp_t emin = mpfr_get_emin(), emax = mpfr_get_emax();
@@ -108,8 +115,10 @@ std::string disagreement(const Question& q, intersect::Touching convention, Tall
     if (truth.object != 0) return "a hit without object";
     if (!encloses(truth.t, t)) return "t is not within its bound";
     if (truth.t.is_zero() != (t == 0)) return "t is zero, or is not, wrongly";
-    if (!encloses_root(truth.distance, t * t * test::dot(q.exact.direction, q.exact.direction)))
-        return "the distance is not within its bound";
+    const Rational squared = t * t * test::dot(q.exact.direction, q.exact.direction);
+    if (!encloses_root(truth.distance, squared)) return "the distance is not within its bound";
+    if (!is_in_binade(truth.t, t)) return "t is not in the binade that its ulp is taken of";
+    if (!is_in_binade(truth.distance, squared, true)) return "the distance is not in its binade";
     if (truth.t.bound > measure::truth::certified_tightness * std::fabs(truth.t.hi)) return "t is not tight";
     for (const FloatFormat& f : {binary64, binary32, binary16}) {
         if (measure::truth::round_truth(truth, s.ray, s.box, f) != rounded(t, f))

@@ -55,11 +55,18 @@ std::string disagreement(const RaySample& s, RayFamily::Promise promise, ArbRefe
     if (truth.distance.bound > measure::truth::certified_tightness * std::fabs(truth.distance.hi))
         return "the distance is not tight";
     const auto side = [&](const Dyadic& x) { return exact.side(x); };
+    const auto distance_side = [&](const Dyadic& x) { return exact.distance_side(x); };
+    if (!is_in_binade(truth.t, side)) return "t is not in the binade that its ulp is taken of";
+    if (!is_in_binade(truth.distance, distance_side)) return "the distance is not in its binade";
     for (const FloatFormat& f : {binary64, binary32, binary16, bfloat16, FloatFormat{52, -1022, 1023}}) {
         const double rounded = measure::truth::round_truth(truth, s.ray, s.sphere, f);
         if (!is_rounded(rounded, side, f))
             return "t is not correctly rounded to " + std::to_string(f.precision) + " bits";
         if (f == binary64 && ball.rounded && rounded != ball.t) return "Arb rounds otherwise";
+        const double distance =
+            measure::truth::round_truth(truth, s.ray, s.sphere, f, measure::truth::Length::distance);
+        if (!is_rounded(distance, distance_side, f))
+            return "the distance is not correctly rounded to " + std::to_string(f.precision) + " bits";
         tally.ties += !measure::truth::round_certified(truth.t, f);
     }
     if (!ball.rounded) return "Arb could not round";
@@ -98,6 +105,13 @@ TEST_CASE("truth agrees with exact integers and with Arb on binary32 inputs", "[
 
 TEST_CASE("truth agrees with exact integers and with Arb on binary64 inputs", "[near][binary64]") {
     for (const RayFamily& f : near_families) check(f, binary64, f.rays_binary64, 2);
+}
+
+TEST_CASE("the binade of t and of the distance is decided at powers of two, on them and from both sides", "[power]") {
+    for (const RayFamily& f : power_families) {
+        check(f, binary32, f.rays_binary32, 5);
+        check(f, binary64, f.rays_binary64, 6);
+    }
 }
 
 TEST_CASE("truth agrees where exponents are wide and where t is a tie", "[wide]") {

@@ -1,0 +1,71 @@
+// On which side of a number an exact length lies: decided by signs of dyadic polynomials, without the length itself.
+#pragma once
+
+#include <optional>
+
+#include "measure/truth/enclose_solid.hpp"
+#include "measure/truth/truth.hpp"
+
+namespace lostbits::measure::truth {
+
+/// −1, 0 or +1, or nothing where this precision does not tell.
+template <class E>
+std::optional<int> sign(const E& x) {
+    const E zero(0);
+    if ((x < zero).is_yes()) return -1;
+    if ((x > zero).is_yes()) return 1;
+    if ((x <= zero && x >= zero).is_yes()) return 0;
+    return std::nullopt;
+}
+
+/// The sign of u + v/√a for a > 0: that of the larger of u² a and v² where u and v differ in sign.
+template <class E>
+std::optional<int> sign_of_sum(const E& u, const E& v, const E& a) {
+    const auto of_u = sign(u), of_v = sign(v);
+    if (!of_u || !of_v) return std::nullopt;
+    if (*of_u == 0 || *of_v == 0 || *of_u == *of_v) return *of_u != 0 ? *of_u : *of_v;
+    const auto larger = sign<E>(square(u) * a - square(v));
+    if (!larger) return std::nullopt;
+    return *of_u * *larger;
+}
+
+/// For a ray that hits the sphere and m > 0. With P(t) = a t² + 2 h t + c, the near root (from outside) is above m
+/// where P(m) > 0 and a m + h < 0, the far root (from inside) where P(m) < 0. Of a distance m the same with m/√a for m:
+/// P = (m² + c) + 2 h m/√a and, over √a, m + h/√a.
+template <class E>
+std::optional<int> side_of(const Ray<E>& ray, const Sphere<E>& sphere, const E& m, Length length) {
+    const Vec<E> f = ray.origin - sphere.centre;
+    const E a = square(ray.direction);
+    const E h = dot(f, ray.direction);
+    const E c = square(f) - square(sphere.radius);
+    const bool parameter = length == Length::parameter;
+    const auto outside = sign(c);
+    const auto p = parameter ? sign<E>((a * m + h + h) * m + c) : sign_of_sum<E>(square(m) + c, (h + h) * m, a);
+    if (!outside || !p) return std::nullopt;
+    if (*outside <= 0) return -*p;
+    if (*p < 0) return -1;
+    // Past the middle both P(m) > 0 and the root P(m) = 0 lie beyond the near root.
+    const auto past = parameter ? sign<E>(a * m + h) : sign_of_sum<E>(m, h, a);
+    if (!past) return std::nullopt;
+    return *past > 0 ? -1 : *p;
+}
+
+/// For a ray that hits the box and m > 0: t* = n/d of its first entry against m, or n² a against (m d)².
+template <class E>
+std::optional<int> side_of(const Ray<E>& ray, const Box<E>& box, const E& m, Length length) {
+    const auto slabs = slabs_of(ray, box);
+    if (!slabs) return std::nullopt;
+    const auto first = first_entry(*slabs);
+    if (!first) return std::nullopt;
+    const E there = m * first->m;
+    if (length == Length::parameter) return sign<E>(first->n - there);
+    return sign<E>(square(first->n) * square(ray.direction) - square(there));
+}
+
+template <class E>
+std::optional<int> side_of(const Ray<E>& ray, const Solid<E>& solid, const E& m, Length length) {
+    return solid.shape == Shape::sphere ? side_of(ray, solid.sphere(), m, length)
+                                        : side_of(ray, solid.box(), m, length);
+}
+
+}  // namespace lostbits::measure::truth
