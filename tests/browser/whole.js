@@ -150,7 +150,7 @@ async function plain({ browser, report, grids }) {
     const page = await browser.page(report, { scripts: false });
     const text = await page.locator("body").innerText();
     assert.match(text, /\d+\s+hold/);
-    assert.match(text, /\d+\s+are refuted/);
+    assert.match(text, /\d+\s+refuted/);
     for (const part of ["Four spheres close by", "sphere.schoolbook", "lost bits p50", "p99 loses half"])
         assert.ok(text.includes(part), `"${part}" cannot be read`);
     assert.ok((await page.locator("table.claims tbody tr:visible").count()) > 0);

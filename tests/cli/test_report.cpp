@@ -143,7 +143,7 @@ TEST_CASE("a report that cannot be made leaves nothing") {
     refused("near-benign near-benign", 2, "given twice");
     refused("near-benign --size 0x4", 2, "--size");
     refused("near-benign -i sphere.press --metric contribution:disk", 2, "did you mean \"disc\"?");
-    refused("near-benign -i 'box.*'", 4, "none of the selected intersectors");
+    refused("near-benign -i 'box.*'", 4, "no selected form handles");
     const Scratch scratch;
     const auto broken = scratch.write("mine.toml", spoilt("radius = 1", "radius = -1"));
     refused("'" + broken + "'", 2, "mine.toml:");
