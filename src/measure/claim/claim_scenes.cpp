@@ -19,7 +19,7 @@ namespace {
 
 /// The one scene of that name; the claim says what is wrong with it.
 scene::file::Scene one_scene(const Claim& claim, const std::string& called, const std::filesystem::path& data_dir) {
-    const auto name = find_for(claim, [&] { return scene::file::find_scene(called, data_dir); });
+    const auto name = find_or_blame_claim(claim, [&] { return scene::file::find_scene(called, data_dir); });
     auto scenes = scene::file::load_scene(name.path, {.variant = name.variant});
     if (scenes.size() != 1)
         scene::toml::fail(claim.where,
@@ -67,9 +67,9 @@ void measure_scene(const std::vector<Claim>& claims, const Places& places, const
     if (pictures.empty()) return;
     map::MapRequest request{.scene = &scene, .rows = {}, .metrics = {}};
     std::vector<std::size_t> rows;
-    for (const std::size_t i : pictures) rows.push_back(place_in(request.rows, row_for(claims[i], scene)));
+    for (const std::size_t i : pictures) rows.push_back(place_or_added(request.rows, row_for(claims[i], scene)));
     const SettingOf setting(scene);
-    const ClaimColumns columns(those_at(claims, pictures), request.rows, setting.get());
+    const ClaimColumns columns(claims_at(claims, pictures), request.rows, setting.get());
     request.metrics = columns.metrics();
     const auto summaries = map::run_map(request, {});
     for (std::size_t k = 0; k < pictures.size(); ++k) {

@@ -31,14 +31,15 @@ ClaimResult judge(const scene::claim::Claim& claim, double measured, const map::
 Format claim_format(const scene::claim::Claim& claim);
 
 /// The rows of several claims, each once: its place.
-inline std::size_t place_in(std::vector<map::MapRow>& rows, const map::MapRow& row) {
+inline std::size_t place_or_added(std::vector<map::MapRow>& rows, const map::MapRow& row) {
     const auto found = std::ranges::find(rows, row);
     if (found != rows.end()) return static_cast<std::size_t>(found - rows.begin());
     rows.push_back(row);
     return rows.size() - 1;
 }
 
-inline std::vector<scene::claim::Claim> those_at(const std::vector<scene::claim::Claim>& claims, const Places& places) {
+inline std::vector<scene::claim::Claim> claims_at(const std::vector<scene::claim::Claim>& claims,
+                                                  const Places& places) {
     std::vector<scene::claim::Claim> some;
     for (const std::size_t i : places) some.push_back(claims[i]);
     return some;
@@ -56,7 +57,7 @@ map::MapRow row_for(const scene::claim::Claim& claim, const Subject& subject) {
 
 /// What `find` finds for a claim; an unknown name is the claim's fault, so its place starts the message.
 template <class Find>
-auto find_for(const scene::claim::Claim& claim, const Find& find) {
+auto find_or_blame_claim(const scene::claim::Claim& claim, const Find& find) {
     try {
         return find();
     } catch (const InputError& error) {

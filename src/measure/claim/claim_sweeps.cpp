@@ -21,7 +21,7 @@ void measure_cases(const std::vector<Claim>& claims, const Places& places, const
     sweep::CaseRequest request{.file = &file, .rows = {}, .metrics = {}};
     for (const std::size_t i : places) request.rows.push_back(row_for(claims[i], file));
     const SettingOf setting(file.rays(0, binary64).front());
-    const ClaimColumns columns(those_at(claims, places), request.rows, setting.get());
+    const ClaimColumns columns(claims_at(claims, places), request.rows, setting.get());
     request.metrics = columns.metrics();
     for (std::size_t k = 0; k < places.size(); ++k) {
         const Claim& claim = claims[places[k]];
@@ -52,7 +52,7 @@ void check_place(const Claim& claim, const scene::sweep::SweepFile& sweep) {
 void measure_sweep(const std::vector<Claim>& claims, const Places& places, const std::filesystem::path& data_dir,
                    std::vector<ClaimResult>& results) {
     const Claim& first = claims[places.front()];
-    const auto path = find_for(first, [&] { return scene::sweep::find_sweep(first.sweep, data_dir); });
+    const auto path = find_or_blame_claim(first, [&] { return scene::sweep::find_sweep(first.sweep, data_dir); });
     switch (scene::sweep::sweep_kind(path)) {
         case SweepKind::cases: return measure_cases(claims, places, path, results);
         case SweepKind::search:
@@ -66,11 +66,11 @@ void measure_sweep(const std::vector<Claim>& claims, const Places& places, const
     for (const std::size_t i : places) {
         MapRow row = row_for(claims[i], sweep);
         if (!claims[i].convention) row.judged = sweep.convention;
-        rows.push_back(place_in(request.rows, row));
+        rows.push_back(place_or_added(request.rows, row));
         onsets_wanted |= !claims[i].onset.empty();
     }
     const SettingOf setting(sweep.first_rays());
-    const ClaimColumns columns(those_at(claims, places), request.rows, setting.get());
+    const ClaimColumns columns(claims_at(claims, places), request.rows, setting.get());
     request.metrics = columns.metrics();
     std::vector<sweep::Onset> onsets;
     if (onsets_wanted) onsets = sweep::find_onsets(request, sweep::run_sweep(request));

@@ -24,7 +24,7 @@ double arithmetic_value(const Claim& claim) {
 double closest_value(const Claim& claim) {
     Claim form = claim;
     form.form = claim.row;
-    return find_for(claim, [&] { return differs_with_closest(claim_row(form), claim.at.front()); });
+    return find_or_blame_claim(claim, [&] { return differs_with_closest(claim_row(form), claim.at.front()); });
 }
 
 }  // namespace

@@ -59,9 +59,9 @@ std::vector<Event> events_of(const MapRow& row, const std::vector<const Metric*>
 /// Evaluates a row between the steps, remembering what it has seen: neighbouring events ask for the same places. Only
 /// what events are about is measured there, in the places that it has among the request's metrics; conditioning costs
 /// far more.
-class Between {
+class StepsBetween {
 public:
-    Between(SweepRequest request, std::size_t row) : request_(std::move(request)), row_{request_.rows[row]} {
+    StepsBetween(SweepRequest request, std::size_t row) : request_(std::move(request)), row_{request_.rows[row]} {
         std::ranges::replace_if(
             request_.metrics, [](const Metric* m) { return m->over != metric::Over::marches; },
             metric::find_metric("lost_bits"));
@@ -79,7 +79,7 @@ private:
 };
 
 Onset locate(const SweepRequest& request, const std::vector<SweepStep>& steps, std::size_t row, const Event& event,
-             Between& between) {
+             StepsBetween& between) {
     Onset onset{row, event.name, event.statistic, event.threshold};
     const auto bad = std::ranges::find_if(steps, [&](const SweepStep& s) { return event.happens(s.rows[row]); });
     if (bad == steps.end()) return onset;
@@ -133,7 +133,7 @@ std::vector<Onset> find_onsets(const SweepRequest& request, const std::vector<Sw
     if (request.sweep->axes.size() != 1) return {};
     std::vector<std::vector<Onset>> found(request.rows.size());
     tbb::parallel_for(std::size_t{0}, request.rows.size(), [&](std::size_t row) {
-        Between between(request, row);
+        StepsBetween between(request, row);
         for (const Event& event : events_of(request.rows[row], request.metrics))
             found[row].push_back(locate(request, steps, row, event, between));
         request.progress(steps.size());

@@ -102,6 +102,27 @@ Axis read_axis(TableReader table, const std::string& prefix) {
     return axis;
 }
 
+SweepFile::Mark read_mark(TableReader& mark) {
+    SweepFile::Mark m{.at = static_cast<double>(mark.number("at")),
+                      .label = mark.string("label"),
+                      .format = mark.optional_string("format").value_or("")};
+    if (auto measured = mark.optional_table("measured")) {
+        m.form = known(*measured, "form", form_names());
+        m.event =
+            measured->has("event")
+                ? known(*measured, "event",
+                        {"lost_bits", "false_hit", "false_miss", "not_a_number", "max_dist", "max_steps", "stagnated"})
+                : "lost_bits";
+        m.statistic = measured->has("statistic") ? known(*measured, "statistic", {"p50", "p99", "max", "count"})
+                      : m.event == "lost_bits"   ? "p50"
+                                                 : "count";
+        m.threshold = static_cast<double>(measured->number("threshold"));
+        measured->reject_unknown_keys();
+    }
+    mark.reject_unknown_keys();
+    return m;
+}
+
 }  // namespace
 
 double Axis::middle(double a, double b) const {
@@ -125,6 +146,19 @@ SweepFile::SweepFile(const std::filesystem::path& path, const std::filesystem::p
     static constexpr std::pair<std::string_view, Touching> conventions[] = {{"closed", Touching::hit},
                                                                             {"open", Touching::miss}};
     convention = file.optional_one_of<Touching>("convention", conventions);
+    read_subject(file, data_dir);
+    if (axes.empty() || axes.size() > 2)
+        toml::fail(file.where(), "a sweep has one or two [[axis]] tables, this has " + std::to_string(axes.size()));
+    if (axes.size() == 2 && axes[0].name == axes[1].name)
+        toml::fail(file.where(),
+                   "both axes are named \"" + axes[0].name + "\"; give each its own name: they become column names");
+    for (TableReader& mark : file.tables("mark")) marks.push_back(read_mark(mark));
+    file.reject_unknown_keys();
+    try_both_ends();
+}
+
+/// What the sweep is over, and its axes, whose paths are those of the subject.
+void SweepFile::read_subject(TableReader& file, const std::filesystem::path& data_dir) {
     const auto scene = file.optional_string("scene");
     auto family = file.optional_table("family");
     auto boxes = file.optional_table("box_family");
@@ -148,32 +182,10 @@ SweepFile::SweepFile(const std::filesystem::path& path, const std::filesystem::p
     else if (auto march = file.optional_table("march")) file::read_march(*march, file::Inputs::shared);
     const char* const prefix = scene ? "" : family ? "family." : "box_family.";
     for (TableReader& axis : file.tables("axis")) axes.push_back(read_axis(axis, prefix));
-    if (axes.empty() || axes.size() > 2)
-        toml::fail(file.where(), "a sweep has one or two [[axis]] tables, this has " + std::to_string(axes.size()));
-    if (axes.size() == 2 && axes[0].name == axes[1].name)
-        toml::fail(file.where(),
-                   "both axes are named \"" + axes[0].name + "\"; give each its own name: they become column names");
-    for (TableReader& mark : file.tables("mark")) {
-        Mark m{.at = static_cast<double>(mark.number("at")),
-               .label = mark.string("label"),
-               .format = mark.optional_string("format").value_or("")};
-        if (auto measured = mark.optional_table("measured")) {
-            m.form = known(*measured, "form", form_names());
-            m.event = measured->has("event") ? known(*measured, "event",
-                                                     {"lost_bits", "false_hit", "false_miss", "not_a_number",
-                                                      "max_dist", "max_steps", "stagnated"})
-                                             : "lost_bits";
-            m.statistic = measured->has("statistic") ? known(*measured, "statistic", {"p50", "p99", "max", "count"})
-                          : m.event == "lost_bits"   ? "p50"
-                                                     : "count";
-            m.threshold = static_cast<double>(measured->number("threshold"));
-            measured->reject_unknown_keys();
-        }
-        marks.push_back(std::move(m));
-        mark.reject_unknown_keys();
-    }
-    file.reject_unknown_keys();
-    // Both ends must be possible before the first of a thousand steps is made.
+}
+
+/// Both ends must be possible before the first of a thousand steps is made.
+void SweepFile::try_both_ends() {
     for (const bool last : {false, true}) {
         std::vector<double> values;
         for (const Axis& axis : axes) values.push_back(last ? axis.values.back() : axis.values.front());

@@ -63,6 +63,9 @@ public:
     [[nodiscard]] rays::RayGroup first_rays() const;
 
 private:
+    void read_subject(toml::TableReader& file, const std::filesystem::path& data_dir);
+    void try_both_ends();
+
     toml::Node root_;
     std::optional<file::SceneFile> scene_;
     std::optional<std::string> variant_;
