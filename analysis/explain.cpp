@@ -97,8 +97,11 @@ Exit run(const ExplainOptions& o, const Common& common) {
     if (forms.size() != 1 || formats.size() != 1) throw InputError("explain: name one form and one format");
     const intersect::table::Intersector& form = *forms.front();
     if (!scene.meets(form.shape)) {
-        throw InputError(fmt::format("-i {}: scene {} has no solids for this form, or no [march] table; try -i '{}'",
-                                     o.form, scene.id, globs_of([&](Shape shape) { return scene.meets(shape); })));
+        const std::string lacks = form.shape == Shape::sdf   ? "no [march] table, which the forms of sdf.* need"
+                                  : form.shape == Shape::box ? "no solids for it: it is a form for boxes"
+                                                             : "no solids for it: it is a form for spheres";
+        throw InputError(fmt::format("-i {}: scene {} has {}; try -i '{}'", o.form, scene.id, lacks,
+                                     globs_of([&](Shape shape) { return scene.meets(shape); })));
     }
     if (!form.exists_in(formats.front()))
         throw InputError(

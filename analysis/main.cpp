@@ -42,13 +42,13 @@ void add_common(CLI::App& program, Common& common) {
 
 /// CLI11's own message, and what the user may have meant where a word is unknown.
 void explain(const CLI::App& program, const CLI::ParseError& error, int argc, char** argv) {
-    fmt::print(stderr, "lostbits: {}\n", error.what());
     std::vector<std::string> commands;
     for (const CLI::App* sub : program.get_subcommands({})) commands.push_back(sub->get_name());
     if (argc > 1 && argv[1][0] != '-' && program.get_subcommands().empty()) {
         fmt::print(stderr, "lostbits: \"{}\" is not a command; {}\n", argv[1],
                    scene::toml::did_you_mean(argv[1], commands));
     } else {
+        fmt::print(stderr, "lostbits: {}\n", error.what());
         fmt::print(stderr, "lostbits: see `lostbits{} --help`\n",
                    program.get_subcommands().empty() ? "" : " " + program.get_subcommands().front()->get_name());
     }

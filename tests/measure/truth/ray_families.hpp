@@ -66,10 +66,10 @@ inline constexpr RayFamily near_families[] = {
 };
 
 inline constexpr RayFamily power_families[] = {
-    {"power contact", RayFamily::Promise::none, power_contact, 10'000, 10'000, 10'000},
-    {"power distance", RayFamily::Promise::inside, power_distance, 10'000, 10'000, 10'000},
-    {"power tangent", RayFamily::Promise::tangent_line, power_tangent, 10'000, 10'000, 10'000},
-    {"power beside", RayFamily::Promise::none, power_beside, 10'000, 10'000, 10'000},
+    {"power contact", RayFamily::Promise::none, power_contact, 10'000, 10'000, 0},
+    {"power distance", RayFamily::Promise::inside, power_distance, 10'000, 10'000, 0},
+    {"power tangent", RayFamily::Promise::tangent_line, power_tangent, 10'000, 10'000, 0},
+    {"power beside", RayFamily::Promise::none, power_beside, 10'000, 10'000, 0},
 };
 
 inline constexpr RayFamily wide_families[] = {

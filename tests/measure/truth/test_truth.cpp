@@ -37,7 +37,11 @@ std::string disagreement(const RaySample& s, RayFamily::Promise promise, ArbRefe
     const measure::truth::Truth truth = measure::truth::find_truth(s.ray, s.sphere);
     const ArbReference::Answer ball = arb.find(s.ray, s.sphere);
 
-    tally.escalated += truth.bits > 106;
+    // Which side of a power of two a length lies on is a question of its own, and more bits are the answer to it.
+    const auto beside_power = [](const measure::truth::Certified& x) {
+        return x.hi == 1 && std::fabs(x.lo) <= measure::truth::certified_tightness;
+    };
+    tally.escalated += truth.bits > 106 && !beside_power(truth.t) && !beside_power(truth.distance);
     tally.bits = std::max(tally.bits, truth.bits);
     tally.arb_bits = std::max(tally.arb_bits, ball.bits);
     if (truth.decision == measure::truth::Truth::Decision::unresolved) return "unresolved";
