@@ -23,10 +23,12 @@ std::optional<std::int64_t> straddled_power(const Certified& x) {
 
 Interval power_of_two(std::int64_t k) {
     Interval r(1);
-    for (; k > 0; k -= std::min<std::int64_t>(k, 1000))
-        r *= Interval(std::ldexp(1.0, static_cast<int>(std::min<std::int64_t>(k, 1000))));
-    for (; k < 0; k += std::min<std::int64_t>(-k, 1000))
-        r *= Interval(std::ldexp(1.0, -static_cast<int>(std::min<std::int64_t>(-k, 1000))));
+    // A step is a power of two that double holds; each moves toward k.
+    while (k != 0) {
+        const std::int64_t step = std::clamp<std::int64_t>(k, -1000, 1000);
+        r *= Interval(std::ldexp(1.0, static_cast<int>(step)));
+        k -= step;
+    }
     return r;
 }
 

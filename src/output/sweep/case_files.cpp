@@ -71,8 +71,7 @@ plot::MatrixCell cell_of(const MapSummary& s, Verdict verdict, std::size_t lost,
 void write_case_matrix(const std::filesystem::path& path, const CaseRequest& request,
                        const std::vector<std::vector<MapSummary>>& cases, std::optional<intersect::Touching> judged) {
     image::ImageBackend& backend = image::image_backend();
-    const auto lost = static_cast<std::size_t>(
-        std::ranges::find(request.metrics, measure::metric::find_metric("lost_bits")) - request.metrics.begin());
+    const auto lost = measure::metric::place_of(request.metrics, "lost_bits");
     const image::ColourScale scale =
         map::metric_scale(*measure::metric::find_metric("lost_bits"), request.rows, backend);
     plot::MatrixPlotSpec spec{

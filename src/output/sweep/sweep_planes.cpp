@@ -22,11 +22,6 @@ using measure::sweep::SweepStep;
 
 namespace {
 
-std::size_t index_of(const SweepRequest& request, const char* metric) {
-    return static_cast<std::size_t>(std::ranges::find(request.metrics, measure::metric::find_metric(metric)) -
-                                    request.metrics.begin());
-}
-
 std::string joined(const std::vector<double>& values) {
     std::string text;
     for (const double v : values) text += (text.empty() ? "" : " ") + file::decimal(v);
@@ -40,7 +35,7 @@ struct Layer {
 
 std::vector<Layer> layers_of(const SweepRequest& request) {
     const auto quantile = [&](const char* metric, double q) {
-        return [i = index_of(request, metric), q](const MapSummary& s) {
+        return [i = measure::metric::place_of(request.metrics, metric), q](const MapSummary& s) {
             return static_cast<float>(s.metrics[i].quantile(q));
         };
     };
@@ -108,7 +103,8 @@ void write_plane_picture(ImageBackend& backend, const std::filesystem::path& pat
                          const std::vector<SweepStep>& steps, std::size_t row) {
     const auto& axes = request.sweep->axes;
     const MapRow& what = request.rows[row];
-    const std::size_t lost = index_of(request, "lost_bits"), excess = index_of(request, "excess_bits");
+    const std::size_t lost = measure::metric::place_of(request.metrics, "lost_bits"),
+                      excess = measure::metric::place_of(request.metrics, "excess_bits");
     const Plane plane(request, steps);
     plot::PlanePlotSpec spec{
         .title = fmt::format("{} in {}: lost bits, p99", what.form->info->name, what.format.name),

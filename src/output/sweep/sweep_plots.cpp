@@ -42,11 +42,6 @@ namespace {
 
 using scene::sweep::Axis;
 
-std::size_t index_of(const SweepRequest& request, const char* metric) {
-    return static_cast<std::size_t>(std::ranges::find(request.metrics, measure::metric::find_metric(metric)) -
-                                    request.metrics.begin());
-}
-
 /// One value of a row along the sweep, in rising order of the parameter.
 Series series_of(const std::vector<SweepStep>& steps, std::size_t row, const std::string& label,
                  const std::function<double(const MapSummary&)>& value) {
@@ -119,7 +114,8 @@ void write_lines(const std::filesystem::path& path, const MeasuredSweep& sweep, 
 void write_lost_bits_plot(const std::filesystem::path& path, const MeasuredSweep& sweep, const Format& format, double q,
                           PlotSize size) {
     const SweepRequest& request = sweep.request;
-    const std::size_t lost = index_of(request, "lost_bits"), inherent = index_of(request, "inherent_bits");
+    const std::size_t lost = measure::metric::place_of(request.metrics, "lost_bits"),
+                      inherent = measure::metric::place_of(request.metrics, "inherent_bits");
     Quantity quantity{fmt::format("Lost bits, {}", q == 0.5 ? "median" : "99th percentile"),
                       {"lost bits", plot::AxisSpec::Scale::linear, 0.0, static_cast<double>(format.shape.precision)},
                       [lost, q](const MapSummary& s) { return s.metrics[lost].quantile(q); },
@@ -147,7 +143,7 @@ void write_split_plot(const std::filesystem::path& path, const MeasuredSweep& sw
         sweep, fmt::format("Model and rounding error of {} in {}, medians", row.form->info->name, row.format.name),
         {"ulp", plot::AxisSpec::Scale::log2, 0x1p-6, {}});
     for (const char* name : {"model_error", "rounding_error", "ulp_error"}) {
-        const std::size_t m = index_of(request, name);
+        const std::size_t m = measure::metric::place_of(request.metrics, name);
         const std::string label =
             name == std::string("ulp_error") ? "all error" : std::string(name).substr(0, std::string(name).find('_'));
         spec.series.push_back(
@@ -162,7 +158,8 @@ void write_split_plot(const std::filesystem::path& path, const MeasuredSweep& sw
 /// What a sweep over forms that march shows beside its errors; nothing where none does.
 void write_march_plots(const std::filesystem::path& folder, const MeasuredSweep& sweep, const Format& format) {
     const SweepRequest& request = sweep.request;
-    const std::size_t stop = index_of(request, "stop"), iterations = index_of(request, "iterations");
+    const std::size_t stop = measure::metric::place_of(request.metrics, "stop"),
+                      iterations = measure::metric::place_of(request.metrics, "iterations");
     if (stop == request.metrics.size()) return;
     const auto unfinished = [stop](const MapSummary& s) {
         const auto n = s.categories[stop][static_cast<std::size_t>(intersect::Stop::max_steps)] +
