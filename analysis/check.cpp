@@ -28,6 +28,7 @@ struct CheckOptions {
     std::string junit, csv, json, report, annotations = "none";
     std::string profile = "results";
     bool strict = false, measure = false;
+    int seeds = 0;
 
     [[nodiscard]] bool timing() const { return profile == "timing"; }
 };
@@ -89,6 +90,29 @@ void print(const Claim& claim, const ClaimResult& r, const CheckOptions& o, bool
     }
 }
 
+/// `; 5 draws: 1.2 to 1.4, the middle one 1.3; their interval is [1.1, 1.5]`.
+std::string draws_text(const ClaimResult& r) {
+    if (r.further.empty()) return "";
+    const auto s = r.spread();
+    const auto interval = measure::metric::interval_of(s);
+    return fmt::format("; {} draws: {} to {}, the middle one {}; their interval is [{}, {}]", s.draws,
+                       output::file::decimal(s.low), output::file::decimal(s.high), output::file::decimal(s.median),
+                       output::file::decimal(interval.low), output::file::decimal(interval.high));
+}
+
+/// What the claims about random rays measure from draw to draw.
+void print_spreads(const std::vector<Claim>& claims, const std::vector<ClaimResult>& results) {
+    constexpr const char* row = "{:<44} {:>12} {:>12} {:>12} {:>12}  {:<26} {}\n";
+    fmt::print(row, "claims about random rays", "own draw", "lowest", "median", "highest", "interval", "samples");
+    for (std::size_t i = 0; i < claims.size(); ++i) {
+        if (!results[i].is_drawn()) continue;
+        const auto s = results[i].spread();
+        const auto text = [](double x) { return fmt::format("{:.6g}", x); };
+        fmt::print(row, claims[i].id, text(results[i].measured), text(s.low), text(s.median), text(s.high),
+                   fmt::format("[{}, {}]", text(claims[i].low), text(claims[i].high)), results[i].samples);
+    }
+}
+
 /// A ratio of two speeds is what it was on this machine in this minute: every claim is shown with it, and none fails.
 Exit report_times(const std::vector<Claim>& claims, const std::vector<ClaimResult>& results) {
     for (std::size_t i = 0; i < claims.size(); ++i) {
@@ -120,11 +144,12 @@ Exit run(const CheckOptions& o, const Common& common) {
     for (const std::string& path : {o.junit, o.csv, o.json}) {
         if (!path.empty()) output::file::AtomicFile probe(path);
     }
-    const auto results = measure::claim::measure_claims(claims, data, stop_if_interrupted);
+    const auto results = measure::claim::measure_claims(
+        claims, {.data_dir = data, .further_draws = o.seeds, .done = stop_if_interrupted});
     if (o.timing() && !o.measure) return report_times(claims, results);
     if (o.measure) {
         for (std::size_t i = 0; i < claims.size(); ++i)
-            fmt::print("{} = {}\n", claims[i].id, output::file::decimal(results[i].measured));
+            fmt::print("{} = {}{}\n", claims[i].id, output::file::decimal(results[i].measured), draws_text(results[i]));
         return Exit::done;
     }
     std::size_t agreed = 0, failed = 0, skipped = 0;
@@ -135,6 +160,7 @@ Exit run(const CheckOptions& o, const Common& common) {
         failed += results[i].state != State::agrees && results[i].state != State::skipped &&
                   (o.strict || claims[i].severity == Claim::Severity::error);
     }
+    if (o.seeds > 0 && !common.quiet) print_spreads(claims, results);
     if (!o.junit.empty()) output::claim::write_junit(o.junit, claims, results, o.strict);
     if (!o.csv.empty()) output::claim::write_claims_csv(o.csv, claims, results);
     if (!o.json.empty()) output::claim::write_claims_json(o.json, claims, results);
@@ -163,6 +189,10 @@ void add_check(CLI::App& program, const Common& common, Command& chosen) {
         ->add_option("--profile", o->profile,
                      "results (default), or timing: claims about speed, which are shown and never fail")
         ->check(CLI::IsMember({"results", "timing"}));
+    command
+        ->add_option("--seeds", o->seeds,
+                     "Measure each claim about random rays on this many further draws too, and show the spread")
+        ->check(CLI::Range(0, 1000));
     command->add_flag("--strict", o->strict, "Claims of severity warn count as failures too");
     command->add_flag("--measure", o->measure, "Print what each claim measures now, without judging");
     command->callback([o, &common, &chosen] { chosen = [o, &common] { return run(*o, common); }; });

@@ -28,18 +28,21 @@ struct SweepOptions {
     std::vector<std::string> metrics;
     std::string out;
     bool worst = false;
+    int seeds = 4;
 };
 
 void print_onsets(const measure::sweep::SweepRequest& request, const std::vector<measure::sweep::Onset>& onsets) {
-    fmt::print("  {:<28} {:<5} {:<13} {:<5} {:>9} {:>14} {:>14}\n", "form", "fmt", "event", "stat", "threshold",
-               "last good", "first bad");
+    fmt::print("  {:<28} {:<5} {:<13} {:<5} {:>9} {:>14} {:>14}  {}\n", "form", "fmt", "event", "stat", "threshold",
+               "last good", "first bad", "first bad over draws");
     for (const measure::sweep::Onset& o : onsets) {
         if (!o.found) continue;
         const MapRow& row = request.rows[o.row];
         // Bad at the first step already: there is no last good value.
-        fmt::print("  {:<28} {:<5} {:<13} {:<5} {:>9} {:>14} {:>14.8g}\n", row.form->info->name, row.format.name,
+        const auto s = o.spread();
+        fmt::print("  {:<28} {:<5} {:<13} {:<5} {:>9} {:>14} {:>14.8g}  {}\n", row.form->info->name, row.format.name,
                    o.event, o.statistic, o.threshold, o.from_start ? "-" : fmt::format("{:.8g}", o.last_good),
-                   o.first_bad);
+                   o.first_bad,
+                   o.further.empty() ? "" : fmt::format("{:.4g} to {:.4g}, median {:.4g}", s.low, s.high, s.median));
     }
 }
 
@@ -85,6 +88,7 @@ void run_axes(const std::filesystem::path& path, const Chosen& chosen, const Swe
     request.metrics = chosen.made.for_forms(measured(asked, request.rows), measure::map::forms_of(request.rows),
                                             [&sweep] { return measure::blame::SettingOf(sweep.first_rays()); });
     for (MapRow& row : request.rows) row.judged = sweep.convention;
+    request.further_draws = o.seeds;
     const auto folder = std::filesystem::path(o.out) / sweep.id;
     output::sweep::SweepFiles files(request, folder);
     Progress progress(measure::sweep::sweep_units(request), sweep.id, common.progress, common.quiet);
@@ -209,6 +213,11 @@ void add_sweep(CLI::App& program, const Common& common, Command& chosen) {
     command->add_option("-f,--format", o->formats,
                         "Formats: f32, f64, fp16, bf16, tf32, pN, pA..pB (default: f32 f64)");
     command->add_option("--metric", o->metrics, "Metrics in addition to the default ones; globs");
+    command
+        ->add_option(
+            "--seeds", o->seeds,
+            "Find the onsets of a family of rays on this many further draws too, for their spread (default: 4)")
+        ->check(CLI::Range(0, 1000));
     command->add_flag("--worst", o->worst, "Search the ranges of a [search] file for the worst ray of each form");
     command->add_option("-o,--out", o->out, "Folder for the results")->required();
     command->callback([o, &common, &chosen] { chosen = [o, &common] { return run(*o, common); }; });

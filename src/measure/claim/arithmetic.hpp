@@ -1,6 +1,7 @@
 // Sentences about single operations: how often a sum or a difference does not notice one of its operands.
 #pragma once
 
+#include <cstdint>
 #include <span>
 #include <string_view>
 
@@ -14,10 +15,11 @@ struct ArithmeticRow {
     std::string_view name;
     std::string_view argument;  ///< what `at` stands for
     std::string_view meaning;
-    double (*fraction)(const FloatFormat&, double at);
+    int samples;  ///< significands that it draws; 0: it is about one number, or about none
+    double (*fraction)(const FloatFormat&, double at, std::uint64_t seed);
 };
 
-/// All rows. Their samples are 4096 significands drawn with one seed, every result correctly rounded in the format.
+/// All rows; every result is correctly rounded in the format.
 std::span<const ArithmeticRow> arithmetic_rows();
 
 }  // namespace lostbits::measure::claim

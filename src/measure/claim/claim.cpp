@@ -1,7 +1,10 @@
 #include "measure/claim/claim.hpp"
 
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <map>
 #include <tuple>
 
@@ -76,10 +79,50 @@ MapRow claim_row(const Claim& claim) {
                       "unknown form \"" + claim.form + "\"; " + scene::toml::did_you_mean(claim.form, names));
 }
 
-std::vector<ClaimResult> measure_claims(const std::vector<Claim>& claims, const std::filesystem::path& data_dir,
-                                        const std::function<void()>& done) {
+namespace {
+
+enum class Kind { scene, sweep, render, table, timing };
+
+Kind kind_of(const Claim& c) {
+    return c.timing            ? Kind::timing
+           : !c.scene.empty()  ? Kind::scene
+           : !c.sweep.empty()  ? Kind::sweep
+           : !c.render.empty() ? Kind::render
+                               : Kind::table;
+}
+
+/// A claim holds of every draw or it does not hold.
+void add_draw(ClaimResult& result, const ClaimResult& draw) {
+    result.further.push_back(draw.state == ClaimResult::State::broken ? truth::missing : draw.measured);
+    if (result.state != ClaimResult::State::agrees || draw.state == ClaimResult::State::agrees) return;
+    result.state = draw.state;
+    result.trouble = draw.trouble;
+    result.witness = draw.witness;
+}
+
+/// The claims about one sweep or table, on the file's own draw and on further ones.
+void measure_draws(const std::vector<Claim>& claims, const Places& places, const ClaimRequest& request,
+                   std::vector<ClaimResult>& results) {
+    const auto measure = [&](int draw, std::vector<ClaimResult>& into) {
+        if (kind_of(claims[places.front()]) == Kind::sweep) measure_sweep(claims, places, request.data_dir, draw, into);
+        else measure_table(claims, places, draw, into);
+    };
+    measure(0, results);
+    const bool any = std::ranges::any_of(places, [&](std::size_t i) { return results[i].is_drawn(); });
+    const auto further = static_cast<std::size_t>(any ? request.further_draws : 0);
+    std::vector<std::vector<ClaimResult>> draws(further, std::vector<ClaimResult>(claims.size()));
+    tbb::parallel_for(std::size_t{0}, further, [&](std::size_t d) { measure(static_cast<int>(d) + 1, draws[d]); });
+    for (const auto& draw : draws) {
+        for (const std::size_t i : places) {
+            if (results[i].is_drawn()) add_draw(results[i], draw[i]);
+        }
+    }
+}
+
+}  // namespace
+
+std::vector<ClaimResult> measure_claims(const std::vector<Claim>& claims, const ClaimRequest& request) {
     std::vector<ClaimResult> results(claims.size());
-    enum class Kind { scene, sweep, render, table, timing };
     // Apart from the others those that need the tape of every ray: it costs more than all the rest of a map.
     std::map<std::tuple<Kind, std::string, bool>, Places> subjects;
     for (std::size_t i = 0; i < claims.size(); ++i) {
@@ -88,23 +131,19 @@ std::vector<ClaimResult> measure_claims(const std::vector<Claim>& claims, const 
             results[i].state = ClaimResult::State::skipped;
             continue;
         }
-        const Claim& c = claims[i];
-        const Kind kind = c.timing            ? Kind::timing
-                          : !c.scene.empty()  ? Kind::scene
-                          : !c.sweep.empty()  ? Kind::sweep
-                          : !c.render.empty() ? Kind::render
-                                              : Kind::table;
-        subjects[{kind, c.subject(), asks_for_attribution(c)}].push_back(i);
+        subjects[{kind_of(claims[i]), claims[i].subject(), asks_for_attribution(claims[i])}].push_back(i);
     }
     for (const auto& [subject, places] : subjects) {
-        const Kind kind = std::get<Kind>(subject);
-        if (kind == Kind::scene) measure_scene(claims, places, data_dir, results);
-        else if (kind == Kind::sweep) measure_sweep(claims, places, data_dir, results);
-        else if (kind == Kind::render) measure_render(claims, places, data_dir, results);
-        else if (kind == Kind::table) measure_table(claims, places, results);
-        else
-            for (const std::size_t i : places) results[i] = judge(claims[i], timed_ratio(claims[i], done), nullptr);
-        done();
+        switch (std::get<Kind>(subject)) {
+            case Kind::scene: measure_scene(claims, places, request.data_dir, results); break;
+            case Kind::render: measure_render(claims, places, request.data_dir, results); break;
+            case Kind::sweep:
+            case Kind::table: measure_draws(claims, places, request, results); break;
+            case Kind::timing:
+                for (const std::size_t i : places)
+                    results[i] = judge(claims[i], timed_ratio(claims[i], request.done), nullptr);
+        }
+        request.done();
     }
     return results;
 }

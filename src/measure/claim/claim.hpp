@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "measure/metric/spread.hpp"
 #include "measure/sweep/sweep.hpp"
 #include "scene/claim/claims_file.hpp"
 
@@ -19,15 +20,25 @@ struct ClaimResult {
     double measured = 0;
     std::string trouble;    ///< why it is broken or skipped
     map::WorstRay witness;  ///< the worst ray of the measurement, where there is one
+    /// On how many independent draws of rays (or numbers) `measured` rests; 0: on none, nothing is random.
+    std::uint64_t samples = 0;
+    std::vector<double> further = {};  ///< the same measured on further draws, one a seed; NaN where it does not exist
+
+    [[nodiscard]] bool is_drawn() const { return samples > 0; }
+    [[nodiscard]] metric::Spread spread() const { return metric::spread_of(measured, further); }
 };
 
 /// The form and format that a claim is about. InputError, with the claim's position, for names that do not exist.
 map::MapRow claim_row(const scene::claim::Claim& claim);
 
-/// Measures every claim; scenes and sweeps that several claims share are run once. `done` is called after each subject.
-/// InputError, with the claim's position, for names that do not exist.
-std::vector<ClaimResult> measure_claims(
-    const std::vector<scene::claim::Claim>& claims, const std::filesystem::path& data_dir,
-    const std::function<void()>& done = [] {});
+struct ClaimRequest {
+    std::filesystem::path data_dir;
+    int further_draws = 0;               ///< of every claim whose subject is random: with so many seeds after its own
+    std::function<void()> done = [] {};  ///< called after each subject
+};
+
+/// Measures every claim; scenes and sweeps that several claims share are run once. A claim agrees if each of its draws
+/// does. InputError, with the claim's position, for names that do not exist.
+std::vector<ClaimResult> measure_claims(const std::vector<scene::claim::Claim>& claims, const ClaimRequest& request);
 
 }  // namespace lostbits::measure::claim

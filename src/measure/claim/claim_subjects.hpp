@@ -14,14 +14,14 @@ namespace lostbits::measure::claim {
 using Places = std::vector<std::size_t>;
 
 /// The claims at these places, each into its place of `results`: about a scene, a rendered scene, a sweep along axes or
-/// over cases, a table.
+/// over cases, a table. `draw`: how many seeds after the subject's own.
 void measure_scene(const std::vector<scene::claim::Claim>& claims, const Places& places,
                    const std::filesystem::path& data_dir, std::vector<ClaimResult>& results);
 void measure_render(const std::vector<scene::claim::Claim>& claims, const Places& places,
                     const std::filesystem::path& data_dir, std::vector<ClaimResult>& results);
 void measure_sweep(const std::vector<scene::claim::Claim>& claims, const Places& places,
-                   const std::filesystem::path& data_dir, std::vector<ClaimResult>& results);
-void measure_table(const std::vector<scene::claim::Claim>& claims, const Places& places,
+                   const std::filesystem::path& data_dir, int draw, std::vector<ClaimResult>& results);
+void measure_table(const std::vector<scene::claim::Claim>& claims, const Places& places, int draw,
                    std::vector<ClaimResult>& results);
 
 /// What becomes of a claim that measures so; `summary` (may be null) is what the number was taken from.

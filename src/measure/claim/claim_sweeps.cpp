@@ -50,7 +50,7 @@ void check_place(const Claim& claim, const scene::sweep::SweepFile& sweep) {
 }  // namespace
 
 void measure_sweep(const std::vector<Claim>& claims, const Places& places, const std::filesystem::path& data_dir,
-                   std::vector<ClaimResult>& results) {
+                   int draw, std::vector<ClaimResult>& results) {
     const Claim& first = claims[places.front()];
     const auto path = find_or_blame_claim(first, [&] { return scene::sweep::find_sweep(first.sweep, data_dir); });
     switch (scene::sweep::sweep_kind(path)) {
@@ -59,7 +59,7 @@ void measure_sweep(const std::vector<Claim>& claims, const Places& places, const
             scene::toml::fail(first.where, "sweep \"" + first.sweep + "\" is a search; claims are about axes or cases");
         case SweepKind::axes: break;
     }
-    const scene::sweep::SweepFile sweep(path, data_dir);
+    const auto sweep = scene::sweep::SweepFile(path, data_dir).drawn_again(draw);
     sweep::SweepRequest request{.sweep = &sweep, .rows = {}, .metrics = {}};
     std::vector<std::size_t> rows;
     bool onsets_wanted = false;
@@ -80,6 +80,7 @@ void measure_sweep(const std::vector<Claim>& claims, const Places& places, const
             check_place(claim, sweep);
             const auto summary = sweep::run_place(request, rows[k], claim.at);
             results[places[k]] = judge(claim, columns.value(claim, summary), &summary);
+            if (sweep.is_drawn()) results[places[k]].samples = summary.views;
             continue;
         }
         const auto found = std::ranges::find_if(onsets, [&](const sweep::Onset& o) {
@@ -94,6 +95,7 @@ void measure_sweep(const std::vector<Claim>& claims, const Places& places, const
                     "false_miss, not_a_number and, of marches, max_dist, max_steps, stagnated (count; 1)");
         }
         results[places[k]] = judge(claim, found->found ? found->first_bad : missing, nullptr);
+        if (sweep.is_drawn()) results[places[k]].samples = found->views;
         if (!found->found) results[places[k]].trouble = "it does not happen within the sweep";
     }
 }

@@ -4,6 +4,7 @@
 #include "measure/claim/arithmetic.hpp"
 #include "measure/claim/claim_subjects.hpp"
 #include "measure/claim/closest.hpp"
+#include "scene/rays/box_family.hpp"
 #include "scene/toml/did_you_mean.hpp"
 
 namespace lostbits::measure::claim {
@@ -12,24 +13,35 @@ using scene::claim::Claim;
 
 namespace {
 
-double arithmetic_value(const Claim& claim) {
+ClaimResult judge_arithmetic(const Claim& claim, std::uint64_t seed) {
     const auto rows = arithmetic_rows();
     const auto row = std::ranges::find(rows, claim.row, &ArithmeticRow::name);
-    if (row != rows.end()) return row->fraction(claim_format(claim).shape, claim.at.front());
+    if (row != rows.end()) {
+        auto result = judge(claim, row->fraction(claim_format(claim).shape, claim.at.front(), seed), nullptr);
+        result.samples = static_cast<std::uint64_t>(row->samples);
+        return result;
+    }
     std::vector<std::string> names;
     for (const ArithmeticRow& r : rows) names.emplace_back(r.name);
     scene::toml::fail(claim.where, "unknown row \"" + claim.row + "\"; " + scene::toml::did_you_mean(claim.row, names));
 }
 
-double closest_value(const Claim& claim) {
+ClaimResult judge_closest(const Claim& claim, std::uint64_t seed) {
     Claim form = claim;
     form.form = claim.row;
-    return find_or_blame_claim(claim, [&] { return differs_with_closest(claim_row(form), claim.at.front()); });
+    auto result =
+        judge(claim,
+              find_or_blame_claim(claim, [&] { return differs_with_closest(claim_row(form), claim.at.front(), seed); }),
+              nullptr);
+    result.samples = scene::rays::BoxFamily{}.views;
+    return result;
 }
 
 }  // namespace
 
-void measure_table(const std::vector<Claim>& claims, const Places& places, std::vector<ClaimResult>& results) {
+void measure_table(const std::vector<Claim>& claims, const Places& places, int draw,
+                   std::vector<ClaimResult>& results) {
+    const auto seed = 1 + static_cast<std::uint64_t>(draw);
     for (const std::size_t i : places) {
         const Claim& claim = claims[i];
         if (claim.table != "arithmetic" && claim.table != "closest_as_tmax") {
@@ -40,8 +52,7 @@ void measure_table(const std::vector<Claim>& claims, const Places& places, std::
         if (claim.metric != "fraction")
             scene::toml::fail(claim.where,
                               "unknown metric \"" + claim.metric + "\"; the only metric of a table is fraction");
-        results[i] =
-            judge(claim, claim.table == "arithmetic" ? arithmetic_value(claim) : closest_value(claim), nullptr);
+        results[i] = claim.table == "arithmetic" ? judge_arithmetic(claim, seed) : judge_closest(claim, seed);
     }
 }
 

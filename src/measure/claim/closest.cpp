@@ -29,12 +29,13 @@ std::vector<double> nearest(const map::MapRow& row, const FormatInputs& in, bool
 
 }  // namespace
 
-double differs_with_closest(const map::MapRow& row, double distance) {
+double differs_with_closest(const map::MapRow& row, double distance, std::uint64_t seed) {
     if (row.form->shape != Shape::box)
         throw InputError(std::string(row.form->info->name) + " does not take the end of a ray");
     scene::rays::BoxFamily family;
     family.adjoining = true;
     family.distance = distance;
+    family.seed = seed;
     std::size_t rays = 0, different = 0;
     for (scene::rays::RayGroup& group : scene::rays::box_family_rays(family)) {
         const truth::Band band(std::move(group));

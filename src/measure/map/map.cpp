@@ -207,6 +207,7 @@ std::vector<MapSummary> measure_groups(std::vector<scene::rays::RayGroup> groups
                                        const std::vector<const Metric*>& metrics, truth::TruthLimit limit) {
     std::vector<MapSummary> summaries;
     for (std::size_t r = 0; r < rows.size(); ++r) summaries.emplace_back(metrics);
+    for (MapSummary& s : summaries) s.views = groups.size();
     for (scene::rays::RayGroup& group : groups) {
         Band band(std::move(group), limit);
         if (needs_of(metrics) & metric::needs_condition) band.find_condition();

@@ -44,6 +44,8 @@ struct WorstRay {
 /// What is known of a row when the whole picture has been seen.
 struct MapSummary {
     std::uint64_t rays = 0;
+    std::uint64_t views =
+        1;  ///< sets of rays with solids of their own: the independent samples of what rays of one set share
     std::array<std::uint64_t, answer::outcome_names.size()> outcomes{};
     std::uint64_t true_hits = 0;                ///< rays that truly hit, whatever the form says
     std::uint64_t wrong_object = 0;             ///< agree_hit, but on another solid

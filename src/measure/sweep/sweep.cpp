@@ -5,7 +5,8 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <mutex>
+
+#include "measure/truth/missing.hpp"
 
 namespace lostbits::measure::sweep {
 
@@ -56,16 +57,20 @@ std::vector<Event> events_of(const MapRow& row, const std::vector<const Metric*>
     return events;
 }
 
-/// Evaluates a row between the steps, remembering what it has seen: neighbouring events ask for the same places. Only
-/// what events are about is measured there, in the places that it has among the request's metrics; conditioning costs
-/// far more.
+/// Measures only what events are about, in the places that it has among the request's metrics; conditioning costs far
+/// more.
+SweepRequest for_events(SweepRequest request) {
+    std::ranges::replace_if(
+        request.metrics, [](const Metric* m) { return m->over != metric::Over::marches; },
+        metric::find_metric("lost_bits"));
+    return request;
+}
+
+/// Evaluates a row between the steps, remembering what it has seen: neighbouring events ask for the same places.
 class StepsBetween {
 public:
-    StepsBetween(SweepRequest request, std::size_t row) : request_(std::move(request)), row_{request_.rows[row]} {
-        std::ranges::replace_if(
-            request_.metrics, [](const Metric* m) { return m->over != metric::Over::marches; },
-            metric::find_metric("lost_bits"));
-    }
+    StepsBetween(const SweepRequest& request, std::size_t row)
+        : request_(for_events(request)), row_{request_.rows[row]} {}
     const MapSummary& at(double value) {
         const auto [place, fresh] = seen_.try_emplace(value);
         if (fresh) place->second = std::move(run_step(request_, row_, {value}).front());
@@ -81,6 +86,8 @@ private:
 Onset locate(const SweepRequest& request, const std::vector<SweepStep>& steps, std::size_t row, const Event& event,
              StepsBetween& between) {
     Onset onset{row, event.name, event.statistic, event.threshold};
+    onset.rays = steps.front().rows[row].rays;
+    onset.views = steps.front().rows[row].views;
     const auto bad = std::ranges::find_if(steps, [&](const SweepStep& s) { return event.happens(s.rows[row]); });
     if (bad == steps.end()) return onset;
     onset.found = true;
@@ -104,6 +111,20 @@ Onset locate(const SweepRequest& request, const std::vector<SweepStep>& steps, s
         }
     }
     return onset;
+}
+
+/// The onsets of the rays of one draw.
+std::vector<Onset> onsets_of_draw(const SweepRequest& request, const std::vector<SweepStep>& steps) {
+    std::vector<std::vector<Onset>> found(request.rows.size());
+    tbb::parallel_for(std::size_t{0}, request.rows.size(), [&](std::size_t row) {
+        StepsBetween between(request, row);
+        for (const Event& event : events_of(request.rows[row], request.metrics))
+            found[row].push_back(locate(request, steps, row, event, between));
+        request.progress(steps.size());
+    });
+    std::vector<Onset> onsets;
+    for (auto& row : found) onsets.insert(onsets.end(), row.begin(), row.end());
+    return onsets;
 }
 
 }  // namespace
@@ -131,22 +152,24 @@ MapSummary run_place(const SweepRequest& request, std::size_t row, const std::ve
 
 std::vector<Onset> find_onsets(const SweepRequest& request, const std::vector<SweepStep>& steps) {
     if (request.sweep->axes.size() != 1) return {};
-    std::vector<std::vector<Onset>> found(request.rows.size());
-    tbb::parallel_for(std::size_t{0}, request.rows.size(), [&](std::size_t row) {
-        StepsBetween between(request, row);
-        for (const Event& event : events_of(request.rows[row], request.metrics))
-            found[row].push_back(locate(request, steps, row, event, between));
-        request.progress(steps.size());
-    });
-    std::vector<Onset> onsets;
-    for (auto& row : found) onsets.insert(onsets.end(), row.begin(), row.end());
+    std::vector<Onset> onsets = onsets_of_draw(request, steps);
+    if (!request.sweep->is_drawn()) return onsets;
+    for (int draw = 1; draw <= request.further_draws; ++draw) {
+        const scene::sweep::SweepFile again = request.sweep->drawn_again(draw);
+        SweepRequest other = for_events(request);
+        other.sweep = &again;
+        const std::vector<Onset> found = onsets_of_draw(other, run_sweep(other));
+        for (std::size_t i = 0; i < onsets.size(); ++i)
+            onsets[i].further.push_back(found[i].found ? found[i].first_bad : truth::missing);
+    }
     return onsets;
 }
 
 std::uint64_t sweep_units(const SweepRequest& request) {
     std::uint64_t steps = 1;
     for (const auto& axis : request.sweep->axes) steps *= axis.values.size();
-    return request.rows.size() * steps * (request.sweep->axes.size() == 1 ? 2 : 1);
+    const auto draws = static_cast<std::uint64_t>(1 + (request.sweep->is_drawn() ? request.further_draws : 0));
+    return request.rows.size() * steps * (request.sweep->axes.size() == 1 ? 2 * draws : 1);
 }
 
 }  // namespace lostbits::measure::sweep

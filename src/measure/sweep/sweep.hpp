@@ -2,10 +2,12 @@
 #pragma once
 
 #include <functional>
+#include <limits>
 #include <string>
 #include <vector>
 
 #include "measure/map/map.hpp"
+#include "measure/metric/spread.hpp"
 #include "scene/sweep/sweep_file.hpp"
 
 namespace lostbits::measure::sweep {
@@ -25,13 +27,21 @@ struct Onset {
     bool found = false;
     bool from_start = false;  ///< bad at the first step already: there is no last good value
     double last_good = 0, first_bad = 0;
-    double value_at_first_bad = 0;  ///< of the statistic
+    double value_at_first_bad = 0;      ///< of the statistic
+    std::uint64_t rays = 0, views = 0;  ///< of every step: a first failure among so many comes later among fewer
+    std::vector<double> further = {};   ///< first_bad of further draws, one a seed; NaN where it does not happen
+
+    /// Of first_bad over all draws.
+    [[nodiscard]] metric::Spread spread() const {
+        return metric::spread_of(found ? first_bad : std::numeric_limits<double>::quiet_NaN(), further);
+    }
 };
 
 struct SweepRequest {
     const scene::sweep::SweepFile* sweep = nullptr;
     std::vector<map::MapRow> rows;
     std::vector<const metric::Metric*> metrics;
+    int further_draws = 0;  ///< of the rays, for the spread of onsets; no other rays where the sweep is not random
     truth::TruthLimit limit{};
     std::function<void(std::uint64_t)> progress = [](std::uint64_t) {};
 };
@@ -46,7 +56,7 @@ map::MapSummary run_place(const SweepRequest& request, std::size_t row, const st
 /// the 99th percentile and the largest, of the first false hit and false miss, and of the first march that ends at
 /// max_dist, at max_steps, or stagnated; each bracket [last good, first bad] narrowed by bisection until it is 2^-9 of
 /// its value wide, or holds no number of the axis. A crossing is the first in the order of the steps: a dip between two
-/// of them stays unseen.
+/// of them stays unseen. Then the same on further draws, where the request asks for them.
 std::vector<Onset> find_onsets(const SweepRequest& request, const std::vector<SweepStep>& steps);
 
 /// Units of progress that both calls together report at most.

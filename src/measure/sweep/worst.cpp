@@ -2,11 +2,13 @@
 
 #include <tbb/parallel_for.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
 
 #include "measure/truth/missing.hpp"
+#include "number/real.hpp"
 #include "number/rounded.hpp"
 #include "scene/rays/random.hpp"
 
@@ -44,13 +46,14 @@ struct Place {
 /// What the sink of one litter remembers: the worst of it.
 class Judge final : public map::MapSink {
 public:
-    Judge(std::size_t metric, Direction unit_of) : metric_(metric), unit_of_(unit_of) {}
+    Judge(std::size_t metric, Direction unit_of, bool nearest)
+        : metric_(metric), unit_of_(unit_of), nearest_(nearest) {}
     void band(const map::BandResult& result) override {
         for (std::size_t i = 0; i < result.outcomes.size(); ++i) {
             const Outcome o = result.outcomes[i];
             if (o == Outcome::agree_miss || o == Outcome::unresolved) continue;
             const double value = o == Outcome::agree_hit ? std::fabs(result.metrics[metric_][i])
-                                                         : std::numeric_limits<double>::infinity();
+                                                         : wrong(result.inputs->rays[i], result.inputs->solids.front());
             if (!(value > score)) continue;
             score = value;
             place = i;
@@ -66,8 +69,15 @@ public:
     double t = 0, truth = 0;
 
 private:
+    /// The score of a wrong decision: above that of every right one.
+    [[nodiscard]] double wrong(const Ray<double>& ray, const Solid<double>& solid) const {
+        return nearest_ ? 0x1p1000 / std::max(1.0, scene::sweep::distance_in_radii(ray, solid.sphere()))
+                        : std::numeric_limits<double>::infinity();
+    }
+
     std::size_t metric_;
     Direction unit_of_;
+    bool nearest_;
 };
 
 class Search {
@@ -80,12 +90,14 @@ public:
           metric_(metric::place_of(request.metrics, file_.metric)) {}
 
     std::optional<WorstFound> run() {
-        for (int start = 0; start < file_.starts && best_.outcome == Outcome::agree_hit; ++start) climb();
+        for (int start = 0; start < file_.starts && !is_over(); ++start) climb();
         best_.evaluations = evaluations_;
         return best_.value < 0 ? std::nullopt : std::optional(best_);
     }
 
 private:
+    [[nodiscard]] bool is_over() const { return best_.outcome != Outcome::agree_hit && !file_.nearest; }
+
     void climb() {
         const auto first = draw();
         if (!first) return;
@@ -101,7 +113,7 @@ private:
             score = judge.score;
             here = children[judge.place];
             keep(judge, here);
-            if (best_.outcome != Outcome::agree_hit) return;
+            if (is_over()) return;
         }
     }
 
@@ -114,11 +126,23 @@ private:
                 const auto [low, high] = file_.ranges[i];
                 p.x[i] = low + random_.unit() * (high - low);
             }
+            if (file_.nearest) approach(p);
             aim(p);
             for (double& x : p.x) x = rounding::to_format(x, 0, row_.format.shape);
             if (file_.holds(p.ray(), p.solid(file_.shape))) return p;
         }
         return std::nullopt;
+    }
+
+    /// Moves the centre to where the search still has something to gain: between the smallest distance allowed and the
+    /// smallest found, by powers of two alike.
+    void approach(Place& p) {
+        const double radius = p.x[9], low = std::max(1.0, file_.distance_radii.low),
+                     high = best_.value < 0x1p100 ? file_.distance_radii.high : best_.distance;
+        const Vec<double> origin = p.ray().origin, f = p.solid(file_.shape).sphere().centre - origin;
+        const Real distance = Real(low) * pow(Real(high) / Real(low), Real(random_.unit()));
+        const double scale = radius * static_cast<double>(distance) / length(f);
+        for (std::size_t i = 0; i < 3; ++i) p.x[6 + i] = origin[static_cast<int>(i)] + scale * f[static_cast<int>(i)];
     }
 
     /// Turns the direction to a point of the solid, its largest component kept: by chance few rays meet a far one.
@@ -170,7 +194,7 @@ private:
         const auto inputs = band.inputs(
             row_.format, {row_.form->info->direction == Direction::unit, (needs & metric::needs_own_truth) != 0});
         map::MapSummary summary(request_.metrics);
-        Judge judge(metric_, row_.form->info->direction);
+        Judge judge(metric_, row_.form->info->direction, file_.nearest);
         map::measure_row({row_, request_.metrics, &judge}, band, inputs, summary);
         return judge;
     }
@@ -182,7 +206,10 @@ private:
                  .ray = place.ray(),
                  .solid = place.solid(file_.shape),
                  .t = judge.t,
-                 .truth = judge.truth};
+                 .truth = judge.truth,
+                 .distance = file_.shape == Shape::sphere
+                                 ? scene::sweep::distance_in_radii(place.ray(), place.solid(file_.shape).sphere())
+                                 : truth::missing};
     }
 
     const WorstRequest& request_;

@@ -72,7 +72,10 @@ std::string explain(const Claim& c, const ClaimResult& r) {
     const std::string expected =
         fmt::format("expected {} in [{}, {}]", quantity(c), file::decimal(c.low), file::decimal(c.high));
     if (r.state == State::broken || r.state == State::skipped) return fmt::format("{}, but {}", expected, r.trouble);
-    return fmt::format("{}, measured {}", expected, file::decimal(r.measured));
+    if (r.further.empty()) return fmt::format("{}, measured {}", expected, file::decimal(r.measured));
+    const auto s = r.spread();
+    return fmt::format("{}, measured {}, and {} to {} over {} draws", expected, file::decimal(r.measured),
+                       file::decimal(s.low), file::decimal(s.high), s.draws);
 }
 
 const Metric* metric_of_column(const std::string& column) {
@@ -150,25 +153,36 @@ void write_junit(const std::filesystem::path& path, const std::vector<Claim>& cl
 
 void write_claims_csv(const std::filesystem::path& path, const std::vector<Claim>& claims,
                       const std::vector<ClaimResult>& results) {
-    file::CsvWriter csv(path, {{"id", "string", "", "the claim"},
-                               {"statement", "string", "", "its sentence"},
-                               {"source", "string", "", "where the sentence is from"},
-                               {"verdict", "string", "", "what was found: holds or refuted"},
-                               {"subject", "string", "", "scene, sweep or table, and the place in it"},
-                               {"form", "string", "", "form under test"},
-                               {"format", "string", "", "format it computes in"},
-                               {"quantity", "string", "", "what is measured"},
-                               {"expected_low", "number", "", "smallest value that agrees"},
-                               {"expected_high", "number", "", "largest value that agrees"},
-                               {"measured", "number", "", "missing where nothing could be measured"},
-                               {"state", "string", "", "agrees, disagrees, broken (could not be measured) or skipped"},
-                               {"witness", "string", "", "the worst ray of the measurement in hexadecimal floats"}});
+    file::CsvWriter csv(
+        path, {{"id", "string", "", "the claim"},
+               {"statement", "string", "", "its sentence"},
+               {"source", "string", "", "where the sentence is from"},
+               {"verdict", "string", "", "what was found: holds or refuted"},
+               {"subject", "string", "", "scene, sweep or table, and the place in it"},
+               {"form", "string", "", "form under test"},
+               {"format", "string", "", "format it computes in"},
+               {"quantity", "string", "", "what is measured"},
+               {"expected_low", "number", "", "smallest value that agrees"},
+               {"expected_high", "number", "", "largest value that agrees"},
+               {"measured", "number", "", "missing where nothing could be measured"},
+               {"samples", "integer", "", "independent random samples that it rests on; 0: nothing is random"},
+               {"draws", "integer", "", "of those samples, one a seed: missing where nothing is random"},
+               {"draw_low", "number", "", "smallest number measured over the draws"},
+               {"draw_median", "number", "", "the middle one, the lower of two"},
+               {"draw_high", "number", "", "the largest"},
+               {"interval_draws", "integer", "",
+                "draws that the expected interval comes from: their range, widened on either side by half its width"},
+               {"state", "string", "", "agrees, disagrees, broken (could not be measured) or skipped"},
+               {"witness", "string", "", "the worst ray of the measurement in hexadecimal floats"}});
     for (std::size_t i = 0; i < claims.size(); ++i) {
         const Claim& c = claims[i];
         const ClaimResult& r = results[i];
+        const auto s = r.spread();
+        const auto drawn = [&](const auto& x) { return r.is_drawn() && s.draws > 0 ? file::Cell(x) : file::Cell(); };
         csv.row({c.id, c.statement, c.source, verdict_name(c), where_measured(c), c.form, c.format, quantity(c), c.low,
-                 c.high, std::isnan(r.measured) ? file::Cell() : file::Cell(r.measured), state_name(r.state),
-                 witness_text(r)});
+                 c.high, std::isnan(r.measured) ? file::Cell() : file::Cell(r.measured), r.samples, drawn(s.draws),
+                 drawn(s.low), drawn(s.median), drawn(s.high), c.draws == 0 ? file::Cell() : file::Cell(c.draws),
+                 state_name(r.state), witness_text(r)});
     }
     csv.close();
 }
@@ -181,6 +195,8 @@ void write_claims_json(const std::filesystem::path& path, const std::vector<Clai
     auto array = nlohmann::ordered_json::array();
     for (std::size_t i = 0; i < claims.size(); ++i) {
         const Claim& c = claims[i];
+        auto further = nlohmann::ordered_json::array();
+        for (const double x : results[i].further) further.push_back(number(x));
         array.push_back({{"id", c.id},
                          {"statement", c.statement},
                          {"source", c.source},
@@ -192,6 +208,9 @@ void write_claims_json(const std::filesystem::path& path, const std::vector<Clai
                          {"quantity", quantity(c)},
                          {"expected", {number(c.low), number(c.high)}},
                          {"measured", number(results[i].measured)},
+                         {"samples", results[i].samples},
+                         {"further_draws", further},
+                         {"interval_draws", c.draws},
                          {"state", state_name(results[i].state)},
                          {"witness", witness_text(results[i])},
                          {"reproduce", reproduce(c)}});

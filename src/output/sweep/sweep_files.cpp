@@ -22,6 +22,9 @@ std::vector<Column> axis_columns(const SweepRequest& request) {
     return columns;
 }
 
+constexpr const char* views_meaning =
+    "sets of rays with a solid and a direction of their own: the independent samples of what those share";
+
 std::vector<Column> sample_columns(const SweepRequest& request) {
     std::vector<Column> columns = axis_columns(request);
     // A sweep's rays have no picture: the place of the worst is its number in its set.
@@ -30,23 +33,32 @@ std::vector<Column> sample_columns(const SweepRequest& request) {
         if (c.name == "worst_y") c.meaning = "row of a scene's picture, 0 for a family";
         columns.push_back(std::move(c));
     }
+    columns.push_back({"views", "integer", "", views_meaning});
     return columns;
 }
 
 std::vector<Column> onset_columns(const SweepRequest& request) {
     const scene::sweep::Axis& axis = request.sweep->axes.front();
-    return {{"form", "string", "", "form under test"},
-            {"format", "string", "", "format it computes in"},
-            {"event", "string", "", "what first happens: lost_bits reach the threshold, or an outcome occurs"},
-            {"statistic", "string", "", "p50, p99 or max over the rays of a step; count of an outcome"},
-            {"threshold", "number", "bits", "of the statistic; 1 for a count"},
-            {"found", "boolean", "", "whether it happens within the sweep"},
-            {"last_good_" + axis.name, "number", axis.unit,
-             "last value before it, in the order of the steps; missing where the first step is bad already"},
-            {"first_bad_" + axis.name, "number", axis.unit, "first value at which it happens, narrowed by bisection"},
-            {"last_good_hex", "string", axis.unit, "the same, exactly"},
-            {"first_bad_hex", "string", axis.unit, "the same, exactly"},
-            {"value_at_first_bad", "number", "", "the statistic there"}};
+    return {
+        {"form", "string", "", "form under test"},
+        {"format", "string", "", "format it computes in"},
+        {"event", "string", "", "what first happens: lost_bits reach the threshold, or an outcome occurs"},
+        {"statistic", "string", "", "p50, p99 or max over the rays of a step; count of an outcome"},
+        {"threshold", "number", "bits", "of the statistic; 1 for a count"},
+        {"found", "boolean", "", "whether it happens within the sweep"},
+        {"last_good_" + axis.name, "number", axis.unit,
+         "last value before it, in the order of the steps; missing where the first step is bad already"},
+        {"first_bad_" + axis.name, "number", axis.unit, "first value at which it happens, narrowed by bisection"},
+        {"last_good_hex", "string", axis.unit, "the same, exactly"},
+        {"first_bad_hex", "string", axis.unit, "the same, exactly"},
+        {"value_at_first_bad", "number", "", "the statistic there"},
+        {"rays", "integer", "", "rays of each step: the first of more rays to fail does so earlier"},
+        {"views", "integer", "", views_meaning},
+        {"draws", "integer", "", "sets of rays tried, one a seed; the columns above are of the file's own seed"},
+        {"draws_found", "integer", "", "draws in which it happens within the sweep; the columns below are of those"},
+        {"first_bad_low", "number", axis.unit, "smallest first bad value of these draws"},
+        {"first_bad_median", "number", axis.unit, "the middle one, the lower of two"},
+        {"first_bad_high", "number", axis.unit, "the largest"}};
 }
 
 }  // namespace
@@ -68,6 +80,7 @@ void SweepFiles::finish(const std::vector<measure::sweep::SweepStep>& steps, con
             };
             put_axes(samples_);
             table.add(samples_, request_.rows[r], step.rows[r]);
+            samples_.add(step.rows[r].views);
             samples_.end_row();
             if (culprits_) culprits_->add(request_.rows[r], step.rows[r], put_axes);
         }
@@ -100,6 +113,10 @@ void SweepFiles::write_onsets(const std::vector<Onset>& onsets) {
         onsets_->add(good ? Cell(o.last_good) : Cell()).add(o.found ? Cell(o.first_bad) : Cell());
         onsets_->add(good ? Cell(file::hex(o.last_good)) : Cell()).add(o.found ? Cell(file::hex(o.first_bad)) : Cell());
         onsets_->add(o.found ? Cell(o.value_at_first_bad) : Cell());
+        const auto spread = o.spread();
+        onsets_->add(o.rays).add(o.views).add(1 + o.further.size()).add(spread.draws);
+        for (const double x : {spread.low, spread.median, spread.high})
+            onsets_->add(spread.draws > 0 ? Cell(x) : Cell());
         onsets_->end_row();
     }
 }

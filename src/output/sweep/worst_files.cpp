@@ -32,6 +32,8 @@ std::vector<file::Column> worst_columns(const WorstRequest& request) {
         {"outcome", "string", "", "class of the worst ray"},
         {std::string(metric.name), "number", std::string(metric.unit),
          "of the worst ray; missing where the decision is wrong"},
+        {"distance_radii", "number", "r",
+         "from the ray's origin to the centre of the sphere; missing for other solids"},
         {"evaluations", "integer", "", "rays tried"},
         {"t_hex", "string", "t", "the form's answer"},
         {"truth_hex", "string", "t", "t*, correctly rounded to binary64; missing for a miss"}};
@@ -85,7 +87,8 @@ void write_worst(const std::filesystem::path& folder, const WorstRequest& reques
         "schema = \"lostbits-sweep/1\"\ntitle = {}\nsource = {}\n",
         quoted("The worst rays of each form: " + search.title),
         quoted(fmt::format("lostbits sweep {} --worst: seed {}, {} starts of {} generations of 32, largest {}",
-                           search.id, search.seed, search.starts, search.generations, search.metric)));
+                           search.id, search.seed, search.starts, search.generations, search.metric) +
+               (search.nearest ? ", nearest wrong decision" : "")));
     for (std::size_t r = 0; r < found.size(); ++r) {
         const measure::map::MapRow& row = request.rows[r];
         csv.add(row.form->info->name).add(row.format.name).add(found[r].has_value());
@@ -97,6 +100,7 @@ void write_worst(const std::filesystem::path& folder, const WorstRequest& reques
         const WorstFound& w = *found[r];
         csv.add(measure::answer::outcome_names[static_cast<std::size_t>(w.outcome)])
             .add(w.outcome == measure::answer::Outcome::agree_hit ? Cell(w.value) : Cell())
+            .add(std::isnan(w.distance) ? Cell() : Cell(w.distance))
             .add(w.evaluations)
             .add(file::hex(w.t));
         csv.add(std::isnan(w.truth) ? Cell() : Cell(file::hex(w.truth)));

@@ -18,6 +18,7 @@ using V = Claim::Verdict;
 using S = Claim::Severity;
 constexpr std::pair<std::string_view, V> verdicts[] = {{"holds", V::holds}, {"refuted", V::refuted}};
 constexpr std::pair<std::string_view, S> severities[] = {{"error", S::error}, {"warn", S::warn}};
+constexpr long long most_draws = 1000;
 constexpr std::pair<std::string_view, Claim::Profile> profiles[] = {{"results", Claim::Profile::results},
                                                                     {"timing", Claim::Profile::timing}};
 
@@ -130,6 +131,7 @@ void read_expect(TableReader table, Claim& claim) {
     claim.low = static_cast<double>(ends[0]);
     claim.high = static_cast<double>(ends[1]);
     if (!(claim.low <= claim.high)) table.fail_at("in", "must be [low, high] with low <= high");
+    claim.draws = static_cast<int>(table.optional_integer("draws", 2, most_draws).value_or(0));
     table.reject_unknown_keys();
 }
 

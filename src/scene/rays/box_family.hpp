@@ -23,8 +23,8 @@ struct BoxFamily {
     double gap = 0;                  ///< in sizes; positive: outward, a miss by so much
     double direction_magnitude = 1;  ///< length of the directions, to the nearest power of two
     double offset = 0;               ///< everything is moved by offset·(1, 0.6875, −0.4375)
-    int views = 16;                  ///< boxes
-    int rays = 64;                   ///< rays per box
+    int views = 1024;                ///< boxes: what the rays at a box share is one sample of it
+    int rays = 1;                    ///< rays per box
     std::uint64_t seed = 1;
 };
 

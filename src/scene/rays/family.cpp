@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numeric>
+#include <vector>
 
 #include "number/error.hpp"
 #include "scene/rays/family_parts.hpp"
@@ -17,15 +19,43 @@ namespace {
 struct Quadruple {
     int a, b, c, n;
 };
-constexpr Quadruple quadruples[] = {{1, 2, 2, 3},    {2, 3, 6, 7},    {1, 4, 8, 9},   {4, 4, 7, 9},
-                                    {2, 6, 9, 11},   {6, 6, 7, 11},   {3, 4, 12, 13}, {2, 5, 14, 15},
-                                    {2, 10, 11, 15}, {1, 12, 12, 17}, {8, 9, 12, 17}, {6, 10, 15, 19}};
+
+/// Every a ≤ b ≤ c without a common factor and with a² + b² + c² = n², n ≤ 127: 559, and up to 48 directions of each.
+/// So many that a thousand views hardly share one; so small that twelve bits times any of them is exact in binary32.
+std::vector<Quadruple> pythagorean_quadruples() {
+    std::vector<Quadruple> found;
+    for (int n = 3; n <= 127; n += 2) {  // n is odd: squares are 0 or 1 modulo 4
+        for (int a = 1; a < n; ++a) {
+            for (int b = a; b < n; ++b) {
+                const int rest = n * n - a * a - b * b, c = static_cast<int>(std::sqrt(rest < 0 ? 0 : rest));
+                if (c >= b && c * c == rest && std::gcd(std::gcd(a, b), c) == 1) found.push_back({a, b, c, n});
+            }
+        }
+    }
+    return found;
+}
 
 /// A view direction (a, b, c) in whole numbers, of length n.
 struct View {
     Vec<double> w;
     double n;
 };
+
+/// One of the 48 images of a vector under the symmetries of the axes.
+Vec<double> shuffled(Random& random, std::array<double, 3> parts) {
+    std::swap(parts[0], parts[static_cast<std::size_t>(random.below(3))]);
+    std::swap(parts[1], parts[1 + static_cast<std::size_t>(random.below(2))]);
+    for (double& p : parts) p = random.below(2) == 0 ? p : -p;
+    return {parts[0], parts[1], parts[2]};
+}
+
+/// A point of the unit circle, without sine and cosine, which differ by machine.
+std::pair<double, double> draw_on_circle(Random& random) {
+    for (;;) {
+        const double y = random.between(-1, 1), z = random.between(-1, 1), size = y * y + z * z;
+        if (size <= 1 && size > 0x1p-20) return {y / std::sqrt(size), z / std::sqrt(size)};
+    }
+}
 
 View draw_view(Random& random, const Family& f) {
     if (f.directions == Family::Views::axis) {
@@ -34,20 +64,23 @@ View draw_view(Random& random, const Family& f) {
         return {w, 1};
     }
     if (f.directions == Family::Views::tilted) {
-        const Vec<double> w(1, to_12_bits(f.tilt), to_12_bits(0.6875 * f.tilt));
+        const auto [y, z] = draw_on_circle(random);
+        const Vec<double> w = shuffled(random, {1, to_12_bits(f.tilt * y), to_12_bits(f.tilt * z)});
         return {w, length(w)};
     }
-    const Quadruple& q = quadruples[random.below(static_cast<int>(std::size(quadruples)))];
-    std::array<int, 3> parts{q.a, q.b, q.c};
-    std::swap(parts[0], parts[static_cast<std::size_t>(random.below(3))]);
-    std::swap(parts[1], parts[1 + static_cast<std::size_t>(random.below(2))]);
-    for (int& p : parts) p = random.below(2) == 0 ? p : -p;
-    return {Vec<double>(parts[0], parts[1], parts[2]), static_cast<double>(q.n)};
+    static const std::vector<Quadruple> quadruples = pythagorean_quadruples();
+    const Quadruple& q = quadruples[static_cast<std::size_t>(random.below(static_cast<int>(quadruples.size())))];
+    return {shuffled(random, {double(q.a), double(q.b), double(q.c)}), static_cast<double>(q.n)};
 }
 
 Vec<double> unit(const Vec<double>& v) {
     const double size = length(v);
     return {v.x / size, v.y / size, v.z / size};
+}
+
+/// Views along an axis or beside it have few centres: without this, all of them would share the rounding of c.
+double jitter(Random& random, const Family& f) {
+    return f.directions == Family::Views::oblique ? 1 : 1 + 0x1p-5 * (random.unit() - 0.5);
 }
 
 /// Where a line passes the centre: its distance in radii and a direction across w.
@@ -81,7 +114,7 @@ RayGroup view_rays(Random& random, const Family& f) {
     const double magnitude = direction_length(f);
     const bool parallel = f.projection == Family::Projection::parallel;
     // Whole multiples of (a, b, c): |centre| = multiple·n exactly.
-    const double multiple = to_12_bits((parallel ? f.distance * f.radius : f.radius) / view.n);
+    const double multiple = to_12_bits((parallel ? f.distance * f.radius : f.radius) / view.n * jitter(random, f));
     const double radius = parallel ? f.radius : multiple * view.n;
     const Vec<double> centre = (parallel ? multiple : -multiple) * view.w + away;
 

@@ -16,7 +16,8 @@ struct Family {
     /// away to 12 bits of M. point: the surface passes through the world's origin exactly, and all rays of a view start
     /// `height` above it, along −w and aside of it.
     enum class Projection { parallel, point };
-    /// tilted: w ∥ (1, tilt, 0.6875·tilt), each component to 12 bits, and the distance to 12 bits too.
+    /// tilted: w ∥ (1, tilt·y, tilt·z) with (y, z) anywhere on the unit circle and the axes in any order, each
+    /// component to 12 bits; distance or radius within 1/64 of what is asked for. axis: likewise, with tilt = 0.
     enum class Views { oblique, axis, tilted };
     enum class Weighting { disc, silhouette };
 
@@ -31,10 +32,10 @@ struct Family {
     double silhouette_gap = 0;       ///< > 0: all lines pass at 1 − gap radii, in place of the impacts above
     bool away = false;               ///< point: rays along +w, away from the centre
     double direction_magnitude = 1;  ///< length of the directions, to the nearest power of two
-    double tilt = 0;                 ///< tilted: tangent of the angle to the x axis, in the xy plane
+    double tilt = 0;                 ///< tilted: tangent of the angle to an axis
     double offset = 0;               ///< everything is moved by offset·(1, 0.6875, −0.4375)
-    int views = 16;                  ///< directions w
-    int rays = 64;                   ///< rays per view
+    int views = 1024;  ///< directions w, with a centre each: what the rays of a view share is one sample of it
+    int rays = 1;      ///< rays per view
     std::uint64_t seed = 1;
 };
 

@@ -17,6 +17,10 @@ Range read_range(TableReader& table, std::string_view key) {
 
 }  // namespace
 
+double distance_in_radii(const Ray<double>& ray, const Sphere<double>& sphere) {
+    return length(ray.origin - sphere.centre) / sphere.radius;
+}
+
 SearchFile::SearchFile(const std::filesystem::path& path) : id(path.stem().string()) {
     const toml::Node root = toml::read_toml(path);
     TableReader file(root);
@@ -42,6 +46,9 @@ SearchFile::SearchFile(const std::filesystem::path& path) : id(path.stem().strin
     seed = static_cast<std::uint64_t>(table.optional_integer("seed", 0, 1LL << 53).value_or(1));
     starts = static_cast<int>(table.optional_integer("starts", 1, 4096).value_or(starts));
     generations = static_cast<int>(table.optional_integer("generations", 1, 65536).value_or(generations));
+    nearest = table.optional_boolean("nearest").value_or(false);
+    if (nearest && shape != Shape::sphere)
+        table.reject("nearest", "needs a sphere: it is the distance to its centre, in radii, that is made small");
     table.reject_unknown_keys();
     file.reject_unknown_keys();
 }
@@ -64,7 +71,7 @@ bool SearchFile::holds(const Ray<double>& ray, const Solid<double>& solid) const
     const Sphere<double> sphere = solid.sphere();
     const Vec<double> f = ray.origin - sphere.centre;
     const double impact = length(cross(f, ray.direction)) / length(ray.direction);
-    return distance_radii.holds(length(f) / sphere.radius) && impact_radii.holds(impact / sphere.radius);
+    return distance_radii.holds(distance_in_radii(ray, sphere)) && impact_radii.holds(impact / sphere.radius);
 }
 
 }  // namespace lostbits::scene::sweep

@@ -17,6 +17,9 @@ struct Range {
     [[nodiscard]] bool holds(double x) const { return low <= x && x <= high; }
 };
 
+/// From the origin of a ray to the centre of a sphere.
+double distance_in_radii(const Ray<double>& ray, const Sphere<double>& sphere);
+
 /// A sweep file with a `[search]` table in place of axes.
 class SearchFile {
 public:
@@ -34,6 +37,9 @@ public:
     std::uint64_t seed = 1;
     int starts = 16;       ///< random rays that the search begins from
     int generations = 64;  ///< of 32 neighbours each, from every start
+    /// Spheres only: of wrong decisions the one nearest to the sphere, in radii, is the worst; the search does not end
+    /// with the first.
+    bool nearest = false;
 
     /// Whether a ray and a solid lie in the ranges (the derived ones to double precision), and are a ray and a solid.
     [[nodiscard]] bool holds(const Ray<double>& ray, const Solid<double>& solid) const;

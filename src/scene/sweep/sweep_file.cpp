@@ -198,6 +198,16 @@ void SweepFile::try_both_ends() {
     }
 }
 
+std::vector<RayGroup> SweepFile::drawn(rays::Family family) const {
+    family.seed += further_;
+    return rays::family_rays(family);
+}
+
+std::vector<RayGroup> SweepFile::drawn(rays::BoxFamily family) const {
+    family.seed += further_;
+    return rays::box_family_rays(family);
+}
+
 std::vector<RayGroup> SweepFile::rays(const std::vector<double>& values) const {
     std::vector<toml::Override> changes;
     for (std::size_t a = 0; a < axes.size(); ++a) {
@@ -212,8 +222,8 @@ std::vector<RayGroup> SweepFile::rays(const std::vector<double>& values) const {
         for (const toml::Override& change : changes) toml::apply_override(root, change);
         TableReader file(root);
         auto family = file.optional_table("family");
-        std::vector<RayGroup> groups = family ? rays::family_rays(rays::read_family(*family))
-                                              : rays::box_family_rays(rays::read_box_family(file.table("box_family")));
+        std::vector<RayGroup> groups =
+            family ? drawn(rays::read_family(*family)) : drawn(rays::read_box_family(file.table("box_family")));
         if (auto march = file.optional_table("march")) {
             const auto constants = file::round_march(file::read_march(*march, file::Inputs::shared), binary32);
             for (RayGroup& group : groups) group.march = constants;
@@ -228,6 +238,12 @@ std::vector<RayGroup> SweepFile::rays(const std::vector<double>& values) const {
     group.solids = rays::shared_solids(scene);
     if (scene.march) group.march = file::round_march(*scene.march, binary32);
     return {std::move(group)};
+}
+
+SweepFile SweepFile::drawn_again(int further) const {
+    SweepFile other = *this;
+    other.further_ += static_cast<std::uint64_t>(further);
+    return other;
 }
 
 RayGroup SweepFile::first_rays() const {

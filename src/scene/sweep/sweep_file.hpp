@@ -57,6 +57,11 @@ public:
     /// The shapes of its solids, each once.
     [[nodiscard]] const std::vector<Shape>& shapes() const { return shapes_; }
 
+    /// Whether its rays are drawn at random: those of a family are, those of a scene are not.
+    [[nodiscard]] bool is_drawn() const { return !scene_; }
+    /// The same sweep with the random numbers of the seed that many after its own.
+    [[nodiscard]] SweepFile drawn_again(int further) const;
+
     /// The rays of one step, one value per axis.
     [[nodiscard]] std::vector<rays::RayGroup> rays(const std::vector<double>& values) const;
     /// The first group of the first step: what solids and constants are like.
@@ -65,12 +70,15 @@ public:
 private:
     void read_subject(toml::TableReader& file, const std::filesystem::path& data_dir);
     void try_both_ends();
+    [[nodiscard]] std::vector<rays::RayGroup> drawn(rays::Family family) const;
+    [[nodiscard]] std::vector<rays::RayGroup> drawn(rays::BoxFamily family) const;
 
     toml::Node root_;
     std::optional<file::SceneFile> scene_;
     std::optional<std::string> variant_;
     std::vector<Shape> shapes_;
     bool marches_ = false;
+    std::uint64_t further_ = 0;  ///< added to the seed of the family
 };
 
 /// A path to a file, or the id of one in `data_dir/sweeps`. InputError with did-you-mean.
