@@ -91,10 +91,10 @@ void print(const Claim& claim, const ClaimResult& r, const CheckOptions& o, bool
 }
 
 /// `; 5 draws: 1.2 to 1.4, the middle one 1.3; their interval is [1.1, 1.5]`.
-std::string draws_text(const ClaimResult& r) {
+std::string draws_text(const Claim& claim, const ClaimResult& r) {
     if (r.further.empty()) return "";
     const auto s = r.spread();
-    const auto interval = measure::metric::interval_of(s);
+    const auto interval = measure::claim::interval_of(claim, r);
     return fmt::format("; {} draws: {} to {}, the middle one {}; their interval is [{}, {}]", s.draws,
                        output::file::decimal(s.low), output::file::decimal(s.high), output::file::decimal(s.median),
                        output::file::decimal(interval.low), output::file::decimal(interval.high));
@@ -149,7 +149,8 @@ Exit run(const CheckOptions& o, const Common& common) {
     if (o.timing() && !o.measure) return report_times(claims, results);
     if (o.measure) {
         for (std::size_t i = 0; i < claims.size(); ++i)
-            fmt::print("{} = {}{}\n", claims[i].id, output::file::decimal(results[i].measured), draws_text(results[i]));
+            fmt::print("{} = {}{}\n", claims[i].id, output::file::decimal(results[i].measured),
+                       draws_text(claims[i], results[i]));
         return Exit::done;
     }
     std::size_t agreed = 0, failed = 0, skipped = 0;

@@ -229,7 +229,8 @@ Exit run(const ReportOptions& o, const Common& common) {
     for (const SweepWork& sweep : work.sweeps)
         report.sweeps.push_back(sweep_part(sweep, [&](std::uint64_t done) { advance(done * sweep_units); }));
     if (!work.claims.empty())
-        report.results = measure::claim::measure_claims(work.claims, {.data_dir = data, .done = stop_if_interrupted});
+        report.results = measure::claim::measure_claims(
+            work.claims, {.data_dir = data, .further_draws = 2, .done = stop_if_interrupted});
     if (o.trade) {
         report.processor = measure::speed::processor_name();
         for (const Shape shape : {Shape::sphere, Shape::box}) {

@@ -28,7 +28,7 @@ struct SweepOptions {
     std::vector<std::string> metrics;
     std::string out;
     bool worst = false;
-    int seeds = 4;
+    int seeds = 2;
 };
 
 void print_onsets(const measure::sweep::SweepRequest& request, const std::vector<measure::sweep::Onset>& onsets) {
@@ -216,7 +216,7 @@ void add_sweep(CLI::App& program, const Common& common, Command& chosen) {
     command
         ->add_option(
             "--seeds", o->seeds,
-            "Find the onsets of a family of rays on this many further draws too, for their spread (default: 4)")
+            "Find the onsets of a family of rays on this many further draws too, for their spread (default: 2)")
         ->check(CLI::Range(0, 1000));
     command->add_flag("--worst", o->worst, "Search the ranges of a [search] file for the worst ray of each form");
     command->add_option("-o,--out", o->out, "Folder for the results")->required();

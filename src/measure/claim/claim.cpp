@@ -121,6 +121,22 @@ void measure_draws(const std::vector<Claim>& claims, const Places& places, const
 
 }  // namespace
 
+metric::Spread interval_of(const Claim& claim, const ClaimResult& result) {
+    metric::Spread s = result.spread();
+    const bool onset = !claim.onset.empty(), fraction = claim.metric.ends_with("fraction");
+    if ((onset || fraction) && s.low > 0) {
+        const double aside = std::max(std::sqrt(s.high / s.low), onset ? 1 + 0x1p-9 : 1);
+        s.low /= aside;
+        s.high *= aside;
+    } else {
+        const double aside = (s.high - s.low) / 2;
+        s.low = s.low < 0 ? s.low - aside : std::max(0.0, s.low - aside);
+        s.high += aside;
+    }
+    if (fraction) s.high = std::min(s.high, 1.0);
+    return s;
+}
+
 std::vector<ClaimResult> measure_claims(const std::vector<Claim>& claims, const ClaimRequest& request) {
     std::vector<ClaimResult> results(claims.size());
     // Apart from the others those that need the tape of every ray: it costs more than all the rest of a map.

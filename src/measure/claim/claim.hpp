@@ -28,6 +28,12 @@ struct ClaimResult {
     [[nodiscard]] metric::Spread spread() const { return metric::spread_of(measured, further); }
 };
 
+/// The interval that draws give a claim: their range, widened on either side by half its width, by powers of two where
+/// it is an onset (to whose 2^-9 at least) or a fraction that is never 0; cut at 0 and, of a fraction, at 1. A further
+/// draw leaves the range of N with probability 2/(N + 1), and the wider interval far more rarely. Draws that are all
+/// equal give that number.
+metric::Spread interval_of(const scene::claim::Claim& claim, const ClaimResult& result);
+
 /// The form and format that a claim is about. InputError, with the claim's position, for names that do not exist.
 map::MapRow claim_row(const scene::claim::Claim& claim);
 

@@ -28,11 +28,4 @@ inline Spread spread_of(double own, const std::vector<double>& further) {
     return {all.front(), all[(all.size() - 1) / 2], all.back(), static_cast<int>(all.size())};
 }
 
-/// The interval that draws give: their range, widened on either side by half its width. A further draw leaves the range
-/// of N with probability 2/(N + 1), and the wider interval far more rarely. Draws that are all equal give that number.
-inline Spread interval_of(const Spread& s) {
-    const double aside = (s.high - s.low) / 2;
-    return {s.low - aside, s.median, s.high + aside, s.draws};
-}
-
 }  // namespace lostbits::measure::metric

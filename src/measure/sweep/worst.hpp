@@ -16,8 +16,8 @@ struct WorstFound {
     double value = -1;  ///< of the metric; means nothing for a wrong decision
     Ray<double> ray{};  ///< numbers of the format
     Solid<double> solid{};
-    double t = 0;      ///< the form's answer
-    double truth = 0;  ///< t*, correctly rounded to binary64; NaN for a miss
+    double t = 0;         ///< the form's answer
+    double truth = 0;     ///< t*, correctly rounded to binary64; NaN for a miss
     double distance = 0;  ///< from the ray's origin to the centre of a sphere, in radii; NaN of other solids
     std::uint64_t evaluations = 0;
 };
@@ -33,8 +33,8 @@ struct WorstRequest {
 /// From each of `starts` random rays: `generations` times 32 neighbours, each a few ordinals of the format (a random
 /// power of two) away in one to three numbers, and the search goes on from the best of them if it is not worse than
 /// before. A wrong decision ends the search of its row, unless the nearest one is asked for: then of
-/// two wrong decisions the nearer is the worse, and further starts lie nearer than the nearest so far. Nothing where no ray of the box is hit. The result depends on
-/// the file alone, not on the number of threads.
+/// two wrong decisions the nearer is the worse, and further starts lie nearer than the nearest so far. Nothing where no
+/// ray of the box is hit. The result depends on the file alone, not on the number of threads.
 std::vector<std::optional<WorstFound>> find_worst(const WorstRequest& request);
 
 }  // namespace lostbits::measure::sweep

@@ -171,7 +171,7 @@ void write_claims_csv(const std::filesystem::path& path, const std::vector<Claim
                {"draw_median", "number", "", "the middle one, the lower of two"},
                {"draw_high", "number", "", "the largest"},
                {"interval_draws", "integer", "",
-                "draws that the expected interval comes from: their range, widened on either side by half its width"},
+                "draws that the expected interval comes from: their range, and half as much again on either side"},
                {"state", "string", "", "agrees, disagrees, broken (could not be measured) or skipped"},
                {"witness", "string", "", "the worst ray of the measurement in hexadecimal floats"}});
     for (std::size_t i = 0; i < claims.size(); ++i) {

@@ -189,6 +189,30 @@ std::string cell(std::string text) {
 
 std::string rounded(double x) { return std::isfinite(x) ? fmt::format("{:.6g}", x) : file::decimal(x); }
 
+/// ` (0.44 to 0.47 over 4 draws)`; empty where nothing is random, or only one draw was measured.
+std::string spread_text(const ClaimResult& r) {
+    if (r.further.empty()) return "";
+    const auto s = r.spread();
+    return fmt::format(" ({} to {} over {} draws)", rounded(s.low), rounded(s.high), s.draws);
+}
+
+/// What the random claims of a subject rest on.
+std::string samples_text(const Subject& subject, const std::vector<ClaimResult>& results) {
+    for (const std::size_t i : subject.claims) {
+        if (results[i].is_drawn())
+            return fmt::format("*Random rays or numbers: each draw has {} independent samples.*\n\n",
+                               results[i].samples);
+    }
+    return "";
+}
+
+/// ` --seeds 3`: what made the draws.
+std::string draws_option(const std::vector<ClaimResult>& results) {
+    std::size_t further = 0;
+    for (const ClaimResult& r : results) further = std::max(further, r.further.size());
+    return further == 0 ? "" : fmt::format(" --seeds {}", further);
+}
+
 std::string row_text(const Claim& c, const ClaimResult& r) {
     const std::string verdict = r.state == State::agrees
                                     ? (c.verdict == Claim::Verdict::holds ? "holds" : "**refuted**")
@@ -205,7 +229,7 @@ std::string row_text(const Claim& c, const ClaimResult& r) {
         "| {} | {}{} | {} | {} = {} | `{}` |\n", verdict, cell(c.statement),
         c.note.empty() ? "" : " <br> *" + cell(c.note) + "*",
         cell(fmt::format("{}{}{}", c.form.empty() ? c.row : c.form, " " + c.format, place.empty() ? "" : ", " + place)),
-        cell(what), rounded(r.measured), c.id);
+        cell(what), rounded(r.measured) + spread_text(r), c.id);
 }
 
 /// The pictures of `lostbits report`, which tests/browser/screenshots.js takes, as far as the folder has them.
@@ -232,12 +256,14 @@ void write_claim_report(const std::filesystem::path& folder, const std::vector<C
         else ++(claims[i].verdict == Claim::Verdict::holds ? held : refuted);
     }
     std::string text = fmt::format(
-        "# What the sources say, and what we measure\n\nMade by `lostbits check --report reports`; do not edit. {} "
+        "# What the sources say, and what we measure\n\nMade by `lostbits check{} --report reports`; do not edit. {} "
         "claims, each a sentence or a part of one: {} hold, {} are refuted{}. Every number was measured by the run "
         "that made this page; a test makes the page again and compares. `lostbits report` makes the same as a page for "
-        "a browser, where each claim leads to its pixels or its plot.\n{}",
-        claims.size(), held, refuted, other == 0 ? "" : fmt::format(", {} failed or could not be measured", other),
-        screenshots_in(folder));
+        "a browser, where each claim leads to its pixels or its plot.\n\nClaims about random rays were measured on "
+        "several draws of them: all must lie in the claim's interval, which is the range over 32 draws, and half as "
+        "much again on either side.\n{}",
+        draws_option(results), claims.size(), held, refuted,
+        other == 0 ? "" : fmt::format(", {} failed or could not be measured", other), screenshots_in(folder));
     for (const Subject& subject : subjects_of(claims)) {
         const Claim& first = claims[subject.claims.front()];
         text += fmt::format("\n## {}\n\n", subject.name);
@@ -250,6 +276,7 @@ void write_claim_report(const std::filesystem::path& folder, const std::vector<C
         else if (!first.sweep.empty())
             text += picture_sweep(folder, rows_of(subject, claims), subject.name, shown_of(subject, claims), data_dir) +
                     "\n";
+        text += samples_text(subject, results);
         std::string source;
         for (const std::size_t i : subject.claims) {
             if (claims[i].source != source) {

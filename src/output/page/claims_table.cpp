@@ -131,6 +131,17 @@ std::string breakable(std::string text) {
     return text;
 }
 
+/// The number, and how it varies from draw to draw.
+std::string measured_cell(const ClaimResult& r) {
+    if (r.state != State::agrees && r.state != State::disagrees) return html(r.trouble);
+    if (!r.is_drawn()) return shown(r.measured);
+    const auto s = r.spread();
+    return fmt::format(
+        "{}<br><small>{}{} random samples</small>", shown(r.measured),
+        r.further.empty() ? "of " : fmt::format("{} to {} over {} draws of ", shown(s.low), shown(s.high), s.draws),
+        r.samples);
+}
+
 std::string tile(std::size_t n, const char* words, const char* style) {
     return fmt::format("<li class=\"{}\"><b>{}</b> {}</li>", style, n, words);
 }
@@ -178,9 +189,8 @@ std::string claims_table(const Report& report) {
         text += fmt::format(
             "<td>{}</td><td data-name=\"quantity\">{}</td><td class=\"n\" data-name=\"measured\">{}</td><td "
             "class=\"n\" data-name=\"expected\">{} to {}</td></tr>\n",
-            measured_on(c, r, report), breakable(html(what)),
-            r.state == State::agrees || r.state == State::disagrees ? shown(r.measured) : html(r.trouble), shown(c.low),
-            shown(c.high));
+            measured_on(c, r, report), breakable(html(what)), measured_cell(r), shown(c.low),
+            shown(c.high) + (c.draws == 0 ? "" : fmt::format("<br><small>from {} draws</small>", c.draws)));
     }
     return text + "</tbody></table>\n";
 }

@@ -52,8 +52,10 @@ Json sweep_json(const measure::sweep::SweepRequest& request, const std::vector<m
         Json& found = row["onsets"] = Json::array();
         for (const Onset& o : onsets) {
             if (o.row != r || !o.found) continue;
+            const auto s = o.spread();
             found.push_back(Json::array({o.event, o.statistic, number_json(o.threshold),
-                                         o.from_start ? Json() : number_json(o.last_good), number_json(o.first_bad)}));
+                                         o.from_start ? Json() : number_json(o.last_good), number_json(o.first_bad),
+                                         number_json(s.low), number_json(s.high)}));
         }
         rows.push_back(std::move(row));
     }
@@ -69,6 +71,25 @@ Json sweep_json(const measure::sweep::SweepRequest& request, const std::vector<m
         {"rows", std::move(rows)}};
 }
 
+namespace {
+
+/// `427 (400 to 510)`: of the file's own draw, and over all.
+std::string onset_text(const Onset& o) {
+    const auto s = o.spread();
+    return s.low == s.high ? shown(o.first_bad)
+                           : fmt::format("{} ({} to {})", shown(o.first_bad), shown(s.low), shown(s.high));
+}
+
+/// How many rays a first failure is the first of, and how often they were drawn.
+std::string draws_text(const std::vector<Onset>& onsets) {
+    if (onsets.empty()) return "";
+    const Onset& any = onsets.front();
+    return fmt::format(", among {} rays{}", any.rays,
+                       any.further.empty() ? "" : fmt::format(" (and over {} draws of them)", 1 + any.further.size()));
+}
+
+}  // namespace
+
 std::string onset_table(const measure::sweep::SweepRequest& request, const std::vector<Onset>& onsets) {
     struct Wanted {
         const char *title, *event, *statistic;
@@ -81,9 +102,9 @@ std::string onset_table(const measure::sweep::SweepRequest& request, const std::
                                         {"first false miss", "false_miss", "count", 0}};
     const std::string axis = html(request.sweep->axes.front().name);
     std::string text = fmt::format(
-        "<table><caption>First value of {} at which it happens</caption><thead><tr><th scope=\"col\">form</th><th "
+        "<table><caption>First value of {} at which it happens{}</caption><thead><tr><th scope=\"col\">form</th><th "
         "scope=\"col\">format</th>",
-        axis);
+        axis, draws_text(onsets));
     for (const Wanted& w : wanted) text += fmt::format("<th scope=\"col\">{}</th>", w.title);
     text += "</tr></thead><tbody>\n";
     for (std::size_t r = 0; r < request.rows.size(); ++r) {
@@ -95,7 +116,7 @@ std::string onset_table(const measure::sweep::SweepRequest& request, const std::
                 return o.row == r && o.event == w.event && o.statistic == w.statistic && o.threshold == threshold;
             });
             const bool is = found != onsets.end() && found->found;
-            text += fmt::format("<td class=\"n\">{}{}</td>", is ? shown(found->first_bad) : "&ndash;",
+            text += fmt::format("<td class=\"n\">{}{}</td>", is ? onset_text(*found) : "&ndash;",
                                 is && found->from_start ? " (from the start)" : "");
         }
         text += "</tr>\n";

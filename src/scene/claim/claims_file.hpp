@@ -63,8 +63,8 @@ struct Claim {
     std::string onset, statistic;         ///< event and statistic of `onsets.csv`
     double threshold = 0;
     double low = 0, high = 0;  ///< both ends count
-    /// The interval is the range over so many draws (seeds 1, 2, …), widened on either side by half its width; 0: it is
-    /// not about anything random, or comes from elsewhere.
+    /// The interval was derived from so many draws (see `interval_of` in measure/claim); 0: it is not about anything
+    /// random, or comes from elsewhere.
     int draws = 0;
 };
 

@@ -88,13 +88,13 @@ function stepAt(k) {
 function onsetLines(row) {
     if (row.onsets.length === 0) return [make("p", {}, "No threshold is crossed along this sweep.")];
     const body = make("tbody");
-    for (const [event, statistic, threshold, good, bad] of row.onsets)
+    for (const [event, statistic, threshold, good, bad, low, high] of row.onsets)
         body.append(cells(
-            "td", `${words(event)} ${statistic}`, decimal(threshold), good === null ? "–" : decimal(good),
-            decimal(bad)));
+            "td", `${words(event)} ${statistic}`, decimal(threshold), good === null ? "–" : decimal(good), decimal(bad),
+            low === high ? "–" : `${decimal(low)} to ${decimal(high)}`));
     return [make(
         "details", {}, make("summary", {}, `Onsets of ${title(row)}: ${row.onsets.length}`),
-        make("table", {}, header("event", "threshold", "last good", "first bad"), body))];
+        make("table", {}, header("event", "threshold", "last good", "first bad", "first bad over draws"), body))];
 }
 
 function walkSteps(by) {
