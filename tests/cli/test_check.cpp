@@ -1,4 +1,7 @@
 // Claims from the outside: what agrees, what does not, and what a machine reads of it.
+#include <fmt/format.h>
+
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "catch.hpp"
@@ -22,10 +25,47 @@ const std::string none_missed = "metric = \"false_miss_fraction\"\nin = [0, 0.5]
 
 }  // namespace
 
-TEST_CASE("every claim of the project measures as stated") {
-    const auto r = run("check");
-    INFO(r.out);
-    CHECK(r.code == 0);
+TEST_CASE("a claim about random rays must hold of every draw, and check --seeds shows the spread") {
+    const Scratch scratch;
+    const std::string given =
+        "sweep = \"sphere-distance\"\nat = 4096\nform = \"sphere.schoolbook\"\nformat = \"f32\"\n";
+    const auto text = [&](const std::string& in) {
+        return head + claim("median", given, "metric = \"lost_bits_p50\"\nin = " + in + "\ndraws = 2\n") +
+               claim("scene", inside, all_missed);
+    };
+    const std::string json = (scratch.path() / "c.json").string(), csv = (scratch.path() / "c.csv").string();
+    const std::string wide = scratch.write("wide.toml", text("[0, 24]"));
+    const auto all = run("check '" + wide + "' --seeds 3 --export-json '" + json + "' --export-csv '" + csv + "'");
+    INFO(all.out << all.err);
+    REQUIRE(all.code == 0);
+    const auto array = nlohmann::json::parse(contents(json));
+    std::vector<double> draws{array[0]["measured"].get<double>()};
+    for (const auto& x : array[0]["further_draws"]) draws.push_back(x.get<double>());
+    REQUIRE(draws.size() == 4);
+    CHECK(array[0]["samples"] == 1024);
+    CHECK(array[0]["interval_draws"] == 2);
+    CHECK(array[1]["samples"] == 0);  // a camera draws nothing
+    CHECK(array[1]["further_draws"].empty());
+    const auto [low, high] = std::ranges::minmax(draws);
+    REQUIRE(low < high);
+    const auto rows = read_csv(csv);
+    CHECK(rows[0].at("draws") == "4");
+    CHECK(number(rows[0].at("draw_low")) == low);
+    CHECK(number(rows[0].at("draw_high")) == high);
+    CHECK((rows[1].at("draws").empty() && rows[1].at("draw_low").empty()));
+    CHECK(all.out.find("claims about random rays") != std::string::npos);
+
+    // The file's own draw alone would agree.
+    const double own = draws.front();
+    const std::string narrow = scratch.write("narrow.toml", text(fmt::format("[{0}, {0}]", own)));
+    CHECK(run("check '" + narrow + "'").code == 0);
+    const auto failed = run("check '" + narrow + "' --seeds 3");
+    INFO(failed.out);
+    CHECK(failed.code == 1);
+    CHECK(failed.out.find(fmt::format("measured {}, and {} to {} over 4 draws", own, low, high)) != std::string::npos);
+    const auto measured = run("check '" + wide + "' --seeds 3 --measure");
+    CHECK(measured.out.find(fmt::format("median = {}; 4 draws: {} to {}", own, low, high)) != std::string::npos);
+    CHECK(run("check --seeds -1").code == 2);
 }
 
 TEST_CASE("a claim that does not measure as stated fails, by name, with the worst input and the command") {

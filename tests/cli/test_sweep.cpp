@@ -53,17 +53,25 @@ TEST_CASE("a sweep writes a row per form, format and step, and the onsets betwee
         CHECK(row.at("rays") == "64");
         CHECK(number(row.at("distance_radii_hex")) == number(row.at("distance_radii")));
     }
-    std::size_t found = 0;
+    std::size_t found = 0, spread = 0;
     for (const auto& row : read_csv(scratch.path() / "s/onsets.csv")) {
         if (row.at("found") != "1" || row.at("last_good_distance_radii").empty()) continue;
         ++found;
         const double good = number(row.at("last_good_distance_radii")),
                      bad = number(row.at("first_bad_distance_radii"));
         CHECK(good < bad);
+        CHECK(row.at("rays") == "64");
+        CHECK(row.at("views") == "4");
+        CHECK(row.at("draws") == "3");  // its own and two more
+        const double low = number(row.at("first_bad_low")), high = number(row.at("first_bad_high")),
+                     median = number(row.at("first_bad_median"));
+        CHECK((low <= median && median <= high && low <= bad && bad <= high));
+        spread += low < high;
         CHECK(bad - good <= 0x1p-8 * bad);  // narrowed to 2^-9, or to the 12 bits that the axis has
         if (row.at("event") == "lost_bits") CHECK(number(row.at("value_at_first_bad")) >= number(row.at("threshold")));
     }
     CHECK(found > 8);
+    CHECK(spread > 4);
 }
 
 TEST_CASE("the same bytes for any number of threads") {

@@ -177,3 +177,31 @@ TEST_CASE("a search of ranges that hold no ray comes to nothing, one that meets 
     CHECK(alone.hit == (found->outcome == measure::answer::Outcome::false_hit));
     CHECK(alone.truth.is_hit() == (found->outcome == measure::answer::Outcome::false_miss));
 }
+
+TEST_CASE("the nearest miss of the schoolbook form is no nearer than the errors of its discriminant allow") {
+    // With u = 2^-p and an impact of s radii, disc = b·b − 4·a·c is 4 d·d r² (1 − s²). A dot product of three is off by
+    // 3u |f||d| at most, so b·b by 7u, 4·a·c by 8u (a 3u, c 4u, their product u) of 4 d·d f·f: to first order a miss
+    // needs 15u (D² + …) >= 1 − s², with D the distance in radii.
+    const TextFile text(
+        "schema = \"lostbits-sweep/1\"\ntitle = \"-\"\nsource = \"-\"\n[search]\norigin = [-1, 1]\ndirection = [-1, "
+        "1]\ncentre = [\"-0x1p30\", \"0x1p30\"]\nradius = [0.75, 1.25]\ndistance_radii = [1.25, \"0x1p30\"]\n"
+        "impact_radii = [0, 0.99]\nnearest = true\nstarts = 32\ngenerations = 192\n");
+    const scene::sweep::SearchFile search(text.path());
+    const measure::sweep::WorstRequest request{
+        .search = &search,
+        .rows = {row("sphere.schoolbook", "p16"), row("sphere.schoolbook", "f32"), row("sphere.schoolbook", "f64")},
+        .metrics = metrics_of(search)};
+    const auto found = measure::sweep::find_worst(request);
+    for (std::size_t r = 0; r < found.size(); ++r) {
+        const measure::map::MapRow& what = request.rows[r];
+        INFO(what.format.name);
+        REQUIRE(found[r]);
+        CHECK(found[r]->outcome == measure::answer::Outcome::false_miss);
+        const double floor = std::sqrt((1 - 0.99 * 0.99) / 15 * std::ldexp(1.0, what.format.shape.precision));
+        CHECK(found[r]->distance > floor);
+        CHECK(found[r]->distance < 4 * floor);  // and near to it: the search is good
+        CHECK(found[r]->distance == scene::sweep::distance_in_radii(found[r]->ray, found[r]->solid.sphere()));
+        const Alone alone(what, found[r]->ray, found[r]->solid);
+        CHECK((!alone.hit && alone.truth.is_hit()));
+    }
+}

@@ -1,7 +1,10 @@
 // Families of rays by exact arithmetic: where the eye is, how far the centre, how close the line passes.
 #include "scene/rays/family.hpp"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
+#include <set>
 
 #include "catch.hpp"
 #include "scene/scene_text.hpp"
@@ -50,33 +53,53 @@ std::string family_error(const std::string& text) {
 
 }  // namespace
 
-TEST_CASE("tilted views go along (1, t, 11/16 t), the centre on the axis, as far as asked to 12 bits") {
+TEST_CASE("tilted views leave an axis by the angle asked for, each another way, the centre on the direction") {
     for (const double tilt : {0.0, 0x1p-24, 0x1p-7, 0.3, 1.0}) {
         for (const double distance : {4.0, 1000.0, 777.7}) {
-            scene::rays::Family f = family_of("directions = \"tilted\"\nimpact_to = 0.99\nviews = 3\nrays = 8\n");
+            scene::rays::Family f = family_of("directions = \"tilted\"\nimpact_to = 0.99\nviews = 64\nrays = 1\n");
             f.tilt = tilt;
             f.distance = distance;
             const auto groups = scene::rays::family_rays(f);
-            REQUIRE(groups.size() == 3);
+            REQUIRE(groups.size() == 64);
+            std::set<double> distances;
             for (const scene::rays::RayGroup& g : groups) {
-                const Vec<double> c = g.solids.front().sphere().centre;
-                const Vec<Real> centre = lifted(c);
-                CHECK(std::fabs(static_cast<double>(length(centre)) / distance - 1) <= 0x1p-12);
-                for (std::size_t i = 0; i < g.rays.size(); ++i) {
-                    const Vec<double> d = g.rays[i].direction;
-                    CAPTURE(tilt, distance, d.x, d.y, d.z);
-                    CHECK(d.x > 0);
-                    CHECK(std::fabs(d.y - tilt * d.x) <= 0x1p-12 * tilt * d.x);
-                    CHECK(std::fabs(d.z - 0.6875 * tilt * d.x) <= 0x1p-12 * tilt * d.x);
-                    if (tilt == 0x1p-7) CHECK((d.y == 0x1p-7 * d.x && d.z == 0x1.6p-8 * d.x));
-                    // Exactly along the centre's direction: every product of 12-bit numbers is a float.
-                    CHECK((c.x * d.y == c.y * d.x && c.y * d.z == c.z * d.y && c.x * d.z == c.z * d.x));
-                    const Geometry at(g, i);
-                    CHECK(at.impact < 0.9901);
-                    CHECK(at.along < -0.99 * distance + 1);
-                }
+                const Vec<double> c = g.solids.front().sphere().centre, d = g.rays[0].direction;
+                CAPTURE(tilt, distance, d.x, d.y, d.z);
+                const double far = static_cast<double>(length(lifted(c)));
+                distances.insert(far);
+                CHECK(std::fabs(far / distance - 1) <= 0x1p-6 + 0x1p-12);
+                double parts[] = {std::fabs(d.x), std::fabs(d.y), std::fabs(d.z)};
+                std::ranges::sort(parts);
+                CHECK(parts[2] > 0);
+                CHECK(std::hypot(parts[0], parts[1]) == Approx(tilt * parts[2]).epsilon(0x1p-11).margin(0));
+                // Exactly along the centre's direction: every product of 12-bit numbers is a float.
+                CHECK((c.x * d.y == c.y * d.x && c.y * d.z == c.z * d.y && c.x * d.z == c.z * d.x));
+                const Geometry at(g, 0);
+                CHECK(at.impact < 0.9901);
+                CHECK(at.along < -0.98 * distance + 1);
             }
+            CHECK(distances.size() > 16);  // or all views would share the rounding of c
         }
+    }
+}
+
+TEST_CASE("a thousand oblique views are a thousand: hardly two share a direction and a centre") {
+    for (const char* projection : {"parallel", "point"}) {
+        const auto groups = family_rays(family_of("projection = \"" + std::string(projection) + "\"\nradius = 1e6\n"));
+        REQUIRE(groups.size() == 1024);
+        std::set<std::array<double, 3>> centres, directions;
+        for (const scene::rays::RayGroup& g : groups) {
+            REQUIRE(g.rays.size() == 1);
+            const Vec<double> c = g.solids.front().sphere().centre, d = g.rays[0].direction;
+            centres.insert({c.x, c.y, c.z});
+            directions.insert({d.x, d.y, d.z});
+            const double r = g.solids.front().sphere().radius;
+            CHECK(std::fabs(r / 1e6 - 1) < 0x1p-11);
+            // Whole lengths: the centre is as far as it should be, without a root being rounded.
+            if (projection == std::string("point")) CHECK(dot(lifted(c), lifted(c)) == Real(r) * Real(r));
+        }
+        CHECK(centres.size() > 990);
+        CHECK(directions.size() > 990);
     }
 }
 

@@ -163,3 +163,34 @@ TEST_CASE("a sweep goes by its path below data/sweeps, or by its own name where 
     CHECK(error_of([&] { find_sweep("both", data.path()); }).find("\"a/both\"") != std::string::npos);
     CHECK(error_of([&] { find_sweep("nar", data.path()); }).starts_with("nar:1:1: is not a sweep file"));
 }
+
+TEST_CASE("a sweep drawn again has other rays at the same places; one over a scene has none to draw") {
+    const Folder folder;
+    const std::string head = "schema = \"lostbits-sweep/1\"\ntitle = \"-\"\nsource = \"-\"\n",
+                      axis = "[[axis]]\nname = \"x\"\nspacing = \"linear\"\nfrom = 2\nto = 4\nsteps = 2\nset = [";
+    const auto same = [](const RayGroup& a, const RayGroup& b) {
+        return a.rays.ox == b.rays.ox && a.rays.dz == b.rays.dz && a.solids.front().numbers == b.solids.front().numbers;
+    };
+    for (const char* family : {"family", "box_family"}) {
+        const std::string text = head + "[" + family + "]\nseed = 7\nviews = 3\n" + axis + "\"distance\"]\n";
+        const sweep::SweepFile file(folder.write("s.toml", text), LOSTBITS_DATA_DIR);
+        CHECK(file.is_drawn());
+        const auto own = file.rays({3}), none = file.drawn_again(0).rays({3}), second = file.drawn_again(2).rays({3}),
+                   twice = file.drawn_again(1).drawn_again(1).rays({3});
+        std::string other_seed = text;
+        other_seed.replace(text.find("seed = 7"), 8, "seed = 9");
+        const auto nine = sweep::SweepFile(folder.write("n.toml", other_seed), LOSTBITS_DATA_DIR).rays({3});
+        REQUIRE(own.size() == 3);
+        for (std::size_t v = 0; v < own.size(); ++v) {
+            CHECK(same(own[v], none[v]));
+            CHECK(same(second[v], twice[v]));
+            CHECK(same(second[v], nine[v]));
+            CHECK_FALSE(same(own[v], second[v]));
+        }
+    }
+    const sweep::SweepFile scene(
+        folder.write("c.toml", head + "scene = \"near-benign\"\n" + axis + "\"sphere[0].radius\"]\n"),
+        LOSTBITS_DATA_DIR);
+    CHECK_FALSE(scene.is_drawn());
+    CHECK(same(scene.rays({3}).front(), scene.drawn_again(1).rays({3}).front()));
+}

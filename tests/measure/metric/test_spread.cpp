@@ -1,0 +1,59 @@
+// What draws come to, and the interval that a claim takes from them.
+#include "measure/metric/spread.hpp"
+
+#include "catch.hpp"
+#include "measure/claim/claim.hpp"
+
+using namespace lostbits;
+using namespace lostbits::measure;
+
+namespace {
+
+const double none = std::nan("");
+
+claim::ClaimResult result_of(double own, std::vector<double> further) {
+    claim::ClaimResult r;
+    r.measured = own;
+    r.samples = 1024;
+    r.further = std::move(further);
+    return r;
+}
+
+scene::claim::Claim claim_about(const std::string& metric, const std::string& onset = "") {
+    scene::claim::Claim c;
+    c.metric = metric;
+    c.onset = onset;
+    return c;
+}
+
+}  // namespace
+
+TEST_CASE("a spread is of the draws that have the number, and its median is one of them") {
+    const auto s = metric::spread_of(3, {1, none, 2, 9});
+    CHECK((s.low == 1 && s.median == 2 && s.high == 9 && s.draws == 4));
+    const auto alone = metric::spread_of(7, {});
+    CHECK((alone.low == 7 && alone.median == 7 && alone.high == 7 && alone.draws == 1));
+    const auto missing = metric::spread_of(none, {none});
+    CHECK(missing.draws == 0);
+    CHECK(std::isnan(missing.median));
+}
+
+TEST_CASE("a claim's interval is the range of its draws and half as much on either side, within what can be") {
+    const auto interval = [](const scene::claim::Claim& c, double own, std::vector<double> further) {
+        const auto s = claim::interval_of(c, result_of(own, std::move(further)));
+        return std::pair(s.low, s.high);
+    };
+    CHECK(interval(claim_about("lost_bits_p50"), 10, {12, 11}) == std::pair(9.0, 13.0));
+    CHECK(interval(claim_about("lost_bits_p50"), 0.5, {1.5}) == std::pair(0.0, 2.0));      // no bits below 0
+    CHECK(interval(claim_about("rounding_error_mean"), -1, {1}) == std::pair(-2.0, 2.0));  // but signed errors
+    CHECK(interval(claim_about("lost_bits_p50"), 24, {24, 24}) == std::pair(24.0, 24.0));
+    // By powers of two: a fraction that is never 0 stays so, and none is above 1.
+    CHECK(interval(claim_about("false_miss_fraction"), 0.01, {0.04}) == std::pair(0.005, 0.08));
+    CHECK(interval(claim_about("false_miss_fraction"), 0, {0.5}) == std::pair(0.0, 0.75));
+    CHECK(interval(claim_about("false_hit_fraction"), 0.25, {1}) == std::pair(0.125, 1.0));
+    CHECK(interval(claim_about("", "false_miss"), 100, {400}) == std::pair(50.0, 800.0));
+    // An onset is known to 2^-9 of itself.
+    const auto [low, high] = interval(claim_about("", "lost_bits"), 1024, {1024});
+    CHECK(low == Approx(1022));
+    CHECK(high == 1026);
+}
