@@ -63,8 +63,9 @@ std::string quoted(const std::string& text) {
 
 std::string case_text(const WorstRequest& request, const measure::map::MapRow& row, const WorstFound& w) {
     const bool decided = w.outcome == measure::answer::Outcome::agree_hit;
-    const std::string what = decided ? fmt::format("{} {:.6g}", request.search->metric, w.value)
-                                     : std::string(measure::answer::outcome_names[static_cast<std::size_t>(w.outcome)]);
+    std::string what = decided ? fmt::format("{} {:.6g}", request.search->metric, w.value)
+                               : std::string(measure::answer::outcome_names[static_cast<std::size_t>(w.outcome)]);
+    if (!decided && request.search->nearest) what += fmt::format(" at {:.6g} radii", w.distance);
     const auto ray = ray_numbers(w);
     const std::vector<double> solid(w.solid.used().begin(), w.solid.used().end());
     std::string text =

@@ -9,13 +9,15 @@
 #include "catch.hpp"
 #include "measure/rows.hpp"
 #include "measure/sweep/cases.hpp"
+#include "scene/sweep/search_file.hpp"
 
 using namespace lostbits;
 using namespace lostbits::testing;
 
 TEST_CASE("every hard ray measures what its name says") {
-    // `sphere.press in f32: lost_bits 6.40002`, or an outcome in place of a metric and its value.
-    static const std::regex name(R"((\S+) in (\S+): (\w+)(?: (\S+))?)");
+    // `sphere.press in f32: lost_bits 6.40002`, or an outcome in place of a metric and its value, perhaps with how far
+    // away the sphere is.
+    static const std::regex name(R"((\S+) in (\S+): (\w+)(?: at (\S+) radii)?(?: (\S+))?)");
     int files = 0, values = 0, decisions = 0;
     for (const auto& entry : std::filesystem::directory_iterator(std::filesystem::path(LOSTBITS_DATA_DIR) / "hard")) {
         const scene::sweep::CaseFile file(entry.path());
@@ -27,7 +29,7 @@ TEST_CASE("every hard ray measures what its name says") {
             REQUIRE(std::regex_match(file.name(i), part, name));
             rows.insert(part[1].str() + " " + part[2].str());
             const std::string what = part[3].str();
-            const bool is_value = part[4].matched;
+            const bool is_value = part[5].matched;
             const measure::metric::Metric* metric = measure::metric::find_metric(is_value ? what : "lost_bits");
             REQUIRE(metric != nullptr);
             const measure::sweep::CaseRequest request{.file = &file,
@@ -40,12 +42,17 @@ TEST_CASE("every hard ray measures what its name says") {
                 CHECK(group.rays.dz == exact.rays.dz);
                 CHECK(group.solids[0].numbers == exact.solids[0].numbers);
             }
+            if (part[4].matched) {
+                const auto group = file.rays(i, binary64).front();
+                const double radii = scene::sweep::distance_in_radii(group.rays[0], group.solids[0].sphere());
+                CHECK(fmt::format("{:.6g}", radii) == part[4].str());
+            }
             const measure::map::MapSummary s = measure::sweep::run_cases_together(request, 0, {i});
             REQUIRE(s.rays == 1);
             if (is_value) {
                 ++values;
                 CHECK(s.count(measure::answer::Outcome::agree_hit) == 1);
-                CHECK(fmt::format("{:.6g}", s.metrics[0].quantile(1)) == part[4].str());
+                CHECK(fmt::format("{:.6g}", s.metrics[0].quantile(1)) == part[5].str());
             } else {
                 ++decisions;
                 const auto outcome = std::ranges::find(measure::answer::outcome_names, what);
