@@ -102,12 +102,11 @@ std::string rest_text(const Explanation& x, const OperationWords& words) {
     double least = std::fabs(words.of(a.culprit).contribution);
     for (const NodeId i : a.equals) least = std::min(least, std::fabs(words.of(i).contribution));
     const auto others = largest_contributions(x.tape, a, least);
-    std::string text =
-        fmt::format("{}. {} ulp of error are left", undo, short_number(std::fabs(a.error / words.ulp())));
-    if (others.empty()) return text;
-    return text + fmt::format(", of which the largest part is {} ulp by {}",
-                              short_number(std::fabs(words.contribution(others.front()))),
-                              words.text().operand(others.front()));
+    const std::string left = short_number(std::fabs(a.error / words.ulp()));
+    if (others.empty()) return fmt::format("{}, and an error of {} ulp is left", undo, left);
+    return fmt::format("{}: the error of {} ulp is made by the others, the largest of them {} ulp by {}", undo, left,
+                       short_number(std::fabs(words.contribution(others.front()))),
+                       words.text().operand(others.front()));
 }
 
 }  // namespace

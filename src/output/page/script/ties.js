@@ -74,9 +74,8 @@ function restText({ tape, walk }, ulp) {
                             undo = equals.length === 1 ? ". The two undo each other" : ". They undo each other";
     if (walk.error === 0) return `${undo}, and no error is left`;
     const least = Math.min(...[culprit, ...equals].map((i) => Math.abs(walk.at(i).contribution))),
-          [other] = largestContributions(walk, least),
-          text = `${undo}. ${brief(Math.abs(walk.error / ulp))} ulp of error are left`;
-    if (other === undefined) return text;
-    return `${text}, of which the largest part is ${brief(Math.abs(walk.at(other).contribution / ulp))} ulp by ${
-        tape.operands[other]}`;
+          [other] = largestContributions(walk, least), left = brief(Math.abs(walk.error / ulp));
+    if (other === undefined) return `${undo}, and an error of ${left} ulp is left`;
+    return `${undo}: the error of ${left} ulp is made by the others, the largest of them ${
+        brief(Math.abs(walk.at(other).contribution / ulp))} ulp by ${tape.operands[other]}`;
 }
