@@ -8,8 +8,10 @@
 
 namespace lostbits::measure::blame {
 
-/// Contributions are equal where their sizes agree to this part of the larger. They are products of numbers of
-/// binary64, good to some 2^-45 of themselves; two that are not equal come nearer than this once in a million rays.
+/// Contributions are equal where their sizes agree to this part of the larger. They are sums of products in binary64,
+/// far better than this; but two that are equal to first order differ by the relative error of what lies between them,
+/// which from binary32 up is mostly less than this. Of 2.9 million rays of the scenes 11 % have equals, and on one in
+/// eight of those the equals differ by more than 2^-40.
 inline constexpr double equal_contributions = 0x1p-20;
 
 /// The live operations of the largest |contribution|, the culprit first; none where nothing was lost. Those nearer to
