@@ -108,6 +108,7 @@ async function attributes({ browser, taped, lostbits }) {
                     y,
                     nodes: plain,
                     culprit: walk.culprit,
+                    equals: walk.equals,
                     explained: decimal(walk.explained),
                     sentence: culpritSentence(found, row, walk.subject < 0 ? NaN : walk.ulpOfSubject(row)),
                     verdict: verdictText(found.pixels, found.i)
@@ -117,7 +118,7 @@ async function attributes({ browser, taped, lostbits }) {
         return picked;
     });
     assert.ok(rays.length > 150, `${rays.length} rays`);
-    let culprits = 0, turned = 0;
+    let culprits = 0, turned = 0, ties = 0;
     for (const ray of rays) {
         const where = `${ray.id} --size ${size} --pixel ${ray.x},${ray.y} -i ${ray.form} -f ${ray.format}`;
         const told = JSON.parse(lostbits(
@@ -130,16 +131,59 @@ async function attributes({ browser, taped, lostbits }) {
             turned += n.turned;
         }
         compare(ray, told.operations, where);
-        assert.equal(ray.culprit, told.operations.findIndex((o) => o.name === told.culprit), `${where}: culprit`);
+        const place = (name) => told.operations.findIndex((o) => o.name === name);
+        assert.equal(ray.culprit, place(told.culprit), `${where}: culprit`);
+        assert.deepEqual(ray.equals, told.equals.map(place), `${where}: equals`);
         assert.equal(ray.sentence, told.sentence, where);
         assert.equal(ray.verdict, told.verdict, where);
         culprits += ray.culprit >= 0;
+        ties += ray.equals.length > 0;
         if (told.attribution.subject !== null)
             assert.ok(
                 agree(readNumber(ray.explained), readNumber(told.attribution.explained)),
                 `${where}: contributions sum to ${ray.explained}, not ${told.attribution.explained}`);
     }
-    assert.ok(culprits > 80 && turned > 5, `${culprits} culprits, ${turned} turned decisions`);
+    assert.ok(
+        culprits > 80 && turned > 5 && ties > 5,
+        `${culprits} culprits, ${turned} turned decisions, ${ties} rays with equals`);
+}
+
+/** The culprit is the same operation in whatever order the tape stands, each operation after its operands. */
+async function ties({ browser, taped }) {
+    const page = await browser.page(taped);
+    const counts = await page.evaluate(async () => {
+        const found = { rays: 0, ties: 0, wrong: [] };
+        let seed = 1;
+        const random = (n) => (seed = (seed * 48271) % 2147483647) % n;
+        const shuffle = (tape) => {
+            const isGivenNode = ([op]) => tape.operations[op] === "given", place = tape.nodes.map(() => -1), nodes = [],
+                  waiting = tape.nodes.map((_, i) => i);
+            while (waiting.length > 0) {
+                const ready = waiting.filter(
+                          (i) => isGivenNode(tape.nodes[i]) || tape.nodes[i].slice(2).every((o) => place[o] >= 0)),
+                      i = ready[random(ready.length)], [op, format, ...operands] = tape.nodes[i];
+                waiting.splice(waiting.indexOf(i), 1);
+                place[i] = nodes.length;
+                nodes.push([op, format, ...(isGivenNode(tape.nodes[i]) ? operands : operands.map((o) => place[o]))]);
+            }
+            return { tape: {...tape, nodes, outputs: tape.outputs.map((i) => place[i]) }, place };
+        };
+        for (const map of index.maps) {
+            for (const [r, row] of map.rows.entries()) {
+                const k = (r * 7919 + 11 * index.maps.indexOf(map)) % (map.width * map.height), x = k % map.width,
+                      y = Math.floor(k / map.width), { tape, walk } = await walkOf(map, row, x, y),
+                      { tape: other, place } = shuffle(tape), again = new Walk(other, walk.inputs),
+                      at = (i) => (i < 0 ? -1 : place[i]);
+                ++found.rays;
+                found.ties += walk.equals.length > 0;
+                if (again.culprit !== at(walk.culprit) || String(again.equals) !== String(walk.equals.map(at)))
+                    found.wrong.push(`${map.id} ${keyOf(row)} ${x}, ${y}`);
+            }
+        }
+        return found;
+    });
+    assert.ok(counts.rays > 500 && counts.ties > 20, `${counts.rays} rays, ${counts.ties} with equals`);
+    assert.deepEqual(counts.wrong, []);
 }
 
 /** What is read below the picture: the culprit, the sums, the verdict; and what a march has instead. */
@@ -194,5 +238,5 @@ async function table({ browser, report, lostbits }) {
 
 module.exports = {
     pageOf,
-    promises : { reruns, rules, attributes, table }
+    promises : { reruns, rules, attributes, ties, table }
 };

@@ -156,14 +156,14 @@ TEST_CASE("claims about culprits, cancellation and contributions") {
     const std::string file = scratch.write(
         "c.toml",
         head + claim("fd", given, share + "operation = " + fd + "\nin = [0.45, 0.5]\n") +
-            claim("c", given, share + "operation = \"c\"\nin = [0.34, 0.38]\n") +
-            claim("both", given, share + "operation = [\"c\", " + fd + ", \"c\"]\nin = [0.8, 0.87]\n") +
+            claim("c", given, share + "operation = \"c\"\nin = [0.5, 0.53]\n") +
+            claim("both", given, share + "operation = [\"c\", " + fd + ", \"c\"]\nin = [0.995, 0.9999]\n") +
             claim("median", given, "metric = \"contribution_c_p50\"\nin = [1900, 2000]\n") +
             claim("all", given, "metric = \"cancellation_p50\"\nin = [24, 24]\n") +
             claim("disc", given, "metric = \"cancellation_disc_max\"\nin = [24, 24]\n") +
             claim("none", given, "metric = \"cancellation_c_max\"\nin = [0, 0]\n") +
             claim("sweep", "sweep = \"sphere-distance\"\nat = 4100\nform = \"sphere.schoolbook\"\nformat = \"f32\"\n",
-                  share + "operation = \"c\"\nin = [0.4, 0.6]\n") +
+                  share + "operation = \"c\"\nin = [0.5, 0.7]\n") +
             claim("case",
                   "sweep = \"extremes/contact\"\ncase = \"*\"\nform = \"sphere.schoolbook\"\nformat = \"f32\"\n",
                   "metric = \"cancellation_max\"\nin = [0, 24]\n"));

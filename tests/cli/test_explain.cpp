@@ -41,6 +41,34 @@ TEST_CASE("the schoolbook form at 4100: c rounds, and the discriminant cancels i
     CHECK(has(r.out, "radius   = 0x1p+0"));
 }
 
+TEST_CASE("operations that contribute the same are named, with what they come to") {
+    const std::string oblique = "explain rtg-fig-7-3-4100-oblique -f f32 --pixel ";
+    const auto cancel = nlohmann::json::parse(run(oblique + "60,60 -i sphere.schoolbook --json").out);
+    CHECK(cancel["culprit"] == "c");
+    REQUIRE(cancel["equals"].size() == 1);
+    const auto contribution = [](const nlohmann::json& j, const std::string& name) {
+        for (const auto& o : j["operations"]) {
+            if (o["name"] == name) return o["contribution"].get<double>();
+        }
+        return 0.0;
+    };
+    CHECK(contribution(cancel, "c") == -contribution(cancel, cancel["equals"][0]));
+    CHECK(
+        has(cancel["sentence"],
+            "; (o − centre)·(o − centre), from which it is computed, contributes the same with the opposite sign. The "
+            "two undo each other: the error of 742 ulp is made by the others, the largest of them 2830 ulp by a."));
+
+    const auto add = nlohmann::json::parse(run(oblique + "100,100 -i sphere.pbrt_interval --json").out);
+    REQUIRE(add["equals"].size() == 1);
+    CHECK(contribution(add, add["culprit"]) == contribution(add, add["equals"][0]));
+    CHECK(has(add["sentence"], ", from which it is computed, contributes the same: together 1 ulp; the other "));
+
+    const auto many =
+        nlohmann::json::parse(run("explain near-benign -f f64 --pixel 100,100 -i sphere.pbrt_interval --json").out);
+    CHECK(many["equals"].size() == 5);
+    CHECK(has(many["sentence"], " and 2 more contribute the same, 3 of them with the opposite sign. They undo each "));
+}
+
 TEST_CASE("the unified form beside a huge sphere: what is left is c, and the problem is to blame") {
     const auto r = run("explain rtg-fig-7-4.r1e6 --pixel 100,200 -i sphere.unified -f f32");
     REQUIRE(r.code == 0);

@@ -6,6 +6,7 @@
 #include "measure/blame/exact_arithmetic.hpp"
 #include "measure/blame/operation_error.hpp"
 #include "measure/blame/operations.hpp"
+#include "measure/blame/ties.hpp"
 #include "measure/truth/lost_bits.hpp"
 #include "number/rounded.hpp"
 
@@ -43,6 +44,7 @@ public:
         for (NodeId i = 0; i <= subject; ++i) sum_up(i);
         found_.error = is_decision(tape_[subject].op) ? apart(subject) : of(subject).error;
         if (const NodeId broken = no_number_in(subject); broken != no_node) found_.culprit = origin(broken);
+        else choose_culprit();
     }
 
 private:
@@ -221,8 +223,14 @@ private:
         e.contribution = e.rounding * e.adjoint;
         found_.explained += e.contribution;
         if (depth_.full) found_.first_order += e.rounding * e.derivative;
-        if (found_.culprit == no_node || std::fabs(e.contribution) > std::fabs(of(found_.culprit).contribution))
-            found_.culprit = i;
+    }
+
+    void choose_culprit() {
+        found_.equals = largest_contributions(tape_, found_);
+        if (found_.equals.empty()) return;
+        found_.culprit = found_.equals.front();
+        if (!(std::fabs(of(found_.culprit).contribution) > 0)) return found_.equals.clear();
+        found_.equals.erase(found_.equals.begin());
     }
 
     /// (computed left − right) − (exact left − right) of a comparison.
@@ -304,7 +312,10 @@ Attribution attribute(const Tape& tape, NodeId subject, AttributionDepth depth) 
 
 Attribution attribute(const Tape& tape, AttributionDepth depth) {
     Attribution found = attributed(tape, depth, [](auto& walk) { return walk.natural_subject(); });
-    if (is_plain_miss(tape, found)) found.culprit = no_node;
+    if (is_plain_miss(tape, found)) {
+        found.culprit = no_node;
+        found.equals.clear();
+    }
     return found;
 }
 

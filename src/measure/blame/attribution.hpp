@@ -42,9 +42,12 @@ struct Attribution {
     double explained = 0;  ///< sum of the contributions
     double first_order = 0;  ///< the same with derivatives; only where asked for
     int exact_bits = 0;      ///< precision of the exact values: 106 (double-double with bounds), or 2048
-    /// The live operation with the largest |contribution|, the first of equals; of a subject (or a side of it) that is
-    /// no number, the operation that made it so. None where nothing was lost.
+    /// The live operation with the largest |contribution|, and of equals the one that `largest_contributions` puts
+    /// first: of two of which one is computed from the other, the later. Of a subject (or a side of it) that is no
+    /// number, the operation that made it so. None where nothing was lost.
     NodeId culprit = no_node;
+    /// The other live operations that contribute as much as the culprit, with the same sign or the opposite one.
+    std::vector<NodeId> equals;
 };
 
 struct AttributionDepth {

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "measure/blame/tape_text.hpp"
+#include "output/blame/culprit_text.hpp"
 #include "output/blame/explain_text.hpp"
 #include "output/file/number_text.hpp"
 
@@ -87,6 +88,8 @@ std::string explain_json(const measure::blame::Explanation& x) {
     j["verdict"] = verdict(x);
     j["sentence"] = culprit_sentence(x);
     j["culprit"] = node_or_null(text, a.culprit);
+    j["equals"] = Json::array();
+    for (const NodeId i : a.equals) j["equals"].push_back(text.name(i));
     const auto of_subject = [&a](double v) { return a.subject == no_node ? Json(nullptr) : number(v); };
     j["attribution"] = {{"subject", node_or_null(text, a.subject)},
                         {"exact_hit", a.exact_hit},

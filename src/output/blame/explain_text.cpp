@@ -7,8 +7,8 @@
 #include <cmath>
 #include <optional>
 
-#include "measure/blame/operation_error.hpp"
-#include "measure/blame/tape_text.hpp"
+#include "output/blame/culprit_text.hpp"
+#include "output/blame/operation_words.hpp"
 #include "output/file/number_text.hpp"
 
 namespace lostbits::output::blame {
@@ -16,17 +16,8 @@ namespace lostbits::output::blame {
 using measure::answer::Outcome;
 using measure::blame::Explanation;
 using measure::blame::OperationError;
-using measure::blame::TapeText;
 
 namespace {
-
-/// NaN has a sign that says nothing and that machines choose differently.
-std::string short_number(double x) {
-    if (std::isnan(x)) return "nan";
-    if (x == 0) return "0";
-    return std::fabs(x) >= 0.01 && std::fabs(x) < 1e6 ? fmt::format("{}", std::stod(fmt::format("{:.3g}", x)))
-                                                      : fmt::format("{:.2e}", x);
-}
 
 /// Letters, not bytes.
 std::size_t width_of(const std::string& text) {
@@ -38,37 +29,6 @@ std::string padded(std::string text, std::size_t width) {
     if (const auto w = width_of(text); w < width) text.append(width - w, ' ');
     return text;
 }
-
-/// What the tables say of operations, in words.
-class Words {
-public:
-    explicit Words(const Explanation& x)
-        : x_(x), text_(x.tape, x.names, TapeText::Style::pretty), ulp_(x.ulp_of_subject()) {}
-
-    [[nodiscard]] const OperationError& of(NodeId i) const { return x_.attribution.of[static_cast<std::size_t>(i)]; }
-    [[nodiscard]] const TapeText& text() const { return text_; }
-    /// In ulps of the format at the value itself.
-    [[nodiscard]] double own_ulps(NodeId i, double error) const {
-        return error / measure::blame::ulp_at(of(i).exact == 0 ? x_.tape[i].value : of(i).exact, x_.tape.format_of(i));
-    }
-    [[nodiscard]] double contribution(NodeId i) const { return of(i).contribution / ulp_; }
-    [[nodiscard]] std::string cancellation(NodeId i) const {
-        const int bits = of(i).cancelled;
-        return bits == 0 ? "" : fmt::format("{} {}", bits, of(i).carried ? "catastrophic" : "benign");
-    }
-    [[nodiscard]] bool is_shown(NodeId i, bool all) const {
-        const TapeNode& n = x_.tape[i];
-        if (all) return is_operation(n.op);
-        if (!is_operation(n.op) || !of(i).live) return false;
-        return !n.label.empty() || of(i).rounding != 0 || of(i).cancelled > 1 || i == x_.attribution.culprit;
-    }
-    [[nodiscard]] double ulp() const { return ulp_; }
-
-private:
-    const Explanation& x_;
-    TapeText text_;
-    double ulp_;
-};
 
 std::string inputs_block(const Explanation& x) {
     std::string text;
@@ -84,7 +44,7 @@ std::string inputs_block(const Explanation& x) {
 
 constexpr std::size_t widest_expression = 54;
 
-std::string row_of(const Explanation& x, const Words& words, NodeId i) {
+std::string row_of(const Explanation& x, const OperationWords& words, NodeId i) {
     const OperationError& e = words.of(i);
     const int digits = 1 + static_cast<int>(std::ceil(x.tape.format_of(i).precision * 0.30103));
     const auto number = [digits](double v) {
@@ -112,7 +72,7 @@ NodeId first_shown(const Explanation& x, bool all) {
     return all || samples.size() < 3 ? 0 : static_cast<NodeId>(samples[samples.size() - 3]);
 }
 
-std::string table(const Explanation& x, const Words& words, bool all) {
+std::string table(const Explanation& x, const OperationWords& words, bool all) {
     const int digits = 1 + static_cast<int>(std::ceil(x.format.shape.precision * 0.30103));
     std::string text =
         padded("  operation", widest_expression) +
@@ -159,7 +119,7 @@ std::string model_sentence(const Explanation& x) {
         x.attribution.exact_hit ? "hits" : "misses");
 }
 
-std::string sums_sentence(const Explanation& x, const Words& words) {
+std::string sums_sentence(const Explanation& x, const OperationWords& words) {
     const measure::blame::Attribution& a = x.attribution;
     if (a.subject == no_node || !std::isfinite(a.error) || measure::blame::is_plain_miss(x.tape, a)) return "";
     const double ulp = words.ulp(), rest = a.error - a.explained;
@@ -178,7 +138,7 @@ std::string sums_sentence(const Explanation& x, const Words& words) {
 }
 
 /// How much of the error is rounding's at all.
-std::string split_sentence(const Explanation& x, const Words& words) {
+std::string split_sentence(const Explanation& x, const OperationWords& words) {
     if (x.standing.outcome != Outcome::agree_hit || x.attribution.subject != x.tape.outputs.t) return "";
     const double rounding = x.attribution.error / words.ulp();
     if (!(std::fabs(x.standing.ulps - rounding) > 0.01)) return "";
@@ -188,7 +148,7 @@ std::string split_sentence(const Explanation& x, const Words& words) {
         short_number(rounding), short_number(x.standing.ulps));
 }
 
-std::string turned_sentences(const Explanation& x, const Words& words) {
+std::string turned_sentences(const Explanation& x, const OperationWords& words) {
     std::string text;
     for (const NodeId i : x.turned()) {
         const TapeNode& n = x.tape[i];
@@ -207,18 +167,6 @@ std::string turned_sentences(const Explanation& x, const Words& words) {
             fmt::format("Rounding changed the decision {}: {}.\n", words.text().expression(i), fmt::join(sides, "; "));
     }
     return text;
-}
-
-/// Of an answer that is not finite: the input that the format already made infinite or NaN.
-std::optional<std::string> lost_input(const Explanation& x) {
-    const NodeId subject = x.attribution.subject;
-    if (is_decision(x.tape[subject].op) || std::isfinite(x.tape[subject].value)) return {};
-    for (std::size_t i = 0; i < x.inputs.size(); ++i) {
-        if (!std::isfinite(x.inputs[i]) && x.names[i] != "limit")
-            return fmt::format("The input {} is {} in {}. Everything after it follows from that.", x.names[i],
-                               file::decimal(x.inputs[i]), x.format.name);
-    }
-    return {};
 }
 
 std::string better_sentence(const Explanation& x) {
@@ -250,48 +198,8 @@ std::string verdict(const Explanation& x) {
     return envelope + fmt::format("; the formula loses the other {:.1f} bits.", x.excess());
 }
 
-std::string culprit_sentence(const Explanation& x) {
-    const Words words(x);
-    const NodeId culprit = x.attribution.culprit;
-    if (x.attribution.subject == no_node || measure::blame::is_plain_miss(x.tape, x.attribution))
-        return "Rounding changed no decision of the form, so no operation is to blame.";
-    if (culprit == no_node) return lost_input(x).value_or("No operation rounded on the way to the answer.");
-    const TapeNode& n = x.tape[culprit];
-    const std::string what = words.text().definition(culprit);
-    const NodeId subject = x.attribution.subject;
-    if (!std::isfinite(n.value))
-        return fmt::format("{} is {}. Everything after it follows from that.", what, file::decimal(n.value));
-    const std::string arrives =
-        is_decision(x.tape[subject].op) ? fmt::format("in {}", words.text().expression(subject)) : "in t";
-    std::string text;
-    if (const NodeId amplifier = x.amplifier(culprit); amplifier != no_node) {
-        const TapeNode& a = x.tape[amplifier];
-        text = fmt::format("{} cancels {} of {} bits", words.text().definition(amplifier),
-                           words.of(amplifier).cancelled, x.tape.format_of(amplifier).precision);
-        for (const NodeId operand : a.operands) {
-            if (operand == no_node || words.of(operand).error == 0 || x.tape[operand].op == TapeOp::constant) continue;
-            text += fmt::format("; {} was already off by {} ulp", words.text().operand(operand),
-                                short_number(std::fabs(words.own_ulps(operand, words.of(operand).error))));
-        }
-        text += ". ";
-    }
-    const OperationError& e = words.of(culprit);
-    const bool harmless = x.standing.outcome == Outcome::agree_hit && x.standing.lost < 1;
-    text += fmt::format("{} {}: its {} of {} ulp becomes {} ulp {}",
-                        harmless ? "The largest contribution is that of" : "The culprit is", what,
-                        e.turned ? "wrong choice" : "rounding",
-                        short_number(std::fabs(words.own_ulps(culprit, e.rounding))),
-                        short_number(std::fabs(words.contribution(culprit))), arrives);
-    const double share = e.contribution / x.attribution.error;
-    if (share > 1 || share < 0)
-        text += fmt::format("; the other roundings cancel all but {} ulp of it",
-                            short_number(std::fabs(x.attribution.error / words.ulp())));
-    else if (std::isfinite(share)) text += fmt::format(", {:.0f} % of the error", 100 * share);
-    return text + ".";
-}
-
 std::string explain_text(const Explanation& x, bool all) {
-    const Words words(x);
+    const OperationWords words(x);
     std::string text = fmt::format("{} in {}: {}\n", x.form->info->name, x.format.name, x.form->info->title);
     if (x.solids > 1 && x.form->shape != Shape::sdf) text += fmt::format("solid {} of {}\n", x.solid + 1, x.solids);
     if (x.given) {

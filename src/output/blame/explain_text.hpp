@@ -11,9 +11,6 @@ namespace lostbits::output::blame {
 /// otherwise those that the answer is computed from and that round, cancel, or have a name.
 std::string explain_text(const measure::blame::Explanation& x, bool all);
 
-/// One sentence: which operation, and what became of its rounding.
-std::string culprit_sentence(const measure::blame::Explanation& x);
-
 /// Whether the problem or the formula is to blame, by the envelope.
 std::string verdict(const measure::blame::Explanation& x);
 

@@ -131,10 +131,11 @@ class Walk {
         this.subject = this.at(this.hit).turned ? this.turnedComparison(this.hit) : this.t;
         this.explained = 0;
         this.culprit = -1;
+        this.equals = [];
         if (this.subject >= 0) this.attribute(this.subject);
         // The t of a miss is not an answer, so no operation is its culprit.
         this.plainMiss = !this.at(this.hit).value && !this.at(this.hit).turned;
-        if (this.plainMiss) this.culprit = -1;
+        if (this.plainMiss) [this.culprit, this.equals] = [-1, []];
     }
     at(i) { return this.nodes[i]; }
     valuesOf(n) { return n.operands.map((o) => this.at(o).value); }
@@ -232,6 +233,7 @@ class Walk {
         this.error = isDecision(n) ? this.at(a).error - this.at(b).error : n.error;
         const broken = this.noNumberIn(subject);
         if (broken >= 0) this.culprit = this.origin(broken);
+        else this.chooseCulprit();
     }
     backward(n) {
         if (!n.live || isGiven(n)) return;
@@ -260,8 +262,12 @@ class Walk {
         if (!n.live || n.rounding === 0) return;
         n.contribution = n.rounding * n.adjoint;
         this.explained += n.contribution;
-        if (this.culprit < 0 || Math.abs(n.contribution) > Math.abs(this.at(this.culprit).contribution))
-            this.culprit = i;
+    }
+    chooseCulprit() {
+        const [culprit, ...equals] = largestContributions(this);
+        if (culprit === undefined) return;
+        this.culprit = culprit;
+        if (Math.abs(this.at(culprit).contribution) > 0) this.equals = equals;
     }
 
     turnedComparison(decision) {

@@ -91,12 +91,14 @@ function culpritSentence(found, row, ulp) {
     const n = walk.at(walk.culprit), what = tape.definitions[walk.culprit];
     if (!Number.isFinite(n.value)) return `${what} is ${decimal(n.value)}. Everything after it follows from that.`;
     const harmless = pixels.outcome[i] === agreeHit && derived.lost_bits(sampleAt(pixels, i)) < 1,
-          share = n.contribution / walk.error;
+          equals = equalsOf(found), share = equals.sum / walk.error;
     let text =
         `${amplifierText(found)}${harmless ? "The largest contribution is that of" : "The culprit is"} ${what}: ` +
         `its ${n.turned ? "wrong choice" : "rounding"} of ${brief(Math.abs(n.rounding / ownUlp(n)))} ulp becomes ` +
         `${brief(Math.abs(n.contribution / ulp))} ulp in ${
-            isDecision(walk.at(walk.subject)) ? tape.expressions[walk.subject] : "t"}`;
+            isDecision(walk.at(walk.subject)) ? tape.expressions[walk.subject] : "t"}${equals.who}`;
+    if (equals.cancel) return `${text}${restText(found, ulp)}.`;
+    if (walk.equals.length > 0) text += `: together ${brief(Math.abs(equals.sum / ulp))} ulp`;
     if (share > 1 || share < 0)
         text += `; the other roundings cancel all but ${brief(Math.abs(walk.error / ulp))} ulp of it`;
     else if (Number.isFinite(share)) text += `, ${fixed(100 * share, 0)} % of the error`;

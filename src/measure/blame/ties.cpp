@@ -1,0 +1,100 @@
+#include "measure/blame/ties.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <tuple>
+
+#include "measure/blame/operation_error.hpp"
+
+namespace lostbits::measure::blame {
+namespace {
+
+/// f(operand), for each operand whose error goes through node i, in the formula's order.
+template <class F>
+void for_each_source(const Tape& tape, NodeId i, const F& f) {
+    const TapeNode& n = tape[i];
+    if (is_given(n.op)) return;
+    const Quotients passes = quotients_of(n, {}, side_taken(tape, i));
+    for (std::size_t k = 0; k < passes.size(); ++k) {
+        if (passes[k]) f(n.operands[k]);
+    }
+}
+
+/// Where the nodes stand on the way to the subject, whatever the order of the tape.
+class Ways {
+public:
+    Ways(const Tape& tape, const Attribution& found)
+        : tape_(tape), steps_(tape.nodes.size()), read_(tape.nodes.size(), not_read) {
+        for (NodeId i = found.subject; i >= 0; --i) {
+            if (!found.of[static_cast<std::size_t>(i)].live) continue;
+            for_each_source(
+                tape, i, [&](NodeId source) { at(steps_, source) = std::max(at(steps_, source), at(steps_, i) + 1); });
+        }
+        read(found.subject);
+    }
+
+    [[nodiscard]] auto place_of(NodeId i) { return std::tuple(at(steps_, i), at(read_, i)); }
+
+private:
+    static constexpr int not_read = -1;
+    static int& at(std::vector<int>& of, NodeId i) { return of[static_cast<std::size_t>(i)]; }
+
+    /// From the answer down, operands from left to right. A march is thousands of operations deep.
+    void read(NodeId subject) {
+        int place = 0;
+        std::vector<NodeId> left{subject};
+        while (!left.empty()) {
+            const NodeId i = left.back();
+            left.pop_back();
+            if (at(read_, i) != not_read) continue;
+            at(read_, i) = place++;
+            const auto before = static_cast<std::ptrdiff_t>(left.size());
+            for_each_source(tape_, i, [&](NodeId source) { left.push_back(source); });
+            std::reverse(left.begin() + before, left.end());
+        }
+    }
+
+    const Tape& tape_;
+    std::vector<int> steps_;  ///< operations up to the subject, on the longest way
+    std::vector<int> read_;   ///< its place among those that are read
+};
+
+}  // namespace
+
+std::vector<NodeId> largest_contributions(const Tape& tape, const Attribution& found, std::optional<double> below) {
+    // What is not a number has no size, and comes after all that have one.
+    const auto size = [&](NodeId i) {
+        const double contribution = found.of[static_cast<std::size_t>(i)].contribution;
+        return std::isnan(contribution) ? -1 : std::fabs(contribution);
+    };
+    const auto counts = [&](NodeId i) {
+        const OperationError& e = found.of[static_cast<std::size_t>(i)];
+        return e.live && e.rounding != 0 && !(below && size(i) >= *below);
+    };
+    double largest = -1;
+    for (NodeId i = 0; i <= found.subject; ++i) {
+        if (counts(i)) largest = std::max(largest, size(i));
+    }
+    const double least = std::min(largest, largest * (1 - equal_contributions));
+    std::vector<NodeId> equals;
+    for (NodeId i = 0; i <= found.subject; ++i) {
+        if (counts(i) && size(i) >= least) equals.push_back(i);
+    }
+    if (equals.size() < 2) return equals;
+    Ways ways(tape, found);
+    std::ranges::sort(equals, {}, [&](NodeId i) { return ways.place_of(i); });
+    return equals;
+}
+
+bool is_computed_from(const Tape& tape, const Attribution& found, NodeId i, NodeId from) {
+    std::vector<bool> reached(tape.nodes.size());
+    const auto mark = [&](NodeId k) { reached[static_cast<std::size_t>(k)] = true; };
+    mark(i);
+    for (; i > from; --i) {
+        if (reached[static_cast<std::size_t>(i)] && found.of[static_cast<std::size_t>(i)].live)
+            for_each_source(tape, i, mark);
+    }
+    return reached[static_cast<std::size_t>(from)];
+}
+
+}  // namespace lostbits::measure::blame

@@ -1,0 +1,144 @@
+#include "output/blame/culprit_text.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <vector>
+
+#include "measure/blame/ties.hpp"
+#include "output/blame/operation_words.hpp"
+#include "output/file/number_text.hpp"
+
+namespace lostbits::output::blame {
+
+using measure::blame::Explanation;
+using measure::blame::OperationError;
+
+namespace {
+
+/// Of an answer that is not finite: the input that the format already made infinite or NaN.
+std::optional<std::string> lost_input(const Explanation& x) {
+    const NodeId subject = x.attribution.subject;
+    if (is_decision(x.tape[subject].op) || std::isfinite(x.tape[subject].value)) return {};
+    for (std::size_t i = 0; i < x.inputs.size(); ++i) {
+        if (!std::isfinite(x.inputs[i]) && x.names[i] != "limit")
+            return fmt::format("The input {} is {} in {}. Everything after it follows from that.", x.names[i],
+                               file::decimal(x.inputs[i]), x.format.name);
+    }
+    return {};
+}
+
+/// What the rounding of the culprit goes through, and what was lost before.
+std::string amplifier_text(const Explanation& x, const OperationWords& words) {
+    const NodeId amplifier = x.amplifier(x.attribution.culprit);
+    if (amplifier == no_node) return "";
+    const TapeNode& a = x.tape[amplifier];
+    std::string text = fmt::format("{} cancels {} of {} bits", words.text().definition(amplifier),
+                                   words.of(amplifier).cancelled, x.tape.format_of(amplifier).precision);
+    for (const NodeId operand : a.operands) {
+        if (operand == no_node || words.of(operand).error == 0 || x.tape[operand].op == TapeOp::constant) continue;
+        text += fmt::format("; {} was already off by {} ulp", words.text().operand(operand),
+                            short_number(std::fabs(words.own_ulps(operand, words.of(operand).error))));
+    }
+    return text + ". ";
+}
+
+/// Those that contribute as much as the culprit.
+class EqualsText {
+public:
+    EqualsText(const Explanation& x, const OperationWords& words)
+        : x_(x), words_(words), equals_(x.attribution.equals) {
+        const auto is_opposite = [&](NodeId i) {
+            return std::signbit(words.contribution(i)) != std::signbit(words.contribution(x.attribution.culprit));
+        };
+        opposite_ = static_cast<std::size_t>(std::ranges::count_if(equals_, is_opposite));
+    }
+
+    /// Whether they and the culprit undo each other.
+    [[nodiscard]] bool cancel() const { return 2 * opposite_ == equals_.size() + 1; }
+    /// The culprit and they, added up.
+    [[nodiscard]] double sum() const {
+        double sum = words_.contribution(x_.attribution.culprit);
+        for (const NodeId i : equals_) sum += words_.contribution(i);
+        return sum;
+    }
+
+    /// `; b·b, from which it is computed, contributes the same with the opposite sign`
+    [[nodiscard]] std::string who() const {
+        if (equals_.empty()) return "";
+        constexpr std::size_t most = 3;
+        std::vector<std::string> named;
+        for (const NodeId i : equals_) {
+            if (named.size() < most) named.push_back(words_.text().operand(i));
+        }
+        if (equals_.size() > most) named.push_back(fmt::format("{} more", equals_.size() - most));
+        std::string text = "; " + named.front();
+        for (std::size_t k = 1; k < named.size(); ++k) text += (k + 1 == named.size() ? " and " : ", ") + named[k];
+        const bool before = std::ranges::all_of(equals_, [&](NodeId i) {
+            return measure::blame::is_computed_from(x_.tape, x_.attribution, x_.attribution.culprit, i);
+        });
+        text += before ? ", from which it is computed, contribute" : " contribute";
+        if (equals_.size() == 1) text += "s";
+        text += " the same";
+        if (opposite_ == equals_.size()) return text + " with the opposite sign";
+        return opposite_ == 0 ? text : text + fmt::format(", {} of them with the opposite sign", opposite_);
+    }
+
+private:
+    const Explanation& x_;
+    const OperationWords& words_;
+    const std::vector<NodeId>& equals_;
+    std::size_t opposite_;
+};
+
+/// Where the culprit and its equals undo each other: what the error is then, and the largest part of it.
+std::string rest_text(const Explanation& x, const OperationWords& words) {
+    const measure::blame::Attribution& a = x.attribution;
+    const std::string undo = a.equals.size() == 1 ? ". The two undo each other" : ". They undo each other";
+    if (a.error == 0) return undo + ", and no error is left";
+    double least = std::fabs(words.of(a.culprit).contribution);
+    for (const NodeId i : a.equals) least = std::min(least, std::fabs(words.of(i).contribution));
+    const auto others = largest_contributions(x.tape, a, least);
+    const std::string left = short_number(std::fabs(a.error / words.ulp()));
+    if (others.empty()) return fmt::format("{}, and an error of {} ulp is left", undo, left);
+    return fmt::format("{}: the error of {} ulp is made by the others, the largest of them {} ulp by {}", undo, left,
+                       short_number(std::fabs(words.contribution(others.front()))),
+                       words.text().operand(others.front()));
+}
+
+}  // namespace
+
+std::string culprit_sentence(const Explanation& x) {
+    const OperationWords words(x);
+    const NodeId culprit = x.attribution.culprit, subject = x.attribution.subject;
+    if (subject == no_node || measure::blame::is_plain_miss(x.tape, x.attribution))
+        return "Rounding changed no decision of the form, so no operation is to blame.";
+    if (culprit == no_node) return lost_input(x).value_or("No operation rounded on the way to the answer.");
+    const TapeNode& n = x.tape[culprit];
+    const std::string what = words.text().definition(culprit);
+    if (!std::isfinite(n.value))
+        return fmt::format("{} is {}. Everything after it follows from that.", what, file::decimal(n.value));
+    const std::string arrives =
+        is_decision(x.tape[subject].op) ? fmt::format("in {}", words.text().expression(subject)) : "in t";
+    const OperationError& e = words.of(culprit);
+    const bool harmless = x.standing.outcome == measure::answer::Outcome::agree_hit && x.standing.lost < 1;
+    const EqualsText equals(x, words);
+    std::string text = fmt::format("{}{} {}: its {} of {} ulp becomes {} ulp {}{}", amplifier_text(x, words),
+                                   harmless ? "The largest contribution is that of" : "The culprit is", what,
+                                   e.turned ? "wrong choice" : "rounding",
+                                   short_number(std::fabs(words.own_ulps(culprit, e.rounding))),
+                                   short_number(std::fabs(words.contribution(culprit))), arrives, equals.who());
+    if (equals.cancel()) return text + rest_text(x, words) + ".";
+    if (!x.attribution.equals.empty()) text += fmt::format(": together {} ulp", short_number(std::fabs(equals.sum())));
+    const double share = equals.sum() * words.ulp() / x.attribution.error;
+    if (share > 1 || share < 0)
+        text += fmt::format("; the other roundings cancel all but {} ulp of it",
+                            short_number(std::fabs(x.attribution.error / words.ulp())));
+    else if (std::isfinite(share)) text += fmt::format(", {:.0f} % of the error", 100 * share);
+    return text + ".";
+}
+
+}  // namespace lostbits::output::blame

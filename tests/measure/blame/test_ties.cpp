@@ -1,0 +1,245 @@
+// Operations that contribute the same: which of them is the culprit hangs on the formula, and not on the order in which
+// its tape happens to stand.
+#include "measure/blame/ties.hpp"
+
+#include <algorithm>
+
+#include "catch.hpp"
+#include "measure/blame/recorded_rays.hpp"
+#include "number/recorded.hpp"
+#include "scene/file/scene.hpp"
+#include "scene/sweep/sweep_file.hpp"
+
+namespace lostbits::test {
+
+using intersect::table::Intersector;
+using measure::blame::Attribution;
+
+namespace {
+
+struct Shuffled {
+    Tape tape;
+    std::vector<NodeId> place;  ///< of each node of the tape as it was
+
+    [[nodiscard]] NodeId at(NodeId i) const { return i == no_node ? no_node : place[static_cast<std::size_t>(i)]; }
+    [[nodiscard]] std::vector<NodeId> at(std::vector<NodeId> nodes) const {
+        for (NodeId& i : nodes) i = at(i);
+        return nodes;
+    }
+};
+
+/// The same operations in a random order in which each comes after its operands.
+Shuffled shuffle(const Tape& tape, Random& random) {
+    Shuffled s{tape, std::vector<NodeId>(tape.nodes.size(), no_node)};
+    std::vector<std::vector<NodeId>> users(tape.nodes.size());
+    std::vector<int> waits(tape.nodes.size());
+    std::vector<NodeId> ready;
+    for (NodeId i = 0; i < tape.size(); ++i) {
+        if (!is_given(tape[i].op)) {
+            for (const NodeId operand : tape[i].operands) {
+                if (operand == no_node) continue;
+                users[static_cast<std::size_t>(operand)].push_back(i);
+                ++waits[static_cast<std::size_t>(i)];
+            }
+        }
+        if (waits[static_cast<std::size_t>(i)] == 0) ready.push_back(i);
+    }
+    NodeId next = 0;
+    while (!ready.empty()) {
+        const auto k = static_cast<std::size_t>(random.unit() * static_cast<double>(ready.size()));
+        const NodeId i = ready[k];
+        ready.erase(ready.begin() + static_cast<std::ptrdiff_t>(k));
+        s.place[static_cast<std::size_t>(i)] = next;
+        TapeNode& n = s.tape[next++] = tape[i];
+        if (!is_given(n.op)) {
+            for (NodeId& operand : n.operands) operand = s.at(operand);
+        }
+        for (const NodeId user : users[static_cast<std::size_t>(i)]) {
+            if (--waits[static_cast<std::size_t>(user)] == 0) ready.push_back(user);
+        }
+    }
+    s.tape.samples.clear();
+    s.tape.outputs = {s.at(tape.outputs.hit), s.at(tape.outputs.t), s.at(tape.outputs.near), s.at(tape.outputs.far)};
+    return s;
+}
+
+/// What was seen of ties over many tapes.
+struct Seen {
+    int ties = 0;       ///< tapes with equals
+    int not_first = 0;  ///< of which the culprit is not the first on the tape
+};
+
+/// The tape has the same culprit, and the same equals, in whatever order it stands.
+void demand_one_culprit(const Tape& tape, Random& random, Seen& seen) {
+    const Attribution a = measure::blame::attribute(tape);
+    for (int k = 0; k < 3; ++k) {
+        const Shuffled s = shuffle(tape, random);
+        const Attribution b = measure::blame::attribute(s.tape);
+        REQUIRE(b.subject == s.at(a.subject));
+        REQUIRE(b.culprit == s.at(a.culprit));
+        REQUIRE(b.equals == s.at(a.equals));
+    }
+    seen.ties += !a.equals.empty();
+    seen.not_first += std::ranges::any_of(a.equals, [&](NodeId i) { return i < a.culprit; });
+}
+
+/// A tape by hand, in binary64. Sums at 2^53, whose ulp is 2: 2^53 + 1 rounds down and (2^53 + 2) + 1 up, both by 1.
+struct ByHand {
+    using T = Recorded<double>;
+    Tape tape;
+    Tape::Scope scope{tape};
+    T down() const { return T(0x1p53) + T(1.0); }
+    T up() const { return T(0x1p53 + 2) + T(1.0); }
+};
+
+/// In every order of the tape.
+Attribution attribution_of(const ByHand& hand, const Recorded<double>& t) {
+    Random random(3);
+    const Attribution a = measure::blame::attribute(hand.tape, t.node());
+    for (int k = 0; k < 50; ++k) {
+        const Shuffled s = shuffle(hand.tape, random);
+        const Attribution b = measure::blame::attribute(s.tape, s.at(t.node()));
+        CHECK(b.culprit == s.at(a.culprit));
+        CHECK(b.equals == s.at(a.equals));
+    }
+    return a;
+}
+
+}  // namespace
+
+TEST_CASE("of two that cancel the culprit is the one that is computed from the other", "[ties]") {
+    const ByHand hand;
+    const auto sum = hand.down();                // −1
+    const auto c = sum + Recorded<double>(3.0);  // 2^53 + 3, up by 1
+    const Attribution a = attribution_of(hand, c);
+    CHECK(a.of[static_cast<std::size_t>(sum.node())].contribution == -1);
+    CHECK(a.of[static_cast<std::size_t>(c.node())].contribution == 1);
+    CHECK(a.error == 0);
+    CHECK(a.culprit == c.node());
+    CHECK(a.equals == std::vector{sum.node()});
+    CHECK(is_computed_from(hand.tape, a, c.node(), sum.node()));
+    CHECK_FALSE(is_computed_from(hand.tape, a, sum.node(), c.node()));
+}
+
+TEST_CASE("of two that add up it is too", "[ties]") {
+    const ByHand hand;
+    const auto sum = hand.up();                  // +1
+    const auto c = sum - Recorded<double>(1.0);  // (2^53 + 4) − 1, up by 1
+    const Attribution a = attribution_of(hand, c);
+    CHECK(a.error == 2);
+    CHECK(a.culprit == c.node());
+    CHECK(a.equals == std::vector{sum.node()});
+}
+
+TEST_CASE("of two that are not on one chain it is the nearer one, then the one that is read first", "[ties]") {
+    for (const bool down_first : {true, false}) {
+        const ByHand hand;
+        const auto down = hand.down(), up = hand.up();
+        const auto t = down_first ? down + up : up + down;
+        const Attribution a = attribution_of(hand, t);
+        CHECK(a.culprit == (down_first ? down : up).node());
+        CHECK(a.equals == std::vector{(down_first ? up : down).node()});
+        CHECK_FALSE(is_computed_from(hand.tape, a, up.node(), down.node()));
+    }
+    const ByHand hand;
+    const auto down = hand.down(), up = hand.up();
+    const auto t = -down + up;
+    CHECK(attribution_of(hand, t).culprit == up.node());
+}
+
+TEST_CASE("of three equals too", "[ties]") {
+    for (const bool chain_first : {true, false}) {
+        const ByHand hand;
+        const auto sum = hand.down(), c = sum + Recorded<double>(3.0), up = hand.up();
+        const auto t = chain_first ? c + up : up + c;
+        const Attribution a = attribution_of(hand, t);
+        CHECK(a.culprit == (chain_first ? c : up).node());
+        CHECK(a.equals == std::vector{(chain_first ? up : c).node(), sum.node()});
+    }
+}
+
+TEST_CASE("a side that is not taken makes no chain", "[ties]") {
+    const ByHand hand;
+    const auto down = hand.down(), other = hand.down();
+    const auto taken = select(Recorded<double>(1.0) < Recorded<double>(2.0), other, down);
+    const auto c = taken + Recorded<double>(3.0);
+    const auto t = down + c;
+    const Attribution a = attribution_of(hand, t);
+    CHECK(a.culprit == down.node());
+    CHECK(a.equals == std::vector{c.node(), other.node()});
+    CHECK_FALSE(is_computed_from(hand.tape, a, c.node(), down.node()));
+    CHECK(is_computed_from(hand.tape, a, c.node(), other.node()));
+}
+
+TEST_CASE("equal is what agrees to 2^-20", "[ties]") {
+    for (const auto& [more, equal] : {std::pair{0x1p-21, true}, std::pair{0x1p-19, false}}) {
+        const ByHand hand;
+        const auto larger = hand.down(), smaller = hand.up();
+        const auto t = larger * Recorded<double>(1 + more) + smaller;
+        const Attribution a = attribution_of(hand, t);
+        CHECK(a.culprit == (equal ? smaller : larger).node());
+        CHECK(a.equals.empty() != equal);
+        CHECK(measure::blame::largest_contributions(hand.tape, a, 1).empty());
+    }
+}
+
+TEST_CASE("roundings that do not reach the answer are no equals", "[ties]") {
+    const ByHand hand;
+    const auto t = (hand.down() + hand.up()) * Recorded<double>(0.0);
+    const Attribution a = attribution_of(hand, t);
+    CHECK(a.error == 0);
+    CHECK(a.equals.empty());
+}
+
+TEST_CASE("every form has the same culprit in every order of its tape", "[ties]") {
+    Seen seen;
+    for (const char* name : {"f32", "f64", "bf16", "p12"}) {
+        const Format format = *find_format(name);
+        for (const Intersector& form : intersect::table::intersectors()) {
+            if (!form.exists_in(format)) continue;
+            Random random(31);
+            for (const double far : {1.0, 100.0, 4000.0}) {
+                for (int i = 0; i < 20; ++i) {
+                    const Setting s = draw_setting(random, form, format, far);
+                    Tape tape;
+                    form.record(format, s.ray, s.target(form), HUGE_VAL, tape);
+                    INFO(form.info->name << " in " << name << ", " << far << " times as far, ray " << i);
+                    demand_one_culprit(tape, random, seen);
+                }
+            }
+        }
+    }
+    CHECK(seen.ties > 300);
+    CHECK(seen.not_first > 150);
+}
+
+TEST_CASE("so have the rays 4100 radii away", "[ties]") {
+    const Format f32 = *find_format("f32");
+    const auto found = scene::file::find_scene("rtg-fig-7-3-4100-oblique", LOSTBITS_DATA_DIR);
+    const scene::file::Scene scene = scene::file::load_scene(found.path, {.size = std::pair{24, 24}}).front();
+    const auto picture = scene::rays::input_rays(scene, 0, 24, binary32);
+    const Solid<double> solid = scene::rays::input_solid(scene, 0, binary32);
+    const scene::sweep::SweepFile sweep(scene::sweep::find_sweep("sphere-distance", LOSTBITS_DATA_DIR),
+                                        LOSTBITS_DATA_DIR);
+    const auto families = sweep.rays({4100});
+    for (const Intersector& form : intersect::table::intersectors(Shape::sphere)) {
+        Random random(41);
+        Seen seen;
+        INFO(form.info->name);
+        const auto ask = [&](const Ray<double>& ray, const Solid<double>& at) {
+            Tape tape;
+            form.record(f32, ray, intersect::Target<double>(at), HUGE_VAL, tape);
+            demand_one_culprit(tape, random, seen);
+        };
+        for (std::size_t i = 0; i < picture.size(); i += 5) ask(picture[i], solid);
+        for (const auto& family : families) {
+            for (std::size_t i = 0; i < family.rays.size(); i += 9) ask(family.rays[i], family.solids.front());
+        }
+        if (form.info->name == "sphere.schoolbook") {
+            CHECK(seen.ties > 20);
+            CHECK(seen.not_first == seen.ties);
+        }
+    }
+}
+
+}  // namespace lostbits::test
