@@ -226,7 +226,7 @@ private:
     }
 
     void choose_culprit() {
-        found_.equals = largest_contributions(tape_, found_);
+        found_.equals = culprit_and_equals(tape_, found_);
         if (found_.equals.empty()) return;
         found_.culprit = found_.equals.front();
         if (!(std::fabs(of(found_.culprit).contribution) > 0)) return found_.equals.clear();

@@ -86,6 +86,34 @@ std::vector<NodeId> largest_contributions(const Tape& tape, const Attribution& f
     return equals;
 }
 
+namespace {
+
+bool are_wrong_choices_undone(const Attribution& found, const std::vector<NodeId>& equals) {
+    double sum = 0, largest = 0;
+    for (const NodeId i : equals) {
+        const OperationError& e = found.of[static_cast<std::size_t>(i)];
+        if (!e.turned) return false;
+        sum += e.contribution;
+        largest = std::max(largest, std::fabs(e.contribution));
+    }
+    return equals.size() > 1 && std::fabs(sum) <= equal_contributions * largest;
+}
+
+}  // namespace
+
+std::vector<NodeId> culprit_and_equals(const Tape& tape, const Attribution& found) {
+    const std::vector<NodeId> largest = largest_contributions(tape, found);
+    std::vector<NodeId> equals = largest;
+    while (are_wrong_choices_undone(found, equals)) {
+        double least = HUGE_VAL;
+        for (const NodeId i : equals)
+            least = std::min(least, std::fabs(found.of[static_cast<std::size_t>(i)].contribution));
+        equals = largest_contributions(tape, found, least);
+    }
+    const bool any = !equals.empty() && found.of[static_cast<std::size_t>(equals.front())].contribution != 0;
+    return any ? equals : largest;
+}
+
 bool is_computed_from(const Tape& tape, const Attribution& found, NodeId i, NodeId from) {
     std::vector<bool> reached(tape.nodes.size());
     const auto mark = [&](NodeId k) { reached[static_cast<std::size_t>(k)] = true; };

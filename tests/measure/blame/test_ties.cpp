@@ -171,6 +171,21 @@ TEST_CASE("a side that is not taken makes no chain", "[ties]") {
     CHECK(is_computed_from(hand.tape, a, c.node(), other.node()));
 }
 
+TEST_CASE("wrong choices that undo each other are no culprit while anything else was lost", "[ties]") {
+    using T = ByHand::T;
+    const auto chosen = [](const ByHand& hand) { return select(hand.down() > T(0x1p53), T(1000), T(2000)); };
+    ByHand hand;
+    const T a = chosen(hand), b = chosen(hand), third = T(1) / T(3);
+    const Attribution with = attribution_of(hand, (a - b) + third);
+    CHECK(with.culprit == third.node());
+    CHECK(with.equals.empty());
+    const Attribution alone = attribution_of(hand, a - b);
+    CHECK((alone.culprit == a.node() || alone.culprit == b.node()));
+    CHECK(alone.equals.size() == 1);
+    const Attribution one = attribution_of(hand, a + third);
+    CHECK(one.culprit == a.node());
+}
+
 TEST_CASE("equal is what agrees to 2^-20", "[ties]") {
     for (const auto& [more, equal] : {std::pair{0x1p-21, true}, std::pair{0x1p-19, false}}) {
         const ByHand hand;

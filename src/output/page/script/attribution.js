@@ -264,7 +264,7 @@ class Walk {
         this.explained += n.contribution;
     }
     chooseCulprit() {
-        const [culprit, ...equals] = largestContributions(this);
+        const [culprit, ...equals] = culpritAndEquals(this);
         if (culprit === undefined) return;
         this.culprit = culprit;
         if (Math.abs(this.at(culprit).contribution) > 0) this.equals = equals;

@@ -39,6 +39,17 @@ function largestContributions(walk, below = NaN) {
     return equals.sort((a, b) => steps[a] - steps[b] || read.get(a) - read.get(b));
 }
 
+/** The same, but wrong choices that undo each other are passed over while anything else was lost. */
+function culpritAndEquals(walk) {
+    const of = (i) => walk.at(i).contribution, sizes = (equals) => equals.map((i) => Math.abs(of(i))),
+          undone = (equals) => equals.length > 1 && equals.every((i) => walk.at(i).turned) &&
+        Math.abs(equals.reduce((sum, i) => sum + of(i), 0)) <= equalContributions * Math.max(...sizes(equals)),
+          largest = largestContributions(walk);
+    let equals = largest;
+    while (undone(equals)) equals = largestContributions(walk, Math.min(...sizes(equals)));
+    return equals.length > 0 && of(equals[0]) !== 0 ? equals : largest;
+}
+
 /** Whether the error of operation `from` goes through operation i. */
 function isComputedFrom(walk, i, from) {
     const reached = new Set([i]);
