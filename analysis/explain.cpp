@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "commands.hpp"
+#include "lost_numbers.hpp"
 #include "measure/answer/one_ray.hpp"
 #include "output/blame/explain_programs.hpp"
 #include "output/blame/explain_text.hpp"
@@ -107,7 +108,7 @@ Exit run(const ExplainOptions& o, const Common& common) {
         throw InputError(
             fmt::format("-i {}: this form does not exist in {}, only in f32; try -f f32", o.form, o.format));
     const measure::answer::OneRay ray = ray_of(o, scene);
-    if (!common.quiet) note_lost_constants(scene, {{&form, formats.front()}});
+    if (!common.quiet) note_lost_numbers(scene, {{&form, formats.front()}});
     const measure::blame::Explanation x = measure::blame::explain(form, formats.front(), ray);
     if (o.json) fmt::print("{}", output::blame::explain_json(x));
     else if (o.fpcore) fmt::print("{}", output::blame::explain_fpcore(x));
@@ -139,7 +140,10 @@ void add_explain(CLI::App& program, const Common& common, Command& chosen) {
     as->add_flag("--json", o->json, "Everything, as JSON");
     as->add_flag("--fpcore", o->fpcore, "FPCore 2.0 of t, for Herbie and FPBench");
     as->add_flag("--latex", o->latex, "The operations as a LaTeX align*");
-    as->add_flag("--c", o->c, "A C program that reproduces t to the bit");
+    as->add_flag(
+        "--c", o->c,
+        "A C program that reproduces t to the bit; a form with a fused multiply-add or a step to the next number: in "
+        "f32 and f64 alone");
     as->require_option(0, 1);
     command->callback([o, &common, &chosen] { chosen = [o, &common] { return run(*o, common); }; });
 }

@@ -28,7 +28,7 @@ struct Listing {
 };
 
 Listing intersectors() {
-    Listing l{{"name", "title", "direction", "roots", "touching", "formats", "source"}, {}};
+    Listing l{{"name", "title", "direction", "roots", "touching", "at_origin", "formats", "source"}, {}};
     for (const intersect::table::Intersector& i : lostbits::intersect::table::intersectors()) {
         const intersect::Info& info = *i.info;
         const char* roots = info.roots == intersect::Roots::both        ? "both"
@@ -37,6 +37,7 @@ Listing intersectors() {
         l.rows.push_back({std::string(info.name), std::string(info.title),
                           info.direction == intersect::Direction::unit ? "unit" : "any", roots,
                           info.touching == intersect::Touching::hit ? "hits" : "misses",
+                          info.at_origin == intersect::AtOrigin::hit ? "hits" : "misses",
                           info.formats == intersect::Formats::all ? "all" : "f32", std::string(info.source)});
     }
     return l;

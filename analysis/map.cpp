@@ -8,6 +8,7 @@
 #include <set>
 
 #include "commands.hpp"
+#include "lost_numbers.hpp"
 #include "measure/blame/culprits.hpp"
 #include "measure/map/culprit_order.hpp"
 #include "output/map/map_files.hpp"
@@ -190,7 +191,7 @@ Exit run(const MapOptions& o, const Common& common) {
     for (const auto& scene : scenes) probe(std::filesystem::path(o.out) / scene.id / "summary.csv");
     if (o.bits_needed > 0 && !common.quiet) note_skipped(works);
     if (!common.quiet) {
-        for (const SceneWork& work : works) note_lost_constants(*work.map.scene, work.map.rows);
+        for (const SceneWork& work : works) note_lost_numbers(*work.map.scene, work.map.rows);
     }
 
     std::uint64_t units = 0, unresolved = 0;

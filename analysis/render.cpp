@@ -7,6 +7,7 @@
 #include <set>
 
 #include "commands.hpp"
+#include "lost_numbers.hpp"
 #include "output/picture/render_files.hpp"
 #include "results.hpp"
 #include "scene/file/scene.hpp"
@@ -111,6 +112,10 @@ Exit run(const RenderOptions& o, const Common& common) {
         units += scene.pixels() * rows.size();
     }
     for (const auto& scene : scenes) probe(std::filesystem::path(o.out) / scene.id / "summary.csv");
+
+    if (!common.quiet) {
+        for (const auto& scene : scenes) note_lost_numbers(scene, rows);
+    }
 
     output::file::Progress progress(units, "render", common.progress, common.quiet);
     for (RenderRequest& request : requests) {

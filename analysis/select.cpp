@@ -12,7 +12,6 @@
 #include <thread>
 
 #include "number/error.hpp"
-#include "scene/file/march_table.hpp"
 #include "scene/toml/did_you_mean.hpp"
 
 namespace lostbits::analysis {
@@ -138,16 +137,6 @@ std::vector<Format> select_formats(const std::vector<std::string>& names) {
         for (int p = first->shape.precision; p <= last->shape.precision; ++p) add("p" + std::to_string(p));
     }
     return formats;
-}
-
-void note_lost_constants(const Scene& scene, const std::vector<MapRow>& rows) {
-    std::vector<std::string> seen;
-    for (const MapRow& row : rows) {
-        if (row.form->shape != Shape::sdf || std::ranges::find(seen, row.format.name) != seen.end()) continue;
-        seen.push_back(row.format.name);
-        for (const std::string& lost : scene::file::lost_constants(scene, row.format.shape))
-            fmt::print(stderr, "lostbits: {} in {}: march.{}\n", scene.id, row.format.name, lost);
-    }
 }
 
 std::vector<MapRow> cross(const std::vector<const Intersector*>& forms, const std::vector<Format>& formats) {

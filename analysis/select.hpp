@@ -40,9 +40,6 @@ std::vector<const measure::metric::Metric*> that_apply(std::vector<const measure
 std::vector<const measure::metric::Metric*> measured(const std::vector<const measure::metric::Metric*>& asked,
                                                      const std::vector<measure::map::MapRow>& rows);
 
-/// Says on stderr which constants of a scene's march the formats of the rows cannot hold.
-void note_lost_constants(const scene::file::Scene& scene, const std::vector<measure::map::MapRow>& rows);
-
 /// Every selected form in every selected format that it exists in. NothingSelected where that leaves none.
 std::vector<measure::map::MapRow> cross(const std::vector<const intersect::table::Intersector*>& forms,
                                         const std::vector<Format>& formats);

@@ -6,6 +6,7 @@
 #include <memory>
 
 #include "commands.hpp"
+#include "lost_numbers.hpp"
 #include "output/sweep/case_files.hpp"
 #include "output/sweep/sweep_files.hpp"
 #include "output/sweep/sweep_plots.hpp"
@@ -67,6 +68,7 @@ void run_case_file(const std::filesystem::path& path, const Chosen& chosen, cons
             request.rows.push_back(row);
         }
     }
+    if (!common.quiet) note_lost_numbers(file, rows);
     const auto folder = std::filesystem::path(o.out) / file.id;
     output::sweep::CaseFiles files(request, folder);
     Progress progress(file.size() * request.rows.size(), file.id, common.progress, common.quiet);
@@ -89,6 +91,7 @@ void run_axes(const std::filesystem::path& path, const Chosen& chosen, const Swe
                                             [&sweep] { return measure::blame::SettingOf(sweep.first_rays()); });
     for (MapRow& row : request.rows) row.judged = sweep.convention;
     request.further_draws = o.seeds;
+    if (!common.quiet) note_lost_numbers(sweep, request.rows);
     const auto folder = std::filesystem::path(o.out) / sweep.id;
     output::sweep::SweepFiles files(request, folder);
     Progress progress(measure::sweep::sweep_units(request), sweep.id, common.progress, common.quiet);

@@ -21,14 +21,26 @@ enum class Roots {
 /// box of zero thickness is never hit).
 enum class Touching { hit, miss };
 
-/// By whose word touching is judged, as files and columns name it: the form's own, the closed solid's (a hit), the open
-/// one's.
+/// Whether a sphere's surface exactly at the ray's origin (t = 0) counts as its first intersection. Where it does not,
+/// the answer is the other root if that lies ahead, and a miss if not: the first t > 0. A box is a solid, entered at
+/// t = 0 by a ray that starts in it, and a march samples the field at t = 0: for their forms t = 0 counts.
+enum class AtOrigin { hit, miss };
+
+/// What counts as a hit, in both questions that geometry leaves open. Touching alone names one in which t = 0 counts.
+struct Convention {
+    Touching touching = Touching::hit;
+    AtOrigin at_origin = AtOrigin::hit;
+
+    constexpr Convention() = default;
+    constexpr Convention(Touching touch, AtOrigin origin = AtOrigin::hit) : touching(touch), at_origin(origin) {}
+    friend bool operator==(const Convention&, const Convention&) = default;
+};
+
+/// By whose word a form is judged, as files and columns name it: its own, the closed solid's (touching is a hit), the
+/// open one's (a miss). By the latter two, t = 0 counts.
 inline constexpr std::string_view convention_name(std::optional<Touching> judged) {
     return !judged ? "own" : *judged == Touching::hit ? "closed" : "open";
 }
-
-/// Whether an intersection exactly at the ray's origin (t = 0) counts.
-enum class AtOrigin { hit, miss };
 
 enum class Formats { all, binary32_only };
 
@@ -41,6 +53,8 @@ struct Info {
     Touching touching = Touching::hit;
     AtOrigin at_origin = AtOrigin::hit;
     Formats formats = Formats::all;
+
+    [[nodiscard]] constexpr Convention convention() const { return {touching, at_origin}; }
 };
 
 }  // namespace lostbits::intersect

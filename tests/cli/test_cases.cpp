@@ -145,3 +145,40 @@ TEST_CASE("cases and searches that are wrong, or asked for wrongly, write nothin
     CHECK(boxes.code == 4);
     CHECK(scratch.files() == std::vector<std::string>{"s.toml"});
 }
+
+TEST_CASE("a length that a format makes 0 or infinity of is said on stderr") {
+    const Scratch scratch;
+    const std::string out = " -q -o '" + (scratch.path() / "out").string() + "'", loud = out.substr(3);
+    const auto said = [&](const std::string& command) { return run(command + loud).err; };
+    const std::string scene = "'" + scratch.write("s.toml", spoilt("radius = 1", "radius = 1e-9")) + "'";
+    const std::string note = "lostbits: s in fp16: radius = 1e-09 rounds to 0 (sphere[0])\n";
+    for (const std::string command : {"map ", "render "}) {
+        const std::string asked = command + scene + " --size 8x8 -i sphere.press -f f32 -f fp16 -f bf16";
+        CHECK(said(asked) == note);
+        CHECK(run(asked + out).err.empty());
+    }
+    CHECK(run("explain " + scene + " --pixel 1,1 -i sphere.press -f fp16").err == note);
+
+    const std::string sweep = scratch.write("w.toml", head + R"([family]
+views = 2
+rays = 2
+[[axis]]
+name = "size"
+spacing = "log2"
+from = "0x1p-30"
+to = "0x1p-22"
+steps = 9
+set = ["radius"]
+)");
+    // 2^-25 ties to 0, and the five steps below it are 0 as well; the two views of a step are one place.
+    CHECK(said("sweep '" + sweep + "' -i sphere.press -f fp16 -f f32") ==
+          "lostbits: w in fp16: radius = 9.31323e-10 rounds to 0 (size = 9.313225746154785e-10; 6 in all)\n");
+
+    const auto cases = [&](const std::string& radius) {
+        const std::string text = replaced(small_cases, "radius = 2", "radius = " + radius);
+        return said("sweep '" + scratch.write("c.toml", text) + "' -i sphere.press -f fp16 -f f32");
+    };
+    CHECK(cases("1e-9") == "lostbits: c in fp16: radius = 1e-09 rounds to 0 (case \"one, ahead\")\n");
+    CHECK(cases("1e6") == "lostbits: c in fp16: radius = 1e+06 rounds to infinity (case \"one, ahead\")\n");
+    for (const char* meant : {"\"tiny\"", "\"min\"", "\"max\""}) CHECK(cases(meant).empty());
+}

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <fstream>
+#include <set>
 
 #include "catch.hpp"
 #include "fpcore.hpp"
@@ -121,6 +122,7 @@ TEST_CASE("C programs compile alone, compute the recorded bits, and say so in th
           "box-one --pixel 0,0 -i box.signs", "sdf-sphere --pixel 0,0 -i sdf.sphere_trace"}) {
         for (const char* format : {"f32", "f64", "p26", "p52", "p53"}) asked.emplace_back(more, format);
     }
+    std::multiset<std::string> refused;
     for (const auto& [what, format] : asked) {
         const auto r = run("explain " + what + " -f " + format + " --c");
         INFO(what << " in " << format << ": " << r.err);
@@ -128,6 +130,7 @@ TEST_CASE("C programs compile alone, compute the recorded bits, and say so in th
             CHECK(format != "f32");
             CHECK(format != "f64");
             CHECK(has(r.err, "try -f f32 or f64"));
+            refused.insert(what.substr(what.find("-i ") + 3));
             continue;
         }
         REQUIRE(r.code == 0);
@@ -141,6 +144,18 @@ TEST_CASE("C programs compile alone, compute the recorded bits, and say so in th
         ++compiled;
     }
     CHECK(compiled > 155);
+    const std::multiset<std::string> both{
+        "box.embree_fma",       "box.embree_fma",      "sphere.kahan_discriminant", "sphere.kahan_discriminant",
+        "sphere.pbrt_interval", "sphere.pbrt_interval"};
+    CHECK(refused == both);  // in bf16 and in p52
+    const std::string docs = test::contents(std::filesystem::path(LOSTBITS_DATA_DIR).parent_path() / "docs/explain.md");
+    const auto from = docs.find("It refuses three forms there:"), to = docs.find("\n\n", from);
+    REQUIRE(from != std::string::npos);
+    for (const intersect::table::Intersector& form : intersect::table::intersectors()) {
+        const std::string name(form.info->name);
+        INFO(name);
+        CHECK(has(docs.substr(from, to - from), "`" + name + "`") == (both.count(name) > 0));
+    }
 }
 
 TEST_CASE("FPCore reads as s-expressions and evaluates to the recorded bits") {

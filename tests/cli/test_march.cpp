@@ -97,6 +97,40 @@ TEST_CASE("metrics of marches are asked of forms that march") {
     CHECK(run("map sdf-union -i 'sphere.*' -o '" + scratch.path().string() + "'").code == 4);
 }
 
+TEST_CASE("explain and map say stagnated where the step after the last sample leads nowhere") {
+    const Scratch scratch;
+    const auto scene = [&](int cap) {
+        return "'" + scratch.write("far.toml", R"(schema = "lostbits-scene/1"
+title = "A test"
+size = [1, 1]
+[camera]
+kind = "orthographic"
+width = 1
+eye = [-8192, 0, 0]
+look_at = [0, 0, 0]
+[march]
+hit_eps = 1e-5
+max_dist = 20000
+max_steps = )" + std::to_string(cap) + "\n[[sphere]]\ncentre = [0, 0, 0]\nradius = 0.9999\n") +
+               "'";
+    };
+    const auto table = [&](int cap) { return run("explain " + scene(cap) + " --pixel 0,0 -i sdf.sphere_trace").out; };
+    CHECK(has(table(1), "  miss: all 1 samples are used\n"));
+    CHECK(has(table(2), "  no step: t + d = t; miss: all 2 samples are used\n"));
+    CHECK(has(table(3), "  no step: t + d = t\n"));
+    for (const int cap : {1, 2, 3}) {
+        const std::string out = (scratch.path() / std::to_string(cap)).string();
+        REQUIRE(
+            run("map " + scene(cap) + " -i sdf.sphere_trace -i sdf.accumulated -f f32 --metric stop -o '" + out + "'")
+                .code == 0);
+        const auto rows = read_csv(scratch.path() / std::to_string(cap) / "far/summary.csv");
+        REQUIRE(rows.size() == 2);
+        CHECK(rows[0].at("stop_stagnated") == (cap == 1 ? "0" : "1"));
+        CHECK(rows[1].at("stop_stagnated") == "0");  // its point moves on
+        CHECK(rows[1].at("stop_hit") == (cap == 3 ? "1" : "0"));
+    }
+}
+
 TEST_CASE(
     "a sweep over the constants of a march: onsets of standing still, the split of the error, the same bytes for any "
     "-j") {

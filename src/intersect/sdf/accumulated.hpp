@@ -28,6 +28,7 @@ struct Accumulated {
             const auto moved = [&](const T& x, const T& direction) { return select(active, x + d * direction, x); };
             p = Vec<T>(moved(p.x, ray.direction.x), moved(p.y, ray.direction.y), moved(p.z, ray.direction.z));
             t = select(active, t + d, t);
+            watch.stepped(active, t, p);
             active = active && !(t > c.max_dist);
         }
         return only(hit, t);

@@ -7,10 +7,18 @@
 
 namespace lostbits::intersect::sdf {
 
-/// Sees every sample of a march: where it was taken, and whether the march was still under way. This one looks away.
+/// Sees every sample of a march (where it was taken, and whether the march was still under way) and the step after it:
+/// to which t and, where the form moves the point itself, to which point. `changed` says that the form changed
+/// something else than the place, so that its next step from the same place may differ. This one looks away.
 struct Unwatched {
     template <class M, class T>
     void operator()(const M& /*active*/, const T& /*t*/, const Vec<T>& /*p*/, const T& /*d*/) const {}
+    template <class M, class T>
+    void stepped(const M& /*active*/, const T& /*t*/) const {}
+    template <class M, class T>
+    void stepped(const M& /*active*/, const T& /*t*/, const M& /*changed*/) const {}
+    template <class M, class T>
+    void stepped(const M& /*active*/, const T& /*t*/, const Vec<T>& /*p*/) const {}
 };
 
 /// Where a march stands when it ends: its last sample and the one before (t = d = 0 where there was one alone).
@@ -44,6 +52,7 @@ Marched<T> march(const Ray<T>& ray, const Field& field, const MarchConstants<T>&
         active = active && !m.hit;
         m.t_before = select(active, m.t, m.t_before);
         m.t = select(active, m.t + d, m.t);
+        watch.stepped(active, m.t);
         active = active && !(m.t > c.max_dist);
     }
     return m;

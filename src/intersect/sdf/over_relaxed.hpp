@@ -35,6 +35,7 @@ struct OverRelaxed {
             t_last = select(active && !parted, t, t_last);
             d_last = select(active && !parted, d, d_last);
             t = select(active, next, t);
+            watch.stepped(active, t, parted);
             active = active && !(t > c.max_dist);
         }
         return only(hit, t);

@@ -1,5 +1,6 @@
 // The segment form of a ray-casting course: with d = P1 − P0 (formed where the ray is made),
-// c = G·G + O·O − 2 G·O − r², so the scene's distance from the world origin enters squared. Near root only.
+// c = G·G + O·O − 2 G·O − r², so the scene's distance from the world origin enters squared. The six squares are added
+// one to the next, as the source writes them: cx·cx + cy·cy + cz·cz + x0·x0 + y0·y0 + z0·z0. Near root only.
 #pragma once
 
 #include "intersect/sphere/roots.hpp"
@@ -19,8 +20,8 @@ struct Expanded {
         const Vec<T> f = ray.origin - sphere.centre;
         const T a = named("a", square(ray.direction));
         const T b = named("b", T(2) * dot(f, ray.direction));
-        const T c = named("c", square(sphere.centre) + square(ray.origin) - T(2) * dot(sphere.centre, ray.origin) -
-                                   square(sphere.radius));
+        const T squares = square(sphere.centre) + square(ray.origin.x) + square(ray.origin.y) + square(ray.origin.z);
+        const T c = named("c", squares - T(2) * dot(sphere.centre, ray.origin) - square(sphere.radius));
         const T disc = named("disc", square(b) - T(4) * a * c);
         return near_hit<T>(disc < T(0), (-b - sqrt(disc)) / (T(2) * a));
     }

@@ -11,7 +11,8 @@ MarchLog logged(const Ray<double>& ray, const Target<double>& target) {
     const LiftedTarget<T> lifted(target, lift);
     StepLog<T> log;
     const Hit<T> hit = intersect_target<Form>(Ray<T>{vec(ray.origin), vec(ray.direction)}, lifted.get(), T(0), log);
-    return {log.take(), {hit.hit, as_double(hit.t), as_double(hit.near), as_double(hit.far)}};
+    const Stop stop = log.stop(hit, *lifted.get().march);
+    return {log.take(), {hit.hit, as_double(hit.t), as_double(hit.near), as_double(hit.far)}, stop};
 }
 
 template <class Form>

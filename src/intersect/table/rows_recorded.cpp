@@ -9,7 +9,7 @@ namespace {
 /// Marks where the samples of a march end, and gives its operations the names that the lesson SDF Sphere Marching has
 /// for them.
 template <class T>
-struct SampleMarks {
+struct SampleMarks : sdf::Unwatched {
     void operator()(const RecordedMask& /*active*/, const T& t, const Vec<T>& p, const T& d) const {
         named("t", t);
         named("p.x", p.x);

@@ -38,6 +38,7 @@ struct HitBatch {
 struct MarchLog {
     std::vector<MarchStep> steps;
     Hit<double> hit{false, 0, 0, 0};
+    Stop stop = Stop::max_steps;
 };
 
 /// One form in every arithmetic. A null pointer means that the form does not exist there (see `Info::formats`).

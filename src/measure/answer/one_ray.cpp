@@ -59,7 +59,7 @@ OneRay::Inputs OneRay::inputs(const intersect::table::Intersector& form, const F
 
 double OneRay::condition(const intersect::Info& info) const {
     band_->find_condition();
-    return band_->condition(index_, info.touching);
+    return band_->condition(index_, info.convention());
 }
 
 const truth::Certified& OneRay::true_t(const intersect::Info& info) const {

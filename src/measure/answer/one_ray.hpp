@@ -26,16 +26,16 @@ public:
         [[nodiscard]] Ray<double> ray(const intersect::Info& info) const { return all.rays_for(info)[index]; }
     };
     [[nodiscard]] Inputs inputs(const intersect::table::Intersector& form, const Format& format) const;
-    /// By the form's own word on touching.
+    /// By the form's own convention.
     [[nodiscard]] const truth::Truth& truth(const intersect::Info& info) const {
-        return band_->truth(index_, info.touching);
+        return band_->truth(index_, info.convention());
     }
     /// κ of the true hit; NaN for a miss.
     [[nodiscard]] double condition(const intersect::Info& info) const;
     /// t* in the unit of the form's answer; for a hit only.
     [[nodiscard]] const truth::Certified& true_t(const intersect::Info& info) const;
     [[nodiscard]] double rounded_truth(const intersect::Info& info, const FloatFormat& format) const {
-        return band_->rounded_truth(index_, format, info.direction, info.touching);
+        return band_->rounded_truth(index_, format, info.direction, info.convention());
     }
 
 private:

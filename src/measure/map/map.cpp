@@ -54,9 +54,10 @@ public:
                       .solid = &solid,
                       .march = march_of(i)};
         if (needs_ & metric::needs_rounded_truth)
-            sample.truth_rounded = result_.band->rounded_truth(i, row_.format.shape, info.direction, row_.touching());
-        if (needs_ & metric::needs_own_truth) sample.own = in.ideal ? sample.truth : in_unit_of(in.own_truth[i], info);
-        if (needs_ & metric::needs_condition) sample.condition = result_.band->condition(i, row_.touching());
+            sample.truth_rounded = result_.band->rounded_truth(i, row_.format.shape, info.direction, row_.convention());
+        if (needs_ & metric::needs_own_truth)
+            sample.own = in.ideal ? sample.truth : in_unit_of(in.own(i, row_.convention()), info);
+        if (needs_ & metric::needs_condition) sample.condition = result_.band->condition(i, row_.convention());
         std::optional<truth::Certified> self;
         if (needs_ & metric::needs_self) {
             self = answer::without_rounding(*row_.form, ray,
@@ -183,7 +184,7 @@ void measure_row(const RowRequest& request, const Band& band, const FormatInputs
                       .band = &band,
                       .inputs = &inputs,
                       .answers = &answers,
-                      .touching = row.touching(),
+                      .convention = row.convention(),
                       .outcomes = std::vector<Outcome>(n),
                       .metrics = {request.metrics.size(), std::vector<double>(n, missing)}};
     Measurement measurement(request.metrics, row, result);

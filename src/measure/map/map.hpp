@@ -24,7 +24,7 @@ struct MapRow {
     /// By whose convention on touching it is judged; its own where absent.
     std::optional<intersect::Touching> judged = {};
 
-    [[nodiscard]] intersect::Touching touching() const { return judged.value_or(form->info->touching); }
+    [[nodiscard]] intersect::Convention convention() const { return judged ? *judged : form->info->convention(); }
     friend bool operator==(const MapRow&, const MapRow&) = default;
 };
 
@@ -69,13 +69,13 @@ struct BandResult {
     const truth::Band* band;
     const truth::FormatInputs* inputs;
     const answer::Answers* answers;
-    intersect::Touching touching;
+    intersect::Convention convention;
     std::vector<answer::Outcome> outcomes;
     /// One vector per requested metric; NaN where the metric does not exist.
     std::vector<std::vector<double>> metrics;
 
     /// By the convention that the row is judged by.
-    [[nodiscard]] const truth::Truth& truth(std::size_t i) const { return band->truth(i, touching); }
+    [[nodiscard]] const truth::Truth& truth(std::size_t i) const { return band->truth(i, convention); }
 };
 
 /// Where a row's results go: files, plots, tests. Called band by band from top to bottom, never concurrently for

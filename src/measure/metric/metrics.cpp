@@ -68,7 +68,9 @@ E off_surface(const Vec<double>& p, const Sphere<double>& sphere) {
     return (v2 - square(r)) / (r * (sqrt(v2) + r));
 }
 
-/// How far p lies outside the box (negative: inside), by its worst component, in longest sides.
+/// The largest of lo − p and p − hi over the axes, in longest sides: how far p lies outside the box by its worst
+/// component (beside an edge or a corner that is less than the distance), or, negative, how deep inside by the nearest
+/// face.
 template <class E>
 E off_surface(const Vec<double>& p, const Box<double>& box) {
     const auto beyond = [&](int i) { return max(E(box.lo[i]) - E(p[i]), E(p[i]) - E(box.hi[i])); };
@@ -157,7 +159,8 @@ constexpr Metric table[] = {
      .unit = "size",
      .layer = "err.residual",
      .meaning = "(|P - G| - r)/r for P = o + t d computed in the format: how far the hit point is off the surface; of "
-                "a box: how far outside, in longest sides",
+                "a box: the largest of lo - P and P - hi over the axes, in longest sides; negative inside; statistics "
+                "are of the magnitude",
      .ramp = Ramp::magnitude,
      .low = 0x1p-30,
      .high = 1,
@@ -237,7 +240,7 @@ constexpr Metric table[] = {
      .over = Over::marches},
     {.name = "stop",
      .layer = "march.stop",
-     .meaning = "why the march ended; stagnated: at the step cap, with t + d == t",
+     .meaning = "why the march ended; stagnated: at the step cap, where the next step would lead nowhere (t + d == t)",
      .ramp = Ramp::categories,
      .by_default = true,
      .value = stop,

@@ -59,7 +59,7 @@ public:
             place = i;
             outcome = o;
             t = result.answers->t[i];
-            truth = result.truth(i).is_hit() ? result.band->rounded_truth(i, binary64, unit_of_, result.touching)
+            truth = result.truth(i).is_hit() ? result.band->rounded_truth(i, binary64, unit_of_, result.convention)
                                              : truth::missing;
         }
     }

@@ -12,6 +12,8 @@
 
 namespace lostbits::measure::truth {
 
+using intersect::AtOrigin;
+using intersect::Convention;
 using intersect::Touching;
 using scene::rays::RayBlock;
 
@@ -82,48 +84,62 @@ Ray<double> in_double(const Ray<Real>& ray) {
     return {of(ray.origin), of(ray.direction)};
 }
 
+constexpr Convention other_conventions[] = {
+    {Touching::miss}, {Touching::hit, AtOrigin::miss}, {Touching::miss, AtOrigin::miss}};
+
+/// Whether the truth by a convention may be another than the closed solid's.
+bool matters(Convention convention, const Truth& closed) {
+    return (convention.touching == Touching::miss && closed.touches) ||
+           (convention.at_origin == AtOrigin::miss && closed.on_surface);
+}
+
 }  // namespace
 
-Truth Band::find_truth_of(std::size_t i, Touching touching) const {
+Truth Band::find_truth_of(std::size_t i, Convention convention) const {
     const double tmax = !ideal_ && !shared_.tmax.empty() ? shared_.tmax[i] : HUGE_VAL;
     const SphereIndex* const index = culler_ ? culler_->for_truth() : nullptr;
     return with_ray(i, [&](const auto& ray, auto solids) {
         thread_local std::vector<std::uint32_t> found;
         if (index && index->candidates(in_double(ray), found))
-            return find_truth_among(ray, solids, found, limit_, touching);
-        return find_truth(ray, solids, limit_, touching, tmax);
+            return find_truth_among(ray, solids, found, limit_, convention);
+        return find_truth(ray, solids, limit_, convention, tmax);
     });
 }
 
 void Band::find_truth_of_all() {
     truth_.resize(ideal_ ? ideal_->size() : shared_.size());
     if (culler_) culler_->for_truth();  // made here, by one thread
-    for_each_pixel(truth_.size(), [&](std::size_t i) { truth_[i] = find_truth_of(i, Touching::hit); });
+    for_each_pixel(truth_.size(), [&](std::size_t i) { truth_[i] = find_truth_of(i, {}); });
     for (std::size_t i = 0; i < truth_.size(); ++i) {
-        if (truth_[i].touches) open_[i].truth = find_truth_of(i, Touching::miss);
+        for (const Convention convention : other_conventions) {
+            if (matters(convention, truth_[i])) apart_[key(i, convention)].truth = find_truth_of(i, convention);
+        }
     }
 }
 
-const Truth& Band::truth(std::size_t i, Touching touching) const {
-    if (touching == Touching::hit || !truth_[i].touches) return truth_[i];
-    return open_.at(i).truth;
+std::size_t Band::key(std::size_t i, Convention convention) {
+    return 4 * i + (convention.touching == Touching::miss ? 2 : 0) + (convention.at_origin == AtOrigin::miss ? 1 : 0);
+}
+
+const Truth& Band::truth(std::size_t i, Convention convention) const {
+    return matters(convention, truth_[i]) ? apart_.at(key(i, convention)).truth : truth_[i];
 }
 
 void Band::find_condition() {
-    const auto of = [&](std::size_t i, const Truth& truth) {
+    const auto of = [&](std::size_t i, const Truth& truth, AtOrigin at_origin) {
         if (!truth.is_hit()) return missing;
         return with_ray(i, [&](const auto& ray, auto solids) {
-            return lostbits::measure::truth::condition(ray, solids[static_cast<std::size_t>(truth.object)]);
+            return lostbits::measure::truth::condition(ray, solids[static_cast<std::size_t>(truth.object)], at_origin);
         });
     };
     condition_.resize(pixels());
-    for_each_pixel(pixels(), [&](std::size_t i) { condition_[i] = of(i, truth_[i]); });
-    for (auto& [i, open] : open_) open.condition = of(i, open.truth);
+    for_each_pixel(pixels(), [&](std::size_t i) { condition_[i] = of(i, truth_[i], AtOrigin::hit); });
+    for (auto& [key, apart] : apart_)
+        apart.condition = of(key / 4, apart.truth, key % 2 == 1 ? AtOrigin::miss : AtOrigin::hit);
 }
 
-double Band::condition(std::size_t i, Touching touching) const {
-    if (touching == Touching::hit || !truth_[i].touches) return condition_[i];
-    return open_.at(i).condition;
+double Band::condition(std::size_t i, Convention convention) const {
+    return matters(convention, truth_[i]) ? apart_.at(key(i, convention)).condition : condition_[i];
 }
 
 FormatInputs Band::inputs(const Format& format, BandNeeds needs) const {
@@ -143,22 +159,25 @@ FormatInputs Band::inputs(const Format& format, BandNeeds needs) const {
     if (culler_) in.index = culler_->for_format(shape, in.solids);
     if (needs.own_truth && !in.ideal) {
         in.own_truth.resize(pixels());
-        for_each_pixel(pixels(), [&](std::size_t i) {
+        const auto own = [&](std::size_t i, Convention convention) {
             const Ray<double> ray = in.rays[i];
             thread_local std::vector<std::uint32_t> found;
             if (in.index && in.index->candidates(ray, found))
-                in.own_truth[i] = find_truth_among(ray, Solids<double>(in.solids), found, limit_, Touching::hit);
-            else
-                in.own_truth[i] = find_truth(ray, Solids<double>(in.solids), limit_, Touching::hit,
-                                             in.rays.tmax.empty() ? HUGE_VAL : in.rays.tmax[i]);
-        });
+                return find_truth_among(ray, Solids<double>(in.solids), found, limit_, convention);
+            return find_truth(ray, Solids<double>(in.solids), limit_, convention,
+                              in.rays.tmax.empty() ? HUGE_VAL : in.rays.tmax[i]);
+        };
+        for_each_pixel(pixels(), [&](std::size_t i) { in.own_truth[i] = own(i, {}); });
+        for (std::size_t i = 0; i < in.own_truth.size(); ++i) {
+            if (in.own_truth[i].on_surface) in.own_past_origin[i] = own(i, {Touching::hit, AtOrigin::miss});
+        }
     }
     return in;
 }
 
 double Band::rounded_truth(std::size_t i, const FloatFormat& format, intersect::Direction unit_of,
-                           Touching touching) const {
-    const Truth& truth = this->truth(i, touching);
+                           Convention convention) const {
+    const Truth& truth = this->truth(i, convention);
     const Length length = unit_of == intersect::Direction::unit ? Length::distance : Length::parameter;
     return with_ray(i, [&](const auto& ray, auto solids) {
         return round_truth(truth, ray, solids[static_cast<std::size_t>(truth.object)], format, length);

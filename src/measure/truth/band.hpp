@@ -24,23 +24,24 @@ public:
     /// Finds κ of every hit, in parallel.
     void find_condition();
     /// κ of ray i after `find_condition`; NaN for a miss.
-    [[nodiscard]] double condition(std::size_t i, intersect::Touching touching) const;
+    [[nodiscard]] double condition(std::size_t i, intersect::Convention convention) const;
     /// The inputs of one format; parallel over the pixels where it computes.
     [[nodiscard]] FormatInputs inputs(const Format& format, BandNeeds needs) const;
 
     [[nodiscard]] int y0() const { return y0_; }
     [[nodiscard]] int rows() const { return rows_; }
     [[nodiscard]] std::size_t pixels() const { return truth_.size(); }
-    /// The truth of ray i by the convention of a form: whether merely touching is a hit.
-    [[nodiscard]] const Truth& truth(std::size_t i, intersect::Touching touching) const;
+    /// The truth of ray i by the convention of a form.
+    [[nodiscard]] const Truth& truth(std::size_t i, intersect::Convention convention) const;
     /// The truth of ray i (a hit), correctly rounded to the format: as t, or as a distance.
     [[nodiscard]] double rounded_truth(std::size_t i, const FloatFormat& format, intersect::Direction unit_of,
-                                       intersect::Touching touching) const;
+                                       intersect::Convention convention) const;
 
 private:
+    static std::size_t key(std::size_t i, intersect::Convention convention);
     void find_truth_of_all();
 
-    [[nodiscard]] Truth find_truth_of(std::size_t i, intersect::Touching touching) const;
+    [[nodiscard]] Truth find_truth_of(std::size_t i, intersect::Convention convention) const;
 
     Culler* culler_ = nullptr;
     const scene::file::Scene* scene_ = nullptr;  ///< for own inputs, whose solids each format rounds itself
@@ -51,7 +52,8 @@ private:
     std::optional<scene::rays::IdealRayBlock> ideal_;  ///< inputs = own
     std::vector<Solid<Real>> ideal_solids_;
     std::optional<intersect::MarchConstants<double>> shared_march_;
-    struct Open {
+    /// A truth by a convention that differs from the closed solid's.
+    struct Apart {
         Truth truth;
         double condition = 0;
     };
@@ -60,7 +62,7 @@ private:
 
     std::vector<Truth> truth_;
     std::vector<double> condition_;
-    std::unordered_map<std::size_t, Open> open_;  ///< where touching makes a difference
+    std::unordered_map<std::size_t, Apart> apart_;  ///< by `key`, where the convention makes a difference
 };
 
 }  // namespace lostbits::measure::truth

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "geometry/solid.hpp"
+#include "intersect/info.hpp"
 #include "number/ball.hpp"
 #include "number/interval.hpp"
 
@@ -17,14 +18,19 @@ struct Enclosed {
     E distance;
     /// The line meets the solid's boundary alone (a tangent): a miss where touching does not count.
     bool touching = false;
+    /// The origin lies on the sphere: t = 0 is a root, and whether it counts is a matter of convention.
+    bool on_surface = false;
 };
 
 /// c = f·f − r² places the origin (outside, on, inside), h = f·d the direction, and m = f × d the line:
 /// aΔ = a r² − m·m. Outside, a line that leaves (h ≥ 0) misses whatever Δ; inside or on the surface it always hits.
 /// No step subtracts numbers of like size that are not exact differences of the inputs: t = c/(−h + √aΔ) from outside,
 /// (−h + √aΔ)/a or −c/(h + √aΔ) from inside, by the sign of h.
+/// An origin on the surface (c = 0) has the roots 0 and −2h/a: t = 0, or, where that does not count, the other if it
+/// is positive.
 template <class E>
-Enclosed<E> enclose(const Ray<E>& ray, const Sphere<E>& sphere) {
+Enclosed<E> enclose(const Ray<E>& ray, const Sphere<E>& sphere,
+                    intersect::AtOrigin at_origin = intersect::AtOrigin::hit) {
     const E zero(0);
     const Vec<E> f = ray.origin - sphere.centre;
     const E h = dot(f, ray.direction);
@@ -42,7 +48,12 @@ Enclosed<E> enclose(const Ray<E>& ray, const Sphere<E>& sphere) {
     if (hit.is_unknown() || outside.is_unknown()) return {Tri::unknown, zero, zero};
     if ((c >= zero).is_yes() && outside.is_no()) {  // the origin lies on the surface, and the discriminant is h²
         const Tri aside = h > zero || h < zero;
-        return {aside.is_unknown() ? Tri::unknown : Tri::yes, zero, zero, aside.is_no()};
+        if (aside.is_unknown() || leaving.is_unknown()) return {Tri::unknown, zero, zero};
+        const bool touching = aside.is_no();
+        if (at_origin == intersect::AtOrigin::hit) return {Tri::yes, zero, zero, touching, true};
+        if (leaving.is_yes()) return {Tri::no, zero, zero, touching, true};
+        const E t = (sqrt(discriminant) - h) / a;  // and not −2h/a, whose gradient is another
+        return {Tri::yes, t, t * sqrt(a), false, true};
     }
     const Tri through = outside.is_no() ? Tri::yes : discriminant > zero;
     if (through.is_unknown()) return {Tri::unknown, zero, zero};

@@ -3,6 +3,7 @@
 
 #include <memory>
 #include <optional>
+#include <unordered_map>
 #include <vector>
 
 #include "intersect/table/table.hpp"
@@ -23,9 +24,15 @@ struct FormatInputs {
     scene::rays::RayBlock unit_rays = {};
     /// The truth of these inputs; empty where they are the ideal ones, or where no metric asks.
     std::vector<Truth> own_truth = {};
+    /// The same where an origin on a sphere does not count, for the rays on which that matters.
+    std::unordered_map<std::size_t, Truth> own_past_origin = {};
     bool ideal = false;                             ///< the inputs are exactly those of the truth
     std::shared_ptr<const SphereIndex> index = {};  ///< candidates among the solids for each ray; null: all of them
 
+    [[nodiscard]] const Truth& own(std::size_t i, intersect::Convention convention) const {
+        const bool past = convention.at_origin == intersect::AtOrigin::miss && own_truth[i].on_surface;
+        return past ? own_past_origin.at(i) : own_truth[i];
+    }
     [[nodiscard]] const scene::rays::RayBlock& rays_for(const intersect::Info& info) const {
         return info.direction == intersect::Direction::unit ? unit_rays : rays;
     }

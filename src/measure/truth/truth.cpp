@@ -10,6 +10,7 @@
 
 namespace lostbits::measure::truth {
 
+using intersect::Convention;
 using intersect::Touching;
 
 namespace {
@@ -44,10 +45,11 @@ Certified on_side(const Certified& x, int side) {
 /// Fills in a miss or a tightly enclosed hit; false where this precision does not settle it. `place(x, Length)` decides
 /// the binade of a length, false where this precision does not tell: an ulp of it is a matter of its binade.
 template <class E, class Place>
-bool settle(const Enclosed<E>& e, Touching touching, Truth& truth, const Place& place) {
+bool settle(const Enclosed<E>& e, Convention convention, Truth& truth, const Place& place) {
+    truth.on_surface = e.on_surface;
     if (e.hit.is_yes() && e.touching) {
         truth.touches = true;
-        if (touching == Touching::miss) return true;
+        if (convention.touching == Touching::miss) return true;
     }
     if (e.hit.is_no()) {
         truth.decision = Truth::Decision::miss;
@@ -87,17 +89,24 @@ bool is_solid(const Solid<S>& s) {
     return box.lo.x <= box.hi.x && box.lo.y <= box.hi.y && box.lo.z <= box.hi.z;
 }
 
+/// How the truth is asked for, whichever the solids.
+struct Terms {
+    TruthLimit limit;
+    Convention convention;
+    double tmax;
+};
+
 template <class E>
-Enclosed<E> enclose_until(const Ray<E>& ray, const Solid<E>& solid, double tmax) {
-    if (std::isinf(tmax)) return enclose<E>(ray, solid);
-    const E end(tmax);
-    return enclose<E>(ray, solid, &end);
+Enclosed<E> enclose_until(const Ray<E>& ray, const Solid<E>& solid, const Terms& terms) {
+    if (std::isinf(terms.tmax)) return enclose<E>(ray, solid, nullptr, terms.convention.at_origin);
+    const E end(terms.tmax);
+    return enclose<E>(ray, solid, &end, terms.convention.at_origin);
 }
 
 template <class S>
-Truth escalate(const Ray<S>& ray, const Solid<S>& solid, TruthLimit limit, Touching touching, double tmax) {
+Truth escalate(const Ray<S>& ray, const Solid<S>& solid, const Terms& terms) {
     Truth truth;
-    for (int bits = std::is_same_v<S, Real> ? 384 : 192; bits <= limit.bits; bits *= 2) {
+    for (int bits = std::is_same_v<S, Real> ? 384 : 192; bits <= terms.limit.bits; bits *= 2) {
         const Interval::Precision precision(bits);
         truth.bits = bits;
         const Ray<Interval> wide_ray = lift_ray<Interval>(ray);
@@ -109,7 +118,7 @@ Truth escalate(const Ray<S>& ray, const Solid<S>& solid, TruthLimit limit, Touch
             if (side) x = on_side(x, *side);
             return side.has_value();
         };
-        if (settle(enclose_until(wide_ray, wide_solid, tmax), touching, truth, place)) return truth;
+        if (settle(enclose_until(wide_ray, wide_solid, terms), terms.convention, truth, place)) return truth;
     }
     truth.decision = Truth::Decision::unresolved;
     return truth;
@@ -117,7 +126,7 @@ Truth escalate(const Ray<S>& ray, const Solid<S>& solid, TruthLimit limit, Touch
 
 /// Takes the truth about solid `i` into what is known of the solids before it.
 void join(const Truth& of_one, int i, Truth& best) {
-    const bool touches = best.touches || of_one.touches;
+    const bool touches = best.touches || of_one.touches, on_surface = best.on_surface || of_one.on_surface;
     const int bits = std::max(best.bits, of_one.bits);
     if (of_one.decision == Truth::Decision::unresolved || best.decision == Truth::Decision::unresolved) {
         best.decision = Truth::Decision::unresolved;
@@ -130,21 +139,14 @@ void join(const Truth& of_one, int i, Truth& best) {
     }
     best.bits = bits;
     best.touches = touches;
+    best.on_surface = on_surface;
 }
-
-/// How the truth is asked for, whichever the solids.
-struct Terms {
-    TruthLimit limit;
-    Touching touching;
-    double tmax;
-};
 
 /// About the solids at the places `among`.
 template <class S, class Places>
 Truth find(const Ray<S>& ray, std::span<const Solid<S>> solids, const Places& among, const Terms& terms) {
-    const auto [limit, touching, tmax] = terms;
     Truth best;
-    if (!is_ray(ray) || !(tmax >= 0)) return best;
+    if (!is_ray(ray) || !(terms.tmax >= 0)) return best;
     const Ray<Ball> quick = lift_ray<Ball>(ray);
     for (const std::size_t at : among) {
         const Solid<S>& solid = solids[at];
@@ -152,8 +154,8 @@ Truth find(const Ray<S>& ray, std::span<const Solid<S>> solids, const Places& am
         Truth one;
         one.bits = 106;
         const auto known = [](const Certified& x, Length) { return !straddled_power(x); };
-        if (!settle(enclose_until(quick, lift_solid<Ball>(solid), tmax), touching, one, known))
-            one = escalate(ray, solid, limit, touching, tmax);
+        if (!settle(enclose_until(quick, lift_solid<Ball>(solid), terms), terms.convention, one, known))
+            one = escalate(ray, solid, terms);
         join(one, static_cast<int>(at), best);
     }
     return best;
@@ -185,22 +187,22 @@ double round_exactly(const Truth& truth, const Ray<S>& ray, const Solid<S>& soli
 
 }  // namespace
 
-Truth find_truth(const Ray<double>& ray, std::span<const Solid<double>> solids, TruthLimit limit, Touching touching,
+Truth find_truth(const Ray<double>& ray, std::span<const Solid<double>> solids, TruthLimit limit, Convention convention,
                  double tmax) {
-    return find_all(ray, solids, {limit, touching, tmax});
+    return find_all(ray, solids, {limit, convention, tmax});
 }
-Truth find_truth(const Ray<Real>& ray, std::span<const Solid<Real>> solids, TruthLimit limit, Touching touching,
+Truth find_truth(const Ray<Real>& ray, std::span<const Solid<Real>> solids, TruthLimit limit, Convention convention,
                  double tmax) {
-    return find_all(ray, solids, {limit, touching, tmax});
+    return find_all(ray, solids, {limit, convention, tmax});
 }
 
 Truth find_truth_among(const Ray<double>& ray, std::span<const Solid<double>> solids,
-                       std::span<const std::uint32_t> among, TruthLimit limit, Touching touching) {
-    return find(ray, solids, among, {limit, touching, HUGE_VAL});
+                       std::span<const std::uint32_t> among, TruthLimit limit, Convention convention) {
+    return find(ray, solids, among, {limit, convention, HUGE_VAL});
 }
 Truth find_truth_among(const Ray<Real>& ray, std::span<const Solid<Real>> solids, std::span<const std::uint32_t> among,
-                       TruthLimit limit, Touching touching) {
-    return find(ray, solids, among, {limit, touching, HUGE_VAL});
+                       TruthLimit limit, Convention convention) {
+    return find(ray, solids, among, {limit, convention, HUGE_VAL});
 }
 
 bool is_proper(const Ray<double>& ray) { return is_ray(ray); }

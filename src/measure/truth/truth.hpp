@@ -11,7 +11,7 @@
 namespace lostbits::measure::truth {
 
 /// The first intersection with t ≥ 0 of a ray with solids: closed ones (touching counts, the origin on the surface
-/// counts), or, where a form says so, those that the line does not merely touch.
+/// counts), or, by another convention, those that the line does not merely touch, and of spheres the first with t > 0.
 struct Truth {
     enum class Decision : std::uint8_t { miss, hit, unresolved };
 
@@ -22,6 +22,8 @@ struct Truth {
     int bits = 0;
     /// Some solid is touched and no more: the two conventions may differ on this ray.
     bool touches = false;
+    /// The origin lies on some sphere: conventions on t = 0 may differ on this ray.
+    bool on_surface = false;
     /// The ray parameter, in lengths of the direction as stored. Its binade is proved, as is that of the distance: the
     /// bound never straddles a power of two.
     Certified t;
@@ -44,15 +46,15 @@ struct TruthLimit {
 /// A ray with a number that is not finite or a direction of zero is none and meets nothing; nor does anything meet a
 /// solid with such a number, a sphere without a positive radius, a box with lo > hi.
 Truth find_truth(const Ray<double>& ray, std::span<const Solid<double>> solids, TruthLimit limit = {},
-                 intersect::Touching touching = intersect::Touching::hit, double tmax = HUGE_VAL);
+                 intersect::Convention convention = {}, double tmax = HUGE_VAL);
 Truth find_truth(const Ray<Real>& ray, std::span<const Solid<Real>> solids, TruthLimit limit = {},
-                 intersect::Touching touching = intersect::Touching::hit, double tmax = HUGE_VAL);
+                 intersect::Convention convention = {}, double tmax = HUGE_VAL);
 
 /// The same where the ray can meet none but the solids named by `among`, which are in rising order.
 Truth find_truth_among(const Ray<double>& ray, std::span<const Solid<double>> solids,
-                       std::span<const std::uint32_t> among, TruthLimit limit, intersect::Touching touching);
+                       std::span<const std::uint32_t> among, TruthLimit limit, intersect::Convention convention);
 Truth find_truth_among(const Ray<Real>& ray, std::span<const Solid<Real>> solids, std::span<const std::uint32_t> among,
-                       TruthLimit limit, intersect::Touching touching);
+                       TruthLimit limit, intersect::Convention convention);
 
 bool is_proper(const Ray<double>& ray);
 bool is_proper(const Ray<Real>& ray);
@@ -60,12 +62,12 @@ bool is_proper(const Solid<double>& solid);
 bool is_proper(const Solid<Real>& solid);
 
 inline Truth find_truth(const Ray<double>& ray, const Solid<double>& solid, TruthLimit limit = {},
-                        intersect::Touching touching = intersect::Touching::hit, double tmax = HUGE_VAL) {
-    return find_truth(ray, std::span(&solid, 1), limit, touching, tmax);
+                        intersect::Convention convention = {}, double tmax = HUGE_VAL) {
+    return find_truth(ray, std::span(&solid, 1), limit, convention, tmax);
 }
 inline Truth find_truth(const Ray<Real>& ray, const Solid<Real>& solid, TruthLimit limit = {},
-                        intersect::Touching touching = intersect::Touching::hit, double tmax = HUGE_VAL) {
-    return find_truth(ray, std::span(&solid, 1), limit, touching, tmax);
+                        intersect::Convention convention = {}, double tmax = HUGE_VAL) {
+    return find_truth(ray, std::span(&solid, 1), limit, convention, tmax);
 }
 
 /// What is asked about: t*, in lengths of the direction as stored, or the distance t*·|d|.

@@ -44,13 +44,16 @@ std::string answer_line(const intersect::table::Intersector& form, const Format&
 }  // namespace
 
 std::string action_of(const MarchLog& log, std::size_t step, const intersect::MarchConstants<double>& constants) {
-    const bool last = step + 1 == log.steps.size();
-    if (!last)
-        return log.steps[step + 1].t == log.steps[step].t
-                   ? "no step: t + d = t"
-                   : fmt::format("step by {:.4g}", log.steps[step + 1].t - log.steps[step].t);
-    if (log.hit.hit) return "hit";
-    if (log.hit.t > constants.max_dist) return fmt::format("miss: t > {}", file::decimal(constants.max_dist));
+    if (step + 1 < log.steps.size())
+        return log.steps[step].stands ? "no step: t + d = t"
+                                      : fmt::format("step by {:.4g}", log.steps[step + 1].t - log.steps[step].t);
+    switch (log.stop) {
+        case intersect::Stop::hit: return "hit";
+        case intersect::Stop::max_dist: return fmt::format("miss: t > {}", file::decimal(constants.max_dist));
+        case intersect::Stop::stagnated:
+            return fmt::format("no step: t + d = t; miss: all {} samples are used", constants.max_steps);
+        case intersect::Stop::max_steps: break;
+    }
     return fmt::format("miss: all {} samples are used", constants.max_steps);
 }
 

@@ -7,7 +7,8 @@
 
 namespace lostbits::output::blame {
 
-/// What became of a sample: `hit`, `step by d`, `miss: t > max_dist`, `no step: t + d = t`, `steps are up`.
+/// What became of a sample: `hit`, `step by d`, `no step: t + d = t`, `miss: t > max_dist`, `miss: all n samples are
+/// used` (behind `no step: t + d = t; ` where the march stands still: `Stop::stagnated`).
 std::string action_of(const intersect::table::MarchLog& log, std::size_t step,
                       const intersect::MarchConstants<double>& constants);
 

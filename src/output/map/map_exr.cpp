@@ -86,7 +86,7 @@ void MapExr::write(const measure::map::BandResult& result, std::span<const image
         out = put(out, hit ? result.answers->t[i] : missing);
         const measure::truth::Truth& truth = result.truth(i);
         out = put(out, truth.is_hit()
-                           ? result.band->rounded_truth(i, binary64, row_->form->info->direction, result.touching)
+                           ? result.band->rounded_truth(i, binary64, row_->form->info->direction, result.convention)
                            : missing);
         *out++ = static_cast<std::uint32_t>(result.outcomes[i]);
         *out++ = id(hit ? result.answers->object[i] : -1);

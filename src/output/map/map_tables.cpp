@@ -87,8 +87,9 @@ void write_pixels(file::CsvWriter& csv, const measure::map::MapRequest& request,
             csv.add(there ? Cell(x) : Cell()).add(there ? Cell(file::hex(x)) : Cell());
         };
         exact(hit, result.answers->t[i]);
-        exact(truth.is_hit(),
-              truth.is_hit() ? result.band->rounded_truth(i, binary64, row.form->info->direction, result.touching) : 0);
+        exact(
+            truth.is_hit(),
+            truth.is_hit() ? result.band->rounded_truth(i, binary64, row.form->info->direction, result.convention) : 0);
         for (std::size_t m = 0; m < request.metrics.size(); ++m) {
             const double value = result.metrics[m][i];
             const auto categories = request.metrics[m]->categories;

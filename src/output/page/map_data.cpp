@@ -47,13 +47,13 @@ std::int16_t bound_exponent(const measure::truth::Certified& x) {
 /// What rows with the same truth share. Filled by the first of them alone.
 struct MapData::Group {
     Direction direction;
-    intersect::Touching touching;
+    intersect::Convention convention;
     Layer hit, object, truth, rest, bound, condition;
     std::set<int> places;  ///< of the solids that a ray truly meets
 
     Group(const MapRow& row, std::size_t n)
         : direction(row.form->info->direction),
-          touching(row.touching()),
+          convention(row.convention()),
           hit(1, n),
           object(4, n),
           truth(8, n),
@@ -68,7 +68,7 @@ struct MapData::Group {
     }
 
     [[nodiscard]] bool is_of(const MapRow& row) const {
-        return direction == row.form->info->direction && touching == row.touching();
+        return direction == row.form->info->direction && convention == row.convention();
     }
 
     std::uint64_t last_ = 0, before_ = 0;  ///< bits of the two true hits before, in this row of the picture; 0: none
@@ -81,14 +81,14 @@ struct MapData::Group {
         if (i % static_cast<std::size_t>(result.width) == 0) last_ = before_ = 0;  // every row begins anew
         if (!t.is_hit()) return;
         const measure::truth::Certified& exact = direction == Direction::unit ? t.distance : t.t;
-        const double rounded = result.band->rounded_truth(i, binary64, direction, touching);
+        const double rounded = result.band->rounded_truth(i, binary64, direction, convention);
         const auto bits = std::bit_cast<std::uint64_t>(rounded);
         truth.set(at, folded_difference(bits, before_ == 0 ? last_ : pointed_to(before_, last_), 8));
         before_ = last_;
         last_ = bits;
         rest.set(at, static_cast<float>(measure::truth::scaled_difference(exact, measure::truth::exactly(rounded), 0)));
         bound.set(at, std::uint64_t{static_cast<std::uint16_t>(bound_exponent(exact))});
-        if (with_condition) condition.set(at, static_cast<float>(result.band->condition(i, touching)));
+        if (with_condition) condition.set(at, static_cast<float>(result.band->condition(i, convention)));
     }
 };
 
@@ -137,7 +137,7 @@ private:
     /// Of formats other than the native two, the bits of t in binary64, whose low ones are zero anyway.
     [[nodiscard]] std::uint64_t difference(double t, const BandResult& result, std::size_t i) const {
         const double near = result.truth(i).is_hit()
-                                ? result.band->rounded_truth(i, binary64, row_.form->info->direction, result.touching)
+                                ? result.band->rounded_truth(i, binary64, row_.form->info->direction, result.convention)
                                 : 0;
         switch (row_.format.engine) {
             case Format::Engine::native32: return folded_difference(image::float_word(t), image::float_word(near), 4);

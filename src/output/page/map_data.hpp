@@ -17,7 +17,7 @@ struct Blob {
 };
 
 /// Takes the results of a map row by row and keeps, exactly,
-///  - once for all rows that share a truth (by direction and touching): whether the ray truly hits, RN64(t*) (as its
+///  - once for all rows that share a truth (by direction and convention): whether the ray truly hits, RN64(t*) (as its
 ///  distance from where the two hits to the left point), the rest
 ///    t* − RN64(t*) as a float, the bound as a power of two, and κ as a float;
 ///  - for each row: the outcome, the solid, and the bits of t less those of the truth (both as the format holds them):

@@ -33,7 +33,8 @@ std::vector<Column> case_columns(const CaseRequest& request) {
     std::vector<Column> columns{
         {"case", "string", "", "name of the case"},
         {"convention", "string", "",
-         "how touching is judged: by the form's own rule (own), as a hit (closed), or as a miss (open)"},
+         "by whose word touching and t = 0 are judged: the form's own (own); touching a hit (closed) or a miss (open), "
+         "t = 0 a hit"},
         {"verdict", "string", "",
          fmt::format("right ({}), wrong_value, or the most frequent wrong decision", right_means(*request.file))}};
     for (Column& c : map::SummaryTable{request.metrics, {request.file->shape()}}.columns()) {

@@ -37,11 +37,11 @@ struct Symmetry {
     }
     [[nodiscard]] Solid<double> of(const Solid<double>& s) const {
         if (s.shape == Shape::sphere) return Sphere<double>{of(s.sphere().centre), s.sphere().radius};
-        const Vec<double> a = of(s.box().lo), b = of(s.box().hi);
-        Box<double> box;
+        // A mirror changes the corners' places. They are not sorted: −0 and +0 are equal, and each stays where the file
+        // has it. Corners that a format's rounding puts in the wrong order (1 + ulp to 1.0001) do change places.
+        Box<double> box{of(s.box().lo), of(s.box().hi)};
         for (int i = 0; i < 3; ++i) {
-            box.lo[i] = std::min(a[i], b[i]);
-            box.hi[i] = std::max(a[i], b[i]);
+            if (box.lo[i] > box.hi[i] || (box.lo[i] == box.hi[i] && sign[i] < 0)) std::swap(box.lo[i], box.hi[i]);
         }
         return box;
     }
@@ -95,6 +95,10 @@ CaseFile::Case CaseFile::read_case(TableReader& table) {
                    "a case has spheres = [{ centre, radius }, …] or boxes = [{ lo, hi }, …]; write one of them");
     for (TableReader& ray : table.tables("rays")) {
         c.rays.push_back({quantities(ray, "origin", 3, true), quantities(ray, "direction", 3, true), {}});
+        if (ray.has("tmax") && c.solids.front().shape == Shape::sphere)
+            ray.fail_at("tmax",
+                        "ends a ray for the forms of boxes; those of spheres take no end and would ignore it; leave it "
+                        "out, or ask about boxes = [{ lo, hi }, …]");
         if (ray.has("tmax")) c.rays.back().tmax.emplace_back(ray.node("tmax"), true);
         ray.reject_unknown_keys();
     }
@@ -161,8 +165,15 @@ std::vector<std::size_t> CaseFile::matching(const std::string& glob, const toml:
 }
 
 std::vector<RayGroup> CaseFile::rays(std::size_t i, const FloatFormat& format) const {
-    const Case& c = cases_[i];
-    const int lengths = c.lengths.in(format), directions = c.directions.in(format);
+    return rays(cases_[i], format, format);
+}
+
+std::vector<RayGroup> CaseFile::rays_before(std::size_t i, const FloatFormat& format) const {
+    return rays(cases_[i], format, binary64);
+}
+
+std::vector<RayGroup> CaseFile::rays(const Case& c, const FloatFormat& of, const FloatFormat& format) {
+    const int lengths = c.lengths.in(of), directions = c.directions.in(of);
     std::vector<RayGroup> groups;
     for (const Symmetry& symmetry : symmetries(c.symmetric)) {
         RayGroup group;

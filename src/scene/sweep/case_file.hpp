@@ -35,6 +35,8 @@ public:
     /// The rays of a case as numbers of the format, by groups that share their solids. They need be no proper rays:
     /// components may be NaN or infinite, directions zero.
     [[nodiscard]] std::vector<rays::RayGroup> rays(std::size_t i, const FloatFormat& format) const;
+    /// The same numbers at the format's scale before they are rounded to it: as binary64 has them.
+    [[nodiscard]] std::vector<rays::RayGroup> rays_before(std::size_t i, const FloatFormat& format) const;
 
 private:
     struct SolidSpec {
@@ -54,6 +56,8 @@ private:
         std::vector<RaySpec> rays;
     };
     static Case read_case(toml::TableReader& table);
+    /// At the scale of the format `of`, as numbers of `format`.
+    static std::vector<rays::RayGroup> rays(const Case& c, const FloatFormat& of, const FloatFormat& format);
 
     std::vector<Case> cases_;
 };

@@ -168,6 +168,7 @@ TEST_CASE("a march stands still where t + d is t", "[intersect][sdf]") {
     CHECK(log.steps[199].t == log.steps[198].t);
     CHECK(log.steps[199].d > 0);
     CHECK(log.hit.t == static_cast<double>(got.t[0]));
+    CHECK(log.stop == Stop::stagnated);
 }
 
 TEST_CASE("enclosures of the marches contain what they give unrounded", "[intersect][sdf][containment]") {

@@ -2,6 +2,7 @@
 // every wide enough format compute without any rounding and must answer exactly.
 #include "catch.hpp"
 #include "intersect/catalogue.hpp"
+#include "number/random.hpp"
 #include "number/rounded.hpp"
 
 namespace lostbits::test {
@@ -126,6 +127,49 @@ TEST_CASE("the sign of a zero b' does not turn the roots", "[intersect][known]")
                 CHECK(std::fabs(h.t - 4) <= 1e-5f);
             }
     });
+}
+
+namespace {
+
+/// Ray-Casting Formulas as it is printed; `grouped` adds G·G and O·O instead, each summed for itself.
+template <class S>
+S as_printed(const Ray<S>& ray, const Sphere<S>& sphere, bool grouped) {
+    const S dx = ray.direction.x, dy = ray.direction.y, dz = ray.direction.z;
+    const S x0 = ray.origin.x, y0 = ray.origin.y, z0 = ray.origin.z;
+    const S cx = sphere.centre.x, cy = sphere.centre.y, cz = sphere.centre.z, R = sphere.radius;
+    const S a = dx * dx + dy * dy + dz * dz;
+    const S b = 2 * dx * (x0 - cx) + 2 * dy * (y0 - cy) + 2 * dz * (z0 - cz);
+    const S squares = grouped ? (cx * cx + cy * cy + cz * cz) + (x0 * x0 + y0 * y0 + z0 * z0)
+                              : cx * cx + cy * cy + cz * cz + x0 * x0 + y0 * y0 + z0 * z0;
+    const S c = squares + -2 * (cx * x0 + cy * y0 + cz * z0) - R * R;
+    return (-b - std::sqrt(b * b - 4 * a * c)) / (2 * a);
+}
+
+template <class S>
+void compare_with_print(std::uint64_t seed) {
+    Random random(seed);
+    const auto draw = [&](double from, double to) { return static_cast<S>(from + (to - from) * random.unit()); };
+    int hits = 0, other = 0;
+    for (int k = 0; k < 4000; ++k) {
+        const Vec<S> aim{draw(-1, 1), draw(-1, 1), draw(-1, 1)}, centre{draw(-9, 9), draw(-9, 9), draw(-9, 9)},
+            origin{draw(-9, 9), draw(-9, 9), draw(-9, 9)};
+        const Ray<S> ray{origin, centre + aim - origin};
+        const Sphere<S> sphere{centre, draw(0.5, 4)};
+        const Hit<S> got = intersect::sphere::Expanded::intersect(ray, sphere);
+        if (!got.hit) continue;
+        ++hits;
+        CHECK(got.t == as_printed(ray, sphere, false));
+        other += got.t != as_printed(ray, sphere, true);
+    }
+    CHECK(hits > 300);
+    CHECK(other > hits / 10);  // so that the test would see the other order
+}
+
+}  // namespace
+
+TEST_CASE("sphere.expanded adds its six squares as the source prints them", "[intersect][known]") {
+    compare_with_print<float>(31);
+    compare_with_print<double>(32);
 }
 
 }  // namespace lostbits::test

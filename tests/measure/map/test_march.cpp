@@ -136,6 +136,7 @@ TEST_CASE("one ray is the pixel of the map", "[measure][march]") {
         CHECK(log.hit.hit == (all.hit[i] != 0));
         if (log.hit.hit) CHECK(log.hit.t == all.t[i]);
         CHECK(static_cast<int>(log.steps.size()) == all.march[i].iterations);
+        CHECK(log.stop == all.march[i].stop);
         CHECK(one.truth(*form.info).is_hit() == band.truth(i, intersect::Touching::hit).is_hit());
         const OneRay again(scene, inputs.rays[i]);
         CHECK(measure::answer::march_log(form, *find_format("f32"), again).hit.t == log.hit.t);

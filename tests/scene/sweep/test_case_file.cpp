@@ -163,6 +163,61 @@ rays = [{ origin = [0, 0, 0], direction = [1.5, 1, 4] }]
               .starts_with("c.toml:4:1: has a different shape"));
 }
 
+TEST_CASE("the corners of a box keep the zeros of the file, whichever way round") {
+    const auto corners = [](const std::string& lo, const std::string& hi, bool symmetric) {
+        const scene::sweep::CaseFile file = loaded_cases(
+            "schema = \"lostbits-sweep/1\"\ntitle = \"A test\"\nsource = \"-\"\n[[case]]\nname = \"b\"\n" +
+            std::string(symmetric ? "symmetric = true\n" : "") + "boxes = [{ lo = [" + lo + ", 1, 2], hi = [" + hi +
+            ", 1, 2] }]\nrays = [{ origin = [0, 0, 0], direction = [1, 1, 4] }]\n");
+        std::set<std::pair<bool, bool>> signs;  // of lo and of hi, in the axis that holds the zeros
+        for (const scene::rays::RayGroup& g : file.rays(0, binary32)) {
+            const Box<double> b = g.solids[0].box();
+            int zeros = 0;
+            for (int i = 0; i < 3; ++i) {
+                if (b.lo[i] != 0) continue;
+                ++zeros;
+                signs.insert({std::signbit(b.lo[i]), std::signbit(b.hi[i])});
+            }
+            CHECK(zeros == 1);
+        }
+        return signs;
+    };
+    using Signs = std::set<std::pair<bool, bool>>;
+    for (const std::string zero : {"0.0", "\"+0\"", "0"}) {
+        for (const std::string minus : {"-0.0", "\"-0\""}) {
+            CHECK(corners(minus, zero, false) == Signs{{true, false}});
+            CHECK(corners(zero, minus, false) == Signs{{false, true}});
+            CHECK(corners(minus, minus, false) == Signs{{true, true}});
+            // A mirror takes lo = −0, hi = +0 to −(+0), −(−0): the same again.
+            CHECK(corners(minus, zero, true) == Signs{{true, false}});
+            CHECK(corners(zero, minus, true) == Signs{{false, true}});
+            CHECK(corners(zero, zero, true) == Signs{{false, false}, {true, true}});
+        }
+    }
+}
+
+TEST_CASE("corners that rounding puts in the wrong order change places") {
+    const scene::sweep::CaseFile file = loaded_cases(R"(schema = "lostbits-sweep/1"
+title = "A test"
+source = "-"
+[[case]]
+name = "b"
+boxes = [{ lo = ["1 + ulp", 1, 2], hi = [1.0001, 1, 2] }]
+rays = [{ origin = [0, 0, 0], direction = [1, 1, 4] }]
+)");
+    const Box<double> narrow = file.rays(0, find_format("bf16")->shape)[0].solids[0].box();
+    CHECK(narrow.lo.x == 1);
+    CHECK(narrow.hi.x == 1 + 0x1p-7);
+    CHECK(file.rays_before(0, find_format("bf16")->shape)[0].solids[0].box().hi.x == 1.0001);
+}
+
+TEST_CASE("the end of a ray is refused for spheres, whose forms take none") {
+    const std::string refused = broken("direction = [8, 9, 10] }", "direction = [8, 9, 10], tmax = 3 }");
+    CHECK(refused ==
+          "c.toml:7:62: case[0].rays[0].tmax ends a ray for the forms of boxes; those of spheres take no end and would "
+          "ignore it; leave it out, or ask about boxes = [{ lo, hi }, …]");
+}
+
 TEST_CASE("what is no file of cases is refused where it is wrong") {
     CHECK(broken("title", "title") == "no error");
     CHECK(broken("lostbits-sweep/1", "lostbits-scene/1").starts_with("c.toml:1:10: "));

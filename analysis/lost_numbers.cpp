@@ -1,0 +1,104 @@
+#include "lost_numbers.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdio>
+
+#include "output/file/number_text.hpp"
+#include "scene/file/march_table.hpp"
+#include "scene/rays/lost_lengths.hpp"
+
+namespace lostbits::analysis {
+
+using measure::map::MapRow;
+using scene::rays::LostLengths;
+using scene::rays::RayGroup;
+
+namespace {
+
+std::vector<Format> formats_of(const std::vector<MapRow>& rows) {
+    std::vector<Format> formats;
+    for (const MapRow& row : rows) {
+        if (std::ranges::find(formats, row.format) == formats.end()) formats.push_back(row.format);
+    }
+    return formats;
+}
+
+void say(const std::string& id, const Format& format, const std::vector<std::string>& lost) {
+    for (const std::string& line : lost) fmt::print(stderr, "lostbits: {} in {}: {}\n", id, format.name, line);
+}
+
+/// `distance = 4, height = 1`
+std::string place_of(const scene::sweep::SweepFile& sweep, const std::vector<double>& values) {
+    std::string text;
+    for (std::size_t a = 0; a < values.size(); ++a) {
+        text += (a > 0 ? ", " : "") + sweep.axes[a].name + " = " + output::file::decimal(values[a]);
+    }
+    return text;
+}
+
+bool marches_in(const Format& format, const std::vector<MapRow>& rows) {
+    return std::ranges::any_of(
+        rows, [&](const MapRow& row) { return row.form->shape == Shape::sdf && row.format == format; });
+}
+
+void add_group(const RayGroup& group, bool marches, const LostLengths::Where& where, LostLengths& lost) {
+    lost.add_point(group.rays[0].origin, "a coordinate of the eye", where);
+    for (const Solid<double>& solid : group.solids) lost.add(solid, where);
+    if (!marches || !group.march) return;
+    std::size_t i = 0;
+    transformed(*group.march, [&](double x) {
+        lost.add_number(x, "march." + std::string(intersect::march_number_names[i++]), where);
+        return x;
+    });
+}
+
+}  // namespace
+
+void note_lost_numbers(const scene::file::Scene& scene, const std::vector<MapRow>& rows) {
+    for (const Format& format : formats_of(rows)) {
+        say(scene.id, format, scene::rays::lost_lengths(scene, format.shape));
+        if (!marches_in(format, rows)) continue;
+        for (const std::string& lost : scene::file::lost_constants(scene, format.shape))
+            say(scene.id, format, {"march." + lost});
+    }
+}
+
+void note_lost_numbers(const scene::sweep::SweepFile& sweep, const std::vector<MapRow>& rows) {
+    const std::vector<Format> formats = formats_of(rows);
+    std::vector<LostLengths> lost;
+    std::vector<bool> marches;
+    for (const Format& format : formats) {
+        lost.emplace_back(format.shape);
+        marches.push_back(marches_in(format, rows));
+    }
+    const std::vector<double> only{0};
+    const bool two = sweep.axes.size() > 1;
+    for (const double first : sweep.axes.front().values) {
+        for (const double second : two ? sweep.axes[1].values : only) {
+            const std::vector<double> values = two ? std::vector{first, second} : std::vector{first};
+            const auto where = [&] { return place_of(sweep, values); };
+            for (const RayGroup& group : sweep.rays(values)) {
+                for (std::size_t i = 0; i < lost.size(); ++i) add_group(group, marches[i], where, lost[i]);
+            }
+        }
+    }
+    for (std::size_t i = 0; i < formats.size(); ++i) say(sweep.id, formats[i], lost[i].lines());
+}
+
+void note_lost_numbers(const scene::sweep::CaseFile& file, const std::vector<MapRow>& rows) {
+    for (const Format& format : formats_of(rows)) {
+        LostLengths lost(format.shape);
+        for (std::size_t i = 0; i < file.size(); ++i) {
+            const std::vector<RayGroup> before = file.rays_before(i, format.shape), after = file.rays(i, format.shape);
+            for (std::size_t g = 0; g < after.size(); ++g) {
+                for (std::size_t s = 0; s < after[g].solids.size(); ++s)
+                    lost.add(before[g].solids[s], after[g].solids[s], [&] { return "case \"" + file.name(i) + "\""; });
+            }
+        }
+        say(file.id, format, lost.lines());
+    }
+}
+
+}  // namespace lostbits::analysis

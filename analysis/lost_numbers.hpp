@@ -1,0 +1,22 @@
+// Says on stderr which numbers of a file the formats of the rows cannot hold: what rounds to 0 or to infinity.
+#pragma once
+
+#include <vector>
+
+#include "measure/map/map.hpp"
+#include "scene/file/scene.hpp"
+#include "scene/sweep/case_file.hpp"
+#include "scene/sweep/sweep_file.hpp"
+
+namespace lostbits::analysis {
+
+/// The constants of its march, where a row marches, and its lengths.
+void note_lost_numbers(const scene::file::Scene& scene, const std::vector<measure::map::MapRow>& rows);
+
+/// The same at every step of a sweep.
+void note_lost_numbers(const scene::sweep::SweepFile& sweep, const std::vector<measure::map::MapRow>& rows);
+
+/// The lengths of all cases. Words such as `tiny` are numbers of every format and never lost.
+void note_lost_numbers(const scene::sweep::CaseFile& file, const std::vector<measure::map::MapRow>& rows);
+
+}  // namespace lostbits::analysis

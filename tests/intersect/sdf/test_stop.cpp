@@ -1,0 +1,129 @@
+// Why a march ended: that `stagnated` means what it says, at every cap on the steps.
+#include "catch.hpp"
+#include "intersect/catalogue.hpp"
+#include "intersect/sdf/sdf_draw.hpp"
+#include "intersect/table/table.hpp"
+
+namespace lostbits::test {
+
+using intersect::Stop;
+using intersect::table::MarchLog;
+
+namespace {
+
+/// A sphere about the origin, seen from `eye` along a direction that is unit to binary32's rounding.
+DrawnField towards_the_origin(const Vec<double>& eye, double radius, double hit_eps) {
+    const auto stored = [](double x) { return static_cast<double>(static_cast<float>(x)); };
+    DrawnField field;
+    field.solids = {Solid<double>(Sphere<double>{{0, 0, 0}, stored(radius)})};
+    const double far = length(eye);
+    field.march = {stored(hit_eps), stored(4 * far), stored(1e-9), stored(1e-9), stored(1.4), 1, 2, 4};
+    field.rays = {{eye, {stored(-eye.x / far), stored(-eye.y / far), stored(-eye.z / far)}}};
+    return field;
+}
+
+MarchLog capped(const intersect::table::Intersector& row, DrawnField& field, int max_steps, const char* format) {
+    field.march.max_steps = max_steps;
+    return row.log(*find_format(format), field.rays[0], field.target());
+}
+
+const intersect::table::Intersector& form(std::string_view name) {
+    for (const intersect::table::Intersector& row : intersect::table::intersectors(Shape::sdf)) {
+        if (row.info->name == name) return row;
+    }
+    throw std::logic_error("no such form");
+}
+
+/// The march of the lesson SDF Sphere Marching, in float, and why it ends.
+Stop plain_stop(const DrawnField& field, int max_steps) {
+    const auto f = [](double x) { return static_cast<float>(x); };
+    const Ray<double>& r = field.rays[0];
+    const float radius = f(field.solids[0].sphere().radius);
+    volatile float t = 0, before = 0;  // stored, whatever the registers hold
+    for (int i = 0; i < max_steps; ++i) {
+        const float x = f(r.origin.x) + t * f(r.direction.x), y = f(r.origin.y) + t * f(r.direction.y),
+                    z = f(r.origin.z) + t * f(r.direction.z);
+        const float d = std::sqrt(x * x + y * y + z * z) - radius;
+        if (d < f(field.march.hit_eps)) return Stop::hit;
+        before = t;
+        t = t + d;
+        if (t > f(field.march.max_dist)) return Stop::max_dist;
+    }
+    return t == before ? Stop::stagnated : Stop::max_steps;
+}
+
+}  // namespace
+
+TEST_CASE("a march that first stands still at its last sample is stagnated", "[intersect][sdf]") {
+    // t = 8192 − 0.9999 rounds to a multiple of 2^-11, and what is left of the way, 1e-4, is less than half of that.
+    DrawnField field = towards_the_origin({-8192, 0, 0}, 0.9999, 1e-5);
+    const auto stop = [&](const char* name, int cap) { return capped(form(name), field, cap, "f32").stop; };
+    CHECK(stop("sdf.sphere_trace", 1) == Stop::max_steps);
+    for (const int cap : {2, 3, 4, 50}) CHECK(stop("sdf.sphere_trace", cap) == Stop::stagnated);
+    // The first step of 1.4 d is taken back.
+    for (const int cap : {1, 2}) CHECK(stop("sdf.over_relaxed", cap) == Stop::max_steps);
+    for (const int cap : {3, 4, 50}) CHECK(stop("sdf.over_relaxed", cap) == Stop::stagnated);
+    // Its t stands still there too, but its point is near 1 and moves on: one sample more, and it hits.
+    const MarchLog log = capped(form("sdf.accumulated"), field, 3, "f32");
+    REQUIRE(log.steps.size() == 3);
+    CHECK(log.steps[2].t == log.steps[1].t);
+    CHECK(log.steps[2].p.x != log.steps[1].p.x);
+    CHECK(stop("sdf.accumulated", 2) == Stop::max_steps);
+    for (const int cap : {3, 4, 50}) CHECK(stop("sdf.accumulated", cap) == Stop::hit);
+    // The secant moves t even where the march missed; it is the march that ended. So does a step beyond max_dist.
+    CHECK(stop("sdf.secant_refined", 1) == Stop::max_steps);
+    CHECK(stop("sdf.secant_refined", 2) == Stop::stagnated);
+    field.march.max_dist = 8000;
+    for (const int cap : {1, 2}) CHECK(stop("sdf.sphere_trace", cap) == Stop::max_dist);
+}
+
+TEST_CASE("a NaN on the way ends a march at max_steps: it never stands still", "[intersect][sdf]") {
+    DrawnField field = towards_the_origin({-4, 0, 0}, 1, 1e-5);
+    field.rays[0].origin.y = std::nan("");
+    for (const intersect::table::Intersector& row : intersect::table::intersectors(Shape::sdf)) {
+        for (const int cap : {1, 2, 7}) CHECK(capped(row, field, cap, "f32").stop == Stop::max_steps);
+    }
+}
+
+TEST_CASE("stagnated: no further sample changes anything; max_steps: the next one lies elsewhere", "[intersect][sdf]") {
+    Random random(17);
+    std::array<int, intersect::stop_names.size()> seen{};
+    int at_last_sample = 0;
+    for (int k = 0; k < 60; ++k) {
+        const double far = std::ldexp(1 + random.unit(), static_cast<int>(random.between(1, 14)));
+        const Vec<double> aim(random.unit() - 0.5, random.unit() - 0.5, random.unit() - 0.5);
+        const auto stored = [](double x) { return static_cast<double>(static_cast<float>(x)); };
+        const Vec<double> eye(stored(far * aim.x), stored(far * aim.y), stored(far * aim.z));
+        DrawnField field = towards_the_origin(eye, 0.25 * (1 + random.unit()), std::ldexp(1, k % 2 == 0 ? -40 : -14));
+        for (const intersect::table::Intersector& row : intersect::table::intersectors(Shape::sdf)) {
+            for (const char* format : {"f32", "fp16"}) {
+                bool stood = false;
+                for (int cap = 1; cap <= 24; ++cap) {
+                    const MarchLog log = capped(row, field, cap, format);
+                    INFO(row.info->name << " in " << format << ", ray " << k << ", cap " << cap);
+                    ++seen[static_cast<std::size_t>(log.stop)];
+                    if (row.info->name == "sdf.sphere_trace" && format == std::string("f32"))
+                        CHECK(log.stop == plain_stop(field, cap));
+                    CHECK((!stood || log.stop == Stop::stagnated));
+                    if (log.stop != Stop::stagnated && log.stop != Stop::max_steps) continue;
+                    REQUIRE(static_cast<int>(log.steps.size()) == cap);
+                    const MarchLog more = capped(row, field, cap + 1, format), most = capped(row, field, 90, format);
+                    const auto &last = log.steps.back(), &next = more.steps.back();
+                    const bool same = last.t == next.t && last.p.x == next.p.x && last.p.y == next.p.y &&
+                                      last.p.z == next.p.z && last.d == next.d;
+                    CHECK(same == (log.stop == Stop::stagnated));
+                    if (log.stop == Stop::max_steps) continue;
+                    at_last_sample += !stood;
+                    stood = true;
+                    CHECK(most.stop == Stop::stagnated);
+                    CHECK_FALSE(most.hit.hit);
+                    CHECK(most.hit.t == log.hit.t);
+                }
+            }
+        }
+    }
+    for (const int count : seen) CHECK(count > 100);
+    CHECK(at_last_sample > 100);
+}
+
+}  // namespace lostbits::test
