@@ -18,7 +18,8 @@ struct ClaimResult {
     State state = State::broken;
     double measured = 0;
     std::string trouble;    ///< why it is broken or skipped
-    map::WorstRay witness;  ///< the worst ray of the measurement, where there is one
+    /// The worst ray of the measurement, where there is one; of a claim about wrong decisions the first of those.
+    map::WorstRay witness;
 };
 
 /// The form and format that a claim is about. InputError, with the claim's position, for names that do not exist.

@@ -1,0 +1,186 @@
+// Every file that names a ray names it by a command; the command, run, gives the numbers of its row again.
+#include <nlohmann/json.hpp>
+
+#include <cmath>
+#include <cstdlib>
+
+#include "catch.hpp"
+#include "output/file/read_csv.hpp"
+#include "program.hpp"
+
+using lostbits::output::file::CsvTable;
+using lostbits::output::file::read_csv;
+using lostbits::test::contents;
+using lostbits::test::run;
+using lostbits::test::Scratch;
+
+namespace {
+
+using Json = nlohmann::json;
+
+const std::string cell(const CsvTable& table, const std::string& column, std::size_t row) {
+    const auto* const found = table.find(column);
+    INFO(column);
+    REQUIRE(found != nullptr);
+    return std::string(found->cells.at(row));
+}
+
+/// What the command says, in place of its table.
+Json explained(const std::string& command, const Scratch& folder) {
+    INFO(command);
+    REQUIRE(command.starts_with("lostbits explain "));
+    const auto r = run(command.substr(9) + " --json -q", folder.path());
+    INFO(r.err);
+    REQUIRE(r.code == 0);
+    return Json::parse(r.out);
+}
+
+/// A number of the JSON as a cell has it: `inf` and `nan` are words, what there is not is empty.
+double number(const Json& j) { return j.is_string() ? std::strtod(j.get<std::string>().c_str(), nullptr) : j.get<double>(); }
+double number(const std::string& text) { return std::strtod(text.c_str(), nullptr); }
+std::string hex(const Json& j) { return j.is_null() ? "" : j["hex"].get<std::string>(); }
+
+struct Checked {
+    int worst = 0, faults = 0;
+};
+
+/// Pastes the worst ray and the first wrong decision of every `every`th row.
+Checked paste_rows(const CsvTable& table, const Scratch& folder, std::size_t every = 1) {
+    Checked checked;
+    for (std::size_t i = 0; i < table.rows(); i += every) {
+        const std::string name = cell(table, "form", i) + " in " + cell(table, "format", i);
+        CAPTURE(table.source, i, name);
+        CHECK(cell(table, "worst_explain", i).empty() == cell(table, "worst_t_hex", i).empty());
+        CHECK(cell(table, "fault_explain", i).empty() == cell(table, "fault_outcome", i).empty());
+        if (const std::string command = cell(table, "worst_explain", i); !command.empty()) {
+            const Json j = explained(command, folder);
+            CAPTURE(command);
+            CHECK(j["form"] == cell(table, "form", i));
+            CHECK(j["format"] == cell(table, "format", i));
+            CHECK(j["outcome"] == "agree_hit");
+            CHECK(hex(j["t"]) == cell(table, "worst_t_hex", i));
+            CHECK(hex(j["truth"]) == cell(table, "worst_truth_hex", i));
+            CHECK(number(j["ulp_error"]) == number(cell(table, "worst_ulp_error", i)));
+            CHECK(std::fabs(number(j["ulp_error"])) == number(cell(table, "ulp_error_max", i)));
+            CHECK(number(j["t"]["decimal"]) == number(cell(table, "worst_t", i)));
+            CHECK(number(j["truth"]["decimal"]) == number(cell(table, "worst_truth", i)));
+            ++checked.worst;
+        }
+        if (const std::string command = cell(table, "fault_explain", i); !command.empty()) {
+            const Json j = explained(command, folder);
+            CAPTURE(command);
+            CHECK(j["outcome"] == cell(table, "fault_outcome", i));
+            CHECK(hex(j["truth"]) == cell(table, "fault_truth_hex", i));
+            if (j["outcome"] == "false_hit") CHECK(hex(j["t"]) == cell(table, "fault_t_hex", i));
+            else CHECK(cell(table, "fault_t_hex", i).empty());
+            ++checked.faults;
+        }
+    }
+    return checked;
+}
+
+/// Runs a command in the folder; it succeeds.
+void make(const std::string& arguments, const Scratch& folder) {
+    const auto r = run(arguments + " -q", folder.path());
+    INFO(arguments << "\n" << r.err);
+    REQUIRE(r.code == 0);
+}
+
+const std::string head = "schema = \"lostbits-sweep/1\"\ntitle = \"A test\"\nsource = \"-\"\n";
+
+}  // namespace
+
+TEST_CASE("maps: the worst ray of each row of summary.csv, and any row of a pixel CSV") {
+    const Scratch folder;
+    // A file of one's own: a space in its name, variants, and numbers that each format rounds itself.
+    std::string own = lostbits::test::good_scene;
+    own.replace(own.find("shared"), 6, "own");
+    own += "[[variant]]\nname = \"a\"\nset = { \"sphere[0].radius\" = \"1.1\" }\n[[variant]]\nname = \"b\"\nset = {}\n";
+    static_cast<void>(folder.write("my scene.toml", own));
+    const std::string rows =
+        " -i sphere.schoolbook -i sphere.press -i sphere.double_inside -i box.signs -i box.max_mult -i "
+        "sdf.sphere_trace -f f32 -f f64 -f bf16 --size 40x30 --pixels csv -o out ";
+    make("map near-benign world-offset-own box-octree sdf-sphere rtg-fig-7-3-4100-oblique './my scene.toml'" + rows,
+         folder);
+    make("map camera-inside --set camera.fov_deg=50 --metric lost_bits -i sphere.unit_half_b -f f32 --size 9x7 -o set",
+         folder);
+    Checked all = paste_rows(read_csv(folder.path() / "set/camera-inside/summary.csv"), folder);
+    CHECK(all.faults == 1);
+    for (const std::string scene : {"near-benign", "world-offset-own", "box-octree", "sdf-sphere",
+                                    "rtg-fig-7-3-4100-oblique", "my scene.a", "my scene.b"}) {
+        const auto table = read_csv(folder.path() / "out" / scene / "summary.csv");
+        const Checked some = paste_rows(table, folder);
+        CAPTURE(scene);
+        CHECK(some.worst > 0);
+        all.worst += some.worst;
+        all.faults += some.faults;
+        // A row of the pixels' table is explained by the same words with its own place.
+        const std::string stem = cell(table, "form", 0) + "." + cell(table, "format", 0);
+        const auto pixels = read_csv(folder.path() / "out" / scene / (stem + ".csv"));
+        const std::string words = cell(table, "worst_explain", 0);
+        const auto begin = words.find("--pixel ") + 8, end = words.find(' ', begin);
+        for (std::size_t i = 11; i < pixels.rows(); i += 397) {
+            std::string other = words;
+            other.replace(begin, end - begin, cell(pixels, "x", i) + "," + cell(pixels, "y", i));
+            const Json j = explained(other, folder);
+            CAPTURE(other);
+            CHECK(j["outcome"] == cell(pixels, "outcome", i));
+            CHECK(hex(j["truth"]) == cell(pixels, "truth_hex", i));
+            if (j["hit"] == true) CHECK(hex(j["t"]) == cell(pixels, "t_hex", i));
+            CHECK(j["ulp_error"].is_null() == cell(pixels, "ulp_error", i).empty());
+            if (!j["ulp_error"].is_null()) CHECK(number(j["ulp_error"]) == number(cell(pixels, "ulp_error", i)));
+        }
+    }
+    CHECK(all.worst > 35);
+    CHECK(all.faults > 5);
+}
+
+TEST_CASE("sweeps: the worst ray of each step, with the solid of its view and the constants of its march") {
+    const Scratch folder;
+    const auto axis = [](const std::string& name, const std::string& from, const std::string& to,
+                         const std::string& set) {
+        return "[[axis]]\nname = \"" + name + "\"\nspacing = \"log2\"\nfrom = " + from + "\nto = " + to +
+               "\nsteps = 3\nset = [" + set + "]\n";
+    };
+    static_cast<void>(folder.write("one.toml", head + "[family]\nviews = 3\nrays = 16\n" +
+                                                   axis("distance", "100", "1e6", "\"distance\"")));
+    static_cast<void>(folder.write("many.toml", "convention = \"closed\"\n" + head +
+                                                    "[box_family]\naim = \"edge\"\nadjoining = true\nviews = 2\nrays "
+                                                    "= 16\n" +
+                                                    axis("distance", "2", "1000", "\"distance\"")));
+    static_cast<void>(folder.write("march.toml", head + "[march]\nhit_eps = 0.01\nmax_steps = 40\n[family]\nviews = "
+                                                        "2\nrays = 8\n" +
+                                                     axis("distance", "4", "4000", "\"distance\", \"march.max_dist\"")));
+    static_cast<void>(folder.write("scene.toml", "scene = \"near-benign\"\n" + head +
+                                                     axis("radius", "0.25", "1", "\"sphere[0].radius\"")));
+    Checked all;
+    for (const auto& [name, forms] : std::vector<std::pair<std::string, std::string>>{
+             {"one", "-i sphere.schoolbook -i sphere.press"},
+             {"many", "-i box.signs -i box.baseline"},
+             {"march", "-i sdf.sphere_trace -i sdf.over_relaxed"},
+             {"scene", "-i sphere.unified"}}) {
+        make("sweep " + name + ".toml " + forms + " -f f32 -f f64 -f bf16 -o out", folder);
+        const Checked some = paste_rows(read_csv(folder.path() / "out" / name / "samples.csv"), folder);
+        CAPTURE(name);
+        CHECK(some.worst > 5);
+        all.faults += some.faults;
+    }
+    CHECK(all.faults > 5);
+}
+
+TEST_CASE("cases: numbers of the format, symmetries, ends of rays, conventions, and rays that are none") {
+    const Scratch folder;
+    static_cast<void>(folder.write("my cases.toml", head + R"(conventions = ["open", "closed", "own"]
+[[case]]
+name = "the reader's: 3"
+symmetric = true
+boxes = [{ lo = [-1, -2, "-3 - ulp"], hi = ["1 + ulp", 2, 3] }]
+rays = [{ origin = [0, 0, -9], direction = [0, 0.3, 1] }, { origin = [0.7, 0.5, -8], direction = [0.1, 0, 1], tmax = 9 },
+        { origin = [1, 2, -9], direction = [0, 0, 1] }, { origin = [0, 0, -9], direction = [0, 0, 1], tmax = 2 }]
+)"));
+    make("sweep './my cases.toml' extremes/contact extremes/not-numbers extremes/scale box-boundary data/hard/near.toml "
+         "-i sphere.schoolbook -i sphere.unified -i box.signs -i box.baseline -f f32 -f f64 -f bf16 -o out --data '" +
+             std::string(LOSTBITS_DATA_DIR) + "'",
+         folder);
+    Checked all;
+}
