@@ -53,10 +53,11 @@ std::vector<Real> numbers_of(const std::string& text, const std::string& option,
         const double rounded = exact ? scene::toml::round_to_format(*exact, format.shape) : HUGE_VAL;
         if (!std::isfinite(rounded)) {
             const double largest = std::ldexp(2 - std::ldexp(1.0, 1 - format.shape.precision), format.shape.emax);
-            throw InputError(fmt::format("{}: \"{}\" is out of range: the largest number of {} is {} ({}); scale the "
-                                         "ray and what it is aimed at down",
-                                         option, part, as.empty() ? "binary64" : format.name,
-                                         output::file::decimal(largest), output::file::hex(largest)));
+            throw InputError(
+                fmt::format("{}: \"{}\" is out of range: the largest number of {} is {} ({}); scale the "
+                            "ray and what it is aimed at down",
+                            option, part, as.empty() ? "binary64" : format.name, output::file::decimal(largest),
+                            output::file::hex(largest)));
         }
         numbers.push_back(as.empty() ? *exact : Real(rounded));
     }
@@ -94,8 +95,7 @@ void require_solids(const MapRow& row, const std::string& where, const Meets& me
     const std::string lacks = shape == Shape::sdf   ? "no [march] table, which the forms of sdf.* need"
                               : shape == Shape::box ? "no solids for it: it is a form for boxes"
                                                     : "no solids for it: it is a form for spheres";
-    throw InputError(
-        fmt::format("-i {}: {} has {}; try -i '{}'", row.form->info->name, where, lacks, globs_of(meets)));
+    throw InputError(fmt::format("-i {}: {} has {}; try -i '{}'", row.form->info->name, where, lacks, globs_of(meets)));
 }
 
 /// The scene of that name: one alone.
@@ -176,8 +176,9 @@ int worst_of(std::vector<RayGroup> groups, int rays, const MapRow& row) {
 AskedRay of_case(const RayWords& words, MapRow row, const std::filesystem::path& data) {
     const auto path = scene::sweep::find_sweep(words.subject, data);
     if (scene::sweep::sweep_kind(path) != scene::sweep::SweepKind::cases)
-        throw InputError(words.subject + ": has no [[case]] tables, and --case names one of those; the rays of its "
-                                         "results are in the column worst_explain of samples.csv");
+        throw InputError(words.subject +
+                         ": has no [[case]] tables, and --case names one of those; the rays of its "
+                         "results are in the column worst_explain of samples.csv");
     const scene::sweep::CaseFile file(path);
     require_solids(row, "the file of cases " + file.id, [&](Shape shape) { return file.meets(shape); });
     const auto [number, asked] = named_ray(file, words.named_case);
@@ -191,10 +192,10 @@ AskedRay of_case(const RayWords& words, MapRow row, const std::filesystem::path&
         throw InputError(fmt::format("--case {}: the case has {} ray{}, counted from 0", words.named_case, count,
                                      count == 1 ? "" : "s"));
     const int k = asked ? *asked : worst_of(groups, rays, row);
-    AskedRay found{nullptr, OneRay(ray_of(std::move(groups), rays, k)),
-                   fmt::format("Case \"{}\", ray {} of {}{}.\n", file.name(number), k, count,
-                               asked || count == 1 ? " (counted from 0)"
-                                                   : " (counted from 0), the worst of them for this form")};
+    AskedRay found{
+        nullptr, OneRay(ray_of(std::move(groups), rays, k)),
+        fmt::format("Case \"{}\", ray {} of {}{}.\n", file.name(number), k, count,
+                    asked || count == 1 ? " (counted from 0)" : " (counted from 0), the worst of them for this form")};
     found.ray.judge_by(row.judged);
     return found;
 }
@@ -252,19 +253,21 @@ AskedRay of_own_solids(const RayWords& words, const MapRow& row) {
 void check(const RayWords& words) {
     const bool own = !words.spheres.empty() || !words.boxes.empty();
     const auto without = [](bool given, const char* option, bool there, const char* needs) {
-        if (given && !there) throw InputError(fmt::format("{} needs {}; add it, or leave {} out", option, needs, option));
+        if (given && !there)
+            throw InputError(fmt::format("{} needs {}; add it, or leave {} out", option, needs, option));
     };
     if (own && !words.subject.empty())
         throw InputError(words.subject + ": a scene has its own solids; leave it out, or leave --sphere and --box out");
     if (!own && words.subject.empty())
-        throw InputError("explain: name a scene, a file of cases with --case, or solids: --sphere CX,CY,CZ,R or --box "
-                         "LX,LY,LZ,HX,HY,HZ");
+        throw InputError(
+            "explain: name a scene, a file of cases with --case, or solids: --sphere CX,CY,CZ,R or --box "
+            "LX,LY,LZ,HX,HY,HZ");
     without(!words.as.empty(), "--as", !words.ray.empty(), "--ray, whose numbers it rounds");
     without(!words.tmax.empty(), "--tmax", !words.boxes.empty() && words.spheres.empty(),
             "--box: only boxes know the end of a ray");
     if (words.named_case.empty() && !own) return;
-    for (const auto& [given, option] : {std::pair{&words.pixel, "--pixel"}, {&words.size, "--size"},
-                                        {&words.variant, "--variant"}})
+    for (const auto& [given, option] :
+         {std::pair{&words.pixel, "--pixel"}, {&words.size, "--size"}, {&words.variant, "--variant"}})
         without(!given->empty(), option, false, "a scene");
     without(!words.named_case.empty(), "--case", !own, "a file of cases");
     without(!words.ray.empty(), "--ray", own, "a scene or solids of its own: a case has its rays");

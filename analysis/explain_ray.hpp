@@ -13,10 +13,10 @@ namespace lostbits::analysis {
 
 /// The words of the command line that name a ray and what it is aimed at.
 struct RayWords {
-    std::string subject;                    ///< a scene or a file of cases; empty where the ray has its own solids
-    std::string pixel, size, variant;       ///< of a scene
-    std::string named_case;                 ///< NAME or NAME:K, of a file of cases
-    std::string ray, as;                    ///< six numbers, and the format they are rounded to first
+    std::string subject;               ///< a scene or a file of cases; empty where the ray has its own solids
+    std::string pixel, size, variant;  ///< of a scene
+    std::string named_case;            ///< NAME or NAME:K, of a file of cases
+    std::string ray, as;               ///< six numbers, and the format they are rounded to first
     std::vector<std::string> spheres, boxes;
     std::string tmax, convention;
     std::vector<std::string> set;

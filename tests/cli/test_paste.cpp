@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <cstdlib>
+#include <tuple>
 
 #include "catch.hpp"
 #include "output/file/read_csv.hpp"
@@ -36,7 +37,9 @@ Json explained(const std::string& command, const Scratch& folder) {
 }
 
 /// A number of the JSON as a cell has it: `inf` and `nan` are words, what there is not is empty.
-double number(const Json& j) { return j.is_string() ? std::strtod(j.get<std::string>().c_str(), nullptr) : j.get<double>(); }
+double number(const Json& j) {
+    return j.is_string() ? std::strtod(j.get<std::string>().c_str(), nullptr) : j.get<double>();
+}
 double number(const std::string& text) { return std::strtod(text.c_str(), nullptr); }
 std::string hex(const Json& j) { return j.is_null() ? "" : j["hex"].get<std::string>(); }
 
@@ -142,23 +145,25 @@ TEST_CASE("sweeps: the worst ray of each step, with the solid of its view and th
         return "[[axis]]\nname = \"" + name + "\"\nspacing = \"log2\"\nfrom = " + from + "\nto = " + to +
                "\nsteps = 3\nset = [" + set + "]\n";
     };
-    static_cast<void>(folder.write("one.toml", head + "[family]\nviews = 3\nrays = 16\n" +
-                                                   axis("distance", "100", "1e6", "\"distance\"")));
+    static_cast<void>(folder.write(
+        "one.toml", head + "[family]\nviews = 3\nrays = 16\n" + axis("distance", "100", "1e6", "\"distance\"")));
     static_cast<void>(folder.write("many.toml", "convention = \"closed\"\n" + head +
                                                     "[box_family]\naim = \"edge\"\nadjoining = true\nviews = 2\nrays "
                                                     "= 16\n" +
                                                     axis("distance", "2", "1000", "\"distance\"")));
-    static_cast<void>(folder.write("march.toml", head + "[march]\nhit_eps = 0.01\nmax_steps = 40\n[family]\nviews = "
-                                                        "2\nrays = 8\n" +
-                                                     axis("distance", "4", "4000", "\"distance\", \"march.max_dist\"")));
-    static_cast<void>(folder.write("scene.toml", "scene = \"near-benign\"\n" + head +
-                                                     axis("radius", "0.25", "1", "\"sphere[0].radius\"")));
+    static_cast<void>(
+        folder.write("march.toml", head +
+                                       "[march]\nhit_eps = 0.01\nmax_steps = 40\n[family]\nviews = "
+                                       "2\nrays = 8\n" +
+                                       axis("distance", "4", "4000", "\"distance\", \"march.max_dist\"")));
+    static_cast<void>(folder.write(
+        "scene.toml", "scene = \"near-benign\"\n" + head + axis("radius", "0.25", "1", "\"sphere[0].radius\"")));
     Checked all;
-    for (const auto& [name, forms] : std::vector<std::pair<std::string, std::string>>{
-             {"one", "-i sphere.schoolbook -i sphere.press"},
-             {"many", "-i box.signs -i box.baseline"},
-             {"march", "-i sdf.sphere_trace -i sdf.over_relaxed"},
-             {"scene", "-i sphere.unified"}}) {
+    for (const auto& [name, forms] :
+         std::vector<std::pair<std::string, std::string>>{{"one", "-i sphere.schoolbook -i sphere.press"},
+                                                          {"many", "-i box.signs -i box.baseline"},
+                                                          {"march", "-i sdf.sphere_trace -i sdf.over_relaxed"},
+                                                          {"scene", "-i sphere.unified"}}) {
         make("sweep " + name + ".toml " + forms + " -f f32 -f f64 -f bf16 -o out", folder);
         const Checked some = paste_rows(read_csv(folder.path() / "out" / name / "samples.csv"), folder);
         CAPTURE(name);
@@ -178,9 +183,157 @@ boxes = [{ lo = [-1, -2, "-3 - ulp"], hi = ["1 + ulp", 2, 3] }]
 rays = [{ origin = [0, 0, -9], direction = [0, 0.3, 1] }, { origin = [0.7, 0.5, -8], direction = [0.1, 0, 1], tmax = 9 },
         { origin = [1, 2, -9], direction = [0, 0, 1] }, { origin = [0, 0, -9], direction = [0, 0, 1], tmax = 2 }]
 )"));
-    make("sweep './my cases.toml' extremes/contact extremes/not-numbers extremes/scale box-boundary data/hard/near.toml "
-         "-i sphere.schoolbook -i sphere.unified -i box.signs -i box.baseline -f f32 -f f64 -f bf16 -o out --data '" +
-             std::string(LOSTBITS_DATA_DIR) + "'",
+    make("sweep './my cases.toml' extremes/contact extremes/not-numbers box-boundary " LOSTBITS_DATA_DIR
+         "/hard/near.toml -i sphere.schoolbook -i sphere.unified -i box.signs -i box.baseline -f f32 -f f64 -f bf16 -o "
+         "out",
          folder);
+    const std::vector<std::tuple<std::string, std::size_t, int>> files{
+        {"my cases", 1, 12}, {"contact", 3, 3}, {"not-numbers", 2, 3}, {"box-boundary", 29, 10}, {"near", 17, 10}};
     Checked all;
+    for (const auto& [name, every, least] : files) {
+        const auto table = read_csv(folder.path() / "out" / name / "cases.csv");
+        const Checked some = paste_rows(table, folder, every);
+        CAPTURE(name);
+        CHECK(some.worst + some.faults >= least);
+        all.worst += some.worst;
+        all.faults += some.faults;
+        for (std::size_t i = 0; i < table.rows(); ++i) {
+            const std::string verdict = cell(table, "verdict", i), fault = cell(table, "fault_outcome", i);
+            CHECK(fault == (verdict == "right" || verdict == "wrong_value" ? "" : verdict));
+        }
+    }
+    CHECK(all.worst > 30);
+    CHECK(all.faults > 15);
+    // Without a number it is the ray that the table names, a wrong decision before a wrong value.
+    const auto boxes = read_csv(folder.path() / "out/my cases/cases.csv");
+    for (const std::size_t i : {std::size_t{0}, boxes.rows() - 1}) {
+        std::string command = cell(boxes, "fault_explain", i);
+        if (command.empty()) command = cell(boxes, "worst_explain", i);
+        const auto colon = command.rfind(':', command.rfind("' "));
+        std::string without = command;
+        without.erase(colon, command.find('\'', colon) - colon);
+        CAPTURE(command, without);
+        CHECK(explained(without, folder) == explained(command, folder));
+    }
+}
+
+TEST_CASE("a search: the rays of worst.csv, and of the cases that hard.toml makes of them") {
+    const Scratch folder;
+    for (const auto& [name, solid] : std::vector<std::pair<std::string, std::string>>{
+             {"s", "centre = [-1, 1]\nradius = [0.5, 2]\n"}, {"b", "lo = [-2, -1]\nhi = [1, 2]\n"}})
+        static_cast<void>(folder.write(name + ".toml", head + "[search]\norigin = [-8, 8]\ndirection = [-1, 1]\n" +
+                                                           solid + "starts = 2\ngenerations = 6\n"));
+    make("sweep s.toml --worst -i sphere.schoolbook -i sphere.press -f f32 -f f64 -f bf16 -o out", folder);
+    make("sweep b.toml --worst -i box.divide -i box.inclusive -f f32 -f f64 -f bf16 -o out", folder);
+    for (const std::string name : {"s", "b"}) {
+        const auto table = read_csv(folder.path() / "out" / name / "worst.csv");
+        REQUIRE(table.rows() == 6);
+        for (std::size_t i = 0; i < table.rows(); ++i) {
+            const Json j = explained(cell(table, "explain", i), folder);
+            CAPTURE(cell(table, "explain", i));
+            CHECK(j["outcome"] == cell(table, "outcome", i));
+            CHECK(hex(j["truth"]) == cell(table, "truth_hex", i));
+            if (j["hit"] == true) CHECK(hex(j["t"]) == cell(table, "t_hex", i));
+            if (!j["lost_bits"].is_null()) CHECK(number(j["lost_bits"]) == number(cell(table, "lost_bits", i)));
+        }
+        make("sweep out/" + name + "/hard.toml -i sphere.press -i box.divide -f f64 -o out", folder);
+        CHECK(paste_rows(read_csv(folder.path() / "out/hard/cases.csv"), folder).worst > 2);
+    }
+}
+
+TEST_CASE("claims: the witness in the message, in CSV, in JSON and in JUnit XML is one that can be pasted") {
+    const Scratch folder;
+    const auto claim = [](const std::string& id, const std::string& given, const std::string& metric) {
+        return "[[claim]]\nid = \"" + id +
+               "\"\nstatement = \"-\"\nsource = \"-\"\nverdict = \"holds\"\n[claim.given]\n" + given +
+               "\n[claim.expect]\nmetric = \"" + metric + "\"\nin = [-2, -1]\n";
+    };
+    static_cast<void>(folder.write(
+        "c.toml",
+        "schema = \"lostbits-claims/1\"\n" +
+            claim("scene", "scene = \"near-benign\"\nform = \"sphere.schoolbook\"\nformat = \"f64\"", "ulp_error_max") +
+            claim("own", "scene = \"world-offset-own\"\nform = \"sphere.press\"\nformat = \"bf16\"", "ulp_error_max") +
+            claim("wrong", "scene = \"camera-inside\"\nform = \"sphere.unit_half_b\"\nformat = \"f32\"", "false_miss") +
+            claim("sweep", "sweep = \"sphere-distance\"\nform = \"sphere.press\"\nformat = \"bf16\"\nat = 30",
+                  "ulp_error_max") +
+            claim("march", "sweep = \"sdf-distance\"\nform = \"sdf.sphere_trace\"\nformat = \"f32\"\nat = 300",
+                  "ulp_error_max") +
+            claim("case", "sweep = \"scale\"\ncase = \"*\"\nform = \"sphere.unified\"\nformat = \"f64\"",
+                  "ulp_error_max")));
+    const auto r = run("check c.toml --export-csv c.csv --export-json c.json --junit j.xml", folder.path());
+    INFO(r.out << r.err);
+    REQUIRE(r.code == 1);
+    const auto table = read_csv(folder.path() / "c.csv");
+    const Json array = Json::parse(contents(folder.path() / "c.json"));
+    const std::string xml = contents(folder.path() / "j.xml");
+    REQUIRE(table.rows() == 6);
+    for (std::size_t i = 0; i < table.rows(); ++i) {
+        const std::string command = cell(table, "witness_explain", i);
+        CAPTURE(command);
+        CHECK(array[i]["witness_explain"] == command);
+        CHECK(r.out.find("explain it: " + command + "\n") != std::string::npos);
+        CHECK(xml.find("\n" + command + "\n") != std::string::npos);
+        const Json j = explained(command, folder);
+        if (cell(table, "id", i) == "wrong") CHECK(j["outcome"] == "false_miss");
+        else CHECK(std::fabs(number(j["ulp_error"])) == number(cell(table, "measured", i)));
+    }
+}
+
+TEST_CASE("a ray is taken as given: what a format cannot hold is input error, and --as rounds first") {
+    const Scratch folder;
+    const std::string ray = "lostbits explain --sphere 0,0,5,1 --ray 0.1,0,0,0,0,1 -i sphere.schoolbook ";
+    // Of the decimal's binary64 number, whatever form it is then asked of: t* = 5 - sqrt(1 - 0.1²), by hand in 40
+    // digits for 0x1.999999999999ap-4 and for 0x1.99999ap-4, each rounded to binary64.
+    const Json f64 = explained(ray + "-f f64", folder), f32 = explained(ray + "-f f32", folder);
+    CHECK(hex(f64["inputs"]["o.x"]) == "0x1.999999999999ap-4");
+    CHECK(hex(f32["inputs"]["o.x"]) == "0x1.99999ap-4");
+    CHECK(f64["inputs_rounded"] == false);
+    CHECK(f32["inputs_rounded"] == true);
+    CHECK(hex(f64["truth"]) == "0x1.005220366c8ebp+2");
+    CHECK(f32["truth"] == f64["truth"]);
+    const Json as = explained(ray + "-f f32 --as f32", folder), wide = explained(ray + "-f f64 --as f32", folder);
+    CHECK(as["inputs_rounded"] == false);
+    CHECK(wide["inputs_rounded"] == false);
+    CHECK(hex(as["truth"]) == "0x1.0052203695b95p+2");
+    CHECK(as["truth"] == wide["truth"]);
+    // Of a scene with numbers of its own the ray is ideal, and every format rounds it once from the decimal.
+    std::string own = lostbits::test::good_scene;
+    own.replace(own.find("shared"), 6, "own");
+    static_cast<void>(folder.write("own.toml", own));
+    const std::string ideal = "lostbits explain own.toml --ray 0.1,0,-5,0,0,1 -i sphere.schoolbook ";
+    const Json in_own = explained(ideal + "-f f64", folder);
+    CHECK(in_own["inputs_rounded"] == true);
+    CHECK(hex(in_own["inputs"]["o.x"]) == "0x1.999999999999ap-4");
+    CHECK(explained(ideal + "-f f64 --as f64", folder)["inputs_rounded"] == false);
+    const auto text = run("explain own.toml --ray 0.1,0,-5,0,0,1 -i sphere.schoolbook", folder.path());
+    CHECK(text.out.find("f32 cannot hold all of these numbers and gets them rounded") != std::string::npos);
+}
+
+TEST_CASE("explain refuses words that name no ray, and says what to write") {
+    const std::string with = " -i sphere.press";
+    for (const auto& [arguments, says] : std::vector<std::pair<std::string, std::string>>{
+             {"--ray 0,0,0,0,0,1" + with, "name a scene, a file of cases with --case, or solids"},
+             {"near-benign --sphere 0,0,5,1 --ray 0,0,0,0,0,1" + with, "a scene has its own solids"},
+             {"--sphere 0,0,5,1" + with, "name the ray too"},
+             {"--sphere 0,0,5 --ray 0,0,0,0,0,1" + with, "is not a sphere"},
+             {"--sphere 0,0,5,-1 --ray 0,0,0,0,0,1" + with, "the radius must be greater than 0"},
+             {"--box 0,0,5,1,1,4 --ray 0,0,0,0,0,1 -i box.signs", "must not be above the upper one"},
+             {"--box 0,0,5,1,1,6 --ray 0,0,0,0,0,1" + with, "try -i 'box.*' -i 'sdf.*'"},
+             {"--sphere 0,0,5,1 --ray 0,0,0,0,0,1 --tmax 5" + with, "only boxes know the end of a ray"},
+             {"--sphere 0,0,5,1 --ray 0,0,0,0,0,1 --set camera.x=1" + with, "only march.KEY can be set"},
+             {"--sphere 0,0,5,1 --ray 0,0,0,0,0,1 --as f31" + with, "unknown format"},
+             {"--sphere 0,0,5,1 --ray 0,0,0,0,0,1e39 --as f32" + with, "the largest number of f32 is 3.40"},
+             {"near-benign --pixel 1,1 --as f32" + with, "--as needs --ray"},
+             {"extremes/contact --case 'eye at the centr'" + with, "did you mean"},
+             {"extremes/contact --case 'eye at the centr:0'" + with, "did you mean \"eye at the centre\""},
+             {"extremes/contact --case 'eye at the centre:99'" + with, "counted from 0"},
+             {"sphere-distance --case x" + with, "has no [[case]] tables"},
+             {"extremes/contact --case x --ray 0,0,0,0,0,1" + with, "a case has its rays"},
+             {"box-boundary --case x" + with, "try -i 'box.*'"}}) {
+        const auto r = run("explain " + arguments);
+        INFO(arguments << "\n" << r.err);
+        CHECK(r.code == 2);
+        CHECK(r.err.find(says) != std::string::npos);
+        CHECK(r.out.empty());
+    }
 }

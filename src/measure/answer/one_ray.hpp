@@ -16,9 +16,9 @@ class OneRay {
 public:
     /// The ray of pixel (x, y). InputError where the picture has no such pixel.
     OneRay(const scene::file::Scene& scene, int x, int y);
-    /// A ray taken as it is given. Where the scene's inputs are shared, each of its numbers is rounded once to binary64,
-    /// which most often changes none, and the solids are those of the scene's maps; where each format rounds its own,
-    /// the ray is ideal as the scene is. What a format cannot hold it rounds, and that is input error.
+    /// A ray taken as it is given. Where the scene's inputs are shared, each of its numbers is rounded once to
+    /// binary64, which most often changes none, and the solids are those of the scene's maps; where each format rounds
+    /// its own, the ray is ideal as the scene is. What a format cannot hold it rounds, and that is input error.
     OneRay(const scene::file::Scene& scene, const Ray<Real>& ray);
     /// The first ray of a group: as it is stored, with the solids and constants it has there.
     explicit OneRay(scene::rays::RayGroup group);

@@ -17,7 +17,7 @@ struct ClaimResult {
     enum class State { agrees, disagrees, broken, skipped };
     State state = State::broken;
     double measured = 0;
-    std::string trouble;    ///< why it is broken or skipped
+    std::string trouble;  ///< why it is broken or skipped
     /// The worst ray of the measurement, where there is one; of a claim about wrong decisions the first of those.
     map::WorstRay witness;
 };

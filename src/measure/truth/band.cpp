@@ -212,8 +212,9 @@ std::shared_ptr<const scene::rays::RayGroup> Band::given(std::size_t i, std::set
     if (scene_ != nullptr || count > most_given) return nullptr;
     auto one = std::make_shared<scene::rays::RayGroup>(scene::rays::group_of(shared_[i]));
     if (!shared_.tmax.empty()) one->rays.tmax.push_back(shared_.tmax[i]);
-    if (solids.empty()) one->solids = shared_solids_;
     for (const int solid : solids) one->solids.push_back(shared_solids_[static_cast<std::size_t>(solid)]);
+    if (!solids.empty()) return one;
+    one->solids = shared_solids_;
     one->march = shared_march_;
     return one;
 }

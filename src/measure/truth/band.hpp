@@ -34,8 +34,9 @@ public:
     /// Whether ray i and the solids are in `inputs`, which are of this band, as they were given: the format rounded
     /// none of their numbers.
     [[nodiscard]] bool keeps(const FormatInputs& inputs, std::size_t i) const;
-    /// Ray i alone as it was given, before any format rounded it, with these of the solids; all where none is named.
-    /// Nothing for a pixel of a scene, which its place names, and where it would be more than `most_given` solids.
+    /// Ray i alone as it was given, before any format rounded it, with these of the solids; with all, and the
+    /// constants of a march along them, where none is named. Nothing for a pixel of a scene, which its place names, and
+    /// where it would be more than `most_given` solids.
     [[nodiscard]] std::shared_ptr<const scene::rays::RayGroup> given(std::size_t i, std::set<int> solids) const;
     static constexpr std::size_t most_given = 64;
 
@@ -57,7 +58,7 @@ private:
     const scene::file::Scene* scene_ = nullptr;  ///< for own inputs, whose solids each format rounds itself
     int y0_ = 0, rows_ = 0;
     TruthLimit limit_;
-    bool in_binary32_ = true;  ///< every shared number is one of binary32
+    bool in_binary32_ = true;       ///< every shared number is one of binary32
     scene::rays::RayBlock shared_;  ///< inputs = shared
     std::vector<Solid<double>> shared_solids_;
     std::optional<scene::rays::IdealRayBlock> ideal_;  ///< inputs = own

@@ -25,7 +25,8 @@ std::string hex_list(const Numbers& numbers) {
 
 std::string shell_word(std::string_view word) {
     const auto plain = [](char c) {
-        return std::isalnum(static_cast<unsigned char>(c)) != 0 || std::string_view("_./=,:+-").find(c) != std::string_view::npos;
+        return std::isalnum(static_cast<unsigned char>(c)) != 0 ||
+               std::string_view("_./=,:+-").find(c) != std::string_view::npos;
     };
     if (!word.empty() && std::ranges::all_of(word, plain)) return std::string(word);
     std::string quoted = "'";
@@ -45,8 +46,7 @@ std::string name_of_ray(const scene::rays::RayGroup* one) {
     const Ray<double> ray = one->rays[0];
     text += "--ray=" + hex_list(std::array{ray.origin.x, ray.origin.y, ray.origin.z, ray.direction.x, ray.direction.y,
                                            ray.direction.z});
-    if (!one->rays.tmax.empty() && !std::isinf(one->rays.tmax[0]))
-        text += " --tmax=" + file::hex(one->rays.tmax[0]);
+    if (!one->rays.tmax.empty() && !std::isinf(one->rays.tmax[0])) text += " --tmax=" + file::hex(one->rays.tmax[0]);
     if (!one->march) return text;
     std::size_t place = 0;
     transformed(*one->march, [&](double x) {

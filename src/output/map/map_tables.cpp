@@ -57,8 +57,8 @@ std::vector<Column> SummaryTable::columns() const {
     return columns;
 }
 
-void SummaryTable::add(file::CsvWriter& csv, const measure::map::MapRow& row,
-                       const measure::map::MapSummary& summary, const NameOfRay& name_of_ray) const {
+void SummaryTable::add(file::CsvWriter& csv, const measure::map::MapRow& row, const measure::map::MapSummary& summary,
+                       const NameOfRay& name_of_ray) const {
     const auto command = [&](const measure::map::WorstRay* ray) -> Cell {
         const std::string name = ray == nullptr || ray->x < 0 ? "" : name_of_ray(*ray);
         if (name.empty()) return {};
