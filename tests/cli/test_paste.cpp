@@ -309,6 +309,16 @@ TEST_CASE("a ray is taken as given: what a format cannot hold is input error, an
     CHECK(text.out.find("f32 cannot hold all of these numbers and gets them rounded") != std::string::npos);
 }
 
+TEST_CASE("a ray with solids of its own ends where it is told to, and is judged by the convention it is told") {
+    const Scratch folder;
+    const std::string face = "lostbits explain --box 0,0,5,1,1,6 --ray 1,0.5,0,0,0,1 -i box.inclusive ";
+    CHECK(hex(explained(face + "--convention closed", folder)["truth"]) == "0x1.4p+2");
+    CHECK(explained(face + "--convention open", folder)["truth"].is_null());
+    CHECK(explained(face + "--convention open", folder)["outcome"] == "false_hit");
+    CHECK(explained(face + "--convention closed --tmax 4", folder)["outcome"] == "agree_miss");
+    CHECK(explained(face + "--convention closed --tmax 5", folder)["outcome"] == "agree_hit");
+}
+
 TEST_CASE("explain refuses words that name no ray, and says what to write") {
     const std::string with = " -i sphere.press";
     for (const auto& [arguments, says] : std::vector<std::pair<std::string, std::string>>{
