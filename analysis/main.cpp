@@ -1,5 +1,7 @@
 #include <fmt/format.h>
+#include <unistd.h>
 
+#include <csignal>
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
@@ -9,9 +11,9 @@
 
 #include "commands.hpp"
 #include "intersect/simd/packed.hpp"
+#include "number/interruption.hpp"
 #include "output/file/atomic_file.hpp"
 #include "scene/toml/did_you_mean.hpp"
-#include "signals.hpp"
 
 namespace lostbits::analysis {
 namespace {
@@ -19,6 +21,21 @@ namespace {
 constexpr const char* description =
     "A precision laboratory for ray intersectors: where significand bits are lost, which operation loses them,\n"
     "whether the formula or the problem is to blame, and what the safer form costs.";
+
+void on_signal(int) {
+    if (!asked_to_stop.exchange(true)) return;
+    output::file::remove_partial_files();
+    _exit(static_cast<int>(Exit::interrupted));
+}
+
+/// SIGINT, SIGTERM, SIGHUP (a closed terminal) and SIGXCPU ask the run to stop at the next safe point; a second one
+/// removes partial files and leaves at once. A write past the file-size limit fails instead of killing the process.
+void install_signal_handlers() {
+    struct sigaction action {};
+    action.sa_handler = on_signal;
+    for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGXCPU}) sigaction(signal, &action, nullptr);
+    output::file::ignore_file_size_signal();
+}
 
 void add_common(CLI::App& program, Common& common) {
     using Mode = output::file::Progress::Mode;

@@ -45,10 +45,15 @@ struct Commands {
     std::string map, needed;
 };
 
+/// What is changed about a scene.
+std::string input_of(const MapOptions& o) {
+    return each(" --set '", o.set, "'") + (o.size.empty() ? "" : " --size " + o.size);
+}
+
 Commands canonical_commands(const Scene& scene, const MapOptions& o) {
-    std::string what = each(" -f ", o.formats) + each(" --metric ", o.metrics), input = each(" --set '", o.set, "'");
+    std::string what = each(" -f ", o.formats) + each(" --metric ", o.metrics);
+    const std::string input = input_of(o);
     if (o.envelope) what += " --envelope";
-    if (!o.size.empty()) input += " --size " + o.size;
     const std::string start = fmt::format("lostbits map {}{}", scene.id, each(" -i '", o.forms, "'"));
     return {start + what + input, fmt::format("{} --bits-needed {}{}", start, o.bits_needed, input)};
 }
@@ -139,6 +144,7 @@ std::uint64_t map_scene(const SceneWork& work, const MapOptions& o, const Common
                    .drawn = drawn,
                    .pixels_csv = pixels,
                    .command = commands.map,
+                   .named = name_of_scene(scene, data_folder(common.data)) + input_of(o),
                    .envelope = o.envelope,
                    .also = needed_files ? needed_files->resources() : std::vector<output::file::DataResource>{}});
 

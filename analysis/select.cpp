@@ -12,6 +12,7 @@
 #include <thread>
 
 #include "number/error.hpp"
+#include "output/blame/explain_command.hpp"
 #include "scene/toml/did_you_mean.hpp"
 
 namespace lostbits::analysis {
@@ -179,6 +180,20 @@ std::vector<Scene> load_scenes(const SceneChoice& choice, const std::filesystem:
         }
     }
     return scenes;
+}
+
+std::string name_of_scene(const Scene& scene, const std::filesystem::path& data) {
+    using output::blame::shell_word;
+    if (scene.path.parent_path() == data / "scenes") return shell_word(scene.id);
+    const std::string stem = scene.path.stem().string();
+    const std::string variant = scene.id == stem ? "" : " --variant " + shell_word(scene.id.substr(stem.size() + 1));
+    return shell_word(scene.path.string()) + variant;
+}
+
+std::string name_of_sweep(const std::filesystem::path& path, const std::filesystem::path& data) {
+    const auto inside = path.lexically_relative(data / "sweeps");
+    const bool in_data = !inside.empty() && *inside.begin() != "..";
+    return output::blame::shell_word((in_data ? std::filesystem::path(inside).replace_extension() : path).string());
 }
 
 struct ThreadLimit::Control {

@@ -98,6 +98,12 @@ struct SceneChoice {
 /// Every scene chosen. InputError for a scene given twice: results lie in a folder of its name.
 std::vector<scene::file::Scene> load_scenes(const SceneChoice& choice, const std::filesystem::path& data);
 
+/// What names a scene to a later command: its id where it lies in the data folder, its path and variant otherwise; as
+/// a shell reads it.
+std::string name_of_scene(const scene::file::Scene& scene, const std::filesystem::path& data);
+/// The same of a sweep.
+std::string name_of_sweep(const std::filesystem::path& path, const std::filesystem::path& data);
+
 /// `WxH` in pixels. InputError otherwise.
 std::pair<int, int> parse_size(const std::string& text);
 

@@ -70,7 +70,7 @@ void run_case_file(const std::filesystem::path& path, const Chosen& chosen, cons
     }
     if (!common.quiet) note_lost_numbers(file, rows);
     const auto folder = std::filesystem::path(o.out) / file.id;
-    output::sweep::CaseFiles files(request, folder);
+    output::sweep::CaseFiles files(request, folder, name_of_sweep(path, data_folder(common.data)));
     Progress progress(file.size() * request.rows.size(), file.id, common.progress, common.quiet);
     request.progress = advancing(progress);
     files.finish(measure::sweep::run_cases(request));

@@ -7,7 +7,7 @@
 
 namespace lostbits {
 
-/// Set by a signal; see analysis/signals.hpp.
+/// Set by a signal; see analysis/main.cpp.
 inline std::atomic<bool> asked_to_stop{false};
 static_assert(std::atomic<bool>::is_always_lock_free);
 

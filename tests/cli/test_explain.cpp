@@ -287,16 +287,16 @@ TEST_CASE("explain refuses what it cannot read, and says why") {
              {"explain near-benign -i sphere.unified", "name one ray"},
              {"explain near-benign --pixel 1 -i sphere.unified", "not a pixel"},
              {"explain near-benign --pixel 9999,0 -i sphere.unified", "has columns"},
-             {"explain near-benign --ray 0,0,0,0,0,0 -i sphere.unified", "is not a ray in binary32"},
+             {"explain near-benign --ray 0,0,0,0,0,0 -i sphere.unified", "is not a ray; its numbers must be finite"},
              {"explain near-benign --pixel 1,1 -i box.signs", "has no solids"},
              {"explain near-benign --pixel 1,1 -i sphere.double_inside -f f64", "does not exist"},
              {"explain near-benign --pixel 1,1 -i sphere.unified --json --c", "at most 1"},
              {"explain near-benign --pixel 1,1 -i sphere.double_inside -f p2", "try -f f32"},
              {"explain near-benign --ray 0,0,0,0,0,x -i sphere.unified", "\"x\" is not a number"},
              {"explain near-benign --ray 0,0,0,0,0,1e400 -i sphere.unified",
-              "out of range: rays are stored in binary32, whose largest number is 3.4028234663852886e+38"},
-             {"explain near-benign --ray 0,0,0,0,0,1e39 -i sphere.unified",
-              "out of range: rays are stored in binary32"},
+              "out of range: the largest number of binary64 is 1.7976931348623157e+308"},
+             {"explain near-benign --ray 0,0,0,0,0,1e39 -i sphere.unified --as f32",
+              "out of range: the largest number of f32 is 3.4028234663852886e+38"},
              {"explain near-benign --pixel 1e400,0 -i sphere.unified", "not a pixel"}}) {
         const auto r = run(arguments);
         INFO(arguments);

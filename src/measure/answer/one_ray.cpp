@@ -12,16 +12,7 @@ namespace {
 
 /// A single ray: beside the other rays of its row, each would be tested against many more spheres.
 std::unique_ptr<Band> band_of(const Scene& scene, const Ray<double>& ray) {
-    scene::rays::RayGroup group;
-    group.rays = {.width = 1,
-                  .y0 = 0,
-                  .y1 = 1,
-                  .ox = {ray.origin.x},
-                  .oy = {ray.origin.y},
-                  .oz = {ray.origin.z},
-                  .dx = {ray.direction.x},
-                  .dy = {ray.direction.y},
-                  .dz = {ray.direction.z}};
+    scene::rays::RayGroup group = scene::rays::group_of(ray);
     group.solids = scene::rays::shared_solids(scene);
     if (scene.march) group.march = scene::file::round_march(*scene.march, binary32);
     return std::make_unique<Band>(std::move(group));
@@ -44,12 +35,15 @@ OneRay::OneRay(const Scene& scene, int x, int y) {
     index_ = static_cast<std::size_t>(x);
 }
 
-OneRay::OneRay(const Scene& scene, const Ray<double>& ray) {
-    if (scene.inputs != scene::file::Inputs::shared)
-        throw InputError("--ray: scene " + scene.id +
-                         " has inputs = \"own\", which are ideal numbers, but --ray gives rounded ones; use --pixel");
-    band_ = band_of(scene, ray);
+OneRay::OneRay(const Scene& scene, const Ray<Real>& ray) {
+    scene::rays::IdealRayBlock one;
+    one.width = one.y1 = 1;
+    one.push(ray);
+    if (scene.inputs == scene::file::Inputs::own) band_ = std::make_unique<Band>(scene, std::move(one));
+    else band_ = band_of(scene, scene::rays::round_rays(one, binary64)[0]);
 }
+
+OneRay::OneRay(scene::rays::RayGroup group) : band_(std::make_unique<Band>(std::move(group))) {}
 
 OneRay::Inputs OneRay::inputs(const intersect::table::Intersector& form, const Format& format) const {
     return {
@@ -59,7 +53,7 @@ OneRay::Inputs OneRay::inputs(const intersect::table::Intersector& form, const F
 
 double OneRay::condition(const intersect::Info& info) const {
     band_->find_condition();
-    return band_->condition(index_, info.convention());
+    return band_->condition(index_, convention(info));
 }
 
 const truth::Certified& OneRay::true_t(const intersect::Info& info) const {

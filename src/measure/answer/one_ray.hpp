@@ -1,4 +1,4 @@
-// One ray of a scene, looked at closely.
+// One ray, looked at closely.
 #pragma once
 
 #include <memory>
@@ -10,14 +10,21 @@
 
 namespace lostbits::measure::answer {
 
-/// A pixel of a scene, or a ray of one's own among its solids, with its truth: what a form in a format is given there.
+/// A pixel of a scene, a ray of one's own among its solids, or a ray with solids of its own, with its truth: what a
+/// form in a format is given there.
 class OneRay {
 public:
     /// The ray of pixel (x, y). InputError where the picture has no such pixel.
     OneRay(const scene::file::Scene& scene, int x, int y);
-    /// `ray` is stored as it is; the scene's inputs must be shared (InputError otherwise: an ideal ray has no stored
-    /// numbers).
-    OneRay(const scene::file::Scene& scene, const Ray<double>& ray);
+    /// A ray taken as it is given. Where the scene's inputs are shared, each of its numbers is rounded once to
+    /// binary64, which most often changes none, and the solids are those of the scene's maps; where each format rounds
+    /// its own, the ray is ideal as the scene is. What a format cannot hold it rounds, and that is input error.
+    OneRay(const scene::file::Scene& scene, const Ray<Real>& ray);
+    /// The first ray of a group: as it is stored, with the solids and constants it has there.
+    explicit OneRay(scene::rays::RayGroup group);
+    /// Judged by this convention on touching; by each form's own word unless this is called.
+    void judge_by(std::optional<intersect::Touching> convention) { judged_ = convention; }
+    [[nodiscard]] std::optional<intersect::Touching> judged() const { return judged_; }
 
     /// What a form in a format receives: the ray as it takes directions, and its target. Valid as long as this is.
     struct Inputs {
@@ -26,21 +33,27 @@ public:
         [[nodiscard]] Ray<double> ray(const intersect::Info& info) const { return all.rays_for(info)[index]; }
     };
     [[nodiscard]] Inputs inputs(const intersect::table::Intersector& form, const Format& format) const;
-    /// By the form's own convention.
+    /// Whether a form gets the ray and the solids as they were given: its format rounds none of their numbers.
+    [[nodiscard]] bool keeps(const Inputs& inputs) const { return band_->keeps(inputs.all, index_); }
     [[nodiscard]] const truth::Truth& truth(const intersect::Info& info) const {
-        return band_->truth(index_, info.convention());
+        return band_->truth(index_, convention(info));
     }
     /// κ of the true hit; NaN for a miss.
     [[nodiscard]] double condition(const intersect::Info& info) const;
     /// t* in the unit of the form's answer; for a hit only.
     [[nodiscard]] const truth::Certified& true_t(const intersect::Info& info) const;
     [[nodiscard]] double rounded_truth(const intersect::Info& info, const FloatFormat& format) const {
-        return band_->rounded_truth(index_, format, info.direction, info.convention());
+        return band_->rounded_truth(index_, format, info.direction, convention(info));
     }
 
 private:
+    [[nodiscard]] intersect::Convention convention(const intersect::Info& info) const {
+        return judged_ ? *judged_ : info.convention();
+    }
+
     std::unique_ptr<truth::Band> band_;
     std::size_t index_ = 0;
+    std::optional<intersect::Touching> judged_;
 };
 
 /// The march of a form that marches (`form.log`) along a ray.

@@ -96,7 +96,7 @@ Explanation explain(const Intersector& form, const Format& format, const OneRay&
     const OneRay::Inputs in = ray.inputs(form, format);
     const answer::Answers answers = answer::evaluate(form, in.all);
     const truth::Truth& truth = ray.truth(*form.info);
-    Explanation x{.form = &form, .format = format};
+    Explanation x{.form = &form, .format = format, .rounded_inputs = !ray.keeps(in), .judged = ray.judged()};
     const Vec<double> given = in.all.rays[in.index].direction, received = in.ray(*form.info).direction;
     if (given.x != received.x || given.y != received.y || given.z != received.z) x.given = given;
     x.solids = static_cast<int>(in.all.solids.size());

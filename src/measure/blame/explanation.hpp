@@ -30,6 +30,8 @@ struct Explanation {
     std::vector<double> inputs = {};      ///< as the form received them
     ///  the direction as the ray has it, where the form received it normalised and rounded
     std::optional<Vec<double>> given = {};
+    bool rounded_inputs = false;                     ///< the format cannot hold the ray or a solid as they were given
+    std::optional<intersect::Touching> judged = {};  ///< as closed or open solids; absent: by each form's own word
     int solid = 0, solids = 1;  ///< which of the scene's solids the form was asked of, from 0; of a march all together
     Tape tape = {};
     Attribution attribution = {};

@@ -52,7 +52,12 @@ Format claim_format(const Claim& claim) {
 ClaimResult judge(const Claim& claim, double measured, const map::MapSummary* summary) {
     ClaimResult result;
     result.measured = measured;
-    if (summary) result.witness = summary->worst;
+    if (summary) {
+        // A wrong decision is no matter of how far off t is.
+        const bool decides = claim.metric.starts_with("false_") || claim.metric.starts_with("not_a_number");
+        const map::WorstRay* const fault = decides ? summary->fault() : nullptr;
+        result.witness = fault ? *fault : summary->worst;
+    }
     if (summary && summary->count(answer::Outcome::unresolved) > 0) {
         result.trouble = std::to_string(summary->count(answer::Outcome::unresolved)) + " rays have no proved truth";
     } else if (std::isnan(measured)) {

@@ -18,8 +18,9 @@ struct ClaimResult {
     enum class State { agrees, disagrees, broken, skipped };
     State state = State::broken;
     double measured = 0;
-    std::string trouble;    ///< why it is broken or skipped
-    map::WorstRay witness;  ///< the worst ray of the measurement, where there is one
+    std::string trouble;  ///< why it is broken or skipped
+    /// The worst ray of the measurement, where there is one; of a claim about wrong decisions the first of those.
+    map::WorstRay witness;
     /// On how many independent draws of rays (or numbers) `measured` rests; 0: on none, nothing is random.
     std::uint64_t samples = 0;
     std::vector<double> further = {};  ///< the same measured on further draws, one a seed; NaN where it does not exist

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <set>
 
 #include "measure/answer/self.hpp"
 #include "measure/truth/lost_bits.hpp"
@@ -33,12 +34,13 @@ const truth::Certified* in_unit_of(const Truth& truth, const intersect::Info& in
 /// The metrics of the samples where form and truth agree that there is a hit.
 class Measurement {
 public:
-    Measurement(const std::vector<const Metric*>& metrics, const MapRow& row, BandResult& result)
-        : metrics_(metrics),
-          row_(row),
+    Measurement(const RowRequest& request, BandResult& result)
+        : metrics_(request.metrics),
+          row_(request.row),
+          group_(request.group),
           result_(result),
-          needs_(needs_of(metrics)),
-          blamer_(*row.form, row.format, culprits_of(metrics)) {}
+          needs_(needs_of(metrics_)),
+          blamer_(*row_.form, row_.format, culprits_of(metrics_)) {}
 
     void measure(std::size_t i, MapSummary& summary) {
         const answer::Answers& answers = *result_.answers;
@@ -82,6 +84,13 @@ public:
              Over::blamed, summary);
     }
 
+    /// Keeps the first ray of a wrong decision.
+    void keep_fault(std::size_t i, Outcome outcome, MapSummary& summary) const {
+        const auto kind = std::ranges::find(wrong_decisions, outcome) - wrong_decisions.begin();
+        auto& fault = summary.faults.at(static_cast<std::size_t>(kind));
+        if (!fault) fault = std::make_unique<WorstRay>(named(i, outcome));
+    }
+
     /// The metrics of how a ray was marched, whatever came of it.
     void measure_march(std::size_t i, MapSummary& summary) {
         const Ray<double> ray = result_.inputs->rays_for(*row_.form->info)[i];
@@ -118,21 +127,43 @@ private:
     }
 
     void keep_worst(std::size_t i, const Sample& sample, MapSummary& summary) {
-        const double size = std::fabs(truth::ulp_error(sample.t, *sample.truth, row_.format.shape));
-        if (!(size > summary.worst.size)) return;
-        const int x = static_cast<int>(i % static_cast<std::size_t>(result_.width));
-        const int y = result_.y0 + static_cast<int>(i / static_cast<std::size_t>(result_.width));
-        summary.worst = {.x = x,
-                         .y = y,
-                         .object = result_.answers->object[i],
-                         .size = size,
-                         .ray = result_.inputs->rays[i],
-                         .solid = *sample.solid,
-                         .t = sample.t};
+        const double ulps = truth::ulp_error(sample.t, *sample.truth, row_.format.shape);
+        if (!(std::fabs(ulps) > summary.worst.size)) return;
+        summary.worst = named(i, Outcome::agree_hit);
+        summary.worst.ulps = ulps;
+        summary.worst.size = std::fabs(ulps);
+    }
+
+    /// Ray i as a summary names it.
+    [[nodiscard]] WorstRay named(std::size_t i, Outcome outcome) const {
+        const bool hit = result_.answers->hit[i] != 0;
+        const Truth& truth = result_.truth(i);
+        const int object = hit ? result_.answers->object[i] : truth.object;
+        WorstRay w{.x = static_cast<int>(i % static_cast<std::size_t>(result_.width)),
+                   .y = result_.y0 + static_cast<int>(i / static_cast<std::size_t>(result_.width)),
+                   .group = group_,
+                   .object = object,
+                   .size = 0,
+                   .ray = result_.inputs->rays[i],
+                   .solid = result_.inputs->solids[static_cast<std::size_t>(std::max(0, object))],
+                   .t = hit ? result_.answers->t[i] : missing,
+                   .outcome = outcome,
+                   .judged = row_.judged};
+        if (truth.is_hit())
+            w.truth = result_.band->rounded_truth(i, binary64, row_.form->info->direction, row_.convention());
+        // The nearest of all solids is the nearer of these two; a field of distances is of all of them.
+        std::set<int> deciding;
+        if (row_.form->shape != Shape::sdf) {
+            if (hit) deciding.insert(object);
+            if (truth.is_hit()) deciding.insert(truth.object);
+        }
+        w.given = result_.band->given(i, deciding);
+        return w;
     }
 
     const std::vector<const Metric*>& metrics_;
     const MapRow& row_;
+    int group_;
     BandResult& result_;
     unsigned needs_;
     blame::Blamer blamer_;
@@ -168,6 +199,17 @@ void MapSummary::add(std::size_t m, const Metric& metric, double value) {
     else if (!std::isnan(value)) ++categories[m][static_cast<std::size_t>(value)];
 }
 
+std::optional<Outcome> MapSummary::wrong() const {
+    const auto most = std::ranges::max_element(wrong_decisions, {}, [this](Outcome o) { return count(o); });
+    return count(*most) > 0 ? std::optional(*most) : std::nullopt;
+}
+
+const WorstRay* MapSummary::fault() const {
+    const auto most = wrong();
+    if (!most) return nullptr;
+    return faults[static_cast<std::size_t>(std::ranges::find(wrong_decisions, *most) - wrong_decisions.begin())].get();
+}
+
 unsigned needs_of(const std::vector<const Metric*>& metrics) {
     unsigned needs = metric::needs_nothing;
     for (const Metric* m : metrics) needs |= m->needs;
@@ -187,7 +229,7 @@ void measure_row(const RowRequest& request, const Band& band, const FormatInputs
                       .convention = row.convention(),
                       .outcomes = std::vector<Outcome>(n),
                       .metrics = {request.metrics.size(), std::vector<double>(n, missing)}};
-    Measurement measurement(request.metrics, row, result);
+    Measurement measurement(request, result);
     for (std::size_t i = 0; i < n; ++i) {
         const Truth& truth = result.truth(i);
         const Outcome outcome = answer::classify(truth.decision, answers.hit[i] != 0, answers.t[i]);
@@ -196,6 +238,8 @@ void measure_row(const RowRequest& request, const Band& band, const FormatInputs
         summary.true_hits += truth.is_hit();
         if (!answers.march.empty()) measurement.measure_march(i, summary);
         if (outcome == Outcome::false_hit || outcome == Outcome::false_miss) measurement.measure_fault(i, summary);
+        if (std::ranges::find(wrong_decisions, outcome) != wrong_decisions.end())
+            measurement.keep_fault(i, outcome, summary);
         if (outcome != Outcome::agree_hit) continue;
         summary.wrong_object += answers.object[i] != truth.object;
         measurement.measure(i, summary);
@@ -209,14 +253,15 @@ std::vector<MapSummary> measure_groups(std::vector<scene::rays::RayGroup> groups
     std::vector<MapSummary> summaries;
     for (std::size_t r = 0; r < rows.size(); ++r) summaries.emplace_back(metrics);
     for (MapSummary& s : summaries) s.views = groups.size();
-    for (scene::rays::RayGroup& group : groups) {
-        Band band(std::move(group), limit);
+    for (std::size_t g = 0; g < groups.size(); ++g) {
+        Band band(std::move(groups[g]), limit);
         if (needs_of(metrics) & metric::needs_condition) band.find_condition();
         std::map<std::string, FormatInputs> inputs;
         for (const auto& [name, needs] : needs_by_format(rows, metrics))
             inputs.emplace(name, band.inputs(*find_format(name), needs));
         for (std::size_t r = 0; r < rows.size(); ++r)
-            measure_row({rows[r], metrics}, band, inputs.at(rows[r].format.name), summaries[r]);
+            measure_row({rows[r], metrics, nullptr, static_cast<int>(g)}, band, inputs.at(rows[r].format.name),
+                        summaries[r]);
     }
     for (MapSummary& s : summaries) {
         for (metric::Distribution& d : s.metrics) d.seal();

@@ -13,6 +13,7 @@
 #include "measure/metric/metrics.hpp"
 #include "measure/metric/statistics.hpp"
 #include "measure/truth/band.hpp"
+#include "measure/truth/missing.hpp"
 #include "scene/rays/family.hpp"
 
 namespace lostbits::measure::map {
@@ -31,15 +32,28 @@ struct MapRow {
 /// The forms of the rows, each once, in their order.
 std::vector<const intersect::table::Intersector*> forms_of(const std::vector<MapRow>& rows);
 
-/// A worst sample, in a form that can be pasted back.
+/// A ray that a summary names, with everything it takes to ask the form again.
 struct WorstRay {
     int x = -1, y = -1;
+    int group = 0;      ///< which set of rays of a sweep or of a case it is in, from 0
     int object = -1;    ///< the solid that the form hit
-    double size = -1;   ///< |ulp_error|
+    double size = -1;   ///< |ulp_error|; of a wrong decision 0
     Ray<double> ray{};  ///< in the format; a unit-direction form gets the direction normalised, so its t is a distance
     Solid<double> solid{};
     double t = 0;
+    answer::Outcome outcome = answer::Outcome::agree_hit;
+    double ulps = truth::missing;   ///< (t − t*)/ulp(t*), signed; NaN unless both hit
+    double truth = truth::missing;  ///< t*, correctly rounded to binary64; NaN where the ray truly misses
+    std::optional<intersect::Touching> judged = {};
+    /// The ray before the format rounded it, with the solids that decide; null for a pixel of a scene, and where there
+    /// are too many solids.
+    std::shared_ptr<const scene::rays::RayGroup> given = {};
 };
+
+/// The ways in which a decision can be wrong. Of several kinds in one summary the most frequent counts, the first here
+/// of equally frequent ones.
+inline constexpr std::array wrong_decisions{answer::Outcome::not_a_number, answer::Outcome::false_miss,
+                                            answer::Outcome::false_hit};
 
 /// What is known of a row when the whole picture has been seen.
 struct MapSummary {
@@ -53,12 +67,18 @@ struct MapSummary {
     /// For each metric that names a category, how many rays are of each; empty for the others.
     std::vector<std::vector<std::uint64_t>> categories;
     WorstRay worst;
+    /// The first ray of each of the `wrong_decisions`; null where there is none.
+    std::array<std::unique_ptr<WorstRay>, wrong_decisions.size()> faults;
 
     MapSummary() = default;
     explicit MapSummary(const std::vector<const metric::Metric*>& measured);
     /// To the distribution of metric m, or to the counts of its categories.
     void add(std::size_t m, const metric::Metric& metric, double value);
     [[nodiscard]] std::uint64_t count(answer::Outcome o) const { return outcomes[static_cast<std::size_t>(o)]; }
+    /// The most frequent of the `wrong_decisions`; nothing where every decision is right.
+    [[nodiscard]] std::optional<answer::Outcome> wrong() const;
+    /// The first ray of that; null where there is none.
+    [[nodiscard]] const WorstRay* fault() const;
     /// Rays that truly miss, whatever the form says.
     [[nodiscard]] std::uint64_t true_misses() const { return rays - true_hits - count(answer::Outcome::unresolved); }
 };
@@ -91,6 +111,7 @@ struct RowRequest {
     const MapRow& row;
     const std::vector<const metric::Metric*>& metrics;
     MapSink* sink = nullptr;
+    int group = 0;  ///< of a sweep or case, for the rays that the summary names
 };
 
 /// Evaluates a row on a band, of which `inputs` are those of its format, and adds what it finds to `summary`, which is

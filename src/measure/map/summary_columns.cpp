@@ -115,6 +115,18 @@ template <class Part>
 std::function<double(const S&)> of_worst(const Part& part) {
     return [part](const S& s) { return s.worst.x < 0 ? missing : part(s.worst); };
 }
+/// A number of the first wrong decision, where there is one.
+template <class Part>
+std::function<double(const S&)> of_fault(const Part& part) {
+    return [part](const S& s) { return s.fault() == nullptr ? missing : part(*s.fault()); };
+}
+
+/// As a decimal and exactly.
+void add_both(Columns& columns, const std::string& name, const std::string& meaning,
+              const std::function<double(const S&)>& value) {
+    columns.push_back({name, Kind::number, "t", meaning, value});
+    columns.push_back({name + "_hex", Kind::hex, "t", "the same, exactly, as a C hexadecimal float", value});
+}
 
 }  // namespace
 
@@ -145,14 +157,18 @@ Columns worst_columns(const std::vector<Shape>& shapes) {
          of_worst([](const W& w) { return w.x; })},
         {"worst_y", Kind::count, "pixel", "row of the same", of_worst([](const W& w) { return w.y; })},
         {"worst_object", Kind::count, "", "solid that the form hit there, from 0",
-         of_worst([](const W& w) { return w.object; })}};
+         of_worst([](const W& w) { return w.object; })},
+        {"worst_ulp_error", Kind::number, "ulp", "(t - t*)/ulp(t*) there, with its sign",
+         of_worst([](const W& w) { return w.ulps; })}};
+    add_both(columns, "worst_t", "the form's answer there, in its own unit", of_worst([](const W& w) { return w.t; }));
+    add_both(columns, "worst_truth", "t* there, correctly rounded to binary64, in the same unit",
+             of_worst([](const W& w) { return w.truth; }));
     const auto add_hex = [&columns](const std::string& name, std::function<double(const S&)> value) {
         columns.push_back({"worst_" + name + "_hex", Kind::hex, "",
-                           "the worst ray in the format (before any normalisation) and the form's answer, exactly, as "
-                           "a C hexadecimal float",
+                           "the worst ray as the format holds it (before any normalisation), or the solid that the "
+                           "form hit, exactly, as a C hexadecimal float",
                            std::move(value)});
     };
-    add_hex("t", of_worst([](const W& w) { return w.t; }));
     const char* const axes[] = {"x", "y", "z"};
     for (int k = 0; k < 3; ++k)
         add_hex(std::string("origin_") + axes[k], of_worst([k](const W& w) { return w.ray.origin[k]; }));
@@ -164,6 +180,22 @@ Columns worst_columns(const std::vector<Shape>& shapes) {
                     of_worst([shape, i](const W& w) { return w.solid.shape == shape ? w.solid.numbers[i] : missing; }));
         }
     }
+    return columns;
+}
+
+Columns fault_columns() {
+    using W = WorstRay;
+    Columns columns{{.name = "fault_outcome",
+                     .kind = Kind::category,
+                     .unit = "",
+                     .meaning = "the most frequent wrong decision: false_hit, false_miss or not_a_number; the other "
+                                "columns of a fault are of its first ray",
+                     .value = of_fault([](const W& w) { return static_cast<double>(w.outcome); }),
+                     .categories = answer::outcome_names}};
+    add_both(columns, "fault_t", "the form's answer there, in its own unit; missing where it misses or is not a number",
+             of_fault([](const W& w) { return w.t; }));
+    add_both(columns, "fault_truth", "t* there, correctly rounded to binary64; missing where the ray truly misses",
+             of_fault([](const W& w) { return w.truth; }));
     return columns;
 }
 

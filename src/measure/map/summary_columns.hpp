@@ -31,6 +31,9 @@ std::vector<SummaryColumn> summary_columns(const std::vector<const metric::Metri
 /// each once: they name the columns of the worst ray's solid.
 std::vector<SummaryColumn> worst_columns(const std::vector<Shape>& shapes);
 
+/// The first ray of the most frequent wrong decision: what the form said there, and what is true.
+std::vector<SummaryColumn> fault_columns();
+
 /// `contribution_c` of `contribution:c`; with a statistic, `contribution_c_p50`.
 std::string column_name(const metric::Metric& metric);
 std::string column_name(const metric::Metric& metric, const metric::Statistic& statistic);

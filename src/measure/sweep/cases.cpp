@@ -2,7 +2,6 @@
 
 #include <tbb/parallel_for.h>
 
-#include <algorithm>
 #include <map>
 
 namespace lostbits::measure::sweep {
@@ -40,11 +39,11 @@ std::vector<std::vector<MapSummary>> run_cases(const CaseRequest& request) {
 
 Verdict verdict_of(const MapSummary& s, const std::vector<const metric::Metric*>& metrics, double within) {
     if (s.count(Outcome::unresolved) > 0) return Verdict::unresolved;
-    constexpr std::pair<Outcome, Verdict> faults[] = {{Outcome::not_a_number, Verdict::not_a_number},
-                                                      {Outcome::false_miss, Verdict::false_miss},
-                                                      {Outcome::false_hit, Verdict::false_hit}};
-    const auto worst = std::ranges::max_element(faults, {}, [&](const auto& f) { return s.count(f.first); });
-    if (s.count(worst->first) > 0) return worst->second;
+    if (const auto wrong = s.wrong()) {
+        return *wrong == Outcome::not_a_number ? Verdict::not_a_number
+               : *wrong == Outcome::false_miss ? Verdict::false_miss
+                                               : Verdict::false_hit;
+    }
     const std::size_t excess = metric::place_of(metrics, "excess_bits");
     return s.metrics[excess].count() > 0 && s.metrics[excess].quantile(1) > within ? Verdict::wrong_value
                                                                                    : Verdict::right;

@@ -2,12 +2,14 @@
 
 #include <tbb/parallel_for.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "measure/truth/conditioning.hpp"
 #include "measure/truth/missing.hpp"
 #include "measure/truth/unit_direction.hpp"
 #include "number/interruption.hpp"
+#include "number/rounded.hpp"
 #include "scene/file/march_table.hpp"
 
 namespace lostbits::measure::truth {
@@ -31,6 +33,21 @@ void for_each_pixel(std::size_t count, Function&& function) {
 
 template <class S>
 using Solids = std::span<const Solid<S>>;
+
+/// Whether binary32 holds every number of the group. A NaN is one in any format.
+bool fits_binary32(const scene::rays::RayGroup& group) {
+    bool fits = true;
+    const auto look = [&fits](double x) {
+        fits = fits && (std::isnan(x) || rounding::to_format(x, 0, binary32) == x);
+        return x;
+    };
+    for (const auto* all : {&group.rays.ox, &group.rays.oy, &group.rays.oz, &group.rays.dx, &group.rays.dy,
+                            &group.rays.dz, &group.rays.tmax})
+        std::ranges::for_each(*all, look);
+    for (const Solid<double>& solid : group.solids) std::ranges::for_each(solid.used(), look);
+    if (group.march) transformed(*group.march, look);
+    return fits;
+}
 
 RayBlock normalised(const RayBlock& rays, const FloatFormat& format) {
     RayBlock unit = rays;
@@ -64,10 +81,21 @@ Band::Band(const scene::file::Scene& scene, int y0, int y1, TruthLimit limit, Cu
     find_truth_of_all();
 }
 
+Band::Band(const scene::file::Scene& scene, scene::rays::IdealRayBlock rays, TruthLimit limit)
+    : scene_(&scene),
+      y0_(rays.y0),
+      rows_(rays.y1 - rays.y0),
+      limit_(limit),
+      ideal_(std::move(rays)),
+      ideal_solids_(scene.solids()) {
+    find_truth_of_all();
+}
+
 Band::Band(scene::rays::RayGroup group, TruthLimit limit)
     : y0_(group.rays.y0),
       rows_(group.rays.y1 - group.rays.y0),
       limit_(limit),
+      in_binary32_(fits_binary32(group)),
       shared_(std::move(group.rays)),
       shared_solids_(std::move(group.solids)),
       shared_march_(group.march) {
@@ -149,9 +177,15 @@ FormatInputs Band::inputs(const Format& format, BandNeeds needs) const {
         in.rays = scene::rays::round_rays(*ideal_, shape);
         for (const auto& s : ideal_solids_) in.solids.push_back(scene::rays::round_solid(s, shape));
     } else {
-        in.ideal = shape.precision >= binary32.precision && shape.emin <= binary32.emin && shape.emax >= binary32.emax;
+        const bool wide =
+            shape.precision >= binary32.precision && shape.emin <= binary32.emin && shape.emax >= binary32.emax;
+        in.ideal = wide && in_binary32_;
         in.rays = in.ideal ? shared_ : scene::rays::round_block(shared_, shape);
         for (const auto& s : shared_solids_) in.solids.push_back(scene::rays::round_solid(s, shape));
+        for (std::size_t i = 0; wide && !in.ideal; ++i) {
+            if (i == pixels()) in.ideal = true;
+            else if (!keeps(in, i)) break;
+        }
     }
     if (ideal_ && scene_->march) in.march = scene::file::round_march(*scene_->march, shape);
     else if (shared_march_) in.march = scene::file::round_march(*shared_march_, shape);
@@ -173,6 +207,35 @@ FormatInputs Band::inputs(const Format& format, BandNeeds needs) const {
         }
     }
     return in;
+}
+
+bool Band::keeps(const FormatInputs& inputs, std::size_t i) const {
+    const auto same = [](double stored, const auto& given) {
+        return stored == given || (std::isnan(stored) && given != given);
+    };
+    const auto same_vec = [&](const Vec<double>& stored, const auto& given) {
+        return same(stored.x, given.x) && same(stored.y, given.y) && same(stored.z, given.z);
+    };
+    return with_ray(i, [&](const auto& ray, auto solids) {
+        const Ray<double> stored = inputs.rays[i];
+        if (!same_vec(stored.origin, ray.origin) || !same_vec(stored.direction, ray.direction)) return false;
+        if (!shared_.tmax.empty() && !same(inputs.rays.tmax[i], shared_.tmax[i])) return false;
+        return std::ranges::equal(inputs.solids, solids, [&](const Solid<double>& s, const auto& given) {
+            return std::ranges::equal(s.used(), given.used(), same);
+        });
+    });
+}
+
+std::shared_ptr<const scene::rays::RayGroup> Band::given(std::size_t i, std::set<int> solids) const {
+    const std::size_t count = solids.empty() ? shared_solids_.size() : solids.size();
+    if (scene_ != nullptr || count > most_given) return nullptr;
+    auto one = std::make_shared<scene::rays::RayGroup>(scene::rays::group_of(shared_[i]));
+    if (!shared_.tmax.empty()) one->rays.tmax.push_back(shared_.tmax[i]);
+    for (const int solid : solids) one->solids.push_back(shared_solids_[static_cast<std::size_t>(solid)]);
+    if (!solids.empty()) return one;
+    one->solids = shared_solids_;
+    one->march = shared_march_;
+    return one;
 }
 
 double Band::rounded_truth(std::size_t i, const FloatFormat& format, intersect::Direction unit_of,

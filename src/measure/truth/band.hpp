@@ -1,7 +1,9 @@
 // A band of a picture: rays made once, their truth found once, and the same numbers handed to every form and format.
 #pragma once
 
+#include <memory>
 #include <optional>
+#include <set>
 #include <unordered_map>
 #include <vector>
 
@@ -21,12 +23,22 @@ public:
     Band(scene::rays::RayBlock rays, std::vector<Solid<double>> solids, TruthLimit limit = {})
         : Band(scene::rays::RayGroup{std::move(rays), std::move(solids)}, limit) {}
     explicit Band(scene::rays::RayGroup group, TruthLimit limit = {});
+    /// Ideal rays of one's own among the solids of a scene with own inputs, which outlives the band.
+    Band(const scene::file::Scene& scene, scene::rays::IdealRayBlock rays, TruthLimit limit = {});
     /// Finds κ of every hit, in parallel.
     void find_condition();
     /// κ of ray i after `find_condition`; NaN for a miss.
     [[nodiscard]] double condition(std::size_t i, intersect::Convention convention) const;
     /// The inputs of one format; parallel over the pixels where it computes.
     [[nodiscard]] FormatInputs inputs(const Format& format, BandNeeds needs) const;
+    /// Whether ray i and the solids are in `inputs`, which are of this band, as they were given: the format rounded
+    /// none of their numbers.
+    [[nodiscard]] bool keeps(const FormatInputs& inputs, std::size_t i) const;
+    /// Ray i alone as it was given, before any format rounded it, with these of the solids; with all, and the
+    /// constants of a march along them, where none is named. Nothing for a pixel of a scene, which its place names, and
+    /// where it would be more than `most_given` solids.
+    [[nodiscard]] std::shared_ptr<const scene::rays::RayGroup> given(std::size_t i, std::set<int> solids) const;
+    static constexpr std::size_t most_given = 64;
 
     [[nodiscard]] int y0() const { return y0_; }
     [[nodiscard]] int rows() const { return rows_; }
@@ -47,6 +59,7 @@ private:
     const scene::file::Scene* scene_ = nullptr;  ///< for own inputs, whose solids each format rounds itself
     int y0_ = 0, rows_ = 0;
     TruthLimit limit_;
+    bool in_binary32_ = true;       ///< every shared number is one of binary32
     scene::rays::RayBlock shared_;  ///< inputs = shared
     std::vector<Solid<double>> shared_solids_;
     std::optional<scene::rays::IdealRayBlock> ideal_;  ///< inputs = own

@@ -73,9 +73,11 @@ std::string explain_json(const measure::blame::Explanation& x) {
     Json j{{"schema", "lostbits-explanation/1"},
            {"form", std::string(x.form->info->name)},
            {"format", x.format.name},
+           {"convention", std::string(intersect::convention_name(x.judged))},
            {"solid", x.solid},
            {"solids", x.solids}};
     for (std::size_t i = 0; i < x.inputs.size(); ++i) j["inputs"][x.names[i]] = exact(x.inputs[i]);
+    j["inputs_rounded"] = x.rounded_inputs;
     j["given_direction"] = x.given ? Json({number(x.given->x), number(x.given->y), number(x.given->z)}) : Json(nullptr);
     j["hit"] = x.hit;
     j["t"] = exact(x.standing.t);

@@ -202,6 +202,16 @@ std::string explain_text(const Explanation& x, bool all) {
     const OperationWords words(x);
     std::string text = fmt::format("{} in {}: {}\n", x.form->info->name, x.format.name, x.form->info->title);
     if (x.solids > 1 && x.form->shape != Shape::sdf) text += fmt::format("solid {} of {}\n", x.solid + 1, x.solids);
+    if (x.judged)
+        text +=
+            fmt::format("Judged by {} solids: what a ray only touches is a {}.\n", intersect::convention_name(x.judged),
+                        *x.judged == intersect::Touching::hit ? "hit" : "miss");
+    if (x.rounded_inputs) {
+        text += fmt::format(
+            "{} cannot hold all of these numbers and gets them rounded, as below. The true t is that of the numbers as "
+            "given, so the error includes what rounding them costs (input error).\n",
+            x.format.name);
+    }
     if (x.given) {
         text += fmt::format(
             "The direction ({}, {}, {}) is normalised and rounded: the form takes unit directions, and its t is a "

@@ -9,6 +9,7 @@
 #include <sstream>
 
 #include "measure/claim/claim_columns.hpp"
+#include "output/blame/explain_command.hpp"
 #include "output/file/csv.hpp"
 #include "output/file/number_text.hpp"
 
@@ -61,6 +62,17 @@ std::string witness_text(const ClaimResult& r) {
 }
 
 }  // namespace
+
+std::string explain_witness(const Claim& c, const ClaimResult& r) {
+    if (r.witness.x < 0) return "";
+    const std::string name = r.witness.given    ? blame::name_of_ray(r.witness.given.get())
+                             : !c.scene.empty() ? blame::name_of_pixel(c.scene, r.witness.x, r.witness.y)
+                                                : "";
+    if (name.empty()) return "";
+    measure::map::MapRow row = measure::claim::claim_row(c);
+    row.judged = r.witness.judged;
+    return blame::explain_command(name, row);
+}
 
 std::string quantity(const Claim& c) {
     if (!c.operations.empty()) return fmt::format("{} of {}", c.metric, fmt::join(c.operations, " and of "));
@@ -128,8 +140,9 @@ void write_junit(const std::filesystem::path& path, const std::vector<Claim>& cl
             continue;
         }
         const std::string what = xml_safe(explain(c, results[i]));
-        const std::string more = xml_safe(fmt::format("{}\n{}: {}\n{}\n{}\n", c.statement, c.where.text(), what,
-                                                      witness_text(results[i]), reproduce(c)));
+        const std::string more =
+            xml_safe(fmt::format("{}\n{}: {}\n{}\n{}\n{}\n", c.statement, c.where.text(), what,
+                                 witness_text(results[i]), explain_witness(c, results[i]), reproduce(c)));
         if (c.severity == Claim::Severity::warn && !strict) {
             test.append_child("system-out").text().set(more.c_str());
             continue;
@@ -173,7 +186,8 @@ void write_claims_csv(const std::filesystem::path& path, const std::vector<Claim
                {"interval_draws", "integer", "",
                 "draws that the expected interval comes from: their range, and half as much again on either side"},
                {"state", "string", "", "agrees, disagrees, broken (could not be measured) or skipped"},
-               {"witness", "string", "", "the worst ray of the measurement in hexadecimal floats"}});
+               {"witness", "string", "", "the worst ray of the measurement in hexadecimal floats"},
+               {"witness_explain", "string", "", "the command that explains that ray"}});
     for (std::size_t i = 0; i < claims.size(); ++i) {
         const Claim& c = claims[i];
         const ClaimResult& r = results[i];
@@ -182,7 +196,7 @@ void write_claims_csv(const std::filesystem::path& path, const std::vector<Claim
         csv.row({c.id, c.statement, c.source, verdict_name(c), where_measured(c), c.form, c.format, quantity(c), c.low,
                  c.high, std::isnan(r.measured) ? file::Cell() : file::Cell(r.measured), r.samples, drawn(s.draws),
                  drawn(s.low), drawn(s.median), drawn(s.high), c.draws == 0 ? file::Cell() : file::Cell(c.draws),
-                 state_name(r.state), witness_text(r)});
+                 state_name(r.state), witness_text(r), explain_witness(c, r)});
     }
     csv.close();
 }
@@ -213,6 +227,7 @@ void write_claims_json(const std::filesystem::path& path, const std::vector<Clai
                          {"interval_draws", c.draws},
                          {"state", state_name(results[i].state)},
                          {"witness", witness_text(results[i])},
+                         {"witness_explain", explain_witness(c, results[i])},
                          {"reproduce", reproduce(c)}});
     }
     file::AtomicFile file(path);

@@ -30,6 +30,8 @@ std::string explain(const scene::claim::Claim& claim, const measure::claim::Clai
 std::string where_measured(const scene::claim::Claim& claim);
 /// The metric whose statistic or fraction a column of a summary is: lost_bits of `lost_bits_p99`; none of an outcome.
 const measure::metric::Metric* metric_of_column(const std::string& column);
+/// The command that explains the witness, whose numbers it gives again; empty where there is none.
+std::string explain_witness(const scene::claim::Claim& claim, const measure::claim::ClaimResult& result);
 /// The command that measures it again with every file.
 std::string reproduce(const scene::claim::Claim& claim);
 

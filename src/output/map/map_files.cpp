@@ -4,6 +4,7 @@
 
 #include <optional>
 
+#include "output/blame/explain_command.hpp"
 #include "output/file/datapackage.hpp"
 #include "output/image/contact_sheet.hpp"
 #include "output/image/heatmap.hpp"
@@ -260,7 +261,9 @@ void MapFiles::finish(const std::vector<MapSummary>& summaries) {
             final_legend(sheet.paint, total, m, is_enveloped(p.options, sheet.paint.metric()) ? inside : 0));
     }
     for (std::size_t r = 0; r < summaries.size(); ++r) {
-        p.table.add(*p.summary, p.request.rows[r], summaries[r]);
+        p.table.add(*p.summary, p.request.rows[r], summaries[r], [&p](const measure::map::WorstRay& ray) {
+            return blame::name_of_pixel(p.options.named, ray.x, ray.y);
+        });
         p.summary->end_row();
         if (p.culprits) p.culprits->add(p.request.rows[r], summaries[r]);
     }

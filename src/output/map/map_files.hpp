@@ -17,6 +17,7 @@ struct MapFilesOptions {
         drawn;                ///< one heatmap each; the first is also the contact sheet's and the preview's
     bool pixels_csv = false;  ///< a row per pixel in `<form>.<format>.csv`
     std::string command;      ///< what to type to make these files again, for the EXR header
+    std::string named;        ///< what names the scene to `lostbits explain`: a word and perhaps options
     /// Draws lost bits paler where the problem explains them (`inside_envelope`); `excess_bits` must be measured then.
     bool envelope = false;
     std::vector<file::DataResource> also = {};  ///< tables that others write into the folder, for datapackage.json

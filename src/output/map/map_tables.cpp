@@ -4,6 +4,7 @@
 #include <cmath>
 #include <iterator>
 
+#include "output/blame/explain_command.hpp"
 #include "output/file/number_text.hpp"
 
 namespace lostbits::output::map {
@@ -43,19 +44,31 @@ SummaryTable::SummaryTable(const std::vector<const Metric*>& metrics, const std:
     : columns_(measure::map::summary_columns(metrics)) {
     std::erase_if(columns_, [](const SummaryColumn& c) { return !c.tabled; });
     std::ranges::move(measure::map::worst_columns(shapes), std::back_inserter(columns_));
+    fault_columns_ = measure::map::fault_columns();
 }
 
 std::vector<Column> SummaryTable::columns() const {
     std::vector<Column> columns{{"form", "string", "", "form under test"},
                                 {"format", "string", "", "format it computes in"}};
     for (const SummaryColumn& c : columns_) columns.push_back({c.name, type_of(c), c.unit, c.meaning});
+    columns.push_back({"worst_explain", "string", "", "the command that explains the worst ray: these numbers again"});
+    for (const SummaryColumn& c : fault_columns_) columns.push_back({c.name, type_of(c), c.unit, c.meaning});
+    columns.push_back({"fault_explain", "string", "", "the command that explains that ray"});
     return columns;
 }
 
-void SummaryTable::add(file::CsvWriter& csv, const measure::map::MapRow& row,
-                       const measure::map::MapSummary& summary) const {
+void SummaryTable::add(file::CsvWriter& csv, const measure::map::MapRow& row, const measure::map::MapSummary& summary,
+                       const NameOfRay& name_of_ray) const {
+    const auto command = [&](const measure::map::WorstRay* ray) -> Cell {
+        const std::string name = ray == nullptr || ray->x < 0 ? "" : name_of_ray(*ray);
+        if (name.empty()) return {};
+        return blame::explain_command(name, row);
+    };
     csv.add(row.form->info->name).add(row.format.name);
     for (const SummaryColumn& c : columns_) csv.add(cell_of(c, summary));
+    csv.add(command(&summary.worst));
+    for (const SummaryColumn& c : fault_columns_) csv.add(cell_of(c, summary));
+    csv.add(command(summary.fault()));
 }
 
 std::vector<Column> pixel_columns(const measure::map::MapRequest& request) {

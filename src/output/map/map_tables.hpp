@@ -2,6 +2,8 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
+#include <string>
 #include <vector>
 
 #include "measure/map/summary_columns.hpp"
@@ -9,18 +11,22 @@
 
 namespace lostbits::output::map {
 
-/// What is known of a row of the map, as the columns of `measure::map::summary_columns` and `worst_columns`. Empty
-/// where there is no sample.
+/// What comes after `lostbits explain` to name a ray of a summary: `near-benign --pixel 3,4`; empty where nothing does.
+using NameOfRay = std::function<std::string(const measure::map::WorstRay&)>;
+
+/// What is known of a row of the map, as the columns of `measure::map::summary_columns`, `worst_columns` and
+/// `fault_columns`, the last two with the command that explains the ray. Empty where there is no sample.
 class SummaryTable {
 public:
     SummaryTable(const std::vector<const measure::metric::Metric*>& metrics, const std::vector<Shape>& shapes);
 
     [[nodiscard]] std::vector<file::Column> columns() const;
     /// The cells of one row, from `form` on; the caller ends the row.
-    void add(file::CsvWriter& csv, const measure::map::MapRow& row, const measure::map::MapSummary& summary) const;
+    void add(file::CsvWriter& csv, const measure::map::MapRow& row, const measure::map::MapSummary& summary,
+             const NameOfRay& name_of_ray) const;
 
 private:
-    std::vector<measure::map::SummaryColumn> columns_;
+    std::vector<measure::map::SummaryColumn> columns_, fault_columns_;
 };
 
 std::vector<file::Column> pixel_columns(const measure::map::MapRequest& request);

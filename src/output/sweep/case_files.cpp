@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "output/blame/explain_command.hpp"
 #include "output/file/datapackage.hpp"
 #include "output/file/number_text.hpp"
 #include "output/map/map_colour.hpp"
@@ -125,8 +126,8 @@ void write_case_matrix(const std::filesystem::path& path, const CaseRequest& req
     plot::write_matrix_plot(backend, path, spec);
 }
 
-CaseFiles::CaseFiles(const CaseRequest& request, const std::filesystem::path& folder)
-    : request_(request), folder_(folder), csv_(folder / "cases.csv", case_columns(request)) {}
+CaseFiles::CaseFiles(const CaseRequest& request, const std::filesystem::path& folder, std::string named)
+    : request_(request), folder_(folder), named_(std::move(named)), csv_(folder / "cases.csv", case_columns(request)) {}
 
 void CaseFiles::finish(const std::vector<std::vector<MapSummary>>& cases) {
     const map::SummaryTable table{request_.metrics, {request_.file->shape()}};
@@ -137,7 +138,10 @@ void CaseFiles::finish(const std::vector<std::vector<MapSummary>>& cases) {
             csv_.add(request_.file->name(i))
                 .add(intersect::convention_name(request_.rows[r].judged))
                 .add(measure::sweep::verdict_names[static_cast<std::size_t>(verdict)]);
-            table.add(csv_, request_.rows[r], cases[i][r]);
+            table.add(csv_, request_.rows[r], cases[i][r], [&](const measure::map::WorstRay& ray) {
+                const int place = ray.group * request_.file->rays_of(i) + ray.x;
+                return named_ + " --case " + blame::shell_word(fmt::format("{}:{}", request_.file->name(i), place));
+            });
             csv_.end_row();
         }
     }

@@ -20,12 +20,14 @@ inline constexpr image::Rgb8 case_right_colour{226, 238, 226};
 /// Opened before the work, named when it is whole.
 class CaseFiles {
 public:
-    CaseFiles(const measure::sweep::CaseRequest& request, const std::filesystem::path& folder);
+    /// `named` is what names the file to `lostbits explain`.
+    CaseFiles(const measure::sweep::CaseRequest& request, const std::filesystem::path& folder, std::string named);
     void finish(const std::vector<std::vector<measure::map::MapSummary>>& cases);
 
 private:
     const measure::sweep::CaseRequest& request_;
     std::filesystem::path folder_;
+    std::string named_;
     file::CsvWriter csv_;
 };
 

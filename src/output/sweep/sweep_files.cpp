@@ -1,5 +1,6 @@
 #include "output/sweep/sweep_files.hpp"
 
+#include "output/blame/explain_command.hpp"
 #include "output/file/datapackage.hpp"
 #include "output/file/number_text.hpp"
 #include "output/map/map_tables.hpp"
@@ -79,7 +80,8 @@ void SweepFiles::finish(const std::vector<measure::sweep::SweepStep>& steps, con
                 for (const double value : step.values) csv.add(value).add(file::hex(value));
             };
             put_axes(samples_);
-            table.add(samples_, request_.rows[r], step.rows[r]);
+            table.add(samples_, request_.rows[r], step.rows[r],
+                      [](const measure::map::WorstRay& ray) { return blame::name_of_ray(ray.given.get()); });
             samples_.add(step.rows[r].views);
             samples_.end_row();
             if (culprits_) culprits_->add(request_.rows[r], step.rows[r], put_axes);

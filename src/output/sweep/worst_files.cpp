@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "output/blame/explain_command.hpp"
 #include "output/file/csv.hpp"
 #include "output/file/datapackage.hpp"
 #include "output/file/number_text.hpp"
@@ -35,12 +36,15 @@ std::vector<file::Column> worst_columns(const WorstRequest& request) {
         {"distance_radii", "number", "r",
          "from the ray's origin to the centre of the sphere; missing for other solids"},
         {"evaluations", "integer", "", "rays tried"},
-        {"t_hex", "string", "t", "the form's answer"},
-        {"truth_hex", "string", "t", "t*, correctly rounded to binary64; missing for a miss"}};
+        {"t", "number", "t", "the form's answer, in its own unit"},
+        {"t_hex", "string", "t", "the same, exactly"},
+        {"truth", "number", "t", "t*, correctly rounded to binary64, in the same unit; missing for a miss"},
+        {"truth_hex", "string", "t", "the same, exactly"}};
     for (const char* name : ray_names)
         columns.push_back({std::string(name) + "_hex", "string", "", "of the worst ray"});
     for (const auto name : number_names(request.search->shape))
         columns.push_back({std::string(name) + "_hex", "string", "", "of its solid"});
+    columns.push_back({"explain", "string", "", "the command that explains the worst ray: these numbers again"});
     return columns;
 }
 
@@ -103,10 +107,15 @@ void write_worst(const std::filesystem::path& folder, const WorstRequest& reques
             .add(w.outcome == measure::answer::Outcome::agree_hit ? Cell(w.value) : Cell())
             .add(std::isnan(w.distance) ? Cell() : Cell(w.distance))
             .add(w.evaluations)
+            .add(w.t)
             .add(file::hex(w.t));
+        csv.add(std::isnan(w.truth) ? Cell() : Cell(w.truth));
         csv.add(std::isnan(w.truth) ? Cell() : Cell(file::hex(w.truth)));
         for (const double x : ray_numbers(w)) csv.add(file::hex(x));
         for (const double x : w.solid.used()) csv.add(file::hex(x));
+        scene::rays::RayGroup one = scene::rays::group_of(w.ray);
+        one.solids = {w.solid};
+        csv.add(blame::explain_command(blame::name_of_ray(&one), row));
         csv.end_row();
         text += case_text(request, row, w);
     }

@@ -49,6 +49,13 @@ RayBlock rounded(const BasicRayBlock<T>& from, Round round) {
 
 }  // namespace
 
+RayGroup group_of(const Ray<double>& ray) {
+    RayGroup group;
+    group.rays.width = group.rays.y1 = 1;
+    group.rays.push(ray);
+    return group;
+}
+
 RayBlock make_shared_rays(const Scene& scene, int y0, int y1) {
     return round_block(make_rays<double>(scene, y0, y1), binary32);
 }

@@ -44,6 +44,9 @@ struct RayGroup {
     std::optional<intersect::MarchConstants<double>> march = {};  ///< absent: no form that marches may be asked
 };
 
+/// A ray alone; what it is aimed at is still to be added.
+RayGroup group_of(const Ray<double>& ray);
+
 /// Shared inputs: the camera in double, each component then rounded once to binary32.
 RayBlock make_shared_rays(const file::Scene& scene, int y0, int y1);
 

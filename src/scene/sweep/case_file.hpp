@@ -26,6 +26,8 @@ public:
 
     [[nodiscard]] std::size_t size() const { return cases_.size(); }
     [[nodiscard]] const std::string& name(std::size_t i) const { return cases_[i].name; }
+    /// How many rays the case has; each of its groups has them all.
+    [[nodiscard]] int rays_of(std::size_t i) const { return static_cast<int>(cases_[i].rays.size()); }
     [[nodiscard]] const std::string& note_of(std::size_t i) const { return cases_[i].note; }
     [[nodiscard]] Shape shape() const { return cases_.front().solids.front().shape; }
     [[nodiscard]] bool meets(Shape form) const { return form == shape(); }

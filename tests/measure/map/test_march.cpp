@@ -138,7 +138,9 @@ TEST_CASE("one ray is the pixel of the map", "[measure][march]") {
         CHECK(static_cast<int>(log.steps.size()) == all.march[i].iterations);
         CHECK(log.stop == all.march[i].stop);
         CHECK(one.truth(*form.info).is_hit() == band.truth(i, intersect::Touching::hit).is_hit());
-        const OneRay again(scene, inputs.rays[i]);
+        const Ray<double> ray = inputs.rays[i];
+        const auto exact = [](const Vec<double>& v) { return Vec<Real>(Real(v.x), Real(v.y), Real(v.z)); };
+        const OneRay again(scene, Ray<Real>{exact(ray.origin), exact(ray.direction)});
         CHECK(measure::answer::march_log(form, *find_format("f32"), again).hit.t == log.hit.t);
     }
     CHECK_THROWS_AS(OneRay(scene, 16, 0), InputError);

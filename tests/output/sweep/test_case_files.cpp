@@ -67,7 +67,7 @@ TEST_CASE("cases.csv and matrix.png say what each form makes of each case") {
                                                        row("sphere.schoolbook_strict", "f32")},
                                               .metrics = lostbits::testing::case_metrics};
     static_cast<void>(backend());
-    output::sweep::CaseFiles files(request, folder.path());
+    output::sweep::CaseFiles files(request, folder.path(), "t.toml");
     CHECK_FALSE(fs::exists(folder / "cases.csv"));
     files.finish(measure::sweep::run_cases(request));
 

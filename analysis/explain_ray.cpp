@@ -1,0 +1,287 @@
+#include "explain_ray.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "number/error.hpp"
+#include "output/file/number_text.hpp"
+#include "scene/file/march_table.hpp"
+#include "scene/sweep/case_file.hpp"
+#include "scene/sweep/sweep_file.hpp"
+#include "scene/toml/did_you_mean.hpp"
+#include "scene/toml/parse_number.hpp"
+#include "scene/toml/round.hpp"
+#include "select.hpp"
+
+namespace lostbits::analysis {
+
+using measure::answer::OneRay;
+using measure::map::MapRow;
+using scene::file::Scene;
+using scene::rays::RayGroup;
+
+namespace {
+
+std::vector<std::string> parts_of(const std::string& text) {
+    std::vector<std::string> parts{""};
+    for (const char c : text) {
+        if (c == ',') parts.emplace_back();
+        else if (c != ' ') parts.back() += c;
+    }
+    return parts;
+}
+
+/// The number that a word of an option stands for, exactly; nothing where it is above every number there is.
+std::optional<Real> number_of(const std::string& text, const std::string& option) {
+    const auto read = scene::toml::parse_number(text);
+    const auto* const fault = std::get_if<scene::toml::NumberFault>(&read);
+    if (fault && !fault->too_large) throw InputError(fmt::format("{}: \"{}\" {}", option, text, fault->why));
+    if (fault) return {};
+    return std::get<Real>(read);
+}
+
+/// The numbers of a ray or a solid, rounded to the format of `--as` where there is one. InputError for another count.
+std::vector<Real> numbers_of(const std::string& text, const std::string& option, const char* what, std::size_t count,
+                             const std::string& as) {
+    const Format format = select_formats({as.empty() ? "f64" : as}).front();
+    std::vector<Real> numbers;
+    for (const std::string& part : parts_of(text)) {
+        const auto exact = number_of(part, option);
+        const double rounded = exact ? scene::toml::round_to_format(*exact, format.shape) : HUGE_VAL;
+        if (!std::isfinite(rounded)) {
+            const double largest = std::ldexp(2 - std::ldexp(1.0, 1 - format.shape.precision), format.shape.emax);
+            throw InputError(
+                fmt::format("{}: \"{}\" is out of range: the largest number of {} is {} ({}); scale the "
+                            "ray and what it is aimed at down",
+                            option, part, as.empty() ? "binary64" : format.name, output::file::decimal(largest),
+                            output::file::hex(largest)));
+        }
+        numbers.push_back(as.empty() ? *exact : Real(rounded));
+    }
+    if (numbers.size() != count) throw InputError(fmt::format("{} {}: is not {}", option, text, what));
+    return numbers;
+}
+
+double stored(const Real& x) { return scene::toml::round_to_format(x, binary64); }
+Ray<double> stored(const Ray<Real>& ray) {
+    const auto of = [](const Vec<Real>& v) { return Vec<double>(stored(v.x), stored(v.y), stored(v.z)); };
+    return {of(ray.origin), of(ray.direction)};
+}
+
+Ray<Real> given_ray(const RayWords& words) {
+    const auto x = numbers_of(words.ray, "--ray",
+                              "a ray; write origin and direction, six numbers with commas between them", 6, words.as);
+    const Ray<Real> ray{{x[0], x[1], x[2]}, {x[3], x[4], x[5]}};
+    if (!measure::truth::is_proper(stored(ray)))
+        throw InputError("--ray " + words.ray +
+                         ": is not a ray; its numbers must be finite and its direction not zero");
+    return ray;
+}
+
+std::optional<intersect::Touching> convention_of(const std::string& word) {
+    if (word == "closed") return intersect::Touching::hit;
+    if (word == "open") return intersect::Touching::miss;
+    return {};
+}
+
+/// InputError where the form is not made for these solids.
+template <class Meets>
+void require_solids(const MapRow& row, const std::string& where, const Meets& meets) {
+    const Shape shape = row.form->shape;
+    if (meets(shape)) return;
+    const std::string lacks = shape == Shape::sdf   ? "no [march] table, which the forms of sdf.* need"
+                              : shape == Shape::box ? "no solids for it: it is a form for boxes"
+                                                    : "no solids for it: it is a form for spheres";
+    throw InputError(fmt::format("-i {}: {} has {}; try -i '{}'", row.form->info->name, where, lacks, globs_of(meets)));
+}
+
+/// The scene of that name: one alone.
+Scene load_one(const RayWords& words, const std::filesystem::path& data) {
+    const scene::file::SceneName name = scene::file::find_scene(words.subject, data);
+    scene::file::LoadOptions options{.variant = name.variant};
+    if (!words.variant.empty()) options.variant = words.variant;
+    if (!words.size.empty()) options.size = parse_size(words.size);
+    for (const auto& s : words.set) options.overrides.push_back(scene::toml::parse_override(s));
+    auto scenes = scene::file::load_scene(name.path, options);
+    if (scenes.size() != 1) throw InputError(words.subject + ": has variants; name one, such as " + scenes.front().id);
+    return std::move(scenes.front());
+}
+
+OneRay pixel_of(const RayWords& words, const Scene& scene) {
+    std::vector<double> x;
+    for (const std::string& part : parts_of(words.pixel)) {
+        const auto read = number_of(part, "--pixel");
+        x.push_back(read ? static_cast<double>(*read) : HUGE_VAL);
+    }
+    constexpr double most = 1e9;  // more than any picture has, less than an int
+    if (x.size() != 2 || std::ranges::any_of(x, [](double v) { return v != std::floor(v) || std::fabs(v) > most; }))
+        throw InputError("--pixel " + words.pixel + ": is not a pixel; write its column and row, like 17,42");
+    return {scene, static_cast<int>(x[0]), static_cast<int>(x[1])};
+}
+
+AskedRay of_scene(const RayWords& words, const MapRow& row, const std::filesystem::path& data) {
+    const auto scene = std::make_shared<const Scene>(load_one(words, data));
+    require_solids(row, "scene " + scene->id, [&](Shape shape) { return scene->meets(shape); });
+    if (words.pixel.empty() == words.ray.empty())
+        throw InputError(
+            "explain: name one ray: --pixel X,Y of a scene, --ray OX,OY,OZ,DX,DY,DZ, or --case NAME of a file of "
+            "cases");
+    return {scene, words.ray.empty() ? pixel_of(words, *scene) : OneRay(*scene, given_ray(words))};
+}
+
+/// Ray K of a case, as its groups have them one after another.
+RayGroup ray_of(std::vector<RayGroup> groups, int rays, int k) {
+    RayGroup& from = groups[static_cast<std::size_t>(k / rays)];
+    const auto place = static_cast<std::size_t>(k % rays);
+    RayGroup one = scene::rays::group_of(from.rays[place]);
+    one.solids = std::move(from.solids);
+    if (!from.rays.tmax.empty()) one.rays.tmax.push_back(from.rays.tmax[place]);
+    return one;
+}
+
+/// A case by its name, and the ray after the last colon of what is not itself a name.
+struct NamedRay {
+    std::size_t number;
+    std::optional<int> ray;
+};
+
+NamedRay named_ray(const scene::sweep::CaseFile& file, const std::string& text) {
+    std::vector<std::string> names;
+    for (std::size_t i = 0; i < file.size(); ++i) names.push_back(file.name(i));
+    const auto place = [&](const std::string& name) {
+        return static_cast<std::size_t>(std::ranges::find(names, name) - names.begin());
+    };
+    if (const std::size_t whole = place(text); whole < names.size()) return {whole, {}};
+    const auto colon = std::min(text.rfind(':'), text.size());
+    const std::string name = text.substr(0, colon), digits = colon < text.size() ? text.substr(colon + 1) : "";
+    const bool counts = !digits.empty() && digits.size() < 8 &&
+                        std::ranges::all_of(digits, [](char c) { return c >= '0' && c <= '9'; });
+    if (const std::size_t found = place(name); counts && found < names.size()) return {found, std::stoi(digits)};
+    throw InputError(fmt::format("--case {}: no case of that name in {}; {}", text, file.id,
+                                 scene::toml::did_you_mean(counts ? name : text, names)));
+}
+
+/// Where the form does worst among the rays of a case: the ray that cases.csv names.
+int worst_of(std::vector<RayGroup> groups, int rays, const MapRow& row) {
+    const auto summaries =
+        measure::map::measure_groups(std::move(groups), {row}, {measure::metric::find_metric("lost_bits")}, {});
+    const measure::map::WorstRay* const fault = summaries.front().fault();
+    const measure::map::WorstRay& worst = fault ? *fault : summaries.front().worst;
+    return worst.x < 0 ? 0 : worst.group * rays + worst.x;
+}
+
+AskedRay of_case(const RayWords& words, MapRow row, const std::filesystem::path& data) {
+    const auto path = scene::sweep::find_sweep(words.subject, data);
+    if (scene::sweep::sweep_kind(path) != scene::sweep::SweepKind::cases)
+        throw InputError(words.subject +
+                         ": has no [[case]] tables, and --case names one of those; the rays of its "
+                         "results are in the column worst_explain of samples.csv");
+    const scene::sweep::CaseFile file(path);
+    require_solids(row, "the file of cases " + file.id, [&](Shape shape) { return file.meets(shape); });
+    const auto [number, asked] = named_ray(file, words.named_case);
+    // By each form's own word where the file asks for that at all.
+    const bool own = std::ranges::any_of(file.conventions, [](const auto& judged) { return !judged; });
+    row.judged = !words.convention.empty() ? convention_of(words.convention) : own ? std::nullopt : file.conventions[0];
+    const int rays = file.rays_of(number);
+    auto groups = file.rays(number, row.format.shape);
+    const int count = rays * static_cast<int>(groups.size());
+    if (asked && *asked >= count)
+        throw InputError(fmt::format("--case {}: the case has {} ray{}, counted from 0", words.named_case, count,
+                                     count == 1 ? "" : "s"));
+    const int k = asked ? *asked : worst_of(groups, rays, row);
+    AskedRay found{
+        nullptr, OneRay(ray_of(std::move(groups), rays, k)),
+        fmt::format("Case \"{}\", ray {} of {}{}.\n", file.name(number), k, count,
+                    asked || count == 1 ? " (counted from 0)" : " (counted from 0), the worst of them for this form")};
+    found.ray.judge_by(row.judged);
+    return found;
+}
+
+Solid<double> solid_of(Shape shape, const std::string& text, const std::string& as) {
+    const bool sphere = shape == Shape::sphere;
+    const auto x = numbers_of(text, sphere ? "--sphere" : "--box",
+                              sphere ? "a sphere; write its centre and radius, four numbers with commas between them"
+                                     : "a box; write its lower and its upper corner, six numbers with commas between "
+                                       "them",
+                              sphere ? 4 : 6, as);
+    Solid<double> solid;
+    solid.shape = shape;
+    std::ranges::transform(x, solid.numbers.begin(), [](const Real& number) { return stored(number); });
+    if (!measure::truth::is_proper(solid))
+        throw InputError(sphere ? "--sphere " + text + ": the radius must be greater than 0"
+                                : "--box " + text + ": the lower corner must not be above the upper one");
+    return solid;
+}
+
+/// The constants that `--set march.…` gives, the defaults of a scene otherwise; numbers as given.
+intersect::MarchConstants<double> march_of(const std::vector<std::string>& set) {
+    scene::toml::Node root, table;
+    root.kind = table.kind = scene::toml::Node::Kind::table;
+    root.entries.push_back({"march", {}, table});
+    for (const std::string& s : set) {
+        const scene::toml::Override change = scene::toml::parse_override(s);
+        if (!change.path.starts_with("march."))
+            throw InputError("--set " + s + ": there is no scene to change; without one, only march.KEY can be set");
+        scene::toml::apply_override(root, change);
+    }
+    scene::toml::TableReader file(root);
+    return scene::file::round_march(scene::file::read_march(file.table("march"), scene::file::Inputs::own), binary64);
+}
+
+AskedRay of_own_solids(const RayWords& words, const MapRow& row) {
+    std::vector<Solid<double>> solids;
+    for (const std::string& text : words.spheres) solids.push_back(solid_of(Shape::sphere, text, words.as));
+    for (const std::string& text : words.boxes) solids.push_back(solid_of(Shape::box, text, words.as));
+    require_solids(row, "the ray", [&](Shape shape) {
+        return shape == Shape::sdf || std::ranges::all_of(solids, [&](const auto& s) { return s.shape == shape; });
+    });
+    if (words.ray.empty()) throw InputError("explain: name the ray too: --ray OX,OY,OZ,DX,DY,DZ");
+    const Ray<Real> ray = given_ray(words);
+    RayGroup one = scene::rays::group_of(stored(ray));
+    one.solids = std::move(solids);
+    if (!words.tmax.empty())
+        one.rays.tmax.push_back(
+            stored(numbers_of(words.tmax, "--tmax", "the end of a ray; write one number", 1, words.as)[0]));
+    one.march = march_of(words.set);
+    return {nullptr, OneRay(std::move(one))};
+}
+
+/// InputError for words that do not go together.
+void check(const RayWords& words) {
+    const bool own = !words.spheres.empty() || !words.boxes.empty();
+    const auto without = [](bool given, const char* option, bool there, const char* needs) {
+        if (given && !there)
+            throw InputError(fmt::format("{} needs {}; add it, or leave {} out", option, needs, option));
+    };
+    if (own && !words.subject.empty())
+        throw InputError(words.subject + ": a scene has its own solids; leave it out, or leave --sphere and --box out");
+    if (!own && words.subject.empty())
+        throw InputError(
+            "explain: name a scene, a file of cases with --case, or solids: --sphere CX,CY,CZ,R or --box "
+            "LX,LY,LZ,HX,HY,HZ");
+    without(!words.as.empty(), "--as", !words.ray.empty(), "--ray, whose numbers it rounds");
+    without(!words.tmax.empty(), "--tmax", !words.boxes.empty() && words.spheres.empty(),
+            "--box: only boxes know the end of a ray");
+    if (words.named_case.empty() && !own) return;
+    for (const auto& [given, option] :
+         {std::pair{&words.pixel, "--pixel"}, {&words.size, "--size"}, {&words.variant, "--variant"}})
+        without(!given->empty(), option, false, "a scene");
+    without(!words.named_case.empty(), "--case", !own, "a file of cases");
+    without(!words.ray.empty(), "--ray", own, "a scene or solids of its own: a case has its rays");
+    without(!words.set.empty(), "--set", own, "a scene, or a ray with --sphere or --box");
+}
+
+}  // namespace
+
+AskedRay find_ray(const RayWords& words, const MapRow& row, const std::filesystem::path& data) {
+    check(words);
+    if (!words.named_case.empty()) return of_case(words, row, data);
+    AskedRay found = words.subject.empty() ? of_own_solids(words, row) : of_scene(words, row, data);
+    found.ray.judge_by(convention_of(words.convention));
+    return found;
+}
+
+}  // namespace lostbits::analysis

@@ -1,0 +1,36 @@
+// Which ray `lostbits explain` is asked about: of a scene, of a file of cases, or with solids of its own.
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "measure/answer/one_ray.hpp"
+#include "measure/map/map.hpp"
+
+namespace lostbits::analysis {
+
+/// The words of the command line that name a ray and what it is aimed at.
+struct RayWords {
+    std::string subject;               ///< a scene or a file of cases; empty where the ray has its own solids
+    std::string pixel, size, variant;  ///< of a scene
+    std::string named_case;            ///< NAME or NAME:K, of a file of cases
+    std::string ray, as;               ///< six numbers, and the format they are rounded to first
+    std::vector<std::string> spheres, boxes;
+    std::string tmax, convention;
+    std::vector<std::string> set;
+};
+
+/// A ray with what it is aimed at.
+struct AskedRay {
+    std::shared_ptr<const scene::file::Scene> scene;  ///< null where the ray is of no scene; the ray may refer to it
+    measure::answer::OneRay ray;
+    std::string note = {};  ///< a line on which ray it is, where the words leave that open
+};
+
+/// The ray that the words name, as the row's form is asked about it: a case has other numbers in each format.
+/// InputError for words that name none, and for solids that the form is not made for.
+AskedRay find_ray(const RayWords& words, const measure::map::MapRow& row, const std::filesystem::path& data);
+
+}  // namespace lostbits::analysis

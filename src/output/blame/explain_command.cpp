@@ -1,0 +1,65 @@
+#include "output/blame/explain_command.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <cmath>
+
+#include "output/file/number_text.hpp"
+
+namespace lostbits::output::blame {
+
+namespace {
+
+template <class Numbers>
+std::string hex_list(const Numbers& numbers) {
+    std::string text;
+    for (const double x : numbers) text += (text.empty() ? "" : ",") + file::hex(x);
+    return text;
+}
+
+}  // namespace
+
+std::string shell_word(std::string_view word) {
+    const auto plain = [](char c) {
+        return std::isalnum(static_cast<unsigned char>(c)) != 0 ||
+               std::string_view("_./=,:+-").find(c) != std::string_view::npos;
+    };
+    if (!word.empty() && std::ranges::all_of(word, plain)) return std::string(word);
+    std::string quoted = "'";
+    for (const char c : word) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
+    return quoted + "'";
+}
+
+std::string name_of_pixel(const std::string& scene, int x, int y) {
+    return fmt::format("{} --pixel {},{}", scene, x, y);
+}
+
+std::string name_of_ray(const scene::rays::RayGroup* one) {
+    if (one == nullptr) return "";
+    std::string text;
+    for (const Solid<double>& solid : one->solids)
+        text += fmt::format("--{}={} ", lostbits::name_of(solid.shape), hex_list(solid.used()));
+    const Ray<double> ray = one->rays[0];
+    text += "--ray=" + hex_list(std::array{ray.origin.x, ray.origin.y, ray.origin.z, ray.direction.x, ray.direction.y,
+                                           ray.direction.z});
+    if (!one->rays.tmax.empty() && !std::isinf(one->rays.tmax[0])) text += " --tmax=" + file::hex(one->rays.tmax[0]);
+    if (!one->march) return text;
+    std::size_t place = 0;
+    transformed(*one->march, [&](double x) {
+        text += fmt::format(" --set march.{}={}", intersect::march_number_names[place++], file::hex(x));
+        return x;
+    });
+    return text + fmt::format(" --set march.max_steps={} --set march.secant_steps={} --set march.bisect_steps={}",
+                              one->march->max_steps, one->march->secant_steps, one->march->bisect_steps);
+}
+
+std::string explain_command(const std::string& name, const measure::map::MapRow& row) {
+    return fmt::format("lostbits explain {} -i {} -f {}{}", name, row.form->info->name, row.format.name,
+                       row.judged ? fmt::format(" --convention {}", intersect::convention_name(row.judged)) : "");
+}
+
+}  // namespace lostbits::output::blame

@@ -1,0 +1,24 @@
+// The command line that explains a ray which a file names.
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "measure/map/map.hpp"
+
+namespace lostbits::output::blame {
+
+/// A word as a shell reads it back: in single quotes where it holds more than letters, digits and _./=,:+-.
+std::string shell_word(std::string_view word);
+
+/// `near-benign --pixel 3,4`: a pixel of what `scene` names, a word of the command line and perhaps options after it.
+std::string name_of_pixel(const std::string& scene, int x, int y);
+
+/// `--sphere=0,0,5,2 --ray=…`: a ray with its solids, every number exact; with its end and the constants of the march,
+/// where it has them. Empty for no ray.
+std::string name_of_ray(const scene::rays::RayGroup* one);
+
+/// `lostbits explain NAME -i FORM -f FORMAT`, with the convention that the row is judged by unless that is its own.
+std::string explain_command(const std::string& name, const measure::map::MapRow& row);
+
+}  // namespace lostbits::output::blame

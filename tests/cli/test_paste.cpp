@@ -1,0 +1,349 @@
+// Every file that names a ray names it by a command; the command, run, gives the numbers of its row again.
+#include <nlohmann/json.hpp>
+
+#include <cmath>
+#include <cstdlib>
+#include <tuple>
+
+#include "catch.hpp"
+#include "output/file/read_csv.hpp"
+#include "program.hpp"
+
+using lostbits::output::file::CsvTable;
+using lostbits::output::file::read_csv;
+using lostbits::test::contents;
+using lostbits::test::run;
+using lostbits::test::Scratch;
+
+namespace {
+
+using Json = nlohmann::json;
+
+const std::string cell(const CsvTable& table, const std::string& column, std::size_t row) {
+    const auto* const found = table.find(column);
+    INFO(column);
+    REQUIRE(found != nullptr);
+    return std::string(found->cells.at(row));
+}
+
+/// What the command says, in place of its table.
+Json explained(const std::string& command, const Scratch& folder) {
+    INFO(command);
+    REQUIRE(command.starts_with("lostbits explain "));
+    const auto r = run(command.substr(9) + " --json -q", folder.path());
+    INFO(r.err);
+    REQUIRE(r.code == 0);
+    return Json::parse(r.out);
+}
+
+/// A number of the JSON as a cell has it: `inf` and `nan` are words, what there is not is empty.
+double number(const Json& j) {
+    return j.is_string() ? std::strtod(j.get<std::string>().c_str(), nullptr) : j.get<double>();
+}
+double number(const std::string& text) { return std::strtod(text.c_str(), nullptr); }
+std::string hex(const Json& j) { return j.is_null() ? "" : j["hex"].get<std::string>(); }
+
+struct Checked {
+    int worst = 0, faults = 0;
+};
+
+/// Pastes the worst ray and the first wrong decision of every `every`th row.
+Checked paste_rows(const CsvTable& table, const Scratch& folder, std::size_t every = 1) {
+    Checked checked;
+    for (std::size_t i = 0; i < table.rows(); i += every) {
+        const std::string name = cell(table, "form", i) + " in " + cell(table, "format", i);
+        CAPTURE(table.source, i, name);
+        CHECK(cell(table, "worst_explain", i).empty() == cell(table, "worst_t_hex", i).empty());
+        CHECK(cell(table, "fault_explain", i).empty() == cell(table, "fault_outcome", i).empty());
+        if (const std::string command = cell(table, "worst_explain", i); !command.empty()) {
+            const Json j = explained(command, folder);
+            CAPTURE(command);
+            CHECK(j["form"] == cell(table, "form", i));
+            CHECK(j["format"] == cell(table, "format", i));
+            CHECK(j["outcome"] == "agree_hit");
+            CHECK(hex(j["t"]) == cell(table, "worst_t_hex", i));
+            CHECK(hex(j["truth"]) == cell(table, "worst_truth_hex", i));
+            CHECK(number(j["ulp_error"]) == number(cell(table, "worst_ulp_error", i)));
+            CHECK(std::fabs(number(j["ulp_error"])) == number(cell(table, "ulp_error_max", i)));
+            CHECK(number(j["t"]["decimal"]) == number(cell(table, "worst_t", i)));
+            CHECK(number(j["truth"]["decimal"]) == number(cell(table, "worst_truth", i)));
+            ++checked.worst;
+        }
+        if (const std::string command = cell(table, "fault_explain", i); !command.empty()) {
+            const Json j = explained(command, folder);
+            CAPTURE(command);
+            CHECK(j["outcome"] == cell(table, "fault_outcome", i));
+            CHECK(hex(j["truth"]) == cell(table, "fault_truth_hex", i));
+            if (j["outcome"] == "false_hit") CHECK(hex(j["t"]) == cell(table, "fault_t_hex", i));
+            else CHECK(cell(table, "fault_t_hex", i).empty());
+            ++checked.faults;
+        }
+    }
+    return checked;
+}
+
+/// Runs a command in the folder; it succeeds.
+void make(const std::string& arguments, const Scratch& folder) {
+    const auto r = run(arguments + " -q", folder.path());
+    INFO(arguments << "\n" << r.err);
+    REQUIRE(r.code == 0);
+}
+
+const std::string head = "schema = \"lostbits-sweep/1\"\ntitle = \"A test\"\nsource = \"-\"\n";
+
+}  // namespace
+
+TEST_CASE("maps: the worst ray of each row of summary.csv, and any row of a pixel CSV") {
+    const Scratch folder;
+    // A file of one's own: a space in its name, variants, and numbers that each format rounds itself.
+    std::string own = lostbits::test::good_scene;
+    own.replace(own.find("shared"), 6, "own");
+    own += "[[variant]]\nname = \"a\"\nset = { \"sphere[0].radius\" = \"1.1\" }\n[[variant]]\nname = \"b\"\nset = {}\n";
+    static_cast<void>(folder.write("my scene.toml", own));
+    const std::string rows =
+        " -i sphere.schoolbook -i sphere.press -i sphere.double_inside -i box.signs -i box.max_mult -i "
+        "sdf.sphere_trace -f f32 -f f64 -f bf16 --size 40x30 --pixels csv -o out ";
+    make("map near-benign world-offset-own box-octree sdf-sphere rtg-fig-7-3-4100-oblique './my scene.toml'" + rows,
+         folder);
+    make("map camera-inside --set camera.fov_deg=50 --metric lost_bits -i sphere.unit_half_b -f f32 --size 9x7 -o set",
+         folder);
+    Checked all = paste_rows(read_csv(folder.path() / "set/camera-inside/summary.csv"), folder);
+    CHECK(all.faults == 1);
+    for (const std::string scene : {"near-benign", "world-offset-own", "box-octree", "sdf-sphere",
+                                    "rtg-fig-7-3-4100-oblique", "my scene.a", "my scene.b"}) {
+        const auto table = read_csv(folder.path() / "out" / scene / "summary.csv");
+        const Checked some = paste_rows(table, folder);
+        CAPTURE(scene);
+        CHECK(some.worst > 0);
+        all.worst += some.worst;
+        all.faults += some.faults;
+        // A row of the pixels' table is explained by the same words with its own place.
+        const std::string stem = cell(table, "form", 0) + "." + cell(table, "format", 0);
+        const auto pixels = read_csv(folder.path() / "out" / scene / (stem + ".csv"));
+        const std::string words = cell(table, "worst_explain", 0);
+        const auto begin = words.find("--pixel ") + 8, end = words.find(' ', begin);
+        for (std::size_t i = 11; i < pixels.rows(); i += 397) {
+            std::string other = words;
+            other.replace(begin, end - begin, cell(pixels, "x", i) + "," + cell(pixels, "y", i));
+            const Json j = explained(other, folder);
+            CAPTURE(other);
+            CHECK(j["outcome"] == cell(pixels, "outcome", i));
+            CHECK(hex(j["truth"]) == cell(pixels, "truth_hex", i));
+            if (j["hit"] == true) CHECK(hex(j["t"]) == cell(pixels, "t_hex", i));
+            CHECK(j["ulp_error"].is_null() == cell(pixels, "ulp_error", i).empty());
+            if (!j["ulp_error"].is_null()) CHECK(number(j["ulp_error"]) == number(cell(pixels, "ulp_error", i)));
+        }
+    }
+    CHECK(all.worst > 35);
+    CHECK(all.faults > 5);
+}
+
+TEST_CASE("sweeps: the worst ray of each step, with the solid of its view and the constants of its march") {
+    const Scratch folder;
+    const auto axis = [](const std::string& name, const std::string& from, const std::string& to,
+                         const std::string& set) {
+        return "[[axis]]\nname = \"" + name + "\"\nspacing = \"log2\"\nfrom = " + from + "\nto = " + to +
+               "\nsteps = 3\nset = [" + set + "]\n";
+    };
+    static_cast<void>(folder.write(
+        "one.toml", head + "[family]\nviews = 3\nrays = 16\n" + axis("distance", "100", "1e6", "\"distance\"")));
+    static_cast<void>(folder.write("many.toml", "convention = \"closed\"\n" + head +
+                                                    "[box_family]\naim = \"edge\"\nadjoining = true\nviews = 2\nrays "
+                                                    "= 16\n" +
+                                                    axis("distance", "2", "1000", "\"distance\"")));
+    static_cast<void>(
+        folder.write("march.toml", head +
+                                       "[march]\nhit_eps = 0.01\nmax_steps = 40\n[family]\nviews = "
+                                       "2\nrays = 8\n" +
+                                       axis("distance", "4", "4000", "\"distance\", \"march.max_dist\"")));
+    static_cast<void>(folder.write(
+        "scene.toml", "scene = \"near-benign\"\n" + head + axis("radius", "0.25", "1", "\"sphere[0].radius\"")));
+    Checked all;
+    for (const auto& [name, forms] :
+         std::vector<std::pair<std::string, std::string>>{{"one", "-i sphere.schoolbook -i sphere.press"},
+                                                          {"many", "-i box.signs -i box.baseline"},
+                                                          {"march", "-i sdf.sphere_trace -i sdf.over_relaxed"},
+                                                          {"scene", "-i sphere.unified"}}) {
+        make("sweep " + name + ".toml " + forms + " -f f32 -f f64 -f bf16 -o out", folder);
+        const Checked some = paste_rows(read_csv(folder.path() / "out" / name / "samples.csv"), folder);
+        CAPTURE(name);
+        CHECK(some.worst > 5);
+        all.faults += some.faults;
+    }
+    CHECK(all.faults > 5);
+}
+
+TEST_CASE("cases: numbers of the format, symmetries, ends of rays, conventions, and rays that are none") {
+    const Scratch folder;
+    static_cast<void>(folder.write("my cases.toml", head + R"(conventions = ["open", "closed", "own"]
+[[case]]
+name = "the reader's: 3"
+symmetric = true
+boxes = [{ lo = [-1, -2, "-3 - ulp"], hi = ["1 + ulp", 2, 3] }]
+rays = [{ origin = [0, 0, -9], direction = [0, 0.3, 1] }, { origin = [0.7, 0.5, -8], direction = [0.1, 0, 1], tmax = 9 },
+        { origin = [1, 2, -9], direction = [0, 0, 1] }, { origin = [0, 0, -9], direction = [0, 0, 1], tmax = 2 }]
+)"));
+    make("sweep './my cases.toml' extremes/contact extremes/not-numbers box-boundary " LOSTBITS_DATA_DIR
+         "/hard/near.toml -i sphere.schoolbook -i sphere.unified -i box.signs -i box.baseline -f f32 -f f64 -f bf16 -o "
+         "out",
+         folder);
+    const std::vector<std::tuple<std::string, std::size_t, int>> files{
+        {"my cases", 1, 12}, {"contact", 3, 3}, {"not-numbers", 2, 3}, {"box-boundary", 29, 10}, {"near", 17, 10}};
+    Checked all;
+    for (const auto& [name, every, least] : files) {
+        const auto table = read_csv(folder.path() / "out" / name / "cases.csv");
+        const Checked some = paste_rows(table, folder, every);
+        CAPTURE(name);
+        CHECK(some.worst + some.faults >= least);
+        all.worst += some.worst;
+        all.faults += some.faults;
+        for (std::size_t i = 0; i < table.rows(); ++i) {
+            const std::string verdict = cell(table, "verdict", i), fault = cell(table, "fault_outcome", i);
+            CHECK(fault == (verdict == "right" || verdict == "wrong_value" ? "" : verdict));
+        }
+    }
+    CHECK(all.worst > 30);
+    CHECK(all.faults > 15);
+    // Without a number it is the ray that the table names, a wrong decision before a wrong value.
+    const auto boxes = read_csv(folder.path() / "out/my cases/cases.csv");
+    for (const std::size_t i : {std::size_t{0}, boxes.rows() - 1}) {
+        std::string command = cell(boxes, "fault_explain", i);
+        if (command.empty()) command = cell(boxes, "worst_explain", i);
+        const auto colon = command.rfind(':', command.rfind("' "));
+        std::string without = command;
+        without.erase(colon, command.find('\'', colon) - colon);
+        CAPTURE(command, without);
+        CHECK(explained(without, folder) == explained(command, folder));
+    }
+}
+
+TEST_CASE("a search: the rays of worst.csv, and of the cases that hard.toml makes of them") {
+    const Scratch folder;
+    for (const auto& [name, solid] : std::vector<std::pair<std::string, std::string>>{
+             {"s", "centre = [-1, 1]\nradius = [0.5, 2]\n"}, {"b", "lo = [-2, -1]\nhi = [1, 2]\n"}})
+        static_cast<void>(folder.write(name + ".toml", head + "[search]\norigin = [-8, 8]\ndirection = [-1, 1]\n" +
+                                                           solid + "starts = 2\ngenerations = 6\n"));
+    make("sweep s.toml --worst -i sphere.schoolbook -i sphere.press -f f32 -f f64 -f bf16 -o out", folder);
+    make("sweep b.toml --worst -i box.divide -i box.inclusive -f f32 -f f64 -f bf16 -o out", folder);
+    for (const std::string name : {"s", "b"}) {
+        const auto table = read_csv(folder.path() / "out" / name / "worst.csv");
+        REQUIRE(table.rows() == 6);
+        for (std::size_t i = 0; i < table.rows(); ++i) {
+            const Json j = explained(cell(table, "explain", i), folder);
+            CAPTURE(cell(table, "explain", i));
+            CHECK(j["outcome"] == cell(table, "outcome", i));
+            CHECK(hex(j["truth"]) == cell(table, "truth_hex", i));
+            if (j["hit"] == true) CHECK(hex(j["t"]) == cell(table, "t_hex", i));
+            if (!j["lost_bits"].is_null()) CHECK(number(j["lost_bits"]) == number(cell(table, "lost_bits", i)));
+        }
+        make("sweep out/" + name + "/hard.toml -i sphere.press -i box.divide -f f64 -o out", folder);
+        CHECK(paste_rows(read_csv(folder.path() / "out/hard/cases.csv"), folder).worst > 2);
+    }
+}
+
+TEST_CASE("claims: the witness in the message, in CSV, in JSON and in JUnit XML is one that can be pasted") {
+    const Scratch folder;
+    const auto claim = [](const std::string& id, const std::string& given, const std::string& metric) {
+        return "[[claim]]\nid = \"" + id +
+               "\"\nstatement = \"-\"\nsource = \"-\"\nverdict = \"holds\"\n[claim.given]\n" + given +
+               "\n[claim.expect]\nmetric = \"" + metric + "\"\nin = [-2, -1]\n";
+    };
+    static_cast<void>(folder.write(
+        "c.toml",
+        "schema = \"lostbits-claims/1\"\n" +
+            claim("scene", "scene = \"near-benign\"\nform = \"sphere.schoolbook\"\nformat = \"f64\"", "ulp_error_max") +
+            claim("own", "scene = \"world-offset-own\"\nform = \"sphere.press\"\nformat = \"bf16\"", "ulp_error_max") +
+            claim("wrong", "scene = \"camera-inside\"\nform = \"sphere.unit_half_b\"\nformat = \"f32\"", "false_miss") +
+            claim("sweep", "sweep = \"sphere-distance\"\nform = \"sphere.press\"\nformat = \"bf16\"\nat = 30",
+                  "ulp_error_max") +
+            claim("march", "sweep = \"sdf-distance\"\nform = \"sdf.sphere_trace\"\nformat = \"f32\"\nat = 300",
+                  "ulp_error_max") +
+            claim("case", "sweep = \"scale\"\ncase = \"*\"\nform = \"sphere.unified\"\nformat = \"f64\"",
+                  "ulp_error_max")));
+    const auto r = run("check c.toml --export-csv c.csv --export-json c.json --junit j.xml", folder.path());
+    INFO(r.out << r.err);
+    REQUIRE(r.code == 1);
+    const auto table = read_csv(folder.path() / "c.csv");
+    const Json array = Json::parse(contents(folder.path() / "c.json"));
+    const std::string xml = contents(folder.path() / "j.xml");
+    REQUIRE(table.rows() == 6);
+    for (std::size_t i = 0; i < table.rows(); ++i) {
+        const std::string command = cell(table, "witness_explain", i);
+        CAPTURE(command);
+        CHECK(array[i]["witness_explain"] == command);
+        CHECK(r.out.find("explain it: " + command + "\n") != std::string::npos);
+        CHECK(xml.find("\n" + command + "\n") != std::string::npos);
+        const Json j = explained(command, folder);
+        if (cell(table, "id", i) == "wrong") CHECK(j["outcome"] == "false_miss");
+        else CHECK(std::fabs(number(j["ulp_error"])) == number(cell(table, "measured", i)));
+    }
+}
+
+TEST_CASE("a ray is taken as given: what a format cannot hold is input error, and --as rounds first") {
+    const Scratch folder;
+    const std::string ray = "lostbits explain --sphere 0,0,5,1 --ray 0.1,0,0,0,0,1 -i sphere.schoolbook ";
+    // Of the decimal's binary64 number, whatever form it is then asked of: t* = 5 - sqrt(1 - 0.1²), by hand in 40
+    // digits for 0x1.999999999999ap-4 and for 0x1.99999ap-4, each rounded to binary64.
+    const Json f64 = explained(ray + "-f f64", folder), f32 = explained(ray + "-f f32", folder);
+    CHECK(hex(f64["inputs"]["o.x"]) == "0x1.999999999999ap-4");
+    CHECK(hex(f32["inputs"]["o.x"]) == "0x1.99999ap-4");
+    CHECK(f64["inputs_rounded"] == false);
+    CHECK(f32["inputs_rounded"] == true);
+    CHECK(hex(f64["truth"]) == "0x1.005220366c8ebp+2");
+    CHECK(f32["truth"] == f64["truth"]);
+    const Json as = explained(ray + "-f f32 --as f32", folder), wide = explained(ray + "-f f64 --as f32", folder);
+    CHECK(as["inputs_rounded"] == false);
+    CHECK(wide["inputs_rounded"] == false);
+    CHECK(hex(as["truth"]) == "0x1.0052203695b95p+2");
+    CHECK(as["truth"] == wide["truth"]);
+    // Of a scene with numbers of its own the ray is ideal, and every format rounds it once from the decimal.
+    std::string own = lostbits::test::good_scene;
+    own.replace(own.find("shared"), 6, "own");
+    static_cast<void>(folder.write("own.toml", own));
+    const std::string ideal = "lostbits explain own.toml --ray 0.1,0,-5,0,0,1 -i sphere.schoolbook ";
+    const Json in_own = explained(ideal + "-f f64", folder);
+    CHECK(in_own["inputs_rounded"] == true);
+    CHECK(hex(in_own["inputs"]["o.x"]) == "0x1.999999999999ap-4");
+    CHECK(explained(ideal + "-f f64 --as f64", folder)["inputs_rounded"] == false);
+    const auto text = run("explain own.toml --ray 0.1,0,-5,0,0,1 -i sphere.schoolbook", folder.path());
+    CHECK(text.out.find("f32 cannot hold all of these numbers and gets them rounded") != std::string::npos);
+}
+
+TEST_CASE("a ray with solids of its own ends where it is told to, and is judged by the convention it is told") {
+    const Scratch folder;
+    const std::string face = "lostbits explain --box 0,0,5,1,1,6 --ray 1,0.5,0,0,0,1 -i box.inclusive ";
+    CHECK(hex(explained(face + "--convention closed", folder)["truth"]) == "0x1.4p+2");
+    CHECK(explained(face + "--convention open", folder)["truth"].is_null());
+    CHECK(explained(face + "--convention open", folder)["outcome"] == "false_hit");
+    CHECK(explained(face + "--convention closed --tmax 4", folder)["outcome"] == "agree_miss");
+    CHECK(explained(face + "--convention closed --tmax 5", folder)["outcome"] == "agree_hit");
+}
+
+TEST_CASE("explain refuses words that name no ray, and says what to write") {
+    const std::string with = " -i sphere.press";
+    for (const auto& [arguments, says] : std::vector<std::pair<std::string, std::string>>{
+             {"--ray 0,0,0,0,0,1" + with, "name a scene, a file of cases with --case, or solids"},
+             {"near-benign --sphere 0,0,5,1 --ray 0,0,0,0,0,1" + with, "a scene has its own solids"},
+             {"--sphere 0,0,5,1" + with, "name the ray too"},
+             {"--sphere 0,0,5 --ray 0,0,0,0,0,1" + with, "is not a sphere"},
+             {"--sphere 0,0,5,-1 --ray 0,0,0,0,0,1" + with, "the radius must be greater than 0"},
+             {"--box 0,0,5,1,1,4 --ray 0,0,0,0,0,1 -i box.signs", "must not be above the upper one"},
+             {"--box 0,0,5,1,1,6 --ray 0,0,0,0,0,1" + with, "try -i 'box.*' -i 'sdf.*'"},
+             {"--sphere 0,0,5,1 --ray 0,0,0,0,0,1 --tmax 5" + with, "only boxes know the end of a ray"},
+             {"--sphere 0,0,5,1 --ray 0,0,0,0,0,1 --set camera.x=1" + with, "only march.KEY can be set"},
+             {"--sphere 0,0,5,1 --ray 0,0,0,0,0,1 --as f31" + with, "unknown format"},
+             {"--sphere 0,0,5,1 --ray 0,0,0,0,0,1e39 --as f32" + with, "the largest number of f32 is 3.40"},
+             {"near-benign --pixel 1,1 --as f32" + with, "--as needs --ray"},
+             {"extremes/contact --case 'eye at the centr'" + with, "did you mean"},
+             {"extremes/contact --case 'eye at the centr:0'" + with, "did you mean \"eye at the centre\""},
+             {"extremes/contact --case 'eye at the centre:99'" + with, "counted from 0"},
+             {"sphere-distance --case x" + with, "has no [[case]] tables"},
+             {"extremes/contact --case x --ray 0,0,0,0,0,1" + with, "a case has its rays"},
+             {"box-boundary --case x" + with, "try -i 'box.*'"}}) {
+        const auto r = run("explain " + arguments);
+        INFO(arguments << "\n" << r.err);
+        CHECK(r.code == 2);
+        CHECK(r.err.find(says) != std::string::npos);
+        CHECK(r.out.empty());
+    }
+}
