@@ -43,12 +43,23 @@ std::optional<Real> number_of(const std::string& text, const std::string& option
     return std::get<Real>(read);
 }
 
+/// What an option holds: so many numbers.
+struct Wanted {
+    const char *option, *what;
+    std::size_t count;
+    bool special = false;  ///< nan and inf are numbers too
+};
+
 /// The numbers of a ray or a solid, rounded to the format of `--as` where there is one. InputError for another count.
-std::vector<Real> numbers_of(const std::string& text, const std::string& option, const char* what, std::size_t count,
-                             const std::string& as) {
+std::vector<Real> numbers_of(const std::string& text, const Wanted& wanted, const std::string& as) {
+    const char* const option = wanted.option;
     const Format format = select_formats({as.empty() ? "f64" : as}).front();
     std::vector<Real> numbers;
     for (const std::string& part : parts_of(text)) {
+        if (wanted.special && (part == "nan" || part == "inf" || part == "-inf")) {
+            numbers.emplace_back(part == "nan" ? std::nan("") : part == "inf" ? HUGE_VAL : -HUGE_VAL);
+            continue;
+        }
         const auto exact = number_of(part, option);
         const double rounded = exact ? scene::toml::round_to_format(*exact, format.shape) : HUGE_VAL;
         if (!std::isfinite(rounded)) {
@@ -61,21 +72,26 @@ std::vector<Real> numbers_of(const std::string& text, const std::string& option,
         }
         numbers.push_back(as.empty() ? *exact : Real(rounded));
     }
-    if (numbers.size() != count) throw InputError(fmt::format("{} {}: is not {}", option, text, what));
+    if (numbers.size() != wanted.count) throw InputError(fmt::format("{} {}: is not {}", option, text, wanted.what));
     return numbers;
 }
 
-double stored(const Real& x) { return scene::toml::round_to_format(x, binary64); }
+double stored(const Real& x) {
+    return isfinite(x) ? scene::toml::round_to_format(x, binary64) : static_cast<double>(x);
+}
 Ray<double> stored(const Ray<Real>& ray) {
     const auto of = [](const Vec<Real>& v) { return Vec<double>(stored(v.x), stored(v.y), stored(v.z)); };
     return {of(ray.origin), of(ray.direction)};
 }
 
+/// With solids of its own a ray may be none at all, as in a file of cases: what a form makes of that is measured too.
 Ray<Real> given_ray(const RayWords& words) {
-    const auto x = numbers_of(words.ray, "--ray",
-                              "a ray; write origin and direction, six numbers with commas between them", 6, words.as);
+    const bool own = words.subject.empty();
+    const auto x = numbers_of(
+        words.ray, {"--ray", "a ray; write origin and direction, six numbers with commas between them", 6, own},
+        words.as);
     const Ray<Real> ray{{x[0], x[1], x[2]}, {x[3], x[4], x[5]}};
-    if (!measure::truth::is_proper(stored(ray)))
+    if (!own && !measure::truth::is_proper(stored(ray)))
         throw InputError("--ray " + words.ray +
                          ": is not a ray; its numbers must be finite and its direction not zero");
     return ray;
@@ -202,11 +218,11 @@ AskedRay of_case(const RayWords& words, MapRow row, const std::filesystem::path&
 
 Solid<double> solid_of(Shape shape, const std::string& text, const std::string& as) {
     const bool sphere = shape == Shape::sphere;
-    const auto x = numbers_of(text, sphere ? "--sphere" : "--box",
-                              sphere ? "a sphere; write its centre and radius, four numbers with commas between them"
-                                     : "a box; write its lower and its upper corner, six numbers with commas between "
-                                       "them",
-                              sphere ? 4 : 6, as);
+    const Wanted wanted =
+        sphere
+            ? Wanted{"--sphere", "a sphere; write its centre and radius, four numbers with commas between them", 4}
+            : Wanted{"--box", "a box; write its lower and its upper corner, six numbers with commas between them", 6};
+    const auto x = numbers_of(text, wanted, as);
     Solid<double> solid;
     solid.shape = shape;
     std::ranges::transform(x, solid.numbers.begin(), [](const Real& number) { return stored(number); });
@@ -244,7 +260,7 @@ AskedRay of_own_solids(const RayWords& words, const MapRow& row) {
     one.solids = std::move(solids);
     if (!words.tmax.empty())
         one.rays.tmax.push_back(
-            stored(numbers_of(words.tmax, "--tmax", "the end of a ray; write one number", 1, words.as)[0]));
+            stored(numbers_of(words.tmax, {"--tmax", "the end of a ray; write one number", 1, true}, words.as)[0]));
     one.march = march_of(words.set);
     return {nullptr, OneRay(std::move(one))};
 }

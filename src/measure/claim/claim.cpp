@@ -53,10 +53,12 @@ ClaimResult judge(const Claim& claim, double measured, const map::MapSummary* su
     ClaimResult result;
     result.measured = measured;
     if (summary) {
-        // A wrong decision is no matter of how far off t is.
-        const bool decides = claim.metric.starts_with("false_") || claim.metric.starts_with("not_a_number");
-        const map::WorstRay* const fault = decides ? summary->fault() : nullptr;
-        result.witness = fault ? *fault : summary->worst;
+        result.witness = summary->worst;
+        // A wrong decision is not a matter of how far off t is.
+        for (std::size_t k = 0; k < map::wrong_decisions.size(); ++k) {
+            const auto name = answer::outcome_names[static_cast<std::size_t>(map::wrong_decisions[k])];
+            if (claim.metric.starts_with(name) && summary->faults[k]) result.witness = *summary->faults[k];
+        }
     }
     if (summary && summary->count(answer::Outcome::unresolved) > 0) {
         result.trouble = std::to_string(summary->count(answer::Outcome::unresolved)) + " rays have no proved truth";

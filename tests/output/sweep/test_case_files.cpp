@@ -91,6 +91,22 @@ TEST_CASE("cases.csv and matrix.png say what each form makes of each case") {
     CHECK(cell(table, "lost_bits_max", 6).empty());
     CHECK(cell(table, "worst_t_hex", 3) == "0x1.001p+12");
     CHECK(cell(table, "worst_radius_hex", 3) == "0x1p+0");
+    // 4097 in place of 4096, where an ulp is 2^-11.
+    CHECK(cell(table, "worst_t", 3) == "4097");
+    CHECK(cell(table, "worst_truth", 3) == "4096");
+    CHECK(cell(table, "worst_truth_hex", 3) == "0x1p+12");
+    CHECK(cell(table, "worst_ulp_error", 3) == "2048");
+    CHECK(cell(table, "worst_explain", 3) ==
+          "lostbits explain t.toml --case 'radius lost:0' -i sphere.schoolbook -f f32");
+    CHECK(cell(table, "fault_outcome", 3).empty());
+    CHECK(cell(table, "fault_outcome", 6) == "false_miss");
+    CHECK(cell(table, "fault_t", 6).empty());
+    // The near root of a ray through the middle: (2^66 - 2^60)/2^-10.
+    CHECK(cell(table, "fault_truth_hex", 6) == "0x1.f8p+75");
+    CHECK(cell(table, "fault_outcome", 9) == "false_hit");
+    CHECK(cell(table, "fault_t_hex", 9) == "0x1p-98");
+    CHECK(cell(table, "fault_truth_hex", 9).empty());
+    CHECK(cell(table, "fault_explain", 12).find(" --case 'a overflows, once:0' ") != std::string::npos);
     CHECK(cell(table, "not_a_number", 12) == "1");
     CHECK(cell(table, "agree_hit", 12) == "1");
     CHECK(cell(table, "false_miss_fraction", 6) == "1");

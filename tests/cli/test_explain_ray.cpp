@@ -1,0 +1,93 @@
+// Which ray `lostbits explain` is asked about, and what it is given.
+#include <nlohmann/json.hpp>
+
+#include "catch.hpp"
+#include "program.hpp"
+
+using lostbits::test::run;
+using lostbits::test::Scratch;
+
+namespace {
+
+using Json = nlohmann::json;
+
+/// What the command says, in place of its table.
+Json explained(const std::string& arguments, const Scratch& folder) {
+    const auto r = run("explain " + arguments + " --json -q", folder.path());
+    INFO(arguments << "\n" << r.err);
+    REQUIRE(r.code == 0);
+    return Json::parse(r.out);
+}
+
+std::string hex(const Json& j) { return j["hex"].get<std::string>(); }
+
+}  // namespace
+
+TEST_CASE("a ray is taken as given: what a format cannot hold is input error, and --as rounds first") {
+    const Scratch folder;
+    const std::string ray = "--sphere 0,0,5,1 --ray 0.1,0,0,0,0,1 -i sphere.schoolbook ";
+    // Of the decimal's binary64 number, whatever form it is then asked of: t* = 5 - sqrt(1 - 0.1²), by hand in 40
+    // digits for 0x1.999999999999ap-4 and for 0x1.99999ap-4, each rounded to binary64.
+    const Json f64 = explained(ray + "-f f64", folder), f32 = explained(ray + "-f f32", folder);
+    CHECK(hex(f64["inputs"]["o.x"]) == "0x1.999999999999ap-4");
+    CHECK(hex(f32["inputs"]["o.x"]) == "0x1.99999ap-4");
+    CHECK(f64["inputs_rounded"] == false);
+    CHECK(f32["inputs_rounded"] == true);
+    CHECK(hex(f64["truth"]) == "0x1.005220366c8ebp+2");
+    CHECK(f32["truth"] == f64["truth"]);
+    const Json as = explained(ray + "-f f32 --as f32", folder), wide = explained(ray + "-f f64 --as f32", folder);
+    CHECK(as["inputs_rounded"] == false);
+    CHECK(wide["inputs_rounded"] == false);
+    CHECK(hex(as["truth"]) == "0x1.0052203695b95p+2");
+    CHECK(as["truth"] == wide["truth"]);
+    // Of a scene with numbers of its own the ray is ideal, and every format rounds it once from the decimal.
+    std::string own = lostbits::test::good_scene;
+    own.replace(own.find("shared"), 6, "own");
+    static_cast<void>(folder.write("own.toml", own));
+    const std::string ideal = "own.toml --ray 0.1,0,-5,0,0,1 -i sphere.schoolbook ";
+    const Json in_own = explained(ideal + "-f f64", folder);
+    CHECK(in_own["inputs_rounded"] == true);
+    CHECK(hex(in_own["inputs"]["o.x"]) == "0x1.999999999999ap-4");
+    CHECK(explained(ideal + "-f f64 --as f64", folder)["inputs_rounded"] == false);
+    const auto text = run("explain own.toml --ray 0.1,0,-5,0,0,1 -i sphere.schoolbook", folder.path());
+    CHECK(text.out.find("f32 cannot hold all of these numbers and gets them rounded") != std::string::npos);
+}
+
+TEST_CASE("a ray with solids of its own ends where it is told to, and is judged by the convention it is told") {
+    const Scratch folder;
+    const std::string face = "--box 0,0,5,1,1,6 --ray 1,0.5,0,0,0,1 -i box.inclusive ";
+    CHECK(hex(explained(face + "--convention closed", folder)["truth"]) == "0x1.4p+2");
+    CHECK(explained(face + "--convention open", folder)["truth"].is_null());
+    CHECK(explained(face + "--convention open", folder)["outcome"] == "false_hit");
+    CHECK(explained(face + "--convention closed --tmax 4", folder)["outcome"] == "agree_miss");
+    CHECK(explained(face + "--convention closed --tmax 5", folder)["outcome"] == "agree_hit");
+}
+
+TEST_CASE("explain refuses words that name no ray, and says what to write") {
+    const std::string with = " -i sphere.press";
+    for (const auto& [arguments, says] : std::vector<std::pair<std::string, std::string>>{
+             {"--ray 0,0,0,0,0,1" + with, "name a scene, a file of cases with --case, or solids"},
+             {"near-benign --sphere 0,0,5,1 --ray 0,0,0,0,0,1" + with, "a scene has its own solids"},
+             {"--sphere 0,0,5,1" + with, "name the ray too"},
+             {"--sphere 0,0,5 --ray 0,0,0,0,0,1" + with, "is not a sphere"},
+             {"--sphere 0,0,5,-1 --ray 0,0,0,0,0,1" + with, "the radius must be greater than 0"},
+             {"--box 0,0,5,1,1,4 --ray 0,0,0,0,0,1 -i box.signs", "must not be above the upper one"},
+             {"--box 0,0,5,1,1,6 --ray 0,0,0,0,0,1" + with, "try -i 'box.*' -i 'sdf.*'"},
+             {"--sphere 0,0,5,1 --ray 0,0,0,0,0,1 --tmax 5" + with, "only boxes know the end of a ray"},
+             {"--sphere 0,0,5,1 --ray 0,0,0,0,0,1 --set camera.x=1" + with, "only march.KEY can be set"},
+             {"--sphere 0,0,5,1 --ray 0,0,0,0,0,1 --as f31" + with, "unknown format"},
+             {"--sphere 0,0,5,1 --ray 0,0,0,0,0,1e39 --as f32" + with, "the largest number of f32 is 3.40"},
+             {"near-benign --pixel 1,1 --as f32" + with, "--as needs --ray"},
+             {"extremes/contact --case 'eye at the centr'" + with, "did you mean"},
+             {"extremes/contact --case 'eye at the centr:0'" + with, "did you mean \"eye at the centre\""},
+             {"extremes/contact --case 'eye at the centre:99'" + with, "counted from 0"},
+             {"sphere-distance --case x" + with, "has no [[case]] tables"},
+             {"extremes/contact --case x --ray 0,0,0,0,0,1" + with, "a case has its rays"},
+             {"box-boundary --case x" + with, "try -i 'box.*'"}}) {
+        const auto r = run("explain " + arguments);
+        INFO(arguments << "\n" << r.err);
+        CHECK(r.code == 2);
+        CHECK(r.err.find(says) != std::string::npos);
+        CHECK(r.out.empty());
+    }
+}
