@@ -127,6 +127,10 @@ ExrBook::ExrBook(const std::filesystem::path& path, std::vector<ExrPart> parts) 
     std::set<std::string> names;
     for (ExrPart& part : parts) {
         const ExrSpec& spec = part.spec;
+        std::set<std::string_view> channels;
+        for (const Channel& channel : spec.channels) channels.insert(channel.name);
+        if (channels.size() != spec.channels.size())
+            throw std::logic_error(path_ + ": part " + part.name + " has two channels of one name");
         if (spec.width <= 0 || spec.height <= 0 || spec.channels.empty() || !names.insert(part.name).second ||
             spec.width != parts.front().spec.width || spec.height != parts.front().spec.height)
             throw std::logic_error(path_ + ": part " + part.name + " has no pixels, a name or a size of its own");
