@@ -269,19 +269,6 @@ TEST_CASE("JSON: what there is not is null, a number that is not finite is a wor
     CHECK(hit["ulp_error"].is_number());
 }
 
-TEST_CASE("a direction that is normalised is said to be") {
-    const std::string ray = "explain sdf-sphere --ray 0,0,4,0,0,-2 ";
-    const auto march = run(ray + "-i sdf.sphere_trace");
-    INFO(march.out << march.err);
-    CHECK(has(march.out,
-              "The direction (0, 0, -2) is normalised and rounded: the form takes unit directions, and its t is a "
-              "distance."));
-    CHECK(nlohmann::json::parse(run(ray + "-i sdf.sphere_trace --json").out)["given_direction"] ==
-          nlohmann::json({0, 0, -2}));
-    CHECK_FALSE(has(run("explain sdf-sphere --ray 0,0,4,0,0,-1 -i sdf.sphere_trace").out, "is normalised"));
-    CHECK_FALSE(has(run("explain near-benign --ray 0,0,0,0,0,-2 -i sphere.schoolbook").out, "is normalised"));
-}
-
 TEST_CASE("explain refuses what it cannot read, and says why") {
     for (const auto& [arguments, says] : std::vector<std::pair<std::string, std::string>>{
              {"explain near-benign -i sphere.unified", "name one ray"},
@@ -349,11 +336,4 @@ TEST_CASE("an overflow behind a turned decision is to blame, and not what rounds
     CHECK_FALSE(has(r.out, "11.0 bits lost"));  // a form that loses all of them does not do better
     CHECK(has(run("explain world-offset-own --pixel 60,60 -i sphere.unified -f fp16").out,
               "The input o.x is inf in fp16. Everything after it follows from that."));
-}
-
-TEST_CASE("a ray is asked alone, however many spheres there are") {
-    // Its row of the picture in p2, where every sphere is a candidate, took minutes.
-    const auto r = run("explain sphereflake-near --pixel 100,100 -i sphere.unified -f p2 --json");
-    REQUIRE(r.code == 0);
-    CHECK(nlohmann::json::parse(r.out)["solids"] == 66431);
 }

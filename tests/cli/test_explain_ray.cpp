@@ -21,6 +21,8 @@ Json explained(const std::string& arguments, const Scratch& folder) {
 
 std::string hex(const Json& j) { return j["hex"].get<std::string>(); }
 
+bool has(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+
 }  // namespace
 
 TEST_CASE("a ray is taken as given: what a format cannot hold is input error, and --as rounds first") {
@@ -90,4 +92,24 @@ TEST_CASE("explain refuses words that name no ray, and says what to write") {
         CHECK(r.err.find(says) != std::string::npos);
         CHECK(r.out.empty());
     }
+}
+
+TEST_CASE("a direction that is normalised is said to be") {
+    const std::string ray = "explain sdf-sphere --ray 0,0,4,0,0,-2 ";
+    const auto march = run(ray + "-i sdf.sphere_trace");
+    INFO(march.out << march.err);
+    CHECK(has(march.out,
+              "The direction (0, 0, -2) is normalised and rounded: the form takes unit directions, and its t is a "
+              "distance."));
+    CHECK(nlohmann::json::parse(run(ray + "-i sdf.sphere_trace --json").out)["given_direction"] ==
+          nlohmann::json({0, 0, -2}));
+    CHECK_FALSE(has(run("explain sdf-sphere --ray 0,0,4,0,0,-1 -i sdf.sphere_trace").out, "is normalised"));
+    CHECK_FALSE(has(run("explain near-benign --ray 0,0,0,0,0,-2 -i sphere.schoolbook").out, "is normalised"));
+}
+
+TEST_CASE("a ray is asked alone, however many spheres there are") {
+    // Its row of the picture in p2, where every sphere is a candidate, took minutes.
+    const auto r = run("explain sphereflake-near --pixel 100,100 -i sphere.unified -f p2 --json");
+    REQUIRE(r.code == 0);
+    CHECK(nlohmann::json::parse(r.out)["solids"] == 66431);
 }

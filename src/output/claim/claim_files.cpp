@@ -193,10 +193,26 @@ void write_claims_csv(const std::filesystem::path& path, const std::vector<Claim
         const ClaimResult& r = results[i];
         const auto s = r.spread();
         const auto drawn = [&](const auto& x) { return r.is_drawn() && s.draws > 0 ? file::Cell(x) : file::Cell(); };
-        csv.row({c.id, c.statement, c.source, verdict_name(c), where_measured(c), c.form, c.format, quantity(c), c.low,
-                 c.high, std::isnan(r.measured) ? file::Cell() : file::Cell(r.measured), r.samples, drawn(s.draws),
-                 drawn(s.low), drawn(s.median), drawn(s.high), c.draws == 0 ? file::Cell() : file::Cell(c.draws),
-                 state_name(r.state), witness_text(r), explain_witness(c, r)});
+        csv.row({c.id,
+                 c.statement,
+                 c.source,
+                 verdict_name(c),
+                 where_measured(c),
+                 c.form,
+                 c.format,
+                 quantity(c),
+                 c.low,
+                 c.high,
+                 std::isnan(r.measured) ? file::Cell() : file::Cell(r.measured),
+                 r.samples,
+                 drawn(s.draws),
+                 drawn(s.low),
+                 drawn(s.median),
+                 drawn(s.high),
+                 c.draws == 0 ? file::Cell() : file::Cell(c.draws),
+                 state_name(r.state),
+                 witness_text(r),
+                 explain_witness(c, r)});
     }
     csv.close();
 }

@@ -189,10 +189,12 @@ std::string cell(std::string text) {
 
 std::string rounded(double x) { return std::isfinite(x) ? fmt::format("{:.6g}", x) : file::decimal(x); }
 
-/// ` (0.44 to 0.47 over 4 draws)`; empty where nothing is random, or only one draw was measured.
+/// ` (0.44 to 0.47 over 4 draws)`, or ` (in each of 4 draws)`; empty where nothing is random, or only one draw was
+/// measured.
 std::string spread_text(const ClaimResult& r) {
     if (r.further.empty()) return "";
     const auto s = r.spread();
+    if (s.low == s.high) return fmt::format(" (in each of {} draws)", s.draws);
     return fmt::format(" ({} to {} over {} draws)", rounded(s.low), rounded(s.high), s.draws);
 }
 

@@ -136,10 +136,11 @@ std::string measured_cell(const ClaimResult& r) {
     if (r.state != State::agrees && r.state != State::disagrees) return html(r.trouble);
     if (!r.is_drawn()) return shown(r.measured);
     const auto s = r.spread();
-    return fmt::format(
-        "{}<br><small>{}{} random samples</small>", shown(r.measured),
-        r.further.empty() ? "of " : fmt::format("{} to {} over {} draws of ", shown(s.low), shown(s.high), s.draws),
-        r.samples);
+    const std::string draws = r.further.empty() ? ""
+                              : s.low == s.high
+                                  ? fmt::format("in each of {} draws ", s.draws)
+                                  : fmt::format("{} to {} over {} draws ", shown(s.low), shown(s.high), s.draws);
+    return fmt::format("{}<br><small>{}of {} random samples</small>", shown(r.measured), draws, r.samples);
 }
 
 std::string tile(std::size_t n, const char* words, const char* style) {

@@ -67,11 +67,19 @@ struct Quantity {
 
 bool marches(const MapRow& row) { return row.form->shape == Shape::sdf; }
 
+/// How many rays a step has, and how many of them are independent.
+std::string rays_text(const MeasuredSweep& sweep) {
+    const MapSummary& any = sweep.steps.front().rows.front();
+    if (!sweep.request.sweep->is_drawn()) return fmt::format("{} rays per step", any.rays);
+    if (any.views == any.rays) return fmt::format("{} independent rays per step", any.rays);
+    return fmt::format("{} rays per step, of {} independent views", any.rays, any.views);
+}
+
 /// What every plot along a sweep has: the sweep's own words and axis, and how many rays a step has.
 LinePlotSpec plot_along(const MeasuredSweep& sweep, const std::string& title, const plot::AxisSpec& y) {
     const scene::sweep::SweepFile& file = *sweep.request.sweep;
     return {.title = title,
-            .subtitle = {file.title, fmt::format("{} rays per step", sweep.steps.front().rows.front().rays)},
+            .subtitle = {file.title, rays_text(sweep)},
             .x = plot_axis(file.axes.front()),
             .y = y,
             .series = {}};
