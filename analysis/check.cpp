@@ -96,6 +96,9 @@ void print(const Claim& claim, const ClaimResult& r, const CheckOptions& o, bool
 std::string draws_text(const Claim& claim, const ClaimResult& r) {
     if (r.further.empty()) return "";
     const auto s = r.spread();
+    const std::size_t draws = 1 + r.further.size();
+    if (static_cast<std::size_t>(s.draws) < draws)
+        return fmt::format("; it exists in {} of {} draws, which give no interval", s.draws, draws);
     const auto interval = measure::claim::interval_of(claim, r);
     return fmt::format("; {} draws: {} to {}, the middle one {}; their interval is [{}, {}]", s.draws,
                        output::file::decimal(s.low), output::file::decimal(s.high), output::file::decimal(s.median),
@@ -104,6 +107,7 @@ std::string draws_text(const Claim& claim, const ClaimResult& r) {
 
 /// What the claims about random rays measure from draw to draw.
 void print_spreads(const std::vector<Claim>& claims, const std::vector<ClaimResult>& results) {
+    if (std::ranges::none_of(results, &ClaimResult::is_drawn)) return;
     constexpr const char* row = "{:<44} {:>12} {:>12} {:>12} {:>12}  {:<26} {}\n";
     fmt::print(row, "claims about random rays", "own draw", "lowest", "median", "highest", "interval", "samples");
     for (std::size_t i = 0; i < claims.size(); ++i) {
@@ -138,6 +142,11 @@ Exit run(const CheckOptions& o, const Common& common) {
         throw InputError(
             "--profile timing cannot be combined with --strict, --junit, --export-csv, --export-json, --report or "
             "--annotations: times never fail a check, and no report shows them; leave those options out");
+    }
+    if (o.measure && (!o.junit.empty() || !o.csv.empty() || !o.json.empty() || !o.report.empty())) {
+        throw InputError(
+            "--measure cannot be combined with --junit, --export-csv, --export-json or --report: it judges nothing; "
+            "leave one of them out");
     }
     const auto data = data_folder(common.data);
     const auto claims = load(o, data);

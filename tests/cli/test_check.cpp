@@ -66,6 +66,13 @@ TEST_CASE("a claim about random rays must hold of every draw, and check --seeds 
     const auto measured = run("check '" + wide + "' --seeds 3 --measure");
     CHECK(measured.out.find(fmt::format("median = {}; 4 draws: {} to {}", own, low, high)) != std::string::npos);
     CHECK(run("check --seeds -1").code == 2);
+    const auto both = run("check '" + wide + "' --measure --export-csv '" + csv + "'");
+    CHECK(both.code == 2);
+    CHECK(both.err.find("it judges nothing; leave one of them out") != std::string::npos);
+    const std::string still = scratch.write("still.toml", head + claim("scene", inside, all_missed + "draws = 32\n"));
+    const auto nothing = run("check '" + still + "'");
+    CHECK(nothing.code == 2);
+    CHECK(nothing.err.find("`draws` belongs to claims about random rays") != std::string::npos);
 }
 
 TEST_CASE("a claim that does not measure as stated fails, by name, with the worst input and the command") {

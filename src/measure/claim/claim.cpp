@@ -168,6 +168,11 @@ std::vector<ClaimResult> measure_claims(const std::vector<Claim>& claims, const 
         }
         request.done();
     }
+    for (std::size_t i = 0; i < claims.size(); ++i) {
+        if (claims[i].draws > 0 && results[i].state != ClaimResult::State::skipped && !results[i].is_drawn())
+            scene::toml::fail(claims[i].where,
+                              "`draws` belongs to claims about random rays, and nothing is drawn here; leave it out");
+    }
     return results;
 }
 

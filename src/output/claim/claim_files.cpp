@@ -83,6 +83,9 @@ std::string quantity(const Claim& c) {
 std::string explain(const Claim& c, const ClaimResult& r) {
     const std::string expected =
         fmt::format("expected {} in [{}, {}]", quantity(c), file::decimal(c.low), file::decimal(c.high));
+    if (r.state == State::broken && !r.further.empty())
+        return fmt::format("{}, but {} (it exists in {} of {} draws)", expected, r.trouble, r.spread().draws,
+                           1 + r.further.size());
     if (r.state == State::broken || r.state == State::skipped) return fmt::format("{}, but {}", expected, r.trouble);
     if (r.further.empty()) return fmt::format("{}, measured {}", expected, file::decimal(r.measured));
     const auto s = r.spread();
@@ -184,7 +187,8 @@ void write_claims_csv(const std::filesystem::path& path, const std::vector<Claim
                {"draw_median", "number", "", "the middle one, the lower of two"},
                {"draw_high", "number", "", "the largest"},
                {"interval_draws", "integer", "",
-                "draws that the expected interval comes from: their range, and half as much again on either side"},
+                "draws that the expected interval comes from: their range, and half as much again on either side (in "
+                "logarithms of onsets and fractions)"},
                {"state", "string", "", "agrees, disagrees, broken (could not be measured) or skipped"},
                {"witness", "string", "", "the worst ray of the measurement in hexadecimal floats"},
                {"witness_explain", "string", "", "the command that explains that ray"}});

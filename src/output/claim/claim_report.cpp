@@ -263,7 +263,7 @@ void write_claim_report(const std::filesystem::path& folder, const std::vector<C
         "that made this page; a test makes the page again and compares. `lostbits report` makes the same as a page for "
         "a browser, where each claim leads to its pixels or its plot.\n\nClaims about random rays were measured on "
         "several draws of them: all must lie in the claim's interval, which is the range over 32 draws, and half as "
-        "much again on either side.\n{}",
+        "much again on either side (in logarithms of onsets and fractions).\n{}",
         draws_option(results), claims.size(), held, refuted,
         other == 0 ? "" : fmt::format(", {} failed or could not be measured", other), screenshots_in(folder));
     for (const Subject& subject : subjects_of(claims)) {

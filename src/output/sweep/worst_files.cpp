@@ -103,12 +103,13 @@ void write_worst(const std::filesystem::path& folder, const WorstRequest& reques
             continue;
         }
         const WorstFound& w = *found[r];
+        const bool missed = w.outcome == measure::answer::Outcome::false_miss;
         csv.add(measure::answer::outcome_names[static_cast<std::size_t>(w.outcome)])
             .add(w.outcome == measure::answer::Outcome::agree_hit ? Cell(w.value) : Cell())
             .add(std::isnan(w.distance) ? Cell() : Cell(w.distance))
             .add(w.evaluations)
-            .add(w.t)
-            .add(file::hex(w.t));
+            .add(missed ? Cell() : Cell(w.t))
+            .add(missed ? Cell() : Cell(file::hex(w.t)));
         csv.add(std::isnan(w.truth) ? Cell() : Cell(w.truth));
         csv.add(std::isnan(w.truth) ? Cell() : Cell(file::hex(w.truth)));
         for (const double x : ray_numbers(w)) csv.add(file::hex(x));
