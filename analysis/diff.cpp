@@ -61,7 +61,7 @@ Comparison compare_files(const fs::path& a, const fs::path& b, FileKind kind, co
     const bool named = !options.tolerances.empty() || !options.ignored.empty();
     if (kind == FileKind::bytes || (bytes.same() && !(kind == FileKind::exr && named))) return bytes;
     auto& images = output::image::image_backend();
-    if (kind == FileKind::exr) return both([&](const fs::path& path) { return images.read_exr(path); });
+    if (kind == FileKind::exr) return output::diff::compare_exr(images, a, b, options);
     return both([&](const fs::path& path) { return images.read_png(path); });
 }
 

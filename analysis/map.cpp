@@ -11,6 +11,7 @@
 #include "lost_numbers.hpp"
 #include "measure/blame/culprits.hpp"
 #include "measure/map/culprit_order.hpp"
+#include "output/map/map_exr.hpp"
 #include "output/map/map_files.hpp"
 #include "output/map/needed_files.hpp"
 #include "results.hpp"
@@ -35,14 +36,8 @@ struct MapOptions {
     std::string size, variant, pixels = "none";
     std::vector<std::string> set;
     int bits_needed = 0;  ///< 0: not asked for
-    bool envelope = false;
+    bool envelope = false, exr = false;
     std::string out;
-};
-
-/// What to type to make these files again: everything that decides their bytes, and nothing that does not. Of the map,
-/// and of the bits needed, which know no formats and no metrics.
-struct Commands {
-    std::string map, needed;
 };
 
 /// What is changed about a scene.
@@ -50,12 +45,11 @@ std::string input_of(const MapOptions& o) {
     return each(" --set '", o.set, "'") + (o.size.empty() ? "" : " --size " + o.size);
 }
 
-Commands canonical_commands(const Scene& scene, const MapOptions& o) {
-    std::string what = each(" -f ", o.formats) + each(" --metric ", o.metrics);
-    const std::string input = input_of(o);
-    if (o.envelope) what += " --envelope";
-    const std::string start = fmt::format("lostbits map {}{}", scene.id, each(" -i '", o.forms, "'"));
-    return {start + what + input, fmt::format("{} --bits-needed {}{}", start, o.bits_needed, input)};
+/// What to type to make the EXR again: everything that decides its bytes, and nothing that does not.
+std::string canonical_command(const Scene& scene, const MapOptions& o) {
+    return fmt::format("lostbits map {}{}{}{}{}{} --exr{}", scene.id, each(" -i '", o.forms, "'"),
+                       each(" -f ", o.formats), each(" --metric ", o.metrics), o.envelope ? " --envelope" : "",
+                       o.bits_needed > 0 ? fmt::format(" --bits-needed {}", o.bits_needed) : "", input_of(o));
 }
 
 void print_table(const measure::map::MapRequest& request, const std::vector<measure::map::MapSummary>& summaries) {
@@ -129,23 +123,41 @@ void note_skipped(const std::vector<SceneWork>& works) {
     }
 }
 
+/// What the EXR has of every pixel beside the answer and its class: lost bits, what is drawn, and what decides how.
+std::vector<const Metric*> exr_layers(const SceneWork& work, const MapOptions& o, std::vector<const Metric*> drawn) {
+    std::vector<const Metric*> layers{measure::metric::find_metric("lost_bits")};
+    if (o.envelope) drawn.push_back(measure::metric::find_metric("excess_bits"));
+    for (const Metric* m : drawn) {
+        if (std::ranges::find(layers, m) == layers.end()) layers.push_back(m);
+    }
+    std::erase_if(
+        layers, [&work](const Metric* m) { return std::ranges::find(work.map.metrics, m) == work.map.metrics.end(); });
+    return layers;
+}
+
 /// Maps one scene; the number of its rays without a proved truth.
 std::uint64_t map_scene(const SceneWork& work, const MapOptions& o, const Common& common,
                         const std::vector<const Metric*>& drawn) {
     const Scene& scene = *work.map.scene;
     const auto folder = std::filesystem::path(o.out) / scene.id;
-    const Commands commands = canonical_commands(scene, o);
     const bool pixels = o.pixels == "csv";
+    std::optional<output::map::MapExr> exr;
+    if (o.exr)
+        exr.emplace(folder / (scene.id + ".exr"),
+                    output::map::MapExrRequest{.map = work.map,
+                                               .layers = exr_layers(work, o, drawn),
+                                               .command = canonical_command(scene, o),
+                                               .needed = work.needed ? &*work.needed : nullptr});
+    output::map::MapExr* const book = exr ? &*exr : nullptr;
     std::optional<output::map::NeededFiles> needed_files;
-    if (work.needed)
-        needed_files.emplace(*work.needed, output::map::NeededFilesOptions{folder, pixels, commands.needed});
+    if (work.needed) needed_files.emplace(*work.needed, output::map::NeededFilesOptions{folder, pixels, book});
     output::map::MapFiles files(
         work.map, {.folder = folder,
                    .drawn = drawn,
                    .pixels_csv = pixels,
-                   .command = commands.map,
                    .named = name_of_scene(scene, data_folder(common.data)) + input_of(o),
                    .envelope = o.envelope,
+                   .exr = book,
                    .also = needed_files ? needed_files->resources() : std::vector<output::file::DataResource>{}});
 
     const auto summaries = measure::map::run_map(work.map, files.sinks());
@@ -236,6 +248,9 @@ void add_map(CLI::App& program, const Common& common, Command& chosen) {
             "--bits-needed", o->bits_needed,
             "Also find, for every pixel, the significand width that a form needs for this many correct bits (1 to 52)")
         ->check(CLI::Range(1, 52));
+    command->add_flag("--exr", o->exr,
+                      "Also write SCENE.exr: the answer, its class, lost bits and the metrics of every pixel, a part "
+                      "for each form and format, and the truth once");
     command->add_flag("--envelope", o->envelope, "Draw lost bits paler where input rounding alone explains them");
     command->add_option("-o,--out", o->out, "Folder for the results")->required();
     command->callback([o, &common, &chosen] { chosen = [o, &common] { return run(*o, common); }; });

@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "catch.hpp"
+#include "output/image/exr_book.hpp"
 #include "output/image/image.hpp"
 #include "program.hpp"
 
@@ -31,6 +32,17 @@ void write_exr(const std::filesystem::path& path, float x, const char* command =
     const float samples[] = {1, x};
     exr->write_rows(0, 1, std::as_bytes(std::span(samples)));
     exr->close();
+}
+
+/// A part of one channel and one pixel for each name and value.
+void write_parts(const std::filesystem::path& path, const std::vector<std::pair<std::string, float>>& values) {
+    std::vector<output::image::ExrPart> parts;
+    for (const auto& value : values)
+        parts.push_back({value.first, {1, 1, {{"err.ulp", output::image::Channel::Type::f32}}, {}}});
+    output::image::ExrBook book(path, parts);
+    for (std::size_t p = 0; p < values.size(); ++p)
+        book.write_rows(p, 0, 1, std::as_bytes(std::span(&values[p].second, 1)));
+    book.close();
 }
 
 void write_png(const std::filesystem::path& path, std::uint8_t blue) {
@@ -200,6 +212,27 @@ TEST_CASE("diff: EXR by channel and pixel, whatever command made it") {
     CHECK(run("diff a.exr nan.exr --ignore err.ulp", scratch.path()).code == 0);
 }
 
+TEST_CASE("diff: an EXR of several parts, part by part and by name") {
+    const Scratch scratch;
+    write_parts(scratch.path() / "a.exr", {{"press.f32", 1}, {"press.f64", 2}, {"truth", 3}});
+    write_parts(scratch.path() / "b.exr", {{"press.f32", 1}, {"press.f64", 2.5}, {"truth", 3}});
+    write_parts(scratch.path() / "c.exr", {{"press.f64", 2}, {"press.f32", 1}, {"unified.f32", 3}});
+    const auto r = run("diff a.exr b.exr", scratch.path());
+    CHECK(r.code == 1);
+    CHECK(r.out ==
+          "a.exr: press.f64: err.ulp at 0,0: 2 != 2.5 (abs 0.5, rel 0.2)\n"
+          "a.exr: 1 difference\n"
+          "  press.f64: err.ulp: 1 differ, largest abs 0.5 at 0,0, largest rel 0.2 at 0,0\n");
+    CHECK(run("diff a.exr b.exr --tolerance err.ulp=0.5", scratch.path()).out == "same\n");
+    CHECK(run("diff a.exr b.exr --tolerance err.upl=0.5", scratch.path()).code == 2);
+    CHECK(run("diff a.exr a.exr --ignore err.ulp", scratch.path()).code == 0);
+    CHECK(run("diff a.exr c.exr", scratch.path()).out ==
+          "a.exr: part press.f64 is moved in the second\n"
+          "a.exr: part truth is missing in the second\n"
+          "a.exr: part unified.f32 is added in the second\n"
+          "a.exr: 3 differences\n");
+}
+
 TEST_CASE("diff: a pipe is taken for what the other side is") {
     const Scratch scratch;
     static_cast<void>(scratch.write("a.csv", "x\n1e3\n"));
@@ -269,17 +302,17 @@ TEST_CASE("diff: two folders without a file select nothing") {
 
 TEST_CASE("diff: what map writes is the same as itself, and another form is not") {
     const Scratch scratch;
-    const std::string map = "map near-benign --size 96x72 -f f32 --pixels csv -i ";
+    const std::string map = "map near-benign --size 96x72 -f f32 --pixels csv --exr -i ";
     for (const char* out : {"one", "two"}) REQUIRE(run(map + "sphere.press -o " + out, scratch.path()).code == 0);
     REQUIRE(run(map + "sphere.schoolbook -o three", scratch.path()).code == 0);
     CHECK(run("diff one two", scratch.path()).out == "same\n");
-    for (const char* kind : {".exr", ".csv"}) {
-        const std::string stem = "/near-benign/sphere.";
-        const auto r =
-            run("diff one" + stem + "press.f32" + kind + " three" + stem + "schoolbook.f32" + kind, scratch.path());
-        CHECK(r.code == 1);
-        CHECK(has(r.out, "attribute lostbits:form: \"sphere.press\" != \"sphere.schoolbook\"") ==
-              (std::string_view(kind) == ".exr"));
-        CHECK(has(r.out, std::string_view(kind) == ".exr" ? "\n  err.ulp: " : "\n  ulp_error: "));
-    }
+    const std::string stem = "/near-benign/sphere.";
+    const auto tables = run("diff one" + stem + "press.f32.csv three" + stem + "schoolbook.f32.csv", scratch.path());
+    CHECK(tables.code == 1);
+    CHECK(has(tables.out, "\n  ulp_error: "));
+    const auto pictures = run("diff one/near-benign/near-benign.exr three/near-benign/near-benign.exr", scratch.path());
+    CHECK(pictures.code == 1);
+    CHECK(has(pictures.out, ": part sphere.press.f32 is missing in the second\n"));
+    CHECK(has(pictures.out, ": part sphere.schoolbook.f32 is added in the second\n"));
+    CHECK_FALSE(has(pictures.out, "truth"));
 }

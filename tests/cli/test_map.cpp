@@ -3,12 +3,14 @@
 #include <bit>
 #include <cmath>
 #include <cstdlib>
+#include <set>
 #include <thread>
 
 #include <nlohmann/json.hpp>
 
 #include "catch.hpp"
 #include "measure/map/map.hpp"
+#include "measure/metric/metrics.hpp"
 #include "output/image/image.hpp"
 #include "program.hpp"
 
@@ -17,9 +19,22 @@ using lostbits::output::image::ExrImage;
 
 namespace {
 
-ExrImage read_exr(const std::filesystem::path& path) {
+std::vector<std::string> part_names(const std::filesystem::path& path) {
     setenv("LOSTBITS_IMAGE_MODULE", LOSTBITS_IMAGE_MODULE_FILE, 1);
-    return lostbits::output::image::image_backend().read_exr(path);
+    return lostbits::output::image::image_backend().exr_parts(path);
+}
+
+ExrImage read_part(const std::filesystem::path& path, const std::string& name) {
+    const auto names = part_names(path);
+    const auto place = std::ranges::find(names, name) - names.begin();
+    return lostbits::output::image::image_backend().read_exr(path, static_cast<std::size_t>(place));
+}
+
+std::string attribute(const ExrImage& exr, const std::string& name) {
+    for (const auto& [key, value] : exr.attributes) {
+        if (key == name) return value;
+    }
+    return {};
 }
 
 const std::vector<std::uint32_t>& words(const ExrImage& exr, const char* name) {
@@ -32,6 +47,12 @@ const std::vector<float>& floats(const ExrImage& exr, const char* name) {
     const auto* channel = exr.find(name);
     REQUIRE(channel != nullptr);
     return std::get<std::vector<float>>(channel->samples);
+}
+
+/// A double from its two words.
+double exact(const ExrImage& exr, const std::string& number, std::size_t i) {
+    return std::bit_cast<double>(std::uint64_t{words(exr, (number + ".word1").c_str())[i]} << 32 |
+                                 words(exr, (number + ".word0").c_str())[i]);
 }
 
 double number(const std::string& cell) { return cell.empty() ? std::nan("") : std::strtod(cell.c_str(), nullptr); }
@@ -51,7 +72,6 @@ TEST_CASE("map writes every file of every form and format") {
             const std::string stem = std::string(form.info->name) + "." + format;
             const bool expected = form.exists_in(*lostbits::find_format(format));
             rows += expected;
-            CHECK(std::filesystem::exists(scratch.path() / "scene" / (stem + ".exr")) == expected);
             CHECK(std::filesystem::exists(scratch.path() / "scene" / (stem + ".png")) == expected);
         }
     }
@@ -64,8 +84,8 @@ TEST_CASE("map writes every file of every form and format") {
         CHECK(sum == 384);
         CHECK(row.at("unresolved") == "0");
     }
-    // scene.toml, rows × (exr + png), contact sheet, summary, data package: and nothing else, hidden or not.
-    CHECK(scratch.files().size() == 1 + rows * 2 + 3);
+    // scene.toml, a picture a row, contact sheet, summary, data package: and nothing else, hidden or not.
+    CHECK(scratch.files().size() == 1 + rows + 3);
     const auto package = nlohmann::json::parse(contents(scratch.path() / "scene/datapackage.json"));
     CHECK(package["resources"][0]["schema"]["fields"].size() == summary.front().size());
 }
@@ -75,7 +95,7 @@ TEST_CASE("the same bytes for any number of threads, and again") {
     const std::string scene = scratch.write("scene.toml", good_scene);
     const std::string what =
         "map '" + scene +
-        "' near-benign --size 150x260 -i '*press*' -i sphere.unit_half_b -f f32 -f p13 --metric '*' --pixels csv";
+        "' near-benign --size 150x260 -i '*press*' -i sphere.unit_half_b -f f32 -f p13 --metric '*' --pixels csv --exr";
     const auto out = [&](const char* name) { return " -o '" + (scratch.path() / name).string() + "'"; };
     REQUIRE(run(what + " -j 1" + out("one")).code == 0);
     REQUIRE(run(what + " -j 2" + out("two")).code == 0);
@@ -93,10 +113,46 @@ TEST_CASE("the same bytes for any number of threads, and again") {
     CHECK(compared > 40);
 }
 
+TEST_CASE("the EXR of a scene has a part a row and its truth once, by each way to ask") {
+    const Scratch scratch;
+    const std::string what =
+        "map near-benign --size 32x24 -i sphere.schoolbook -i sphere.unit_half_b -i "
+        "sphere.schoolbook_strict -f f32 -f f64 --exr -o '" +
+        scratch.path().string() + "'";
+    REQUIRE(run(what).code == 0);
+    const auto file = scratch.path() / "near-benign/near-benign.exr";
+    std::vector<std::string> expected;
+    for (const auto& row : read_csv(scratch.path() / "near-benign/summary.csv"))
+        expected.push_back(row.at("form") + "." + row.at("format"));
+    const std::size_t rows = expected.size();
+    REQUIRE(rows == 6);
+    const auto names = part_names(file);
+    REQUIRE(names.size() > rows);
+    CHECK(std::equal(expected.begin(), expected.end(), names.begin()));
+    std::set<std::string> truths;
+    for (const auto& name : expected) truths.insert(attribute(read_part(file, name), "lostbits:truth"));
+    CHECK(truths == std::set<std::string>{"truth", "truth.distance", "truth.open"});
+    CHECK((truths == std::set<std::string>(names.begin() + static_cast<std::ptrdiff_t>(rows), names.end())));
+    const auto channels = [&](const std::string& name) {
+        std::string all;
+        for (const auto& channel : read_part(file, name).channels) all += channel.name + " ";
+        return all;
+    };
+    CHECK(channels("sphere.schoolbook.f32") == "B G R bits.lost class.object class.outcome t.hi ");
+    CHECK(channels("sphere.schoolbook.f64") == "B G R bits.lost class.object class.outcome t.hi t.lo t.word0 t.word1 ");
+    CHECK(channels("truth") == "class.truth class.truth_object truth.hi truth.lo truth.word0 truth.word1 ");
+    CHECK(
+        attribute(read_part(file, "truth"), "lostbits:command") ==
+        "lostbits map near-benign -i 'sphere.schoolbook' -i 'sphere.unit_half_b' -i 'sphere.schoolbook_strict' -f f32 "
+        "-f f64 --exr --size 32x24");
+    CHECK(scratch.files().size() == rows + 4);
+}
+
 TEST_CASE("EXR, pixel CSV and summary tell the same story") {
     const Scratch scratch;
     const auto r = run(
-        "map rtg-fig-7-3-2000-oblique --size 96x96 -i sphere.schoolbook -f f64 -f f32 --metric '*' --pixels csv -o '" +
+        "map rtg-fig-7-3-2000-oblique --size 96x96 -i sphere.schoolbook -i sphere.unit_half_b -f f64 -f f32 --metric "
+        "'*' --pixels csv --exr -o '" +
         scratch.path().string() + "'");
     INFO(r.err);
     REQUIRE(r.code == 0);
@@ -105,24 +161,40 @@ TEST_CASE("EXR, pixel CSV and summary tell the same story") {
         const std::string stem = summary.at("form") + "." + summary.at("format");
         INFO(stem);
         const auto pixels = read_csv(folder / (stem + ".csv"));
-        const ExrImage exr = read_exr(folder / (stem + ".exr"));
+        const auto file = folder / "rtg-fig-7-3-2000-oblique.exr";
+        const ExrImage exr = read_part(file, stem), true_exr = read_part(file, attribute(exr, "lostbits:truth"));
+        const bool in_float = summary.at("format") == "f32";
         REQUIRE(pixels.size() == 96 * 96);
         std::map<std::string, std::size_t> counts;
         std::vector<double> ulps;
+        std::size_t layers = 0;
         for (std::size_t i = 0; i < pixels.size(); ++i) {
             const auto& pixel = pixels[i];
             ++counts[pixel.at("outcome")];
             CHECK(lostbits::measure::answer::outcome_names[words(exr, "class.outcome")[i]] == pixel.at("outcome"));
-            const auto t =
-                std::bit_cast<double>(std::uint64_t{words(exr, "t.word1")[i]} << 32 | words(exr, "t.word0")[i]);
+            const double t = in_float ? floats(exr, "t.hi")[i] : exact(exr, "t", i);
+            if (!in_float && std::isfinite(t)) {  // for viewers: 48 bits of it
+                const double near = double{floats(exr, "t.hi")[i]} + double{floats(exr, "t.lo")[i]};
+                CHECK(near == Approx(t).epsilon(0x1p-47).margin(0));
+            }
+            CHECK(words(exr, "class.object")[i] ==
+                  (pixel.at("object").empty() ? 0 : std::stoul(pixel.at("object")) + 1));
             CHECK((pixel.at("t_hex").empty() ? std::isnan(t) : t == number(pixel.at("t_hex"))));
             CHECK((pixel.at("t").empty() || number(pixel.at("t")) == t));
-            const auto truth =
-                std::bit_cast<double>(std::uint64_t{words(exr, "truth.word1")[i]} << 32 | words(exr, "truth.word0")[i]);
+            const double truth = exact(true_exr, "truth", i);
+            CHECK(words(true_exr, "class.truth")[i] == (pixel.at("truth_hex").empty() ? 0 : 1));
+            CHECK((words(true_exr, "class.truth_object")[i] > 0) == !pixel.at("truth_hex").empty());
             CHECK((pixel.at("truth_hex").empty() ? std::isnan(truth) : truth == number(pixel.at("truth_hex"))));
-            const float layer = floats(exr, "err.ulp")[i];
             const std::string cell = pixel.at("ulp_error");
-            CHECK((cell.empty() ? std::isnan(layer) : layer == static_cast<float>(number(cell))));
+            for (const auto& metric : lostbits::measure::metric::metrics()) {
+                const auto* channel = exr.find(metric.layer);
+                if (channel == nullptr || pixel.count(std::string(metric.name)) == 0) continue;
+                if (metric.by_run()) continue;  // the table has a word for it
+                const float layer = std::get<std::vector<float>>(channel->samples)[i];
+                const std::string& of_metric = pixel.at(std::string(metric.name));
+                ++layers;
+                CHECK((of_metric.empty() ? std::isnan(layer) : layer == static_cast<float>(number(of_metric))));
+            }
             if (pixel.at("outcome") != "agree_hit") continue;
             ulps.push_back(std::fabs(number(cell)));
             // The three-way split is a split: its parts sum to the whole, to the rounding of the sum.
@@ -134,6 +206,7 @@ TEST_CASE("EXR, pixel CSV and summary tell the same story") {
         }
         for (const auto name : lostbits::measure::answer::outcome_names)
             CHECK(number(summary.at(std::string(name))) == static_cast<double>(counts[std::string(name)]));
+        CHECK(layers >= 12 * pixels.size());
         std::ranges::sort(ulps);
         REQUIRE_FALSE(ulps.empty());
         CHECK(number(summary.at("ulp_error_max")) == ulps.back());

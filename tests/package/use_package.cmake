@@ -19,8 +19,8 @@ if(NOT last_output STREQUAL "t = 4, lost bits = 0")
 endif()
 # The installed program finds its data and its image module from where it stands.
 step(${CMAKE_COMMAND} -E chdir ${WORK_DIR} ${WORK_DIR}/prefix/bin/lostbits map near-benign -i sphere.press -f f32
-    --size 16x16 -o ${WORK_DIR}/out)
-foreach(file summary.csv contact.png sphere.press.f32.exr)
+    --size 16x16 --exr -o ${WORK_DIR}/out)
+foreach(file summary.csv contact.png near-benign.exr)
     if(NOT EXISTS ${WORK_DIR}/out/near-benign/${file})
         message(FATAL_ERROR "the installed program did not write ${file}")
     endif()

@@ -93,6 +93,51 @@ Comparison compare(const ExrImage& a, const ExrImage& b, const CompareOptions& o
     return ledger.result;
 }
 
+namespace {
+
+/// Adds what two parts of that name have to do with each other.
+void add_part(const std::string& name, Comparison part, Ledger& ledger) {
+    Comparison& all = ledger.result;
+    const std::string before = name.empty() ? "" : name + ": ";
+    for (Difference& d : part.differences) {
+        if (all.differences.size() < ledger.options.most) all.differences.push_back({d.line, before + d.what});
+    }
+    all.count += part.count;
+    for (ColumnDifference& column : part.columns) {
+        column.name = before + column.name;
+        all.columns.push_back(std::move(column));
+    }
+    for (std::string& channel : part.names) {
+        if (std::ranges::find(all.names, channel) == all.names.end()) all.names.push_back(std::move(channel));
+    }
+}
+
+}  // namespace
+
+Comparison compare_exr(image::ImageBackend& images, const std::filesystem::path& a, const std::filesystem::path& b,
+                       const CompareOptions& options) {
+    Ledger ledger{options, {}};
+    const std::vector<std::string> left = images.exr_parts(a), right = images.exr_parts(b);
+    const bool several = left.size() > 1 || right.size() > 1;
+    std::size_t last = 0;  // one past the place, in the second, of the part before
+    for (std::size_t p = 0; p < left.size(); ++p) {
+        const auto found = std::ranges::find(right, left[p]);
+        if (several && found == right.end()) {
+            ledger.add(0, [&] { return fmt::format("part {} is missing in the second", left[p]); });
+            continue;
+        }
+        const std::size_t q = several ? static_cast<std::size_t>(found - right.begin()) : 0;
+        if (q < last) ledger.add(0, [&] { return fmt::format("part {} is moved in the second", left[p]); });
+        last = std::max(last, q + 1);
+        add_part(several ? left[p] : "", compare(images.read_exr(a, p), images.read_exr(b, q), options), ledger);
+    }
+    for (const std::string& name : right) {
+        if (several && std::ranges::find(left, name) == left.end())
+            ledger.add(0, [&] { return fmt::format("part {} is added in the second", name); });
+    }
+    return ledger.result;
+}
+
 Comparison compare(const image::PngImage& a, const image::PngImage& b, const CompareOptions& options) {
     Ledger ledger{options, {}};
     if (!same_size(a, b, ledger)) return ledger.result;

@@ -74,7 +74,7 @@ struct ExrChannel {
     std::variant<std::vector<float>, std::vector<std::uint32_t>> samples;  ///< row by row
 };
 
-/// An EXR file in memory, channels sorted by name.
+/// An EXR file, or one part of it, in memory, channels sorted by name.
 struct ExrImage {
     int width = 0, height = 0;
     std::vector<ExrChannel> channels;
@@ -110,8 +110,11 @@ public:
     /// outside ASCII becomes `?`. Throws EnvironmentError when DejaVu Sans is not installed.
     [[nodiscard]] virtual TextBitmap render_text(std::string_view ascii, int size, bool bold = false) = 0;
 
-    /// Reads an EXR, HALF channels widened to float. Throws InputError.
-    [[nodiscard]] virtual ExrImage read_exr(const std::filesystem::path& path) = 0;
+    /// The names of an EXR's parts, in their order; of a file without parts one empty name. Throws InputError.
+    [[nodiscard]] virtual std::vector<std::string> exr_parts(const std::filesystem::path& path) = 0;
+
+    /// Reads an EXR, or one of its parts, HALF channels widened to float. Throws InputError.
+    [[nodiscard]] virtual ExrImage read_exr(const std::filesystem::path& path, std::size_t part = 0) = 0;
 
     /// Reads an 8-bit RGB PNG. Throws InputError.
     [[nodiscard]] virtual PngImage read_png(const std::filesystem::path& path) = 0;
@@ -124,7 +127,7 @@ protected:
 };
 
 /// Grows with every change of this header; a module of another build is refused rather than misread.
-inline constexpr int image_module_abi = 1;
+inline constexpr int image_module_abi = 2;
 
 /// The module, loaded on the first call; later calls cost nothing. Looks at $LOSTBITS_IMAGE_MODULE (then nowhere
 /// else), beside the program, in its `../lib/lostbits` and in its `src/output`. Throws EnvironmentError that says

@@ -111,7 +111,8 @@ public:
         return place->second;
     }
 
-    ExrImage read_exr(const std::filesystem::path& path) override;
+    std::vector<std::string> exr_parts(const std::filesystem::path& path) override;
+    ExrImage read_exr(const std::filesystem::path& path, std::size_t part) override;
     PngImage read_png(const std::filesystem::path& path) override;
 
 protected:
@@ -161,13 +162,24 @@ private:
     std::map<std::tuple<std::string, int, bool>, TextBitmap> drawn_;
 };
 
-ExrImage OiioBackend::read_exr(const std::filesystem::path& path) {
+std::vector<std::string> OiioBackend::exr_parts(const std::filesystem::path& path) {
     const auto in = open_input(path, "openexr");
+    std::vector<std::string> names;
+    for (int part = 0; in->seek_subimage(part, 0); ++part)
+        names.push_back(in->spec().get_string_attribute("oiio:subimagename"));
+    return names;
+}
+
+ExrImage OiioBackend::read_exr(const std::filesystem::path& path, std::size_t part) {
+    const auto in = open_input(path, "openexr");
+    const int place = static_cast<int>(part);
+    if (!in->seek_subimage(place, 0))
+        throw InputError(path.string() + ": cannot read part " + std::to_string(part) + ": " + in->geterror());
     const OIIO::ImageSpec& spec = in->spec();
     const auto count = static_cast<std::size_t>(spec.width) * static_cast<std::size_t>(spec.height);
     const auto stride = spec.pixel_bytes(true);
     std::vector<std::byte> pixels(count * stride);
-    if (!in->read_image(0, 0, 0, spec.nchannels, OIIO::TypeDesc::UNKNOWN, pixels.data())) {
+    if (!in->read_image(place, 0, 0, spec.nchannels, OIIO::TypeDesc::UNKNOWN, pixels.data())) {
         throw InputError(path.string() + ": cannot read: " + in->geterror());
     }
     ExrImage out{spec.width, spec.height, {}, {}};

@@ -4,96 +4,214 @@
 #include <cmath>
 
 #include "measure/truth/missing.hpp"
-
 #include "output/image/exr_parts.hpp"
+#include "output/map/row_names.hpp"
 
 namespace lostbits::output::map {
 
-using image::ExrSpec;
+using image::Channel;
+using image::ExrPart;
+using measure::map::BandResult;
+using measure::map::MapRow;
+using measure::metric::Metric;
 using measure::truth::missing;
+
+/// What rows with the same truth share; the first of them fills it.
+struct MapExr::Truths {
+    intersect::Direction direction;
+    intersect::Convention convention;
+    const MapRow* filled_by;
+
+    [[nodiscard]] bool is_of(const MapRow& row) const {
+        return direction == row.form->info->direction && convention == row.convention();
+    }
+    [[nodiscard]] std::string name() const {
+        std::string name = "truth";
+        if (direction == intersect::Direction::unit) name += ".distance";
+        if (convention.touching == intersect::Touching::miss) name += ".open";
+        if (convention.at_origin == intersect::AtOrigin::miss) name += ".ahead";
+        return name;
+    }
+};
 
 namespace {
 
-ExrSpec spec_of(const measure::map::MapRequest& request, const measure::map::MapRow& row, const std::string& command) {
-    using enum image::Channel::Type;
-    ExrSpec spec;
-    spec.width = request.scene->width;
-    spec.height = request.scene->height;
-    spec.channels = {{"R", f32}, {"G", f32}, {"B", f32}};
-    for (const char* layer : {"t", "truth"}) {
-        const std::string name(layer);
-        spec.channels.push_back({name + ".hi", f32});
-        spec.channels.push_back({name + ".lo", f32});
-        spec.channels.push_back({name + ".word1", u32});
-        spec.channels.push_back({name + ".word0", u32});
-    }
-    for (const char* name : {"class.outcome", "class.object", "class.truth_object"})
-        spec.channels.push_back({name, u32});
-    for (const measure::metric::Metric* m : request.metrics) spec.channels.push_back({std::string(m->layer), f32});
-    std::string outcomes;
-    for (std::size_t o = 0; o < measure::answer::outcome_names.size(); ++o)
-        outcomes += (o ? ", " : "") + std::to_string(o) + " " + std::string(measure::answer::outcome_names[o]);
-    spec.attributes = {
-        {"lostbits:command", command},
-        {"lostbits:schema", "lostbits-map/1"},
-        {"lostbits:scene", request.scene->id},
-        {"lostbits:form", std::string(row.form->info->name)},
-        {"lostbits:format", row.format.name},
-        image::compiler_attribute(),
-        {"lostbits:outcomes", outcomes},
-        {"lostbits:objects", "0 none, otherwise the solid's place in the scene, from 1"},
-    };
-    for (const measure::metric::Metric* m : request.metrics) {
-        if (!m->by_run()) continue;
-        std::string names;
-        for (std::size_t c = 0; c < m->categories.size(); ++c)
-            names += (c ? "; " : "") + std::to_string(c) + " " + std::string(m->categories[c]);
-        spec.attributes.push_back({"lostbits:culprits", names});
-    }
-    return spec;
+using Attributes = std::vector<std::pair<std::string, std::string>>;
+
+constexpr std::string_view objects_meaning = "0 none, otherwise the solid's place in the scene, from 1";
+
+/// Whether every number of the format is one of binary32.
+bool is_within_float(const Format& format) {
+    const FloatFormat& f = format.shape;
+    return f.precision <= binary32.precision && f.emax <= binary32.emax && f.emin >= binary32.emin;
 }
 
-/// hi, lo, word1, word0 of one number.
-std::uint32_t* put(std::uint32_t* out, double x) {
+void add_number(std::vector<Channel>& channels, const std::string& name, bool within_float) {
+    channels.push_back({name + ".hi", Channel::Type::f32});
+    if (within_float) return;
+    channels.push_back({name + ".lo", Channel::Type::f32});
+    channels.push_back({name + ".word1", Channel::Type::u32});
+    channels.push_back({name + ".word0", Channel::Type::u32});
+}
+
+void put_number(std::vector<std::uint32_t>& out, double x, bool within_float) {
     const auto hi = static_cast<float>(x);
-    const double lo = std::isfinite(hi) ? x - static_cast<double>(hi) : 0.0;
+    out.push_back(std::bit_cast<std::uint32_t>(hi));
+    if (within_float) return;
     const auto word = std::bit_cast<std::uint64_t>(x);
-    *out++ = std::bit_cast<std::uint32_t>(hi);
-    *out++ = image::float_word(lo);
-    *out++ = static_cast<std::uint32_t>(word >> 32);
-    *out++ = static_cast<std::uint32_t>(word);
-    return out;
+    out.push_back(image::float_word(std::isfinite(hi) ? x - static_cast<double>(hi) : 0.0));
+    out.push_back(static_cast<std::uint32_t>(word >> 32));
+    out.push_back(static_cast<std::uint32_t>(word));
+}
+
+void put_preview(std::vector<std::uint32_t>& out, image::Rgb8 colour) {
+    for (const std::uint32_t word : image::preview_words(colour)) out.push_back(word);
+}
+
+void put_truth(std::vector<std::uint32_t>& out, const measure::truth::Truth& truth) {
+    out.push_back(static_cast<std::uint32_t>(truth.decision));
+    out.push_back(truth.is_hit() ? static_cast<std::uint32_t>(truth.object + 1) : 0);
+}
+
+/// `0 agree_hit, 1 agree_miss, …`
+std::string numbered(const auto& names, const char* between) {
+    std::string text;
+    for (std::size_t k = 0; k < names.size(); ++k)
+        text += (k ? between : "") + std::to_string(k) + " " + std::string(names[k]);
+    return text;
+}
+
+ExrPart part_of(const MapExrRequest& request, std::string name, const char* schema) {
+    const scene::file::Scene& scene = *request.map.scene;
+    return {.name = std::move(name),
+            .spec = {.width = scene.width,
+                     .height = scene.height,
+                     .channels = {},
+                     .attributes = {{"lostbits:command", request.command},
+                                    {"lostbits:schema", schema},
+                                    {"lostbits:scene", scene.id},
+                                    image::compiler_attribute(),
+                                    {"lostbits:objects", std::string(objects_meaning)}}}};
+}
+
+void add(Attributes& attributes, const Attributes& more) {
+    attributes.insert(attributes.end(), more.begin(), more.end());
+}
+
+const std::vector<Channel> preview_channels{{"R", {}}, {"G", {}}, {"B", {}}};
+const std::vector<Channel> truth_channels{{"class.truth", Channel::Type::u32},
+                                          {"class.truth_object", Channel::Type::u32}};
+constexpr std::array<std::string_view, 3> truth_names{"miss", "hit", "unresolved"};
+
+ExrPart row_part(const MapExrRequest& request, const MapRow& row, const std::string& truth) {
+    ExrPart part = part_of(request, row_name(row), "lostbits-map/2");
+    auto& channels = part.spec.channels = preview_channels;
+    add_number(channels, "t", is_within_float(row.format));
+    for (const char* name : {"class.outcome", "class.object"}) channels.push_back({name, Channel::Type::u32});
+    for (const Metric* m : request.layers) channels.push_back({std::string(m->layer), {}});
+    add(part.spec.attributes, {{"lostbits:form", std::string(row.form->info->name)},
+                               {"lostbits:format", row.format.name},
+                               {"lostbits:truth", truth},
+                               {"lostbits:outcomes", numbered(measure::answer::outcome_names, ", ")}});
+    for (const Metric* m : request.layers) {
+        if (m->by_run() && !m->categories.empty())
+            part.spec.attributes.emplace_back("lostbits:culprits", numbered(m->categories, "; "));
+    }
+    return part;
+}
+
+ExrPart truth_part(const MapExrRequest& request, const std::string& name) {
+    ExrPart part = part_of(request, name, "lostbits-map/2");
+    add_number(part.spec.channels, "truth", false);
+    part.spec.channels.insert(part.spec.channels.end(), truth_channels.begin(), truth_channels.end());
+    part.spec.attributes.emplace_back("lostbits:truths", numbered(truth_names, ", "));
+    return part;
+}
+
+ExrPart needed_part(const MapExrRequest& request, const intersect::Info& form) {
+    ExrPart part = part_of(request, std::string(form.name) + ".needed", "lostbits-needed/2");
+    part.run = 1;  // after the map
+    part.spec.channels = preview_channels;
+    part.spec.channels.push_back({"bits.needed", {}});
+    part.spec.channels.insert(part.spec.channels.end(), truth_channels.begin(), truth_channels.end());
+    using measure::map::least_width, measure::map::most_width;
+    add(part.spec.attributes,
+        {{"lostbits:form", std::string(form.name)},
+         {"lostbits:format", "p" + std::to_string(least_width) + "..p" + std::to_string(most_width)},
+         {"lostbits:bits", std::to_string(request.needed->bits)},
+         {"lostbits:truths", numbered(truth_names, ", ")}});
+    return part;
+}
+
+std::size_t place_in(const auto& all, const auto& is_it) {
+    return static_cast<std::size_t>(std::ranges::find_if(all, is_it) - all.begin());
 }
 
 }  // namespace
 
-MapExr::MapExr(image::ImageBackend& backend, const std::filesystem::path& path, const measure::map::MapRequest& request,
-               const measure::map::MapRow& row, const std::string& command)
-    : row_(&row) {
-    const ExrSpec spec = spec_of(request, row, command);
-    channels_ = spec.channels.size();
-    writer_ = backend.open_exr(path, spec);
+MapExr::MapExr(const std::filesystem::path& path, const MapExrRequest& request) {
+    for (const Metric* m : request.layers)
+        layers_.push_back(place_in(request.map.metrics, [m](const Metric* measured) { return measured == m; }));
+    std::vector<ExrPart> parts;
+    for (const MapRow& row : request.map.rows) {
+        rows_.push_back(&row);
+        const std::size_t truths = place_in(truths_, [&row](const Truths& t) { return t.is_of(row); });
+        if (truths == truths_.size()) truths_.push_back({row.form->info->direction, row.convention(), &row});
+        parts.push_back(row_part(request, row, truths_[truths].name()));
+    }
+    for (const Truths& t : truths_) parts.push_back(truth_part(request, t.name()));
+    if (request.needed) {
+        for (const intersect::table::Intersector* form : request.needed->forms) {
+            needed_.push_back(form->info);
+            parts.push_back(needed_part(request, *form->info));
+        }
+    }
+    book_ = std::make_unique<image::ExrBook>(path, std::move(parts));
 }
 
-void MapExr::write(const measure::map::BandResult& result, std::span<const image::Rgb8> preview) {
+MapExr::~MapExr() = default;
+
+void MapExr::write(const MapRow& row, const BandResult& result, std::span<const image::Rgb8> preview) {
     const std::size_t n = result.outcomes.size();
-    samples_.resize(n * channels_);
-    std::uint32_t* out = samples_.data();
-    const auto id = [](int object) { return static_cast<std::uint32_t>(object + 1); };
+    std::vector<std::uint32_t> samples;
+    const bool within_float = is_within_float(row.format);
     for (std::size_t i = 0; i < n; ++i) {
-        for (const std::uint32_t word : image::preview_words(preview[i])) *out++ = word;
+        put_preview(samples, preview[i]);
         const bool hit = result.answers->hit[i] != 0;
-        out = put(out, hit ? result.answers->t[i] : missing);
-        const measure::truth::Truth& truth = result.truth(i);
-        out = put(out, truth.is_hit()
-                           ? result.band->rounded_truth(i, binary64, row_->form->info->direction, result.convention)
-                           : missing);
-        *out++ = static_cast<std::uint32_t>(result.outcomes[i]);
-        *out++ = id(hit ? result.answers->object[i] : -1);
-        *out++ = id(truth.is_hit() ? truth.object : -1);
-        for (const auto& metric : result.metrics) *out++ = image::float_word(metric[i]);
+        put_number(samples, hit ? result.answers->t[i] : missing, within_float);
+        samples.push_back(static_cast<std::uint32_t>(result.outcomes[i]));
+        samples.push_back(hit ? static_cast<std::uint32_t>(result.answers->object[i] + 1) : 0);
+        for (const std::size_t m : layers_) samples.push_back(image::float_word(result.metrics[m][i]));
     }
-    writer_->write_rows(result.y0, result.rows, std::as_bytes(std::span(samples_)));
+    const std::size_t place = place_in(rows_, [&row](const MapRow* r) { return r == &row; });
+    book_->write_rows(place, result.y0, result.rows, std::as_bytes(std::span(samples)));
+
+    const std::size_t truths = place_in(truths_, [&row](const Truths& t) { return t.filled_by == &row; });
+    if (truths == truths_.size()) return;
+    samples.clear();
+    for (std::size_t i = 0; i < n; ++i) {
+        const measure::truth::Truth& truth = result.truth(i);
+        put_number(samples,
+                   truth.is_hit()
+                       ? result.band->rounded_truth(i, binary64, row.form->info->direction, result.convention)
+                       : missing,
+                   false);
+        put_truth(samples, truth);
+    }
+    book_->write_rows(rows_.size() + truths, result.y0, result.rows, std::as_bytes(std::span(samples)));
 }
+
+void MapExr::write(const measure::map::NeededBand& result, std::span<const image::Rgb8> preview) {
+    std::vector<std::uint32_t> samples;
+    for (std::size_t i = 0; i < preview.size(); ++i) {
+        put_preview(samples, preview[i]);
+        samples.push_back(image::float_word(result.needed[i]));
+        put_truth(samples, result.truth(i));
+    }
+    const std::size_t place = place_in(needed_, [&result](const intersect::Info* form) { return form == result.form; });
+    book_->write_rows(rows_.size() + truths_.size() + place, result.y0, result.rows, std::as_bytes(std::span(samples)));
+}
+
+void MapExr::close() { book_->close(); }
 
 }  // namespace lostbits::output::map

@@ -1,4 +1,4 @@
-// The EXR of one row of a map: every value that the picture was made of.
+// The EXR of a scene's map: every value that the pictures were made of, a part a row.
 #pragma once
 
 #include <filesystem>
@@ -7,29 +7,50 @@
 #include <vector>
 
 #include "measure/map/map.hpp"
+#include "measure/map/needed.hpp"
 #include "output/image/colour.hpp"
-#include "output/image/image.hpp"
+#include "output/image/exr_book.hpp"
 
 namespace lostbits::output::map {
 
-/// Channels, all 32 bits: `R`, `G`, `B` (the heatmap in linear light); `t.hi`, `t.lo` and `truth.hi`, `truth.lo`
-/// (FLOAT, hi + lo, good to 48 bits, for viewers); `t.word1`, `t.word0` and `truth.word1`, `truth.word0` (UINT, the
-/// high and low halves of the binary64, exact; the truth correctly rounded to it); `class.outcome`, `class.object`,
-/// `class.truth_object` (UINT; objects from 1, 0 is none); and one FLOAT channel a metric, NaN where it does not exist.
-/// t is the form's answer in its own unit, and the truth with it: a distance for unit-direction forms.
+/// What is written and how it was asked for.
+struct MapExrRequest {
+    const measure::map::MapRequest& map;
+    std::vector<const measure::metric::Metric*> layers;   ///< of the map's metrics
+    std::string command;                                  ///< what to type to make the file again
+    const measure::map::NeededRequest* needed = nullptr;  ///< null where bits needed are not asked for
+};
+
+/// Parts, in this order, all channels of 32 bits:
+/// - `<form>.<format>`, one a row: `R`, `G`, `B` (the heatmap in linear light); the answer t (below); `class.outcome`,
+///   `class.object` (UINT; objects from 1, 0 is none); one FLOAT channel a metric, NaN where it does not exist. The
+///   attribute `lostbits:truth` names the part with the row's truth.
+/// - `truth…`, one for each way of the rows to ask: t* correctly rounded to binary64, `class.truth` (UINT: 0 miss, 1
+///   hit, 2 unresolved), `class.truth_object`. In `truth.distance` t* is a distance, for unit-direction forms.
+/// - `<form>.needed`: `R`, `G`, `B`, `bits.needed` (FLOAT: 2 to 53, infinity where not even 53 suffice, NaN where the
+///   truth is unresolved), `class.truth`, `class.truth_object`.
+/// A number x is `x.hi` (FLOAT); and where its format is not within binary32 also `x.lo` (hi + lo is good to 48 bits,
+/// for viewers), `x.word1` and `x.word0` (UINT, the high and low halves of the binary64, exact).
 class MapExr {
 public:
-    MapExr(image::ImageBackend& backend, const std::filesystem::path& path, const measure::map::MapRequest& request,
-           const measure::map::MapRow& row, const std::string& command);
+    MapExr(const std::filesystem::path& path, const MapExrRequest& request);
+    ~MapExr();
+    MapExr(const MapExr&) = delete;
+    MapExr& operator=(const MapExr&) = delete;
 
-    void write(const measure::map::BandResult& result, std::span<const image::Rgb8> preview);
-    void close() { writer_->close(); }
+    /// The next band of a row of the map or of a form of the bits needed. Rows may be served at the same time.
+    void write(const measure::map::MapRow& row, const measure::map::BandResult& result,
+               std::span<const image::Rgb8> preview);
+    void write(const measure::map::NeededBand& result, std::span<const image::Rgb8> preview);
+    void close();
 
 private:
-    const measure::map::MapRow* row_;
-    std::size_t channels_;
-    std::unique_ptr<image::ExrWriter> writer_;
-    std::vector<std::uint32_t> samples_;
+    struct Truths;
+    std::vector<const measure::map::MapRow*> rows_;
+    std::vector<std::size_t> layers_;  ///< places in the request's metrics
+    std::vector<Truths> truths_;
+    std::vector<const intersect::Info*> needed_;
+    std::unique_ptr<image::ExrBook> book_;
 };
 
 }  // namespace lostbits::output::map

@@ -9,7 +9,6 @@
 #include "output/image/contact_sheet.hpp"
 #include "output/image/heatmap.hpp"
 #include "output/map/culprit_table.hpp"
-#include "output/map/map_exr.hpp"
 #include "output/map/map_tables.hpp"
 #include "output/map/metric_paint.hpp"
 #include "output/map/row_names.hpp"
@@ -132,10 +131,10 @@ public:
              std::vector<Sheet>& sheets)
         : request_(request),
           row_(row),
+          exr_(options.exr),
           lost_(index_of(request.metrics, measure::metric::find_metric("lost_bits"))),
           excess_(index_of(request.metrics, measure::metric::find_metric("excess_bits"))) {
         const std::string stem = row_name(row);
-        exr_ = std::make_unique<MapExr>(backend, options.folder / (stem + ".exr"), request, row, options.command);
         for (const Metric* m : options.drawn) {
             Sheet& sheet = *std::ranges::find_if(
                 sheets, [m](const Sheet& s) { return std::ranges::find(s.metrics, m) != s.metrics.end(); });
@@ -167,19 +166,18 @@ public:
             d.heatmap->write_rows(field_);
             d.sheet->page->add_rows(d.sheet->form_of(row_), d.sheet->line_of(row_, d.paint.metric()), result.y0,
                                     field_);
-            if (&d == drawings_.data()) exr_->write(result, field_);
+            if (exr_ && &d == drawings_.data()) exr_->write(row_, result, field_);
         }
-        if (drawings_.empty()) {  // none of the metrics applies to this row: its preview shows the outcomes
+        if (exr_ && drawings_.empty()) {  // none of the metrics applies to this row: its preview shows the outcomes
             field_.resize(result.outcomes.size());
             for (std::size_t i = 0; i < field_.size(); ++i)
                 field_[i] = image::outcome_colours[static_cast<std::size_t>(result.outcomes[i])];
-            exr_->write(result, field_);
+            exr_->write(row_, result, field_);
         }
         if (csv_) write_pixels(*csv_, request_, row_, result);
     }
 
     void finish(const MapSummary& summary) {
-        exr_->close();
         for (Drawing& d : drawings_) {
             d.heatmap->finish(final_legend(d.paint, summary, d.metric, d.enveloped ? inside_ : 0));
             d.sheet->page->set_note(d.sheet->form_of(row_), d.sheet->line_of(row_, d.paint.metric()),
@@ -203,9 +201,9 @@ private:
 
     const MapRequest& request_;
     const MapRow& row_;
+    MapExr* exr_;
     std::size_t lost_, excess_;  ///< metrics of the request; `excess_` is none without an envelope
     std::uint64_t inside_ = 0;
-    std::unique_ptr<MapExr> exr_;
     std::vector<Drawing> drawings_;
     std::unique_ptr<CsvWriter> csv_;
     std::vector<image::Rgb8> field_;
@@ -282,6 +280,7 @@ void MapFiles::finish(const std::vector<MapSummary>& summaries) {
     }
     resources.insert(resources.end(), p.options.also.begin(), p.options.also.end());
     file::write_datapackage(p.options.folder / "datapackage.json", p.request.scene->title, resources);
+    if (p.options.exr) p.options.exr->close();
     if (p.culprits) p.culprits->close();
     p.summary->close();  // last: a folder with a summary is a finished one
 }

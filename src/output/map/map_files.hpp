@@ -1,4 +1,4 @@
-// The files of a map: EXR layers, heatmaps, pixel CSV, contact sheet, summary.csv and datapackage.json of one scene.
+// The files of a map: heatmaps, pixel CSV, contact sheet, summary.csv and datapackage.json of one scene; with the EXR.
 #pragma once
 
 #include <filesystem>
@@ -8,6 +8,7 @@
 
 #include "measure/map/map.hpp"
 #include "output/file/datapackage.hpp"
+#include "output/map/map_exr.hpp"
 
 namespace lostbits::output::map {
 
@@ -16,10 +17,10 @@ struct MapFilesOptions {
     std::vector<const measure::metric::Metric*>
         drawn;                ///< one heatmap each; the first is also the contact sheet's and the preview's
     bool pixels_csv = false;  ///< a row per pixel in `<form>.<format>.csv`
-    std::string command;      ///< what to type to make these files again, for the EXR header
     std::string named;        ///< what names the scene to `lostbits explain`: a word and perhaps options
     /// Draws lost bits paler where the problem explains them (`inside_envelope`); `excess_bits` must be measured then.
     bool envelope = false;
+    MapExr* exr = nullptr;  ///< of the same request; filled and, before summary.csv, closed; null: none is written
     std::vector<file::DataResource> also = {};  ///< tables that others write into the folder, for datapackage.json
 };
 

@@ -6,7 +6,6 @@
 
 #include "measure/metric/statistics.hpp"
 #include "output/file/csv.hpp"
-#include "output/image/exr_parts.hpp"
 #include "output/image/heatmap.hpp"
 #include "output/map/map_colour.hpp"
 
@@ -55,28 +54,6 @@ image::HeatmapSpec heatmap_spec(const NeededRequest& request, const Info& form, 
             .scale = scale,
             .unit = "bits",
             .legend = {beyond_entry(widest), unresolved_entry(widest)}};
-}
-
-image::ExrSpec exr_spec(const NeededRequest& request, const Info& form, const std::string& command) {
-    using enum image::Channel::Type;
-    return {.width = request.scene->width,
-            .height = request.scene->height,
-            .channels = {{"R", f32},
-                         {"G", f32},
-                         {"B", f32},
-                         {"bits.needed", f32},
-                         {"class.truth", u32},
-                         {"class.truth_object", u32}},
-            .attributes = {
-                {"lostbits:command", command},
-                {"lostbits:schema", "lostbits-needed/1"},
-                {"lostbits:scene", request.scene->id},
-                {"lostbits:form", std::string(form.name)},
-                {"lostbits:format", fmt::format("p{}..p{}", measure::map::least_width, measure::map::most_width)},
-                {"lostbits:bits", std::to_string(request.bits)},
-                image::compiler_attribute(),
-                {"lostbits:truths", "0 miss, 1 hit, 2 unresolved"},
-                {"lostbits:objects", "0 none, otherwise the solid's place in the scene, from 1"}}};
 }
 
 std::vector<Column> table_columns() {
@@ -130,7 +107,7 @@ public:
                     image::ImageBackend& backend)
         : scale_("viridis", backend.ramp("viridis", 256), measure::map::least_width, measure::map::most_width),
           heatmap_(backend, options.folder / (stem(form) + ".png"), heatmap_spec(request, form, scale_)),
-          exr_(backend.open_exr(options.folder / (stem(form) + ".exr"), exr_spec(request, form, options.command))) {
+          exr_(options.exr) {
         if (options.pixels_csv)
             csv_ = std::make_unique<CsvWriter>(options.folder / (stem(form) + ".csv"), pixel_columns(request.bits));
     }
@@ -139,7 +116,7 @@ public:
         field_.resize(result.needed.size());
         for (std::size_t i = 0; i < field_.size(); ++i) field_[i] = colour(result.needed[i]);
         heatmap_.write_rows(field_);
-        write_exr(result);
+        if (exr_) exr_->write(result, field_);
         if (csv_) write_pixels(result);
     }
 
@@ -148,7 +125,6 @@ public:
         if (const auto n = s.hits_beyond + s.misses_beyond) legend.push_back(beyond_entry(count_text(n, s.pixels())));
         if (s.unresolved) legend.push_back(unresolved_entry(count_text(s.unresolved, s.pixels())));
         heatmap_.finish(legend);
-        exr_->close();
         if (csv_) csv_->close();
     }
 
@@ -156,18 +132,6 @@ private:
     [[nodiscard]] Rgb8 colour(double needed) const {
         if (std::isnan(needed)) return unresolved_colour;
         return needed == measure::map::needed_beyond ? beyond_colour : scale_.map(needed);
-    }
-
-    void write_exr(const NeededBand& result) {
-        samples_.clear();
-        for (std::size_t i = 0; i < field_.size(); ++i) {
-            for (const std::uint32_t word : image::preview_words(field_[i])) samples_.push_back(word);
-            const measure::truth::Truth& truth = result.truth(i);
-            samples_.push_back(image::float_word(result.needed[i]));
-            samples_.push_back(static_cast<std::uint32_t>(truth.decision));
-            samples_.push_back(truth.is_hit() ? static_cast<std::uint32_t>(truth.object + 1) : 0);
-        }
-        exr_->write_rows(result.y0, result.rows, std::as_bytes(std::span(samples_)));
     }
 
     void write_pixels(const NeededBand& result) {
@@ -185,10 +149,9 @@ private:
 
     image::ColourScale scale_;
     image::HeatmapWriter heatmap_;
-    std::unique_ptr<image::ExrWriter> exr_;
+    MapExr* exr_;
     std::unique_ptr<CsvWriter> csv_;
     std::vector<Rgb8> field_;
-    std::vector<std::uint32_t> samples_;
 };
 
 struct NeededFiles::Parts {

@@ -1,4 +1,4 @@
-// The files of `--bits-needed`: a heatmap and an EXR a form, and needed.csv.
+// The files of `--bits-needed`: a heatmap a form, and needed.csv; parts of the EXR.
 #pragma once
 
 #include <filesystem>
@@ -9,6 +9,7 @@
 #include "measure/map/needed.hpp"
 #include "output/file/datapackage.hpp"
 #include "output/image/colour.hpp"
+#include "output/map/map_exr.hpp"
 
 namespace lostbits::output::map {
 
@@ -19,14 +20,12 @@ inline constexpr image::Rgb8 beyond_colour{120, 30, 0};
 struct NeededFilesOptions {
     std::filesystem::path folder;  ///< of this scene; made if missing
     bool pixels_csv = false;       ///< a row per pixel in `<form>.needed.csv`
-    std::string command;           ///< what to type to make these files again, for the EXR header
+    MapExr* exr = nullptr;         ///< of the same request; null: none is written
 };
 
-/// `<form>.needed.png`: the width on viridis from 2 to 53. `<form>.needed.exr`, channels of 32 bits: `R`, `G`, `B` (the
-/// picture in linear light), `bits.needed` (FLOAT: 2 to 53, infinity where not even 53 suffice, NaN where the truth is
-/// unresolved), `class.truth` (UINT: 0 miss, 1 hit, 2 unresolved) and `class.truth_object` (UINT: from 1, 0 is none).
-/// `needed.csv`: a row per form. Opened, served and finished as MapFiles; finish it before the map of the same folder,
-/// whose summary.csv says that all is there.
+/// `<form>.needed.png`: the width on viridis from 2 to 53. `needed.csv`: a row per form. With an EXR also the parts
+/// `<form>.needed` of it. Opened, served and finished as MapFiles; finish it before the map of the same folder, which
+/// closes the EXR and whose summary.csv says that all is there.
 class NeededFiles {
 public:
     NeededFiles(const measure::map::NeededRequest& request, const NeededFilesOptions& options);

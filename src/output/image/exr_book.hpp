@@ -1,0 +1,68 @@
+// An EXR file of several parts that grow side by side.
+//
+// OpenImageIO writes one part after the other, so that all but the first would have to wait on disk, uncompressed: 1.7
+// GB for 41 rows of a map of 1024 × 1024. The file format asks for no such order. Here are its parts of scan lines, as
+// https://openexr.com/en/latest/OpenEXRFileLayout.html has them; the tests read them back with OpenImageIO.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <exception>
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <span>
+#include <string>
+#include <tuple>
+#include <vector>
+
+#include "output/file/atomic_file.hpp"
+#include "output/image/image.hpp"
+
+namespace lostbits::output::image {
+
+struct ExrPart {
+    std::string name;
+    ExrSpec spec;
+    /// Parts of one run grow together; a later run begins when the parts of the ones before are whole.
+    int run = 0;
+};
+
+/// ZIP at zlib's level 1, no date. The bytes depend on the pixels alone, not on which part is served first. Memory
+/// holds the blocks of 16 lines that wait for their turn: those of one band where the parts of a run are served in
+/// step.
+class ExrBook {
+public:
+    /// Opens `path` at once, as AtomicFile does. All parts have the same size. Throws EnvironmentError, and
+    /// std::logic_error for parts that no reader would take: none, a name used twice, other sizes, no channels.
+    ExrBook(const std::filesystem::path& path, std::vector<ExrPart> parts);
+    ~ExrBook();
+    ExrBook(const ExrBook&) = delete;
+    ExrBook& operator=(const ExrBook&) = delete;
+
+    /// The next rows of a part, as ExrWriter::write_rows takes them. Different parts may be served at the same time.
+    void write_rows(std::size_t part, int y_begin, int rows, std::span<const std::byte> pixels);
+
+    /// Gives the file its final name. Throws EnvironmentError, and std::logic_error when rows are lacking.
+    void close();
+
+private:
+    struct Page;
+    using Place = std::tuple<int, int, std::size_t>;  ///< run, block, part
+
+    void write_header();
+    void add_block(std::size_t part, int block, std::string bytes);
+    void write_waiting();
+
+    std::string path_;
+    std::vector<Page> pages_;
+    std::mutex mutex_;  ///< of all below
+    file::AtomicFile out_;
+    std::map<Place, std::string> waiting_;
+    std::vector<Place> order_;    ///< in which blocks are written
+    std::size_t next_ = 0;        ///< in that order
+    std::exception_ptr failure_;  ///< the first, which later calls repeat: the file is gone with it
+};
+
+}  // namespace lostbits::output::image

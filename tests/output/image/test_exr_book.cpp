@@ -1,0 +1,209 @@
+// EXR files of several parts: what OpenImageIO, which did not write them, reads back.
+#include <sys/resource.h>
+
+#include <algorithm>
+#include <bit>
+#include <random>
+#include <thread>
+
+#include "catch.hpp"
+#include "number/error.hpp"
+#include "output/image/exr_book.hpp"
+#include "output/scratch.hpp"
+
+using namespace lostbits;
+using namespace lostbits::output;
+using namespace lostbits::output::image;
+using namespace lostbits::output::test;
+
+namespace {
+
+constexpr int width = 37, height = 41;  // no multiple of the 16 lines of a block
+constexpr auto f32 = output::image::Channel::Type::f32, u32 = output::image::Channel::Type::u32;
+
+/// Three parts of different channels, in no order that a sort would give; the last belongs to a later run.
+std::vector<output::image::ExrPart> three_parts() {
+    const auto part = [](const char* name, std::vector<output::image::Channel> channels, int run) {
+        return output::image::ExrPart{
+            name, {width, height, std::move(channels), {{"lostbits:form", name}, {"lostbits:command", "map x"}}}, run};
+    };
+    return {part("sphere.b.f32", {{"t.hi", f32}, {"class.object", u32}, {"R", f32}, {"a.z", f32}}, 0),
+            part("sphere.a.f64", {{"x.only", u32}}, 0),
+            part("truth", {{"of_a_name_longer_than_31_letters.hi", f32}, {"truth.word0", u32}}, 1)};
+}
+
+/// The samples of a part: special values first, then smooth or random ones by the line, for blocks that get smaller
+/// and blocks that do not.
+std::vector<std::uint32_t> samples_of(const output::image::ExrPart& part) {
+    constexpr std::uint32_t special[] = {0x00000000, 0x80000000, 0x7F800000, 0xFF800000, 0x7FC00000, 0xFFC00001,
+                                         0x7F800001, 0x00000001, 0x807FFFFF, 0x3F800000, 0xFFFFFFFF, 0x7F7FFFFF};
+    std::mt19937 random(static_cast<unsigned>(part.name.size()));
+    std::vector<std::uint32_t> out(static_cast<std::size_t>(width * height) * part.spec.channels.size());
+    for (std::size_t i = 0; i < out.size(); ++i) {
+        const std::size_t pixel = i / part.spec.channels.size();
+        out[i] = pixel < std::size(special) ? special[pixel]
+                 : pixel < 16 * width       ? 0x40000000 + static_cast<std::uint32_t>(i)
+                                            : static_cast<std::uint32_t>(random());
+    }
+    return out;
+}
+
+void serve(output::image::ExrBook& book, const std::vector<output::image::ExrPart>& parts, std::size_t p, int y,
+           int rows) {
+    const auto samples = samples_of(parts[p]);
+    const std::size_t line = width * parts[p].spec.channels.size();
+    book.write_rows(p, y, rows,
+                    std::as_bytes(std::span(samples).subspan(static_cast<std::size_t>(y) * line,
+                                                             static_cast<std::size_t>(rows) * line)));
+}
+
+std::uint32_t bits_at(const output::image::ExrChannel& channel, std::size_t i) {
+    if (const auto* f = std::get_if<std::vector<float>>(&channel.samples)) return std::bit_cast<std::uint32_t>((*f)[i]);
+    return std::get<std::vector<std::uint32_t>>(channel.samples)[i];
+}
+
+}  // namespace
+
+TEST_CASE("each part reads back under its name, bit for bit", "[exr]") {
+    const Scratch folder;
+    const auto parts = three_parts();
+    output::image::ExrBook book(folder / "a.exr", parts);
+    for (const std::size_t p : {2, 0, 1}) serve(book, parts, p, 0, height);
+    CHECK_FALSE(fs::exists(folder / "a.exr"));
+    book.close();
+    CHECK(backend().exr_parts(folder / "a.exr") == std::vector<std::string>{"sphere.b.f32", "sphere.a.f64", "truth"});
+    for (std::size_t p = 0; p < parts.size(); ++p) {
+        const output::image::ExrImage image = backend().read_exr(folder / "a.exr", p);
+        const auto samples = samples_of(parts[p]);
+        const auto& channels = parts[p].spec.channels;
+        REQUIRE((image.width == width && image.height == height && image.channels.size() == channels.size()));
+        for (std::size_t c = 0; c < channels.size(); ++c) {
+            INFO(parts[p].name << " " << channels[c].name);
+            const output::image::ExrChannel* channel = image.find(channels[c].name);
+            REQUIRE(channel != nullptr);
+            CHECK((channel->samples.index() == 1) == (channels[c].type == u32));
+            std::size_t wrong = 0;
+            for (std::size_t i = 0; i < static_cast<std::size_t>(width * height); ++i)
+                wrong += bits_at(*channel, i) != samples[i * channels.size() + c];
+            CHECK(wrong == 0);
+        }
+        for (const auto& attribute : parts[p].spec.attributes)
+            CHECK(std::ranges::count(image.attributes, attribute) == 1);
+    }
+    CHECK_THROWS_AS(backend().read_exr(folder / "a.exr", 3), InputError);
+}
+
+TEST_CASE("a book's bytes are the same whichever part is served first, and by how many threads", "[exr]") {
+    const Scratch folder;
+    const auto parts = three_parts();
+    {
+        output::image::ExrBook book(folder / "a.exr", parts);
+        for (const std::size_t p : {0, 1, 2}) serve(book, parts, p, 0, height);
+        book.close();
+    }
+    {
+        output::image::ExrBook book(folder / "b.exr", parts);
+        for (int y = 0; y < height; y += 3) {
+            for (const std::size_t p : {2, 1, 0}) serve(book, parts, p, y, std::min(3, height - y));
+        }
+        book.close();
+    }
+    {
+        output::image::ExrBook book(folder / "c.exr", parts);
+        std::vector<std::thread> threads;
+        for (const std::size_t p : {0, 1, 2}) {
+            threads.emplace_back([&, p] {
+                for (int y = 0; y < height; ++y) serve(book, parts, p, y, 1);
+            });
+        }
+        for (auto& thread : threads) thread.join();
+        book.close();
+    }
+    CHECK(slurp(folder / "a.exr").size() > 1000);
+    CHECK(slurp(folder / "a.exr") == slurp(folder / "b.exr"));
+    CHECK(slurp(folder / "a.exr") == slurp(folder / "c.exr"));
+}
+
+TEST_CASE("a book appears only when closed, and refuses what no reader would take", "[exr]") {
+    const Scratch folder;
+    const auto parts = three_parts();
+    {
+        output::image::ExrBook book(folder / "a.exr", parts);
+        CHECK_THROWS_AS(serve(book, parts, 0, 1, 1), std::logic_error);
+        CHECK_THROWS_AS(book.write_rows(0, 0, 1, {}), std::logic_error);
+        for (const std::size_t p : {0, 1}) serve(book, parts, p, 0, height);
+        CHECK_THROWS_AS(serve(book, parts, 0, height, 1), std::logic_error);
+        CHECK_THROWS_AS(book.close(), std::logic_error);
+        CHECK(folder.entries() == 1);
+    }
+    CHECK(folder.entries() == 0);
+    const auto refused = [&](auto change) {
+        auto changed = three_parts();
+        change(changed);
+        CHECK_THROWS_AS(output::image::ExrBook(folder / "a.exr", changed), std::logic_error);
+    };
+    refused([](auto& p) { p.clear(); });
+    refused([](auto& p) { p[1].name = p[0].name; });
+    refused([](auto& p) { p[1].spec.channels.clear(); });
+    refused([](auto& p) { p[0].spec.channels[1].name = "t.hi"; });
+    refused([](auto& p) { p[2].spec.height = 1; });
+    CHECK_THROWS_AS(output::image::ExrBook(folder.path(), parts), EnvironmentError);
+    CHECK(folder.entries() == 0);
+}
+
+TEST_CASE("a full disk stops a book, every part is told so, and nothing is left", "[exr]") {
+    const Scratch folder;
+    const auto parts = three_parts();
+    const auto attempt = [&](rlim_t limit_bytes) {
+        return in_child([&] {
+            lostbits::output::file::ignore_file_size_signal();
+            const rlimit limit{limit_bytes, limit_bytes};
+            ::setrlimit(RLIMIT_FSIZE, &limit);
+            std::vector<output::image::ExrPart> many;  // more bytes than the file's buffer holds
+            for (int p = 0; p < 200; ++p) {
+                many.push_back(parts[0]);
+                many.back().name += std::to_string(p);
+            }
+            int told = 0;
+            output::image::ExrBook book(folder / "a.exr", many);
+            const auto is_told = [&](std::size_t p, int y) {
+                try {
+                    serve(book, many, p, y, std::min(16, height - y));
+                } catch (const EnvironmentError& error) {
+                    return std::string(error.what()).find(": cannot write: File too large; free space") !=
+                           std::string::npos;
+                }
+                return false;
+            };
+            for (int y = 0; y < height; y += 16) {
+                for (std::size_t p = 0; p < many.size() && told < 5; ++p) told += is_told(p, y);
+            }
+            if (told == 0) book.close();
+            return told == 5 ? 1 : told == 0 ? 0 : 2;
+        });
+    };
+    CHECK(attempt(1000000) == 1);
+    CHECK(folder.entries() == 0);
+    CHECK(attempt(RLIM_INFINITY) == 0);
+    CHECK(folder.entries() == 1);
+}
+
+TEST_CASE("other programs read every part of a book", "[exr]") {
+    INFO("oiiotool comes with openimageio-tools");
+    REQUIRE(std::system("oiiotool --version >/dev/null 2>&1") == 0);
+    const Scratch folder;
+    const auto parts = three_parts();
+    output::image::ExrBook book(folder / "a.exr", parts);
+    for (const std::size_t p : {0, 1, 2}) serve(book, parts, p, 0, height);
+    book.close();
+    const std::string out = (folder / "info").string();
+    REQUIRE(std::system(("oiiotool --info -v -a " + (folder / "a.exr").string() + " >" + out + " 2>&1").c_str()) == 0);
+    const std::string info = slurp(out);
+    INFO(info);
+    CHECK(info.find("3 subimages: 37x41") != std::string::npos);
+    for (const auto& part : parts) CHECK(info.find("name: \"" + part.name + "\"") != std::string::npos);
+    CHECK(info.find("class.object (uint)") != std::string::npos);
+    CHECK(info.find("compression: \"zip\"") != std::string::npos);
+    CHECK(info.find("half") == std::string::npos);
+    CHECK(info.find("DateTime") == std::string::npos);
+}
