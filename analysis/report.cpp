@@ -34,6 +34,7 @@ struct ReportOptions {
     std::vector<std::string> subjects, forms, formats, metrics, claims;
     std::string size, out;
     bool all = false, no_claims = false, trade = false;
+    int seeds = 2;
 };
 
 /// What a report is about: files of scenes (some with one variant) and of sweeps.
@@ -182,6 +183,7 @@ Work plan(const ReportOptions& o, const std::filesystem::path& data) {
     }
     for (const auto& path : subjects.sweeps)
         plan_sweep(work, path, data, rows_for(path.stem().string(), rows, claims, o.forms.empty()));
+    for (SweepWork& sweep : work.sweeps) sweep.further_draws = o.seeds;
     for (const Claim& c : claims) {
         if (is_chosen(c, o, work)) work.claims.push_back(c);
     }
@@ -230,7 +232,7 @@ Exit run(const ReportOptions& o, const Common& common) {
         report.sweeps.push_back(sweep_part(sweep, [&](std::uint64_t done) { advance(done * sweep_units); }));
     if (!work.claims.empty())
         report.results = measure::claim::measure_claims(
-            work.claims, {.data_dir = data, .further_draws = 2, .done = stop_if_interrupted});
+            work.claims, {.data_dir = data, .further_draws = o.seeds, .done = stop_if_interrupted});
     if (o.trade) {
         report.processor = measure::speed::processor_name();
         for (const Shape shape : {Shape::sphere, Shape::box}) {
@@ -266,6 +268,10 @@ void add_report(CLI::App& program, const Common& common, Command& chosen) {
     command->add_option("--metric", o->metrics, "Metrics in addition to the default ones; globs");
     command->add_option("--size", o->size, "Picture size, WxH in pixels (default: each scene's)");
     command->add_option("--claims", o->claims, "Claims by id; globs (default: all, or those about the SUBJECTs)");
+    command
+        ->add_option("--seeds", o->seeds,
+                     "Measure claims and onsets of random rays on this many further draws too (default: 2)")
+        ->check(CLI::Range(0, 1000));
     command->add_flag("--no-claims", o->no_claims, "Leave claims out");
     command->add_flag("--all", o->all, "Every scene and sweep under data");
     command->add_flag("--trade", o->trade, "Also measure speed, briefly; the page then differs from run to run");

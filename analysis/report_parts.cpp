@@ -103,9 +103,6 @@ std::vector<output::page::Picture> line_pictures(const output::sweep::MeasuredSw
     return pictures;
 }
 
-/// For the spread of onsets: the page shows three draws.
-constexpr int further_draws = 2;
-
 SweepPart axes_part(const SweepWork& work, const Advance& advance) {
     const scene::sweep::SweepFile sweep(work.path, work.data);
     measure::sweep::SweepRequest request{
@@ -136,7 +133,7 @@ SweepPart axes_part(const SweepWork& work, const Advance& advance) {
         }
         return part;
     }
-    request.further_draws = further_draws;
+    request.further_draws = work.further_draws;
     const auto onsets = measure::sweep::find_onsets(request, steps);
     part.axes = {sweep.axes.front().values};
     part.json = output::page::sweep_json(request, steps, onsets);

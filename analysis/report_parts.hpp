@@ -30,6 +30,7 @@ output::page::MapPart map_part(MapWork& work, measure::metric::MetricSet& made, 
 struct SweepWork {
     std::filesystem::path path, data;
     std::vector<measure::map::MapRow> rows;
+    int further_draws = 0;  ///< of random rays, for the spread of onsets
 };
 output::page::SweepPart sweep_part(const SweepWork& work, const Advance& advance);
 
