@@ -34,6 +34,9 @@ private:
 
 std::string contents(const std::filesystem::path& file);
 
+/// Whether a text contains another.
+inline bool has(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+
 /// A CSV without quotes or line breaks inside its fields, row by row, by column name.
 std::vector<std::map<std::string, std::string>> read_csv(const std::filesystem::path& file);
 

@@ -52,8 +52,6 @@ void write_png(const std::filesystem::path& path, std::uint8_t blue) {
     png->close();
 }
 
-bool has(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
-
 }  // namespace
 
 TEST_CASE("diff: the same is said, and exits with 0") {

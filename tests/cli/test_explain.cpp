@@ -11,14 +11,13 @@
 #include "program.hpp"
 
 using namespace lostbits;
+using test::has;
 using test::run;
 using test::Scratch;
 
 namespace {
 
 const std::string far = "explain rtg-fig-7-3-4100-oblique --pixel 128,40 ";
-
-bool has(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
 
 /// Scenes, each with a pixel that forms of its shape hit.
 const std::vector<std::pair<Shape, std::string>> settings{{Shape::sphere, "rtg-fig-7-3-100-oblique --pixel 128,100"},

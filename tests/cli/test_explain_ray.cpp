@@ -4,6 +4,7 @@
 #include "catch.hpp"
 #include "program.hpp"
 
+using lostbits::test::has;
 using lostbits::test::run;
 using lostbits::test::Scratch;
 
@@ -20,8 +21,6 @@ Json explained(const std::string& arguments, const Scratch& folder) {
 }
 
 std::string hex(const Json& j) { return j["hex"].get<std::string>(); }
-
-bool has(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
 
 }  // namespace
 

@@ -6,12 +6,6 @@
 
 using namespace lostbits::test;
 
-namespace {
-
-bool has(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
-
-}  // namespace
-
 TEST_CASE("explain prints a march sample by sample") {
     const auto r = run("explain sdf-by-hand.off-axis --pixel 0,0 -i sdf.sphere_trace -f f64");
     REQUIRE(r.code == 0);
