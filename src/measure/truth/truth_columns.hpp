@@ -1,0 +1,70 @@
+// The truth of many rays at once, as columns: what a pack can prove is proved in packs, the rest ray by ray.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "measure/truth/truth.hpp"
+
+namespace lostbits::measure::truth {
+
+/// Rays, each with a solid of one shape: structure of arrays. A column has `size` numbers, or one, which is every
+/// ray's. S is float, for which the cheapest stage exists, or double.
+template <class S>
+struct ProblemColumns {
+    std::size_t size = 0;
+    std::array<std::span<const S>, 6> ray;    ///< o.x o.y o.z d.x d.y d.z
+    Shape shape = Shape::sphere;              ///< a sphere or a box
+    std::array<std::span<const S>, 6> solid;  ///< as in `Solid::numbers`; a sphere leaves the last two empty
+    std::span<const S> tmax = {};             ///< where the rays end (boxes only); empty: nowhere
+};
+
+/// How closely a length must be known for what is measured against it.
+enum class Tightness {
+    ulps_of_binary32,  ///< to 2^-33 of itself: an error in ulps of at most 24 bits is known to 2^-8
+    certified          ///< to `certified_tightness`, as by `find_truth`
+};
+
+struct ColumnTerms {
+    intersect::Convention convention = {};
+    Length length = Length::parameter;
+    Tightness tightness = Tightness::certified;
+    TruthLimit limit = {};
+};
+
+/// How many rays each stage settled.
+struct StageCounts {
+    std::uint64_t binary64 = 0, double_double = 0, ball = 0, interval = 0;
+
+    StageCounts& operator+=(const StageCounts& b) {
+        binary64 += b.binary64;
+        double_double += b.double_double;
+        ball += b.ball;
+        interval += b.interval;
+        return *this;
+    }
+    [[nodiscard]] std::uint64_t rays() const { return binary64 + double_double + ball + interval; }
+};
+
+/// What is known of each ray. |t* − (hi + lo)| ≤ bound, and no power of two lies between the ends: the binade of t* is
+/// proved. A miss and an unresolved ray have zeros there.
+struct TruthColumns {
+    std::vector<Truth::Decision> decision;
+    std::vector<double> hi, lo, bound;
+    /// The rays that no pack could settle, in rising order, with their whole truth. Where |t*| is neither 0 nor within
+    /// [2^-900, 2^900] the columns hold NaN, and this alone knows it.
+    std::vector<std::pair<std::size_t, Truth>> alone;
+    StageCounts stages;
+
+    [[nodiscard]] std::size_t size() const { return decision.size(); }
+};
+
+/// Into `out`, whose memory is used again. `stages` is counted anew.
+void find_truth_columns(const ProblemColumns<float>& problems, const ColumnTerms& terms, TruthColumns& out);
+void find_truth_columns(const ProblemColumns<double>& problems, const ColumnTerms& terms, TruthColumns& out);
+
+}  // namespace lostbits::measure::truth
