@@ -57,6 +57,7 @@ void measure_sweep(const std::vector<Claim>& claims, const Places& places, const
         case SweepKind::cases: return measure_cases(claims, places, path, results);
         case SweepKind::search:
             scene::toml::fail(first.where, "sweep \"" + first.sweep + "\" is a search; claims are about axes or cases");
+        case SweepKind::every_float:
         case SweepKind::axes: break;
     }
     const auto sweep = scene::sweep::SweepFile(path, data_dir).drawn_again(draw);
