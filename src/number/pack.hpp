@@ -141,6 +141,11 @@ public:
     }
     friend Pack next_down(const Pack& a) { return -next_up(-a); }
 
+    /// ±2^⌊log2|a|⌋ of normal doubles: the significand's stored bits cleared.
+    friend Pack binade(const Pack& a) requires(sizeof(F) == 8) {
+        return Pack(__builtin_bit_cast(Simd, __builtin_bit_cast(Bits, a.x_) & (std::int64_t{-1} << 52)));
+    }
+
 private:
     using Bits = stdx::rebind_simd_t<std::conditional_t<sizeof(F) == 4, std::int32_t, std::int64_t>, Simd>;
     typedef F Register [[gnu::vector_size(Width::bytes)]];

@@ -1,0 +1,69 @@
+// One problem, or a pack of them, and what a stage says of it.
+#pragma once
+
+#include <cstdint>
+
+#include "measure/stages/two_words.hpp"
+
+namespace lostbits::measure::stages {
+
+/// A ray and a solid as words: o, d, and the solid's numbers (centre and radius, or lo and hi). Where the inputs are
+/// numbers of 256 bits each has two words, and lies within `input_error` of itself of their sum; all others are their
+/// one word.
+template <class P>
+struct ProblemInWords {
+    P ray[6], solid[6];
+    P ray_low[6], solid_low[6];  ///< of two words
+    P tmax;                      ///< where the ray ends; boxes alone
+};
+
+inline constexpr double input_error = 0x1p-104;
+
+/// What a stage says: nothing unless `settled`. Of a hit |t* − (t.hi + t.lo)| ≤ bound.
+template <class P>
+struct Finding {
+    mask_t<P> settled, hit;
+    TwoWords<P> t;
+    P bound;
+};
+
+/// The numbers that a stage answers for: every length at most this, so that no product of four and no quotient
+/// overflows; what a product of them can lose to underflow is covered by `smallest`.
+inline constexpr double largest_length = 0x1p+200, least_length = 0x1p-200;
+inline constexpr double smallest = 0x1p-960;
+/// The results between which residuals are exact (number/error_free.hpp).
+inline constexpr double least_result = 0x1p-900, largest_result = 0x1p+900;
+
+template <class P>
+mask_t<P> in_range(const P& x) {
+    using lostbits::abs;
+    const P size = abs(x);
+    return size >= P(least_result) && size <= P(largest_result);
+}
+
+template <class P>
+P sum_of_sizes(const P& x, const P& y, const P& z) {
+    using lostbits::abs;
+    return sum_of_three<P>(abs(x), abs(y), abs(z));
+}
+
+/// ±2^⌊log2|x|⌋ for a normal number x.
+inline double binade(double x) {
+    return __builtin_bit_cast(double, __builtin_bit_cast(std::uint64_t, x) & std::uint64_t{0xfff} << 52);
+}
+
+/// Whether no power of two lies in [x − bound, x + bound], x ≠ 0: the binade of what is enclosed is known.
+template <class P>
+mask_t<P> in_one_binade(const P& x, const P& bound) {
+    const P low = binade(x - bound), high = binade(x + bound);
+    return low <= high && low >= high;
+}
+/// The same for two words, of which hi alone can be a power of two or next to one.
+template <class P>
+mask_t<P> in_one_binade(const TwoWords<P>& x, const P& bound) {
+    using lostbits::abs;
+    const P power = binade(x.hi);
+    return power < abs(x.hi) || abs(x.lo) > bound;
+}
+
+}  // namespace lostbits::measure::stages

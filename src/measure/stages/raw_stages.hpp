@@ -1,0 +1,51 @@
+// What stages.cpp and the objects of the register widths say to each other: plain pointers.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+namespace lostbits::measure::stages {
+
+/// A column: the numbers of the pack at `i` lie at `from + i * step`. A step of 0 repeats the same register.
+template <class S>
+struct RawColumn {
+    const S* from;
+    std::size_t step;
+};
+
+/// Where findings go, one of each for a problem.
+struct RawFindings {
+    std::uint8_t *settled, *hit;  ///< 0 or 1
+    double *hi, *lo, *bound;
+};
+
+/// Whole packs of problems and room for what is found: `size` is a multiple of a register's doubles.
+template <class S>
+struct RawProblems {
+    RawColumn<S> ray[6], solid[6];
+    RawColumn<S> ray_low[6], solid_low[6];  ///< second words, where there are any
+    RawColumn<S> tmax;
+    RawFindings out;
+    double scale;  ///< of the errors that the lemmas allow for: 1, unless a test asks where they stop being true
+    std::size_t size;
+};
+
+/// As many problems, their columns still to be named.
+template <class S>
+RawProblems<S> raw_problems(std::size_t size, const RawFindings& out) {
+    return {{}, {}, {}, {}, {}, out, 1, size};
+}
+
+/// The stages of one shape, by [distance].
+struct RawStages {
+    void (*binary64[2])(const RawProblems<float>&);        ///< binary32 inputs
+    void (*double_double[2])(const RawProblems<double>&);  ///< one word a number
+    void (*of_two_words[2])(const RawProblems<double>&);   ///< two
+};
+
+/// One function a register width, each in an object of its own: spheres, then boxes.
+void fill_stages_w128(RawStages* of_shape);
+void fill_stages_w256(RawStages* of_shape);
+void fill_stages_w512(RawStages* of_shape);
+
+}  // namespace lostbits::measure::stages

@@ -1,0 +1,90 @@
+// The loops around the stages, for packs of any width and for single doubles. They see plain pointers only, as
+// intersect/simd/packed_kernels.hpp does and for the same reason.
+#pragma once
+
+#include <cstring>
+
+#include "measure/stages/box_stages.hpp"
+#include "measure/stages/raw_stages.hpp"
+#include "measure/stages/sphere_binary64.hpp"
+#include "measure/stages/sphere_double_double.hpp"
+#include "number/pack.hpp"
+
+namespace lostbits::measure::stages {
+
+/// How a number of the stages is loaded and stored: one double, or a pack of them.
+template <class P>
+struct Lanes {
+    static constexpr std::size_t count = P::lanes;
+    template <class S>
+    static P load(const S* from) {
+        return P(typename P::Simd(from, stdx::element_aligned));
+    }
+    static void store(const P& x, double* to) { x.store(to); }
+    static void store(const mask_t<P>& x, std::uint8_t* to) {
+        bool lanes[count];
+        x.store(lanes);
+        std::memcpy(to, lanes, count);
+    }
+};
+template <>
+struct Lanes<double> {
+    static constexpr std::size_t count = 1;
+    template <class S>
+    static double load(const S* from) {
+        return static_cast<double>(*from);
+    }
+    static void store(double x, double* to) { *to = x; }
+    static void store(bool x, std::uint8_t* to) { *to = x; }
+};
+
+enum class Subject { sphere, box };
+
+template <Subject subject, class S, bool distance, bool two_words, class P>
+[[gnu::flatten]] void settle_all(const RawProblems<S>& raw) {
+    const RawProblems<S> p = raw;  // a copy: the stores below could reach it, and everything would be read again
+    constexpr std::size_t numbers = subject == Subject::sphere ? 4 : 6;
+    const P scale(p.scale);
+    for (std::size_t i = 0; i < p.size; i += Lanes<P>::count) {
+        const auto at = [i](const RawColumn<S>& c) { return Lanes<P>::load(c.from + i * c.step); };
+        ProblemInWords<P> in;
+        for (std::size_t k = 0; k < 6; ++k) {
+            in.ray[k] = at(p.ray[k]);
+            if constexpr (two_words) in.ray_low[k] = at(p.ray_low[k]);
+        }
+        for (std::size_t k = 0; k < numbers; ++k) {
+            in.solid[k] = at(p.solid[k]);
+            if constexpr (two_words) in.solid_low[k] = at(p.solid_low[k]);
+        }
+        const Finding<P> found = [&] {
+            if constexpr (subject == Subject::box) {
+                in.tmax = at(p.tmax);
+                return settle_box<sizeof(S) == sizeof(double), distance, two_words>(in, scale);
+            } else if constexpr (sizeof(S) == sizeof(double)) {
+                return settle_sphere_double_double<distance, two_words>(in, scale);
+            } else {
+                return settle_sphere_binary64<distance>(in, scale);
+            }
+        }();
+        Lanes<P>::store(found.settled, p.out.settled + i);
+        Lanes<P>::store(found.hit, p.out.hit + i);
+        // A miss has zeros; so has a lane that says nothing.
+        Lanes<P>::store(select(found.hit, found.t.hi, P(0)), p.out.hi + i);
+        Lanes<P>::store(select(found.hit, found.t.lo, P(0)), p.out.lo + i);
+        Lanes<P>::store(select(found.hit, found.bound, P(0)), p.out.bound + i);
+    }
+}
+
+template <class P>
+void fill_stages(RawStages* of_shape) {
+    of_shape[0] = {
+        {settle_all<Subject::sphere, float, false, false, P>, settle_all<Subject::sphere, float, true, false, P>},
+        {settle_all<Subject::sphere, double, false, false, P>, settle_all<Subject::sphere, double, true, false, P>},
+        {settle_all<Subject::sphere, double, false, true, P>, settle_all<Subject::sphere, double, true, true, P>}};
+    of_shape[1] = {
+        {settle_all<Subject::box, float, false, false, P>, settle_all<Subject::box, float, true, false, P>},
+        {settle_all<Subject::box, double, false, false, P>, settle_all<Subject::box, double, true, false, P>},
+        {settle_all<Subject::box, double, false, true, P>, settle_all<Subject::box, double, true, true, P>}};
+}
+
+}  // namespace lostbits::measure::stages

@@ -1,0 +1,20 @@
+// The stages that prove the answers of many rays at once, at the width of the machine's registers.
+#pragma once
+
+#include "geometry/solid.hpp"
+#include "intersect/simd/packed.hpp"
+#include "measure/stages/raw_stages.hpp"
+
+namespace lostbits::measure::stages {
+
+/// The stages of one shape at `isa`, and how many problems they take at a time. What they say is the same to the bit
+/// at every width.
+struct Stages {
+    RawStages kernels;
+    std::size_t lanes;
+};
+
+/// For spheres and boxes, at an instruction set that is available.
+const Stages& stages_of(Shape shape, intersect::simd::Isa isa);
+
+}  // namespace lostbits::measure::stages
