@@ -22,8 +22,8 @@ constexpr std::size_t few = 8;
 /// A form at the floats of a chunk, onto what is known of the floats before them.
 class ChunkTally {
 public:
-    ChunkTally(UlpColumns& ulps, const scene::sweep::FloatRange& floats, Tally& onto)
-        : ulps_(ulps), floats_(floats), onto_(onto) {}
+    ChunkTally(UlpColumns& ulps, const scene::sweep::FloatRange& floats, Tally& onto, std::size_t& left)
+        : ulps_(ulps), floats_(floats), onto_(onto), left_(left) {}
 
     void add() {
         for (std::size_t o = 0; o < onto_.outcomes.size(); ++o) onto_.outcomes[o] += ulps_.counts()[o];
@@ -55,11 +55,16 @@ private:
         onto_.last_wrong = {floats_.at(last), ulps_.outcome(last)};
     }
 
-    /// The floats that may be worse than everything before them and worse than all that others surely are.
-    [[nodiscard]] std::vector<std::size_t> rivals() const {
+    /// An error from which on a float is worse than all before it.
+    [[nodiscard]] double worse_from() const {
         const double beaten = onto_.worst ? std::fabs(onto_.worst->ulps) : -1;
-        const double floor = beaten < 0 ? beaten : beaten + 0x1p-20 * std::max(beaten, 1.0);
+        return beaten < 0 ? beaten : beaten + 0x1p-20 * std::max(beaten, 1.0);
+    }
+
+    /// The floats that may be worse than those before them and than all that others surely are.
+    [[nodiscard]] std::vector<std::size_t> rivals() const {
         std::vector<std::size_t> found;
+        const double floor = worse_from();
         if (!(ulps_.most_at_most() > floor)) return found;
         for (std::size_t i = 0; i < ulps_.size(); ++i) {
             if (ulps_.at_most(i) > floor && ulps_.at_most(i) >= ulps_.most_at_least()) found.push_back(i);
@@ -73,16 +78,26 @@ private:
     }
 
     void add_worst() {
-        std::vector<std::size_t> some = rivals();
+        const std::vector<std::size_t> some = rivals();
         if (some.size() <= few) {
             for (const std::size_t i : some) take_if_worse(i);
-            return;
+        } else if (some.size() <= left_) {
+            left_ -= some.size();
+            ulps_.refine(some);
+            // They are known to 2^-48 now: the first that may be the largest is so near to it that it stands for all.
+            take_if_worse(first_largest(some));
+        } else if (ulps_.most_at_least() > worse_from()) {
+            take_if_worse(first_largest(some));
         }
-        ulps_.refine(some);
-        // They are known to 2^-49 now: the first that may be the largest is so near to it that it stands for all.
+        double most = some.empty() ? std::min(ulps_.most_at_most(), worse_from()) : -1;
+        for (const std::size_t i : some) most = std::max(most, ulps_.at_most(i));
+        onto_.at_most = std::max(onto_.at_most, most);
+    }
+
+    [[nodiscard]] std::size_t first_largest(const std::vector<std::size_t>& some) const {
         double largest = -1;
         for (const std::size_t i : some) largest = std::max(largest, ulps_.at_least(i));
-        take_if_worse(*std::ranges::find_if(some, [&](std::size_t i) { return ulps_.at_most(i) >= largest; }));
+        return *std::ranges::find_if(some, [&](std::size_t i) { return ulps_.at_most(i) >= largest; });
     }
 
     void add_crossing(std::size_t event) {
@@ -107,6 +122,7 @@ private:
     UlpColumns& ulps_;
     const scene::sweep::FloatRange& floats_;
     Tally& onto_;
+    std::size_t& left_;  ///< so many floats may still be refined in search of the worst
 };
 
 }  // namespace
@@ -131,21 +147,23 @@ std::vector<Tally> try_floats(const BlockRequest& request, truth::StageCounts& s
     std::vector<float> values(chunk_size), t(chunk_size);
     std::vector<std::uint8_t> hit(chunk_size);
     truth::TruthColumns truths;
+    std::vector<UlpColumns> ulps;
+    for (const RowsOfTruth& group : request.truths) ulps.emplace_back(columns, group.terms);
     std::vector<Tally> tallies(request.rows.size());
+    std::vector<std::size_t> left(request.rows.size(), most_refined);
     for (std::uint64_t begin = 0; begin < request.floats.size(); begin += chunk_size) {
         stop_if_interrupted();
         const std::uint64_t n = std::min<std::uint64_t>(chunk_size, request.floats.size() - begin);
         const scene::sweep::FloatRange chunk{request.floats.at(begin), request.floats.at(begin + n - 1)};
         for (std::size_t i = 0; i < n; ++i) values[i] = scene::sweep::float_at(chunk.at(i));
         columns.set(std::span(values).first(n));
-        for (const RowsOfTruth& group : request.truths) {
-            find_truth_columns(columns.problems(), group.terms, truths);
+        for (std::size_t g = 0; g < ulps.size(); ++g) {
+            find_truth_columns(columns.problems(), request.truths[g].terms, truths);
             stages += truths.stages;
-            UlpColumns ulps(columns, group.terms);
-            for (const std::size_t row : group.rows) {
+            for (const std::size_t row : request.truths[g].rows) {
                 columns.answer(request.rows[row], std::span(t).first(n), std::span(hit).first(n));
-                ulps.compare(std::span(t).first(n), std::span(hit).first(n), truths);
-                ChunkTally(ulps, chunk, tallies[row]).add();
+                ulps[g].compare(std::span(t).first(n), std::span(hit).first(n), truths);
+                ChunkTally(ulps[g], chunk, tallies[row], left[row]).add();
             }
         }
     }

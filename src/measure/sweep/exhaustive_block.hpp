@@ -27,11 +27,16 @@ struct BlockRequest {
     scene::sweep::FloatRange floats;
 };
 
+/// In one block, by one form.
+inline constexpr std::size_t most_refined = 4096;
+
 /// What the rows do at these floats: a tally a row.
 ///
-/// The worst error is that of the whole truth (`find_truth`) at its float, and no other float's is larger by more than
-/// 2^-20 of it, or 2^-20 ulp. Crossings of a number of lost bits are decided by the whole truth wherever the columns
-/// leave them open.
+/// The worst error is that of the whole truth (`find_truth`) at its float. Floats that may be worse are looked at
+/// closely, so that none is worse by more than 2^-20 of it or of an ulp; but where thousands in a row are as bad to
+/// within 2^-8 ulp, as where t* hardly depends on the axis, no more than `most_refined`. What the others' errors are at
+/// most is in `at_most`. Crossings of a number of lost bits are decided by the whole truth wherever the columns leave
+/// them open.
 std::vector<Tally> try_floats(const BlockRequest& request, truth::StageCounts& stages);
 
 }  // namespace lostbits::measure::sweep

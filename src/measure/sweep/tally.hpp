@@ -36,8 +36,10 @@ struct Tally {
     };
 
     std::array<std::uint64_t, answer::outcome_names.size()> outcomes{};
-    /// The first whose error is the largest in size; of floats where both hit.
+    /// Of the floats where both hit, the first whose error is the largest in size; see `try_floats`.
     std::optional<Worst> worst;
+    /// No float's error is larger in size; −1 where none is a hit for both.
+    double at_most = -1;
     std::optional<Wrong> first_wrong, last_wrong;
     /// The place where each of `first_events` first happens.
     std::array<std::optional<std::uint32_t>, first_events.size()> first;

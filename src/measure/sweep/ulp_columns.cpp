@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <cstring>
 
 #include "measure/truth/lost_bits.hpp"
 
@@ -13,11 +14,14 @@ using answer::Outcome;
 namespace {
 
 /// 1/ulp(t*) in binary32 for t* = hi + lo ≥ 0, whose binade is proved: 2^(23 − max(⌊log2 t*⌋, −126)). Where hi is a
-/// power of two and lo < 0, t* lies below it, and so does the double before hi.
+/// power of two and lo < 0, t* lies below it, and so does the double before hi. In operations that every width of
+/// register has.
 double per_ulp(double hi, double lo) {
-    const std::uint64_t bits = std::bit_cast<std::uint64_t>(hi) - (lo < 0 ? 1 : 0);
-    const std::uint64_t exponent = std::max<std::uint64_t>(bits >> 52, 1023 - 126);
-    return std::bit_cast<double>((2046 + 23 - exponent) << 52);
+    constexpr double smallest_normal = 0x1p-126;
+    const auto below = std::bit_cast<double>(std::bit_cast<std::uint64_t>(hi) - (lo < 0 ? 1U : 0U));
+    const double size = below > smallest_normal ? below : smallest_normal;
+    constexpr std::uint64_t exponent = 0x7ff0000000000000U, sum = std::uint64_t{2 * 1023 + 23} << 52;
+    return std::bit_cast<double>(sum - (std::bit_cast<std::uint64_t>(size) & exponent));
 }
 
 struct Between {
@@ -44,25 +48,50 @@ std::array<std::uint8_t, outcome_kinds> outcome_table() {
     return table;
 }
 
+/// In eight parts, which registers can hold side by side.
+double largest(const std::vector<double>& x) {
+    constexpr std::size_t parts = 8;
+    std::array<double, parts> most{};
+    most.fill(-1);
+    std::size_t i = 0;
+    for (; i + parts <= x.size(); i += parts) {
+        for (std::size_t k = 0; k < parts; ++k) most[k] = x[i + k] > most[k] ? x[i + k] : most[k];
+    }
+    for (; i < x.size(); ++i) most[0] = std::max(most[0], x[i]);
+    return std::ranges::max(most);
+}
+
 }  // namespace
+
+/// Into `outcome_`; counted. Most often all floats of a chunk have the same.
+void UlpColumns::classify(std::span<const std::uint8_t> hit, const truth::TruthColumns& truth) {
+    static const auto table = outcome_table();
+    const std::size_t n = t_.size();
+    static_assert(sizeof(truth::Truth::Decision) == 1);
+    for (std::size_t i = 0; i < n; ++i) {
+        outcome_[i] = static_cast<std::uint8_t>(4 * static_cast<unsigned>(truth.decision[i]) + 2U * (hit[i] != 0) +
+                                                (t_[i] != t_[i] ? 1U : 0U));
+    }
+    counts_ = {};
+    if (std::memcmp(outcome_.data(), outcome_.data() + 1, n - 1) == 0) {
+        counts_[table[outcome_[0]]] = n;
+        std::ranges::fill(outcome_, table[outcome_[0]]);
+        return;
+    }
+    for (std::size_t i = 0; i < n; ++i) {
+        outcome_[i] = table[outcome_[i]];
+        ++counts_[outcome_[i]];
+    }
+}
 
 void UlpColumns::compare(std::span<const float> t, std::span<const std::uint8_t> hit,
                          const truth::TruthColumns& truth) {
-    static const auto table = outcome_table();
     const std::size_t n = t.size();
     t_ = t;
     outcome_.resize(n);
     low_.resize(n);
     high_.resize(n);
-    for (std::size_t i = 0; i < n; ++i) {
-        outcome_[i] = static_cast<std::uint8_t>(static_cast<std::uint8_t>(truth.decision[i]) * 4 + (hit[i] != 0) * 2 +
-                                                (t[i] != t[i]));
-    }
-    counts_ = {};
-    for (std::size_t k = 0; k < outcome_kinds; ++k) {
-        counts_[table[k]] += static_cast<std::uint64_t>(std::ranges::count(outcome_, static_cast<std::uint8_t>(k)));
-    }
-    for (std::size_t i = 0; i < n; ++i) outcome_[i] = table[outcome_[i]];
+    classify(hit, truth);
     most_low_ = most_high_ = -1;
     if (counts_[static_cast<std::size_t>(Outcome::agree_hit)] == 0) {
         std::ranges::fill(low_, -1.0);
@@ -72,20 +101,17 @@ void UlpColumns::compare(std::span<const float> t, std::span<const std::uint8_t>
     constexpr auto both_hit = static_cast<std::uint8_t>(Outcome::agree_hit);
     for (std::size_t i = 0; i < n; ++i) {
         const Between b = between(t[i], truth.hi[i], truth.lo[i], truth.bound[i]);
-        const bool counts = outcome_[i] == both_hit;
-        low_[i] = counts ? b.low : -1;
-        high_[i] = counts ? b.high : -1;
-        most_low_ = low_[i] > most_low_ ? low_[i] : most_low_;
-        most_high_ = high_[i] > most_high_ ? high_[i] : most_high_;
+        low_[i] = outcome_[i] == both_hit ? b.low : -1;
+        high_[i] = outcome_[i] == both_hit ? b.high : -1;
     }
-    // The columns do not hold a length beyond 2^±900, and no bound is right for an infinite answer.
+    // The columns do not hold a length beyond 2^±900.
     for (const auto& [i, alone] : truth.alone) {
         if (outcome_[i] != both_hit || !std::isnan(truth.hi[i])) continue;
         const auto& length = terms_.length == truth::Length::parameter ? alone.t : alone.distance;
         settle(i, truth::ulp_error(static_cast<double>(t[i]), length, binary32));
-        most_low_ = std::max(most_low_, low_[i]);
-        most_high_ = std::max(most_high_, high_[i]);
     }
+    most_low_ = largest(low_);
+    most_high_ = largest(high_);
 }
 
 void UlpColumns::settle(std::size_t i, double ulps) { low_[i] = high_[i] = std::fabs(ulps); }

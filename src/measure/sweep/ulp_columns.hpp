@@ -31,12 +31,13 @@ public:
     [[nodiscard]] double most_at_least() const { return most_low_; }
     [[nodiscard]] double most_at_most() const { return most_high_; }
 
-    /// Brings the two closer together, to 2^-45 of themselves, where truths in packs can; for floats where both hit.
+    /// Brings the two closer together, to 2^-48 of themselves, where truths in packs can; for floats where both hit.
     void refine(std::span<const std::size_t> places);
     /// The error by the whole truth of float i, signed: what `lostbits explain` says.
     [[nodiscard]] double exact(std::size_t i);
 
 private:
+    void classify(std::span<const std::uint8_t> hit, const truth::TruthColumns& truth);
     void settle(std::size_t i, double ulps);
 
     const AxisColumns& columns_;

@@ -29,6 +29,7 @@ std::string tally_text(std::size_t place, const Tally& t) {
     };
     std::string text = fmt::format("{} {}", place, fmt::join(t.outcomes, " "));
     text += t.worst ? fmt::format(" {} {}", t.worst->place, std::bit_cast<std::uint64_t>(t.worst->ulps)) : " - -";
+    text += fmt::format(" {}", std::bit_cast<std::uint64_t>(t.at_most));
     text += " " + wrong(t.first_wrong) + " " + wrong(t.last_wrong);
     for (const auto& first : t.first) text += first ? fmt::format(" {}", *first) : " -";
     return text + "\n";
@@ -97,6 +98,7 @@ Tally read_tally(StateReader& in) {
     const auto ulps = in.optional<std::uint64_t>();
     if (place.has_value() != ulps.has_value()) in.damaged();
     if (place) t.worst = {*place, std::bit_cast<double>(*ulps)};
+    t.at_most = std::bit_cast<double>(in.whole<std::uint64_t>());
     t.first_wrong = read_wrong(in);
     t.last_wrong = read_wrong(in);
     for (auto& first : t.first) first = in.optional<std::uint32_t>();
