@@ -1,12 +1,11 @@
 #include "scene/sweep/exhaustive_file.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <fstream>
 #include <iterator>
 
+#include "scene/toml/parse_number.hpp"
 #include "scene/toml/round.hpp"
 
 namespace lostbits::scene::sweep {
@@ -45,11 +44,11 @@ Around around(const Real& x) {
     return {float_at(place_of(nearest) - 1), nearest};
 }
 
-std::string shown(float x) { return fmt::format("\"{:a}\"", x); }
+std::string shown(float x) { return '"' + toml::exact_text(Real(x)) + '"'; }
 
 std::string nearest_text(const Real& x) {
     const auto [below, above] = around(x);
-    return fmt::format("the nearest below and above are {} and {}", shown(below), shown(above));
+    return "the nearest below and above are " + shown(below) + " and " + shown(above);
 }
 
 /// A number that every form is given as it stands.
@@ -65,8 +64,8 @@ Vec<float> vec_in(TableReader& table, std::string_view key) {
     for (std::size_t i = 0; i < 3; ++i) {
         const auto exact = exact_float(all[i]);
         if (!exact)
-            table.fail_at(key, fmt::format("holds a number that is not one of binary32, in place {}; {}", i,
-                                           nearest_text(all[i])));
+            table.fail_at(key, "holds a number that is not one of binary32, in place " + std::to_string(i) + "; " +
+                                   nearest_text(all[i]));
         v[i] = *exact;
     }
     return {v[0], v[1], v[2]};
