@@ -91,7 +91,8 @@ Finding<P> settle_box(const ProblemInWords<P>& in, const P& scale) {
         known = known && s.sound;
         missed = missed || s.beside || is_less<two_words>(s.exit, start, scale) ||
                  (!endless && is_less<two_words>(end, s.entry, scale));
-        met = met && is_less<two_words>(start, s.exit, scale) && (endless || is_less<two_words>(s.entry, end, scale));
+        met = met && !s.beside && is_less<two_words>(start, s.exit, scale) &&
+              (endless || is_less<two_words>(s.entry, end, scale));
         for (int j = 0; j < 3; ++j) {
             if (j == i) continue;
             missed = missed || is_less<two_words>(slabs[j].exit, s.entry, scale);
@@ -120,9 +121,9 @@ Finding<P> settle_box(const ProblemInWords<P>& in, const P& scale) {
     const auto at_start = latest.n.hi <= zero;
     if constexpr (!wide) {
         const P along = latest.n.hi / latest.m.hi, t = distance ? along * sqrt(a.hi) : along;
-        const P bound = P(one_word_tightness) * t;
+        const P bound = P(one_word_tightness) * scale * t;
         const auto hit = told && met && (at_start || in_one_binade(t, bound));
-        return {known && (missed || hit), hit, {t, zero}, bound};
+        return {hit || (known && missed), hit, {t, zero}, bound};
     } else {
         const P eps = P(word_error) * scale;
         const TwoWords<P> along = two_words ? latest.n / latest.m : latest.n / latest.m.hi;
@@ -136,7 +137,7 @@ Finding<P> settle_box(const ProblemInWords<P>& in, const P& scale) {
         const auto close = relative <= P(0x1p-72) && in_range(latest.n.hi) && in_range(along.hi) && in_range(t.hi) &&
                            in_one_binade(t, bound);
         const auto hit = told && met && (at_start || close);
-        return {known && (missed || hit), hit, t, bound};
+        return {hit || (known && missed), hit, t, bound};
     }
 }
 

@@ -75,8 +75,8 @@ Finding<P> settle_sphere_binary64(const ProblemInWords<P>& in, const P& scale) {
     const P dn = select(by_a, P(2) * u * s, dc);
     const auto tight = dn * root * s + w * n < P(narrow_tightness - 0x1p-40) * (n * root * s);
     const P along = n / by, t = distance ? along * sqrt(a) : along, bound = P(narrow_tightness) * t;
-    const auto hit = (enters || within) && tight && in_one_binade(t, bound);
-    return {exact && (leaves || passes || hit), hit, {t, zero}, bound};
+    const auto hit = exact && (enters || within) && tight && in_one_binade(t, bound);
+    return {hit || (exact && (leaves || passes)), hit, {t, zero}, bound};
 }
 
 }  // namespace lostbits::measure::stages

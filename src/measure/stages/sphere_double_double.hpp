@@ -98,9 +98,9 @@ Finding<P> settle_sphere_double_double(const ProblemInWords<P>& in, const P& sca
         else return along;
     }();
     const P bound = relative * t.hi;
-    const auto hit = met && relative <= P(wide_tightness) && in_range(discriminant.hi) && in_range(n.hi) &&
+    const auto hit = lengths && met && relative <= P(wide_tightness) && in_range(discriminant.hi) && in_range(n.hi) &&
                      in_range(along.hi) && in_range(t.hi) && in_one_binade(t, bound);
-    return {lengths && (missed || hit), hit, t, bound};
+    return {hit || (lengths && missed), hit, t, bound};
 }
 
 }  // namespace lostbits::measure::stages

@@ -1,0 +1,117 @@
+#include "measure/stages/stage_rays.hpp"
+
+#include <algorithm>
+#include <sstream>
+
+namespace lostbits::testing {
+
+using measure::stages::RawColumn;
+using measure::stages::RawProblems;
+
+namespace {
+
+const StageNumber& number_of(const StageProblem& p, std::size_t k) { return k < 6 ? p.ray[k] : p.solid[k - 6]; }
+
+Interval exactly(const StageNumber& x) {
+    const Interval first(x.first);
+    return x.second == 0 ? first : first + Interval(x.second) + Interval(x.rest);
+}
+
+/// Columns of every number, and room for the findings: whole registers.
+template <class S>
+struct StageColumns {
+    std::vector<S> first[12], second[12], tmax;
+    std::vector<std::uint8_t> settled, hit;
+    std::vector<double> hi, lo, bound;
+
+    StageColumns(const std::vector<StageProblem>& problems, std::size_t lanes) {
+        const std::size_t size = (problems.size() + lanes - 1) / lanes * lanes;
+        for (std::size_t k = 0; k < 12; ++k) {
+            for (std::size_t i = 0; i < size; ++i) {
+                const StageNumber& x = number_of(problems[std::min(i, problems.size() - 1)], k);
+                first[k].push_back(static_cast<S>(x.first));
+                second[k].push_back(static_cast<S>(x.second));
+            }
+        }
+        for (std::size_t i = 0; i < size; ++i)
+            tmax.push_back(static_cast<S>(problems[std::min(i, problems.size() - 1)].tmax));
+        settled.resize(size);
+        hit.resize(size);
+        for (auto* column : {&hi, &lo, &bound}) column->resize(size);
+    }
+    RawProblems<S> raw(double scale) {
+        auto p = measure::stages::raw_problems<S>(hi.size(),
+                                                  {settled.data(), hit.data(), hi.data(), lo.data(), bound.data()});
+        for (std::size_t k = 0; k < 6; ++k) {
+            p.ray[k] = {first[k].data(), 1};
+            p.ray_low[k] = {second[k].data(), 1};
+            p.solid[k] = {first[6 + k].data(), 1};
+            p.solid_low[k] = {second[6 + k].data(), 1};
+        }
+        p.tmax = {tmax.data(), 1};
+        p.scale = scale;
+        return p;
+    }
+    [[nodiscard]] std::vector<StageFinding> findings(std::size_t count) const {
+        std::vector<StageFinding> found;
+        for (std::size_t i = 0; i < count; ++i) found.push_back({settled[i] != 0, hit[i] != 0, hi[i], lo[i], bound[i]});
+        return found;
+    }
+};
+
+template <class S>
+std::vector<StageFinding> run(void (*kernel)(const RawProblems<S>&), const std::vector<StageProblem>& problems,
+                              std::size_t lanes, double scale) {
+    StageColumns<S> columns(problems, lanes);
+    kernel(columns.raw(scale));
+    return columns.findings(problems.size());
+}
+
+}  // namespace
+
+std::vector<StageFinding> run_stage(StageName stage, bool distance, const std::vector<StageProblem>& problems,
+                                    intersect::simd::Isa isa, double scale) {
+    const auto& stages = measure::stages::stages_of(problems.front().shape, isa);
+    const std::size_t which = distance ? 1 : 0;
+    switch (stage) {
+        case StageName::binary64: return run<float>(stages.kernels.binary64[which], problems, stages.lanes, scale);
+        case StageName::double_double:
+            return run<double>(stages.kernels.double_double[which], problems, stages.lanes, scale);
+        case StageName::of_two_words: break;
+    }
+    return run<double>(stages.kernels.of_two_words[which], problems, stages.lanes, scale);
+}
+
+std::string contradiction(const StageProblem& problem, const StageFinding& found, bool distance) {
+    if (!found.settled) return "";
+    for (long bits = 320; bits < 20000; bits *= 2) {
+        const Interval::Precision precision(bits);
+        const auto at = [&](std::size_t k) { return exactly(number_of(problem, k)); };
+        const Ray<Interval> ray{{at(0), at(1), at(2)}, {at(3), at(4), at(5)}};
+        Solid<Interval> solid;
+        solid.shape = problem.shape;
+        for (std::size_t k = 0; k < solid.used().size(); ++k) solid.numbers[k] = at(6 + k);
+        const Interval end = std::isinf(problem.tmax) ? Interval(0) : Interval(problem.tmax);
+        const auto e = measure::truth::enclose<Interval>(ray, solid, std::isinf(problem.tmax) ? nullptr : &end);
+        if (e.hit.is_unknown()) continue;
+        if (e.touching || e.on_surface) return "settled what touches, or starts on the surface";
+        if (e.hit.is_yes() != found.hit) return found.hit ? "a hit that MPFI misses" : "a miss that MPFI hits";
+        if (!found.hit) return "";
+        const Interval& t = distance ? e.distance : e.t;
+        const Interval middle = Interval(found.hi) + Interval(found.lo), bound(found.bound);
+        const Tri within = middle - bound <= t && t <= middle + bound;
+        if (within.is_yes()) return "";
+        if (within.is_no()) return "the length is not within its bound";
+    }
+    return "MPFI did not decide";
+}
+
+std::string paste(const StageProblem& problem) {
+    std::ostringstream out;
+    out << std::hexfloat << "{";
+    for (std::size_t k = 0; k < 12; ++k) out << number_of(problem, k).first << (k % 3 == 2 ? ",  " : ", ");
+    out << "tmax " << problem.tmax << "}";
+    return out.str();
+}
+
+}  // namespace lostbits::testing
