@@ -48,10 +48,13 @@ struct Alone {
 };
 
 Alone try_alone(const ExhaustiveFile& file, std::size_t ray, const MapRow& row, float value) {
-    const scene::rays::RayGroup group = file.group_at(ray, value);
-    const Ray<double> given = group.rays[0];
-    const double end = group.rays.tmax.empty() ? HUGE_VAL : group.rays.tmax[0];
-    const truth::Truth t = truth::find_truth(given, group.solids[0], {}, row.convention(), end);
+    const Ray<float> there = file.ray_at(ray, value);
+    const auto wide = [](const Vec<float>& v) { return Vec<double>(v.x, v.y, v.z); };
+    const Ray<double> given{wide(there.origin), wide(there.direction)};
+    const Solid<float> solid = file.solid_at(value);
+    const auto end = static_cast<double>(file.rays[ray].tmax);
+    const truth::Truth t = truth::find_truth(given, transformed(solid, [](float x) { return static_cast<double>(x); }),
+                                             {}, row.convention(), end);
     const bool unit = row.form->info->direction == intersect::Direction::unit;
     const Vec<double> d = unit ? truth::unit_direction(given.direction, binary32) : given.direction;
     const auto f = [](double x) { return static_cast<float>(x); };
@@ -59,7 +62,6 @@ Alone try_alone(const ExhaustiveFile& file, std::size_t ray, const MapRow& row, 
     const float tmax = f(end);
     float answer = 0, near = 0, far = 0;
     std::uint8_t hit = 0;
-    const Solid<float> solid = file.solid_at(value);
     row.form->native32(
         RayBatch<float>{.ox = one(o[0]),
                         .oy = one(o[1]),
@@ -171,7 +173,7 @@ TEST_CASE("every sphere form: distances, silhouettes, directions and radii, agai
          ray("near", "0.5, 0.25, 3", "0, 0.125, 0"));
     with("set = \"sphere.radius\"\nfrom = \"0x1.0001p-1\"\nto = \"0x1p-1\"", look + ray("at", "0.5, 0, 3", "0, 0, -1"));
     with("set = [\"sphere.centre.y\", \"ray.origin.y\"]\nfrom = \"0x1p3\"\nto = \"0x1.0001p3\"", look);
-    CHECK(all.floats > 100000);
+    CHECK(all.floats > 30000);
     CHECK(all.wrong > 20);
 }
 
