@@ -23,6 +23,7 @@ inline constexpr double wide_tightness = 0x1p-72;
 /// with 8ε for the 5 and 7. A product that underflows loses at most 2^-1072, which ε·2^-960 in H, Q, E_i and D covers
 /// (`smallest`). Outside t = c/(ρ − h); inside −c/(ρ + h), or (ρ − h)/a where h ≤ 0, and
 ///     |δt|/|t| ≤ (|δn| ρ s + W |n|)/(|n| ρ s) (1 + 2^-20) + 2ε,   4ε more for the distance t |d|, and for a 4ε.
+/// |n| ρ s is of degree six in the lengths: it must lie within [2^-900, 2^900] as all results.
 template <bool distance, bool two_words, class P>
 Finding<P> settle_sphere_double_double(const ProblemInWords<P>& in, const P& scale) {
     using lostbits::abs;
@@ -90,8 +91,8 @@ Finding<P> settle_sphere_double_double(const ProblemInWords<P>& in, const P& sca
     const P ws = dd + P(2) * eps * discriminant.hi + (dh + P(2) * eps * s.hi) * root.hi;
     const auto by_a = inside && towards;
     const TwoWords<P> n = select<P>(by_a, s, select<P>(outside, c, -c)), by = select<P>(by_a, a, s);
-    const P dn = select(by_a, P(4) * eps, dc), in_n = select(by_a, P(1), n.hi), rs = root.hi * s.hi;
-    const P relative = (dn * rs + ws * in_n) / (in_n * rs) * P(1 + 0x1p-20) + P(distance ? 6 : 2) * eps;
+    const P dn = select(by_a, P(4) * eps, dc), in_n = select(by_a, P(1), n.hi), rs = root.hi * s.hi, nrs = in_n * rs;
+    const P relative = (dn * rs + ws * in_n) / nrs * P(1 + 0x1p-20) + P(distance ? 6 : 2) * eps;
     const TwoWords<P> along = n / by;
     const TwoWords<P> t = [&] {
         if constexpr (distance) return along * sqrt(a);
@@ -99,7 +100,7 @@ Finding<P> settle_sphere_double_double(const ProblemInWords<P>& in, const P& sca
     }();
     const P bound = relative * t.hi;
     const auto hit = lengths && met && relative <= P(wide_tightness) && in_range(discriminant.hi) && in_range(n.hi) &&
-                     in_range(along.hi) && in_range(t.hi) && in_one_binade(t, bound);
+                     in_range(nrs) && in_range(along.hi) && in_range(t.hi) && in_one_binade(t, bound);
     return {hit || (lengths && missed), hit, t, bound};
 }
 
