@@ -67,11 +67,15 @@ double largest(const std::vector<double>& x) {
 void UlpColumns::classify(std::span<const std::uint8_t> hit, const truth::TruthColumns& truth) {
     static const auto table = outcome_table();
     const std::size_t n = t_.size();
-    static_assert(sizeof(truth::Truth::Decision) == 1);
-    for (std::size_t i = 0; i < n; ++i) {
-        outcome_[i] = static_cast<std::uint8_t>(4 * static_cast<unsigned>(truth.decision[i]) + 2U * (hit[i] != 0) +
-                                                (t_[i] != t_[i] ? 1U : 0U));
-    }
+    // Local pointers: a store of bytes could reach the vectors themselves, and the loop would stay one float at a time.
+    const auto* const decision = truth.decision.data();
+    const std::uint8_t* const hits = hit.data();
+    const float* const t = t_.data();
+    std::uint8_t* const kind = outcome_.data();
+    static_assert(sizeof *decision == 1);
+    for (std::size_t i = 0; i < n; ++i)
+        kind[i] = static_cast<std::uint8_t>(4 * static_cast<unsigned>(decision[i]) + 2U * (hits[i] != 0));
+    for (std::size_t i = 0; i < n; ++i) kind[i] = static_cast<std::uint8_t>(kind[i] + (t[i] != t[i] ? 1 : 0));
     counts_ = {};
     if (std::memcmp(outcome_.data(), outcome_.data() + 1, n - 1) == 0) {
         counts_[table[outcome_[0]]] = n;
@@ -99,10 +103,18 @@ void UlpColumns::compare(std::span<const float> t, std::span<const std::uint8_t>
         return;
     }
     constexpr auto both_hit = static_cast<std::uint8_t>(Outcome::agree_hit);
+    const double *const hi = truth.hi.data(), *const lo = truth.lo.data(), *const bound = truth.bound.data();
+    const float* const answer = t.data();
+    double *const low = low_.data(), *const high = high_.data();
     for (std::size_t i = 0; i < n; ++i) {
-        const Between b = between(t[i], truth.hi[i], truth.lo[i], truth.bound[i]);
-        low_[i] = outcome_[i] == both_hit ? b.low : -1;
-        high_[i] = outcome_[i] == both_hit ? b.high : -1;
+        const Between b = between(answer[i], hi[i], lo[i], bound[i]);
+        low[i] = b.low;
+        high[i] = b.high;
+    }
+    if (counts_[both_hit] < n) {
+        for (std::size_t i = 0; i < n; ++i) {
+            if (outcome_[i] != both_hit) low[i] = high[i] = -1;
+        }
     }
     // The columns do not hold a length beyond 2^±900.
     for (const auto& [i, alone] : truth.alone) {
