@@ -32,7 +32,7 @@ plot::Series series_of(const ExhaustiveRequest& request, const ExhaustiveState& 
                        bool negative, const OfTally& value) {
     plot::Series series{
         .label = map::short_name(*request.rows[row].form->info), .x = {}, .y = {}, .low = {}, .high = {}};
-    if (request.sweep->rays.size() > 1) series.label += ", " + request.sweep->rays[ray].name;
+    if (request.sweep->rays.size() > 1) series.label += " (" + request.sweep->rays[ray].name + ")";
     if (negative) series.label += ", below 0";
     const auto binades = measure::sweep::binades_of(*request.sweep);
     for (std::size_t b = 0; b < binades.size(); ++b) {
