@@ -10,6 +10,7 @@
 #include "scene/claim/claims_file.hpp"
 #include "scene/file/scene.hpp"
 #include "scene/sweep/case_file.hpp"
+#include "scene/sweep/exhaustive_file.hpp"
 #include "scene/sweep/search_file.hpp"
 #include "scene/sweep/sweep_file.hpp"
 #include "select.hpp"
@@ -101,6 +102,11 @@ std::string axis_of(const std::filesystem::path& path, const std::filesystem::pa
             const scene::sweep::SearchFile file(path);
             title = file.title;
             return "search for " + file.metric;
+        }
+        case SweepKind::every_float: {
+            const scene::sweep::ExhaustiveFile file(path);
+            title = file.title;
+            return "every float of " + file.axis_name;
         }
         case SweepKind::axes: break;
     }

@@ -133,7 +133,8 @@ void plan_sweep(Work& work, const std::filesystem::path& path, const std::filesy
                 const std::vector<MapRow>& rows) {
     std::vector<MapRow> fit;
     const auto kind = scene::sweep::sweep_kind(path);
-    if (kind == scene::sweep::SweepKind::search) return;  // a search has no picture
+    // What these find are numbers, and they take their time.
+    if (kind == scene::sweep::SweepKind::search || kind == scene::sweep::SweepKind::every_float) return;
     if (kind == scene::sweep::SweepKind::cases)
         fit = fitting(rows, [file = scene::sweep::CaseFile(path)](Shape shape) { return file.meets(shape); });
     else fit = fitting(rows, [sweep = scene::sweep::SweepFile(path, data)](Shape shape) { return sweep.meets(shape); });

@@ -13,6 +13,7 @@
 #include "output/sweep/worst_files.hpp"
 #include "results.hpp"
 #include "select.hpp"
+#include "sweep_exhaustive.hpp"
 
 namespace lostbits::analysis {
 
@@ -25,10 +26,11 @@ namespace {
 struct SweepOptions {
     std::vector<std::string> sweeps;
     std::vector<std::string> forms{"*"};
-    std::vector<std::string> formats{"f32", "f64"};
+    std::vector<std::string> formats;
     std::vector<std::string> metrics;
     std::string out;
     bool worst = false;
+    bool resume = false;
     int seeds = 2;
 };
 
@@ -145,6 +147,7 @@ Meets check_file(const std::filesystem::path& path, SweepKind kind, bool worst, 
         throw InputError(path.string() + ":1:1: this file has a [search] table, which only --worst uses; add --worst");
     const auto only = [](Shape shape) { return [shape](Shape form) { return form == shape; }; };
     if (kind == K::cases) return only(scene::sweep::CaseFile(path).shape());
+    if (kind == K::every_float) return only(scene::sweep::ExhaustiveFile(path).solid.shape);
     if (kind == K::axes) {
         const scene::sweep::SweepFile sweep(path, data);
         return [sphere = sweep.meets(Shape::sphere), box = sweep.meets(Shape::box),
@@ -170,7 +173,8 @@ Meets check_file(const std::filesystem::path& path, SweepKind kind, bool worst, 
 
 Exit run(const SweepOptions& o, const Common& common) {
     measure::metric::MetricSet made;
-    Chosen chosen{cross(select_forms(o.forms), select_formats(o.formats)), {}, made};
+    const std::vector<std::string> both{"f32", "f64"};
+    Chosen chosen{cross(select_forms(o.forms), select_formats(o.formats.empty() ? both : o.formats)), {}, made};
     // A sweep always knows what the problem itself costs: its plots carry the envelope.
     if (!o.metrics.empty()) chosen.asked = select_metrics(o.metrics, made);
     for (const char* name : {"inherent_bits", "excess_bits"})
@@ -192,18 +196,29 @@ Exit run(const SweepOptions& o, const Common& common) {
                 throw InputError(word + ": sweep \"" + path.stem().string() +
                                  "\" is given twice; both would write to the same folder");
         }
+        if (kind == SweepKind::every_float) check_exhaustive_options(path.stem().string(), o.formats, o.metrics);
+        else if (o.resume)
+            throw InputError("--resume: " + path.stem().string() +
+                             " is not a sweep over every float, and only those can be resumed; leave out --resume");
         sweeps.push_back({path, kind, check_file(path, kind, o.worst, data)});
     }
     drop_unfitting(
         sweeps, chosen.rows, common.quiet, [](const Sweep& s, Shape shape) { return s.meets(shape); },
         [](const Sweep& s) { return s.path.stem().string(); });
+    std::vector<std::unique_ptr<ExhaustiveRun>> exhaustive;
+    for (const Sweep& sweep : sweeps) {
+        if (sweep.kind == SweepKind::every_float)
+            exhaustive.push_back(std::make_unique<ExhaustiveRun>(sweep.path, chosen.rows, o.out, o.resume));
+    }
     const ThreadLimit limit(common.threads);
     for (const auto& [path, kind, meets] : sweeps) {
         if (kind == SweepKind::cases) run_case_file(path, chosen, o, common);
         else if (kind == SweepKind::axes) run_axes(path, chosen, o, common);
-        else run_search(path, chosen, o, common);
+        else if (kind == SweepKind::search) run_search(path, chosen, o, common);
     }
-    return Exit::done;
+    std::uint64_t unproved = 0;
+    for (const auto& run : exhaustive) unproved += run->run(common);
+    return end_with_unproved(unproved);
 }
 
 }  // namespace
@@ -222,6 +237,7 @@ void add_sweep(CLI::App& program, const Common& common, Command& chosen) {
             "Find the onsets of a family of rays on this many further draws too, for their spread (default: 2)")
         ->check(CLI::Range(0, 1000));
     command->add_flag("--worst", o->worst, "Search the ranges of a [search] file for the worst ray of each form");
+    command->add_flag("--resume", o->resume, "Go on with a sweep over every float that was stopped");
     command->add_option("-o,--out", o->out, "Folder for the results")->required();
     command->callback([o, &common, &chosen] { chosen = [o, &common] { return run(*o, common); }; });
 }

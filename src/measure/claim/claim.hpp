@@ -23,6 +23,8 @@ struct ClaimResult {
     map::WorstRay witness;
     /// On how many independent draws of rays (or numbers) `measured` rests; 0: on none, nothing is random.
     std::uint64_t samples = 0;
+    /// Every float of a range was tried, so many; 0: the claim is about nothing of the kind.
+    std::uint64_t floats = 0;
     std::vector<double> further = {};  ///< the same measured on further draws, one a seed; NaN where it does not exist
 
     [[nodiscard]] bool is_drawn() const { return samples > 0; }

@@ -57,7 +57,15 @@ void measure_sweep(const std::vector<Claim>& claims, const Places& places, const
         case SweepKind::cases: return measure_cases(claims, places, path, results);
         case SweepKind::search:
             scene::toml::fail(first.where, "sweep \"" + first.sweep + "\" is a search; claims are about axes or cases");
+        case SweepKind::every_float: return measure_exhaustive(claims, places, path, results);
         case SweepKind::axes: break;
+    }
+    for (const std::size_t i : places) {
+        if (claims[i].exhaustive)
+            scene::toml::fail(claims[i].where,
+                              "`exhaustive = true` belongs to claims about sweeps over every float, and "
+                              "sweep \"" +
+                                  claims[i].sweep + "\" is none; leave it out");
     }
     const auto sweep = scene::sweep::SweepFile(path, data_dir).drawn_again(draw);
     sweep::SweepRequest request{.sweep = &sweep, .rows = {}, .metrics = {}};

@@ -12,6 +12,7 @@
 #include "output/blame/explain_command.hpp"
 #include "output/file/csv.hpp"
 #include "output/file/number_text.hpp"
+#include "scene/toml/parse_number.hpp"
 
 namespace lostbits::output::claim {
 
@@ -80,6 +81,8 @@ std::string quantity(const Claim& c) {
                            : fmt::format("onset of {} {} {}", c.onset, c.statistic, file::decimal(c.threshold));
 }
 
+std::string floats_text(const ClaimResult& r) { return r.floats == 0 ? "" : fmt::format("all {} floats", r.floats); }
+
 std::string explain(const Claim& c, const ClaimResult& r) {
     const std::string expected =
         fmt::format("expected {} in [{}, {}]", quantity(c), file::decimal(c.low), file::decimal(c.high));
@@ -87,6 +90,8 @@ std::string explain(const Claim& c, const ClaimResult& r) {
         return fmt::format("{}, but {} (it exists in {} of {} draws)", expected, r.trouble, r.spread().draws,
                            1 + r.further.size());
     if (r.state == State::broken || r.state == State::skipped) return fmt::format("{}, but {}", expected, r.trouble);
+    if (r.floats > 0)
+        return fmt::format("{}, measured {} over {}", expected, file::decimal(r.measured), floats_text(r));
     if (r.further.empty()) return fmt::format("{}, measured {}", expected, file::decimal(r.measured));
     const auto s = r.spread();
     return fmt::format("{}, measured {}, and {} to {} over {} draws", expected, file::decimal(r.measured),
@@ -103,7 +108,7 @@ const Metric* metric_of_column(const std::string& column) {
 
 std::string reproduce(const Claim& c) {
     if (c.timing) return fmt::format("lostbits check --profile timing --filter '{}'", c.id);
-    if (!c.table.empty()) return fmt::format("lostbits check --filter '{}' --measure", c.id);
+    if (!c.table.empty() || c.exhaustive) return fmt::format("lostbits check --filter '{}' --measure", c.id);
     if (!c.render.empty())
         return fmt::format("lostbits render {}{} -i {} -f {} -o out", c.render,
                            c.stage ? fmt::format(" --stage {}", name_of(*c.stage)) : "", c.form, c.format);
@@ -118,6 +123,8 @@ std::string where_measured(const Claim& c) {
     if (!c.render.empty())
         text += fmt::format(", rendered{}", c.stage ? fmt::format(" to stage {}", name_of(*c.stage)) : "");
     if (!c.case_name.empty()) text += ": " + c.case_name;
+    if (!c.ray.empty()) text += ": " + c.ray;
+    if (c.from) text += fmt::format(", {} to {}", scene::toml::exact_text(*c.from), scene::toml::exact_text(*c.to));
     if (c.convention) text += fmt::format(" ({})", intersect::convention_name(c.convention));
     for (const double x : c.at) text += (&x == c.at.data() ? " at " : ", ") + file::decimal(x);
     return text;
@@ -182,6 +189,8 @@ void write_claims_csv(const std::filesystem::path& path, const std::vector<Claim
                {"expected_high", "number", "", "largest value that agrees"},
                {"measured", "number", "", "missing where nothing could be measured"},
                {"samples", "integer", "", "independent random samples that it rests on; 0: nothing is random"},
+               {"floats", "integer", "",
+                "every float of a range was tried, so many; missing where the claim does not rest on all of them"},
                {"draws", "integer", "", "of those samples, one a seed: missing where nothing is random"},
                {"draw_low", "number", "", "smallest number measured over the draws"},
                {"draw_median", "number", "", "the middle one, the lower of two"},
@@ -209,6 +218,7 @@ void write_claims_csv(const std::filesystem::path& path, const std::vector<Claim
                  c.high,
                  std::isnan(r.measured) ? file::Cell() : file::Cell(r.measured),
                  r.samples,
+                 r.floats == 0 ? file::Cell() : file::Cell(r.floats),
                  drawn(s.draws),
                  drawn(s.low),
                  drawn(s.median),
@@ -243,6 +253,7 @@ void write_claims_json(const std::filesystem::path& path, const std::vector<Clai
                          {"expected", {number(c.low), number(c.high)}},
                          {"measured", number(results[i].measured)},
                          {"samples", results[i].samples},
+                         {"floats", results[i].floats},
                          {"further_draws", further},
                          {"interval_draws", c.draws},
                          {"state", state_name(results[i].state)},

@@ -24,6 +24,8 @@ void write_claims_json(const std::filesystem::path& path, const std::vector<scen
 
 /// What is measured: `lost_bits_p50`, `onset of false_hit count 1`, `culprit_fraction of c`.
 std::string quantity(const scene::claim::Claim& claim);
+/// `all 65537 floats` of a claim that rests on every float of a range; empty for the others.
+std::string floats_text(const measure::claim::ClaimResult& result);
 /// Why a claim does not agree, in one line: what was expected, what was measured.
 std::string explain(const scene::claim::Claim& claim, const measure::claim::ClaimResult& result);
 /// Scene, sweep or table, and the place in it.

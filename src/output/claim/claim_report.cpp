@@ -17,6 +17,7 @@
 #include "output/sweep/case_files.hpp"
 #include "output/sweep/sweep_planes.hpp"
 #include "output/sweep/sweep_plots.hpp"
+#include "scene/toml/parse_number.hpp"
 
 namespace lostbits::output::claim {
 
@@ -138,6 +139,8 @@ Shown shown_of(const Subject& subject, const std::vector<Claim>& claims) {
 std::string picture_sweep(const std::filesystem::path& folder, const std::vector<MapRow>& rows, const std::string& name,
                           Shown shown, const std::filesystem::path& data_dir) {
     const auto path = scene::sweep::find_sweep(name, data_dir);
+    // The claims are about small ranges; a picture would need the whole axis.
+    if (scene::sweep::sweep_kind(path) == scene::sweep::SweepKind::every_float) return "";
     if (scene::sweep::sweep_kind(path) == scene::sweep::SweepKind::cases) {
         const scene::sweep::CaseFile file(path);
         const measure::sweep::CaseRequest request{.file = &file, .rows = rows, .metrics = drawn_metrics()};
@@ -222,16 +225,21 @@ std::string row_text(const Claim& c, const ClaimResult& r) {
                                 : c.verdict == Claim::Verdict::holds ? "**expected to hold, does not**"
                                                                      : "**refuted, but the number has changed**";
     // Expressions have stars.
+    const std::string all = floats_text(r), number = r.floats > 0 ? file::decimal(r.measured) : rounded(r.measured);
     const std::string what =
         c.operations.empty() ? quantity(c) : fmt::format("{} of `{}`", c.metric, fmt::join(c.operations, "`, `"));
     std::string place = c.stage ? "stage " + std::string(name_of(*c.stage)) : c.case_name;
+    if (c.exhaustive) place = c.ray;
+    if (c.from)
+        place += fmt::format("{}{} to {}", place.empty() ? "" : ", ", scene::toml::exact_text(*c.from),
+                             scene::toml::exact_text(*c.to));
     if (c.step) place = fmt::format("sample {}", *c.step);
     for (const double x : c.at) place += (place.empty() ? "at " : ", ") + file::decimal(x);
     return fmt::format(
-        "| {} | {}{} | {} | {} = {} | `{}` |\n", verdict, cell(c.statement),
+        "| {}{} | {}{} | {} | {} = {} | `{}` |\n", verdict, all.empty() ? "" : ": " + all, cell(c.statement),
         c.note.empty() ? "" : " <br> *" + cell(c.note) + "*",
         cell(fmt::format("{}{}{}", c.form.empty() ? c.row : c.form, " " + c.format, place.empty() ? "" : ", " + place)),
-        cell(what), rounded(r.measured) + spread_text(r), c.id);
+        cell(what), number + spread_text(r), c.id);
 }
 
 /// The pictures of `lostbits report`, which tests/browser/screenshots.js takes, as far as the folder has them.

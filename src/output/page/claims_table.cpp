@@ -134,6 +134,7 @@ std::string breakable(std::string text) {
 /// The number, and how it varies from draw to draw.
 std::string measured_cell(const ClaimResult& r) {
     if (r.state != State::agrees && r.state != State::disagrees) return html(r.trouble);
+    if (r.floats > 0) return fmt::format("{}<br><small>{}</small>", shown(r.measured), claim::floats_text(r));
     if (!r.is_drawn()) return shown(r.measured);
     const auto s = r.spread();
     const std::string draws = r.further.empty() ? ""

@@ -86,6 +86,17 @@ void read_given(TableReader table, Claim& claim) {
         if (claim.sweep.empty() || !claim.at.empty()) table.reject("case", "needs a sweep of cases, and no `at`");
         claim.case_name = *name;
     }
+    claim.exhaustive = table.optional_boolean("exhaustive").value_or(false);
+    if (claim.exhaustive) {
+        if (claim.sweep.empty() || !claim.at.empty() || !claim.case_name.empty())
+            table.fail_at("exhaustive", "needs a sweep over every float, and neither `at` nor `case`");
+        claim.ray = table.optional_string("ray").value_or("");
+        claim.from = table.optional_number("from");
+        claim.to = table.optional_number("to");
+    } else {
+        for (const char* key : {"ray", "from", "to"})
+            table.reject(key, "goes with `exhaustive = true`: it is of a sweep over every float");
+    }
     if (const auto step = table.optional_integer("step", 0, 100000)) {
         if (claim.scene.empty())
             table.reject("step", "needs a scene: it is a sample of the march along the scene's pixel (0, 0)");
@@ -120,9 +131,12 @@ void read_expect(TableReader table, Claim& claim) {
     if (!claim.onset.empty()) {
         if (claim.sweep.empty() || !claim.at.empty() || !claim.case_name.empty())
             table.fail_at("onset", "needs a sweep in claim.given, and no `at`");
-        claim.statistic = table.optional_string("statistic").value_or("count");
+        const char* const usual = claim.exhaustive && claim.onset == "lost_bits" ? "max" : "count";
+        claim.statistic = table.optional_string("statistic").value_or(usual);
+        if (claim.exhaustive && claim.statistic != usual)
+            table.fail_at("statistic", "over every float is " + std::string(usual) + "; leave it out");
         claim.threshold = static_cast<double>(table.optional_number("threshold").value_or(Real(1)));
-    } else if (!claim.sweep.empty() && claim.at.empty() && claim.case_name.empty()) {
+    } else if (!claim.sweep.empty() && claim.at.empty() && claim.case_name.empty() && !claim.exhaustive) {
         table.fail_at("metric", "along a sweep needs `at` in claim.given, the place on the axis, or `case`");
     }
     claim.quantity = table.where("metric");

@@ -37,6 +37,9 @@ struct Claim {
     std::string scene, sweep, form, format;
     std::vector<double> at;  ///< one value an axis of the sweep; the argument of a table's row
     std::string case_name;
+    bool exhaustive = false;       ///< about every float of a range: the sweep's own, or from `from` to `to`
+    std::string ray;               ///< of such a sweep; empty: its only one
+    std::optional<Real> from, to;  ///< both or neither
     std::optional<intersect::Touching> convention;  ///< judged as closed or open solids; absent: by the form's own word
     std::optional<int> step;                        ///< the sample of a march along pixel (0, 0) of the scene
     std::string table, row;

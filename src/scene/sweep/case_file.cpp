@@ -203,9 +203,12 @@ std::vector<RayGroup> CaseFile::rays(const Case& c, const FloatFormat& of, const
 
 SweepKind sweep_kind(const std::filesystem::path& path) {
     const Node root = toml::read_toml(path);
+    const Node* const axis = root.find("axis");
     return root.find("case") != nullptr     ? SweepKind::cases
            : root.find("search") != nullptr ? SweepKind::search
-                                            : SweepKind::axes;
+           : root.find("ray") != nullptr || (axis != nullptr && axis->kind == Node::Kind::table)
+               ? SweepKind::every_float
+               : SweepKind::axes;
 }
 
 }  // namespace lostbits::scene::sweep

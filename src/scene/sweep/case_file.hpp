@@ -65,7 +65,7 @@ private:
 };
 
 /// What a sweep file holds, by its tables.
-enum class SweepKind { axes, cases, search };
+enum class SweepKind { axes, cases, search, every_float };
 SweepKind sweep_kind(const std::filesystem::path& path);
 
 }  // namespace lostbits::scene::sweep

@@ -37,7 +37,10 @@ void fill(Axis& axis, TableReader& table) {
         const std::int64_t first = place(static_cast<float>(axis.from)), last = place(static_cast<float>(axis.to));
         if (last < first) table.fail_at("to", "must be greater than from with spacing = \"every_float\"");
         if (last - first >= most_steps)
-            table.fail_at("to", "leaves more than 100000 floats between from and to; bring them closer together");
+            table.fail_at(
+                "to",
+                "leaves more than 100000 floats between from and to; bring them closer together, or try every float "
+                "of one ray: see data/sweeps/exhaustive-distance.toml");
         for (std::int64_t n = first; n <= last; ++n) axis.values.push_back(static_cast<double>(float_at(n)));
         return;
     }

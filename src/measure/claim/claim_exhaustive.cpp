@@ -1,0 +1,159 @@
+// Claims that rest on every float of a range.
+#include <algorithm>
+#include <cmath>
+
+#include "measure/claim/claim_subjects.hpp"
+#include "measure/sweep/exhaustive_findings.hpp"
+#include "measure/truth/lost_bits.hpp"
+#include "scene/toml/did_you_mean.hpp"
+
+namespace lostbits::measure::claim {
+
+using answer::Outcome;
+using scene::claim::Claim;
+using scene::sweep::ExhaustiveFile;
+using scene::sweep::float_at;
+using sweep::ExhaustiveRequest;
+using sweep::RangeFinding;
+using sweep::Tally;
+
+namespace {
+
+/// The file's ray of that name; its only one where the claim names none.
+std::size_t ray_of(const Claim& claim, const ExhaustiveFile& file) {
+    if (claim.ray.empty() && file.rays.size() == 1) return 0;
+    std::vector<std::string> names;
+    for (const auto& ray : file.rays) names.push_back(ray.name);
+    const auto found = static_cast<std::size_t>(std::ranges::find(names, claim.ray) - names.begin());
+    if (found < names.size()) return found;
+    scene::toml::fail(claim.where, claim.ray.empty() ? "claim.given names no ray, and " + file.id + " has several; " +
+                                                           scene::toml::did_you_mean("", names)
+                                                     : "there is no ray \"" + claim.ray + "\" in " + file.id + "; " +
+                                                           scene::toml::did_you_mean(claim.ray, names));
+}
+
+/// The range of a claim, as a file with that range alone and with its one ray.
+ExhaustiveFile narrowed(const Claim& claim, const std::filesystem::path& path) {
+    ExhaustiveFile file(path);
+    const std::size_t ray = ray_of(claim, file);
+    file.rays = {file.rays[ray]};
+    if (claim.from.has_value() != claim.to.has_value())
+        scene::toml::fail(claim.where, "claim.given has one of from and to; write both, or neither for the whole axis");
+    if (claim.from) file.narrow(*claim.from, *claim.to, claim.where);
+    return file;
+}
+
+/// A tally's numbers by name. `wrong` counts every decision that is not right.
+struct Number {
+    std::string name;
+    double value;
+};
+std::vector<Number> numbers_of(const Tally& tally) {
+    const double worst = tally.worst ? std::fabs(tally.worst->ulps) : truth::missing;
+    std::vector<Number> all{
+        {"wrong", static_cast<double>(tally.wrong())},
+        {"ulp_error_max", worst},
+        {"lost_bits_max", tally.worst ? truth::lost_bits(worst, binary32.precision) : truth::missing}};
+    for (std::size_t o = 0; o < tally.outcomes.size(); ++o) {
+        const std::string name(answer::outcome_names[o]);
+        all.push_back({name, static_cast<double>(tally.outcomes[o])});
+        all.push_back({name + "_fraction", truth::fraction(tally.outcomes[o], tally.floats())});
+    }
+    return all;
+}
+
+double metric_of(const Claim& claim, const Tally& tally) {
+    const auto all = numbers_of(tally);
+    const auto found = std::ranges::find(all, claim.metric, &Number::name);
+    if (found != all.end()) return found->value;
+    std::vector<std::string> names;
+    for (const Number& number : all) names.push_back(number.name);
+    scene::toml::fail(claim.quantity, "claim.expect.metric is \"" + claim.metric +
+                                          "\", which a sweep over every float does not measure; " +
+                                          scene::toml::did_you_mean(claim.metric, names));
+}
+
+std::size_t event_of(const Claim& claim) {
+    for (std::size_t e = 0; e < sweep::first_events.size(); ++e) {
+        const auto& event = sweep::first_events[e];
+        const auto name = event.lost_bits > 0 ? std::string_view("lost_bits")
+                                              : answer::outcome_names[static_cast<std::size_t>(event.outcome)];
+        if (claim.onset == name && claim.threshold == std::max(event.lost_bits, 1)) return e;
+    }
+    scene::toml::fail(claim.where, "no onset of \"" + claim.onset +
+                                       "\" at that threshold; over every float there are false_miss, false_hit, "
+                                       "not_a_number (1) and lost_bits (1, 4, 8, 12)");
+}
+
+/// The float that the number was taken from: an onset, the first wrong decision, or the worst error.
+std::optional<std::uint32_t> witness_place(const Claim& claim, const Tally& tally) {
+    if (!claim.onset.empty()) return tally.first[event_of(claim)];
+    for (std::size_t e = 0; e < sweep::first_events.size(); ++e) {
+        const auto& event = sweep::first_events[e];
+        const auto name = answer::outcome_names[static_cast<std::size_t>(event.outcome)];
+        if (event.lost_bits == 0 && claim.metric.starts_with(name)) return tally.first[e];
+    }
+    if (claim.metric == "wrong" && tally.first_wrong) return tally.first_wrong->place;
+    if (tally.worst) return tally.worst->place;
+    return std::nullopt;
+}
+
+map::WorstRay witness_at(const ExhaustiveRequest& request, std::uint32_t place) {
+    const auto there = sweep::answer_at(request, 0, 0, place);
+    map::WorstRay witness;
+    witness.x = witness.y = 0;
+    witness.given = std::make_shared<scene::rays::RayGroup>(request.sweep->group_at(0, float_at(place)));
+    witness.ray = witness.given->rays[0];
+    witness.solid = witness.given->solids.front();
+    witness.t = static_cast<double>(there.t);
+    witness.outcome = there.outcome;
+    witness.ulps = there.ulps;
+    witness.truth = there.truth;
+    witness.judged = request.rows.front().judged;
+    return witness;
+}
+
+ClaimResult measure_one(const Claim& claim, const ExhaustiveFile& file) {
+    ExhaustiveRequest request;
+    request.sweep = &file;
+    request.rows = {row_for(claim, file)};
+    if (request.rows.front().format.engine != Format::Engine::native32)
+        scene::toml::fail(claim.where, claim.sweep + " tries every number of f32 alone; write format = \"f32\"");
+    if (!claim.convention) request.rows.front().judged = file.convention;
+    sweep::ExhaustiveState state;
+    sweep::run_exhaustive(request, state);
+    Tally all;
+    std::optional<float> onset;
+    // Where there are two ranges, all floats from each zero outwards, an onset is that of the first that has one.
+    for (const RangeFinding& finding : sweep::findings_of(request, state)) {
+        all.append(finding.tally);
+        if (!claim.onset.empty() && !onset && finding.tally.first[event_of(claim)])
+            onset = float_at(*finding.tally.first[event_of(claim)]);
+    }
+    const double measured = claim.onset.empty() ? metric_of(claim, all)
+                            : onset             ? static_cast<double>(*onset)
+                                                : truth::missing;
+    ClaimResult result = judge(claim, measured, nullptr);
+    result.floats = all.floats();
+    if (!claim.onset.empty() && !onset) result.trouble = "it does not happen at any of the floats";
+    if (all.count(Outcome::unresolved) > 0) {
+        result.state = ClaimResult::State::broken;
+        result.trouble = std::to_string(all.count(Outcome::unresolved)) + " floats have no proved truth";
+    }
+    if (const auto place = witness_place(claim, all)) result.witness = witness_at(request, *place);
+    return result;
+}
+
+}  // namespace
+
+void measure_exhaustive(const std::vector<Claim>& claims, const Places& places, const std::filesystem::path& path,
+                        std::vector<ClaimResult>& results) {
+    for (const std::size_t i : places) {
+        if (!claims[i].exhaustive)
+            scene::toml::fail(claims[i].where, "sweep \"" + claims[i].sweep +
+                                                   "\" tries every float; write `exhaustive = true` in claim.given");
+        results[i] = measure_one(claims[i], narrowed(claims[i], path));
+    }
+}
+
+}  // namespace lostbits::measure::claim

@@ -1,0 +1,173 @@
+#include "measure/sweep/exhaustive_block.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "measure/sweep/ulp_columns.hpp"
+#include "number/interruption.hpp"
+
+namespace lostbits::measure::sweep {
+
+using answer::Outcome;
+
+namespace {
+
+constexpr std::size_t chunk_size = 4096;  // the columns of a chunk stay in the second-level cache
+
+bool is_wrong(Outcome o) { return o == Outcome::false_hit || o == Outcome::false_miss || o == Outcome::not_a_number; }
+
+/// More open questions than this are put to packs before each is put to the whole truth.
+constexpr std::size_t few = 8;
+
+/// A form at the floats of a chunk, onto what is known of the floats before them.
+class ChunkTally {
+public:
+    ChunkTally(UlpColumns& ulps, const scene::sweep::FloatRange& floats, Tally& onto, std::size_t& left)
+        : ulps_(ulps), floats_(floats), onto_(onto), left_(left) {}
+
+    void add() {
+        for (std::size_t o = 0; o < onto_.outcomes.size(); ++o) onto_.outcomes[o] += ulps_.counts()[o];
+        add_wrong();
+        add_worst();
+        for (std::size_t e = 0; e < first_events.size(); ++e) {
+            if (first_events[e].lost_bits > 0 && !onto_.first[e]) add_crossing(e);
+        }
+    }
+
+private:
+    void add_wrong() {
+        const auto& counts = ulps_.counts();
+        const auto any = [&](Outcome o) { return counts[static_cast<std::size_t>(o)] > 0; };
+        if (!any(Outcome::false_hit) && !any(Outcome::false_miss) && !any(Outcome::not_a_number)) return;
+        for (std::size_t e = 0; e < first_events.size(); ++e) {
+            const Outcome o = first_events[e].outcome;
+            if (first_events[e].lost_bits > 0 || onto_.first[e] || !any(o)) continue;
+            std::size_t i = 0;
+            while (ulps_.outcome(i) != o) ++i;
+            onto_.first[e] = floats_.at(i);
+        }
+        std::size_t first = 0, last = ulps_.size() - 1;
+        if (!onto_.first_wrong) {
+            while (!is_wrong(ulps_.outcome(first))) ++first;
+            onto_.first_wrong = {floats_.at(first), ulps_.outcome(first)};
+        }
+        while (!is_wrong(ulps_.outcome(last))) --last;
+        onto_.last_wrong = {floats_.at(last), ulps_.outcome(last)};
+    }
+
+    /// An error from which on a float is worse than all before it.
+    [[nodiscard]] double worse_from() const {
+        const double beaten = onto_.worst ? std::fabs(onto_.worst->ulps) : -1;
+        return beaten < 0 ? beaten : beaten + 0x1p-20 * std::max(beaten, 1.0);
+    }
+
+    /// The floats that may be worse than those before them and than all that others surely are.
+    [[nodiscard]] std::vector<std::size_t> rivals() const {
+        std::vector<std::size_t> found;
+        const double floor = worse_from();
+        if (!(ulps_.most_at_most() > floor)) return found;
+        for (std::size_t i = 0; i < ulps_.size(); ++i) {
+            if (ulps_.at_most(i) > floor && ulps_.at_most(i) >= ulps_.most_at_least()) found.push_back(i);
+        }
+        return found;
+    }
+
+    void take_if_worse(std::size_t i) {
+        const double ulps = ulps_.exact(i);
+        if (!onto_.worst || std::fabs(ulps) > std::fabs(onto_.worst->ulps)) onto_.worst = {floats_.at(i), ulps};
+    }
+
+    void add_worst() {
+        const std::vector<std::size_t> some = rivals();
+        if (some.size() <= few) {
+            for (const std::size_t i : some) take_if_worse(i);
+        } else if (some.size() <= left_) {
+            left_ -= some.size();
+            ulps_.refine(some);
+            // They are known to 2^-48 now: the first that may be the largest is so near to it that it stands for all.
+            take_if_worse(first_largest(some));
+        } else if (ulps_.most_at_least() > worse_from()) {
+            take_if_worse(first_largest(some));
+        }
+        double most = some.empty() ? std::min(ulps_.most_at_most(), worse_from()) : -1;
+        for (const std::size_t i : some) most = std::max(most, ulps_.at_most(i));
+        onto_.at_most = std::max(onto_.at_most, most);
+    }
+
+    [[nodiscard]] std::size_t first_largest(const std::vector<std::size_t>& some) const {
+        double largest = -1;
+        for (const std::size_t i : some) largest = std::max(largest, ulps_.at_least(i));
+        return *std::ranges::find_if(some, [&](std::size_t i) { return ulps_.at_most(i) >= largest; });
+    }
+
+    void add_crossing(std::size_t event) {
+        const double bits = first_events[event].lost_bits, crossing = std::exp2(bits - 1);
+        if (ulps_.most_at_most() < crossing) return;
+        std::vector<std::size_t> open;
+        std::size_t sure = 0;
+        for (; sure < ulps_.size() && ulps_.at_least(sure) < crossing; ++sure) {
+            if (ulps_.at_most(sure) >= crossing) open.push_back(sure);
+        }
+        if (open.size() > few) ulps_.refine(open);
+        for (const std::size_t i : open) {
+            const bool crosses = ulps_.at_least(i) >= crossing ||
+                                 (ulps_.at_most(i) >= crossing && std::fabs(ulps_.exact(i)) >= crossing);
+            if (!crosses) continue;
+            onto_.first[event] = floats_.at(i);
+            return;
+        }
+        if (sure < ulps_.size()) onto_.first[event] = floats_.at(sure);
+    }
+
+    UlpColumns& ulps_;
+    const scene::sweep::FloatRange& floats_;
+    Tally& onto_;
+    std::size_t& left_;  ///< so many floats may still be refined in search of the worst
+};
+
+}  // namespace
+
+std::vector<RowsOfTruth> rows_by_truth(const std::vector<map::MapRow>& rows, truth::TruthLimit limit) {
+    std::vector<RowsOfTruth> groups;
+    for (std::size_t r = 0; r < rows.size(); ++r) {
+        const bool unit = rows[r].form->info->direction == intersect::Direction::unit;
+        const truth::ColumnTerms terms{rows[r].convention(), unit ? truth::Length::distance : truth::Length::parameter,
+                                       truth::Tightness::ulps_of_binary32, limit};
+        auto same = std::ranges::find_if(groups, [&](const RowsOfTruth& g) {
+            return g.terms.convention == terms.convention && g.terms.length == terms.length;
+        });
+        if (same == groups.end()) same = groups.insert(groups.end(), {terms, {}});
+        same->rows.push_back(r);
+    }
+    return groups;
+}
+
+std::vector<Tally> try_floats(const BlockRequest& request, truth::StageCounts& stages) {
+    AxisColumns columns(request.sweep, request.ray, chunk_size);
+    std::vector<float> values(chunk_size), t(chunk_size);
+    std::vector<std::uint8_t> hit(chunk_size);
+    truth::TruthColumns truths;
+    std::vector<UlpColumns> ulps;
+    for (const RowsOfTruth& group : request.truths) ulps.emplace_back(columns, group.terms);
+    std::vector<Tally> tallies(request.rows.size());
+    std::vector<std::size_t> left(request.rows.size(), most_refined);
+    for (std::uint64_t begin = 0; begin < request.floats.size(); begin += chunk_size) {
+        stop_if_interrupted();
+        const std::uint64_t n = std::min<std::uint64_t>(chunk_size, request.floats.size() - begin);
+        const scene::sweep::FloatRange chunk{request.floats.at(begin), request.floats.at(begin + n - 1)};
+        for (std::size_t i = 0; i < n; ++i) values[i] = scene::sweep::float_at(chunk.at(i));
+        columns.set(std::span(values).first(n));
+        for (std::size_t g = 0; g < ulps.size(); ++g) {
+            find_truth_columns(columns.problems(), request.truths[g].terms, truths);
+            stages += truths.stages;
+            for (const std::size_t row : request.truths[g].rows) {
+                columns.answer(request.rows[row], std::span(t).first(n), std::span(hit).first(n));
+                ulps[g].compare(std::span(t).first(n), std::span(hit).first(n), truths);
+                ChunkTally(ulps[g], chunk, tallies[row], left[row]).add();
+            }
+        }
+    }
+    return tallies;
+}
+
+}  // namespace lostbits::measure::sweep

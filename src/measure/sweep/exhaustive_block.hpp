@@ -1,0 +1,42 @@
+// Some thousand floats of an axis, tried by every form on one ray.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "measure/map/map.hpp"
+#include "measure/sweep/tally.hpp"
+#include "measure/truth/truth_columns.hpp"
+#include "scene/sweep/exhaustive_file.hpp"
+
+namespace lostbits::measure::sweep {
+
+/// Rows that are held against the same truth.
+struct RowsOfTruth {
+    truth::ColumnTerms terms;
+    std::vector<std::size_t> rows;
+};
+std::vector<RowsOfTruth> rows_by_truth(const std::vector<map::MapRow>& rows, truth::TruthLimit limit);
+
+/// One ray of a sweep and the forms that meet it.
+struct BlockRequest {
+    const scene::sweep::ExhaustiveFile& sweep;
+    const std::vector<map::MapRow>& rows;
+    const std::vector<RowsOfTruth>& truths;  ///< of the rows
+    std::size_t ray = 0;
+    scene::sweep::FloatRange floats;
+};
+
+/// In one block, by one form.
+inline constexpr std::size_t most_refined = 4096;
+
+/// What the rows do at these floats: a tally a row.
+///
+/// The worst error is that of the whole truth (`find_truth`) at its float. Floats that may be worse are looked at
+/// closely, so that none is worse by more than 2^-20 of it or of an ulp; but where thousands in a row are as bad to
+/// within 2^-8 ulp, as where t* hardly depends on the axis, no more than `most_refined`. What the others' errors are at
+/// most is in `at_most`. Crossings of a number of lost bits are decided by the whole truth wherever the columns leave
+/// them open.
+std::vector<Tally> try_floats(const BlockRequest& request, truth::StageCounts& stages);
+
+}  // namespace lostbits::measure::sweep

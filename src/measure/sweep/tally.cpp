@@ -1,0 +1,22 @@
+#include "measure/sweep/tally.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+namespace lostbits::measure::sweep {
+
+std::uint64_t Tally::floats() const { return std::accumulate(outcomes.begin(), outcomes.end(), std::uint64_t{0}); }
+
+void Tally::append(const Tally& after) {
+    for (std::size_t o = 0; o < outcomes.size(); ++o) outcomes[o] += after.outcomes[o];
+    if (after.worst && (!worst || std::fabs(after.worst->ulps) > std::fabs(worst->ulps))) worst = after.worst;
+    at_most = std::max(at_most, after.at_most);
+    if (!first_wrong) first_wrong = after.first_wrong;
+    if (after.last_wrong) last_wrong = after.last_wrong;
+    for (std::size_t e = 0; e < first.size(); ++e) {
+        if (!first[e]) first[e] = after.first[e];
+    }
+}
+
+}  // namespace lostbits::measure::sweep

@@ -1,0 +1,58 @@
+// What is known of a form over floats that were tried one after another.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+
+#include "measure/answer/outcome.hpp"
+
+namespace lostbits::measure::sweep {
+
+/// What first happens along an axis: an outcome, or an error of so many bits.
+struct FirstEvent {
+    answer::Outcome outcome;  ///< of a wrong decision
+    int lost_bits = 0;        ///< 0: the outcome; otherwise so many bits are lost, and the outcome is `agree_hit`
+};
+inline constexpr std::array<FirstEvent, 7> first_events{{{answer::Outcome::false_miss},
+                                                         {answer::Outcome::false_hit},
+                                                         {answer::Outcome::not_a_number},
+                                                         {answer::Outcome::agree_hit, 1},
+                                                         {answer::Outcome::agree_hit, 4},
+                                                         {answer::Outcome::agree_hit, 8},
+                                                         {answer::Outcome::agree_hit, 12}}};
+
+/// A form on one ray over floats in their order. Floats are named by their place among all (scene/sweep/float_order).
+struct Tally {
+    struct Worst {
+        std::uint32_t place;
+        double ulps;  ///< (t − t*)/ulp(t*), signed
+        friend bool operator==(const Worst&, const Worst&) = default;
+    };
+    struct Wrong {
+        std::uint32_t place;
+        answer::Outcome outcome;
+        friend bool operator==(const Wrong&, const Wrong&) = default;
+    };
+
+    std::array<std::uint64_t, answer::outcome_names.size()> outcomes{};
+    /// Of the floats where both hit, the first whose error is the largest in size; see `try_floats`.
+    std::optional<Worst> worst;
+    /// No float's error is larger in size; −1 where none is a hit for both.
+    double at_most = -1;
+    std::optional<Wrong> first_wrong, last_wrong;
+    /// The place where each of `first_events` first happens.
+    std::array<std::optional<std::uint32_t>, first_events.size()> first;
+
+    [[nodiscard]] std::uint64_t count(answer::Outcome o) const { return outcomes[static_cast<std::size_t>(o)]; }
+    [[nodiscard]] std::uint64_t floats() const;
+    [[nodiscard]] std::uint64_t wrong() const {
+        return count(answer::Outcome::false_hit) + count(answer::Outcome::false_miss) +
+               count(answer::Outcome::not_a_number);
+    }
+    /// What is known of these floats and of those that come after them.
+    void append(const Tally& after);
+    friend bool operator==(const Tally&, const Tally&) = default;
+};
+
+}  // namespace lostbits::measure::sweep

@@ -1,0 +1,231 @@
+#include "scene/sweep/exhaustive_file.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <iterator>
+
+#include "scene/toml/parse_number.hpp"
+#include "scene/toml/round.hpp"
+
+namespace lostbits::scene::sweep {
+
+using intersect::Touching;
+using toml::Node;
+using toml::TableReader;
+
+namespace {
+
+constexpr std::string_view schema = "lostbits-sweep/1";
+constexpr std::string_view ray_paths[] = {"ray.origin.x",    "ray.origin.y",    "ray.origin.z",
+                                          "ray.direction.x", "ray.direction.y", "ray.direction.z"};
+
+std::vector<std::string> solid_paths(Shape shape) {
+    if (shape == Shape::sphere) return {"sphere.centre.x", "sphere.centre.y", "sphere.centre.z", "sphere.radius"};
+    return {"box.lo.x", "box.lo.y", "box.lo.z", "box.hi.x", "box.hi.y", "box.hi.z"};
+}
+
+/// FNV-1a of the bytes of a file.
+std::uint64_t hash_of(const std::filesystem::path& path) {
+    std::ifstream file(path, std::ios::binary);
+    std::uint64_t hash = 0xcbf29ce484222325U;
+    for (std::istreambuf_iterator<char> c(file), end; c != end; ++c)
+        hash = (hash ^ static_cast<unsigned char>(*c)) * 0x100000001b3U;
+    return hash;
+}
+
+/// The floats on either side of a number that is none.
+struct Around {
+    float below, above;
+};
+Around around(const Real& x) {
+    const auto nearest = static_cast<float>(toml::round_to_format(x, binary32));
+    if (Real(nearest) < x) return {nearest, float_at(place_of(nearest) + 1)};
+    return {float_at(place_of(nearest) - 1), nearest};
+}
+
+std::string shown(float x) { return '"' + toml::exact_text(Real(x)) + '"'; }
+
+std::string nearest_text(const Real& x) {
+    const auto [below, above] = around(x);
+    return "the nearest below and above are " + shown(below) + " and " + shown(above);
+}
+
+/// A number that every form is given as it stands.
+float float_in(TableReader& table, std::string_view key) {
+    const Real x = table.number(key);
+    if (const auto exact = exact_float(x)) return *exact;
+    table.fail_at(key, "is not a number of binary32, and rounding it would try another place; " + nearest_text(x));
+}
+
+Vec<float> vec_in(TableReader& table, std::string_view key) {
+    const auto all = table.numbers(key, 3);
+    std::array<float, 3> v{};
+    for (std::size_t i = 0; i < 3; ++i) {
+        const auto exact = exact_float(all[i]);
+        if (!exact)
+            table.fail_at(key, "holds a number that is not one of binary32, in place " + std::to_string(i) + "; " +
+                                   nearest_text(all[i]));
+        v[i] = *exact;
+    }
+    return {v[0], v[1], v[2]};
+}
+
+bool is_proper(const Solid<float>& s) {
+    if (s.shape == Shape::sphere) return s.numbers[3] > 0;
+    return s.numbers[0] <= s.numbers[3] && s.numbers[1] <= s.numbers[4] && s.numbers[2] <= s.numbers[5];
+}
+
+}  // namespace
+
+std::optional<float> exact_float(const Real& x) {
+    const double rounded = toml::round_to_format(x, binary32);
+    if (std::isfinite(rounded) && Real(rounded) == x) return static_cast<float>(rounded);
+    return std::nullopt;
+}
+
+void ExhaustiveFile::read_path(const std::string& path, const TableReader& axis) {
+    const auto of_solid = solid_paths(solid.shape);
+    std::vector<std::string> all(std::begin(ray_paths), std::end(ray_paths));
+    all.insert(all.end(), of_solid.begin(), of_solid.end());
+    const auto found = static_cast<std::size_t>(std::ranges::find(all, path) - all.begin());
+    if (found == all.size())
+        axis.fail_at("set", "names \"" + path + "\", which is not a number of the ray or of its " +
+                                std::string(name_of(solid.shape)) + "; " + toml::did_you_mean(path, all));
+    auto& places = found < 6 ? ray_places : solid_places;
+    const std::size_t place = found < 6 ? found : found - 6;
+    if (std::ranges::find(places, place) != places.end())
+        axis.fail_at("set", "names \"" + path + "\" twice; once is enough");
+    places.push_back(place);
+}
+
+void ExhaustiveFile::read_range(TableReader& axis) {
+    if (axis.optional_boolean("all").value_or(false)) {
+        for (const char* key : {"from", "to"})
+            axis.reject(key, "cannot be combined with all = true, which takes every float there is; leave one out");
+        if (!solid_places.empty())
+            axis.fail_at("all",
+                         "takes NaN, infinities and numbers of either sign, which are no solid's; write from and to");
+        ranges_ = {{place_of(0.0F), 0xffffffffU}, {place_of(-0.0F), 0}};
+        return;
+    }
+    const Real from = axis.number("from"), to = axis.number("to");
+    const bool rises = from < to;
+    const auto low = exact_float(rises ? from : to), high = exact_float(rises ? to : from);
+    if (!low && !high && place_of(around(rises ? from : to).above) > place_of(around(rises ? to : from).below))
+        axis.fail_at("from", "and to have no number of binary32 between them; " + nearest_text(from));
+    ranges_ = {{place_of(float_in(axis, "from")), place_of(float_in(axis, "to"))}};
+    if (ranges_.front().size() == 1)
+        axis.fail_at("to", "equals from, which leaves nothing to sweep; bring them farther apart");
+}
+
+void ExhaustiveFile::read_axis(TableReader axis) {
+    axis_name = axis.string("name");
+    const bool plain = !axis_name.empty() && std::ranges::all_of(axis_name, [](char c) {
+        return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '_';
+    });
+    if (!plain)
+        axis.fail_at("name", "must be a column name of lower-case letters, digits and _, such as \"distance_radii\"");
+    axis_unit = axis.optional_string("unit").value_or("");
+    if (axis.string("spacing") != "every_float")
+        axis.fail_at("spacing", "must be \"every_float\" in an [axis] table; other sweeps have [[axis]] tables");
+    if (axis.node("set").kind == Node::Kind::array) {
+        for (const std::string& path : axis.strings("set")) read_path(path, axis);
+    } else {
+        read_path(axis.string("set"), axis);
+    }
+    if (ray_places.empty() && solid_places.empty())
+        axis.fail_at("set", "is empty; name a number of the ray or of its solid");
+    read_range(axis);
+    axis.reject_unknown_keys();
+    // A sphere has a radius above 0, a box lo ≤ hi: where both ends of a range are solids, all between them are.
+    for (const FloatRange& range : ranges_) {
+        for (const std::uint32_t end : {range.first, range.last}) {
+            if (!is_proper(solid_at(float_at(end))))
+                axis.fail_at(end == range.first ? "from" : "to",
+                             solid.shape == Shape::sphere
+                                 ? "leaves a sphere whose radius is not greater than 0; write a positive number"
+                                 : "leaves a box whose hi is below its lo; a box needs lo <= hi in each component");
+        }
+    }
+}
+
+ExhaustiveFile::ExhaustiveFile(const std::filesystem::path& path) : id(path.stem().string()) {
+    const Node root = toml::read_toml(path);
+    text_hash = hash_of(path);
+    TableReader file(root);
+    toml::require_schema(file, schema);
+    title = file.string("title");
+    source = file.string("source");
+    note = file.optional_string("note").value_or("");
+    static constexpr std::pair<std::string_view, Touching> conventions[] = {{"closed", Touching::hit},
+                                                                            {"open", Touching::miss}};
+    convention = file.optional_one_of<Touching>("convention", conventions);
+    auto sphere = file.optional_table("sphere"), box = file.optional_table("box");
+    if (sphere.has_value() == box.has_value())
+        toml::fail(file.where(), "a sweep over every float has one solid: a [sphere] or a [box] table; write one");
+    if (sphere) {
+        solid = Sphere<float>{vec_in(*sphere, "centre"), float_in(*sphere, "radius")};
+        sphere->reject_unknown_keys();
+    } else {
+        solid = Box<float>{vec_in(*box, "lo"), vec_in(*box, "hi")};
+        box->reject_unknown_keys();
+    }
+    for (TableReader& table : file.tables("ray")) {
+        NamedRay ray{table.string("name"), {vec_in(table, "origin"), vec_in(table, "direction")}};
+        if (std::ranges::find(rays, ray.name, &NamedRay::name) != rays.end())
+            table.fail_at("name", "is \"" + ray.name + "\", the name of another ray too; give each its own");
+        if (sphere)
+            table.reject("tmax", "ends a ray for the forms of boxes; those of spheres take no end and would ignore it");
+        else if (table.has("tmax")) ray.tmax = float_in(table, "tmax");
+        table.reject_unknown_keys();
+        rays.push_back(std::move(ray));
+    }
+    if (rays.empty()) toml::fail(file.where(), "a sweep over every float has [[ray]] tables; write at least one");
+    read_axis(file.table("axis"));
+    file.reject_unknown_keys();
+}
+
+std::uint64_t ExhaustiveFile::floats() const {
+    std::uint64_t sum = 0;
+    for (const FloatRange& range : ranges_) sum += range.size();
+    return sum;
+}
+
+void ExhaustiveFile::narrow(const Real& from, const Real& to, const toml::Where& where) {
+    const auto inside = [&](const Real& x) {
+        const auto exact = exact_float(x);
+        if (!exact) toml::fail(where, "a number that is not one of binary32; " + nearest_text(x));
+        const std::uint32_t place = place_of(*exact);
+        if (std::ranges::none_of(ranges_, [place](const FloatRange& r) {
+                return std::min(r.first, r.last) <= place && place <= std::max(r.first, r.last);
+            }))
+            toml::fail(where, shown(*exact) + " lies outside the axis " + axis_name + " of " + id);
+        return place;
+    };
+    ranges_ = {{inside(from), inside(to)}};
+}
+
+Ray<float> ExhaustiveFile::ray_at(std::size_t ray, float value) const {
+    Ray<float> r = rays[ray].ray;
+    for (const std::size_t place : ray_places)
+        (place < 3 ? r.origin : r.direction)[static_cast<int>(place % 3)] = value;
+    return r;
+}
+
+Solid<float> ExhaustiveFile::solid_at(float value) const {
+    Solid<float> there = solid;
+    for (const std::size_t place : solid_places) there.numbers[place] = value;
+    return there;
+}
+
+rays::RayGroup ExhaustiveFile::group_at(std::size_t ray, float value) const {
+    const Ray<float> r = ray_at(ray, value);
+    const auto wide = [](const Vec<float>& v) { return Vec<double>(v.x, v.y, v.z); };
+    rays::RayGroup group = rays::group_of({wide(r.origin), wide(r.direction)});
+    if (solid.shape == Shape::box) group.rays.tmax = {static_cast<double>(rays[ray].tmax)};
+    group.solids = {transformed(solid_at(value), [](float x) { return static_cast<double>(x); })};
+    return group;
+}
+
+}  // namespace lostbits::scene::sweep

@@ -1,0 +1,64 @@
+// An exhaustive sweep: a number of a ray or of its solid that takes every float of a range, or every float there is.
+#pragma once
+
+#include <filesystem>
+#include <limits>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "intersect/info.hpp"
+#include "scene/rays/rays.hpp"
+#include "scene/sweep/float_order.hpp"
+#include "scene/toml/toml_reader.hpp"
+
+namespace lostbits::scene::sweep {
+
+/// A sweep file with one `[axis]` table, `[[ray]]` tables, and a `[sphere]` or a `[box]`. All numbers are binary32.
+class ExhaustiveFile {
+public:
+    /// InputError with a position for anything that is not such a sweep.
+    explicit ExhaustiveFile(const std::filesystem::path& path);
+
+    std::string id, title, source, note;
+    std::uint64_t text_hash = 0;  ///< of the bytes of the file
+    /// All forms are judged as if touching were this; absent: each by its own word.
+    std::optional<intersect::Touching> convention;
+
+    std::string axis_name, axis_unit;
+    /// What the axis sets, all to the same float: origin x, y, z and direction x, y, z of the ray (0 to 5), numbers of
+    /// the solid in its own order.
+    std::vector<std::size_t> ray_places, solid_places;
+
+    struct NamedRay {
+        std::string name;
+        Ray<float> ray;
+        float tmax = std::numeric_limits<float>::infinity();  ///< where it ends (boxes only)
+    };
+    std::vector<NamedRay> rays;
+    Solid<float> solid;
+
+    /// What is tried, in order: from `from` to `to`, or from each zero outwards over all floats of its sign.
+    [[nodiscard]] const std::vector<FloatRange>& ranges() const { return ranges_; }
+    [[nodiscard]] std::uint64_t floats() const;
+    /// The floats between two others, both of them among those of the file. InputError, `where` in front, otherwise.
+    void narrow(const Real& from, const Real& to, const toml::Where& where);
+
+    [[nodiscard]] bool meets(Shape form) const { return form == solid.shape; }
+    /// A ray and its solid with the axis at a float.
+    [[nodiscard]] Ray<float> ray_at(std::size_t ray, float value) const;
+    [[nodiscard]] Solid<float> solid_at(float value) const;
+    [[nodiscard]] rays::RayGroup group_at(std::size_t ray, float value) const;
+
+private:
+    void read_axis(toml::TableReader axis);
+    void read_path(const std::string& path, const toml::TableReader& axis);
+    void read_range(toml::TableReader& axis);
+
+    std::vector<FloatRange> ranges_;
+};
+
+/// x, where it is a number of binary32; otherwise nothing.
+std::optional<float> exact_float(const Real& x);
+
+}  // namespace lostbits::scene::sweep

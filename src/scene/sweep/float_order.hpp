@@ -1,0 +1,50 @@
+// All 2^32 bit patterns of binary32 in one order, and the binades that they fall into.
+#pragma once
+
+#include <bit>
+#include <cstdint>
+#include <string>
+
+namespace lostbits::scene::sweep {
+
+/// The place of a float among all: by value, −0 just before +0; the NaNs with a sign come before −∞, the others after
+/// +∞, each by payload. Every 32-bit number is the place of exactly one float.
+constexpr std::uint32_t place_of(float x) {
+    const auto bits = std::bit_cast<std::uint32_t>(x);
+    return (bits >> 31) != 0 ? ~bits : bits | 0x80000000U;
+}
+constexpr float float_at(std::uint32_t place) {
+    return std::bit_cast<float>((place >> 31) != 0 ? place & 0x7fffffffU : ~place);
+}
+
+/// Floats of one sign and one exponent; the subnormals, each zero, each infinity and the NaNs of a sign stand apart.
+struct Binade {
+    enum class Kind { zero, subnormal, normal, infinite, not_a_number };
+
+    Kind kind = Kind::zero;
+    bool negative = false;
+    int exponent = 0;                 ///< of normal ones: 2^exponent ≤ |x| < 2^(exponent + 1)
+    std::uint32_t low = 0, high = 0;  ///< the places of its first and its last float
+
+    /// `+2^-3`, `-subnormal`, `+0`, `-inf`, `+nan`.
+    [[nodiscard]] std::string name() const;
+};
+
+Binade binade_of(float x);
+
+/// Floats in order from one to another, both included: upwards, or downwards where `last` comes before `first`.
+struct FloatRange {
+    std::uint32_t first = 0, last = 0;  ///< places
+
+    [[nodiscard]] bool falls() const { return last < first; }
+    [[nodiscard]] std::uint64_t size() const { return std::uint64_t{1} + (falls() ? first - last : last - first); }
+    /// The place after so many steps.
+    [[nodiscard]] std::uint32_t at(std::uint64_t steps) const {
+        const auto n = static_cast<std::uint32_t>(steps);
+        return falls() ? first - n : first + n;
+    }
+    /// How many steps lead there.
+    [[nodiscard]] std::uint64_t steps_to(std::uint32_t place) const { return falls() ? first - place : place - first; }
+};
+
+}  // namespace lostbits::scene::sweep

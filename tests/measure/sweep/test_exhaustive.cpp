@@ -1,0 +1,263 @@
+// Sweeps over every float, held against one float after another: the forms' own kernels and the whole truth.
+#include "measure/sweep/exhaustive.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "catch.hpp"
+#include "measure/rows.hpp"
+#include "measure/sweep/exhaustive_findings.hpp"
+#include "measure/truth/lost_bits.hpp"
+#include "measure/truth/unit_direction.hpp"
+#include "number/interruption.hpp"
+#include "output/sweep/exhaustive_state_file.hpp"
+
+using namespace lostbits;
+using namespace lostbits::testing;
+using intersect::table::HitBatch;
+using intersect::table::RayBatch;
+using measure::map::MapRow;
+using scene::sweep::ExhaustiveFile;
+using scene::sweep::float_at;
+using scene::sweep::place_of;
+namespace answer = measure::answer;
+namespace sweep = measure::sweep;
+namespace truth = measure::truth;
+using answer::Outcome;
+
+namespace {
+
+std::string sweep_text(const std::string& axis, const std::string& rays, const std::string& solid) {
+    return "schema = \"lostbits-sweep/1\"\ntitle = \"A test\"\nsource = \"-\"\n[axis]\nname = \"x\"\nspacing = "
+           "\"every_float\"\n" +
+           axis + "\n" + rays + solid + "\n";
+}
+std::string ray(const std::string& name, const std::string& origin, const std::string& direction) {
+    return "[[ray]]\nname = \"" + name + "\"\norigin = [" + origin + "]\ndirection = [" + direction + "]\n";
+}
+const std::string unit_sphere = "[sphere]\ncentre = [0, 0, 0]\nradius = 1";
+const std::string cube = "[box]\nlo = [-1, -1, -1]\nhi = [1, 1, 1]";
+
+std::span<const float> one(const float& x) { return {&x, 1}; }
+
+/// One form at one float, without packs of anything.
+struct Alone {
+    Outcome outcome;
+    double ulps = 0;
+};
+
+Alone try_alone(const ExhaustiveFile& file, std::size_t ray, const MapRow& row, float value) {
+    const Ray<float> there = file.ray_at(ray, value);
+    const auto wide = [](const Vec<float>& v) { return Vec<double>(v.x, v.y, v.z); };
+    const Ray<double> given{wide(there.origin), wide(there.direction)};
+    const Solid<float> solid = file.solid_at(value);
+    const auto end = static_cast<double>(file.rays[ray].tmax);
+    const truth::Truth t = truth::find_truth(given, transformed(solid, [](float x) { return static_cast<double>(x); }),
+                                             {}, row.convention(), end);
+    const bool unit = row.form->info->direction == intersect::Direction::unit;
+    const Vec<double> d = unit ? truth::unit_direction(given.direction, binary32) : given.direction;
+    const auto f = [](double x) { return static_cast<float>(x); };
+    const float o[3] = {f(given.origin.x), f(given.origin.y), f(given.origin.z)}, e[3] = {f(d.x), f(d.y), f(d.z)};
+    const float tmax = f(end);
+    float answer = 0, near = 0, far = 0;
+    std::uint8_t hit = 0;
+    row.form->native32(
+        RayBatch<float>{.ox = one(o[0]),
+                        .oy = one(o[1]),
+                        .oz = one(o[2]),
+                        .dx = one(e[0]),
+                        .dy = one(e[1]),
+                        .dz = one(e[2]),
+                        .tmax = one(tmax)},
+        intersect::Target<float>(solid),
+        HitBatch<float>{std::span(&answer, 1), std::span(&near, 1), std::span(&far, 1), std::span(&hit, 1)});
+    Alone found{answer::classify(t.decision, hit != 0, static_cast<double>(answer))};
+    if (found.outcome == Outcome::agree_hit)
+        found.ulps = truth::ulp_error(static_cast<double>(answer), unit ? t.distance : t.t, binary32);
+    return found;
+}
+
+bool is_wrong(Outcome o) { return o == Outcome::false_hit || o == Outcome::false_miss || o == Outcome::not_a_number; }
+
+void add(sweep::Tally& tally, std::uint32_t place, const Alone& at) {
+    ++tally.outcomes[static_cast<std::size_t>(at.outcome)];
+    const bool hits = at.outcome == Outcome::agree_hit;
+    if (hits && (!tally.worst || std::fabs(at.ulps) > std::fabs(tally.worst->ulps))) tally.worst = {place, at.ulps};
+    if (is_wrong(at.outcome) && !tally.first_wrong) tally.first_wrong = {place, at.outcome};
+    if (is_wrong(at.outcome)) tally.last_wrong = {place, at.outcome};
+    for (std::size_t e = 0; e < sweep::first_events.size(); ++e) {
+        const auto& event = sweep::first_events[e];
+        const bool happens = event.lost_bits > 0 ? hits && truth::lost_bits(at.ulps, 24) >= event.lost_bits
+                                                 : at.outcome == event.outcome;
+        if (happens && !tally.first[e]) tally.first[e] = place;
+    }
+}
+
+/// Everything but the worst, of which another may be next to it, and the errors between.
+void check_same(const sweep::Tally& packs, const sweep::Tally& alone) {
+    CHECK(packs.outcomes == alone.outcomes);
+    CHECK(packs.first_wrong == alone.first_wrong);
+    CHECK(packs.last_wrong == alone.last_wrong);
+    CHECK(packs.first == alone.first);
+    REQUIRE(packs.worst.has_value() == alone.worst.has_value());
+    if (!alone.worst) return;
+    const double worst = std::fabs(alone.worst->ulps), found = std::fabs(packs.worst->ulps);
+    CHECK(found <= worst);
+    CHECK(packs.at_most >= worst);
+    CHECK((worst == found || worst <= found + 0x1p-7));
+    if (packs.at_most < found + 0x1p-19 * std::max(found, 1.0)) CHECK((worst == found || worst <= packs.at_most));
+}
+
+sweep::ExhaustiveRequest request_of(const ExhaustiveFile& file, std::vector<MapRow> rows) {
+    sweep::ExhaustiveRequest request;
+    request.sweep = &file;
+    request.rows = std::move(rows);
+    return request;
+}
+
+sweep::ExhaustiveState run(const sweep::ExhaustiveRequest& request) {
+    sweep::ExhaustiveState state;
+    sweep::run_exhaustive(request, state);
+    return state;
+}
+
+/// How many floats were compared, and in how many rows something was wrong.
+struct Compared {
+    std::uint64_t floats = 0, wrong = 0;
+};
+
+Compared compare(const std::string& text, const std::vector<MapRow>& rows) {
+    const TextFile written(text);
+    const ExhaustiveFile file(written.path());
+    const auto request = request_of(file, rows);
+    const auto state = run(request);
+    const auto binades = sweep::binades_of(file);
+    Compared compared;
+    for (std::size_t b = 0; b < binades.size(); ++b) {
+        for (std::size_t r = 0; r < file.rays.size(); ++r) {
+            for (std::size_t k = 0; k < rows.size(); ++k) {
+                sweep::Tally alone;
+                for (std::uint64_t i = 0; i < binades[b].floats.size(); ++i) {
+                    const std::uint32_t place = binades[b].floats.at(i);
+                    add(alone, place, try_alone(file, r, rows[k], float_at(place)));
+                }
+                const sweep::Tally& packs = state.tallies[request.place(b, r, k)];
+                CAPTURE(rows[k].form->info->name, file.rays[r].name, binades[b].binade.name());
+                check_same(packs, alone);
+                compared.floats += alone.floats();
+                compared.wrong += alone.wrong() > 0;
+            }
+        }
+    }
+    return compared;
+}
+
+}  // namespace
+
+TEST_CASE("every sphere form: distances, silhouettes, directions and radii, against one float after another") {
+    const auto rows = all_rows(Shape::sphere, {"f32"});
+    const std::string look = ray("half", "0.5, 0.25, 4200", "0, 0, -1") + ray("off", "1, 0.125, 4200", "0.25, 0, -1.5");
+    Compared all;
+    const auto with = [&](const std::string& axis, const std::string& rays) {
+        const Compared some = compare(sweep_text(axis, rays, unit_sphere), rows);
+        all.floats += some.floats;
+        all.wrong += some.wrong;
+    };
+    with("set = \"ray.origin.z\"\nfrom = \"0x1.fffep11\"\nto = \"0x1.0001p12\"", look);
+    with("set = \"ray.origin.x\"\nfrom = \"0x1.ffff8p-1\"\nto = \"0x1.00002p0\"", look);
+    with("set = [\"ray.origin.x\", \"ray.origin.y\", \"ray.origin.z\"]\nfrom = \"0x1.0001p10\"\nto = \"0x1p10\"",
+         ray("diagonal", "0, 0, 0", "-1, -1, -1"));
+    with("set = \"ray.direction.x\"\nfrom = \"-0x1p-145\"\nto = \"0x1p-145\"", look);
+    with("set = \"ray.direction.z\"\nfrom = \"-0x1p0\"\nto = \"-0x1.0001p0\"",
+         ray("near", "0.5, 0.25, 3", "0, 0.125, 0"));
+    with("set = \"sphere.radius\"\nfrom = \"0x1.0001p-1\"\nto = \"0x1p-1\"", look + ray("at", "0.5, 0, 3", "0, 0, -1"));
+    with("set = [\"sphere.centre.y\", \"ray.origin.y\"]\nfrom = \"0x1p3\"\nto = \"0x1.0001p3\"", look);
+    CHECK(all.floats > 30000);
+    CHECK(all.wrong > 20);
+}
+
+TEST_CASE("every box form: zeros, subnormals, infinities, NaN and the boundary, against one float after another") {
+    const auto rows = all_rows(Shape::box, {"f32"});
+    const std::string rays = ray("over", "0.5, 0.25, 4", "0, 0, -1") + ray("face", "1, 0.25, 4", "-0.0, 0, -1") +
+                             ray("end", "0.5, -1, 4", "0.25, 0, -1") + "tmax = 3\n";
+    Compared all;
+    const auto with = [&](const std::string& axis) {
+        const Compared some = compare(sweep_text(axis, rays, cube), rows);
+        all.floats += some.floats;
+        all.wrong += some.wrong;
+    };
+    with("set = \"ray.direction.x\"\nfrom = \"-0x1p-140\"\nto = \"0x1p-140\"");
+    with("set = \"ray.direction.x\"\nfrom = \"0x1.fff8p-3\"\nto = \"0x1.0004p-2\"");
+    with("set = \"ray.origin.x\"\nfrom = \"-0x1.0002p0\"\nto = \"-0x1.fffcp-1\"");
+    with("set = \"box.hi.x\"\nfrom = \"0x1.0002p0\"\nto = \"0x1.fffcp-1\"");
+    with("set = [\"box.hi.x\", \"ray.origin.x\"]\nfrom = \"0x1.0002p0\"\nto = \"0x1.fffcp-1\"");
+    CHECK(all.floats > 50000);
+    CHECK(all.wrong > 10);
+}
+
+TEST_CASE("all bit patterns: the rows of infinities, NaNs and zeros, and every float is counted") {
+    const TextFile written(
+        sweep_text("set = \"ray.direction.x\"\nall = true", ray("over", "0.5, 0.25, 4", "0, 0, -1"), cube));
+    const ExhaustiveFile file(written.path());
+    const auto binades = sweep::binades_of(file);
+    CHECK(binades.size() == 516);
+    CHECK(std::accumulate(binades.begin(), binades.end(), std::uint64_t{0},
+                          [](std::uint64_t sum, const auto& b) { return sum + b.floats.size(); }) == file.floats());
+    const auto request = request_of(file, {row("box.signs", "f32"), row("box.baseline", "f32")});
+    for (const float x : {0.0F, -0.0F, 1e-45F, HUGE_VALF, -HUGE_VALF, std::nanf("")}) {
+        for (std::size_t k = 0; k < request.rows.size(); ++k) {
+            const auto there = sweep::answer_at(request, 0, k, place_of(x));
+            CHECK(there.outcome == try_alone(file, 0, request.rows[k], x).outcome);
+        }
+    }
+}
+
+TEST_CASE("every float of a whole binade: the schoolbook form at 4096 to 8192 radii") {
+    const auto text = sweep_text("set = \"ray.origin.z\"\nfrom = 4096\nto = \"0x1.fffffep12\"",
+                                 ray("half", "0.5, 0.25, 0", "0, 0, -1"), unit_sphere);
+    const Compared compared = compare(text, {row("sphere.schoolbook", "f32")});
+    CHECK(compared.floats == 1 << 23);
+}
+
+TEST_CASE("a run that is stopped goes on from its state and finds the same") {
+    const TextFile written(
+        sweep_text("set = \"ray.origin.z\"\nfrom = 2048\nto = 8192",
+                   ray("half", "0.5, 0.25, 0", "0, 0, -1") + ray("miss", "0.75, 0.75, 0", "0, 0, -1"), unit_sphere));
+    const ExhaustiveFile file(written.path());
+    auto request = request_of(file, {row("sphere.schoolbook", "f32"), row("sphere.unit_half_b", "f32")});
+    const auto at_once = run(request);
+    CHECK(at_once.tried == file.floats());
+    const auto state_file = written.path().parent_path() / "state";
+    const auto identity = output::sweep::identity_of(request, "1.2");
+    sweep::ExhaustiveState state;
+    int stops = 0;
+    request.keep = [](const sweep::ExhaustiveState&) { asked_to_stop = true; };
+    while (state.tried < file.floats()) {
+        try {
+            sweep::run_exhaustive(request, state);
+        } catch (const Interrupted&) {
+            ++stops;
+        }
+        asked_to_stop = false;
+        output::sweep::write_state(state_file, identity, state);
+        state = output::sweep::read_state(state_file, identity, request);
+    }
+    CHECK(stops > 3);
+    CHECK(state.tallies == at_once.tallies);
+    CHECK(state.stages.rays() == at_once.stages.rays());
+}
+
+TEST_CASE("any number of threads finds the same") {
+    const TextFile written(sweep_text("set = \"ray.origin.x\"\nfrom = \"0x1.cp-1\"\nto = \"0x1.2p0\"",
+                                      ray("from 16", "0, 0, 16", "0, 0, -1"), unit_sphere));
+    const ExhaustiveFile file(written.path());
+    const auto request = request_of(file, {row("sphere.schoolbook", "f32"), row("sphere.press", "f32")});
+    std::vector<sweep::ExhaustiveState> found;
+    for (const std::size_t threads : {1U, 2U, 5U}) {
+        const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
+        found.push_back(run(request));
+    }
+    CHECK(found[1].tallies == found[0].tallies);
+    CHECK(found[2].tallies == found[0].tallies);
+}

@@ -1,0 +1,136 @@
+// Sweeps over every float: what a file may say, and what is wrong with the others.
+#include "scene/sweep/exhaustive_file.hpp"
+
+#include <cmath>
+
+#include "catch.hpp"
+#include "scene/scene_text.hpp"
+
+using namespace lostbits;
+using namespace lostbits::scene;
+using namespace lostbits::scene::sweep;
+using namespace lostbits::scene::test;
+
+namespace {
+
+/// Keep the line numbers.
+const std::string good_sweep = R"(schema = "lostbits-sweep/1"
+title = "A test"
+source = "-"
+[axis]
+name = "distance"
+unit = "r"
+spacing = "every_float"
+set = "ray.origin.z"
+from = 1
+to = "0x1.8p+1"
+[[ray]]
+name = "a"
+origin = [0.5, -0.25, 0]
+direction = [0, -0.0, -1]
+[sphere]
+centre = [0, 0, 0]
+radius = 1
+)";
+
+const std::string good_box = replaced(
+    replaced(good_sweep, "[sphere]\ncentre = [0, 0, 0]\nradius = 1\n", "[box]\nlo = [-1, -1, -1]\nhi = [1, 1, 1]\n"),
+    "direction = [0, -0.0, -1]\n", "direction = [0, -0.0, -1]\ntmax = 9\n");
+
+ExhaustiveFile swept(const std::string& text) {
+    const Folder folder;
+    return ExhaustiveFile(folder.write("s.toml", text));
+}
+
+std::string error(const std::string& what, const std::string& by, const std::string& in = good_sweep) {
+    const Folder folder;
+    const fs::path file = folder.write("s.toml", replaced(in, what, by));
+    return error_in(folder, [&] { const ExhaustiveFile unused(file); });
+}
+
+bool has(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+
+}  // namespace
+
+TEST_CASE("a sweep over every float between two: its ray and solid with the axis at a float") {
+    const ExhaustiveFile sweep = swept(good_sweep);
+    CHECK(sweep.ranges().size() == 1);
+    CHECK(sweep.floats() == (1 << 23) + (1 << 22) + 1);
+    CHECK(sweep.meets(Shape::sphere));
+    CHECK_FALSE(sweep.meets(Shape::box));
+    const Ray<float> ray = sweep.ray_at(0, 2.5F);
+    CHECK((ray.origin.x == 0.5F && ray.origin.y == -0.25F && ray.origin.z == 2.5F));
+    CHECK(std::signbit(ray.direction.y));
+    const auto group = sweep.group_at(0, 0x1.000002p0F);
+    CHECK(group.rays[0].origin.z == 0x1.000002p0);
+    CHECK(group.rays.tmax.empty());
+    CHECK(group.solids.front().numbers[3] == 1);
+    const ExhaustiveFile box = swept(good_box);
+    CHECK(box.group_at(0, 1).rays.tmax == std::vector<double>{9});
+}
+
+TEST_CASE("all = true takes every bit pattern, from each zero outwards") {
+    const ExhaustiveFile sweep = swept(replaced(good_sweep, "from = 1\nto = \"0x1.8p+1\"", "all = true"));
+    CHECK(sweep.floats() == std::uint64_t{1} << 32);
+    REQUIRE(sweep.ranges().size() == 2);
+    CHECK(float_at(sweep.ranges()[0].first) == 0);
+    CHECK(std::signbit(float_at(sweep.ranges()[1].first)));
+    CHECK(sweep.ranges()[1].falls());
+}
+
+TEST_CASE("several numbers move together, also of the solid; a range may fall, and -0 is not 0") {
+    const ExhaustiveFile both =
+        swept(replaced(good_sweep, "\"ray.origin.z\"", "[\"ray.origin.z\", \"ray.direction.x\", \"sphere.radius\"]"));
+    CHECK(both.ray_places == std::vector<std::size_t>{2, 3});
+    CHECK(both.solid_places == std::vector<std::size_t>{3});
+    CHECK(both.solid_at(3).numbers[3] == 3);
+    CHECK(both.ray_at(0, 3).direction.x == 3);
+    const ExhaustiveFile falls =
+        swept(replaced(replaced(good_sweep, "from = 1", "from = 1.5"), "\"0x1.8p+1\"", "-0.0"));
+    REQUIRE(falls.ranges().front().falls());
+    CHECK(falls.ranges().front().last == place_of(-0.0F));
+}
+
+TEST_CASE("a narrowed sweep has the floats between two others") {
+    ExhaustiveFile sweep = swept(good_sweep);
+    const toml::Where where{"c.toml", 3, 4};
+    sweep.narrow(real("0x1.8p0"), real("0x1.80001p0"), where);
+    CHECK(sweep.floats() == 9);
+    CHECK(has(error_of([&] { sweep.narrow(real("1"), real("2"), where); }), "c.toml:3:4: \"0x1p+0\" lies outside"));
+    CHECK(has(error_of([&] { sweep.narrow(real("0.1"), real("2"), where); }), "not one of binary32"));
+}
+
+TEST_CASE("what is wrong with a sweep over every float is said with its place and a remedy") {
+    // An axis that is not of one format, and a range without floats.
+    CHECK(has(error("from = 1", "from = 1.1"),
+              "s.toml:9:8: axis.from is not a number of binary32, and rounding it would try another place; the nearest "
+              "below and above are \"0x1.199998p+0\" and \"0x1.19999ap+0\""));
+    CHECK(has(error("0x1.8p+1", "0x1.80000001p+1"), "s.toml:10:6: axis.to is not a number of binary32"));
+    CHECK(has(error("from = 1\nto = \"0x1.8p+1\"", "from = 1.00000001\nto = 1.00000002"),
+              "axis.from and to have no number of binary32 between them"));
+    CHECK(has(error("\"0x1.8p+1\"", "1"), "s.toml:10:6: axis.to equals from"));
+    CHECK(has(error("\"0x1.8p+1\"", "1e39"), "s.toml:10:6: axis.to is not a number of binary32"));
+    CHECK(has(error("0.5, -0.25", "0.5, 0.1"),
+              "s.toml:13:10: ray[0].origin holds a number that is not one of binary32, in place 1"));
+    CHECK(has(error("radius = 1", "radius = 0.1"), "s.toml:17:10: sphere.radius is not a number of binary32"));
+    CHECK(has(error("ray.origin.z", "ray.orgin.z"), "did you mean \"ray.origin.z\""));
+    CHECK(has(error("ray.origin.z", "box.lo.x"), "not a number of the ray or of its sphere"));
+    CHECK(has(error("\"ray.origin.z\"", "[\"ray.origin.z\", \"ray.origin.z\"]"), "twice"));
+    CHECK(has(error("\"ray.origin.z\"", "[]"), "s.toml:8:"));
+    CHECK(has(error("every_float", "linear"), "s.toml:7:11: axis.spacing must be \"every_float\""));
+    CHECK(has(error("to = \"0x1.8p+1\"", "to = 2\nall = true"), "cannot be combined with all = true"));
+    CHECK(has(error("name = \"distance\"", "name = \"Distance\""), "lower-case"));
+    CHECK(has(error("unit =", "unitt ="), "unitt"));
+    CHECK(has(error("direction =", "tmax = 3\ndirection ="), "tmax ends a ray for the forms of boxes"));
+    CHECK(has(error("[[ray]]\nname = \"a\"",
+                    "[[ray]]\nname = \"a\"\norigin = [0, 0, 0]\ndirection = [0, 0, 1]\n"
+                    "[[ray]]\nname = \"a\""),
+              "the name of another ray too"));
+    CHECK(has(error("[sphere]", "[box]\nlo = [0, 0, 0]\nhi = [1, 1, 1]\n[sphere]"), "one solid"));
+    // Solids that are none.
+    CHECK(
+        has(error("ray.origin.z\"\nfrom = 1", "sphere.radius\"\nfrom = -1"), "s.toml:9:8: axis.from leaves a sphere"));
+    CHECK(has(error("ray.origin.z\"\nfrom = 1\nto = \"0x1.8p+1\"", "sphere.radius\"\nall = true"), "no solid's"));
+    CHECK(
+        has(error("ray.origin.z", "box.lo.x", good_box), "s.toml:10:6: axis.to leaves a box whose hi is below its lo"));
+}
