@@ -28,6 +28,10 @@ void print_ratios(const std::string& data, std::vector<Contestant> all, std::siz
 void print_speedup(const std::string& name, const std::string& data,
                    const lostbits::measure::speed::WorkOfThread& work);
 
+/// Tables on stdout: the truth of a ray by each of its stages, in nanoseconds and over Arb and `Ball`; and how many
+/// rays each stage settles.
+void print_truth();
+
 /// A table on stdout: what a map of a flake of 5.4 million spheres takes of memory for each, from near and from far.
 void print_bytes_a_sphere();
 

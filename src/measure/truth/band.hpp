@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "measure/truth/format_inputs.hpp"
+#include "measure/truth/truth_columns.hpp"
 #include "scene/file/scene.hpp"
 #include "scene/rays/family.hpp"
 
@@ -46,6 +47,8 @@ public:
     [[nodiscard]] int y0() const { return y0_; }
     [[nodiscard]] int rows() const { return rows_; }
     [[nodiscard]] std::size_t pixels() const { return truth_.size(); }
+    /// Which stages settled the rays, each with each solid that it could meet.
+    [[nodiscard]] const StageCounts& stages() const { return stages_; }
     /// The truth of ray i by the convention of a form.
     [[nodiscard]] const Truth& truth(std::size_t i, intersect::Convention convention) const;
     /// The truth of ray i (a hit), correctly rounded to the format: as t, or as a distance.
@@ -77,6 +80,7 @@ private:
     auto with_ray(std::size_t i, Function&& function) const;
 
     std::vector<Truth> truth_;
+    StageCounts stages_;
     std::vector<double> condition_;
     std::unordered_map<std::size_t, Apart> apart_;  ///< by `key`, where the convention makes a difference
 };

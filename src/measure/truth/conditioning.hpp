@@ -1,7 +1,7 @@
 // Whether the problem or the formula is to blame.
 #pragma once
 
-#include "measure/truth/enclose_solid.hpp"
+#include "measure/truth/enclose_box.hpp"
 
 namespace lostbits::measure::truth {
 

@@ -1,4 +1,4 @@
-// The exact answer for a ray and a box, as comparisons of fractions over any enclosure.
+// The exact answer for a ray and a box, as comparisons of fractions over any enclosure; and for any solid.
 #pragma once
 
 #include <array>
@@ -129,6 +129,15 @@ Enclosed<E> enclose(const Ray<E>& ray, const Box<E>& box, const E* tmax, interse
     if ((first->n <= zero).is_yes()) return {Tri::yes, zero, zero, touching};
     const E t = first->n / first->m;
     return {Tri::yes, t, t * length(ray.direction), touching};
+}
+
+/// The closed solid, whatever its shape. `tmax` (null: nowhere) ends the ray for boxes; a sphere's problem has no end.
+/// `at_origin` is asked of spheres.
+template <class E>
+Enclosed<E> enclose(const Ray<E>& ray, const Solid<E>& solid, const E* tmax = nullptr,
+                    intersect::AtOrigin at_origin = intersect::AtOrigin::hit) {
+    return solid.shape == Shape::sphere ? enclose(ray, solid.sphere(), at_origin)
+                                        : enclose(ray, solid.box(), tmax, intersect::Touching::hit);
 }
 
 }  // namespace lostbits::measure::truth

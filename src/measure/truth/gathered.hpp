@@ -12,6 +12,9 @@ namespace lostbits::measure::truth {
 
 /// Problems that are settled together: their columns stay in the first two caches.
 inline constexpr std::size_t settled_together = 1024;
+/// The numbers of a column in a buffer: not a multiple of 4096 bytes, for then all columns would share a few lines of
+/// the first cache.
+inline constexpr std::size_t column_room = settled_together + 24;
 /// Doubles of the widest register.
 inline constexpr std::size_t most_lanes = 8;
 
@@ -30,9 +33,9 @@ inline constexpr std::size_t most_columns = 25;
 
 /// What the stages find of up to `settled_together` problems.
 struct FoundTogether {
-    std::uint8_t settled[settled_together], hit[settled_together];
-    double hi[settled_together], lo[settled_together], bound[settled_together];
-    double distance_hi[settled_together], distance_lo[settled_together], distance_bound[settled_together];
+    std::uint8_t settled[column_room], hit[column_room];
+    double hi[column_room], lo[column_room], bound[column_room];
+    double distance_hi[column_room], distance_lo[column_room], distance_bound[column_room];
 
     stages::RawFindings raw() { return {settled, hit, hi, lo, bound, distance_hi, distance_lo, distance_bound}; }
 };
@@ -40,7 +43,7 @@ struct FoundTogether {
 /// Problems in a row, wherever they were: filled up to whole registers by the last of them.
 template <class S>
 struct Gathered {
-    alignas(64) S numbers[most_columns][settled_together];
+    alignas(64) S numbers[most_columns][column_room];
     FoundTogether found;
 
     template <class From>
@@ -57,7 +60,7 @@ struct Gathered {
                 for (std::size_t i = 0; i < which.size(); ++i) to[i] = static_cast<S>(from[which[i]]);
                 std::fill(to + which.size(), to + size, to[which.size() - 1]);
             }
-            to += settled_together;
+            to += column_room;
         });
         return raw;
     }

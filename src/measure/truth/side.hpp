@@ -3,7 +3,7 @@
 
 #include <optional>
 
-#include "measure/truth/enclose_solid.hpp"
+#include "measure/truth/enclose_box.hpp"
 #include "measure/truth/truth.hpp"
 
 namespace lostbits::measure::truth {

@@ -124,24 +124,6 @@ Truth escalate(const Ray<S>& ray, const Solid<S>& solid, const Terms& terms) {
     return truth;
 }
 
-/// Takes the truth about solid `i` into what is known of the solids before it.
-void join(const Truth& of_one, int i, Truth& best) {
-    const bool touches = best.touches || of_one.touches, on_surface = best.on_surface || of_one.on_surface;
-    const int bits = std::max(best.bits, of_one.bits);
-    if (of_one.decision == Truth::Decision::unresolved || best.decision == Truth::Decision::unresolved) {
-        best.decision = Truth::Decision::unresolved;
-    } else if (of_one.is_hit() && (!best.is_hit() || compare(of_one.t, best.t) < 0)) {
-        best = of_one;
-        best.object = i;
-    } else if (of_one.is_hit() && compare(of_one.t, best.t) == 0) {
-        best.t = nearer(best.t, of_one.t);
-        best.distance = nearer(best.distance, of_one.distance);
-    }
-    best.bits = bits;
-    best.touches = touches;
-    best.on_surface = on_surface;
-}
-
 /// About the solids at the places `among`.
 template <class S, class Places>
 Truth find(const Ray<S>& ray, std::span<const Solid<S>> solids, const Places& among, const Terms& terms) {
@@ -186,6 +168,23 @@ double round_exactly(const Truth& truth, const Ray<S>& ray, const Solid<S>& soli
 }
 
 }  // namespace
+
+void join(const Truth& of_one, int i, Truth& best) {
+    const bool touches = best.touches || of_one.touches, on_surface = best.on_surface || of_one.on_surface;
+    const int bits = std::max(best.bits, of_one.bits);
+    if (of_one.decision == Truth::Decision::unresolved || best.decision == Truth::Decision::unresolved) {
+        best.decision = Truth::Decision::unresolved;
+    } else if (of_one.is_hit() && (!best.is_hit() || compare(of_one.t, best.t) < 0)) {
+        best = of_one;
+        best.object = i;
+    } else if (of_one.is_hit() && compare(of_one.t, best.t) == 0) {
+        best.t = nearer(best.t, of_one.t);
+        best.distance = nearer(best.distance, of_one.distance);
+    }
+    best.bits = bits;
+    best.touches = touches;
+    best.on_surface = on_surface;
+}
 
 Truth find_truth(const Ray<double>& ray, std::span<const Solid<double>> solids, TruthLimit limit, Convention convention,
                  double tmax) {

@@ -56,6 +56,9 @@ Truth find_truth_among(const Ray<double>& ray, std::span<const Solid<double>> so
 Truth find_truth_among(const Ray<Real>& ray, std::span<const Solid<Real>> solids, std::span<const std::uint32_t> among,
                        TruthLimit limit, intersect::Convention convention);
 
+/// Takes the truth about solid `i` into what is known of the solids before it.
+void join(const Truth& of_one, int i, Truth& best);
+
 bool is_proper(const Ray<double>& ray);
 bool is_proper(const Ray<Real>& ray);
 bool is_proper(const Solid<double>& solid);

@@ -159,36 +159,4 @@ void find_truth_columns(const ProblemColumns<double>& problems, const ColumnTerm
     find_columns(problems, terms, out);
 }
 
-void find_truths(const ProblemColumns<double>& problems, const std::function<Truth(std::size_t)>& alone,
-                 std::span<Truth> out, StageCounts& counts) {
-    const auto& stages = stages::stages_of(problems.shape, intersect::simd::current_isa());
-    constexpr auto both = static_cast<std::size_t>(stages::Wanted::both);
-    const auto stage =
-        problems.ray_low[0].empty() ? stages.kernels.double_double[both] : stages.kernels.of_two_words[both];
-    const auto gathered = std::make_unique<Gathered<double>>();
-    std::vector<std::size_t> which;
-    for (std::size_t begin = 0; begin < problems.size; begin += settled_together) {
-        which.resize(std::min(settled_together, problems.size - begin));
-        std::iota(which.begin(), which.end(), begin);
-        stage(gathered->gather(problems, which, stages.lanes));
-        const FoundTogether& found = gathered->found;
-        for (std::size_t k = 0; k < which.size(); ++k) {
-            Truth& truth = out[begin + k];
-            if (found.settled[k] == 0) {
-                truth = alone(begin + k);
-                count_alone(truth, counts);
-                continue;
-            }
-            ++counts.double_double;
-            truth = Truth{};
-            truth.bits = 106;
-            if (found.hit[k] == 0) continue;
-            truth.decision = Truth::Decision::hit;
-            truth.object = 0;
-            truth.t = certified(found.hi[k], found.lo[k], found.bound[k]);
-            truth.distance = certified(found.distance_hi[k], found.distance_lo[k], found.distance_bound[k]);
-        }
-    }
-}
-
 }  // namespace lostbits::measure::truth

@@ -70,10 +70,23 @@ struct TruthColumns {
 void find_truth_columns(const ProblemColumns<float>& problems, const ColumnTerms& terms, TruthColumns& out);
 void find_truth_columns(const ProblemColumns<double>& problems, const ColumnTerms& terms, TruthColumns& out);
 
-/// The whole truth of each ray about its solid (object 0), as by `find_truth`: the same decisions, and the same hi and
-/// lo of t and distance. `alone(i)` is asked about the rays that packs cannot settle. As many of `out` as problems;
-/// counts are added.
-void find_truths(const ProblemColumns<double>& problems, const std::function<Truth(std::size_t)>& alone,
-                 std::span<Truth> out, StageCounts& stages);
+/// Which solids each of some rays can meet.
+struct RaysAndSolids {
+    std::size_t rays = 0;
+    std::function<Ray<double>(std::size_t)> ray;
+    std::function<double(std::size_t)> tmax;
+    std::function<Solid<double>(std::size_t)> solid;
+    /// The solids that ray i can meet, in rising order.
+    std::function<void(std::size_t, std::vector<std::uint32_t>&)> candidates;
+    /// What the doubles leave of numbers of 256 bits; absent where they leave nothing. NaN as the second word: two
+    /// words do not enclose the number.
+    std::function<Ray<double>(std::size_t)> ray_low = {};
+    std::function<Solid<double>(std::size_t)> solid_low = {};
+    /// The truth of ray i and solid s, where packs cannot settle it.
+    std::function<Truth(std::size_t, std::size_t)> alone;
+};
+
+/// The truth of every ray among its solids: the same decisions, hi and lo as by `find_truth`. Counts are added.
+void find_truths(const RaysAndSolids& problems, std::span<Truth> out, StageCounts& stages);
 
 }  // namespace lostbits::measure::truth

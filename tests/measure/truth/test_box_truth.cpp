@@ -6,7 +6,6 @@
 #include "intersect/box/box_exact.hpp"
 #include "measure/truth/box_families.hpp"
 #include "measure/truth/enclose_box.hpp"
-#include "measure/truth/enclose_solid.hpp"
 #include "measure/truth/truth.hpp"
 #include "number/dual.hpp"
 
