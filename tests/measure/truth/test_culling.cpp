@@ -132,7 +132,7 @@ TEST_CASE("whole blocks hold the candidates, which are the spheres that the line
         CHECK(std::ranges::is_sorted(found));
         std::vector<bool> in_blocks(culler.shared().size());
         for (std::size_t page = 0; page < index.pages(); ++page) {
-            index.find_runs(SphereIndex::Line(ray), page, SphereIndex::Grain::blocks, runs);
+            index.find_runs(SphereIndex::UnitRay(ray), page, SphereIndex::Grain::blocks, runs);
             for (const auto& [begin, end] : runs)
                 for (std::size_t i = begin; i < end; ++i) in_blocks[i] = true;
         }
