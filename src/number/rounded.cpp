@@ -25,6 +25,15 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 
 int sign_of(double x) { return (x > 0) - (x < 0); }
 
+/// 2^e for −1022 ≤ e ≤ 1023. std::ldexp, which takes any e, took a third of the time of a narrow format.
+double power_of_two(int e) { return std::bit_cast<double>(static_cast<std::uint64_t>(e + 1023) << 52); }
+
+/// whole · 2^e for 0 ≤ whole ≤ 2^53, −1074 ≤ e ≤ 1023, where a double holds it; infinity above.
+double scaled(std::uint64_t whole, int e) {
+    const auto x = static_cast<double>(whole);
+    return e >= -1022 ? x * power_of_two(e) : x * power_of_two(e + 128) * power_of_two(-128);
+}
+
 /// An MPFR number of 64 bits: operations truncate and then set the last bit when inexact ("round to odd"), after
 /// which rounding to any format of at most 62 bits is correct (Boldo and Melquiond, 2008).
 class Odd {
@@ -93,9 +102,9 @@ double to_format(double r, int residual, const FloatFormat& f) {
         std::uint64_t kept = significand >> drop;
         const int beyond = r > 0 ? residual : -residual;  // sign of the tail away from zero
         if (rest > half || (rest == half && (beyond > 0 || (beyond == 0 && (kept & 1))))) ++kept;
-        magnitude = std::ldexp(static_cast<double>(kept), last + drop);
+        magnitude = scaled(kept, last + drop);
     }
-    if (magnitude >= std::ldexp(1.0, f.emax) * 2) magnitude = infinity;
+    if (magnitude >= power_of_two(f.emax) * 2) magnitude = infinity;
     return std::copysign(magnitude, r);
 }
 

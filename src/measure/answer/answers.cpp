@@ -129,7 +129,7 @@ public:
         std::optional<std::array<std::span<const S>, 4>> columns;  // made for the first ray that needs them
         for (std::size_t p = first; p < last; ++p) {
             const Ray<double> ray = rays_[p];
-            in_.index->find_runs(SphereIndex::Line(ray), page, grain_, runs_);
+            in_.index->find_runs(SphereIndex::UnitRay(ray), page, grain_, runs_);
             if (runs_.empty()) continue;
             if (!columns)
                 columns = in_.solids.columns<S>(begin, std::min(SphereIndex::page, in_.solids.size() - begin), room_);

@@ -179,16 +179,17 @@ void SphereIndex::make_balls() {
     }
 }
 
-SphereIndex::Line::Line(const Ray<double>& ray) : origin(ray.origin), along(ray.direction / size_of(ray.direction)) {}
+SphereIndex::UnitRay::UnitRay(const Ray<double>& ray)
+    : origin(ray.origin), along(ray.direction / size_of(ray.direction)) {}
 
-bool SphereIndex::meets(const Line& line, const Vec<double>& centre, double reach) const {
+bool SphereIndex::meets(const UnitRay& line, const Vec<double>& centre, double reach) const {
     const Vec<double> f = centre - line.origin;
     const Vec<double> m = cross(f, line.along);
     const bool ahead = dot(f, line.along) >= -(reach + behind_);
     return ahead && dot(m, m) <= reach * reach;
 }
 
-void SphereIndex::find_runs(const Line& line, std::size_t p, Grain grain, std::vector<Run>& runs) const {
+void SphereIndex::find_runs(const UnitRay& line, std::size_t p, Grain grain, std::vector<Run>& runs) const {
     runs.clear();
     if (!meets(line, pages_.centre(p), pages_.reach[p])) return;
     const auto take = [&runs](std::size_t begin, std::size_t end) {
@@ -210,7 +211,7 @@ void SphereIndex::find_runs(const Line& line, std::size_t p, Grain grain, std::v
 
 void SphereIndex::candidates(const Ray<double>& ray, std::vector<std::uint32_t>& found) const {
     found.clear();
-    const Line line(ray);
+    const UnitRay line(ray);
     thread_local std::vector<Run> runs;
     for (std::size_t p = 0; p < pages(); ++p) {
         find_runs(line, p, Grain::spheres, runs);

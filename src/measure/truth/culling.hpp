@@ -49,9 +49,9 @@ public:
                                                    const RayBounds& bounds, const FloatFormat* format);
 
     /// A ray, with a direction of length one.
-    class Line {
+    class UnitRay {
     public:
-        explicit Line(const Ray<double>& ray);
+        explicit UnitRay(const Ray<double>& ray);
 
     private:
         friend SphereIndex;
@@ -65,7 +65,7 @@ public:
     using Run = std::pair<std::size_t, std::size_t>;  ///< places [first, second)
     enum class Grain { blocks, spheres };
     /// Fills `runs` with places of page p in rising order: the candidates alone, or whole blocks with all of them.
-    void find_runs(const Line& line, std::size_t p, Grain grain, std::vector<Run>& runs) const;
+    void find_runs(const UnitRay& line, std::size_t p, Grain grain, std::vector<Run>& runs) const;
 
 private:
     /// Balls around what runs of spheres can reach.
@@ -79,7 +79,7 @@ private:
     SphereIndex() = default;
     [[nodiscard]] double reach(const Sphere<double>& sphere) const;
     void make_balls();
-    [[nodiscard]] bool meets(const Line& line, const Vec<double>& centre, double reach) const;
+    [[nodiscard]] bool meets(const UnitRay& line, const Vec<double>& centre, double reach) const;
 
     scene::rays::SolidList<double> solids_;
     Balls pages_, blocks_;

@@ -37,10 +37,10 @@ struct FormatInputs {
         return info.direction == intersect::Direction::unit ? unit_rays : rays;
     }
     /// What a form is aimed at: one of the solids, or all of them together. Keeps the one that it is about.
-    class Aim {
+    class AimedAt {
     public:
-        explicit Aim(const Solid<double>& one) : one_(one) {}
-        Aim(std::span<const Solid<double>> all, const intersect::MarchConstants<double>& march)
+        explicit AimedAt(const Solid<double>& one) : one_(one) {}
+        AimedAt(std::span<const Solid<double>> all, const intersect::MarchConstants<double>& march)
             : all_(all), march_(&march) {}
         operator intersect::Target<double>() const {
             return march_ ? intersect::Target<double>(all_, *march_) : intersect::Target<double>(one_);
@@ -51,8 +51,8 @@ struct FormatInputs {
         std::span<const Solid<double>> all_;
         const intersect::MarchConstants<double>* march_ = nullptr;
     };
-    [[nodiscard]] Aim target_for(const intersect::table::Intersector& form, std::size_t solid) const {
-        return form.shape == Shape::sdf ? Aim(solids.listed(), march.value()) : Aim(solids[solid]);
+    [[nodiscard]] AimedAt target_for(const intersect::table::Intersector& form, std::size_t solid) const {
+        return form.shape == Shape::sdf ? AimedAt(solids.listed(), march.value()) : AimedAt(solids[solid]);
     }
 };
 
