@@ -213,6 +213,7 @@ void print_all() {
         bench::print_speedup(widest + "/sphere.unified/f32", std::string(size), [&](std::size_t) {
             return measure::speed::RayWork(bytes_of(size)).on({"sphere.unified", widest, "f32"})->pass;
         });
+    bench::print_bytes_a_sphere();
 }
 
 }  // namespace

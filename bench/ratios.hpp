@@ -28,4 +28,7 @@ void print_ratios(const std::string& data, std::vector<Contestant> all, std::siz
 void print_speedup(const std::string& name, const std::string& data,
                    const lostbits::measure::speed::WorkOfThread& work);
 
+/// A table on stdout: what a map of a flake of 5.4 million spheres takes of memory for each, from near and from far.
+void print_bytes_a_sphere();
+
 }  // namespace bench

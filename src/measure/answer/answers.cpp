@@ -1,9 +1,13 @@
 #include "measure/answer/answers.hpp"
 
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstring>
 #include <functional>
+#include <optional>
 
 #include "intersect/sdf/march_loop.hpp"
 #include "intersect/simd/packed.hpp"
@@ -19,6 +23,7 @@ using intersect::simd::SphereArrays;
 using intersect::table::HitBatch;
 using scene::rays::RayBlock;
 using truth::FormatInputs;
+using truth::SphereIndex;
 
 namespace {
 
@@ -104,37 +109,76 @@ void for_each_hit(std::span<const std::uint8_t> hit, const Take& take) {
     }
 }
 
-/// Rays one by one, each against the spheres that it can meet, in their order: what `nearest_of` finds, without the
-/// rest.
+/// Whether one of the hits can take the place of the hit at `best`, which is a number: most spheres cannot.
 template <class S>
-void nearest_among(const OneToMany<S>& kernel, const RayBlock& rays, const FormatInputs& in, Answers& answers) {
-    const truth::SphereIndex& index = *in.index;
-    const SphereArrays<S> all{index.column<S>(0), index.column<S>(1), index.column<S>(2), index.column<S>(3)};
-    std::vector<std::uint32_t> found;
-    std::vector<S> column[4], t(all.size());
-    std::vector<std::uint8_t> hit(all.size());
-    for (std::size_t p = 0; p < rays.size(); ++p) {
-        stop_if_interrupted();
-        const Ray<double> r = rays[p];
+bool any_before(std::span<const S> t, std::span<const std::uint8_t> hit, S best) {
+    unsigned any = 0;
+    for (std::size_t c = 0; c < t.size(); ++c) any |= static_cast<unsigned>(t[c] < best) & hit[c];
+    return any != 0;
+}
+
+/// Rays against the spheres of one page that they can meet, in their order: what `nearest_of` finds, without the rest.
+template <class S>
+class PageOfSpheres {
+public:
+    PageOfSpheres(const OneToMany<S>& kernel, const RayBlock& rays, const FormatInputs& in, Answers& answers)
+        : kernel_(kernel), rays_(rays), in_(in), answers_(answers) {}
+
+    void meet(std::size_t page, std::size_t first, std::size_t last) {
+        const std::size_t begin = page * SphereIndex::page;
+        std::optional<std::array<std::span<const S>, 4>> columns;  // made for the first ray that needs them
+        for (std::size_t p = first; p < last; ++p) {
+            const Ray<double> ray = rays_[p];
+            in_.index->find_runs(SphereIndex::Line(ray), page, grain_, runs_);
+            if (runs_.empty()) continue;
+            if (!columns)
+                columns = in_.solids.columns<S>(begin, std::min(SphereIndex::page, in_.solids.size() - begin), room_);
+            for (const auto& [from, to] : runs_) {
+                const auto part = [&](std::size_t k) { return (*columns)[k].subspan(from - begin, to - from); };
+                meet(ray, p, from, {part(0), part(1), part(2), part(3)});
+            }
+        }
+    }
+
+private:
+    void meet(const Ray<double>& ray, std::size_t p, std::size_t from, const SphereArrays<S>& spheres) {
         const auto cast = [](const Vec<double>& v) {
             return Vec<S>(static_cast<S>(v.x), static_cast<S>(v.y), static_cast<S>(v.z));
         };
-        const Ray<S> ray{cast(r.origin), cast(r.direction)};
-        const bool few = index.candidates(r, found);
-        const std::size_t count = few ? found.size() : all.size();
-        if (few) {
-            for (int k = 0; k < 4; ++k) {
-                const auto from = index.column<S>(k);
-                column[k].resize(count);
-                for (std::size_t c = 0; c < count; ++c) column[k][c] = from[found[c]];
-            }
-        }
-        const SphereArrays<S> asked = few ? SphereArrays<S>{column[0], column[1], column[2], column[3]} : all;
-        kernel(ray, asked, std::span(t).first(count), std::span(hit).first(count));
-        for_each_hit(std::span(hit).first(count), [&](std::size_t c) {
-            keep_nearest(t[c], p, static_cast<std::int32_t>(few ? found[c] : c), answers);
-        });
+        t_.resize(spheres.size());
+        hit_.resize(spheres.size());
+        kernel_({cast(ray.origin), cast(ray.direction)}, spheres, t_, hit_);
+        const bool has_best = answers_.hit[p] != 0 && !std::isnan(answers_.t[p]);
+        if (has_best && !any_before<S>(t_, hit_, static_cast<S>(answers_.t[p]))) return;
+        for_each_hit(hit_,
+                     [&](std::size_t c) { keep_nearest(t_[c], p, static_cast<std::int32_t>(from + c), answers_); });
     }
+
+    const OneToMany<S>& kernel_;
+    const RayBlock& rays_;
+    const FormatInputs& in_;
+    Answers& answers_;
+    /// Numbers in software are slower than the question whether a sphere is a candidate.
+    SphereIndex::Grain grain_ =
+        in_.format.engine == Format::Engine::rounded ? SphereIndex::Grain::spheres : SphereIndex::Grain::blocks;
+    std::array<std::vector<S>, 4> room_;
+    std::vector<SphereIndex::Run> runs_;
+    std::vector<S> t_;
+    std::vector<std::uint8_t> hit_;
+};
+
+/// Page by page, whose numbers stay in the second-level cache while many rays ask for them.
+template <class S>
+void nearest_among(const OneToMany<S>& kernel, const RayBlock& rays, const FormatInputs& in, Answers& answers) {
+    constexpr std::size_t together = 4096;
+    const std::size_t parts = (rays.size() + together - 1) / together;
+    tbb::parallel_for(std::size_t{0}, parts, [&](std::size_t part) {
+        PageOfSpheres<S> spheres(kernel, rays, in, answers);
+        for (std::size_t page = 0; page < in.index->pages(); ++page) {
+            stop_if_interrupted();
+            spheres.meet(page, part * together, std::min((part + 1) * together, rays.size()));
+        }
+    });
 }
 
 /// A kernel of many rays and one sphere, asked sphere by sphere.
@@ -176,7 +220,7 @@ void meet_many(const intersect::table::Intersector& form, const RayBlock& rays, 
 
 /// The solid whose surface is nearest to the point at t, by double precision: of the solids of a field none says "I was
 /// it".
-std::int32_t nearest_solid(const Ray<double>& ray, double t, const std::vector<Solid<double>>& solids) {
+std::int32_t nearest_solid(const Ray<double>& ray, double t, std::span<const Solid<double>> solids) {
     const Vec<double> p = intersect::sdf::along(ray, t);
     const auto size = [&p](const Solid<double>& s) { return std::fabs(intersect::table::distance(s, p)); };
     return static_cast<std::int32_t>(std::ranges::min_element(solids, {}, size) - solids.begin());
@@ -188,13 +232,14 @@ void march_to(const Kernel& kernel, Chunk<S>& chunk, const FormatInputs& in, Ans
     stop_if_interrupted();
     HitBatch<S> hits = chunk.hits();
     hits.march = std::span(answers.march).subspan(chunk.begin, chunk.count);
-    const intersect::LiftedTarget<S> target(Target<double>(in.solids, in.march.value()),
+    const intersect::LiftedTarget<S> target(Target<double>(in.solids.listed(), in.march.value()),
                                             [](double x) { return static_cast<S>(x); });
     kernel(chunk.batch(), target.get(), hits);
     for (std::size_t i = 0; i < chunk.count; ++i) {
         if (chunk.hit[i] == 0) continue;
         const std::size_t p = chunk.begin + i;
-        keep_nearest(chunk.t[i], p, nearest_solid(chunk.rays[p], static_cast<double>(chunk.t[i]), in.solids), answers);
+        keep_nearest(chunk.t[i], p, nearest_solid(chunk.rays[p], static_cast<double>(chunk.t[i]), in.solids.listed()),
+                     answers);
     }
 }
 

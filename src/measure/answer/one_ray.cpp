@@ -1,24 +1,11 @@
 #include "measure/answer/one_ray.hpp"
 
 #include "number/error.hpp"
-#include "scene/file/march_table.hpp"
 
 namespace lostbits::measure::answer {
 
 using scene::file::Scene;
 using truth::Band;
-
-namespace {
-
-/// A single ray: beside the other rays of its row, each would be tested against many more spheres.
-std::unique_ptr<Band> band_of(const Scene& scene, const Ray<double>& ray) {
-    scene::rays::RayGroup group = scene::rays::group_of(ray);
-    group.solids = scene::rays::shared_solids(scene);
-    if (scene.march) group.march = scene::file::round_march(*scene.march, binary32);
-    return std::make_unique<Band>(std::move(group));
-}
-
-}  // namespace
 
 OneRay::OneRay(const Scene& scene, int x, int y) {
     if (x < 0 || y < 0 || x >= scene.width || y >= scene.height) {
@@ -27,8 +14,8 @@ OneRay::OneRay(const Scene& scene, int x, int y) {
                          std::to_string(scene.height - 1));
     }
     if (scene.inputs == scene::file::Inputs::shared) {
-        const Ray<double> ray = scene::rays::make_shared_rays(scene, y, y + 1)[static_cast<std::size_t>(x)];
-        band_ = band_of(scene, ray);
+        // Alone: beside the other rays of its row, each would be tested against many more spheres.
+        ask_among(scene, scene::rays::make_shared_rays(scene, y, y + 1)[static_cast<std::size_t>(x)]);
         return;
     }
     band_ = std::make_unique<Band>(scene, y, y + 1);
@@ -40,7 +27,12 @@ OneRay::OneRay(const Scene& scene, const Ray<Real>& ray) {
     one.width = one.y1 = 1;
     one.push(ray);
     if (scene.inputs == scene::file::Inputs::own) band_ = std::make_unique<Band>(scene, std::move(one));
-    else band_ = band_of(scene, scene::rays::round_rays(one, binary64)[0]);
+    else ask_among(scene, scene::rays::round_rays(one, binary64)[0]);
+}
+
+void OneRay::ask_among(const Scene& scene, const Ray<double>& ray) {
+    culler_ = std::make_unique<truth::Culler>(scene, ray);
+    band_ = std::make_unique<Band>(scene, ray, *culler_);
 }
 
 OneRay::OneRay(scene::rays::RayGroup group) : band_(std::make_unique<Band>(std::move(group))) {}

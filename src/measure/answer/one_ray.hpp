@@ -51,6 +51,10 @@ private:
         return judged_ ? *judged_ : info.convention();
     }
 
+    /// Of a scene with shared inputs.
+    void ask_among(const scene::file::Scene& scene, const Ray<double>& ray);
+
+    std::unique_ptr<truth::Culler> culler_;
     std::unique_ptr<truth::Band> band_;
     std::size_t index_ = 0;
     std::optional<intersect::Touching> judged_;

@@ -14,6 +14,7 @@ namespace lostbits::measure::blame {
 using answer::OneRay;
 using answer::Outcome;
 using intersect::table::Intersector;
+using truth::FormatInputs;
 using truth::missing;
 
 namespace {
@@ -101,7 +102,8 @@ Explanation explain(const Intersector& form, const Format& format, const OneRay&
     if (given.x != received.x || given.y != received.y || given.z != received.z) x.given = given;
     x.solids = static_cast<int>(in.all.solids.size());
     x.solid = std::max(0, answers.hit[in.index] != 0 ? answers.object[in.index] : truth.object);
-    const intersect::Target<double> target = in.all.target_for(form, static_cast<std::size_t>(x.solid));
+    const FormatInputs::Aim aim = in.all.target_for(form, static_cast<std::size_t>(x.solid));
+    const intersect::Target<double> target = aim;
     const double tmax = in.all.rays.tmax.empty() ? HUGE_VAL : in.all.rays.tmax[in.index];
     form.record(format, in.ray(*form.info), target, tmax, x.tape);
     x.names = intersect::table::input_names(form, target);

@@ -16,8 +16,8 @@ namespace {
 std::vector<double> nearest(const map::MapRow& row, const FormatInputs& in, bool pass_on) {
     const std::size_t n = in.rays.size();
     std::vector<double> best(n, HUGE_VAL);
-    for (const Solid<double>& solid : in.solids) {
-        FormatInputs one{.format = in.format, .rays = in.rays, .solids = {solid}};
+    for (const Solid<double>& solid : in.solids.listed()) {
+        FormatInputs one{.format = in.format, .rays = in.rays, .solids = std::vector{solid}};
         if (pass_on) one.rays.tmax = best;
         const answer::Answers answers = answer::evaluate(*row.form, one);
         for (std::size_t i = 0; i < n; ++i) {

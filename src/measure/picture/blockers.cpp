@@ -26,7 +26,7 @@ struct Part {
 
 /// One chunk of shadow rays against all solids.
 template <class S, class Kernel>
-void hold_against(const Kernel& kernel, const ShadowRays& shadow, const std::vector<Solid<double>>& solids,
+void hold_against(const Kernel& kernel, const ShadowRays& shadow, std::span<const Solid<double>> solids,
                   const Part& part, std::vector<std::uint8_t>& blocked) {
     const auto [begin, count, own_counts] = part;
     const scene::rays::RayBlock& r = shadow.rays;
@@ -64,7 +64,7 @@ void ShadowRays::add(const Vec<double>& origin, const Vec<double>& direction, do
 }
 
 std::vector<std::uint8_t> find_blockers(const intersect::table::Intersector& form, const Format& format,
-                                        const ShadowRays& shadow, const std::vector<Solid<double>>& solids,
+                                        const ShadowRays& shadow, std::span<const Solid<double>> solids,
                                         bool own_counts) {
     std::vector<std::uint8_t> blocked(shadow.rays.size(), blocked_by_nothing);
     const intersect::simd::PackedRow native = intersect::simd::packed_kernels(form);

@@ -24,7 +24,7 @@ enum Blocked : std::uint8_t { blocked_by_nothing = 0, blocked_by_other = 1, bloc
 /// A solid blocks a ray where the form decides on a hit at 0 < t < reach. A hit at NaN blocks nothing: every comparison
 /// with it is false. `own_counts`: whether a ray is also tested against the sphere that it leaves.
 std::vector<std::uint8_t> find_blockers(const intersect::table::Intersector& form, const Format& format,
-                                        const ShadowRays& shadow, const std::vector<Solid<double>>& solids,
+                                        const ShadowRays& shadow, std::span<const Solid<double>> solids,
                                         bool own_counts);
 
 }  // namespace lostbits::measure::picture

@@ -129,7 +129,7 @@ public:
 
 private:
     [[nodiscard]] bool hit(std::size_t i) const { return answers_.hit[i] != 0; }
-    [[nodiscard]] const Solid<double>& solid(std::size_t i) const {
+    [[nodiscard]] Solid<double> solid(std::size_t i) const {
         return in_.geometry.solids[static_cast<std::size_t>(answers_.object[i])];
     }
     [[nodiscard]] bool unit() const { return row_.form->info->direction == intersect::Direction::unit; }
@@ -145,12 +145,13 @@ private:
             const Ray<double> ray = rays_[i];
             const Vec<T> p =
                 point_at<T>({lift_number<T>(ray.origin), lift_number<T>(ray.direction)}, lift_number<T>(answers_.t[i]));
-            const auto sphere = transformed(solid(i), [](double x) { return lift_number<T>(x); }).sphere();
+            const Solid<double> seen = solid(i);
+            const auto sphere = transformed(seen, [](double x) { return lift_number<T>(x); }).sphere();
             point_[i] = drop(p);
             normal_[i] = drop(normal_at<T>(p, sphere));
             if (out_.seen[i] != Seen::same_sphere) return;
-            out_.residual[i] = std::fabs(
-                residual.value({.t = answers_.t[i], .format = &row_.format, .ray = &ray, .solid = &solid(i)}));
+            out_.residual[i] =
+                std::fabs(residual.value({.t = answers_.t[i], .format = &row_.format, .ray = &ray, .solid = &seen}));
             if (truth_[i].has_normal) out_.normal_angle[i] = angle_between(normal_[i], truth_[i].normal);
         });
     }
@@ -193,7 +194,7 @@ private:
             pixel.push_back(i);
         }
         const auto blocked =
-            find_blockers(*row_.form, row_.format, shadow, in_.geometry.solids, appearance_.shadows->own);
+            find_blockers(*row_.form, row_.format, shadow, in_.geometry.solids.listed(), appearance_.shadows->own);
         for (std::size_t k = 0; k < pixel.size(); ++k) blocked_[pixel[k]] = blocked[k];
 
         out_.shadow.assign(n_, Shadow::not_compared);

@@ -1,7 +1,7 @@
 // Rays and boxes: decisions in binary64, and t* in one word or two.
 #pragma once
 
-#include "measure/stages/problem.hpp"
+#include "measure/stages/sphere_double_double.hpp"
 
 namespace lostbits::measure::stages {
 
@@ -75,7 +75,7 @@ mask_t<P> take_later(const Ratio<P>& other, const P& scale, Ratio<P>& latest) {
 /// As `enclose` of truth/enclose_box.hpp, where no two of the compared fractions are equal: then the closed box and the
 /// open one agree. t = n/m of the latest entry, or 0 where every entry lies behind the origin: of doubles the sign of n
 /// is that of n.hi. One word is off by 2u, or 5u with the factor |d|; two by ε = 2^-102 and what n has of the inputs.
-template <bool wide, bool distance, bool two_words, class P>
+template <bool wide, Wanted wanted, bool two_words, class P>
 Finding<P> settle_box(const ProblemInWords<P>& in, const P& scale) {
     using lostbits::abs;
     using lostbits::sqrt;
@@ -120,24 +120,30 @@ Finding<P> settle_box(const ProblemInWords<P>& in, const P& scale) {
     }
     const auto at_start = latest.n.hi <= zero;
     if constexpr (!wide) {
-        const P along = latest.n.hi / latest.m.hi, t = distance ? along * sqrt(a.hi) : along;
-        const P bound = P(one_word_tightness) * scale * t;
-        const auto hit = told && met && (at_start || in_one_binade(t, bound));
-        return {hit || (known && missed), hit, {t, zero}, bound};
+        const P t = latest.n.hi / latest.m.hi, distance = wanted == Wanted::parameter ? zero : t * sqrt(a.hi);
+        const P tightness = P(one_word_tightness) * scale, t_bound = tightness * t,
+                distance_bound = tightness * distance;
+        auto hit = told && met;
+        if constexpr (wanted != Wanted::distance) hit = hit && (at_start || in_one_binade(t, t_bound));
+        if constexpr (wanted != Wanted::parameter) hit = hit && (at_start || in_one_binade(distance, distance_bound));
+        return {hit || (known && missed), hit, {{t, zero}, t_bound}, {{distance, zero}, distance_bound}};
     } else {
-        const P eps = P(word_error) * scale;
-        const TwoWords<P> along = two_words ? latest.n / latest.m : latest.n / latest.m.hi;
-        const TwoWords<P> t = [&] {
-            if constexpr (distance) return along * sqrt(a);
-            else return along;
-        }();
-        P relative = P(distance ? 8 : 3) * eps;
-        if constexpr (two_words) relative = relative + P(2) * eps * latest.g / select(at_start, P(1), latest.n.hi);
-        const P bound = relative * t.hi;
-        const auto close = relative <= P(0x1p-72) && in_range(latest.n.hi) && in_range(along.hi) && in_range(t.hi) &&
-                           in_one_binade(t, bound);
-        const auto hit = told && met && (at_start || close);
-        return {hit || (known && missed), hit, t, bound};
+        const P eps = P(word_error) * scale, one(1);
+        // Where t = 0 its root is not asked for; 1 in its place is a length like any other.
+        const TwoWords<P> n{select(at_start, one, latest.n.hi), select(at_start, zero, latest.n.lo)};
+        const TwoWords<P> t = two_words ? n / latest.m : n / latest.m.hi;
+        P relative = P(4) * eps;
+        if constexpr (two_words) relative = relative + P(2) * eps * latest.g / n.hi;
+        const auto close = told && met && relative <= P(0x1p-72 - 0x1p-80) && in_range(n.hi) && in_range(t.hi);
+        Finding<P> found = with_distance<wanted>(close, known && missed, t, relative, a, eps);
+        const auto here = told && met && at_start;
+        found.settled = found.settled || here;
+        found.hit = found.hit || here;
+        for (Enclosure<P>* const length : {&found.t, &found.distance}) {
+            length->middle = select<P>(at_start, {zero, zero}, length->middle);
+            length->bound = select(at_start, zero, length->bound);
+        }
+        return found;
     }
 }
 

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 
+#include "measure/stages/raw_stages.hpp"
 #include "measure/stages/two_words.hpp"
 
 namespace lostbits::measure::stages {
@@ -19,12 +20,18 @@ struct ProblemInWords {
 
 inline constexpr double input_error = 0x1p-104;
 
-/// What a stage says: nothing unless `settled`. Of a hit |t* − (t.hi + t.lo)| ≤ bound.
+/// |x − (middle.hi + middle.lo)| ≤ bound.
+template <class P>
+struct Enclosure {
+    TwoWords<P> middle;
+    P bound;
+};
+
+/// What a stage says: nothing unless `settled`. The lengths of a hit, as far as they are wanted, lie in one binade.
 template <class P>
 struct Finding {
     mask_t<P> settled, hit;
-    TwoWords<P> t;
-    P bound;
+    Enclosure<P> t, distance;
 };
 
 /// The numbers that a stage answers for: every length at most this, so that no product of four and no quotient

@@ -15,8 +15,9 @@ struct RawColumn {
 
 /// Where findings go, one of each for a problem.
 struct RawFindings {
-    std::uint8_t *settled, *hit;  ///< 0 or 1
-    double *hi, *lo, *bound;
+    std::uint8_t *settled, *hit;                         ///< 0 or 1
+    double *hi, *lo, *bound;                             ///< of t*, or of the distance if that alone is asked for
+    double *distance_hi, *distance_lo, *distance_bound;  ///< where both are
 };
 
 /// Whole packs of problems and room for what is found: `size` is a multiple of a register's doubles.
@@ -36,11 +37,14 @@ RawProblems<S> raw_problems(std::size_t size, const RawFindings& out) {
     return {{}, {}, {}, {}, {}, out, 1, size};
 }
 
-/// The stages of one shape, by [distance].
+/// Which lengths are asked for: t*, in lengths of the direction, the distance t* |d|, or both.
+enum class Wanted { parameter, distance, both };
+
+/// The stages of one shape, by [Wanted].
 struct RawStages {
-    void (*binary64[2])(const RawProblems<float>&);        ///< binary32 inputs
-    void (*double_double[2])(const RawProblems<double>&);  ///< one word a number
-    void (*of_two_words[2])(const RawProblems<double>&);   ///< two
+    void (*binary64[3])(const RawProblems<float>&);        ///< binary32 inputs
+    void (*double_double[3])(const RawProblems<double>&);  ///< one word a number
+    void (*of_two_words[3])(const RawProblems<double>&);   ///< two
 };
 
 /// One function a register width, each in an object of its own: spheres, then boxes.

@@ -32,7 +32,7 @@ P difference_of_products(const P& a, const P& b, const P& c, const P& d) {
 /// (first order in u; each constant leaves more than the rest takes). Outside, t = c/(ρ − h); inside, −c/(ρ + h) or,
 /// where h ≤ 0, (ρ − h)/a: in lengths of the direction |δt| ≤ (|δn|/|n| + |δs|/s + 2u)|t| (1 + 2^-20), and a factor of
 /// |d| = √a adds 3u. Tested as |δn| ρ s + W |n| < (2^-33 − 2^-40) |n| ρ s.
-template <bool distance, class P>
+template <Wanted wanted, class P>
 Finding<P> settle_sphere_binary64(const ProblemInWords<P>& in, const P& scale) {
     using lostbits::abs;
     using lostbits::sqrt;
@@ -74,9 +74,12 @@ Finding<P> settle_sphere_binary64(const ProblemInWords<P>& in, const P& scale) {
     // The error of n over n is that of s where n is s, and 2u of a beside it.
     const P dn = select(by_a, P(2) * u * s, dc);
     const auto tight = dn * root * s + w * n < P(narrow_tightness - 0x1p-40) * (n * root * s);
-    const P along = n / by, t = distance ? along * sqrt(a) : along, bound = P(narrow_tightness) * t;
-    const auto hit = exact && (enters || within) && tight && in_one_binade(t, bound);
-    return {hit || (exact && (leaves || passes)), hit, {t, zero}, bound};
+    const P t = n / by, distance = wanted == Wanted::parameter ? zero : t * sqrt(a);
+    const P t_bound = P(narrow_tightness) * t, distance_bound = P(narrow_tightness) * distance;
+    auto hit = exact && (enters || within) && tight;
+    if constexpr (wanted != Wanted::distance) hit = hit && in_one_binade(t, t_bound);
+    if constexpr (wanted != Wanted::parameter) hit = hit && in_one_binade(distance, distance_bound);
+    return {hit || (exact && (leaves || passes)), hit, {{t, zero}, t_bound}, {{distance, zero}, distance_bound}};
 }
 
 }  // namespace lostbits::measure::stages

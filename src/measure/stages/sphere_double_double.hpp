@@ -8,6 +8,22 @@ namespace lostbits::measure::stages {
 /// As `truth::certified_tightness`.
 inline constexpr double wide_tightness = 0x1p-72;
 
+/// t to within `relative` of itself, and t √a: a root of a (off by 4ε) and a product add at most 4ε to it. A hit only
+/// where the lengths that are wanted stay within a binade.
+template <Wanted wanted, class P>
+Finding<P> with_distance(mask_t<P> hit, const mask_t<P>& missed, const TwoWords<P>& t, const P& relative,
+                         const TwoWords<P>& a, const P& eps) {
+    const Enclosure<P> along{t, relative * t.hi};
+    Enclosure<P> distance{{P(0), P(0)}, P(0)};
+    if constexpr (wanted != Wanted::distance) hit = hit && in_one_binade(t, along.bound);
+    if constexpr (wanted != Wanted::parameter) {
+        distance.middle = t * sqrt(a);
+        distance.bound = (relative + P(4) * eps) * distance.middle.hi;
+        hit = hit && in_range(distance.middle.hi) && in_one_binade(distance.middle, distance.bound);
+    }
+    return {hit || missed, hit, along, distance};
+}
+
 /// The lemma, ε = 2^-102 (`word_error`), for lengths of at most 2^200, r ≥ 2^-200 and a = d·d ≥ 2^-400. G_i bounds what
 /// f_i = o_i − c_i is made of: |f_i| where the inputs are doubles, for f_i is exact then; |o_i| + |c_i| where they are
 /// known to 2^-104, with |δf_i| ≤ 1.3ε G_i. First order in ε; the constants take the larger of the two cases.
@@ -24,10 +40,9 @@ inline constexpr double wide_tightness = 0x1p-72;
 /// (`smallest`). Outside t = c/(ρ − h); inside −c/(ρ + h), or (ρ − h)/a where h ≤ 0, and
 ///     |δt|/|t| ≤ (|δn| ρ s + W |n|)/(|n| ρ s) (1 + 2^-20) + 2ε,   4ε more for the distance t |d|, and for a 4ε.
 /// |n| ρ s is of degree six in the lengths: it must lie within [2^-900, 2^900] as all results.
-template <bool distance, bool two_words, class P>
+template <Wanted wanted, bool two_words, class P>
 Finding<P> settle_sphere_double_double(const ProblemInWords<P>& in, const P& scale) {
     using lostbits::abs;
-    using lostbits::sqrt;
     const P zero(0), tiny(smallest), eps = P(word_error) * scale, eight = P(8) * eps;
     TwoWords<P> f[3], d[3], r, r2, a;
     P g[3], size[3];
@@ -83,7 +98,7 @@ Finding<P> settle_sphere_double_double(const ProblemInWords<P>& in, const P& sca
     const auto outside = c.hi > dc, inside = c.hi<-dc, through = discriminant.hi> dd;
     const auto missed = (outside && h.hi > dh) || (outside && discriminant.hi < -dd);
     const auto met = through && (inside || (outside && h.hi < -dh));
-    if (!any_of(lengths && met)) return {lengths && missed, zero < zero, {zero, zero}, zero};
+    if (!any_of(lengths && met)) return {lengths && missed, zero < zero, {{zero, zero}, zero}, {{zero, zero}, zero}};
 
     const auto towards = h.hi <= zero;
     const TwoWords<P> root = sqrt(discriminant);
@@ -92,16 +107,11 @@ Finding<P> settle_sphere_double_double(const ProblemInWords<P>& in, const P& sca
     const auto by_a = inside && towards;
     const TwoWords<P> n = select<P>(by_a, s, select<P>(outside, c, -c)), by = select<P>(by_a, a, s);
     const P dn = select(by_a, P(4) * eps, dc), in_n = select(by_a, P(1), n.hi), rs = root.hi * s.hi, nrs = in_n * rs;
-    const P relative = (dn * rs + ws * in_n) / nrs * P(1 + 0x1p-20) + P(distance ? 6 : 2) * eps;
-    const TwoWords<P> along = n / by;
-    const TwoWords<P> t = [&] {
-        if constexpr (distance) return along * sqrt(a);
-        else return along;
-    }();
-    const P bound = relative * t.hi;
-    const auto hit = lengths && met && relative <= P(wide_tightness) && in_range(discriminant.hi) && in_range(n.hi) &&
-                     in_range(nrs) && in_range(along.hi) && in_range(t.hi) && in_one_binade(t, bound);
-    return {hit || (lengths && missed), hit, t, bound};
+    const P relative = (dn * rs + ws * in_n) / nrs * P(1 + 0x1p-20) + P(2) * eps;
+    const TwoWords<P> t = n / by;
+    auto hit = lengths && met && relative <= P(wide_tightness - 0x1p-80) && in_range(discriminant.hi) &&
+               in_range(n.hi) && in_range(nrs) && in_range(t.hi);
+    return with_distance<wanted>(hit, lengths && missed, t, relative, a, eps);
 }
 
 }  // namespace lostbits::measure::stages

@@ -40,7 +40,7 @@ struct Lanes<double> {
 
 enum class Subject { sphere, box };
 
-template <Subject subject, class S, bool distance, bool two_words, class P>
+template <Subject subject, class S, Wanted wanted, bool two_words, class P>
 [[gnu::flatten]] void settle_all(const RawProblems<S>& raw) {
     const RawProblems<S> p = raw;  // a copy: the stores below could reach it, and everything would be read again
     constexpr std::size_t numbers = subject == Subject::sphere ? 4 : 6;
@@ -59,32 +59,44 @@ template <Subject subject, class S, bool distance, bool two_words, class P>
         const Finding<P> found = [&] {
             if constexpr (subject == Subject::box) {
                 in.tmax = at(p.tmax);
-                return settle_box<sizeof(S) == sizeof(double), distance, two_words>(in, scale);
+                return settle_box<sizeof(S) == sizeof(double), wanted, two_words>(in, scale);
             } else if constexpr (sizeof(S) == sizeof(double)) {
-                return settle_sphere_double_double<distance, two_words>(in, scale);
+                return settle_sphere_double_double<wanted, two_words>(in, scale);
             } else {
-                return settle_sphere_binary64<distance>(in, scale);
+                return settle_sphere_binary64<wanted>(in, scale);
             }
         }();
         Lanes<P>::store(found.settled, p.out.settled + i);
         Lanes<P>::store(found.hit, p.out.hit + i);
         // A miss has zeros; so has a lane that says nothing.
-        Lanes<P>::store(select(found.hit, found.t.hi, P(0)), p.out.hi + i);
-        Lanes<P>::store(select(found.hit, found.t.lo, P(0)), p.out.lo + i);
-        Lanes<P>::store(select(found.hit, found.bound, P(0)), p.out.bound + i);
+        const auto store = [&](const P& x, double* to) { Lanes<P>::store(select(found.hit, x, P(0)), to + i); };
+        const Enclosure<P>& first = wanted == Wanted::distance ? found.distance : found.t;
+        store(first.middle.hi, p.out.hi);
+        store(first.middle.lo, p.out.lo);
+        store(first.bound, p.out.bound);
+        if constexpr (wanted == Wanted::both) {
+            store(found.distance.middle.hi, p.out.distance_hi);
+            store(found.distance.middle.lo, p.out.distance_lo);
+            store(found.distance.bound, p.out.distance_bound);
+        }
     }
+}
+
+template <Subject subject, class P>
+RawStages stages_for() {
+    using enum Wanted;
+    return {{settle_all<subject, float, parameter, false, P>, settle_all<subject, float, distance, false, P>,
+             settle_all<subject, float, both, false, P>},
+            {settle_all<subject, double, parameter, false, P>, settle_all<subject, double, distance, false, P>,
+             settle_all<subject, double, both, false, P>},
+            {settle_all<subject, double, parameter, true, P>, settle_all<subject, double, distance, true, P>,
+             settle_all<subject, double, both, true, P>}};
 }
 
 template <class P>
 void fill_stages(RawStages* of_shape) {
-    of_shape[0] = {
-        {settle_all<Subject::sphere, float, false, false, P>, settle_all<Subject::sphere, float, true, false, P>},
-        {settle_all<Subject::sphere, double, false, false, P>, settle_all<Subject::sphere, double, true, false, P>},
-        {settle_all<Subject::sphere, double, false, true, P>, settle_all<Subject::sphere, double, true, true, P>}};
-    of_shape[1] = {
-        {settle_all<Subject::box, float, false, false, P>, settle_all<Subject::box, float, true, false, P>},
-        {settle_all<Subject::box, double, false, false, P>, settle_all<Subject::box, double, true, false, P>},
-        {settle_all<Subject::box, double, false, true, P>, settle_all<Subject::box, double, true, true, P>}};
+    of_shape[0] = stages_for<Subject::sphere, P>();
+    of_shape[1] = stages_for<Subject::box, P>();
 }
 
 }  // namespace lostbits::measure::stages

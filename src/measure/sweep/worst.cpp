@@ -53,7 +53,7 @@ public:
             const Outcome o = result.outcomes[i];
             if (o == Outcome::agree_miss || o == Outcome::unresolved) continue;
             const double value = o == Outcome::agree_hit ? std::fabs(result.metrics[metric_][i])
-                                                         : wrong(result.inputs->rays[i], result.inputs->solids.front());
+                                                         : wrong(result.inputs->rays[i], result.inputs->solids[0]);
             if (!(value > score)) continue;
             score = value;
             place = i;

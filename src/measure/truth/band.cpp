@@ -18,6 +18,7 @@ using intersect::AtOrigin;
 using intersect::Convention;
 using intersect::Touching;
 using scene::rays::RayBlock;
+using scene::rays::SolidList;
 
 namespace {
 
@@ -30,9 +31,6 @@ void for_each_pixel(std::size_t count, Function&& function) {
         }
     });
 }
-
-template <class S>
-using Solids = std::span<const Solid<S>>;
 
 /// Whether binary32 holds every number of the group. A NaN is one in any format.
 bool fits_binary32(const scene::rays::RayGroup& group) {
@@ -64,18 +62,17 @@ RayBlock normalised(const RayBlock& rays, const FloatFormat& format) {
 
 template <class Function>
 auto Band::with_ray(std::size_t i, Function&& function) const {
-    return ideal_ ? function((*ideal_)[i], Solids<Real>(ideal_solids_))
-                  : function(shared_[i], Solids<double>(shared_solids_));
+    return ideal_ ? function((*ideal_)[i], ideal_solids_) : function(shared_[i], shared_solids_);
 }
 
 Band::Band(const scene::file::Scene& scene, int y0, int y1, TruthLimit limit, Culler* culler)
     : culler_(culler), scene_(&scene), y0_(y0), rows_(y1 - y0), limit_(limit) {
     if (scene.inputs == scene::file::Inputs::shared) {
         shared_ = scene::rays::make_shared_rays(scene, y0, y1);
-        shared_solids_ = culler ? culler->shared_solids() : scene::rays::shared_solids(scene);
+        shared_solids_ = culler ? culler->shared() : SolidList(scene::rays::shared_solids(scene));
     } else {
         ideal_ = scene::rays::make_own_rays(scene, y0, y1);
-        ideal_solids_ = scene.solids();
+        ideal_solids_ = culler ? culler->ideal() : SolidList(scene.solids());
     }
     if (scene.march) shared_march_ = scene::file::round_march(*scene.march, binary32);
     find_truth_of_all();
@@ -102,6 +99,16 @@ Band::Band(scene::rays::RayGroup group, TruthLimit limit)
     find_truth_of_all();
 }
 
+Band::Band(const scene::file::Scene& scene, const Ray<double>& ray, Culler& culler)
+    : culler_(&culler),
+      rows_(1),
+      in_binary32_(fits_binary32(scene::rays::group_of(ray))),
+      shared_(scene::rays::group_of(ray).rays),
+      shared_solids_(culler.shared()) {
+    if (scene.march) shared_march_ = scene::file::round_march(*scene.march, binary32);
+    find_truth_of_all();
+}
+
 namespace {
 
 Ray<double> in_double(const Ray<double>& ray) { return ray; }
@@ -115,6 +122,24 @@ Ray<double> in_double(const Ray<Real>& ray) {
 constexpr Convention other_conventions[] = {
     {Touching::miss}, {Touching::hit, AtOrigin::miss}, {Touching::miss, AtOrigin::miss}};
 
+/// The truth among the candidates alone; among all solids where there is no index.
+template <class S>
+Truth find_among(const SphereIndex* index, const Ray<S>& ray, const SolidList<S>& solids, TruthLimit limit,
+                 Convention convention, double tmax) {
+    if (index == nullptr) {
+        if (!solids.flake()) return find_truth(ray, solids.listed(), limit, convention, tmax);
+        return find_truth(ray, std::span<const Solid<S>>(solids.all()), limit, convention, tmax);
+    }
+    thread_local std::vector<std::uint32_t> found;
+    thread_local std::vector<Solid<S>> few;
+    index->candidates(in_double(ray), found);
+    few.clear();
+    for (const std::uint32_t i : found) few.push_back(solids[i]);
+    Truth truth = find_truth(ray, std::span<const Solid<S>>(few), limit, convention, tmax);
+    if (truth.object >= 0) truth.object = static_cast<int>(found[static_cast<std::size_t>(truth.object)]);
+    return truth;
+}
+
 /// Whether the truth by a convention may be another than the closed solid's.
 bool matters(Convention convention, const Truth& closed) {
     return (convention.touching == Touching::miss && closed.touches) ||
@@ -126,17 +151,13 @@ bool matters(Convention convention, const Truth& closed) {
 Truth Band::find_truth_of(std::size_t i, Convention convention) const {
     const double tmax = !ideal_ && !shared_.tmax.empty() ? shared_.tmax[i] : HUGE_VAL;
     const SphereIndex* const index = culler_ ? culler_->for_truth() : nullptr;
-    return with_ray(i, [&](const auto& ray, auto solids) {
-        thread_local std::vector<std::uint32_t> found;
-        if (index && index->candidates(in_double(ray), found))
-            return find_truth_among(ray, solids, found, limit_, convention);
-        return find_truth(ray, solids, limit_, convention, tmax);
+    return with_ray(i, [&](const auto& ray, const auto& solids) {
+        return find_among(index, ray, solids, limit_, convention, tmax);
     });
 }
 
 void Band::find_truth_of_all() {
     truth_.resize(ideal_ ? ideal_->size() : shared_.size());
-    if (culler_) culler_->for_truth();  // made here, by one thread
     for_each_pixel(truth_.size(), [&](std::size_t i) { truth_[i] = find_truth_of(i, {}); });
     for (std::size_t i = 0; i < truth_.size(); ++i) {
         for (const Convention convention : other_conventions) {
@@ -156,7 +177,7 @@ const Truth& Band::truth(std::size_t i, Convention convention) const {
 void Band::find_condition() {
     const auto of = [&](std::size_t i, const Truth& truth, AtOrigin at_origin) {
         if (!truth.is_hit()) return missing;
-        return with_ray(i, [&](const auto& ray, auto solids) {
+        return with_ray(i, [&](const auto& ray, const auto& solids) {
             return lostbits::measure::truth::condition(ray, solids[static_cast<std::size_t>(truth.object)], at_origin);
         });
     };
@@ -175,13 +196,13 @@ FormatInputs Band::inputs(const Format& format, BandNeeds needs) const {
     const FloatFormat& shape = format.shape;
     if (ideal_) {
         in.rays = scene::rays::round_rays(*ideal_, shape);
-        for (const auto& s : ideal_solids_) in.solids.push_back(scene::rays::round_solid(s, shape));
+        in.solids = round_solids(ideal_solids_, shape);
     } else {
         const bool wide =
             shape.precision >= binary32.precision && shape.emin <= binary32.emin && shape.emax >= binary32.emax;
         in.ideal = wide && in_binary32_;
         in.rays = in.ideal ? shared_ : scene::rays::round_block(shared_, shape);
-        for (const auto& s : shared_solids_) in.solids.push_back(scene::rays::round_solid(s, shape));
+        in.solids = round_solids(shared_solids_, shape);
         for (std::size_t i = 0; wide && !in.ideal; ++i) {
             if (i == pixels()) in.ideal = true;
             else if (!keeps(in, i)) break;
@@ -190,15 +211,12 @@ FormatInputs Band::inputs(const Format& format, BandNeeds needs) const {
     if (ideal_ && scene_->march) in.march = scene::file::round_march(*scene_->march, shape);
     else if (shared_march_) in.march = scene::file::round_march(*shared_march_, shape);
     if (needs.unit_rays) in.unit_rays = normalised(in.rays, shape);
-    if (culler_) in.index = culler_->for_format(shape, in.solids);
+    if (culler_) in.index = culler_->for_forms(shape, in.solids);
     if (needs.own_truth && !in.ideal) {
         in.own_truth.resize(pixels());
+        const auto index = culler_ ? culler_->for_own_truth(shape, in.solids) : nullptr;
         const auto own = [&](std::size_t i, Convention convention) {
-            const Ray<double> ray = in.rays[i];
-            thread_local std::vector<std::uint32_t> found;
-            if (in.index && in.index->candidates(ray, found))
-                return find_truth_among(ray, Solids<double>(in.solids), found, limit_, convention);
-            return find_truth(ray, Solids<double>(in.solids), limit_, convention,
+            return find_among(index.get(), in.rays[i], in.solids, limit_, convention,
                               in.rays.tmax.empty() ? HUGE_VAL : in.rays.tmax[i]);
         };
         for_each_pixel(pixels(), [&](std::size_t i) { in.own_truth[i] = own(i, {}); });
@@ -216,13 +234,16 @@ bool Band::keeps(const FormatInputs& inputs, std::size_t i) const {
     const auto same_vec = [&](const Vec<double>& stored, const auto& given) {
         return same(stored.x, given.x) && same(stored.y, given.y) && same(stored.z, given.z);
     };
-    return with_ray(i, [&](const auto& ray, auto solids) {
+    return with_ray(i, [&](const auto& ray, const auto& solids) {
         const Ray<double> stored = inputs.rays[i];
         if (!same_vec(stored.origin, ray.origin) || !same_vec(stored.direction, ray.direction)) return false;
         if (!shared_.tmax.empty() && !same(inputs.rays.tmax[i], shared_.tmax[i])) return false;
-        return std::ranges::equal(inputs.solids, solids, [&](const Solid<double>& s, const auto& given) {
-            return std::ranges::equal(s.used(), given.used(), same);
-        });
+        for (std::size_t k = 0; k < solids.size(); ++k) {
+            const auto stored_solid = inputs.solids[k];
+            const auto given = solids[k];
+            if (!std::ranges::equal(stored_solid.used(), given.used(), same)) return false;
+        }
+        return true;
     });
 }
 
@@ -233,7 +254,7 @@ std::shared_ptr<const scene::rays::RayGroup> Band::given(std::size_t i, std::set
     if (!shared_.tmax.empty()) one->rays.tmax.push_back(shared_.tmax[i]);
     for (const int solid : solids) one->solids.push_back(shared_solids_[static_cast<std::size_t>(solid)]);
     if (!solids.empty()) return one;
-    one->solids = shared_solids_;
+    one->solids = shared_solids_.all();
     one->march = shared_march_;
     return one;
 }
@@ -242,7 +263,7 @@ double Band::rounded_truth(std::size_t i, const FloatFormat& format, intersect::
                            Convention convention) const {
     const Truth& truth = this->truth(i, convention);
     const Length length = unit_of == intersect::Direction::unit ? Length::distance : Length::parameter;
-    return with_ray(i, [&](const auto& ray, auto solids) {
+    return with_ray(i, [&](const auto& ray, const auto& solids) {
         return round_truth(truth, ray, solids[static_cast<std::size_t>(truth.object)], format, length);
     });
 }

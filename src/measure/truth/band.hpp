@@ -25,6 +25,9 @@ public:
     explicit Band(scene::rays::RayGroup group, TruthLimit limit = {});
     /// Ideal rays of one's own among the solids of a scene with own inputs, which outlives the band.
     Band(const scene::file::Scene& scene, scene::rays::IdealRayBlock rays, TruthLimit limit = {});
+    /// One ray, which is a stored number, among the solids of a scene with shared inputs, which `culler` is of; it
+    /// outlives the band.
+    Band(const scene::file::Scene& scene, const Ray<double>& ray, Culler& culler);
     /// Finds κ of every hit, in parallel.
     void find_condition();
     /// κ of ray i after `find_condition`; NaN for a miss.
@@ -61,9 +64,9 @@ private:
     TruthLimit limit_;
     bool in_binary32_ = true;       ///< every shared number is one of binary32
     scene::rays::RayBlock shared_;  ///< inputs = shared
-    std::vector<Solid<double>> shared_solids_;
+    scene::rays::SolidList<double> shared_solids_;
     std::optional<scene::rays::IdealRayBlock> ideal_;  ///< inputs = own
-    std::vector<Solid<Real>> ideal_solids_;
+    scene::rays::SolidList<Real> ideal_solids_;
     std::optional<intersect::MarchConstants<double>> shared_march_;
     /// A truth by a convention that differs from the closed solid's.
     struct Apart {

@@ -1,6 +1,7 @@
 #include "measure/truth/certified.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <limits>
 
@@ -10,14 +11,24 @@
 namespace lostbits::measure::truth {
 namespace {
 
-/// ldexp that saturates: exponents here may exceed int.
+/// 2^e for a normal number of that exponent.
+double power_of_two(std::int64_t e) { return std::bit_cast<double>(static_cast<std::uint64_t>(e + 1023) << 52); }
+
+/// ilogb, without the call for normal numbers.
+int exponent_of(double x) {
+    const auto biased = static_cast<int>(std::bit_cast<std::uint64_t>(x) >> 52 & 0x7ff);
+    return biased != 0 && biased != 0x7ff ? biased - 1023 : std::ilogb(x);
+}
+
+/// ldexp that saturates: exponents here may exceed int. A product with a power of two rounds as ldexp does.
 double scale(double x, std::int64_t e) {
+    if (e >= -1022 && e <= 1023) return x * power_of_two(e);
     return std::ldexp(x, static_cast<int>(std::clamp<std::int64_t>(e, -5000, 5000)));
 }
 
 Certified normalised(double hi, double lo, double bound, std::int64_t exponent) {
     const DoubleDouble s = two_sum(hi, lo);
-    const int e = std::ilogb(s.hi);
+    const int e = exponent_of(s.hi);
     Certified r{scale(s.hi, -e), scale(s.lo, -e), scale(bound, -e), exponent + e};
     // Scaling is exact but where it underflows, by at most half of 2^-1074 in each of lo and bound.
     if (scale(r.lo, e) != s.lo || scale(r.bound, e) != bound) r.bound += 0x1p-1074;
@@ -35,9 +46,11 @@ long Certified::floor_log2() const {
 
 Certified exactly(double x) {
     if (x == 0) return {};
-    const int e = std::ilogb(x);
+    const int e = exponent_of(x);
     return {scale(x, -e), 0, 0, e};
 }
+
+Certified certified(double hi, double lo, double bound) { return hi == 0 ? Certified{} : normalised(hi, lo, bound, 0); }
 
 std::optional<Certified> certify(const Ball& x, double tightness) {
     if (!x.is_bounded()) return std::nullopt;

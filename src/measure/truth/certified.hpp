@@ -30,6 +30,9 @@ inline constexpr double certified_tightness = 0x1p-72;
 std::optional<Certified> certify(const Ball& x, double tightness = certified_tightness);
 std::optional<Certified> certify(const Interval& x, double tightness = certified_tightness);
 
+/// hi + lo ± bound, |lo| ≤ ulp(hi)/2, of any size; hi = 0 stands for zero exactly.
+Certified certified(double hi, double lo, double bound);
+
 /// (x − y)/2^e for the midpoints of both, as a double, to a relative error of 2^-50; infinite where it exceeds double's
 /// range. x and y may be any numbers, equal exponents not required.
 double scaled_difference(const Certified& x, const Certified& y, std::int64_t e);

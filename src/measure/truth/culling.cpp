@@ -3,11 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
-#ifdef LOSTBITS_HAS_EMBREE
-#include <embree3/rtcore.h>
-#endif
-
 namespace lostbits::measure::truth {
+
+using scene::rays::SolidList;
+
 namespace {
 
 constexpr std::size_t least_spheres = 64;
@@ -24,10 +23,11 @@ struct Extent {
     double sum = 0, least_radius = HUGE_VAL;
 };
 
-std::optional<Extent> extent_of(std::span<const Solid<double>> solids, const RayBounds& rays) {
+std::optional<Extent> extent_of(const SolidList<double>& solids, const RayBounds& rays) {
     Extent e;
     double reach = 0;
-    for (const Solid<double>& solid : solids) {
+    for (std::size_t i = 0; i < solids.size(); ++i) {
+        const Solid<double> solid = solids[i];
         if (solid.shape != Shape::sphere) return std::nullopt;
         const Sphere<double> s = solid.sphere();
         const double one = size_of(s.centre) + s.radius;
@@ -38,6 +38,19 @@ std::optional<Extent> extent_of(std::span<const Solid<double>> solids, const Ray
     e.sum = sum_of(rays.origin, reach);
     return e;
 }
+
+/// The box around some spheres.
+struct Around {
+    Vec<double> low{HUGE_VAL, HUGE_VAL, HUGE_VAL}, high = -low;
+
+    void add(const Vec<double>& centre, double radius) {
+        for (int k = 0; k < 3; ++k) {
+            low[k] = std::min(low[k], centre[k] - radius);
+            high[k] = std::max(high[k], centre[k] + radius);
+        }
+    }
+    [[nodiscard]] Vec<double> middle() const { return low / 2.0 + high / 2.0; }
+};
 
 /// Forms square lengths, multiply by |d|² and by 4, and Newton's step once more by about as much.
 bool squares_are_safe(const Extent& e, const RayBounds& rays, const FloatFormat& f) {
@@ -68,183 +81,143 @@ RayBounds join(const RayBounds& a, const RayBounds& b) {
             std::max(a.direction, b.direction)};
 }
 
-Culler::Culler(const scene::file::Scene& scene)
-    : shared_(scene::rays::shared_solids(scene)), many_(shared_.size() >= least_spheres), bounds_{0, 1, 1} {
+namespace {
+
+/// A form that marches wants its solids one by one in memory.
+SolidList<double> shared_of(const scene::file::Scene& scene) {
+    return scene.march ? SolidList(scene::rays::shared_solids(scene)) : scene::rays::shared_solid_list(scene);
+}
+
+}  // namespace
+
+Culler::Culler(const scene::file::Scene& scene) {
+    const bool own = scene.inputs == scene::file::Inputs::own;
+    if (own) ideal_ = scene.march ? SolidList<Real>(scene.solids()) : scene::rays::ideal_solid_list(scene);
+    else stored_ = shared_of(scene);
+    if (scene.solid_count() < least_spheres) return;
     constexpr int rows = 16;
-    for (int y = 0; many_ && y < scene.height; y += rows) {
+    for (int y = 0; y < scene.height; y += rows) {
         bounds_ =
             join(bounds_, bounds_of(scene::rays::input_rays(scene, y, std::min(scene.height, y + rows), binary64)));
     }
+    truth_ = SphereIndex::make(own ? round_solids(ideal_, binary64) : stored_, bounds_, nullptr);
 }
 
-const SphereIndex* Culler::for_truth() {
-    if (!many_) return nullptr;
-    if (!truth_) truth_ = SphereIndex::make(shared_, bounds_, nullptr);
-    return truth_->get();
+Culler::Culler(const scene::file::Scene& scene, const Ray<double>& ray) : stored_(shared_of(scene)) {
+    bounds_ = join(bounds_, bounds_of(scene::rays::group_of(ray).rays));
+    truth_ = SphereIndex::make(stored_, bounds_, nullptr);
 }
 
-std::shared_ptr<const SphereIndex> Culler::for_format(const FloatFormat& format,
-                                                      std::span<const Solid<double>> solids) {
-    if (!many_) return nullptr;
-    const auto [place, fresh] = formats_.try_emplace({format.precision, format.emin, format.emax});
-    if (fresh) {
+std::shared_ptr<const SphereIndex> Culler::for_forms(const FloatFormat& format, const SolidList<double>& solids) {
+    return index_in(forms_, format, solids, true);
+}
+std::shared_ptr<const SphereIndex> Culler::for_own_truth(const FloatFormat& format, const SolidList<double>& solids) {
+    return index_in(own_truths_, format, solids, false);
+}
+
+std::shared_ptr<const SphereIndex> Culler::index_in(Indices& known, const FloatFormat& format,
+                                                    const SolidList<double>& solids, bool widened) {
+    const auto [place, fresh] = known.try_emplace({format.precision, format.emin, format.emax});
+    if (fresh && solids.size() >= least_spheres) {
         // The rays as the format rounds them.
         const double u = std::ldexp(1.0, -format.precision);
         place->second = SphereIndex::make(
             solids,
             {bounds_.origin * (1 + 2 * u), bounds_.least_direction * (1 - 2 * u), bounds_.direction * (1 + 2 * u)},
-            &format);
+            widened ? &format : nullptr);
     }
     return place->second;
 }
 
-SphereIndex::SphereIndex() = default;
-SphereIndex::~SphereIndex() = default;
-
-#ifdef LOSTBITS_HAS_EMBREE
-
-struct SphereIndex::Tree {
-    ~Tree() {
-        if (scene) rtcReleaseScene(scene);
-    }
-    const SphereIndex* owner = nullptr;
-    RTCScene scene = nullptr;
-    double rounding = 0;  ///< 64·u
-    double origin = 0;    ///< |O| at most
-    double margin = 0;    ///< of Embree's arithmetic
-    double behind = 0;    ///< how far in front of the origin a candidate may end
-    std::size_t most = 0;
-
-    [[nodiscard]] double reach(std::size_t i) const {
-        const auto at = [&](std::size_t k) { return owner->columns64_[k][i]; };
-        const double r = at(3);
-        return std::sqrt(r * r + rounding * sum_of(origin, size_of({at(0), at(1), at(2)}) + r)) * (1 + 0x1p-20) +
-               margin;
-    }
-};
-
-namespace {
-
-/// What the callback sees of a query. Embree hands back the address of its own part, which stands first.
-struct Query {
-    RTCIntersectContext context;
-    std::vector<std::uint32_t>* found;
-    std::size_t most;
-};
-
-/// One for the program; it lives as long.
-RTCDevice device() {
-    static const RTCDevice one = rtcNewDevice(nullptr);
-    return one;
-}
-
-}  // namespace
-
-std::shared_ptr<const SphereIndex> SphereIndex::make(std::span<const Solid<double>> solids, const RayBounds& rays,
+std::shared_ptr<const SphereIndex> SphereIndex::make(const SolidList<double>& solids, const RayBounds& rays,
                                                      const FloatFormat* format) {
     if (solids.size() < least_spheres || !std::isfinite(rays.origin) || !(rays.least_direction > 0)) return nullptr;
     const auto extent = extent_of(solids, rays);
-    // Embree computes in float: its squares must be safe, too.
-    if (!extent || !squares_are_safe(*extent, rays, binary32) || (format && !squares_are_safe(*extent, rays, *format)))
+    if (!extent || !squares_are_safe(*extent, rays, binary64) || (format && !squares_are_safe(*extent, rays, *format)))
         return nullptr;
     std::shared_ptr<SphereIndex> index(new SphereIndex);
-    for (std::size_t k = 0; k < 4; ++k) {
-        for (const Solid<double>& s : solids) {
-            index->columns64_[k].push_back(s.numbers[k]);
-            if (format && format->precision <= binary32.precision)
-                index->columns32_[k].push_back(static_cast<float>(s.numbers[k]));
-        }
-    }
-    index->tree_ = std::make_unique<Tree>();
-    Tree& tree = *index->tree_;
-    tree.owner = index.get();
-    tree.rounding = format ? 64 * std::ldexp(1.0, -format->precision) : 0;
-    tree.origin = rays.origin;
-    tree.margin = 0x1p-18 * std::sqrt(extent->sum);
-    tree.behind = std::sqrt(tree.rounding * extent->sum) + tree.margin;
-    tree.most = std::max<std::size_t>(16, solids.size() / 32);
-
-    tree.scene = rtcNewScene(device());
-    rtcSetSceneFlags(tree.scene, RTC_SCENE_FLAG_ROBUST);
-    const RTCGeometry geometry = rtcNewGeometry(device(), RTC_GEOMETRY_TYPE_USER);
-    rtcSetGeometryUserPrimitiveCount(geometry, static_cast<unsigned>(solids.size()));
-    rtcSetGeometryUserData(geometry, &tree);
-    rtcSetGeometryBoundsFunction(
-        geometry,
-        [](const RTCBoundsFunctionArguments* a) {
-            const Tree& t = *static_cast<const Tree*>(a->geometryUserPtr);
-            const double r = t.reach(a->primID);
-            const auto side = [&](std::size_t axis, double offset) {
-                return static_cast<float>(t.owner->columns64_[axis][a->primID] + offset);
-            };
-            // The margin is 2^6 float roundings of the picture's size: rounding these bounds to nearest leaves them
-            // outside.
-            a->bounds_o->lower_x = side(0, -r), a->bounds_o->lower_y = side(1, -r), a->bounds_o->lower_z = side(2, -r);
-            a->bounds_o->upper_x = side(0, r), a->bounds_o->upper_y = side(1, r), a->bounds_o->upper_z = side(2, r);
-        },
-        nullptr);
-    rtcSetGeometryIntersectFunction(geometry, [](const RTCIntersectFunctionNArguments* a) {
-        if (a->valid[0] == 0) return;
-        Query& query = *reinterpret_cast<Query*>(a->context);
-        query.found->push_back(a->primID);
-        // Too many already: no box lies before minus infinity, so the walk ends.
-        if (query.found->size() > query.most) RTCRayN_tfar(RTCRayHitN_RayN(a->rayhit, a->N), a->N, 0) = -HUGE_VALF;
-    });
-    rtcCommitGeometry(geometry);
-    rtcAttachGeometry(tree.scene, geometry);
-    rtcReleaseGeometry(geometry);
-    rtcCommitScene(tree.scene);
+    index->solids_ = solids;
+    index->rounding_ = format ? 64 * std::ldexp(1.0, -format->precision) : 0;
+    index->origin_ = rays.origin;
+    index->margin_ = 0x1p-40 * std::sqrt(extent->sum);
+    index->behind_ = std::sqrt(index->rounding_ * extent->sum) + index->margin_;
+    index->make_balls();
     return index;
 }
 
-bool SphereIndex::candidates(const Ray<double>& ray, std::vector<std::uint32_t>& found) const {
-    found.clear();
-    Query query{};
-    rtcInitIntersectContext(&query.context);
-    query.found = &found;
-    query.most = 2 * tree_->most;  // boxes let through more than spheres do
-    const double length = size_of(ray.direction);
-    alignas(16) RTCRayHit hit{};
-    hit.ray.org_x = static_cast<float>(ray.origin.x), hit.ray.org_y = static_cast<float>(ray.origin.y),
-    hit.ray.org_z = static_cast<float>(ray.origin.z);
-    hit.ray.dir_x = static_cast<float>(ray.direction.x), hit.ray.dir_y = static_cast<float>(ray.direction.y),
-    hit.ray.dir_z = static_cast<float>(ray.direction.z);
-    // Embree takes rays from 0 on: start a little earlier.
-    const float back = static_cast<float>(2 * tree_->behind / length);
-    hit.ray.org_x -= back * hit.ray.dir_x, hit.ray.org_y -= back * hit.ray.dir_y, hit.ray.org_z -= back * hit.ray.dir_z;
-    hit.ray.tnear = 0;
-    hit.ray.tfar = HUGE_VALF;
-    hit.ray.mask = ~0U;
-    hit.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-    rtcIntersect1(tree_->scene, &query.context, &hit);
-    if (found.size() > query.most) return false;
+double SphereIndex::reach(const Sphere<double>& s) const {
+    return std::sqrt(s.radius * s.radius + rounding_ * sum_of(origin_, size_of(s.centre) + s.radius)) * (1 + 0x1p-20) +
+           margin_;
+}
 
-    // l² |d|² = |(G − O) × d|²; what the boxes let through at their corners goes.
-    const auto off = [&](std::uint32_t i) {
-        const Vec<double> f(columns64_[0][i] - ray.origin.x, columns64_[1][i] - ray.origin.y,
-                            columns64_[2][i] - ray.origin.z);
-        const Vec<double> m(f.y * ray.direction.z - f.z * ray.direction.y,
-                            f.z * ray.direction.x - f.x * ray.direction.z,
-                            f.x * ray.direction.y - f.y * ray.direction.x);
-        return size_of(m) > tree_->reach(i) * length;
+void SphereIndex::make_balls() {
+    for (std::size_t begin = 0; begin < solids_.size(); begin += block) {
+        const std::size_t end = std::min(solids_.size(), begin + block);
+        Around around;
+        for (std::size_t i = begin; i < end; ++i) {
+            const Sphere<double> s = solids_[i].sphere();
+            around.add(s.centre, s.radius);
+        }
+        const Vec<double> middle = around.middle();
+        double most = 0;
+        for (std::size_t i = begin; i < end; ++i) {
+            const Sphere<double> s = solids_[i].sphere();
+            most = std::max(most, size_of(s.centre - middle) + reach(s));
+        }
+        blocks_.add(middle, most + margin_);
+    }
+    constexpr std::size_t blocks = page / block;
+    for (std::size_t begin = 0; begin < blocks_.x.size(); begin += blocks) {
+        const std::size_t end = std::min(blocks_.x.size(), begin + blocks);
+        Around around;
+        for (std::size_t b = begin; b < end; ++b) around.add(blocks_.centre(b), blocks_.reach[b]);
+        const Vec<double> middle = around.middle();
+        double most = 0;
+        for (std::size_t b = begin; b < end; ++b)
+            most = std::max(most, size_of(blocks_.centre(b) - middle) + blocks_.reach[b]);
+        pages_.add(middle, most + margin_);
+    }
+}
+
+SphereIndex::Line::Line(const Ray<double>& ray) : origin(ray.origin), along(ray.direction / size_of(ray.direction)) {}
+
+bool SphereIndex::meets(const Line& line, const Vec<double>& centre, double reach) const {
+    const Vec<double> f = centre - line.origin;
+    const Vec<double> m = cross(f, line.along);
+    const bool ahead = dot(f, line.along) >= -(reach + behind_);
+    return ahead && dot(m, m) <= reach * reach;
+}
+
+void SphereIndex::find_runs(const Line& line, std::size_t p, Grain grain, std::vector<Run>& runs) const {
+    runs.clear();
+    if (!meets(line, pages_.centre(p), pages_.reach[p])) return;
+    const auto take = [&runs](std::size_t begin, std::size_t end) {
+        if (!runs.empty() && runs.back().second == begin) runs.back().second = end;
+        else runs.emplace_back(begin, end);
     };
-    std::erase_if(found, off);
-    if (found.size() > tree_->most) return false;
-    std::ranges::sort(found);
-    found.erase(std::ranges::unique(found).begin(), found.end());
-    return true;
+    constexpr std::size_t blocks = page / block;
+    const std::size_t first = p * blocks, last = std::min(first + blocks, blocks_.x.size());
+    for (std::size_t b = first; b < last; ++b) {
+        if (!meets(line, blocks_.centre(b), blocks_.reach[b])) continue;
+        const std::size_t begin = b * block, end = std::min(begin + block, solids_.size());
+        if (grain == Grain::blocks) take(begin, end);
+        for (std::size_t i = begin; grain == Grain::spheres && i < end; ++i) {
+            const Sphere<double> s = solids_[i].sphere();
+            if (meets(line, s.centre, reach(s))) take(i, i + 1);
+        }
+    }
 }
 
-#else
-
-struct SphereIndex::Tree {};
-
-std::shared_ptr<const SphereIndex> SphereIndex::make(std::span<const Solid<double>>, const RayBounds&,
-                                                     const FloatFormat*) {
-    return nullptr;
+void SphereIndex::candidates(const Ray<double>& ray, std::vector<std::uint32_t>& found) const {
+    found.clear();
+    const Line line(ray);
+    thread_local std::vector<Run> runs;
+    for (std::size_t p = 0; p < pages(); ++p) {
+        find_runs(line, p, Grain::spheres, runs);
+        for (const auto& [begin, end] : runs) {
+            for (std::size_t i = begin; i < end; ++i) found.push_back(static_cast<std::uint32_t>(i));
+        }
+    }
 }
-bool SphereIndex::candidates(const Ray<double>&, std::vector<std::uint32_t>&) const { return false; }
-
-#endif
 
 }  // namespace lostbits::measure::truth

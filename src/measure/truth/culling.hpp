@@ -1,4 +1,4 @@
-// Which of many spheres a ray can meet at all, or a form can be misled to say that it meets. The tree is Embree's.
+// Which of many spheres a ray can meet at all, or a form can be misled to say that it meets.
 #pragma once
 
 #include <array>
@@ -6,12 +6,12 @@
 #include <map>
 #include <memory>
 #include <optional>
-#include <span>
+#include <utility>
 #include <vector>
 
-#include "geometry/solid.hpp"
 #include "number/format.hpp"
 #include "scene/rays/rays.hpp"
+#include "scene/rays/solid_list.hpp"
 
 namespace lostbits::measure::truth {
 
@@ -27,61 +27,95 @@ RayBounds join(const RayBounds& a, const RayBounds& b);
 
 /// Candidates among n spheres for rays within stated bounds: supersets, never missing one that matters.
 ///
-/// For the truth: the spheres that the line comes within 2^-18 of the picture's size of (that covers Embree's float
-/// arithmetic and the rounding of ideal rays to it). For forms in a format with unit roundoff u also those that
+/// For the truth: the spheres that the line comes within 2^-40 of the picture's size of (that covers this file's
+/// arithmetic and the rounding of ideal rays to binary64). For forms in a format with unit roundoff u also those that
 /// rounding can make a hit of: every form decides by the sign of something like r² − l², l the distance of the centre
 /// from the line, which it knows to an error of at most K·u·B with B = |O|² + (|G| + r)² + (|O| + |G| + r)²: products
 /// of those lengths are all that it adds. Counting roundings gives K < 30 for the worst of the forms; 64 is taken. A
 /// sphere is a candidate where l² ≤ r² + 64·u·B. A test compares with brute force for every form. The bound needs
 /// squares that neither overflow nor vanish: see `make`.
+///
+/// Spheres that stand together are asked together: 64 to a block, 8192 to a page, each with a ball around all that its
+/// spheres can reach. The order of a flake keeps neighbours together, so no tree over them is needed: the balls take
+/// one byte a sphere, and what is found are runs of places, which the kernels read where they stand.
 class SphereIndex {
 public:
-    /// Nothing where no index can be trusted (squares of the picture's numbers overflow or vanish in the format), where
-    /// there are fewer than 64 solids or one that is not a sphere, or where this build has no Embree: ask every solid
-    /// then. `format` null: for the truth.
-    static std::shared_ptr<const SphereIndex> make(std::span<const Solid<double>> solids, const RayBounds& bounds,
-                                                   const FloatFormat* format);
-    ~SphereIndex();
-    SphereIndex(const SphereIndex&) = delete;
-    SphereIndex& operator=(const SphereIndex&) = delete;
+    static constexpr std::size_t block = 64, page = 8192;
 
-    /// Fills `found` with the candidates for a ray in rising order; false where they are more than a thirty-second of
-    /// all: asking all is cheaper then. Any thread may ask.
-    bool candidates(const Ray<double>& ray, std::vector<std::uint32_t>& found) const;
+    /// Nothing where no index can be trusted (squares of the picture's numbers overflow or vanish in the format), or
+    /// where there are fewer than 64 solids or one that is not a sphere: ask every solid then. `format` null: for the
+    /// truth.
+    static std::shared_ptr<const SphereIndex> make(const scene::rays::SolidList<double>& solids,
+                                                   const RayBounds& bounds, const FloatFormat* format);
 
-    /// All spheres as columns, numbers of the format.
-    template <class S>
-    [[nodiscard]] std::span<const S> column(int k) const {
-        if constexpr (std::is_same_v<S, float>) return columns32_[static_cast<std::size_t>(k)];
-        else return columns64_[static_cast<std::size_t>(k)];
-    }
+    /// A ray, with a direction of length one.
+    class Line {
+    public:
+        explicit Line(const Ray<double>& ray);
+
+    private:
+        friend SphereIndex;
+        Vec<double> origin, along;
+    };
+
+    /// Fills `found` with the candidates for a ray in rising order.
+    void candidates(const Ray<double>& ray, std::vector<std::uint32_t>& found) const;
+
+    [[nodiscard]] std::size_t pages() const { return pages_.x.size(); }
+    using Run = std::pair<std::size_t, std::size_t>;  ///< places [first, second)
+    enum class Grain { blocks, spheres };
+    /// Fills `runs` with places of page p in rising order: the candidates alone, or whole blocks with all of them.
+    void find_runs(const Line& line, std::size_t p, Grain grain, std::vector<Run>& runs) const;
 
 private:
-    struct Tree;
-    SphereIndex();
-    std::unique_ptr<Tree> tree_;
-    std::vector<float> columns32_[4];
-    std::vector<double> columns64_[4];
+    /// Balls around what runs of spheres can reach.
+    struct Balls {
+        std::vector<double> x, y, z, reach;
+        [[nodiscard]] Vec<double> centre(std::size_t i) const { return {x[i], y[i], z[i]}; }
+        void add(const Vec<double>& centre, double reach_there) {
+            x.push_back(centre.x), y.push_back(centre.y), z.push_back(centre.z), reach.push_back(reach_there);
+        }
+    };
+    SphereIndex() = default;
+    [[nodiscard]] double reach(const Sphere<double>& sphere) const;
+    void make_balls();
+    [[nodiscard]] bool meets(const Line& line, const Vec<double>& centre, double reach) const;
+
+    scene::rays::SolidList<double> solids_;
+    Balls pages_, blocks_;
+    double rounding_ = 0;  ///< 64·u
+    double origin_ = 0;    ///< |O| at most
+    double margin_ = 0;    ///< of this file's arithmetic
+    double behind_ = 0;    ///< how far in front of the origin a candidate may end
 };
 
 /// The solids of a picture and their indices, made once for all of its bands. One thread at a time.
 class Culler {
 public:
     explicit Culler(const scene::file::Scene& scene);
+    /// Of one ray alone, among the solids of a scene with shared inputs.
+    Culler(const scene::file::Scene& scene, const Ray<double>& ray);
 
-    /// As `scene::shared_solids`.
-    [[nodiscard]] const std::vector<Solid<double>>& shared_solids() const { return shared_; }
-    /// For the truth, and for forms in a format that are given `solids`; each made when it is first asked for. May be
-    /// null.
-    const SphereIndex* for_truth();
-    std::shared_ptr<const SphereIndex> for_format(const FloatFormat& format, std::span<const Solid<double>> solids);
+    /// What the bands of a scene with shared inputs, and of one with own inputs, are made of.
+    [[nodiscard]] const scene::rays::SolidList<double>& shared() const { return stored_; }
+    [[nodiscard]] const scene::rays::SolidList<Real>& ideal() const { return ideal_; }
+    /// For the truth of the solids as given. May be null, as may those of a format.
+    [[nodiscard]] const SphereIndex* for_truth() const { return truth_.get(); }
+    /// For forms in a format that are given `solids`, and for the truth of those. Made when it is first asked for.
+    std::shared_ptr<const SphereIndex> for_forms(const FloatFormat& format,
+                                                 const scene::rays::SolidList<double>& solids);
+    std::shared_ptr<const SphereIndex> for_own_truth(const FloatFormat& format,
+                                                     const scene::rays::SolidList<double>& solids);
 
 private:
-    std::vector<Solid<double>> shared_;
-    bool many_;
-    RayBounds bounds_;
-    std::optional<std::shared_ptr<const SphereIndex>> truth_;
-    std::map<std::array<int, 3>, std::shared_ptr<const SphereIndex>> formats_;
+    RayBounds bounds_{0, 1, 1};
+    scene::rays::SolidList<Real> ideal_;
+    scene::rays::SolidList<double> stored_;
+    std::shared_ptr<const SphereIndex> truth_;
+    using Indices = std::map<std::array<int, 3>, std::shared_ptr<const SphereIndex>>;
+    std::shared_ptr<const SphereIndex> index_in(Indices& known, const FloatFormat& format,
+                                                const scene::rays::SolidList<double>& solids, bool widened);
+    Indices forms_, own_truths_;
 };
 
 }  // namespace lostbits::measure::truth

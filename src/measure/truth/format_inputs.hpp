@@ -17,7 +17,7 @@ namespace lostbits::measure::truth {
 struct FormatInputs {
     Format format;
     scene::rays::RayBlock rays = {};
-    std::vector<Solid<double>> solids = {};
+    scene::rays::SolidList<double> solids = {};
     /// Where the scene has them; a form that marches is never asked without.
     std::optional<intersect::MarchConstants<double>> march = {};
     /// Directions normalised and rounded to the format; empty unless a form asks for them.
@@ -36,11 +36,23 @@ struct FormatInputs {
     [[nodiscard]] const scene::rays::RayBlock& rays_for(const intersect::Info& info) const {
         return info.direction == intersect::Direction::unit ? unit_rays : rays;
     }
-    /// What a form is aimed at: one of the solids, or all of them together.
-    [[nodiscard]] intersect::Target<double> target_for(const intersect::table::Intersector& form,
-                                                       std::size_t solid) const {
-        return form.shape == Shape::sdf ? intersect::Target<double>(solids, march.value())
-                                        : intersect::Target<double>(solids[solid]);
+    /// What a form is aimed at: one of the solids, or all of them together. Keeps the one that it is about.
+    class Aim {
+    public:
+        explicit Aim(const Solid<double>& one) : one_(one) {}
+        Aim(std::span<const Solid<double>> all, const intersect::MarchConstants<double>& march)
+            : all_(all), march_(&march) {}
+        operator intersect::Target<double>() const {
+            return march_ ? intersect::Target<double>(all_, *march_) : intersect::Target<double>(one_);
+        }
+
+    private:
+        Solid<double> one_;
+        std::span<const Solid<double>> all_;
+        const intersect::MarchConstants<double>* march_ = nullptr;
+    };
+    [[nodiscard]] Aim target_for(const intersect::table::Intersector& form, std::size_t solid) const {
+        return form.shape == Shape::sdf ? Aim(solids.listed(), march.value()) : Aim(solids[solid]);
     }
 };
 

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <utility>
 #include <vector>
@@ -21,6 +22,8 @@ struct ProblemColumns {
     Shape shape = Shape::sphere;              ///< a sphere or a box
     std::array<std::span<const S>, 6> solid;  ///< as in `Solid::numbers`; a sphere leaves the last two empty
     std::span<const S> tmax = {};             ///< where the rays end (boxes only); empty: nowhere
+    /// What the numbers above leave of those meant, to 2^-104 of these; all empty where they are those meant.
+    std::array<std::span<const S>, 6> ray_low = {}, solid_low = {};
 };
 
 /// How closely a length must be known for what is measured against it.
@@ -66,5 +69,11 @@ struct TruthColumns {
 /// Into `out`, whose memory is used again. `stages` is counted anew.
 void find_truth_columns(const ProblemColumns<float>& problems, const ColumnTerms& terms, TruthColumns& out);
 void find_truth_columns(const ProblemColumns<double>& problems, const ColumnTerms& terms, TruthColumns& out);
+
+/// The whole truth of each ray about its solid (object 0), as by `find_truth`: the same decisions, and the same hi and
+/// lo of t and distance. `alone(i)` is asked about the rays that packs cannot settle. As many of `out` as problems;
+/// counts are added.
+void find_truths(const ProblemColumns<double>& problems, const std::function<Truth(std::size_t)>& alone,
+                 std::span<Truth> out, StageCounts& stages);
 
 }  // namespace lostbits::measure::truth

@@ -1,8 +1,17 @@
 // An EXR file of several parts that grow side by side.
 //
 // OpenImageIO writes one part after the other, so that all but the first would have to wait on disk, uncompressed: 1.7
-// GB for 41 rows of a map of 1024 × 1024. The file format asks for no such order. Here are its parts of scan lines, as
-// https://openexr.com/en/latest/OpenEXRFileLayout.html has them; the tests read them back with OpenImageIO.
+// GB for 41 rows of a map of 1024 × 1024. The file format asks for no such order.
+//
+// OpenEXR's own library, tried at 3.1.5, keeps to no order in Imf::MultiPartOutputFile, and its files have the size of
+// ours to the byte. But a call of OutputPart::writePixels holds the lock of the whole file while it compresses: two
+// threads take as long as one, and blocks lie in the file in the order of the calls, other bytes in each run. In a
+// fixed order, rows would wait uncompressed for their turn, and be compressed by a pool of the library's own beside
+// ours. The C interface takes blocks that are compressed already, but of one part after the other
+// (EXR_ERR_INCORRECT_PART). Here each thread compresses its own rows and no lock is held meanwhile.
+//
+// The parts of scan lines are as https://openexr.com/en/latest/OpenEXRFileLayout.html has them; the tests read them
+// back with OpenImageIO.
 #pragma once
 
 #include <cstddef>

@@ -65,7 +65,7 @@ struct Scene {
     [[nodiscard]] bool meets(Shape shape) const;
     /// The shapes of its solids, each once.
     [[nodiscard]] std::vector<Shape> shapes() const;
-    /// All of them, in the file's order: spheres, boxes, the flake. Some 300 bytes each: see `shared_solids` for many.
+    /// All of them, in the file's order: spheres, boxes, the flake. Some 300 bytes each: see `rays::SolidList` for many.
     [[nodiscard]] std::vector<Solid<Real>> solids() const;
     [[nodiscard]] std::size_t solid_count() const {
         return spheres.size() + boxes.size() + (flake ? flake->size() : 0);

@@ -85,7 +85,7 @@ Sphereflake read_sphereflake(toml::TableReader table) {
 }
 
 void require_room_for(const Sphereflake& flake) {
-    constexpr double bytes_a_sphere = 470, gigabyte = 1e9;
+    constexpr double bytes_a_sphere = 40, gigabyte = 1e9;
     const double there =
         0.75 * static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGESIZE));
     const double needed = bytes_a_sphere * static_cast<double>(flake.size());

@@ -27,8 +27,8 @@ inline constexpr int most_flake_levels = 9;
 /// Reads `[sphereflake]`: levels, and perhaps centre, radius > 0 and axis, as binary64. InputError with a position.
 Sphereflake read_sphereflake(toml::TableReader table);
 
-/// EnvironmentError where a map of that many spheres (some 470 bytes each, measured at 5.4 million) needs more memory
-/// than three quarters of what this machine has.
+/// EnvironmentError where that many spheres need more memory than three quarters of what this machine has: some 40 bytes
+/// each, with own inputs and two formats (a map of one form in binary32 takes 18).
 void require_room_for(const Sphereflake& flake);
 
 /// Every sphere, parents before their children, in the same order always. In binary64, by + − × ÷ √ alone: the same

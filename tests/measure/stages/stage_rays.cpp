@@ -40,8 +40,8 @@ struct StageColumns {
         for (auto* column : {&hi, &lo, &bound}) column->resize(size);
     }
     RawProblems<S> raw(double scale) {
-        auto p = measure::stages::raw_problems<S>(hi.size(),
-                                                  {settled.data(), hit.data(), hi.data(), lo.data(), bound.data()});
+        auto p = measure::stages::raw_problems<S>(
+            hi.size(), {settled.data(), hit.data(), hi.data(), lo.data(), bound.data(), nullptr, nullptr, nullptr});
         for (std::size_t k = 0; k < 6; ++k) {
             p.ray[k] = {first[k].data(), 1};
             p.ray_low[k] = {second[k].data(), 1};
