@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <initializer_list>
 
 #include "intersect/simd/packed.hpp"
 #include "measure/truth/missing.hpp"
@@ -34,7 +35,10 @@ const RawKernels& kernels() {
     return chosen ? *chosen : *kernels_of(Isa::w128);
 }
 
-void leave_all(std::span<const double> answers, std::vector<std::uint32_t>& left) {
+void leave_all(std::span<const double> answers, std::initializer_list<double*> out, std::vector<std::uint32_t>& left) {
+    for (double* const column : out) {
+        if (column) std::fill_n(column, answers.size(), missing);
+    }
     for (std::size_t i = 0; i < answers.size(); ++i) {
         if (!std::isnan(answers[i])) left.push_back(static_cast<std::uint32_t>(i));
     }
@@ -93,7 +97,7 @@ double find_errors(std::span<const double> answers, const TrueLengths& truth, co
                    const ErrorColumns& out, std::vector<std::uint32_t>& left) {
     const RawKernels* const run = kernels_of(intersect::simd::current_isa());
     if (!run) {
-        leave_all(answers, left);
+        leave_all(answers, {out.ulp, out.lost, out.correct, out.relative, out.absolute}, left);
         return 0;
     }
     const auto from = [](double* column, std::size_t begin) { return column ? column + begin : nullptr; };
@@ -122,7 +126,7 @@ void find_residuals(std::span<const double> answers, const HitPoints& points, do
     const RawKernels* const run = kernels_of(intersect::simd::current_isa());
     const auto same_shape = [&](const Solid<double>& s) { return s.shape == points.solids.front().shape; };
     if (!run || points.engine == Format::Engine::rounded || !std::ranges::all_of(points.solids, same_shape)) {
-        leave_all(answers, left);
+        leave_all(answers, {out}, left);
         return;
     }
     const Shape shape = points.solids.front().shape;

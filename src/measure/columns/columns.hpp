@@ -41,7 +41,7 @@ private:
     std::array<std::optional<TrueLengths>, 8> lengths_;
 };
 
-/// Where columns of errors go; null where not wanted. `ulp` is always wanted.
+/// Where columns of errors go, NaN for what is not measured or left; null where not wanted. `ulp` is always wanted.
 struct ErrorColumns {
     double *ulp, *lost, *correct, *relative, *absolute;
 };

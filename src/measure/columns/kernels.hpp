@@ -17,14 +17,14 @@ struct PackPair {
 };
 
 template <class P>
-PackPair<P> sum_of(const P& a, const P& b) {
+[[gnu::always_inline]] inline PackPair<P> sum_of(const P& a, const P& b) {
     const P s = a + b;
     const P bb = s - a;
     return {s, (a - (s - bb)) + (b - bb)};
 }
 
 template <class P>
-PackPair<P> quick_sum_of(const P& a, const P& b) {
+[[gnu::always_inline]] inline PackPair<P> quick_sum_of(const P& a, const P& b) {
     const P s = a + b;
     return {s, b - (s - a)};
 }

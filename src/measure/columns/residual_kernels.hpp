@@ -8,28 +8,28 @@ namespace lostbits::measure::columns {
 /// The midpoints of `Ball`'s operations, to the bit: sums and products of doubles whose low part is 0 come out the same
 /// by the rule for two doubles each.
 template <class P>
-PackPair<P> sum_of(const PackPair<P>& a, const PackPair<P>& b) {
+[[gnu::always_inline]] inline PackPair<P> sum_of(const PackPair<P>& a, const PackPair<P>& b) {
     const PackPair<P> s = sum_of(a.hi, b.hi), t = sum_of(a.lo, b.lo);
     const PackPair<P> v = quick_sum_of(s.hi, s.lo + t.hi);
     return quick_sum_of(v.hi, t.lo + v.lo);
 }
 
 template <class P>
-PackPair<P> product_of(const PackPair<P>& a, const PackPair<P>& b) {
+[[gnu::always_inline]] inline PackPair<P> product_of(const PackPair<P>& a, const PackPair<P>& b) {
     const P p = a.hi * b.hi;
     const P rest = fma(a.hi, b.hi, -p);
     return quick_sum_of(p, rest + fma(a.hi, b.lo, a.lo * b.hi));
 }
 
 template <class P>
-PackPair<P> root_of(const PackPair<P>& a) {
+[[gnu::always_inline]] inline PackPair<P> root_of(const PackPair<P>& a) {
     const P s = sqrt(a.hi);
     return quick_sum_of(s, (a.lo + fma(-s, s, a.hi)) / (P(2) * s));
 }
 
 /// Of the quotient the high part alone.
 template <class P>
-P quotient_of(const PackPair<P>& a, const PackPair<P>& b) {
+[[gnu::always_inline]] inline P quotient_of(const PackPair<P>& a, const PackPair<P>& b) {
     const P q = a.hi / b.hi;
     return q + (fma(-q, b.hi, a.hi) + (a.lo - q * b.lo)) / b.hi;
 }
@@ -37,7 +37,7 @@ P quotient_of(const PackPair<P>& a, const PackPair<P>& b) {
 /// o + t·d as the format computes it. A product of two floats is exact in double; their sum rounded to double and then
 /// to float is rounded as if once, since 53 ≥ 2·24 + 2.
 template <bool binary32, class P, class Width>
-P along(const P& origin, const P& t, const P& direction) {
+[[gnu::always_inline]] inline P along(const P& origin, const P& t, const P& direction) {
     if constexpr (binary32) {
         const auto rounded = [](const P& x) {
             using Floats = stdx::simd<float, PackAbi<float, Registers<Width::bytes / 2>>>;
@@ -114,7 +114,7 @@ void sphere_residuals(RawResiduals& batch) {
 /// The larger of two differences of doubles, each exactly hi + lo and hi nearest to that: they stand in the order of
 /// their his, and where those are equal, of their los.
 template <class P>
-PackPair<P> larger(const PackPair<P>& a, const PackPair<P>& b) {
+[[gnu::always_inline]] inline PackPair<P> larger(const PackPair<P>& a, const PackPair<P>& b) {
     const auto first = a.hi > b.hi || (a.hi >= b.hi && a.lo > b.lo);
     return {select(first, a.hi, b.hi), select(first, a.lo, b.lo)};
 }

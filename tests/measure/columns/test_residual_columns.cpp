@@ -109,8 +109,9 @@ TEST_CASE("columns of residuals have the bits of the metric", "[measure][columns
         for (const char* name : {"f32", "f64"}) {
             for (const Shape shape : {Shape::sphere, Shape::box}) {
                 INFO("--isa " << name_of(isa) << ", " << name << ", " << name_of(shape));
-                CHECK(compare(Scene(name, shape, Range::near, 40'000, random)) < 0.02);
-                CHECK(compare(Scene(name, shape, Range::near, 40'001, random)) < 0.02);
+                // What is left are points exactly on a sphere.
+                CHECK(compare(Scene(name, shape, Range::near, 40'000, random)) < 0.05);
+                CHECK(compare(Scene(name, shape, Range::near, 40'001, random)) < 0.05);
                 CHECK(compare(Scene(name, shape, Range::far, 10'001, random)) < 0.5);
                 for (int k = 0; k < 20; ++k) compare(Scene(name, shape, Range::extreme, 501, random));
             }

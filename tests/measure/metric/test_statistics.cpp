@@ -104,6 +104,10 @@ TEST_CASE("quantiles are those of the sorted list to 2^-11, zero and the largest
         for (const double q : {0.001, 0.01, 0.05, 0.1, 0.25, 0.5, 0.75, 0.99, 0.9999, 1.0}) {
             const double want = sizes[static_cast<std::size_t>(std::ceil(q * static_cast<double>(sizes.size()))) - 1];
             INFO(shape << ": quantile " << q << " is " << want << ", not " << d.quantile(q));
+            if (std::isinf(want)) {
+                CHECK(d.quantile(q) == want);
+                continue;
+            }
             // Subnormal numbers share buckets of 2^-1033.
             CHECK(std::fabs(d.quantile(q) - want) <= std::max(want * 0x1p-11, want < 0x1p-1022 ? 0x1p-1033 : 0));
             if (want == 0 || q == 1) CHECK(d.quantile(q) == want);
