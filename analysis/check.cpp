@@ -6,7 +6,7 @@
 #include <set>
 
 #include "commands.hpp"
-#include "number/interruption.hpp"
+#include "number/error.hpp"
 #include "output/claim/claim_files.hpp"
 #include "output/claim/claim_report.hpp"
 #include "output/file/atomic_file.hpp"

@@ -6,7 +6,7 @@
 #include <tuple>
 
 #include "commands.hpp"
-#include "number/interruption.hpp"
+#include "number/error.hpp"
 #include "output/diff/difference.hpp"
 #include "scene/toml/did_you_mean.hpp"
 

@@ -11,7 +11,7 @@
 
 #include "commands.hpp"
 #include "intersect/simd/packed.hpp"
-#include "number/interruption.hpp"
+#include "number/error.hpp"
 #include "output/file/atomic_file.hpp"
 #include "scene/toml/did_you_mean.hpp"
 

@@ -172,6 +172,7 @@ std::uint64_t map_scene(const SceneWork& work, const MapOptions& o, const Common
     fmt::print("{}\n", (folder / "contact.png").string());
     if (work.needed) fmt::print("{}\n", (folder / "needed.csv").string());
     if (common.verbose) print_table(work.map, summaries);
+    if (common.verbose) print_stages(*work.map.stages);
     if (common.verbose && work.needed) print_table(*work.needed, needed);
     return unresolved;
 }
@@ -217,7 +218,9 @@ Exit run(const MapOptions& o, const Common& common) {
     output::file::Progress progress(units, "map", common.progress, common.quiet);
     const auto advance = advancing(progress);
     for (SceneWork& work : works) {
+        measure::truth::StageCounts stages;
         work.map.progress = advance;
+        work.map.stages = &stages;
         if (work.needed) work.needed->progress = advance;
         unresolved += map_scene(work, o, common, drawn_of(that_apply(drawn, work.map.rows, work.map.scene->id), work));
     }

@@ -9,7 +9,7 @@
 #include "commands.hpp"
 #include "measure/blame/culprits.hpp"
 #include "measure/speed/timing.hpp"
-#include "number/interruption.hpp"
+#include "number/error.hpp"
 #include "output/file/atomic_file.hpp"
 #include "report_parts.hpp"
 #include "results.hpp"

@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include "measure/truth/truth.hpp"
-#include "number/interruption.hpp"
+#include "number/error.hpp"
 #include "output/file/atomic_file.hpp"
 
 namespace lostbits::analysis {
@@ -33,6 +33,13 @@ Exit end_with_unproved(std::uint64_t rays) {
                "lostbits: the true answer of {} rays could not be proved within {} bits; they count as `unresolved`\n",
                rays, measure::truth::TruthLimit{}.bits);
     return Exit::internal;
+}
+
+void print_stages(const measure::truth::StageCounts& stages) {
+    fmt::print(
+        "  {} truths of a ray and a solid: {} settled in packs of doubles, {} in packs of double-doubles, {} by "
+        "themselves in double-double, {} in wider intervals\n",
+        stages.rays(), stages.binary64, stages.double_double, stages.ball, stages.interval);
 }
 
 }  // namespace lostbits::analysis

@@ -25,13 +25,6 @@ std::uint64_t percent(std::uint64_t part, std::uint64_t whole) {
     return static_cast<std::uint64_t>(static_cast<double>(part) / static_cast<double>(whole) * 100);
 }
 
-void print_stages(const measure::truth::StageCounts& stages) {
-    fmt::print(
-        "  {} truths: {} settled in packs of doubles, {} in packs of double-doubles, {} by themselves in "
-        "double-double, {} in wider intervals\n",
-        stages.rays(), stages.binary64, stages.double_double, stages.ball, stages.interval);
-}
-
 }  // namespace
 
 ExhaustiveRun::ExhaustiveRun(const std::filesystem::path& path, const std::vector<measure::map::MapRow>& rows,

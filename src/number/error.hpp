@@ -1,6 +1,7 @@
 // The ways a run can end without an answer, one type each, with the exit code a shell sees.
 #pragma once
 
+#include <atomic>
 #include <stdexcept>
 #include <string>
 
@@ -46,5 +47,14 @@ struct NothingSelected : Error {
 struct Interrupted : Error {
     Interrupted() : Error(Exit::interrupted, "interrupted: the files of finished scenes are kept") {}
 };
+
+/// Set by a signal; see analysis/main.cpp.
+inline std::atomic<bool> asked_to_stop{false};
+static_assert(std::atomic<bool>::is_always_lock_free);
+
+/// Throws Interrupted once the run was asked to stop. A load: what may take longer than a second calls it on the way.
+inline void stop_if_interrupted() {
+    if (asked_to_stop.load(std::memory_order_relaxed)) throw Interrupted();
+}
 
 }  // namespace lostbits

@@ -67,6 +67,30 @@ set = ["distance"]
     same_for_every_isa(scratch, "sweep '" + file + "' -f f32 -f f64", 3);
 }
 
+TEST_CASE("every metric, the EXR and the worst rays are the same bytes at every register width") {
+    const Scratch scratch;
+    same_for_every_isa(
+        scratch,
+        "map near-benign rtg-fig-7-3-4100-oblique box-slabs --size 33x29 -f f32 -f f64 -f bf16 -i "
+        "sphere.schoolbook -i sphere.unified_unit -i box.inclusive -i box.divide --metric '*bits' --metric "
+        "'*error' --metric residual --exr --pixels csv",
+        40);
+    const Scratch searched;
+    const std::string search = searched.write("w.toml", R"(schema = "lostbits-sweep/1"
+title = "A test"
+source = "-"
+[search]
+origin = [-8, 8]
+direction = [-1, 1]
+centre = [-1, 1]
+radius = [0.5, 2]
+seed = 1
+starts = 40
+generations = 6
+)");
+    same_for_every_isa(searched, "sweep '" + search + "' --worst -f f32 -f f64", 2);
+}
+
 TEST_CASE("an unknown register width is refused, one that the processor lacks is its fault") {
     const auto unknown = run("list intersectors --isa 1024");
     CHECK(unknown.code == 2);

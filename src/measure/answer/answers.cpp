@@ -5,16 +5,19 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <concepts>
 #include <cstring>
 #include <functional>
+#include <limits>
 #include <optional>
 
 #include "intersect/sdf/march_loop.hpp"
 #include "intersect/simd/packed.hpp"
 #include "intersect/simd/packed_many.hpp"
 #include "intersect/table/union_field.hpp"
+#include "measure/columns/columns.hpp"
 #include "measure/truth/missing.hpp"
-#include "number/interruption.hpp"
+#include "number/error.hpp"
 
 namespace lostbits::measure::answer {
 
@@ -27,41 +30,92 @@ using truth::SphereIndex;
 
 namespace {
 
+/// The rays of a block in pieces whose columns stay in the second-level cache, as the kernels take them, with room for
+/// their answers.
 template <class S>
-std::vector<S> stored(const std::vector<double>& x, std::size_t begin, std::size_t count) {
-    std::vector<S> y(count);
-    for (std::size_t i = 0; i < count; ++i) y[i] = static_cast<S>(x[begin + i]);
-    return y;
-}
+class Chunk {
+public:
+    static constexpr std::size_t most = 2048;
 
-/// Rays begin to begin + count as the kernels take them, and room for their answers.
-template <class S>
-struct Chunk {
-    Chunk(const RayBlock& block, std::size_t first, std::size_t size)
-        : rays(block),
-          begin(first),
-          count(size),
-          ox(stored<S>(rays.ox, begin, count)),
-          oy(stored<S>(rays.oy, begin, count)),
-          oz(stored<S>(rays.oz, begin, count)),
-          dx(stored<S>(rays.dx, begin, count)),
-          dy(stored<S>(rays.dy, begin, count)),
-          dz(stored<S>(rays.dz, begin, count)),
-          tmax(rays.tmax.empty() ? std::vector<S>() : stored<S>(rays.tmax, begin, count)),
-          t(count),
-          near(count),
-          far(count),
-          hit(count) {}
-
-    [[nodiscard]] intersect::table::RayBatch<S> batch() const {
-        return {.ox = ox, .oy = oy, .oz = oz, .dx = dx, .dy = dy, .dz = dz, .tmax = tmax};
+    explicit Chunk(const RayBlock& rays) : rays_(rays), columns_(room_for_columns(rays)) {
+        const std::size_t room = std::min(most, rays.size());
+        for (auto* answers : {&t_, &near_, &far_, &nearest_}) answers->resize(room);
+        hit_.resize(room);
+        objects_.resize(room);
     }
-    [[nodiscard]] HitBatch<S> hits() { return {t, near, far, hit}; }
 
-    const RayBlock& rays;
-    std::size_t begin, count;
-    std::vector<S> ox, oy, oz, dx, dy, dz, tmax, t, near, far;
-    std::vector<std::uint8_t> hit;
+    /// Rays begin to begin + `most`, or to the last.
+    void move_to(std::size_t begin) {
+        begin_ = begin;
+        count_ = std::min(most, rays_.size() - begin);
+        const std::array from{&rays_.ox, &rays_.oy, &rays_.oz, &rays_.dx, &rays_.dy, &rays_.dz, &rays_.tmax};
+        for (std::size_t k = 0; k < from.size(); ++k) {
+            if (from[k]->empty()) continue;
+            const std::span<const double> numbers = std::span(*from[k]).subspan(begin_, count_);
+            if constexpr (std::same_as<S, double>) {
+                batch_[k] = numbers;
+            } else {
+                std::ranges::transform(numbers, columns_[k].begin(), [](double x) { return static_cast<S>(x); });
+                batch_[k] = std::span(columns_[k]).first(count_);
+            }
+        }
+        std::ranges::fill(nearest_, std::numeric_limits<S>::quiet_NaN());
+        std::ranges::fill(objects_, -1);
+    }
+
+    [[nodiscard]] std::size_t begin() const { return begin_; }
+    [[nodiscard]] std::size_t count() const { return count_; }
+    [[nodiscard]] intersect::table::RayBatch<S> batch() const {
+        return {.ox = batch_[0],
+                .oy = batch_[1],
+                .oz = batch_[2],
+                .dx = batch_[3],
+                .dy = batch_[4],
+                .dz = batch_[5],
+                .tmax = batch_[6]};
+    }
+    [[nodiscard]] HitBatch<S> hits() {
+        return {std::span(t_).first(count_), std::span(near_).first(count_), std::span(far_).first(count_),
+                std::span(hit_).first(count_)};
+    }
+
+    /// Takes the hits with this solid where they come first.
+    void keep_nearest(std::size_t solid) {
+        columns::keep_nearest(columns::RawHits<S>{.size = count_,
+                                                  .t = t_.data(),
+                                                  .hit = hit_.data(),
+                                                  .nearest = nearest_.data(),
+                                                  .objects = objects_.data(),
+                                                  .object = static_cast<std::int32_t>(solid)});
+    }
+    /// What came first, of every ray.
+    void put(Answers& answers) const {
+        for (std::size_t i = 0; i < count_; ++i) {
+            const bool hit = objects_[i] >= 0;
+            const auto t = static_cast<double>(nearest_[i]);
+            answers.hit[begin_ + i] = hit;
+            // The sign and payload of a NaN are the compiler's choice; no file may depend on it.
+            answers.t[begin_ + i] = !hit ? 0 : t == t ? t : truth::missing;
+            answers.object[begin_ + i] = objects_[i];
+        }
+    }
+
+private:
+    static std::array<std::vector<S>, 7> room_for_columns(const RayBlock& rays) {
+        std::array<std::vector<S>, 7> columns;
+        if constexpr (!std::same_as<S, double>) {
+            for (std::vector<S>& column : columns) column.resize(std::min(most, rays.size()));
+        }
+        return columns;
+    }
+
+    const RayBlock& rays_;
+    std::size_t begin_ = 0, count_ = 0;
+    std::array<std::vector<S>, 7> columns_;  ///< where the kernels take another type than the block has
+    std::array<std::span<const S>, 7> batch_;
+    std::vector<S> t_, near_, far_, nearest_;
+    std::vector<std::uint8_t> hit_;
+    std::vector<std::int32_t> objects_;
 };
 
 /// Takes a hit of ray p where it comes before what the ray has met so far.
@@ -82,10 +136,9 @@ void nearest_of(const Kernel& kernel, Chunk<S>& chunk, const FormatInputs& in, A
         stop_if_interrupted();
         const Solid<S> solid = transformed(in.solids[s], [](double x) { return static_cast<S>(x); });
         kernel(chunk.batch(), Target<S>(solid), chunk.hits());
-        for (std::size_t i = 0; i < chunk.count; ++i) {
-            if (chunk.hit[i] != 0) keep_nearest(chunk.t[i], chunk.begin + i, static_cast<std::int32_t>(s), answers);
-        }
+        chunk.keep_nearest(s);
     }
+    chunk.put(answers);
 }
 
 /// One ray against many spheres in the format's own arithmetic: into `t` and `hit`, one for each sphere.
@@ -228,18 +281,17 @@ std::int32_t nearest_solid(const Ray<double>& ray, double t, std::span<const Sol
 
 /// One chunk of rays against the field of all solids.
 template <class S, class Kernel>
-void march_to(const Kernel& kernel, Chunk<S>& chunk, const FormatInputs& in, Answers& answers) {
+void march_to(const Kernel& kernel, Chunk<S>& chunk, const RayBlock& rays, const FormatInputs& in, Answers& answers) {
     stop_if_interrupted();
     HitBatch<S> hits = chunk.hits();
-    hits.march = std::span(answers.march).subspan(chunk.begin, chunk.count);
+    hits.march = std::span(answers.march).subspan(chunk.begin(), chunk.count());
     const intersect::LiftedTarget<S> target(Target<double>(in.solids.listed(), in.march.value()),
                                             [](double x) { return static_cast<S>(x); });
     kernel(chunk.batch(), target.get(), hits);
-    for (std::size_t i = 0; i < chunk.count; ++i) {
-        if (chunk.hit[i] == 0) continue;
-        const std::size_t p = chunk.begin + i;
-        keep_nearest(chunk.t[i], p, nearest_solid(chunk.rays[p], static_cast<double>(chunk.t[i]), in.solids.listed()),
-                     answers);
+    for (std::size_t i = 0; i < chunk.count(); ++i) {
+        if (hits.hit[i] == 0) continue;
+        const std::size_t p = chunk.begin() + i;
+        keep_nearest(hits.t[i], p, nearest_solid(rays[p], static_cast<double>(hits.t[i]), in.solids.listed()), answers);
     }
 }
 
@@ -259,20 +311,20 @@ Answers evaluate(const intersect::table::Intersector& form, const FormatInputs& 
         meet_many(form, rays, inputs, answers);
         return answers;
     }
-    constexpr std::size_t most = 4096;  // ray and answer arrays of a chunk stay in the second-level cache
-    for (std::size_t begin = 0; begin < n; begin += most) {
-        const auto run = [&]<class S>(const auto& kernel) {
-            Chunk<S> chunk(rays, begin, std::min(most, n - begin));
-            if (marches) march_to<S>(kernel, chunk, inputs, answers);
+    const auto run = [&]<class S>(const auto& kernel) {
+        Chunk<S> chunk(rays);
+        for (std::size_t begin = 0; begin < n; begin += Chunk<S>::most) {
+            chunk.move_to(begin);
+            if (marches) march_to<S>(kernel, chunk, rays, inputs, answers);
             else nearest_of<S>(kernel, chunk, inputs, answers);
-        };
-        switch (inputs.format.engine) {
-            case Format::Engine::native32: run.template operator()<float>(native.f32); break;
-            case Format::Engine::native64: run.template operator()<double>(native.f64); break;
-            case Format::Engine::rounded:
-                run.template operator()<double>([&](const auto&... a) { form.rounded(inputs.format.shape, a...); });
-                break;
         }
+    };
+    switch (inputs.format.engine) {
+        case Format::Engine::native32: run.template operator()<float>(native.f32); break;
+        case Format::Engine::native64: run.template operator()<double>(native.f64); break;
+        case Format::Engine::rounded:
+            run.template operator()<double>([&](const auto&... a) { form.rounded(inputs.format.shape, a...); });
+            break;
     }
     return answers;
 }

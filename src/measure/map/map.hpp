@@ -5,6 +5,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -15,6 +16,10 @@
 #include "measure/truth/band.hpp"
 #include "measure/truth/missing.hpp"
 #include "scene/rays/family.hpp"
+
+namespace lostbits::measure::columns {
+class BandColumns;
+}
 
 namespace lostbits::measure::map {
 
@@ -72,8 +77,8 @@ struct MapSummary {
 
     MapSummary() = default;
     explicit MapSummary(const std::vector<const metric::Metric*>& measured);
-    /// To the distribution of metric m, or to the counts of its categories.
-    void add(std::size_t m, const metric::Metric& metric, double value);
+    /// To the distribution of metric m, or to the counts of its categories; NaN is no value.
+    void add(std::size_t m, const metric::Metric& metric, std::span<const double> values);
     [[nodiscard]] std::uint64_t count(answer::Outcome o) const { return outcomes[static_cast<std::size_t>(o)]; }
     /// The most frequent of the `wrong_decisions`; nothing where every decision is right.
     [[nodiscard]] std::optional<answer::Outcome> wrong() const;
@@ -114,8 +119,16 @@ struct RowRequest {
     int group = 0;  ///< of a sweep or case, for the rays that the summary names
 };
 
-/// Evaluates a row on a band, of which `inputs` are those of its format, and adds what it finds to `summary`, which is
-/// made for these metrics.
+/// A band as rows are measured on it.
+struct RowBand {
+    const truth::Band& band;
+    const truth::FormatInputs& inputs;    ///< of the row's format
+    const columns::BandColumns& columns;  ///< found for the row's convention and unit
+};
+
+/// Evaluates a row on a band and adds what it finds to `summary`, which is made for these metrics.
+void measure_row(const RowRequest& request, const RowBand& on, MapSummary& summary);
+/// The same for one row alone.
 void measure_row(const RowRequest& request, const truth::Band& band, const truth::FormatInputs& inputs,
                  MapSummary& summary);
 
@@ -131,6 +144,8 @@ struct MapRequest {
     std::vector<MapRow> rows;
     std::vector<const metric::Metric*> metrics;
     truth::TruthLimit limit{};
+    /// Where which stages settled the truths of the rays is added up; null: nowhere.
+    truth::StageCounts* stages = nullptr;
     /// Called after each band with the number of (pixel, row) pairs done; may throw to stop.
     std::function<void(std::uint64_t)> progress = [](std::uint64_t) {};
 };

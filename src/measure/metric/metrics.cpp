@@ -6,6 +6,7 @@
 
 #include "measure/truth/conditioning.hpp"
 #include "measure/truth/lost_bits.hpp"
+#include "number/log2.hpp"
 #include "number/rounded.hpp"
 
 namespace lostbits::measure::metric {
@@ -26,7 +27,7 @@ double correct(const Sample& s) { return s.format->shape.precision - lost(s); }
 double herbie(const Sample& s) {
     const FloatFormat& f = s.format->shape;
     const auto apart = static_cast<double>(std::abs(truth::ordinal(s.t, f) - truth::ordinal(s.truth_rounded, f)));
-    return std::log2(1 + apart);
+    return log2_of(1 + apart);
 }
 
 double absolute(const Sample& s) {
@@ -121,8 +122,14 @@ constexpr Metric table[] = {
      .layer = "bits.lost",
      .meaning = "clamp(log2(2|ulp_error|), 0, p): significand bits that are wrong",
      .by_default = true,
-     .value = lost},
-    {.name = "correct_bits", .unit = "bits", .layer = "bits.correct", .meaning = "p - lost_bits", .value = correct},
+     .value = lost,
+     .in_columns = InColumns::lost_bits},
+    {.name = "correct_bits",
+     .unit = "bits",
+     .layer = "bits.correct",
+     .meaning = "p - lost_bits",
+     .value = correct,
+     .in_columns = InColumns::correct_bits},
     {.name = "herbie_bits",
      .unit = "bits",
      .layer = "bits.herbie",
@@ -137,7 +144,8 @@ constexpr Metric table[] = {
      .low = 0x1p-4,
      .high = 0x1p+24,
      .by_default = true,
-     .value = ulp_error},
+     .value = ulp_error,
+     .in_columns = InColumns::ulp_error},
     {.name = "relative_error",
      .unit = "1",
      .layer = "err.relative",
@@ -146,7 +154,8 @@ constexpr Metric table[] = {
      .low = 0x1p-30,
      .high = 1,
      .by_default = true,
-     .value = relative},
+     .value = relative,
+     .in_columns = InColumns::relative_error},
     {.name = "absolute_error",
      .unit = "t",
      .layer = "err.absolute",
@@ -154,7 +163,8 @@ constexpr Metric table[] = {
      .ramp = Ramp::magnitude,
      .low = 0x1p-30,
      .high = 0x1p+10,
-     .value = absolute},
+     .value = absolute,
+     .in_columns = InColumns::absolute_error},
     {.name = "residual",
      .unit = "size",
      .layer = "err.residual",
@@ -165,7 +175,8 @@ constexpr Metric table[] = {
      .low = 0x1p-30,
      .high = 1,
      .by_default = true,
-     .value = residual},
+     .value = residual,
+     .in_columns = InColumns::residual},
     {.name = "input_error",
      .unit = "ulp",
      .layer = "split.input",

@@ -49,6 +49,10 @@ enum class Ramp { bits, magnitude, categories };
 /// `blamed`: correct hits, false hits and false misses.
 enum class Over { agreed_hits, marches, blamed };
 
+/// A metric that is measured over columns wherever registers can (measure/columns); `value` answers for the other rays,
+/// with the same bits.
+enum class InColumns { no, ulp_error, lost_bits, correct_bits, relative_error, absolute_error, residual };
+
 struct Metric {
     std::string_view name = {};     ///< on the command line and in CSV columns
     std::string_view unit = {};     ///< of the value; empty where it has none
@@ -62,6 +66,7 @@ struct Metric {
     Over over = Over::agreed_hits;
     /// Of a metric that names one: its value is the place in this list.
     std::span<const std::string_view> categories = {};
+    InColumns in_columns = InColumns::no;
     std::string_view label = {};  ///< `c` of `contribution:c`; empty for the rows of the table
     /// The list depends on the forms of the run, and is empty until it is known (`MetricSet::for_forms`).
     [[nodiscard]] bool by_run() const { return over == Over::blamed; }

@@ -6,44 +6,44 @@
 #include <memory>
 #include <span>
 #include <string_view>
-#include <vector>
+
+#include "measure/columns/raw_columns.hpp"
 
 namespace lostbits::measure::metric {
 
-/// Mean and variance by Welford's recurrence: no sum of squares, no cancellation.
-class Moments {
+/// The mean of sizes, finite or not, from sums in two doubles each: of n samples it is off by at most an ulp and
+/// n·2^-104 of itself. So the order of the samples does not show, and none of them costs a division.
+class Sums {
 public:
-    void add(double x) {
-        ++count_;
-        const double delta = x - mean_;
-        mean_ += delta / static_cast<double>(count_);
-        squares_ += delta * (x - mean_);
-    }
-    [[nodiscard]] std::uint64_t count() const { return count_; }
-    [[nodiscard]] double mean() const { return mean_; }
-    [[nodiscard]] double variance() const { return count_ > 1 ? squares_ / static_cast<double>(count_ - 1) : 0; }
+    /// NaN is no sample.
+    void add(std::span<const double> values);
+    [[nodiscard]] std::uint64_t count() const { return sizes_.count; }
+    [[nodiscard]] std::uint64_t zeros() const { return sizes_.zeros; }
+    [[nodiscard]] double largest() const { return sizes_.largest; }
+    /// Of the sizes; infinite when any is. NaN when empty.
+    [[nodiscard]] double mean() const;
 
 private:
-    std::uint64_t count_ = 0;
-    double mean_ = 0, squares_ = 0;
+    columns::RawSizes sizes_{};
+    double huge_ = 0;  ///< the sum of those beyond `largest_summed`, in units of `huge_unit`
+    static constexpr double huge_unit = 0x1p+100;
 };
 
-/// Quantiles of non-negative numbers by counting in 1024 buckets a binade: a quantile is off by at most 2^-11 of
-/// itself, zero and infinity are exact, and the result does not depend on the order of the samples. The largest is kept
-/// as it is.
+/// Counts of non-negative numbers in 1024 buckets a binade: a quantile is off by at most 2^-11 of itself, zero and
+/// infinity are exact, and the result does not depend on the order of the samples.
 class Quantiles {
 public:
-    void add(double x);
-    [[nodiscard]] std::uint64_t count() const { return count_; }
-    /// The nearest-rank quantile, 0 < q ≤ 1; NaN when empty. q = 1 is the largest sample, exactly.
-    [[nodiscard]] double at(double q) const;
+    /// Of the sizes of these; NaN is no sample.
+    void add(std::span<const double> values);
+    /// The nearest-rank quantile, 0 < q ≤ 1, of all that was added, as `sums` knows it: NaN when empty. q = 1 is the
+    /// largest sample, exactly.
+    [[nodiscard]] double at(double q, const Sums& sums) const;
 
 private:
     static constexpr int buckets_per_binade = 1024;
     using Binade = std::array<std::uint32_t, buckets_per_binade>;
 
-    std::uint64_t count_ = 0, zeros_ = 0;
-    double largest_ = 0;
+    /// Zeros are in the first bucket of the first, NaNs in the last one beside infinity: no sample is a special case.
     std::array<std::unique_ptr<Binade>, 2048> binades_;
 };
 
@@ -65,7 +65,9 @@ inline constexpr std::span<const Statistic, 3> quantiles(statistics.begin() + 1,
 /// What the summary says of one metric: of |x|, over the samples where it exists.
 class Distribution {
 public:
-    void add(double x);
+    /// NaN is no sample.
+    void add(std::span<const double> values);
+    void add(double x) { add(std::span(&x, 1)); }
     [[nodiscard]] std::uint64_t count() const { return count_; }
     /// Infinite when any sample is; NaN when there is none.
     [[nodiscard]] double mean() const;
@@ -75,11 +77,15 @@ public:
     void seal();
 
 private:
+    struct Open {
+        Sums sums;
+        Quantiles quantiles;
+    };
+
     std::uint64_t count_ = 0;
-    Moments moments_;
-    std::unique_ptr<Quantiles> quantiles_;
+    std::unique_ptr<Open> open_;
     std::array<double, quantiles.size()> sealed_{};
-    bool infinite_ = false;
+    double sealed_mean_ = 0;
 };
 
 }  // namespace lostbits::measure::metric

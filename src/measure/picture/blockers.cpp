@@ -5,7 +5,7 @@
 #include <algorithm>
 
 #include "intersect/simd/packed.hpp"
-#include "number/interruption.hpp"
+#include "number/error.hpp"
 
 namespace lostbits::measure::picture {
 namespace {

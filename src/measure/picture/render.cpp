@@ -9,7 +9,7 @@
 #include "measure/picture/blockers.hpp"
 #include "measure/picture/stored_appearance.hpp"
 #include "measure/truth/unit_direction.hpp"
-#include "number/interruption.hpp"
+#include "number/error.hpp"
 #include "number/with_number.hpp"
 
 namespace lostbits::measure::picture {

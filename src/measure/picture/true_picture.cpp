@@ -7,7 +7,7 @@
 
 #include "measure/picture/stored_appearance.hpp"
 #include "measure/truth/enclose.hpp"
-#include "number/interruption.hpp"
+#include "number/error.hpp"
 
 namespace lostbits::measure::picture {
 

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "measure/sweep/ulp_columns.hpp"
-#include "number/interruption.hpp"
+#include "number/error.hpp"
 
 namespace lostbits::measure::sweep {
 

@@ -11,7 +11,7 @@
 #include "measure/truth/missing.hpp"
 #include "measure/truth/truth_columns.hpp"
 #include "measure/truth/unit_direction.hpp"
-#include "number/interruption.hpp"
+#include "number/error.hpp"
 #include "number/rounded.hpp"
 #include "scene/file/march_table.hpp"
 

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "measure/truth/certified.hpp"
+#include "number/log2.hpp"
 
 namespace lostbits::measure::truth {
 
@@ -18,7 +19,8 @@ inline double ulp_error(double t, const Certified& truth, const FloatFormat& for
 inline double lost_bits(double ulps, int precision) {
     const double size = std::fabs(ulps);
     if (!(size > 0.5)) return 0;
-    return std::min(std::log2(size) + 1, static_cast<double>(precision));
+    if (std::isinf(size)) return precision;
+    return std::min(log2_of(size) + 1, static_cast<double>(precision));
 }
 
 }  // namespace lostbits::measure::truth

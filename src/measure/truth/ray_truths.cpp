@@ -3,7 +3,7 @@
 
 #include "measure/truth/gathered.hpp"
 #include "measure/truth/truth_columns.hpp"
-#include "number/interruption.hpp"
+#include "number/error.hpp"
 
 namespace lostbits::measure::truth {
 namespace {

@@ -120,21 +120,21 @@ ColourScale::ColourScale(std::string name, std::vector<Rgb8> table, double lo, d
         throw std::invalid_argument("colour scale " + name_ + ": no range from " + file::decimal(lo) + " to " +
                                     file::decimal(hi));
     }
+    from_ = log2 ? std::log2(lo) : lo / 2;
+    range_ = (log2 ? std::log2(hi) : hi / 2) - from_;
 }
 
 double ColourScale::position(double value) const {
     if (std::isnan(value)) throw std::invalid_argument("colour scale " + name_ + ": a NaN has no colour");
     if (value <= lo_) return 0;
     if (value >= hi_) return 1;
-    // Halves first: hi - lo may overflow.
-    const double p = log2_ ? (std::log2(value) - std::log2(lo_)) / (std::log2(hi_) - std::log2(lo_))
-                           : (value / 2 - lo_ / 2) / (hi_ / 2 - lo_ / 2);
-    return std::clamp(p, 0.0, 1.0);
+    return std::clamp(((log2_ ? std::log2(value) : value / 2) - from_) / range_, 0.0, 1.0);
 }
 
 Rgb8 ColourScale::at(double position) const {
-    const double last = static_cast<double>(table_.size() - 1);
-    return table_[static_cast<std::size_t>(std::lround(std::clamp(position, 0.0, 1.0) * last))];
+    const double place = std::clamp(position, 0.0, 1.0) * static_cast<double>(table_.size() - 1);
+    const auto below = static_cast<std::size_t>(place);  // halves go up, as lround has it
+    return table_[below + (place - static_cast<double>(below) >= 0.5 ? 1 : 0)];
 }
 
 Rgb8 ColourScale::map(double value) const { return at(position(value)); }

@@ -82,6 +82,7 @@ private:
     std::vector<Rgb8> table_;
     double lo_, hi_;
     bool log2_;
+    double from_, range_;  ///< half of lo and of hi − lo, which may overflow; or log2 of lo, and of hi less that
 };
 
 /// Linear light of an sRGB byte, as 0..65535. Averages of pixels are taken in it.

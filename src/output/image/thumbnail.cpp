@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <stdexcept>
 
@@ -39,7 +40,11 @@ void Thumbnail::add_rows(int y_begin, std::span<const Rgb8> samples) {
     if (pixels_.empty()) {
         const auto count = static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_);
         pixels_.resize(count);
-        if (factor_ == 0) sums_.assign(3 * count, 0);
+        if (factor_ == 0) {
+            sums_.assign(3 * count, 0);
+            across_ = falls(field_width_, width_);
+            down_ = falls(field_height_, height_);
+        }
     }
     for (std::size_t i = 0; i < rows; ++i) {
         add_row(y_begin + static_cast<int>(i), samples.subspan(i * width, width));
@@ -57,29 +62,42 @@ void Thumbnail::add_row(int y, std::span<const Rgb8> samples) {
         }
         return;
     }
-    // On an axis cut into field · thumbnail parts, sample y covers [y·t, (y+1)·t) and pixel j covers [j·f, (j+1)·f):
-    // all overlaps are whole numbers, and those of one pixel sum to f.
-    const auto overlap = [](std::int64_t sample, std::int64_t pixel, std::int64_t f, std::int64_t t) {
-        return static_cast<std::uint64_t>(std::min((sample + 1) * t, (pixel + 1) * f) -
-                                          std::max(sample * t, pixel * f));
-    };
-    const auto first_pixel = [](std::int64_t sample, std::int64_t f, std::int64_t t) { return sample * t / f; };
-    const auto last_pixel = [](std::int64_t sample, std::int64_t f, std::int64_t t) {
-        return ((sample + 1) * t - 1) / f;
-    };
-    for (auto j = first_pixel(y, field_height_, height_); j <= last_pixel(y, field_height_, height_); ++j) {
-        const std::uint64_t wy = overlap(y, j, field_height_, height_);
-        std::uint64_t* out = sums_.data() + 3 * out_width * static_cast<std::size_t>(j);
-        for (std::int64_t x = 0; x < field_width_; ++x) {
-            const Rgb8 s = samples[static_cast<std::size_t>(x)];
-            for (auto i = first_pixel(x, field_width_, width_); i <= last_pixel(x, field_width_, width_); ++i) {
-                const std::uint64_t w = wy * overlap(x, i, field_width_, width_);
-                out[3 * i] += w * linear_light(s.r);
-                out[3 * i + 1] += w * linear_light(s.g);
-                out[3 * i + 2] += w * linear_light(s.b);
-            }
+    // A row once, and its sums into one or two rows of pixels: the weights are products.
+    static const auto lights = [] {
+        std::array<std::uint64_t, 256> all{};
+        for (std::size_t i = 0; i < all.size(); ++i) all[i] = linear_light(static_cast<std::uint8_t>(i));
+        return all;
+    }();
+    row_sums_.assign(3 * (out_width + 1), 0);
+    for (std::size_t x = 0; x < samples.size(); ++x) {
+        const Fall& fall = across_[x];
+        const Rgb8 sample = samples[x];
+        std::uint64_t* const out = row_sums_.data() + 3 * fall.pixel;
+        const std::array<std::uint64_t, 3> light{lights[sample.r], lights[sample.g], lights[sample.b]};
+        for (std::size_t c = 0; c < 3; ++c) {
+            out[c] += fall.weight * light[c];
+            out[c + 3] += fall.rest * light[c];
         }
     }
+    const Fall& fall = down_[static_cast<std::size_t>(y)];
+    for (const auto& [pixel, weight] : {std::pair(fall.pixel, fall.weight), std::pair(fall.pixel + 1, fall.rest)}) {
+        if (weight == 0) continue;
+        std::uint64_t* const out = sums_.data() + 3 * out_width * pixel;
+        for (std::size_t i = 0; i < 3 * out_width; ++i) out[i] += weight * row_sums_[i];
+    }
+}
+
+/// On an axis cut into field · thumbnail parts, sample x covers [x·t, (x+1)·t) and pixel i covers [i·f, (i+1)·f): all
+/// overlaps are whole numbers, and those of one pixel sum to f. With t ≤ f a sample meets at most two pixels.
+std::vector<Thumbnail::Fall> Thumbnail::falls(std::int64_t field, std::int64_t thumbnail) {
+    std::vector<Fall> all;
+    for (std::int64_t x = 0; x < field; ++x) {
+        const std::int64_t pixel = x * thumbnail / field, end = (pixel + 1) * field;
+        const std::int64_t weight = std::min((x + 1) * thumbnail, end) - x * thumbnail;
+        all.push_back({static_cast<std::size_t>(pixel), static_cast<std::uint64_t>(weight),
+                       static_cast<std::uint64_t>(thumbnail - weight)});
+    }
+    return all;
 }
 
 void Thumbnail::resolve() {

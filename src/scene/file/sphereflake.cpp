@@ -5,7 +5,7 @@
 #include <array>
 #include <cmath>
 
-#include "number/interruption.hpp"
+#include "number/error.hpp"
 #include "scene/toml/round.hpp"
 
 namespace lostbits::scene::file {

@@ -10,7 +10,7 @@
 #include "measure/sweep/exhaustive_findings.hpp"
 #include "measure/truth/lost_bits.hpp"
 #include "measure/truth/unit_direction.hpp"
-#include "number/interruption.hpp"
+#include "number/error.hpp"
 #include "output/sweep/exhaustive_state_file.hpp"
 
 using namespace lostbits;

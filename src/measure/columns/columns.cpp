@@ -1,0 +1,169 @@
+#include "measure/columns/columns.hpp"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+#include <initializer_list>
+
+#include "intersect/simd/packed.hpp"
+#include "measure/truth/missing.hpp"
+
+namespace lostbits::measure::columns {
+
+using intersect::Convention;
+using intersect::Direction;
+using intersect::simd::Isa;
+using truth::missing;
+
+namespace {
+
+/// Null where every ray is left to the scalar functions.
+const RawKernels* kernels_of(Isa isa) {
+    static const RawKernels w128 = column_kernels_w128();
+#if defined(LOSTBITS_PACKED_X86)
+    static const RawKernels w256 = column_kernels_w256(), w512 = column_kernels_w512();
+    if (isa == Isa::w256) return &w256;
+    if (isa == Isa::w512) return &w512;
+#endif
+    return isa == Isa::scalar ? nullptr : &w128;
+}
+
+/// Of what is the same in every width, and has no scalar function beside it.
+const RawKernels& kernels() {
+    const RawKernels* const chosen = kernels_of(intersect::simd::current_isa());
+    return chosen ? *chosen : *kernels_of(Isa::w128);
+}
+
+void leave_all(std::span<const double> answers, std::initializer_list<double*> out, std::vector<std::uint32_t>& left) {
+    for (double* const column : out) {
+        if (column) std::fill_n(column, answers.size(), missing);
+    }
+    for (std::size_t i = 0; i < answers.size(); ++i) {
+        if (!std::isnan(answers[i])) left.push_back(static_cast<std::uint32_t>(i));
+    }
+}
+
+/// Room for every place of a block, and what the kernel put there at the end of `left`.
+constexpr std::size_t block = 512;  // columns of solids stay in the first-level cache
+struct Places {
+    std::array<std::uint32_t, block> numbers;
+
+    [[nodiscard]] RawLeft raw() { return {numbers.data(), 0}; }
+    void append(const RawLeft& raw, std::size_t begin, std::vector<std::uint32_t>& left) const {
+        for (std::size_t k = 0; k < raw.count; ++k) left.push_back(static_cast<std::uint32_t>(begin + numbers[k]));
+    }
+};
+
+}  // namespace
+
+void TrueLengths::resize(std::size_t rays) {
+    decision.resize(rays);
+    object.resize(rays);
+    for (auto* column : {&hi, &lo, &inverse}) column->resize(rays);
+}
+
+void TrueLengths::put(std::size_t i, const truth::Truth& truth, Direction unit_of) {
+    const truth::Certified& x = unit_of == Direction::unit ? truth.distance : truth.t;
+    decision[i] = truth.decision;
+    object[i] = truth.object;
+    hi[i] = missing;
+    if (!truth.is_hit() || x.is_zero() || std::abs(x.exponent) > 400) return;
+    if (x.lo != 0 && std::fabs(x.lo) < 0x1p-200) return;
+    const int e = static_cast<int>(x.exponent);
+    hi[i] = std::ldexp(x.hi, e);
+    lo[i] = std::ldexp(x.lo, e);
+    inverse[i] = std::ldexp(1.0, -static_cast<int>(x.floor_log2()));
+}
+
+std::size_t BandColumns::place(Convention convention, Direction unit_of) {
+    return (convention.touching == intersect::Touching::miss ? 4U : 0U) +
+           (convention.at_origin == intersect::AtOrigin::miss ? 2U : 0U) + (unit_of == Direction::unit ? 1U : 0U);
+}
+
+const TrueLengths& BandColumns::find(Convention convention, Direction unit_of) {
+    std::optional<TrueLengths>& found = lengths_.at(place(convention, unit_of));
+    if (found) return *found;
+    const std::size_t n = band_->pixels();
+    TrueLengths& columns = found.emplace();
+    columns.resize(n);
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, n, 4096), [&](const auto& range) {
+        for (std::size_t i = range.begin(); i < range.end(); ++i) columns.put(i, band_->truth(i, convention), unit_of);
+    });
+    return columns;
+}
+
+double find_errors(std::span<const double> answers, const TrueLengths& truth, const FloatFormat& format,
+                   const ErrorColumns& out, std::vector<std::uint32_t>& left) {
+    const RawKernels* const run = kernels_of(intersect::simd::current_isa());
+    if (!run) {
+        leave_all(answers, {out.ulp, out.lost, out.correct, out.relative, out.absolute}, left);
+        return 0;
+    }
+    const auto from = [](double* column, std::size_t begin) { return column ? column + begin : nullptr; };
+    double largest = 0;
+    for (std::size_t begin = 0; begin < answers.size(); begin += block) {
+        Places places;
+        RawErrors batch{.size = std::min(block, answers.size() - begin),
+                        .in = {answers.data() + begin, truth.hi.data() + begin, truth.lo.data() + begin,
+                               truth.inverse.data() + begin},
+                        .out = {from(out.ulp, begin), from(out.lost, begin), from(out.correct, begin),
+                                from(out.relative, begin), from(out.absolute, begin)},
+                        .precision = static_cast<double>(format.precision),
+                        .ulps_of_binade = std::ldexp(1.0, format.precision - 1),
+                        .most_inverse = std::ldexp(1.0, -format.emin),
+                        .largest = largest,
+                        .left = places.raw()};
+        run->errors(batch);
+        largest = batch.largest;
+        places.append(batch.left, begin, left);
+    }
+    return largest;
+}
+
+void find_residuals(std::span<const double> answers, const HitPoints& points, double* out,
+                    std::vector<std::uint32_t>& left) {
+    const RawKernels* const run = kernels_of(intersect::simd::current_isa());
+    const auto same_shape = [&](const Solid<double>& s) { return s.shape == points.solids.front().shape; };
+    if (!run || points.engine == Format::Engine::rounded || !std::ranges::all_of(points.solids, same_shape)) {
+        leave_all(answers, {out}, left);
+        return;
+    }
+    const Shape shape = points.solids.front().shape;
+    const std::size_t used = points.solids.front().used().size();
+    std::array<std::array<double, block>, 6> numbers;
+    const auto fill = [&](std::size_t i, std::size_t solid) {
+        for (std::size_t k = 0; k < used; ++k) numbers[k][i] = points.solids[solid].numbers[k];
+    };
+    if (points.solids.size() == 1) {
+        for (std::size_t i = 0; i < block; ++i) fill(i, 0);
+    }
+    const scene::rays::RayBlock& rays = points.rays;
+    for (std::size_t begin = 0; begin < answers.size(); begin += block) {
+        const std::size_t size = std::min(block, answers.size() - begin);
+        for (std::size_t i = 0; points.solids.size() > 1 && i < size; ++i)
+            fill(i, static_cast<std::size_t>(std::max(0, points.objects[begin + i])));
+        Places places;
+        RawResiduals batch{
+            .size = size,
+            .in = {answers.data() + begin, rays.ox.data() + begin, rays.oy.data() + begin, rays.oz.data() + begin,
+                   rays.dx.data() + begin, rays.dy.data() + begin, rays.dz.data() + begin, numbers[0].data(),
+                   numbers[1].data(), numbers[2].data(), numbers[3].data(), numbers[4].data(), numbers[5].data()},
+            .out = out + begin,
+            .binary32 = points.engine == Format::Engine::native32,
+            .left = places.raw()};
+        (shape == Shape::sphere ? run->sphere_residuals : run->box_residuals)(batch);
+        places.append(batch.left, begin, left);
+    }
+}
+
+void add_sizes(std::span<const double> values, RawSizes& sizes) {
+    sizes.size = values.size();
+    sizes.values = values.data();
+    kernels().sizes(sizes);
+}
+
+void keep_nearest(const RawHits<float>& hits) { kernels().hits32(hits); }
+void keep_nearest(const RawHits<double>& hits) { kernels().hits64(hits); }
+
+}  // namespace lostbits::measure::columns

@@ -1,0 +1,188 @@
+// The loops over columns: one translation unit for each register width includes this, and sees plain pointers only
+// (see intersect/simd/packed_kernels.hpp for why).
+#pragma once
+
+#include <limits>
+
+#include "measure/columns/raw_columns.hpp"
+#include "number/log2.hpp"
+#include "number/pack.hpp"
+
+namespace lostbits::measure::columns {
+
+/// A pack's error-free sums and products; those of error_free.hpp, which are functions under ordinary names.
+template <class P>
+struct PackPair {
+    P hi, lo;
+};
+
+template <class P>
+[[gnu::always_inline]] inline PackPair<P> sum_of(const P& a, const P& b) {
+    const P s = a + b;
+    const P bb = s - a;
+    return {s, (a - (s - bb)) + (b - bb)};
+}
+
+template <class P>
+[[gnu::always_inline]] inline PackPair<P> quick_sum_of(const P& a, const P& b) {
+    const P s = a + b;
+    return {s, b - (s - a)};
+}
+
+/// The numbers from place i on that a pass of a loop sees: a whole pack, or the `left` last ones, with NaN behind them.
+template <class P, bool whole>
+struct Pass {
+    std::size_t i, left;
+
+    [[nodiscard]] P load(const double* column) const {
+        if constexpr (whole) {
+            return P::load(column + i);
+        } else {
+            double lanes[most_lanes];
+            for (std::size_t k = 0; k < P::lanes; ++k)
+                lanes[k] = k < left ? column[i + k] : std::numeric_limits<double>::quiet_NaN();
+            return P::load(lanes);
+        }
+    }
+    void store(const P& x, double* column) const {
+        if constexpr (whole) {
+            x.store(column + i);
+        } else {
+            double lanes[most_lanes];
+            x.store(lanes);
+            for (std::size_t k = 0; k < left; ++k) column[i + k] = lanes[k];
+        }
+    }
+    /// Remembers the lanes of a mask, which is rarely set at all.
+    template <class Mask>
+    void leave(const Mask& mask, RawLeft& rays) const {
+        if (!any_of(mask)) return;
+        bool set[most_lanes];
+        mask.store(set);
+        for (std::size_t k = 0; k < P::lanes; ++k) {
+            if (set[k]) rays.places[rays.count++] = static_cast<std::uint32_t>(i + k);
+        }
+    }
+};
+
+template <class P, class Step>
+[[gnu::always_inline]] inline void for_each_pack(std::size_t size, const Step& step) {
+    std::size_t i = 0;
+    for (; i + P::lanes <= size; i += P::lanes) step(Pass<P, true>{i, P::lanes});
+    if (i < size) step(Pass<P, false>{i, size - i});
+}
+
+/// What `truth::ulp_error`, `truth::lost_bits` and the metrics of the difference say, to the bit.
+///
+/// They work in units of 2^e, where e is the larger exponent; here everything stands in its own size. All steps but the
+/// last are sums of doubles, so that is the same unless a step overflows or goes below 2^-1022. Of |t|, |hi| within
+/// [2^-400, 2^401] and lo = 0 or |lo| ≥ 2^-600 every sum is 0 or a multiple of 2^-653 below 2^402; times
+/// 2^(p − 1)/2^max(⌊log2 hi⌋, emin) ≤ 2^452, or divided by hi + lo, that stays within [2^-1054, 2^854], and below
+/// 2^-1022 it cannot come: |difference| is at least an ulp of lo, 2^-253 of hi. What is not in that range is left.
+template <class Width>
+[[gnu::flatten]] void errors_of(RawErrors& batch) {
+    using P = Pack<double, Width>;
+    const double *const answers = batch.in[RawErrors::answer], *const truth_hi = batch.in[RawErrors::hi];
+    const double *const truth_lo = batch.in[RawErrors::lo], *const inverses = batch.in[RawErrors::inverse];
+    double *const ulp_out = batch.out[RawErrors::ulp], *const lost_out = batch.out[RawErrors::lost];
+    double *const correct_out = batch.out[RawErrors::correct], *const relative_out = batch.out[RawErrors::relative];
+    double* const absolute_out = batch.out[RawErrors::absolute];
+    const std::size_t size = batch.size;
+    const P low(0x1p-400), high(0x1p+400), none(std::numeric_limits<double>::quiet_NaN());
+    const P precision(batch.precision), ulps_of_binade(batch.ulps_of_binade), most_inverse(batch.most_inverse);
+    P largest(batch.largest);
+    RawLeft left = batch.left;
+    for_each_pack<P>(size, [&](const auto& pass) {
+        const P t = pass.load(answers), hi = pass.load(truth_hi), lo = pass.load(truth_lo);
+        const auto wanted = t >= t;
+        const auto ordinary = wanted && abs(t) >= low && abs(t) <= high && abs(hi) >= low && abs(hi) <= high;
+        pass.leave(wanted && !ordinary, left);
+        const PackPair<P> apart = sum_of(t, -hi);
+        const P tail = P(0) - lo;
+        const PackPair<P> s = sum_of(apart.hi, tail);
+        const P difference = s.hi + (s.lo + apart.lo + P(0));
+        const P ulps = difference * (min(pass.load(inverses), most_inverse) * ulps_of_binade);
+        const P many = abs(ulps);
+        pass.store(select(ordinary, ulps, none), ulp_out);
+        largest = max(select(ordinary, many, P(0)), largest);
+        if (lost_out || correct_out) {
+            const P bits = min(log2_near_one(near_one(many)) + P(1), precision);
+            const P lost = select(many > P(0.5), bits, P(0));
+            if (lost_out) pass.store(select(ordinary, lost, none), lost_out);
+            if (correct_out) pass.store(select(ordinary, precision - lost, none), correct_out);
+        }
+        if (relative_out) pass.store(select(ordinary, abs(difference / (hi + lo)), none), relative_out);
+        if (absolute_out) pass.store(select(ordinary, abs(difference), none), absolute_out);
+    });
+    batch.left = left;
+    double lanes[most_lanes];
+    largest.store(lanes);
+    for (std::size_t k = 0; k < P::lanes; ++k) batch.largest = batch.largest < lanes[k] ? lanes[k] : batch.largest;
+}
+
+/// Each lane a sum in two doubles: with sizes of at most 2^900 nothing overflows before 2^123 samples, and what a step
+/// leaves out is at most 2^-53 of the low part.
+template <class Width>
+[[gnu::flatten]] void add_sizes(RawSizes& batch) {
+    using P = Pack<double, Width>;
+    constexpr std::size_t packs = most_lanes / P::lanes;
+    const double* const values = batch.values;
+    const std::size_t size = batch.size;
+    P hi[packs], lo[packs], count(0), zeros(0), beyond(0), largest(batch.largest);
+    for (std::size_t k = 0; k < packs; ++k) {
+        hi[k] = P::load(batch.hi + k * P::lanes);
+        lo[k] = P::load(batch.lo + k * P::lanes);
+    }
+    const auto add = [&](std::size_t k, const P& value) {
+        const P x = abs(value);
+        count += select(x >= P(0), P(1), P(0));
+        zeros += select(x <= P(0), P(1), P(0));
+        beyond += select(x > P(largest_summed), P(1), P(0));
+        largest = max(x, largest);  // a NaN leaves it
+        const PackPair<P> sum = sum_of(hi[k], select(x <= P(largest_summed), x, P(0)));
+        hi[k] = sum.hi;
+        lo[k] += sum.lo;
+    };
+    std::size_t i = 0;
+    for (; i + most_lanes <= size; i += most_lanes) {
+        for (std::size_t k = 0; k < packs; ++k) add(k, P::load(values + i + k * P::lanes));
+    }
+    for (std::size_t k = 0; i < size; ++k, i += P::lanes)
+        add(k, Pass<P, false>{i, size - i < P::lanes ? size - i : P::lanes}.load(values));
+    for (std::size_t k = 0; k < packs; ++k) {
+        hi[k].store(batch.hi + k * P::lanes);
+        lo[k].store(batch.lo + k * P::lanes);
+    }
+    double lanes[4][most_lanes];
+    count.store(lanes[0]);
+    zeros.store(lanes[1]);
+    beyond.store(lanes[2]);
+    largest.store(lanes[3]);
+    for (std::size_t k = 0; k < P::lanes; ++k) {
+        batch.count += static_cast<std::uint64_t>(lanes[0][k]);
+        batch.zeros += static_cast<std::uint64_t>(lanes[1][k]);
+        batch.beyond += static_cast<std::uint64_t>(lanes[2][k]);
+        batch.largest = batch.largest < lanes[3][k] ? lanes[3][k] : batch.largest;
+    }
+}
+
+/// The compiler makes packs of it. A hit at NaN never beats another hit; alone it stays.
+template <class F, class Width>
+[[gnu::flatten]] void keep_nearest(const RawHits<F>& batch) {
+    const F* __restrict const t = batch.t;
+    const std::uint8_t* __restrict const hit = batch.hit;
+    F* __restrict const nearest = batch.nearest;
+    std::int32_t* __restrict const objects = batch.objects;
+    const std::int32_t object = batch.object;
+    const std::size_t size = batch.size;
+    for (std::size_t i = 0; i < size; ++i) {
+        const F x = t[i], before = nearest[i];
+        const bool first = objects[i] < 0;
+        const bool comes_first = x < before || before != before;
+        const bool taken = hit[i] != 0 && (first || (comes_first && x == x));
+        nearest[i] = taken ? x : before;
+        objects[i] = taken ? object : objects[i];
+    }
+}
+
+}  // namespace lostbits::measure::columns

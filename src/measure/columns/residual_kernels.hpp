@@ -1,0 +1,157 @@
+// The residual over columns; see kernels.hpp for what such a file may include.
+#pragma once
+
+#include "measure/columns/kernels.hpp"
+
+namespace lostbits::measure::columns {
+
+/// The midpoints of `Ball`'s operations, to the bit: sums and products of doubles whose low part is 0 come out the same
+/// by the rule for two doubles each.
+template <class P>
+[[gnu::always_inline]] inline PackPair<P> sum_of(const PackPair<P>& a, const PackPair<P>& b) {
+    const PackPair<P> s = sum_of(a.hi, b.hi), t = sum_of(a.lo, b.lo);
+    const PackPair<P> v = quick_sum_of(s.hi, s.lo + t.hi);
+    return quick_sum_of(v.hi, t.lo + v.lo);
+}
+
+template <class P>
+[[gnu::always_inline]] inline PackPair<P> product_of(const PackPair<P>& a, const PackPair<P>& b) {
+    const P p = a.hi * b.hi;
+    const P rest = fma(a.hi, b.hi, -p);
+    return quick_sum_of(p, rest + fma(a.hi, b.lo, a.lo * b.hi));
+}
+
+template <class P>
+[[gnu::always_inline]] inline PackPair<P> root_of(const PackPair<P>& a) {
+    const P s = sqrt(a.hi);
+    return quick_sum_of(s, (a.lo + fma(-s, s, a.hi)) / (P(2) * s));
+}
+
+/// Of the quotient the high part alone.
+template <class P>
+[[gnu::always_inline]] inline P quotient_of(const PackPair<P>& a, const PackPair<P>& b) {
+    const P q = a.hi / b.hi;
+    return q + (fma(-q, b.hi, a.hi) + (a.lo - q * b.lo)) / b.hi;
+}
+
+/// o + t·d as the format computes it. A product of two floats is exact in double; their sum rounded to double and then
+/// to float is rounded as if once, since 53 ≥ 2·24 + 2.
+template <bool binary32, class P, class Width>
+[[gnu::always_inline]] inline P along(const P& origin, const P& t, const P& direction) {
+    if constexpr (binary32) {
+        const auto rounded = [](const P& x) {
+            using Floats = stdx::simd<float, PackAbi<float, Registers<Width::bytes / 2>>>;
+            return P(stdx::static_simd_cast<typename P::Simd>(stdx::static_simd_cast<Floats>(x.simd())));
+        };
+        return rounded(origin + rounded(t * direction));
+    } else {
+        return origin + t * direction;
+    }
+}
+
+template <bool binary32, class Width, class Residual>
+[[gnu::always_inline]] inline void residuals_of(RawResiduals& batch, const Residual& residual) {
+    using P = Pack<double, Width>;
+    const double* in[RawResiduals::columns_in];
+    for (int k = 0; k < RawResiduals::columns_in; ++k) in[k] = batch.in[k];
+    double* const out = batch.out;
+    const P none(std::numeric_limits<double>::quiet_NaN());
+    RawLeft left = batch.left;
+    for_each_pack<P>(batch.size, [&](const auto& pass) {
+        const auto at = [&](int column) { return pass.load(in[column]); };
+        const P t = at(RawResiduals::answer);
+        const auto wanted = t >= t;
+        const P p[3] = {along<binary32, P, Width>(at(RawResiduals::ox), t, at(RawResiduals::dx)),
+                        along<binary32, P, Width>(at(RawResiduals::oy), t, at(RawResiduals::dy)),
+                        along<binary32, P, Width>(at(RawResiduals::oz), t, at(RawResiduals::dz))};
+        P value;
+        const auto proved = wanted && residual(
+                                          p, [&](int k) { return at(RawResiduals::solid + k); }, value);
+        pass.leave(wanted && !proved, left);
+        pass.store(select(proved, value, none), out);
+    });
+    batch.left = left;
+}
+
+/// (|v|² − r²)/(r(|v| + r)) by `Ball`'s midpoints, v = P − G, where `Ball` is sure to say that this is good enough: its
+/// radius ρ ≤ max(2^-40 |q|, 2^-90).
+///
+/// v is exact, ρ = 0. Each square, sum and root adds at most 2^-100 of itself (`dd_error`), so ρ(|v|²) ≤ 3.01·2^-100
+/// |v|² and ρ of the divisor is at most 2^-97 of it. With |v|²/(r(|v| + r)) ≤ |v|/r = 1 + q,
+///     ρ(q) ≤ 3.1·2^-100 (1 + |q|) + 1.1 |q| (2^-97 + 2·2^-100) ≤ 2^-98 + 2^-96 |q|.
+/// The absolute 2^-960 of every step counts for nothing beside 2^-98 where r ≥ 2^-200: the divisor is at least 2^-400.
+/// And none of the steps leaves [2^-900, 2^900] where |P|, |G|, r ≤ 2^200 and each component of v, |v|² − r² and q are
+/// at least 2^-400 (a component may be 0).
+template <bool binary32, class Width>
+[[gnu::flatten]] void sphere_residuals_in(RawResiduals& batch) {
+    using P = Pack<double, Width>;
+    residuals_of<binary32, Width>(batch, [](const P* p, const auto& solid, P& value) {
+        const P most(0x1p+200), least(0x1p-400);
+        const P r = solid(3);
+        auto proved = r >= P(0x1p-200) && r <= most;
+        const auto square_along = [&](int k) {
+            const P centre = solid(k);
+            const PackPair<P> v = sum_of(p[k], -centre);
+            const P far = abs(v.hi);
+            proved = proved && abs(p[k]) <= most && abs(centre) <= most && (far >= least || far <= P(0));
+            return product_of(v, v);
+        };
+        const PackPair<P> x2 = square_along(0), y2 = square_along(1), z2 = square_along(2);
+        const PackPair<P> v2 = sum_of(sum_of(x2, y2), z2);
+        const PackPair<P> radius{r, P(0)}, r2 = product_of(radius, radius);
+        const PackPair<P> above = sum_of(v2, PackPair<P>{-r2.hi, -r2.lo});
+        value = quotient_of(above, product_of(radius, sum_of(root_of(v2), radius)));
+        return proved && v2.hi >= P(0x1p-800) && abs(above.hi) >= least && abs(value) >= least;
+    });
+}
+
+template <class Width>
+void sphere_residuals(RawResiduals& batch) {
+    if (batch.binary32) sphere_residuals_in<true, Width>(batch);
+    else sphere_residuals_in<false, Width>(batch);
+}
+
+/// The larger of two differences of doubles, each exactly hi + lo and hi nearest to that: they stand in the order of
+/// their his, and where those are equal, of their los.
+template <class P>
+[[gnu::always_inline]] inline PackPair<P> larger(const PackPair<P>& a, const PackPair<P>& b) {
+    const auto first = a.hi > b.hi || (a.hi >= b.hi && a.lo > b.lo);
+    return {select(first, a.hi, b.hi), select(first, a.lo, b.lo)};
+}
+
+/// The largest of lo − P and P − hi over the longest side, by `Ball`'s midpoints. All differences are exact and `Ball`
+/// tells any two of them apart or finds them equal (their difference is 0 or at least 2^-400·2^-106), so only the
+/// quotient has a radius: 2^-100 of itself. In range where |P|, |lo|, |hi| ≤ 2^200 and the differences are 0 or at
+/// least 2^-400; the longest side is not 0. A point in a face has the residual 0.
+template <bool binary32, class Width>
+[[gnu::flatten]] void box_residuals_in(RawResiduals& batch) {
+    using P = Pack<double, Width>;
+    residuals_of<binary32, Width>(batch, [](const P* p, const auto& solid, P& value) {
+        const P most(0x1p+200), least(0x1p-400);
+        auto proved = abs(p[0]) <= most;
+        const auto in_range = [&](const PackPair<P>& d) {
+            proved = proved && (abs(d.hi) >= least || abs(d.hi) <= P(0));
+            return d;
+        };
+        PackPair<P> beyond[3], side[3];
+        for (int k = 0; k < 3; ++k) {
+            const P lo = solid(k), hi = solid(k + 3);
+            proved = proved && abs(p[k]) <= most && abs(lo) <= most && abs(hi) <= most;
+            beyond[k] = larger(in_range(sum_of(lo, -p[k])), in_range(sum_of(p[k], -hi)));
+            side[k] = in_range(sum_of(hi, -lo));
+        }
+        const PackPair<P> farthest = larger(larger(beyond[0], beyond[1]), beyond[2]);
+        const PackPair<P> longest = larger(larger(side[0], side[1]), side[2]);
+        const auto in_face = abs(farthest.hi) <= P(0);
+        value = select(in_face, P(0), quotient_of(farthest, longest));
+        return proved && longest.hi >= least && (in_face || abs(value) >= least);
+    });
+}
+
+template <class Width>
+void box_residuals(RawResiduals& batch) {
+    if (batch.binary32) box_residuals_in<true, Width>(batch);
+    else box_residuals_in<false, Width>(batch);
+}
+
+}  // namespace lostbits::measure::columns

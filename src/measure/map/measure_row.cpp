@@ -1,0 +1,288 @@
+// One row on one band: outcomes first, then errors over columns, then what has to be measured ray by ray.
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "measure/answer/self.hpp"
+#include "measure/columns/columns.hpp"
+#include "measure/map/map.hpp"
+#include "measure/truth/lost_bits.hpp"
+#include "measure/truth/missing.hpp"
+
+namespace lostbits::measure::map {
+
+using answer::Outcome;
+using blame::Blame;
+using columns::TrueLengths;
+using metric::InColumns;
+using metric::Metric;
+using metric::Over;
+using metric::Sample;
+using truth::FormatInputs;
+using truth::missing;
+using truth::Truth;
+
+namespace {
+
+const truth::Certified* in_unit_of(const Truth& truth, const intersect::Info& info) {
+    if (!truth.is_hit()) return nullptr;
+    return info.direction == intersect::Direction::unit ? &truth.distance : &truth.t;
+}
+
+/// The metrics of a row on a band.
+class Measurement {
+public:
+    Measurement(const RowRequest& request, const TrueLengths& truth, BandResult& result)
+        : metrics_(request.metrics),
+          row_(request.row),
+          group_(request.group),
+          result_(result),
+          truth_(truth),
+          needs_(needs_of(metrics_)),
+          blamer_(*row_.form, row_.format, culprits_of(metrics_)) {}
+
+    void measure(MapSummary& summary) {
+        classify(summary);
+        measure_columns();
+        measure_others();
+        for (std::size_t m = 0; m < metrics_.size(); ++m) summary.add(m, *metrics_[m], result_.metrics[m]);
+        keep_worst(summary);
+        keep_faults(summary);
+    }
+
+private:
+    static std::span<const std::string_view> culprits_of(const std::vector<const Metric*>& metrics) {
+        const auto found = std::ranges::find_if(metrics, &Metric::by_run);
+        return found == metrics.end() ? std::span<const std::string_view>() : (*found)->categories;
+    }
+
+    void classify(MapSummary& summary) {
+        const answer::Answers& answers = *result_.answers;
+        const std::size_t n = truth_.decision.size();
+        measured_.assign(n, missing);
+        for (std::size_t i = 0; i < n; ++i) {
+            const bool hit = answers.hit[i] != 0;
+            const Outcome outcome = answer::classify(truth_.decision[i], hit, answers.t[i]);
+            const bool agree = outcome == Outcome::agree_hit;
+            result_.outcomes[i] = outcome;
+            measured_[i] = agree ? answers.t[i] : missing;
+            summary.true_hits += truth_.decision[i] == Truth::Decision::hit;
+            summary.wrong_object += agree && answers.object[i] != truth_.object[i];
+        }
+        for (std::size_t o = 0; o < summary.outcomes.size(); ++o)
+            summary.outcomes[o] +=
+                static_cast<std::uint64_t>(std::ranges::count(result_.outcomes, static_cast<Outcome>(o)));
+        summary.rays += n;
+    }
+
+    /// The column of a metric; null where it is not asked for.
+    [[nodiscard]] double* column_of(InColumns what) const {
+        const auto found = std::ranges::find(metrics_, what, &Metric::in_columns);
+        return found == metrics_.end() ? nullptr
+                                       : result_.metrics[static_cast<std::size_t>(found - metrics_.begin())].data();
+    }
+
+    void measure_columns() {
+        ulps_ = column_of(InColumns::ulp_error);
+        if (!ulps_) {
+            own_ulps_.resize(measured_.size());
+            ulps_ = own_ulps_.data();
+        }
+        std::vector<std::uint32_t> left;
+        largest_ = columns::find_errors(measured_, truth_, row_.format.shape,
+                                        {.ulp = ulps_,
+                                         .lost = column_of(InColumns::lost_bits),
+                                         .correct = column_of(InColumns::correct_bits),
+                                         .relative = column_of(InColumns::relative_error),
+                                         .absolute = column_of(InColumns::absolute_error)},
+                                        left);
+        for (const std::uint32_t i : left) {
+            ulps_[i] =
+                truth::ulp_error(measured_[i], *in_unit_of(result_.truth(i), *row_.form->info), row_.format.shape);
+            if (std::fabs(ulps_[i]) > largest_) largest_ = std::fabs(ulps_[i]);
+        }
+        if (double* const residuals = column_of(InColumns::residual)) {
+            const FormatInputs& in = *result_.inputs;
+            columns::find_residuals(
+                measured_, {in.rays_for(*row_.form->info), in.solids, result_.answers->object, row_.format.engine},
+                residuals, left);
+        }
+        for (const std::uint32_t i : left) {
+            const Ray<double> ray = ray_of(i);
+            take(i, sample_of(i, ray), [](const Metric& m) { return m.in_columns != InColumns::no; });
+        }
+    }
+
+    /// All that no column can hold, of each ray whose outcome it is for.
+    void measure_others() {
+        const auto any = [this](const auto& which) {
+            return std::ranges::any_of(metrics_, [&](const Metric* m) { return which(*m); });
+        };
+        const auto of_marches = [](const Metric& m) { return m.over == Over::marches; };
+        const auto of_hits = [](const Metric& m) { return m.over != Over::marches && m.in_columns == InColumns::no; };
+        const auto of_blamed = [](const Metric& m) { return m.over == Over::blamed; };
+        const bool marches = any(of_marches) && !result_.answers->march.empty(), hits = any(of_hits);
+        const bool faults = (needs_ & metric::needs_attribution) != 0;
+        if (!marches && !hits && !faults) return;
+        for (std::size_t i = 0; i < measured_.size(); ++i) {
+            const Outcome outcome = result_.outcomes[i];
+            const bool fault = outcome == Outcome::false_hit || outcome == Outcome::false_miss;
+            const Ray<double> ray = ray_of(i);
+            if (marches) take(i, plain_sample_of(i, ray), of_marches);
+            if (faults && fault) {
+                const bool hit = result_.answers->hit[i] != 0;
+                const Blame blame = blame_of(i, hit ? result_.answers->object[i] : truth_.object[i]);
+                Sample sample = plain_sample_of(i, ray);
+                sample.blame = &blame;
+                take(i, sample, of_blamed);
+            }
+            if (hits && outcome == Outcome::agree_hit) measure_hit(i, ray, of_hits);
+        }
+    }
+
+    template <class Which>
+    void measure_hit(std::size_t i, const Ray<double>& ray, const Which& which) {
+        const FormatInputs& in = *result_.inputs;
+        const intersect::Info& info = *row_.form->info;
+        Sample sample = sample_of(i, ray);
+        if (needs_ & metric::needs_rounded_truth)
+            sample.truth_rounded = result_.band->rounded_truth(i, row_.format.shape, info.direction, row_.convention());
+        if (needs_ & metric::needs_own_truth)
+            sample.own = in.ideal ? sample.truth : in_unit_of(in.own(i, row_.convention()), info);
+        if (needs_ & metric::needs_condition) sample.condition = result_.band->condition(i, row_.convention());
+        std::optional<truth::Certified> self;
+        if (needs_ & metric::needs_self) {
+            self = answer::without_rounding(*row_.form, ray,
+                                            in.target_for(*row_.form, static_cast<std::size_t>(truth_.object[i])));
+            if (self) sample.self = &*self;
+        }
+        const Blame blame = blame_of(i, result_.answers->object[i]);
+        if (needs_ & metric::needs_attribution) sample.blame = &blame;
+        take(i, sample, which);
+    }
+
+    Blame blame_of(std::size_t i, std::int32_t object) {
+        if (!(needs_ & metric::needs_attribution)) return {};
+        const FormatInputs& in = *result_.inputs;
+        const auto& rays = in.rays_for(*row_.form->info);
+        return blamer_.of(rays[i], in.target_for(*row_.form, static_cast<std::size_t>(std::max(0, object))),
+                          rays.tmax.empty() ? HUGE_VAL : rays.tmax[i]);
+    }
+
+    [[nodiscard]] Ray<double> ray_of(std::size_t i) const { return result_.inputs->rays_for(*row_.form->info)[i]; }
+
+    /// What is known of any ray.
+    [[nodiscard]] Sample plain_sample_of(std::size_t i, const Ray<double>& ray) const {
+        const auto& march = result_.answers->march;
+        return {.t = result_.answers->t[i],
+                .format = &row_.format,
+                .ray = &ray,
+                .march = march.empty() ? nullptr : &march[i]};
+    }
+
+    /// What is known of a correct hit without further work.
+    [[nodiscard]] Sample sample_of(std::size_t i, const Ray<double>& ray) const {
+        Sample sample = plain_sample_of(i, ray);
+        sample.truth = in_unit_of(result_.truth(i), *row_.form->info);
+        sample.solid = &result_.inputs->solids[static_cast<std::size_t>(result_.answers->object[i])];
+        return sample;
+    }
+
+    template <class Which>
+    void take(std::size_t i, Sample sample, const Which& which) {
+        for (std::size_t m = 0; m < metrics_.size(); ++m) {
+            if (!which(*metrics_[m])) continue;
+            sample.label = metrics_[m]->label;
+            result_.metrics[m][i] = metrics_[m]->value(sample);
+        }
+    }
+
+    /// The first of the rays that are farthest off.
+    void keep_worst(MapSummary& summary) const {
+        if (!(largest_ > summary.worst.size)) return;
+        const auto is_it = [this](double ulps) { return std::fabs(ulps) == largest_; };
+        const auto i = static_cast<std::size_t>(std::find_if(ulps_, ulps_ + measured_.size(), is_it) - ulps_);
+        if (i == measured_.size()) return;  // no ray is measured
+        summary.worst = named(i, Outcome::agree_hit);
+        summary.worst.ulps = ulps_[i];
+        summary.worst.size = largest_;
+    }
+
+    /// The first ray of each wrong decision.
+    void keep_faults(MapSummary& summary) const {
+        for (std::size_t kind = 0; kind < wrong_decisions.size(); ++kind) {
+            auto& fault = summary.faults.at(kind);
+            if (fault || summary.count(wrong_decisions[kind]) == 0) continue;
+            const auto i = std::ranges::find(result_.outcomes, wrong_decisions[kind]) - result_.outcomes.begin();
+            fault = std::make_unique<WorstRay>(named(static_cast<std::size_t>(i), wrong_decisions[kind]));
+        }
+    }
+
+    /// Ray i as a summary names it.
+    [[nodiscard]] WorstRay named(std::size_t i, Outcome outcome) const {
+        const bool hit = result_.answers->hit[i] != 0;
+        const Truth& truth = result_.truth(i);
+        const int object = hit ? result_.answers->object[i] : truth.object;
+        WorstRay w{.x = static_cast<int>(i % static_cast<std::size_t>(result_.width)),
+                   .y = result_.y0 + static_cast<int>(i / static_cast<std::size_t>(result_.width)),
+                   .group = group_,
+                   .object = object,
+                   .size = 0,
+                   .ray = result_.inputs->rays[i],
+                   .solid = result_.inputs->solids[static_cast<std::size_t>(std::max(0, object))],
+                   .t = hit ? result_.answers->t[i] : missing,
+                   .outcome = outcome,
+                   .judged = row_.judged};
+        if (truth.is_hit())
+            w.truth = result_.band->rounded_truth(i, binary64, row_.form->info->direction, row_.convention());
+        // The nearest of all solids is the nearer of these two; a field of distances is of all of them.
+        std::set<int> deciding;
+        if (row_.form->shape != Shape::sdf) {
+            if (hit) deciding.insert(object);
+            if (truth.is_hit()) deciding.insert(truth.object);
+        }
+        w.given = result_.band->given(i, deciding);
+        return w;
+    }
+
+    const std::vector<const Metric*>& metrics_;
+    const MapRow& row_;
+    int group_;
+    BandResult& result_;
+    const TrueLengths& truth_;
+    unsigned needs_;
+    blame::Blamer blamer_;
+    std::vector<double> measured_;  ///< the answers of the correct hits, NaN elsewhere
+    std::vector<double> own_ulps_;  ///< where no metric is `ulp_error`
+    double* ulps_ = nullptr;
+    double largest_ = 0;  ///< of |ulps|
+};
+
+}  // namespace
+
+void measure_row(const RowRequest& request, const RowBand& on, MapSummary& summary) {
+    const MapRow& row = request.row;
+    const answer::Answers answers = answer::evaluate(*row.form, on.inputs);
+    const std::size_t n = on.band.pixels();
+    BandResult result{.y0 = on.band.y0(),
+                      .rows = on.band.rows(),
+                      .width = on.inputs.rays.width,
+                      .band = &on.band,
+                      .inputs = &on.inputs,
+                      .answers = &answers,
+                      .convention = row.convention(),
+                      .outcomes = std::vector<Outcome>(n),
+                      .metrics = {request.metrics.size(), std::vector<double>(n, missing)}};
+    const TrueLengths& truth = on.columns.of(row.convention(), row.form->info->direction);
+    Measurement(request, truth, result).measure(summary);
+    if (request.sink) request.sink->band(result);
+}
+
+void measure_row(const RowRequest& request, const truth::Band& band, const truth::FormatInputs& inputs,
+                 MapSummary& summary) {
+    columns::BandColumns columns(band);
+    columns.find(request.row.convention(), request.row.form->info->direction);
+    measure_row(request, {band, inputs, columns}, summary);
+}
+
+}  // namespace lostbits::measure::map

@@ -1,0 +1,135 @@
+// Means and quantiles of many numbers against exact sums and sorted lists; the same at every register width.
+#include <boost/multiprecision/gmp.hpp>
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+
+#include "catch.hpp"
+#include "intersect/simd/packed.hpp"
+#include "measure/metric/statistics.hpp"
+#include "number/random.hpp"
+
+namespace lostbits::test {
+
+using measure::metric::Distribution;
+using Rational = boost::multiprecision::mpq_rational;
+
+namespace {
+
+/// Signed numbers of very different sizes, zeros and missing ones among them.
+std::vector<double> numbers(std::size_t n, int least, int most, Random& random) {
+    std::vector<double> all;
+    for (std::size_t i = 0; i < n; ++i) {
+        const int e = static_cast<int>(random.between(least, most));
+        all.push_back(random.one_in(9)    ? std::nan("")
+                      : random.one_in(20) ? 0.0
+                                          : random.sign() * std::ldexp(1 + random.unit(), e));
+    }
+    return all;
+}
+
+/// The mean size by rational numbers.
+Rational exact_mean(const std::vector<double>& all) {
+    Rational sum = 0;
+    unsigned long count = 0;
+    for (const double x : all) {
+        if (std::isnan(x)) continue;
+        sum += Rational(std::fabs(x));
+        ++count;
+    }
+    return sum / count;
+}
+
+Distribution of(std::span<const double> all, std::size_t piece) {
+    Distribution d;
+    for (; !all.empty(); all = all.subspan(std::min(piece, all.size()))) d.add(all.first(std::min(piece, all.size())));
+    return d;
+}
+
+}  // namespace
+
+TEST_CASE("a mean is the exact mean to an ulp, whatever the order", "[measure][metric]") {
+    Random random(99);
+    for (const auto& [least, most] : {std::pair{-40, 20}, {-1074, -1000}, {-300, 300}, {800, 1015}}) {
+        INFO("exponents " << least << " to " << most);
+        std::vector<double> all = numbers(20'011, least, most, random);
+        const Rational exact = exact_mean(all);
+        const double mean = of(all, all.size()).mean();
+        const double tolerance = most > 900 ? 0x1p-45 : 0x1p-52;  // beyond 2^900 the sum is a plain one
+        const Rational off = boost::multiprecision::abs(Rational(mean) - exact) / exact;
+        CHECK(off <= Rational(tolerance));
+        std::ranges::sort(all, [](double x, double y) { return std::isnan(y) ? !std::isnan(x) : x < y; });
+        const double sorted = of(all, 1000).mean();
+        if (most <= 900) CHECK(std::bit_cast<std::uint64_t>(sorted) == std::bit_cast<std::uint64_t>(mean));
+    }
+}
+
+TEST_CASE("statistics have the same bits at every register width", "[measure][metric]") {
+    const auto before = intersect::simd::current_isa();
+    Random random(7);
+    for (const std::size_t n : {1U, 5U, 8U, 1003U, 5000U}) {
+        const std::vector<double> all = numbers(n, -60, 60, random);
+        std::vector<Distribution> got;
+        for (const intersect::simd::Isa isa : intersect::simd::available_isas()) {
+            intersect::simd::set_isa(isa);
+            got.push_back(of(all, 777));
+        }
+        for (const Distribution& d : got) {
+            CHECK(d.count() == got.front().count());
+            if (d.count() == 0) continue;
+            CHECK(std::bit_cast<std::uint64_t>(d.mean()) == std::bit_cast<std::uint64_t>(got.front().mean()));
+            for (const double q : {0.01, 0.5, 0.99, 1.0}) CHECK(d.quantile(q) == got.front().quantile(q));
+        }
+    }
+    intersect::simd::set_isa(before);
+}
+
+TEST_CASE("quantiles are those of the sorted list to 2^-11, zero and the largest exactly", "[measure][metric]") {
+    Random random(12);
+    for (const int shape : {0, 1, 2}) {
+        // Ordinary sizes; subnormal ones beside zeros; a third of zeros and an infinity.
+        std::vector<double> all = shape == 1 ? numbers(3001, -1074, -1030, random) : numbers(3001, -20, 20, random);
+        if (shape == 2) {
+            for (std::size_t i = 0; i < 1000; ++i) all.push_back(i % 2 == 0 ? 0.0 : -0.0);
+            all.push_back(HUGE_VAL);
+        }
+        const Distribution d = of(all, 512);
+        std::vector<double> sizes;
+        for (const double x : all) {
+            if (!std::isnan(x)) sizes.push_back(std::fabs(x));
+        }
+        std::ranges::sort(sizes);
+        CHECK(d.count() == sizes.size());
+        for (const double q : {0.001, 0.01, 0.05, 0.1, 0.25, 0.5, 0.75, 0.99, 0.9999, 1.0}) {
+            const double want = sizes[static_cast<std::size_t>(std::ceil(q * static_cast<double>(sizes.size()))) - 1];
+            INFO(shape << ": quantile " << q << " is " << want << ", not " << d.quantile(q));
+            if (std::isinf(want)) {
+                CHECK(d.quantile(q) == want);
+                continue;
+            }
+            // Subnormal numbers share buckets of 2^-1033.
+            CHECK(std::fabs(d.quantile(q) - want) <= std::max(want * 0x1p-11, want < 0x1p-1022 ? 0x1p-1033 : 0));
+            if (want == 0 || q == 1) CHECK(d.quantile(q) == want);
+        }
+        if (shape == 2) CHECK(d.mean() == HUGE_VAL);
+    }
+}
+
+TEST_CASE("a distribution says the same after it is sealed; of nothing it says nothing", "[measure][metric]") {
+    Random random(2);
+    Distribution d = of(numbers(500, -3, 9, random), 500);
+    const double mean = d.mean(), middle = d.quantile(0.5), most = d.quantile(1);
+    d.seal();
+    CHECK(d.mean() == mean);
+    CHECK(d.quantile(0.5) == middle);
+    CHECK(d.quantile(1) == most);
+    CHECK_THROWS(d.quantile(0.123));
+    Distribution none;
+    none.add(std::vector<double>(20, std::nan("")));
+    CHECK(none.count() == 0);
+    CHECK(std::isnan(none.mean()));
+    CHECK(std::isnan(none.quantile(0.5)));
+}
+
+}  // namespace lostbits::test
