@@ -1,0 +1,213 @@
+// Truths of many rays at once are those of the same rays alone: the same decisions, and the same two words.
+#include <algorithm>
+#include <numeric>
+
+#include "catch.hpp"
+#include "measure/truth/box_families.hpp"
+#include "measure/truth/ray_families.hpp"
+#include "measure/truth/truth_columns.hpp"
+
+using namespace lostbits;
+using namespace lostbits::testing;
+using measure::truth::ColumnTerms;
+using measure::truth::find_truth;
+using measure::truth::Length;
+using measure::truth::ProblemColumns;
+using measure::truth::StageCounts;
+using measure::truth::Tightness;
+using measure::truth::Truth;
+using measure::truth::TruthColumns;
+
+namespace {
+
+struct Problem {
+    Ray<double> ray;
+    Solid<double> solid;
+    double tmax = HUGE_VAL;
+};
+
+std::vector<Problem> problems_of(Shape shape, const FloatFormat& storage, std::size_t each) {
+    Seeded rng(14);
+    std::vector<Problem> problems;
+    const auto add = [&](const auto& families) {
+        for (const RayFamily& f : families) {
+            for (std::size_t i = 0; i < each; ++i) {
+                const RaySample s = f.make(rng, storage);
+                problems.push_back({s.ray, s.sphere});
+            }
+        }
+    };
+    if (shape == Shape::sphere) {
+        add(near_families);
+        add(power_families);
+        add(wide_families);
+        return problems;
+    }
+    for (const BoxFamily& f : box_families) {
+        for (std::size_t i = 0; i < each; ++i) {
+            const BoxSample s = f.make(rng, storage);
+            // Some families scale what they have rounded.
+            const auto kept = [&storage](double x) { return stored(x, storage); };
+            problems.push_back({{stored(s.ray.origin, storage), stored(s.ray.direction, storage)},
+                                transformed(Solid<double>(s.box), kept),
+                                kept(s.tmax)});
+        }
+    }
+    return problems;
+}
+
+template <class S>
+class Columns {
+public:
+    explicit Columns(std::span<const Problem> problems) : size_(problems.size()) {
+        for (const Problem& p : problems) {
+            for (int k = 0; k < 3; ++k) {
+                numbers_[static_cast<std::size_t>(k)].push_back(static_cast<S>(p.ray.origin[k]));
+                numbers_[static_cast<std::size_t>(k) + 3].push_back(static_cast<S>(p.ray.direction[k]));
+            }
+            for (std::size_t k = 0; k < 6; ++k) numbers_[6 + k].push_back(static_cast<S>(p.solid.numbers[k]));
+            numbers_[12].push_back(static_cast<S>(p.tmax));
+        }
+        shape_ = problems.front().solid.shape;
+    }
+    [[nodiscard]] ProblemColumns<S> get() const {
+        ProblemColumns<S> p{.size = size_, .ray = {}, .shape = shape_, .solid = {}, .tmax = numbers_[12]};
+        for (std::size_t k = 0; k < 6; ++k) {
+            p.ray[k] = numbers_[k];
+            p.solid[k] = numbers_[6 + k];
+        }
+        return p;
+    }
+
+private:
+    std::size_t size_;
+    Shape shape_;
+    std::vector<S> numbers_[13];
+};
+
+const measure::truth::Certified& length_of(const Truth& truth, Length length) {
+    return length == Length::parameter ? truth.t : truth.distance;
+}
+
+/// How many rays do not have, in the columns, what they have alone.
+std::size_t count_different(std::span<const Problem> problems, const TruthColumns& found, Length length, bool tight) {
+    std::size_t different = 0;
+    for (std::size_t i = 0; i < problems.size(); ++i) {
+        const Problem& p = problems[i];
+        const Truth alone = find_truth(p.ray, p.solid, {}, {}, p.tmax);
+        if (found.decision[i] != alone.decision) {
+            ++different;
+            continue;
+        }
+        if (!alone.is_hit() || std::isnan(found.hi[i])) continue;
+        const auto& t = length_of(alone, length);
+        const double hi = std::ldexp(t.hi, static_cast<int>(t.exponent)),
+                     lo = std::ldexp(t.lo, static_cast<int>(t.exponent));
+        if (tight) different += found.hi[i] != hi || found.lo[i] != lo;
+        else
+            different +=
+                !(std::fabs((found.hi[i] - hi) + (found.lo[i] - lo)) <= found.bound[i] + std::fabs(hi) * 0x1p-70);
+    }
+    return different;
+}
+
+}  // namespace
+
+TEST_CASE("truth columns: the same as ray by ray, however tight") {
+    for (const Shape shape : {Shape::sphere, Shape::box}) {
+        for (const FloatFormat& storage : {binary32, binary64}) {
+            const std::vector<Problem> problems = problems_of(shape, storage, 500);
+            TruthColumns found;
+            for (const Length length : {Length::parameter, Length::distance}) {
+                find_truth_columns(Columns<double>(problems).get(), {.length = length}, found);
+                CHECK(found.size() == problems.size());
+                CHECK(count_different(problems, found, length, true) == 0);
+                CHECK(found.stages.rays() == problems.size());
+                CHECK(found.stages.double_double > problems.size() / 4);
+                if (storage == binary64) continue;
+                find_truth_columns(Columns<float>(problems).get(), {.length = length}, found);
+                CHECK(count_different(problems, found, length, true) == 0);
+                find_truth_columns(Columns<float>(problems).get(),
+                                   {.length = length, .tightness = Tightness::ulps_of_binary32}, found);
+                CHECK(count_different(problems, found, length, false) == 0);
+                CHECK(found.stages.rays() == problems.size());
+                CHECK(found.stages.binary64 > problems.size() / 4);
+                CHECK(std::ranges::all_of(problems, [&, i = std::size_t{0}](const Problem&) mutable {
+                    const double size = std::fabs(found.hi[i]), bound = found.bound[i++];
+                    return std::isnan(size) || bound <= 0x1p-33 * size;
+                }));
+            }
+        }
+    }
+}
+
+TEST_CASE("truth columns: any number of rays at every width, and one number for all") {
+    const std::vector<Problem> problems = problems_of(Shape::sphere, binary32, 60);
+    TruthColumns all, some;
+    const auto before = intersect::simd::current_isa();
+    for (const auto isa : intersect::simd::available_isas()) {
+        intersect::simd::set_isa(isa);
+        find_truth_columns(Columns<float>(problems).get(), {.tightness = Tightness::ulps_of_binary32}, all);
+        for (const std::size_t size :
+             {std::size_t{1}, std::size_t{7}, std::size_t{8}, std::size_t{9}, std::size_t{1023}, std::size_t{1025}}) {
+            const std::span part(problems.data(), size);
+            find_truth_columns(Columns<float>(part).get(), {.tightness = Tightness::ulps_of_binary32}, some);
+            CHECK(std::equal(some.decision.begin(), some.decision.end(), all.decision.begin()));
+            CHECK(std::equal(some.hi.begin(), some.hi.end(), all.hi.begin(),
+                             [](double a, double b) { return a == b || (std::isnan(a) && std::isnan(b)); }));
+        }
+    }
+    intersect::simd::set_isa(before);
+    // One sphere for all rays, as one number a column and as many.
+    std::vector<Problem> same = problems;
+    for (Problem& p : same) p.solid = Sphere<double>{{1, 2, 3}, 4};
+    const Columns<double> columns(same);
+    auto narrow = columns.get();
+    for (auto& column : narrow.solid) column = column.first(1);
+    narrow.tmax = {};
+    find_truth_columns(columns.get(), {}, all);
+    find_truth_columns(narrow, {}, some);
+    CHECK(some.decision == all.decision);
+    CHECK(some.hi == all.hi);
+    CHECK(some.lo == all.lo);
+    CHECK(some.bound == all.bound);
+}
+
+TEST_CASE("truths of rays among spheres and boxes are those of each ray alone") {
+    std::vector<Problem> problems = problems_of(Shape::sphere, binary32, 40);
+    for (const Problem& p : problems_of(Shape::box, binary32, 40)) problems.push_back(p);
+    std::vector<Solid<double>> solids;
+    for (std::size_t i = 0; i < problems.size(); i += 97) solids.push_back(problems[i].solid);
+    // Several that no ray can tell apart, and one that does not exist.
+    solids.push_back(solids[2]);
+    solids.insert(solids.begin() + 1, Solid<double>(Sphere<double>{{0, 0, 0}, -1}));
+    std::vector<Truth> found(problems.size());
+    StageCounts counts;
+    find_truths(
+        {.rays = problems.size(),
+         .ray = [&](std::size_t i) { return problems[i].ray; },
+         .tmax = [&](std::size_t i) { return problems[i].tmax; },
+         .solid = [&](std::size_t s) { return solids[s]; },
+         .candidates =
+             [&](std::size_t, std::vector<std::uint32_t>& all) {
+                 all.resize(solids.size());
+                 std::iota(all.begin(), all.end(), 0U);
+             },
+         .alone = [&](std::size_t i,
+                      std::size_t s) { return find_truth(problems[i].ray, solids[s], {}, {}, problems[i].tmax); }},
+        found, counts);
+    CHECK(counts.rays() == problems.size() * solids.size());
+    std::size_t different = 0, hits = 0;
+    for (std::size_t i = 0; i < problems.size(); ++i) {
+        const Truth alone =
+            find_truth(problems[i].ray, std::span<const Solid<double>>(solids), {}, {}, problems[i].tmax);
+        hits += alone.is_hit();
+        different += found[i].decision != alone.decision || found[i].object != alone.object ||
+                     found[i].touches != alone.touches || found[i].on_surface != alone.on_surface ||
+                     found[i].t.hi != alone.t.hi || found[i].t.lo != alone.t.lo ||
+                     found[i].t.exponent != alone.t.exponent || found[i].distance.hi != alone.distance.hi ||
+                     found[i].distance.lo != alone.distance.lo;
+    }
+    CHECK(different == 0);
+    CHECK(hits > problems.size() / 8);
+}
