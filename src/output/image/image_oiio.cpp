@@ -147,14 +147,12 @@ private:
         if (!OIIO::ImageBufAlgo::render_text(ink, 0, out.baseline, text, size, font, 1.0f)) {
             throw EnvironmentError("cannot draw text: " + ink.geterror());
         }
-        for (int y = 0; y < out.height; ++y) {
-            for (int x = 0; x < out.width; ++x) {
-                float c = 0;
-                ink.getpixel(x, y, &c, 1);
-                out.coverage[static_cast<std::size_t>(y * out.width + x)] =
-                    static_cast<std::uint8_t>(std::lround(std::clamp(c, 0.0f, 1.0f) * 255.0f));
-            }
-        }
+        std::vector<float> coverage(out.coverage.size());
+        if (!ink.get_pixels(ink.roi(), OIIO::TypeDesc::FLOAT, coverage.data()))
+            throw EnvironmentError("cannot draw text: " + ink.geterror());
+        std::ranges::transform(coverage, out.coverage.begin(), [](float c) {
+            return static_cast<std::uint8_t>(std::lround(std::clamp(c, 0.0f, 1.0f) * 255.0f));
+        });
         return out;
     }
 
