@@ -124,16 +124,20 @@ double find_errors(std::span<const double> answers, const TrueLengths& truth, co
 void find_residuals(std::span<const double> answers, const HitPoints& points, double* out,
                     std::vector<std::uint32_t>& left) {
     const RawKernels* const run = kernels_of(intersect::simd::current_isa());
-    const auto same_shape = [&](const Solid<double>& s) { return s.shape == points.solids.front().shape; };
-    if (!run || points.engine == Format::Engine::rounded || !std::ranges::all_of(points.solids, same_shape)) {
+    const Solid<double> first = points.solids[0];
+    const Shape shape = first.shape;
+    const auto same_shape = [shape](const Solid<double>& s) { return s.shape == shape; };
+    const bool same =
+        std::ranges::all_of(points.solids.listed(), same_shape) && (!points.solids.flake() || shape == Shape::sphere);
+    if (!run || points.engine == Format::Engine::rounded || !same) {
         leave_all(answers, {out}, left);
         return;
     }
-    const Shape shape = points.solids.front().shape;
-    const std::size_t used = points.solids.front().used().size();
+    const std::size_t used = first.used().size();
     std::array<std::array<double, block>, 6> numbers;
     const auto fill = [&](std::size_t i, std::size_t solid) {
-        for (std::size_t k = 0; k < used; ++k) numbers[k][i] = points.solids[solid].numbers[k];
+        const Solid<double> there = points.solids[solid];
+        for (std::size_t k = 0; k < used; ++k) numbers[k][i] = there.numbers[k];
     };
     if (points.solids.size() == 1) {
         for (std::size_t i = 0; i < block; ++i) fill(i, 0);

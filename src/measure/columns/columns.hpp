@@ -55,7 +55,7 @@ double find_errors(std::span<const double> answers, const TrueLengths& truth, co
 /// each measured answer.
 struct HitPoints {
     const scene::rays::RayBlock& rays;
-    std::span<const Solid<double>> solids;
+    const scene::rays::SolidList<double>& solids;
     std::span<const std::int32_t> objects;
     Format::Engine engine;
 };

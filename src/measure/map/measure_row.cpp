@@ -109,7 +109,8 @@ private:
         }
         for (const std::uint32_t i : left) {
             const Ray<double> ray = ray_of(i);
-            take(i, sample_of(i, ray), [](const Metric& m) { return m.in_columns != InColumns::no; });
+            const Solid<double> solid = solid_of(i);
+            take(i, sample_of(i, ray, solid), [](const Metric& m) { return m.in_columns != InColumns::no; });
         }
     }
 
@@ -144,7 +145,8 @@ private:
     void measure_hit(std::size_t i, const Ray<double>& ray, const Which& which) {
         const FormatInputs& in = *result_.inputs;
         const intersect::Info& info = *row_.form->info;
-        Sample sample = sample_of(i, ray);
+        const Solid<double> solid = solid_of(i);
+        Sample sample = sample_of(i, ray, solid);
         if (needs_ & metric::needs_rounded_truth)
             sample.truth_rounded = result_.band->rounded_truth(i, row_.format.shape, info.direction, row_.convention());
         if (needs_ & metric::needs_own_truth)
@@ -181,11 +183,16 @@ private:
     }
 
     /// What is known of a correct hit without further work.
-    [[nodiscard]] Sample sample_of(std::size_t i, const Ray<double>& ray) const {
+    [[nodiscard]] Sample sample_of(std::size_t i, const Ray<double>& ray, const Solid<double>& solid) const {
         Sample sample = plain_sample_of(i, ray);
         sample.truth = in_unit_of(result_.truth(i), *row_.form->info);
-        sample.solid = &result_.inputs->solids[static_cast<std::size_t>(result_.answers->object[i])];
+        sample.solid = &solid;
         return sample;
+    }
+
+    /// The solid that the form hit.
+    [[nodiscard]] Solid<double> solid_of(std::size_t i) const {
+        return result_.inputs->solids[static_cast<std::size_t>(result_.answers->object[i])];
     }
 
     template <class Which>

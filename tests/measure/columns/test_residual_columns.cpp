@@ -71,7 +71,8 @@ struct Scene {
 double compare(const Scene& s) {
     std::vector<double> values(s.answers.size(), -77.0);
     std::vector<std::uint32_t> left;
-    measure::columns::find_residuals(s.answers, {s.rays, s.solids, s.objects, s.format.engine}, values.data(), left);
+    const scene::rays::SolidList<double> solids(s.solids);
+    measure::columns::find_residuals(s.answers, {s.rays, solids, s.objects, s.format.engine}, values.data(), left);
     const measure::metric::Metric& metric = *measure::metric::find_metric("residual");
     std::size_t measured = 0, wrong = 0;
     auto next = left.begin();
