@@ -38,13 +38,13 @@ private:
 
 }  // namespace
 
-TEST_CASE("log2 is within 1.1 ulp of the truth", "[measure][bits]") {
+TEST_CASE("log2 is within 1.4 ulp of the truth", "[measure][bits]") {
     Reference reference;
     double worst = 0;
     const auto look = [&](double x) {
         const double error = reference.error(x, log2_of(x));
         if (error > worst) worst = error;
-        if (error >= 1.1) FAIL(std::hexfloat << x << ": off by " << std::defaultfloat << error << " ulp");
+        if (error >= 1.4) FAIL(std::hexfloat << x << ": off by " << std::defaultfloat << error << " ulp");
     };
     Random random(20260801);
     for (int i = 0; i < 400'000; ++i) {
