@@ -13,7 +13,6 @@
 #endif
 
 #include "number/concept.hpp"
-#include "number/log2.hpp"
 
 namespace lostbits {
 
@@ -145,26 +144,10 @@ public:
     /// ±2^⌊log2|a|⌋ of normal doubles: the significand's stored bits cleared.
     friend Pack binade(const Pack& a) {
         static_assert(sizeof(F) == 8);
-        return of_words(a.words() & ~bits_of_fraction);
-    }
-    /// As those of log2.hpp, of doubles.
-    friend NearOne<Pack> near_one(const Pack& x) {
-        static_assert(sizeof(F) == 8);
-        const Words moved = x.words() + (bits_of_one - bits_of_root_half);
-        return {of_words((moved >> 52) | bits_of_two_52) - Pack(0x1p52 + 1023),
-                of_words((moved & bits_of_fraction) + bits_of_root_half)};
-    }
-    friend Pack leading_half(const Pack& x) {
-        static_assert(sizeof(F) == 8);
-        return of_words(x.words() & ~((std::uint64_t{1} << 27) - 1));
+        return Pack(__builtin_bit_cast(Simd, __builtin_bit_cast(Bits, a.x_) & (std::int64_t{-1} << 52)));
     }
 
 private:
-    typedef std::uint64_t Words [[gnu::vector_size(Width::bytes)]];
-
-    [[nodiscard]] Words words() const { return __builtin_bit_cast(Words, x_); }
-    static Pack of_words(Words words) { return Pack(__builtin_bit_cast(Simd, words)); }
-
     using Bits = stdx::rebind_simd_t<std::conditional_t<sizeof(F) == 4, std::int32_t, std::int64_t>, Simd>;
     typedef F Register [[gnu::vector_size(Width::bytes)]];
 

@@ -4,11 +4,27 @@
 
 #include <limits>
 
+#include "measure/bits/log2.hpp"
 #include "measure/columns/raw_columns.hpp"
-#include "number/log2.hpp"
 #include "number/pack.hpp"
 
 namespace lostbits::measure::columns {
+
+/// `bits::ScalarBits` for the lanes of a pack.
+template <class Width>
+struct LaneBits {
+    using P = Pack<double, Width>;
+    typedef std::uint64_t Words [[gnu::vector_size(Width::bytes)]];
+
+    static Words words(const P& x) { return __builtin_bit_cast(Words, x.simd()); }
+    static P of_words(Words words) { return P(__builtin_bit_cast(typename P::Simd, words)); }
+    static bits::NearOne<P> near_one(const P& x) {
+        const Words moved = words(x) + (bits::bits_of_one - bits::bits_of_root_half);
+        return {of_words((moved >> 52) | bits::bits_of_two_52) - P(0x1p52 + 1023),
+                of_words((moved & bits::bits_of_fraction) + bits::bits_of_root_half)};
+    }
+    static P leading_half(const P& x) { return of_words(words(x) & ~((std::uint64_t{1} << 27) - 1)); }
+};
 
 /// A pack's error-free sums and products; those of error_free.hpp, which are functions under ordinary names.
 template <class P>
@@ -106,8 +122,8 @@ template <class Width>
         pass.store(select(ordinary, ulps, none), ulp_out);
         largest = max(select(ordinary, many, P(0)), largest);
         if (lost_out || correct_out) {
-            const P bits = min(log2_near_one(near_one(many)) + P(1), precision);
-            const P lost = select(many > P(0.5), bits, P(0));
+            const P count = min(bits::log2_by<LaneBits<Width>>(many) + P(1), precision);
+            const P lost = select(many > P(0.5), count, P(0));
             if (lost_out) pass.store(select(ordinary, lost, none), lost_out);
             if (correct_out) pass.store(select(ordinary, precision - lost, none), correct_out);
         }

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <map>
 
-#include "measure/columns/columns.hpp"
+#include "measure/map/measure_row.hpp"
 
 namespace lostbits::measure::map {
 

@@ -17,10 +17,6 @@
 #include "measure/truth/missing.hpp"
 #include "scene/rays/family.hpp"
 
-namespace lostbits::measure::columns {
-class BandColumns;
-}
-
 namespace lostbits::measure::map {
 
 /// One row of the work: a form in a format.
@@ -119,16 +115,8 @@ struct RowRequest {
     int group = 0;  ///< of a sweep or case, for the rays that the summary names
 };
 
-/// A band as rows are measured on it.
-struct RowBand {
-    const truth::Band& band;
-    const truth::FormatInputs& inputs;    ///< of the row's format
-    const columns::BandColumns& columns;  ///< found for the row's convention and unit
-};
-
-/// Evaluates a row on a band and adds what it finds to `summary`, which is made for these metrics.
-void measure_row(const RowRequest& request, const RowBand& on, MapSummary& summary);
-/// The same for one row alone.
+/// Evaluates a row on a band, of which `inputs` are those of its format, and adds what it finds to `summary`, which is
+/// made for these metrics.
 void measure_row(const RowRequest& request, const truth::Band& band, const truth::FormatInputs& inputs,
                  MapSummary& summary);
 

@@ -1,11 +1,11 @@
 // One row on one band: outcomes first, then errors over columns, then what has to be measured ray by ray.
+#include "measure/map/measure_row.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <set>
 
 #include "measure/answer/self.hpp"
-#include "measure/columns/columns.hpp"
-#include "measure/map/map.hpp"
 #include "measure/truth/lost_bits.hpp"
 #include "measure/truth/missing.hpp"
 

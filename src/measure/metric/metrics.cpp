@@ -4,9 +4,9 @@
 #include <cmath>
 #include <iterator>
 
+#include "measure/bits/log2.hpp"
 #include "measure/truth/conditioning.hpp"
 #include "measure/truth/lost_bits.hpp"
-#include "number/log2.hpp"
 #include "number/rounded.hpp"
 
 namespace lostbits::measure::metric {
@@ -27,7 +27,7 @@ double correct(const Sample& s) { return s.format->shape.precision - lost(s); }
 double herbie(const Sample& s) {
     const FloatFormat& f = s.format->shape;
     const auto apart = static_cast<double>(std::abs(truth::ordinal(s.t, f) - truth::ordinal(s.truth_rounded, f)));
-    return log2_of(1 + apart);
+    return bits::log2_of(1 + apart);
 }
 
 double absolute(const Sample& s) {

@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "measure/bits/log2.hpp"
 #include "measure/truth/certified.hpp"
-#include "number/log2.hpp"
 
 namespace lostbits::measure::truth {
 
@@ -20,7 +20,7 @@ inline double lost_bits(double ulps, int precision) {
     const double size = std::fabs(ulps);
     if (!(size > 0.5)) return 0;
     if (std::isinf(size)) return precision;
-    return std::min(log2_of(size) + 1, static_cast<double>(precision));
+    return std::min(bits::log2_of(size) + 1, static_cast<double>(precision));
 }
 
 }  // namespace lostbits::measure::truth

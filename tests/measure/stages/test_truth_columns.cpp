@@ -3,6 +3,7 @@
 #include <numeric>
 
 #include "catch.hpp"
+#include "intersect/simd/packed.hpp"
 #include "measure/truth/box_families.hpp"
 #include "measure/truth/ray_families.hpp"
 #include "measure/truth/truth_columns.hpp"
