@@ -1,13 +1,21 @@
-// `lostbits sweep` over every float of an axis.
+// `lostbits sweep` over every float of an axis; a part of sweep.cpp.
 #pragma once
 
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
 #include <filesystem>
 #include <string>
 #include <vector>
 
 #include "commands.hpp"
 #include "measure/sweep/exhaustive.hpp"
+#include "output/sweep/exhaustive_files.hpp"
 #include "output/sweep/exhaustive_state_file.hpp"
+#include "output/sweep/exhaustive_text.hpp"
+#include "results.hpp"
+#include "select.hpp"
 
 namespace lostbits::analysis {
 
@@ -37,9 +45,94 @@ private:
     bool resumed_;
 };
 
+inline constexpr auto keep_every = std::chrono::seconds(5);
+
+/// Rounded down: a run that is stopped is never 100 % done.
+inline std::uint64_t percent(std::uint64_t part, std::uint64_t whole) {
+    return static_cast<std::uint64_t>(static_cast<double>(part) / static_cast<double>(whole) * 100);
+}
+
+inline void print_stages(const measure::truth::StageCounts& stages) {
+    fmt::print(
+        "  {} truths: {} settled in packs of doubles, {} in packs of double-doubles, {} by themselves in "
+        "double-double, {} in wider intervals\n",
+        stages.rays(), stages.binary64, stages.double_double, stages.ball, stages.interval);
+}
+
+inline ExhaustiveRun::ExhaustiveRun(const std::filesystem::path& path, const std::vector<measure::map::MapRow>& rows,
+                                    const std::filesystem::path& out, bool resume)
+    : sweep_(path), folder_(out / sweep_.id), state_file_(folder_ / output::sweep::state_file_name), resumed_(resume) {
+    request_.sweep = &sweep_;
+    for (measure::map::MapRow row : fitting(rows, [&](Shape shape) { return sweep_.meets(shape); })) {
+        if (row.format.engine != Format::Engine::native32) continue;
+        row.judged = sweep_.convention;
+        request_.rows.push_back(row);
+    }
+    identity_ = output::sweep::identity_of(request_, LOSTBITS_VERSION);
+    if (resume) state_ = output::sweep::read_state(state_file_, identity_, request_);
+}
+
+/// Someone may have forgotten --resume; the state is there until this run keeps its own.
+inline void ExhaustiveRun::note_older_state(const Common& common) const {
+    if (resumed_ || common.quiet || !std::filesystem::exists(state_file_)) return;
+    fmt::print(stderr, "lostbits: {} is there from a run that was stopped; this one begins anew (--resume goes on)\n",
+               state_file_.string());
+}
+
+inline void ExhaustiveRun::try_all(const Common& common) {
+    const std::uint64_t each = sweep_.rays.size() * request_.rows.size();
+    output::file::Progress progress(sweep_.floats() * each, sweep_.id, common.progress, common.quiet);
+    progress.advance(state_.tried * each);
+    request_.progress = advancing(progress);
+    auto kept = std::chrono::steady_clock::now();
+    request_.keep = [&](const measure::sweep::ExhaustiveState& state) {
+        if (std::chrono::steady_clock::now() - kept < keep_every) return;
+        output::sweep::write_state(state_file_, identity_, state);
+        kept = std::chrono::steady_clock::now();
+    };
+    try {
+        measure::sweep::run_exhaustive(request_, state_);
+    } catch (const Interrupted&) {
+        progress.finish();
+        output::sweep::write_state(state_file_, identity_, state_);
+        if (!common.quiet)
+            fmt::print(stderr, "lostbits: {} was stopped at {} %; the same command with --resume goes on from there\n",
+                       sweep_.id, percent(state_.tried, sweep_.floats()));
+        throw;
+    }
+    progress.finish();
+}
+
+inline std::uint64_t ExhaustiveRun::run(const Common& common) {
+    note_older_state(common);
+    output::sweep::ExhaustiveFiles files(request_, folder_);
+    probe(state_file_);
+    try_all(common);
+    const auto findings = measure::sweep::findings_of(request_, state_);
+    files.finish(state_, findings);
+    std::filesystem::remove(state_file_);
+    std::uint64_t unresolved = 0;
+    for (const auto& finding : findings) unresolved += finding.tally.count(measure::answer::Outcome::unresolved);
+    if (common.quiet) return unresolved;
+    fmt::print("{}\n", (folder_ / "binades.csv").string());
+    for (const auto& finding : findings) fmt::print("{}\n", output::sweep::statement(request_, finding));
+    if (common.verbose) print_stages(state_.stages);
+    return unresolved;
+}
+
 /// InputError where the options of `lostbits sweep` ask of such a sweep what it does not do: formats beside f32,
 /// metrics. `formats` is empty where none was given.
-void check_exhaustive_options(const std::string& sweep, const std::vector<std::string>& formats,
-                              const std::vector<std::string>& metrics);
+inline void check_exhaustive_options(const std::string& sweep, const std::vector<std::string>& formats,
+                                     const std::vector<std::string>& metrics) {
+    const auto other = std::ranges::find_if(formats, [](const std::string& name) { return name != "f32"; });
+    if (other != formats.end())
+        throw InputError(
+            fmt::format("-f {}: {} tries every number of one format, and that is f32; leave out -f", *other, sweep));
+    if (!metrics.empty())
+        throw InputError(
+            fmt::format("--metric {}: {} tries every float and measures outcomes and ulp errors alone; "
+                        "leave out --metric, and ask `lostbits explain` about single floats",
+                        metrics.front(), sweep));
+}
 
 }  // namespace lostbits::analysis
