@@ -2,10 +2,14 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <cstdint>
+#include <filesystem>
+#include <vector>
 
 #include <functional>
 #include <string>
 
+#include "measure/truth/truth_columns.hpp"
 #include "number/error.hpp"
 #include "output/file/progress.hpp"
 
@@ -33,5 +37,26 @@ void add_render(CLI::App& program, const Common& common, Command& chosen);
 void add_report(CLI::App& program, const Common& common, Command& chosen);
 void add_sweep(CLI::App& program, const Common& common, Command& chosen);
 void add_trade(CLI::App& program, const Common& common, Command& chosen);
+
+// What the commands that write a folder of results have in common (results.cpp).
+
+/// InputError where -o names no folder.
+void require_folder(const std::string& out);
+
+/// EnvironmentError where this file could not be written. A folder that cannot be written ends the run before the first
+/// ray, not after the tenth scene.
+void probe(const std::filesystem::path& file);
+
+/// Moves a bar on, and ends the run where someone interrupted it.
+[[nodiscard]] std::function<void(std::uint64_t)> advancing(output::file::Progress& progress);
+
+/// `before` and `after` around each of the values: ` -f f32 -f f64`.
+[[nodiscard]] std::string each(const char* before, const std::vector<std::string>& values, const char* after = "");
+
+/// The end of a run in which the truth of so many rays was not proved: says so on stderr.
+[[nodiscard]] Exit end_with_unproved(std::uint64_t rays);
+
+/// A line on stdout: how many truths each stage settled.
+void print_stages(const measure::truth::StageCounts& stages);
 
 }  // namespace lostbits::analysis

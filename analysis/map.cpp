@@ -14,7 +14,6 @@
 #include "output/map/map_exr.hpp"
 #include "output/map/map_files.hpp"
 #include "output/map/needed_files.hpp"
-#include "results.hpp"
 #include "scene/file/scene.hpp"
 #include "select.hpp"
 

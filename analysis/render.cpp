@@ -9,7 +9,6 @@
 #include "commands.hpp"
 #include "lost_numbers.hpp"
 #include "output/picture/render_files.hpp"
-#include "results.hpp"
 #include "scene/file/scene.hpp"
 #include "select.hpp"
 

@@ -12,7 +12,6 @@
 #include "number/error.hpp"
 #include "output/file/atomic_file.hpp"
 #include "report_parts.hpp"
-#include "results.hpp"
 #include "scene/claim/claims_file.hpp"
 #include "scene/claim/report_file.hpp"
 #include "scene/sweep/case_file.hpp"

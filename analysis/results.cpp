@@ -1,4 +1,4 @@
-#include "results.hpp"
+#include "commands.hpp"
 
 #include <fmt/format.h>
 

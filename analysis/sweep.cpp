@@ -11,7 +11,6 @@
 #include "output/sweep/sweep_files.hpp"
 #include "output/sweep/sweep_plots.hpp"
 #include "output/sweep/worst_files.hpp"
-#include "results.hpp"
 #include "select.hpp"
 #include "sweep_exhaustive.hpp"
 

@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <chrono>
 
+#include "commands.hpp"
 #include "output/sweep/exhaustive_files.hpp"
 #include "output/sweep/exhaustive_text.hpp"
-#include "results.hpp"
 #include "select.hpp"
 
 namespace lostbits::analysis {

@@ -7,7 +7,6 @@
 #include "commands.hpp"
 #include "measure/speed/trade.hpp"
 #include "output/speed/trade_files.hpp"
-#include "results.hpp"
 #include "select.hpp"
 
 namespace lostbits::analysis {

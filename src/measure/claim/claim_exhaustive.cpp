@@ -14,8 +14,8 @@ using scene::claim::Claim;
 using scene::sweep::ExhaustiveFile;
 using scene::sweep::float_at;
 using sweep::ExhaustiveRequest;
+using sweep::FloatTally;
 using sweep::RangeFinding;
-using sweep::Tally;
 
 namespace {
 
@@ -48,7 +48,7 @@ struct Number {
     std::string name;
     double value;
 };
-std::vector<Number> numbers_of(const Tally& tally) {
+std::vector<Number> numbers_of(const FloatTally& tally) {
     const double worst = tally.worst ? std::fabs(tally.worst->ulps) : truth::missing;
     std::vector<Number> all{
         {"wrong", static_cast<double>(tally.wrong())},
@@ -62,7 +62,7 @@ std::vector<Number> numbers_of(const Tally& tally) {
     return all;
 }
 
-double metric_of(const Claim& claim, const Tally& tally) {
+double metric_of(const Claim& claim, const FloatTally& tally) {
     const auto all = numbers_of(tally);
     const auto found = std::ranges::find(all, claim.metric, &Number::name);
     if (found != all.end()) return found->value;
@@ -86,7 +86,7 @@ std::size_t event_of(const Claim& claim) {
 }
 
 /// The float that the number was taken from: an onset, the first wrong decision, or the worst error.
-std::optional<std::uint32_t> witness_place(const Claim& claim, const Tally& tally) {
+std::optional<std::uint32_t> witness_place(const Claim& claim, const FloatTally& tally) {
     if (!claim.onset.empty()) return tally.first[event_of(claim)];
     for (std::size_t e = 0; e < sweep::first_events.size(); ++e) {
         const auto& event = sweep::first_events[e];
@@ -122,7 +122,7 @@ ClaimResult measure_one(const Claim& claim, const ExhaustiveFile& file) {
     if (!claim.convention) request.rows.front().judged = file.convention;
     sweep::ExhaustiveState state;
     sweep::run_exhaustive(request, state);
-    Tally all;
+    FloatTally all;
     std::optional<float> onset;
     // Where there are two ranges, all floats from each zero outwards, an onset is that of the first that has one.
     for (const RangeFinding& finding : sweep::findings_of(request, state)) {

@@ -63,7 +63,7 @@ void run_exhaustive(const ExhaustiveRequest& request, ExhaustiveState& state) {
     for (;;) {
         const auto blocks = next_blocks(binades, state.tried);
         if (blocks.empty()) return;
-        std::vector<std::vector<Tally>> found(blocks.size() * rays);
+        std::vector<std::vector<FloatTally>> found(blocks.size() * rays);
         std::vector<truth::StageCounts> stages(found.size());
         tbb::parallel_for(std::size_t{0}, found.size(), [&](std::size_t k) {
             const Block& block = blocks[k / rays];

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "measure/map/map.hpp"
-#include "measure/sweep/tally.hpp"
+#include "measure/sweep/float_tally.hpp"
 #include "measure/truth/truth_columns.hpp"
 #include "scene/sweep/exhaustive_file.hpp"
 
@@ -23,9 +23,9 @@ std::vector<BinadePart> binades_of(const scene::sweep::ExhaustiveFile& sweep);
 
 /// How far a run has come: all that is needed to go on.
 struct ExhaustiveState {
-    std::uint64_t tried = 0;      ///< of the axis's floats, in their order; each by every form on every ray
-    std::vector<Tally> tallies;   ///< see `ExhaustiveRequest::place`
-    truth::StageCounts stages{};  ///< of truths; how many it were depends on how often forms shared them
+    std::uint64_t tried = 0;          ///< of the axis's floats, in their order; each by every form on every ray
+    std::vector<FloatTally> tallies;  ///< see `ExhaustiveRequest::place`
+    truth::StageCounts stages{};      ///< of truths; how many it were depends on how often forms shared them
 };
 
 struct ExhaustiveRequest {

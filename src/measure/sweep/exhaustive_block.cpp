@@ -22,7 +22,7 @@ constexpr std::size_t few = 8;
 /// A form at the floats of a chunk, onto what is known of the floats before them.
 class ChunkTally {
 public:
-    ChunkTally(UlpColumns& ulps, const scene::sweep::FloatRange& floats, Tally& onto, std::size_t& left)
+    ChunkTally(UlpColumns& ulps, const scene::sweep::FloatRange& floats, FloatTally& onto, std::size_t& left)
         : ulps_(ulps), floats_(floats), onto_(onto), left_(left) {}
 
     void add() {
@@ -121,7 +121,7 @@ private:
 
     UlpColumns& ulps_;
     const scene::sweep::FloatRange& floats_;
-    Tally& onto_;
+    FloatTally& onto_;
     std::size_t& left_;  ///< so many floats may still be refined in search of the worst
 };
 
@@ -142,14 +142,14 @@ std::vector<RowsOfTruth> rows_by_truth(const std::vector<map::MapRow>& rows, tru
     return groups;
 }
 
-std::vector<Tally> try_floats(const BlockRequest& request, truth::StageCounts& stages) {
+std::vector<FloatTally> try_floats(const BlockRequest& request, truth::StageCounts& stages) {
     AxisColumns columns(request.sweep, request.ray, chunk_size);
     std::vector<float> values(chunk_size), t(chunk_size);
     std::vector<std::uint8_t> hit(chunk_size);
     truth::TruthColumns truths;
     std::vector<UlpColumns> ulps;
     for (const RowsOfTruth& group : request.truths) ulps.emplace_back(columns, group.terms);
-    std::vector<Tally> tallies(request.rows.size());
+    std::vector<FloatTally> tallies(request.rows.size());
     std::vector<std::size_t> left(request.rows.size(), most_refined);
     for (std::uint64_t begin = 0; begin < request.floats.size(); begin += chunk_size) {
         stop_if_interrupted();

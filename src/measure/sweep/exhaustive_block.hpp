@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "measure/map/map.hpp"
-#include "measure/sweep/tally.hpp"
+#include "measure/sweep/float_tally.hpp"
 #include "measure/truth/truth_columns.hpp"
 #include "scene/sweep/exhaustive_file.hpp"
 
@@ -37,6 +37,6 @@ inline constexpr std::size_t most_refined = 4096;
 /// within 2^-8 ulp, as where t* hardly depends on the axis, no more than `most_refined`. What the others' errors are at
 /// most is in `at_most`. Crossings of a number of lost bits are decided by the whole truth wherever the columns leave
 /// them open.
-std::vector<Tally> try_floats(const BlockRequest& request, truth::StageCounts& stages);
+std::vector<FloatTally> try_floats(const BlockRequest& request, truth::StageCounts& stages);
 
 }  // namespace lostbits::measure::sweep

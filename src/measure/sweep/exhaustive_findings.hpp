@@ -21,7 +21,7 @@ FloatAnswer answer_at(const ExhaustiveRequest& request, std::size_t ray, std::si
 struct RangeFinding {
     std::size_t range, ray, row;
     scene::sweep::FloatRange floats;
-    Tally tally;  ///< of all of them: as many as were tried, not as many as the ends allow
+    FloatTally tally;  ///< of all of them: as many as were tried, not as many as the ends allow
 
     /// The float before another in the order of the range; nothing before its first.
     [[nodiscard]] std::optional<std::uint32_t> before(std::uint32_t place) const;

@@ -19,8 +19,8 @@ using measure::sweep::ExhaustiveRequest;
 using measure::sweep::ExhaustiveState;
 using measure::sweep::first_events;
 using measure::sweep::FloatAnswer;
+using measure::sweep::FloatTally;
 using measure::sweep::RangeFinding;
-using measure::sweep::Tally;
 using scene::sweep::float_at;
 
 namespace {
@@ -126,7 +126,7 @@ void add_ends(CsvWriter& csv, const scene::sweep::FloatRange& floats) {
     csv.add(hex_cell(floats.first)).add(hex_cell(floats.last));
 }
 
-void add_outcomes(CsvWriter& csv, const Tally& tally) {
+void add_outcomes(CsvWriter& csv, const FloatTally& tally) {
     csv.add(tally.floats());
     for (const std::uint64_t n : tally.outcomes) csv.add(n);
 }
@@ -136,7 +136,7 @@ struct Subject {
     std::size_t ray, row;
 };
 
-void add_worst(CsvWriter& csv, const ExhaustiveRequest& request, Subject of, const Tally& tally) {
+void add_worst(CsvWriter& csv, const ExhaustiveRequest& request, Subject of, const FloatTally& tally) {
     if (!tally.worst) {
         for (int k = 0; k < 9; ++k) csv.add(Cell());
         return;
@@ -154,7 +154,7 @@ void add_worst(CsvWriter& csv, const ExhaustiveRequest& request, Subject of, con
         .add(explain_float(request, of.ray, of.row, place));
 }
 
-void add_wrong(CsvWriter& csv, const ExhaustiveRequest& request, Subject of, const Tally& tally) {
+void add_wrong(CsvWriter& csv, const ExhaustiveRequest& request, Subject of, const FloatTally& tally) {
     for (const auto& wrong : {tally.first_wrong, tally.last_wrong}) {
         if (!wrong) {
             csv.add(Cell()).add(Cell()).add(Cell());
@@ -181,7 +181,7 @@ void ExhaustiveFiles::write_binades(const ExhaustiveState& state) {
     for (std::size_t row = 0; row < request_.rows.size(); ++row) {
         for (std::size_t ray = 0; ray < request_.sweep->rays.size(); ++ray) {
             for (std::size_t b = 0; b < binades.size(); ++b) {
-                const Tally& tally = state.tallies[request_.place(b, ray, row)];
+                const FloatTally& tally = state.tallies[request_.place(b, ray, row)];
                 add_subject(binades_, request_, ray, row);
                 binades_.add(binades[b].binade.name());
                 add_ends(binades_, binades[b].floats);

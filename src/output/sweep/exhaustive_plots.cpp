@@ -16,12 +16,12 @@ namespace lostbits::output::sweep {
 using measure::sweep::BinadePart;
 using measure::sweep::ExhaustiveRequest;
 using measure::sweep::ExhaustiveState;
-using measure::sweep::Tally;
+using measure::sweep::FloatTally;
 
 namespace {
 
 /// A value of each binade.
-using OfTally = std::function<double(const Tally&)>;
+using OfTally = std::function<double(const FloatTally&)>;
 
 bool has_place(const BinadePart& part, bool negative) {
     return part.binade.kind == scene::sweep::Binade::Kind::normal && part.binade.negative == negative;
@@ -74,7 +74,7 @@ void write_exhaustive_plots(const std::filesystem::path& folder, const Exhaustiv
     };
     if (std::max(most(false), most(true)) < 2) return;
     using S = plot::AxisSpec::Scale;
-    const auto lost = [](const Tally& t) {
+    const auto lost = [](const FloatTally& t) {
         return t.worst ? measure::truth::lost_bits(t.worst->ulps, binary32.precision) : measure::truth::missing;
     };
     write_lines(folder / "lost_bits_max.png", request, state,
@@ -84,7 +84,7 @@ void write_exhaustive_plots(const std::filesystem::path& folder, const Exhaustiv
                  .y = {"lost bits", S::linear, 0.0, static_cast<double>(binary32.precision)},
                  .series = {}},
                 lost);
-    const auto wrong = [](const Tally& t) { return measure::truth::fraction(t.wrong(), t.floats()); };
+    const auto wrong = [](const FloatTally& t) { return measure::truth::fraction(t.wrong(), t.floats()); };
     write_lines(folder / "wrong.png", request, state,
                 {.title = "Floats with the wrong answer in f32",
                  .subtitle = {},

@@ -16,15 +16,15 @@ namespace lostbits::output::sweep {
 using measure::answer::Outcome;
 using measure::sweep::ExhaustiveRequest;
 using measure::sweep::ExhaustiveState;
-using measure::sweep::Tally;
+using measure::sweep::FloatTally;
 
 namespace {
 
 constexpr std::string_view heading = "lostbits-unfinished/1";
 
 /// Whole numbers with spaces between them; what there is not is `-`.
-std::string tally_text(std::size_t place, const Tally& t) {
-    const auto wrong = [](const std::optional<Tally::Wrong>& w) {
+std::string tally_text(std::size_t place, const FloatTally& t) {
+    const auto wrong = [](const std::optional<FloatTally::Wrong>& w) {
         return w ? fmt::format("{} {}", w->place, static_cast<int>(w->outcome)) : std::string("- -");
     };
     std::string text = fmt::format("{} {}", place, fmt::join(t.outcomes, " "));
@@ -82,17 +82,17 @@ private:
     std::istringstream words_;
 };
 
-std::optional<Tally::Wrong> read_wrong(StateReader& in) {
+std::optional<FloatTally::Wrong> read_wrong(StateReader& in) {
     const auto place = in.optional<std::uint32_t>();
     const auto outcome = in.optional<int>();
     if (place.has_value() != outcome.has_value()) in.damaged();
     if (!place) return std::nullopt;
     if (*outcome < 0 || *outcome >= static_cast<int>(measure::answer::outcome_names.size())) in.damaged();
-    return Tally::Wrong{*place, static_cast<Outcome>(*outcome)};
+    return FloatTally::Wrong{*place, static_cast<Outcome>(*outcome)};
 }
 
-Tally read_tally(StateReader& in) {
-    Tally t;
+FloatTally read_tally(StateReader& in) {
+    FloatTally t;
     for (auto& n : t.outcomes) n = in.whole<std::uint64_t>();
     const auto place = in.optional<std::uint32_t>();
     const auto ulps = in.optional<std::uint64_t>();

@@ -12,8 +12,8 @@ namespace lostbits::output::sweep {
 
 using measure::answer::Outcome;
 using measure::sweep::ExhaustiveRequest;
+using measure::sweep::FloatTally;
 using measure::sweep::RangeFinding;
-using measure::sweep::Tally;
 using scene::sweep::float_at;
 
 namespace {
@@ -42,7 +42,7 @@ std::string float_text(std::uint32_t place) {
 
 std::string statement(const ExhaustiveRequest& request, const RangeFinding& f) {
     const auto& sweep = *request.sweep;
-    const Tally& tally = f.tally;
+    const FloatTally& tally = f.tally;
     std::string text =
         fmt::format("all {} between {} and {} were tried: {}", count_text(tally.floats()), float_text(f.floats.first),
                     float_text(f.floats.last), request.rows[f.row].form->info->name);

@@ -80,7 +80,7 @@ Alone try_alone(const ExhaustiveFile& file, std::size_t ray, const MapRow& row, 
 
 bool is_wrong(Outcome o) { return o == Outcome::false_hit || o == Outcome::false_miss || o == Outcome::not_a_number; }
 
-void add(sweep::Tally& tally, std::uint32_t place, const Alone& at) {
+void add(sweep::FloatTally& tally, std::uint32_t place, const Alone& at) {
     ++tally.outcomes[static_cast<std::size_t>(at.outcome)];
     const bool hits = at.outcome == Outcome::agree_hit;
     if (hits && (!tally.worst || std::fabs(at.ulps) > std::fabs(tally.worst->ulps))) tally.worst = {place, at.ulps};
@@ -95,7 +95,7 @@ void add(sweep::Tally& tally, std::uint32_t place, const Alone& at) {
 }
 
 /// Everything but the worst, of which another may be next to it, and the errors between.
-void check_same(const sweep::Tally& packs, const sweep::Tally& alone) {
+void check_same(const sweep::FloatTally& packs, const sweep::FloatTally& alone) {
     CHECK(packs.outcomes == alone.outcomes);
     CHECK(packs.first_wrong == alone.first_wrong);
     CHECK(packs.last_wrong == alone.last_wrong);
@@ -137,12 +137,12 @@ Compared compare(const std::string& text, const std::vector<MapRow>& rows) {
     for (std::size_t b = 0; b < binades.size(); ++b) {
         for (std::size_t r = 0; r < file.rays.size(); ++r) {
             for (std::size_t k = 0; k < rows.size(); ++k) {
-                sweep::Tally alone;
+                sweep::FloatTally alone;
                 for (std::uint64_t i = 0; i < binades[b].floats.size(); ++i) {
                     const std::uint32_t place = binades[b].floats.at(i);
                     add(alone, place, try_alone(file, r, rows[k], float_at(place)));
                 }
-                const sweep::Tally& packs = state.tallies[request.place(b, r, k)];
+                const sweep::FloatTally& packs = state.tallies[request.place(b, r, k)];
                 CAPTURE(rows[k].form->info->name, file.rays[r].name, binades[b].binade.name());
                 check_same(packs, alone);
                 compared.floats += alone.floats();

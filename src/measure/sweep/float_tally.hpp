@@ -23,7 +23,7 @@ inline constexpr std::array<FirstEvent, 7> first_events{{{answer::Outcome::false
                                                          {answer::Outcome::agree_hit, 12}}};
 
 /// A form on one ray over floats in their order. Floats are named by their place among all (scene/sweep/float_order).
-struct Tally {
+struct FloatTally {
     struct Worst {
         std::uint32_t place;
         double ulps;  ///< (t − t*)/ulp(t*), signed
@@ -51,8 +51,8 @@ struct Tally {
                count(answer::Outcome::not_a_number);
     }
     /// What is known of these floats and of those that come after them.
-    void append(const Tally& after);
-    friend bool operator==(const Tally&, const Tally&) = default;
+    void append(const FloatTally& after);
+    friend bool operator==(const FloatTally&, const FloatTally&) = default;
 };
 
 }  // namespace lostbits::measure::sweep

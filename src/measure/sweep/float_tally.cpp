@@ -1,4 +1,4 @@
-#include "measure/sweep/tally.hpp"
+#include "measure/sweep/float_tally.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -6,9 +6,9 @@
 
 namespace lostbits::measure::sweep {
 
-std::uint64_t Tally::floats() const { return std::accumulate(outcomes.begin(), outcomes.end(), std::uint64_t{0}); }
+std::uint64_t FloatTally::floats() const { return std::accumulate(outcomes.begin(), outcomes.end(), std::uint64_t{0}); }
 
-void Tally::append(const Tally& after) {
+void FloatTally::append(const FloatTally& after) {
     for (std::size_t o = 0; o < outcomes.size(); ++o) outcomes[o] += after.outcomes[o];
     if (after.worst && (!worst || std::fabs(after.worst->ulps) > std::fabs(worst->ulps))) worst = after.worst;
     at_most = std::max(at_most, after.at_most);
