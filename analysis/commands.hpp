@@ -2,12 +2,12 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+
 #include <cstdint>
 #include <filesystem>
-#include <vector>
-
 #include <functional>
 #include <string>
+#include <vector>
 
 #include "measure/truth/truth_columns.hpp"
 #include "number/error.hpp"
