@@ -104,7 +104,8 @@ std::size_t count_different(std::span<const Problem> problems, const TruthColumn
         const auto& t = length_of(alone, length);
         const double hi = std::ldexp(t.hi, static_cast<int>(t.exponent)),
                      lo = std::ldexp(t.lo, static_cast<int>(t.exponent));
-        if (tight) different += found.hi[i] != hi || found.lo[i] != lo;
+        // Where one ray alone needed wider intervals its words are theirs.
+        if (tight && alone.bits == 106) different += found.hi[i] != hi || found.lo[i] != lo;
         else
             different +=
                 !(std::fabs((found.hi[i] - hi) + (found.lo[i] - lo)) <= found.bound[i] + std::fabs(hi) * 0x1p-70);
@@ -205,7 +206,9 @@ TEST_CASE("truths of rays among spheres and boxes are those of each ray alone") 
         hits += alone.is_hit();
         different += found[i].decision != alone.decision || found[i].object != alone.object ||
                      found[i].touches != alone.touches || found[i].on_surface != alone.on_surface ||
-                     found[i].t.hi != alone.t.hi || found[i].t.lo != alone.t.lo ||
+                     compare(found[i].t, alone.t) != 0 || compare(found[i].distance, alone.distance) != 0;
+        if (alone.bits > 106) continue;
+        different += found[i].t.hi != alone.t.hi || found[i].t.lo != alone.t.lo ||
                      found[i].t.exponent != alone.t.exponent || found[i].distance.hi != alone.distance.hi ||
                      found[i].distance.lo != alone.distance.lo;
     }
