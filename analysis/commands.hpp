@@ -56,7 +56,7 @@ void probe(const std::filesystem::path& file);
 /// The end of a run in which the truth of so many rays was not proved: says so on stderr.
 [[nodiscard]] Exit end_with_unproved(std::uint64_t rays);
 
-/// A line on stdout: how many truths each stage settled.
+/// A line on stdout: how many truths, each of a ray and a solid, each stage settled.
 void print_stages(const measure::truth::StageCounts& stages);
 
 }  // namespace lostbits::analysis

@@ -37,8 +37,9 @@ Exit end_with_unproved(std::uint64_t rays) {
 
 void print_stages(const measure::truth::StageCounts& stages) {
     fmt::print(
-        "  {} truths of a ray and a solid: {} settled in packs of doubles, {} in packs of double-doubles, {} by "
-        "themselves in double-double, {} in wider intervals\n",
+        "  {} truths: {} settled in packs of doubles, {} in packs of double-doubles, {} by themselves in "
+        "double-double, "
+        "{} in wider intervals\n",
         stages.rays(), stages.binary64, stages.double_double, stages.ball, stages.interval);
 }
 
