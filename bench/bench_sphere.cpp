@@ -191,6 +191,7 @@ void add_by_hand(std::vector<bench::Contestant>&, measure::speed::RayWork&, inte
 /// Many rays against one sphere; six numbers are read for a ray, three and a byte written.
 void print_all() {
     bench::print_truth();
+    bench::print_chains();
     constexpr std::string_view sizes[] = {"l1", "l2", "memory"};
     const auto bytes_of = [](std::string_view size) {
         return measure::speed::working_set_bytes(size, measure::speed::cache_sizes());

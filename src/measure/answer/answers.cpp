@@ -184,6 +184,7 @@ public:
             const Ray<double> ray = rays_[p];
             in_.index->find_runs(SphereIndex::UnitRay(ray), page, grain_, runs_);
             if (runs_.empty()) continue;
+            stop_if_interrupted();  // a ray may ask all of the page, in software
             if (!columns)
                 columns = in_.solids.columns<S>(begin, std::min(SphereIndex::page, in_.solids.size() - begin), room_);
             for (const auto& [from, to] : runs_) {
@@ -227,10 +228,8 @@ void nearest_among(const OneToMany<S>& kernel, const RayBlock& rays, const Forma
     const std::size_t parts = (rays.size() + together - 1) / together;
     tbb::parallel_for(std::size_t{0}, parts, [&](std::size_t part) {
         PageOfSpheres<S> spheres(kernel, rays, in, answers);
-        for (std::size_t page = 0; page < in.index->pages(); ++page) {
-            stop_if_interrupted();
+        for (std::size_t page = 0; page < in.index->pages(); ++page)
             spheres.meet(page, part * together, std::min((part + 1) * together, rays.size()));
-        }
     });
 }
 
