@@ -124,13 +124,12 @@ Truth escalate(const Ray<S>& ray, const Solid<S>& solid, const Terms& terms) {
     return truth;
 }
 
-/// About the solids at the places `among`.
-template <class S, class Places>
-Truth find(const Ray<S>& ray, std::span<const Solid<S>> solids, const Places& among, const Terms& terms) {
+template <class S>
+Truth find_all(const Ray<S>& ray, std::span<const Solid<S>> solids, const Terms& terms) {
     Truth best;
     if (!is_ray(ray) || !(terms.tmax >= 0)) return best;
     const Ray<Ball> quick = lift_ray<Ball>(ray);
-    for (const std::size_t at : among) {
+    for (std::size_t at = 0; at < solids.size(); ++at) {
         const Solid<S>& solid = solids[at];
         if (!is_solid(solid)) continue;
         Truth one;
@@ -141,11 +140,6 @@ Truth find(const Ray<S>& ray, std::span<const Solid<S>> solids, const Places& am
         join(one, static_cast<int>(at), best);
     }
     return best;
-}
-
-template <class S>
-Truth find_all(const Ray<S>& ray, std::span<const Solid<S>> solids, const Terms& terms) {
-    return find(ray, solids, std::views::iota(std::size_t{0}, solids.size()), terms);
 }
 
 template <class S>
@@ -193,15 +187,6 @@ Truth find_truth(const Ray<double>& ray, std::span<const Solid<double>> solids, 
 Truth find_truth(const Ray<Real>& ray, std::span<const Solid<Real>> solids, TruthLimit limit, Convention convention,
                  double tmax) {
     return find_all(ray, solids, {limit, convention, tmax});
-}
-
-Truth find_truth_among(const Ray<double>& ray, std::span<const Solid<double>> solids,
-                       std::span<const std::uint32_t> among, TruthLimit limit, Convention convention) {
-    return find(ray, solids, among, {limit, convention, HUGE_VAL});
-}
-Truth find_truth_among(const Ray<Real>& ray, std::span<const Solid<Real>> solids, std::span<const std::uint32_t> among,
-                       TruthLimit limit, Convention convention) {
-    return find(ray, solids, among, {limit, convention, HUGE_VAL});
 }
 
 bool is_proper(const Ray<double>& ray) { return is_ray(ray); }

@@ -50,12 +50,6 @@ Truth find_truth(const Ray<double>& ray, std::span<const Solid<double>> solids, 
 Truth find_truth(const Ray<Real>& ray, std::span<const Solid<Real>> solids, TruthLimit limit = {},
                  intersect::Convention convention = {}, double tmax = HUGE_VAL);
 
-/// The same where the ray can meet none but the solids named by `among`, which are in rising order.
-Truth find_truth_among(const Ray<double>& ray, std::span<const Solid<double>> solids,
-                       std::span<const std::uint32_t> among, TruthLimit limit, intersect::Convention convention);
-Truth find_truth_among(const Ray<Real>& ray, std::span<const Solid<Real>> solids, std::span<const std::uint32_t> among,
-                       TruthLimit limit, intersect::Convention convention);
-
 /// Takes the truth about solid `i` into what is known of the solids before it.
 void join(const Truth& of_one, int i, Truth& best);
 
