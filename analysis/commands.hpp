@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "analysis/choice/doors.hpp"
 #include "measure/truth/truth_columns.hpp"
 #include "number/error.hpp"
 #include "output/file/progress.hpp"
@@ -23,6 +24,7 @@ struct Common {
     bool verbose = false;
     int threads = 0;  ///< 0: one per core
     std::string isa;  ///< a name of `isa_names`; empty: the best that the processor has
+    choice::DoorWords doors;
 };
 
 using Command = std::function<Exit()>;
@@ -33,6 +35,7 @@ void add_diff(CLI::App& program, const Common& common, Command& chosen);
 void add_explain(CLI::App& program, const Common& common, Command& chosen);
 void add_list(CLI::App& program, const Common& common, Command& chosen);
 void add_map(CLI::App& program, const Common& common, Command& chosen);
+void add_plugin(CLI::App& program, const Common& common, Command& chosen);
 void add_render(CLI::App& program, const Common& common, Command& chosen);
 void add_report(CLI::App& program, const Common& common, Command& chosen);
 void add_sweep(CLI::App& program, const Common& common, Command& chosen);

@@ -26,8 +26,13 @@ Exit run(const ExplainOptions& o, const Common& common) {
     if (forms.size() != 1 || formats.size() != 1) throw InputError("explain: name one form and one format");
     const intersect::table::Intersector& form = *forms.front();
     if (!form.exists_in(formats.front()))
-        throw InputError(
-            fmt::format("-i {}: this form does not exist in {}, only in f32; try -f f32", o.form, o.format));
+        throw InputError(fmt::format("-i {}: this form does not exist in {}, only in {}", o.form, o.format,
+                                     choice::formats_of(form)));
+    if (!form.is_template())
+        throw InputError(fmt::format(
+            "-i {}: its operations cannot be looked at, since it is compiled elsewhere; written as a form over any "
+            "number they can (docs/your-own-form.md). `lostbits map` and `sweep` measure it as it is",
+            o.form));
     const AskedRay asked = find_ray(o.words, {&form, formats.front()}, choice::data_folder(common.data));
     const measure::answer::OneRay& ray = asked.ray;
     if (asked.scene && !common.quiet) choice::note_lost_numbers(*asked.scene, {{&form, formats.front()}});

@@ -32,14 +32,15 @@ Listing intersectors() {
     Listing l{{"name", "title", "direction", "roots", "touching", "at_origin", "formats", "source"}, {}};
     for (const intersect::table::Intersector& i : lostbits::intersect::table::intersectors()) {
         const intersect::Info& info = *i.info;
-        const char* roots = info.roots == intersect::Roots::both        ? "both"
-                            : info.roots == intersect::Roots::near_only ? "near only"
-                                                                        : "first only";
+        const char* roots = info.roots == intersect::Roots::both         ? "both"
+                            : info.roots == intersect::Roots::near_only  ? "near only"
+                            : info.roots == intersect::Roots::first_only ? "first only"
+                                                                         : "none";
         l.rows.push_back({std::string(info.name), std::string(info.title),
                           info.direction == intersect::Direction::unit ? "unit" : "any", roots,
                           info.touching == intersect::Touching::hit ? "hits" : "misses",
-                          info.at_origin == intersect::AtOrigin::hit ? "hits" : "misses",
-                          info.formats == intersect::Formats::all ? "all" : "f32", std::string(info.source)});
+                          info.at_origin == intersect::AtOrigin::hit ? "hits" : "misses", choice::formats_of(i),
+                          std::string(info.source)});
     }
     return l;
 }

@@ -57,6 +57,22 @@ void add_common(CLI::App& program, Common& common) {
             std::vector<std::string>(intersect::simd::isa_names.begin(), intersect::simd::isa_names.end())));
 }
 
+void add_doors(CLI::App& program, choice::DoorWords& doors) {
+    program
+        .add_option("--plugin", doors.plugins,
+                    "A library of intersectors of your own (lostbits_plugin.h); its forms stand beside the others. May "
+                    "be repeated")
+        ->allow_extra_args(false);
+    program
+        .add_option("--pipe", doors.pipes,
+                    "A command that reads rays on its standard input and answers on its standard output, in any "
+                    "language; its forms stand beside the others. May be repeated")
+        ->allow_extra_args(false);
+    program.add_flag("--isolate", doors.isolate, "Run libraries in processes of their own: a crash is an error then");
+    program.add_option("--time-limit", doors.seconds, "Seconds that --plugin and --pipe may take for a batch (30)")
+        ->check(CLI::Range(0.1, 1e6));
+}
+
 /// CLI11's own message, and what the user may have meant where a word is unknown.
 void explain(const CLI::App& program, const CLI::ParseError& error, int argc, char** argv) {
     std::vector<std::string> commands;
@@ -79,11 +95,13 @@ Exit run(int argc, char** argv) {
     Common common;
     Command chosen;
     add_common(program, common);
+    add_doors(program, common.doors);
     add_check(program, common, chosen);
     add_diff(program, common, chosen);
     add_explain(program, common, chosen);
     add_list(program, common, chosen);
     add_map(program, common, chosen);
+    add_plugin(program, common, chosen);
     add_render(program, common, chosen);
     add_report(program, common, chosen);
     add_sweep(program, common, chosen);
@@ -97,6 +115,7 @@ Exit run(int argc, char** argv) {
         return Exit::bad_input;
     }
     if (const auto isa = intersect::simd::isa_named(common.isa)) intersect::simd::set_isa(*isa);
+    if (!program.got_subcommand("plugin")) choice::open_doors(common.doors, common.threads);
     return chosen();
 }
 

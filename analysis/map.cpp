@@ -46,8 +46,9 @@ std::string input_of(const MapOptions& o) {
 
 /// What to type to make the EXR again: everything that decides its bytes, and nothing that does not.
 std::string canonical_command(const Scene& scene, const MapOptions& o) {
-    return fmt::format("lostbits map {}{}{}{}{}{} --exr{}", scene.id, each(" -i '", o.forms, "'"),
-                       each(" -f ", o.formats), each(" --metric ", o.metrics), o.envelope ? " --envelope" : "",
+    return fmt::format("lostbits map {}{}{}{}{}{}{} --exr{}", scene.id, choice::words_of_doors(),
+                       each(" -i '", o.forms, "'"), each(" -f ", o.formats), each(" --metric ", o.metrics),
+                       o.envelope ? " --envelope" : "",
                        o.bits_needed > 0 ? fmt::format(" --bits-needed {}", o.bits_needed) : "", input_of(o));
 }
 
@@ -78,7 +79,7 @@ void print_table(const NeededRequest& request, const std::vector<measure::map::N
 std::vector<const intersect::table::Intersector*> forms_of_any_width(const std::vector<MapRow>& rows) {
     std::vector<const intersect::table::Intersector*> forms;
     for (const MapRow& row : rows) {
-        if (row.form->info->formats == intersect::Formats::all && std::ranges::find(forms, row.form) == forms.end())
+        if (row.form->rounded != nullptr && std::ranges::find(forms, row.form) == forms.end())
             forms.push_back(row.form);
     }
     if (forms.empty())
@@ -118,8 +119,9 @@ void note_skipped(const std::vector<SceneWork>& works) {
     for (const SceneWork& work : works) {
         for (const MapRow& row : work.map.rows) {
             const intersect::Info& info = *row.form->info;
-            if (info.formats == intersect::Formats::all || !said.insert(info.name).second) continue;
-            fmt::print(stderr, "lostbits: --bits-needed leaves out {}: it exists in binary32 only\n", info.name);
+            if (row.form->rounded != nullptr || !said.insert(info.name).second) continue;
+            fmt::print(stderr, "lostbits: --bits-needed leaves out {}: it exists in {} only\n", info.name,
+                       choice::formats_of(*row.form));
         }
     }
 }

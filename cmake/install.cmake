@@ -4,6 +4,7 @@ include(CMakePackageConfigHelpers)
 
 install(TARGETS lostbits RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
 install(TARGETS lostbits_image LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}/lostbits)
+install(FILES plugins/lostbits_plugin.h plugins/lostbits_plugin.hpp DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
 install(DIRECTORY data/ DESTINATION ${CMAKE_INSTALL_DATADIR}/lostbits/data FILES_MATCHING PATTERN "*.toml")
 
 foreach(room number geometry intersect scene measure)

@@ -140,6 +140,12 @@ std::vector<Format> select_formats(const std::vector<std::string>& names) {
     return formats;
 }
 
+std::string formats_of(const Intersector& form) {
+    if (form.rounded != nullptr) return "all";
+    if (form.native32 && form.native64) return "f32 and f64";
+    return form.native32 ? "f32" : "f64";
+}
+
 std::vector<MapRow> cross(const std::vector<const Intersector*>& forms, const std::vector<Format>& formats) {
     std::vector<MapRow> rows;
     for (const Intersector* form : forms) {

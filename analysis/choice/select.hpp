@@ -40,6 +40,9 @@ std::vector<const measure::metric::Metric*> that_apply(std::vector<const measure
 std::vector<const measure::metric::Metric*> measured(const std::vector<const measure::metric::Metric*>& asked,
                                                      const std::vector<measure::map::MapRow>& rows);
 
+/// The formats that a form exists in, in words: `all`, `f32`, `f64`, `f32 and f64`.
+std::string formats_of(const intersect::table::Intersector& form);
+
 /// Every selected form in every selected format that it exists in. NothingSelected where that leaves none.
 std::vector<measure::map::MapRow> cross(const std::vector<const intersect::table::Intersector*>& forms,
                                         const std::vector<Format>& formats);

@@ -14,6 +14,7 @@ enum class Roots {
     both,        ///< near and far
     near_only,   ///< the smaller root; the form has no answer from inside
     first_only,  ///< the first with t ≥ 0, whichever it is; near = far = t
+    none,        ///< says only whether it hits: its t is NaN, and no error of it exists
 };
 
 /// Where a ray that touches in one point (discriminant exactly zero) belongs by the form's own words. Of a box: whether

@@ -14,10 +14,13 @@ namespace lostbits::intersect {
 /// A view: the solids and constants outlive it.
 template <class S>
 struct Target {
-    std::span<const Solid<S>> solids;          ///< exactly one for the forms of a sphere or a box
+    /// For the forms of a sphere or a box one, which every ray of a batch is aimed at, or as many as rays, of one
+    /// shape: to each its own. Packs take one.
+    std::span<const Solid<S>> solids;
     const MarchConstants<S>* march = nullptr;  ///< never null for the forms of `Shape::sdf`
 
     Target(const Solid<S>& one) : solids(&one, 1) {}
+    explicit Target(std::span<const Solid<S>> one_a_ray) : solids(one_a_ray) {}
     Target(std::span<const Solid<S>> all, const MarchConstants<S>& constants) : solids(all), march(&constants) {}
 };
 
@@ -32,7 +35,9 @@ public:
         if (from.march) march_.emplace(transformed(*from.march, lift));
     }
     /// Valid as long as this is.
-    [[nodiscard]] Target<T> get() const { return march_ ? Target<T>(solids_, *march_) : Target<T>(solids_.front()); }
+    [[nodiscard]] Target<T> get() const {
+        return march_ ? Target<T>(solids_, *march_) : Target<T>(std::span<const Solid<T>>(solids_));
+    }
 
 private:
     std::vector<Solid<T>> solids_;

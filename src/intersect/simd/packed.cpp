@@ -47,7 +47,7 @@ void run64(const RayBatch<double>& rays, const Target<double>& target, const Hit
 template <Isa isa>
 std::span<const PackedRow> rows_of() {
     static const auto rows = []<std::size_t... form>(std::index_sequence<form...>) {
-        const auto scalar = table::intersectors();
+        const auto scalar = table::catalogue();
         const auto& raw = raw_rows<isa>();
         return std::array<PackedRow, forms>{
             PackedRow{scalar[form].info, run32<isa, form>, raw[form].f64 ? run64<isa, form> : nullptr}...};
@@ -59,7 +59,7 @@ std::span<const PackedRow> rows_of() {
 std::span<const PackedRow> scalar_rows() {
     static const auto rows = [] {
         std::array<PackedRow, forms> filled{};
-        std::ranges::transform(table::intersectors(), filled.begin(), [](const table::Intersector& i) {
+        std::ranges::transform(table::catalogue(), filled.begin(), [](const table::Intersector& i) {
             return PackedRow{i.info, i.native32, i.native64};
         });
         return filled;

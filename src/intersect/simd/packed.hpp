@@ -41,7 +41,7 @@ struct PackedRow {
     decltype(table::Intersector::native64) f64;
 };
 
-/// Every form, in the order of `intersectors()`; `scalar` are the rows of the table themselves. Empty where `isa` is
+/// Every form, in the order of `catalogue()`; `scalar` are the rows of the table themselves. Empty where `isa` is
 /// not available: calling such a kernel would be an illegal instruction.
 std::span<const PackedRow> packed_rows(Isa isa);
 

@@ -150,7 +150,7 @@ std::span<const ManyRow> rows_of() {
 }  // namespace
 
 ManyRow many_kernels(const table::Intersector& form) {
-    const auto table = table::intersectors();
+    const auto table = table::catalogue();
     for (std::size_t i = 0; i < table.size(); ++i) {
         if (table[i].info == form.info && table[i].native32 == form.native32 && table[i].native64 == form.native64)
             return many_rows(current_isa())[i];

@@ -39,7 +39,7 @@ struct ManyRow {
     ManySpheres<double> spheres64;
 };
 
-/// Every form, in the order of `intersectors()`; `scalar` goes solid by solid. Empty where `isa` is not available.
+/// Every form, in the order of `catalogue()`; `scalar` goes solid by solid. Empty where `isa` is not available.
 std::span<const ManyRow> many_rows(Isa isa);
 
 /// The kernels at `current_isa()` of a row of the table; all null for a row that is not the table's.

@@ -48,7 +48,7 @@ std::span<const Intersector> rows_of(std::string_view variant) {
     static std::array<std::string, form_count> names;
     static std::array<Info, form_count> infos;
     static const auto rows = [variant]<std::size_t... form>(std::index_sequence<form...>) {
-        const auto table = table::intersectors();
+        const auto table = table::catalogue();
         for (std::size_t i = 0; i < form_count; ++i) {
             names[i] = std::string(table[i].info->name) + "+" + std::string(variant);
             infos[i] = *table[i].info;

@@ -14,7 +14,7 @@ struct Variant {
     std::string_view name;
     Isa isa;  ///< the registers that it is compiled for
     std::span<const table::Intersector>
-        rows;  ///< in the order of `intersectors()`, as `sphere.unified+contract`; native kernels alone
+        rows;  ///< in the order of `catalogue()`, as `sphere.unified+contract`; native kernels alone
 };
 
 /// Those that this build contains and this processor runs. Their rows are in no other table, so they are used only

@@ -11,11 +11,13 @@
 
 namespace lostbits::intersect::table {
 
-/// `Form::intersect` on a target; `tmax` reaches the forms that take the end of a ray, `watch` those that march.
+/// `Form::intersect` on solid `which` of a target, or on all where the form marches; `tmax` reaches the forms that take
+/// the end of a ray, `watch` those that march.
 template <class Form, class T, class Watch>
-Hit<T> intersect_target(const Ray<T>& ray, const Target<T>& target, const T& tmax, Watch& watch) {
-    if constexpr (shape_of<Form> == Shape::sphere) return Form::intersect(ray, target.solids.front().sphere());
-    else if constexpr (shape_of<Form> == Shape::box) return Form::intersect(ray, target.solids.front().box(), tmax);
+Hit<T> intersect_target(const Ray<T>& ray, const Target<T>& target, const T& tmax, Watch& watch,
+                        std::size_t which = 0) {
+    if constexpr (shape_of<Form> == Shape::sphere) return Form::intersect(ray, target.solids[which].sphere());
+    else if constexpr (shape_of<Form> == Shape::box) return Form::intersect(ray, target.solids[which].box(), tmax);
     else return Form::intersect(ray, Union<T>(target.solids), *target.march, watch);
 }
 
@@ -26,11 +28,12 @@ void intersect_batch(const RayBatch<S>& rays, const Target<S>& target, const Hit
     const auto vec = [lift](S x, S y, S z) { return Vec<T>(lift(x), lift(y), lift(z)); };
     const LiftedTarget<T> lifted(target, lift);
     const Target<T> aim = lifted.get();
+    const std::size_t step = aim.solids.size() == 1 ? 0 : 1;
     for (std::size_t i = 0; i < rays.size(); ++i) {
         const Ray<T> ray{vec(rays.ox[i], rays.oy[i], rays.oz[i]), vec(rays.dx[i], rays.dy[i], rays.dz[i])};
         const T tmax = lift(rays.tmax.empty() ? std::numeric_limits<S>::infinity() : rays.tmax[i]);
         Tally<T> tally;
-        const Hit<T> hit = intersect_target<Form>(ray, aim, tmax, tally);
+        const Hit<T> hit = intersect_target<Form>(ray, aim, tmax, tally, i * step);
         hits.hit[i] = hit.hit;
         hits.t[i] = drop(hit.t);
         hits.near[i] = drop(hit.near);

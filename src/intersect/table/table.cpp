@@ -1,13 +1,16 @@
 #include <algorithm>
-#include <array>
+#include <string>
 
 #include "intersect/table/rows.hpp"
+#include "number/error.hpp"
 
 namespace lostbits::intersect::table {
 
-std::span<const Intersector> intersectors() {
-    static const auto rows = [] {
-        std::array<Intersector, form_count> filled{};
+namespace {
+
+std::vector<Intersector>& all_rows() {
+    static std::vector<Intersector> rows = [] {
+        std::vector<Intersector> filled(form_count);
         fill_native(filled);
         fill_rounded(filled);
         fill_enclosed(filled);
@@ -18,8 +21,24 @@ std::span<const Intersector> intersectors() {
     return rows;
 }
 
+}  // namespace
+
+std::span<const Intersector> intersectors() { return all_rows(); }
+
+std::span<const Intersector> catalogue() { return intersectors().first(form_count); }
+
+void enroll(const std::vector<Intersector>& rows) {
+    for (const Intersector& row : rows) {
+        const auto same = [&row](const Intersector& other) { return other.info->name == row.info->name; };
+        if (std::ranges::any_of(all_rows(), same))
+            throw InputError(std::string(row.info->name) +
+                             ": two intersectors have this name; give the one from outside another name");
+        all_rows().push_back(row);
+    }
+}
+
 std::span<const Intersector> intersectors(Shape shape) {
-    const auto all = intersectors();
+    const auto all = catalogue();
     const auto first = std::ranges::find(all, shape, &Intersector::shape);
     const auto last = std::find_if(first, all.end(), [shape](const Intersector& i) { return i.shape != shape; });
     return {first, last};

@@ -2,8 +2,10 @@
 // knows whether a row was compiled from our templates.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <span>
+#include <vector>
 
 #include "geometry/solid.hpp"
 #include "intersect/info.hpp"
@@ -34,6 +36,31 @@ struct HitBatch {
     std::span<MarchRecord> march = {};
 };
 
+/// What a row runs over a batch: a plain function, or one together with what it needs of its own, such as a library
+/// that was loaded or a process that was started, which outlives every copy. Empty where there is none.
+template <class S>
+class Kernel {
+public:
+    using Plain = void (*)(const RayBatch<S>&, const Target<S>&, const HitBatch<S>&);
+    using Bound = void (*)(void* own, const RayBatch<S>&, const Target<S>&, const HitBatch<S>&);
+
+    constexpr Kernel(std::nullptr_t = nullptr) {}
+    constexpr Kernel(Plain plain) : plain_(plain) {}
+    constexpr Kernel(Bound bound, void* own) : bound_(bound), own_(own) {}
+
+    void operator()(const RayBatch<S>& rays, const Target<S>& target, const HitBatch<S>& hits) const {
+        if (plain_) plain_(rays, target, hits);
+        else bound_(own_, rays, target, hits);
+    }
+    explicit constexpr operator bool() const { return plain_ != nullptr || bound_ != nullptr; }
+    friend constexpr bool operator==(const Kernel&, const Kernel&) = default;
+
+private:
+    Plain plain_ = nullptr;
+    Bound bound_ = nullptr;
+    void* own_ = nullptr;
+};
+
 /// A march as the format runs it, sample by sample, and its answer.
 struct MarchLog {
     std::vector<MarchStep> steps;
@@ -41,12 +68,13 @@ struct MarchLog {
     Stop stop = Stop::max_steps;
 };
 
-/// One form in every arithmetic. A null pointer means that the form does not exist there (see `Info::formats`).
+/// One form in every arithmetic. What is null or empty does not exist: a form written for one format has no kernel in
+/// the others, and one that is not a template of ours runs natively alone.
 struct Intersector {
     const Info* info;
     Shape shape;  ///< of the solids that it may be given one of; `sdf`: all of any shape at once
-    void (*native32)(const RayBatch<float>&, const Target<float>&, const HitBatch<float>&);
-    void (*native64)(const RayBatch<double>&, const Target<double>&, const HitBatch<double>&);
+    Kernel<float> native32;
+    Kernel<double> native64;
     /// Inputs are rounded to the format on the way in.
     void (*rounded)(const FloatFormat&, const RayBatch<double>&, const Target<double>&,
                     const HitBatch<double>&) = nullptr;
@@ -60,14 +88,25 @@ struct Intersector {
     void (*record_all)(const Target<double>&, Tape&) = nullptr;
 
     [[nodiscard]] bool exists_in(const Format& format) const {
-        return info->formats == Formats::all || format.shape == binary32;
+        switch (format.engine) {
+            case Format::Engine::native32: return static_cast<bool>(native32);
+            case Format::Engine::native64: return static_cast<bool>(native64);
+            case Format::Engine::rounded: return rounded != nullptr;
+        }
+        return false;
     }
+    /// Whether the formula itself is there, in any arithmetic: widths between the formats, enclosures, tapes.
+    [[nodiscard]] bool is_template() const { return ball != nullptr; }
 };
 
-/// Every form of every shape, in the catalogue's order.
+/// Every row: the catalogue's forms in their order, then what was enrolled, in the order in which it came.
 std::span<const Intersector> intersectors();
-/// Those of one shape.
+/// The catalogue's forms alone, `form_count` of them; of one shape.
+std::span<const Intersector> catalogue();
 std::span<const Intersector> intersectors(Shape shape);
+/// Adds rows from outside of the catalogue, whose `info` lives as long as the program. InputError for a name that is
+/// taken. Before any row is asked for: rows move in memory.
+void enroll(const std::vector<Intersector>& rows);
 inline std::span<const Intersector> sphere_intersectors() { return intersectors(Shape::sphere); }
 
 }  // namespace lostbits::intersect::table

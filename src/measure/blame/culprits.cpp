@@ -47,6 +47,7 @@ std::vector<std::string_view> steps_of(const Tape& tape) {
 }
 
 std::optional<Target<double>> target_of(const Intersector& form, const Setting& setting) {
+    if (!form.is_template()) return std::nullopt;
     if (form.shape == Shape::sdf)
         return setting.march ? std::optional(Target<double>(setting.solids, *setting.march)) : std::nullopt;
     const auto fits = std::ranges::find(setting.solids, form.shape, &Solid<double>::shape);

@@ -79,7 +79,7 @@ MapRow claim_row(const Claim& claim) {
         const Format format = claim_format(claim);
         if (!i.exists_in(format))
             scene::toml::fail(claim.where,
-                              claim.form + " does not exist in " + claim.format + "; it exists in f32 only");
+                              claim.form + " does not exist in " + claim.format + "; `lostbits list intersectors` shows its formats");
         return {&i, format, claim.convention};
     }
     scene::toml::fail(claim.where,

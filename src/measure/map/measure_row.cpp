@@ -38,7 +38,8 @@ public:
           group_(request.group),
           result_(result),
           truth_(truth),
-          needs_(needs_of(metrics_)),
+          needs_(row_.form->is_template() ? needs_of(metrics_)
+                                          : needs_of(metrics_) & ~(metric::needs_attribution | metric::needs_self)),
           blamer_(*row_.form, row_.format, culprits_of(metrics_)) {}
 
     void measure(MapSummary& summary) {
@@ -59,15 +60,16 @@ private:
     void classify(MapSummary& summary) {
         const answer::Answers& answers = *result_.answers;
         const std::size_t n = truth_.decision.size();
+        const bool tells_t = row_.form->info->roots != intersect::Roots::none;
         measured_.assign(n, missing);
         for (std::size_t i = 0; i < n; ++i) {
             const bool hit = answers.hit[i] != 0;
-            const Outcome outcome = answer::classify(truth_.decision[i], hit, answers.t[i]);
+            const Outcome outcome = answer::classify(truth_.decision[i], hit, tells_t ? answers.t[i] : 0);
             const bool agree = outcome == Outcome::agree_hit;
             result_.outcomes[i] = outcome;
             measured_[i] = agree ? answers.t[i] : missing;
             summary.true_hits += truth_.decision[i] == Truth::Decision::hit;
-            summary.wrong_object += agree && answers.object[i] != truth_.object[i];
+            summary.wrong_object += agree && tells_t && answers.object[i] != truth_.object[i];
         }
         for (std::size_t o = 0; o < summary.outcomes.size(); ++o)
             summary.outcomes[o] +=

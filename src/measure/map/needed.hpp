@@ -73,7 +73,7 @@ public:
 
 struct NeededRequest {
     const scene::file::Scene* scene = nullptr;
-    std::vector<const intersect::table::Intersector*> forms;  ///< none of them `Formats::binary32_only`
+    std::vector<const intersect::table::Intersector*> forms;  ///< each with `rounded` kernels
     int bits = 12;                                            ///< B, 1 to 52
     truth::TruthLimit limit{};
     /// Called with the number of (pixel, form, width) triples done, `needed_units` in all; may throw to stop.

@@ -113,6 +113,11 @@ std::vector<TradeKernel> trade_kernels(const std::vector<MapRow>& rows) {
                 add({.measured = row, .form = form, .isa = name_of(isa)}, found->f32, found->f64);
         }
         const auto number = static_cast<std::size_t>(row.form - intersect::table::intersectors().data());
+        if (number >= intersect::table::catalogue().size()) {  // nobody compiled it for packs, or with other flags
+            add({.measured = row, .form = form, .isa = name_of(intersect::simd::Isa::scalar)}, row.form->native32,
+                row.form->native64);
+            continue;
+        }
         for (const intersect::simd::Variant& variant : intersect::simd::variants()) {
             const Intersector& made = variant.rows[number];
             add({.measured = {&made, row.format}, .form = form, .isa = name_of(variant.isa), .variant = variant.name},

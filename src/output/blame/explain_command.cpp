@@ -58,6 +58,7 @@ std::string name_of_ray(const scene::rays::RayGroup* one) {
 }
 
 std::string explain_command(const std::string& name, const measure::map::MapRow& row) {
+    if (!row.form->is_template()) return "";
     return fmt::format("lostbits explain {} -i {} -f {}{}", name, row.form->info->name, row.format.name,
                        row.judged ? fmt::format(" --convention {}", intersect::convention_name(row.judged)) : "");
 }

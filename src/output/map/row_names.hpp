@@ -9,9 +9,11 @@
 
 namespace lostbits::output::map {
 
-/// `unified` of `sphere.unified`: where all forms are of one shape.
+/// `unified` of `sphere.unified`: where all forms are of one shape. What is not of the catalogue keeps its whole name.
 [[nodiscard]] inline std::string short_name(const intersect::Info& info) {
-    return std::string(info.name.substr(info.name.find('.') + 1));
+    const std::size_t dot = info.name.find('.');
+    const bool shape = std::ranges::find(shape_names, info.name.substr(0, dot)) != shape_names.end();
+    return std::string(info.name.substr(shape ? dot + 1 : 0));
 }
 
 /// `sphere.unified.f32`

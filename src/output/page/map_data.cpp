@@ -205,7 +205,7 @@ Json metric_json(const Metric& m, std::span<const MapRow> rows) {
 }
 
 /// A march does not have one tape for all rays: each ray takes its own number of samples.
-bool is_taped(const MapRow& row) { return row.form->shape != Shape::sdf; }
+bool is_taped(const MapRow& row) { return row.form->shape != Shape::sdf && row.form->is_template(); }
 
 const char* coding_name(const Format& format) {
     switch (format.engine) {

@@ -1,0 +1,88 @@
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "analysis/choice/doors.hpp"
+#include "commands.hpp"
+#include "intersect/doors/guard.hpp"
+#include "intersect/doors/pipe.hpp"
+#include "intersect/doors/plugin.hpp"
+#include "measure/contract/probe.hpp"
+
+namespace lostbits::analysis {
+
+namespace {
+
+using intersect::doors::Contract;
+using intersect::doors::ForeignForm;
+using measure::contract::Finding;
+
+/// Answers a pipe with the forms of a library.
+Exit serve(const std::string& named) {
+    const auto forms = intersect::doors::load_plugin(intersect::doors::find_plugin(named));
+    if (intersect::doors::serve_pipe(forms, STDIN_FILENO, STDOUT_FILENO)) return Exit::done;
+    throw InputError(
+        "plugin serve: what came on standard input is no request of lostbits-pipe/1; this command is for `lostbits … "
+        "--plugin LIBRARY --isolate`, which talks to it");
+}
+
+const char* word_of(Finding::Verdict verdict) {
+    switch (verdict) {
+        case Finding::Verdict::kept: return "kept";
+        case Finding::Verdict::broken: return "BROKEN";
+        case Finding::Verdict::told: break;
+    }
+    return "note";
+}
+
+/// Whether every promise is kept.
+bool show_trial(const ForeignForm& form, bool quiet) {
+    const std::vector<Finding> findings = measure::contract::try_contract(form);
+    int broken = 0;
+    for (const Finding& f : findings) broken += f.verdict == Finding::Verdict::broken;
+    const Contract& c = form.contract;
+    fmt::print("{} in binary{}, a {}: {}\n", c.name, c.bits, name_of(c.shape),
+               broken == 0 ? "does as it says" : fmt::format("{} of its promises broken", broken));
+    if (!c.title.empty() && !quiet) fmt::print("  {}\n", c.title);
+    if (!c.source.empty() && !quiet) fmt::print("  from {}\n", c.source);
+    for (const Finding& f : findings) {
+        if (!quiet || f.verdict == Finding::Verdict::broken)
+            fmt::print("  {:<6} {:<12} {}\n", word_of(f.verdict), f.subject, f.words);
+    }
+    return broken == 0;
+}
+
+/// Tries every form of a library or of a command; the answer is no where one does not do as it says.
+Exit try_forms(const std::string& library, const Common& common) {
+    choice::DoorWords words = common.doors;
+    if (!library.empty()) words.plugins.push_back(library);
+    const std::vector<ForeignForm> forms = choice::forms_behind(words, common.threads);
+    if (forms.empty()) throw InputError("plugin check: name a library, or a command by --pipe");
+    bool good = true;
+    for (const ForeignForm& form : forms) good = show_trial(form, common.quiet) && good;
+    return good ? Exit::done : Exit::answer_is_no;
+}
+
+}  // namespace
+
+void add_plugin(CLI::App& program, const Common& common, Command& chosen) {
+    auto* const command = program.add_subcommand("plugin", "A library of intersectors: tried against what it promises");
+    command->require_subcommand(1);
+    const auto library = std::make_shared<std::string>();
+    auto* const tried = command->add_subcommand(
+        "check",
+        "Ask every form of a library, or of --pipe, what anyone can check by hand; exit 1 where it does not "
+        "do as it says");
+    tried->add_option("LIBRARY", *library, "The library");
+    tried->callback(
+        [library, &common, &chosen] { chosen = [library, &common] { return try_forms(*library, common); }; });
+    auto* const served = command->add_subcommand(
+        "serve", "Answer rays on standard input with the forms of a library (what --isolate starts)");
+    served->add_option("LIBRARY", *library, "The library")->required();
+    served->callback([library, &chosen] { chosen = [library] { return serve(*library); }; });
+}
+
+}  // namespace lostbits::analysis

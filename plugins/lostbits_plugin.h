@@ -1,0 +1,77 @@
+/* The door for compiled intersectors: a shared library that exports `lostbits_forms` comes under test with
+ * `lostbits map SCENE --plugin LIBRARY.so`. C99; nothing to link with.
+ *
+ * A form answers a batch of rays against a sphere |p - centre| = radius or a box lo <= p <= hi: the parameter t of
+ * p = origin + t direction where the ray first meets the solid's surface, t >= 0. What it may assume and what it
+ * promises stands in its `lb_form`; `lostbits plugin check LIBRARY.so` tries whether it is so. */
+#ifndef LOSTBITS_PLUGIN_H
+#define LOSTBITS_PLUGIN_H
+
+#include <stddef.h>
+
+/* The version of this file. A library returns NULL where it is asked for one that it was not compiled for. */
+#define LOSTBITS_PLUGIN_ABI 1
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+enum { LB_SPHERE = 0, LB_BOX = 1 };                                  /* lb_form.shape */
+enum { LB_F32 = 32, LB_F64 = 64 };                                   /* lb_form.format: `float` or `double` */
+enum { LB_ANY = 0, LB_UNIT = 1 };                                    /* lb_form.direction */
+enum { LB_BOTH = 0, LB_NEAR = 1, LB_FIRST = 2, LB_HIT_ONLY = 3 };    /* lb_form.roots */
+enum { LB_HIT = 0, LB_MISS = 1 };                                    /* lb_form.touching, lb_form.at_origin */
+
+enum {
+    /* `hit` says that the whole line meets the solid, in front of the origin or behind: the first t >= 0 of near and
+     * far is taken from it. Needs LB_BOTH. */
+    LB_LINE = 1,
+    /* `ends` is not looked at: what lies beyond is taken away afterwards. */
+    LB_NO_END = 2,
+    /* One call at a time. */
+    LB_ONE_THREAD = 4
+};
+
+/* Numbers are `float` or `double`, as the form's format says, and always finite except for `ends`. */
+typedef struct lb_batch {
+    size_t size;          /* rays */
+    const void *rays;     /* size x 6: origin x y z, direction x y z */
+    const void *ends;     /* size: where each ray ends, as t, infinity for nowhere; NULL: no ray ends */
+    const void *solids;   /* centre x y z, radius; or lo x y z, hi x y z */
+    size_t solid_stride;  /* numbers from the solid of one ray to that of the next; 0: one for all */
+    void *near_far;       /* out, size x 2: where the line enters and leaves. Of LB_NEAR and LB_FIRST, t comes first and
+                             the second is not read; of LB_HIT_ONLY neither is; nor where `hit` is 0 */
+    unsigned char *hit;   /* out, size: 1 or 0 */
+    void *own;            /* lb_form.own */
+} lb_batch;
+
+typedef struct lb_form {
+    const char *name;   /* of letters, digits and . _ -, such as "mylib.sphere". Two forms may share one, a format each,
+                           where all else that they promise is the same */
+    const char *title;  /* a line; or NULL */
+    const char *source; /* where the code is: library, version, file, function; or NULL */
+    int shape, format;
+    int direction;      /* LB_UNIT: directions come normalised and rounded to the format, so t is a distance */
+    int roots;          /* LB_NEAR: the smaller root alone, no answer from inside. LB_FIRST: the first t >= 0 */
+    int touching;       /* LB_HIT: a ray that touches in one point hits. Of a box: the box is closed */
+    int at_origin;      /* LB_MISS: a surface exactly at the origin (t = 0) is passed over */
+    unsigned flags;
+    void *own;
+    /* Writes near_far and hit of every ray. NULL, or why it could not: a text that lives until the next call. Called
+     * from several threads at once unless LB_ONE_THREAD. */
+    const char *(*run)(const lb_batch *batch);
+} lb_form;
+
+/* What the library exports. The forms live as long as it is loaded. NULL where `abi` is not LOSTBITS_PLUGIN_ABI. */
+#if defined(_WIN32)
+__declspec(dllexport)
+#elif defined(__GNUC__)
+__attribute__((visibility("default")))
+#endif
+const lb_form *lostbits_forms(int abi, size_t *count);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

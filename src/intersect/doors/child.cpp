@@ -1,0 +1,163 @@
+#include "intersect/doors/child.hpp"
+
+#include <fcntl.h>
+#include <poll.h>
+#include <signal.h>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cstring>
+#include <thread>
+
+#include "number/error.hpp"
+
+extern char** environ;
+
+namespace lostbits::intersect::doors {
+namespace {
+
+/// Both ends close when another program is started, so that no child keeps another's open.
+std::array<int, 2> make_pipe() {
+    std::array<int, 2> ends{};
+    if (pipe2(ends.data(), O_CLOEXEC) != 0)
+        throw EnvironmentError(std::string("cannot make a pipe: ") + std::strerror(errno) + "; try a smaller -j");
+    return ends;
+}
+
+/// Waits until the process has ended, but not longer than this.
+bool ends_within(int process, std::chrono::milliseconds time, int& status) {
+    for (auto waited = std::chrono::milliseconds(0); waited <= time; waited += std::chrono::milliseconds(5)) {
+        if (waitpid(process, &status, WNOHANG) == process) return true;
+        std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    }
+    return false;
+}
+
+}  // namespace
+
+Child::Child(std::string command, std::string who, double seconds)
+    : command_(std::move(command)), who_(std::move(who)), limit_(seconds) {
+    const auto to_child = make_pipe(), from_child = make_pipe();
+    posix_spawn_file_actions_t files;
+    posix_spawn_file_actions_init(&files);
+    posix_spawn_file_actions_adddup2(&files, to_child[0], STDIN_FILENO);
+    posix_spawn_file_actions_adddup2(&files, from_child[1], STDOUT_FILENO);
+    posix_spawnattr_t attributes;
+    posix_spawnattr_init(&attributes);
+    sigset_t defaults;
+    sigemptyset(&defaults);
+    sigaddset(&defaults, SIGPIPE);
+    posix_spawnattr_setsigdefault(&attributes, &defaults);
+    posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP | POSIX_SPAWN_SETSIGDEF);
+    std::string shell = "/bin/sh", flag = "-c";
+    const std::array<char*, 4> arguments{shell.data(), flag.data(), command_.data(), nullptr};
+    const int error = posix_spawn(&process_, shell.c_str(), &files, &attributes, arguments.data(), environ);
+    posix_spawn_file_actions_destroy(&files);
+    posix_spawnattr_destroy(&attributes);
+    close(to_child[0]);
+    close(from_child[1]);
+    input_ = to_child[1];
+    output_ = from_child[0];
+    if (error != 0) {
+        process_ = -1;
+        fail(std::string("cannot be started: ") + std::strerror(error));
+    }
+    for (const int end : {input_, output_}) fcntl(end, F_SETFL, fcntl(end, F_GETFL) | O_NONBLOCK);
+    signal(SIGPIPE, SIG_IGN);  // a child that is gone is an error of write(), which names it
+}
+
+Child::~Child() {
+    if (input_ >= 0) close(input_);
+    if (output_ >= 0) close(output_);
+    if (process_ <= 0) return;
+    int status = 0;
+    if (ends_within(process_, std::chrono::seconds(1), status)) return;
+    kill(-process_, SIGKILL);
+    waitpid(process_, &status, 0);
+}
+
+std::string Child::how_it_ended() {
+    int status = 0;
+    if (process_ <= 0 || !ends_within(process_, std::chrono::milliseconds(200), status)) return "";
+    process_ = -1;
+    if (WIFSIGNALED(status))
+        return std::string(" (it was ended by signal ") + std::to_string(WTERMSIG(status)) + ", " +
+               strsignal(WTERMSIG(status)) + ")";
+    const int code = WEXITSTATUS(status);
+    return code == 127 ? " (the shell did not find the command)"
+                       : " (it ended with status " + std::to_string(code) + ")";
+}
+
+void Child::fail(const std::string& what) {
+    const std::string ended = output_ended_ ? how_it_ended() : "";
+    throw EnvironmentError(who_ + ": " + what + ended);
+}
+
+void Child::wait_for(short events_of_input, Clock::time_point until, bool& can_write, bool& can_read) {
+    for (;;) {
+        stop_if_interrupted();
+        std::array<pollfd, 2> ends{{{output_, POLLIN, 0}, {events_of_input ? input_ : -1, events_of_input, 0}}};
+        const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(until - Clock::now()).count();
+        if (left <= 0)
+            fail(
+                "has not answered within the time limit; it must read a whole batch, answer it and flush its output; "
+                "raise --time-limit SECONDS where it needs longer");
+        const int ready = poll(ends.data(), ends.size(), static_cast<int>(std::min<decltype(left)>(left, 200)));
+        if (ready < 0 && errno != EINTR) fail(std::string("poll: ") + std::strerror(errno));
+        if (ready <= 0) continue;
+        can_read = ends[0].revents != 0;
+        can_write = ends[1].revents != 0;
+        return;
+    }
+}
+
+void Child::write_some(std::span<const std::byte>& request) {
+    const ssize_t written = ::write(input_, request.data(), request.size());
+    if (written >= 0) {
+        request = request.subspan(static_cast<std::size_t>(written));
+    } else if (errno == EPIPE) {
+        output_ended_ = true;
+        fail("ended before it had read a whole batch");
+    } else if (errno != EAGAIN && errno != EINTR) {
+        fail(std::string("cannot be written to: ") + std::strerror(errno));
+    }
+}
+
+std::size_t Child::read_some(std::span<std::byte> room) {
+    const ssize_t got = ::read(output_, room.data(), room.size());
+    if (got > 0) return static_cast<std::size_t>(got);
+    if (got < 0 && (errno == EAGAIN || errno == EINTR)) return 0;
+    output_ended_ = true;
+    fail("ended in the middle of an answer");
+}
+
+void Child::exchange(std::span<const std::byte> request, std::span<std::byte> answer) {
+    const auto until = Clock::now() + std::chrono::duration_cast<Clock::duration>(limit_);
+    while (!request.empty() || !answer.empty()) {
+        bool can_write = false, can_read = false;
+        wait_for(request.empty() ? short{0} : short{POLLOUT}, until, can_write, can_read);
+        if (can_write) write_some(request);
+        if (!can_read) continue;
+        if (answer.empty()) return;  // it answers before it has read all, or it has ended: the next read says which
+        answer = answer.subspan(read_some(answer));
+    }
+}
+
+void Child::read(std::span<std::byte> answer) { exchange({}, answer); }
+
+std::string Child::read_line() {
+    std::string line;
+    for (;;) {
+        std::byte one{};
+        read({&one, 1});
+        if (static_cast<char>(one) == '\n') return line;
+        line += static_cast<char>(one);
+        if (line.size() > 4096) fail("wrote a first line without end; see docs/pipe.md for what it says at its start");
+    }
+}
+
+}  // namespace lostbits::intersect::doors

@@ -1,0 +1,47 @@
+// A process that is asked over its standard input and answers on its standard output.
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <span>
+#include <string>
+
+namespace lostbits::intersect::doors {
+
+class Child {
+public:
+    /// Starts `command` by the shell, in a process group of its own; its standard error is ours. `who` begins messages.
+    /// EnvironmentError.
+    Child(std::string command, std::string who, double seconds);
+    /// Closes its input, which tells it to end, and ends it with a signal where it does not within a second.
+    ~Child();
+    Child(const Child&) = delete;
+    Child& operator=(const Child&) = delete;
+
+    /// A line of its output, without the line's end. EnvironmentError where there is none in time, or where it is
+    /// longer than 4096 bytes.
+    std::string read_line();
+    /// Writes all of `request` while it reads exactly as much as `answer` holds; within the time limit together.
+    void exchange(std::span<const std::byte> request, std::span<std::byte> answer);
+    /// Reads exactly so much.
+    void read(std::span<std::byte> answer);
+
+    /// EnvironmentError that begins with `who`, and says how the process ended where it did.
+    [[noreturn]] void fail(const std::string& what);
+
+private:
+    using Clock = std::chrono::steady_clock;
+
+    void write_some(std::span<const std::byte>& request);
+    /// How many bytes came; at least one.
+    std::size_t read_some(std::span<std::byte> room);
+    void wait_for(short events_of_input, Clock::time_point until, bool& can_write, bool& can_read);
+    [[nodiscard]] std::string how_it_ended();
+
+    std::string command_, who_;
+    std::chrono::duration<double> limit_;
+    int process_ = -1, input_ = -1, output_ = -1;
+    bool output_ended_ = false;
+};
+
+}  // namespace lostbits::intersect::doors

@@ -1,0 +1,48 @@
+// What an intersector from outside says of itself, and how it becomes a row of the table.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include <lostbits_plugin.h>
+#include "intersect/table/table.hpp"
+
+namespace lostbits::intersect::doors {
+
+/// The contract of a form in one format.
+struct Contract {
+    std::string name, title, source;
+    Shape shape = Shape::sphere;
+    int bits = 32;  ///< of the numbers that it takes: 32 or 64
+    Direction direction = Direction::any;
+    Roots roots = Roots::both;
+    Touching touching = Touching::hit;
+    AtOrigin at_origin = AtOrigin::hit;
+    unsigned flags = 0;  ///< LB_LINE, LB_NO_END, LB_ONE_THREAD
+
+    friend bool operator==(const Contract&, const Contract&) = default;
+};
+
+/// A contract together with what answers it.
+struct ForeignForm {
+    Contract contract;
+    std::string from;  ///< the library or the command, for messages
+    /// Fills `near_far` and `hit` of a batch; throws an Error that names `from` where it cannot.
+    std::function<void(const lb_batch&)> answer;
+};
+
+/// As a library states it. InputError, which begins with `from`, for what makes no sense.
+Contract contract_of(const lb_form& form, const std::string& from);
+
+/// InputError where the words of a contract contradict each other; `from` begins the message.
+void require_sense(const Contract& contract, const std::string& from);
+
+/// The form as rows of the table, which the program keeps until it ends; a name that comes in two formats becomes one
+/// row. InputError where two of a name differ in more than the format, or a row of the table has the name.
+void enroll(std::vector<ForeignForm> forms);
+
+/// What an enrolled row is made of: one form, or one for each of two formats. Empty for a row of the catalogue.
+std::vector<const ForeignForm*> behind(const table::Intersector& row);
+
+}  // namespace lostbits::intersect::doors

@@ -1,0 +1,138 @@
+#include "intersect/doors/foreign_batch.hpp"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <vector>
+
+#include "number/error.hpp"
+
+namespace lostbits::intersect::doors {
+namespace {
+
+/// What no form answers: a NaN of this payload stands where nothing was written.
+template <class S>
+using Bits = std::conditional_t<sizeof(S) == 4, std::uint32_t, std::uint64_t>;
+template <class S>
+constexpr Bits<S> unwritten = sizeof(S) == 4 ? static_cast<Bits<S>>(0x7FCAFE15U)
+                                             : static_cast<Bits<S>>(0x7FFCAFE15BAD5EEDULL);
+constexpr std::uint8_t neither = 0xEE;
+
+/// The columns of a batch ray by ray, with room for the answers. Kept by the thread.
+template <class S>
+struct Interleaved {
+    std::vector<S> rays, near_far, solids;
+    std::vector<std::uint8_t> hit;
+
+    void set(const table::RayBatch<S>& batch, const Target<S>& target) {
+        const std::size_t n = batch.size();
+        rays.resize(6 * n);
+        const std::array columns{batch.ox.data(), batch.oy.data(), batch.oz.data(),
+                                 batch.dx.data(), batch.dy.data(), batch.dz.data()};
+        for (std::size_t i = 0; i < n; ++i) {
+            for (std::size_t k = 0; k < 6; ++k) rays[6 * i + k] = columns[k][i];
+        }
+        solids.clear();
+        for (const Solid<S>& solid : target.solids) {
+            const auto used = solid.used();
+            solids.insert(solids.end(), used.begin(), used.end());
+        }
+        near_far.resize(2 * n);
+        hit.resize(n);
+        mark_unwritten<S>(near_far, hit);
+    }
+};
+
+template <class S>
+bool is_unwritten(S x) {
+    return std::bit_cast<Bits<S>>(x) == unwritten<S>;
+}
+
+/// One answer as the table knows it.
+template <class S>
+Hit<S> hit_of(const Contract& contract, std::uint8_t said, const S* near_far, S end) {
+    if (said == 0) return {false, 0, 0, 0};
+    if (contract.roots == Roots::none) {
+        constexpr S nothing = std::numeric_limits<S>::quiet_NaN();
+        return {true, nothing, nothing, nothing};
+    }
+    const S near = near_far[0], far = contract.roots == Roots::both ? near_far[1] : near_far[0];
+    if (contract.roots != Roots::both) return {(contract.flags & LB_NO_END) == 0 || !(near > end), near, near, far};
+    // A box is entered at t = 0 by a ray that starts in it; a sphere's surface is behind then, and the far one ahead.
+    const auto counts = [&contract](S t) { return contract.at_origin == AtOrigin::hit ? t >= 0 : t > 0; };
+    const bool box = contract.shape == Shape::box;
+    const S t = std::isnan(near) || counts(near) ? near : box ? std::max(near, S(0)) : far;
+    bool hit = true;
+    if ((contract.flags & LB_LINE) != 0) hit = !(std::isnan(far) ? false : !counts(far));
+    if ((contract.flags & LB_NO_END) != 0) hit = hit && !(t > end);
+    return {hit, t, near, far};
+}
+
+}  // namespace
+
+template <class S>
+void mark_unwritten(std::span<S> near_far, std::span<std::uint8_t> hit) {
+    std::ranges::fill(near_far, std::bit_cast<S>(unwritten<S>));
+    std::ranges::fill(hit, neither);
+}
+template void mark_unwritten(std::span<float>, std::span<std::uint8_t>);
+template void mark_unwritten(std::span<double>, std::span<std::uint8_t>);
+
+void ForeignBatch::ask(const lb_batch& batch) {
+    if ((form_.contract.flags & LB_ONE_THREAD) == 0) return form_.answer(batch);
+    const std::scoped_lock alone(one_at_a_time_);
+    form_.answer(batch);
+}
+
+template <class S>
+void ForeignBatch::answer_in(const table::RayBatch<S>& rays, const Target<S>& target, const table::HitBatch<S>& hits) {
+    thread_local Interleaved<S> room;
+    const std::size_t n = rays.size();
+    if (n == 0) return;
+    room.set(rays, target);
+    ask({.size = n,
+         .rays = room.rays.data(),
+         .ends = rays.tmax.empty() ? nullptr : rays.tmax.data(),
+         .solids = room.solids.data(),
+         .solid_stride = target.solids.size() == 1 ? 0 : target.solids.front().used().size(),
+         .near_far = room.near_far.data(),
+         .hit = room.hit.data(),
+         .own = nullptr});
+    const Contract& contract = form_.contract;
+    const auto fail = [&](std::size_t i, const std::string& what) {
+        throw EnvironmentError(form_.from + ": form \"" + contract.name + "\" " + what + " (ray " + std::to_string(i) +
+                               " of " + std::to_string(n) + " in a batch)");
+    };
+    for (std::size_t i = 0; i < n; ++i) {
+        const std::uint8_t said = room.hit[i];
+        if (said == neither) fail(i, "did not write `hit`; it is 1 or 0 for every ray");
+        if (said > 1) fail(i, "wrote " + std::to_string(said) + " to `hit`; it is 1 or 0");
+        const S* const near_far = &room.near_far[2 * i];
+        if (said == 1 && contract.roots != Roots::none &&
+            (is_unwritten(near_far[0]) || (contract.roots == Roots::both && is_unwritten(near_far[1]))))
+            fail(i, contract.roots == Roots::both
+                        ? "says hit and did not write both of near and far; a form of one root says so in `roots`"
+                        : "says hit and did not write t");
+        const S end = rays.tmax.empty() ? std::numeric_limits<S>::infinity() : rays.tmax[i];
+        const Hit<S> hit = hit_of(contract, said, near_far, end);
+        hits.hit[i] = hit.hit;
+        hits.t[i] = hit.t;
+        hits.near[i] = hit.near;
+        hits.far[i] = hit.far;
+    }
+}
+
+void ForeignBatch::answer(const table::RayBatch<float>& rays, const Target<float>& target,
+                          const table::HitBatch<float>& hits) {
+    answer_in(rays, target, hits);
+}
+
+void ForeignBatch::answer(const table::RayBatch<double>& rays, const Target<double>& target,
+                          const table::HitBatch<double>& hits) {
+    answer_in(rays, target, hits);
+}
+
+}  // namespace lostbits::intersect::doors

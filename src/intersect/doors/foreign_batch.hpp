@@ -1,0 +1,36 @@
+// A batch of the table as a form from outside takes it, and its answers as the table takes them.
+#pragma once
+
+#include <cstdint>
+#include <mutex>
+#include <span>
+
+#include "intersect/doors/contract.hpp"
+
+namespace lostbits::intersect::doors {
+
+/// Fills room for answers with what no form answers, so that one that is left out is seen.
+template <class S>
+void mark_unwritten(std::span<S> near_far, std::span<std::uint8_t> hit);
+
+class ForeignBatch {
+public:
+    explicit ForeignBatch(ForeignForm form) : form_(std::move(form)) {}
+
+    /// Asks the form and holds it to its contract. EnvironmentError where it leaves an answer out or says neither yes
+    /// nor no; else whatever it throws.
+    void answer(const table::RayBatch<float>& rays, const Target<float>& target, const table::HitBatch<float>& hits);
+    void answer(const table::RayBatch<double>& rays, const Target<double>& target, const table::HitBatch<double>& hits);
+
+    [[nodiscard]] const ForeignForm& form() const { return form_; }
+
+private:
+    template <class S>
+    void answer_in(const table::RayBatch<S>& rays, const Target<S>& target, const table::HitBatch<S>& hits);
+    void ask(const lb_batch& batch);
+
+    ForeignForm form_;
+    std::mutex one_at_a_time_;
+};
+
+}  // namespace lostbits::intersect::doors

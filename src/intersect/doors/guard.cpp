@@ -1,0 +1,131 @@
+#include "intersect/doors/guard.hpp"
+
+#include <signal.h>
+#include <unistd.h>
+
+#include <array>
+#include <atomic>
+#include <chrono>
+#include <cstdlib>
+#include <cstring>
+#include <memory>
+#include <thread>
+
+#include "number/error.hpp"
+
+namespace lostbits::intersect::doors {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+GuardTerms& terms() {
+    static GuardTerms kept;
+    return kept;
+}
+
+/// What the watching thread sees of a call. More calls at once than places go unwatched.
+struct Slot {
+    std::atomic<const char*> who{nullptr};
+    std::atomic<Clock::rep> since{0};
+};
+std::array<Slot, 256> slots;
+thread_local const char* inside = nullptr;
+
+/// With write(2) alone: a signal handler may not allocate.
+void say(const char* who, const char* what, const char* remedy) {
+    for (const char* part : {"lostbits: ", who, ": ", what, "; ", remedy, "\n"}) {
+        if (write(STDERR_FILENO, part, std::strlen(part)) < 0) return;
+    }
+}
+
+[[noreturn]] void end(const char* who, const char* what, const char* remedy) {
+    if (terms().clean_up) terms().clean_up();
+    say(who, what, remedy);
+    _exit(static_cast<int>(Exit::environment));
+}
+
+constexpr const char* try_child = "try --isolate, which runs it in a process of its own, or a debugger";
+
+const char* crash_of(int signal) {
+    switch (signal) {
+        case SIGSEGV: return "crashed: it read or wrote memory that is not its own (SIGSEGV), or used up its stack";
+        case SIGBUS: return "crashed: it read memory that is not there (SIGBUS)";
+        case SIGFPE: return "crashed: an integer division by zero, or it had floating-point exceptions trap (SIGFPE)";
+        case SIGILL: return "crashed: an instruction that this processor does not have (SIGILL)";
+        default: return "gave up: it called abort(), or an assertion failed there (SIGABRT)";
+    }
+}
+
+void on_crash(int signal) {
+    if (inside != nullptr) end(inside, crash_of(signal), try_child);
+    ::signal(signal, SIG_DFL);
+    raise(signal);
+}
+
+void on_exit_inside() {
+    if (inside != nullptr) end(inside, "called exit()", "a form returns, with an error text where it cannot answer");
+}
+
+/// So that a stack that is used up can still be told.
+void have_signal_stack() {
+    thread_local const std::unique_ptr<char[]> memory = [] {
+        constexpr std::size_t size = 64 * 1024;
+        auto room = std::make_unique<char[]>(size);
+        stack_t stack{};
+        stack.ss_sp = room.get();
+        stack.ss_size = size;
+        sigaltstack(&stack, nullptr);
+        return room;
+    }();
+    static_cast<void>(memory);
+}
+
+[[noreturn]] void watch() {
+    for (;;) {
+        std::this_thread::sleep_for(std::chrono::milliseconds(100));
+        const auto now = Clock::now().time_since_epoch().count();
+        for (const Slot& slot : slots) {
+            const char* const who = slot.who.load();
+            if (who == nullptr) continue;
+            const std::chrono::duration<double> taken = Clock::duration(now - slot.since.load());
+            if (taken.count() > terms().seconds)
+                end(who, "has not answered a batch within the time limit", "raise --time-limit SECONDS, or mend it");
+        }
+    }
+}
+
+}  // namespace
+
+InForeignCode::InForeignCode(const char* who) : slot_(-1) {
+    have_signal_stack();
+    inside = who;
+    const auto now = Clock::now().time_since_epoch().count();
+    for (std::size_t i = 0; i < slots.size(); ++i) {
+        const char* nobody = nullptr;
+        if (slots[i].who.load(std::memory_order_relaxed) != nullptr) continue;
+        slots[i].since.store(now);
+        if (!slots[i].who.compare_exchange_strong(nobody, who)) continue;
+        slot_ = static_cast<int>(i);
+        return;
+    }
+}
+
+InForeignCode::~InForeignCode() {
+    inside = nullptr;
+    if (slot_ >= 0) slots[static_cast<std::size_t>(slot_)].who.store(nullptr);
+}
+
+void guard_foreign_code(const GuardTerms& wanted) {
+    static bool on = false;
+    terms() = wanted;
+    if (on) return;
+    on = true;
+    struct sigaction action {};
+    action.sa_handler = on_crash;
+    action.sa_flags = SA_ONSTACK;
+    for (const int signal : {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT}) sigaction(signal, &action, nullptr);
+    std::atexit(on_exit_inside);
+    std::thread(watch).detach();
+}
+
+}  // namespace lostbits::intersect::doors

@@ -1,0 +1,31 @@
+// Code that is not ours runs in this process: when it crashes, hangs or ends the program, someone is told who it was.
+#pragma once
+
+#include <string>
+
+namespace lostbits::intersect::doors {
+
+/// While one lives, this thread is inside of foreign code. `who` outlives it.
+class InForeignCode {
+public:
+    explicit InForeignCode(const char* who);
+    ~InForeignCode();
+    InForeignCode(const InForeignCode&) = delete;
+    InForeignCode& operator=(const InForeignCode&) = delete;
+
+private:
+    int slot_;
+};
+
+struct GuardTerms {
+    double seconds = 30;  ///< that one batch may take
+    void (*clean_up)() =
+        nullptr;  ///< called before the program ends for a fault of foreign code; from a signal handler
+};
+
+/// From now on a signal of a crash inside of foreign code, a call of exit() there and a batch that takes too long end
+/// the program with a line that names it and what to try, and with Exit::environment. Other crashes stay what they
+/// were.
+void guard_foreign_code(const GuardTerms& terms);
+
+}  // namespace lostbits::intersect::doors

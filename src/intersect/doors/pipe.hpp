@@ -1,0 +1,48 @@
+// Any program, in any language, as an intersector: it reads batches on its standard input and answers on its standard
+// output. What it says is in docs/pipe.md.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "intersect/doors/contract.hpp"
+
+namespace lostbits::intersect::doors {
+
+/// What comes before the numbers of a batch, little-endian. They follow as ray by ray 6, then the ends of the rays
+/// where there are any, then of each solid 4 or 6.
+struct PipeRequest {
+    char magic[4] = {'L', 'B', 'Q', '1'};
+    std::uint32_t form = 0;  ///< which of the header's, from 0
+    std::uint32_t rays = 0;
+    std::uint32_t solids = 0;  ///< 1, or as many as rays
+    std::uint32_t ends = 0;    ///< as many as rays, or 0
+};
+static_assert(sizeof(PipeRequest) == 20);
+
+/// What comes before an answer: near and far of every ray, then a byte `hit` of each; or, where `error` is not 0, a
+/// text of so many bytes.
+struct PipeAnswer {
+    char magic[4] = {'L', 'B', 'A', '1'};
+    std::uint32_t error = 0;
+};
+static_assert(sizeof(PipeAnswer) == 8);
+
+struct PipeTerms {
+    double seconds = 30;     ///< that an answer may take
+    unsigned processes = 1;  ///< at most, one a thread; one alone for a form that says one_thread
+    std::string who = {};    ///< begins messages; empty: the command
+};
+
+/// Starts the command and reads what it says of itself. InputError for a header that makes no sense, EnvironmentError
+/// where the process does not speak. The processes end with the program.
+std::vector<ForeignForm> open_pipe(const std::string& command, const PipeTerms& terms);
+
+/// The header of a pipe that offers these forms.
+std::string pipe_header(const std::vector<ForeignForm>& forms);
+
+/// The other end: answers requests on `input` with these forms until it ends. False where what came was no request.
+bool serve_pipe(const std::vector<ForeignForm>& forms, int input, int output);
+
+}  // namespace lostbits::intersect::doors

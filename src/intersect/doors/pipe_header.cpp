@@ -1,0 +1,135 @@
+#include "intersect/doors/pipe_header.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <functional>
+#include <span>
+
+#include "number/error.hpp"
+
+namespace lostbits::intersect::doors {
+namespace {
+
+/// The words of one key, in the order of the values that they stand for.
+using Words = std::span<const std::string_view>;
+
+constexpr std::array<std::string_view, 2> shapes{"sphere", "box"}, formats{"f32", "f64"}, directions{"any", "unit"},
+    counts{"hit", "miss"};
+constexpr std::array<std::string_view, 4> roots{"both", "near", "first", "none"};
+constexpr std::array<std::string_view, 3> flags{"line", "no_end", "one_thread"};
+
+/// One key of a form: what it may say, and how the contract holds it.
+struct Key {
+    std::string_view name;
+    Words words;  ///< empty: any text
+    std::function<void(Contract&, std::size_t, const std::string&)> set;
+    std::function<std::string(const Contract&)> get;
+};
+
+template <class Value>
+Key choice(std::string_view name, Words words, Value Contract::*field) {
+    return {name, words, [field](Contract& c, std::size_t i, const std::string&) { c.*field = static_cast<Value>(i); },
+            [field, words](const Contract& c) { return std::string(words[static_cast<std::size_t>(c.*field)]); }};
+}
+
+Key text(std::string_view name, std::string Contract::*field) {
+    return {name,
+            {},
+            [field](Contract& c, std::size_t, const std::string& words) { c.*field = words; },
+            [field](const Contract& c) { return c.*field; }};
+}
+
+std::string flags_of(const Contract& c) {
+    std::string all;
+    for (std::size_t i = 0; i < flags.size(); ++i) {
+        if (c.flags & (1U << i)) all += (all.empty() ? "" : ",") + std::string(flags[i]);
+    }
+    return all;
+}
+
+const std::vector<Key>& keys() {
+    static const std::vector<Key> all{
+        text("name", &Contract::name),
+        text("title", &Contract::title),
+        text("source", &Contract::source),
+        choice("shape", shapes, &Contract::shape),
+        {"format", formats, [](Contract& c, std::size_t i, const std::string&) { c.bits = i == 0 ? 32 : 64; },
+         [](const Contract& c) { return std::string(formats[c.bits == 32 ? 0 : 1]); }},
+        choice("direction", directions, &Contract::direction),
+        choice("roots", roots, &Contract::roots),
+        choice("touching", counts, &Contract::touching),
+        choice("at_origin", counts, &Contract::at_origin)};
+    return all;
+}
+
+std::string listed(Words words) {
+    std::string all;
+    for (const std::string_view word : words) all += (all.empty() ? "" : ", ") + std::string(word);
+    return all;
+}
+
+/// Place of a word among those of its key.
+std::size_t place_of(Words words, const std::string& word, const std::string& where, const std::string& key) {
+    const auto found = std::ranges::find(words, word);
+    if (found == words.end())
+        throw InputError(where + ": " + key + " is " + shown_text(word) + "; it is one of " + listed(words));
+    return static_cast<std::size_t>(found - words.begin());
+}
+
+void set_flags(Contract& contract, const std::string& value, const std::string& where) {
+    for (std::size_t begin = 0; begin < value.size();) {
+        const std::size_t comma = std::min(value.find(',', begin), value.size());
+        contract.flags |= 1U << place_of(flags, value.substr(begin, comma - begin), where, "flags");
+        begin = comma + 1;
+    }
+}
+
+}  // namespace
+
+std::string shown_text(std::string_view text, std::size_t most) {
+    constexpr std::string_view digits = "0123456789abcdef";
+    std::string shown = "\"";
+    for (const char c : text.substr(0, most)) {
+        const auto byte = static_cast<unsigned char>(c);
+        if (byte >= 32 && byte < 127) shown += c;
+        else (shown += "\\x") += {digits[byte / 16], digits[byte % 16]};
+    }
+    return shown + (text.size() > most ? "…\"" : "\"");
+}
+
+std::vector<Contract> read_pipe_header(const std::vector<std::string>& lines, const std::string& from) {
+    std::vector<Contract> contracts;
+    for (std::size_t i = 1; i < lines.size(); ++i) {
+        const std::string where = from + ": header line " + std::to_string(i + 1);
+        const std::size_t equals = lines[i].find('=');
+        if (equals == std::string::npos) throw InputError(where + ": " + shown_text(lines[i]) + " is not key=value");
+        const std::string key = lines[i].substr(0, equals), value = lines[i].substr(equals + 1);
+        if (key == "name") contracts.emplace_back();
+        if (contracts.empty()) throw InputError(where + ": a form begins with name=, before its " + shown_text(key));
+        if (key == "flags") {
+            set_flags(contracts.back(), value, where);
+            continue;
+        }
+        const auto known = std::ranges::find(keys(), key, &Key::name);
+        if (known == keys().end())
+            throw InputError(where + ": unknown key " + shown_text(key) +
+                             "; known are name, title, source, shape, format, direction, roots, touching, at_origin, "
+                             "flags");
+        known->set(contracts.back(), known->words.empty() ? 0 : place_of(known->words, value, where, key), value);
+    }
+    if (contracts.empty()) throw InputError(from + ": its header names no form; write name=, shape=, format=");
+    for (const Contract& contract : contracts) require_sense(contract, from);
+    return contracts;
+}
+
+std::string pipe_header_of(const std::vector<Contract>& contracts) {
+    std::string header = std::string(pipe_version) + "\n";
+    for (const Contract& contract : contracts) {
+        for (const Key& key : keys()) header += std::string(key.name) + "=" + key.get(contract) + "\n";
+        if (contract.flags != 0) header += "flags=" + flags_of(contract) + "\n";
+    }
+    return header + "\n";
+}
+
+}  // namespace lostbits::intersect::doors

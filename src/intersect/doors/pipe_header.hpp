@@ -1,0 +1,27 @@
+// What a program behind a pipe says of itself before anything else.
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "intersect/doors/contract.hpp"
+
+namespace lostbits::intersect::doors {
+
+inline constexpr std::string_view pipe_version = "lostbits-pipe/1";
+
+/// The contracts of a header, its lines without the empty one that ends it: after the version, `key=value`, where each
+/// `name=` begins a form and what is not said is as in `Contract`. InputError, which begins with `from` and names the
+/// line, for unknown keys and words.
+std::vector<Contract> read_pipe_header(const std::vector<std::string>& lines, const std::string& from);
+
+/// The same the other way.
+std::string pipe_header_of(const std::vector<Contract>& contracts);
+
+/// Text that a process wrote, for a message: in quotation marks, cut to `most` bytes, what a terminal would obey as
+/// \xNN.
+std::string shown_text(std::string_view text, std::size_t most = 60);
+
+}  // namespace lostbits::intersect::doors

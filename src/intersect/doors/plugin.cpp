@@ -1,0 +1,117 @@
+#include "intersect/doors/plugin.hpp"
+
+#include <dlfcn.h>
+#include <unistd.h>
+
+#include <cstdlib>
+#include <memory>
+#include <system_error>
+
+#include "intersect/doors/guard.hpp"
+#include "number/error.hpp"
+
+namespace lostbits::intersect::doors {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+std::vector<fs::path> search_path() {
+    std::vector<fs::path> folders;
+    if (const char* const path = std::getenv("LOSTBITS_PLUGIN_PATH")) {
+        std::string rest = path;
+        for (std::size_t colon = 0; colon != std::string::npos;) {
+            colon = rest.find(':');
+            if (colon != 0 && !rest.empty()) folders.emplace_back(rest.substr(0, colon));
+            rest = colon == std::string::npos ? "" : rest.substr(colon + 1);
+        }
+    }
+    std::error_code ignored;
+    const fs::path program = fs::read_symlink("/proc/self/exe", ignored);
+    if (!program.empty()) {
+        folders.push_back(program.parent_path() / "plugins");
+        folders.push_back(program.parent_path().parent_path() / "lib" / "lostbits" / "plugins");
+    }
+    return folders;
+}
+
+/// Why the loader refused, without the name that the message begins with anyway.
+std::string loader_words(const fs::path& library) {
+    std::string words = dlerror();
+    const std::string prefix = library.string() + ": ";
+    if (words.starts_with(prefix)) words.erase(0, prefix.size());
+    return words;
+}
+
+ForeignForm foreign(const lb_form& form, const std::string& from) {
+    ForeignForm made{contract_of(form, from), from, {}};
+    // Kept for as long as the library: a signal handler may name it at any time.
+    static std::vector<std::unique_ptr<const std::string>> names;
+    names.push_back(std::make_unique<const std::string>(from + ": form \"" + made.contract.name + "\""));
+    const char* const who = names.back()->c_str();
+    made.answer = [&form, who](const lb_batch& asked) {
+        lb_batch batch = asked;
+        batch.own = form.own;
+        const char* refused = nullptr;
+        try {
+            const InForeignCode here(who);
+            refused = form.run(&batch);
+        } catch (...) {
+            throw EnvironmentError(std::string(who) +
+                                   ": threw an exception through its C interface; catch it there and return its text");
+        }
+        if (refused != nullptr) throw EnvironmentError(std::string(who) + ": " + refused);
+    };
+    return made;
+}
+
+}  // namespace
+
+fs::path find_plugin(const std::string& named) {
+    std::error_code ignored;
+    const fs::path given(named);
+    if (fs::is_regular_file(given, ignored)) return given;
+    if (named.find('/') != std::string::npos) throw InputError(named + ": there is no such library");
+    std::string looked = "here";
+    for (const fs::path& folder : search_path()) {
+        for (const fs::path& path : {folder / named, folder / (named + ".so")}) {
+            if (fs::is_regular_file(path, ignored)) return path;
+        }
+        looked += ", " + folder.string();
+    }
+    throw InputError("--plugin " + named + ": no such library; looked " + looked +
+                     "; give its path, or set LOSTBITS_PLUGIN_PATH");
+}
+
+std::vector<ForeignForm> load_plugin(const fs::path& library) {
+    const std::string from = library.string();
+    // Without a slash the loader would look for it in folders of its own.
+    static std::vector<std::unique_ptr<const std::string>> names;  // for as long as a signal handler may ask
+    names.push_back(std::make_unique<const std::string>(from));
+    const char* const who = names.back()->c_str();
+    void* const loaded = [&] {
+        const InForeignCode here(who);  // what it does when it is loaded
+        return dlopen(fs::absolute(library).c_str(), RTLD_NOW | RTLD_LOCAL);
+    }();
+    if (loaded == nullptr) throw InputError(from + ": cannot be loaded: " + loader_words(fs::absolute(library)));
+    using Ask = const lb_form* (*)(int, std::size_t*);
+    const auto ask = reinterpret_cast<Ask>(dlsym(loaded, "lostbits_forms"));
+    if (ask == nullptr)
+        throw InputError(from +
+                         ": exports no lostbits_forms; see lostbits_plugin.h, and make it extern \"C\" and visible");
+    std::size_t count = 0;
+    const lb_form* const forms = [&] {
+        const InForeignCode here(who);
+        return ask(LOSTBITS_PLUGIN_ABI, &count);
+    }();
+    if (forms == nullptr)
+        throw InputError(from + ": has no forms for version " + std::to_string(LOSTBITS_PLUGIN_ABI) +
+                         " of lostbits_plugin.h; compile it again with the header of this program");
+    if (count == 0 || count > 4096)
+        throw InputError(from + ": says that it has " + std::to_string(count) + " forms; it must be from 1 to 4096");
+    std::vector<ForeignForm> all;
+    for (std::size_t i = 0; i < count; ++i) all.push_back(foreign(forms[i], from));
+    return all;
+}
+
+}  // namespace lostbits::intersect::doors

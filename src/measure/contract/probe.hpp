@@ -1,0 +1,29 @@
+// An intersector from outside, asked a few rays whose answers anyone can check by hand.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "intersect/doors/contract.hpp"
+
+namespace lostbits::measure::contract {
+
+/// What was found about one promise.
+struct Finding {
+    enum class Verdict {
+        kept,    ///< it does as it says
+        broken,  ///< it does something else
+        told     ///< nothing was promised; what it does is worth knowing
+    };
+    std::string subject;  ///< `direction`, `roots`, `touching`, …
+    Verdict verdict;
+    std::string words;  ///< what it does, and what to write where that is not what it says
+};
+
+/// Asks the form, some twenty batches: whether it answers the same again, ray by ray, with a solid a ray and from
+/// several threads; whose directions, roots and ends it takes; what it makes of a ray that touches, starts on the
+/// surface, inside or beyond; of huge, zero and NaN numbers. Answers are right here to 2^-10 of themselves. A form that
+/// cannot answer at all throws what it throws.
+std::vector<Finding> try_contract(const intersect::doors::ForeignForm& form);
+
+}  // namespace lostbits::measure::contract
