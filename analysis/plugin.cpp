@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <cstdio>
 #include <memory>
 #include <string>
 #include <vector>
@@ -52,6 +53,7 @@ bool show_trial(const ForeignForm& form, bool quiet) {
         if (!quiet || f.verdict == Finding::Verdict::broken)
             fmt::print("  {:<6} {:<12} {}\n", word_of(f.verdict), f.subject, f.words);
     }
+    std::fflush(stdout);  // before the next form, which may crash
     return broken == 0;
 }
 

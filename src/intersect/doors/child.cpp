@@ -132,7 +132,7 @@ std::size_t Child::read_some(std::span<std::byte> room) {
     if (got > 0) return static_cast<std::size_t>(got);
     if (got < 0 && (errno == EAGAIN || errno == EINTR)) return 0;
     output_ended_ = true;
-    fail("ended in the middle of an answer");
+    fail("ended without a whole answer");
 }
 
 void Child::exchange(std::span<const std::byte> request, std::span<std::byte> answer) {

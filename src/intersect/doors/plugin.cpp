@@ -4,10 +4,10 @@
 #include <unistd.h>
 
 #include <cstdlib>
-#include <memory>
 #include <system_error>
 
 #include "intersect/doors/guard.hpp"
+#include "intersect/doors/pipe_header.hpp"
 #include "number/error.hpp"
 
 namespace lostbits::intersect::doors {
@@ -43,12 +43,12 @@ std::string loader_words(const fs::path& library) {
     return words;
 }
 
+/// Kept beyond the end of main(): what is called when the program exits may ask for it.
+const char* lasting(const std::string& name) { return (new std::string(name))->c_str(); }
+
 ForeignForm foreign(const lb_form& form, const std::string& from) {
     ForeignForm made{contract_of(form, from), from, {}};
-    // Kept for as long as the library: a signal handler may name it at any time.
-    static std::vector<std::unique_ptr<const std::string>> names;
-    names.push_back(std::make_unique<const std::string>(from + ": form \"" + made.contract.name + "\""));
-    const char* const who = names.back()->c_str();
+    const char* const who = lasting(from + ": form \"" + made.contract.name + "\"");
     made.answer = [&form, who](const lb_batch& asked) {
         lb_batch batch = asked;
         batch.own = form.own;
@@ -60,7 +60,7 @@ ForeignForm foreign(const lb_form& form, const std::string& from) {
             throw EnvironmentError(std::string(who) +
                                    ": threw an exception through its C interface; catch it there and return its text");
         }
-        if (refused != nullptr) throw EnvironmentError(std::string(who) + ": " + refused);
+        if (refused != nullptr) throw EnvironmentError(std::string(who) + ": " + shown_text(refused, 400));
     };
     return made;
 }
@@ -86,9 +86,7 @@ fs::path find_plugin(const std::string& named) {
 std::vector<ForeignForm> load_plugin(const fs::path& library) {
     const std::string from = library.string();
     // Without a slash the loader would look for it in folders of its own.
-    static std::vector<std::unique_ptr<const std::string>> names;  // for as long as a signal handler may ask
-    names.push_back(std::make_unique<const std::string>(from));
-    const char* const who = names.back()->c_str();
+    const char* const who = lasting(from);
     void* const loaded = [&] {
         const InForeignCode here(who);  // what it does when it is loaded
         return dlopen(fs::absolute(library).c_str(), RTLD_NOW | RTLD_LOCAL);

@@ -1,0 +1,67 @@
+#!/usr/bin/env node
+// A ray/sphere intersector in JavaScript behind a pipe:
+//   lostbits map near-benign --pipe 'node examples/pipes/schoolbook.mjs' -o out
+// Replace `schoolbook` by your own. Whatever is printed must go to standard error (console.error).
+import { readSync, writeSync } from "node:fs";
+
+/** The first t >= 0 where the ray meets the sphere, or undefined. Numbers of JavaScript are doubles. */
+function schoolbook(ox, oy, oz, dx, dy, dz, x, y, z, radius) {
+    const fx = ox - x, fy = oy - y, fz = oz - z;
+    const a = dx * dx + dy * dy + dz * dz;
+    const b = 2 * (fx * dx + fy * dy + fz * dz);
+    const c = fx * fx + fy * fy + fz * fz - radius * radius;
+    const disc = b * b - 4 * a * c;
+    if (disc < 0) return undefined;
+    const near = (-b - Math.sqrt(disc)) / (2 * a), far = (-b + Math.sqrt(disc)) / (2 * a);
+    const t = near < 0 ? far : near;
+    return t < 0 ? undefined : t;
+}
+
+const header = ["lostbits-pipe/1", "name=js.schoolbook", "shape=sphere", "format=f64", "roots=first",
+    "title=the schoolbook formula in JavaScript", "", ""].join("\n");
+
+/** Exactly so many bytes of standard input, in a buffer of their own; undefined where it has ended. */
+function read(bytes) {
+    const buffer = new ArrayBuffer(bytes), view = new Uint8Array(buffer);
+    for (let got = 0; got < bytes;) {
+        let more = 0;
+        try {
+            more = readSync(0, view, got, bytes - got);
+        } catch (error) {
+            if (error.code === "EAGAIN") continue;
+            if (error.code !== "EOF") throw error;
+        }
+        if (more === 0) return undefined;
+        got += more;
+    }
+    return buffer;
+}
+
+function write(buffer) {
+    const view = new Uint8Array(buffer);
+    for (let put = 0; put < view.length;) {
+        try {
+            put += writeSync(1, view, put, view.length - put);
+        } catch (error) {
+            if (error.code !== "EAGAIN") throw error;
+        }
+    }
+}
+
+write(new TextEncoder().encode(header));
+for (let request = read(20); request; request = read(20)) {
+    const [, , n, solids, ends] = new Uint32Array(request);  // magic, form, rays, solids, ends
+    const rays = new Float64Array(read(48 * n));
+    if (ends > 0) read(8 * ends);  // nothing to a sphere here
+    const spheres = new Float64Array(read(32 * solids));
+    const answer = new ArrayBuffer(8 + 17 * n);
+    new Uint8Array(answer).set(new TextEncoder().encode("LBA1"));
+    const nearFar = new Float64Array(answer, 8, 2 * n), hit = new Uint8Array(answer, 8 + 16 * n, n);
+    for (let i = 0; i < n; ++i) {
+        const s = solids === 1 ? 0 : 4 * i;
+        const t = schoolbook(...rays.subarray(6 * i, 6 * i + 6), ...spheres.subarray(s, s + 4));
+        hit[i] = t === undefined ? 0 : 1;
+        nearFar[2 * i] = t ?? 0;
+    }
+    write(answer);
+}

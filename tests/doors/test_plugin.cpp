@@ -1,0 +1,231 @@
+// Libraries of intersectors, from the outside: the same bits as the forms they copy, and an end with a name for every
+// way in which foreign code can go wrong.
+#include <array>
+#include <filesystem>
+#include <string>
+
+#include "catch.hpp"
+#include "cli/program.hpp"
+
+using namespace lostbits::test;
+
+namespace {
+
+std::string library(const std::string& name) { return std::string(LOSTBITS_LIBRARIES) + "/" + name + ".so"; }
+std::string plugin(const std::string& name) { return " --plugin " + library(name); }
+
+/// A small map by one form of the library of odd ones.
+Outcome map_by(const std::string& form, const Scratch& folder, const std::string& more = "") {
+    return run("map near-benign --size 32x24 -i " + form + " -f f32 -o out" + plugin("odd_plugin") + more,
+               folder.path());
+}
+
+/// The line of a form in a summary, without its name.
+std::map<std::string, std::string> row_of(const std::filesystem::path& summary, const std::string& form,
+                                          const std::string& format) {
+    for (auto& row : read_csv(summary)) {
+        if (row["form"] == form && row["format"] == format) return row;
+    }
+    FAIL("no row " << form << " " << format);
+    return {};
+}
+
+}  // namespace
+
+TEST_CASE("plugin: the schoolbook formula has the bits of sphere.schoolbook, in both formats", "[doors]") {
+    const Scratch folder;
+    for (const std::string scene : {"near-benign", "rtg-fig-7-3-4100-oblique"}) {
+        for (const std::string door : {"", " --isolate"}) {
+            INFO(scene << door);
+            const Outcome o = run("map " + scene +
+                                      " --size 96x64 -i example.schoolbook -i sphere.schoolbook -f f32 -f "
+                                      "f64 --pixels csv -o out" +
+                                      plugin("schoolbook") + door,
+                                  folder.path());
+            REQUIRE(o.code == 0);
+            const auto out = folder.path() / "out" / scene;
+            for (const std::string format : {"f32", "f64"}) {
+                const std::string ours = contents(out / ("sphere.schoolbook." + format + ".csv"));
+                CHECK(ours.size() > 100'000);
+                CHECK(ours == contents(out / ("example.schoolbook." + format + ".csv")));
+                auto a = row_of(out / "summary.csv", "sphere.schoolbook", format),
+                     b = row_of(out / "summary.csv", "example.schoolbook", format);
+                for (auto* row : {&a, &b}) {
+                    row->erase("form");
+                    std::erase_if(*row, [](const auto& cell) { return cell.first.ends_with("_explain"); });
+                }
+                CHECK(a.size() > 20);
+                CHECK(a == b);
+            }
+        }
+    }
+}
+
+TEST_CASE("plugin: same bytes for any number of threads", "[doors]") {
+    const Scratch folder;
+    for (const std::string threads : {"1", "2", "5"}) {
+        const Outcome o =
+            run("map near-benign --size 96x64 -i 'odd.right' -i odd.predicate -f f32 --pixels csv -o out" + threads +
+                    " -j " + threads + plugin("odd_plugin"),
+                folder.path());
+        REQUIRE(o.code == 0);
+    }
+    for (const std::string file : {"summary.csv", "odd.right.f32.csv", "odd.predicate.f32.csv"}) {
+        const std::string one = contents(folder.path() / "out1/near-benign" / file);
+        CHECK(one.size() > 500);
+        CHECK(one == contents(folder.path() / "out2/near-benign" / file));
+        CHECK(one == contents(folder.path() / "out5/near-benign" / file));
+    }
+}
+
+TEST_CASE("plugin: a form that says only whether it hits is judged by its decisions alone", "[doors]") {
+    const Scratch folder;
+    REQUIRE(map_by("odd.predicate", folder).code == 0);
+    auto row = row_of(folder.path() / "out/near-benign/summary.csv", "odd.predicate", "f32");
+    CHECK(row["not_a_number"] == "0");
+    CHECK(row["false_hit"] == "0");
+    CHECK(row["false_miss"] == "0");
+    CHECK(std::stoi(row["agree_hit"]) > 100);
+    CHECK(row["wrong_object"] == "0");
+    CHECK((row["ulp_error_max"].empty() || row["ulp_error_max"] == "nan"));
+}
+
+TEST_CASE("plugin: other commands take its forms too", "[doors]") {
+    const Scratch folder;
+    const std::string with = plugin("odd_plugin");
+    CHECK(run("sweep sphere-distance -i odd.first -f f32 -o out" + with, folder.path()).code == 0);
+    CHECK(read_csv(folder.path() / "out/sphere-distance/samples.csv").size() > 10);
+    CHECK(run("trade --quick --repetitions 1 -i odd.first -f f32 -o out" + with, folder.path()).code == 0);
+    CHECK(has(contents(folder.path() / "out/sphere/pareto.csv"), "odd.first,f32,scalar,"));
+    const Outcome listed = run("list intersectors" + with, folder.path());
+    CHECK(has(listed.out, "odd.predicate"));
+    const std::string claims = folder.write(
+        "claims.toml",
+        "schema = \"lostbits-claims/1\"\n[[claim]]\nid = \"right-is-right\"\nstatement = \"odd.right loses nothing\"\n"
+        "source = \"its code\"\nverdict = \"holds\"\n[claim.given]\nscene = \"near-benign\"\nform = \"odd.right\"\n"
+        "format = \"f32\"\n[claim.expect]\nmetric = \"false_miss_fraction\"\nin = [0.0, 0.0]\n");
+    const Outcome checked = run("check " + claims + with, folder.path());
+    INFO(checked.out << checked.err);
+    CHECK(checked.code == 0);
+    const Outcome explained = run("explain near-benign --pixel 1,1 -i odd.first" + with, folder.path());
+    CHECK(explained.code == 2);
+    CHECK(has(explained.err, "its operations cannot be looked at"));
+}
+
+TEST_CASE("plugin: every way to go wrong ends with a name, exit 3 and no files", "[doors]") {
+    struct Fault {
+        const char *form, *says;
+    };
+    for (const Fault& fault :
+         {Fault{"odd.crash", "crashed: it read or wrote memory that is not its own (SIGSEGV)"},
+          Fault{"odd.overflow", "used up its stack"}, Fault{"odd.throws", "no bananas"},
+          Fault{"odd.aborts", "gave up: it called abort()"}, Fault{"odd.exits", "called exit()"},
+          Fault{"odd.hangs", "has not answered a batch within the time limit"},
+          Fault{"odd.throws_through", "threw an exception through its C interface"}, Fault{"odd.refuses", "it is "},
+          Fault{"odd.lazy", "did not write `hit`"}, Fault{"odd.garbage", "wrote 7 to `hit`; it is 1 or 0"},
+          Fault{"odd.half", "did not write both of near and far"}}) {
+        const Scratch folder;
+        const Outcome o = map_by(fault.form, folder, " --time-limit 1");
+        INFO(fault.form << ": " << o.err);
+        CHECK(o.code == 3);
+        CHECK(has(o.err, fault.says));
+        CHECK(has(o.err, "odd_plugin.so"));
+        CHECK(has(o.err, fault.form));
+        CHECK_FALSE(has(o.err, "\033"));
+        CHECK(folder.files().empty());
+    }
+}
+
+TEST_CASE("plugin: in a process of its own the same faults are errors with a name", "[doors]") {
+    for (const std::string form : {"odd.crash", "odd.aborts", "odd.exits", "odd.throws", "odd.hangs", "odd.garbage",
+                                   "odd.half", "odd.lazy", "odd.refuses"}) {
+        const Scratch folder;
+        const Outcome o = map_by(form, folder, " --isolate --time-limit 1");
+        INFO(form << ": " << o.err);
+        CHECK(o.code == 3);
+        CHECK(has(o.err, "odd_plugin.so"));
+        CHECK_FALSE(has(o.err, "\033"));
+        CHECK(folder.files().empty());
+    }
+    const Scratch folder;
+    CHECK(map_by("odd.right", folder, " --isolate").code == 0);
+}
+
+TEST_CASE("plugin: what is no library of forms is refused, with what to try", "[doors]") {
+    const Scratch folder;
+    const auto refused = [&](const std::string& name, const std::string& says) {
+        const Outcome o = run("list intersectors --plugin " + name, folder.path());
+        INFO(name << ": " << o.err);
+        CHECK(o.code == 2);
+        CHECK(has(o.err, says));
+    };
+    refused("no-such-library", "no such library; looked here");
+    refused("./no-such-library.so", "there is no such library");
+    refused(folder.write("text.so", "hello"), "cannot be loaded");
+    refused(library("no_forms"), "exports no lostbits_forms");
+    refused("''", "no such library");
+    const Outcome twice = run("list intersectors" + plugin("odd_plugin") + plugin("odd_plugin"), folder.path());
+    CHECK(twice.code == 2);
+    CHECK(has(twice.err, "odd.right"));
+    CHECK(run("list intersectors --isolate", folder.path()).code == 2);
+}
+
+TEST_CASE("plugin: a contract that makes no sense is refused by its name", "[doors]") {
+    const Scratch folder;
+    for (const auto& [word, says] : std::initializer_list<std::array<std::string, 2>>{
+             {"no_name", "a form has no name"},
+             {"name", "must begin with a letter"},
+             {"no_dot", "a name is LIBRARY.FORM"},
+             {"ours", "begin the names of the forms that ship"},
+             {"shape", "shape is 2; it must be from 0 to 1"},
+             {"format", "format is 16; it must be 32 (float) or 64 (double)"},
+             {"roots", "roots is -1"},
+             {"flags", "flags has bits that this version does not know"},
+             {"line", "need both roots"},
+             {"title", "title must be one line"},
+             {"run", "run is NULL"},
+             {"twice", "comes twice in binary32"},
+             {"none", "says that it has 0 forms"},
+             {"version", "has no forms for version 1"}}) {
+        const Outcome o = run("list intersectors" + plugin("wrong_contracts"), folder.path(), "ODD_CONTRACT=" + word);
+        INFO(word << ": " << o.err);
+        CHECK(o.code == 2);
+        CHECK(has(o.err, says));
+        CHECK(has(o.err, "wrong_contracts.so"));
+    }
+    CHECK(run("list intersectors" + plugin("wrong_contracts"), folder.path()).code == 0);
+}
+
+TEST_CASE("plugin: C is enough", "[doors]") {
+    const Scratch folder;
+    CHECK(run("plugin check " + library("plugin_in_c"), folder.path()).code == 1);  // a NaN in a face is a miss there
+    REQUIRE(
+        run("map box-axis --size 64x48 -i c.slabs -i box.divide -f f64 -o out" + plugin("plugin_in_c"), folder.path())
+            .code == 0);
+    const auto summary = folder.path() / "out/box-axis/summary.csv";
+    CHECK(row_of(summary, "c.slabs", "f64")["agree_hit"] == row_of(summary, "box.divide", "f64")["agree_hit"]);
+}
+
+TEST_CASE("plugin check: says which promise is broken and what to write", "[doors]") {
+    const Scratch folder;
+    const Outcome o = run("plugin check " + library("schoolbook"), folder.path());
+    CHECK(o.code == 0);
+    CHECK(has(o.out, "example.schoolbook in binary32, a sphere: does as it says"));
+    // The forms that crash are left to the test above: the library's order is the order of the trials.
+    const Outcome odd = run("plugin check " + library("odd_plugin") + " --time-limit 2", folder.path());
+    CHECK(odd.code == 3);
+    const auto finding = [&odd](const std::string& form) {
+        const auto at = odd.out.find(form + " in binary32");
+        REQUIRE(at != std::string::npos);
+        return odd.out.substr(at, odd.out.find(" in binary", at + form.size() + 12) - at);
+    };
+    CHECK(has(finding("odd.right"), "does as it says"));
+    CHECK(has(finding("odd.first"), "does as it says"));
+    CHECK(has(finding("odd.predicate"), "does as it says"));
+    CHECK(has(finding("odd.unit"), "does as it says"));
+    CHECK(has(finding("odd.distance"), "say LB_UNIT"));
+    CHECK(has(finding("odd.squared"), "the radius is taken for its square"));
+    CHECK(has(finding("odd.far_first"), "the far root comes first"));
+    CHECK(has(finding("odd.both_ways"), "say LB_LINE"));
+    CHECK(has(odd.err, "odd.crash"));
+}
