@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "analysis/choice/doors.hpp"
+#include "measure/map/map.hpp"
 #include "measure/truth/truth_columns.hpp"
 #include "number/error.hpp"
 #include "output/file/progress.hpp"
@@ -58,6 +59,11 @@ void probe(const std::filesystem::path& file);
 
 /// The end of a run in which the truth of so many rays was not proved: says so on stderr.
 [[nodiscard]] Exit end_with_unproved(std::uint64_t rays);
+
+/// A line on stderr for each row from outside whose contract seems to be wrong; `suspicion` of a row is empty where it
+/// does not.
+void note_suspicions(const std::vector<measure::map::MapRow>& rows, const Common& common,
+                     const std::function<std::string(const measure::map::MapRow&)>& suspicion);
 
 /// A line on stdout: how many truths, each of a ray and a solid, each stage settled.
 void print_stages(const measure::truth::StageCounts& stages);

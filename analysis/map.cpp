@@ -11,6 +11,7 @@
 #include "analysis/choice/select.hpp"
 #include "commands.hpp"
 #include "measure/blame/culprits.hpp"
+#include "measure/contract/suspect.hpp"
 #include "measure/map/culprit_order.hpp"
 #include "output/map/map_exr.hpp"
 #include "output/map/map_files.hpp"
@@ -211,6 +212,7 @@ Exit run(const MapOptions& o, const Common& common) {
     for (const auto& scene : scenes) works.push_back(work_on(scene, o, rows, wanted, made));
     for (const SceneWork& work : works) choice::that_apply(drawn, work.map.rows, "scene " + work.map.scene->id);
     for (const auto& scene : scenes) probe(std::filesystem::path(o.out) / scene.id / "summary.csv");
+    for (const SceneWork& work : works) choice::note_without_formula(drawn, work.map.rows, common.quiet);
     if (o.bits_needed > 0 && !common.quiet) note_skipped(works);
     if (!common.quiet) {
         for (const SceneWork& work : works) choice::note_lost_numbers(*work.map.scene, work.map.rows);
@@ -229,6 +231,9 @@ Exit run(const MapOptions& o, const Common& common) {
             map_scene(work, o, common, drawn_of(choice::that_apply(drawn, work.map.rows, work.map.scene->id), work));
     }
     progress.finish();
+    for (const SceneWork& work : works)
+        note_suspicions(work.map.rows, common,
+                        [&work](const MapRow& row) { return measure::contract::suspicion(*work.map.scene, row); });
     return end_with_unproved(unresolved);
 }
 

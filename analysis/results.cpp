@@ -35,6 +35,16 @@ Exit end_with_unproved(std::uint64_t rays) {
     return Exit::internal;
 }
 
+void note_suspicions(const std::vector<measure::map::MapRow>& rows, const Common& common,
+                     const std::function<std::string(const measure::map::MapRow&)>& suspicion) {
+    if (common.quiet) return;
+    for (const measure::map::MapRow& row : rows) {
+        if (row.form->is_template()) continue;
+        const std::string words = suspicion(row);
+        if (!words.empty()) fmt::print(stderr, "lostbits: {} {}: {}\n", row.form->info->name, row.format.name, words);
+    }
+}
+
 void print_stages(const measure::truth::StageCounts& stages) {
     fmt::print(
         "  {} truths: {} settled in packs of doubles, {} in packs of double-doubles, {} by themselves in "

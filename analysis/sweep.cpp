@@ -8,6 +8,7 @@
 #include "analysis/choice/lost_numbers.hpp"
 #include "analysis/choice/select.hpp"
 #include "commands.hpp"
+#include "measure/contract/suspect.hpp"
 #include "output/sweep/case_files.hpp"
 #include "output/sweep/sweep_files.hpp"
 #include "output/sweep/sweep_plots.hpp"
@@ -94,6 +95,7 @@ void run_axes(const std::filesystem::path& path, const Chosen& chosen, const Swe
                                             [&sweep] { return measure::blame::SettingOf(sweep.first_rays()); });
     for (MapRow& row : request.rows) row.judged = sweep.convention;
     request.further_draws = o.seeds;
+    choice::note_without_formula(chosen.asked, request.rows, common.quiet);
     if (!common.quiet) choice::note_lost_numbers(sweep, request.rows);
     const auto folder = std::filesystem::path(o.out) / sweep.id;
     output::sweep::SweepFiles files(request, folder);
@@ -104,6 +106,11 @@ void run_axes(const std::filesystem::path& path, const Chosen& chosen, const Swe
     output::sweep::write_sweep_plots(folder, {request, steps, onsets});
     files.finish(steps, onsets);
     progress.finish();
+    note_suspicions(request.rows, common, [&sweep](const measure::map::MapRow& row) {
+        std::vector<double> first;
+        for (const scene::sweep::Axis& axis : sweep.axes) first.push_back(axis.values.front());
+        return measure::contract::suspicion(sweep.rays(first), row);
+    });
     if (common.quiet) return;
     fmt::print("{}\n", (folder / "samples.csv").string());
     if (common.verbose && !onsets.empty()) print_onsets(request, onsets);

@@ -108,6 +108,24 @@ std::vector<const Metric*> that_apply(std::vector<const Metric*> asked, const st
     return asked;
 }
 
+void note_without_formula(const std::vector<const Metric*>& asked, const std::vector<MapRow>& rows, bool quiet) {
+    std::string forms;
+    for (const MapRow& row : rows) {
+        const std::string name(row.form->info->name);
+        if (!row.form->is_template() && forms.find(name) == std::string::npos)
+            forms += (forms.empty() ? "" : ", ") + name;
+    }
+    if (forms.empty()) return;
+    const bool all = std::ranges::none_of(rows, [](const MapRow& row) { return row.form->is_template(); });
+    for (const Metric* m : asked) {
+        if (!(m->needs & (measure::metric::needs_self | measure::metric::needs_attribution))) continue;
+        const std::string why =
+            fmt::format("--metric {}: leaves out {}, of which only answers are known, no operations", m->name, forms);
+        if (all) throw InputError(why + "; written as a form over any number they are (docs/your-own-form.md)");
+        if (!quiet) fmt::print(stderr, "lostbits: {}\n", why);
+    }
+}
+
 std::vector<const Metric*> measured(const std::vector<const Metric*>& asked, const std::vector<MapRow>& rows) {
     const bool marches = any_marches(rows);
     std::vector<const Metric*> all;

@@ -36,6 +36,11 @@ std::vector<const measure::metric::Metric*> that_apply(std::vector<const measure
                                                        const std::vector<measure::map::MapRow>& rows,
                                                        const std::string& what);
 
+/// Says on stderr which of the metrics leave out which rows, because nothing is known there of how the answer came
+/// about. InputError where that leaves out all rows.
+void note_without_formula(const std::vector<const measure::metric::Metric*>& asked,
+                          const std::vector<measure::map::MapRow>& rows, bool quiet);
+
 /// The default metrics and those that were asked for, as far as they apply, in the table's order.
 std::vector<const measure::metric::Metric*> measured(const std::vector<const measure::metric::Metric*>& asked,
                                                      const std::vector<measure::map::MapRow>& rows);

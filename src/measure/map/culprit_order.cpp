@@ -9,11 +9,7 @@ namespace lostbits::measure::map {
 using metric::Metric;
 using scene::file::Scene;
 
-namespace {
-
-constexpr int most_across = 96;
-
-Scene small_picture_of(const Scene& scene) {
+Scene small_picture_of(const Scene& scene, int most_across) {
     Scene small = scene;
     const int across = std::max(scene.width, scene.height);
     if (across <= most_across) return small;
@@ -22,12 +18,10 @@ Scene small_picture_of(const Scene& scene) {
     return small;
 }
 
-}  // namespace
-
 std::vector<const Metric*> order_culprits(const MapRequest& request, metric::MetricSet& made) {
     const auto culprit = std::ranges::find_if(request.metrics, &Metric::by_run);
     if (culprit == request.metrics.end()) return request.metrics;
-    const Scene small = small_picture_of(*request.scene);
+    const Scene small = small_picture_of(*request.scene, 96);
     const auto summaries =
         run_map({.scene = &small, .rows = request.rows, .metrics = {*culprit}, .limit = request.limit}, {});
     const auto categories = (*culprit)->categories;
