@@ -2,6 +2,7 @@
 // their links lead somewhere, and the README stays short.
 #include <algorithm>
 #include <array>
+#include <cstdlib>
 #include <regex>
 #include <set>
 #include <span>
@@ -58,9 +59,10 @@ struct Command {
     std::string where, arguments;
     std::vector<std::string> shown;  ///< the output that the page shows, `...` for any lines; none: it shows nothing
     int code = 0;                    ///< the exit code that the page promises: `# exit N` at the end of the line
+    bool compiles = false;           ///< a call of the compiler, which makes a library from a page's own source
 };
 
-constexpr std::string_view prompt = "$ ", program = "build/lostbits ";
+constexpr std::string_view prompt = "$ ", program = "build/lostbits ", compiler = "c++ ";
 
 /// What pages tell to run and this test does not.
 struct Other {
@@ -90,6 +92,10 @@ std::vector<Command> commands_of(const std::string& page) {
                 continue;
             }
             const std::string typed = line.substr(prompt.size());
+            if (typed.starts_with(compiler)) {
+                commands.push_back({where, typed, {}, 0, true});
+                continue;
+            }
             ours = typed.starts_with(program);
             if (!ours) {
                 INFO(where << ": neither run nor listed: " << typed);
@@ -156,11 +162,14 @@ bool shows(std::span<const std::string> shown, std::span<const std::string> prin
 /// The files that pages tell to save, as they stand there, and the data of the project.
 void lay_out(const Scratch& scratch, const std::string& page) {
     fs::create_directory_symlink(LOSTBITS_DATA_DIR, scratch.path() / "data");
+    for (const char* folder : {"plugins", "examples"})
+        fs::create_directory_symlink(root / folder, scratch.path() / folder);
     for (const std::string& from : {std::string("README.md"), page}) {
         for (const Block& block : blocks_of(from)) {
-            if (block.language != "toml") continue;
             std::string text;
             for (const std::string& line : block.lines) text += line + "\n";
+            if (text.find("#include <lostbits_plugin.hpp>") != std::string::npos) (void)scratch.write("mine.cpp", text);
+            if (block.language != "toml") continue;
             for (const auto& [schema, name] : {std::pair{"lostbits-scene/", "mine.toml"},
                                                {"lostbits-sweep/", "my-sweep.toml"},
                                                {"lostbits-claims/", "my-claims.toml"}}) {
@@ -178,6 +187,11 @@ void hold(const std::string& page) {
     lay_out(scratch, page);
     std::set<std::string_view> used;
     for (const Command& command : commands) {
+        if (command.compiles) {
+            INFO(command.where << ": " << command.arguments);
+            CHECK(std::system(("cd '" + scratch.path().string() + "' && " + command.arguments).c_str()) == 0);
+            continue;
+        }
         const std::string arguments = affordable(command, used);
         const auto r = run(arguments, scratch.path());
         INFO(command.where << ": lostbits " << arguments << "\n" << r.out << r.err);
