@@ -97,8 +97,8 @@ private:
                                          .absolute = column_of(InColumns::absolute_error)},
                                         left);
         for (const std::uint32_t i : left) {
-            ulps_[i] =
-                truth::ulp_error(measured_[i], *in_unit_of(result_.truth(i), *row_.form->info), row_.format.shape);
+            const Truth truth = result_.truth(i);
+            ulps_[i] = truth::ulp_error(measured_[i], *in_unit_of(truth, *row_.form->info), row_.format.shape);
             if (std::fabs(ulps_[i]) > largest_) largest_ = std::fabs(ulps_[i]);
         }
         if (double* const residuals = column_of(InColumns::residual)) {
@@ -110,7 +110,8 @@ private:
         for (const std::uint32_t i : left) {
             const Ray<double> ray = ray_of(i);
             const Solid<double> solid = solid_of(i);
-            take(i, sample_of(i, ray, solid), [](const Metric& m) { return m.in_columns != InColumns::no; });
+            const Truth truth = result_.truth(i);
+            take(i, sample_of(i, ray, solid, truth), [](const Metric& m) { return m.in_columns != InColumns::no; });
         }
     }
 
@@ -146,11 +147,12 @@ private:
         const FormatInputs& in = *result_.inputs;
         const intersect::Info& info = *row_.form->info;
         const Solid<double> solid = solid_of(i);
-        Sample sample = sample_of(i, ray, solid);
+        const Truth truth = result_.truth(i);
+        Sample sample = sample_of(i, ray, solid, truth);
         if (needs_ & metric::needs_rounded_truth)
             sample.truth_rounded = result_.band->rounded_truth(i, row_.format.shape, info.direction, row_.convention());
-        if (needs_ & metric::needs_own_truth)
-            sample.own = in.ideal ? sample.truth : in_unit_of(in.own(i, row_.convention()), info);
+        const Truth own = (needs_ & metric::needs_own_truth) && !in.ideal ? in.own(i, row_.convention()) : Truth{};
+        if (needs_ & metric::needs_own_truth) sample.own = in.ideal ? sample.truth : in_unit_of(own, info);
         if (needs_ & metric::needs_condition) sample.condition = result_.band->condition(i, row_.convention());
         std::optional<truth::Certified> self;
         if (needs_ & metric::needs_self) {
@@ -183,9 +185,10 @@ private:
     }
 
     /// What is known of a correct hit without further work.
-    [[nodiscard]] Sample sample_of(std::size_t i, const Ray<double>& ray, const Solid<double>& solid) const {
+    [[nodiscard]] Sample sample_of(std::size_t i, const Ray<double>& ray, const Solid<double>& solid,
+                                   const Truth& truth) const {
         Sample sample = plain_sample_of(i, ray);
-        sample.truth = in_unit_of(result_.truth(i), *row_.form->info);
+        sample.truth = in_unit_of(truth, *row_.form->info);
         sample.solid = &solid;
         return sample;
     }
@@ -228,7 +231,7 @@ private:
     /// Ray i as a summary names it.
     [[nodiscard]] WorstRay named(std::size_t i, Outcome outcome) const {
         const bool hit = result_.answers->hit[i] != 0;
-        const Truth& truth = result_.truth(i);
+        const Truth truth = result_.truth(i);
         const int object = hit ? result_.answers->object[i] : truth.object;
         WorstRay w{.x = static_cast<int>(i % static_cast<std::size_t>(result_.width)),
                    .y = result_.y0 + static_cast<int>(i / static_cast<std::size_t>(result_.width)),
