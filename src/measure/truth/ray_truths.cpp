@@ -83,11 +83,6 @@ public:
           isa_(intersect::simd::current_isa()) {}
 
     void find() {
-        std::fill_n(out_.decision.begin() + at(0), count_, Truth::Decision::miss);
-        std::fill_n(out_.object.begin() + at(0), count_, -1);
-        for (auto* length : {&out_.t, &out_.distance})
-            for (auto* column : {&length->hi, &length->lo, &length->bound})
-                std::fill_n(column->begin() + at(0), count_, 0.0);
         if (problems_.index) return find_pairs([](std::size_t) { return true; });
         open_.assign(count_, 0);
         for (std::size_t s = 0; s < problems_.solids.size(); ++s) meet(s);
@@ -97,7 +92,6 @@ public:
     }
 
 private:
-    [[nodiscard]] std::ptrdiff_t at(std::size_t i) const { return static_cast<std::ptrdiff_t>(begin_ + i); }
     [[nodiscard]] auto stage_of(const stages::Stages& stages) const {
         constexpr auto both = static_cast<std::size_t>(stages::Wanted::both);
         return two_words ? stages.kernels.of_two_words[both] : stages.kernels.double_double[both];
@@ -116,33 +110,49 @@ private:
             columns.ray_low = rays_.low;
             for (std::size_t k = 0; k < solid.used().size(); ++k) columns.solid_low[k] = std::span(&low.numbers[k], 1);
         }
-        meet(columns, [s](std::size_t) { return static_cast<std::int32_t>(s); });
+        meet(columns, s == 0, [s](std::size_t) { return static_cast<std::int32_t>(s); });
     }
 
-    /// Every ray against its solid of these columns, whose place is `place(ray)`.
+    /// Every ray against its solid of these columns, whose place is `place(ray)`. What the first of them finds goes
+    /// where the truths are wanted.
     template <class Place>
-    void meet(const ProblemColumns<double>& columns, const Place& place) {
+    void meet(const ProblemColumns<double>& columns, bool is_first, const Place& place) {
         const stages::Stages& stages = stages::stages_of(columns.shape, isa_);
+        const InPlace<double> rays(columns);
+        const auto ask = [&](const stages::RawFindings& found) {
+            rays.settle(stage_of(stages), stages.lanes, 0, count_, found);
+            for (std::size_t i = 0; i < count_; ++i) open_[i] |= static_cast<std::uint8_t>(found.settled[i] == 0);
+        };
+        if (is_first) {
+            auto* const hit = reinterpret_cast<std::uint8_t*>(out_.decision.data()) + begin_;
+            const auto at = [this](std::vector<double>& column) { return column.data() + begin_; };
+            std::uint8_t settled[settled_together];
+            ask({settled, hit, at(out_.t.hi), at(out_.t.lo), at(out_.t.bound), at(out_.distance.hi),
+                 at(out_.distance.lo), at(out_.distance.bound)});
+            for (std::size_t i = 0; i < count_; ++i) out_.object[begin_ + i] = hit[i] != 0 ? place(i) : -1;
+            return;
+        }
         FoundTogether& found = Gathered<double>::of_thread(Gathered<double>::Use::spheres).found;
-        InPlace<double>(columns).settle(stage_of(stages), stages.lanes, 0, count_, found.raw());
+        ask(found.raw());
+        for (std::size_t i = 0; i < count_; ++i)
+            if (found.hit[i] != 0) keep_nearest(found, i, place(i));
+    }
+
+    void keep_nearest(const FoundTogether& found, std::size_t i, std::int32_t place) {
         // Lengths that differ by 2^-40 are told apart by their first words: what is left of them, and both bounds, are
         // far less.
         constexpr double nearer = 1 - 0x1p-40, farther = 1 + 0x1p-40;
-        for (std::size_t i = 0; i < count_; ++i) {
-            if (found.settled[i] == 0) open_[i] = 1;
-            if (found.hit[i] == 0) continue;
-            const std::size_t to = begin_ + i;
-            if (out_.object[to] >= 0) {
-                const double best = out_.t.hi[to];
-                if (found.hi[i] > best * farther) continue;
-                if (!(found.hi[i] < best * nearer)) open_[i] = 1;
-            }
-            out_.decision[to] = Truth::Decision::hit;
-            out_.object[to] = place(i);
-            out_.t.hi[to] = found.hi[i], out_.t.lo[to] = found.lo[i], out_.t.bound[to] = found.bound[i];
-            out_.distance.hi[to] = found.distance_hi[i], out_.distance.lo[to] = found.distance_lo[i];
-            out_.distance.bound[to] = found.distance_bound[i];
+        const std::size_t to = begin_ + i;
+        if (out_.object[to] >= 0) {
+            const double best = out_.t.hi[to];
+            if (found.hi[i] > best * farther) return;
+            if (!(found.hi[i] < best * nearer)) open_[i] = 1;
         }
+        out_.decision[to] = Truth::Decision::hit;
+        out_.object[to] = place;
+        out_.t.hi[to] = found.hi[i], out_.t.lo[to] = found.lo[i], out_.t.bound[to] = found.bound[i];
+        out_.distance.hi[to] = found.distance_hi[i], out_.distance.lo[to] = found.distance_lo[i];
+        out_.distance.bound[to] = found.distance_bound[i];
     }
 
     struct Pair {
@@ -286,10 +296,10 @@ bool same(const Certified& a, const Certified& b) {
 }  // namespace
 
 void RayTruths::resize(std::size_t rays) {
-    decision.resize(rays);
-    object.resize(rays);
+    decision.assign(rays, Truth::Decision::miss);
+    object.assign(rays, -1);
     for (auto* length : {&t, &distance})
-        for (auto* column : {&length->hi, &length->lo, &length->bound}) column->resize(rays);
+        for (auto* column : {&length->hi, &length->lo, &length->bound}) column->assign(rays, 0);
 }
 
 Truth RayTruths::operator[](std::size_t i) const {
