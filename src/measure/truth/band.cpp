@@ -10,7 +10,6 @@
 #include "measure/truth/truth_columns.hpp"
 #include "measure/truth/unit_direction.hpp"
 #include "number/error.hpp"
-#include "number/rounded.hpp"
 #include "scene/file/march_table.hpp"
 
 namespace lostbits::measure::truth {
@@ -37,7 +36,7 @@ void for_each_pixel(std::size_t count, Function&& function) {
 bool fits_binary32(const scene::rays::RayGroup& group) {
     bool fits = true;
     const auto look = [&fits](double x) {
-        fits = fits && (std::isnan(x) || rounding::to_format(x, 0, binary32) == x);
+        fits &= static_cast<double>(static_cast<float>(x)) == x || x != x;
         return x;
     };
     for (const auto* all : {&group.rays.ox, &group.rays.oy, &group.rays.oz, &group.rays.dx, &group.rays.dy,
@@ -50,11 +49,10 @@ bool fits_binary32(const scene::rays::RayGroup& group) {
 
 RayBlock normalised(const RayBlock& rays, const FloatFormat& format) {
     RayBlock unit = rays;
-    for_each_pixel(rays.size(), [&](std::size_t i) {
-        const Vec<double> u = unit_direction(Vec<double>(rays.dx[i], rays.dy[i], rays.dz[i]), format);
-        unit.dx[i] = u.x;
-        unit.dy[i] = u.y;
-        unit.dz[i] = u.z;
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, rays.size(), 1024), [&](const auto& range) {
+        stop_if_interrupted();
+        const auto part = [&](std::vector<double>& all) { return std::span(all).subspan(range.begin(), range.size()); };
+        make_unit({part(unit.dx), part(unit.dy), part(unit.dz)}, format);
     });
     return unit;
 }
