@@ -160,11 +160,18 @@ void find_residuals(std::span<const double> answers, const HitPoints& points, do
     if (points.solids.size() == 1) {
         for (std::size_t i = 0; i < block; ++i) fill(i, 0);
     }
+    const std::span<const Solid<double>> listed = points.solids.listed();
     const scene::rays::RayBlock& rays = points.rays;
     for (std::size_t begin = 0; begin < answers.size(); begin += block) {
         const std::size_t size = std::min(block, answers.size() - begin);
-        for (std::size_t i = 0; points.solids.size() > 1 && i < size; ++i)
-            fill(i, static_cast<std::size_t>(std::max(0, points.objects[begin + i])));
+        for (std::size_t i = 0; points.solids.size() > 1 && i < size; ++i) {
+            const auto object = static_cast<std::size_t>(std::max(0, points.objects[begin + i]));
+            if (object < listed.size()) {
+                for (std::size_t k = 0; k < 6; ++k) numbers[k][i] = listed[object].numbers[k];
+            } else {
+                fill(i, object);
+            }
+        }
         Places places;
         RawResiduals batch{
             .size = size,

@@ -25,19 +25,22 @@ template <bool binary32, class Width, class Residual>
     double* const out = batch.out;
     const P none(std::numeric_limits<double>::quiet_NaN());
     RawLeft left = batch.left;
-    for_each_pack<P>(batch.size, [&](const auto& pass) {
-        const auto at = [&](int column) { return pass.load(in[column]); };
-        const P t = at(RawResiduals::answer);
-        const auto wanted = t >= t;
-        const P p[3] = {along<binary32, P, Width>(at(RawResiduals::ox), t, at(RawResiduals::dx)),
-                        along<binary32, P, Width>(at(RawResiduals::oy), t, at(RawResiduals::dy)),
-                        along<binary32, P, Width>(at(RawResiduals::oz), t, at(RawResiduals::dz))};
-        P value;
-        const auto proved = wanted && residual(
-                                          p, [&](int k) { return at(RawResiduals::solid + k); }, value);
-        pass.leave(wanted && !proved, left);
-        pass.store(select(proved, value, none), out);
-    });
+    for_each_pack<P>(
+        batch.size, [&](const auto& pass) __attribute__((always_inline)) {
+            const auto at = [&](int column) __attribute__((always_inline)) { return pass.load(in[column]); };
+            const P t = at(RawResiduals::answer);
+            const auto wanted = t >= t;
+            const P p[3] = {along<binary32, P, Width>(at(RawResiduals::ox), t, at(RawResiduals::dx)),
+                            along<binary32, P, Width>(at(RawResiduals::oy), t, at(RawResiduals::dy)),
+                            along<binary32, P, Width>(at(RawResiduals::oz), t, at(RawResiduals::dz))};
+            P value;
+            const auto proved =
+                wanted &&
+                residual(
+                    p, [&](int k) __attribute__((always_inline)) { return at(RawResiduals::solid + k); }, value);
+            pass.leave(wanted && !proved, left);
+            pass.store(select(proved, value, none), out);
+        });
     batch.left = left;
 }
 
@@ -54,23 +57,24 @@ template <bool binary32, class Width, class Residual>
 template <bool binary32, class Width>
 [[gnu::flatten]] void sphere_residuals_in(RawResiduals& batch) {
     using P = Pack<double, Width>;
-    residuals_of<binary32, Width>(batch, [](const P* p, const auto& solid, P& value) {
-        const P most(0x1p+200), least(0x1p-400);
-        const P r = solid(3);
-        auto proved = r >= P(0x1p-200) && r <= most;
-        const auto square_along = [&](int k) {
-            const P centre = solid(k);
-            const TwoWords<P> v = stages::sum_of<P>(p[k], -centre);
-            const P far = abs(v.hi);
-            proved = proved && abs(p[k]) <= most && abs(centre) <= most && (far >= least || far <= P(0));
-            return v * v;
-        };
-        const TwoWords<P> x2 = square_along(0), y2 = square_along(1), z2 = square_along(2);
-        const TwoWords<P> v2 = stages::sum_of_three(x2, y2, z2);
-        const TwoWords<P> radius{r, P(0)}, above = v2 - radius * radius;
-        value = (above / (radius * (sqrt(v2) + radius))).hi;
-        return proved && v2.hi >= P(0x1p-800) && abs(above.hi) >= least && abs(value) >= least;
-    });
+    residuals_of<binary32, Width>(
+        batch, [](const P* p, const auto& solid, P& value) __attribute__((always_inline)) {
+            const P most(0x1p+200), least(0x1p-400);
+            const P r = solid(3);
+            auto proved = r >= P(0x1p-200) && r <= most;
+            const auto square_along = [&](int k) __attribute__((always_inline)) {
+                const P centre = solid(k);
+                const TwoWords<P> v = stages::sum_of<P>(p[k], -centre);
+                const P far = abs(v.hi);
+                proved = proved && abs(p[k]) <= most && abs(centre) <= most && (far >= least || far <= P(0));
+                return v * v;
+            };
+            const TwoWords<P> x2 = square_along(0), y2 = square_along(1), z2 = square_along(2);
+            const TwoWords<P> v2 = stages::sum_of_three(x2, y2, z2);
+            const TwoWords<P> radius{r, P(0)}, above = v2 - radius * radius;
+            value = (above / (radius * (sqrt(v2) + radius))).hi;
+            return proved && v2.hi >= P(0x1p-800) && abs(above.hi) >= least && abs(value) >= least;
+        });
 }
 
 template <class Width>
