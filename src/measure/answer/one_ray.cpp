@@ -48,8 +48,8 @@ double OneRay::condition(const intersect::Info& info) const {
     return band_->condition(index_, convention(info));
 }
 
-const truth::Certified& OneRay::true_t(const intersect::Info& info) const {
-    const truth::Truth& found = truth(info);
+truth::Certified OneRay::true_t(const intersect::Info& info) const {
+    const truth::Truth found = truth(info);
     return info.direction == intersect::Direction::unit ? found.distance : found.t;
 }
 

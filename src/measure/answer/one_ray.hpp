@@ -35,13 +35,13 @@ public:
     [[nodiscard]] Inputs inputs(const intersect::table::Intersector& form, const Format& format) const;
     /// Whether a form gets the ray and the solids as they were given: its format rounds none of their numbers.
     [[nodiscard]] bool keeps(const Inputs& inputs) const { return band_->keeps(inputs.all, index_); }
-    [[nodiscard]] const truth::Truth& truth(const intersect::Info& info) const {
+    [[nodiscard]] truth::Truth truth(const intersect::Info& info) const {
         return band_->truth(index_, convention(info));
     }
     /// κ of the true hit; NaN for a miss.
     [[nodiscard]] double condition(const intersect::Info& info) const;
     /// t* in the unit of the form's answer; for a hit only.
-    [[nodiscard]] const truth::Certified& true_t(const intersect::Info& info) const;
+    [[nodiscard]] truth::Certified true_t(const intersect::Info& info) const;
     [[nodiscard]] double rounded_truth(const intersect::Info& info, const FloatFormat& format) const {
         return band_->rounded_truth(index_, format, info.direction, convention(info));
     }

@@ -3,6 +3,7 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <initializer_list>
 
@@ -41,6 +42,20 @@ void leave_all(std::span<const double> answers, std::initializer_list<double*> o
     }
     for (std::size_t i = 0; i < answers.size(); ++i) {
         if (!std::isnan(answers[i])) left.push_back(static_cast<std::uint32_t>(i));
+    }
+}
+
+/// As `TrueLengths::put`, of lengths that doubles hold: each is 0 for a miss, and else hi is normal.
+void put_lengths(const truth::RayTruths::Lengths& from, std::size_t begin, std::size_t end, TrueLengths& to) {
+    constexpr std::uint64_t exponent = std::uint64_t{0x7ff} << 52;
+    for (std::size_t i = begin; i < end; ++i) {
+        const double hi = from.hi[i], lo = from.lo[i];
+        const double binade = std::bit_cast<double>(std::bit_cast<std::uint64_t>(hi) & exponent);
+        const bool held = binade >= 0x1p-400 && binade <= 0x1p+400 && (lo == 0 || std::fabs(lo) >= binade * 0x1p-200);
+        to.hi[i] = held ? hi : missing;
+        to.lo[i] = lo;
+        // hi a power of two and lo towards zero: t* lies in the binade below.
+        to.inverse[i] = (hi == binade && lo < 0 ? 2.0 : 1.0) / binade;
     }
 }
 
@@ -84,12 +99,15 @@ std::size_t BandColumns::place(Convention convention, Direction unit_of) {
 const TrueLengths& BandColumns::find(Convention convention, Direction unit_of) {
     std::optional<TrueLengths>& found = lengths_.at(place(convention, unit_of));
     if (found) return *found;
-    const std::size_t n = band_->pixels();
+    const truth::RayTruths& truths = band_->truths();
     TrueLengths& columns = found.emplace();
-    columns.resize(n);
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, n, 4096), [&](const auto& range) {
-        for (std::size_t i = range.begin(); i < range.end(); ++i) columns.put(i, band_->truth(i, convention), unit_of);
+    columns.decision = truths.decision;
+    columns.object = truths.object;
+    for (auto* column : {&columns.hi, &columns.lo, &columns.inverse}) column->resize(truths.size());
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, truths.size(), 4096), [&](const auto& range) {
+        put_lengths(unit_of == Direction::unit ? truths.distance : truths.t, range.begin(), range.end(), columns);
     });
+    for (const auto& [i, closed] : truths.whole) columns.put(i, band_->truth(i, convention), unit_of);
     return columns;
 }
 
@@ -142,11 +160,18 @@ void find_residuals(std::span<const double> answers, const HitPoints& points, do
     if (points.solids.size() == 1) {
         for (std::size_t i = 0; i < block; ++i) fill(i, 0);
     }
+    const std::span<const Solid<double>> listed = points.solids.listed();
     const scene::rays::RayBlock& rays = points.rays;
     for (std::size_t begin = 0; begin < answers.size(); begin += block) {
         const std::size_t size = std::min(block, answers.size() - begin);
-        for (std::size_t i = 0; points.solids.size() > 1 && i < size; ++i)
-            fill(i, static_cast<std::size_t>(std::max(0, points.objects[begin + i])));
+        for (std::size_t i = 0; points.solids.size() > 1 && i < size; ++i) {
+            const auto object = static_cast<std::size_t>(std::max(0, points.objects[begin + i]));
+            if (object < listed.size()) {
+                for (std::size_t k = 0; k < 6; ++k) numbers[k][i] = listed[object].numbers[k];
+            } else {
+                fill(i, object);
+            }
+        }
         Places places;
         RawResiduals batch{
             .size = size,

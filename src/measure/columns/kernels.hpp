@@ -6,6 +6,7 @@
 
 #include "measure/bits/log2.hpp"
 #include "measure/columns/raw_columns.hpp"
+#include "measure/stages/two_words.hpp"
 #include "number/pack.hpp"
 
 namespace lostbits::measure::columns {
@@ -26,24 +27,7 @@ struct LaneBits {
     static P leading_half(const P& x) { return of_words(words(x) & ~((std::uint64_t{1} << 27) - 1)); }
 };
 
-/// A pack's error-free sums and products; those of error_free.hpp, which are functions under ordinary names.
-template <class P>
-struct PackPair {
-    P hi, lo;
-};
-
-template <class P>
-[[gnu::always_inline]] inline PackPair<P> sum_of(const P& a, const P& b) {
-    const P s = a + b;
-    const P bb = s - a;
-    return {s, (a - (s - bb)) + (b - bb)};
-}
-
-template <class P>
-[[gnu::always_inline]] inline PackPair<P> quick_sum_of(const P& a, const P& b) {
-    const P s = a + b;
-    return {s, b - (s - a)};
-}
+using stages::TwoWords;
 
 /// The numbers from place i on that a pass of a loop sees: a whole pack, or the `left` last ones, with NaN behind them.
 template <class P, bool whole>
@@ -113,9 +97,9 @@ template <class Width>
         const auto wanted = t >= t;
         const auto ordinary = wanted && abs(t) >= low && abs(t) <= high && abs(hi) >= low && abs(hi) <= high;
         pass.leave(wanted && !ordinary, left);
-        const PackPair<P> apart = sum_of(t, -hi);
+        const TwoWords<P> apart = stages::sum_of<P>(t, -hi);
         const P tail = P(0) - lo;
-        const PackPair<P> s = sum_of(apart.hi, tail);
+        const TwoWords<P> s = stages::sum_of<P>(apart.hi, tail);
         const P difference = s.hi + (s.lo + apart.lo + P(0));
         const P ulps = difference * (min(pass.load(inverses), most_inverse) * ulps_of_binade);
         const P many = abs(ulps);
@@ -155,7 +139,7 @@ template <class Width>
         zeros += select(x <= P(0), P(1), P(0));
         beyond += select(x > P(largest_summed), P(1), P(0));
         largest = max(x, largest);  // a NaN leaves it
-        const PackPair<P> sum = sum_of(hi[k], select(x <= P(largest_summed), x, P(0)));
+        const TwoWords<P> sum = stages::sum_of<P>(hi[k], select(x <= P(largest_summed), x, P(0)));
         hi[k] = sum.hi;
         lo[k] += sum.lo;
     };

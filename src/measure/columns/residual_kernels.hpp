@@ -2,48 +2,16 @@
 #pragma once
 
 #include "measure/columns/kernels.hpp"
+#include "measure/stages/binary32.hpp"
 
 namespace lostbits::measure::columns {
-
-/// The midpoints of `Ball`'s operations, to the bit: sums and products of doubles whose low part is 0 come out the same
-/// by the rule for two doubles each.
-template <class P>
-[[gnu::always_inline]] inline PackPair<P> sum_of(const PackPair<P>& a, const PackPair<P>& b) {
-    const PackPair<P> s = sum_of(a.hi, b.hi), t = sum_of(a.lo, b.lo);
-    const PackPair<P> v = quick_sum_of(s.hi, s.lo + t.hi);
-    return quick_sum_of(v.hi, t.lo + v.lo);
-}
-
-template <class P>
-[[gnu::always_inline]] inline PackPair<P> product_of(const PackPair<P>& a, const PackPair<P>& b) {
-    const P p = a.hi * b.hi;
-    const P rest = fma(a.hi, b.hi, -p);
-    return quick_sum_of(p, rest + fma(a.hi, b.lo, a.lo * b.hi));
-}
-
-template <class P>
-[[gnu::always_inline]] inline PackPair<P> root_of(const PackPair<P>& a) {
-    const P s = sqrt(a.hi);
-    return quick_sum_of(s, (a.lo + fma(-s, s, a.hi)) / (P(2) * s));
-}
-
-/// Of the quotient the high part alone.
-template <class P>
-[[gnu::always_inline]] inline P quotient_of(const PackPair<P>& a, const PackPair<P>& b) {
-    const P q = a.hi / b.hi;
-    return q + (fma(-q, b.hi, a.hi) + (a.lo - q * b.lo)) / b.hi;
-}
 
 /// o + t·d as the format computes it. A product of two floats is exact in double; their sum rounded to double and then
 /// to float is rounded as if once, since 53 ≥ 2·24 + 2.
 template <bool binary32, class P, class Width>
 [[gnu::always_inline]] inline P along(const P& origin, const P& t, const P& direction) {
     if constexpr (binary32) {
-        const auto rounded = [](const P& x) {
-            using Floats = stdx::simd<float, PackAbi<float, Registers<Width::bytes / 2>>>;
-            return P(stdx::static_simd_cast<typename P::Simd>(stdx::static_simd_cast<Floats>(x.simd())));
-        };
-        return rounded(origin + rounded(t * direction));
+        return stages::nearest_binary32(origin + stages::nearest_binary32(t * direction));
     } else {
         return origin + t * direction;
     }
@@ -57,24 +25,28 @@ template <bool binary32, class Width, class Residual>
     double* const out = batch.out;
     const P none(std::numeric_limits<double>::quiet_NaN());
     RawLeft left = batch.left;
-    for_each_pack<P>(batch.size, [&](const auto& pass) {
-        const auto at = [&](int column) { return pass.load(in[column]); };
-        const P t = at(RawResiduals::answer);
-        const auto wanted = t >= t;
-        const P p[3] = {along<binary32, P, Width>(at(RawResiduals::ox), t, at(RawResiduals::dx)),
-                        along<binary32, P, Width>(at(RawResiduals::oy), t, at(RawResiduals::dy)),
-                        along<binary32, P, Width>(at(RawResiduals::oz), t, at(RawResiduals::dz))};
-        P value;
-        const auto proved = wanted && residual(
-                                          p, [&](int k) { return at(RawResiduals::solid + k); }, value);
-        pass.leave(wanted && !proved, left);
-        pass.store(select(proved, value, none), out);
-    });
+    for_each_pack<P>(
+        batch.size, [&](const auto& pass) __attribute__((always_inline)) {
+            const auto at = [&](int column) __attribute__((always_inline)) { return pass.load(in[column]); };
+            const P t = at(RawResiduals::answer);
+            const auto wanted = t >= t;
+            const P p[3] = {along<binary32, P, Width>(at(RawResiduals::ox), t, at(RawResiduals::dx)),
+                            along<binary32, P, Width>(at(RawResiduals::oy), t, at(RawResiduals::dy)),
+                            along<binary32, P, Width>(at(RawResiduals::oz), t, at(RawResiduals::dz))};
+            P value;
+            const auto proved =
+                wanted &&
+                residual(
+                    p, [&](int k) __attribute__((always_inline)) { return at(RawResiduals::solid + k); }, value);
+            pass.leave(wanted && !proved, left);
+            pass.store(select(proved, value, none), out);
+        });
     batch.left = left;
 }
 
-/// (|v|² − r²)/(r(|v| + r)) by `Ball`'s midpoints, v = P − G, where `Ball` is sure to say that this is good enough: its
-/// radius ρ ≤ max(2^-40 |q|, 2^-90).
+/// (|v|² − r²)/(r(|v| + r)) by `Ball`'s midpoints (sums and products of doubles whose low part is 0 come out the same
+/// by the rule for two words each), v = P − G, where `Ball` is sure to say that this is good enough: its radius ρ ≤
+/// max(2^-40 |q|, 2^-90).
 ///
 /// v is exact, ρ = 0. Each square, sum and root adds at most 2^-100 of itself (`dd_error`), so ρ(|v|²) ≤ 3.01·2^-100
 /// |v|² and ρ of the divisor is at most 2^-97 of it. With |v|²/(r(|v| + r)) ≤ |v|/r = 1 + q,
@@ -85,24 +57,24 @@ template <bool binary32, class Width, class Residual>
 template <bool binary32, class Width>
 [[gnu::flatten]] void sphere_residuals_in(RawResiduals& batch) {
     using P = Pack<double, Width>;
-    residuals_of<binary32, Width>(batch, [](const P* p, const auto& solid, P& value) {
-        const P most(0x1p+200), least(0x1p-400);
-        const P r = solid(3);
-        auto proved = r >= P(0x1p-200) && r <= most;
-        const auto square_along = [&](int k) {
-            const P centre = solid(k);
-            const PackPair<P> v = sum_of(p[k], -centre);
-            const P far = abs(v.hi);
-            proved = proved && abs(p[k]) <= most && abs(centre) <= most && (far >= least || far <= P(0));
-            return product_of(v, v);
-        };
-        const PackPair<P> x2 = square_along(0), y2 = square_along(1), z2 = square_along(2);
-        const PackPair<P> v2 = sum_of(sum_of(x2, y2), z2);
-        const PackPair<P> radius{r, P(0)}, r2 = product_of(radius, radius);
-        const PackPair<P> above = sum_of(v2, PackPair<P>{-r2.hi, -r2.lo});
-        value = quotient_of(above, product_of(radius, sum_of(root_of(v2), radius)));
-        return proved && v2.hi >= P(0x1p-800) && abs(above.hi) >= least && abs(value) >= least;
-    });
+    residuals_of<binary32, Width>(
+        batch, [](const P* p, const auto& solid, P& value) __attribute__((always_inline)) {
+            const P most(0x1p+200), least(0x1p-400);
+            const P r = solid(3);
+            auto proved = r >= P(0x1p-200) && r <= most;
+            const auto square_along = [&](int k) __attribute__((always_inline)) {
+                const P centre = solid(k);
+                const TwoWords<P> v = stages::sum_of<P>(p[k], -centre);
+                const P far = abs(v.hi);
+                proved = proved && abs(p[k]) <= most && abs(centre) <= most && (far >= least || far <= P(0));
+                return v * v;
+            };
+            const TwoWords<P> x2 = square_along(0), y2 = square_along(1), z2 = square_along(2);
+            const TwoWords<P> v2 = stages::sum_of_three(x2, y2, z2);
+            const TwoWords<P> radius{r, P(0)}, above = v2 - radius * radius;
+            value = (above / (radius * (sqrt(v2) + radius))).hi;
+            return proved && v2.hi >= P(0x1p-800) && abs(above.hi) >= least && abs(value) >= least;
+        });
 }
 
 template <class Width>
@@ -114,7 +86,7 @@ void sphere_residuals(RawResiduals& batch) {
 /// The larger of two differences of doubles, each exactly hi + lo and hi nearest to that: they stand in the order of
 /// their his, and where those are equal, of their los.
 template <class P>
-[[gnu::always_inline]] inline PackPair<P> larger(const PackPair<P>& a, const PackPair<P>& b) {
+[[gnu::always_inline]] inline TwoWords<P> larger(const TwoWords<P>& a, const TwoWords<P>& b) {
     const auto first = a.hi > b.hi || (a.hi >= b.hi && a.lo > b.lo);
     return {select(first, a.hi, b.hi), select(first, a.lo, b.lo)};
 }
@@ -129,21 +101,21 @@ template <bool binary32, class Width>
     residuals_of<binary32, Width>(batch, [](const P* p, const auto& solid, P& value) {
         const P most(0x1p+200), least(0x1p-400);
         auto proved = abs(p[0]) <= most;
-        const auto in_range = [&](const PackPair<P>& d) {
+        const auto in_range = [&](const TwoWords<P>& d) {
             proved = proved && (abs(d.hi) >= least || abs(d.hi) <= P(0));
             return d;
         };
-        PackPair<P> beyond[3], side[3];
+        TwoWords<P> beyond[3], side[3];
         for (int k = 0; k < 3; ++k) {
             const P lo = solid(k), hi = solid(k + 3);
             proved = proved && abs(p[k]) <= most && abs(lo) <= most && abs(hi) <= most;
-            beyond[k] = larger(in_range(sum_of(lo, -p[k])), in_range(sum_of(p[k], -hi)));
-            side[k] = in_range(sum_of(hi, -lo));
+            beyond[k] = larger(in_range(stages::sum_of<P>(lo, -p[k])), in_range(stages::sum_of<P>(p[k], -hi)));
+            side[k] = in_range(stages::sum_of<P>(hi, -lo));
         }
-        const PackPair<P> farthest = larger(larger(beyond[0], beyond[1]), beyond[2]);
-        const PackPair<P> longest = larger(larger(side[0], side[1]), side[2]);
+        const TwoWords<P> farthest = larger(larger(beyond[0], beyond[1]), beyond[2]);
+        const TwoWords<P> longest = larger(larger(side[0], side[1]), side[2]);
         const auto in_face = abs(farthest.hi) <= P(0);
-        value = select(in_face, P(0), quotient_of(farthest, longest));
+        value = select(in_face, P(0), (farthest / longest).hi);
         return proved && longest.hi >= least && (in_face || abs(value) >= least);
     });
 }

@@ -96,7 +96,7 @@ struct BandResult {
     std::vector<std::vector<double>> metrics;
 
     /// By the convention that the row is judged by.
-    [[nodiscard]] const truth::Truth& truth(std::size_t i) const { return band->truth(i, convention); }
+    [[nodiscard]] truth::Truth truth(std::size_t i) const { return band->truth(i, convention); }
 };
 
 /// Where a row's results go: files, plots, tests. Called band by band from top to bottom, never concurrently for

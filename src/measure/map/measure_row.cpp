@@ -2,8 +2,11 @@
 #include "measure/map/measure_row.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <optional>
 #include <set>
+#include <utility>
 
 #include "measure/answer/self.hpp"
 #include "measure/truth/lost_bits.hpp"
@@ -29,10 +32,27 @@ const truth::Certified* in_unit_of(const Truth& truth, const intersect::Info& in
     return info.direction == intersect::Direction::unit ? &truth.distance : &truth.t;
 }
 
+/// What a row takes on a band, kept by the thread: asking for a megabyte anew each time costs more than to fill it.
+struct Room {
+    std::vector<Outcome> outcomes;
+    std::vector<std::vector<double>> metrics;
+    std::vector<double> measured, own_ulps;
+
+    /// For n rays; NaN wherever no column fills it.
+    void make(std::size_t n, const std::vector<const Metric*>& wanted) {
+        outcomes.resize(n);
+        metrics.resize(wanted.size());
+        for (std::size_t m = 0; m < wanted.size(); ++m) {
+            if (wanted[m]->in_columns == InColumns::no) metrics[m].assign(n, missing);
+            else metrics[m].resize(n);
+        }
+    }
+};
+
 /// The metrics of a row on a band.
 class Measurement {
 public:
-    Measurement(const RowRequest& request, const TrueLengths& truth, BandResult& result)
+    Measurement(const RowRequest& request, const TrueLengths& truth, BandResult& result, Room& room)
         : metrics_(request.metrics),
           row_(request.row),
           group_(request.group),
@@ -40,7 +60,9 @@ public:
           truth_(truth),
           needs_(row_.form->is_template() ? needs_of(metrics_)
                                           : needs_of(metrics_) & ~(metric::needs_attribution | metric::needs_self)),
-          blamer_(*row_.form, row_.format, culprits_of(metrics_)) {}
+          blamer_(*row_.form, row_.format, culprits_of(metrics_)),
+          measured_(room.measured),
+          own_ulps_(room.own_ulps) {}
 
     void measure(MapSummary& summary) {
         classify(summary);
@@ -61,20 +83,34 @@ private:
         const answer::Answers& answers = *result_.answers;
         const std::size_t n = truth_.decision.size();
         const bool tells_t = row_.form->info->roots != intersect::Roots::none;
-        measured_.assign(n, missing);
+        // Every case of the three things that an outcome depends on, so that no ray has to wait for a branch.
+        using enum Truth::Decision;
+        std::array<Outcome, 12> cases;
+        for (const auto decision : {miss, hit, unresolved})
+            for (const bool met : {false, true})
+                for (const double t : {0.0, missing})
+                    cases[case_of(decision, met, t)] = answer::classify(decision, met, tells_t ? t : 0);
+        measured_.resize(n);
+        std::uint64_t true_hits = 0, wrong_object = 0;
         for (std::size_t i = 0; i < n; ++i) {
-            const bool hit = answers.hit[i] != 0;
-            const Outcome outcome = answer::classify(truth_.decision[i], hit, tells_t ? answers.t[i] : 0);
+            const double t = answers.t[i];
+            const Outcome outcome = cases[case_of(truth_.decision[i], answers.hit[i] != 0, t)];
             const bool agree = outcome == Outcome::agree_hit;
             result_.outcomes[i] = outcome;
-            measured_[i] = agree ? answers.t[i] : missing;
-            summary.true_hits += truth_.decision[i] == Truth::Decision::hit;
-            summary.wrong_object += agree && tells_t && answers.object[i] != truth_.object[i];
+            measured_[i] = agree ? t : missing;
+            true_hits += static_cast<std::uint64_t>(truth_.decision[i] == hit);
+            wrong_object += static_cast<std::uint64_t>(agree && tells_t && answers.object[i] != truth_.object[i]);
         }
         for (std::size_t o = 0; o < summary.outcomes.size(); ++o)
             summary.outcomes[o] +=
                 static_cast<std::uint64_t>(std::ranges::count(result_.outcomes, static_cast<Outcome>(o)));
+        summary.true_hits += true_hits;
+        summary.wrong_object += wrong_object;
         summary.rays += n;
+    }
+    static std::size_t case_of(Truth::Decision decision, bool met, double t) {
+        return 4 * static_cast<std::size_t>(decision) + 2 * static_cast<std::size_t>(met) +
+               static_cast<std::size_t>(t != t);
     }
 
     /// The column of a metric; null where it is not asked for.
@@ -99,8 +135,8 @@ private:
                                          .absolute = column_of(InColumns::absolute_error)},
                                         left);
         for (const std::uint32_t i : left) {
-            ulps_[i] =
-                truth::ulp_error(measured_[i], *in_unit_of(result_.truth(i), *row_.form->info), row_.format.shape);
+            const Truth truth = result_.truth(i);
+            ulps_[i] = truth::ulp_error(measured_[i], *in_unit_of(truth, *row_.form->info), row_.format.shape);
             if (std::fabs(ulps_[i]) > largest_) largest_ = std::fabs(ulps_[i]);
         }
         if (double* const residuals = column_of(InColumns::residual)) {
@@ -112,7 +148,8 @@ private:
         for (const std::uint32_t i : left) {
             const Ray<double> ray = ray_of(i);
             const Solid<double> solid = solid_of(i);
-            take(i, sample_of(i, ray, solid), [](const Metric& m) { return m.in_columns != InColumns::no; });
+            const Truth truth = result_.truth(i);
+            take(i, sample_of(i, ray, solid, truth), [](const Metric& m) { return m.in_columns != InColumns::no; });
         }
     }
 
@@ -148,11 +185,12 @@ private:
         const FormatInputs& in = *result_.inputs;
         const intersect::Info& info = *row_.form->info;
         const Solid<double> solid = solid_of(i);
-        Sample sample = sample_of(i, ray, solid);
+        const Truth truth = result_.truth(i);
+        Sample sample = sample_of(i, ray, solid, truth);
         if (needs_ & metric::needs_rounded_truth)
             sample.truth_rounded = result_.band->rounded_truth(i, row_.format.shape, info.direction, row_.convention());
-        if (needs_ & metric::needs_own_truth)
-            sample.own = in.ideal ? sample.truth : in_unit_of(in.own(i, row_.convention()), info);
+        const Truth own = (needs_ & metric::needs_own_truth) && !in.ideal ? in.own(i, row_.convention()) : Truth{};
+        if (needs_ & metric::needs_own_truth) sample.own = in.ideal ? sample.truth : in_unit_of(own, info);
         if (needs_ & metric::needs_condition) sample.condition = result_.band->condition(i, row_.convention());
         std::optional<truth::Certified> self;
         if (needs_ & metric::needs_self) {
@@ -185,9 +223,10 @@ private:
     }
 
     /// What is known of a correct hit without further work.
-    [[nodiscard]] Sample sample_of(std::size_t i, const Ray<double>& ray, const Solid<double>& solid) const {
+    [[nodiscard]] Sample sample_of(std::size_t i, const Ray<double>& ray, const Solid<double>& solid,
+                                   const Truth& truth) const {
         Sample sample = plain_sample_of(i, ray);
-        sample.truth = in_unit_of(result_.truth(i), *row_.form->info);
+        sample.truth = in_unit_of(truth, *row_.form->info);
         sample.solid = &solid;
         return sample;
     }
@@ -230,7 +269,7 @@ private:
     /// Ray i as a summary names it.
     [[nodiscard]] WorstRay named(std::size_t i, Outcome outcome) const {
         const bool hit = result_.answers->hit[i] != 0;
-        const Truth& truth = result_.truth(i);
+        const Truth truth = result_.truth(i);
         const int object = hit ? result_.answers->object[i] : truth.object;
         WorstRay w{.x = static_cast<int>(i % static_cast<std::size_t>(result_.width)),
                    .y = result_.y0 + static_cast<int>(i / static_cast<std::size_t>(result_.width)),
@@ -261,8 +300,8 @@ private:
     const TrueLengths& truth_;
     unsigned needs_;
     blame::Blamer blamer_;
-    std::vector<double> measured_;  ///< the answers of the correct hits, NaN elsewhere
-    std::vector<double> own_ulps_;  ///< where no metric is `ulp_error`
+    std::vector<double>& measured_;  ///< the answers of the correct hits, NaN elsewhere
+    std::vector<double>& own_ulps_;  ///< where no metric is `ulp_error`
     double* ulps_ = nullptr;
     double largest_ = 0;  ///< of |ulps|
 };
@@ -272,7 +311,10 @@ private:
 void measure_row(const RowRequest& request, const RowBand& on, MapSummary& summary) {
     const MapRow& row = request.row;
     const answer::Answers answers = answer::evaluate(*row.form, on.inputs);
-    const std::size_t n = on.band.pixels();
+    // Taken, not used in place: a thread that waits in here may begin another row.
+    thread_local std::optional<Room> kept;
+    Room room = std::exchange(kept, std::nullopt).value_or(Room{});
+    room.make(on.band.pixels(), request.metrics);
     BandResult result{.y0 = on.band.y0(),
                       .rows = on.band.rows(),
                       .width = on.inputs.rays.width,
@@ -280,11 +322,14 @@ void measure_row(const RowRequest& request, const RowBand& on, MapSummary& summa
                       .inputs = &on.inputs,
                       .answers = &answers,
                       .convention = row.convention(),
-                      .outcomes = std::vector<Outcome>(n),
-                      .metrics = {request.metrics.size(), std::vector<double>(n, missing)}};
+                      .outcomes = std::move(room.outcomes),
+                      .metrics = std::move(room.metrics)};
     const TrueLengths& truth = on.columns.of(row.convention(), row.form->info->direction);
-    Measurement(request, truth, result).measure(summary);
+    Measurement(request, truth, result, room).measure(summary);
     if (request.sink) request.sink->band(result);
+    room.outcomes = std::move(result.outcomes);
+    room.metrics = std::move(result.metrics);
+    kept = std::move(room);
 }
 
 void measure_row(const RowRequest& request, const truth::Band& band, const truth::FormatInputs& inputs,

@@ -61,7 +61,7 @@ struct NeededBand {
     std::vector<double> needed;  ///< `least_width` to `most_width`, `needed_beyond`, or NaN where unresolved
 
     /// By the form's own convention.
-    [[nodiscard]] const truth::Truth& truth(std::size_t i) const { return band->truth(i, form->convention()); }
+    [[nodiscard]] truth::Truth truth(std::size_t i) const { return band->truth(i, form->convention()); }
 };
 
 /// Where a form's results go. Called band by band from top to bottom, never concurrently.

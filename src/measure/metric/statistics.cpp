@@ -35,6 +35,7 @@ double Sums::mean() const {
 
 void Quantiles::add(std::span<const double> values) {
     for (const double x : values) {
+        if (x != x) continue;  // rays without a value lie together: no work, and nothing to wait for
         const auto bits = std::bit_cast<std::uint64_t>(x);
         auto& binade = binades_[bits >> 52 & 0x7ff];
         if (!binade) [[unlikely]]

@@ -40,11 +40,22 @@ RawProblems<S> raw_problems(std::size_t size, const RawFindings& out) {
 /// Which lengths are asked for: t*, in lengths of the direction, the distance t* |d|, or both.
 enum class Wanted { parameter, distance, both };
 
+/// Directions to be made unit: whole packs.
+struct RawDirections {
+    const double* in[3];
+    double* out[3];
+    std::uint8_t* settled;  ///< 0 or 1
+    bool binary32;          ///< rounded to binary32; else to binary64
+    double scale;           ///< as of `RawProblems`
+    std::size_t size;
+};
+
 /// The stages of one shape, by [Wanted].
 struct RawStages {
     void (*binary64[3])(const RawProblems<float>&);        ///< binary32 inputs
     void (*double_double[3])(const RawProblems<double>&);  ///< one word a number
     void (*of_two_words[3])(const RawProblems<double>&);   ///< two
+    void (*unit_directions)(const RawDirections&);         ///< the same for every shape
 };
 
 /// One function a register width, each in an object of its own: spheres, then boxes.

@@ -8,6 +8,7 @@
 #include "measure/stages/raw_stages.hpp"
 #include "measure/stages/sphere_binary64.hpp"
 #include "measure/stages/sphere_double_double.hpp"
+#include "measure/stages/unit_stage.hpp"
 #include "number/pack.hpp"
 
 namespace lostbits::measure::stages {
@@ -82,6 +83,17 @@ template <Subject subject, class S, Wanted wanted, bool two_words, class P>
     }
 }
 
+template <class P>
+[[gnu::flatten]] void settle_unit_directions(const RawDirections& raw) {
+    const RawDirections p = raw;
+    for (std::size_t i = 0; i < p.size; i += Lanes<P>::count) {
+        const P d[3] = {Lanes<P>::load(p.in[0] + i), Lanes<P>::load(p.in[1] + i), Lanes<P>::load(p.in[2] + i)};
+        const UnitDirection<P> unit = settle_unit_direction<P>(d, p.binary32, P(p.scale));
+        Lanes<P>::store(unit.settled, p.settled + i);
+        for (int k = 0; k < 3; ++k) Lanes<P>::store(unit.components[k], p.out[k] + i);
+    }
+}
+
 template <Subject subject, class P>
 RawStages stages_for() {
     using enum Wanted;
@@ -90,7 +102,8 @@ RawStages stages_for() {
             {settle_all<subject, double, parameter, false, P>, settle_all<subject, double, distance, false, P>,
              settle_all<subject, double, both, false, P>},
             {settle_all<subject, double, parameter, true, P>, settle_all<subject, double, distance, true, P>,
-             settle_all<subject, double, both, true, P>}};
+             settle_all<subject, double, both, true, P>},
+            settle_unit_directions<P>};
 }
 
 template <class P>

@@ -1,18 +1,15 @@
 #include "measure/truth/band.hpp"
 
-#include <tbb/combinable.h>
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 #include "measure/truth/conditioning.hpp"
 #include "measure/truth/missing.hpp"
 #include "measure/truth/truth_columns.hpp"
 #include "measure/truth/unit_direction.hpp"
 #include "number/error.hpp"
-#include "number/rounded.hpp"
 #include "scene/file/march_table.hpp"
 
 namespace lostbits::measure::truth {
@@ -39,7 +36,7 @@ void for_each_pixel(std::size_t count, Function&& function) {
 bool fits_binary32(const scene::rays::RayGroup& group) {
     bool fits = true;
     const auto look = [&fits](double x) {
-        fits = fits && (std::isnan(x) || rounding::to_format(x, 0, binary32) == x);
+        fits &= static_cast<double>(static_cast<float>(x)) == x || x != x;
         return x;
     };
     for (const auto* all : {&group.rays.ox, &group.rays.oy, &group.rays.oz, &group.rays.dx, &group.rays.dy,
@@ -52,11 +49,10 @@ bool fits_binary32(const scene::rays::RayGroup& group) {
 
 RayBlock normalised(const RayBlock& rays, const FloatFormat& format) {
     RayBlock unit = rays;
-    for_each_pixel(rays.size(), [&](std::size_t i) {
-        const Vec<double> u = unit_direction(Vec<double>(rays.dx[i], rays.dy[i], rays.dz[i]), format);
-        unit.dx[i] = u.x;
-        unit.dy[i] = u.y;
-        unit.dz[i] = u.z;
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, rays.size(), 1024), [&](const auto& range) {
+        stop_if_interrupted();
+        const auto part = [&](std::vector<double>& all) { return std::span(all).subspan(range.begin(), range.size()); };
+        make_unit({part(unit.dx), part(unit.dy), part(unit.dz)}, format);
     });
     return unit;
 }
@@ -159,83 +155,13 @@ Truth Band::find_truth_of(std::size_t i, Convention convention) const {
     });
 }
 
-namespace {
-
-/// The double nearest to a number, and the double nearest to what that leaves: NaN where the two do not enclose the
-/// number to 2^-104 of itself, as `lift` has it.
-double word_of(double x) { return x; }
-double word_of(const Real& x) { return x.convert_to<double>(); }
-double low_word_of(const Real& x) {
-    const double hi = word_of(x);
-    if (!std::isfinite(hi)) return missing;
-    const Real rest = x - Real(hi);
-    if (rest == 0) return 0;
-    return std::fabs(hi) < 0x1p-800 ? missing : rest.convert_to<double>();
-}
-
-template <class S, class Word>
-Ray<double> words_of(const Ray<S>& ray, const Word& word) {
-    const auto of = [&](const Vec<S>& v) { return Vec<double>(word(v.x), word(v.y), word(v.z)); };
-    return {of(ray.origin), of(ray.direction)};
-}
-
-/// Rays begin to end of a block among solids, as pairs of doubles.
-template <class S>
-RaysAndSolids pairs_of(const scene::rays::BasicRayBlock<S>& rays, const SolidList<S>& solids, std::size_t begin,
-                       std::size_t end, const SphereIndex* index, TruthLimit limit) {
-    const auto tmax = [&rays, begin](std::size_t i) { return rays.tmax.empty() ? HUGE_VAL : rays.tmax[begin + i]; };
-    const auto word = [](const S& x) { return word_of(x); };
-    RaysAndSolids problems{.rays = end - begin,
-                           .ray = [&rays, begin, word](std::size_t i) { return words_of(rays[begin + i], word); },
-                           .tmax = tmax,
-                           .solid = [&solids, word](std::size_t s) { return transformed(solids[s], word); },
-                           .candidates =
-                               [&rays, &solids, begin, index](std::size_t i, std::vector<std::uint32_t>& found) {
-                                   if (index) return index->candidates(in_double(rays[begin + i]), found);
-                                   found.resize(solids.size());
-                                   std::iota(found.begin(), found.end(), 0U);
-                               },
-                           .alone =
-                               [&rays, &solids, begin, limit, tmax](std::size_t i, std::size_t s) {
-                                   return find_truth(rays[begin + i], solids[s], limit, {}, tmax(i));
-                               }};
-    if constexpr (std::is_same_v<S, Real>) {
-        const auto low = [](const Real& x) { return low_word_of(x); };
-        problems.ray_low = [&rays, begin, low](std::size_t i) { return words_of(rays[begin + i], low); };
-        problems.solid_low = [&solids, low](std::size_t s) { return transformed(solids[s], low); };
-    }
-    return problems;
-}
-
-/// The truth of every ray of a block among solids, by the closed solid's convention; in parallel.
-template <class S>
-StageCounts find_truths_of(const scene::rays::BasicRayBlock<S>& rays, const SolidList<S>& solids,
-                           const SphereIndex* index, TruthLimit limit, std::vector<Truth>& truths) {
-    truths.resize(rays.size());
-    tbb::combinable<StageCounts> counts;
-    const auto find = [&](std::size_t begin, std::size_t end) {
-        find_truths(pairs_of(rays, solids, begin, end, index, limit), std::span(truths).subspan(begin, end - begin),
-                    counts.local());
-    };
-    constexpr std::size_t together = 512;
-    if (rays.size() <= together) {
-        find(0, rays.size());
-    } else {
-        tbb::parallel_for(tbb::blocked_range<std::size_t>(0, rays.size(), together),
-                          [&](const auto& range) { find(range.begin(), range.end()); });
-    }
-    return counts.combine([](StageCounts a, const StageCounts& b) { return a += b; });
-}
-
-}  // namespace
-
 void Band::find_truth_of_all() {
     const SphereIndex* const index = culler_ ? culler_->for_truth() : nullptr;
-    stages_ = ideal_ ? find_truths_of(*ideal_, ideal_solids_, index, limit_, truth_)
-                     : find_truths_of(shared_, shared_solids_, index, limit_, truth_);
-    for (std::size_t i = 0; i < truth_.size(); ++i) {
+    stages_ = ideal_ ? find_truths(RaysAndSolids<Real>{*ideal_, ideal_solids_, index}, limit_, truths_)
+                     : find_truths(RaysAndSolids<double>{shared_, shared_solids_, index}, limit_, truths_);
+    for (const auto& [i, closed] : truths_.whole) {
         for (const Convention convention : other_conventions) {
-            if (matters(convention, truth_[i])) apart_[key(i, convention)].truth = find_truth_of(i, convention);
+            if (matters(convention, closed)) apart_[key(i, convention)].truth = find_truth_of(i, convention);
         }
     }
 }
@@ -244,25 +170,34 @@ std::size_t Band::key(std::size_t i, Convention convention) {
     return 4 * i + (convention.touching == Touching::miss ? 2 : 0) + (convention.at_origin == AtOrigin::miss ? 1 : 0);
 }
 
-const Truth& Band::truth(std::size_t i, Convention convention) const {
-    return matters(convention, truth_[i]) ? apart_.at(key(i, convention)).truth : truth_[i];
+const Band::Apart* Band::find_apart(std::size_t i, Convention convention) const {
+    const Truth* const closed = truths_.find_whole(i);
+    return closed && matters(convention, *closed) ? &apart_.at(key(i, convention)) : nullptr;
+}
+
+Truth Band::truth(std::size_t i, Convention convention) const {
+    const Apart* const apart = find_apart(i, convention);
+    return apart ? apart->truth : truths_[i];
 }
 
 void Band::find_condition() {
-    const auto of = [&](std::size_t i, const Truth& truth, AtOrigin at_origin) {
-        if (!truth.is_hit()) return missing;
+    const auto of = [&](std::size_t i, Truth::Decision decision, int object, AtOrigin at_origin) {
+        if (decision != Truth::Decision::hit) return missing;
         return with_ray(i, [&](const auto& ray, const auto& solids) {
-            return lostbits::measure::truth::condition(ray, solids[static_cast<std::size_t>(truth.object)], at_origin);
+            return lostbits::measure::truth::condition(ray, solids[static_cast<std::size_t>(object)], at_origin);
         });
     };
     condition_.resize(pixels());
-    for_each_pixel(pixels(), [&](std::size_t i) { condition_[i] = of(i, truth_[i], AtOrigin::hit); });
+    for_each_pixel(
+        pixels(), [&](std::size_t i) { condition_[i] = of(i, truths_.decision[i], truths_.object[i], AtOrigin::hit); });
     for (auto& [key, apart] : apart_)
-        apart.condition = of(key / 4, apart.truth, key % 2 == 1 ? AtOrigin::miss : AtOrigin::hit);
+        apart.condition =
+            of(key / 4, apart.truth.decision, apart.truth.object, key % 2 == 1 ? AtOrigin::miss : AtOrigin::hit);
 }
 
 double Band::condition(std::size_t i, Convention convention) const {
-    return matters(convention, truth_[i]) ? apart_.at(key(i, convention)).condition : condition_[i];
+    const Apart* const apart = find_apart(i, convention);
+    return apart ? apart->condition : condition_[i];
 }
 
 FormatInputs Band::inputs(const Format& format, BandNeeds needs) const {
@@ -292,9 +227,9 @@ FormatInputs Band::inputs(const Format& format, BandNeeds needs) const {
             return find_among(index.get(), in.rays[i], in.solids, limit_, convention,
                               in.rays.tmax.empty() ? HUGE_VAL : in.rays.tmax[i]);
         };
-        find_truths_of(in.rays, in.solids, index.get(), limit_, in.own_truth);
-        for (std::size_t i = 0; i < in.own_truth.size(); ++i) {
-            if (in.own_truth[i].on_surface) in.own_past_origin[i] = own(i, {Touching::hit, AtOrigin::miss});
+        find_truths(RaysAndSolids<double>{in.rays, in.solids, index.get()}, limit_, in.own_truth);
+        for (const auto& [i, closed] : in.own_truth.whole) {
+            if (closed.on_surface) in.own_past_origin[i] = own(i, {Touching::hit, AtOrigin::miss});
         }
     }
     return in;
@@ -334,7 +269,7 @@ std::shared_ptr<const scene::rays::RayGroup> Band::given(std::size_t i, std::set
 
 double Band::rounded_truth(std::size_t i, const FloatFormat& format, intersect::Direction unit_of,
                            Convention convention) const {
-    const Truth& truth = this->truth(i, convention);
+    const Truth truth = this->truth(i, convention);
     const Length length = unit_of == intersect::Direction::unit ? Length::distance : Length::parameter;
     return with_ray(i, [&](const auto& ray, const auto& solids) {
         return round_truth(truth, ray, solids[static_cast<std::size_t>(truth.object)], format, length);

@@ -46,11 +46,13 @@ public:
 
     [[nodiscard]] int y0() const { return y0_; }
     [[nodiscard]] int rows() const { return rows_; }
-    [[nodiscard]] std::size_t pixels() const { return truth_.size(); }
+    [[nodiscard]] std::size_t pixels() const { return truths_.size(); }
     /// Which stages settled the rays, each with each solid that it could meet.
     [[nodiscard]] const StageCounts& stages() const { return stages_; }
     /// The truth of ray i by the convention of a form.
-    [[nodiscard]] const Truth& truth(std::size_t i, intersect::Convention convention) const;
+    [[nodiscard]] Truth truth(std::size_t i, intersect::Convention convention) const;
+    /// That of every ray by the closed solid's convention. Others can differ on rays of its `whole` alone.
+    [[nodiscard]] const RayTruths& truths() const { return truths_; }
     /// The truth of ray i (a hit), correctly rounded to the format: as t, or as a distance.
     [[nodiscard]] double rounded_truth(std::size_t i, const FloatFormat& format, intersect::Direction unit_of,
                                        intersect::Convention convention) const;
@@ -76,10 +78,12 @@ private:
         Truth truth;
         double condition = 0;
     };
+    /// Where the convention makes a difference on ray i; else null.
+    [[nodiscard]] const Apart* find_apart(std::size_t i, intersect::Convention convention) const;
     template <class Function>
     auto with_ray(std::size_t i, Function&& function) const;
 
-    std::vector<Truth> truth_;
+    RayTruths truths_;
     StageCounts stages_;
     std::vector<double> condition_;
     std::unordered_map<std::size_t, Apart> apart_;  ///< by `key`, where the convention makes a difference

@@ -8,7 +8,7 @@
 
 #include "intersect/table/table.hpp"
 #include "measure/truth/culling.hpp"
-#include "measure/truth/truth.hpp"
+#include "measure/truth/truth_columns.hpp"
 #include "scene/rays/rays.hpp"
 
 namespace lostbits::measure::truth {
@@ -23,15 +23,16 @@ struct FormatInputs {
     /// Directions normalised and rounded to the format; empty unless a form asks for them.
     scene::rays::RayBlock unit_rays = {};
     /// The truth of these inputs; empty where they are the ideal ones, or where no metric asks.
-    std::vector<Truth> own_truth = {};
+    RayTruths own_truth = {};
     /// The same where an origin on a sphere does not count, for the rays on which that matters.
     std::unordered_map<std::size_t, Truth> own_past_origin = {};
     bool ideal = false;                             ///< the inputs are exactly those of the truth
     std::shared_ptr<const SphereIndex> index = {};  ///< candidates among the solids for each ray; null: all of them
 
-    [[nodiscard]] const Truth& own(std::size_t i, intersect::Convention convention) const {
-        const bool past = convention.at_origin == intersect::AtOrigin::miss && own_truth[i].on_surface;
-        return past ? own_past_origin.at(i) : own_truth[i];
+    [[nodiscard]] Truth own(std::size_t i, intersect::Convention convention) const {
+        const Truth closed = own_truth[i];
+        const bool past = convention.at_origin == intersect::AtOrigin::miss && closed.on_surface;
+        return past ? own_past_origin.at(i) : closed;
     }
     [[nodiscard]] const scene::rays::RayBlock& rays_for(const intersect::Info& info) const {
         return info.direction == intersect::Direction::unit ? unit_rays : rays;

@@ -2,7 +2,10 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <memory>
+#include <numeric>
 #include <span>
 
 #include "measure/stages/stages.hpp"
@@ -30,6 +33,8 @@ void for_each_column(const ProblemColumns<S>& p, stages::RawProblems<Raw>& raw, 
     for (std::size_t k = 0; k < 6; ++k) use(p.solid_low[k], raw.solid_low[k], 0);
 }
 inline constexpr std::size_t most_columns = 25;
+/// Where those of a ray, a solid, tmax and of the second words begin.
+inline constexpr std::size_t first_of_ray = 0, first_of_solid = 6, place_of_tmax = 12, first_of_low = 13;
 
 /// What the stages find of up to `settled_together` problems.
 struct FoundTogether {
@@ -45,12 +50,22 @@ template <class S>
 struct Gathered {
     alignas(64) S numbers[most_columns][column_room];
     FoundTogether found;
+    std::size_t size = 0;  ///< of the problems that were added one by one
+
+    /// The one of this thread and of this use: some ask for one ray at a time, a thousand times.
+    enum class Use { columns, spheres, boxes };
+    static Gathered& of_thread(Use use) {
+        thread_local std::array<std::unique_ptr<Gathered>, 3> all;
+        auto& wanted = all[static_cast<std::size_t>(use)];
+        if (!wanted) wanted = std::make_unique<Gathered>();
+        return *wanted;
+    }
 
     template <class From>
     stages::RawProblems<S> gather(const ProblemColumns<From>& p, std::span<const std::size_t> which,
                                   std::size_t lanes) {
-        const std::size_t size = (which.size() + lanes - 1) / lanes * lanes;
-        auto raw = stages::raw_problems<S>(size, found.raw());
+        const std::size_t filled = (which.size() + lanes - 1) / lanes * lanes;
+        auto raw = stages::raw_problems<S>(filled, found.raw());
         S* to = numbers[0];
         for_each_column(p, raw, [&](std::span<const From> from, stages::RawColumn<S>& column, From absent) {
             column = {to, from.size() <= 1 ? std::size_t{0} : std::size_t{1}};
@@ -58,10 +73,28 @@ struct Gathered {
                 std::fill_n(to, lanes, static_cast<S>(from.empty() ? absent : from[0]));
             } else {
                 for (std::size_t i = 0; i < which.size(); ++i) to[i] = static_cast<S>(from[which[i]]);
-                std::fill(to + which.size(), to + size, to[which.size() - 1]);
+                std::fill(to + which.size(), to + filled, to[which.size() - 1]);
             }
             to += column_room;
         });
+        return raw;
+    }
+
+    /// Numbers of the problem that is added next.
+    void set(std::size_t column, std::span<const S> next) {
+        for (const S& x : next) numbers[column++][size] = x;
+    }
+    /// Those that were added.
+    stages::RawProblems<S> added(std::size_t lanes) {
+        auto raw = stages::raw_problems<S>((size + lanes - 1) / lanes * lanes, found.raw());
+        for (auto& column : numbers) std::fill(column + size, column + raw.size, column[size - 1]);
+        for (std::size_t k = 0; k < 6; ++k) {
+            raw.ray[k] = {numbers[first_of_ray + k], 1};
+            raw.solid[k] = {numbers[first_of_solid + k], 1};
+            raw.ray_low[k] = {numbers[first_of_low + k], 1};
+            raw.solid_low[k] = {numbers[first_of_low + 6 + k], 1};
+        }
+        raw.tmax = {numbers[place_of_tmax], 1};
         return raw;
     }
 };
@@ -78,7 +111,27 @@ public:
             to += most_lanes;
         });
     }
-    /// `size` of them from `begin` on.
+    /// Asks a stage about `count` of them from `begin` on. What it finds begins where `found` points to.
+    void settle(void (*stage)(const stages::RawProblems<S>&), std::size_t lanes, std::size_t begin, std::size_t count,
+                const stages::RawFindings& found) const {
+        const std::size_t whole = count - count % lanes, left = count - whole;
+        if (whole > 0) stage(at(begin, whole, found));
+        if (left == 0) return;
+        std::array<std::size_t, most_lanes> last;
+        std::iota(last.begin(), last.end(), begin + whole);
+        auto& rest = Gathered<S>::of_thread(Gathered<S>::Use::columns);
+        stage(rest.gather(problems_, std::span(last).first(left), lanes));
+        const auto keep = [&](const auto* from, auto* to) {
+            if (to) std::copy_n(from, left, to + whole);
+        };
+        keep(rest.found.settled, found.settled), keep(rest.found.hit, found.hit);
+        keep(rest.found.hi, found.hi), keep(rest.found.lo, found.lo), keep(rest.found.bound, found.bound);
+        keep(rest.found.distance_hi, found.distance_hi), keep(rest.found.distance_lo, found.distance_lo);
+        keep(rest.found.distance_bound, found.distance_bound);
+    }
+
+private:
+    /// `size` of them from `begin` on, whole registers.
     stages::RawProblems<S> at(std::size_t begin, std::size_t size, const stages::RawFindings& found) const {
         auto raw = stages::raw_problems<S>(size, found);
         const S* same = same_[0];
@@ -89,7 +142,6 @@ public:
         return raw;
     }
 
-private:
     const ProblemColumns<S>& problems_;
     alignas(64) S same_[most_columns][most_lanes];
 };

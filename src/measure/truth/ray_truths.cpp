@@ -1,145 +1,345 @@
-// Rays among solids as pairs of one ray and one solid, which are settled in packs and joined ray by ray.
-#include <memory>
+// Rays among solids: each solid against whole columns of rays, or pairs of one ray and one solid where a ray can meet
+// only a few, or where columns do not tell which comes first.
+#include <tbb/combinable.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
 
 #include "measure/truth/gathered.hpp"
+#include "measure/truth/missing.hpp"
 #include "measure/truth/truth_columns.hpp"
 #include "number/error.hpp"
 
 namespace lostbits::measure::truth {
+
+using scene::rays::BasicRayBlock;
+
 namespace {
 
-/// Room for `settled_together` pairs of a ray and a solid of one shape.
-struct PairColumns {
-    alignas(64) double numbers[most_columns][column_room];
-    FoundTogether found;
-    std::size_t places[settled_together];  ///< which of the pairs they are
-    std::size_t size = 0;
+/// The double nearest to a number, and the double nearest to what that leaves: NaN where the two do not enclose the
+/// number to 2^-104 of itself, as `lift` has it.
+double word_of(double x) { return x; }
+double low_word_of(double) { return 0; }
+double word_of(const Real& x) { return x.convert_to<double>(); }
+double low_word_of(const Real& x) {
+    const double hi = word_of(x);
+    if (!std::isfinite(hi)) return missing;
+    const Real rest = x - Real(hi);
+    if (rest == 0) return 0;
+    return std::fabs(hi) < 0x1p-800 ? missing : rest.convert_to<double>();
+}
 
-    static constexpr std::size_t tmax = 12, low = 13;
+using Spans = std::array<std::span<const double>, 6>;
 
-    void set(std::size_t first, const Ray<double>& ray) {
-        for (int i = 0; i < 3; ++i) {
-            numbers[first + static_cast<std::size_t>(i)][size] = ray.origin[i];
-            numbers[first + static_cast<std::size_t>(i) + 3][size] = ray.direction[i];
+/// Rays begin to end of a block as columns of words: where they lie, or made.
+template <class S>
+class RayWords {
+public:
+    RayWords(const BasicRayBlock<S>& rays, std::size_t begin, std::size_t end) {
+        const std::array from{&rays.ox, &rays.oy, &rays.oz, &rays.dx, &rays.dy, &rays.dz};
+        for (std::size_t k = 0; k < from.size(); ++k) {
+            const std::span<const S> numbers = std::span(*from[k]).subspan(begin, end - begin);
+            if constexpr (std::is_same_v<S, double>) {
+                words[k] = numbers;
+            } else {
+                room_[k].resize(numbers.size()), room_[k + 6].resize(numbers.size());
+                std::ranges::transform(numbers, room_[k].begin(), [](const S& x) { return word_of(x); });
+                std::ranges::transform(numbers, room_[k + 6].begin(), [](const S& x) { return low_word_of(x); });
+                words[k] = room_[k], low[k] = room_[k + 6];
+            }
         }
+        if (!rays.tmax.empty()) tmax = std::span(rays.tmax).subspan(begin, end - begin);
     }
-    void set(std::size_t first, const Solid<double>& solid) {
-        for (std::size_t k = 0; k < 6; ++k) numbers[first + k][size] = solid.numbers[k];
-    }
-    stages::RawProblems<double> raw(std::size_t lanes) {
-        auto problems = stages::raw_problems<double>((size + lanes - 1) / lanes * lanes, found.raw());
-        for (auto& column : numbers) std::fill(column + size, column + problems.size, column[size - 1]);
-        for (std::size_t k = 0; k < 6; ++k) {
-            problems.ray[k] = {numbers[k], 1};
-            problems.solid[k] = {numbers[6 + k], 1};
-            problems.ray_low[k] = {numbers[low + k], 1};
-            problems.solid_low[k] = {numbers[low + 6 + k], 1};
-        }
-        problems.tmax = {numbers[tmax], 1};
-        return problems;
-    }
+    Spans words, low = {};
+    std::span<const double> tmax = {};
+
+private:
+    std::array<std::vector<double>, std::is_same_v<S, double> ? 0 : 12> room_;
 };
 
-/// The pairs of some rays in order, and their truths.
-class PairSearch {
+/// What is known of some rays, by place, that columns cannot hold, and who settled what.
+struct Rest {
+    StageCounts counts;
+    std::vector<std::pair<std::size_t, Truth>> whole;
+};
+
+/// The truths of rays begin to end, at most `settled_together`.
+template <class S>
+class BlockSearch {
 public:
-    PairSearch(const RaysAndSolids& problems, StageCounts& counts)
-        : problems_(problems), counts_(counts), isa_(intersect::simd::current_isa()) {}
+    static constexpr bool two_words = !std::is_same_v<S, double>;
 
-    void add(std::size_t ray) {
-        problems_.candidates(ray, candidates_);
-        if (candidates_.empty()) return;
-        const Ray<double> words = problems_.ray(ray);
-        const Ray<double> low = problems_.ray_low ? problems_.ray_low(ray) : Ray<double>{};
-        for (const std::uint32_t solid : candidates_) {
-            const Solid<double> numbers = problems_.solid(solid);
-            PairColumns& columns = columns_of(numbers.shape);
-            columns.set(0, words);
-            columns.set(6, numbers);
-            columns.numbers[PairColumns::tmax][columns.size] = problems_.tmax(ray);
-            if (problems_.ray_low) {
-                columns.set(PairColumns::low, low);
-                columns.set(PairColumns::low + 6, problems_.solid_low(solid));
-            }
-            columns.places[columns.size++] = pairs_.size();
-            pairs_.push_back({ray, solid});
-            if (columns.size == settled_together) settle(numbers.shape);
-        }
-    }
-    [[nodiscard]] std::size_t size() const { return pairs_.size(); }
+    BlockSearch(const RaysAndSolids<S>& problems, TruthLimit limit, std::size_t begin, std::size_t end, RayTruths& out,
+                Rest& rest)
+        : problems_(problems),
+          limit_(limit),
+          begin_(begin),
+          count_(end - begin),
+          rays_(problems.rays, begin, end),
+          out_(out),
+          rest_(rest),
+          isa_(intersect::simd::current_isa()) {}
 
-    void finish(std::span<Truth> out) {
-        settle(Shape::sphere);
-        settle(Shape::box);
-        for (std::size_t k = 0; k < pairs_.size(); ++k)
-            join(truths_[k], static_cast<int>(pairs_[k].solid), out[pairs_[k].ray]);
-        pairs_.clear();
+    void find() {
+        if (problems_.index) return find_pairs([](std::size_t) { return true; });
+        open_.assign(count_, 0);
+        for (std::size_t s = 0; s < problems_.solids.size(); ++s) meet(s);
+        const auto open = static_cast<std::size_t>(std::ranges::count(open_, 1));
+        rest_.counts.double_double += (count_ - open) * problems_.solids.size();
+        if (open > 0) find_pairs([this](std::size_t i) { return open_[i] != 0; });
     }
 
 private:
+    [[nodiscard]] auto stage_of(const stages::Stages& stages) const {
+        constexpr auto both = static_cast<std::size_t>(stages::Wanted::both);
+        return two_words ? stages.kernels.of_two_words[both] : stages.kernels.double_double[both];
+    }
+
+    /// Every ray against one solid, kept where it comes first.
+    void meet(std::size_t s) {
+        stop_if_interrupted();
+        const Solid<S> solid = problems_.solids[s];
+        const Solid<double> words = transformed(solid, [](const S& x) { return word_of(x); });
+        const Solid<double> low = transformed(solid, [](const S& x) { return low_word_of(x); });
+        ProblemColumns<double> columns{
+            .size = count_, .ray = rays_.words, .shape = solid.shape, .solid = {}, .tmax = rays_.tmax};
+        for (std::size_t k = 0; k < solid.used().size(); ++k) columns.solid[k] = std::span(&words.numbers[k], 1);
+        if constexpr (two_words) {
+            columns.ray_low = rays_.low;
+            for (std::size_t k = 0; k < solid.used().size(); ++k) columns.solid_low[k] = std::span(&low.numbers[k], 1);
+        }
+        meet(columns, s == 0, [s](std::size_t) { return static_cast<std::int32_t>(s); });
+    }
+
+    /// Every ray against its solid of these columns, whose place is `place(ray)`. What the first of them finds goes
+    /// where the truths are wanted.
+    template <class Place>
+    void meet(const ProblemColumns<double>& columns, bool is_first, const Place& place) {
+        const stages::Stages& stages = stages::stages_of(columns.shape, isa_);
+        const InPlace<double> rays(columns);
+        const auto ask = [&](const stages::RawFindings& found) {
+            rays.settle(stage_of(stages), stages.lanes, 0, count_, found);
+            for (std::size_t i = 0; i < count_; ++i) open_[i] |= static_cast<std::uint8_t>(found.settled[i] == 0);
+        };
+        if (is_first) {
+            auto* const hit = reinterpret_cast<std::uint8_t*>(out_.decision.data()) + begin_;
+            const auto at = [this](std::vector<double>& column) { return column.data() + begin_; };
+            std::uint8_t settled[settled_together];
+            ask({settled, hit, at(out_.t.hi), at(out_.t.lo), at(out_.t.bound), at(out_.distance.hi),
+                 at(out_.distance.lo), at(out_.distance.bound)});
+            for (std::size_t i = 0; i < count_; ++i) out_.object[begin_ + i] = hit[i] != 0 ? place(i) : -1;
+            return;
+        }
+        FoundTogether& found = Gathered<double>::of_thread(Gathered<double>::Use::spheres).found;
+        ask(found.raw());
+        for (std::size_t i = 0; i < count_; ++i)
+            if (found.hit[i] != 0) keep_nearest(found, i, place(i));
+    }
+
+    void keep_nearest(const FoundTogether& found, std::size_t i, std::int32_t place) {
+        // Lengths that differ by 2^-40 are told apart by their first words: what is left of them, and both bounds, are
+        // far less.
+        constexpr double nearer = 1 - 0x1p-40, farther = 1 + 0x1p-40;
+        const std::size_t to = begin_ + i;
+        if (out_.object[to] >= 0) {
+            const double best = out_.t.hi[to];
+            if (found.hi[i] > best * farther) return;
+            if (!(found.hi[i] < best * nearer)) open_[i] = 1;
+        }
+        out_.decision[to] = Truth::Decision::hit;
+        out_.object[to] = place;
+        out_.t.hi[to] = found.hi[i], out_.t.lo[to] = found.lo[i], out_.t.bound[to] = found.bound[i];
+        out_.distance.hi[to] = found.distance_hi[i], out_.distance.lo[to] = found.distance_lo[i];
+        out_.distance.bound[to] = found.distance_bound[i];
+    }
+
     struct Pair {
-        std::size_t ray;
+        std::size_t ray;  ///< from `begin_` on
         std::uint32_t solid;
+        Truth truth;
     };
 
-    /// Kept by the thread: a family asks for one ray at a time, a thousand times.
-    static PairColumns& columns_of(Shape shape) {
-        thread_local std::unique_ptr<PairColumns> columns[2];
-        auto& wanted = columns[shape == Shape::box ? 1 : 0];
-        if (!wanted) wanted = std::make_unique<PairColumns>();
-        return *wanted;
+    /// The rays of which `wanted(i)`, each with every solid that it can meet, joined ray by ray.
+    template <class Wanted>
+    void find_pairs(const Wanted& wanted) {
+        for (const Shape shape : {Shape::sphere, Shape::box}) gathered(shape).size = 0;
+        for (std::size_t i = 0; i < count_; ++i) {
+            if (!wanted(i)) continue;
+            stop_if_interrupted();
+            add_pairs(i);
+            if (pairs_.size() >= settled_together) join_pairs();
+        }
+        join_pairs();
     }
+
+    void add_pairs(std::size_t i) {
+        asked_.push_back(i);
+        const auto& solids = problems_.solids;
+        if (problems_.index) {
+            std::array<double, 6> ray;
+            for (std::size_t k = 0; k < 6; ++k) ray[k] = rays_.words[k][i];
+            problems_.index->candidates({{ray[0], ray[1], ray[2]}, {ray[3], ray[4], ray[5]}}, candidates_);
+            for (const std::uint32_t s : candidates_) add_pair(i, s);
+        } else {
+            for (std::size_t s = 0; s < solids.size(); ++s) add_pair(i, static_cast<std::uint32_t>(s));
+        }
+    }
+
+    void add_pair(std::size_t i, std::uint32_t s) {
+        const Solid<S> solid = problems_.solids[s];
+        Gathered<double>& to = gathered(solid.shape);
+        const auto words_of_ray = [&](std::size_t first, const Spans& from) {
+            for (std::size_t k = 0; k < 6; ++k) to.numbers[first + k][to.size] = from[k][i];
+        };
+        words_of_ray(first_of_ray, rays_.words);
+        to.set(first_of_solid, transformed(solid, [](const S& x) { return word_of(x); }).numbers);
+        to.numbers[place_of_tmax][to.size] = rays_.tmax.empty() ? HUGE_VAL : rays_.tmax[i];
+        if constexpr (two_words) {
+            words_of_ray(first_of_low, rays_.low);
+            to.set(first_of_low + 6, transformed(solid, [](const S& x) { return low_word_of(x); }).numbers);
+        }
+        places(solid.shape)[to.size++] = pairs_.size();
+        pairs_.push_back({i, s, {}});
+        if (to.size == settled_together) settle(solid.shape);
+    }
+
+    static Gathered<double>& gathered(Shape shape) {
+        using enum Gathered<double>::Use;
+        return Gathered<double>::of_thread(shape == Shape::box ? boxes : spheres);
+    }
+    std::array<std::size_t, settled_together>& places(Shape shape) { return places_[shape == Shape::box ? 1 : 0]; }
 
     void settle(Shape shape) {
-        PairColumns& columns = columns_of(shape);
-        if (columns.size == 0) return;
-        const auto& stages = stages::stages_of(shape, isa_);
-        constexpr auto both = static_cast<std::size_t>(stages::Wanted::both);
-        const auto stage = problems_.ray_low ? stages.kernels.of_two_words[both] : stages.kernels.double_double[both];
-        stage(columns.raw(stages.lanes));
-        truths_.resize(std::max(truths_.size(), pairs_.size()));
-        for (std::size_t k = 0; k < columns.size; ++k) truths_[columns.places[k]] = truth_of(columns, k);
-        columns.size = 0;
+        Gathered<double>& together = gathered(shape);
+        if (together.size == 0) return;
+        const stages::Stages& stages = stages::stages_of(shape, isa_);
+        stage_of(stages)(together.added(stages.lanes));
+        for (std::size_t k = 0; k < together.size; ++k) settle(together.found, k, pairs_[places(shape)[k]]);
+        together.size = 0;
     }
-
-    Truth truth_of(const PairColumns& columns, std::size_t k) {
-        const FoundTogether& found = columns.found;
+    void settle(const FoundTogether& found, std::size_t k, Pair& pair) {
         if (found.settled[k] == 0) {
-            const Pair pair = pairs_[columns.places[k]];
-            const Truth truth = problems_.alone(pair.ray, pair.solid);
-            ++(truth.bits <= 106 ? counts_.ball : counts_.interval);
-            return truth;
+            const std::size_t ray = begin_ + pair.ray;
+            const double tmax = rays_.tmax.empty() ? HUGE_VAL : rays_.tmax[pair.ray];
+            pair.truth = find_truth(problems_.rays[ray], problems_.solids[pair.solid], limit_, {}, tmax);
+            rest_.counts.count_alone(pair.truth);
+            return;
         }
-        ++counts_.double_double;
-        Truth truth;
-        truth.bits = 106;
-        if (found.hit[k] == 0) return truth;
-        truth.decision = Truth::Decision::hit;
-        truth.object = 0;
-        truth.t = certified(found.hi[k], found.lo[k], found.bound[k]);
-        truth.distance = certified(found.distance_hi[k], found.distance_lo[k], found.distance_bound[k]);
-        return truth;
+        ++rest_.counts.double_double;
+        pair.truth.bits = 106;
+        if (found.hit[k] == 0) return;
+        pair.truth.decision = Truth::Decision::hit;
+        pair.truth.object = 0;
+        pair.truth.t = certified(found.hi[k], found.lo[k], found.bound[k]);
+        pair.truth.distance = certified(found.distance_hi[k], found.distance_lo[k], found.distance_bound[k]);
     }
 
-    const RaysAndSolids& problems_;
-    StageCounts& counts_;
+    void join_pairs() {
+        settle(Shape::sphere);
+        settle(Shape::box);
+        auto pair = pairs_.cbegin();
+        for (const std::size_t i : asked_) {
+            Truth best;
+            for (; pair != pairs_.cend() && pair->ray == i; ++pair)
+                join(pair->truth, static_cast<int>(pair->solid), best);
+            if (!out_.put(begin_ + i, best)) rest_.whole.emplace_back(begin_ + i, best);
+        }
+        pairs_.clear();
+        asked_.clear();
+    }
+
+    const RaysAndSolids<S>& problems_;
+    TruthLimit limit_;
+    std::size_t begin_, count_;
+    RayWords<S> rays_;
+    RayTruths& out_;
+    Rest& rest_;
     intersect::simd::Isa isa_;
+    std::vector<std::uint8_t> open_;  ///< 1: columns do not settle the ray
+    std::vector<std::size_t> asked_;  ///< rays whose pairs are in `pairs_`
     std::vector<Pair> pairs_;
-    std::vector<Truth> truths_;
+    std::array<std::array<std::size_t, settled_together>, 2> places_;  ///< among `pairs_`, of those of each shape
     std::vector<std::uint32_t> candidates_;
 };
 
+template <class S>
+StageCounts find_all(const RaysAndSolids<S>& problems, TruthLimit limit, RayTruths& out) {
+    const std::size_t n = problems.rays.size();
+    out.resize(n);
+    tbb::combinable<Rest> rests;
+    const auto find = [&](std::size_t begin, std::size_t end) {
+        BlockSearch<S>(problems, limit, begin, end, out, rests.local()).find();
+    };
+    if (n <= settled_together) {
+        find(0, n);
+    } else {
+        tbb::parallel_for(std::size_t{0}, (n + settled_together - 1) / settled_together, [&](std::size_t block) {
+            find(block * settled_together, std::min(n, (block + 1) * settled_together));
+        });
+    }
+    StageCounts counts;
+    out.whole.clear();
+    rests.combine_each([&](const Rest& rest) {
+        counts += rest.counts;
+        out.whole.insert(out.whole.end(), rest.whole.begin(), rest.whole.end());
+    });
+    std::ranges::sort(out.whole, {}, &std::pair<std::size_t, Truth>::first);
+    return counts;
+}
+
+bool same(const Certified& a, const Certified& b) {
+    return a.hi == b.hi && a.lo == b.lo && a.bound == b.bound && a.exponent == b.exponent;
+}
+
 }  // namespace
 
-void find_truths(const RaysAndSolids& problems, std::span<Truth> out, StageCounts& stages) {
-    std::ranges::fill(out, Truth{});
-    PairSearch search(problems, stages);
-    for (std::size_t ray = 0; ray < problems.rays; ++ray) {
-        stop_if_interrupted();
-        search.add(ray);
-        if (search.size() >= settled_together) search.finish(out);
-    }
-    search.finish(out);
+void RayTruths::resize(std::size_t rays) {
+    decision.assign(rays, Truth::Decision::miss);
+    object.assign(rays, -1);
+    for (auto* length : {&t, &distance})
+        for (auto* column : {&length->hi, &length->lo, &length->bound}) column->assign(rays, 0);
+}
+
+Truth RayTruths::operator[](std::size_t i) const {
+    if (const Truth* const there = find_whole(i)) return *there;
+    Truth truth;
+    truth.decision = decision[i];
+    truth.object = object[i];
+    truth.bits = 106;
+    if (!truth.is_hit()) return truth;
+    truth.t = certified(t.hi[i], t.lo[i], t.bound[i]);
+    truth.distance = certified(distance.hi[i], distance.lo[i], distance.bound[i]);
+    return truth;
+}
+
+const Truth* RayTruths::find_whole(std::size_t i) const {
+    if (!std::isnan(t.hi[i])) return nullptr;
+    return &std::ranges::lower_bound(whole, i, {}, &std::pair<std::size_t, Truth>::first)->second;
+}
+
+bool RayTruths::put(std::size_t i, const Truth& truth) {
+    decision[i] = truth.decision;
+    object[i] = truth.object;
+    bool held = !truth.touches && !truth.on_surface && truth.decision != Truth::Decision::unresolved;
+    const auto put_length = [&](const Certified& x, Lengths& to) {
+        const bool in_range = truth.is_hit() && !x.is_zero() && std::abs(x.exponent) <= 900;
+        const auto word = [&](double part) { return in_range ? std::ldexp(part, static_cast<int>(x.exponent)) : 0; };
+        to.hi[i] = word(x.hi), to.lo[i] = word(x.lo), to.bound[i] = word(x.bound);
+        held = held && (!truth.is_hit() || same(certified(to.hi[i], to.lo[i], to.bound[i]), x));
+    };
+    put_length(truth.t, t);
+    put_length(truth.distance, distance);
+    if (!held) t.hi[i] = missing;
+    return held;
+}
+
+StageCounts find_truths(const RaysAndSolids<double>& problems, TruthLimit limit, RayTruths& out) {
+    return find_all(problems, limit, out);
+}
+StageCounts find_truths(const RaysAndSolids<Real>& problems, TruthLimit limit, RayTruths& out) {
+    return find_all(problems, limit, out);
 }
 
 }  // namespace lostbits::measure::truth

@@ -2,7 +2,6 @@
 
 #include <cmath>
 #include <cstring>
-#include <memory>
 #include <numeric>
 #include <utility>
 
@@ -11,7 +10,6 @@
 
 namespace lostbits::measure::truth {
 
-using stages::RawFindings;
 using stages::RawProblems;
 
 static_assert(static_cast<int>(Truth::Decision::miss) == 0 && static_cast<int>(Truth::Decision::hit) == 1);
@@ -28,8 +26,6 @@ Truth find_by_itself(const ProblemColumns<S>& p, const ColumnTerms& terms, std::
     return find_truth({{at(r[0]), at(r[1]), at(r[2])}, {at(r[3]), at(r[4]), at(r[5])}}, solid, terms.limit,
                       terms.convention, p.tmax.empty() ? HUGE_VAL : at(p.tmax));
 }
-
-void count_alone(const Truth& truth, StageCounts& stages) { ++(truth.bits <= 106 ? stages.ball : stages.interval); }
 
 /// Appends begin + i for each i that is not settled. Most are: eight are looked at together.
 void add_open(const std::uint8_t* settled, std::size_t begin, std::size_t count, std::vector<std::size_t>& open) {
@@ -79,31 +75,21 @@ public:
 private:
     /// Those from `begin` on; what stays open goes into `open_`.
     void settle_in_place(void (*stage)(const RawProblems<S>&), std::size_t begin, std::size_t count) {
-        const std::size_t whole = count - count % stages_.lanes;
         std::uint8_t settled[settled_together];
         auto* const hit = reinterpret_cast<std::uint8_t*>(out_.decision.data());
-        const RawFindings found{
-            settled, hit + begin, out_.hi.data() + begin, out_.lo.data() + begin, out_.bound.data() + begin, nullptr,
-            nullptr, nullptr};
-        if (whole) stage(in_place_.at(begin, whole, found));
-        if (whole < count) {
-            std::vector<std::size_t> tail(count - whole);
-            std::iota(tail.begin(), tail.end(), begin + whole);
-            const auto rest = std::make_unique<Gathered<S>>();
-            stage(rest->gather(problems_, tail, stages_.lanes));
-            scatter(rest->found, tail);
-            std::copy_n(rest->found.settled, tail.size(), settled + whole);
-        }
+        in_place_.settle(stage, stages_.lanes, begin, count,
+                         {settled, hit + begin, out_.hi.data() + begin, out_.lo.data() + begin,
+                          out_.bound.data() + begin, nullptr, nullptr, nullptr});
         add_open(settled, begin, count, open_);
     }
     /// Those in `open_`, which keeps what stays open.
     void settle_gathered(void (*stage)(const RawProblems<double>&)) {
-        if (!gathered_) gathered_ = std::make_unique<Gathered<double>>();
+        auto& gathered = Gathered<double>::of_thread(Gathered<double>::Use::columns);
         const std::vector<std::size_t> which = std::exchange(open_, {});
-        stage(gathered_->gather(problems_, which, stages_.lanes));
-        scatter(gathered_->found, which);
+        stage(gathered.gather(problems_, which, stages_.lanes));
+        scatter(gathered.found, which);
         for (std::size_t i = 0; i < which.size(); ++i)
-            if (gathered_->found.settled[i] == 0) open_.push_back(which[i]);
+            if (gathered.found.settled[i] == 0) open_.push_back(which[i]);
         out_.stages.double_double += which.size() - open_.size();
     }
     void scatter(const FoundTogether& found, std::span<const std::size_t> which) {
@@ -128,7 +114,7 @@ private:
             out_.lo[i] = scaled(t.lo);
             out_.bound[i] = scaled(t.bound);
         }
-        count_alone(truth, out_.stages);
+        out_.stages.count_alone(truth);
         out_.alone.emplace_back(i, truth);
     }
 
@@ -138,7 +124,6 @@ private:
     const stages::Stages& stages_;
     InPlace<S> in_place_;
     std::vector<std::size_t> open_;
-    std::unique_ptr<Gathered<double>> gathered_;
 };
 
 template <class S>

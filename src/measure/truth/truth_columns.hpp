@@ -4,12 +4,13 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <functional>
 #include <span>
 #include <utility>
 #include <vector>
 
+#include "measure/truth/culling.hpp"
 #include "measure/truth/truth.hpp"
+#include "scene/rays/rays.hpp"
 
 namespace lostbits::measure::truth {
 
@@ -50,6 +51,8 @@ struct StageCounts {
         interval += b.interval;
         return *this;
     }
+    /// A truth that no pack settled: by the precision that its proof took.
+    void count_alone(const Truth& truth) { ++(truth.bits <= 106 ? ball : interval); }
     [[nodiscard]] std::uint64_t rays() const { return binary64 + double_double + ball + interval; }
 };
 
@@ -70,23 +73,42 @@ struct TruthColumns {
 void find_truth_columns(const ProblemColumns<float>& problems, const ColumnTerms& terms, TruthColumns& out);
 void find_truth_columns(const ProblemColumns<double>& problems, const ColumnTerms& terms, TruthColumns& out);
 
-/// Which solids each of some rays can meet.
-struct RaysAndSolids {
-    std::size_t rays = 0;
-    std::function<Ray<double>(std::size_t)> ray;
-    std::function<double(std::size_t)> tmax;
-    std::function<Solid<double>(std::size_t)> solid;
-    /// The solids that ray i can meet, in rising order.
-    std::function<void(std::size_t, std::vector<std::uint32_t>&)> candidates;
-    /// What the doubles leave of numbers of 256 bits; absent where they leave nothing. NaN as the second word: two
-    /// words do not enclose the number.
-    std::function<Ray<double>(std::size_t)> ray_low = {};
-    std::function<Solid<double>(std::size_t)> solid_low = {};
-    /// The truth of ray i and solid s, where packs cannot settle it.
-    std::function<Truth(std::size_t, std::size_t)> alone;
+/// The truth of every ray among the solids that it can meet, by the closed solid's convention: structure of arrays.
+class RayTruths {
+public:
+    /// As in `TruthColumns`; zeros for a miss.
+    struct Lengths {
+        std::vector<double> hi, lo, bound;
+    };
+    std::vector<Truth::Decision> decision;
+    std::vector<std::int32_t> object;  ///< −1 for a miss
+    Lengths t, distance;
+    /// The rays of which doubles do not hold all, in rising order: solids touched, an origin on a surface, lengths of 0
+    /// or out of range, nothing proved. Their `t.hi` is NaN.
+    std::vector<std::pair<std::size_t, Truth>> whole;
+
+    void resize(std::size_t rays);
+    [[nodiscard]] std::size_t size() const { return decision.size(); }
+    /// That of ray i, made anew from the columns: ask them where that is enough. Its `bits` are at least 106.
+    [[nodiscard]] Truth operator[](std::size_t i) const;
+    /// That of ray i where it is one of `whole`; else null.
+    [[nodiscard]] const Truth* find_whole(std::size_t i) const;
+    /// Into the columns; false where they do not hold all of it.
+    bool put(std::size_t i, const Truth& truth);
 };
 
-/// The truth of every ray among its solids: the same decisions, hi and lo as by `find_truth`. Counts are added.
-void find_truths(const RaysAndSolids& problems, std::span<Truth> out, StageCounts& stages);
+/// Rays, and which solids each can meet.
+template <class S>
+struct RaysAndSolids {
+    const scene::rays::BasicRayBlock<S>& rays;
+    const scene::rays::SolidList<S>& solids;
+    const SphereIndex* index = nullptr;  ///< every ray can meet its candidates; null: every solid
+};
+
+/// The truth of every ray among its solids, in parallel: the same decisions, hi and lo as by `find_truth`. How many
+/// pairs of a ray and a solid each stage settled.
+StageCounts find_truths(const RaysAndSolids<double>& problems, TruthLimit limit, RayTruths& out);
+/// Two words a number; what those do not enclose goes to the later stages.
+StageCounts find_truths(const RaysAndSolids<Real>& problems, TruthLimit limit, RayTruths& out);
 
 }  // namespace lostbits::measure::truth

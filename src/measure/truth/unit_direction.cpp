@@ -1,5 +1,8 @@
 #include "measure/truth/unit_direction.hpp"
 
+#include <algorithm>
+
+#include "measure/stages/stages.hpp"
 #include "measure/truth/certified.hpp"
 #include "measure/truth/missing.hpp"
 
@@ -42,6 +45,31 @@ Vec<double> unit_direction(const Vec<double>& d, const FloatFormat& format) {
         return quick ? *quick : settle(x, d, format);
     };
     return Vec<double>(part(d.x), part(d.y), part(d.z));
+}
+
+void make_unit(const std::array<std::span<double>, 3>& directions, const FloatFormat& format) {
+    constexpr std::size_t together = 512;
+    double room[3][together];
+    std::uint8_t settled[together];
+    const stages::Stages& stages = stages::stages_of(Shape::sphere, intersect::simd::current_isa());
+    const bool native = format == binary32 || format == binary64;
+    for (std::size_t begin = 0; begin < directions[0].size(); begin += together) {
+        const std::size_t count = std::min(together, directions[0].size() - begin);
+        const std::size_t whole = native ? count - count % stages.lanes : 0;
+        double* const at[3] = {directions[0].data() + begin, directions[1].data() + begin,
+                               directions[2].data() + begin};
+        if (whole > 0)
+            stages.kernels.unit_directions(
+                {{at[0], at[1], at[2]}, {room[0], room[1], room[2]}, settled, format == binary32, 1, whole});
+        for (std::size_t i = 0; i < count; ++i) {
+            if (i < whole && settled[i] != 0) {
+                for (int k = 0; k < 3; ++k) at[k][i] = room[k][i];
+            } else {
+                const Vec<double> u = unit_direction({at[0][i], at[1][i], at[2][i]}, format);
+                for (int k = 0; k < 3; ++k) at[k][i] = u[k];
+            }
+        }
+    }
 }
 
 }  // namespace lostbits::measure::truth

@@ -1,6 +1,9 @@
 // Directions for the forms that assume unit length.
 #pragma once
 
+#include <array>
+#include <span>
+
 #include "geometry/vec.hpp"
 #include "number/format.hpp"
 
@@ -8,5 +11,8 @@ namespace lostbits::measure::truth {
 
 /// d/|d|, each component correctly rounded to the format. Zero and non-finite directions give NaN.
 Vec<double> unit_direction(const Vec<double>& d, const FloatFormat& format);
+
+/// The same of many at once, as columns, in place.
+void make_unit(const std::array<std::span<double>, 3>& directions, const FloatFormat& format);
 
 }  // namespace lostbits::measure::truth

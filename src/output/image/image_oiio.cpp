@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <filesystem>
 #include <map>
 #include <mutex>
 #include <stdexcept>
@@ -126,8 +127,20 @@ protected:
     }
 
 private:
+    /// Where Debian and Fedora have it, or its name alone, by which the library looks through every folder of fonts:
+    /// that cost a map more than all of its drawing, for the library looks each time.
+    static const std::string& font_named(const std::string& name) {
+        static std::map<std::string, std::string> known;
+        const auto [place, fresh] = known.try_emplace(name, name);
+        if (!fresh) return place->second;
+        for (const char* folder : {"/usr/share/fonts/truetype/dejavu/", "/usr/share/fonts/dejavu-sans-fonts/"}) {
+            if (std::filesystem::exists(folder + name + ".ttf")) place->second = folder + name + ".ttf";
+        }
+        return place->second;
+    }
+
     static TextBitmap draw_text(const std::string& text, int size, bool bold) {
-        const char* font = bold ? "DejaVuSans-Bold" : "DejaVuSans";
+        const std::string& font = font_named(bold ? "DejaVuSans-Bold" : "DejaVuSans");
         // The box of DejaVu Sans in em: a common line box keeps the baselines of different words level.
         TextBitmap out;
         out.baseline = static_cast<int>(std::ceil(0.93 * size));
@@ -136,7 +149,7 @@ private:
         const OIIO::ROI bar = OIIO::ImageBufAlgo::text_size("||", size, font);
         const OIIO::ROI framed = OIIO::ImageBufAlgo::text_size("|" + text + "|", size, font);
         if (!bar.defined() || !framed.defined()) {
-            throw EnvironmentError(std::string("cannot draw text: font ") + font +
+            throw EnvironmentError("cannot draw text: font " + font +
                                    " not found; install the package fonts-dejavu-core");
         }
         out.width = std::max(framed.width() - bar.width(), 0);

@@ -67,7 +67,11 @@ RayBlock round_rays(const IdealRayBlock& ideal, const FloatFormat& f) {
 }
 
 RayBlock round_block(const RayBlock& block, const FloatFormat& f) {
-    const auto round = [&f](double x) { return rounding::to_format(x, 0, f); };
+    // A picture has millions of numbers, and to binary32 the machine rounds by itself.
+    const bool by_machine = f == binary32;
+    const auto round = [&f, by_machine](double x) {
+        return by_machine ? static_cast<double>(static_cast<float>(x)) : rounding::to_format(x, 0, f);
+    };
     RayBlock to = rounded(block, round);
     for (const double t : block.tmax) to.tmax.push_back(round(t));
     return to;

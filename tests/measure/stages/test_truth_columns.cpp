@@ -183,34 +183,27 @@ TEST_CASE("truths of rays among spheres and boxes are those of each ray alone") 
     // Several that no ray can tell apart, and one that does not exist.
     solids.push_back(solids[2]);
     solids.insert(solids.begin() + 1, Solid<double>(Sphere<double>{{0, 0, 0}, -1}));
-    std::vector<Truth> found(problems.size());
-    StageCounts counts;
-    find_truths(
-        {.rays = problems.size(),
-         .ray = [&](std::size_t i) { return problems[i].ray; },
-         .tmax = [&](std::size_t i) { return problems[i].tmax; },
-         .solid = [&](std::size_t s) { return solids[s]; },
-         .candidates =
-             [&](std::size_t, std::vector<std::uint32_t>& all) {
-                 all.resize(solids.size());
-                 std::iota(all.begin(), all.end(), 0U);
-             },
-         .alone = [&](std::size_t i,
-                      std::size_t s) { return find_truth(problems[i].ray, solids[s], {}, {}, problems[i].tmax); }},
-        found, counts);
+    scene::rays::RayBlock rays;
+    for (const Problem& p : problems) {
+        rays.push(p.ray);
+        rays.tmax.push_back(p.tmax);
+    }
+    measure::truth::RayTruths found;
+    const scene::rays::SolidList<double> list(solids);
+    const StageCounts counts = find_truths(measure::truth::RaysAndSolids<double>{rays, list}, {}, found);
     CHECK(counts.rays() == problems.size() * solids.size());
     std::size_t different = 0, hits = 0;
     for (std::size_t i = 0; i < problems.size(); ++i) {
         const Truth alone =
             find_truth(problems[i].ray, std::span<const Solid<double>>(solids), {}, {}, problems[i].tmax);
         hits += alone.is_hit();
-        different += found[i].decision != alone.decision || found[i].object != alone.object ||
-                     found[i].touches != alone.touches || found[i].on_surface != alone.on_surface ||
-                     compare(found[i].t, alone.t) != 0 || compare(found[i].distance, alone.distance) != 0;
+        const Truth there = found[i];
+        different += there.decision != alone.decision || there.object != alone.object ||
+                     there.touches != alone.touches || there.on_surface != alone.on_surface ||
+                     compare(there.t, alone.t) != 0 || compare(there.distance, alone.distance) != 0;
         if (alone.bits > 106) continue;
-        different += found[i].t.hi != alone.t.hi || found[i].t.lo != alone.t.lo ||
-                     found[i].t.exponent != alone.t.exponent || found[i].distance.hi != alone.distance.hi ||
-                     found[i].distance.lo != alone.distance.lo;
+        different += there.t.hi != alone.t.hi || there.t.lo != alone.t.lo || there.t.exponent != alone.t.exponent ||
+                     there.distance.hi != alone.distance.hi || there.distance.lo != alone.distance.lo;
     }
     CHECK(different == 0);
     CHECK(hits > problems.size() / 8);
