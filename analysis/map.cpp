@@ -33,7 +33,7 @@ struct MapOptions {
     std::vector<std::string> forms{"*"};
     std::vector<std::string> formats{"f32", "f64"};
     std::vector<std::string> metrics;
-    std::string size, variant, pixels = "none";
+    std::string size, variant, pixels = "none", against;
     std::vector<std::string> set;
     int bits_needed = 0;  ///< 0: not asked for
     bool envelope = false, exr = false;
@@ -47,9 +47,9 @@ std::string input_of(const MapOptions& o) {
 
 /// What to type to make the EXR again: everything that decides its bytes, and nothing that does not.
 std::string canonical_command(const Scene& scene, const MapOptions& o) {
-    return fmt::format("lostbits map {}{}{}{}{}{}{} --exr{}", scene.id, choice::words_of_doors(),
+    return fmt::format("lostbits map {}{}{}{}{}{}{}{} --exr{}", scene.id, choice::words_of_doors(),
                        each(" -i '", o.forms, "'"), each(" -f ", o.formats), each(" --metric ", o.metrics),
-                       o.envelope ? " --envelope" : "",
+                       o.envelope ? " --envelope" : "", o.against.empty() ? "" : " --against " + o.against,
                        o.bits_needed > 0 ? fmt::format(" --bits-needed {}", o.bits_needed) : "", input_of(o));
 }
 
@@ -191,10 +191,12 @@ std::vector<const Metric*> drawn_of(std::vector<const Metric*> asked, const Scen
 
 Exit run(const MapOptions& o, const Common& common) {
     require_folder(o.out);
-    const auto rows = choice::cross(choice::select_forms(o.forms), choice::select_formats(o.formats));
+    auto rows = choice::cross(choice::select_forms(o.forms), choice::select_formats(o.formats));
+    if (!o.against.empty()) choice::hold_against(rows, o.against, common.quiet);
     measure::metric::MetricSet made;
-    const auto drawn = o.metrics.empty() ? std::vector{measure::metric::find_metric("lost_bits")}
-                                         : choice::select_metrics(o.metrics, made);
+    auto drawn = o.metrics.empty() ? std::vector{measure::metric::find_metric("lost_bits")}
+                                   : choice::select_metrics(o.metrics, made);
+    if (!o.against.empty()) choice::add_pairs(drawn);
     auto wanted = drawn;
     if (o.envelope) {
         if (std::ranges::find(drawn, measure::metric::find_metric("lost_bits")) == drawn.end())
@@ -263,6 +265,9 @@ void add_map(CLI::App& program, const Common& common, Command& chosen) {
     command->add_flag("--exr", o->exr,
                       "Also write SCENE.exr: the answer, its class, lost bits and the metrics of every pixel, a part "
                       "for each form and format, and the truth once");
+    command->add_option("--against", o->against,
+                        "A form to hold the others against, without asking what is true: where their decisions or "
+                        "their t differ is drawn and counted");
     command->add_flag("--envelope", o->envelope, "Draw lost bits paler where input rounding alone explains them");
     command->add_option("-o,--out", o->out, "Folder for the results")->required();
     command->callback([o, &common, &chosen] { chosen = [o, &common] { return run(*o, common); }; });

@@ -28,7 +28,7 @@ struct SweepOptions {
     std::vector<std::string> forms{"*"};
     std::vector<std::string> formats;
     std::vector<std::string> metrics;
-    std::string out;
+    std::string out, against;
     bool worst = false;
     bool resume = false;
     int seeds = 2;
@@ -186,8 +186,10 @@ Exit run(const SweepOptions& o, const Common& common) {
         choice::cross(choice::select_forms(o.forms), choice::select_formats(o.formats.empty() ? both : o.formats)),
         {},
         made};
+    if (!o.against.empty()) choice::hold_against(chosen.rows, o.against, common.quiet);
     // A sweep always knows what the problem itself costs: its plots carry the envelope.
     if (!o.metrics.empty()) chosen.asked = choice::select_metrics(o.metrics, made);
+    if (!o.against.empty()) choice::add_pairs(chosen.asked);
     for (const char* name : {"inherent_bits", "excess_bits"})
         chosen.asked.push_back(measure::metric::find_metric(name));
     require_folder(o.out);
@@ -249,6 +251,7 @@ void add_sweep(CLI::App& program, const Common& common, Command& chosen) {
         ->check(CLI::Range(0, 1000));
     command->add_flag("--worst", o->worst, "Search the ranges of a [search] file for the worst ray of each form");
     command->add_flag("--resume", o->resume, "Go on with a sweep over every float that was stopped");
+    command->add_option("--against", o->against, "A form to hold the others against, without asking what is true");
     command->add_option("-o,--out", o->out, "Folder for the results")->required();
     command->callback([o, &common, &chosen] { chosen = [o, &common] { return run(*o, common); }; });
 }

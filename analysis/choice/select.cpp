@@ -11,6 +11,7 @@
 #include <set>
 #include <thread>
 
+#include "measure/answer/against.hpp"
 #include "number/error.hpp"
 #include "output/blame/explain_command.hpp"
 #include "scene/toml/did_you_mean.hpp"
@@ -23,6 +24,8 @@ using measure::metric::Metric;
 using scene::file::Scene;
 
 namespace {
+
+bool is_of_pairs(const Metric* m) { return m->over == measure::metric::Over::pairs; }
 
 bool is_glob(const std::string& text) { return text.find_first_of("*?[") != std::string::npos; }
 
@@ -91,6 +94,10 @@ std::vector<const Metric*> select_metrics(const std::vector<std::string>& globs,
 
 namespace {
 
+bool any_against(const std::vector<MapRow>& rows) {
+    return std::ranges::any_of(rows, [](const MapRow& row) { return row.against != nullptr; });
+}
+
 bool any_marches(const std::vector<MapRow>& rows) {
     return std::ranges::any_of(rows, [](const MapRow& row) { return row.form->shape == Shape::sdf; });
 }
@@ -99,6 +106,8 @@ bool any_marches(const std::vector<MapRow>& rows) {
 
 std::vector<const Metric*> that_apply(std::vector<const Metric*> asked, const std::vector<MapRow>& rows,
                                       const std::string& what) {
+    if (!any_against(rows) && std::ranges::any_of(asked, is_of_pairs))
+        throw InputError("--metric against, apart: name the form to hold the others against, by --against FORM");
     if (asked.empty() || any_marches(rows)) return asked;
     const std::string first(asked.front()->name);
     std::erase_if(asked, [](const Metric* m) { return m->over == measure::metric::Over::marches; });
@@ -106,6 +115,32 @@ std::vector<const Metric*> that_apply(std::vector<const Metric*> asked, const st
         throw InputError(fmt::format(
             "--metric {}: none of the selected forms marches in {}; add -i 'sdf.*', or a [march] table", first, what));
     return asked;
+}
+
+void hold_against(std::vector<MapRow>& rows, const std::string& name, bool quiet) {
+    const auto found = select_forms({name});
+    if (found.size() != 1) throw InputError(fmt::format("--against {}: name one form", name));
+    const Intersector& other = *found.front();
+    std::erase_if(
+        rows, [&other](const MapRow& row) { return row.form->shape != other.shape || !other.exists_in(row.format); });
+    if (rows.empty())
+        throw InputError(
+            fmt::format("--against {}: it is for a {}, in {}, and no selected form is so; choose by -i and -f", name,
+                        lostbits::name_of(other.shape), formats_of(other)));
+    for (MapRow& row : rows) {
+        row.against = &other;
+        if (!quiet && !measure::answer::are_comparable(*row.form->info, *other.info))
+            fmt::print(stderr,
+                       "lostbits: {} against {}: one tells no t, or takes unit directions and the other does not; only "
+                       "their decisions are compared\n",
+                       row.form->info->name, name);
+    }
+}
+
+void add_pairs(std::vector<const Metric*>& metrics) {
+    for (const Metric& m : measure::metric::metrics()) {
+        if (is_of_pairs(&m) && std::ranges::find(metrics, &m) == metrics.end()) metrics.push_back(&m);
+    }
 }
 
 void note_without_formula(const std::vector<const Metric*>& asked, const std::vector<MapRow>& rows, bool quiet) {
@@ -131,6 +166,7 @@ std::vector<const Metric*> measured(const std::vector<const Metric*>& asked, con
     std::vector<const Metric*> all;
     for (const Metric& m : measure::metric::metrics()) {
         const bool named = std::ranges::find(asked, &m) != asked.end();
+        if (is_of_pairs(&m) && !any_against(rows)) continue;
         if ((m.by_default || named) && (marches || m.over != measure::metric::Over::marches)) all.push_back(&m);
     }
     std::ranges::copy_if(asked, std::back_inserter(all), [](const Metric* m) { return !m->label.empty(); });

@@ -36,6 +36,13 @@ std::vector<const measure::metric::Metric*> that_apply(std::vector<const measure
                                                        const std::vector<measure::map::MapRow>& rows,
                                                        const std::string& what);
 
+/// Holds each row against a form, by name; rows of other shapes go, and of formats that it does not exist in.
+/// InputError where that leaves none; says so on stderr, unless `quiet`, where only decisions can be compared.
+void hold_against(std::vector<measure::map::MapRow>& rows, const std::string& form, bool quiet);
+
+/// What is measured of rows that are held against a form, where it is not asked for already.
+void add_pairs(std::vector<const measure::metric::Metric*>& metrics);
+
 /// Says on stderr which of the metrics leave out which rows, because nothing is known there of how the answer came
 /// about. InputError where that leaves out all rows.
 void note_without_formula(const std::vector<const measure::metric::Metric*>& asked,

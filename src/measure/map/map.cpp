@@ -29,7 +29,8 @@ std::map<std::string, BandNeeds> needs_by_format(const std::vector<MapRow>& rows
     std::map<std::string, BandNeeds> formats;
     for (const MapRow& row : rows) {
         BandNeeds& needs = formats[row.format.name];
-        needs.unit_rays |= row.form->info->direction == intersect::Direction::unit;
+        for (const intersect::table::Intersector* form : {row.form, row.against})
+            needs.unit_rays |= form != nullptr && form->info->direction == intersect::Direction::unit;
         needs.own_truth |= (needs_of(metrics) & metric::needs_own_truth) != 0;
     }
     return formats;

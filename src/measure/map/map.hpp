@@ -26,6 +26,9 @@ struct MapRow {
     /// By whose convention on touching it is judged; its own where absent.
     std::optional<intersect::Touching> judged = {};
 
+    /// The form that it is held against, which exists in the format; none where null.
+    const intersect::table::Intersector* against = nullptr;
+
     [[nodiscard]] intersect::Convention convention() const { return judged ? *judged : form->info->convention(); }
     friend bool operator==(const MapRow&, const MapRow&) = default;
 };

@@ -8,6 +8,7 @@
 #include <set>
 #include <utility>
 
+#include "measure/answer/against.hpp"
 #include "measure/answer/self.hpp"
 #include "measure/truth/lost_bits.hpp"
 #include "measure/truth/missing.hpp"
@@ -67,6 +68,7 @@ public:
     void measure(MapSummary& summary) {
         classify(summary);
         measure_columns();
+        measure_pairs();
         measure_others();
         for (std::size_t m = 0; m < metrics_.size(); ++m) summary.add(m, *metrics_[m], result_.metrics[m]);
         keep_worst(summary);
@@ -153,13 +155,29 @@ private:
         }
     }
 
+    /// What the row is held against, where it is.
+    void measure_pairs() {
+        if (row_.against == nullptr) return;
+        const auto column = [this](std::string_view name) {
+            const std::size_t m = metric::place_of(metrics_, name);
+            return m == metrics_.size() ? std::span<double>() : std::span<double>(result_.metrics[m]);
+        };
+        const std::span<double> which = column("against"), apart = column("apart");
+        if (which.empty() && apart.empty()) return;
+        answer::hold_against(*result_.answers, answer::evaluate(*row_.against, *result_.inputs),
+                             answer::are_comparable(*row_.form->info, *row_.against->info), row_.format.shape, which,
+                             apart);
+    }
+
     /// All that no column can hold, of each ray whose outcome it is for.
     void measure_others() {
         const auto any = [this](const auto& which) {
             return std::ranges::any_of(metrics_, [&](const Metric* m) { return which(*m); });
         };
         const auto of_marches = [](const Metric& m) { return m.over == Over::marches; };
-        const auto of_hits = [](const Metric& m) { return m.over != Over::marches && m.in_columns == InColumns::no; };
+        const auto of_hits = [](const Metric& m) {
+            return m.over != Over::marches && m.over != Over::pairs && m.in_columns == InColumns::no;
+        };
         const auto of_blamed = [](const Metric& m) { return m.over == Over::blamed; };
         const bool marches = any(of_marches) && !result_.answers->march.empty(), hits = any(of_hits);
         const bool faults = (needs_ & metric::needs_attribution) != 0;

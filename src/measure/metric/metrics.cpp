@@ -1,5 +1,7 @@
 #include "measure/metric/metrics.hpp"
 
+#include "measure/answer/against.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <iterator>
@@ -276,6 +278,20 @@ constexpr Metric table[] = {
      .high = 0x1p+4,
      .value = overshoot,
      .over = Over::marches},
+    {.name = "against",
+     .layer = "against.class",
+     .meaning = "whether the form of --against decides the same, and has the same t; alone_hits: the other one misses",
+     .ramp = Ramp::categories,
+     .over = Over::pairs,
+     .categories = answer::against_names},
+    {.name = "apart",
+     .unit = "ulp",
+     .layer = "against.apart",
+     .meaning = "(t - t of the form of --against) / ulp of that, where both hit",
+     .ramp = Ramp::magnitude,
+     .low = 0x1p-1,
+     .high = 0x1p+24,
+     .over = Over::pairs},
 };
 
 }  // namespace

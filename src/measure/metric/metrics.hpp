@@ -46,8 +46,9 @@ enum Needs : unsigned {
 enum class Ramp { bits, magnitude, categories };
 
 /// The rays on which a metric is measured. `marches`: every ray, whatever its outcome, of the forms that march;
-/// `blamed`: correct hits, false hits and false misses.
-enum class Over { agreed_hits, marches, blamed };
+/// `blamed`: correct hits, false hits and false misses; `pairs`: every ray, whatever the truth, of the rows that are
+/// held against another form, and by `measure_row` itself.
+enum class Over { agreed_hits, marches, blamed, pairs };
 
 /// A metric that is measured over columns wherever registers can (measure/columns); `value` answers for the other rays,
 /// with the same bits.

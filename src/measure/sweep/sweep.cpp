@@ -61,7 +61,8 @@ std::vector<Event> events_of(const MapRow& row, const std::vector<const Metric*>
 /// more.
 SweepRequest for_events(SweepRequest request) {
     std::ranges::replace_if(
-        request.metrics, [](const Metric* m) { return m->over != metric::Over::marches; },
+        request.metrics,
+        [](const Metric* m) { return m->over != metric::Over::marches && m->over != metric::Over::pairs; },
         metric::find_metric("lost_bits"));
     return request;
 }

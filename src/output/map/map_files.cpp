@@ -142,7 +142,9 @@ public:
             if (!paint.applies_to(row)) continue;
             const std::string suffix = options.drawn.size() == 1 ? "" : "." + file_word(*m);
             image::HeatmapSpec spec{
-                .title = fmt::format("{} in {}: {}", row.form->info->name, row.format.name, m->name),
+                .title = fmt::format(
+                    "{} in {}: {}{}", row.form->info->name, row.format.name, m->name,
+                    m->over == measure::metric::Over::pairs ? fmt::format(" {}", row.against->info->name) : ""),
                 .subtitle = {request.scene->title, std::string(row.form->info->title), paint.note()},
                 .width = request.scene->width,
                 .height = request.scene->height,

@@ -61,6 +61,7 @@ MetricPaint::MetricPaint(const Metric& metric, std::span<const measure::map::Map
 }
 
 bool MetricPaint::applies_to(const measure::map::MapRow& row) const {
+    if (metric_->over == Over::pairs) return row.against != nullptr;
     return metric_->over != Over::marches || row.form->shape == Shape::sdf;
 }
 
@@ -163,7 +164,7 @@ std::string MetricPaint::glance(const MapSummary& s, std::size_t m) const {
         return fmt::format("{}", fmt::join(shares, "\n"));
     }
     const measure::metric::Distribution& d = s.metrics[m];
-    if (metric_->over == Over::marches)
+    if (metric_->over == Over::marches || metric_->over == Over::pairs)
         return fmt::format("median {}\nlargest {}", short_number(d.quantile(0.5)), short_number(d.quantile(1)));
     const auto faults = faults_of(s);
     if (s.count(Outcome::agree_hit) == 0 && faults.empty()) return "no hits";

@@ -1,0 +1,43 @@
+#include "measure/answer/against.hpp"
+
+#include <cmath>
+
+#include "measure/truth/lost_bits.hpp"
+#include "measure/truth/missing.hpp"
+
+namespace lostbits::measure::answer {
+namespace {
+
+bool is_same(double t, double other) { return t == other || (std::isnan(t) && std::isnan(other)); }
+
+double distance(double t, double other, const FloatFormat& format) {
+    if (is_same(t, other)) return 0;
+    if (!std::isfinite(t) || !std::isfinite(other)) return HUGE_VAL;
+    return truth::ulp_error(t, truth::exactly(other), format);
+}
+
+Against classify(bool hit, bool other_hit, double t, double other, bool comparable) {
+    if (!hit) return other_hit ? Against::other_alone_hits : Against::both_miss;
+    if (!other_hit) return Against::alone_hits;
+    if (!comparable) return Against::both_hit;
+    return is_same(t, other) ? Against::same_t : Against::other_t;
+}
+
+}  // namespace
+
+bool are_comparable(const intersect::Info& a, const intersect::Info& b) {
+    return a.roots != intersect::Roots::none && b.roots != intersect::Roots::none && a.direction == b.direction;
+}
+
+void hold_against(const Answers& answers, const Answers& other, bool comparable, const FloatFormat& format,
+                  std::span<double> which, std::span<double> apart) {
+    for (std::size_t i = 0; i < answers.hit.size(); ++i) {
+        const bool hit = answers.hit[i] != 0, other_hit = other.hit[i] != 0;
+        const Against found = classify(hit, other_hit, answers.t[i], other.t[i], comparable);
+        if (!which.empty()) which[i] = static_cast<double>(found);
+        if (!apart.empty())
+            apart[i] = hit && other_hit && comparable ? distance(answers.t[i], other.t[i], format) : truth::missing;
+    }
+}
+
+}  // namespace lostbits::measure::answer
