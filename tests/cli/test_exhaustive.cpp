@@ -221,6 +221,7 @@ TEST_CASE("an axis of every float is of one format, and bad input leaves nothing
     refused("'" + file + "' -f f32 -f bf16", "-f bf16: s tries");
     refused("'" + file + "' --metric condition", "--metric condition: s tries every float");
     refused("'" + file + "' --worst", "[search]");
+    refused("'" + file + "' --seeds 2", "--seeds 2: s tries every float and draws nothing at random");
     const std::string bad = scratch.write("bad.toml", replaced("\"0x1.69p10\"", "1444.1"));
     refused("'" + bad + "'", "bad.toml:10:8: axis.from is not a number of binary32");
     const std::string empty = scratch.write(
