@@ -83,12 +83,17 @@ public:
         const std::string unit = axis.unit.empty() ? "" : fmt::format(" [{}]", axis.unit);
         // Less than two octaves have too few powers of two for ticks.
         const bool few = sizes_.high < 4 * sizes_.low;
-        return {axis.name + unit + (below_ > 0 ? ", in size" : ""),
+        return {axis.name + unit +
+                    (below_ == 0   ? ""
+                     : above_ == 0 ? ", below 0, in size"
+                                   : ", in size"),
                 few ? plot::AxisSpec::Scale::linear : plot::AxisSpec::Scale::log2, sizes_.low, sizes_.high};
     }
 
     [[nodiscard]] std::vector<std::string> subtitle() const {
         std::vector<std::string> lines{request_.sweep->title, "every float of each binade was tried"};
+        if (const auto judged = request_.sweep->convention)
+            lines.front() += fmt::format(", judged by the {} solid", intersect::convention_name(judged));
         if (lacks_) lines.back() += "; zeros, infinities and NaN are in the tables alone";
         return lines;
     }

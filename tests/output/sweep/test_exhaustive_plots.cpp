@@ -71,6 +71,11 @@ TEST_CASE("a picture has a level stretch a binade, no wider than what was tried,
     // Powers of two would give this axis one tick.
     CHECK(plots->wrong.x.scale == AxisSpec::Scale::linear);
     CHECK(plots->wrong.x.title == "x [r]");
+    CHECK(plots->wrong.subtitle.front() == "A test");
+    const std::string below = sweep_text("ray.origin.x", "from = \"-0x1.00001p0\"\nto = \"-0x1.ffffp-1\"", sphere);
+    const Ran open("convention = \"open\"\n" + below, {row("sphere.schoolbook", "f32")});
+    CHECK(open.plots()->wrong.x.title == "x [r], below 0, in size");
+    CHECK(open.plots()->wrong.subtitle.front() == "A test, judged by the open solid");
 }
 
 TEST_CASE("both signs are told apart, subnormal numbers have a place, and what has none is said") {
