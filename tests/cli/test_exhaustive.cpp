@@ -123,7 +123,7 @@ TEST_CASE("every float between two: exact onsets, the worst of each binade, and 
 TEST_CASE("a convention of the file is said, and holds for what explains a float") {
     const Scratch scratch;
     std::string touch = replaced("\"0x1.69p10\"\nto = \"0x1.6bp10\"", "1\nto = \"0x1.00001p0\"");
-    touch.replace(touch.find("0.75, 0.75, 0"), 13, "0, 1, 0");  // on the beam of the sphere's edge
+    touch.replace(touch.find("0.75, 0.75, 0"), 13, "0, 1, 0");  // it touches the sphere
     const std::string file = scratch.write("s.toml", "convention = \"open\"\n" + touch);
     const auto r = run("sweep '" + file + "' -i sphere.schoolbook -o '" + scratch.path().string() + "'");
     INFO(r.err << r.out);
