@@ -11,6 +11,7 @@
 #include "output/file/number_text.hpp"
 #include "scene/file/march_table.hpp"
 #include "scene/sweep/case_file.hpp"
+#include "scene/sweep/convention.hpp"
 #include "scene/sweep/sweep_file.hpp"
 #include "scene/toml/did_you_mean.hpp"
 #include "scene/toml/parse_number.hpp"
@@ -95,12 +96,6 @@ Ray<Real> given_ray(const RayWords& words) {
         throw InputError("--ray " + words.ray +
                          ": is not a ray; its numbers must be finite and its direction not zero");
     return ray;
-}
-
-std::optional<intersect::Touching> convention_of(const std::string& word) {
-    if (word == "closed") return intersect::Touching::hit;
-    if (word == "open") return intersect::Touching::miss;
-    return {};
 }
 
 /// InputError where the form is not made for these solids.
@@ -201,7 +196,9 @@ AskedRay of_case(const RayWords& words, MapRow row, const std::filesystem::path&
     const auto [number, asked] = named_ray(file, words.named_case);
     // By each form's own word where the file asks for that at all.
     const bool own = std::ranges::any_of(file.conventions, [](const auto& judged) { return !judged; });
-    row.judged = !words.convention.empty() ? convention_of(words.convention) : own ? std::nullopt : file.conventions[0];
+    row.judged = !words.convention.empty() ? scene::sweep::convention_named(words.convention)
+                 : own                     ? std::nullopt
+                                           : file.conventions[0];
     const int rays = file.rays_of(number);
     auto groups = file.rays(number, row.format.shape);
     const int count = rays * static_cast<int>(groups.size());
@@ -297,7 +294,7 @@ AskedRay find_ray(const RayWords& words, const MapRow& row, const std::filesyste
     check(words);
     if (!words.named_case.empty()) return of_case(words, row, data);
     AskedRay found = words.subject.empty() ? of_own_solids(words, row) : of_scene(words, row, data);
-    found.ray.judge_by(convention_of(words.convention));
+    found.ray.judge_by(scene::sweep::convention_named(words.convention));
     return found;
 }
 

@@ -107,7 +107,7 @@ std::string axis_of(const std::filesystem::path& path, const std::filesystem::pa
         case SweepKind::every_float: {
             const scene::sweep::ExhaustiveFile file(path);
             title = file.title;
-            return "every float of " + file.axis_name;
+            return "every float of " + file.axis.name;
         }
         case SweepKind::axes: break;
     }

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <memory>
+#include <optional>
 
 #include "analysis/choice/lost_numbers.hpp"
 #include "analysis/choice/select.hpp"
@@ -31,7 +32,7 @@ struct SweepOptions {
     std::string out, against;
     bool worst = false;
     bool resume = false;
-    int seeds = 2;
+    std::optional<int> seeds;
 };
 
 void print_onsets(const measure::sweep::SweepRequest& request, const std::vector<measure::sweep::Onset>& onsets) {
@@ -94,7 +95,7 @@ void run_axes(const std::filesystem::path& path, const Chosen& chosen, const Swe
     request.metrics = chosen.made.for_forms(choice::measured(asked, request.rows), measure::map::forms_of(request.rows),
                                             [&sweep] { return measure::blame::SettingOf(sweep.first_rays()); });
     for (MapRow& row : request.rows) row.judged = sweep.convention;
-    request.further_draws = o.seeds;
+    request.further_draws = o.seeds.value_or(2);
     choice::note_without_formula(chosen.asked, request.rows, common.quiet);
     if (!common.quiet) choice::note_lost_numbers(sweep, request.rows);
     const auto folder = std::filesystem::path(o.out) / sweep.id;
@@ -209,7 +210,8 @@ Exit run(const SweepOptions& o, const Common& common) {
                 throw InputError(word + ": sweep \"" + path.stem().string() +
                                  "\" is given twice; both would write to the same folder");
         }
-        if (kind == SweepKind::every_float) check_exhaustive_options(path.stem().string(), o.formats, o.metrics);
+        if (kind == SweepKind::every_float)
+            check_exhaustive_options(path.stem().string(), {o.formats, o.metrics, o.seeds});
         else if (o.resume)
             throw InputError("--resume: " + path.stem().string() +
                              " is not a sweep over every float, and only those can be resumed; leave out --resume");
@@ -242,7 +244,7 @@ void add_sweep(CLI::App& program, const Common& common, Command& chosen) {
     command->add_option("SWEEP", o->sweeps, "Sweep files, or names in data/sweeps")->required();
     command->add_option("-i,--intersector", o->forms, "Forms, by name or glob (default: all)");
     command->add_option("-f,--format", o->formats,
-                        "Formats: f32, f64, fp16, bf16, tf32, pN, pA..pB (default: f32 f64)");
+                        "Formats: f32, f64, fp16, bf16, tf32, pN, pA..pB (default: f32 f64; f32 for every float)");
     command->add_option("--metric", o->metrics, "Metrics in addition to the default ones; globs");
     command
         ->add_option(

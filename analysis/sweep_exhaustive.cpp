@@ -88,8 +88,8 @@ std::uint64_t ExhaustiveRun::run(const Common& common) {
     return unresolved;
 }
 
-void check_exhaustive_options(const std::string& sweep, const std::vector<std::string>& formats,
-                              const std::vector<std::string>& metrics) {
+void check_exhaustive_options(const std::string& sweep, const SweepWishes& wishes) {
+    const auto& [formats, metrics, seeds] = wishes;
     const auto other = std::ranges::find_if(formats, [](const std::string& name) { return name != "f32"; });
     if (other != formats.end())
         throw InputError(
@@ -99,6 +99,9 @@ void check_exhaustive_options(const std::string& sweep, const std::vector<std::s
             fmt::format("--metric {}: {} tries every float and measures outcomes and ulp errors alone; "
                         "leave out --metric, and ask `lostbits explain` about single floats",
                         metrics.front(), sweep));
+    if (seeds)
+        throw InputError(fmt::format("--seeds {}: {} tries every float and draws nothing at random; leave out --seeds",
+                                     *seeds, sweep));
 }
 
 }  // namespace lostbits::analysis

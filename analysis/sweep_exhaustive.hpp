@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -37,9 +38,12 @@ private:
     bool resumed_;
 };
 
-/// InputError where the options of `lostbits sweep` ask of such a sweep what it does not do: formats beside f32,
-/// metrics. `formats` is empty where none was given.
-void check_exhaustive_options(const std::string& sweep, const std::vector<std::string>& formats,
-                              const std::vector<std::string>& metrics);
+/// Options of `lostbits sweep`; what was not given is empty.
+struct SweepWishes {
+    const std::vector<std::string>&formats, &metrics;
+    std::optional<int> seeds;
+};
+/// InputError where they ask of such a sweep what it does not do: formats beside f32, metrics, further draws.
+void check_exhaustive_options(const std::string& sweep, const SweepWishes& wishes);
 
 }  // namespace lostbits::analysis

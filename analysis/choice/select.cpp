@@ -233,6 +233,8 @@ std::vector<Scene> load_scenes(const SceneChoice& choice, const std::filesystem:
         options.variant = name.variant;
         if (!choice.variant.empty()) options.variant = choice.variant;
         for (auto& scene : scene::file::load_scene(name.path, options)) {
+            // A title tells of the file's own numbers: "… 100 away" would go on saying so.
+            if (!choice.set.empty()) scene.title += fmt::format(", with {}", fmt::join(choice.set, ", "));
             if (!ids.insert(scene.id).second)
                 throw InputError(fmt::format("{}: scene \"{}\" is given twice; both would write to the same folder",
                                              word, scene.id));

@@ -120,6 +120,20 @@ TEST_CASE("every float between two: exact onsets, the worst of each binade, and 
     CHECK_FALSE(std::filesystem::exists(scratch.path() / "s/unfinished.state"));
 }
 
+TEST_CASE("a convention of the file is said, and holds for what explains a float") {
+    const Scratch scratch;
+    std::string touch = replaced("\"0x1.69p10\"\nto = \"0x1.6bp10\"", "1\nto = \"0x1.00001p0\"");
+    touch.replace(touch.find("0.75, 0.75, 0"), 13, "0, 1, 0");  // it touches the sphere
+    const std::string file = scratch.write("s.toml", "convention = \"open\"\n" + touch);
+    const auto r = run("sweep '" + file + "' -i sphere.schoolbook -o '" + scratch.path().string() + "'");
+    INFO(r.err << r.out);
+    REQUIRE(r.code == 0);
+    CHECK(has(r.out,
+              "sphere.schoolbook, judged by the open solid, on the ray beside fails at the first of them already"));
+    const auto statements = table(scratch, "s/statements.csv");
+    CHECK(explained(cell(statements, "fault_explain", 0))["outcome"] == "false_hit");
+}
+
 TEST_CASE("a sweep over every float that is stopped goes on with --resume and leaves the same files") {
     const Scratch scratch;
     // Long enough to be stopped in the middle: 50 million floats.
@@ -221,6 +235,7 @@ TEST_CASE("an axis of every float is of one format, and bad input leaves nothing
     refused("'" + file + "' -f f32 -f bf16", "-f bf16: s tries");
     refused("'" + file + "' --metric condition", "--metric condition: s tries every float");
     refused("'" + file + "' --worst", "[search]");
+    refused("'" + file + "' --seeds 2", "--seeds 2: s tries every float and draws nothing at random");
     const std::string bad = scratch.write("bad.toml", replaced("\"0x1.69p10\"", "1444.1"));
     refused("'" + bad + "'", "bad.toml:10:8: axis.from is not a number of binary32");
     const std::string empty = scratch.write(

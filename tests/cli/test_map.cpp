@@ -240,6 +240,12 @@ TEST_CASE("variants, --variant, --set and --size choose what is mapped") {
     const auto after = read_csv(scratch.path() / "scene/summary.csv").front().at("agree_hit");
     CHECK(number(after) > 0);
     CHECK(number(after) < number(before));
+    // The file's title may tell of the numbers that were changed.
+    const auto title = [&](const char* id) {
+        return nlohmann::json::parse(contents(scratch.path() / id / "datapackage.json"))["title"].get<std::string>();
+    };
+    CHECK(title("scene").ends_with(", with sphere[0].radius=0.25"));
+    CHECK_FALSE(has(title("rtg-fig-7-4.r1e3"), "with"));
 }
 
 TEST_CASE("own inputs and narrow formats show input error, shared ones in f32 and f64 do not") {

@@ -43,7 +43,7 @@ void put_outcomes(std::vector<Column>& columns) {
 }
 
 void put_worst(std::vector<Column>& columns, const ExhaustiveRequest& request) {
-    const std::string& unit = request.sweep->axis_unit;
+    const std::string& unit = request.sweep->axis.unit;
     columns.insert(columns.end(),
                    {{"lost_bits_max", "number", "bits", "of the worst float; missing where no float is a hit for both"},
                     {"worst_ulp_error", "number", "ulp",
@@ -72,30 +72,30 @@ void put_wrong(std::vector<Column>& columns, const std::string& unit) {
 
 std::vector<Column> binade_columns(const ExhaustiveRequest& request) {
     std::vector<Column> columns;
-    put_subject(columns, request.sweep->axis_unit);
+    put_subject(columns, request.sweep->axis.unit);
     columns.insert(columns.begin() + 4,
                    {"binade", "string", "",
                     "sign and power of two of its floats; zeros, subnormals, infinities and NaNs stand apart"});
     put_outcomes(columns);
     put_worst(columns, request);
-    put_wrong(columns, request.sweep->axis_unit);
+    put_wrong(columns, request.sweep->axis.unit);
     return columns;
 }
 
 std::vector<Column> statement_columns(const ExhaustiveRequest& request) {
     std::vector<Column> columns;
-    put_subject(columns, request.sweep->axis_unit);
+    put_subject(columns, request.sweep->axis.unit);
     put_outcomes(columns);
-    columns.push_back({"right_up_to_hex", "string", request.sweep->axis_unit,
+    columns.push_back({"right_up_to_hex", "string", request.sweep->axis.unit,
                        "the last float before the first wrong decision; missing where none is wrong, or the first is"});
-    put_wrong(columns, request.sweep->axis_unit);
+    put_wrong(columns, request.sweep->axis.unit);
     put_worst(columns, request);
     columns.push_back({"statement", "string", "", "the same in words"});
     return columns;
 }
 
 std::vector<Column> onset_columns(const ExhaustiveRequest& request) {
-    const std::string& unit = request.sweep->axis_unit;
+    const std::string& unit = request.sweep->axis.unit;
     std::vector<Column> columns;
     put_subject(columns, unit);
     columns.insert(columns.end(),
@@ -117,7 +117,7 @@ void add_subject(CsvWriter& csv, const ExhaustiveRequest& request, std::size_t r
     csv.add(request.rows[row].form->info->name)
         .add(request.rows[row].format.name)
         .add(request.sweep->rays[ray].name)
-        .add(request.sweep->axis_name);
+        .add(request.sweep->axis.name);
 }
 
 Cell hex_cell(std::uint32_t place) { return file::hex(static_cast<double>(float_at(place))); }

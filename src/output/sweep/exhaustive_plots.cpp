@@ -5,11 +5,12 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <limits>
+#include <utility>
 
 #include "measure/truth/lost_bits.hpp"
 #include "measure/truth/missing.hpp"
 #include "output/map/row_names.hpp"
-#include "output/plot/line_plot.hpp"
 
 namespace lostbits::output::sweep {
 
@@ -20,78 +21,151 @@ using measure::sweep::FloatTally;
 
 namespace {
 
-/// A value of each binade.
+/// A value of each binade; NaN where it has none.
 using OfTally = std::function<double(const FloatTally&)>;
 
-bool has_place(const BinadePart& part, bool negative) {
-    return part.binade.kind == scene::sweep::Binade::Kind::normal && part.binade.negative == negative;
+/// Zeros, infinities and NaNs have no place on an axis of sizes.
+bool has_place(const BinadePart& part) {
+    using K = scene::sweep::Binade::Kind;
+    return part.binade.kind == K::normal || part.binade.kind == K::subnormal;
 }
 
-/// The binades of one sign, by rising exponent.
-plot::Series series_of(const ExhaustiveRequest& request, const ExhaustiveState& state, std::size_t row, std::size_t ray,
-                       bool negative, const OfTally& value) {
-    plot::Series series{
-        .label = map::short_name(*request.rows[row].form->info), .x = {}, .y = {}, .low = {}, .high = {}};
-    if (request.sweep->rays.size() > 1) series.label += " (" + request.sweep->rays[ray].name + ")";
-    if (negative) series.label += ", below 0";
-    const auto binades = measure::sweep::binades_of(*request.sweep);
-    for (std::size_t b = 0; b < binades.size(); ++b) {
-        if (!has_place(binades[b], negative)) continue;
-        series.x.push_back(std::ldexp(1.0, binades[b].binade.exponent));
-        series.y.push_back(value(state.tallies[request.place(b, ray, row)]));
-    }
-    if (!series.x.empty() && series.x.front() > series.x.back()) {
-        std::ranges::reverse(series.x);
-        std::ranges::reverse(series.y);
-    }
-    return series;
+/// The sizes of the smallest and the largest float of a binade that were tried.
+struct Sizes {
+    double low, high;
+};
+Sizes sizes_of(const BinadePart& part) {
+    const auto size = [](std::uint32_t place) { return static_cast<double>(std::fabs(scene::sweep::float_at(place))); };
+    const auto [low, high] = std::minmax({size(part.floats.first), size(part.floats.last)});
+    return {low, high};
 }
 
-void write_lines(const std::filesystem::path& path, const ExhaustiveRequest& request, const ExhaustiveState& state,
-                 plot::LinePlotSpec spec, const OfTally& value) {
-    const scene::sweep::ExhaustiveFile& sweep = *request.sweep;
-    const std::string unit = sweep.axis_unit.empty() ? "" : fmt::format(" [{}]", sweep.axis_unit);
-    spec.subtitle = {sweep.title, "every float of each binade was tried"};
-    spec.x = {sweep.axis_name + unit + ", in size", plot::AxisSpec::Scale::log2, {}, {}};
-    for (std::size_t row = 0; row < request.rows.size(); ++row) {
-        for (std::size_t ray = 0; ray < sweep.rays.size(); ++ray) {
-            for (const bool negative : {false, true}) {
-                auto series = series_of(request, state, row, ray, negative, value);
-                if (!series.x.empty()) spec.series.push_back(std::move(series));
+/// One sign of the axis for one form and ray.
+struct Half {
+    std::size_t row, ray;
+    bool negative;
+};
+
+/// The binades that are drawn, and what they are called.
+class Drawn {
+public:
+    Drawn(const ExhaustiveRequest& request, const ExhaustiveState& state)
+        : request_(request), state_(state), parts_(measure::sweep::binades_of(*request.sweep)) {
+        for (const BinadePart& part : parts_) {
+            if (!has_place(part)) {
+                lacks_ = true;
+                continue;
             }
+            ++(part.binade.negative ? below_ : above_);
+            const auto [low, high] = sizes_of(part);
+            sizes_ = {std::min(sizes_.low, low), std::max(sizes_.high, high)};
         }
     }
-    plot::write_line_plot(image::image_backend(), path, spec);
-}
+
+    [[nodiscard]] bool worthwhile() const { return std::max(below_, above_) >= 2; }
+
+    /// A level stretch a binade, by rising size.
+    [[nodiscard]] plot::Series series(const Half& half, const OfTally& value) const {
+        plot::Series series{.label = label(half), .x = {}, .y = {}, .low = {}, .high = {}};
+        for (std::size_t b = 0; b < parts_.size(); ++b) {
+            if (!has_place(parts_[b]) || parts_[b].binade.negative != half.negative) continue;
+            const auto [low, high] = sizes_of(parts_[b]);
+            const double y = value(state_.tallies[request_.place(b, half.ray, half.row)]);
+            const bool rises = series.x.empty() || series.x.back() < low;
+            series.x.insert(rises ? series.x.end() : series.x.begin(), {low, high});
+            series.y.insert(rises ? series.y.end() : series.y.begin(), {y, y});
+        }
+        return series;
+    }
+
+    [[nodiscard]] plot::AxisSpec axis() const {
+        const auto& axis = request_.sweep->axis;
+        const std::string unit = axis.unit.empty() ? "" : fmt::format(" [{}]", axis.unit);
+        // Less than two octaves have too few powers of two for ticks.
+        const bool few = sizes_.high < 4 * sizes_.low;
+        return {axis.name + unit +
+                    (below_ == 0   ? ""
+                     : above_ == 0 ? ", below 0, in size"
+                                   : ", in size"),
+                few ? plot::AxisSpec::Scale::linear : plot::AxisSpec::Scale::log2, sizes_.low, sizes_.high};
+    }
+
+    [[nodiscard]] std::vector<std::string> subtitle() const {
+        std::vector<std::string> lines{request_.sweep->title, "every float of each binade was tried"};
+        if (const auto judged = request_.sweep->convention)
+            lines.front() += fmt::format(", judged by the {} solid", intersect::convention_name(judged));
+        if (lacks_) lines.back() += "; zeros, infinities and NaN are in the tables alone";
+        return lines;
+    }
+
+    [[nodiscard]] std::vector<Half> halves() const {
+        std::vector<Half> all;
+        for (std::size_t row = 0; row < request_.rows.size(); ++row) {
+            for (std::size_t ray = 0; ray < request_.sweep->rays.size(); ++ray) {
+                if (above_ > 0) all.push_back({row, ray, false});
+                if (below_ > 0) all.push_back({row, ray, true});
+            }
+        }
+        return all;
+    }
+
+private:
+    /// `signs`, `signs (half)`, `signs (half, x < 0)`.
+    [[nodiscard]] std::string label(const Half& half) const {
+        const auto& sweep = *request_.sweep;
+        std::string of = sweep.rays.size() > 1 ? sweep.rays[half.ray].name : "";
+        if (below_ > 0 && above_ > 0)
+            of += fmt::format("{}{} {} 0", of.empty() ? "" : ", ", sweep.axis.name, half.negative ? '<' : '>');
+        const std::string name = map::short_name(*request_.rows[half.row].form->info);
+        return of.empty() ? name : fmt::format("{} ({})", name, of);
+    }
+
+    const ExhaustiveRequest& request_;
+    const ExhaustiveState& state_;
+    std::vector<BinadePart> parts_;
+    int below_ = 0, above_ = 0;  ///< how many binades of each sign are drawn
+    bool lacks_ = false;         ///< whether some floats have no place
+    Sizes sizes_{std::numeric_limits<double>::infinity(), 0};
+};
 
 }  // namespace
 
+std::optional<ExhaustivePlots> exhaustive_plots(const ExhaustiveRequest& request, const ExhaustiveState& state) {
+    const Drawn drawn(request, state);
+    if (!drawn.worthwhile()) return std::nullopt;
+    using S = plot::AxisSpec::Scale;
+    plot::LinePlotSpec lost{.title = "Lost bits of the worst float in f32",
+                            .subtitle = drawn.subtitle(),
+                            .x = drawn.axis(),
+                            .y = {"lost bits", S::linear, 0.0, static_cast<double>(binary32.precision)},
+                            .series = {}};
+    plot::LinePlotSpec wrong{.title = "Floats with a wrong decision in f32",
+                             .subtitle = drawn.subtitle(),
+                             .x = drawn.axis(),
+                             .y = {"share of the binade's tried floats", S::log2, none_wrong, 1.0},
+                             .series = {}};
+    wrong.subtitle.emplace_back("along the foot of the picture: none of the binade's floats");
+    for (const Half& half : drawn.halves()) {
+        lost.series.push_back(drawn.series(half, [](const FloatTally& t) {
+            return t.worst ? measure::truth::lost_bits(t.worst->ulps, binary32.precision) : measure::truth::missing;
+        }));
+        wrong.series.push_back(drawn.series(half, [](const FloatTally& t) {
+            return t.wrong() > 0 ? measure::truth::fraction(t.wrong(), t.floats()) : none_wrong;
+        }));
+    }
+    return ExhaustivePlots{std::move(lost), std::move(wrong)};
+}
+
 void write_exhaustive_plots(const std::filesystem::path& folder, const ExhaustiveRequest& request,
                             const ExhaustiveState& state) {
-    const auto binades = measure::sweep::binades_of(*request.sweep);
-    const auto most = [&](bool negative) {
-        return std::ranges::count_if(binades, [&](const BinadePart& part) { return has_place(part, negative); });
-    };
-    if (std::max(most(false), most(true)) < 2) return;
-    using S = plot::AxisSpec::Scale;
-    const auto lost = [](const FloatTally& t) {
-        return t.worst ? measure::truth::lost_bits(t.worst->ulps, binary32.precision) : measure::truth::missing;
-    };
-    write_lines(folder / "lost_bits_max.png", request, state,
-                {.title = "Lost bits of the worst float in f32",
-                 .subtitle = {},
-                 .x = {},
-                 .y = {"lost bits", S::linear, 0.0, static_cast<double>(binary32.precision)},
-                 .series = {}},
-                lost);
-    const auto wrong = [](const FloatTally& t) { return measure::truth::fraction(t.wrong(), t.floats()); };
-    write_lines(folder / "wrong.png", request, state,
-                {.title = "Floats with the wrong answer in f32",
-                 .subtitle = {},
-                 .x = {},
-                 .y = {"share of floats", S::linear, 0.0, 1.0},
-                 .series = {}},
-                wrong);
+    const auto lost_bits = folder / "lost_bits_max.png", wrong = folder / "wrong.png";
+    if (const auto plots = exhaustive_plots(request, state)) {
+        plot::write_line_plot(image::image_backend(), lost_bits, plots->lost_bits);
+        plot::write_line_plot(image::image_backend(), wrong, plots->wrong);
+    } else {
+        std::filesystem::remove(lost_bits);
+        std::filesystem::remove(wrong);
+    }
 }
 
 }  // namespace lostbits::output::sweep

@@ -1,15 +1,29 @@
-// The pictures of an exhaustive sweep: a point a binade.
+// The pictures of an exhaustive sweep: a level stretch a binade.
 #pragma once
 
 #include <filesystem>
+#include <optional>
 
 #include "measure/sweep/exhaustive.hpp"
+#include "output/plot/line_plot.hpp"
 
 namespace lostbits::output::sweep {
 
-/// `lost_bits_max.png`: the bits that the worst float of each binade loses; `wrong.png`: the share of floats with a
-/// wrong decision. A line a form, ray and sign. Neither where the axis has fewer than two binades of normal numbers;
-/// zeros, subnormals, infinities and NaNs have no place on it and are in the tables alone.
+/// A share of 0 has no place on a log scale, and one float of a whole binade is 2^-23 of it: lines of binades without a
+/// wrong decision run along the foot of the picture, at this.
+inline constexpr double none_wrong = 0x1p-24;
+
+struct ExhaustivePlots {
+    plot::LinePlotSpec lost_bits;  ///< of the worst float of each binade
+    plot::LinePlotSpec wrong;      ///< the share of a binade's tried floats with a wrong decision
+};
+/// A line a form, ray and sign, level from the smallest float of a binade that was tried to the largest. Zeros,
+/// infinities and NaNs have no place on it and are in the tables alone. Nothing where all the others are of one binade
+/// of either sign.
+std::optional<ExhaustivePlots> exhaustive_plots(const measure::sweep::ExhaustiveRequest& request,
+                                                const measure::sweep::ExhaustiveState& state);
+
+/// `lost_bits_max.png` and `wrong.png`; where there are none, those of an earlier run go.
 void write_exhaustive_plots(const std::filesystem::path& folder, const measure::sweep::ExhaustiveRequest& request,
                             const measure::sweep::ExhaustiveState& state);
 

@@ -46,6 +46,8 @@ std::string statement(const ExhaustiveRequest& request, const RangeFinding& f) {
     std::string text =
         fmt::format("all {} between {} and {} were tried: {}", count_text(tally.floats()), float_text(f.floats.first),
                     float_text(f.floats.last), request.rows[f.row].form->info->name);
+    if (const auto judged = request.rows[f.row].judged)
+        text += fmt::format(", judged by the {} solid,", intersect::convention_name(judged));
     if (sweep.rays.size() > 1) text += fmt::format(" on the ray {}", sweep.rays[f.ray].name);
     if (!tally.first_wrong) {
         text += tally.count(Outcome::unresolved) == 0

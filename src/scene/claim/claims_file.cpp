@@ -3,12 +3,12 @@
 #include <algorithm>
 #include <set>
 
+#include "scene/sweep/convention.hpp"
 #include "scene/toml/toml_reader.hpp"
 
 namespace lostbits::scene::claim {
 
 using file::Stage;
-using intersect::Touching;
 using toml::Node;
 using toml::TableReader;
 
@@ -102,9 +102,7 @@ void read_given(TableReader table, Claim& claim) {
             table.reject("step", "needs a scene: it is a sample of the march along the scene's pixel (0, 0)");
         claim.step = static_cast<int>(*step);
     }
-    static constexpr std::pair<std::string_view, Touching> conventions[] = {{"closed", Touching::hit},
-                                                                            {"open", Touching::miss}};
-    claim.convention = table.optional_one_of<Touching>("convention", conventions);
+    claim.convention = sweep::read_convention(table);
     claim.requirements = table.optional_strings("requires").value_or(std::vector<std::string>{});
     table.reject_unknown_keys();
 }

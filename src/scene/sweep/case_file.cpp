@@ -7,6 +7,8 @@
 #include <cmath>
 #include <optional>
 
+#include "scene/sweep/convention.hpp"
+
 namespace lostbits::scene::sweep {
 
 using rays::RayGroup;
@@ -15,8 +17,6 @@ using toml::Quantity;
 using toml::TableReader;
 
 namespace {
-
-constexpr std::string_view schema = "lostbits-sweep/1";
 
 std::vector<Quantity> quantities(TableReader& table, std::string_view key, std::size_t count, bool special) {
     const Node& node = table.node(key);
@@ -107,20 +107,16 @@ CaseFile::Case CaseFile::read_case(TableReader& table) {
     return c;
 }
 
-CaseFile::CaseFile(const std::filesystem::path& path) : id(path.stem().string()) {
+CaseFile::CaseFile(const std::filesystem::path& path) {
     const Node root = toml::read_toml(path);
     TableReader file(root);
-    toml::require_schema(file, schema);
-    title = file.string("title");
-    source = file.string("source");
-    note = file.optional_string("note").value_or("");
+    static_cast<SweepHead&>(*this) = read_sweep_head(file, path);
     if (const auto bits = file.optional_number("right_within_bits")) right_within_bits = static_cast<double>(*bits);
     if (const auto names = file.optional_strings("conventions")) {
         conventions.clear();
         for (const std::string& name : *names) {
             if (name == "own") conventions.emplace_back(std::nullopt);
-            else if (name == "closed") conventions.emplace_back(intersect::Touching::hit);
-            else if (name == "open") conventions.emplace_back(intersect::Touching::miss);
+            else if (const auto judged = convention_named(name)) conventions.emplace_back(judged);
             else file.fail_at("conventions", "holds \"" + name + "\"; write own, closed or open");
         }
         if (conventions.empty()) file.fail_at("conventions", "is empty; leave it out, or name own, closed or open");

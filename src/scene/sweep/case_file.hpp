@@ -8,17 +8,17 @@
 
 #include "intersect/info.hpp"
 #include "scene/rays/family.hpp"
+#include "scene/sweep/sweep_head.hpp"
 #include "scene/toml/quantity.hpp"
 
 namespace lostbits::scene::sweep {
 
 /// A sweep over `[[case]]` tables in place of axes.
-class CaseFile {
+class CaseFile : public SweepHead {
 public:
     /// InputError with a position for anything that is not a file of cases.
     explicit CaseFile(const std::filesystem::path& path);
 
-    std::string id, title, source, note;
     /// An answer within so many bits of the envelope is right, if its decision is.
     double right_within_bits = 3;
     /// By which conventions on touching the forms are judged, one after another; nothing stands for each by its own.

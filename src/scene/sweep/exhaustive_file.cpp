@@ -5,18 +5,17 @@
 #include <fstream>
 #include <iterator>
 
+#include "scene/sweep/convention.hpp"
 #include "scene/toml/parse_number.hpp"
 #include "scene/toml/round.hpp"
 
 namespace lostbits::scene::sweep {
 
-using intersect::Touching;
 using toml::Node;
 using toml::TableReader;
 
 namespace {
 
-constexpr std::string_view schema = "lostbits-sweep/1";
 constexpr std::string_view ray_paths[] = {"ray.origin.x",    "ray.origin.y",    "ray.origin.z",
                                           "ray.direction.x", "ray.direction.y", "ray.direction.z"};
 
@@ -48,6 +47,8 @@ std::string shown(float x) { return '"' + toml::exact_text(Real(x)) + '"'; }
 
 std::string nearest_text(const Real& x) {
     const auto [below, above] = around(x);
+    if (std::isinf(above)) return "the largest is " + shown(below);
+    if (std::isinf(below)) return "the lowest is " + shown(above);
     return "the nearest below and above are " + shown(below) + " and " + shown(above);
 }
 
@@ -84,105 +85,108 @@ std::optional<float> exact_float(const Real& x) {
     return std::nullopt;
 }
 
-void ExhaustiveFile::read_path(const std::string& path, const TableReader& axis) {
+void ExhaustiveFile::read_path(const std::string& path, const TableReader& table) {
     const auto of_solid = solid_paths(solid.shape);
     std::vector<std::string> all(std::begin(ray_paths), std::end(ray_paths));
     all.insert(all.end(), of_solid.begin(), of_solid.end());
     const auto found = static_cast<std::size_t>(std::ranges::find(all, path) - all.begin());
     if (found == all.size())
-        axis.fail_at("set", "names \"" + path + "\", which is not a number of the ray or of its " +
-                                std::string(name_of(solid.shape)) + "; " + toml::did_you_mean(path, all));
+        table.fail_at("set", "names \"" + path + "\", which is not a number of the ray or of its " +
+                                 std::string(name_of(solid.shape)) + "; " + toml::did_you_mean(path, all));
     auto& places = found < 6 ? ray_places : solid_places;
     const std::size_t place = found < 6 ? found : found - 6;
     if (std::ranges::find(places, place) != places.end())
-        axis.fail_at("set", "names \"" + path + "\" twice; once is enough");
+        table.fail_at("set", "names \"" + path + "\" twice; once is enough");
     places.push_back(place);
 }
 
-void ExhaustiveFile::read_range(TableReader& axis) {
-    if (axis.optional_boolean("all").value_or(false)) {
+void ExhaustiveFile::read_range(TableReader& table) {
+    if (table.optional_boolean("all").value_or(false)) {
         for (const char* key : {"from", "to"})
-            axis.reject(key, "cannot be combined with all = true, which takes every float there is; leave one out");
+            table.reject(key, "cannot be combined with all = true, which takes every float there is; leave one out");
         if (!solid_places.empty())
-            axis.fail_at("all",
-                         "takes NaN, infinities and numbers of either sign, which are no solid's; write from and to");
+            table.fail_at("all",
+                          "takes NaN, infinities and numbers of either sign, which are no solid's; write from and to");
         ranges_ = {{place_of(0.0F), 0xffffffffU}, {place_of(-0.0F), 0}};
         return;
     }
-    const Real from = axis.number("from"), to = axis.number("to");
+    const Real from = table.number("from"), to = table.number("to");
     const bool rises = from < to;
     const auto low = exact_float(rises ? from : to), high = exact_float(rises ? to : from);
     if (!low && !high && place_of(around(rises ? from : to).above) > place_of(around(rises ? to : from).below))
-        axis.fail_at("from", "and to have no number of binary32 between them; " + nearest_text(from));
-    ranges_ = {{place_of(float_in(axis, "from")), place_of(float_in(axis, "to"))}};
+        table.fail_at("from", "and to have no number of binary32 between them; " + nearest_text(from));
+    ranges_ = {{place_of(float_in(table, "from")), place_of(float_in(table, "to"))}};
     if (ranges_.front().size() == 1)
-        axis.fail_at("to", "equals from, which leaves nothing to sweep; bring them farther apart");
+        table.fail_at("to", "equals from, which leaves nothing to sweep; bring them farther apart");
 }
 
-void ExhaustiveFile::read_axis(TableReader axis) {
-    axis_name = axis.string("name");
-    const bool plain = !axis_name.empty() && std::ranges::all_of(axis_name, [](char c) {
-        return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '_';
-    });
-    if (!plain)
-        axis.fail_at("name", "must be a column name of lower-case letters, digits and _, such as \"distance_radii\"");
-    axis_unit = axis.optional_string("unit").value_or("");
-    if (axis.string("spacing") != "every_float")
-        axis.fail_at("spacing", "must be \"every_float\" in an [axis] table; other sweeps have [[axis]] tables");
-    if (axis.node("set").kind == Node::Kind::array) {
-        for (const std::string& path : axis.strings("set")) read_path(path, axis);
+void ExhaustiveFile::read_axis(TableReader table) {
+    axis = read_axis_name(table);
+    if (table.string("spacing") != "every_float")
+        table.fail_at("spacing", "must be \"every_float\" in an [axis] table; other sweeps have [[axis]] tables");
+    if (table.node("set").kind == Node::Kind::array) {
+        for (const std::string& path : table.strings("set")) read_path(path, table);
     } else {
-        read_path(axis.string("set"), axis);
+        read_path(table.string("set"), table);
     }
     if (ray_places.empty() && solid_places.empty())
-        axis.fail_at("set", "is empty; name a number of the ray or of its solid");
-    read_range(axis);
-    axis.reject_unknown_keys();
+        table.fail_at("set", "is empty; name a number of the ray or of its solid");
+    read_range(table);
+    table.reject_unknown_keys();
+}
+
+void ExhaustiveFile::check_solids(TableReader& file) const {
+    const bool sphere = solid.shape == Shape::sphere;
+    if (solid_places.empty()) {
+        if (is_proper(solid)) return;
+        if (sphere) file.table("sphere").fail_at("radius", "is not greater than 0; write a positive number");
+        file.table("box").fail_at("hi", "is below lo in a component; a box needs lo <= hi in each");
+    }
     // A sphere has a radius above 0, a box lo ≤ hi: where both ends of a range are solids, all between them are.
     for (const FloatRange& range : ranges_) {
         for (const std::uint32_t end : {range.first, range.last}) {
             if (!is_proper(solid_at(float_at(end))))
-                axis.fail_at(end == range.first ? "from" : "to",
-                             solid.shape == Shape::sphere
-                                 ? "leaves a sphere whose radius is not greater than 0; write a positive number"
-                                 : "leaves a box whose hi is below its lo; a box needs lo <= hi in each component");
+                file.table("axis").fail_at(
+                    end == range.first ? "from" : "to",
+                    sphere ? "leaves a sphere whose radius is not greater than 0; write a positive number"
+                           : "leaves a box whose hi is below its lo; a box needs lo <= hi in each component");
         }
     }
 }
 
-ExhaustiveFile::ExhaustiveFile(const std::filesystem::path& path) : id(path.stem().string()) {
-    const Node root = toml::read_toml(path);
-    text_hash = hash_of(path);
-    TableReader file(root);
-    toml::require_schema(file, schema);
-    title = file.string("title");
-    source = file.string("source");
-    note = file.optional_string("note").value_or("");
-    static constexpr std::pair<std::string_view, Touching> conventions[] = {{"closed", Touching::hit},
-                                                                            {"open", Touching::miss}};
-    convention = file.optional_one_of<Touching>("convention", conventions);
+void ExhaustiveFile::read_solid(TableReader& file) {
     auto sphere = file.optional_table("sphere"), box = file.optional_table("box");
     if (sphere.has_value() == box.has_value())
         toml::fail(file.where(), "a sweep over every float has one solid: a [sphere] or a [box] table; write one");
-    if (sphere) {
-        solid = Sphere<float>{vec_in(*sphere, "centre"), float_in(*sphere, "radius")};
-        sphere->reject_unknown_keys();
-    } else {
-        solid = Box<float>{vec_in(*box, "lo"), vec_in(*box, "hi")};
-        box->reject_unknown_keys();
-    }
+    if (sphere) solid = Sphere<float>{vec_in(*sphere, "centre"), float_in(*sphere, "radius")};
+    else solid = Box<float>{vec_in(*box, "lo"), vec_in(*box, "hi")};
+    (sphere ? *sphere : *box).reject_unknown_keys();
+}
+
+ExhaustiveFile::ExhaustiveFile(const std::filesystem::path& path) {
+    const Node root = toml::read_toml(path);
+    text_hash = hash_of(path);
+    TableReader file(root);
+    static_cast<SweepHead&>(*this) = read_sweep_head(file, path);
+    convention = read_convention(file);
+    read_solid(file);
     for (TableReader& table : file.tables("ray")) {
         NamedRay ray{table.string("name"), {vec_in(table, "origin"), vec_in(table, "direction")}};
         if (std::ranges::find(rays, ray.name, &NamedRay::name) != rays.end())
             table.fail_at("name", "is \"" + ray.name + "\", the name of another ray too; give each its own");
-        if (sphere)
+        if (solid.shape == Shape::sphere)
             table.reject("tmax", "ends a ray for the forms of boxes; those of spheres take no end and would ignore it");
         else if (table.has("tmax")) ray.tmax = float_in(table, "tmax");
         table.reject_unknown_keys();
         rays.push_back(std::move(ray));
     }
     if (rays.empty()) toml::fail(file.where(), "a sweep over every float has [[ray]] tables; write at least one");
+    if (file.has("axis") && file.node("axis").kind == Node::Kind::array)
+        file.fail_at("axis",
+                     "is [[axis]], whose steps go with a [family] or a scene; a file with [[ray]] tables tries every "
+                     "float of one number, and its axis is [axis]");
     read_axis(file.table("axis"));
+    check_solids(file);
     file.reject_unknown_keys();
 }
 
@@ -200,7 +204,7 @@ void ExhaustiveFile::narrow(const Real& from, const Real& to, const toml::Where&
         if (std::ranges::none_of(ranges_, [place](const FloatRange& r) {
                 return std::min(r.first, r.last) <= place && place <= std::max(r.first, r.last);
             }))
-            toml::fail(where, shown(*exact) + " lies outside the axis " + axis_name + " of " + id);
+            toml::fail(where, shown(*exact) + " lies outside the axis " + axis.name + " of " + id);
         return place;
     };
     ranges_ = {{inside(from), inside(to)}};

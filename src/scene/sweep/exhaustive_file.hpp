@@ -10,22 +10,22 @@
 #include "intersect/info.hpp"
 #include "scene/rays/rays.hpp"
 #include "scene/sweep/float_order.hpp"
+#include "scene/sweep/sweep_head.hpp"
 #include "scene/toml/toml_reader.hpp"
 
 namespace lostbits::scene::sweep {
 
 /// A sweep file with one `[axis]` table, `[[ray]]` tables, and a `[sphere]` or a `[box]`. All numbers are binary32.
-class ExhaustiveFile {
+class ExhaustiveFile : public SweepHead {
 public:
     /// InputError with a position for anything that is not such a sweep.
     explicit ExhaustiveFile(const std::filesystem::path& path);
 
-    std::string id, title, source, note;
     std::uint64_t text_hash = 0;  ///< of the bytes of the file
     /// All forms are judged as if touching were this; absent: each by its own word.
     std::optional<intersect::Touching> convention;
 
-    std::string axis_name, axis_unit;
+    AxisName axis;
     /// What the axis sets, all to the same float: origin x, y, z and direction x, y, z of the ray (0 to 5), numbers of
     /// the solid in its own order.
     std::vector<std::size_t> ray_places, solid_places;
@@ -51,9 +51,11 @@ public:
     [[nodiscard]] rays::RayGroup group_at(std::size_t ray, float value) const;
 
 private:
-    void read_axis(toml::TableReader axis);
-    void read_path(const std::string& path, const toml::TableReader& axis);
-    void read_range(toml::TableReader& axis);
+    void read_solid(toml::TableReader& file);
+    void read_axis(toml::TableReader table);
+    void read_path(const std::string& path, const toml::TableReader& table);
+    void read_range(toml::TableReader& table);
+    void check_solids(toml::TableReader& file) const;
 
     std::vector<FloatRange> ranges_;
 };

@@ -21,13 +21,10 @@ double distance_in_radii(const Ray<double>& ray, const Sphere<double>& sphere) {
     return length(ray.origin - sphere.centre) / sphere.radius;
 }
 
-SearchFile::SearchFile(const std::filesystem::path& path) : id(path.stem().string()) {
+SearchFile::SearchFile(const std::filesystem::path& path) {
     const toml::Node root = toml::read_toml(path);
     TableReader file(root);
-    toml::require_schema(file, "lostbits-sweep/1");
-    title = file.string("title");
-    source = file.string("source");
-    note = file.optional_string("note").value_or("");
+    static_cast<SweepHead&>(*this) = read_sweep_head(file, path);
     TableReader table = file.table("search");
     const auto thrice = [&](std::string_view key) { ranges.insert(ranges.end(), 3, read_range(table, key)); };
     thrice("origin");

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "geometry/solid.hpp"
+#include "scene/sweep/sweep_head.hpp"
 #include "scene/toml/toml_reader.hpp"
 
 namespace lostbits::scene::sweep {
@@ -21,12 +22,11 @@ struct Range {
 double distance_in_radii(const Ray<double>& ray, const Sphere<double>& sphere);
 
 /// A sweep file with a `[search]` table in place of axes.
-class SearchFile {
+class SearchFile : public SweepHead {
 public:
     /// InputError with a position for anything that is not a search.
     explicit SearchFile(const std::filesystem::path& path);
 
-    std::string id, title, source, note;
     Shape shape = Shape::sphere;
     /// Of origin x, y, z, direction x, y, z, and the solid's numbers, in this order: one after another.
     std::vector<Range> ranges;

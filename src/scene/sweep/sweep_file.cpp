@@ -1,47 +1,40 @@
 #include "scene/sweep/sweep_file.hpp"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 
 #include "intersect/table/table.hpp"
 #include "number/error.hpp"
 #include "scene/file/march_table.hpp"
+#include "scene/sweep/convention.hpp"
+#include "scene/sweep/float_order.hpp"
 #include "scene/toml/round.hpp"
 
 namespace lostbits::scene::sweep {
 
-using intersect::Touching;
 using rays::RayGroup;
 using toml::TableReader;
 using toml::to_12_bits;
 
 namespace {
 
-constexpr std::string_view schema = "lostbits-sweep/1";
 constexpr long long most_steps = 100000;
-
-/// Floats in order of value, as whole numbers.
-std::int64_t place(float x) {
-    const auto bits = std::bit_cast<std::int32_t>(x);
-    return bits < 0 ? -static_cast<std::int64_t>(bits & 0x7fffffff) : bits;
-}
-float float_at(std::int64_t n) {
-    const auto size = static_cast<std::uint32_t>(n < 0 ? -n : n);
-    return std::bit_cast<float>(n < 0 ? size | 0x80000000U : size);
-}
 
 void fill(Axis& axis, TableReader& table) {
     using S = Axis::Spacing;
     if (axis.spacing == S::every_float) {
-        const std::int64_t first = place(static_cast<float>(axis.from)), last = place(static_cast<float>(axis.to));
-        if (last < first) table.fail_at("to", "must be greater than from with spacing = \"every_float\"");
-        if (last - first >= most_steps)
+        const FloatRange floats{place_of(static_cast<float>(axis.from)), place_of(static_cast<float>(axis.to))};
+        if (floats.falls()) table.fail_at("to", "must be greater than from with spacing = \"every_float\"");
+        if (floats.size() > most_steps)
             table.fail_at(
                 "to",
                 "leaves more than 100000 floats between from and to; bring them closer together, or try every float "
                 "of one ray: see data/sweeps/exhaustive-distance.toml");
-        for (std::int64_t n = first; n <= last; ++n) axis.values.push_back(static_cast<double>(float_at(n)));
+        for (std::uint64_t n = 0; n < floats.size(); ++n) {
+            // A step is a value, and both zeros are one: 0. An [axis] tries each.
+            const double x = static_cast<double>(float_at(floats.at(n))) + 0.0;
+            if (axis.values.empty() || x != axis.values.back()) axis.values.push_back(x);
+        }
         return;
     }
     const long long steps = table.integer("steps", 2, most_steps);
@@ -81,13 +74,7 @@ Axis read_axis(TableReader table, const std::string& prefix) {
     static constexpr std::pair<std::string_view, S> spacings[] = {
         {"linear", S::linear}, {"log2", S::log2}, {"every_float", S::every_float}, {"whole", S::whole}};
     Axis axis;
-    axis.name = table.string("name");
-    const bool plain = !axis.name.empty() && std::ranges::all_of(axis.name, [](char c) {
-        return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '_';
-    });
-    if (!plain)
-        table.fail_at("name", "must be a column name of lower-case letters, digits and _, such as \"distance_radii\"");
-    axis.unit = table.optional_string("unit").value_or("");
+    static_cast<AxisName&>(axis) = read_axis_name(table);
     axis.spacing = table.one_of<S>("spacing", spacings);
     axis.from = static_cast<double>(table.number("from"));
     axis.to = static_cast<double>(table.number("to"));
@@ -135,20 +122,16 @@ double Axis::middle(double a, double b) const {
         case Spacing::log2: return to_12_bits(std::sqrt(a) * std::sqrt(b));
         case Spacing::every_float: break;
     }
-    const std::int64_t low = place(static_cast<float>(a)), high = place(static_cast<float>(b));
-    return static_cast<double>(float_at(low + (high - low) / 2));
+    const std::uint32_t low = place_of(static_cast<float>(a)), high = place_of(static_cast<float>(b));
+    const std::uint32_t half = low < high ? low + (high - low) / 2 : high + (low - high + 1) / 2;
+    return static_cast<double>(float_at(half)) + 0.0;  // of the two zeros the one above
 }
 
 SweepFile::SweepFile(const std::filesystem::path& path, const std::filesystem::path& data_dir)
-    : id(path.stem().string()), root_(toml::read_toml(path)) {
+    : root_(toml::read_toml(path)) {
     TableReader file(root_);
-    toml::require_schema(file, schema);
-    title = file.string("title");
-    source = file.string("source");
-    note = file.optional_string("note").value_or("");
-    static constexpr std::pair<std::string_view, Touching> conventions[] = {{"closed", Touching::hit},
-                                                                            {"open", Touching::miss}};
-    convention = file.optional_one_of<Touching>("convention", conventions);
+    static_cast<SweepHead&>(*this) = read_sweep_head(file, path);
+    convention = read_convention(file);
     read_subject(file, data_dir);
     if (axes.empty() || axes.size() > 2)
         toml::fail(file.where(), "a sweep has one or two [[axis]] tables, this has " + std::to_string(axes.size()));

@@ -10,13 +10,12 @@
 #include "scene/file/scene.hpp"
 #include "scene/rays/box_family.hpp"
 #include "scene/rays/family.hpp"
+#include "scene/sweep/sweep_head.hpp"
 
 namespace lostbits::scene::sweep {
 
-struct Axis {
+struct Axis : AxisName {
     enum class Spacing { linear, log2, every_float, whole };
-    std::string name;  ///< column and label: `distance_over_radius`
-    std::string unit;
     Spacing spacing = Spacing::log2;
     double from = 1, to = 2;
     std::vector<double> values;  ///< in order; log2 steps are rounded to 12 significant bits
@@ -30,12 +29,11 @@ struct Axis {
     [[nodiscard]] double middle(double a, double b) const;
 };
 
-class SweepFile {
+class SweepFile : public SweepHead {
 public:
     /// InputError with a position for anything that is not a sweep. A scene is looked up in `data_dir`.
     SweepFile(const std::filesystem::path& path, const std::filesystem::path& data_dir);
 
-    std::string id, title, source, note;
     std::vector<Axis> axes;  ///< one or two
     std::optional<intersect::Touching>
         convention;  ///< all forms are judged as if touching were this; absent: each by its own word

@@ -75,11 +75,18 @@ std::variant<Real, NumberFault> parse_number(std::string_view text) {
 }
 
 std::string exact_text(const Real& x) {
+    // MPFR's own %Ra starts with any digit: 0x5.4p+8 for 1344, where C's %a writes 0x1.5p+10.
+    const mpfr_srcptr raw = x.backend().data();
+    const bool regular = mpfr_regular_p(raw) != 0;
+    const mpfr_exp_t exponent = regular ? mpfr_get_exp(raw) - 1 : 0;
+    Real scaled;  // 1 ≤ |scaled| < 2
+    mpfr_mul_2si(scaled.backend().data(), raw, -exponent, MPFR_RNDN);
     char* text = nullptr;
-    const int length = mpfr_asprintf(&text, "%Ra", x.backend().data());
+    const int length = mpfr_asprintf(&text, "%Ra", scaled.backend().data());
     std::string result(text, static_cast<std::size_t>(length));
     mpfr_free_str(text);
-    return result;
+    if (!regular) return result;
+    return result.substr(0, result.find('p')) + (exponent < 0 ? "p" : "p+") + std::to_string(exponent);
 }
 
 }  // namespace lostbits::scene::toml

@@ -24,7 +24,7 @@ struct NumberFault {
 /// Infinities, NaN and magnitudes above the largest binary64 are faults. Tiny numbers stay non-zero.
 std::variant<Real, NumberFault> parse_number(std::string_view text);
 
-/// The exact value as a hexadecimal float that `parse_number` reads back to the same number.
+/// The exact value as a hexadecimal float that `parse_number` reads back to the same number: `0x1.5p+10`.
 std::string exact_text(const Real& x);
 
 }  // namespace lostbits::scene::toml

@@ -109,7 +109,11 @@ TEST_CASE("what is wrong with a sweep over every float is said with its place an
     CHECK(has(error("from = 1\nto = \"0x1.8p+1\"", "from = 1.00000001\nto = 1.00000002"),
               "axis.from and to have no number of binary32 between them"));
     CHECK(has(error("\"0x1.8p+1\"", "1"), "s.toml:10:6: axis.to equals from"));
-    CHECK(has(error("\"0x1.8p+1\"", "1e39"), "s.toml:10:6: axis.to is not a number of binary32"));
+    CHECK(
+        has(error("\"0x1.8p+1\"", "1e39"),
+            "s.toml:10:6: axis.to is not a number of binary32, and rounding it would try another place; the largest is "
+            "\"0x1.fffffep+127\""));
+    CHECK(has(error("from = 1", "from = -1e39"), "the lowest is \"-0x1.fffffep+127\""));
     CHECK(has(error("0.5, -0.25", "0.5, 0.1"),
               "s.toml:13:10: ray[0].origin holds a number that is not one of binary32, in place 1"));
     CHECK(has(error("radius = 1", "radius = 0.1"), "s.toml:17:10: sphere.radius is not a number of binary32"));
@@ -127,7 +131,10 @@ TEST_CASE("what is wrong with a sweep over every float is said with its place an
                     "[[ray]]\nname = \"a\""),
               "the name of another ray too"));
     CHECK(has(error("[sphere]", "[box]\nlo = [0, 0, 0]\nhi = [1, 1, 1]\n[sphere]"), "one solid"));
-    // Solids that are none.
+    CHECK(has(error("[axis]", "[[axis]]"), "s.toml:4:1: axis is [[axis]], whose steps go with a [family] or a scene"));
+    // Solids that are none: of the file, or made so by the axis.
+    CHECK(has(error("radius = 1", "radius = 0"), "s.toml:17:10: sphere.radius is not greater than 0"));
+    CHECK(has(error("hi = [1, 1, 1]", "hi = [1, -2, 1]", good_box), ": box.hi is below lo in a component"));
     CHECK(
         has(error("ray.origin.z\"\nfrom = 1", "sphere.radius\"\nfrom = -1"), "s.toml:9:8: axis.from leaves a sphere"));
     CHECK(has(error("ray.origin.z\"\nfrom = 1\nto = \"0x1.8p+1\"", "sphere.radius\"\nall = true"), "no solid's"));

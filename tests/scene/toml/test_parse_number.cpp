@@ -126,4 +126,11 @@ TEST_CASE("the exact text of a number reads back as the number") {
         CAPTURE(text);
         CHECK(real(scene::toml::exact_text(real(text))) == real(text));
     }
+    // As C's %a writes it, and the tables: the digit before the point is 1.
+    const std::pair<const char*, const char*> texts[] = {
+        {"1344", "0x1.5p+10"},    {"-4100", "-0x1.004p+12"},
+        {"0x0.fp-1", "0x1.ep-2"}, {"1", "0x1p+0"},
+        {"0x1p-149", "0x1p-149"}, {"0", "0x0p+0"},
+        {"-0.0", "-0x0p+0"},      {"0x1.fffffep127", "0x1.fffffep+127"}};
+    for (const auto& [text, exact] : texts) CHECK(scene::toml::exact_text(real(text)) == exact);
 }

@@ -1,0 +1,25 @@
+#include "scene/sweep/sweep_head.hpp"
+
+#include <algorithm>
+
+namespace lostbits::scene::sweep {
+
+SweepHead read_sweep_head(toml::TableReader& file, const std::filesystem::path& path) {
+    toml::require_schema(file, "lostbits-sweep/1");
+    return {.id = path.stem().string(),
+            .title = file.string("title"),
+            .source = file.string("source"),
+            .note = file.optional_string("note").value_or("")};
+}
+
+AxisName read_axis_name(toml::TableReader& axis) {
+    AxisName read{axis.string("name"), axis.optional_string("unit").value_or("")};
+    const bool plain = !read.name.empty() && std::ranges::all_of(read.name, [](char c) {
+        return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '_';
+    });
+    if (!plain)
+        axis.fail_at("name", "must be a column name of lower-case letters, digits and _, such as \"distance_radii\"");
+    return read;
+}
+
+}  // namespace lostbits::scene::sweep
