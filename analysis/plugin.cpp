@@ -19,7 +19,7 @@ namespace {
 
 using intersect::doors::Contract;
 using intersect::doors::ForeignForm;
-using measure::contract::Finding;
+using measure::contract::Observation;
 
 /// Answers a pipe with the forms of a library.
 Exit serve(const std::string& named) {
@@ -30,27 +30,27 @@ Exit serve(const std::string& named) {
         "--plugin LIBRARY --isolate`, which talks to it");
 }
 
-const char* word_of(Finding::Verdict verdict) {
+const char* word_of(Observation::Verdict verdict) {
     switch (verdict) {
-        case Finding::Verdict::kept: return "kept";
-        case Finding::Verdict::broken: return "BROKEN";
-        case Finding::Verdict::told: break;
+        case Observation::Verdict::kept: return "kept";
+        case Observation::Verdict::broken: return "BROKEN";
+        case Observation::Verdict::told: break;
     }
     return "note";
 }
 
 /// Whether every promise is kept.
 bool show_trial(const ForeignForm& form, bool quiet) {
-    const std::vector<Finding> findings = measure::contract::try_contract(form);
+    const std::vector<Observation> findings = measure::contract::try_contract(form);
     int broken = 0;
-    for (const Finding& f : findings) broken += f.verdict == Finding::Verdict::broken;
+    for (const Observation& f : findings) broken += f.verdict == Observation::Verdict::broken;
     const Contract& c = form.contract;
     fmt::print("{} in binary{}, a {}: {}\n", c.name, c.bits, name_of(c.shape),
                broken == 0 ? "does as it says" : fmt::format("{} of its promises broken", broken));
     if (!c.title.empty() && !quiet) fmt::print("  {}\n", c.title);
     if (!c.source.empty() && !quiet) fmt::print("  from {}\n", c.source);
-    for (const Finding& f : findings) {
-        if (!quiet || f.verdict == Finding::Verdict::broken)
+    for (const Observation& f : findings) {
+        if (!quiet || f.verdict == Observation::Verdict::broken)
             fmt::print("  {:<6} {:<12} {}\n", word_of(f.verdict), f.subject, f.words);
     }
     std::fflush(stdout);  // before the next form, which may crash

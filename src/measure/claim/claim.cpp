@@ -78,8 +78,8 @@ MapRow claim_row(const Claim& claim) {
         if (i.info->name != claim.form) continue;
         const Format format = claim_format(claim);
         if (!i.exists_in(format))
-            scene::toml::fail(claim.where,
-                              claim.form + " does not exist in " + claim.format + "; `lostbits list intersectors` shows its formats");
+            scene::toml::fail(claim.where, claim.form + " does not exist in " + claim.format +
+                                               "; `lostbits list intersectors` shows its formats");
         return {&i, format, claim.convention};
     }
     scene::toml::fail(claim.where,

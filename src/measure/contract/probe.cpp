@@ -76,7 +76,7 @@ public:
     explicit Trial(const ForeignForm& form)
         : form_(form), contract_(form.contract), shape_(contract_.shape), tells_t_(contract_.roots != Roots::none) {}
 
-    std::vector<Finding> run() {
+    std::vector<Observation> run() {
         try_batches();
         try_threads();
         const Reply plain = ask(along(shape_, -5, 1));
@@ -96,14 +96,16 @@ public:
     }
 
 private:
-    void add(const char* subject, Finding::Verdict verdict, std::string words) {
+    void add(const char* subject, Observation::Verdict verdict, std::string words) {
         findings_.push_back({subject, verdict, std::move(words)});
     }
-    void kept(const char* subject, std::string words) { add(subject, Finding::Verdict::kept, std::move(words)); }
-    void broken(const char* subject, std::string words) { add(subject, Finding::Verdict::broken, std::move(words)); }
-    void told(const char* subject, std::string words) { add(subject, Finding::Verdict::told, std::move(words)); }
+    void kept(const char* subject, std::string words) { add(subject, Observation::Verdict::kept, std::move(words)); }
+    void broken(const char* subject, std::string words) {
+        add(subject, Observation::Verdict::broken, std::move(words));
+    }
+    void told(const char* subject, std::string words) { add(subject, Observation::Verdict::told, std::move(words)); }
     void hold(bool good, const char* subject, const std::string& yes, const std::string& no) {
-        add(subject, good ? Finding::Verdict::kept : Finding::Verdict::broken, good ? yes : no);
+        add(subject, good ? Observation::Verdict::kept : Observation::Verdict::broken, good ? yes : no);
     }
 
     [[nodiscard]] Reply ask(const Question& q) const { return contract::ask(form_, q); }
@@ -320,11 +322,11 @@ private:
     const Contract& contract_;
     Shape shape_;
     bool tells_t_;
-    std::vector<Finding> findings_;
+    std::vector<Observation> findings_;
 };
 
 }  // namespace
 
-std::vector<Finding> try_contract(const ForeignForm& form) { return Trial(form).run(); }
+std::vector<Observation> try_contract(const ForeignForm& form) { return Trial(form).run(); }
 
 }  // namespace lostbits::measure::contract

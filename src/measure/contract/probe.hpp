@@ -9,7 +9,7 @@
 namespace lostbits::measure::contract {
 
 /// What was found about one promise.
-struct Finding {
+struct Observation {
     enum class Verdict {
         kept,    ///< it does as it says
         broken,  ///< it does something else
@@ -24,6 +24,6 @@ struct Finding {
 /// several threads; whose directions, roots and ends it takes; what it makes of a ray that touches, starts on the
 /// surface, inside or beyond; of huge, zero and NaN numbers. Answers are right here to 2^-10 of themselves. A form that
 /// cannot answer at all throws what it throws.
-std::vector<Finding> try_contract(const intersect::doors::ForeignForm& form);
+std::vector<Observation> try_contract(const intersect::doors::ForeignForm& form);
 
 }  // namespace lostbits::measure::contract
