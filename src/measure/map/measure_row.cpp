@@ -33,7 +33,7 @@ const truth::Certified* in_unit_of(const Truth& truth, const intersect::Info& in
 }
 
 /// What a row takes on a band, kept by the thread: asking for a megabyte anew each time costs more than to fill it.
-struct Room {
+struct RowColumns {
     std::vector<Outcome> outcomes;
     std::vector<std::vector<double>> metrics;
     std::vector<double> measured, own_ulps;
@@ -52,7 +52,7 @@ struct Room {
 /// The metrics of a row on a band.
 class Measurement {
 public:
-    Measurement(const RowRequest& request, const TrueLengths& truth, BandResult& result, Room& room)
+    Measurement(const RowRequest& request, const TrueLengths& truth, BandResult& result, RowColumns& room)
         : metrics_(request.metrics),
           row_(request.row),
           group_(request.group),
@@ -310,8 +310,8 @@ void measure_row(const RowRequest& request, const RowBand& on, MapSummary& summa
     const MapRow& row = request.row;
     const answer::Answers answers = answer::evaluate(*row.form, on.inputs);
     // Taken, not used in place: a thread that waits in here may begin another row.
-    thread_local std::optional<Room> kept;
-    Room room = std::exchange(kept, std::nullopt).value_or(Room{});
+    thread_local std::optional<RowColumns> kept;
+    RowColumns room = std::exchange(kept, std::nullopt).value_or(RowColumns{});
     room.make(on.band.pixels(), request.metrics);
     BandResult result{.y0 = on.band.y0(),
                       .rows = on.band.rows(),
