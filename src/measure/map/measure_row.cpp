@@ -90,15 +90,16 @@ private:
                     cases[case_of(decision, met, t)] = answer::classify(decision, met, t);
         measured_.resize(n);
         std::uint64_t true_hits = 0, wrong_object = 0;
+        Outcome* const outcomes = result_.outcomes.data();
+        double* const measured = measured_.data();
+        for (std::size_t i = 0; i < n; ++i)
+            outcomes[i] = cases[case_of(truth_.decision[i], answers.hit[i] != 0, answers.t[i])];
         for (std::size_t i = 0; i < n; ++i) {
-            const double t = answers.t[i];
-            const Outcome outcome = cases[case_of(truth_.decision[i], answers.hit[i] != 0, t)];
-            const bool agree = outcome == Outcome::agree_hit;
-            result_.outcomes[i] = outcome;
-            measured_[i] = agree ? t : missing;
-            true_hits += static_cast<std::uint64_t>(truth_.decision[i] == hit);
-            wrong_object += static_cast<std::uint64_t>(agree && answers.object[i] != truth_.object[i]);
+            const bool agree = outcomes[i] == Outcome::agree_hit;
+            measured[i] = agree ? answers.t[i] : missing;
+            wrong_object += static_cast<std::uint64_t>(agree & (answers.object[i] != truth_.object[i]));
         }
+        for (const Truth::Decision decision : truth_.decision) true_hits += static_cast<std::uint64_t>(decision == hit);
         for (std::size_t o = 0; o < summary.outcomes.size(); ++o)
             summary.outcomes[o] +=
                 static_cast<std::uint64_t>(std::ranges::count(result_.outcomes, static_cast<Outcome>(o)));

@@ -160,8 +160,11 @@ public:
     void band(const measure::map::BandResult& result) override {
         for (Drawing& d : drawings_) {
             field_.resize(result.outcomes.size());
-            for (std::size_t i = 0; i < field_.size(); ++i)
-                field_[i] = d.paint.colour(result.outcomes[i], result.metrics[d.metric][i]);
+            // In places of their own: a colour is bytes, and for all the compiler knows they lie anywhere.
+            const std::span<const measure::answer::Outcome> outcomes = result.outcomes;
+            const std::span<const double> values = result.metrics[d.metric];
+            image::Rgb8* const field = field_.data();
+            for (std::size_t i = 0; i < outcomes.size(); ++i) field[i] = d.paint.colour(outcomes[i], values[i]);
             if (d.enveloped) draw_envelope(result);
             d.heatmap->write_rows(field_);
             d.sheet->page->add_rows(d.sheet->form_of(row_), d.sheet->line_of(row_, d.paint.metric()), result.y0,
