@@ -1,6 +1,7 @@
 #include "output/map/map_files.hpp"
 
 #include <fmt/format.h>
+#include <tbb/parallel_for.h>
 
 #include <optional>
 
@@ -244,10 +245,9 @@ std::vector<MapSink*> MapFiles::sinks() {
 void MapFiles::finish(const std::vector<MapSummary>& summaries) {
     Parts& p = *parts_;
     std::uint64_t inside = 0;
-    for (std::size_t r = 0; r < p.rows.size(); ++r) {
-        p.rows[r]->finish(summaries[r]);
-        inside += p.rows[r]->inside();
-    }
+    // Side by side: a row's legend and the last of its picture are its own, and so is its place on a sheet.
+    tbb::parallel_for(std::size_t{0}, p.rows.size(), [&](std::size_t r) { p.rows[r]->finish(summaries[r]); });
+    for (const auto& row : p.rows) inside += row->inside();
     for (Sheet& sheet : p.sheets) {
         const std::size_t m = index_of(p.request.metrics, sheet.metrics.front());
         MapSummary total(p.request.metrics);
