@@ -90,14 +90,18 @@ public:
     }
     /// What came first, of every ray.
     void put(Answers& answers) const {
-        for (std::size_t i = 0; i < count_; ++i) {
-            const bool hit = objects_[i] >= 0;
-            const auto t = static_cast<double>(nearest_[i]);
-            answers.hit[begin_ + i] = hit;
+        const std::int32_t* const objects = objects_.data();
+        const S* const nearest = nearest_.data();
+        double* const t_out = answers.t.data() + begin_;
+        std::uint8_t* const hit_out = answers.hit.data() + begin_;
+        const std::size_t count = count_;
+        for (std::size_t i = 0; i < count; ++i) hit_out[i] = objects[i] >= 0;
+        for (std::size_t i = 0; i < count; ++i) {
+            const auto t = static_cast<double>(nearest[i]);
             // The sign and payload of a NaN are the compiler's choice; no file may depend on it.
-            answers.t[begin_ + i] = !hit ? 0 : t == t ? t : truth::missing;
-            answers.object[begin_ + i] = objects_[i];
+            t_out[i] = objects[i] < 0 ? 0 : t == t ? t : truth::missing;
         }
+        std::copy_n(objects, count, answers.object.data() + begin_);
     }
 
 private:

@@ -10,6 +10,7 @@
 
 #include "measure/answer/against.hpp"
 #include "measure/answer/self.hpp"
+#include "measure/map/outcome_columns.hpp"
 #include "measure/truth/lost_bits.hpp"
 #include "measure/truth/missing.hpp"
 
@@ -34,7 +35,7 @@ const truth::Certified* in_unit_of(const Truth& truth, const intersect::Info& in
 }
 
 /// What a row takes on a band, kept by the thread: asking for a megabyte anew each time costs more than to fill it.
-struct Room {
+struct RowColumns {
     std::vector<Outcome> outcomes;
     std::vector<std::vector<double>> metrics;
     std::vector<double> measured, own_ulps;
@@ -53,7 +54,7 @@ struct Room {
 /// The metrics of a row on a band.
 class Measurement {
 public:
-    Measurement(const RowRequest& request, const TrueLengths& truth, BandResult& result, Room& room)
+    Measurement(const RowRequest& request, const TrueLengths& truth, BandResult& result, RowColumns& room)
         : metrics_(request.metrics),
           row_(request.row),
           group_(request.group),
@@ -66,7 +67,8 @@ public:
           own_ulps_(room.own_ulps) {}
 
     void measure(MapSummary& summary) {
-        classify(summary);
+        find_outcomes(*result_.answers, truth_, row_.form->info->roots != intersect::Roots::none,
+                      {result_.outcomes, measured_}, summary);
         measure_columns();
         measure_pairs();
         measure_others();
@@ -79,40 +81,6 @@ private:
     static std::span<const std::string_view> culprits_of(const std::vector<const Metric*>& metrics) {
         const auto found = std::ranges::find_if(metrics, &Metric::by_run);
         return found == metrics.end() ? std::span<const std::string_view>() : (*found)->categories;
-    }
-
-    void classify(MapSummary& summary) {
-        const answer::Answers& answers = *result_.answers;
-        const std::size_t n = truth_.decision.size();
-        const bool tells_t = row_.form->info->roots != intersect::Roots::none;
-        // Every case of the three things that an outcome depends on, so that no ray has to wait for a branch.
-        using enum Truth::Decision;
-        std::array<Outcome, 12> cases;
-        for (const auto decision : {miss, hit, unresolved})
-            for (const bool met : {false, true})
-                for (const double t : {0.0, missing})
-                    cases[case_of(decision, met, t)] = answer::classify(decision, met, tells_t ? t : 0);
-        measured_.resize(n);
-        std::uint64_t true_hits = 0, wrong_object = 0;
-        for (std::size_t i = 0; i < n; ++i) {
-            const double t = answers.t[i];
-            const Outcome outcome = cases[case_of(truth_.decision[i], answers.hit[i] != 0, t)];
-            const bool agree = outcome == Outcome::agree_hit;
-            result_.outcomes[i] = outcome;
-            measured_[i] = agree ? t : missing;
-            true_hits += static_cast<std::uint64_t>(truth_.decision[i] == hit);
-            wrong_object += static_cast<std::uint64_t>(agree && tells_t && answers.object[i] != truth_.object[i]);
-        }
-        for (std::size_t o = 0; o < summary.outcomes.size(); ++o)
-            summary.outcomes[o] +=
-                static_cast<std::uint64_t>(std::ranges::count(result_.outcomes, static_cast<Outcome>(o)));
-        summary.true_hits += true_hits;
-        summary.wrong_object += wrong_object;
-        summary.rays += n;
-    }
-    static std::size_t case_of(Truth::Decision decision, bool met, double t) {
-        return 4 * static_cast<std::size_t>(decision) + 2 * static_cast<std::size_t>(met) +
-               static_cast<std::size_t>(t != t);
     }
 
     /// The column of a metric; null where it is not asked for.
@@ -330,8 +298,8 @@ void measure_row(const RowRequest& request, const RowBand& on, MapSummary& summa
     const MapRow& row = request.row;
     const answer::Answers answers = answer::evaluate(*row.form, on.inputs);
     // Taken, not used in place: a thread that waits in here may begin another row.
-    thread_local std::optional<Room> kept;
-    Room room = std::exchange(kept, std::nullopt).value_or(Room{});
+    thread_local std::optional<RowColumns> kept;
+    RowColumns room = std::exchange(kept, std::nullopt).value_or(RowColumns{});
     room.make(on.band.pixels(), request.metrics);
     BandResult result{.y0 = on.band.y0(),
                       .rows = on.band.rows(),

@@ -43,7 +43,7 @@ private:
     static constexpr int buckets_per_binade = 1024;
     using Binade = std::array<std::uint32_t, buckets_per_binade>;
 
-    /// Zeros are in the first bucket of the first, NaNs in the last one beside infinity: no sample is a special case.
+    /// Zeros are in the first bucket of the first: no sample is a special case.
     std::array<std::unique_ptr<Binade>, 2048> binades_;
 };
 

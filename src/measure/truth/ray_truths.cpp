@@ -35,9 +35,9 @@ using Spans = std::array<std::span<const double>, 6>;
 
 /// Rays begin to end of a block as columns of words: where they lie, or made.
 template <class S>
-class RayWords {
+class WordColumns {
 public:
-    RayWords(const BasicRayBlock<S>& rays, std::size_t begin, std::size_t end) {
+    WordColumns(const BasicRayBlock<S>& rays, std::size_t begin, std::size_t end) {
         const std::array from{&rays.ox, &rays.oy, &rays.oz, &rays.dx, &rays.dy, &rays.dz};
         for (std::size_t k = 0; k < from.size(); ++k) {
             const std::span<const S> numbers = std::span(*from[k]).subspan(begin, end - begin);
@@ -60,7 +60,7 @@ private:
 };
 
 /// What is known of some rays, by place, that columns cannot hold, and who settled what.
-struct Rest {
+struct Leftover {
     StageCounts counts;
     std::vector<std::pair<std::size_t, Truth>> whole;
 };
@@ -72,7 +72,7 @@ public:
     static constexpr bool two_words = !std::is_same_v<S, double>;
 
     BlockSearch(const RaysAndSolids<S>& problems, TruthLimit limit, std::size_t begin, std::size_t end, RayTruths& out,
-                Rest& rest)
+                Leftover& rest)
         : problems_(problems),
           limit_(limit),
           begin_(begin),
@@ -82,6 +82,8 @@ public:
           rest_(rest),
           isa_(intersect::simd::current_isa()) {}
 
+    /// Which solids a ray can meet is asked here: the candidates of an index, or else all, each of which meets whole
+    /// columns of rays.
     void find() {
         if (problems_.index) return find_pairs([](std::size_t) { return true; });
         open_.assign(count_, 0);
@@ -155,7 +157,7 @@ private:
         out_.distance.bound[to] = found.distance_bound[i];
     }
 
-    struct Pair {
+    struct RayAndSolid {
         std::size_t ray;  ///< from `begin_` on
         std::uint32_t solid;
         Truth truth;
@@ -219,7 +221,7 @@ private:
         for (std::size_t k = 0; k < together.size; ++k) settle(together.found, k, pairs_[places(shape)[k]]);
         together.size = 0;
     }
-    void settle(const FoundTogether& found, std::size_t k, Pair& pair) {
+    void settle(const FoundTogether& found, std::size_t k, RayAndSolid& pair) {
         if (found.settled[k] == 0) {
             const std::size_t ray = begin_ + pair.ray;
             const double tmax = rays_.tmax.empty() ? HUGE_VAL : rays_.tmax[pair.ray];
@@ -253,13 +255,13 @@ private:
     const RaysAndSolids<S>& problems_;
     TruthLimit limit_;
     std::size_t begin_, count_;
-    RayWords<S> rays_;
+    WordColumns<S> rays_;
     RayTruths& out_;
-    Rest& rest_;
+    Leftover& rest_;
     intersect::simd::Isa isa_;
     std::vector<std::uint8_t> open_;  ///< 1: columns do not settle the ray
     std::vector<std::size_t> asked_;  ///< rays whose pairs are in `pairs_`
-    std::vector<Pair> pairs_;
+    std::vector<RayAndSolid> pairs_;
     std::array<std::array<std::size_t, settled_together>, 2> places_;  ///< among `pairs_`, of those of each shape
     std::vector<std::uint32_t> candidates_;
 };
@@ -268,7 +270,7 @@ template <class S>
 StageCounts find_all(const RaysAndSolids<S>& problems, TruthLimit limit, RayTruths& out) {
     const std::size_t n = problems.rays.size();
     out.resize(n);
-    tbb::combinable<Rest> rests;
+    tbb::combinable<Leftover> rests;
     const auto find = [&](std::size_t begin, std::size_t end) {
         BlockSearch<S>(problems, limit, begin, end, out, rests.local()).find();
     };
@@ -281,7 +283,7 @@ StageCounts find_all(const RaysAndSolids<S>& problems, TruthLimit limit, RayTrut
     }
     StageCounts counts;
     out.whole.clear();
-    rests.combine_each([&](const Rest& rest) {
+    rests.combine_each([&](const Leftover& rest) {
         counts += rest.counts;
         out.whole.insert(out.whole.end(), rest.whole.begin(), rest.whole.end());
     });
@@ -289,51 +291,7 @@ StageCounts find_all(const RaysAndSolids<S>& problems, TruthLimit limit, RayTrut
     return counts;
 }
 
-bool same(const Certified& a, const Certified& b) {
-    return a.hi == b.hi && a.lo == b.lo && a.bound == b.bound && a.exponent == b.exponent;
-}
-
 }  // namespace
-
-void RayTruths::resize(std::size_t rays) {
-    decision.assign(rays, Truth::Decision::miss);
-    object.assign(rays, -1);
-    for (auto* length : {&t, &distance})
-        for (auto* column : {&length->hi, &length->lo, &length->bound}) column->assign(rays, 0);
-}
-
-Truth RayTruths::operator[](std::size_t i) const {
-    if (const Truth* const there = find_whole(i)) return *there;
-    Truth truth;
-    truth.decision = decision[i];
-    truth.object = object[i];
-    truth.bits = 106;
-    if (!truth.is_hit()) return truth;
-    truth.t = certified(t.hi[i], t.lo[i], t.bound[i]);
-    truth.distance = certified(distance.hi[i], distance.lo[i], distance.bound[i]);
-    return truth;
-}
-
-const Truth* RayTruths::find_whole(std::size_t i) const {
-    if (!std::isnan(t.hi[i])) return nullptr;
-    return &std::ranges::lower_bound(whole, i, {}, &std::pair<std::size_t, Truth>::first)->second;
-}
-
-bool RayTruths::put(std::size_t i, const Truth& truth) {
-    decision[i] = truth.decision;
-    object[i] = truth.object;
-    bool held = !truth.touches && !truth.on_surface && truth.decision != Truth::Decision::unresolved;
-    const auto put_length = [&](const Certified& x, Lengths& to) {
-        const bool in_range = truth.is_hit() && !x.is_zero() && std::abs(x.exponent) <= 900;
-        const auto word = [&](double part) { return in_range ? std::ldexp(part, static_cast<int>(x.exponent)) : 0; };
-        to.hi[i] = word(x.hi), to.lo[i] = word(x.lo), to.bound[i] = word(x.bound);
-        held = held && (!truth.is_hit() || same(certified(to.hi[i], to.lo[i], to.bound[i]), x));
-    };
-    put_length(truth.t, t);
-    put_length(truth.distance, distance);
-    if (!held) t.hi[i] = missing;
-    return held;
-}
 
 StageCounts find_truths(const RaysAndSolids<double>& problems, TruthLimit limit, RayTruths& out) {
     return find_all(problems, limit, out);

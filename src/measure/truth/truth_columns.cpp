@@ -135,6 +135,10 @@ void find_columns(const ProblemColumns<S>& problems, const ColumnTerms& terms, T
     ColumnSearch<S>(problems, terms, out).find();
 }
 
+bool same(const Certified& a, const Certified& b) {
+    return a.hi == b.hi && a.lo == b.lo && a.bound == b.bound && a.exponent == b.exponent;
+}
+
 }  // namespace
 
 void find_truth_columns(const ProblemColumns<float>& problems, const ColumnTerms& terms, TruthColumns& out) {
@@ -142,6 +146,46 @@ void find_truth_columns(const ProblemColumns<float>& problems, const ColumnTerms
 }
 void find_truth_columns(const ProblemColumns<double>& problems, const ColumnTerms& terms, TruthColumns& out) {
     find_columns(problems, terms, out);
+}
+
+void RayTruths::resize(std::size_t rays) {
+    decision.assign(rays, Truth::Decision::miss);
+    object.assign(rays, -1);
+    for (auto* length : {&t, &distance})
+        for (auto* column : {&length->hi, &length->lo, &length->bound}) column->assign(rays, 0);
+}
+
+Truth RayTruths::operator[](std::size_t i) const {
+    if (const Truth* const there = find_whole(i)) return *there;
+    Truth truth;
+    truth.decision = decision[i];
+    truth.object = object[i];
+    truth.bits = 106;
+    if (!truth.is_hit()) return truth;
+    truth.t = certified(t.hi[i], t.lo[i], t.bound[i]);
+    truth.distance = certified(distance.hi[i], distance.lo[i], distance.bound[i]);
+    return truth;
+}
+
+const Truth* RayTruths::find_whole(std::size_t i) const {
+    if (!std::isnan(t.hi[i])) return nullptr;
+    return &std::ranges::lower_bound(whole, i, {}, &std::pair<std::size_t, Truth>::first)->second;
+}
+
+bool RayTruths::put(std::size_t i, const Truth& truth) {
+    decision[i] = truth.decision;
+    object[i] = truth.object;
+    bool held = !truth.touches && !truth.on_surface && truth.decision != Truth::Decision::unresolved;
+    const auto put_length = [&](const Certified& x, Lengths& to) {
+        const bool in_range = truth.is_hit() && !x.is_zero() && std::abs(x.exponent) <= 900;
+        const auto word = [&](double part) { return in_range ? std::ldexp(part, static_cast<int>(x.exponent)) : 0; };
+        to.hi[i] = word(x.hi), to.lo[i] = word(x.lo), to.bound[i] = word(x.bound);
+        held = held && (!truth.is_hit() || same(certified(to.hi[i], to.lo[i], to.bound[i]), x));
+    };
+    put_length(truth.t, t);
+    put_length(truth.distance, distance);
+    if (!held) t.hi[i] = missing;
+    return held;
 }
 
 }  // namespace lostbits::measure::truth

@@ -32,6 +32,13 @@ const std::array<std::uint16_t, 256>& linear_table() {
     return table;
 }
 
+/// The colour at a place 0..1 of a ramp.
+inline Rgb8 colour_at(const std::vector<Rgb8>& table, double position) {
+    const double place = std::clamp(position, 0.0, 1.0) * static_cast<double>(table.size() - 1);
+    const auto below = static_cast<std::size_t>(place);  // halves go up, as lround has it
+    return table[below + (place - static_cast<double>(below) >= 0.5 ? 1 : 0)];
+}
+
 bool divides(double step, double value) {
     const double n = value / step;
     return std::fabs(n - std::round(n)) < 1e-6;
@@ -131,13 +138,13 @@ double ColourScale::position(double value) const {
     return std::clamp(((log2_ ? std::log2(value) : value / 2) - from_) / range_, 0.0, 1.0);
 }
 
-Rgb8 ColourScale::at(double position) const {
-    const double place = std::clamp(position, 0.0, 1.0) * static_cast<double>(table_.size() - 1);
-    const auto below = static_cast<std::size_t>(place);  // halves go up, as lround has it
-    return table_[below + (place - static_cast<double>(below) >= 0.5 ? 1 : 0)];
-}
+Rgb8 ColourScale::at(double position) const { return colour_at(table_, position); }
 
-Rgb8 ColourScale::map(double value) const { return at(position(value)); }
+Rgb8 ColourScale::map(double value) const {
+    // As at(position(value)), in one call: pictures ask for every pixel.
+    if (!(value > lo_ && value < hi_)) return at(position(value));
+    return colour_at(table_, ((log2_ ? std::log2(value) : value / 2) - from_) / range_);
+}
 
 std::vector<ColourScale::Tick> ColourScale::ticks(int most) const {
     most = std::max(most, 2);

@@ -51,7 +51,9 @@ void HeatmapWriter::put_body_row(std::span<const Rgb8> samples) {
     auto out = line_.begin() + style::margin;
     if (!samples.empty()) {
         *out++ = style::line;
-        for (const Rgb8 sample : samples) out = std::fill_n(out, factor_, sample);
+        if (factor_ == 1) out = std::ranges::copy(samples, out).out;
+        else
+            for (const Rgb8 sample : samples) out = std::fill_n(out, factor_, sample);
         *out++ = style::line;
     } else {
         out += field_width_ + 2;

@@ -74,10 +74,9 @@ void Thumbnail::add_row(int y, std::span<const Rgb8> samples) {
         const Rgb8 sample = samples[x];
         std::uint64_t* const out = row_sums_.data() + 3 * fall.pixel;
         const std::array<std::uint64_t, 3> light{lights[sample.r], lights[sample.g], lights[sample.b]};
-        for (std::size_t c = 0; c < 3; ++c) {
-            out[c] += fall.weight * light[c];
-            out[c + 3] += fall.rest * light[c];
-        }
+        for (std::size_t c = 0; c < 3; ++c) out[c] += fall.weight * light[c];
+        if (fall.rest == 0) continue;
+        for (std::size_t c = 0; c < 3; ++c) out[c + 3] += fall.rest * light[c];
     }
     const Fall& fall = down_[static_cast<std::size_t>(y)];
     for (const auto& [pixel, weight] : {std::pair(fall.pixel, fall.weight), std::pair(fall.pixel + 1, fall.rest)}) {

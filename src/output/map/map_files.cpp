@@ -1,6 +1,7 @@
 #include "output/map/map_files.hpp"
 
 #include <fmt/format.h>
+#include <tbb/parallel_for.h>
 
 #include <optional>
 
@@ -162,8 +163,11 @@ public:
     void band(const measure::map::BandResult& result) override {
         for (Drawing& d : drawings_) {
             field_.resize(result.outcomes.size());
-            for (std::size_t i = 0; i < field_.size(); ++i)
-                field_[i] = d.paint.colour(result.outcomes[i], result.metrics[d.metric][i]);
+            // In places of their own: a colour is bytes, and for all the compiler knows they lie anywhere.
+            const std::span<const measure::answer::Outcome> outcomes = result.outcomes;
+            const std::span<const double> values = result.metrics[d.metric];
+            image::Rgb8* const field = field_.data();
+            for (std::size_t i = 0; i < outcomes.size(); ++i) field[i] = d.paint.colour(outcomes[i], values[i]);
             if (d.enveloped) draw_envelope(result);
             d.heatmap->write_rows(field_);
             d.sheet->page->add_rows(d.sheet->form_of(row_), d.sheet->line_of(row_, d.paint.metric()), result.y0,
@@ -243,10 +247,9 @@ std::vector<MapSink*> MapFiles::sinks() {
 void MapFiles::finish(const std::vector<MapSummary>& summaries) {
     Parts& p = *parts_;
     std::uint64_t inside = 0;
-    for (std::size_t r = 0; r < p.rows.size(); ++r) {
-        p.rows[r]->finish(summaries[r]);
-        inside += p.rows[r]->inside();
-    }
+    // Side by side: a row's legend and the last of its picture are its own, and so is its place on a sheet.
+    tbb::parallel_for(std::size_t{0}, p.rows.size(), [&](std::size_t r) { p.rows[r]->finish(summaries[r]); });
+    for (const auto& row : p.rows) inside += row->inside();
     for (Sheet& sheet : p.sheets) {
         const std::size_t m = index_of(p.request.metrics, sheet.metrics.front());
         MapSummary total(p.request.metrics);

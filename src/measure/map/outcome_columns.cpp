@@ -1,0 +1,62 @@
+#include "measure/map/outcome_columns.hpp"
+
+#include <algorithm>
+#include <array>
+
+#include "measure/truth/missing.hpp"
+
+namespace lostbits::measure::map {
+
+using answer::Outcome;
+using truth::missing;
+using truth::Truth;
+
+namespace {
+
+/// Every case of the three things that an outcome depends on, so that no ray has to wait for a branch.
+class Cases {
+public:
+    explicit Cases(bool tells_t) {
+        for (const auto decision : {Truth::Decision::miss, Truth::Decision::hit, Truth::Decision::unresolved})
+            for (const bool met : {false, true})
+                for (const double t : {0.0, missing})
+                    cases_[place(decision, met, t)] = answer::classify(decision, met, tells_t ? t : 0);
+    }
+    [[nodiscard]] Outcome of(Truth::Decision decision, bool met, double t) const {
+        return cases_[place(decision, met, t)];
+    }
+
+private:
+    static std::size_t place(Truth::Decision decision, bool met, double t) {
+        return 4 * static_cast<std::size_t>(decision) + 2 * static_cast<std::size_t>(met) +
+               static_cast<std::size_t>(t != t);
+    }
+    std::array<Outcome, 12> cases_;
+};
+
+}  // namespace
+
+void find_outcomes(const answer::Answers& answers, const columns::TrueLengths& truth, bool tells_t,
+                   const OutcomeColumns& out, MapSummary& summary) {
+    const std::size_t n = truth.decision.size();
+    const Cases cases(tells_t);
+    out.measured.resize(n);
+    std::uint64_t true_hits = 0, wrong_object = 0;
+    Outcome* const outcomes = out.outcomes.data();
+    double* const measured = out.measured.data();
+    for (std::size_t i = 0; i < n; ++i) outcomes[i] = cases.of(truth.decision[i], answers.hit[i] != 0, answers.t[i]);
+    for (std::size_t i = 0; i < n; ++i) {
+        const bool agree = outcomes[i] == Outcome::agree_hit;
+        measured[i] = agree ? answers.t[i] : missing;
+        wrong_object += static_cast<std::uint64_t>(agree & tells_t & (answers.object[i] != truth.object[i]));
+    }
+    for (const Truth::Decision decision : truth.decision)
+        true_hits += static_cast<std::uint64_t>(decision == Truth::Decision::hit);
+    for (std::size_t o = 0; o < summary.outcomes.size(); ++o)
+        summary.outcomes[o] += static_cast<std::uint64_t>(std::ranges::count(out.outcomes, static_cast<Outcome>(o)));
+    summary.true_hits += true_hits;
+    summary.wrong_object += wrong_object;
+    summary.rays += n;
+}
+
+}  // namespace lostbits::measure::map

@@ -1,0 +1,20 @@
+// What became of many rays at once.
+#pragma once
+
+#include "measure/columns/columns.hpp"
+#include "measure/map/map.hpp"
+
+namespace lostbits::measure::map {
+
+/// Where the outcomes of a band go: as many of each as rays.
+struct OutcomeColumns {
+    std::vector<answer::Outcome>& outcomes;
+    std::vector<double>& measured;  ///< the answers of the correct hits, NaN elsewhere
+};
+
+/// The outcome of every ray, counted in `summary` too. A form that does not tell t claims no hit at NaN, and on which
+/// solid it hits nobody knows.
+void find_outcomes(const answer::Answers& answers, const columns::TrueLengths& truth, bool tells_t,
+                   const OutcomeColumns& out, MapSummary& summary);
+
+}  // namespace lostbits::measure::map
