@@ -35,10 +35,10 @@ public:
     Measurement(const RowRequest& request, const TrueLengths& truth, BandResult& result)
         : metrics_(request.metrics),
           row_(request.row),
-          group_(request.group),
+          request_(request),
           result_(result),
           truth_(truth),
-          needs_(needs_of(metrics_)),
+          needs_(needs_of(metrics_) & needs_met_by(*row_.form)),
           blamer_(*row_.form, row_.format, culprits_of(metrics_)) {}
 
     void measure(MapSummary& summary) {
@@ -51,6 +51,11 @@ public:
     }
 
 private:
+    /// A row that is a file's, or someone else's function, has no formula to evaluate without rounding or to record.
+    static unsigned needs_met_by(const intersect::table::Intersector& form) {
+        return ~((form.ball ? 0U : metric::needs_self) | (form.record ? 0U : metric::needs_attribution));
+    }
+
     static std::span<const std::string_view> culprits_of(const std::vector<const Metric*>& metrics) {
         const auto found = std::ranges::find_if(metrics, &Metric::by_run);
         return found == metrics.end() ? std::span<const std::string_view>() : (*found)->categories;
@@ -65,7 +70,7 @@ private:
             const Outcome outcome = answer::classify(truth_.decision[i], hit, answers.t[i]);
             const bool agree = outcome == Outcome::agree_hit;
             result_.outcomes[i] = outcome;
-            measured_[i] = agree ? answers.t[i] : missing;
+            measured_[i] = agree && !request_.decisions_only ? answers.t[i] : missing;
             summary.true_hits += truth_.decision[i] == Truth::Decision::hit;
             summary.wrong_object += agree && answers.object[i] != truth_.object[i];
         }
@@ -137,7 +142,7 @@ private:
                 sample.blame = &blame;
                 take(i, sample, of_blamed);
             }
-            if (hits && outcome == Outcome::agree_hit) measure_hit(i, ray, of_hits);
+            if (hits && outcome == Outcome::agree_hit && !request_.decisions_only) measure_hit(i, ray, of_hits);
         }
     }
 
@@ -225,19 +230,22 @@ private:
         }
     }
 
+    /// The place of the band's first ray among all.
+    [[nodiscard]] int first_of_band() const { return request_.first + result_.y0 * result_.width; }
+
     /// Ray i as a summary names it.
     [[nodiscard]] WorstRay named(std::size_t i, Outcome outcome) const {
         const bool hit = result_.answers->hit[i] != 0;
         const Truth& truth = result_.truth(i);
         const int object = hit ? result_.answers->object[i] : truth.object;
-        WorstRay w{.x = static_cast<int>(i % static_cast<std::size_t>(result_.width)),
+        WorstRay w{.x = request_.first + static_cast<int>(i % static_cast<std::size_t>(result_.width)),
                    .y = result_.y0 + static_cast<int>(i / static_cast<std::size_t>(result_.width)),
-                   .group = group_,
-                   .object = object,
+                   .group = request_.group,
+                   .object = result_.inputs->paired && object >= 0 ? first_of_band() + object : object,
                    .size = 0,
                    .ray = result_.inputs->rays[i],
                    .solid = result_.inputs->solids[static_cast<std::size_t>(std::max(0, object))],
-                   .t = hit ? result_.answers->t[i] : missing,
+                   .t = hit && !request_.decisions_only ? result_.answers->t[i] : missing,
                    .outcome = outcome,
                    .judged = row_.judged};
         if (truth.is_hit())
@@ -254,7 +262,7 @@ private:
 
     const std::vector<const Metric*>& metrics_;
     const MapRow& row_;
-    int group_;
+    const RowRequest& request_;
     BandResult& result_;
     const TrueLengths& truth_;
     unsigned needs_;
@@ -269,7 +277,8 @@ private:
 
 void measure_row(const RowRequest& request, const RowBand& on, MapSummary& summary) {
     const MapRow& row = request.row;
-    const answer::Answers answers = answer::evaluate(*row.form, on.inputs);
+    const answer::Answers asked = request.answers ? answer::Answers{} : answer::evaluate(*row.form, on.inputs);
+    const answer::Answers& answers = request.answers ? *request.answers : asked;
     const std::size_t n = on.band.pixels();
     BandResult result{.y0 = on.band.y0(),
                       .rows = on.band.rows(),

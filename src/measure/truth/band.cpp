@@ -8,6 +8,7 @@
 #include <numeric>
 
 #include "measure/truth/conditioning.hpp"
+#include "measure/truth/enclose.hpp"
 #include "measure/truth/missing.hpp"
 #include "measure/truth/truth_columns.hpp"
 #include "measure/truth/unit_direction.hpp"
@@ -96,6 +97,7 @@ Band::Band(scene::rays::RayGroup group, TruthLimit limit)
       rows_(group.rays.y1 - group.rays.y0),
       limit_(limit),
       in_binary32_(fits_binary32(group)),
+      paired_(group.paired),
       shared_(std::move(group.rays)),
       shared_solids_(std::move(group.solids)),
       shared_march_(group.march) {
@@ -125,10 +127,22 @@ Ray<double> in_double(const Ray<Real>& ray) {
 constexpr Convention other_conventions[] = {
     {Touching::miss}, {Touching::hit, AtOrigin::miss}, {Touching::miss, AtOrigin::miss}};
 
-/// The truth among the candidates alone; among all solids where there is no index.
+/// Which solids a ray is asked about: those that an index finds, all, or the one that it is paired with.
+struct Candidates {
+    const SphereIndex* index = nullptr;
+    bool paired = false;
+};
+
+/// The truth of ray i among its candidates alone.
 template <class S>
-Truth find_among(const SphereIndex* index, const Ray<S>& ray, const SolidList<S>& solids, TruthLimit limit,
+Truth find_among(Candidates among, std::size_t i, const Ray<S>& ray, const SolidList<S>& solids, TruthLimit limit,
                  Convention convention, double tmax) {
+    const SphereIndex* const index = among.index;
+    if (among.paired) {
+        Truth truth = find_truth(ray, solids[i], limit, convention, tmax);
+        if (truth.object >= 0) truth.object = static_cast<int>(i);
+        return truth;
+    }
     if (index == nullptr) {
         if (!solids.flake()) return find_truth(ray, solids.listed(), limit, convention, tmax);
         return find_truth(ray, std::span<const Solid<S>>(solids.all()), limit, convention, tmax);
@@ -137,7 +151,7 @@ Truth find_among(const SphereIndex* index, const Ray<S>& ray, const SolidList<S>
     thread_local std::vector<Solid<S>> few;
     index->candidates(in_double(ray), found);
     few.clear();
-    for (const std::uint32_t i : found) few.push_back(solids[i]);
+    for (const std::uint32_t solid : found) few.push_back(solids[solid]);
     Truth truth = find_truth(ray, std::span<const Solid<S>>(few), limit, convention, tmax);
     if (truth.object >= 0) truth.object = static_cast<int>(found[static_cast<std::size_t>(truth.object)]);
     return truth;
@@ -153,25 +167,13 @@ bool matters(Convention convention, const Truth& closed) {
 
 Truth Band::find_truth_of(std::size_t i, Convention convention) const {
     const double tmax = !ideal_ && !shared_.tmax.empty() ? shared_.tmax[i] : HUGE_VAL;
-    const SphereIndex* const index = culler_ ? culler_->for_truth() : nullptr;
+    const Candidates among{culler_ ? culler_->for_truth() : nullptr, paired_};
     return with_ray(i, [&](const auto& ray, const auto& solids) {
-        return find_among(index, ray, solids, limit_, convention, tmax);
+        return find_among(among, i, ray, solids, limit_, convention, tmax);
     });
 }
 
 namespace {
-
-/// The double nearest to a number, and the double nearest to what that leaves: NaN where the two do not enclose the
-/// number to 2^-104 of itself, as `lift` has it.
-double word_of(double x) { return x; }
-double word_of(const Real& x) { return x.convert_to<double>(); }
-double low_word_of(const Real& x) {
-    const double hi = word_of(x);
-    if (!std::isfinite(hi)) return missing;
-    const Real rest = x - Real(hi);
-    if (rest == 0) return 0;
-    return std::fabs(hi) < 0x1p-800 ? missing : rest.convert_to<double>();
-}
 
 template <class S, class Word>
 Ray<double> words_of(const Ray<S>& ray, const Word& word) {
@@ -182,7 +184,7 @@ Ray<double> words_of(const Ray<S>& ray, const Word& word) {
 /// Rays begin to end of a block among solids, as pairs of doubles.
 template <class S>
 RaysAndSolids pairs_of(const scene::rays::BasicRayBlock<S>& rays, const SolidList<S>& solids, std::size_t begin,
-                       std::size_t end, const SphereIndex* index, TruthLimit limit) {
+                       std::size_t end, Candidates among, TruthLimit limit) {
     const auto tmax = [&rays, begin](std::size_t i) { return rays.tmax.empty() ? HUGE_VAL : rays.tmax[begin + i]; };
     const auto word = [](const S& x) { return word_of(x); };
     RaysAndSolids problems{.rays = end - begin,
@@ -190,8 +192,9 @@ RaysAndSolids pairs_of(const scene::rays::BasicRayBlock<S>& rays, const SolidLis
                            .tmax = tmax,
                            .solid = [&solids, word](std::size_t s) { return transformed(solids[s], word); },
                            .candidates =
-                               [&rays, &solids, begin, index](std::size_t i, std::vector<std::uint32_t>& found) {
-                                   if (index) return index->candidates(in_double(rays[begin + i]), found);
+                               [&rays, &solids, begin, among](std::size_t i, std::vector<std::uint32_t>& found) {
+                                   if (among.paired) return found.assign(1, static_cast<std::uint32_t>(begin + i));
+                                   if (among.index) return among.index->candidates(in_double(rays[begin + i]), found);
                                    found.resize(solids.size());
                                    std::iota(found.begin(), found.end(), 0U);
                                },
@@ -209,12 +212,12 @@ RaysAndSolids pairs_of(const scene::rays::BasicRayBlock<S>& rays, const SolidLis
 
 /// The truth of every ray of a block among solids, by the closed solid's convention; in parallel.
 template <class S>
-StageCounts find_truths_of(const scene::rays::BasicRayBlock<S>& rays, const SolidList<S>& solids,
-                           const SphereIndex* index, TruthLimit limit, std::vector<Truth>& truths) {
+StageCounts find_truths_of(const scene::rays::BasicRayBlock<S>& rays, const SolidList<S>& solids, Candidates among,
+                           TruthLimit limit, std::vector<Truth>& truths) {
     truths.resize(rays.size());
     tbb::combinable<StageCounts> counts;
     const auto find = [&](std::size_t begin, std::size_t end) {
-        find_truths(pairs_of(rays, solids, begin, end, index, limit), std::span(truths).subspan(begin, end - begin),
+        find_truths(pairs_of(rays, solids, begin, end, among, limit), std::span(truths).subspan(begin, end - begin),
                     counts.local());
     };
     constexpr std::size_t together = 512;
@@ -230,9 +233,9 @@ StageCounts find_truths_of(const scene::rays::BasicRayBlock<S>& rays, const Soli
 }  // namespace
 
 void Band::find_truth_of_all() {
-    const SphereIndex* const index = culler_ ? culler_->for_truth() : nullptr;
-    stages_ = ideal_ ? find_truths_of(*ideal_, ideal_solids_, index, limit_, truth_)
-                     : find_truths_of(shared_, shared_solids_, index, limit_, truth_);
+    const Candidates among{culler_ ? culler_->for_truth() : nullptr, paired_};
+    stages_ = ideal_ ? find_truths_of(*ideal_, ideal_solids_, among, limit_, truth_)
+                     : find_truths_of(shared_, shared_solids_, among, limit_, truth_);
     for (std::size_t i = 0; i < truth_.size(); ++i) {
         for (const Convention convention : other_conventions) {
             if (matters(convention, truth_[i])) apart_[key(i, convention)].truth = find_truth_of(i, convention);
@@ -266,7 +269,7 @@ double Band::condition(std::size_t i, Convention convention) const {
 }
 
 FormatInputs Band::inputs(const Format& format, BandNeeds needs) const {
-    FormatInputs in{.format = format};
+    FormatInputs in{.format = format, .paired = paired_};
     const FloatFormat& shape = format.shape;
     if (ideal_) {
         in.rays = scene::rays::round_rays(*ideal_, shape);
@@ -288,11 +291,12 @@ FormatInputs Band::inputs(const Format& format, BandNeeds needs) const {
     if (culler_) in.index = culler_->for_forms(shape, in.solids);
     if (needs.own_truth && !in.ideal) {
         const auto index = culler_ ? culler_->for_own_truth(shape, in.solids) : nullptr;
+        const Candidates among{index.get(), paired_};
         const auto own = [&](std::size_t i, Convention convention) {
-            return find_among(index.get(), in.rays[i], in.solids, limit_, convention,
+            return find_among(among, i, in.rays[i], in.solids, limit_, convention,
                               in.rays.tmax.empty() ? HUGE_VAL : in.rays.tmax[i]);
         };
-        find_truths_of(in.rays, in.solids, index.get(), limit_, in.own_truth);
+        find_truths_of(in.rays, in.solids, among, limit_, in.own_truth);
         for (std::size_t i = 0; i < in.own_truth.size(); ++i) {
             if (in.own_truth[i].on_surface) in.own_past_origin[i] = own(i, {Touching::hit, AtOrigin::miss});
         }
@@ -311,7 +315,7 @@ bool Band::keeps(const FormatInputs& inputs, std::size_t i) const {
         const Ray<double> stored = inputs.rays[i];
         if (!same_vec(stored.origin, ray.origin) || !same_vec(stored.direction, ray.direction)) return false;
         if (!shared_.tmax.empty() && !same(inputs.rays.tmax[i], shared_.tmax[i])) return false;
-        for (std::size_t k = 0; k < solids.size(); ++k) {
+        for (std::size_t k = paired_ ? i : 0; k < (paired_ ? i + 1 : solids.size()); ++k) {
             const auto stored_solid = inputs.solids[k];
             const auto given = solids[k];
             if (!std::ranges::equal(stored_solid.used(), given.used(), same)) return false;
@@ -321,6 +325,7 @@ bool Band::keeps(const FormatInputs& inputs, std::size_t i) const {
 }
 
 std::shared_ptr<const scene::rays::RayGroup> Band::given(std::size_t i, std::set<int> solids) const {
+    if (paired_) solids = {static_cast<int>(i)};
     const std::size_t count = solids.empty() ? shared_solids_.size() : solids.size();
     if (scene_ != nullptr || count > most_given) return nullptr;
     auto one = std::make_shared<scene::rays::RayGroup>(scene::rays::group_of(shared_[i]));

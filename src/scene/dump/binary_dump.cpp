@@ -40,7 +40,7 @@ void BinaryDump::lie(Lie lie, const DumpOptions& options, const Layout::Complain
     std::vector<std::string> names;
     for (const BinaryColumn& c : lie_.columns) names.push_back(c.name);
     layout_.emplace(std::move(names), complain);
-    settle(source_.name(), options, *layout_, own_format(*layout_, lie_.columns));
+    settle(options, *layout_, own_format(*layout_, lie_.columns));
     records_ = lie_.records;
     if (!source_.size()) return;
     // What the size of the file gives away is said before the work.

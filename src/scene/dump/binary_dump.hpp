@@ -25,7 +25,7 @@ public:
     [[nodiscard]] Chunk decode(const Records& records) const override;
 
 protected:
-    explicit BinaryDump(const std::filesystem::path& path) : Dump({}), source_(path) {}
+    explicit BinaryDump(const std::filesystem::path& path) : Dump(path), source_(path) {}
     /// What a header told.
     struct Lie {
         std::vector<BinaryColumn> columns;

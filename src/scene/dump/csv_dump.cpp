@@ -85,9 +85,9 @@ std::string_view line_in(std::string_view text) {
 
 }  // namespace
 
-CsvDump::CsvDump(const std::filesystem::path& path, const DumpOptions& options) : Dump({}), source_(path) {
+CsvDump::CsvDump(const std::filesystem::path& path, const DumpOptions& options) : Dump(path), source_(path) {
     read_header(options);
-    settle(source_.name(), options, *layout_, *find_format("f64"));
+    settle(options, *layout_, *find_format("f64"));
     words_.emplace(terms().format);
 }
 

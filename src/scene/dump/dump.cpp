@@ -11,10 +11,11 @@
 
 namespace lostbits::scene::dump {
 
-void Dump::settle(const std::string& file, const DumpOptions& options, const Layout& layout, const Format& own) {
+void Dump::settle(const DumpOptions& options, const Layout& layout, const Format& own) {
     terms_.format = options.format.value_or(own);
     terms_.keep = options.keep;
     terms_.solid = options.solid;
+    const std::string& file = name_;
     if (layout.solid() && options.solid)
         throw InputError(file +
                          ": its columns have a solid for each ray, and the command line has one for all; leave "

@@ -41,6 +41,7 @@ class Dump {
 public:
     virtual ~Dump() = default;
 
+    [[nodiscard]] const std::string& name() const { return name_; }
     [[nodiscard]] virtual const Layout& layout() const = 0;
     /// Of the answers: every number is rounded once to it.
     [[nodiscard]] const Format& format() const { return terms_.format; }
@@ -57,14 +58,15 @@ public:
     [[nodiscard]] virtual Chunk decode(const Records& records) const = 0;
 
 protected:
-    explicit Dump(DumpTerms terms) : terms_(std::move(terms)) {}
+    explicit Dump(const std::filesystem::path& path) : name_(path.string()) {}
     /// Ends the reading of the header: `own` is the format of the file's numbers. InputError where options say what
     /// the file says already, or neither says it.
-    void settle(const std::string& file, const DumpOptions& options, const Layout& layout, const Format& own);
+    void settle(const DumpOptions& options, const Layout& layout, const Format& own);
     [[nodiscard]] const DumpTerms& terms() const { return terms_; }
 
 private:
-    DumpTerms terms_;
+    std::string name_;
+    DumpTerms terms_ = {};
 };
 
 /// Opens a file and reads what stands in front of its records.

@@ -120,7 +120,7 @@ void Layout::find_slots(const Complain& complain) {
             complain(c, fmt::format("\"{}\" says what column \"{}\" says already; rename one of the two",
                                     columns_[c].name, columns_[*places_[known->slot]].name));
         if (known->shape) solid_ = known->shape;
-        places_[known->slot] = columns_[c].slot = c;
+        places_[known->slot] = c;
         columns_[c].slot = known->slot;
     }
     // A slip of the fingers: only words of three letters and more, and only for what is missing.
