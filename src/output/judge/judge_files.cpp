@@ -56,7 +56,8 @@ class RowParts final : public JudgeSink {
 public:
     RowParts(const MapRow& row, WorstRays worst, measure::map::MapSink& map) : row_(row), worst_(worst), map_(map) {}
     void open_rows(const std::filesystem::path& path, const Dump& dump, const JudgeRequest& request) {
-        rows_.emplace(path, dump, request.metrics);
+        const bool answers = request.answered && &row_ == &request.rows.front();
+        rows_.emplace(path, dump, request.metrics, answers && dump.layout().decides_only());
     }
     void piece(const Chunk& chunk, const measure::map::BandResult& result) override {
         worst_.look_at(chunk.first, result);

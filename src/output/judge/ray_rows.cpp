@@ -64,9 +64,11 @@ std::vector<Column> RayRows::columns(const Dump& dump, const std::vector<const M
     return columns;
 }
 
-RayRows::RayRows(const std::filesystem::path& path, const Dump& dump, const std::vector<const Metric*>& metrics)
+RayRows::RayRows(const std::filesystem::path& path, const Dump& dump, const std::vector<const Metric*>& metrics,
+                 bool decides)
     : dump_(dump),
       metrics_(metrics),
+      decides_(decides),
       kept_(dump.layout().kept().size()),
       narrow_(dump.format().engine == Format::Engine::native32),
       csv_(path, columns(dump, metrics)) {}
@@ -96,8 +98,7 @@ void RayRows::add(const Chunk& chunk, const BandResult& result, const MapRow& ro
         const auto exact = [&](bool there, double x) {
             csv_.add(there ? Cell(x) : Cell()).add(there ? Cell(file::hex(x)) : Cell());
         };
-        const bool has_t = result.answers->hit[i] != 0 && !(dump_.layout().decides_only() && !row.form->ball);
-        exact(has_t, result.answers->t[i]);
+        exact(result.answers->hit[i] != 0 && !decides_, result.answers->t[i]);
         const bool true_hit = result.truth(i).is_hit();
         exact(true_hit,
               true_hit ? result.band->rounded_truth(i, binary64, row.form->info->direction, result.convention) : 0);

@@ -12,8 +12,9 @@ namespace lostbits::output::judge {
 /// The CSV of one row of the work.
 class RayRows {
 public:
+    /// `decides`: the row's answers have no t.
     RayRows(const std::filesystem::path& path, const scene::dump::Dump& dump,
-            const std::vector<const measure::metric::Metric*>& metrics);
+            const std::vector<const measure::metric::Metric*>& metrics, bool decides);
     static std::vector<file::Column> columns(const scene::dump::Dump& dump,
                                              const std::vector<const measure::metric::Metric*>& metrics);
 
@@ -26,6 +27,7 @@ private:
 
     const scene::dump::Dump& dump_;
     const std::vector<const measure::metric::Metric*>& metrics_;
+    bool decides_;
     std::size_t kept_;  ///< columns of the file's own
     bool narrow_;       ///< its numbers are floats, and are written as short as floats are
     file::CsvWriter csv_;

@@ -1,0 +1,343 @@
+#include "measure/judge/judge.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <optional>
+
+#include "commands.hpp"
+#include "measure/map/culprit_order.hpp"
+#include "output/blame/explain_command.hpp"
+#include "output/judge/judge_files.hpp"
+#include "scene/dump/number_words.hpp"
+#include "scene/file/march_table.hpp"
+#include "select.hpp"
+
+namespace lostbits::analysis {
+
+using measure::answer::Outcome;
+using measure::judge::JudgeRequest;
+using measure::judge::JudgeResult;
+using measure::metric::Metric;
+using scene::dump::Container;
+using scene::dump::Dump;
+using scene::dump::DumpOptions;
+using scene::dump::MissRule;
+
+namespace {
+
+struct JudgeOptions {
+    std::string file, container = "auto", columns, format;
+    std::uint64_t skip = 0;
+    std::vector<std::string> spheres, boxes;
+    std::string scene, miss;
+    std::string direction = "any", touching = "hit", at_origin = "hit";
+    std::vector<std::string> forms, formats, metrics;
+    std::string size;
+    bool rows = false;
+    std::size_t worst = 10;
+    std::string out;
+};
+
+/// `CX,CY,CZ,R`: numbers rounded once to the format.
+Solid<double> solid_of(const std::string& text, Shape shape, const Format& format) {
+    const std::string option = "--" + std::string(name_of(shape));
+    const scene::dump::NumberWords words(format);
+    Solid<double> solid;
+    solid.shape = shape;
+    std::size_t count = 0;
+    for (std::size_t begin = 0; begin <= text.size();) {
+        const std::size_t end = std::min(text.find(',', begin), text.size());
+        std::string word = text.substr(begin, end - begin);
+        std::erase(word, ' ');
+        const auto read = words.read(word);
+        using Kind = scene::dump::NumberWords::Kind;
+        if (read.kind != Kind::number || !std::isfinite(read.value))
+            throw InputError(fmt::format("{} {}: \"{}\" is {}", option, text, word,
+                                         read.kind == Kind::too_large
+                                             ? fmt::format("larger than the largest number of {}", format.name)
+                                             : "not a finite number; write a decimal or a hexadecimal float"));
+        if (count < solid.used().size()) solid.numbers[count] = read.value;
+        ++count;
+        begin = end + 1;
+    }
+    if (count != solid.used().size())
+        throw InputError(fmt::format("{} {}: has {} numbers; write {}", option, text, count,
+                                     shape == Shape::sphere ? "CX,CY,CZ,R" : "LOX,LOY,LOZ,HIX,HIY,HIZ"));
+    if (shape == Shape::sphere && !(solid.numbers[3] > 0))
+        throw InputError(fmt::format("{} {}: a radius is greater than 0", option, text));
+    for (std::size_t k = 0; shape == Shape::box && k < 3; ++k) {
+        if (solid.numbers[k] > solid.numbers[k + 3])
+            throw InputError(fmt::format("{} {}: a box has lo <= hi in each component", option, text));
+    }
+    return solid;
+}
+
+/// The one scene whose solids the rays are aimed at; nothing where none is named.
+std::optional<scene::file::Scene> scene_of(const JudgeOptions& o, const Common& common) {
+    if (o.scene.empty()) return {};
+    auto scenes = load_scenes({{o.scene}, "", "", {}}, data_folder(common.data));
+    if (scenes.size() > 1)
+        throw InputError(fmt::format("--scene {}: has {} variants; name one, such as {}", o.scene, scenes.size(),
+                                     scenes.front().id));
+    constexpr std::size_t most = 1024;
+    if (scenes.front().solid_count() > most)
+        throw InputError(
+            fmt::format("--scene {}: has {} solids; every ray is asked about every one of them, and {} is the "
+                        "most; give each ray the solid that it meets in columns of the file",
+                        o.scene, scenes.front().solid_count(), most));
+    return std::move(scenes.front());
+}
+
+std::optional<Shape> shape_given(const JudgeOptions& o, const std::optional<scene::file::Scene>& scene) {
+    const int ways = (o.spheres.empty() ? 0 : 1) + (o.boxes.empty() ? 0 : 1) + (scene ? 1 : 0);
+    if (ways > 1) throw InputError("--sphere, --box and --scene each name the solids of all rays; write one of them");
+    if (ways == 0) return {};
+    return scene ? scene->shapes().front() : o.boxes.empty() ? Shape::sphere : Shape::box;
+}
+
+std::vector<Solid<double>> solids_given(const JudgeOptions& o, const std::optional<scene::file::Scene>& scene,
+                                        const Format& format) {
+    std::vector<Solid<double>> solids;
+    for (const std::string& text : o.spheres) solids.push_back(solid_of(text, Shape::sphere, format));
+    for (const std::string& text : o.boxes) solids.push_back(solid_of(text, Shape::box, format));
+    if (!scene) return solids;
+    // As a map of the scene has them.
+    if (scene->inputs == scene::file::Inputs::shared) return scene::rays::shared_solids(*scene);
+    for (const Solid<Real>& solid : scene->solids()) solids.push_back(scene::rays::round_solid(solid, format.shape));
+    return solids;
+}
+
+std::optional<MissRule> miss_rule(const std::string& word) {
+    if (word.empty()) return {};
+    if (word == "never") return MissRule{MissRule::Kind::never};
+    if (word == "negative") return MissRule{MissRule::Kind::negative};
+    const auto read = scene::dump::NumberWords(*find_format("f64")).read(word);
+    if (read.kind != scene::dump::NumberWords::Kind::number || !std::isfinite(read.value))
+        throw InputError(
+            fmt::format("--miss {}: is neither a finite number, negative nor never (NaN, infinities and empty "
+                        "cells are misses in any case)",
+                        word));
+    return MissRule{MissRule::Kind::number, read.value};
+}
+
+std::unique_ptr<Dump> open(const JudgeOptions& o, std::optional<Shape> solid) {
+    static const std::map<std::string, Container> containers{
+        {"auto", Container::by_name}, {"csv", Container::csv}, {"npy", Container::npy}, {"raw", Container::raw}};
+    DumpOptions options{.container = containers.at(o.container), .columns = o.columns, .skip = o.skip};
+    if (!o.format.empty()) {
+        const auto formats = select_formats({o.format});
+        if (formats.size() > 1) throw InputError("--format " + o.format + ": the answers are of one format; name one");
+        options.format = formats.front();
+    }
+    options.miss = miss_rule(o.miss);
+    options.solid = solid;
+    options.keep = o.rows;
+    return scene::dump::open_dump(o.file, options);
+}
+
+/// The contract of the answers, by the words of the command line.
+intersect::Info contract_of(const JudgeOptions& o) {
+    intersect::Info info{};
+    info.direction = o.direction == "unit" ? intersect::Direction::unit : intersect::Direction::any;
+    info.touching = o.touching == "miss" ? intersect::Touching::miss : intersect::Touching::hit;
+    info.at_origin = o.at_origin == "miss" ? intersect::AtOrigin::miss : intersect::AtOrigin::hit;
+    return info;
+}
+
+/// The metrics of the request. InputError for one that needs a formula where there is none.
+std::vector<const Metric*> metrics_of(const std::vector<const Metric*>& drawn, const JudgeRequest& request,
+                                      measure::metric::MetricSet& made) {
+    std::vector<measure::map::MapRow> asked = request.rows;
+    if (request.answered) asked.erase(asked.begin());
+    for (const Metric* m : drawn) {
+        if (!asked.empty() || (m->needs & (measure::metric::needs_self | measure::metric::needs_attribution)) == 0)
+            continue;
+        throw InputError(
+            fmt::format("--metric {}: takes the formula, evaluated without rounding or operation by "
+                        "operation, and a file has its answers alone; add -i FORM for the forms here, or "
+                        "write yours as one (CONTRIBUTING.md)",
+                        m->name));
+    }
+    if (asked.empty()) return measured(drawn, request.rows);
+    scene::rays::RayGroup group;
+    group.solids = request.solids;
+    if (group.solids.empty()) {
+        group.solids.resize(1);
+        group.solids.front().shape = asked.front().form->shape;
+    }
+    group.march = request.march;
+    return made.for_forms(measured(drawn, request.rows), measure::map::forms_of(asked),
+                          [&group] { return measure::blame::SettingOf(group); });
+}
+
+void print_table(const JudgeRequest& request, const JudgeResult& result) {
+    const std::size_t lost = measure::metric::place_of(request.metrics, "lost_bits");
+    fmt::print("  {:<28} {:<5} {:>10} {:>10} {:>10} {:>9} {:>6} {:>7} {:>7} {:>7}\n", "form", "fmt", "hits",
+               "false hit", "false miss", "NaN", "bits:", "p50", "p99", "max");
+    for (std::size_t r = 0; r < result.summaries.size(); ++r) {
+        const measure::map::MapSummary& s = result.summaries[r];
+        const auto bits = [&](double q) {
+            const double x = s.metrics[lost].quantile(q);
+            return std::isnan(x) ? std::string("-") : fmt::format("{:.2f}", x);
+        };
+        fmt::print("  {:<28} {:<5} {:>10} {:>10} {:>10} {:>9} {:>6} {:>7} {:>7} {:>7}\n",
+                   request.rows[r].form->info->name, request.rows[r].format.name, s.count(Outcome::agree_hit),
+                   s.count(Outcome::false_hit), s.count(Outcome::false_miss), s.count(Outcome::not_a_number), "",
+                   bits(0.5), bits(0.99), bits(1));
+    }
+}
+
+/// What to type to judge the file again.
+std::string canonical_command(const JudgeOptions& o) {
+    using output::blame::shell_word;
+    const auto option = [](const char* name, const std::string& value, const std::string& usual = "") {
+        return value == usual ? std::string() : fmt::format(" {} {}", name, shell_word(value));
+    };
+    std::string text = "lostbits judge " + shell_word(o.file) + option("--container", o.container, "auto") +
+                       option("--columns", o.columns) + option("--format", o.format) + option("--scene", o.scene) +
+                       (o.skip > 0 ? fmt::format(" --skip {}", o.skip) : "") + option("--miss", o.miss) +
+                       option("--direction", o.direction, "any") + option("--touching", o.touching, "hit") +
+                       option("--at-origin", o.at_origin, "hit");
+    for (const std::string& sphere : o.spheres) text += option("--sphere", sphere);
+    for (const std::string& box : o.boxes) text += option("--box", box);
+    return text + each(" -i '", o.forms, "'") + each(" -f ", o.formats);
+}
+
+/// The rows of the work: the file's, if it has answers, then the forms asked for.
+std::vector<measure::map::MapRow> rows_of(const JudgeOptions& o, const Dump& dump, Shape shape, bool marches,
+                                          const intersect::table::Intersector* answers) {
+    std::vector<measure::map::MapRow> rows;
+    if (answers) rows.push_back({answers, dump.format()});
+    if (o.forms.empty()) {
+        if (!rows.empty()) return rows;
+        throw NothingSelected(
+            fmt::format("{}: has rays and no answers (columns hit or t); name the forms that are to "
+                        "answer, such as -i '{}.*'",
+                        o.file, name_of(shape)));
+    }
+    const auto formats = o.formats.empty() ? std::vector{dump.format()} : select_formats(o.formats);
+    const auto meets = [&](Shape s) { return s == shape || (s == Shape::sdf && marches); };
+    const auto asked = fitting(cross(select_forms(o.forms), formats), meets);
+    if (asked.empty())
+        throw NothingSelected(
+            fmt::format("{}: no selected form handles its solids; try -i '{}'", o.file, globs_of(meets)));
+    rows.insert(rows.end(), asked.begin(), asked.end());
+    return rows;
+}
+
+/// Removes the folders that a run which wrote nothing has made.
+class NewFolder {
+public:
+    explicit NewFolder(const std::filesystem::path& folder) {
+        for (auto part = folder; !part.empty() && !std::filesystem::exists(part); part = part.parent_path())
+            made_.push_back(part);
+    }
+    ~NewFolder() {
+        std::error_code ignored;
+        for (const auto& part : made_) std::filesystem::remove(part, ignored);  // one that is not empty stays
+    }
+    NewFolder(const NewFolder&) = delete;
+    NewFolder& operator=(const NewFolder&) = delete;
+
+private:
+    std::vector<std::filesystem::path> made_;
+};
+
+Exit run(const JudgeOptions& o, const Common& common) {
+    require_folder(o.out);
+    const auto scene = scene_of(o, common);
+    const auto dump = open(o, shape_given(o, scene));
+    JudgeRequest request{.solids = solids_given(o, scene, dump->format())};
+    if (scene && scene->march) request.march = scene::file::round_march(*scene->march, binary32);
+    const Shape shape = dump->layout().solid() ? *dump->layout().solid() : request.solids.front().shape;
+    const std::string stem = std::filesystem::path(o.file).stem().string();
+    const measure::judge::FileForm answers(stem, shape, contract_of(o));
+    request.answered = dump->layout().has_answers();
+    request.rows = rows_of(o, *dump, shape, request.march.has_value(), request.answered ? &answers.form() : nullptr);
+
+    request.picture = dump->picture();
+    if (!o.size.empty()) request.picture = parse_size(o.size);
+    measure::metric::MetricSet made;
+    auto drawn =
+        o.metrics.empty() ? std::vector{measure::metric::find_metric("lost_bits")} : select_metrics(o.metrics, made);
+    drawn = that_apply(drawn, request.rows, o.file);
+    request.metrics = metrics_of(drawn, request, made);
+    for (const Metric*& m : drawn) m = request.metrics[measure::metric::place_of(request.metrics, m->name)];
+    const ThreadLimit limit(common.threads);
+
+    measure::truth::StageCounts stages;
+    request.stages = &stages;
+    const bool by_bytes = dump->bytes() > 0;
+    output::file::Progress progress(by_bytes ? dump->bytes() : 1, "judge", common.progress, common.quiet);
+    const auto advance = advancing(progress);
+    request.progress = [&](std::uint64_t, std::uint64_t bytes) { advance(by_bytes ? bytes : 0); };
+    const auto folder = std::filesystem::path(o.out) / stem;
+    const NewFolder clean(folder);
+    output::judge::JudgeFiles files(request, *dump,
+                                    {.folder = folder,
+                                     .id = stem,
+                                     .title = "rays of " + std::filesystem::path(o.file).filename().string(),
+                                     .command = canonical_command(o),
+                                     .drawn = request.picture ? drawn : std::vector<const Metric*>{},
+                                     .rows = o.rows,
+                                     .worst = o.worst});
+    const JudgeResult result = measure::judge::run_judge(*dump, request, files.sinks());
+    const bool worst = files.finish(result);
+    progress.finish();
+
+    if (!common.quiet) {
+        if (result.rounded > 0)
+            fmt::print(
+                stderr,
+                "lostbits: {}: {} numbers are not numbers of {}, and were rounded to it; name the format that the "
+                "answers were computed in with --format\n",
+                o.file, result.rounded, dump->format().name);
+        fmt::print("{} rays of {}, read as {}\n", result.rays, o.file, dump->format().name);
+        print_table(request, result);
+        if (common.verbose) print_stages(stages);
+        fmt::print("{}\n", (folder / (request.picture ? "contact.png" : "summary.csv")).string());
+        if (worst) fmt::print("{}\n", (folder / "worst.toml").string());
+    }
+    return end_with_unproved(result.summaries.front().count(Outcome::unresolved));
+}
+
+}  // namespace
+
+void add_judge(CLI::App& program, const Common& common, Command& chosen) {
+    auto* command =
+        program.add_subcommand("judge", "Rays, and answers if there are any, from a file: CSV, .npy or raw");
+    const auto o = std::make_shared<JudgeOptions>();
+    command->add_option("FILE", o->file, "Columns ox,oy,oz,dx,dy,dz, perhaps tmax, a solid's, hit and t")->required();
+    command->add_option("--container", o->container, "What the file is: csv, npy, raw (default: by its ending)")
+        ->check(CLI::IsMember({"auto", "csv", "npy", "raw"}));
+    command->add_option("--columns", o->columns,
+                        "Names of the columns where the file has none, and of raw numbers their types: ox:f32,oy,oz");
+    command->add_option("--skip", o->skip, "Bytes in front of raw numbers");
+    command->add_option("--format", o->format,
+                        "Format the answers were computed in (default: the file's; of a CSV f64)");
+    command->add_option("--sphere", o->spheres, "The sphere of all rays: CX,CY,CZ,R");
+    command->add_option("--box", o->boxes, "The box of all rays: LOX,LOY,LOZ,HIX,HIY,HIZ");
+    command->add_option("--scene", o->scene, "The scene whose solids the rays are aimed at");
+    command->add_option("--miss", o->miss,
+                        "Where no column is hit: the t that means a miss, negative, or never (NaN and inf always do)");
+    command
+        ->add_option("--direction", o->direction, "unit: t is a distance, of the direction normalised (default: any)")
+        ->check(CLI::IsMember({"any", "unit"}));
+    command->add_option("--touching", o->touching, "Whether a ray that touches should hit (default) or miss")
+        ->check(CLI::IsMember({"hit", "miss"}));
+    command->add_option("--at-origin", o->at_origin, "Whether a sphere at t = 0 should be hit (default) or miss")
+        ->check(CLI::IsMember({"hit", "miss"}));
+    command->add_option("-i,--intersector", o->forms, "Forms that answer to the same rays, by name or glob");
+    command->add_option("-f", o->formats, "Their formats (default: that of the file)");
+    command->add_option("--metric", o->metrics, "Metrics to draw and to measure (default: lost_bits); globs");
+    command->add_option("--size", o->size, "Columns x rows, where the rays are the pixels of a picture: WxH");
+    command->add_flag("--rows", o->rows, "Also write one row per ray, with the columns of the file");
+    command->add_option("--worst", o->worst, "So many rays of each kind go into worst.toml (default: 10; 0: none)");
+    command->add_option("-o,--out", o->out, "Folder for the results")->required();
+    command->callback([o, &common, &chosen] { chosen = [o, &common] { return run(*o, common); }; });
+}
+
+}  // namespace lostbits::analysis
