@@ -295,6 +295,13 @@ Exit run(const JudgeOptions& o, const Common& common) {
                 "lostbits: {}: {} numbers are not numbers of {}, and were rounded to it; name the format that the "
                 "answers were computed in with --format\n",
                 o.file, result.rounded, dump->format().name);
+        if (result.answers > 10 && result.floats == result.answers &&
+            dump->format().shape.precision > binary32.precision)
+            fmt::print(
+                stderr,
+                "lostbits: {}: the t of all {} hits is a number of f32, and was judged as one of {}; if the answers "
+                "were computed in float, say --format f32\n",
+                o.file, result.answers, dump->format().name);
         fmt::print("{} rays of {}, read as {}\n", result.rays, o.file, dump->format().name);
         print_table(request, result);
         if (common.verbose) print_stages(stages);

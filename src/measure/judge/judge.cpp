@@ -179,6 +179,10 @@ private:
         if (chunk.size() == 0) return;
         result_.rays += chunk.size();
         result_.rounded += chunk.rounded;
+        for (const double t : chunk.t) {
+            result_.answers += t != 0;
+            result_.floats += t != 0 && (static_cast<double>(static_cast<float>(t)) == t || std::isnan(t));
+        }
         if (request_.picture && result_.rays > pixels()) refuse_size("has at least");
         if (request_.picture && chunk.size() % static_cast<std::size_t>(request_.picture->first) != 0)
             refuse_size("has");

@@ -53,6 +53,9 @@ struct JudgeResult {
     std::vector<map::MapSummary> summaries;  ///< one a row
     std::uint64_t rays = 0;
     std::uint64_t rounded = 0;  ///< numbers of the file that its format does not hold
+    /// Answers of the file with a t that is not 0, and those whose t binary32 holds: all of many, where they were
+    /// computed in it.
+    std::uint64_t answers = 0, floats = 0;
 };
 
 /// Reads the dump to its end; sinks[r] (may be null) receives rows[r]. Memory does not grow with the file, and nothing
