@@ -2,16 +2,13 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cmath>
+#include <map>
 #include <memory>
-#include <optional>
 
 #include "commands.hpp"
-#include "measure/map/culprit_order.hpp"
-#include "output/blame/explain_command.hpp"
+#include "judge_words.hpp"
 #include "output/judge/judge_files.hpp"
-#include "scene/dump/number_words.hpp"
 #include "scene/file/march_table.hpp"
 #include "select.hpp"
 
@@ -21,131 +18,9 @@ using measure::answer::Outcome;
 using measure::judge::JudgeRequest;
 using measure::judge::JudgeResult;
 using measure::metric::Metric;
-using scene::dump::Container;
 using scene::dump::Dump;
-using scene::dump::DumpOptions;
-using scene::dump::MissRule;
 
 namespace {
-
-struct JudgeOptions {
-    std::string file, container = "auto", columns, format;
-    std::uint64_t skip = 0;
-    std::vector<std::string> spheres, boxes;
-    std::string scene, miss;
-    std::string direction = "any", touching = "hit", at_origin = "hit";
-    std::vector<std::string> forms, formats, metrics;
-    std::string size;
-    bool rows = false;
-    std::size_t worst = 10;
-    std::string out;
-};
-
-/// `CX,CY,CZ,R`: numbers rounded once to the format.
-Solid<double> solid_of(const std::string& text, Shape shape, const Format& format) {
-    const std::string option = "--" + std::string(name_of(shape));
-    const scene::dump::NumberWords words(format);
-    Solid<double> solid;
-    solid.shape = shape;
-    std::size_t count = 0;
-    for (std::size_t begin = 0; begin <= text.size();) {
-        const std::size_t end = std::min(text.find(',', begin), text.size());
-        std::string word = text.substr(begin, end - begin);
-        std::erase(word, ' ');
-        const auto read = words.read(word);
-        using Kind = scene::dump::NumberWords::Kind;
-        if (read.kind != Kind::number || !std::isfinite(read.value))
-            throw InputError(fmt::format("{} {}: \"{}\" is {}", option, text, word,
-                                         read.kind == Kind::too_large
-                                             ? fmt::format("larger than the largest number of {}", format.name)
-                                             : "not a finite number; write a decimal or a hexadecimal float"));
-        if (count < solid.used().size()) solid.numbers[count] = read.value;
-        ++count;
-        begin = end + 1;
-    }
-    if (count != solid.used().size())
-        throw InputError(fmt::format("{} {}: has {} numbers; write {}", option, text, count,
-                                     shape == Shape::sphere ? "CX,CY,CZ,R" : "LOX,LOY,LOZ,HIX,HIY,HIZ"));
-    if (shape == Shape::sphere && !(solid.numbers[3] > 0))
-        throw InputError(fmt::format("{} {}: a radius is greater than 0", option, text));
-    for (std::size_t k = 0; shape == Shape::box && k < 3; ++k) {
-        if (solid.numbers[k] > solid.numbers[k + 3])
-            throw InputError(fmt::format("{} {}: a box has lo <= hi in each component", option, text));
-    }
-    return solid;
-}
-
-/// The one scene whose solids the rays are aimed at; nothing where none is named.
-std::optional<scene::file::Scene> scene_of(const JudgeOptions& o, const Common& common) {
-    if (o.scene.empty()) return {};
-    auto scenes = load_scenes({{o.scene}, "", "", {}}, data_folder(common.data));
-    if (scenes.size() > 1)
-        throw InputError(fmt::format("--scene {}: has {} variants; name one, such as {}", o.scene, scenes.size(),
-                                     scenes.front().id));
-    constexpr std::size_t most = 1024;
-    if (scenes.front().solid_count() > most)
-        throw InputError(
-            fmt::format("--scene {}: has {} solids; every ray is asked about every one of them, and {} is the "
-                        "most; give each ray the solid that it meets in columns of the file",
-                        o.scene, scenes.front().solid_count(), most));
-    return std::move(scenes.front());
-}
-
-std::optional<Shape> shape_given(const JudgeOptions& o, const std::optional<scene::file::Scene>& scene) {
-    const int ways = (o.spheres.empty() ? 0 : 1) + (o.boxes.empty() ? 0 : 1) + (scene ? 1 : 0);
-    if (ways > 1) throw InputError("--sphere, --box and --scene each name the solids of all rays; write one of them");
-    if (ways == 0) return {};
-    return scene ? scene->shapes().front() : o.boxes.empty() ? Shape::sphere : Shape::box;
-}
-
-std::vector<Solid<double>> solids_given(const JudgeOptions& o, const std::optional<scene::file::Scene>& scene,
-                                        const Format& format) {
-    std::vector<Solid<double>> solids;
-    for (const std::string& text : o.spheres) solids.push_back(solid_of(text, Shape::sphere, format));
-    for (const std::string& text : o.boxes) solids.push_back(solid_of(text, Shape::box, format));
-    if (!scene) return solids;
-    // As a map of the scene has them.
-    if (scene->inputs == scene::file::Inputs::shared) return scene::rays::shared_solids(*scene);
-    for (const Solid<Real>& solid : scene->solids()) solids.push_back(scene::rays::round_solid(solid, format.shape));
-    return solids;
-}
-
-std::optional<MissRule> miss_rule(const std::string& word) {
-    if (word.empty()) return {};
-    if (word == "never") return MissRule{MissRule::Kind::never};
-    if (word == "negative") return MissRule{MissRule::Kind::negative};
-    const auto read = scene::dump::NumberWords(*find_format("f64")).read(word);
-    if (read.kind != scene::dump::NumberWords::Kind::number || !std::isfinite(read.value))
-        throw InputError(
-            fmt::format("--miss {}: is neither a finite number, negative nor never (NaN, infinities and empty "
-                        "cells are misses in any case)",
-                        word));
-    return MissRule{MissRule::Kind::number, read.value};
-}
-
-std::unique_ptr<Dump> open(const JudgeOptions& o, std::optional<Shape> solid) {
-    static const std::map<std::string, Container> containers{
-        {"auto", Container::by_name}, {"csv", Container::csv}, {"npy", Container::npy}, {"raw", Container::raw}};
-    DumpOptions options{.container = containers.at(o.container), .columns = o.columns, .skip = o.skip};
-    if (!o.format.empty()) {
-        const auto formats = select_formats({o.format});
-        if (formats.size() > 1) throw InputError("--format " + o.format + ": the answers are of one format; name one");
-        options.format = formats.front();
-    }
-    options.miss = miss_rule(o.miss);
-    options.solid = solid;
-    options.keep = o.rows;
-    return scene::dump::open_dump(o.file, options);
-}
-
-/// The contract of the answers, by the words of the command line.
-intersect::Info contract_of(const JudgeOptions& o) {
-    intersect::Info info{};
-    info.direction = o.direction == "unit" ? intersect::Direction::unit : intersect::Direction::any;
-    info.touching = o.touching == "miss" ? intersect::Touching::miss : intersect::Touching::hit;
-    info.at_origin = o.at_origin == "miss" ? intersect::AtOrigin::miss : intersect::AtOrigin::hit;
-    return info;
-}
 
 /// The metrics of the request. InputError for one that needs a formula where there is none.
 std::vector<const Metric*> metrics_of(const std::vector<const Metric*>& drawn, const JudgeRequest& request,
@@ -190,24 +65,8 @@ void print_table(const JudgeRequest& request, const JudgeResult& result) {
     }
 }
 
-/// What to type to judge the file again.
-std::string canonical_command(const JudgeOptions& o) {
-    using output::blame::shell_word;
-    const auto option = [](const char* name, const std::string& value, const std::string& usual = "") {
-        return value == usual ? std::string() : fmt::format(" {} {}", name, shell_word(value));
-    };
-    std::string text = "lostbits judge " + shell_word(o.file) + option("--container", o.container, "auto") +
-                       option("--columns", o.columns) + option("--format", o.format) + option("--scene", o.scene) +
-                       (o.skip > 0 ? fmt::format(" --skip {}", o.skip) : "") + option("--miss", o.miss) +
-                       option("--direction", o.direction, "any") + option("--touching", o.touching, "hit") +
-                       option("--at-origin", o.at_origin, "hit");
-    for (const std::string& sphere : o.spheres) text += option("--sphere", sphere);
-    for (const std::string& box : o.boxes) text += option("--box", box);
-    return text + each(" -i '", o.forms, "'") + each(" -f ", o.formats);
-}
-
 /// The rows of the work: the file's, if it has answers, then the forms asked for.
-std::vector<measure::map::MapRow> rows_of(const JudgeOptions& o, const Dump& dump, Shape shape, bool marches,
+std::vector<measure::map::MapRow> rows_of(const JudgeWords& o, const Dump& dump, Shape shape, bool marches,
                                           const intersect::table::Intersector* answers) {
     std::vector<measure::map::MapRow> rows;
     if (answers) rows.push_back({answers, dump.format()});
@@ -246,10 +105,10 @@ private:
     std::vector<std::filesystem::path> made_;
 };
 
-Exit run(const JudgeOptions& o, const Common& common) {
+Exit run(const JudgeWords& o, const Common& common) {
     require_folder(o.out);
     const auto scene = scene_of(o, common);
-    const auto dump = open(o, shape_given(o, scene));
+    const auto dump = open_file(o, shape_given(o, scene));
     JudgeRequest request{.solids = solids_given(o, scene, dump->format())};
     if (scene && scene->march) request.march = scene::file::round_march(*scene->march, binary32);
     const Shape shape = dump->layout().solid() ? *dump->layout().solid() : request.solids.front().shape;
@@ -316,7 +175,7 @@ Exit run(const JudgeOptions& o, const Common& common) {
 void add_judge(CLI::App& program, const Common& common, Command& chosen) {
     auto* command =
         program.add_subcommand("judge", "Rays, and answers if there are any, from a file: CSV, .npy or raw");
-    const auto o = std::make_shared<JudgeOptions>();
+    const auto o = std::make_shared<JudgeWords>();
     command->add_option("FILE", o->file, "Columns ox,oy,oz,dx,dy,dz, perhaps tmax, a solid's, hit and t")->required();
     command->add_option("--container", o->container, "What the file is: csv, npy, raw (default: by its ending)")
         ->check(CLI::IsMember({"auto", "csv", "npy", "raw"}));

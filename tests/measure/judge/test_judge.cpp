@@ -9,6 +9,7 @@
 #include "measure/judge/worst_rays.hpp"
 #include "measure/rows.hpp"
 #include "measure/seeded.hpp"
+#include "measure/truth/lost_bits.hpp"
 #include "scene/dump/dump_writer.hpp"
 
 using namespace lostbits;
@@ -136,7 +137,6 @@ TEST_CASE("the answers of a form in a file measure as the form does in a map") {
     hold_map_and_judge("rtg-fig-7-3-2000", {"sphere.schoolbook", "sphere.expanded"}, "f32");
     hold_map_and_judge("grazing", {"sphere.unified"}, "f64");
     hold_map_and_judge("box-offset", {"box.signs", "box.exclusive"}, "f32");
-    hold_map_and_judge("near-benign", {"sphere.schoolbook"}, "bf16");
 }
 
 TEST_CASE("a ray with a solid of its own has the truth of those two, and every form answers about them") {

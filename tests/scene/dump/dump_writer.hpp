@@ -103,4 +103,17 @@ inline std::vector<dump::Chunk> read_all(dump::Dump& dump, std::size_t most = 10
     return chunks;
 }
 
+/// What opening and reading a file throws; empty where nothing is wrong.
+inline std::string fault_of(const std::string& name, const std::string& bytes, const dump::DumpOptions& options = {}) {
+    const DumpFile file(name, bytes);
+    try {
+        const auto opened = dump::open_dump(file.path(), options);
+        static_cast<void>(read_all(*opened));
+    } catch (const InputError& error) {
+        const std::string what = error.what(), folder = file.path().parent_path().string() + "/";
+        return what.starts_with(folder) ? what.substr(folder.size()) : what;
+    }
+    return "";
+}
+
 }  // namespace lostbits::scene::test
