@@ -5,13 +5,13 @@
 #include <memory>
 #include <set>
 
+#include "analysis/choice/select.hpp"
 #include "commands.hpp"
 #include "number/error.hpp"
 #include "output/claim/claim_files.hpp"
 #include "output/claim/claim_report.hpp"
 #include "output/file/atomic_file.hpp"
 #include "output/file/number_text.hpp"
-#include "select.hpp"
 
 namespace lostbits::analysis {
 
@@ -151,9 +151,9 @@ Exit run(const CheckOptions& o, const Common& common) {
             "--measure cannot be combined with --junit, --export-csv, --export-json or --report: it judges nothing; "
             "leave one of them out");
     }
-    const auto data = data_folder(common.data);
+    const auto data = choice::data_folder(common.data);
     const auto claims = load(o, data);
-    const ThreadLimit limit(common.threads);
+    const choice::ThreadLimit limit(common.threads);
     // The reports' places are tried before the work; the files themselves are small and written after it.
     for (const std::string& path : {o.junit, o.csv, o.json}) {
         if (!path.empty()) output::file::AtomicFile probe(path);

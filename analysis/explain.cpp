@@ -2,13 +2,13 @@
 
 #include <memory>
 
+#include "analysis/choice/lost_numbers.hpp"
+#include "analysis/choice/select.hpp"
 #include "commands.hpp"
 #include "explain_ray.hpp"
-#include "lost_numbers.hpp"
 #include "output/blame/explain_programs.hpp"
 #include "output/blame/explain_text.hpp"
 #include "output/blame/march_text.hpp"
-#include "select.hpp"
 
 namespace lostbits::analysis {
 
@@ -21,16 +21,16 @@ struct ExplainOptions {
 };
 
 Exit run(const ExplainOptions& o, const Common& common) {
-    const auto forms = select_forms({o.form});
-    const auto formats = select_formats({o.format});
+    const auto forms = choice::select_forms({o.form});
+    const auto formats = choice::select_formats({o.format});
     if (forms.size() != 1 || formats.size() != 1) throw InputError("explain: name one form and one format");
     const intersect::table::Intersector& form = *forms.front();
     if (!form.exists_in(formats.front()))
         throw InputError(
             fmt::format("-i {}: this form does not exist in {}, only in f32; try -f f32", o.form, o.format));
-    const AskedRay asked = find_ray(o.words, {&form, formats.front()}, data_folder(common.data));
+    const AskedRay asked = find_ray(o.words, {&form, formats.front()}, choice::data_folder(common.data));
     const measure::answer::OneRay& ray = asked.ray;
-    if (asked.scene && !common.quiet) note_lost_numbers(*asked.scene, {{&form, formats.front()}});
+    if (asked.scene && !common.quiet) choice::note_lost_numbers(*asked.scene, {{&form, formats.front()}});
     const measure::blame::Explanation x = measure::blame::explain(form, formats.front(), ray);
     if (o.json) fmt::print("{}", output::blame::explain_json(x));
     else if (o.fpcore) fmt::print("{}", output::blame::explain_fpcore(x));

@@ -5,6 +5,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "analysis/choice/select.hpp"
 #include "commands.hpp"
 #include "measure/blame/culprits.hpp"
 #include "scene/claim/claims_file.hpp"
@@ -13,7 +14,6 @@
 #include "scene/sweep/exhaustive_file.hpp"
 #include "scene/sweep/search_file.hpp"
 #include "scene/sweep/sweep_file.hpp"
-#include "select.hpp"
 
 namespace lostbits::analysis {
 
@@ -81,7 +81,7 @@ Listing labels() {
 
 Listing scenes(const Common& common) {
     Listing l{{"name", "variants", "inputs", "title"}, {}};
-    for (const auto& path : scene::file::scene_files(data_folder(common.data))) {
+    for (const auto& path : scene::file::scene_files(choice::data_folder(common.data))) {
         const scene::file::SceneFile file(path);
         const auto all = file.load();
         l.rows.push_back({path.stem().string(), fmt::format("{}", fmt::join(file.variants(), " ")),
@@ -119,7 +119,7 @@ std::string axis_of(const std::filesystem::path& path, const std::filesystem::pa
 
 Listing sweeps(const Common& common) {
     Listing l{{"name", "axis", "title"}, {}};
-    const auto data = data_folder(common.data), root = data / "sweeps";
+    const auto data = choice::data_folder(common.data), root = data / "sweeps";
     std::error_code error;
     for (const auto& entry : std::filesystem::recursive_directory_iterator(root, error)) {
         if (entry.path().extension() != ".toml") continue;
@@ -134,7 +134,7 @@ Listing sweeps(const Common& common) {
 /// In the order of the files; verdicts as they state them, measured by `lostbits check` alone.
 Listing claims(const Common& common) {
     Listing l{{"id", "verdict", "profile", "subject", "form", "format", "statement"}, {}};
-    const auto root = data_folder(common.data) / "claims";
+    const auto root = choice::data_folder(common.data) / "claims";
     if (!std::filesystem::exists(root)) return l;
     for (const auto& path : scene::claim::claim_files(root)) {
         for (const Claim& c : scene::claim::read_claims(path)) {

@@ -7,15 +7,15 @@
 #include <optional>
 #include <set>
 
+#include "analysis/choice/lost_numbers.hpp"
+#include "analysis/choice/select.hpp"
 #include "commands.hpp"
-#include "lost_numbers.hpp"
 #include "measure/blame/culprits.hpp"
 #include "measure/map/culprit_order.hpp"
 #include "output/map/map_exr.hpp"
 #include "output/map/map_files.hpp"
 #include "output/map/needed_files.hpp"
 #include "scene/file/scene.hpp"
-#include "select.hpp"
 
 namespace lostbits::analysis {
 
@@ -100,9 +100,11 @@ struct SceneWork {
 
 SceneWork work_on(const Scene& scene, const MapOptions& o, const std::vector<MapRow>& rows,
                   const std::vector<const Metric*>& wanted, measure::metric::MetricSet& made) {
-    SceneWork work{
-        {.scene = &scene, .rows = fitting(rows, [&](Shape shape) { return scene.meets(shape); }), .metrics = {}}, {}};
-    work.map.metrics = made.for_forms(measured(wanted, work.map.rows), measure::map::forms_of(work.map.rows),
+    SceneWork work{{.scene = &scene,
+                    .rows = choice::fitting(rows, [&](Shape shape) { return scene.meets(shape); }),
+                    .metrics = {}},
+                   {}};
+    work.map.metrics = made.for_forms(choice::measured(wanted, work.map.rows), measure::map::forms_of(work.map.rows),
                                       [&scene] { return measure::blame::SettingOf(scene); });
     work.map.metrics = measure::map::order_culprits(work.map, made);
     if (o.bits_needed > 0)
@@ -154,7 +156,7 @@ std::uint64_t map_scene(const SceneWork& work, const MapOptions& o, const Common
         work.map, {.folder = folder,
                    .drawn = drawn,
                    .pixels_csv = pixels,
-                   .named = name_of_scene(scene, data_folder(common.data)) + input_of(o),
+                   .named = choice::name_of_scene(scene, choice::data_folder(common.data)) + input_of(o),
                    .envelope = o.envelope,
                    .exr = book,
                    .also = needed_files ? needed_files->resources() : std::vector<output::file::DataResource>{}});
@@ -186,10 +188,10 @@ std::vector<const Metric*> drawn_of(std::vector<const Metric*> asked, const Scen
 
 Exit run(const MapOptions& o, const Common& common) {
     require_folder(o.out);
-    const auto rows = cross(select_forms(o.forms), select_formats(o.formats));
+    const auto rows = choice::cross(choice::select_forms(o.forms), choice::select_formats(o.formats));
     measure::metric::MetricSet made;
-    const auto drawn =
-        o.metrics.empty() ? std::vector{measure::metric::find_metric("lost_bits")} : select_metrics(o.metrics, made);
+    const auto drawn = o.metrics.empty() ? std::vector{measure::metric::find_metric("lost_bits")}
+                                         : choice::select_metrics(o.metrics, made);
     auto wanted = drawn;
     if (o.envelope) {
         if (std::ranges::find(drawn, measure::metric::find_metric("lost_bits")) == drawn.end())
@@ -197,19 +199,19 @@ Exit run(const MapOptions& o, const Common& common) {
                 "--envelope marks pictures of lost_bits, and --metric leaves them out; add --metric lost_bits");
         wanted.push_back(measure::metric::find_metric("excess_bits"));
     }
-    auto scenes = load_scenes({o.scenes, o.size, o.variant, o.set}, data_folder(common.data));
-    drop_unfitting(
+    auto scenes = choice::load_scenes({o.scenes, o.size, o.variant, o.set}, choice::data_folder(common.data));
+    choice::drop_unfitting(
         scenes, rows, common.quiet, [](const Scene& s, Shape shape) { return s.meets(shape); },
         [](const Scene& s) { return s.id; });
-    const ThreadLimit limit(common.threads);
+    const choice::ThreadLimit limit(common.threads);
 
     std::vector<SceneWork> works;
     for (const auto& scene : scenes) works.push_back(work_on(scene, o, rows, wanted, made));
-    for (const SceneWork& work : works) that_apply(drawn, work.map.rows, "scene " + work.map.scene->id);
+    for (const SceneWork& work : works) choice::that_apply(drawn, work.map.rows, "scene " + work.map.scene->id);
     for (const auto& scene : scenes) probe(std::filesystem::path(o.out) / scene.id / "summary.csv");
     if (o.bits_needed > 0 && !common.quiet) note_skipped(works);
     if (!common.quiet) {
-        for (const SceneWork& work : works) note_lost_numbers(*work.map.scene, work.map.rows);
+        for (const SceneWork& work : works) choice::note_lost_numbers(*work.map.scene, work.map.rows);
     }
 
     std::uint64_t units = 0, unresolved = 0;
@@ -221,7 +223,8 @@ Exit run(const MapOptions& o, const Common& common) {
         work.map.progress = advance;
         work.map.stages = &stages;
         if (work.needed) work.needed->progress = advance;
-        unresolved += map_scene(work, o, common, drawn_of(that_apply(drawn, work.map.rows, work.map.scene->id), work));
+        unresolved +=
+            map_scene(work, o, common, drawn_of(choice::that_apply(drawn, work.map.rows, work.map.scene->id), work));
     }
     progress.finish();
     return end_with_unproved(unresolved);

@@ -6,11 +6,11 @@
 #include <memory>
 #include <set>
 
+#include "analysis/choice/lost_numbers.hpp"
+#include "analysis/choice/select.hpp"
 #include "commands.hpp"
-#include "lost_numbers.hpp"
 #include "output/picture/render_files.hpp"
 #include "scene/file/scene.hpp"
-#include "select.hpp"
 
 namespace lostbits::analysis {
 
@@ -96,13 +96,14 @@ std::uint64_t render_scene(const RenderRequest& request, const RenderOptions& o,
 
 Exit run(const RenderOptions& o, const Common& common) {
     require_folder(o.out);
-    const auto rows = fitting(cross(select_forms(o.forms), select_formats(o.formats)),
-                              [](Shape shape) { return shape == Shape::sphere; });
+    const auto rows = choice::fitting(choice::cross(choice::select_forms(o.forms), choice::select_formats(o.formats)),
+                                      [](Shape shape) { return shape == Shape::sphere; });
     if (rows.empty())
         throw NothingSelected(
             "render draws spheres, and none of the selected intersectors is a sphere form; try -i 'sphere.*'");
-    const auto scenes = renderable(load_scenes({o.scenes, o.size, o.variant, o.set}, data_folder(common.data)));
-    const ThreadLimit limit(common.threads);
+    const auto scenes =
+        renderable(choice::load_scenes({o.scenes, o.size, o.variant, o.set}, choice::data_folder(common.data)));
+    const choice::ThreadLimit limit(common.threads);
 
     std::vector<RenderRequest> requests;
     std::uint64_t units = 0, unproved = 0;
@@ -113,7 +114,7 @@ Exit run(const RenderOptions& o, const Common& common) {
     for (const auto& scene : scenes) probe(std::filesystem::path(o.out) / scene.id / "summary.csv");
 
     if (!common.quiet) {
-        for (const auto& scene : scenes) note_lost_numbers(scene, rows);
+        for (const auto& scene : scenes) choice::note_lost_numbers(scene, rows);
     }
 
     output::file::Progress progress(units, "render", common.progress, common.quiet);

@@ -6,6 +6,7 @@
 #include <memory>
 #include <set>
 
+#include "analysis/choice/select.hpp"
 #include "commands.hpp"
 #include "measure/blame/culprits.hpp"
 #include "measure/speed/timing.hpp"
@@ -17,7 +18,6 @@
 #include "scene/sweep/case_file.hpp"
 #include "scene/sweep/sweep_file.hpp"
 #include "scene/toml/did_you_mean.hpp"
-#include "select.hpp"
 
 namespace lostbits::analysis {
 
@@ -135,8 +135,10 @@ void plan_sweep(Work& work, const std::filesystem::path& path, const std::filesy
     // What these find are numbers, and they take their time.
     if (kind == scene::sweep::SweepKind::search || kind == scene::sweep::SweepKind::every_float) return;
     if (kind == scene::sweep::SweepKind::cases)
-        fit = fitting(rows, [file = scene::sweep::CaseFile(path)](Shape shape) { return file.meets(shape); });
-    else fit = fitting(rows, [sweep = scene::sweep::SweepFile(path, data)](Shape shape) { return sweep.meets(shape); });
+        fit = choice::fitting(rows, [file = scene::sweep::CaseFile(path)](Shape shape) { return file.meets(shape); });
+    else
+        fit = choice::fitting(
+            rows, [sweep = scene::sweep::SweepFile(path, data)](Shape shape) { return sweep.meets(shape); });
     if (!fit.empty()) work.sweeps.push_back({path, data, fit});
 }
 
@@ -157,21 +159,21 @@ Work plan(const ReportOptions& o, const std::filesystem::path& data) {
     const scene::claim::ReportFile defaults = scene::claim::read_report_file(data / "report.toml");
     const Subjects subjects = subjects_of(o, defaults, data);
     const auto claims = o.no_claims ? std::vector<Claim>{} : read_all_claims(data);
-    const auto rows = cross(select_forms(o.forms.empty() ? defaults.forms : o.forms),
-                            select_formats(o.formats.empty() ? defaults.formats : o.formats));
+    const auto rows = choice::cross(choice::select_forms(o.forms.empty() ? defaults.forms : o.forms),
+                                    choice::select_formats(o.formats.empty() ? defaults.formats : o.formats));
     Work work;
-    const std::vector<const Metric*> asked = select_metrics(o.metrics, work.made);
+    const std::vector<const Metric*> asked = choice::select_metrics(o.metrics, work.made);
     for (const scene::file::SceneName& name : subjects.scenes) {
         scene::file::LoadOptions options{.variant = name.variant};
-        if (!o.size.empty()) options.size = parse_size(o.size);
+        if (!o.size.empty()) options.size = choice::parse_size(o.size);
         for (scene::file::Scene& scene : scene::file::load_scene(name.path, options)) {
-            auto fit = fitting(rows_for(scene.id, rows, claims, o.forms.empty()),
-                               [&](Shape shape) { return scene.meets(shape); });
+            auto fit = choice::fitting(rows_for(scene.id, rows, claims, o.forms.empty()),
+                                       [&](Shape shape) { return scene.meets(shape); });
             if (fit.empty()) continue;
             std::vector<const Metric*> wanted = asked;
             for (const char* metric : {"lost_bits", "ulp_error", "condition", "inherent_bits", "excess_bits"})
                 wanted.push_back(measure::metric::find_metric(metric));
-            auto all = work.made.for_forms(measured(wanted, fit), measure::map::forms_of(fit),
+            auto all = work.made.for_forms(choice::measured(wanted, fit), measure::map::forms_of(fit),
                                            [&scene] { return measure::blame::SettingOf(scene); });
             // Its float layer would be the largest part of most pages.
             std::erase_if(all, [&](const Metric* m) {
@@ -211,9 +213,9 @@ std::string canonical_command(const ReportOptions& o) {
 
 Exit run(const ReportOptions& o, const Common& common) {
     require_folder(o.out);
-    const auto data = data_folder(common.data);
+    const auto data = choice::data_folder(common.data);
     Work work = plan(o, data);
-    const ThreadLimit limit(common.threads);
+    const choice::ThreadLimit limit(common.threads);
     output::file::AtomicFile file(std::filesystem::path(o.out) / "index.html");
     // A sweep counts as a map of 100 x 100 pixels under ten rows, the claims as ten of them.
     constexpr std::uint64_t sweep_units = 100'000, claims_units = 1'000'000;
@@ -236,9 +238,10 @@ Exit run(const ReportOptions& o, const Common& common) {
     if (o.trade) {
         report.processor = measure::speed::processor_name();
         for (const Shape shape : {Shape::sphere, Shape::box}) {
-            const auto rows = fitting(cross(select_forms(o.forms.empty() ? std::vector<std::string>{"*"} : o.forms),
-                                            {*find_format("f32"), *find_format("f64")}),
-                                      [shape](Shape form) { return form == shape; });
+            const auto rows = choice::fitting(
+                choice::cross(choice::select_forms(o.forms.empty() ? std::vector<std::string>{"*"} : o.forms),
+                              {*find_format("f32"), *find_format("f64")}),
+                [shape](Shape form) { return form == shape; });
             if (!rows.empty())
                 report.trades.push_back(trade_part(shape, rows, [](std::uint64_t) { stop_if_interrupted(); }));
         }

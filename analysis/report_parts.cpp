@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "analysis/choice/select.hpp"
 #include "measure/map/culprit_order.hpp"
 #include "measure/sweep/cases.hpp"
 #include "output/map/row_names.hpp"
@@ -18,7 +19,6 @@
 #include "output/sweep/sweep_planes.hpp"
 #include "output/sweep/sweep_plots.hpp"
 #include "scene/sweep/case_file.hpp"
-#include "select.hpp"
 
 namespace lostbits::analysis {
 
@@ -60,7 +60,7 @@ SweepPart case_part(const SweepWork& work) {
     measure::sweep::CaseRequest request{
         .file = &file,
         .rows = {},
-        .metrics = measured(
+        .metrics = choice::measured(
             {measure::metric::find_metric("inherent_bits"), measure::metric::find_metric("excess_bits")}, work.rows)};
     for (MapRow row : work.rows) {
         for (const auto& judged : file.conventions) {
@@ -108,7 +108,7 @@ SweepPart axes_part(const SweepWork& work, const Advance& advance) {
     measure::sweep::SweepRequest request{
         .sweep = &sweep,
         .rows = work.rows,
-        .metrics = measured(
+        .metrics = choice::measured(
             {measure::metric::find_metric("inherent_bits"), measure::metric::find_metric("excess_bits")}, work.rows)};
     for (MapRow& row : request.rows) row.judged = sweep.convention;
     request.progress = [&advance](std::uint64_t) { advance(0); };

@@ -5,13 +5,13 @@
 #include <algorithm>
 #include <memory>
 
+#include "analysis/choice/lost_numbers.hpp"
+#include "analysis/choice/select.hpp"
 #include "commands.hpp"
-#include "lost_numbers.hpp"
 #include "output/sweep/case_files.hpp"
 #include "output/sweep/sweep_files.hpp"
 #include "output/sweep/sweep_plots.hpp"
 #include "output/sweep/worst_files.hpp"
-#include "select.hpp"
 #include "sweep_exhaustive.hpp"
 
 namespace lostbits::analysis {
@@ -58,20 +58,20 @@ struct Chosen {
 void run_case_file(const std::filesystem::path& path, const Chosen& chosen, const SweepOptions& o,
                    const Common& common) {
     const scene::sweep::CaseFile file(path);
-    const auto rows = fitting(chosen.rows, [&](Shape shape) { return file.meets(shape); });
+    const auto rows = choice::fitting(chosen.rows, [&](Shape shape) { return file.meets(shape); });
     measure::sweep::CaseRequest request{.file = &file, .rows = {}, .metrics = {}};
-    request.metrics = chosen.made.for_forms(measured(chosen.asked, rows), measure::map::forms_of(rows), [&file] {
-        return measure::blame::SettingOf(file.rays(0, binary64).front());
-    });
+    request.metrics =
+        chosen.made.for_forms(choice::measured(chosen.asked, rows), measure::map::forms_of(rows),
+                              [&file] { return measure::blame::SettingOf(file.rays(0, binary64).front()); });
     for (MapRow row : rows) {
         for (const auto& judged : file.conventions) {
             row.judged = judged;
             request.rows.push_back(row);
         }
     }
-    if (!common.quiet) note_lost_numbers(file, rows);
+    if (!common.quiet) choice::note_lost_numbers(file, rows);
     const auto folder = std::filesystem::path(o.out) / file.id;
-    output::sweep::CaseFiles files(request, folder, name_of_sweep(path, data_folder(common.data)));
+    output::sweep::CaseFiles files(request, folder, choice::name_of_sweep(path, choice::data_folder(common.data)));
     Progress progress(file.size() * request.rows.size(), file.id, common.progress, common.quiet);
     request.progress = advancing(progress);
     files.finish(measure::sweep::run_cases(request));
@@ -80,19 +80,21 @@ void run_case_file(const std::filesystem::path& path, const Chosen& chosen, cons
 }
 
 void run_axes(const std::filesystem::path& path, const Chosen& chosen, const SweepOptions& o, const Common& common) {
-    const scene::sweep::SweepFile sweep(path, data_folder(common.data));
+    const scene::sweep::SweepFile sweep(path, choice::data_folder(common.data));
     measure::sweep::SweepRequest request{
-        .sweep = &sweep, .rows = fitting(chosen.rows, [&](Shape shape) { return sweep.meets(shape); }), .metrics = {}};
+        .sweep = &sweep,
+        .rows = choice::fitting(chosen.rows, [&](Shape shape) { return sweep.meets(shape); }),
+        .metrics = {}};
     auto asked = chosen.asked;
     // Where forms stop short on purpose, the error by itself says little.
     if (std::ranges::any_of(request.rows, [](const MapRow& row) { return row.form->shape == Shape::sdf; })) {
         for (const char* name : {"model_error", "rounding_error"}) asked.push_back(measure::metric::find_metric(name));
     }
-    request.metrics = chosen.made.for_forms(measured(asked, request.rows), measure::map::forms_of(request.rows),
+    request.metrics = chosen.made.for_forms(choice::measured(asked, request.rows), measure::map::forms_of(request.rows),
                                             [&sweep] { return measure::blame::SettingOf(sweep.first_rays()); });
     for (MapRow& row : request.rows) row.judged = sweep.convention;
     request.further_draws = o.seeds;
-    if (!common.quiet) note_lost_numbers(sweep, request.rows);
+    if (!common.quiet) choice::note_lost_numbers(sweep, request.rows);
     const auto folder = std::filesystem::path(o.out) / sweep.id;
     output::sweep::SweepFiles files(request, folder);
     Progress progress(measure::sweep::sweep_units(request), sweep.id, common.progress, common.quiet);
@@ -111,12 +113,12 @@ void run_search(const std::filesystem::path& path, const Chosen& chosen, const S
     const scene::sweep::SearchFile search(path);
     measure::sweep::WorstRequest request{
         .search = &search,
-        .rows = fitting(chosen.rows, [&](Shape shape) { return search.shape == shape; }),
+        .rows = choice::fitting(chosen.rows, [&](Shape shape) { return search.shape == shape; }),
         .metrics = {}};
     Solid<double> any;  // labels do not depend on its numbers
     any.shape = search.shape;
     request.metrics =
-        chosen.made.for_forms(measured({chosen.made.find(search.metric)}, request.rows),
+        chosen.made.for_forms(choice::measured({chosen.made.find(search.metric)}, request.rows),
                               measure::map::forms_of(request.rows), measure::blame::Setting{std::span(&any, 1)});
     const auto folder = std::filesystem::path(o.out) / search.id;
     probe(folder / "worst.csv");
@@ -173,13 +175,16 @@ Meets check_file(const std::filesystem::path& path, SweepKind kind, bool worst, 
 Exit run(const SweepOptions& o, const Common& common) {
     measure::metric::MetricSet made;
     const std::vector<std::string> both{"f32", "f64"};
-    Chosen chosen{cross(select_forms(o.forms), select_formats(o.formats.empty() ? both : o.formats)), {}, made};
+    Chosen chosen{
+        choice::cross(choice::select_forms(o.forms), choice::select_formats(o.formats.empty() ? both : o.formats)),
+        {},
+        made};
     // A sweep always knows what the problem itself costs: its plots carry the envelope.
-    if (!o.metrics.empty()) chosen.asked = select_metrics(o.metrics, made);
+    if (!o.metrics.empty()) chosen.asked = choice::select_metrics(o.metrics, made);
     for (const char* name : {"inherent_bits", "excess_bits"})
         chosen.asked.push_back(measure::metric::find_metric(name));
     require_folder(o.out);
-    const auto data = data_folder(common.data);
+    const auto data = choice::data_folder(common.data);
     // Every file is read before the first is worked on: bad input leaves nothing behind.
     struct Sweep {
         std::filesystem::path path;
@@ -201,7 +206,7 @@ Exit run(const SweepOptions& o, const Common& common) {
                              " is not a sweep over every float, and only those can be resumed; leave out --resume");
         sweeps.push_back({path, kind, check_file(path, kind, o.worst, data)});
     }
-    drop_unfitting(
+    choice::drop_unfitting(
         sweeps, chosen.rows, common.quiet, [](const Sweep& s, Shape shape) { return s.meets(shape); },
         [](const Sweep& s) { return s.path.stem().string(); });
     std::vector<std::unique_ptr<ExhaustiveRun>> exhaustive;
@@ -209,7 +214,7 @@ Exit run(const SweepOptions& o, const Common& common) {
         if (sweep.kind == SweepKind::every_float)
             exhaustive.push_back(std::make_unique<ExhaustiveRun>(sweep.path, chosen.rows, o.out, o.resume));
     }
-    const ThreadLimit limit(common.threads);
+    const choice::ThreadLimit limit(common.threads);
     for (const auto& [path, kind, meets] : sweeps) {
         if (kind == SweepKind::cases) run_case_file(path, chosen, o, common);
         else if (kind == SweepKind::axes) run_axes(path, chosen, o, common);

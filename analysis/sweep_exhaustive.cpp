@@ -5,10 +5,10 @@
 #include <algorithm>
 #include <chrono>
 
+#include "analysis/choice/select.hpp"
 #include "commands.hpp"
 #include "output/sweep/exhaustive_files.hpp"
 #include "output/sweep/exhaustive_text.hpp"
-#include "select.hpp"
 
 namespace lostbits::analysis {
 
@@ -31,7 +31,7 @@ ExhaustiveRun::ExhaustiveRun(const std::filesystem::path& path, const std::vecto
                              const std::filesystem::path& out, bool resume)
     : sweep_(path), folder_(out / sweep_.id), state_file_(folder_ / output::sweep::state_file_name), resumed_(resume) {
     request_.sweep = &sweep_;
-    for (measure::map::MapRow row : fitting(rows, [&](Shape shape) { return sweep_.meets(shape); })) {
+    for (measure::map::MapRow row : choice::fitting(rows, [&](Shape shape) { return sweep_.meets(shape); })) {
         if (row.format.engine != Format::Engine::native32) continue;
         row.judged = sweep_.convention;
         request_.rows.push_back(row);

@@ -4,10 +4,10 @@
 #include <filesystem>
 #include <memory>
 
+#include "analysis/choice/select.hpp"
 #include "commands.hpp"
 #include "measure/speed/trade.hpp"
 #include "output/speed/trade_files.hpp"
-#include "select.hpp"
 
 namespace lostbits::analysis {
 namespace {
@@ -22,7 +22,7 @@ struct TradeOptions {
 };
 
 std::vector<Format> native_formats(const std::vector<std::string>& names) {
-    const auto formats = select_formats(names);
+    const auto formats = choice::select_formats(names);
     for (const Format& f : formats) {
         if (f.engine == Format::Engine::rounded)
             throw InputError(fmt::format(
@@ -44,8 +44,8 @@ measure::speed::TimingPlan plan_of(const TradeOptions& o) {
 Exit run(const TradeOptions& o, const Common& common) {
     require_folder(o.out);
     const Shape shape = o.shape == "box" ? Shape::box : Shape::sphere;
-    const auto rows =
-        fitting(cross(select_forms(o.forms), native_formats(o.formats)), [shape](Shape form) { return form == shape; });
+    const auto rows = choice::fitting(choice::cross(choice::select_forms(o.forms), native_formats(o.formats)),
+                                      [shape](Shape form) { return form == shape; });
     if (rows.empty())
         throw NothingSelected(fmt::format(
             "--shape {0}: none of the selected intersectors is a {0} form; try -i '{0}.*' or another --shape",
@@ -58,7 +58,7 @@ Exit run(const TradeOptions& o, const Common& common) {
     for (const char* name : {"lost_bits", "excess_bits"}) request.metrics.push_back(measure::metric::find_metric(name));
     const auto folder = std::filesystem::path(o.out) / o.shape;
     output::speed::TradeFiles files(request, folder);
-    const ThreadLimit limit(common.threads);
+    const choice::ThreadLimit limit(common.threads);
     output::file::Progress progress(measure::speed::trade_units(request), fmt::format("trade {}", o.shape),
                                     common.progress, common.quiet);
     request.plan.progress = advancing(progress);

@@ -8,7 +8,7 @@
 #include "scene/sweep/case_file.hpp"
 #include "scene/sweep/sweep_file.hpp"
 
-namespace lostbits::analysis {
+namespace lostbits::analysis::choice {
 
 /// The constants of its march, where a row marches, and its lengths.
 void note_lost_numbers(const scene::file::Scene& scene, const std::vector<measure::map::MapRow>& rows);
@@ -19,4 +19,4 @@ void note_lost_numbers(const scene::sweep::SweepFile& sweep, const std::vector<m
 /// The lengths of all cases. Words such as `tiny` are numbers of every format and never lost.
 void note_lost_numbers(const scene::sweep::CaseFile& file, const std::vector<measure::map::MapRow>& rows);
 
-}  // namespace lostbits::analysis
+}  // namespace lostbits::analysis::choice

@@ -1,4 +1,4 @@
-#include "select.hpp"
+#include "analysis/choice/select.hpp"
 
 #include <fmt/format.h>
 #include <fnmatch.h>
@@ -15,7 +15,7 @@
 #include "output/blame/explain_command.hpp"
 #include "scene/toml/did_you_mean.hpp"
 
-namespace lostbits::analysis {
+namespace lostbits::analysis::choice {
 
 using intersect::table::Intersector;
 using measure::map::MapRow;
@@ -231,4 +231,4 @@ std::filesystem::path data_folder(const std::string& given) {
     return fs::is_directory(beside, error) ? beside : fs::path("data");
 }
 
-}  // namespace lostbits::analysis
+}  // namespace lostbits::analysis::choice

@@ -1,4 +1,4 @@
-#include "lost_numbers.hpp"
+#include "analysis/choice/lost_numbers.hpp"
 
 #include <fmt/format.h>
 
@@ -9,7 +9,7 @@
 #include "scene/file/march_table.hpp"
 #include "scene/rays/lost_lengths.hpp"
 
-namespace lostbits::analysis {
+namespace lostbits::analysis::choice {
 
 using measure::map::MapRow;
 using scene::rays::LostLengths;
@@ -101,4 +101,4 @@ void note_lost_numbers(const scene::sweep::CaseFile& file, const std::vector<Map
     }
 }
 
-}  // namespace lostbits::analysis
+}  // namespace lostbits::analysis::choice

@@ -17,7 +17,7 @@
 #include "number/format.hpp"
 #include "scene/file/scene.hpp"
 
-namespace lostbits::analysis {
+namespace lostbits::analysis::choice {
 
 /// Forms whose name matches any of the globs (`sphere.*`, `*press*`), in the catalogue's order. A name without a glob
 /// character that is unknown is bad input, with did-you-mean; a glob that matches nothing selects nothing (exit 4).
@@ -110,4 +110,4 @@ std::pair<int, int> parse_size(const std::string& text);
 /// The data folder: `--data`, then $LOSTBITS_DATA, then ./data, then the installed one beside the program.
 std::filesystem::path data_folder(const std::string& given);
 
-}  // namespace lostbits::analysis
+}  // namespace lostbits::analysis::choice
