@@ -6,14 +6,15 @@
 #include <map>
 #include <memory>
 
+#include "analysis/choice/judge_words.hpp"
+#include "analysis/choice/select.hpp"
 #include "commands.hpp"
-#include "judge_words.hpp"
 #include "output/judge/judge_files.hpp"
 #include "scene/file/march_table.hpp"
-#include "select.hpp"
 
 namespace lostbits::analysis {
 
+using choice::JudgeWords;
 using measure::answer::Outcome;
 using measure::judge::JudgeRequest;
 using measure::judge::JudgeResult;
@@ -36,7 +37,7 @@ std::vector<const Metric*> metrics_of(const std::vector<const Metric*>& drawn, c
                         "write yours as one (CONTRIBUTING.md)",
                         m->name));
     }
-    if (asked.empty()) return measured(drawn, request.rows);
+    if (asked.empty()) return choice::measured(drawn, request.rows);
     scene::rays::RayGroup group;
     group.solids = request.solids;
     if (group.solids.empty()) {
@@ -44,7 +45,7 @@ std::vector<const Metric*> metrics_of(const std::vector<const Metric*>& drawn, c
         group.solids.front().shape = asked.front().form->shape;
     }
     group.march = request.march;
-    return made.for_forms(measured(drawn, request.rows), measure::map::forms_of(asked),
+    return made.for_forms(choice::measured(drawn, request.rows), measure::map::forms_of(asked),
                           [&group] { return measure::blame::SettingOf(group); });
 }
 
@@ -77,12 +78,12 @@ std::vector<measure::map::MapRow> rows_of(const JudgeWords& o, const Dump& dump,
                         "answer, such as -i '{}.*'",
                         o.file, name_of(shape)));
     }
-    const auto formats = o.formats.empty() ? std::vector{dump.format()} : select_formats(o.formats);
+    const auto formats = o.formats.empty() ? std::vector{dump.format()} : choice::select_formats(o.formats);
     const auto meets = [&](Shape s) { return s == shape || (s == Shape::sdf && marches); };
-    const auto asked = fitting(cross(select_forms(o.forms), formats), meets);
+    const auto asked = choice::fitting(choice::cross(choice::select_forms(o.forms), formats), meets);
     if (asked.empty())
         throw NothingSelected(
-            fmt::format("{}: no selected form handles its solids; try -i '{}'", o.file, globs_of(meets)));
+            fmt::format("{}: no selected form handles its solids; try -i '{}'", o.file, choice::globs_of(meets)));
     rows.insert(rows.end(), asked.begin(), asked.end());
     return rows;
 }
@@ -107,25 +108,25 @@ private:
 
 Exit run(const JudgeWords& o, const Common& common) {
     require_folder(o.out);
-    const auto scene = scene_of(o, common);
-    const auto dump = open_file(o, shape_given(o, scene));
-    JudgeRequest request{.solids = solids_given(o, scene, dump->format())};
+    const auto scene = choice::scene_of(o, choice::data_folder(common.data));
+    const auto dump = choice::open_file(o, choice::shape_given(o, scene));
+    JudgeRequest request{.solids = choice::solids_given(o, scene, dump->format())};
     if (scene && scene->march) request.march = scene::file::round_march(*scene->march, binary32);
     const Shape shape = dump->layout().solid() ? *dump->layout().solid() : request.solids.front().shape;
     const std::string stem = std::filesystem::path(o.file).stem().string();
-    const measure::judge::FileForm answers(stem, shape, contract_of(o));
+    const measure::judge::FileForm answers(stem, shape, choice::contract_of(o));
     request.answered = dump->layout().has_answers();
     request.rows = rows_of(o, *dump, shape, request.march.has_value(), request.answered ? &answers.form() : nullptr);
 
     request.picture = dump->picture();
-    if (!o.size.empty()) request.picture = parse_size(o.size);
+    if (!o.size.empty()) request.picture = choice::parse_size(o.size);
     measure::metric::MetricSet made;
-    auto drawn =
-        o.metrics.empty() ? std::vector{measure::metric::find_metric("lost_bits")} : select_metrics(o.metrics, made);
-    drawn = that_apply(drawn, request.rows, o.file);
+    auto drawn = o.metrics.empty() ? std::vector{measure::metric::find_metric("lost_bits")}
+                                   : choice::select_metrics(o.metrics, made);
+    drawn = choice::that_apply(drawn, request.rows, o.file);
     request.metrics = metrics_of(drawn, request, made);
     for (const Metric*& m : drawn) m = request.metrics[measure::metric::place_of(request.metrics, m->name)];
-    const ThreadLimit limit(common.threads);
+    const choice::ThreadLimit limit(common.threads);
 
     measure::truth::StageCounts stages;
     request.stages = &stages;
@@ -135,14 +136,15 @@ Exit run(const JudgeWords& o, const Common& common) {
     request.progress = [&](std::uint64_t, std::uint64_t bytes) { advance(by_bytes ? bytes : 0); };
     const auto folder = std::filesystem::path(o.out) / stem;
     const NewFolder clean(folder);
-    output::judge::JudgeFiles files(request, *dump,
-                                    {.folder = folder,
-                                     .id = stem,
-                                     .title = "rays of " + std::filesystem::path(o.file).filename().string(),
-                                     .command = canonical_command(o),
-                                     .drawn = request.picture ? drawn : std::vector<const Metric*>{},
-                                     .rows = o.rows,
-                                     .worst = o.worst});
+    output::judge::JudgeFiles files(
+        request, *dump,
+        {.folder = folder,
+         .id = stem,
+         .title = "rays of " + std::filesystem::path(o.file).filename().string(),
+         .command = choice::canonical_command(o) + each(" -i '", o.forms, "'") + each(" -f ", o.formats),
+         .drawn = request.picture ? drawn : std::vector<const Metric*>{},
+         .rows = o.rows,
+         .worst = o.worst});
     const JudgeResult result = measure::judge::run_judge(*dump, request, files.sinks());
     const bool worst = files.finish(result);
     progress.finish();

@@ -1,4 +1,4 @@
-#include "judge_words.hpp"
+#include "analysis/choice/judge_words.hpp"
 
 #include <fmt/format.h>
 
@@ -6,13 +6,13 @@
 #include <cmath>
 #include <map>
 
+#include "analysis/choice/select.hpp"
 #include "number/error.hpp"
 #include "output/blame/explain_command.hpp"
 #include "scene/dump/number_words.hpp"
 #include "scene/rays/rays.hpp"
-#include "select.hpp"
 
-namespace lostbits::analysis {
+namespace lostbits::analysis::choice {
 
 using scene::dump::Container;
 using scene::dump::DumpOptions;
@@ -69,9 +69,9 @@ std::optional<MissRule> miss_rule(const std::string& word) {
 
 }  // namespace
 
-std::optional<scene::file::Scene> scene_of(const JudgeWords& o, const Common& common) {
+std::optional<scene::file::Scene> scene_of(const JudgeWords& o, const std::filesystem::path& data) {
     if (o.scene.empty()) return {};
-    auto scenes = load_scenes({{o.scene}, "", "", {}}, data_folder(common.data));
+    auto scenes = load_scenes({{o.scene}, "", "", {}}, data);
     if (scenes.size() > 1)
         throw InputError(fmt::format("--scene {}: has {} variants; name one, such as {}", o.scene, scenes.size(),
                                      scenes.front().id));
@@ -138,7 +138,7 @@ std::string canonical_command(const JudgeWords& o) {
                        option("--at-origin", o.at_origin, "hit");
     for (const std::string& sphere : o.spheres) text += option("--sphere", sphere);
     for (const std::string& box : o.boxes) text += option("--box", box);
-    return text + each(" -i '", o.forms, "'") + each(" -f ", o.formats);
+    return text;
 }
 
-}  // namespace lostbits::analysis
+}  // namespace lostbits::analysis::choice

@@ -2,17 +2,17 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "commands.hpp"
 #include "intersect/info.hpp"
 #include "scene/dump/dump.hpp"
 #include "scene/file/scene.hpp"
 
-namespace lostbits::analysis {
+namespace lostbits::analysis::choice {
 
 struct JudgeWords {
     std::string file, container = "auto", columns, format;
@@ -29,7 +29,7 @@ struct JudgeWords {
 
 /// The one scene whose solids the rays are aimed at; nothing where none is named. InputError for several, and for one
 /// of too many solids.
-std::optional<scene::file::Scene> scene_of(const JudgeWords& o, const Common& common);
+std::optional<scene::file::Scene> scene_of(const JudgeWords& o, const std::filesystem::path& data);
 
 /// Of the solids that are given once for all rays; nothing where none are.
 std::optional<Shape> shape_given(const JudgeWords& o, const std::optional<scene::file::Scene>& scene);
@@ -47,4 +47,4 @@ intersect::Info contract_of(const JudgeWords& o);
 /// What to type to judge the file again.
 std::string canonical_command(const JudgeWords& o);
 
-}  // namespace lostbits::analysis
+}  // namespace lostbits::analysis::choice
