@@ -223,6 +223,7 @@ struct MapFiles::Parts {
         std::vector<file::Column> all = table.columns();
         for (file::Column& c : all) {
             if (!options.listed) continue;
+            if (c.unit == "pixel") c.unit = "";
             if (c.name == "rays") c.meaning = "rays of the file";
             if (c.name == "worst_x") c.meaning = "place in the file, from 0, of the ray with the largest |ulp_error|";
             if (c.name == "worst_y") c.meaning = "0";
