@@ -23,14 +23,17 @@ using scene::dump::Dump;
 
 namespace {
 
+bool takes_formula(const Metric& m) {
+    return (m.needs & (measure::metric::needs_self | measure::metric::needs_attribution)) != 0;
+}
+
 /// The metrics of the request. InputError for one that needs a formula where there is none.
 std::vector<const Metric*> metrics_of(const std::vector<const Metric*>& drawn, const JudgeRequest& request,
                                       measure::metric::MetricSet& made) {
     std::vector<measure::map::MapRow> asked = request.rows;
     if (request.answered) asked.erase(asked.begin());
     for (const Metric* m : drawn) {
-        if (!asked.empty() || (m->needs & (measure::metric::needs_self | measure::metric::needs_attribution)) == 0)
-            continue;
+        if (!asked.empty() || !takes_formula(*m)) continue;
         throw InputError(
             fmt::format("--metric {}: takes the formula, evaluated without rounding or operation by "
                         "operation, and a file has its answers alone; add -i FORM for the forms here, or "
@@ -150,6 +153,12 @@ Exit run(const JudgeWords& o, const Common& common) {
     progress.finish();
 
     if (!common.quiet) {
+        for (const Metric* m : request.metrics) {
+            if (request.answered && takes_formula(*m))
+                fmt::print(stderr,
+                           "lostbits: {} takes the formula, and is left out of {}, which has its answers alone\n",
+                           m->name, answers.form().info->name);
+        }
         if (result.rounded > 0)
             fmt::print(
                 stderr,

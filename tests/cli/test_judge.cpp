@@ -98,6 +98,8 @@ TEST_CASE("the worst rays of a file are cases that the formula of its answers ge
     REQUIRE(r.code == 0);
     const auto rows = read_csv(scratch.path() / "again/worst/cases.csv");
     CHECK(rows.size() == 9);  // three errors, three false misses, three false hits
+    REQUIRE(run("judge " + far_csv + " --worst 0" + into(scratch)).code == 0);
+    CHECK_FALSE(fs::exists(cases));
     std::size_t false_hits = 0;
     for (const auto& row : rows) {
         CHECK(row.at("verdict") != "right");
@@ -118,6 +120,19 @@ TEST_CASE("rays without answers are answered by forms") {
     REQUIRE(rows.size() == 2);
     CHECK(rows[0].at("agree_hit") == "1");
     CHECK(has(rows[0].at("worst_explain"), "lostbits explain --sphere=0x0p+0,0x0p+0,0x0p+0,0x1p+0 --ray="));
+}
+
+TEST_CASE("metrics of a formula are measured of forms, and left out of the file's answers") {
+    const Scratch scratch;
+    const auto r = run("judge " + far_csv + " --metric culprit --metric model_error -i sphere.press" + into(scratch));
+    REQUIRE(r.code == 0);
+    CHECK(has(r.err, "culprit takes the formula, and is left out of file.far-sphere"));
+    const auto rows = read_csv(scratch.path() / "out/far-sphere/summary.csv");
+    REQUIRE(rows.size() == 2);
+    CHECK(rows[0].at("culprit").empty());
+    CHECK_FALSE(rows[1].at("culprit").empty());
+    CHECK(rows[0].at("model_error_max").empty());
+    CHECK_FALSE(rows[1].at("model_error_max").empty());
 }
 
 TEST_CASE("judge says what it needs to know, and writes nothing") {

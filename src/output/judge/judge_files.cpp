@@ -138,6 +138,9 @@ bool JudgeFiles::finish(const measure::judge::JudgeResult& result) {
         p.worst->write(sweep::head_of_cases("The worst rays of " + p.options.title, p.options.command) + cases);
         p.worst->commit();
     }
+    // That of an earlier run is about other answers.
+    std::error_code ignored;
+    if (!any) std::filesystem::remove(p.options.folder / "worst.toml", ignored);
     p.map->finish(result.summaries);
     return any;
 }

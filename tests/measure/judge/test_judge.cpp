@@ -11,6 +11,7 @@
 #include "measure/seeded.hpp"
 #include "measure/truth/lost_bits.hpp"
 #include "scene/dump/dump_writer.hpp"
+#include "scene/file/march_table.hpp"
 
 using namespace lostbits;
 using namespace lostbits::measure;
@@ -74,7 +75,9 @@ void hold_map_and_judge(const char* scene_id, std::initializer_list<const char*>
         const auto expected = map::run_map({.scene = &scene, .rows = {row}, .metrics = all_metrics}, {});
 
         const scene::rays::RayBlock rays = scene::rays::make_shared_rays(scene, 0, scene.height);
-        const truth::Band band(rays, solids);
+        std::optional<intersect::MarchConstants<double>> march;
+        if (scene.march) march = scene::file::round_march(*scene.march, binary32);
+        const truth::Band band(scene::rays::RayGroup{rays, solids, march});
         const auto answers = answer::evaluate(
             *row.form, band.inputs(row.format, {.unit_rays = row.form->info->direction == intersect::Direction::unit}));
         Columns columns = ray_columns(rays);
@@ -87,6 +90,7 @@ void hold_map_and_judge(const char* scene_id, std::initializer_list<const char*>
         const judge::FileForm form("a", solids.front().shape, *row.form->info);
         const JudgeResult result = judge::run_judge(*dump,
                                                     {.solids = solids,
+                                                     .march = march,
                                                      .rows = {{&form.form(), row.format}, row},
                                                      .answered = true,
                                                      .metrics = all_metrics,
@@ -136,6 +140,8 @@ TEST_CASE("the answers of a form in a file measure as the form does in a map") {
     hold_map_and_judge("near-benign", {"sphere.schoolbook", "sphere.press", "sphere.unit_half_b"}, "f32");
     hold_map_and_judge("rtg-fig-7-3-2000", {"sphere.schoolbook", "sphere.expanded"}, "f32");
     hold_map_and_judge("grazing", {"sphere.unified"}, "f64");
+    hold_map_and_judge("raycast-course", {"sphere.schoolbook"}, "f32");  // several spheres
+    hold_map_and_judge("sdf-union", {"sdf.sphere_trace"}, "f32");
     hold_map_and_judge("box-offset", {"box.signs", "box.exclusive"}, "f32");
 }
 
