@@ -34,6 +34,7 @@ using Command = std::function<Exit()>;
 void add_check(CLI::App& program, const Common& common, Command& chosen);
 void add_diff(CLI::App& program, const Common& common, Command& chosen);
 void add_explain(CLI::App& program, const Common& common, Command& chosen);
+void add_judge(CLI::App& program, const Common& common, Command& chosen);
 void add_list(CLI::App& program, const Common& common, Command& chosen);
 void add_map(CLI::App& program, const Common& common, Command& chosen);
 void add_plugin(CLI::App& program, const Common& common, Command& chosen);

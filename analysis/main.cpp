@@ -99,6 +99,7 @@ Exit run(int argc, char** argv) {
     add_check(program, common, chosen);
     add_diff(program, common, chosen);
     add_explain(program, common, chosen);
+    add_judge(program, common, chosen);
     add_list(program, common, chosen);
     add_map(program, common, chosen);
     add_plugin(program, common, chosen);

@@ -65,18 +65,16 @@ public:
 
     [[nodiscard]] std::size_t begin() const { return begin_; }
     [[nodiscard]] std::size_t count() const { return count_; }
-    [[nodiscard]] intersect::table::RayBatch<S> batch() const {
-        return {.ox = batch_[0],
-                .oy = batch_[1],
-                .oz = batch_[2],
-                .dx = batch_[3],
-                .dy = batch_[4],
-                .dz = batch_[5],
-                .tmax = batch_[6]};
+    [[nodiscard]] intersect::table::RayBatch<S> batch() const { return batch(0, count_); }
+    [[nodiscard]] HitBatch<S> hits() { return hits(0, count_); }
+    [[nodiscard]] intersect::table::RayBatch<S> batch(std::size_t i, std::size_t end) const {
+        const auto part = [&](std::size_t k) { return batch_[k].empty() ? batch_[k] : batch_[k].subspan(i, end - i); };
+        return {
+            .ox = part(0), .oy = part(1), .oz = part(2), .dx = part(3), .dy = part(4), .dz = part(5), .tmax = part(6)};
     }
-    [[nodiscard]] HitBatch<S> hits() {
-        return {std::span(t_).first(count_), std::span(near_).first(count_), std::span(far_).first(count_),
-                std::span(hit_).first(count_)};
+    [[nodiscard]] HitBatch<S> hits(std::size_t i, std::size_t end) {
+        const auto part = [&](auto& all) { return std::span(all).subspan(i, end - i); };
+        return {part(t_), part(near_), part(far_), part(hit_)};
     }
 
     /// Takes the hits with this solid where they come first.
@@ -131,6 +129,41 @@ void keep_nearest(S t, std::size_t p, std::int32_t object, Answers& answers) {
     // The sign and payload of a NaN are the compiler's choice; no file may depend on it.
     answers.t[p] = std::isnan(t) ? truth::missing : t;
     answers.object[p] = object;
+}
+
+/// Each ray and the solid that it is paired with; neighbours with the same solid together.
+template <class S, class Kernel>
+void each_its_own(const Kernel& kernel, Chunk<S>& chunk, const FormatInputs& in, Answers& answers) {
+    stop_if_interrupted();
+    const auto same = [solids = in.solids.listed()](std::size_t a, std::size_t b) {
+        return std::ranges::equal(solids[a].used(), solids[b].used());
+    };
+    for (std::size_t i = 0, end = 0; i < chunk.count(); i = end) {
+        const std::size_t first = chunk.begin() + i;
+        for (end = i + 1; end < chunk.count() && same(first, chunk.begin() + end);) ++end;
+        const Solid<S> solid = transformed(in.solids[first], [](double x) { return static_cast<S>(x); });
+        kernel(chunk.batch(i, end), Target<S>(solid), chunk.hits(i, end));
+        for (std::size_t k = i; k < end; ++k) {
+            const std::size_t p = chunk.begin() + k;
+            const HitBatch<S> hits = chunk.hits();
+            if (hits.hit[k] != 0) keep_nearest(hits.t[k], p, static_cast<std::int32_t>(p), answers);
+        }
+    }
+}
+
+/// The same in one call, for kernels from outside, each call of which may cost a message to another process.
+template <class S, class Kernel>
+void own_at_once(const Kernel& kernel, Chunk<S>& chunk, const FormatInputs& in, Answers& answers) {
+    stop_if_interrupted();
+    std::vector<Solid<S>> own;
+    for (std::size_t k = 0; k < chunk.count(); ++k)
+        own.push_back(transformed(in.solids[chunk.begin() + k], [](double x) { return static_cast<S>(x); }));
+    const HitBatch<S> hits = chunk.hits();
+    kernel(chunk.batch(), Target<S>(std::span<const Solid<S>>(own)), hits);
+    for (std::size_t k = 0; k < chunk.count(); ++k) {
+        const std::size_t p = chunk.begin() + k;
+        if (hits.hit[k] != 0) keep_nearest(hits.t[k], p, static_cast<std::int32_t>(p), answers);
+    }
 }
 
 /// One chunk of rays against all solids, keeping the nearest.
@@ -319,6 +352,8 @@ Answers evaluate(const intersect::table::Intersector& form, const FormatInputs& 
         for (std::size_t begin = 0; begin < n; begin += Chunk<S>::most) {
             chunk.move_to(begin);
             if (marches) march_to<S>(kernel, chunk, rays, inputs, answers);
+            else if (inputs.paired && !form.is_template()) own_at_once<S>(kernel, chunk, inputs, answers);
+            else if (inputs.paired) each_its_own<S>(kernel, chunk, inputs, answers);
             else nearest_of<S>(kernel, chunk, inputs, answers);
         }
     };

@@ -16,8 +16,6 @@ using truth::Band;
 using truth::BandNeeds;
 using truth::FormatInputs;
 
-namespace {
-
 columns::BandColumns columns_of(const Band& band, const std::vector<MapRow>& rows) {
     columns::BandColumns columns(band);
     for (const MapRow& row : rows) columns.find(row.convention(), row.form->info->direction);
@@ -35,8 +33,6 @@ std::map<std::string, BandNeeds> needs_by_format(const std::vector<MapRow>& rows
     }
     return formats;
 }
-
-}  // namespace
 
 std::vector<const intersect::table::Intersector*> forms_of(const std::vector<MapRow>& rows) {
     std::vector<const intersect::table::Intersector*> forms;

@@ -116,6 +116,10 @@ struct RowRequest {
     const std::vector<const metric::Metric*>& metrics;
     MapSink* sink = nullptr;
     int group = 0;  ///< of a sweep or case, for the rays that the summary names
+    int first = 0;  ///< the place of the band's first ray, where rays are a list and no picture
+    /// What was answered, where a file has it and no form can be asked; null: the form is asked.
+    const answer::Answers* answers = nullptr;
+    bool decisions_only = false;  ///< the answers are hits and misses without a t: outcomes alone are measured
 };
 
 /// Evaluates a row on a band, of which `inputs` are those of its format, and adds what it finds to `summary`, which is

@@ -57,18 +57,16 @@ public:
     Measurement(const RowRequest& request, const TrueLengths& truth, BandResult& result, RowColumns& room)
         : metrics_(request.metrics),
           row_(request.row),
-          group_(request.group),
+          request_(request),
           result_(result),
           truth_(truth),
-          needs_(row_.form->is_template() ? needs_of(metrics_)
-                                          : needs_of(metrics_) & ~(metric::needs_attribution | metric::needs_self)),
+          needs_(needs_of(metrics_) & needs_met_by(*row_.form)),
           blamer_(*row_.form, row_.format, culprits_of(metrics_)),
           measured_(room.measured),
           own_ulps_(room.own_ulps) {}
 
     void measure(MapSummary& summary) {
-        find_outcomes(*result_.answers, truth_, row_.form->info->roots != intersect::Roots::none,
-                      {result_.outcomes, measured_}, summary);
+        find_outcomes(*result_.answers, truth_, tells_t(), {result_.outcomes, measured_}, summary);
         measure_columns();
         measure_pairs();
         measure_others();
@@ -78,6 +76,15 @@ public:
     }
 
 private:
+    [[nodiscard]] bool tells_t() const {
+        return !request_.decisions_only && row_.form->info->roots != intersect::Roots::none;
+    }
+
+    /// A row that is a file's, or someone else's function, has no formula to evaluate without rounding or to record.
+    static unsigned needs_met_by(const intersect::table::Intersector& form) {
+        return ~((form.ball ? 0U : metric::needs_self) | (form.record ? 0U : metric::needs_attribution));
+    }
+
     static std::span<const std::string_view> culprits_of(const std::vector<const Metric*>& metrics) {
         const auto found = std::ranges::find_if(metrics, &Metric::by_run);
         return found == metrics.end() ? std::span<const std::string_view>() : (*found)->categories;
@@ -162,7 +169,7 @@ private:
                 sample.blame = &blame;
                 take(i, sample, of_blamed);
             }
-            if (hits && outcome == Outcome::agree_hit) measure_hit(i, ray, of_hits);
+            if (hits && outcome == Outcome::agree_hit && tells_t()) measure_hit(i, ray, of_hits);
         }
     }
 
@@ -252,19 +259,22 @@ private:
         }
     }
 
+    /// The place of the band's first ray among all.
+    [[nodiscard]] int first_of_band() const { return request_.first + result_.y0 * result_.width; }
+
     /// Ray i as a summary names it.
     [[nodiscard]] WorstRay named(std::size_t i, Outcome outcome) const {
         const bool hit = result_.answers->hit[i] != 0;
         const Truth truth = result_.truth(i);
         const int object = hit ? result_.answers->object[i] : truth.object;
-        WorstRay w{.x = static_cast<int>(i % static_cast<std::size_t>(result_.width)),
+        WorstRay w{.x = request_.first + static_cast<int>(i % static_cast<std::size_t>(result_.width)),
                    .y = result_.y0 + static_cast<int>(i / static_cast<std::size_t>(result_.width)),
-                   .group = group_,
-                   .object = object,
+                   .group = request_.group,
+                   .object = result_.inputs->paired && object >= 0 ? first_of_band() + object : object,
                    .size = 0,
                    .ray = result_.inputs->rays[i],
                    .solid = result_.inputs->solids[static_cast<std::size_t>(std::max(0, object))],
-                   .t = hit ? result_.answers->t[i] : missing,
+                   .t = hit && tells_t() ? result_.answers->t[i] : missing,
                    .outcome = outcome,
                    .judged = row_.judged};
         if (truth.is_hit())
@@ -281,7 +291,7 @@ private:
 
     const std::vector<const Metric*>& metrics_;
     const MapRow& row_;
-    int group_;
+    const RowRequest& request_;
     BandResult& result_;
     const TrueLengths& truth_;
     unsigned needs_;
@@ -296,7 +306,8 @@ private:
 
 void measure_row(const RowRequest& request, const RowBand& on, MapSummary& summary) {
     const MapRow& row = request.row;
-    const answer::Answers answers = answer::evaluate(*row.form, on.inputs);
+    const answer::Answers asked = request.answers ? answer::Answers{} : answer::evaluate(*row.form, on.inputs);
+    const answer::Answers& answers = request.answers ? *request.answers : asked;
     // Taken, not used in place: a thread that waits in here may begin another row.
     thread_local std::optional<RowColumns> kept;
     RowColumns room = std::exchange(kept, std::nullopt).value_or(RowColumns{});

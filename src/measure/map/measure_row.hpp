@@ -1,6 +1,10 @@
 // One row on a band whose truth is shared as columns with other rows.
 #pragma once
 
+#include <map>
+#include <string>
+#include <vector>
+
 #include "measure/columns/columns.hpp"
 #include "measure/map/map.hpp"
 
@@ -12,6 +16,13 @@ struct RowBand {
     const truth::FormatInputs& inputs;    ///< of the row's format
     const columns::BandColumns& columns;  ///< found for the row's convention and unit
 };
+
+/// The truth of a band in the units and by the conventions of the rows.
+columns::BandColumns columns_of(const truth::Band& band, const std::vector<MapRow>& rows);
+
+/// What the rows and metrics need of a band's inputs, by the names of the formats.
+std::map<std::string, truth::BandNeeds> needs_by_format(const std::vector<MapRow>& rows,
+                                                        const std::vector<const metric::Metric*>& metrics);
 
 /// As the function of map.hpp, which finds the columns for one row alone.
 void measure_row(const RowRequest& request, const RowBand& on, MapSummary& summary);

@@ -47,7 +47,7 @@ void find_outcomes(const answer::Answers& answers, const columns::TrueLengths& t
     for (std::size_t i = 0; i < n; ++i) outcomes[i] = cases.of(truth.decision[i], answers.hit[i] != 0, answers.t[i]);
     for (std::size_t i = 0; i < n; ++i) {
         const bool agree = outcomes[i] == Outcome::agree_hit;
-        measured[i] = agree ? answers.t[i] : missing;
+        measured[i] = agree && tells_t ? answers.t[i] : missing;
         wrong_object += static_cast<std::uint64_t>(agree & tells_t & (answers.object[i] != truth.object[i]));
     }
     for (const Truth::Decision decision : truth.decision)

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "measure/truth/conditioning.hpp"
+#include "measure/truth/enclose.hpp"
 #include "measure/truth/missing.hpp"
 #include "measure/truth/truth_columns.hpp"
 #include "measure/truth/unit_direction.hpp"
@@ -92,6 +93,7 @@ Band::Band(scene::rays::RayGroup group, TruthLimit limit)
       rows_(group.rays.y1 - group.rays.y0),
       limit_(limit),
       in_binary32_(fits_binary32(group)),
+      paired_(group.paired),
       shared_(std::move(group.rays)),
       shared_solids_(std::move(group.solids)),
       shared_march_(group.march) {
@@ -121,10 +123,22 @@ Ray<double> in_double(const Ray<Real>& ray) {
 constexpr Convention other_conventions[] = {
     {Touching::miss}, {Touching::hit, AtOrigin::miss}, {Touching::miss, AtOrigin::miss}};
 
-/// The truth among the candidates alone; among all solids where there is no index.
+/// Which solids a ray is asked about: those that an index finds, all, or the one that it is paired with.
+struct Candidates {
+    const SphereIndex* index = nullptr;
+    bool paired = false;
+};
+
+/// The truth of ray i among its candidates alone.
 template <class S>
-Truth find_among(const SphereIndex* index, const Ray<S>& ray, const SolidList<S>& solids, TruthLimit limit,
+Truth find_among(Candidates among, std::size_t i, const Ray<S>& ray, const SolidList<S>& solids, TruthLimit limit,
                  Convention convention, double tmax) {
+    const SphereIndex* const index = among.index;
+    if (among.paired) {
+        Truth truth = find_truth(ray, solids[i], limit, convention, tmax);
+        if (truth.object >= 0) truth.object = static_cast<int>(i);
+        return truth;
+    }
     if (index == nullptr) {
         if (!solids.flake()) return find_truth(ray, solids.listed(), limit, convention, tmax);
         return find_truth(ray, std::span<const Solid<S>>(solids.all()), limit, convention, tmax);
@@ -133,7 +147,7 @@ Truth find_among(const SphereIndex* index, const Ray<S>& ray, const SolidList<S>
     thread_local std::vector<Solid<S>> few;
     index->candidates(in_double(ray), found);
     few.clear();
-    for (const std::uint32_t i : found) few.push_back(solids[i]);
+    for (const std::uint32_t solid : found) few.push_back(solids[solid]);
     Truth truth = find_truth(ray, std::span<const Solid<S>>(few), limit, convention, tmax);
     if (truth.object >= 0) truth.object = static_cast<int>(found[static_cast<std::size_t>(truth.object)]);
     return truth;
@@ -149,16 +163,16 @@ bool matters(Convention convention, const Truth& closed) {
 
 Truth Band::find_truth_of(std::size_t i, Convention convention) const {
     const double tmax = !ideal_ && !shared_.tmax.empty() ? shared_.tmax[i] : HUGE_VAL;
-    const SphereIndex* const index = culler_ ? culler_->for_truth() : nullptr;
+    const Candidates among{culler_ ? culler_->for_truth() : nullptr, paired_};
     return with_ray(i, [&](const auto& ray, const auto& solids) {
-        return find_among(index, ray, solids, limit_, convention, tmax);
+        return find_among(among, i, ray, solids, limit_, convention, tmax);
     });
 }
 
 void Band::find_truth_of_all() {
     const SphereIndex* const index = culler_ ? culler_->for_truth() : nullptr;
-    stages_ = ideal_ ? find_truths(RaysAndSolids<Real>{*ideal_, ideal_solids_, index}, limit_, truths_)
-                     : find_truths(RaysAndSolids<double>{shared_, shared_solids_, index}, limit_, truths_);
+    stages_ = ideal_ ? find_truths(RaysAndSolids<Real>{*ideal_, ideal_solids_, index, paired_}, limit_, truths_)
+                     : find_truths(RaysAndSolids<double>{shared_, shared_solids_, index, paired_}, limit_, truths_);
     for (const auto& [i, closed] : truths_.whole) {
         for (const Convention convention : other_conventions) {
             if (matters(convention, closed)) apart_[key(i, convention)].truth = find_truth_of(i, convention);
@@ -201,7 +215,7 @@ double Band::condition(std::size_t i, Convention convention) const {
 }
 
 FormatInputs Band::inputs(const Format& format, BandNeeds needs) const {
-    FormatInputs in{.format = format};
+    FormatInputs in{.format = format, .paired = paired_};
     const FloatFormat& shape = format.shape;
     if (ideal_) {
         in.rays = scene::rays::round_rays(*ideal_, shape);
@@ -223,11 +237,12 @@ FormatInputs Band::inputs(const Format& format, BandNeeds needs) const {
     if (culler_) in.index = culler_->for_forms(shape, in.solids);
     if (needs.own_truth && !in.ideal) {
         const auto index = culler_ ? culler_->for_own_truth(shape, in.solids) : nullptr;
+        const Candidates among{index.get(), paired_};
         const auto own = [&](std::size_t i, Convention convention) {
-            return find_among(index.get(), in.rays[i], in.solids, limit_, convention,
+            return find_among(among, i, in.rays[i], in.solids, limit_, convention,
                               in.rays.tmax.empty() ? HUGE_VAL : in.rays.tmax[i]);
         };
-        find_truths(RaysAndSolids<double>{in.rays, in.solids, index.get()}, limit_, in.own_truth);
+        find_truths(RaysAndSolids<double>{in.rays, in.solids, index.get(), paired_}, limit_, in.own_truth);
         for (const auto& [i, closed] : in.own_truth.whole) {
             if (closed.on_surface) in.own_past_origin[i] = own(i, {Touching::hit, AtOrigin::miss});
         }
@@ -246,7 +261,7 @@ bool Band::keeps(const FormatInputs& inputs, std::size_t i) const {
         const Ray<double> stored = inputs.rays[i];
         if (!same_vec(stored.origin, ray.origin) || !same_vec(stored.direction, ray.direction)) return false;
         if (!shared_.tmax.empty() && !same(inputs.rays.tmax[i], shared_.tmax[i])) return false;
-        for (std::size_t k = 0; k < solids.size(); ++k) {
+        for (std::size_t k = paired_ ? i : 0; k < (paired_ ? i + 1 : solids.size()); ++k) {
             const auto stored_solid = inputs.solids[k];
             const auto given = solids[k];
             if (!std::ranges::equal(stored_solid.used(), given.used(), same)) return false;
@@ -256,6 +271,7 @@ bool Band::keeps(const FormatInputs& inputs, std::size_t i) const {
 }
 
 std::shared_ptr<const scene::rays::RayGroup> Band::given(std::size_t i, std::set<int> solids) const {
+    if (paired_) solids = {static_cast<int>(i)};
     const std::size_t count = solids.empty() ? shared_solids_.size() : solids.size();
     if (scene_ != nullptr || count > most_given) return nullptr;
     auto one = std::make_shared<scene::rays::RayGroup>(scene::rays::group_of(shared_[i]));

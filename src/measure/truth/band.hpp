@@ -68,6 +68,7 @@ private:
     int y0_ = 0, rows_ = 0;
     TruthLimit limit_;
     bool in_binary32_ = true;       ///< every shared number is one of binary32
+    bool paired_ = false;           ///< ray i is aimed at solid i alone
     scene::rays::RayBlock shared_;  ///< inputs = shared
     scene::rays::SolidList<double> shared_solids_;
     std::optional<scene::rays::IdealRayBlock> ideal_;  ///< inputs = own

@@ -5,6 +5,7 @@
 
 #include "geometry/solid.hpp"
 #include "intersect/info.hpp"
+#include "measure/truth/missing.hpp"
 #include "number/ball.hpp"
 #include "number/interval.hpp"
 
@@ -91,6 +92,18 @@ Ray<E> lift_ray(const Ray<S>& ray) {
 template <class E, class S>
 Solid<E> lift_solid(const Solid<S>& solid) {
     return transformed(solid, [](const S& x) { return lift<E>(x); });
+}
+
+/// The double nearest to a number, and the double nearest to what that leaves: NaN where the two do not enclose the
+/// number to 2^-104 of itself, as `lift` has it.
+inline double word_of(double x) { return x; }
+inline double word_of(const Real& x) { return x.convert_to<double>(); }
+inline double low_word_of(const Real& x) {
+    const double hi = word_of(x);
+    if (!std::isfinite(hi)) return missing;
+    const Real rest = x - Real(hi);
+    if (rest == 0) return 0;
+    return std::fabs(hi) < 0x1p-800 ? missing : rest.convert_to<double>();
 }
 
 }  // namespace lostbits::measure::truth

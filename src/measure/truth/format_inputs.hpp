@@ -27,6 +27,7 @@ struct FormatInputs {
     /// The same where an origin on a sphere does not count, for the rays on which that matters.
     std::unordered_map<std::size_t, Truth> own_past_origin = {};
     bool ideal = false;                             ///< the inputs are exactly those of the truth
+    bool paired = false;                            ///< ray i is aimed at solid i alone
     std::shared_ptr<const SphereIndex> index = {};  ///< candidates among the solids for each ray; null: all of them
 
     [[nodiscard]] Truth own(std::size_t i, intersect::Convention convention) const {

@@ -87,9 +87,11 @@ public:
     void find() {
         if (problems_.index) return find_pairs([](std::size_t) { return true; });
         open_.assign(count_, 0);
-        for (std::size_t s = 0; s < problems_.solids.size(); ++s) meet(s);
+        if (problems_.paired) meet_own();
+        else
+            for (std::size_t s = 0; s < problems_.solids.size(); ++s) meet(s);
         const auto open = static_cast<std::size_t>(std::ranges::count(open_, 1));
-        rest_.counts.double_double += (count_ - open) * problems_.solids.size();
+        rest_.counts.double_double += (count_ - open) * (problems_.paired ? 1 : problems_.solids.size());
         if (open > 0) find_pairs([this](std::size_t i) { return open_[i] != 0; });
     }
 
@@ -113,6 +115,30 @@ private:
             for (std::size_t k = 0; k < solid.used().size(); ++k) columns.solid_low[k] = std::span(&low.numbers[k], 1);
         }
         meet(columns, s == 0, [s](std::size_t) { return static_cast<std::int32_t>(s); });
+    }
+
+    /// Every ray against the solid that it is paired with.
+    void meet_own() {
+        stop_if_interrupted();
+        const Shape shape = problems_.solids[begin_].shape;
+        const std::size_t numbers = number_names(shape).size();
+        std::array<std::vector<double>, 12> room;
+        for (auto& column : room) column.resize(count_);
+        for (std::size_t i = 0; i < count_; ++i) {
+            const Solid<S> solid = problems_.solids[begin_ + i];
+            for (std::size_t k = 0; k < numbers; ++k) {
+                room[k][i] = word_of(solid.numbers[k]);
+                room[6 + k][i] = low_word_of(solid.numbers[k]);
+            }
+        }
+        ProblemColumns<double> columns{
+            .size = count_, .ray = rays_.words, .shape = shape, .solid = {}, .tmax = rays_.tmax};
+        for (std::size_t k = 0; k < numbers; ++k) columns.solid[k] = room[k];
+        if constexpr (two_words) {
+            columns.ray_low = rays_.low;
+            for (std::size_t k = 0; k < numbers; ++k) columns.solid_low[k] = room[6 + k];
+        }
+        meet(columns, true, [this](std::size_t i) { return static_cast<std::int32_t>(begin_ + i); });
     }
 
     /// Every ray against its solid of these columns, whose place is `place(ray)`. What the first of them finds goes
@@ -184,6 +210,8 @@ private:
             for (std::size_t k = 0; k < 6; ++k) ray[k] = rays_.words[k][i];
             problems_.index->candidates({{ray[0], ray[1], ray[2]}, {ray[3], ray[4], ray[5]}}, candidates_);
             for (const std::uint32_t s : candidates_) add_pair(i, s);
+        } else if (problems_.paired) {
+            add_pair(i, static_cast<std::uint32_t>(begin_ + i));
         } else {
             for (std::size_t s = 0; s < solids.size(); ++s) add_pair(i, static_cast<std::uint32_t>(s));
         }

@@ -223,12 +223,25 @@ struct MapFiles::Parts {
     std::vector<std::unique_ptr<RowFiles>> rows = {};
     std::unique_ptr<CsvWriter> summary = {};
     std::optional<CulpritTable> culprits = {};
+
+    /// Of the summary.
+    [[nodiscard]] std::vector<file::Column> columns() const {
+        std::vector<file::Column> all = table.columns();
+        for (file::Column& c : all) {
+            if (!options.listed) continue;
+            if (c.unit == "pixel") c.unit = "";
+            if (c.name == "rays") c.meaning = "rays of the file";
+            if (c.name == "worst_x") c.meaning = "place in the file, from 0, of the ray with the largest |ulp_error|";
+            if (c.name == "worst_y") c.meaning = "0";
+        }
+        return all;
+    }
 };
 
 MapFiles::MapFiles(const MapRequest& request, const MapFilesOptions& options)
     : parts_(new Parts{.request = request, .options = options, .table = {request.metrics, request.scene->shapes()}}) {
     Parts& p = *parts_;
-    p.summary = std::make_unique<CsvWriter>(options.folder / "summary.csv", p.table.columns());
+    p.summary = std::make_unique<CsvWriter>(options.folder / "summary.csv", p.columns());
     if (CulpritTable::is_wanted(request.metrics))
         p.culprits.emplace(options.folder / "culprits.csv", std::vector<file::Column>{}, request.metrics);
     p.sheets = sheets_of(request, options);
@@ -265,13 +278,14 @@ void MapFiles::finish(const std::vector<MapSummary>& summaries) {
     }
     for (std::size_t r = 0; r < summaries.size(); ++r) {
         p.table.add(*p.summary, p.request.rows[r], summaries[r], [&p](const measure::map::WorstRay& ray) {
-            return blame::name_of_pixel(p.options.named, ray.x, ray.y);
+            return p.options.name_of_ray ? p.options.name_of_ray(ray)
+                                         : blame::name_of_pixel(p.options.named, ray.x, ray.y);
         });
         p.summary->end_row();
         if (p.culprits) p.culprits->add(p.request.rows[r], summaries[r]);
     }
 
-    std::vector<file::DataResource> resources{{"summary.csv", "One row per form and format", p.table.columns()}};
+    std::vector<file::DataResource> resources{{"summary.csv", "One row per form and format", p.columns()}};
     if (p.culprits)
         resources.push_back(
             {"culprits.csv", "One row per form, format and operation that is a culprit", CulpritTable::columns({})});

@@ -9,6 +9,7 @@
 #include "measure/map/map.hpp"
 #include "output/file/datapackage.hpp"
 #include "output/map/map_exr.hpp"
+#include "output/map/map_tables.hpp"
 
 namespace lostbits::output::map {
 
@@ -22,6 +23,8 @@ struct MapFilesOptions {
     bool envelope = false;
     MapExr* exr = nullptr;  ///< of the same request; filled and, before summary.csv, closed; null: none is written
     std::vector<file::DataResource> also = {};  ///< tables that others write into the folder, for datapackage.json
+    NameOfRay name_of_ray = {};                 ///< in place of `named`, where the rays are those of a file
+    bool listed = false;                        ///< the rays are a list and no picture: none is drawn
 };
 
 /// Opens every file of a map at once, before any work; serves as the sinks of its rows; and gives all files their final

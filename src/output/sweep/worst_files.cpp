@@ -8,6 +8,7 @@
 #include "output/file/csv.hpp"
 #include "output/file/datapackage.hpp"
 #include "output/file/number_text.hpp"
+#include "output/sweep/case_text.hpp"
 
 namespace lostbits::output::sweep {
 
@@ -48,37 +49,14 @@ std::vector<file::Column> worst_columns(const WorstRequest& request) {
     return columns;
 }
 
-std::string hex_list(const std::vector<double>& x, std::size_t begin, std::size_t count) {
-    std::string text;
-    for (std::size_t i = begin; i < begin + count; ++i) text += (i > begin ? ", \"" : "\"") + file::hex(x[i]) + "\"";
-    return "[" + text + "]";
-}
-
-/// A TOML basic string: a title may hold quotes.
-std::string quoted(const std::string& text) {
-    std::string out = "\"";
-    for (const char c : text) {
-        if (c == '"' || c == '\\') out += '\\';
-        if (static_cast<unsigned char>(c) < 0x20) out += fmt::format("\\u{:04X}", static_cast<unsigned>(c));
-        else out += c;
-    }
-    return out + '"';
-}
-
-std::string case_text(const WorstRequest& request, const measure::map::MapRow& row, const WorstFound& w) {
+std::string case_of(const WorstRequest& request, const measure::map::MapRow& row, const WorstFound& w) {
     const bool decided = w.outcome == measure::answer::Outcome::agree_hit;
     std::string what = decided ? fmt::format("{} {:.6g}", request.search->metric, w.value)
                                : std::string(measure::answer::outcome_names[static_cast<std::size_t>(w.outcome)]);
     if (!decided && request.search->nearest) what += fmt::format(" at {:.6g} radii", w.distance);
-    const auto ray = ray_numbers(w);
-    const std::vector<double> solid(w.solid.used().begin(), w.solid.used().end());
-    std::string text =
-        fmt::format("\n[[case]]\nname = \"{} in {}: {}\"\n", row.form->info->name, row.format.name, what);
-    if (request.search->shape == Shape::sphere)
-        text +=
-            fmt::format("spheres = [{{ centre = {}, radius = \"{}\" }}]\n", hex_list(solid, 0, 3), file::hex(solid[3]));
-    else text += fmt::format("boxes = [{{ lo = {}, hi = {} }}]\n", hex_list(solid, 0, 3), hex_list(solid, 3, 3));
-    return text + fmt::format("rays = [{{ origin = {}, direction = {} }}]\n", hex_list(ray, 0, 3), hex_list(ray, 3, 3));
+    scene::rays::RayGroup one = scene::rays::group_of(w.ray);
+    one.solids = {w.solid};
+    return case_text(fmt::format("{} in {}: {}", row.form->info->name, row.format.name, what), one);
 }
 
 }  // namespace
@@ -88,12 +66,11 @@ void write_worst(const std::filesystem::path& folder, const WorstRequest& reques
     const scene::sweep::SearchFile& search = *request.search;
     file::CsvWriter csv(folder / "worst.csv", worst_columns(request));
     file::AtomicFile hard(folder / "hard.toml");
-    std::string text = fmt::format(
-        "schema = \"lostbits-sweep/1\"\ntitle = {}\nsource = {}\n",
-        quoted("The worst rays of each form: " + search.title),
-        quoted(fmt::format("lostbits sweep {} --worst: seed {}, {} starts of {} generations of 32, largest {}",
-                           search.id, search.seed, search.starts, search.generations, search.metric) +
-               (search.nearest ? ", nearest wrong decision" : "")));
+    std::string text =
+        head_of_cases("The worst rays of each form: " + search.title,
+                      fmt::format("lostbits sweep {} --worst: seed {}, {} starts of {} generations of 32, largest {}",
+                                  search.id, search.seed, search.starts, search.generations, search.metric) +
+                          (search.nearest ? ", nearest wrong decision" : ""));
     for (std::size_t r = 0; r < found.size(); ++r) {
         const measure::map::MapRow& row = request.rows[r];
         csv.add(row.form->info->name).add(row.format.name).add(found[r].has_value());
@@ -118,7 +95,7 @@ void write_worst(const std::filesystem::path& folder, const WorstRequest& reques
         one.solids = {w.solid};
         csv.add(blame::explain_command(blame::name_of_ray(&one), row));
         csv.end_row();
-        text += case_text(request, row, w);
+        text += case_of(request, row, w);
     }
     hard.write(text);
     file::write_datapackage(

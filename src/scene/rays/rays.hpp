@@ -42,6 +42,7 @@ struct RayGroup {
     RayBlock rays;
     std::vector<Solid<double>> solids;
     std::optional<intersect::MarchConstants<double>> march = {};  ///< absent: no form that marches may be asked
+    bool paired = false;  ///< there are as many solids as rays, and ray i is aimed at solid i alone
 };
 
 /// A ray alone; what it is aimed at is still to be added.

@@ -1,0 +1,144 @@
+#include "analysis/choice/judge_words.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "analysis/choice/select.hpp"
+#include "number/error.hpp"
+#include "output/blame/explain_command.hpp"
+#include "scene/dump/number_words.hpp"
+#include "scene/rays/rays.hpp"
+
+namespace lostbits::analysis::choice {
+
+using scene::dump::Container;
+using scene::dump::DumpOptions;
+using scene::dump::MissRule;
+
+namespace {
+
+/// `CX,CY,CZ,R`: numbers rounded once to the format.
+Solid<double> solid_of(const std::string& text, Shape shape, const Format& format) {
+    const std::string option = "--" + std::string(name_of(shape));
+    const scene::dump::NumberWords words(format);
+    Solid<double> solid;
+    solid.shape = shape;
+    std::size_t count = 0;
+    for (std::size_t begin = 0; begin <= text.size();) {
+        const std::size_t end = std::min(text.find(',', begin), text.size());
+        std::string word = text.substr(begin, end - begin);
+        std::erase(word, ' ');
+        const auto read = words.read(word);
+        using Kind = scene::dump::NumberWords::Kind;
+        if (read.kind != Kind::number || !std::isfinite(read.value))
+            throw InputError(fmt::format("{} {}: \"{}\" is {}", option, text, word,
+                                         read.kind == Kind::too_large
+                                             ? fmt::format("larger than the largest number of {}", format.name)
+                                             : "not a finite number; write a decimal or a hexadecimal float"));
+        if (count < solid.used().size()) solid.numbers[count] = read.value;
+        ++count;
+        begin = end + 1;
+    }
+    if (count != solid.used().size())
+        throw InputError(fmt::format("{} {}: has {} numbers; write {}", option, text, count,
+                                     shape == Shape::sphere ? "CX,CY,CZ,R" : "LOX,LOY,LOZ,HIX,HIY,HIZ"));
+    if (shape == Shape::sphere && !(solid.numbers[3] > 0))
+        throw InputError(fmt::format("{} {}: a radius is greater than 0", option, text));
+    for (std::size_t k = 0; shape == Shape::box && k < 3; ++k) {
+        if (solid.numbers[k] > solid.numbers[k + 3])
+            throw InputError(fmt::format("{} {}: a box has lo <= hi in each component", option, text));
+    }
+    return solid;
+}
+
+std::optional<MissRule> miss_rule(const std::string& word) {
+    if (word.empty()) return {};
+    if (word == "never") return MissRule{MissRule::Kind::never};
+    if (word == "negative") return MissRule{MissRule::Kind::negative};
+    const auto read = scene::dump::NumberWords(*find_format("f64")).read(word);
+    if (read.kind != scene::dump::NumberWords::Kind::number || !std::isfinite(read.value))
+        throw InputError(
+            fmt::format("--miss {}: is neither a finite number, negative nor never (NaN, infinities and empty "
+                        "cells are misses in any case)",
+                        word));
+    return MissRule{MissRule::Kind::number, read.value};
+}
+
+}  // namespace
+
+std::optional<scene::file::Scene> scene_of(const JudgeWords& o, const std::filesystem::path& data) {
+    if (o.scene.empty()) return {};
+    auto scenes = load_scenes({{o.scene}, "", "", {}}, data);
+    if (scenes.size() > 1)
+        throw InputError(fmt::format("--scene {}: has {} variants; name one, such as {}", o.scene, scenes.size(),
+                                     scenes.front().id));
+    constexpr std::size_t most = 1024;
+    if (scenes.front().solid_count() > most)
+        throw InputError(
+            fmt::format("--scene {}: has {} solids; every ray is asked about every one of them, and {} is the "
+                        "most; give each ray the solid that it meets in columns of the file",
+                        o.scene, scenes.front().solid_count(), most));
+    return std::move(scenes.front());
+}
+
+std::optional<Shape> shape_given(const JudgeWords& o, const std::optional<scene::file::Scene>& scene) {
+    const int ways = (o.spheres.empty() ? 0 : 1) + (o.boxes.empty() ? 0 : 1) + (scene ? 1 : 0);
+    if (ways > 1) throw InputError("--sphere, --box and --scene each name the solids of all rays; write one of them");
+    if (ways == 0) return {};
+    return scene ? scene->shapes().front() : o.boxes.empty() ? Shape::sphere : Shape::box;
+}
+
+std::vector<Solid<double>> solids_given(const JudgeWords& o, const std::optional<scene::file::Scene>& scene,
+                                        const Format& format) {
+    std::vector<Solid<double>> solids;
+    for (const std::string& text : o.spheres) solids.push_back(solid_of(text, Shape::sphere, format));
+    for (const std::string& text : o.boxes) solids.push_back(solid_of(text, Shape::box, format));
+    if (!scene) return solids;
+    // As a map of the scene has them.
+    if (scene->inputs == scene::file::Inputs::shared) return scene::rays::shared_solids(*scene);
+    for (const Solid<Real>& solid : scene->solids()) solids.push_back(scene::rays::round_solid(solid, format.shape));
+    return solids;
+}
+
+std::unique_ptr<scene::dump::Dump> open_file(const JudgeWords& o, std::optional<Shape> solid) {
+    static const std::map<std::string, Container> containers{
+        {"auto", Container::by_name}, {"csv", Container::csv}, {"npy", Container::npy}, {"raw", Container::raw}};
+    DumpOptions options{.container = containers.at(o.container), .columns = o.columns, .skip = o.skip};
+    if (!o.format.empty()) {
+        const auto formats = select_formats({o.format});
+        if (formats.size() > 1) throw InputError("--format " + o.format + ": the answers are of one format; name one");
+        options.format = formats.front();
+    }
+    options.miss = miss_rule(o.miss);
+    options.solid = solid;
+    options.keep = o.rows;
+    return scene::dump::open_dump(o.file, options);
+}
+
+intersect::Info contract_of(const JudgeWords& o) {
+    intersect::Info info{};
+    info.direction = o.direction == "unit" ? intersect::Direction::unit : intersect::Direction::any;
+    info.touching = o.touching == "miss" ? intersect::Touching::miss : intersect::Touching::hit;
+    info.at_origin = o.at_origin == "miss" ? intersect::AtOrigin::miss : intersect::AtOrigin::hit;
+    return info;
+}
+
+std::string canonical_command(const JudgeWords& o) {
+    using output::blame::shell_word;
+    const auto option = [](const char* name, const std::string& value, const std::string& usual = "") {
+        return value == usual ? std::string() : fmt::format(" {} {}", name, shell_word(value));
+    };
+    std::string text = "lostbits judge " + shell_word(o.file) + option("--container", o.container, "auto") +
+                       option("--columns", o.columns) + option("--format", o.format) + option("--scene", o.scene) +
+                       (o.skip > 0 ? fmt::format(" --skip {}", o.skip) : "") + option("--miss", o.miss) +
+                       option("--direction", o.direction, "any") + option("--touching", o.touching, "hit") +
+                       option("--at-origin", o.at_origin, "hit");
+    for (const std::string& sphere : o.spheres) text += option("--sphere", sphere);
+    for (const std::string& box : o.boxes) text += option("--box", box);
+    return text;
+}
+
+}  // namespace lostbits::analysis::choice

@@ -1,0 +1,220 @@
+#include "measure/judge/judge.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <map>
+#include <memory>
+
+#include "analysis/choice/judge_words.hpp"
+#include "analysis/choice/select.hpp"
+#include "commands.hpp"
+#include "output/judge/judge_files.hpp"
+#include "scene/file/march_table.hpp"
+
+namespace lostbits::analysis {
+
+using choice::JudgeWords;
+using measure::answer::Outcome;
+using measure::judge::JudgeRequest;
+using measure::judge::JudgeResult;
+using measure::metric::Metric;
+using scene::dump::Dump;
+
+namespace {
+
+bool takes_formula(const Metric& m) {
+    return (m.needs & (measure::metric::needs_self | measure::metric::needs_attribution)) != 0;
+}
+
+/// The metrics of the request. InputError for one that needs a formula where there is none.
+std::vector<const Metric*> metrics_of(const std::vector<const Metric*>& drawn, const JudgeRequest& request,
+                                      measure::metric::MetricSet& made) {
+    std::vector<measure::map::MapRow> asked = request.rows;
+    if (request.answered) asked.erase(asked.begin());
+    for (const Metric* m : drawn) {
+        if (!asked.empty() || !takes_formula(*m)) continue;
+        throw InputError(
+            fmt::format("--metric {}: takes the formula, evaluated without rounding or operation by "
+                        "operation, and a file has its answers alone; add -i FORM for the forms here, or "
+                        "write yours as one (CONTRIBUTING.md)",
+                        m->name));
+    }
+    if (asked.empty()) return choice::measured(drawn, request.rows);
+    scene::rays::RayGroup group;
+    group.solids = request.solids;
+    if (group.solids.empty()) {
+        group.solids.resize(1);
+        group.solids.front().shape = asked.front().form->shape;
+    }
+    group.march = request.march;
+    return made.for_forms(choice::measured(drawn, request.rows), measure::map::forms_of(asked),
+                          [&group] { return measure::blame::SettingOf(group); });
+}
+
+void print_table(const JudgeRequest& request, const JudgeResult& result) {
+    const std::size_t lost = measure::metric::place_of(request.metrics, "lost_bits");
+    fmt::print("  {:<28} {:<5} {:>10} {:>10} {:>10} {:>9} {:>6} {:>7} {:>7} {:>7}\n", "form", "fmt", "hits",
+               "false hit", "false miss", "NaN", "bits:", "p50", "p99", "max");
+    for (std::size_t r = 0; r < result.summaries.size(); ++r) {
+        const measure::map::MapSummary& s = result.summaries[r];
+        const auto bits = [&](double q) {
+            const double x = s.metrics[lost].quantile(q);
+            return std::isnan(x) ? std::string("-") : fmt::format("{:.2f}", x);
+        };
+        fmt::print("  {:<28} {:<5} {:>10} {:>10} {:>10} {:>9} {:>6} {:>7} {:>7} {:>7}\n",
+                   request.rows[r].form->info->name, request.rows[r].format.name, s.count(Outcome::agree_hit),
+                   s.count(Outcome::false_hit), s.count(Outcome::false_miss), s.count(Outcome::not_a_number), "",
+                   bits(0.5), bits(0.99), bits(1));
+    }
+}
+
+/// The rows of the work: the file's, if it has answers, then the forms asked for.
+std::vector<measure::map::MapRow> rows_of(const JudgeWords& o, const Dump& dump, Shape shape, bool marches,
+                                          const intersect::table::Intersector* answers) {
+    std::vector<measure::map::MapRow> rows;
+    if (answers) rows.push_back({answers, dump.format()});
+    if (o.forms.empty()) {
+        if (!rows.empty()) return rows;
+        throw NothingSelected(
+            fmt::format("{}: has rays and no answers (columns hit or t); name the forms that are to "
+                        "answer, such as -i '{}.*'",
+                        o.file, name_of(shape)));
+    }
+    const auto formats = o.formats.empty() ? std::vector{dump.format()} : choice::select_formats(o.formats);
+    const auto meets = [&](Shape s) { return s == shape || (s == Shape::sdf && marches); };
+    const auto asked = choice::fitting(choice::cross(choice::select_forms(o.forms), formats), meets);
+    if (asked.empty())
+        throw NothingSelected(
+            fmt::format("{}: no selected form handles its solids; try -i '{}'", o.file, choice::globs_of(meets)));
+    rows.insert(rows.end(), asked.begin(), asked.end());
+    return rows;
+}
+
+/// Removes the folders that a run which wrote nothing has made.
+class NewFolder {
+public:
+    explicit NewFolder(const std::filesystem::path& folder) {
+        for (auto part = folder; !part.empty() && !std::filesystem::exists(part); part = part.parent_path())
+            made_.push_back(part);
+    }
+    ~NewFolder() {
+        std::error_code ignored;
+        for (const auto& part : made_) std::filesystem::remove(part, ignored);  // one that is not empty stays
+    }
+    NewFolder(const NewFolder&) = delete;
+    NewFolder& operator=(const NewFolder&) = delete;
+
+private:
+    std::vector<std::filesystem::path> made_;
+};
+
+Exit run(const JudgeWords& o, const Common& common) {
+    require_folder(o.out);
+    const auto scene = choice::scene_of(o, choice::data_folder(common.data));
+    const auto dump = choice::open_file(o, choice::shape_given(o, scene));
+    JudgeRequest request{.solids = choice::solids_given(o, scene, dump->format())};
+    if (scene && scene->march) request.march = scene::file::round_march(*scene->march, binary32);
+    const Shape shape = dump->layout().solid() ? *dump->layout().solid() : request.solids.front().shape;
+    const std::string stem = std::filesystem::path(o.file).stem().string();
+    const measure::judge::FileForm answers(stem, shape, choice::contract_of(o));
+    request.answered = dump->layout().has_answers();
+    request.rows = rows_of(o, *dump, shape, request.march.has_value(), request.answered ? &answers.form() : nullptr);
+
+    request.picture = dump->picture();
+    if (!o.size.empty()) request.picture = choice::parse_size(o.size);
+    measure::metric::MetricSet made;
+    auto drawn = o.metrics.empty() ? std::vector{measure::metric::find_metric("lost_bits")}
+                                   : choice::select_metrics(o.metrics, made);
+    drawn = choice::that_apply(drawn, request.rows, o.file);
+    request.metrics = metrics_of(drawn, request, made);
+    for (const Metric*& m : drawn) m = request.metrics[measure::metric::place_of(request.metrics, m->name)];
+    const choice::ThreadLimit limit(common.threads);
+
+    measure::truth::StageCounts stages;
+    request.stages = &stages;
+    const bool by_bytes = dump->bytes() > 0;
+    output::file::Progress progress(by_bytes ? dump->bytes() : 1, "judge", common.progress, common.quiet);
+    const auto advance = advancing(progress);
+    request.progress = [&](std::uint64_t, std::uint64_t bytes) { advance(by_bytes ? bytes : 0); };
+    const auto folder = std::filesystem::path(o.out) / stem;
+    const NewFolder clean(folder);
+    output::judge::JudgeFiles files(
+        request, *dump,
+        {.folder = folder,
+         .id = stem,
+         .title = "rays of " + std::filesystem::path(o.file).filename().string(),
+         .command = choice::canonical_command(o) + each(" -i '", o.forms, "'") + each(" -f ", o.formats),
+         .drawn = request.picture ? drawn : std::vector<const Metric*>{},
+         .rows = o.rows,
+         .worst = o.worst});
+    const JudgeResult result = measure::judge::run_judge(*dump, request, files.sinks());
+    const bool worst = files.finish(result);
+    progress.finish();
+
+    if (!common.quiet) {
+        for (const Metric* m : request.metrics) {
+            if (request.answered && takes_formula(*m))
+                fmt::print(stderr,
+                           "lostbits: {} takes the formula, and is left out of {}, which has its answers alone\n",
+                           m->name, answers.form().info->name);
+        }
+        if (result.rounded > 0)
+            fmt::print(
+                stderr,
+                "lostbits: {}: {} numbers are not numbers of {}, and were rounded to it; name the format that the "
+                "answers were computed in with --format\n",
+                o.file, result.rounded, dump->format().name);
+        if (result.answers > 10 && result.floats == result.answers &&
+            dump->format().shape.precision > binary32.precision)
+            fmt::print(
+                stderr,
+                "lostbits: {}: the t of all {} hits is a number of f32, and was judged as one of {}; if the answers "
+                "were computed in float, say --format f32\n",
+                o.file, result.answers, dump->format().name);
+        fmt::print("{} rays of {}, read as {}\n", result.rays, o.file, dump->format().name);
+        print_table(request, result);
+        if (common.verbose) print_stages(stages);
+        fmt::print("{}\n", (folder / (request.picture ? "contact.png" : "summary.csv")).string());
+        if (worst) fmt::print("{}\n", (folder / "worst.toml").string());
+    }
+    return end_with_unproved(result.summaries.front().count(Outcome::unresolved));
+}
+
+}  // namespace
+
+void add_judge(CLI::App& program, const Common& common, Command& chosen) {
+    auto* command =
+        program.add_subcommand("judge", "Rays, and answers if there are any, from a file: CSV, .npy or raw");
+    const auto o = std::make_shared<JudgeWords>();
+    command->add_option("FILE", o->file, "Columns ox,oy,oz,dx,dy,dz, perhaps tmax, a solid's, hit and t")->required();
+    command->add_option("--container", o->container, "What the file is: csv, npy, raw (default: by its ending)")
+        ->check(CLI::IsMember({"auto", "csv", "npy", "raw"}));
+    command->add_option("--columns", o->columns,
+                        "Names of the columns where the file has none, and of raw numbers their types: ox:f32,oy,oz");
+    command->add_option("--skip", o->skip, "Bytes in front of raw numbers");
+    command->add_option("--format", o->format,
+                        "Format the answers were computed in (default: the file's; of a CSV f64)");
+    command->add_option("--sphere", o->spheres, "The sphere of all rays: CX,CY,CZ,R");
+    command->add_option("--box", o->boxes, "The box of all rays: LOX,LOY,LOZ,HIX,HIY,HIZ");
+    command->add_option("--scene", o->scene, "The scene whose solids the rays are aimed at");
+    command->add_option("--miss", o->miss,
+                        "Where no column is hit: the t that means a miss, negative, or never (NaN and inf always do)");
+    command
+        ->add_option("--direction", o->direction, "unit: t is a distance, of the direction normalised (default: any)")
+        ->check(CLI::IsMember({"any", "unit"}));
+    command->add_option("--touching", o->touching, "Whether a ray that touches should hit (default) or miss")
+        ->check(CLI::IsMember({"hit", "miss"}));
+    command->add_option("--at-origin", o->at_origin, "Whether a sphere at t = 0 should be hit (default) or miss")
+        ->check(CLI::IsMember({"hit", "miss"}));
+    command->add_option("-i,--intersector", o->forms, "Forms that answer to the same rays, by name or glob");
+    command->add_option("-f", o->formats, "Their formats (default: that of the file)");
+    command->add_option("--metric", o->metrics, "Metrics to draw and to measure (default: lost_bits); globs");
+    command->add_option("--size", o->size, "Columns x rows, where the rays are the pixels of a picture: WxH");
+    command->add_flag("--rows", o->rows, "Also write one row per ray, with the columns of the file");
+    command->add_option("--worst", o->worst, "So many rays of each kind go into worst.toml (default: 10; 0: none)");
+    command->add_option("-o,--out", o->out, "Folder for the results")->required();
+    command->callback([o, &common, &chosen] { chosen = [o, &common] { return run(*o, common); }; });
+}
+
+}  // namespace lostbits::analysis

@@ -1,0 +1,233 @@
+#include "measure/judge/judge.hpp"
+
+#include <tbb/parallel_for.h>
+#include <tbb/parallel_pipeline.h>
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <exception>
+#include <limits>
+#include <map>
+#include <memory>
+
+#include "intersect/sdf/march_loop.hpp"
+#include "intersect/table/union_field.hpp"
+#include "measure/map/measure_row.hpp"
+#include "number/error.hpp"
+
+namespace lostbits::measure::judge {
+
+using map::MapRow;
+using map::MapSummary;
+using scene::dump::Chunk;
+using scene::dump::Dump;
+using scene::dump::Records;
+using scene::rays::RayGroup;
+using truth::Band;
+using truth::FormatInputs;
+using truth::missing;
+
+namespace {
+
+std::string file_word(const std::string& name) {
+    std::string word = "file.";
+    for (const char c : name)
+        word += std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '-' || c == '_' ? c : '_';
+    return word;
+}
+
+/// Some rays of the file on their way: read, then measured as a band.
+struct Piece {
+    Records records;
+    std::exception_ptr fault = {};  ///< of the reading: it is thrown in the order of the file
+    Chunk chunk = {};
+    std::unique_ptr<Band> band = {};
+    std::map<std::string, FormatInputs> inputs = {};
+    std::optional<columns::BandColumns> columns = {};
+    answer::Answers answers = {};
+};
+
+class PieceSink final : public map::MapSink {
+public:
+    PieceSink(const Chunk& chunk, JudgeSink& sink) : chunk_(chunk), sink_(sink) {}
+    void band(const map::BandResult& result) override { sink_.piece(chunk_, result); }
+
+private:
+    const Chunk& chunk_;
+    JudgeSink& sink_;
+};
+
+class Run {
+public:
+    Run(Dump& dump, const JudgeRequest& request, const std::vector<JudgeSink*>& sinks)
+        : dump_(dump),
+          request_(request),
+          sinks_(sinks),
+          needs_(map::needs_by_format(request.rows, request.metrics)),
+          decisions_only_(dump.layout().decides_only()) {
+        for (std::size_t r = 0; r < request.rows.size(); ++r) result_.summaries.emplace_back(request.metrics);
+    }
+
+    JudgeResult run() {
+        // Few pieces at a time: each is measured in parallel by itself.
+        constexpr std::size_t at_once = 4;
+        const auto read = tbb::make_filter<void, std::shared_ptr<Piece>>(
+            tbb::filter_mode::serial_in_order, [this](tbb::flow_control& flow) { return next(flow); });
+        const auto find = tbb::make_filter<std::shared_ptr<Piece>, std::shared_ptr<Piece>>(
+            tbb::filter_mode::parallel, [this](std::shared_ptr<Piece> piece) {
+                prepare(*piece);
+                return piece;
+            });
+        const auto take = tbb::make_filter<std::shared_ptr<Piece>, void>(
+            tbb::filter_mode::serial_in_order, [this](const std::shared_ptr<Piece>& piece) { measure(*piece); });
+        tbb::parallel_pipeline(at_once, read & find & take);
+        if (result_.rays == 0)
+            throw InputError(dump_.name() + ": has no rays; write a record for each behind what stands in front");
+        if (request_.picture && result_.rays != pixels()) refuse_size("has");
+        return std::move(result_);
+    }
+
+private:
+    [[nodiscard]] std::uint64_t pixels() const {
+        return static_cast<std::uint64_t>(request_.picture->first) *
+               static_cast<std::uint64_t>(request_.picture->second);
+    }
+    [[noreturn]] void refuse_size(const char* has) const {
+        throw InputError(dump_.name() + ": " + has + " " + std::to_string(result_.rays) + " rays where a picture of " +
+                         std::to_string(request_.picture->first) + "x" + std::to_string(request_.picture->second) +
+                         " has " + std::to_string(pixels()) + "; its --size is columns x rows");
+    }
+
+    std::shared_ptr<Piece> next(tbb::flow_control& flow) {
+        auto piece = std::make_shared<Piece>();
+        const int width = request_.picture ? request_.picture->first : 32768;
+        const auto most =
+            static_cast<std::size_t>(request_.picture ? map::band_rows(width) : 1) * static_cast<std::size_t>(width);
+        if (failed_) {
+            flow.stop();
+            return piece;
+        }
+        try {
+            if (!dump_.next(most, piece->records)) flow.stop();
+        } catch (...) {
+            piece->fault = std::current_exception();
+            failed_ = true;
+        }
+        return piece;
+    }
+
+    void prepare(Piece& piece) const {
+        if (piece.fault) return;
+        try {
+            piece.chunk = dump_.decode(piece.records);
+        } catch (...) {
+            piece.fault = std::current_exception();
+            return;
+        }
+        const Chunk& chunk = piece.chunk;
+        const std::size_t n = chunk.size();
+        RayGroup group;
+        group.rays = chunk.rays;
+        const auto width = static_cast<std::size_t>(request_.picture ? request_.picture->first : 0);
+        // The last rays of a file that is no picture: `measure` refuses it.
+        const bool rows = width > 0 && n % width == 0 && chunk.first + n <= pixels();
+        group.rays.width = static_cast<int>(rows ? width : n);
+        group.rays.y0 = rows ? static_cast<int>(chunk.first / width) : 0;
+        group.rays.y1 = group.rays.y0 + static_cast<int>(rows ? n / width : 1);
+        group.paired = !chunk.solids.empty();
+        group.solids = group.paired ? chunk.solids : request_.solids;
+        group.march = request_.march;
+        piece.band = std::make_unique<Band>(std::move(group), request_.limit);
+        if (map::needs_of(request_.metrics) & metric::needs_condition) piece.band->find_condition();
+        for (const auto& [name, needs] : needs_)
+            piece.inputs.emplace(name, piece.band->inputs(*find_format(name), needs));
+        piece.columns.emplace(map::columns_of(*piece.band, request_.rows));
+        if (request_.answered) piece.answers = answers_of(piece);
+    }
+
+    [[nodiscard]] answer::Answers answers_of(const Piece& piece) const {
+        const Chunk& chunk = piece.chunk;
+        answer::Answers answers{chunk.t, chunk.hit, std::vector<std::int32_t>(chunk.size(), -1)};
+        for (double& t : answers.t) t = t == t ? t : missing;
+        for (std::size_t i = 0; i < chunk.size(); ++i) {
+            if (chunk.hit[i] != 0) answers.object[i] = object_of(piece, i);
+        }
+        return answers;
+    }
+
+    /// The solid that an answer is about: the one there is, the one that the file names, the one that the ray truly
+    /// hits, or else the one whose surface is nearest to the answer.
+    [[nodiscard]] std::int32_t object_of(const Piece& piece, std::size_t i) const {
+        const Chunk& chunk = piece.chunk;
+        if (!chunk.solids.empty()) return static_cast<std::int32_t>(i);
+        if (request_.solids.size() == 1) return 0;
+        if (!chunk.object.empty() && chunk.object[i] >= 0 &&
+            static_cast<std::size_t>(chunk.object[i]) < request_.solids.size())
+            return chunk.object[i];
+        const truth::Truth& truth = piece.band->truth(i, request_.rows.front().convention());
+        if (truth.is_hit()) return truth.object;
+        const Vec<double> p = intersect::sdf::along(chunk.rays[i], chunk.t[i]);
+        const auto distance = [&p](const Solid<double>& s) { return std::fabs(intersect::table::distance(s, p)); };
+        return static_cast<std::int32_t>(std::ranges::min_element(request_.solids, {}, distance) -
+                                         request_.solids.begin());
+    }
+
+    void measure(Piece& piece) {
+        if (piece.fault) std::rethrow_exception(piece.fault);
+        const Chunk& chunk = piece.chunk;
+        if (chunk.size() == 0) return;
+        result_.rays += chunk.size();
+        result_.rounded += chunk.rounded;
+        for (const double t : chunk.t) {
+            result_.answers += t != 0;
+            result_.floats += t != 0 && (static_cast<double>(static_cast<float>(t)) == t || std::isnan(t));
+        }
+        if (request_.picture && result_.rays > pixels()) refuse_size("has at least");
+        if (request_.picture && chunk.size() % static_cast<std::size_t>(request_.picture->first) != 0)
+            refuse_size("has");
+        if (result_.rays > static_cast<std::uint64_t>(std::numeric_limits<int>::max()))
+            throw InputError(dump_.name() + ": has more than 2147483647 rays; judge it in parts");
+        if (request_.stages) *request_.stages += piece.band->stages();
+        const int first = request_.picture ? 0 : static_cast<int>(chunk.first);
+        tbb::parallel_for(std::size_t{0}, request_.rows.size(), [&](std::size_t r) {
+            const MapRow& row = request_.rows[r];
+            const bool answered = r == 0 && request_.answered;
+            std::optional<PieceSink> sink;
+            if (r < sinks_.size() && sinks_[r]) sink.emplace(chunk, *sinks_[r]);
+            map::measure_row({.row = row,
+                              .metrics = request_.metrics,
+                              .sink = sink ? &*sink : nullptr,
+                              .first = first,
+                              .answers = answered ? &piece.answers : nullptr,
+                              .decisions_only = answered && decisions_only_},
+                             {*piece.band, piece.inputs.at(row.format.name), *piece.columns}, result_.summaries[r]);
+        });
+        request_.progress(chunk.size(), piece.records.bytes.size());
+    }
+
+    Dump& dump_;
+    const JudgeRequest& request_;
+    const std::vector<JudgeSink*>& sinks_;
+    std::map<std::string, truth::BandNeeds> needs_;
+    bool decisions_only_;
+    bool failed_ = false;
+    JudgeResult result_;
+};
+
+}  // namespace
+
+FileForm::FileForm(const std::string& name, Shape shape, const intersect::Info& info)
+    : name_(file_word(name)), info_(info) {
+    info_.name = name_;
+    info_.title = "the answers of a file";
+    info_.source = "a file";
+    form_.info = &info_;
+    form_.shape = shape;
+}
+
+JudgeResult run_judge(Dump& dump, const JudgeRequest& request, const std::vector<JudgeSink*>& sinks) {
+    return Run(dump, request, sinks).run();
+}
+
+}  // namespace lostbits::measure::judge

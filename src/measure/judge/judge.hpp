@@ -1,0 +1,66 @@
+// A file of rays under test: the answers in it, and what forms answer to the same rays, against one truth.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "measure/map/map.hpp"
+#include "scene/dump/dump.hpp"
+
+namespace lostbits::measure::judge {
+
+/// The answers of a file as a row of the work: a name and a contract, and nothing that could be asked.
+class FileForm {
+public:
+    /// Called `file.NAME`, of which a letter that no file name should have becomes `_`. `info` is the contract: its
+    /// texts are not read.
+    FileForm(const std::string& name, Shape shape, const intersect::Info& info);
+    FileForm(const FileForm&) = delete;
+    FileForm& operator=(const FileForm&) = delete;
+    [[nodiscard]] const intersect::table::Intersector& form() const { return form_; }
+
+private:
+    std::string name_;
+    intersect::Info info_;
+    intersect::table::Intersector form_;
+};
+
+struct JudgeRequest {
+    std::vector<Solid<double>> solids = {};  ///< of all rays, numbers of the dump's format; empty: each has its own
+    std::optional<intersect::MarchConstants<double>> march = {};
+    std::vector<map::MapRow> rows = {};
+    bool answered = false;  ///< the first of the rows is the file's answers
+    std::vector<const metric::Metric*> metrics = {};
+    std::optional<std::pair<int, int>> picture = {};  ///< columns and rows; absent: the rays are a list
+    truth::TruthLimit limit = {};
+    truth::StageCounts* stages = nullptr;  ///< where they are added up; null: nowhere
+    /// Called with the number of rays, and of bytes of the file, that are done since the last call; may throw to stop.
+    std::function<void(std::uint64_t rays, std::uint64_t bytes)> progress = [](std::uint64_t, std::uint64_t) {};
+};
+
+/// Where a row's results go, with what the file has of the same rays. As a `MapSink`: in order, never concurrently for
+/// one row.
+class JudgeSink {
+public:
+    virtual ~JudgeSink() = default;
+    virtual void piece(const scene::dump::Chunk& chunk, const map::BandResult& result) = 0;
+};
+
+struct JudgeResult {
+    std::vector<map::MapSummary> summaries;  ///< one a row
+    std::uint64_t rays = 0;
+    std::uint64_t rounded = 0;  ///< numbers of the file that its format does not hold
+    /// Answers of the file with a t that is not 0, and those whose t binary32 holds: all of many, where they were
+    /// computed in it.
+    std::uint64_t answers = 0, floats = 0;
+};
+
+/// Reads the dump to its end; sinks[r] (may be null) receives rows[r]. Memory does not grow with the file, and nothing
+/// depends on the number of threads: pieces are cut by their rays alone and taken up in order. InputError, with the
+/// place, for what the dump refuses, and where the rays are not those of the picture.
+JudgeResult run_judge(scene::dump::Dump& dump, const JudgeRequest& request, const std::vector<JudgeSink*>& sinks);
+
+}  // namespace lostbits::measure::judge

@@ -1,0 +1,41 @@
+// The files of judged rays: what a map writes, worst.toml with the rays to look at again, and a row a ray as CSV.
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "measure/judge/judge.hpp"
+
+namespace lostbits::output::judge {
+
+struct JudgeFilesOptions {
+    std::filesystem::path folder;
+    std::string id, title;
+    std::string command;                                     ///< what to type to find the worst rays again
+    std::vector<const measure::metric::Metric*> drawn = {};  ///< one heatmap each; empty: the rays are no picture
+    bool rows = false;                                       ///< a row a ray in `<form>.<format>.csv`
+    std::size_t worst = 10;                                  ///< so many rays of each kind go into worst.toml
+};
+
+/// Opens every file before any work and gives all their final names in `finish`, as `MapFiles` does.
+class JudgeFiles {
+public:
+    /// All three outlive it.
+    JudgeFiles(const measure::judge::JudgeRequest& request, const scene::dump::Dump& dump, JudgeFilesOptions options);
+    ~JudgeFiles();
+    JudgeFiles(const JudgeFiles&) = delete;
+    JudgeFiles& operator=(const JudgeFiles&) = delete;
+
+    /// One a row of the request, in its order.
+    [[nodiscard]] std::vector<measure::judge::JudgeSink*> sinks();
+    /// Whether there is a worst.toml: rays that are worth a second look.
+    bool finish(const measure::judge::JudgeResult& result);
+
+private:
+    struct Parts;
+    std::unique_ptr<Parts> parts_;
+};
+
+}  // namespace lostbits::output::judge

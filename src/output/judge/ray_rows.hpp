@@ -1,0 +1,36 @@
+// A row a ray: what the file has of it, and what became of it.
+#pragma once
+
+#include <filesystem>
+#include <vector>
+
+#include "measure/judge/judge.hpp"
+#include "output/file/csv.hpp"
+
+namespace lostbits::output::judge {
+
+/// The CSV of one row of the work.
+class RayRows {
+public:
+    /// `decides`: the row's answers have no t.
+    RayRows(const std::filesystem::path& path, const scene::dump::Dump& dump,
+            const std::vector<const measure::metric::Metric*>& metrics, bool decides);
+    static std::vector<file::Column> columns(const scene::dump::Dump& dump,
+                                             const std::vector<const measure::metric::Metric*>& metrics);
+
+    void add(const scene::dump::Chunk& chunk, const measure::map::BandResult& result, const measure::map::MapRow& row);
+    void close() { csv_.close(); }
+
+private:
+    void add_given(const scene::dump::Chunk& chunk, std::size_t i);
+    [[nodiscard]] file::Cell number(double x) const;
+
+    const scene::dump::Dump& dump_;
+    const std::vector<const measure::metric::Metric*>& metrics_;
+    bool decides_;
+    std::size_t kept_;  ///< columns of the file's own
+    bool narrow_;       ///< its numbers are floats, and are written as short as floats are
+    file::CsvWriter csv_;
+};
+
+}  // namespace lostbits::output::judge

@@ -1,0 +1,57 @@
+#include "output/sweep/case_text.hpp"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <cmath>
+#include <span>
+
+#include "output/file/number_text.hpp"
+
+namespace lostbits::output::sweep {
+
+namespace {
+
+std::string hex_list(std::span<const double> x) {
+    std::string text;
+    for (const double number : x) text += (text.empty() ? "\"" : ", \"") + file::hex(number) + "\"";
+    return "[" + text + "]";
+}
+
+/// A TOML basic string: a title may hold quotes.
+std::string quoted(const std::string& text) {
+    std::string out = "\"";
+    for (const char c : text) {
+        if (c == '"' || c == '\\') out += '\\';
+        if (static_cast<unsigned char>(c) < 0x20) out += fmt::format("\\u{:04X}", static_cast<unsigned>(c));
+        else out += c;
+    }
+    return out + '"';
+}
+
+std::string solid_text(const Solid<double>& solid) {
+    const auto x = solid.used();
+    if (solid.shape == Shape::sphere)
+        return fmt::format("{{ centre = {}, radius = \"{}\" }}", hex_list(x.first(3)), file::hex(x[3]));
+    return fmt::format("{{ lo = {}, hi = {} }}", hex_list(x.first(3)), hex_list(x.last(3)));
+}
+
+}  // namespace
+
+std::string head_of_cases(const std::string& title, const std::string& source) {
+    return fmt::format("schema = \"lostbits-sweep/1\"\ntitle = {}\nsource = {}\n", quoted(title), quoted(source));
+}
+
+std::string case_text(const std::string& name, const scene::rays::RayGroup& one) {
+    std::string solids;
+    for (const Solid<double>& solid : one.solids) solids += (solids.empty() ? "" : ", ") + solid_text(solid);
+    const Ray<double> ray = one.rays[0];
+    const std::array origin{ray.origin.x, ray.origin.y, ray.origin.z};
+    const std::array direction{ray.direction.x, ray.direction.y, ray.direction.z};
+    const bool ends = !one.rays.tmax.empty() && !std::isinf(one.rays.tmax[0]);
+    return fmt::format("\n[[case]]\nname = {}\n{} = [{}]\nrays = [{{ origin = {}, direction = {}{} }}]\n", quoted(name),
+                       one.solids.front().shape == Shape::sphere ? "spheres" : "boxes", solids, hex_list(origin),
+                       hex_list(direction), ends ? fmt::format(", tmax = \"{}\"", file::hex(one.rays.tmax[0])) : "");
+}
+
+}  // namespace lostbits::output::sweep

@@ -1,0 +1,140 @@
+#include "scene/dump/binary_dump.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "number/error.hpp"
+#include "number/rounded.hpp"
+
+namespace lostbits::scene::dump {
+
+namespace {
+
+/// The format of the answers if they are floating, else of the widest of the numbers that mean something.
+Format own_format(const Layout& layout, const std::vector<BinaryColumn>& columns) {
+    std::optional<Format> widest;
+    for (std::size_t s = 0; s < slot::count; ++s) {
+        if (!layout.has(s)) continue;
+        const auto format = columns[layout.place_of(s)].type.format();
+        if (format && s == slot::t) return *format;
+        if (format && (!widest || format->shape.precision > widest->shape.precision)) widest = format;
+    }
+    return widest.value_or(*find_format("f64"));
+}
+
+double to_format(double x, const Format& format) {
+    switch (format.engine) {
+        case Format::Engine::native32: return static_cast<float>(x);
+        case Format::Engine::native64: return x;
+        case Format::Engine::rounded: break;
+    }
+    return std::isfinite(x) ? rounding::to_format(x, 0, format.shape) : x;
+}
+
+}  // namespace
+
+void BinaryDump::lie(Lie lie, const DumpOptions& options, const Layout::Complain& complain) {
+    lie_ = std::move(lie);
+    std::vector<std::string> names;
+    for (const BinaryColumn& c : lie_.columns) names.push_back(c.name);
+    layout_.emplace(std::move(names), complain);
+    settle(options, *layout_, own_format(*layout_, lie_.columns));
+    records_ = lie_.records;
+    if (!source_.size()) return;
+    // What the size of the file gives away is said before the work.
+    const std::uint64_t bytes = *source_.size() - std::min(*source_.size(), lie_.begin);
+    const std::uint64_t whole = bytes / lie_.record_size;
+    if (records_ ? whole < *records_ : bytes % lie_.record_size != 0)
+        fail_short(whole, bytes - (lie_.apart ? 0 : whole * lie_.record_size));
+    if (records_ && bytes > *records_ * lie_.record_size)
+        throw InputError(
+            fmt::format("{}: byte {}: {} bytes follow the last of the {} records that the header names; is "
+                        "it one array, written whole?",
+                        source_.name(), lie_.begin + *records_ * lie_.record_size, bytes - *records_ * lie_.record_size,
+                        *records_));
+    if (!records_) records_ = whole;
+}
+
+void BinaryDump::fail_short(std::uint64_t record, std::uint64_t bytes) const {
+    if (lie_.apart)
+        throw InputError(
+            fmt::format("{}: has {} bytes of numbers where its header names {} records of {} bytes each; it "
+                        "was cut short, write it again",
+                        source_.name(), bytes, *lie_.records, lie_.record_size));
+    throw InputError(
+        fmt::format("{}: record {}: has {} of {} bytes{}; the file was cut short, or its columns are not "
+                    "these: look at their names and types",
+                    source_.name(), record + 1, bytes, lie_.record_size,
+                    lie_.records ? fmt::format(", and the header names {} records", *lie_.records) : ""));
+}
+
+bool BinaryDump::next(std::size_t most, Records& records) {
+    records.first = record_;
+    records.bytes.clear();
+    if (records_) most = static_cast<std::size_t>(std::min<std::uint64_t>(most, *records_ - record_));
+    if (most == 0) return false;
+    stop_if_interrupted();
+    std::size_t got = 0;
+    if (lie_.apart) {
+        for (const BinaryColumn& c : lie_.columns)
+            got += source_.read_at(lie_.begin + c.offset + record_ * c.type.size, records.bytes, most * c.type.size);
+    } else {
+        got = source_.read(records.bytes, most * lie_.record_size);
+    }
+    records.count = got / lie_.record_size;
+    const std::size_t rest = got % lie_.record_size;
+    if (rest != 0 || (records_ && records.count < most)) fail_short(record_ + records.count, rest);
+    record_ += records.count;
+    return records.count > 0;
+}
+
+Chunk BinaryDump::decode(const Records& records) const {
+    Chunk chunk;
+    chunk.first = records.first;
+    struct Reader {
+        const char* at;
+        std::size_t step;
+        ItemType type;
+        std::optional<std::size_t> slot;
+        bool kept;
+    };
+    std::vector<Reader> readers;
+    std::size_t begin = 0;
+    for (std::size_t c = 0; c < lie_.columns.size(); ++c) {
+        const BinaryColumn& column = lie_.columns[c];
+        const LayoutColumn& means = layout_->columns()[c];
+        const std::size_t offset = lie_.apart ? begin : column.offset;
+        begin += records.count * column.type.size;
+        const bool kept = !means.slot && !means.skipped && terms().keep;
+        if (!means.slot && !kept) continue;
+        readers.push_back({records.bytes.data() + offset,
+                           lie_.apart ? column.type.size : static_cast<std::size_t>(lie_.record_size), column.type,
+                           means.slot, kept});
+    }
+    ChunkWriter writer(*layout_, terms(), records.count, chunk);
+    for (std::size_t i = 0; i < records.count; ++i) {
+        for (Reader& reader : readers) {
+            if (reader.kept) {
+                chunk.kept.push_back(reader.type.text(reader.at));
+            } else {
+                const auto [value, exact] = reader.type.read(reader.at);
+                const double stored = to_format(value, format());
+                if (std::isinf(stored) && !std::isinf(value))
+                    throw InputError(
+                        fmt::format("{}: record {}: {} is {}, larger than the largest number of {}; name the "
+                                    "format that the answers were computed in with --format",
+                                    source_.name(), records.first + i + 1,
+                                    lie_.columns[layout_->place_of(*reader.slot)].name, value, format().name));
+                writer.put(*reader.slot, stored, exact && (stored == value || std::isnan(value)));
+            }
+            reader.at += reader.step;
+        }
+        writer.end_record(
+            [&](std::size_t) { return fmt::format("{}: record {}", source_.name(), records.first + i + 1); });
+    }
+    return chunk;
+}
+
+}  // namespace lostbits::scene::dump

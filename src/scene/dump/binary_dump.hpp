@@ -1,0 +1,50 @@
+// What raw numbers and arrays have in common: columns of fixed size, record after record or column after column.
+#pragma once
+
+#include <vector>
+
+#include "scene/dump/byte_source.hpp"
+#include "scene/dump/dump.hpp"
+#include "scene/dump/item_type.hpp"
+
+namespace lostbits::scene::dump {
+
+/// A column as it lies in a file of numbers.
+struct BinaryColumn {
+    std::string name;
+    ItemType type;
+    std::uint64_t offset = 0;  ///< in a record; of columns that lie apart, in the file behind its header
+};
+
+class BinaryDump : public Dump {
+public:
+    [[nodiscard]] const Layout& layout() const override { return *layout_; }
+    [[nodiscard]] std::optional<std::uint64_t> size() const override { return records_; }
+    [[nodiscard]] std::uint64_t bytes() const override { return source_.size().value_or(0); }
+    bool next(std::size_t most, Records& records) override;
+    [[nodiscard]] Chunk decode(const Records& records) const override;
+
+protected:
+    explicit BinaryDump(const std::filesystem::path& path) : Dump(path), source_(path) {}
+    /// What a header told.
+    struct Lie {
+        std::vector<BinaryColumn> columns;
+        std::uint64_t begin = 0;                    ///< of the first record, in bytes; the source stands there
+        std::uint64_t record_size = 0;              ///< in bytes
+        std::optional<std::uint64_t> records = {};  ///< as the header has it; nothing: as many as there are
+        bool apart = false;                         ///< column after column; `records` is known then
+    };
+    void lie(Lie lie, const DumpOptions& options, const Layout::Complain& complain);
+    [[nodiscard]] ByteSource& source() { return source_; }
+
+private:
+    [[noreturn]] void fail_short(std::uint64_t record, std::uint64_t bytes) const;
+
+    ByteSource source_;
+    Lie lie_;
+    std::optional<Layout> layout_;
+    std::optional<std::uint64_t> records_;
+    std::uint64_t record_ = 0;
+};
+
+}  // namespace lostbits::scene::dump

@@ -1,0 +1,71 @@
+#include "scene/dump/byte_source.hpp"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+
+#include "number/error.hpp"
+
+namespace lostbits::scene::dump {
+
+ByteSource::ByteSource(const std::filesystem::path& path) : name_(path.string()) {
+    fd_ = ::open(name_.c_str(), O_RDONLY | O_CLOEXEC);
+    if (fd_ < 0) {
+        const int error = errno;
+        if (error == ENOENT || error == ENOTDIR)
+            throw InputError(name_ + ": there is no such file; look at its name and the folder you are in");
+        fail(std::string("cannot open: ") + std::strerror(error));
+    }
+    struct stat status {};
+    ::fstat(fd_, &status);
+    if (S_ISDIR(status.st_mode)) {
+        ::close(fd_);
+        throw InputError(name_ + ": is a folder; name a file of rays in it");
+    }
+    if (S_ISREG(status.st_mode)) size_ = static_cast<std::uint64_t>(status.st_size);
+}
+
+ByteSource::~ByteSource() { ::close(fd_); }
+
+void ByteSource::fail(const std::string& what) const { throw EnvironmentError(name_ + ": " + what); }
+
+std::size_t ByteSource::read(std::string& to, std::size_t most) {
+    const std::size_t begin = to.size();
+    to.resize(begin + most);
+    std::size_t got = 0;
+    while (got < most) {
+        const ssize_t n = ::read(fd_, to.data() + begin + got, most - got);
+        if (n < 0 && errno == EINTR) {
+            stop_if_interrupted();
+            continue;
+        }
+        if (n < 0) fail(std::string("cannot read: ") + std::strerror(errno));
+        if (n == 0) break;
+        got += static_cast<std::size_t>(n);
+    }
+    to.resize(begin + got);
+    return got;
+}
+
+std::size_t ByteSource::read_at(std::uint64_t place, std::string& to, std::size_t most) const {
+    const std::size_t begin = to.size();
+    to.resize(begin + most);
+    std::size_t got = 0;
+    while (got < most) {
+        const ssize_t n = ::pread(fd_, to.data() + begin + got, most - got, static_cast<off_t>(place + got));
+        if (n < 0 && errno == EINTR) {
+            stop_if_interrupted();
+            continue;
+        }
+        if (n < 0) fail(std::string("cannot read: ") + std::strerror(errno));
+        if (n == 0) break;
+        got += static_cast<std::size_t>(n);
+    }
+    to.resize(begin + got);
+    return got;
+}
+
+}  // namespace lostbits::scene::dump

@@ -1,0 +1,36 @@
+// The bytes of a file or a pipe, a piece at a time.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+
+namespace lostbits::scene::dump {
+
+/// Open while it lives. Throws InputError where there is no such file or it is a folder, EnvironmentError where the
+/// machine does not let us read it.
+class ByteSource {
+public:
+    explicit ByteSource(const std::filesystem::path& path);
+    ~ByteSource();
+    ByteSource(const ByteSource&) = delete;
+    ByteSource& operator=(const ByteSource&) = delete;
+
+    [[nodiscard]] const std::string& name() const { return name_; }
+    /// Of a regular file; nothing of a pipe.
+    [[nodiscard]] std::optional<std::uint64_t> size() const { return size_; }
+    /// Appends up to so many of the next bytes; the number of them, less at the end alone.
+    std::size_t read(std::string& to, std::size_t most);
+    /// Appends so many bytes from a place in a regular file; as above.
+    std::size_t read_at(std::uint64_t place, std::string& to, std::size_t most) const;
+
+private:
+    [[noreturn]] void fail(const std::string& what) const;
+
+    std::string name_;
+    int fd_ = -1;
+    std::optional<std::uint64_t> size_;
+};
+
+}  // namespace lostbits::scene::dump

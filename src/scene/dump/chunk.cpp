@@ -1,0 +1,114 @@
+#include "scene/dump/chunk.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "number/error.hpp"
+
+namespace lostbits::scene::dump {
+
+ChunkWriter::ChunkWriter(const Layout& layout, const DumpTerms& terms, std::size_t records, Chunk& chunk)
+    : layout_(layout), terms_(terms), chunk_(chunk), shape_(layout.solid()), decides_(layout.has_answers()) {
+    rays::RayBlock& rays = chunk.rays;
+    for (auto* column : {&rays.ox, &rays.oy, &rays.oz, &rays.dx, &rays.dy, &rays.dz}) column->reserve(records);
+    if (layout.has(slot::tmax)) rays.tmax.reserve(records);
+    if (shape_) chunk.solids.reserve(records);
+    if (decides_) chunk.t.reserve(records), chunk.hit.reserve(records);
+    if (layout.has(slot::object)) chunk.object.reserve(records);
+}
+
+std::string ChunkWriter::called(std::size_t slot) const {
+    return layout_.has(slot) ? layout_.columns()[layout_.place_of(slot)].name
+                             : std::string(name_of_slot(slot, shape_.value_or(Shape::sphere)));
+}
+
+void ChunkWriter::fail(const std::string& place, const std::string& why) { throw InputError(place + ": " + why); }
+
+std::optional<ChunkWriter::Fault> ChunkWriter::find_fault() {
+    const auto& x = numbers_;
+    const auto bad = [&](std::size_t slot, std::string_view why) {
+        const std::string value = is_there(slot) ? fmt::format("is {}", x[slot]) : "is empty";
+        return Fault{slot, fmt::format("{} {}; {}", called(slot), value, why)};
+    };
+    for (std::size_t s = slot::origin; s < slot::tmax; ++s) {
+        if (!is_there(s) || !std::isfinite(x[s]))
+            return bad(s,
+                       "a ray has six finite numbers; leave this ray out, or write it as a [[case]], which may hold "
+                       "any numbers");
+    }
+    if (x[3] == 0 && x[4] == 0 && x[5] == 0)
+        return bad(slot::direction, "the direction is zero in all three components, so it is not a ray; leave it out");
+    if (is_there(slot::tmax) && std::isnan(x[slot::tmax]))
+        return bad(slot::tmax, "write where the ray ends, or inf (or nothing) for a ray without end");
+    const std::optional<Shape> shape = shape_ ? shape_ : terms_.solid;
+    if (is_there(slot::tmax) && shape == Shape::sphere && !(x[slot::tmax] == HUGE_VAL))
+        return bad(slot::tmax,
+                   "the truth of spheres knows no end of a ray, and would find hits beyond it; leave the "
+                   "column out or rename it, and judge answers that were found without an end");
+    if (shape_) {
+        const std::size_t count = number_names(*shape_).size();
+        for (std::size_t s = slot::solid; s < slot::solid + count; ++s) {
+            if (!is_there(s) || !std::isfinite(x[s]))
+                return bad(s, fmt::format("a {} has {} finite numbers; leave this ray out", name_of(*shape_), count));
+        }
+        if (*shape_ == Shape::sphere && !(x[slot::solid + 3] > 0))
+            return bad(slot::solid + 3, "a radius is greater than 0; leave this ray out");
+        for (std::size_t s = slot::solid; *shape_ == Shape::box && s < slot::solid + 3; ++s) {
+            if (x[s] > x[s + 3])
+                return bad(s, fmt::format("it is above {}, which is {}; a box has lo <= hi in each component",
+                                          called(s + 3), x[s + 3]));
+        }
+    }
+    return decides_ ? find_fault_of_answer() : std::nullopt;
+}
+
+std::optional<ChunkWriter::Fault> ChunkWriter::find_fault_of_answer() {
+    const double t = numbers_[slot::t];
+    if (layout_.has(slot::hit)) {
+        const double hit = numbers_[slot::hit];
+        if (!is_there(slot::hit) || !(hit == 0 || hit == 1)) {
+            const std::string value = is_there(slot::hit) ? fmt::format("is {}", hit) : "is empty";
+            return Fault{slot::hit, fmt::format("{} {}; write 1 for a hit and 0 for a miss", called(slot::hit), value)};
+        }
+        hits_ = hit == 1;
+        if (hits_ && layout_.has(slot::t) && !is_there(slot::t))
+            return Fault{slot::t, fmt::format("{} is empty where {} is 1; write the t of the hit, nan if it is not a "
+                                              "number, or 0 as {}",
+                                              called(slot::t), called(slot::hit), called(slot::hit))};
+        return {};
+    }
+    hits_ = is_there(slot::t) && std::isfinite(t);
+    if (!hits_) return {};
+    switch (terms_.miss.kind) {
+        case MissRule::Kind::never: return {};
+        case MissRule::Kind::negative: hits_ = !(t < 0); return {};
+        case MissRule::Kind::number: hits_ = t != terms_.miss.number; return {};
+        case MissRule::Kind::ask: break;
+    }
+    if (!(t < 0)) return {};
+    return Fault{slot::t, fmt::format("{} is {}, and no column says whether that is a hit; add a column hit, or write "
+                                      "--miss {} where this number means a miss, --miss negative where every negative "
+                                      "one does, --miss never where it is an answer",
+                                      called(slot::t), t, t)};
+}
+
+void ChunkWriter::keep() {
+    const auto& x = numbers_;
+    chunk_.rays.push({{x[0], x[1], x[2]}, {x[3], x[4], x[5]}});
+    if (layout_.has(slot::tmax)) chunk_.rays.tmax.push_back(is_there(slot::tmax) ? x[slot::tmax] : HUGE_VAL);
+    if (shape_) {
+        Solid<double>& solid = chunk_.solids.emplace_back();
+        solid.shape = *shape_;
+        for (std::size_t k = 0; k < solid.used().size(); ++k) solid.numbers[k] = x[slot::solid + k];
+    }
+    if (decides_) {
+        chunk_.hit.push_back(hits_ ? 1 : 0);
+        chunk_.t.push_back(hits_ && is_there(slot::t) ? x[slot::t] : 0);
+    }
+    if (layout_.has(slot::object))
+        chunk_.object.push_back(is_there(slot::object) ? static_cast<std::int32_t>(x[slot::object]) : -1);
+    there_ = 0;
+}
+
+}  // namespace lostbits::scene::dump

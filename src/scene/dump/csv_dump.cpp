@@ -1,0 +1,260 @@
+#include "scene/dump/csv_dump.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cctype>
+#include <cstring>
+
+#include "number/error.hpp"
+
+namespace lostbits::scene::dump {
+
+namespace {
+
+constexpr std::size_t block = std::size_t{1} << 20, longest_line = std::size_t{1} << 20;
+
+std::string_view without_blanks(std::string_view text) {
+    while (!text.empty() && (text.front() == ' ' || text.front() == '\t')) text.remove_prefix(1);
+    while (!text.empty() && (text.back() == ' ' || text.back() == '\t')) text.remove_suffix(1);
+    return text;
+}
+
+/// The cells of one line, without quoting; `hold` keeps the text of those that had doubled quotes.
+class Cells {
+public:
+    explicit Cells(std::string_view line) : rest_(line), line_(line.data()) {}
+
+    /// The next cell; false behind the last. `fault` says what is wrong with its quotes.
+    bool next(std::string_view& cell, const char*& fault) {
+        if (ended_) return false;
+        begin_ = static_cast<std::size_t>(rest_.data() - line_);
+        fault = nullptr;
+        const std::size_t blanks = std::min(rest_.find_first_not_of(" \t"), rest_.size());
+        if (blanks < rest_.size() && rest_[blanks] == '"') return next_quoted(blanks, cell, fault);
+        const std::size_t comma = std::min(rest_.find(','), rest_.size());
+        cell = rest_.substr(0, comma);
+        if (cell.find('"') != std::string_view::npos)
+            fault = "a quote stands inside a cell that does not begin with one";
+        pass(comma);
+        return true;
+    }
+    /// Of the last cell in the line, from 0.
+    [[nodiscard]] std::size_t begin() const { return begin_; }
+
+private:
+    bool next_quoted(std::size_t blanks, std::string_view& cell, const char*& fault) {
+        text_.clear();
+        std::size_t at = blanks + 1;
+        for (;; ++at) {
+            if (at >= rest_.size()) {
+                fault = "a quote opens a cell and never closes";
+                break;
+            }
+            if (rest_[at] != '"') text_ += rest_[at];
+            else if (at + 1 < rest_.size() && rest_[at + 1] == '"') text_ += rest_[at++];
+            else break;
+        }
+        const std::size_t comma = std::min(rest_.find(',', std::min(at, rest_.size())), rest_.size());
+        if (fault == nullptr && !without_blanks(rest_.substr(at + 1, comma - at - 1)).empty())
+            fault = "text follows the quote that closes a cell";
+        cell = text_;
+        pass(comma);
+        return true;
+    }
+    void pass(std::size_t comma) {
+        ended_ = comma == rest_.size();
+        rest_.remove_prefix(ended_ ? comma : comma + 1);
+    }
+
+    std::string_view rest_;
+    const char* line_;
+    std::string text_;
+    std::size_t begin_ = 0;
+    bool ended_ = false;
+};
+
+bool is_blank(std::string_view line) { return line.find_first_not_of(" \t") == std::string_view::npos; }
+
+/// A line of the text without its break.
+std::string_view line_in(std::string_view text) {
+    if (text.ends_with('\n')) text.remove_suffix(1);
+    if (text.ends_with('\r')) text.remove_suffix(1);
+    return text;
+}
+
+}  // namespace
+
+CsvDump::CsvDump(const std::filesystem::path& path, const DumpOptions& options) : Dump(path), source_(path) {
+    read_header(options);
+    settle(options, *layout_, *find_format("f64"));
+    words_.emplace(terms().format);
+}
+
+std::string CsvDump::place(std::uint64_t line, std::size_t column) const {
+    return fmt::format("{}:{}:{}", source_.name(), line, column + 1);
+}
+
+std::size_t CsvDump::find_end(std::size_t begin) {
+    std::size_t looked = begin;  // up to here the quotes are counted
+    bool inside = false;
+    for (;;) {
+        const auto* const found =
+            static_cast<const char*>(std::memchr(buffer_.data() + looked, '\n', buffer_.size() - looked));
+        const std::size_t stop = found ? static_cast<std::size_t>(found - buffer_.data()) : buffer_.size();
+        if (std::memchr(buffer_.data() + looked, '"', stop - looked) != nullptr)
+            inside ^= (std::count(buffer_.begin() + static_cast<std::ptrdiff_t>(looked),
+                                  buffer_.begin() + static_cast<std::ptrdiff_t>(stop), '"') &
+                       1) != 0;
+        looked = found ? stop + 1 : stop;
+        if (found && !inside) return looked;
+        if (looked - begin > longest_line)
+            throw InputError(place(line_, 0) +
+                             ": is longer than a million characters; is this a CSV file? Raw numbers "
+                             "are read with --columns");
+        if (found) continue;
+        if (ended_) return looked > begin ? looked : 0;
+        ended_ = source_.read(buffer_, block) < block;
+    }
+}
+
+void CsvDump::read_header(const DumpOptions& options) {
+    if (source_.read(buffer_, block) < block) ended_ = true;
+    if (buffer_.starts_with("\xEF\xBB\xBF")) used_ = 3;
+    std::vector<std::string> names;
+    std::vector<std::size_t> begins;
+    if (!options.columns.empty()) {
+        Cells cells(options.columns);
+        const char* fault = nullptr;
+        for (std::string_view cell; cells.next(cell, fault);) names.emplace_back(without_blanks(cell));
+        layout_.emplace(std::move(names),
+                        [](std::size_t, const std::string& why) { throw InputError("--columns: " + why); });
+        return;
+    }
+    std::string_view line;
+    std::size_t end = used_;
+    do {
+        const std::size_t begin = end;
+        end = find_end(begin);
+        if (end == 0)
+            throw InputError(source_.name() + ":1:1: is empty; a CSV of rays begins with the names of its columns");
+        line = line_in(std::string_view(buffer_).substr(begin, end - begin));
+        line_ += static_cast<std::uint64_t>(std::ranges::count(buffer_.substr(begin, end - begin), '\n'));
+    } while (is_blank(line));
+    const std::uint64_t header = line_ - (buffer_[end - 1] == '\n' ? 1 : 0);
+    Cells cells(line);
+    const char* fault = nullptr;
+    for (std::string_view cell; cells.next(cell, fault);) {
+        if (fault != nullptr)
+            throw InputError(place(header, cells.begin()) + ": " + fault + "; write \"\" for a quote");
+        names.emplace_back(without_blanks(cell));
+        begins.push_back(cells.begin());
+    }
+    if (names.size() == 1 && line.find_first_of(";\t") != std::string_view::npos)
+        throw InputError(place(header, line.find_first_of(";\t")) +
+                         ": the columns are not separated by commas; write commas between them");
+    const std::string first = names.front();
+    if (!first.empty() && first.find_first_not_of("0123456789+-.eEnaif") == std::string::npos)
+        throw InputError(place(header, 0) + ": \"" + first +
+                         "\" is a number where the names of the columns are expected; name them with --columns "
+                         "ox,oy,oz,dx,dy,dz,… if the file has no header");
+    layout_.emplace(std::move(names), [&](std::size_t c, const std::string& why) {
+        throw InputError(place(header, begins[c]) + ": " + why);
+    });
+    used_ = end;
+}
+
+bool CsvDump::next(std::size_t most, Records& records) {
+    records.first = record_;
+    records.count = 0;
+    buffer_.erase(0, used_);
+    used_ = 0;
+    records.line = line_;
+    std::size_t end = 0;
+    while (records.count < most) {
+        stop_if_interrupted();
+        const std::size_t after = find_end(end);
+        if (after == 0) break;
+        const std::string_view line(buffer_.data() + end, after - end);
+        if (!is_blank(line_in(line))) ++records.count;
+        // The lines of a cell in quotes as well.
+        line_ += 1;
+        if (line.find('"') != std::string_view::npos)
+            line_ += static_cast<std::uint64_t>(std::ranges::count(line_in(line), '\n'));
+        end = after;
+    }
+    record_ += records.count;
+    records.bytes.assign(buffer_, 0, end);
+    used_ = end;
+    return records.count > 0;
+}
+
+Chunk CsvDump::decode(const Records& records) const {
+    Chunk chunk;
+    chunk.first = records.first;
+    ChunkWriter writer(*layout_, terms(), records.count, chunk);
+    std::string_view rest = records.bytes;
+    std::uint64_t number = records.line;
+    while (!rest.empty()) {
+        std::size_t end = std::min(rest.find('\n'), rest.size() - 1) + 1;
+        // A line break inside quotes belongs to the cell.
+        while (end < rest.size() &&
+               (std::count(rest.begin(), rest.begin() + static_cast<std::ptrdiff_t>(end), '"') & 1) != 0)
+            end = std::min(rest.find('\n', end), rest.size() - 1) + 1;
+        const std::string_view line = line_in(rest.substr(0, end));
+        if (!is_blank(line)) decode_line(line, number, writer, chunk);
+        number += 1 + static_cast<std::uint64_t>(std::ranges::count(line, '\n'));
+        rest.remove_prefix(end);
+    }
+    return chunk;
+}
+
+std::string CsvDump::put(std::string_view word, std::size_t slot, ChunkWriter& writer) const {
+    if (word.empty()) return {};
+    const NumberWords::Word read = words_->read(word);
+    switch (read.kind) {
+        case NumberWords::Kind::number: writer.put(slot, read.value, read.held); return {};
+        case NumberWords::Kind::too_large:
+            return fmt::format(
+                "is larger than the largest number of {}; name the format that the answers were computed "
+                "in with --format",
+                format().name);
+        case NumberWords::Kind::not_a_number_word: break;
+    }
+    if (slot == slot::hit && (word == "true" || word == "True" || word == "TRUE")) writer.put(slot, 1, true);
+    else if (slot == slot::hit && (word == "false" || word == "False" || word == "FALSE")) writer.put(slot, 0, true);
+    else
+        return "is not a number; write a decimal such as 4100 or 1e-3, a hexadecimal float such as 0x1.004p+12, nan or "
+               "inf";
+    return {};
+}
+
+void CsvDump::decode_line(std::string_view line, std::uint64_t number, ChunkWriter& writer, Chunk& chunk) const {
+    const auto& columns = layout_->columns();
+    std::size_t begins[slot::count] = {};
+    Cells cells(line);
+    const char* fault = nullptr;
+    std::size_t c = 0;
+    for (std::string_view cell; cells.next(cell, fault); ++c) {
+        if (fault != nullptr)
+            throw InputError(place(number, cells.begin()) + ": " + fault + "; write \"\" for a quote");
+        if (c >= columns.size()) continue;
+        if (columns[c].slot) {
+            begins[*columns[c].slot] = cells.begin();
+            const std::string_view word = without_blanks(cell);
+            if (const std::string why = put(word, *columns[c].slot, writer); !why.empty())
+                throw InputError(
+                    fmt::format("{}: {} \"{}\" {}", place(number, cells.begin()), columns[c].name, word, why));
+        }
+        if (!columns[c].slot && !columns[c].skipped && terms().keep) chunk.kept.emplace_back(cell);
+    }
+    if (c != columns.size())
+        throw InputError(
+            fmt::format("{}: has {} cell{} where there are {} columns; every record has one for each, empty "
+                        "where it has nothing to say{}",
+                        place(number, 0), c, c == 1 ? "" : "s", columns.size(),
+                        c < columns.size() ? " (or the file is cut short)" : ""));
+    writer.end_record([&](std::size_t s) { return place(number, begins[s]); });
+}
+
+}  // namespace lostbits::scene::dump

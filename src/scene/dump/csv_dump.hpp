@@ -1,0 +1,39 @@
+// Rays as CSV: a header, then a record a line; RFC 4180 as other programs write it too.
+#pragma once
+
+#include "scene/dump/byte_source.hpp"
+#include "scene/dump/dump.hpp"
+#include "scene/dump/number_words.hpp"
+
+namespace lostbits::scene::dump {
+
+/// Commas, LF or CRLF, cells with or without quotes, spaces around numbers, blank lines between records.
+class CsvDump final : public Dump {
+public:
+    CsvDump(const std::filesystem::path& path, const DumpOptions& options);
+
+    [[nodiscard]] const Layout& layout() const override { return *layout_; }
+    [[nodiscard]] std::uint64_t bytes() const override { return source_.size().value_or(0); }
+    bool next(std::size_t most, Records& records) override;
+    [[nodiscard]] Chunk decode(const Records& records) const override;
+
+private:
+    /// The end of the record that begins at `begin` of the buffer, behind its line break; reads on where it must.
+    /// 0 where the file has ended.
+    std::size_t find_end(std::size_t begin);
+    void read_header(const DumpOptions& options);
+    void decode_line(std::string_view line, std::uint64_t number, ChunkWriter& writer, Chunk& chunk) const;
+    /// Why a word is no number for a slot; empty where it is one.
+    [[nodiscard]] std::string put(std::string_view word, std::size_t slot, ChunkWriter& writer) const;
+    [[nodiscard]] std::string place(std::uint64_t line, std::size_t column) const;
+
+    ByteSource source_;
+    std::optional<Layout> layout_;
+    std::optional<NumberWords> words_;
+    std::string buffer_;
+    std::size_t used_ = 0;  ///< bytes of the buffer that were given away
+    bool ended_ = false;    ///< the buffer holds the last bytes of the file
+    std::uint64_t line_ = 1, record_ = 0;
+};
+
+}  // namespace lostbits::scene::dump

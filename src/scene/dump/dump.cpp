@@ -1,0 +1,59 @@
+#include "scene/dump/dump.hpp"
+
+#include <algorithm>
+#include <cctype>
+
+#include "number/error.hpp"
+#include "number/rounded.hpp"
+#include "scene/dump/csv_dump.hpp"
+#include "scene/dump/npy_dump.hpp"
+#include "scene/dump/raw_dump.hpp"
+
+namespace lostbits::scene::dump {
+
+void Dump::settle(const DumpOptions& options, const Layout& layout, const Format& own) {
+    terms_.format = options.format.value_or(own);
+    terms_.keep = options.keep;
+    terms_.solid = options.solid;
+    const std::string& file = name_;
+    if (layout.solid() && options.solid)
+        throw InputError(file +
+                         ": its columns have a solid for each ray, and the command line has one for all; leave "
+                         "one of the two out");
+    if (!layout.solid() && !options.solid)
+        throw InputError(file +
+                         ": no column has a solid; add cx,cy,cz,radius or lox,loy,loz,hix,hiy,hiz, or name one "
+                         "for all rays with --sphere CX,CY,CZ,R, --box LOX,LOY,LOZ,HIX,HIY,HIZ or --scene SCENE");
+    if (!options.miss) return;
+    if (layout.has(slot::hit) || !layout.has(slot::t))
+        throw InputError(file +
+                         (layout.has(slot::hit)
+                              ? ": --miss says which t is a miss, and the column hit says so already; leave --miss out"
+                              : ": --miss says which t is a miss, and there is no column t; leave --miss out"));
+    terms_.miss = *options.miss;
+    // The sentinel as the file's numbers are read: the same rounding.
+    terms_.miss.number = rounding::to_format(terms_.miss.number, 0, terms_.format.shape);
+}
+
+std::unique_ptr<Dump> open_dump(const std::filesystem::path& path, const DumpOptions& options) {
+    Container container = options.container;
+    if (container == Container::by_name) {
+        std::string ending = path.extension().string();
+        std::ranges::transform(ending, ending.begin(),
+                               [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+        container = ending == ".csv" ? Container::csv : ending == ".npy" ? Container::npy : Container::raw;
+        if (container == Container::raw && options.columns.empty())
+            throw InputError(path.string() +
+                             ": a file of rays ends in .csv or .npy, or has raw numbers whose names and types are "
+                             "given: --columns ox:f32,oy,oz,dx,dy,dz,hit:u8,t:f32; or say --container csv");
+    }
+    if (options.skip > 0 && container != Container::raw)
+        throw InputError(path.string() + ": --skip passes over bytes in front of raw numbers; leave it out");
+    switch (container) {
+        case Container::csv: return std::make_unique<CsvDump>(path, options);
+        case Container::npy: return std::make_unique<NpyDump>(path, options);
+        default: return std::make_unique<RawDump>(path, options);
+    }
+}
+
+}  // namespace lostbits::scene::dump

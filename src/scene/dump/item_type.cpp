@@ -1,0 +1,121 @@
+#include "scene/dump/item_type.hpp"
+
+#include <array>
+#include <bit>
+#include <charconv>
+#include <cmath>
+#include <cstring>
+#include <limits>
+
+namespace lostbits::scene::dump {
+
+static_assert(std::endian::native == std::endian::little);
+
+namespace {
+
+/// The bytes as an unsigned number.
+std::uint64_t bits_of(const char* from, std::size_t size, bool big_endian) {
+    std::array<char, 8> bytes{};
+    for (std::size_t i = 0; i < size; ++i) bytes[i] = from[big_endian ? size - 1 - i : i];
+    return std::bit_cast<std::uint64_t>(bytes);
+}
+
+double half_of(std::uint64_t bits) {
+    const double sign = (bits & 0x8000) != 0 ? -1 : 1;
+    const int exponent = static_cast<int>(bits >> 10 & 31);
+    const auto fraction = static_cast<double>(bits & 1023);
+    if (exponent == 31) return fraction == 0 ? sign * HUGE_VAL : std::numeric_limits<double>::quiet_NaN();
+    return sign * (exponent == 0 ? std::ldexp(fraction, -24) : std::ldexp(1024 + fraction, exponent - 25));
+}
+
+template <class N>
+std::string shortest(N number) {
+    char text[64];
+    return {text, std::to_chars(text, text + sizeof text, number).ptr};
+}
+
+std::string shortest_float(double value, bool narrow) {
+    if (std::isnan(value)) return "nan";
+    if (std::isinf(value)) return value < 0 ? "-inf" : "inf";
+    return narrow ? shortest(static_cast<float>(value)) : shortest(value);
+}
+
+std::int64_t with_sign(std::uint64_t bits, std::size_t size) {
+    const auto unused = static_cast<int>(64 - 8 * size);
+    return static_cast<std::int64_t>(bits << unused) >> unused;
+}
+
+}  // namespace
+
+ItemType::Item ItemType::read(const char* from) const {
+    if (kind == Kind::floating && !big_endian && size == 4) {
+        float value;
+        std::memcpy(&value, from, 4);
+        return {value, true};
+    }
+    const std::uint64_t bits = bits_of(from, size, big_endian);
+    switch (kind) {
+        case Kind::floating:
+            if (size == 2) return {half_of(bits), true};
+            if (size == 4) return {std::bit_cast<float>(static_cast<std::uint32_t>(bits)), true};
+            return {std::bit_cast<double>(bits), true};
+        case Kind::signed_integer: {
+            const std::int64_t whole = with_sign(bits, size);
+            return {static_cast<double>(whole), size < 8 || std::abs(whole) <= std::int64_t{1} << 53};
+        }
+        case Kind::unsigned_integer: return {static_cast<double>(bits), size < 8 || bits <= std::uint64_t{1} << 53};
+        case Kind::boolean: break;
+    }
+    return {bits != 0 ? 1.0 : 0.0, true};
+}
+
+std::string ItemType::text(const char* from) const {
+    const std::uint64_t bits = bits_of(from, size, big_endian);
+    switch (kind) {
+        case Kind::floating: return shortest_float(read(from).value, size == 4);
+        case Kind::signed_integer: return shortest(with_sign(bits, size));
+        case Kind::unsigned_integer: return shortest(bits);
+        case Kind::boolean: break;
+    }
+    return bits != 0 ? "1" : "0";
+}
+
+std::optional<Format> ItemType::format() const {
+    if (kind != Kind::floating) return {};
+    return find_format(size == 2 ? "fp16" : size == 4 ? "f32" : "f64");
+}
+
+std::optional<ItemType> find_item_type(std::string_view word) {
+    ItemType type;
+    const bool numpy = !word.empty() && std::string_view("<>|=").find(word.front()) != std::string_view::npos;
+    if (numpy) {
+        type.big_endian = word.front() == '>';
+        word.remove_prefix(1);
+    } else if (word.ends_with("be") || word.ends_with("le")) {
+        type.big_endian = word.ends_with("be");
+        word.remove_suffix(2);
+    }
+    struct Known {
+        std::string_view name, numpy;
+        ItemType::Kind kind;
+        std::uint8_t size;
+    };
+    using Kind = ItemType::Kind;
+    static constexpr Known known[] = {
+        {"f16", "f2", Kind::floating, 2},         {"f32", "f4", Kind::floating, 4},
+        {"f64", "f8", Kind::floating, 8},         {"i8", "i1", Kind::signed_integer, 1},
+        {"i16", "i2", Kind::signed_integer, 2},   {"i32", "i4", Kind::signed_integer, 4},
+        {"i64", "i8", Kind::signed_integer, 8},   {"u8", "u1", Kind::unsigned_integer, 1},
+        {"u16", "u2", Kind::unsigned_integer, 2}, {"u32", "u4", Kind::unsigned_integer, 4},
+        {"u64", "u8", Kind::unsigned_integer, 8}, {"bool", "b1", Kind::boolean, 1},
+    };
+    for (const Known& k : known) {
+        if (word != (numpy ? k.numpy : k.name) && !(k.kind == Kind::boolean && word == "?")) continue;
+        type.kind = k.kind;
+        type.size = k.size;
+        return type;
+    }
+    return {};
+}
+
+}  // namespace lostbits::scene::dump

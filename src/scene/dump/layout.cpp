@@ -1,0 +1,191 @@
+#include "scene/dump/layout.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cctype>
+
+#include "scene/toml/did_you_mean.hpp"
+
+namespace lostbits::scene::dump {
+
+namespace {
+
+/// A name by which files know a number. The first of a slot is how messages call it.
+struct KnownName {
+    std::string_view name;
+    std::size_t slot;
+    std::optional<Shape> shape = {};
+};
+
+constexpr KnownName known_names[] = {
+    {"ox", 0},
+    {"oy", 1},
+    {"oz", 2},
+    {"dx", 3},
+    {"dy", 4},
+    {"dz", 5},
+    {"tmax", slot::tmax},
+    {"cx", 7, Shape::sphere},
+    {"cy", 8, Shape::sphere},
+    {"cz", 9, Shape::sphere},
+    {"radius", 10, Shape::sphere},
+    {"lox", 7, Shape::box},
+    {"loy", 8, Shape::box},
+    {"loz", 9, Shape::box},
+    {"hix", 10, Shape::box},
+    {"hiy", 11, Shape::box},
+    {"hiz", 12, Shape::box},
+    {"t", slot::t},
+    {"hit", slot::hit},
+    {"object", slot::object},
+    // As the project's own tables and other people have it.
+    {"origin_x", 0},
+    {"origin_y", 1},
+    {"origin_z", 2},
+    {"direction_x", 3},
+    {"direction_y", 4},
+    {"direction_z", 5},
+    {"t_max", slot::tmax},
+    {"centre_x", 7, Shape::sphere},
+    {"centre_y", 8, Shape::sphere},
+    {"centre_z", 9, Shape::sphere},
+    {"center_x", 7, Shape::sphere},
+    {"center_y", 8, Shape::sphere},
+    {"center_z", 9, Shape::sphere},
+    {"r", 10, Shape::sphere},
+    {"lo_x", 7, Shape::box},
+    {"lo_y", 8, Shape::box},
+    {"lo_z", 9, Shape::box},
+    {"hi_x", 10, Shape::box},
+    {"hi_y", 11, Shape::box},
+    {"hi_z", 12, Shape::box},
+};
+
+std::string folded(std::string_view name) {
+    std::string lower;
+    for (const char c : name) lower += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    return lower;
+}
+
+const KnownName* find_known(std::string_view name) {
+    const auto found = std::ranges::find(known_names, name, &KnownName::name);
+    return found == std::end(known_names) ? nullptr : found;
+}
+
+constexpr std::string_view hex_tail = "_hex";
+
+constexpr const char* what_to_write =
+    "name the columns ox,oy,oz,dx,dy,dz, perhaps tmax, the solid's cx,cy,cz,radius or lox,loy,loz,hix,hiy,hiz, and the "
+    "answer's hit and t";
+
+}  // namespace
+
+std::string_view name_of_slot(std::size_t slot, Shape shape) {
+    const auto is_it = [&](const KnownName& k) { return k.slot == slot && (!k.shape || *k.shape == shape); };
+    return std::ranges::find_if(known_names, is_it)->name;
+}
+
+Layout::Layout(std::vector<std::string> names, const Complain& complain) {
+    for (std::string& name : names) columns_.push_back({std::move(name), {}, false});
+    find_slots(complain);
+    require_whole(complain);
+}
+
+void Layout::find_slots(const Complain& complain) {
+    struct Found {
+        const KnownName* known = nullptr;
+        bool hex = false;
+    };
+    std::vector<Found> found(columns_.size());
+    for (std::size_t c = 0; c < columns_.size(); ++c) {
+        std::string name = folded(columns_[c].name);
+        columns_[c].skipped = name == "_";
+        found[c].hex = name.ends_with(hex_tail);
+        if (found[c].hex) name.erase(name.size() - hex_tail.size());
+        found[c].known = find_known(name);
+    }
+    for (std::size_t c = 0; c < columns_.size(); ++c) {
+        const KnownName* const known = found[c].known;
+        if (known == nullptr) continue;
+        const auto twin = [&](const Found& other) {
+            return !found[c].hex && other.hex && other.known != nullptr && other.known->slot == known->slot;
+        };
+        if (std::ranges::any_of(found, twin)) continue;
+        if (known->shape && solid_ && *known->shape != *solid_)
+            complain(c, fmt::format("\"{}\" is a number of a {} beside numbers of a {}; a file has solids of one "
+                                    "shape; leave one of the two out",
+                                    columns_[c].name, name_of(*known->shape), name_of(*solid_)));
+        if (places_[known->slot])
+            complain(c, fmt::format("\"{}\" says what column \"{}\" says already; rename one of the two",
+                                    columns_[c].name, columns_[*places_[known->slot]].name));
+        if (known->shape) solid_ = known->shape;
+        places_[known->slot] = c;
+        columns_[c].slot = known->slot;
+    }
+    // A slip of the fingers: only words of three letters and more, and only for what is missing.
+    std::vector<std::string> missing;
+    for (const KnownName& known : known_names) {
+        if (known.name.size() >= 3 && !places_[known.slot]) missing.emplace_back(known.name);
+    }
+    for (std::size_t c = 0; c < columns_.size(); ++c) {
+        if (columns_[c].slot || found[c].known != nullptr || columns_[c].name.size() < 3) continue;
+        if (const auto near = toml::closest(columns_[c].name, missing))
+            complain(c, fmt::format("\"{}\" is not a column we know, and \"{}\" is missing; did you mean \"{}\"? A "
+                                    "column of your own is kept under a name that is further off",
+                                    columns_[c].name, *near, *near));
+    }
+}
+
+void Layout::require_whole(const Complain& complain) const {
+    const auto lacks = [&](std::size_t begin, std::size_t end, Shape shape) {
+        std::string names;
+        for (std::size_t s = begin; s < end; ++s) {
+            if (!has(s)) names += (names.empty() ? "" : ", ") + std::string(name_of_slot(s, shape));
+        }
+        return names;
+    };
+    if (const auto names = lacks(0, slot::tmax, Shape::sphere); !names.empty())
+        complain(0, fmt::format("a ray has no {}; {}", names, what_to_write));
+    if (!solid_) return;
+    const std::size_t end = slot::solid + number_names(*solid_).size();
+    if (const auto names = lacks(slot::solid, end, *solid_); !names.empty())
+        complain(0, fmt::format("a {} has no {}; {}", name_of(*solid_), names, what_to_write));
+}
+
+std::vector<std::string> Layout::kept() const {
+    std::vector<std::string> names;
+    for (const LayoutColumn& c : columns_) {
+        if (!c.slot && !c.skipped) names.push_back(c.name);
+    }
+    return names;
+}
+
+std::vector<std::string> parts_of(std::string_view name, std::size_t count) {
+    struct Group {
+        std::string_view name;
+        std::vector<std::string> parts;
+    };
+    static const std::vector<Group> groups{
+        {"origin", {"ox", "oy", "oz"}},
+        {"o", {"ox", "oy", "oz"}},
+        {"direction", {"dx", "dy", "dz"}},
+        {"dir", {"dx", "dy", "dz"}},
+        {"d", {"dx", "dy", "dz"}},
+        {"ray", {"ox", "oy", "oz", "dx", "dy", "dz"}},
+        {"centre", {"cx", "cy", "cz"}},
+        {"center", {"cx", "cy", "cz"}},
+        {"c", {"cx", "cy", "cz"}},
+        {"lo", {"lox", "loy", "loz"}},
+        {"hi", {"hix", "hiy", "hiz"}},
+        {"sphere", {"cx", "cy", "cz", "radius"}},
+        {"box", {"lox", "loy", "loz", "hix", "hiy", "hiz"}},
+    };
+    const std::string word = folded(name);
+    for (const Group& group : groups) {
+        if (group.name == word && group.parts.size() == count) return group.parts;
+    }
+    return {};
+}
+
+}  // namespace lostbits::scene::dump

@@ -1,0 +1,144 @@
+#include "scene/dump/npy_dump.hpp"
+
+#include <fmt/format.h>
+
+#include <limits>
+
+#include "number/error.hpp"
+
+namespace lostbits::scene::dump {
+
+namespace {
+
+constexpr std::string_view magic = "\x93NUMPY";
+
+/// The dictionary, and where the numbers begin.
+std::pair<std::string, std::uint64_t> header_text(ByteSource& source) {
+    const auto cut_short = [&]() { throw InputError(source.name() + ": ends inside its header; it was cut short"); };
+    std::string start;
+    source.read(start, 8);
+    if (!start.starts_with(magic))
+        throw InputError(source.name() +
+                         ": is not an array of numpy (it does not begin with \\x93NUMPY); write it with "
+                         "numpy.save, or say --container csv or raw");
+    if (start.size() < 8) cut_short();
+    const int version = start[6];
+    if (version < 1 || version > 3)
+        throw InputError(
+            fmt::format("{}: is an array file of version {}; versions 1 to 3 are read", source.name(), version));
+    const std::size_t wide = version == 1 ? 2 : 4;
+    std::string length;
+    if (source.read(length, wide) < wide) cut_short();
+    std::size_t size = 0;
+    for (std::size_t i = 0; i < wide; ++i) size |= std::size_t{static_cast<unsigned char>(length[i])} << 8 * i;
+    if (size > std::size_t{1} << 20) throw InputError(source.name() + ": its header is longer than a million bytes");
+    std::string text;
+    if (source.read(text, size) < size) cut_short();
+    return {text, 8 + wide + size};
+}
+
+std::uint64_t product(const std::vector<std::uint64_t>& numbers) {
+    std::uint64_t all = 1;
+    for (const std::uint64_t n : numbers)
+        all = n != 0 && all > (std::uint64_t{1} << 48) / n ? std::uint64_t{1} << 48 : all * n;
+    return all;
+}
+
+ItemType type_of(const std::string& word, const std::string& name, const std::string& file) {
+    const auto type = find_item_type(word);
+    if (type && std::string_view("<>|=").find(word.front()) != std::string_view::npos) return *type;
+    throw InputError(
+        fmt::format("{}: {}is of type '{}'; floats of 2, 4 or 8 bytes, integers and booleans are read; "
+                    "convert it with astype('<f4') or astype('<f8')",
+                    file, name.empty() ? "" : "field '" + name + "' ", word));
+}
+
+/// A field that is an array is several columns: those that its name stands for, or `name_0` and so on.
+void add_field(const NpyHeader::Field& field, const std::string& file, std::uint64_t& offset,
+               std::vector<BinaryColumn>& columns) {
+    // Bytes between fields, which numpy writes as fields of no name.
+    if (const bool padding = field.type.starts_with("|V"); padding) {
+        offset += std::strtoull(field.type.c_str() + 2, nullptr, 10) * product(field.shape);
+        return;
+    }
+    const ItemType type = type_of(field.type, field.name, file);
+    const std::uint64_t count = product(field.shape);
+    if (count > 4096)
+        throw InputError(fmt::format("{}: field '{}' has {} numbers; at most 4096 are read", file, field.name, count));
+    const auto parts = parts_of(field.name, static_cast<std::size_t>(count));
+    for (std::uint64_t k = 0; k < count; ++k) {
+        const std::string name = field.shape.empty() ? field.name
+                                 : parts.empty()     ? fmt::format("{}_{}", field.name, k)
+                                                     : parts[static_cast<std::size_t>(k)];
+        columns.push_back({name, type, offset});
+        offset += type.size;
+    }
+}
+
+/// The names of the last axis.
+std::vector<std::string> names_in(const std::string& columns) {
+    std::vector<std::string> names{""};
+    for (const char c : columns) {
+        if (c == ',') names.emplace_back();
+        else if (c != ' ') names.back() += c;
+    }
+    return names;
+}
+
+}  // namespace
+
+NpyDump::NpyDump(const std::filesystem::path& path, const DumpOptions& options) : BinaryDump(path) {
+    const auto [text, begin] = header_text(source());
+    const std::string& file = source().name();
+    const NpyHeader header = read_npy_header(text, file);
+    std::vector<std::uint64_t> rays = header.shape;
+    Lie array{.columns = {}, .begin = begin};
+    if (header.structured) {
+        if (!options.columns.empty())
+            throw InputError(file +
+                             ": --columns names the columns of arrays without names; this one has fields with "
+                             "names; leave --columns out");
+        for (const NpyHeader::Field& field : header.fields) add_field(field, file, array.record_size, array.columns);
+    } else {
+        const ItemType type = type_of(header.fields.front().type, "", file);
+        if (rays.size() < 2)
+            throw InputError(
+                fmt::format("{}: has {} axes; rays are an array of n rows and k columns, or of records with "
+                            "named fields",
+                            file, rays.size()));
+        if (options.columns.empty())
+            throw InputError(fmt::format(
+                "{}: has {} columns without names; name them with --columns ox,oy,oz,dx,dy,dz,…", file, rays.back()));
+        const auto names = names_in(options.columns);
+        if (names.size() != rays.back())
+            throw InputError(
+                fmt::format("{}: has {} columns, and --columns names {}; write _ for each that is to be "
+                            "passed over",
+                            file, rays.back(), names.size()));
+        rays.pop_back();
+        for (const std::string& name : names) array.columns.push_back({name, type, 0});
+    }
+    array.records = product(rays);
+    if (header.fortran && header.structured && rays.size() > 1) {
+        throw InputError(file + ": is in Fortran order; write numpy.ascontiguousarray(a)");
+    }
+    if (header.fortran && rays.size() > 1)
+        throw InputError(file + ": has more than two axes in Fortran order; write numpy.ascontiguousarray(a)");
+    array.apart = header.fortran && !header.structured;
+    for (std::size_t c = 0; !header.structured && c < array.columns.size(); ++c) {
+        const std::uint64_t size = array.columns[c].type.size;
+        array.columns[c].offset = array.apart ? c * *array.records * size : c * size;
+        array.record_size += size;
+    }
+    if (array.record_size == 0) throw InputError(file + ": its records are empty");
+    if (array.apart && !source().size())
+        throw InputError(file +
+                         ": is in Fortran order, which is not read from a pipe; write numpy.ascontiguousarray(a)");
+    constexpr auto most = static_cast<std::uint64_t>(std::numeric_limits<int>::max());
+    if (rays.size() == 2 && rays[0] > 0 && rays[1] > 0 && rays[0] <= most && rays[1] <= most)
+        picture_ = {static_cast<int>(rays[1]), static_cast<int>(rays[0])};
+    lie(std::move(array), options,
+        [&file](std::size_t, const std::string& why) { throw InputError(file + ": " + why); });
+}
+
+}  // namespace lostbits::scene::dump

@@ -1,0 +1,113 @@
+#include "scene/dump/number_words.hpp"
+
+#include <cctype>
+#include <charconv>
+#include <cmath>
+#include <limits>
+#include <string>
+
+#include "scene/toml/parse_number.hpp"
+#include "scene/toml/round.hpp"
+
+namespace lostbits::scene::dump {
+
+namespace {
+
+using Word = NumberWords::Word;
+using Kind = NumberWords::Kind;
+
+std::string_view unsigned_part(std::string_view text) {
+    if (!text.empty() && (text.front() == '-' || text.front() == '+')) text.remove_prefix(1);
+    return text;
+}
+
+bool is_word(std::string_view text, std::string_view lower) {
+    if (text.size() != lower.size()) return false;
+    for (std::size_t i = 0; i < text.size(); ++i) {
+        if (std::tolower(static_cast<unsigned char>(text[i])) != lower[i]) return false;
+    }
+    return true;
+}
+
+/// Decimal digits from the first that is not zero to the last, in front of an exponent.
+int significant_digits(std::string_view text) {
+    int digits = 0;
+    for (const char c : text) {
+        if (c == 'e' || c == 'E') break;
+        if (c >= '0' && c <= '9' && (digits > 0 || c != '0')) ++digits;
+    }
+    return digits;
+}
+
+template <class F>
+bool read_whole(std::string_view text, F& value) {
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    return error == std::errc{} && end == text.data() + text.size();
+}
+
+}  // namespace
+
+NumberWords::NumberWords(const Format& format)
+    : format_(format), digits_(static_cast<int>(std::ceil(1 + format.shape.precision * std::log10(2.0)))) {}
+
+Word NumberWords::read(std::string_view text) const {
+    const std::string_view magnitude = unsigned_part(text);
+    if (magnitude.empty()) return {Kind::not_a_number_word};
+    const char first = magnitude.front();
+    if (first == 'n' || first == 'N' || first == 'i' || first == 'I') {
+        const double sign = text.front() == '-' ? -1 : 1;
+        if (is_word(magnitude, "nan")) return {Kind::number, std::numeric_limits<double>::quiet_NaN()};
+        if (is_word(magnitude, "inf") || is_word(magnitude, "infinity")) return {Kind::number, sign * HUGE_VAL};
+        return {Kind::not_a_number_word};
+    }
+    const bool hexadecimal =
+        magnitude.size() > 1 && magnitude[0] == '0' && (magnitude[1] == 'x' || magnitude[1] == 'X');
+    if (hexadecimal) return read_hexadecimal(text);
+    if (text.front() == '+') text.remove_prefix(1);
+    // Correctly rounded, both: what they do not take whole is looked at slowly, and says what is wrong with it.
+    if (format_.engine == Format::Engine::native32) {
+        float narrow = 0;
+        if (!read_whole(text, narrow)) return read_slowly(text);
+        Word word{Kind::number, narrow};
+        if (significant_digits(magnitude) <= digits_) return word;
+        double wide = 0;
+        word.held = read_whole(text, wide) && wide == word.value;
+        return word;
+    }
+    if (format_.engine == Format::Engine::native64 && significant_digits(magnitude) <= digits_) {
+        Word word;
+        if (read_whole(text, word.value)) return word;
+    }
+    return read_slowly(text);
+}
+
+Word NumberWords::read_hexadecimal(std::string_view text) const {
+    // Of at most 53 bits a double is what is written, exactly, but for the smallest.
+    const std::string_view digits = unsigned_part(text).substr(2);
+    double exact = 0;
+    const auto [end, error] =
+        std::from_chars(digits.data(), digits.data() + digits.size(), exact, std::chars_format::hex);
+    const bool short_enough = digits.substr(0, digits.find_first_of("pP")).size() <= 14;
+    const bool native = format_.engine != Format::Engine::rounded;
+    if (!native || !short_enough || error != std::errc{} || end != digits.data() + digits.size() || !(exact > 0x1p-900))
+        return read_slowly(text);
+    if (text.front() == '-') exact = -exact;
+    const double value = format_.engine == Format::Engine::native32 ? static_cast<float>(exact) : exact;
+    if (std::isinf(value)) return {Kind::too_large};
+    return {Kind::number, value, value == exact};
+}
+
+Word NumberWords::read_slowly(std::string_view text) const {
+    const auto parsed = toml::parse_number(text);
+    if (const auto* const fault = std::get_if<toml::NumberFault>(&parsed))
+        return {fault->too_large ? Kind::too_large : Kind::not_a_number_word};
+    const Real& exact = std::get<Real>(parsed);
+    Word word{Kind::number, toml::round_to_format(exact, format_.shape)};
+    if (std::isinf(word.value)) return {Kind::too_large};
+    const std::string_view magnitude = unsigned_part(text);
+    const bool hexadecimal = magnitude.size() > 1 && (magnitude[1] == 'x' || magnitude[1] == 'X');
+    word.held = exact == Real(word.value) || (!hexadecimal && significant_digits(magnitude) <= digits_);
+    return word;
+}
+
+}  // namespace lostbits::scene::dump

@@ -1,0 +1,33 @@
+// Numbers written as text, each rounded once to a format.
+#pragma once
+
+#include <string_view>
+
+#include "number/format.hpp"
+
+namespace lostbits::scene::dump {
+
+/// Reads decimals, C hexadecimal floats, `nan` and `inf`; what a format makes of them.
+class NumberWords {
+public:
+    explicit NumberWords(const Format& format);
+
+    enum class Kind { number, not_a_number_word, too_large };
+    struct Word {
+        Kind kind = Kind::number;
+        double value = 0;  ///< RN_F of what is written, taken exactly; NaN and infinities where they are written
+        /// Whether the format has the number that was meant: it is what is written, exactly, or what is written has no
+        /// more digits than it takes to tell the numbers of the format apart (9 in binary32, 17 in binary64).
+        bool held = true;
+    };
+    [[nodiscard]] Word read(std::string_view text) const;
+
+private:
+    [[nodiscard]] Word read_hexadecimal(std::string_view text) const;
+    [[nodiscard]] Word read_slowly(std::string_view text) const;
+
+    Format format_;
+    int digits_;  ///< that tell the numbers of the format apart
+};
+
+}  // namespace lostbits::scene::dump

@@ -1,0 +1,188 @@
+// `lostbits judge`: files of rays from the outside, as a user has them.
+#include <array>
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+
+#include "catch.hpp"
+#include "program.hpp"
+
+using namespace lostbits::test;
+namespace fs = std::filesystem;
+
+namespace {
+
+const fs::path dumps = fs::path(LOSTBITS_DATA_DIR) / "dumps";
+const std::string far_csv = "'" + (dumps / "far-sphere.csv").string() + "' --format f32 --sphere 0,0,0,1";
+const std::string far_raw =
+    "'" + (dumps / "far-sphere.f32").string() + "' --columns ox:f32,oy,oz,dx,dy,dz,t,hit:u8 --sphere 0,0,0,1";
+const std::string head = "ox,oy,oz,dx,dy,dz,hit,t\n", good = "0,0,-5,0,0,1,1,4\n";
+
+std::string into(const Scratch& scratch, const std::string& folder = "out") {
+    return " -o '" + (scratch.path() / folder).string() + "'";
+}
+
+}  // namespace
+
+TEST_CASE("the program of the page on judging writes the file that it judges") {
+    const Scratch scratch;
+    const std::string page = contents(fs::path(LOSTBITS_DATA_DIR).parent_path() / "docs" / "judge.md");
+    const auto begin = page.find("```c\n") + 5;
+    const std::string source = scratch.write("dump.c", page.substr(begin, page.find("```", begin) - begin));
+    const std::string folder = scratch.path().string();
+    REQUIRE(std::system(("cc -O1 -ffp-contract=off -o '" + folder + "/dump' '" + source + "' -lm && '" + folder +
+                         "/dump' > '" + folder + "/made.csv'")
+                            .c_str()) == 0);
+    CHECK(contents(scratch.path() / "made.csv") == contents(dumps / "far-sphere.csv"));
+}
+
+TEST_CASE("a file judged as text, as raw numbers and from a pipe gives the same numbers") {
+    const Scratch scratch;
+    REQUIRE(run("judge " + far_csv + into(scratch, "a")).code == 0);
+    REQUIRE(run("judge " + far_raw + into(scratch, "b")).code == 0);
+    REQUIRE(run("judge /dev/stdin --container csv --format f32 --sphere 0,0,0,1" + into(scratch, "c"), ".",
+                "cat '" + (dumps / "far-sphere.csv").string() + "' |")
+                .code == 0);
+    const auto a = read_csv(scratch.path() / "a/far-sphere/summary.csv");
+    const auto b = read_csv(scratch.path() / "b/far-sphere/summary.csv");
+    auto c = read_csv(scratch.path() / "c/stdin/summary.csv");
+    REQUIRE(a.size() == 1);
+    CHECK(a == b);
+    c.front()["form"] = "file.far-sphere";
+    CHECK(a == c);
+    CHECK(a.front().at("false_hit") == "177");
+    CHECK(a.front().at("worst_explain").empty());  // a file has no formula to explain
+}
+
+TEST_CASE("judging writes the same bytes with any number of threads and any width of registers") {
+    const Scratch scratch;
+    const std::string command =
+        "judge " + far_csv + " --size 48x32 --rows -i 'sphere.p*' --metric residual --metric lost_bits";
+    REQUIRE(run(command + into(scratch, "a") + " -j 1 --isa scalar").code == 0);
+    REQUIRE(run(command + into(scratch, "b") + " -j 4").code == 0);
+    std::size_t files = 0;
+    for (const auto& entry : fs::directory_iterator(scratch.path() / "a/far-sphere")) {
+        INFO(entry.path());
+        CHECK(contents(entry.path()) == contents(scratch.path() / "b/far-sphere" / entry.path().filename()));
+        ++files;
+    }
+    CHECK(files > 10);
+}
+
+TEST_CASE("the rows of judged rays keep the columns of the file") {
+    const Scratch scratch;
+    REQUIRE(run("judge " + far_csv + " --rows" + into(scratch)).code == 0);
+    const auto rows = read_csv(scratch.path() / "out/far-sphere/file.far-sphere.f32.csv");
+    REQUIRE(rows.size() == 1536);
+    CHECK(rows[100].at("x") == "4");
+    CHECK(rows[100].at("y") == "2");
+    CHECK(rows[100].at("ray") == "100");
+    std::size_t false_hits = 0;
+    for (const auto& row : rows) {
+        false_hits += row.at("outcome") == "false_hit";
+        if (row.at("outcome") == "agree_hit") {
+            CHECK(std::stof(row.at("t")) == std::stof(row.at("answer")));
+            CHECK_FALSE(row.at("truth_hex").empty());
+        }
+    }
+    CHECK(false_hits == 177);
+}
+
+TEST_CASE("the worst rays of a file are cases that the formula of its answers gets as wrong") {
+    const Scratch scratch;
+    REQUIRE(run("judge " + far_csv + " --worst 3" + into(scratch)).code == 0);
+    const std::string cases = (scratch.path() / "out/far-sphere/worst.toml").string();
+    const auto r = run("sweep '" + cases + "' -i sphere.schoolbook -f f32" + into(scratch, "again"));
+    INFO(r.err);
+    REQUIRE(r.code == 0);
+    const auto rows = read_csv(scratch.path() / "again/worst/cases.csv");
+    CHECK(rows.size() == 9);  // three errors, three false misses, three false hits
+    REQUIRE(run("judge " + far_csv + " --worst 0" + into(scratch)).code == 0);
+    CHECK_FALSE(fs::exists(cases));
+    std::size_t false_hits = 0;
+    for (const auto& row : rows) {
+        CHECK(row.at("verdict") != "right");
+        false_hits += row.at("verdict") == "false_hit";
+    }
+    CHECK(false_hits == 3);
+}
+
+TEST_CASE("rays without answers are answered by forms") {
+    const Scratch scratch;
+    const std::string file = scratch.write("rays.csv", "ox,oy,oz,dx,dy,dz,cx,cy,cz,radius\n0,0,-5,0,0,2,0,0,0,1\n");
+    const auto none = run("judge '" + file + "'" + into(scratch));
+    CHECK(none.code == 4);
+    CHECK(has(none.err, "-i 'sphere.*'"));
+    CHECK(run("judge '" + file + "' -i 'box.*'" + into(scratch)).code == 4);
+    REQUIRE(run("judge '" + file + "' -i sphere.press -f f32 -f bf16 --metric culprit" + into(scratch)).code == 0);
+    const auto rows = read_csv(scratch.path() / "out/rays/summary.csv");
+    REQUIRE(rows.size() == 2);
+    CHECK(rows[0].at("agree_hit") == "1");
+    CHECK(has(rows[0].at("worst_explain"), "lostbits explain --sphere=0x0p+0,0x0p+0,0x0p+0,0x1p+0 --ray="));
+}
+
+TEST_CASE("metrics of a formula are measured of forms, and left out of the file's answers") {
+    const Scratch scratch;
+    const auto r = run("judge " + far_csv + " --metric culprit --metric model_error -i sphere.press" + into(scratch));
+    REQUIRE(r.code == 0);
+    CHECK(has(r.err, "culprit takes the formula, and is left out of file.far-sphere"));
+    const auto rows = read_csv(scratch.path() / "out/far-sphere/summary.csv");
+    REQUIRE(rows.size() == 2);
+    CHECK(rows[0].at("culprit").empty());
+    CHECK_FALSE(rows[1].at("culprit").empty());
+    CHECK(rows[0].at("model_error_max").empty());
+    CHECK_FALSE(rows[1].at("model_error_max").empty());
+}
+
+TEST_CASE("judge says what it needs to know, and writes nothing") {
+    struct Bad {
+        std::string options, text;
+        const char* says;
+    };
+    const std::array bad{
+        Bad{"--sphere 0,0,0,1", head + good + "0,0,-5,0,0,1,1,x\n", "rays.csv:3:16: t \"x\" is not a number"},
+        Bad{"--sphere 0,0,0,1", head + good + "0,0,-5,0,0,1\n", "rays.csv:3:1: has 6 cells"},
+        Bad{"--sphere 0,0,0,1", head, "rays.csv: has no rays"},
+        Bad{"", head + good, "--sphere CX,CY,CZ,R"},
+        Bad{"--sphere 0,0,0", head + good, "has 3 numbers; write CX,CY,CZ,R"},
+        Bad{"--sphere 0,0,0,-1", head + good, "greater than 0"},
+        Bad{"--box 0,0,0,1,-1,1", head + good, "lo <= hi"},
+        Bad{"--sphere 0,0,0,1 --box 0,0,0,1,1,1", head + good, "write one of them"},
+        Bad{"--sphere 0,0,0,1 --size 7x1", head + good, "has 1 rays where a picture of 7x1 has 7"},
+        Bad{"--sphere 0,0,0,1 --metric culprit", head + good, "takes the formula"},
+        Bad{"--sphere 0,0,0,1 --metric lost_bit", head + good, "lost_bits"},
+        Bad{"--sphere 0,0,0,1 --format f23", head + good, "unknown format"},
+        Bad{"--sphere 0,0,0,1 --miss nan", head + good, "--miss nan"},
+        Bad{"--scene rtg-fig-7-4", head + good, "variants"},
+        Bad{"--scene sphereflake-near", head + good, "solids"},
+        Bad{"--sphere 0,0,0,1 --skip 3", head + good, "--skip"},
+    };
+    for (const Bad& b : bad) {
+        INFO(b.options << "\n" << b.text);
+        const Scratch scratch;
+        const std::string file = scratch.write("rays.csv", b.text);
+        const auto r = run("judge '" + file + "' " + b.options + into(scratch));
+        INFO(r.err);
+        CHECK(r.code == 2);
+        CHECK(r.out.empty());
+        CHECK(has(r.err, b.says));
+        CHECK(scratch.files() == std::vector<std::string>{"rays.csv"});
+        CHECK_FALSE(fs::exists(scratch.path() / "out"));
+    }
+    const Scratch scratch;
+    CHECK(run("judge '" + scratch.path().string() + "/none.csv'" + into(scratch)).code == 2);
+}
+
+TEST_CASE("notes say that numbers were rounded, and that answers look like floats") {
+    const Scratch scratch;
+    std::string text = head;
+    for (int i = 0; i < 20; ++i) text += "0,0,-5,0,0,1.00000000001,1,4\n";
+    const std::string file = scratch.write("rays.csv", text);
+    const auto r = run("judge '" + file + "' --sphere 0,0,0,1 --format f32" + into(scratch));
+    CHECK(r.code == 0);
+    CHECK(has(r.err, "20 numbers are not numbers of f32"));
+    const auto wide = run("judge '" + file + "' --sphere 0,0,0,1" + into(scratch));
+    CHECK(has(wide.err, "--format f32"));
+    CHECK(run("judge '" + file + "' --sphere 0,0,0,1 -q" + into(scratch)).err.empty());
+}

@@ -1,0 +1,296 @@
+// The answers of a file measure as the form measures that gave them, and the truth of rays with solids of their own is
+// that of each alone.
+#include "measure/judge/judge.hpp"
+
+#include <cmath>
+
+#include "catch.hpp"
+#include "measure/answer/answers.hpp"
+#include "measure/judge/worst_rays.hpp"
+#include "measure/rows.hpp"
+#include "measure/seeded.hpp"
+#include "measure/truth/lost_bits.hpp"
+#include "scene/dump/dump_writer.hpp"
+#include "scene/file/march_table.hpp"
+
+using namespace lostbits;
+using namespace lostbits::measure;
+using judge::JudgeRequest;
+using judge::JudgeResult;
+using scene::test::Columns;
+using testing::Seeded;
+
+namespace {
+
+const std::vector<const metric::Metric*> all_metrics{
+    metric::find_metric("lost_bits"),      metric::find_metric("ulp_error"),  metric::find_metric("relative_error"),
+    metric::find_metric("absolute_error"), metric::find_metric("residual"),   metric::find_metric("herbie_bits"),
+    metric::find_metric("excess_bits"),    metric::find_metric("input_error")};
+
+Columns ray_columns(const scene::rays::RayBlock& rays) {
+    Columns columns;
+    const char* const names[] = {"ox", "oy", "oz", "dx", "dy", "dz"};
+    const std::vector<double>* const from[] = {&rays.ox, &rays.oy, &rays.oz, &rays.dx, &rays.dy, &rays.dz};
+    for (std::size_t k = 0; k < 6; ++k) columns.add(names[k], *from[k]);
+    return columns;
+}
+
+void add_answers(Columns& columns, const answer::Answers& answers) {
+    columns.add("hit", {answers.hit.begin(), answers.hit.end()});
+    columns.add("t", answers.t);
+}
+
+/// The same numbers in every place of a summary.
+void require_same(const map::MapSummary& a, const map::MapSummary& b) {
+    CHECK(a.rays == b.rays);
+    CHECK(a.outcomes == b.outcomes);
+    CHECK(a.true_hits == b.true_hits);
+    CHECK(a.wrong_object == b.wrong_object);
+    REQUIRE(a.metrics.size() == b.metrics.size());
+    const auto same = [](double x, double y) { return x == y || (std::isnan(x) && std::isnan(y)); };
+    for (std::size_t m = 0; m < a.metrics.size(); ++m) {
+        CHECK(a.metrics[m].count() == b.metrics[m].count());
+        CHECK(same(a.metrics[m].mean(), b.metrics[m].mean()));
+        for (const double q : {0.5, 0.99, 1.0}) CHECK(same(a.metrics[m].quantile(q), b.metrics[m].quantile(q)));
+    }
+    CHECK(a.worst.x == b.worst.x);
+    CHECK(a.worst.y == b.worst.y);
+    CHECK(a.worst.object == b.worst.object);
+    CHECK(a.worst.t == b.worst.t);
+    CHECK(same(a.worst.ulps, b.worst.ulps));
+    REQUIRE((a.fault() == nullptr) == (b.fault() == nullptr));
+    if (a.fault()) CHECK(a.fault()->x == b.fault()->x);
+}
+
+/// The answers of these forms to a scene as a file, judged: what a map of the scene says of them.
+void hold_map_and_judge(const char* scene_id, std::initializer_list<const char*> forms, const char* format) {
+    const auto scene =
+        scene::file::load_scene(std::filesystem::path(LOSTBITS_DATA_DIR) / "scenes" / (std::string(scene_id) + ".toml"),
+                                {.size = std::pair{48, 40}})
+            .front();
+    const std::vector<Solid<double>> solids = scene::rays::shared_solids(scene);
+    for (const char* name : forms) {
+        INFO(scene_id << ": " << name);
+        const map::MapRow row = testing::row(name, format);
+        const auto expected = map::run_map({.scene = &scene, .rows = {row}, .metrics = all_metrics}, {});
+
+        const scene::rays::RayBlock rays = scene::rays::make_shared_rays(scene, 0, scene.height);
+        std::optional<intersect::MarchConstants<double>> march;
+        if (scene.march) march = scene::file::round_march(*scene.march, binary32);
+        const truth::Band band(scene::rays::RayGroup{rays, solids, march});
+        const auto answers = answer::evaluate(
+            *row.form, band.inputs(row.format, {.unit_rays = row.form->info->direction == intersect::Direction::unit}));
+        Columns columns = ray_columns(rays);
+        add_answers(columns, answers);
+        columns.add("object", {answers.object.begin(), answers.object.end()});
+        const scene::test::DumpFile file("a.bin", scene::test::as_bytes<double>(columns));
+        const auto dump = scene::dump::open_dump(
+            file.path(),
+            {.columns = columns.joined_names(":f64"), .format = row.format, .solid = solids.front().shape});
+        const judge::FileForm form("a", solids.front().shape, *row.form->info);
+        const JudgeResult result = judge::run_judge(*dump,
+                                                    {.solids = solids,
+                                                     .march = march,
+                                                     .rows = {{&form.form(), row.format}, row},
+                                                     .answered = true,
+                                                     .metrics = all_metrics,
+                                                     .picture = std::pair{scene.width, scene.height}},
+                                                    {});
+        CHECK(result.rounded == 0);
+        require_same(result.summaries[0], expected[0]);
+        require_same(result.summaries[1], expected[0]);
+        CHECK(expected[0].outcomes[0] > 100);
+    }
+}
+
+/// Rays aimed near spheres or boxes, each with its own.
+scene::rays::RayGroup random_pairs(Shape shape, int count, std::uint64_t seed) {
+    Seeded random(seed);
+    const auto any = [&](double size) {
+        return static_cast<double>(static_cast<float>(size * (2 * 0x1p-53 * static_cast<double>(random.bits(53)) - 1)));
+    };
+    scene::rays::RayGroup group;
+    for (int i = 0; i < count; ++i) {
+        Solid<double> solid;
+        solid.shape = shape;
+        for (int k = 0; k < 3; ++k) solid.numbers[static_cast<std::size_t>(k)] = any(4);
+        for (std::size_t k = 3; k < solid.used().size(); ++k) {
+            const double size = std::fabs(any(2)) + 0x1p-10;
+            solid.numbers[k] = shape == Shape::sphere ? size : static_cast<float>(solid.numbers[k - 3] + size);
+        }
+        const Vec<double> o(any(10), any(10), any(10));
+        Vec<double> d;
+        for (int k = 0; k < 3; ++k)
+            d[k] = static_cast<float>(solid.numbers[static_cast<std::size_t>(k)] + any(1.2) - o[k]);
+        if (random.index(8) == 0) d[random.index(3)] = 0;
+        if (d.x == 0 && d.y == 0 && d.z == 0) d.x = 1;
+        group.rays.push({o, d});
+        group.solids.push_back(solid);
+        if (shape == Shape::box) group.rays.tmax.push_back(random.index(3) == 0 ? std::fabs(any(2)) : HUGE_VAL);
+    }
+    group.rays.width = count;
+    group.rays.y1 = 1;
+    group.paired = true;
+    return group;
+}
+
+}  // namespace
+
+TEST_CASE("the answers of a form in a file measure as the form does in a map") {
+    hold_map_and_judge("near-benign", {"sphere.schoolbook", "sphere.press", "sphere.unit_half_b"}, "f32");
+    hold_map_and_judge("rtg-fig-7-3-2000", {"sphere.schoolbook", "sphere.expanded"}, "f32");
+    hold_map_and_judge("grazing", {"sphere.unified"}, "f64");
+    hold_map_and_judge("raycast-course", {"sphere.schoolbook"}, "f32");  // several spheres
+    hold_map_and_judge("sdf-union", {"sdf.sphere_trace"}, "f32");
+    hold_map_and_judge("box-offset", {"box.signs", "box.exclusive"}, "f32");
+}
+
+TEST_CASE("a ray with a solid of its own has the truth of those two, and every form answers about them") {
+    for (const Shape shape : {Shape::sphere, Shape::box}) {
+        const scene::rays::RayGroup group = random_pairs(shape, 50000, 3);
+        const truth::Band band(group);
+        std::size_t hits = 0;
+        for (const intersect::Convention convention :
+             {intersect::Convention{}, intersect::Convention{intersect::Touching::miss}}) {
+            for (std::size_t i = 0; i < group.rays.size(); ++i) {
+                const truth::Truth alone = truth::find_truth(group.rays[i], group.solids[i], {}, convention,
+                                                             group.rays.tmax.empty() ? HUGE_VAL : group.rays.tmax[i]);
+                const truth::Truth& found = band.truth(i, convention);
+                REQUIRE(found.decision == alone.decision);
+                REQUIRE(found.object == (alone.is_hit() ? static_cast<int>(i) : -1));
+                if (alone.is_hit()) REQUIRE((found.t.hi == alone.t.hi && found.t.exponent == alone.t.exponent));
+                hits += alone.is_hit();
+            }
+        }
+        CHECK(hits > 10000);
+        for (const char* format : {"f32", "f64", "bf16"}) {
+            const auto inputs = band.inputs(*find_format(format), {.unit_rays = true});
+            const std::size_t few = std::string(format) == "bf16" ? 500 : 5000;
+            for (const map::MapRow& row : testing::all_rows(shape, {format})) {
+                INFO(row.form->info->name << " in " << format);
+                const auto together = answer::evaluate(*row.form, inputs);
+                for (std::size_t i = 0; i < few; i += 1 + i / 20) {
+                    scene::rays::RayGroup one = scene::rays::group_of(group.rays[i]);
+                    if (!group.rays.tmax.empty()) one.rays.tmax = {group.rays.tmax[i]};
+                    one.solids = {group.solids[i]};
+                    const truth::Band alone(one);
+                    const auto answers = answer::evaluate(*row.form, alone.inputs(row.format, {.unit_rays = true}));
+                    REQUIRE(answers.hit[0] == together.hit[i]);
+                    REQUIRE((answers.t[0] == together.t[i] || std::isnan(answers.t[0])));
+                    REQUIRE(together.object[i] == (together.hit[i] != 0 ? static_cast<int>(i) : -1));
+                }
+            }
+        }
+    }
+}
+
+TEST_CASE("judged rays do not depend on the number of threads, and the worst are those of every ray") {
+    const scene::rays::RayGroup group = random_pairs(Shape::sphere, 100000, 5);
+    const map::MapRow row = testing::row("sphere.schoolbook", "f32");
+    Columns columns = ray_columns(group.rays);
+    const char* const names[] = {"cx", "cy", "cz", "radius"};
+    for (std::size_t k = 0; k < 4; ++k) {
+        std::vector<double> column;
+        for (const Solid<double>& solid : group.solids) column.push_back(solid.numbers[k]);
+        columns.add(names[k], column);
+    }
+    const truth::Band band(group);
+    const auto inputs = band.inputs(row.format, {});
+    const auto answers = answer::evaluate(*row.form, inputs);
+    add_answers(columns, answers);
+    const scene::test::DumpFile file("a.bin", scene::test::as_bytes<float>(columns));
+
+    class Worst final : public judge::JudgeSink {
+    public:
+        void piece(const scene::dump::Chunk& chunk, const map::BandResult& result) override {
+            worst.look_at(chunk.first, result);
+        }
+        judge::WorstRays worst{10, 1};
+    };
+    std::vector<JudgeResult> results;
+    std::vector<std::vector<judge::NotedRay>> noted;
+    for (const std::size_t threads : {1U, 2U, 5U}) {
+        const testing::Threads limit(threads);
+        const auto dump = scene::dump::open_dump(file.path(), {.columns = columns.joined_names(":f32")});
+        const judge::FileForm form("a", Shape::sphere, *row.form->info);
+        Worst worst;
+        results.push_back(judge::run_judge(
+            *dump, {.rows = {{&form.form(), row.format}, row}, .answered = true, .metrics = all_metrics}, {&worst}));
+        noted.push_back(worst.worst.all());
+    }
+    for (const JudgeResult& result : results) {
+        CHECK(result.rays == group.rays.size());
+        CHECK(result.answers == result.floats);
+        require_same(result.summaries[0], results[0].summaries[0]);
+        require_same(result.summaries[1], result.summaries[0]);
+    }
+    // One by one.
+    std::vector<double> errors;
+    std::size_t wrong = 0;
+    for (std::size_t i = 0; i < group.rays.size(); ++i) {
+        const truth::Truth& truth = band.truth(i, {});
+        const bool hit = answers.hit[i] != 0;
+        wrong += hit != truth.is_hit();
+        if (hit && truth.is_hit()) errors.push_back(std::fabs(truth::ulp_error(answers.t[i], truth.t, binary32)));
+    }
+    std::ranges::sort(errors, std::greater<>());
+    const auto& s = results[0].summaries[0];
+    CHECK(s.count(answer::Outcome::false_hit) + s.count(answer::Outcome::false_miss) == wrong);
+    CHECK(s.count(answer::Outcome::agree_hit) == errors.size());
+    REQUIRE(noted[0].size() >= 10);
+    for (std::size_t k = 0; k < noted[0].size(); ++k) {
+        CHECK(noted[0][k].place == noted[2][k].place);
+        if (k < 10) CHECK(std::fabs(noted[0][k].ulps) == Approx(errors[k]).epsilon(1e-9));
+        const auto& given = *noted[0][k].given;
+        CHECK(given.rays.ox[0] == group.rays.ox[noted[0][k].place]);
+        CHECK(given.solids.size() == 1);
+        CHECK(given.solids[0].numbers == group.solids[noted[0][k].place].numbers);
+    }
+    CHECK(s.worst.x == static_cast<int>(noted[0][0].place));
+    CHECK(s.worst.object == s.worst.x);
+}
+
+TEST_CASE("decisions without a t have outcomes and no errors") {
+    const scene::rays::RayGroup group = random_pairs(Shape::sphere, 2000, 9);
+    const truth::Band band(group);
+    std::string text = "ox,oy,oz,dx,dy,dz,cx,cy,cz,radius,hit\n";
+    std::uint64_t wrong = 0;
+    for (std::size_t i = 0; i < group.rays.size(); ++i) {
+        const Ray<double> ray = group.rays[i];
+        for (const Vec<double>& v : {ray.origin, ray.direction})
+            for (int k = 0; k < 3; ++k) text += output::file::decimal(v[k]) + ",";
+        for (const double x : group.solids[i].used()) text += output::file::decimal(x) + ",";
+        const bool lie = i % 10 == 3;
+        wrong += lie;
+        text += (band.truth(i, {}).is_hit() != lie) ? "1\n" : "0\n";
+    }
+    const scene::test::DumpFile file("a.csv", text);
+    const auto dump = scene::dump::open_dump(file.path(), {});
+    const judge::FileForm form("a b.c", Shape::sphere, intersect::Info{});
+    CHECK(form.form().info->name == "file.a_b_c");
+    const auto s =
+        std::move(judge::run_judge(
+                      *dump, {.rows = {{&form.form(), dump->format()}}, .answered = true, .metrics = all_metrics}, {})
+                      .summaries.front());
+    CHECK(s.count(answer::Outcome::false_hit) + s.count(answer::Outcome::false_miss) == wrong);
+    CHECK(s.count(answer::Outcome::agree_hit) + s.count(answer::Outcome::false_miss) == s.true_hits);
+    CHECK(s.count(answer::Outcome::not_a_number) == 0);
+    for (const metric::Distribution& d : s.metrics) CHECK(d.count() == 0);
+    CHECK(s.worst.x == -1);
+}
+
+TEST_CASE("rays that are not the pixels of the picture are refused") {
+    for (const std::size_t rays : {11U, 13U, 16U, 24U, 8U}) {
+        std::string text = "ox,oy,oz,dx,dy,dz,hit\n";
+        for (std::size_t i = 0; i < rays; ++i) text += "0,0,-5,0,0,1,1\n";
+        const scene::test::DumpFile file("a.csv", text);
+        const auto dump = scene::dump::open_dump(file.path(), {.solid = Shape::sphere});
+        const judge::FileForm form("a", Shape::sphere, intersect::Info{});
+        const JudgeRequest request{.solids = {Solid<double>(Sphere<double>{{0, 0, 0}, 1})},
+                                   .rows = {{&form.form(), dump->format()}},
+                                   .answered = true,
+                                   .metrics = all_metrics,
+                                   .picture = std::pair{4, 3}};
+        CHECK_THROWS_WITH(judge::run_judge(*dump, request, {}), Catch::Contains("picture of 4x3 has 12"));
+    }
+}

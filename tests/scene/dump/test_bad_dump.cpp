@@ -1,0 +1,100 @@
+// Every way in which a file of rays can be wrong: the place, and what to try.
+#include "catch.hpp"
+#include "scene/dump/dump_writer.hpp"
+
+using namespace lostbits;
+using namespace lostbits::scene;
+using namespace lostbits::scene::dump;
+using namespace lostbits::scene::test;
+
+namespace {
+
+const std::string head = "ox,oy,oz,dx,dy,dz,cx,cy,cz,radius,hit,t\n", good = "0,0,-5,0,0,1,0,0,0,1,1,4\n";
+
+struct BadFile {
+    std::string name, bytes;
+    std::string place, remedy;  ///< how the message begins, and part of it
+    DumpOptions options = {};
+};
+
+const BadFile bad_files[] = {
+    {"a.csv", "", "a.csv:1:1:", "names of its columns"},
+    {"a.csv", "1,2,3\n", "a.csv:1:1:", "--columns"},
+    {"a.csv", "ox;oy;oz\n", "a.csv:1:3:", "commas"},
+    {"a.csv", "ox,oy,oz,dx,dy\n", "a.csv:1:1:", "no dz"},
+    {"a.csv", "ox,oy,oz,dx,dy,dz,cx,cy,cz\n", "a.csv:1:1:", "no radius"},
+    {"a.csv", "ox,oy,oz,dx,dy,dz,hit,t\n", "a.csv: no column has a solid", "--sphere"},
+    {"a.csv", "ox,oy,oz,dx,dy,dz,cx,cy,cz,radius,lox\n", "a.csv:1:35:", "one shape"},
+    {"a.csv", "ox,oy,oz,dx,dy,dz,cx,cy,cz,radius,ox\n", "a.csv:1:35:", "already"},
+    {"a.csv", "ox,oy,oz,dx,dy,dz,cx,cy,cz,radius,hits\n", "a.csv:1:35:", "did you mean \"hit\""},
+    {"a.csv", "ox,oy,oz,dx,dy,dz,cx,cy,cz,raduis,hit\n", "a.csv:1:28:", "did you mean \"radius\""},
+    {"a.csv", head + good + "0,0,-5,0,0,1,0,0,0,1,1\n", "a.csv:3:1:", "11 cells where there are 12"},
+    {"a.csv", head + good + "0,0,-5,0,0,1,0,0,0,1,1,4,5\n", "a.csv:3:1:", "13 cells"},
+    {"a.csv", head + "0,0,-5,0,0,1,0,0,0,1,1,four\n", "a.csv:2:24:", "\"four\" is not a number"},
+    {"a.csv", head + "nan,0,-5,0,0,1,0,0,0,1,1,4\n", "a.csv:2:1:", "ox is nan"},
+    {"a.csv", head + "0,0,-5,0,inf,1,0,0,0,1,1,4\n", "a.csv:2:10:", "dy is inf"},
+    {"a.csv", head + "0,,-5,0,0,1,0,0,0,1,1,4\n", "a.csv:2:3:", "oy is empty"},
+    {"a.csv", head + "0,0,-5,0,0,0,0,0,0,1,1,4\n", "a.csv:2:8:", "not a ray"},
+    {"a.csv", head + "0,0,-5,0,0,1,0,0,0,0,1,4\n", "a.csv:2:20:", "greater than 0"},
+    {"a.csv", head + "0,0,-5,0,0,1,0,0,0,1,2,4\n", "a.csv:2:22:", "write 1 for a hit"},
+    {"a.csv", head + "0,0,-5,0,0,1,0,0,0,1,,4\n", "a.csv:2:22:", "write 1 for a hit"},
+    {"a.csv", head + "0,0,-5,0,0,1,0,0,0,1,1,\n", "a.csv:2:24:", "t is empty"},
+    {"a.csv", head + "0,0,-5,0,0,1e39,0,0,0,1,1,4\n", "a.csv:2:12:", "--format", {.format = find_format("f32")}},
+    {"a.csv", head + "0,\"0,-5,0,0,1,0,0,0,1,1,4\n", "a.csv:2:3:", "never closes"},
+    {"a.csv", head + "0,0\"0,-5,0,0,1,0,0,0,1,1,4\n" + good, "a.csv:2:3:", "quote"},
+    {"a.csv", head + good, "a.csv: --miss", "leave --miss out", {.miss = MissRule{MissRule::Kind::never}}},
+    {"a.csv", head + good, "a.csv: its columns have a solid", "leave one", {.solid = Shape::box}},
+    {"a.csv", "ox,oy,oz,dx,dy,dz,t\n0,0,-5,0,0,1,-1\n", "a.csv:2:14:", "--miss -1", {.solid = Shape::sphere}},
+    {"a.csv", "ox,oy,oz,dx,dy,dz,tmax\n0,0,-5,0,0,1,9\n", "a.csv:2:14:", "no end", {.solid = Shape::sphere}},
+    {"a.csv", "ox,oy,oz,dx,dy,dz,tmax\n0,0,-5,0,0,1,nan\n", "a.csv:2:14:", "inf", {.solid = Shape::box}},
+    {"a.csv", "ox,oy,oz,dx,dy,dz,lox,loy,loz,hix,hiy,hiz\n0,0,-5,0,0,1,0,2,0,1,1,1\n", "a.csv:2:16:", "lo <= hi"},
+    {"a.csv", "ox," + std::string(3 << 20, 'x'), "a.csv:1:1:", "million"},
+    {"a.dat", "", "a.dat: a file of rays ends in", "--columns"},
+    {"a.bin",
+     "12345678901",
+     "a.bin: record 1: has 11 of 24 bytes",
+     "cut short",
+     {.columns = "ox:f32,oy,oz,dx,dy,dz", .solid = Shape::sphere}},
+    {"a.bin", "", "--columns: ox: \"g32\"", "f16", {.columns = "ox:g32"}},
+    {"a.bin", "", "--columns: ox has no type", "ox:f32", {.columns = "ox,oy"}},
+    {"a.bin", "", "--columns: a name is missing", "_ for", {.columns = "ox:f32,,oz"}},
+    {"a.bin",
+     std::string(24, '\0'),
+     "a.bin: record 1: dx is 0",
+     "not a ray",
+     {.columns = "ox:f32,oy,oz,dx,dy,dz", .solid = Shape::sphere}},
+    {"a.npy", "no array at all", "a.npy: is not an array", "numpy.save"},
+    {"a.npy", "\x93NUMPY\x01", "a.npy: ends inside its header", "cut short"},
+    {"a.npy", as_npy("{'descr': '<c8', 'fortran_order': False, 'shape': (1, 6), }", ""), "a.npy: is of type '<c8'",
+     "astype"},
+    {"a.npy", as_npy("{'descr': '<f4', 'fortran_order': False, 'shape': (1, 6), }", ""),
+     "a.npy: has 6 columns without names", "--columns"},
+    {"a.npy",
+     as_npy("{'descr': '<f4', 'fortran_order': False, 'shape': (2, 6), }", std::string(24, 'a')),
+     "a.npy: record 2: has 0 of 24",
+     "names 2 records",
+     {.columns = "ox,oy,oz,dx,dy,dz", .solid = Shape::sphere}},
+    {"a.npy",
+     as_npy("{'descr': '<f4', 'fortran_order': False, 'shape': (1, 6), }", std::string(25, 'a')),
+     "a.npy: byte",
+     "follow the last",
+     {.columns = "ox,oy,oz,dx,dy,dz", .solid = Shape::sphere}},
+    {"a.npy",
+     as_npy("{'descr': '<f4', 'fortran_order': False, 'shape': (1, 6), }", std::string(24, 'a')),
+     "a.npy: has 6 columns, and --columns names 2",
+     "_ for",
+     {.columns = "ox,oy"}},
+    {"a.npy", as_npy("{'descr': '<f4', 'shape': (1, 6), }", ""), "a.npy: byte", "missing"},
+};
+
+}  // namespace
+
+TEST_CASE("a bad file of rays is refused with its place and a remedy") {
+    for (const BadFile& bad : bad_files) {
+        const std::string fault = fault_of(bad.name, bad.bytes, bad.options);
+        INFO(bad.bytes.substr(0, 200) << "\n" << fault);
+        CHECK(fault.starts_with(bad.place));
+        CHECK(fault.find(bad.remedy) != std::string::npos);
+    }
+    CHECK(fault_of("a.csv", head + good).empty());
+}

@@ -1,0 +1,254 @@
+// A file of rays says the same in every container, and says where it is wrong.
+#include "scene/dump/dump.hpp"
+
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+#include "catch.hpp"
+#include "measure/seeded.hpp"
+#include "number/error.hpp"
+#include "scene/dump/dump_writer.hpp"
+#include "scene/dump/number_words.hpp"
+
+using namespace lostbits;
+using namespace lostbits::scene;
+using namespace lostbits::scene::dump;
+using namespace lostbits::scene::test;
+
+namespace {
+
+/// Rays with a sphere each and answers, all numbers of binary32.
+Columns sphere_columns(std::size_t rows) {
+    testing::Seeded random(7);
+    const auto any = [&] {
+        return static_cast<double>(static_cast<float>(
+            random.sign() * std::ldexp(1.0 + 0x1p-23 * static_cast<double>(random.bits(23)), random.index(20) - 10)));
+    };
+    Columns columns;
+    for (const char* name : {"ox", "oy", "oz", "dx", "dy", "dz", "cx", "cy", "cz", "radius", "t"}) {
+        std::vector<double> column(rows);
+        for (double& x : column)
+            x = std::string(name) == "radius" || std::string(name) == "t" ? std::fabs(any()) : any();
+        columns.add(name, column);
+    }
+    std::vector<double> hit(rows);
+    for (double& x : hit) x = random.coin() ? 1 : 0;
+    columns.add("hit", hit);
+    return columns;
+}
+
+void require_same(const std::vector<Chunk>& chunks, const Columns& c) {
+    std::size_t row = 0;
+    for (const Chunk& chunk : chunks) {
+        REQUIRE(chunk.first == row);
+        REQUIRE(chunk.rounded == 0);
+        REQUIRE(chunk.solids.size() == chunk.size());
+        for (std::size_t i = 0; i < chunk.size(); ++i, ++row) {
+            const Ray<double> ray = chunk.rays[i];
+            for (int k = 0; k < 3; ++k) {
+                REQUIRE(ray.origin[k] == c.numbers[static_cast<std::size_t>(k)][row]);
+                REQUIRE(ray.direction[k] == c.numbers[static_cast<std::size_t>(k) + 3][row]);
+            }
+            for (std::size_t k = 0; k < 4; ++k) REQUIRE(chunk.solids[i].numbers[k] == c.numbers[6 + k][row]);
+            REQUIRE(chunk.hit[i] == c.numbers[11][row]);
+            if (chunk.hit[i] != 0) REQUIRE(chunk.t[i] == c.numbers[10][row]);
+        }
+    }
+    REQUIRE(row == c.rows());
+}
+
+void require_reads(const std::string& name, const std::string& bytes, const DumpOptions& options,
+                   const Columns& columns, const std::string& format) {
+    INFO(name << " " << options.columns);
+    const DumpFile file(name, bytes);
+    for (const std::size_t most : {1U, 7U, 64U, 1000U}) {
+        const auto dump = open_dump(file.path(), options);
+        CHECK(dump->format().name == format);
+        require_same(read_all(*dump, most), columns);
+    }
+}
+
+}  // namespace
+
+TEST_CASE("the same rays come out of every container") {
+    const Columns columns = sphere_columns(257);
+    const std::string names = columns.joined_names();
+    const auto hex = [](double x) { return output::file::hex(x); };
+    const auto shortest = [](double x) { return output::file::decimal(static_cast<float>(x)); };
+    const auto nine = [](double x) {
+        char text[40];
+        std::snprintf(text, sizeof text, "%.9g", x);
+        return std::string(text);
+    };
+    const auto f32 = find_format("f32");
+    require_reads("a.csv", as_csv(columns, hex), {}, columns, "f64");
+    require_reads("a.csv", as_csv(columns, hex), {.format = f32}, columns, "f32");
+    require_reads("a.csv", as_csv(columns, shortest), {.format = f32}, columns, "f32");
+    require_reads("a.csv", as_csv(columns, nine), {.format = f32}, columns, "f32");
+    require_reads("a.txt", as_csv(columns, hex), {.container = Container::csv}, columns, "f64");
+    std::string crlf = as_csv(columns, hex);
+    for (std::size_t at = 0; (at = crlf.find('\n', at)) != std::string::npos; at += 3) crlf.replace(at, 1, "\r\n\n");
+    require_reads("a.csv", "\xEF\xBB\xBF" + crlf, {}, columns, "f64");
+    const std::string bare = as_csv(columns, hex).substr(names.size() + 1);
+    require_reads("a.csv", bare, {.columns = names}, columns, "f64");
+    for (const bool big : {false, true}) {
+        const std::string be = big ? "be" : "";
+        for (const Order order : {Order::rows, Order::columns}) {
+            require_reads("a.npy", as_npy<float>(columns, big, order), {.columns = names}, columns, "f32");
+            require_reads("a.npy", as_npy<double>(columns, big, order), {.columns = names}, columns, "f64");
+        }
+        require_reads("a.bin", as_bytes<float>(columns, big), {.columns = columns.joined_names(":f32" + be)}, columns,
+                      "f32");
+        require_reads("a.bin", "head" + as_bytes<double>(columns, big),
+                      {.columns = "ox:f64" + be + names.substr(2), .skip = 4}, columns, "f64");
+    }
+}
+
+TEST_CASE("fields of an array have their own types, and fields of three numbers are vectors") {
+    const Columns columns = sphere_columns(100);
+    std::string bytes;
+    for (std::size_t i = 0; i < columns.rows(); ++i) {
+        const auto at = [&](std::size_t c) { return columns.numbers[c][i]; };
+        for (std::size_t c = 0; c < 3; ++c) append<double>(bytes, at(c), true);
+        for (std::size_t c = 3; c < 6; ++c) append<float>(bytes, at(c), false);
+        append<std::int32_t>(bytes, static_cast<double>(i) - 50, false);
+        for (std::size_t c = 6; c < 10; ++c) append<float>(bytes, at(c), false);
+        append<bool>(bytes, at(11), false);
+        append<float>(bytes, at(10), false);
+    }
+    const std::string fields =
+        "[('o', '>f8', (3,)), ('direction', '<f4', 3), ('id', '<i4'), ('sphere', '<f4', (4,)), ('hit', '|b1'), ('t', "
+        "'<f4')]";
+    const std::string npy = as_npy("{'descr': " + fields + ", 'fortran_order': False, 'shape': (10, 10), }", bytes);
+    require_reads("a.npy", npy, {}, columns, "f32");
+    const DumpFile file("a.npy", npy);
+    const auto dump = open_dump(file.path(), {.keep = true});
+    CHECK(dump->picture() == std::pair{10, 10});
+    CHECK(dump->layout().kept() == std::vector<std::string>{"id"});
+    CHECK(read_all(*dump, 10)[1].kept[3] == "-37");
+}
+
+TEST_CASE("decimals are rounded once to the format, and what it does not hold is counted") {
+    const NumberWords f32(*find_format("f32")), f64(*find_format("f64")), p5(*find_format("p5"));
+    // Between two floats, a bit above the middle: rounded to double first it is the middle, and goes to even.
+    const std::string above = "1.00000005960464477539062500000000001";
+    CHECK(f32.read(above).value == 0x1.000002p0);
+    CHECK_FALSE(f32.read(above).held);
+    CHECK(f64.read(above).value == 0x1.000001p0);
+    CHECK(p5.read("1.03125000000000000000000000000000000001").value == 0x1.1p0);
+    CHECK(f32.read("0.1").value == static_cast<double>(0.1F));
+    CHECK(f32.read("0.1").held);
+    CHECK(f32.read("0.10000000149011612").held);  // the same float as double and printf write it
+    CHECK(f32.read("0.100000001490116119384765625").held);
+    CHECK_FALSE(f32.read("0.1000000123").held);
+    CHECK(f64.read("0.1").held);
+    CHECK_FALSE(f64.read("0.10000000000000000009").held);
+    CHECK_FALSE(f32.read("0x1.0000001p0").held);
+    CHECK(f32.read("0x1.0000011p0").value == 0x1.000002p0);
+    CHECK(f64.read("-0x1.00000000000008000000001p0").value == -0x1.0000000000001p0);
+    CHECK(std::signbit(f64.read("-0").value));
+    CHECK(f64.read("+1e-400").value == 0);
+    CHECK_FALSE(f64.read("+1e-400").value != 0);
+    CHECK(f32.read("1e-45").value == 0x1p-149);
+    CHECK(f32.read("1e39").kind == NumberWords::Kind::too_large);
+    CHECK(f64.read("-INF").value == -HUGE_VAL);
+    CHECK(std::isnan(f64.read("NaN").value));
+    for (const char* word : {"", "-", "1e", "0x", "0x1p", "1.2.3", "1,5", "nano", "infinit", "1f", "--1", "1 2"})
+        CHECK(f64.read(word).kind == NumberWords::Kind::not_a_number_word);
+}
+
+namespace {
+
+const std::string head = "ox,oy,oz,dx,dy,dz,cx,cy,cz,radius,hit,t\n";
+
+}  // namespace
+
+TEST_CASE("what a t means where no column says whether it is a hit") {
+    const auto hits = [](const std::string& t, std::optional<MissRule> miss) {
+        const DumpFile file("a.csv", "ox,oy,oz,dx,dy,dz,t\n0,0,-5,0,0,1," + t + "\n");
+        const auto dump = open_dump(file.path(), {.format = find_format("f32"), .miss = miss, .solid = Shape::sphere});
+        return read_all(*dump).front().hit.front() != 0;
+    };
+    const MissRule never{MissRule::Kind::never}, negative{MissRule::Kind::negative},
+        far{MissRule::Kind::number, 3.4028235e38};
+    for (const char* miss : {"", "nan", "inf", "-inf"}) CHECK_FALSE(hits(miss, {}));
+    CHECK(hits("4", {}));
+    CHECK(hits("-0", {}));
+    CHECK(hits("-1", never));
+    CHECK_FALSE(hits("-1", negative));
+    CHECK(hits("0", negative));
+    CHECK_FALSE(hits("3.40282347e+38", far));
+    CHECK(hits("3e38", far));
+    CHECK_FALSE(hits("nan", never));
+}
+
+TEST_CASE("a hit at NaN is an answer, and the t of a miss is not looked at") {
+    const DumpFile file("a.csv",
+                        head + "0,0,-5,0,0,1,0,0,0,1,1,nan\n0,0,-5,0,0,1,0,0,0,1,0,\n0,0,-5,0,0,1,0,0,0,1,false,nan\n");
+    const Chunk chunk = read_all(*open_dump(file.path(), {})).front();
+    CHECK(chunk.hit == std::vector<std::uint8_t>{1, 0, 0});
+    CHECK(std::isnan(chunk.t[0]));
+    CHECK(chunk.t[1] == 0);
+    CHECK(chunk.t[2] == 0);
+}
+
+TEST_CASE("cells in quotes may hold commas and lines, which places count") {
+    const std::string text = "note,\"ox\",oy,oz,dx,dy,dz\n\"a, \"\"b\"\"\nc\",\"1\", 2 ,3,4,5,6\n\nx,1,2,3,4,5,six\n";
+    CHECK(fault_of("a.csv", text, {.solid = Shape::sphere}).starts_with("a.csv:5:13: dz \"six\" is not a number"));
+    const DumpFile file("a.csv", text.substr(0, text.find("x,1,2")));
+    const Chunk chunk = read_all(*open_dump(file.path(), {.solid = Shape::sphere, .keep = true})).front();
+    CHECK(chunk.kept == std::vector<std::string>{"a, \"b\"\nc"});
+    CHECK(chunk.rays.dz == std::vector<double>{6});
+}
+
+TEST_CASE("columns called as the project's tables call them are known, and hexadecimal twins are preferred") {
+    const std::string text =
+        "t,t_hex,origin_x_hex,ORIGIN_Y,origin_z,direction_x,direction_y,direction_z,centre_x,centre_y,centre_z,radius\n"
+        "9,0x1p2,0x1p1,0,0,1,0,0,0,0,0,1\n";
+    const DumpFile file("a.csv", text);
+    const auto dump = open_dump(file.path(), {});
+    CHECK(dump->layout().kept() == std::vector<std::string>{"t"});
+    const Chunk chunk = read_all(*dump).front();
+    CHECK(chunk.t.front() == 4);
+    CHECK(chunk.rays.ox.front() == 2);
+}
+
+TEST_CASE("a file that was cut short anywhere, or spoilt, is read or refused") {
+    const Columns columns = sphere_columns(4);
+    struct Whole {
+        std::string name, bytes;
+        DumpOptions options;
+    };
+    const Whole files[] = {
+        {"a.csv", as_csv(columns, [](double x) { return output::file::hex(x); }), {}},
+        {"a.npy", as_npy<float>(columns), {.columns = columns.joined_names()}},
+        {"a.npy", as_npy<float>(columns, false, Order::columns), {.columns = columns.joined_names()}},
+        {"a.bin", as_bytes<double>(columns), {.columns = columns.joined_names(":f64")}},
+        {"a.npy",
+         as_npy("{'descr': [('ray', '<f4', (6,)), ('sphere', '<f4', (4,)), ('t', '<f4'), ('hit', '<f4')], "
+                "'fortran_order': False, 'shape': (4,)}",
+                as_bytes<float>(columns)),
+         {}},
+    };
+    testing::Seeded random(11);
+    std::size_t refused = 0, read = 0;
+    for (const Whole& whole : files) {
+        REQUIRE(fault_of(whole.name, whole.bytes, whole.options).empty());
+        for (std::size_t size = 0; size < whole.bytes.size(); size += 1 + size / 40) {
+            const std::string fault = fault_of(whole.name, whole.bytes.substr(0, size), whole.options);
+            INFO(whole.name << " of " << size << " bytes: " << fault);
+            ++(fault.empty() ? read : refused);
+            if (whole.name == "a.npy") CHECK_FALSE(fault.empty());
+        }
+        for (int k = 0; k < 300; ++k) {
+            std::string spoilt = whole.bytes;
+            for (int n = random.index(3); n >= 0; --n)
+                spoilt[static_cast<std::size_t>(random.index(static_cast<int>(spoilt.size())))] =
+                    static_cast<char>(random.bits(8));
+            ++(fault_of(whole.name, spoilt, whole.options).empty() ? read : refused);
+        }
+    }
+    CHECK(refused > 500);
+    CHECK(read > 100);
+}
