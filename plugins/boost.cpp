@@ -21,8 +21,10 @@ Answer<T> sphere(const Ray<T>& ray, const Sphere<T>& s) {
 }
 
 constexpr Form contract(Form form) {
-    return form.whole_line().ignores_end().titled("quadratic_roots of Boost.Math").from(
-        "Boost 1.74, boost/math/tools/roots.hpp:1003, quadratic_roots");
+    return form.whole_line()
+        .ignores_end()
+        .titled("quadratic_roots of Boost.Math")
+        .from("Boost 1.74, boost/math/tools/roots.hpp:1003, quadratic_roots");
 }
 
 LOSTBITS_FORMS(contract(form<sphere<float>>("boost.sphere")), contract(form<sphere<double>>("boost.sphere")))

@@ -1,7 +1,9 @@
-// CGAL 5.5.1: do_intersect of a Ray_3, or of a Segment_3 where the ray ends, with a Sphere_3 and with an Iso_cuboid_3, in
-// a kernel that rounds (Simple_cartesian) and in one that does not (Exact_predicates_exact_constructions). A Ray_3 holds
-// two points, so the second one, origin + direction, is rounded in the first kernel. Sphere_3 takes the radius squared.
-// Intersections_3/internal/Ray_3_Sphere_3_do_intersect.h:25, Bbox_3_Segment_3_do_intersect.h:135.
+// CGAL 5.5.1: do_intersect of a Ray_3, or of a Segment_3 where the ray ends, with a Sphere_3 and with an Iso_cuboid_3,
+// in a kernel that rounds (Simple_cartesian) and in one that does not (Exact_predicates_exact_constructions). A Ray_3
+// holds two points, so the second one, origin + direction, is rounded in the first kernel. Sphere_3 takes the radius
+// squared. Intersections_3/internal/Ray_3_Sphere_3_do_intersect.h:25, Bbox_3_Segment_3_do_intersect.h:135.
+#include <cmath>
+
 #include <CGAL/Exact_predicates_exact_constructions_kernel.h>
 #include <CGAL/Simple_cartesian.h>
 #include <CGAL/intersections.h>
@@ -34,11 +36,9 @@ bool box(const Ray<double>& ray, const Box<double>& b) {
     return meets<K>(ray, typename K::Iso_cuboid_3(point<K>(b.lo), point<K>(b.hi)));
 }
 
-constexpr Form of(Form form, const char* title) {
-    return form.titled(title).from("CGAL 5.5.1, do_intersect");
-}
+constexpr auto rounding = "CGAL 5.5.1, do_intersect, Simple_cartesian<double>";
+constexpr auto exact = "CGAL 5.5.1, do_intersect, Exact_predicates_exact_constructions_kernel";
 
-LOSTBITS_FORMS(of(form<sphere<Inexact>>("cgal.sphere"), "do_intersect of CGAL, Simple_cartesian<double>"),
-               of(form<sphere<Exact>>("cgal.sphere_exact"), "do_intersect of CGAL, exact kernel"),
-               of(form<box<Inexact>>("cgal.box"), "do_intersect of CGAL, Simple_cartesian<double>"),
-               of(form<box<Exact>>("cgal.box_exact"), "do_intersect of CGAL, exact kernel"))
+LOSTBITS_FORMS(form<sphere<Inexact>>("cgal.sphere").from(rounding),
+               form<sphere<Exact>>("cgal.sphere_exact").from(exact), form<box<Inexact>>("cgal.box").from(rounding),
+               form<box<Exact>>("cgal.box_exact").from(exact))

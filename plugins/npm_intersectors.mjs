@@ -28,7 +28,8 @@ const three = async () => {
         'three.sphere': (s, v = sphere(s)) => (r) => t(set(r).intersectSphere(v, caught)),
         'three.sphere_test': (s, v = sphere(s)) => (r) => set(r).intersectsSphere(v),
         // From inside it tells where the ray leaves; the box of lostbits is solid and met at t = 0.
-        'three.box': (s, v = box(s)) => (r) => (v.containsPoint(set(r).origin) ? [0, 0] : t(ray.intersectBox(v, caught))),
+        'three.box': (s, v = box(s)) => (r) =>
+            (v.containsPoint(set(r).origin) ? [0, 0] : t(ray.intersectBox(v, caught))),
         'three.box_test': (s, v = box(s)) => (r) => set(r).intersectsBox(v),
     };
 };
@@ -58,7 +59,11 @@ const babylon = async () => {
     const [{ Ray }, { Vector3 }] = [await within('@babylonjs/core/Culling/ray.core.js'),
         await within('@babylonjs/core/Maths/math.vector.pure.js')];
     const ray = new Ray(Vector3.Zero(), Vector3.Zero());
-    const set = (r) => (ray.origin.copyFromFloats(r[0], r[1], r[2]), ray.direction.copyFromFloats(r[3], r[4], r[5]), ray);
+    const set = (r) => {
+        ray.origin.copyFromFloats(r[0], r[1], r[2]);
+        ray.direction.copyFromFloats(r[3], r[4], r[5]);
+        return ray;
+    };
     const at = (s, k) => new Vector3(s[k], s[k + 1], s[k + 2]);
     return {
         'babylon.sphere_test': (s, v = { center: at(s, 0), radius: s[3] }) => (r) => set(r).intersectsSphere(v),
@@ -74,7 +79,7 @@ const offered = [
         'three.box_test': ['521, intersectsBox', 'roots=none'] }],
     [cesium, '@cesium/engine', 'Source/Core/IntersectionTests.js', {
         'cesium.sphere': ['349, raySphere', 'roots=first', 'at_origin=miss'],
-        'cesium.ellipsoid': ['420, rayEllipsoid with three equal radii, about its centre', 'roots=first', 'at_origin=miss'],
+        'cesium.ellipsoid': ['420, rayEllipsoid, three equal radii, about the centre', 'roots=first', 'at_origin=miss'],
         'cesium.box': ['509, rayAxisAlignedBoundingBox', 'roots=both'] }],
     [babylon, '@babylonjs/core', 'Culling/ray.core.js', {
         'babylon.sphere_test': ['151, intersectsSphere', 'roots=none'],
@@ -91,12 +96,13 @@ for (const [load, name, file, contracts] of offered) {
             const shape = form.includes('box') ? 'box' : 'sphere';
             const no_end = words.includes('roots=none') ? [] : ['flags=no_end'];
             header += [`name=${form}`, `title=${where.split(' ')[1].replace(',', '')} of ${name}`,
-                `source=${name} ${version}, ${file}:${where}`, `shape=${shape}`, 'format=f64', 'direction=unit', ...words,
-                ...no_end].join('\n') + '\n';
+                `source=${name} ${version}, ${file}:${where}`, `shape=${shape}`, 'format=f64', 'direction=unit',
+                ...words, ...no_end].join('\n') + '\n';
             forms.push({ of: made[form], numbers: shape === 'box' ? 6 : 4 });
         }
     } catch (error) {
-        console.error(`npm_intersectors: left out ${name}: ${error.message.split('\n')[0]}; npm ci --prefix plugins/npm`);
+        const why = error.message.split('\n')[0];
+        console.error(`npm_intersectors: left out ${name}: ${why}; npm ci --prefix plugins/npm`);
     }
 }
 

@@ -1,6 +1,6 @@
 // OpenVDB 10.0.1, math/Ray.h:183 and :233, Ray::intersects of a sphere and of a box. It promises the first and second
-// intersection; t0 and t1 are cut to the ray's time span, so from inside t0 is where the span begins. The span is set to
-// begin before the origin here, so that both roots come out whole; it ends at the largest number.
+// intersection; t0 and t1 are cut to the ray's time span, so from inside t0 is where the span begins. The span is set
+// to begin before the origin here, so that both roots come out whole; it ends at the largest number.
 #include <limits>
 
 #include <openvdb/math/BBox.h>
@@ -24,8 +24,7 @@ template <class T>
 Answer<T> box(const Ray<T>& ray, const Box<T>& b) {
     T near = 0, far = 0;
     const openvdb::math::BBox<openvdb::math::Vec3<T>> box({b.lo[0], b.lo[1], b.lo[2]}, {b.hi[0], b.hi[1], b.hi[2]});
-    if (!whole(ray).intersects(box, near, far)) return miss;
-    return {near, far};
+    return whole(ray).intersects(box, near, far) ? Answer<T>(near, far) : miss;
 }
 
 constexpr Form contract(Form form, const char* where) {
