@@ -11,14 +11,14 @@
 using namespace lostbits_plugin;
 static_assert(sizeof(dReal) == 8, "ODE in double, as Debian has it");
 
-double length(const double (&v)[3]) { return std::hypot(v[0], v[1], v[2]); }
+double size(const double (&v)[3]) { return std::fabs(v[0]) + std::fabs(v[1]) + std::fabs(v[2]); }
 
 Answer<double> sphere(const Ray<double>& r, const Sphere<double>& s) {
     static const bool ready = dInitODE2(0) != 0;
     static thread_local const bool here = ready && dAllocateODEDataForThread(dAllocateMaskAll) != 0;
     static thread_local const dGeomID ray = here ? dCreateRay(nullptr, 1) : nullptr, ball = dCreateSphere(nullptr, 1);
-    if (!(length(r.origin) + length(s.centre) + s.radius < 1e150 && s.radius > 1e-300)) return miss;
-    if (!(length(r.direction) >= 1e-300 && length(r.direction) < 1e300)) return miss;
+    if (!(size(r.origin) + size(s.centre) + s.radius < 1e150 && s.radius > 1e-300)) return miss;
+    if (!(size(r.direction) >= 1e-300 && size(r.direction) < 1e300)) return miss;
     dGeomSphereSetRadius(ball, s.radius), dGeomSetPosition(ball, s.centre[0], s.centre[1], s.centre[2]);
     dGeomRaySetLength(ray, std::min(r.end, std::numeric_limits<double>::max()));
     dGeomRaySet(ray, r.origin[0], r.origin[1], r.origin[2], r.direction[0], r.direction[1], r.direction[2]);

@@ -14,7 +14,7 @@ Answer<double> box(const Ray<double>& r, const Box<double>& b) {
     static const bool ready = dInitODE2(0) != 0;
     static thread_local const bool here = ready && dAllocateODEDataForThread(dAllocateMaskAll) != 0;
     static thread_local const dGeomID ray = here ? dCreateRay(nullptr, 1) : nullptr, box = dCreateBox(nullptr, 1, 1, 1);
-    const double d = std::hypot(r.direction[0], r.direction[1], r.direction[2]);
+    const double d = std::fabs(r.direction[0]) + std::fabs(r.direction[1]) + std::fabs(r.direction[2]);
     if (!(d >= 1e-300 && d < 1e300)) return miss;
     dGeomBoxSetLengths(box, b.hi[0] - b.lo[0], b.hi[1] - b.lo[1], b.hi[2] - b.lo[2]);
     dGeomSetPosition(box, (b.lo[0] + b.hi[0]) / 2, (b.lo[1] + b.hi[1]) / 2, (b.lo[2] + b.hi[2]) / 2);
