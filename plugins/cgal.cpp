@@ -19,7 +19,7 @@ typename K::Point_3 point(const double (&p)[3]) {
 }
 template <class K, class Solid>
 bool meets(const Ray<double>& ray, const Solid& solid) {
-    for (const double(&v)[3] : {ray.origin, ray.direction})  // the exact kernel throws
+    for (const double* const v : {ray.origin, ray.direction})  // the exact kernel throws
         if (!std::isfinite(std::fabs(v[0]) + std::fabs(v[1]) + std::fabs(v[2]))) return false;
     const auto from = point<K>(ray.origin);
     const typename K::Vector_3 along(ray.direction[0], ray.direction[1], ray.direction[2]);
