@@ -1,0 +1,38 @@
+// Bullet 3.24 in float, LinearMath/btAabbUtil2.h:117, btRayAabb, and :82, btRayAabb2, without words of promise.
+// btRayAabb takes a segment; a ray that does not end is given an end behind the box. btRayAabb2 takes 1/d, made here as
+// btCollisionWorld.cpp:815 makes it, with 1e18 for 1/0.
+#include <algorithm>
+
+#include <LinearMath/btAabbUtil2.h>
+#include <lostbits_plugin.hpp>
+
+using namespace lostbits_plugin;
+
+btVector3 vec(const float (&v)[3]) { return {v[0], v[1], v[2]}; }
+
+Answer<float> aabb(const Ray<float>& ray, const Box<float>& b) {
+    const btVector3 from = vec(ray.origin), middle = 0.5F * (vec(b.lo) + vec(b.hi));
+    const float length = std::min(ray.end, (middle - from).length() + (vec(b.hi) - vec(b.lo)).length());
+    btVector3 normal;
+    float part = 1;
+    if (!btRayAabb(from, from + length * vec(ray.direction), vec(b.lo), vec(b.hi), part, normal)) return miss;
+    return {part * length};
+}
+Answer<float> aabb2(const Ray<float>& ray, const Box<float>& b) {
+    btVector3 over;
+    unsigned sign[3];
+    for (int k = 0; k < 3; ++k) {
+        over[k] = ray.direction[k] == 0 ? btScalar(BT_LARGE_FLOAT) : 1 / ray.direction[k];
+        sign[k] = over[k] < 0;
+    }
+    const btVector3 bounds[2] = {vec(b.lo), vec(b.hi)};
+    float t = 0;
+    if (!btRayAabb2(vec(ray.origin), over, sign, bounds, t, 0, ray.end)) return miss;
+    return {std::max(t, 0.0F)};
+}
+
+constexpr auto at = "Bullet 3.24, LinearMath/btAabbUtil2.h:117, btRayAabb";
+constexpr auto at2 = "Bullet 3.24, LinearMath/btAabbUtil2.h:82, btRayAabb2";
+
+LOSTBITS_FORMS(form<aabb>("bullet.aabb").unit_direction().first_root().from(at),
+               form<aabb2>("bullet.aabb2").unit_direction().first_root().from(at2))
