@@ -15,7 +15,7 @@
 #include "intersect/simd/packed.hpp"
 #include "intersect/simd/packed_many.hpp"
 #include "intersect/table/union_field.hpp"
-#include "measure/columns/columns.hpp"
+#include "measure/answer/chunk.hpp"
 #include "measure/truth/missing.hpp"
 #include "number/error.hpp"
 
@@ -30,110 +30,9 @@ using truth::SphereIndex;
 
 namespace {
 
-/// The rays of a block in pieces whose columns stay in the second-level cache, as the kernels take them, with room for
-/// their answers.
-template <class S>
-class Chunk {
-public:
-    static constexpr std::size_t most = 2048;
-
-    explicit Chunk(const RayBlock& rays) : rays_(rays), columns_(room_for_columns(rays)) {
-        const std::size_t room = std::min(most, rays.size());
-        for (auto* answers : {&t_, &near_, &far_, &nearest_}) answers->resize(room);
-        hit_.resize(room);
-        objects_.resize(room);
-    }
-
-    /// Rays begin to begin + `most`, or to the last.
-    void move_to(std::size_t begin) {
-        begin_ = begin;
-        count_ = std::min(most, rays_.size() - begin);
-        const std::array from{&rays_.ox, &rays_.oy, &rays_.oz, &rays_.dx, &rays_.dy, &rays_.dz, &rays_.tmax};
-        for (std::size_t k = 0; k < from.size(); ++k) {
-            if (from[k]->empty()) continue;
-            const std::span<const double> numbers = std::span(*from[k]).subspan(begin_, count_);
-            if constexpr (std::same_as<S, double>) {
-                batch_[k] = numbers;
-            } else {
-                std::ranges::transform(numbers, columns_[k].begin(), [](double x) { return static_cast<S>(x); });
-                batch_[k] = std::span(columns_[k]).first(count_);
-            }
-        }
-        std::ranges::fill(nearest_, std::numeric_limits<S>::quiet_NaN());
-        std::ranges::fill(objects_, -1);
-    }
-
-    [[nodiscard]] std::size_t begin() const { return begin_; }
-    [[nodiscard]] std::size_t count() const { return count_; }
-    [[nodiscard]] intersect::table::RayBatch<S> batch() const { return batch(0, count_); }
-    [[nodiscard]] HitBatch<S> hits() { return hits(0, count_); }
-    [[nodiscard]] intersect::table::RayBatch<S> batch(std::size_t i, std::size_t end) const {
-        const auto part = [&](std::size_t k) { return batch_[k].empty() ? batch_[k] : batch_[k].subspan(i, end - i); };
-        return {
-            .ox = part(0), .oy = part(1), .oz = part(2), .dx = part(3), .dy = part(4), .dz = part(5), .tmax = part(6)};
-    }
-    [[nodiscard]] HitBatch<S> hits(std::size_t i, std::size_t end) {
-        const auto part = [&](auto& all) { return std::span(all).subspan(i, end - i); };
-        return {part(t_), part(near_), part(far_), part(hit_)};
-    }
-
-    /// Takes the hits with this solid where they come first.
-    void keep_nearest(std::size_t solid) {
-        columns::keep_nearest(columns::RawHits<S>{.size = count_,
-                                                  .t = t_.data(),
-                                                  .hit = hit_.data(),
-                                                  .nearest = nearest_.data(),
-                                                  .objects = objects_.data(),
-                                                  .object = static_cast<std::int32_t>(solid)});
-    }
-    /// What came first, of every ray.
-    void put(Answers& answers) const {
-        const std::int32_t* const objects = objects_.data();
-        const S* const nearest = nearest_.data();
-        double* const t_out = answers.t.data() + begin_;
-        std::uint8_t* const hit_out = answers.hit.data() + begin_;
-        const std::size_t count = count_;
-        for (std::size_t i = 0; i < count; ++i) hit_out[i] = objects[i] >= 0;
-        for (std::size_t i = 0; i < count; ++i) {
-            const auto t = static_cast<double>(nearest[i]);
-            // The sign and payload of a NaN are the compiler's choice; no file may depend on it.
-            t_out[i] = objects[i] < 0 ? 0 : t == t ? t : truth::missing;
-        }
-        std::copy_n(objects, count, answers.object.data() + begin_);
-    }
-
-private:
-    static std::array<std::vector<S>, 7> room_for_columns(const RayBlock& rays) {
-        std::array<std::vector<S>, 7> columns;
-        if constexpr (!std::same_as<S, double>) {
-            for (std::vector<S>& column : columns) column.resize(std::min(most, rays.size()));
-        }
-        return columns;
-    }
-
-    const RayBlock& rays_;
-    std::size_t begin_ = 0, count_ = 0;
-    std::array<std::vector<S>, 7> columns_;  ///< where the kernels take another type than the block has
-    std::array<std::span<const S>, 7> batch_;
-    std::vector<S> t_, near_, far_, nearest_;
-    std::vector<std::uint8_t> hit_;
-    std::vector<std::int32_t> objects_;
-};
-
-/// Takes a hit of ray p where it comes before what the ray has met so far.
-template <class S>
-void keep_nearest(S t, std::size_t p, std::int32_t object, Answers& answers) {
-    const bool first = answers.hit[p] == 0 || std::isnan(answers.t[p]);
-    if (!(first || t < answers.t[p]) || (std::isnan(t) && answers.hit[p] != 0)) return;
-    answers.hit[p] = 1;
-    // The sign and payload of a NaN are the compiler's choice; no file may depend on it.
-    answers.t[p] = std::isnan(t) ? truth::missing : t;
-    answers.object[p] = object;
-}
-
 /// Each ray and the solid that it is paired with; neighbours with the same solid together.
 template <class S, class Kernel>
-void each_its_own(const Kernel& kernel, Chunk<S>& chunk, const FormatInputs& in, Answers& answers) {
+void each_its_own(const Kernel& kernel, RayChunk<S>& chunk, const FormatInputs& in, Answers& answers) {
     stop_if_interrupted();
     const auto same = [solids = in.solids.listed()](std::size_t a, std::size_t b) {
         return std::ranges::equal(solids[a].used(), solids[b].used());
@@ -153,7 +52,7 @@ void each_its_own(const Kernel& kernel, Chunk<S>& chunk, const FormatInputs& in,
 
 /// The same in one call, for kernels from outside, each call of which may cost a message to another process.
 template <class S, class Kernel>
-void own_at_once(const Kernel& kernel, Chunk<S>& chunk, const FormatInputs& in, Answers& answers) {
+void own_at_once(const Kernel& kernel, RayChunk<S>& chunk, const FormatInputs& in, Answers& answers) {
     stop_if_interrupted();
     std::vector<Solid<S>> own;
     for (std::size_t k = 0; k < chunk.count(); ++k)
@@ -168,7 +67,7 @@ void own_at_once(const Kernel& kernel, Chunk<S>& chunk, const FormatInputs& in, 
 
 /// One chunk of rays against all solids, keeping the nearest.
 template <class S, class Kernel>
-void nearest_of(const Kernel& kernel, Chunk<S>& chunk, const FormatInputs& in, Answers& answers) {
+void nearest_of(const Kernel& kernel, RayChunk<S>& chunk, const FormatInputs& in, Answers& answers) {
     for (std::size_t s = 0; s < in.solids.size(); ++s) {
         stop_if_interrupted();
         const Solid<S> solid = transformed(in.solids[s], [](double x) { return static_cast<S>(x); });
@@ -317,7 +216,8 @@ std::int32_t nearest_solid(const Ray<double>& ray, double t, std::span<const Sol
 
 /// One chunk of rays against the field of all solids.
 template <class S, class Kernel>
-void march_to(const Kernel& kernel, Chunk<S>& chunk, const RayBlock& rays, const FormatInputs& in, Answers& answers) {
+void march_to(const Kernel& kernel, RayChunk<S>& chunk, const RayBlock& rays, const FormatInputs& in,
+              Answers& answers) {
     stop_if_interrupted();
     HitBatch<S> hits = chunk.hits();
     hits.march = std::span(answers.march).subspan(chunk.begin(), chunk.count());
@@ -348,8 +248,8 @@ Answers evaluate(const intersect::table::Intersector& form, const FormatInputs& 
         return answers;
     }
     const auto run = [&]<class S>(const auto& kernel) {
-        Chunk<S> chunk(rays);
-        for (std::size_t begin = 0; begin < n; begin += Chunk<S>::most) {
+        RayChunk<S> chunk(rays);
+        for (std::size_t begin = 0; begin < n; begin += RayChunk<S>::most) {
             chunk.move_to(begin);
             if (marches) march_to<S>(kernel, chunk, rays, inputs, answers);
             else if (inputs.paired && !form.is_template()) own_at_once<S>(kernel, chunk, inputs, answers);

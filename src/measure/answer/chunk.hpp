@@ -1,0 +1,121 @@
+// Rays in pieces that a kernel takes, with room for its answers.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <concepts>
+#include <limits>
+#include <span>
+#include <vector>
+
+#include "intersect/table/table.hpp"
+#include "measure/answer/answers.hpp"
+#include "measure/columns/columns.hpp"
+#include "measure/truth/missing.hpp"
+#include "scene/rays/rays.hpp"
+
+namespace lostbits::measure::answer {
+
+/// The rays of a block in pieces whose columns stay in the second-level cache, as the kernels take them, with room for
+/// their answers.
+template <class S>
+class RayChunk {
+public:
+    static constexpr std::size_t most = 2048;
+
+    explicit RayChunk(const scene::rays::RayBlock& rays) : rays_(rays), columns_(room_for_columns(rays)) {
+        const std::size_t room = std::min(most, rays.size());
+        for (auto* answers : {&t_, &near_, &far_, &nearest_}) answers->resize(room);
+        hit_.resize(room);
+        objects_.resize(room);
+    }
+
+    /// Rays begin to begin + `most`, or to the last.
+    void move_to(std::size_t begin) {
+        begin_ = begin;
+        count_ = std::min(most, rays_.size() - begin);
+        const std::array from{&rays_.ox, &rays_.oy, &rays_.oz, &rays_.dx, &rays_.dy, &rays_.dz, &rays_.tmax};
+        for (std::size_t k = 0; k < from.size(); ++k) {
+            if (from[k]->empty()) continue;
+            const std::span<const double> numbers = std::span(*from[k]).subspan(begin_, count_);
+            if constexpr (std::same_as<S, double>) {
+                batch_[k] = numbers;
+            } else {
+                std::ranges::transform(numbers, columns_[k].begin(), [](double x) { return static_cast<S>(x); });
+                batch_[k] = std::span(columns_[k]).first(count_);
+            }
+        }
+        std::ranges::fill(nearest_, std::numeric_limits<S>::quiet_NaN());
+        std::ranges::fill(objects_, -1);
+    }
+
+    [[nodiscard]] std::size_t begin() const { return begin_; }
+    [[nodiscard]] std::size_t count() const { return count_; }
+    [[nodiscard]] intersect::table::RayBatch<S> batch() const { return batch(0, count_); }
+    [[nodiscard]] intersect::table::HitBatch<S> hits() { return hits(0, count_); }
+    [[nodiscard]] intersect::table::RayBatch<S> batch(std::size_t i, std::size_t end) const {
+        const auto part = [&](std::size_t k) { return batch_[k].empty() ? batch_[k] : batch_[k].subspan(i, end - i); };
+        return {
+            .ox = part(0), .oy = part(1), .oz = part(2), .dx = part(3), .dy = part(4), .dz = part(5), .tmax = part(6)};
+    }
+    [[nodiscard]] intersect::table::HitBatch<S> hits(std::size_t i, std::size_t end) {
+        const auto part = [&](auto& all) { return std::span(all).subspan(i, end - i); };
+        return {part(t_), part(near_), part(far_), part(hit_)};
+    }
+
+    /// Takes the hits with this solid where they come first.
+    void keep_nearest(std::size_t solid) {
+        columns::keep_nearest(columns::RawHits<S>{.size = count_,
+                                                  .t = t_.data(),
+                                                  .hit = hit_.data(),
+                                                  .nearest = nearest_.data(),
+                                                  .objects = objects_.data(),
+                                                  .object = static_cast<std::int32_t>(solid)});
+    }
+    /// What came first, of every ray.
+    void put(Answers& answers) const {
+        const std::int32_t* const objects = objects_.data();
+        const S* const nearest = nearest_.data();
+        double* const t_out = answers.t.data() + begin_;
+        std::uint8_t* const hit_out = answers.hit.data() + begin_;
+        const std::size_t count = count_;
+        for (std::size_t i = 0; i < count; ++i) hit_out[i] = objects[i] >= 0;
+        for (std::size_t i = 0; i < count; ++i) {
+            const auto t = static_cast<double>(nearest[i]);
+            // The sign and payload of a NaN are the compiler's choice; no file may depend on it.
+            t_out[i] = objects[i] < 0 ? 0 : t == t ? t : truth::missing;
+        }
+        std::copy_n(objects, count, answers.object.data() + begin_);
+    }
+
+private:
+    static std::array<std::vector<S>, 7> room_for_columns(const scene::rays::RayBlock& rays) {
+        std::array<std::vector<S>, 7> columns;
+        if constexpr (!std::same_as<S, double>) {
+            for (std::vector<S>& column : columns) column.resize(std::min(most, rays.size()));
+        }
+        return columns;
+    }
+
+    const scene::rays::RayBlock& rays_;
+    std::size_t begin_ = 0, count_ = 0;
+    std::array<std::vector<S>, 7> columns_;  ///< where the kernels take another type than the block has
+    std::array<std::span<const S>, 7> batch_;
+    std::vector<S> t_, near_, far_, nearest_;
+    std::vector<std::uint8_t> hit_;
+    std::vector<std::int32_t> objects_;
+};
+
+/// Takes a hit of ray p where it comes before what the ray has met so far.
+template <class S>
+inline void keep_nearest(S t, std::size_t p, std::int32_t object, Answers& answers) {
+    const bool first = answers.hit[p] == 0 || std::isnan(answers.t[p]);
+    if (!(first || t < answers.t[p]) || (std::isnan(t) && answers.hit[p] != 0)) return;
+    answers.hit[p] = 1;
+    // The sign and payload of a NaN are the compiler's choice; no file may depend on it.
+    answers.t[p] = std::isnan(t) ? truth::missing : t;
+    answers.object[p] = object;
+}
+
+}  // namespace lostbits::measure::answer
