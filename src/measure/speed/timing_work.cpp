@@ -111,8 +111,7 @@ std::optional<TimedWork> RayWork::on(const TimedKernel& k) {
     if (!row) return std::nullopt;
     const bool warm = stay_in_cache(bytes_);
     const Shape shape =
-        intersect::table::catalogue()[static_cast<std::size_t>(row - intersect::simd::packed_rows(*isa).data())]
-            .shape;
+        intersect::table::catalogue()[static_cast<std::size_t>(row - intersect::simd::packed_rows(*isa).data())].shape;
     if (row->f32 && k.format == "f32") return by_packs(f32(shape), row->f32, warm);
     if (row->f64 && k.format == "f64") return by_packs(f64(shape), row->f64, warm);
     return std::nullopt;

@@ -15,8 +15,8 @@ TEST_CASE("passing on the closest t changes no answer of a closed form, and the 
     static const intersect::Info info{.name = "box.shy", .title = "-", .source = "-"};
     intersect::table::Intersector shy = intersect::table::intersectors(Shape::box).front();
     shy.info = &info;
-    shy.native32 = [](const intersect::table::RayBatch<float>& rays, const intersect::Target<float>& target,
-                      const intersect::table::HitBatch<float>& hits) {
+    shy.native32 = +[](const intersect::table::RayBatch<float>& rays, const intersect::Target<float>& target,
+                       const intersect::table::HitBatch<float>& hits) {
         for (std::size_t i = 0; i < rays.size(); ++i) {
             hits.hit[i] = rays.tmax.empty() || !(rays.tmax[i] < 1e30F);
             hits.t[i] = hits.near[i] = hits.far[i] = -target.solids.front().numbers[0];
