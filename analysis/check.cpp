@@ -36,7 +36,9 @@ struct CheckOptions {
 std::vector<Claim> load(const CheckOptions& o, const std::filesystem::path& data) {
     std::vector<Claim> claims;
     std::set<std::string> ids;
-    const auto profile = o.timing() ? Claim::Profile::timing : Claim::Profile::results;
+    const auto profile = o.timing()                 ? Claim::Profile::timing
+                         : o.profile == "libraries" ? Claim::Profile::libraries
+                                                    : Claim::Profile::results;
     std::size_t others = 0;
     const auto given = o.files.empty() ? std::vector<std::string>{(data / "claims").string()} : o.files;
     for (const std::string& word : given) {
@@ -55,8 +57,8 @@ std::vector<Claim> load(const CheckOptions& o, const std::filesystem::path& data
     }
     if (claims.empty() && others > 0)
         throw NothingSelected(
-            fmt::format("no claim is selected: the claims that match have the other profile; try --profile {}",
-                        o.timing() ? "results" : "timing"));
+            "no claim is selected: the claims that match have another profile; try --profile timing, libraries or "
+            "results");
     if (claims.empty()) throw NothingSelected("no claim is selected; see --filter, or `lostbits list claims`");
     return claims;
 }
@@ -201,9 +203,11 @@ void add_check(CLI::App& program, const Common& common, Command& chosen) {
     command->add_option("--annotations", o->annotations, "github: also print workflow annotations")
         ->check(CLI::IsMember({"none", "github"}));
     command
-        ->add_option("--profile", o->profile,
-                     "results (default), or timing: claims about speed, which are shown and never fail")
-        ->check(CLI::IsMember({"results", "timing"}));
+        ->add_option(
+            "--profile", o->profile,
+            "results (default); timing: claims about speed, which are shown and never fail; libraries: claims about "
+            "intersectors that come by --plugin and --pipe, skipped where theirs did not")
+        ->check(CLI::IsMember({"results", "timing", "libraries"}));
     command
         ->add_option("--seeds", o->seeds,
                      "Measure each claim about random rays on this many further draws too, and show the spread")

@@ -26,8 +26,8 @@ Exit run(const ExplainOptions& o, const Common& common) {
     if (forms.size() != 1 || formats.size() != 1) throw InputError("explain: name one form and one format");
     const intersect::table::Intersector& form = *forms.front();
     if (!form.exists_in(formats.front()))
-        throw InputError(fmt::format("-i {}: this form does not exist in {}, only in {}", o.form, o.format,
-                                     choice::formats_of(form)));
+        throw InputError(fmt::format("-i {}: this form does not exist in {}, only in {}; try -f {}", o.form, o.format,
+                                     choice::formats_of(form), form.native32 ? "f32" : "f64"));
     if (!form.is_template())
         throw InputError(fmt::format(
             "-i {}: its operations cannot be looked at, since it is compiled elsewhere; written as a form over any "

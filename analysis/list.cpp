@@ -140,7 +140,7 @@ Listing claims(const Common& common) {
     for (const auto& path : scene::claim::claim_files(root)) {
         for (const Claim& c : scene::claim::read_claims(path)) {
             l.rows.push_back({c.id, c.verdict == Claim::Verdict::holds ? "holds" : "refuted",
-                              c.profile == Claim::Profile::results ? "results" : "timing", c.subject(),
+                              std::string(scene::claim::name_of(c.profile)), c.subject(),
                               c.form.empty() ? c.row : c.form, c.format, c.statement});
         }
     }

@@ -106,8 +106,11 @@ bool any_marches(const std::vector<MapRow>& rows) {
 
 std::vector<const Metric*> that_apply(std::vector<const Metric*> asked, const std::vector<MapRow>& rows,
                                       const std::string& what) {
-    if (!any_against(rows) && std::ranges::any_of(asked, is_of_pairs))
-        throw InputError("--metric against, apart: name the form to hold the others against, by --against FORM");
+    if (!any_against(rows) && !asked.empty()) {
+        std::erase_if(asked, is_of_pairs);
+        if (asked.empty())
+            throw InputError("--metric against, apart: name the form to hold the others against, by --against FORM");
+    }
     if (asked.empty() || any_marches(rows)) return asked;
     const std::string first(asked.front()->name);
     std::erase_if(asked, [](const Metric* m) { return m->over == measure::metric::Over::marches; });

@@ -24,6 +24,10 @@ namespace {
 
 /// What this machine lacks of what a claim requires; empty: nothing.
 std::string missing_for(const Claim& claim) {
+    const auto rows = intersect::table::intersectors();
+    const auto named = [&claim](const intersect::table::Intersector& row) { return row.info->name == claim.form; };
+    if (claim.profile == Claim::Profile::libraries && std::ranges::none_of(rows, named))
+        return "no library that is loaded has " + claim.form + "; add --plugin or --pipe";
     for (const std::string& need : claim.requirements) {
         if (need == "processors-2") {
             if (speed::allowed_processors().size() < 2) return "this program may use only one processor";

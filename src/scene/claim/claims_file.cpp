@@ -19,8 +19,8 @@ using S = Claim::Severity;
 constexpr std::pair<std::string_view, V> verdicts[] = {{"holds", V::holds}, {"refuted", V::refuted}};
 constexpr std::pair<std::string_view, S> severities[] = {{"error", S::error}, {"warn", S::warn}};
 constexpr long long most_draws = 1000;
-constexpr std::pair<std::string_view, Claim::Profile> profiles[] = {{"results", Claim::Profile::results},
-                                                                    {"timing", Claim::Profile::timing}};
+constexpr std::pair<std::string_view, Claim::Profile> profiles[] = {
+    {"results", Claim::Profile::results}, {"timing", Claim::Profile::timing}, {"libraries", Claim::Profile::libraries}};
 
 void read_timing(TableReader table, Claim& claim) {
     Claim::Timing timing;
@@ -148,6 +148,10 @@ void read_expect(TableReader table, Claim& claim) {
 }
 
 }  // namespace
+
+std::string_view name_of(Claim::Profile profile) {
+    return std::ranges::find(profiles, profile, &std::pair<std::string_view, Claim::Profile>::second)->first;
+}
 
 std::vector<Claim> read_claims(const std::filesystem::path& path) {
     const Node root = toml::read_toml(path);

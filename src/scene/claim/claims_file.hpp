@@ -17,7 +17,8 @@ struct Claim {
     enum class Severity { error, warn };
     /// What `lostbits check` is asked for: results, which are the same everywhere and always, or times, which are
     /// neither.
-    enum class Profile { results, timing };
+    /// `libraries`: of intersectors that are not part of lostbits, and may not be loaded.
+    enum class Profile { results, timing, libraries };
 
     /// Speed against speed: of a kernel over another's (`over_form` in `over_kernel`), or of all processors over one.
     struct Timing {
@@ -70,6 +71,8 @@ struct Claim {
     /// random, or comes from elsewhere.
     int draws = 0;
 };
+
+std::string_view name_of(Claim::Profile profile);
 
 /// All claims of a file. InputError with a position for anything that is not a claim; an id given twice is one.
 std::vector<Claim> read_claims(const std::filesystem::path& path);
