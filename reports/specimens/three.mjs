@@ -1,6 +1,6 @@
 // three 0.187.0, src/math/Ray.js:313, Ray.intersectSphere: d2 = |L|^2 - tca^2 subtracts two squares of the distance, so
-// from far away it misses spheres that Ray.intersectsSphere, thirty lines on, hits. Mesh.raycast (src/objects/Mesh.js:267)
-// culls by the first. A limit of the formula, with the better one beside it.
+// from far away it misses spheres that Ray.intersectsSphere, thirty lines on, hits. Mesh.raycast, which is in
+// src/objects/Mesh.js:267, culls by the first. A limit of the formula, with the better one beside it.
 //   npm install three@0.187.0 && node three.mjs                (or LOSTBITS_NPM=the folder that holds node_modules)
 import { join } from 'node:path';
 import { pathToFileURL } from 'node:url';
