@@ -20,11 +20,11 @@ typename K::Point_3 point(const double (&p)[3]) {
 template <class K, class Solid>
 bool meets(const Ray<double>& ray, const Solid& solid) {
     for (const double* const v : {ray.origin, ray.direction})  // the exact kernel throws
-        if (!std::isfinite(std::fabs(v[0]) + std::fabs(v[1]) + std::fabs(v[2]))) return false;
+        if (!(std::isfinite(v[0]) && std::isfinite(v[1]) && std::isfinite(v[2]))) return false;
     const auto from = point<K>(ray.origin);
     const typename K::Vector_3 along(ray.direction[0], ray.direction[1], ray.direction[2]);
     if (ray.end <= 1e300) return CGAL::do_intersect(typename K::Segment_3(from, from + along * ray.end), solid);
-    return CGAL::do_intersect(typename K::Ray_3(from, from + along), solid);
+    return CGAL::do_intersect(typename K::Ray_3(from, along), solid);
 }
 template <class K>
 bool sphere(const Ray<double>& ray, const Sphere<double>& s) {

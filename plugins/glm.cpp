@@ -1,7 +1,6 @@
-// GLM 0.9.9.8, gtx/intersect.inl:137 (intersectRaySphere that tells a distance) and :175 (intersectLineSphere, which
-// tells points). GLM promises "the intersection distance of a ray and a sphere. The ray direction vector is unit
-// length" (gtx/intersect.hpp:62), and the two points of a line. It takes the radius squared; r r is rounded before the
-// call.
+// GLM 0.9.9.8, gtx/intersect.inl:135, the intersectRaySphere that tells a distance. GLM promises "the intersection
+// distance of a ray and a sphere. The ray direction vector is unit length" (gtx/intersect.hpp:63). It takes the radius
+// squared; r r is rounded before the call.
 #define GLM_ENABLE_EXPERIMENTAL
 #include <glm/glm.hpp>
 #include <glm/gtx/intersect.hpp>
@@ -29,7 +28,7 @@ constexpr Form contract(Form form) {  // t = 0 is passed over: it returns inters
         .origin_misses()
         .ignores_end()
         .titled("intersectRaySphere of GLM")
-        .from("GLM 0.9.9.8, gtx/intersect.inl:137, intersectRaySphere");
+        .from("GLM 0.9.9.8, gtx/intersect.inl:135, intersectRaySphere");
 }
 
 LOSTBITS_FORMS(contract<float>(form<sphere<float>>("glm.sphere")), contract<double>(form<sphere<double>>("glm.sphere")))

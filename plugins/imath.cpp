@@ -1,4 +1,4 @@
-// Imath 3.1.6, ImathSphere.h:97, Sphere3::intersectT: "the smallest t with t >= 0 so that l(t) is a point on the
+// Imath 3.1.6, ImathSphere.h:106, Sphere3::intersectT: "the smallest t with t >= 0 so that l(t) is a point on the
 // sphere". It leaves a = d.d out of its quadratic, so d is of unit length; a Line3 made of two points has such a d.
 #include <ImathSphere.h>
 #include <lostbits_plugin.hpp>
@@ -20,7 +20,7 @@ constexpr Form contract(Form form) {
         .first_root()
         .ignores_end()
         .titled("Sphere3::intersectT of Imath")
-        .from("Imath 3.1.6, ImathSphere.h:97, Sphere3::intersectT");
+        .from("Imath 3.1.6, ImathSphere.h:106, Sphere3::intersectT");
 }
 
 LOSTBITS_FORMS(contract(form<sphere<float>>("imath.sphere")), contract(form<sphere<double>>("imath.sphere")))

@@ -18,7 +18,7 @@ show('rayEllipsoid, unit sphere, from (1, 0, 0) on it, through its centre', '[0,
 show('rayEllipsoid, the same from an ulp outside', '[2.220446049250313e-16, 2.0000000000000004]',
     tests.rayEllipsoid(ray([1 + 2 ** -52, 0, 0], [-1, 0, 0]), new Ellipsoid(1, 1, 1)));
 
-// :509 "or undefined if there are no intersections", but there is no test that the box is not behind; raySphere has one.
+// :509 "or undefined if there are no intersections", but nothing asks whether the box is behind; raySphere asks.
 const box = new Box(new V(-1, -1, -1), new V(1, 1, 1));
 show('rayAxisAlignedBoundingBox, a box behind the ray', 'undefined',
     tests.rayAxisAlignedBoundingBox(ray([5, 0, 0], [1, 0, 0]), box));

@@ -1,4 +1,4 @@
-// GLM 0.9.9.8, gtx/intersect.inl:137, intersectRaySphere: the machine epsilon is used as a length, so the answer
+// GLM 0.9.9.8, gtx/intersect.inl:135, intersectRaySphere: the machine epsilon is used as a length, so the answer
 // changes with the unit of measure. Where roots are below 1.2e-7 (float) the far one is told, or none.
 //   g++ glm_sphere.cpp && ./a.out
 #define GLM_ENABLE_EXPERIMENTAL

@@ -1,4 +1,4 @@
-// Imath 3.1.6, ImathSphere.h:106, Sphere3::intersectT: "True if the sphere and line intersect". The comparisons are
+// Imath 3.1.6, ImathSphere.h:119, Sphere3::intersectT: "True if the sphere and line intersect". The comparisons are
 // such that NaN passes both: finite numbers whose squares overflow give true with t = NaN.
 //   g++ imath_sphere.cpp $(pkg-config --cflags --libs Imath) && ./a.out
 #include <cstdio>

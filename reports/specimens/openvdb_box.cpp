@@ -1,4 +1,4 @@
-// OpenVDB 10.0.1, openvdb/math/Ray.h:236, Ray::intersects(bbox, t0, t1): a ray that runs in the plane of a face meets
+// OpenVDB 10.0.1, openvdb/math/Ray.h:239, Ray::intersects(bbox, t0, t1): a ray that runs in the plane of a face meets
 // the box where its zero is +0 and misses it where it is -0. 0 * inf is NaN, which sorts after the other plane's -inf.
 //   g++ openvdb_box.cpp -I/usr/include/Imath -lopenvdb && ./a.out
 #include <cstdio>

@@ -11,7 +11,7 @@
 using Ray = openvdb::math::Ray<float>;
 using Vec = Ray::Vec3Type;
 
-/// As in Ray.h, with one sign changed in the line of Q.
+/// As in Ray.h, with the two signs of the line of Q exchanged.
 bool mended(const Vec& eye, const Vec& dir, const Vec& center, float radius, float& t0, float& t1) {
     const Vec origin = eye - center;
     const float A = dir.lengthSqr(), B = 2 * dir.dot(origin), C = origin.lengthSqr() - radius * radius;
