@@ -23,23 +23,11 @@ using scene::dump::Dump;
 
 namespace {
 
-bool takes_formula(const Metric& m) {
-    return (m.needs & (measure::metric::needs_self | measure::metric::needs_attribution)) != 0;
-}
-
-/// The metrics of the request. InputError for one that needs a formula where there is none.
+/// The metrics of the request, as its forms have them.
 std::vector<const Metric*> metrics_of(const std::vector<const Metric*>& drawn, const JudgeRequest& request,
                                       measure::metric::MetricSet& made) {
     std::vector<measure::map::MapRow> asked = request.rows;
     if (request.answered) asked.erase(asked.begin());
-    for (const Metric* m : drawn) {
-        if (!asked.empty() || !takes_formula(*m)) continue;
-        throw InputError(
-            fmt::format("--metric {}: takes the formula, evaluated without rounding or operation by "
-                        "operation, and a file has its answers alone; add -i FORM for the forms here, or "
-                        "write yours as one (CONTRIBUTING.md)",
-                        m->name));
-    }
     if (asked.empty()) return choice::measured(drawn, request.rows);
     scene::rays::RayGroup group;
     group.solids = request.solids;
@@ -117,16 +105,28 @@ Exit run(const JudgeWords& o, const Common& common) {
     if (scene && scene->march) request.march = scene::file::round_march(*scene->march, binary32);
     const Shape shape = dump->layout().solid() ? *dump->layout().solid() : request.solids.front().shape;
     const std::string stem = std::filesystem::path(o.file).stem().string();
-    const measure::judge::FileForm answers(stem, shape, choice::contract_of(o));
+    intersect::Info contract = choice::contract_of(o);
+    if (dump->layout().decides_only()) contract.roots = intersect::Roots::none;
+    const measure::judge::FileForm answers(stem, shape, contract);
     request.answered = dump->layout().has_answers();
     request.rows = rows_of(o, *dump, shape, request.march.has_value(), request.answered ? &answers.form() : nullptr);
 
+    if (!o.against.empty()) {
+        choice::hold_against(request.rows, o.against, common.quiet);
+        if (request.answered && request.rows.front().form != &answers.form())
+            throw InputError(
+                fmt::format("--against {}: does not exist in {}, the format of {}; name a form that does, or "
+                            "--format",
+                            o.against, dump->format().name, o.file));
+    }
     request.picture = dump->picture();
     if (!o.size.empty()) request.picture = choice::parse_size(o.size);
     measure::metric::MetricSet made;
     auto drawn = o.metrics.empty() ? std::vector{measure::metric::find_metric("lost_bits")}
                                    : choice::select_metrics(o.metrics, made);
     drawn = choice::that_apply(drawn, request.rows, o.file);
+    if (!o.against.empty()) choice::add_pairs(drawn);
+    choice::note_without_formula(drawn, request.rows, common.quiet);
     request.metrics = metrics_of(drawn, request, made);
     for (const Metric*& m : drawn) m = request.metrics[measure::metric::place_of(request.metrics, m->name)];
     const choice::ThreadLimit limit(common.threads);
@@ -153,12 +153,6 @@ Exit run(const JudgeWords& o, const Common& common) {
     progress.finish();
 
     if (!common.quiet) {
-        for (const Metric* m : request.metrics) {
-            if (request.answered && takes_formula(*m))
-                fmt::print(stderr,
-                           "lostbits: {} takes the formula, and is left out of {}, which has its answers alone\n",
-                           m->name, answers.form().info->name);
-        }
         if (result.rounded > 0)
             fmt::print(
                 stderr,
@@ -178,6 +172,8 @@ Exit run(const JudgeWords& o, const Common& common) {
         fmt::print("{}\n", (folder / (request.picture ? "contact.png" : "summary.csv")).string());
         if (worst) fmt::print("{}\n", (folder / "worst.toml").string());
     }
+    note_suspicions({request.rows.begin(), request.rows.begin() + (request.answered ? 1 : 0)}, common,
+                    [&result](const measure::map::MapRow&) { return measure::contract::suspicion(result.first); });
     return end_with_unproved(result.summaries.front().count(Outcome::unresolved));
 }
 
@@ -209,6 +205,7 @@ void add_judge(CLI::App& program, const Common& common, Command& chosen) {
         ->check(CLI::IsMember({"hit", "miss"}));
     command->add_option("-i,--intersector", o->forms, "Forms that answer to the same rays, by name or glob");
     command->add_option("-f", o->formats, "Their formats (default: that of the file)");
+    command->add_option("--against", o->against, "A form to hold the answers against, without asking what is true");
     command->add_option("--metric", o->metrics, "Metrics to draw and to measure (default: lost_bits); globs");
     command->add_option("--size", o->size, "Columns x rows, where the rays are the pixels of a picture: WxH");
     command->add_flag("--rows", o->rows, "Also write one row per ray, with the columns of the file");

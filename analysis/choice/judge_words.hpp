@@ -21,6 +21,7 @@ struct JudgeWords {
     std::string scene, miss;
     std::string direction = "any", touching = "hit", at_origin = "hit";
     std::vector<std::string> forms, formats, metrics;
+    std::string against;
     std::string size;
     bool rows = false;
     std::size_t worst = 10;

@@ -126,7 +126,8 @@ TEST_CASE("metrics of a formula are measured of forms, and left out of the file'
     const Scratch scratch;
     const auto r = run("judge " + far_csv + " --metric culprit --metric model_error -i sphere.press" + into(scratch));
     REQUIRE(r.code == 0);
-    CHECK(has(r.err, "culprit takes the formula, and is left out of file.far-sphere"));
+    CHECK(has(r.err, "file.far-sphere"));
+    CHECK(has(r.err, "culprit"));
     const auto rows = read_csv(scratch.path() / "out/far-sphere/summary.csv");
     REQUIRE(rows.size() == 2);
     CHECK(rows[0].at("culprit").empty());
@@ -150,7 +151,7 @@ TEST_CASE("judge says what it needs to know, and writes nothing") {
         Bad{"--box 0,0,0,1,-1,1", head + good, "lo <= hi"},
         Bad{"--sphere 0,0,0,1 --box 0,0,0,1,1,1", head + good, "write one of them"},
         Bad{"--sphere 0,0,0,1 --size 7x1", head + good, "has 1 rays where a picture of 7x1 has 7"},
-        Bad{"--sphere 0,0,0,1 --metric culprit", head + good, "takes the formula"},
+        Bad{"--sphere 0,0,0,1 --metric culprit", head + good, "only answers are known"},
         Bad{"--sphere 0,0,0,1 --metric lost_bit", head + good, "lost_bits"},
         Bad{"--sphere 0,0,0,1 --format f23", head + good, "unknown format"},
         Bad{"--sphere 0,0,0,1 --miss nan", head + good, "--miss nan"},
@@ -172,6 +173,27 @@ TEST_CASE("judge says what it needs to know, and writes nothing") {
     }
     const Scratch scratch;
     CHECK(run("judge '" + scratch.path().string() + "/none.csv'" + into(scratch)).code == 2);
+}
+
+TEST_CASE("a file is held against a form, and a wrong contract speaks up") {
+    const Scratch scratch;
+    REQUIRE(run("judge " + far_csv + " --against sphere.schoolbook" + into(scratch)).code == 0);
+    const auto rows = read_csv(scratch.path() / "out/far-sphere/summary.csv");
+    REQUIRE(rows.size() == 1);
+    CHECK(rows[0].at("against_same_t") == "1309");  // the program of the page has the operations of that form
+    CHECK(rows[0].at("against_other_t") == "0");
+    CHECK(run("judge " + far_csv + " --against box.signs" + into(scratch)).code == 2);
+    std::string text = head;
+    for (int i = 0; i < 100; ++i)
+        text +=
+            "0,0," + std::to_string(-5 - i) + ",0,0," + std::to_string(2 + i) + ",1," + std::to_string(4 + i) + "\n";
+    const std::string file = scratch.write("rays.csv", text);
+    const auto wrong = run("judge '" + file + "' --sphere 0,0,0,1" + into(scratch));
+    CHECK(wrong.code == 0);
+    CHECK(has(wrong.err, "--direction unit"));
+    const auto right = run("judge '" + file + "' --sphere 0,0,0,1 --direction unit --format f32" + into(scratch));
+    CHECK(right.err.empty());
+    CHECK(read_csv(scratch.path() / "out/rays/summary.csv")[0].at("lost_bits_max") == "0");
 }
 
 TEST_CASE("notes say that numbers were rounded, and that answers look like floats") {

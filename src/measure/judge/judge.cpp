@@ -203,7 +203,28 @@ private:
                               .decisions_only = answered && decisions_only_},
                              {*piece.band, piece.inputs.at(row.format.name), *piece.columns}, result_.summaries[r]);
         });
+        if (request_.answered) keep_first(piece);
         request_.progress(chunk.size(), piece.records.bytes.size());
+    }
+
+    void keep_first(const Piece& piece) {
+        constexpr std::size_t most = 4096;
+        const MapRow& row = request_.rows.front();
+        const FormatInputs& in = piece.inputs.at(row.format.name);
+        const bool unit = row.form->info->direction == intersect::Direction::unit;
+        for (std::size_t i = 0; i < piece.chunk.size() && result_.first.size() < most; ++i) {
+            const truth::Truth truth = piece.band->truth(i, row.convention());
+            const bool hit = piece.answers.hit[i] != 0;
+            if (truth.decision == truth::Truth::Decision::unresolved || !(hit || truth.is_hit())) continue;
+            const int object = truth.is_hit() ? truth.object : piece.answers.object[i];
+            const truth::Certified& t = unit ? truth.distance : truth.t;
+            result_.first.push_back({.ray = in.rays_for(*row.form->info)[i],
+                                     .solid = in.solids[static_cast<std::size_t>(object)],
+                                     .truly_hits = truth.is_hit(),
+                                     .true_t = truth.is_hit() ? std::ldexp(t.hi, static_cast<int>(t.exponent)) : 0,
+                                     .hit = hit,
+                                     .t = piece.answers.t[i]});
+        }
     }
 
     Dump& dump_;

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "measure/contract/suspect.hpp"
 #include "measure/map/map.hpp"
 #include "scene/dump/dump.hpp"
 
@@ -56,6 +57,9 @@ struct JudgeResult {
     /// Answers of the file with a t that is not 0, and those whose t binary32 holds: all of many, where they were
     /// computed in it.
     std::uint64_t answers = 0, floats = 0;
+    /// What the file's answers and the truth make of the first rays that either has a hit on, for
+    /// `contract::suspicion`.
+    std::vector<contract::Judged> first = {};
 };
 
 /// Reads the dump to its end; sinks[r] (may be null) receives rows[r]. Memory does not grow with the file, and nothing
