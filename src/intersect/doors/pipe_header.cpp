@@ -118,7 +118,10 @@ std::vector<Contract> read_pipe_header(const std::vector<std::string>& lines, co
                              "flags");
         known->set(contracts.back(), known->words.empty() ? 0 : place_of(known->words, value, where, key), value);
     }
-    if (contracts.empty()) throw InputError(from + ": its header names no form; write name=, shape=, format=");
+    if (contracts.empty())
+        throw InputError(
+            from +
+            ": its header names no form; write name=, shape=, format=, or see what it printed on standard error");
     for (const Contract& contract : contracts) require_sense(contract, from);
     return contracts;
 }

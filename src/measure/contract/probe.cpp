@@ -294,7 +294,12 @@ private:
 
     /// One that must only be lived through.
     void try_odd(const std::string& what, const Question& q) {
-        const Reply r = ask(q);
+        Reply r;
+        try {
+            r = ask(q);
+        } catch (const EnvironmentError& refused) {
+            return told("odd numbers", what + ": refused: " + refused.what());
+        }
         std::string says = r.hit == 1 ? "hit" : r.hit == 0 ? "miss" : "nothing";
         if (r.hit == 1 && tells_t_) says += " at t = " + text_of(r.near);
         if (r.hit > 1) broken("odd numbers", what + ": `hit` is not written");
