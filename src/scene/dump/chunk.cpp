@@ -60,6 +60,9 @@ std::optional<ChunkWriter::Fault> ChunkWriter::find_fault() {
                                           called(s + 3), x[s + 3]));
         }
     }
+    const double object = x[slot::object];
+    if (is_there(slot::object) && !(object >= -1 && object < 0x1p31 && object == std::floor(object)))
+        return bad(slot::object, "write which solid was hit, counted from 0, and -1 or nothing where none was");
     return decides_ ? find_fault_of_answer() : std::nullopt;
 }
 

@@ -61,7 +61,8 @@ ItemType::Item ItemType::read(const char* from) const {
             return {std::bit_cast<double>(bits), true};
         case Kind::signed_integer: {
             const std::int64_t whole = with_sign(bits, size);
-            return {static_cast<double>(whole), size < 8 || std::abs(whole) <= std::int64_t{1} << 53};
+            return {static_cast<double>(whole),
+                    size < 8 || (whole >= -(std::int64_t{1} << 53) && whole <= std::int64_t{1} << 53)};
         }
         case Kind::unsigned_integer: return {static_cast<double>(bits), size < 8 || bits <= std::uint64_t{1} << 53};
         case Kind::boolean: break;

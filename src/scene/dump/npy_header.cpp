@@ -113,7 +113,12 @@ NpyHeader read_npy_header(std::string_view text, const std::string& where) {
         if (key == "descr") {
             descr = true;
             header.structured = in.is('[');
-            header.fields = header.structured ? in.fields() : std::vector{NpyHeader::Field{{}, in.string(), {}}};
+            if (header.structured) {
+                header.fields = in.fields();
+            } else {
+                header.fields.resize(1);
+                header.fields.front().type = in.string();
+            }
         } else if (key == "fortran_order") {
             order = true;
             header.fortran = in.boolean();

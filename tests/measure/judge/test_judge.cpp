@@ -103,6 +103,16 @@ void hold_map_and_judge(const char* scene_id, std::initializer_list<const char*>
     }
 }
 
+/// Keeps so many rays of each kind.
+class Worst final : public judge::JudgeSink {
+public:
+    explicit Worst(std::size_t most) : worst(most, 1) {}
+    void piece(const scene::dump::Chunk& chunk, const map::BandResult& result) override {
+        worst.look_at(chunk.first, result);
+    }
+    judge::WorstRays worst;
+};
+
 /// Rays aimed near spheres or boxes, each with its own.
 scene::rays::RayGroup random_pairs(Shape shape, int count, std::uint64_t seed) {
     Seeded random(seed);
@@ -200,20 +210,13 @@ TEST_CASE("judged rays do not depend on the number of threads, and the worst are
     add_answers(columns, answers);
     const scene::test::DumpFile file("a.bin", scene::test::as_bytes<float>(columns));
 
-    class Worst final : public judge::JudgeSink {
-    public:
-        void piece(const scene::dump::Chunk& chunk, const map::BandResult& result) override {
-            worst.look_at(chunk.first, result);
-        }
-        judge::WorstRays worst{10, 1};
-    };
     std::vector<JudgeResult> results;
     std::vector<std::vector<judge::NotedRay>> noted;
     for (const std::size_t threads : {1U, 2U, 5U}) {
         const testing::Threads limit(threads);
         const auto dump = scene::dump::open_dump(file.path(), {.columns = columns.joined_names(":f32")});
         const judge::FileForm form("a", Shape::sphere, *row.form->info);
-        Worst worst;
+        Worst worst(10);
         results.push_back(judge::run_judge(
             *dump, {.rows = {{&form.form(), row.format}, row}, .answered = true, .metrics = all_metrics}, {&worst}));
         noted.push_back(worst.worst.all());
@@ -277,6 +280,24 @@ TEST_CASE("decisions without a t have outcomes and no errors") {
     CHECK(s.count(answer::Outcome::not_a_number) == 0);
     for (const metric::Distribution& d : s.metrics) CHECK(d.count() == 0);
     CHECK(s.worst.x == -1);
+}
+
+TEST_CASE("of equal errors and of wrong decisions the first are kept") {
+    std::string text = "ox,oy,oz,dx,dy,dz,hit,t\n";
+    for (int i = 0; i < 30; ++i) text += i % 3 == 2 ? "0,0,-5,0,0,1,0,\n" : "0,0,-5,0,0,1,1,4.5\n";
+    const scene::test::DumpFile file("a.csv", text);
+    const auto dump = scene::dump::open_dump(file.path(), {.solid = Shape::sphere});
+    const judge::FileForm form("a", Shape::sphere, intersect::Info{});
+    Worst worst(5);
+    judge::run_judge(*dump,
+                     {.solids = {Solid<double>(Sphere<double>{{0, 0, 0}, 1})},
+                      .rows = {{&form.form(), dump->format()}},
+                      .answered = true,
+                      .metrics = all_metrics},
+                     {&worst});
+    std::vector<std::uint64_t> places;
+    for (const judge::NotedRay& ray : worst.worst.all()) places.push_back(ray.place);
+    CHECK(places == std::vector<std::uint64_t>{0, 1, 3, 4, 6, 2, 5, 8, 11, 14});
 }
 
 TEST_CASE("rays that are not the pixels of the picture are refused") {
