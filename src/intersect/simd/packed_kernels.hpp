@@ -73,9 +73,9 @@ template <class Form, class F, class Width>
         hit.t.store(t + i);
         hit.near.store(near + i);
         hit.far.store(far + i);
-        bool decision[P::lanes];
-        hit.hit.store(decision);
-        std::memcpy(decisions + i, decision, P::lanes);
+        // Straight into the bytes, which provide storage for bools: by way of an array of bools, every register of
+        // decisions went through the stack, a twentieth of the loop.
+        hit.hit.store(reinterpret_cast<bool*>(decisions + i));
     }
 }
 
