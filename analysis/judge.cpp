@@ -121,6 +121,10 @@ Exit run(const JudgeWords& o, const Common& common) {
     }
     request.picture = dump->picture();
     if (!o.size.empty()) request.picture = choice::parse_size(o.size);
+    for (const int side :
+         {request.picture.value_or(std::pair(1, 1)).first, request.picture.value_or(std::pair(1, 1)).second})
+        if (side < 1 || side > 65536)
+            throw InputError(fmt::format("--size {}: width and height are whole numbers from 1 to 65536", o.size));
     measure::metric::MetricSet made;
     auto drawn = o.metrics.empty() ? std::vector{measure::metric::find_metric("lost_bits")}
                                    : choice::select_metrics(o.metrics, made);

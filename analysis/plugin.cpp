@@ -23,8 +23,12 @@ using measure::contract::Observation;
 
 /// Answers a pipe with the forms of a library.
 Exit serve(const std::string& named) {
+    // What the library prints goes to standard error: standard output is the pipe.
+    const int answers = dup(STDOUT_FILENO);
+    if (answers < 0 || dup2(STDERR_FILENO, STDOUT_FILENO) < 0)
+        throw EnvironmentError("plugin serve: standard output is closed");
     const auto forms = intersect::doors::load_plugin(intersect::doors::find_plugin(named));
-    if (intersect::doors::serve_pipe(forms, STDIN_FILENO, STDOUT_FILENO)) return Exit::done;
+    if (intersect::doors::serve_pipe(forms, STDIN_FILENO, answers)) return Exit::done;
     throw InputError(
         "plugin serve: what came on standard input is no request of lostbits-pipe/1; this command is for `lostbits … "
         "--plugin LIBRARY --isolate`, which talks to it");

@@ -151,6 +151,8 @@ TEST_CASE("judge says what it needs to know, and writes nothing") {
         Bad{"--box 0,0,0,1,-1,1", head + good, "lo <= hi"},
         Bad{"--sphere 0,0,0,1 --box 0,0,0,1,1,1", head + good, "write one of them"},
         Bad{"--sphere 0,0,0,1 --size 7x1", head + good, "has 1 rays where a picture of 7x1 has 7"},
+        Bad{"--sphere 0,0,0,1 --size 0x0", head + good, "whole numbers from 1 to 65536"},
+        Bad{"--sphere 0,0,0,1 --size=-1x5", head + good, "whole numbers from 1 to 65536"},
         Bad{"--sphere 0,0,0,1 --metric culprit", head + good, "only answers are known"},
         Bad{"--sphere 0,0,0,1 --metric lost_bit", head + good, "lost_bits"},
         Bad{"--sphere 0,0,0,1 --format f23", head + good, "unknown format"},

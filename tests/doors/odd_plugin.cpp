@@ -1,6 +1,7 @@
 // A library whose forms misbehave, each in its own way.
 #include <chrono>
 #include <cmath>
+#include <cstdio>
 #include <cstdlib>
 #include <stdexcept>
 #include <thread>
@@ -74,6 +75,11 @@ Answer<float> hangs(Rays, Spheres) {
     for (;;) std::this_thread::sleep_for(std::chrono::seconds(1));
 }
 
+Answer<float> talks(Rays ray, Spheres sphere) {
+    std::puts("hello");
+    return first(ray, sphere);
+}
+
 float counter = 0;
 Answer<float> forgetful(Rays, Spheres) { return {counter += 1}; }
 
@@ -114,6 +120,7 @@ LOSTBITS_FORMS(form<right>("odd.right").whole_line(),                       //
                form<aborts>("odd.aborts").first_root(),                     //
                form<exits>("odd.exits").first_root(),                       //
                form<hangs>("odd.hangs").first_root(),                       //
+               form<talks>("odd.talks").first_root(),                       //
                form<forgetful>("odd.forgetful").first_root().one_thread(),  //
                raw("odd.throws_through", throws_through),                   //
                raw("odd.refuses", refuses),                                 //

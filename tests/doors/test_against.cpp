@@ -1,5 +1,6 @@
 // Two forms held against each other.
 #include <cmath>
+#include <filesystem>
 #include <string>
 
 #include "catch.hpp"
@@ -65,6 +66,8 @@ TEST_CASE("against: a form and itself, a twin, a rival, a predicate", "[doors]")
     CHECK(contents(folder.path() / "out/near-benign/sphere.schoolbook.f32.against.png").size() > 1000);
     const Outcome predicate = run(map + "-i odd.predicate --against sphere.unified" + odd, folder.path());
     CHECK(has(predicate.err, "only their decisions are compared"));
+    CHECK_FALSE(std::filesystem::exists(folder.path() / "out/near-benign/odd.predicate.f32.apart.png"));
+    CHECK(std::filesystem::exists(folder.path() / "out/near-benign/odd.predicate.f32.against.png"));
     auto said = row_of(folder, "odd.predicate");
     CHECK(count(said, "both_hit") > 100);
     CHECK(count(said, "both_hit") + count(said, "both_miss") + count(said, "alone_hits") +

@@ -136,6 +136,17 @@ TEST_CASE("plugin: every way to go wrong ends with a name, exit 3 and no files",
     }
 }
 
+TEST_CASE("plugin: an interrupt in the middle of a batch that never ends is heard", "[doors]") {
+    const Scratch folder;
+    const Outcome o =
+        run("map near-benign --size 32x24 -i odd.hangs -f f32 -o out --time-limit 60" + plugin("odd_plugin"),
+            folder.path(), "sh -c 'sleep 2; kill -INT $PPID' &");
+    CHECK(o.code == 130);
+    CHECK(has(o.err, "odd.hangs"));
+    CHECK(has(o.err, "interrupted"));
+    CHECK(folder.files().empty());
+}
+
 TEST_CASE("plugin: in a process of its own the same faults are errors with a name", "[doors]") {
     for (const std::string form : {"odd.crash", "odd.aborts", "odd.exits", "odd.throws", "odd.hangs", "odd.garbage",
                                    "odd.half", "odd.lazy", "odd.refuses"}) {
@@ -144,11 +155,16 @@ TEST_CASE("plugin: in a process of its own the same faults are errors with a nam
         INFO(form << ": " << o.err);
         CHECK(o.code == 3);
         CHECK(has(o.err, "odd_plugin.so"));
+        CHECK(has(o.err, form));
         CHECK_FALSE(has(o.err, "\033"));
         CHECK(folder.files().empty());
     }
     const Scratch folder;
     CHECK(map_by("odd.right", folder, " --isolate").code == 0);
+    const Outcome talks = map_by("odd.talks", folder, " --isolate");
+    CHECK(talks.code == 0);
+    CHECK(has(talks.err, "hello"));
+    CHECK_FALSE(has(talks.out, "hello"));
 }
 
 TEST_CASE("plugin: what is no library of forms is refused, with what to try", "[doors]") {

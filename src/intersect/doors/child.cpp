@@ -94,7 +94,7 @@ std::string Child::how_it_ended() {
 
 void Child::fail(const std::string& what) {
     const std::string ended = output_ended_ ? how_it_ended() : "";
-    throw EnvironmentError(who_ + ": " + what + ended);
+    throw EnvironmentError(who_ + ": " + (about_.empty() ? "" : about_ + " ") + what + ended);
 }
 
 void Child::wait_for(short events_of_input, Clock::time_point until, bool& can_write, bool& can_read) {

@@ -26,6 +26,8 @@ public:
     /// Reads exactly so much.
     void read(std::span<std::byte> answer);
 
+    /// What it is asked about from now on, for messages.
+    void about(const std::string& what) { about_ = what; }
     /// EnvironmentError that begins with `who`, and says how the process ended where it did.
     [[noreturn]] void fail(const std::string& what);
 
@@ -38,7 +40,7 @@ private:
     void wait_for(short events_of_input, Clock::time_point until, bool& can_write, bool& can_read);
     [[nodiscard]] std::string how_it_ended();
 
-    std::string command_, who_;
+    std::string command_, who_, about_;
     std::chrono::duration<double> limit_;
     int process_ = -1, input_ = -1, output_ = -1;
     bool output_ended_ = false;

@@ -88,6 +88,11 @@ void have_signal_stack() {
             const char* const who = slot.who.load();
             if (who == nullptr) continue;
             const std::chrono::duration<double> taken = Clock::duration(now - slot.since.load());
+            if (asked_to_stop.load() && taken.count() > 1) {  // nothing in there will look whether it was asked
+                if (terms().clean_up) terms().clean_up();
+                say(who, "was interrupted in the middle of a batch", "finished files are kept");
+                _exit(static_cast<int>(Exit::interrupted));
+            }
             if (taken.count() > terms().seconds)
                 end(who, "has not answered a batch within the time limit", "raise --time-limit SECONDS, or mend it");
         }

@@ -123,6 +123,7 @@ void ask(Child& child, std::uint32_t form, const Contract& contract, const lb_ba
     if (batch.ends) message.add(batch.ends, n * width);
     message.add(batch.solids, solids * number_names(contract.shape).size() * width);
 
+    child.about("form \"" + contract.name + "\"");
     PipeAnswer answer;
     child.exchange(message.all(), bytes_of(answer));
     if (std::memcmp(answer.magic, PipeAnswer{}.magic, sizeof answer.magic) != 0) {
@@ -134,7 +135,7 @@ void ask(Child& child, std::uint32_t form, const Contract& contract, const lb_ba
     if (answer.error != 0) {
         std::string text(std::min<std::size_t>(answer.error, 1000), ' ');
         child.read(std::as_writable_bytes(std::span(text)));
-        child.fail("form \"" + contract.name + "\" refuses: " + shown_text(text, 400));
+        child.fail("refuses: " + shown_text(text, 400));
     }
     child.read({static_cast<std::byte*>(batch.near_far), 2 * n * width});
     child.read({reinterpret_cast<std::byte*>(batch.hit), n});

@@ -107,6 +107,8 @@ struct Sheet {
 std::vector<Sheet> sheets_of(const MapRequest& request, const MapFilesOptions& options) {
     std::vector<Sheet> sheets;
     for (const Metric* m : options.drawn) {
+        const MetricPaint alone(*m, request.rows, image::image_backend());
+        if (std::ranges::none_of(request.rows, [&alone](const MapRow& row) { return alone.applies_to(row); })) continue;
         const auto same = std::ranges::find_if(sheets, [m](const Sheet& s) { return s.paint.shares_with(*m); });
         if (same != sheets.end()) same->metrics.push_back(m);
         else sheets.push_back({MetricPaint(*m, request.rows, image::image_backend()), {m}, nullptr, {}, {}});

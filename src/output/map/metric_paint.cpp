@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "measure/answer/against.hpp"
 #include "output/map/culprit_table.hpp"
 
 namespace lostbits::output::map {
@@ -61,7 +62,9 @@ MetricPaint::MetricPaint(const Metric& metric, std::span<const measure::map::Map
 }
 
 bool MetricPaint::applies_to(const measure::map::MapRow& row) const {
-    if (metric_->over == Over::pairs) return row.against != nullptr;
+    if (metric_->over == Over::pairs)  // how far apart: of t that mean the same alone
+        return row.against != nullptr &&
+               (!metric_->categories.empty() || measure::answer::are_comparable(*row.form->info, *row.against->info));
     return metric_->over != Over::marches || row.form->shape == Shape::sdf;
 }
 
