@@ -66,6 +66,11 @@ void probe(const std::filesystem::path& file);
 void note_suspicions(const std::vector<measure::map::MapRow>& rows, const Common& common,
                      const std::function<std::string(const measure::map::MapRow&)>& suspicion);
 
+/// A line on stdout for each row that is held against a form: how often the two are the same.
+void print_pairs(const std::vector<measure::map::MapRow>& rows,
+                 const std::vector<const measure::metric::Metric*>& metrics,
+                 const std::vector<measure::map::MapSummary>& summaries);
+
 /// A line on stdout: how many truths, each of a ray and a solid, each stage settled.
 void print_stages(const measure::truth::StageCounts& stages);
 

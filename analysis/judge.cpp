@@ -172,6 +172,7 @@ Exit run(const JudgeWords& o, const Common& common) {
                 o.file, result.answers, dump->format().name);
         fmt::print("{} rays of {}, read as {}\n", result.rays, o.file, dump->format().name);
         print_table(request, result);
+        print_pairs(request.rows, request.metrics, result.summaries);
         if (common.verbose) print_stages(stages);
         fmt::print("{}\n", (folder / (request.picture ? "contact.png" : "summary.csv")).string());
         if (worst) fmt::print("{}\n", (folder / "worst.toml").string());

@@ -175,6 +175,7 @@ std::uint64_t map_scene(const SceneWork& work, const MapOptions& o, const Common
     if (common.quiet) return unresolved;
     fmt::print("{}\n", (folder / "contact.png").string());
     if (work.needed) fmt::print("{}\n", (folder / "needed.csv").string());
+    print_pairs(work.map.rows, work.map.metrics, summaries);
     if (common.verbose) print_table(work.map, summaries);
     if (common.verbose) print_stages(*work.map.stages);
     if (common.verbose && work.needed) print_table(*work.needed, needed);

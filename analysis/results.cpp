@@ -2,6 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
+#include "measure/answer/against.hpp"
 #include "measure/truth/truth.hpp"
 #include "number/error.hpp"
 #include "output/file/atomic_file.hpp"
@@ -42,6 +45,24 @@ void note_suspicions(const std::vector<measure::map::MapRow>& rows, const Common
         if (row.form->is_template()) continue;
         const std::string words = suspicion(row);
         if (!words.empty()) fmt::print(stderr, "lostbits: {} {}: {}\n", row.form->info->name, row.format.name, words);
+    }
+}
+
+void print_pairs(const std::vector<measure::map::MapRow>& rows,
+                 const std::vector<const measure::metric::Metric*>& metrics,
+                 const std::vector<measure::map::MapSummary>& summaries) {
+    const std::size_t against = measure::metric::place_of(metrics, "against");
+    if (against == metrics.size()) return;
+    for (std::size_t r = 0; r < rows.size(); ++r) {
+        if (rows[r].against == nullptr) continue;
+        std::string words;
+        for (std::size_t c = 0; c < measure::answer::against_names.size(); ++c) {
+            const std::uint64_t n = summaries[r].categories[against][c];
+            if (n > 0) words += fmt::format("{}{} {}", words.empty() ? "" : ", ", n, measure::answer::against_names[c]);
+        }
+        std::ranges::replace(words, '_', ' ');
+        fmt::print("  {} {} against {}: {}\n", rows[r].form->info->name, rows[r].format.name,
+                   rows[r].against->info->name, words);
     }
 }
 

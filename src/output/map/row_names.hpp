@@ -9,11 +9,14 @@
 
 namespace lostbits::output::map {
 
+/// Whether a form is of the catalogue, whose names begin with a shape; no name from outside does.
+[[nodiscard]] inline bool is_of_catalogue(const intersect::Info& info) {
+    return std::ranges::find(shape_names, info.name.substr(0, info.name.find('.'))) != shape_names.end();
+}
+
 /// `unified` of `sphere.unified`: where all forms are of one shape. What is not of the catalogue keeps its whole name.
 [[nodiscard]] inline std::string short_name(const intersect::Info& info) {
-    const std::size_t dot = info.name.find('.');
-    const bool shape = std::ranges::find(shape_names, info.name.substr(0, dot)) != shape_names.end();
-    return std::string(info.name.substr(shape ? dot + 1 : 0));
+    return std::string(info.name.substr(is_of_catalogue(info) ? info.name.find('.') + 1 : 0));
 }
 
 /// `sphere.unified.f32`

@@ -82,6 +82,8 @@ ScatterPlotSpec trade_plot(const TradeRequest& request, const measure::speed::Tr
     spec.x = {time_title, plot::AxisSpec::Scale::log2, {}, {}};
     spec.y = {kept_title, plot::AxisSpec::Scale::linear, 0.0, {}};
     std::vector<std::size_t> front;
+    // One's own form is looked for wherever it is.
+    const auto labelled = [&](std::size_t k) { return !beaten[k] || !map::is_of_catalogue(*request.kernels[k].form); };
     for (std::size_t k = 0; k < all.size(); ++k) {
         const TradeKernel& kernel = request.kernels[k];
         const measure::speed::Timing& t = result.times[k][load].timing;
@@ -93,7 +95,7 @@ ScatterPlotSpec trade_plot(const TradeRequest& request, const measure::speed::Tr
                                .colour = colour_of(kernel.measured.format),
                                .faint = beaten[k],
                                .hollow = !all[k].never_wrong(),
-                               .label = beaten[k] ? std::string() : map::short_name(*kernel.measured.form->info)});
+                               .label = labelled(k) ? map::short_name(*kernel.measured.form->info) : std::string()});
         if (!beaten[k] && !std::isnan(all[k].kept_bits)) front.push_back(k);
     }
     std::ranges::stable_sort(front, {}, [&all](std::size_t k) { return all[k].time_ns; });
