@@ -77,7 +77,8 @@ ScatterPlotSpec trade_plot(const TradeRequest& request, const measure::speed::Tr
                                  "quartile to quartile.",
                                  result.accuracy(set, 0).rays, rays.name, static_cast<double>(bytes) / 1024,
                                  request.plan.repetitions),
-                     "Named: the Pareto front. Fewer wrong decisions count before more bits, so it may step down to a "
+                     "Named: the Pareto front, and every form that is not of lostbits. Fewer wrong decisions count "
+                     "before more bits, so it may step down to a "
                      "form that is never wrong."};
     spec.x = {time_title, plot::AxisSpec::Scale::log2, {}, {}};
     spec.y = {kept_title, plot::AxisSpec::Scale::linear, 0.0, {}};
@@ -93,7 +94,7 @@ ScatterPlotSpec trade_plot(const TradeRequest& request, const measure::speed::Tr
                                .x_high = t.high_quartile * 1e9,
                                .marker = marker_of(kernel),
                                .colour = colour_of(kernel.measured.format),
-                               .faint = beaten[k],
+                               .faint = !labelled(k),
                                .hollow = !all[k].never_wrong(),
                                .label = labelled(k) ? map::short_name(*kernel.measured.form->info) : std::string()});
         if (!beaten[k] && !std::isnan(all[k].kept_bits)) front.push_back(k);
