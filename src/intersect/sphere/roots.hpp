@@ -26,8 +26,10 @@ struct RootPair {
 /// is what the code in the field does with it.
 template <Number T>
 Hit<T> first_hit(mask_t<T> missed, const RootPair<T>& roots) {
-    const T t = named("t", select(roots.near < T(0), roots.far, roots.near));
-    return Hit<T>{!(missed || t < T(0)), t, roots.near, roots.far};
+    // t has no name of its own: GCC 12 stored it in every round of the packed loops, and nobody read it there.
+    Hit<T> hit{missed, named("t", select(roots.near < T(0), roots.far, roots.near)), roots.near, roots.far};
+    hit.hit = !(missed || hit.t < T(0));
+    return hit;
 }
 
 /// Near root only: no answer for a ray from inside.
