@@ -39,9 +39,6 @@ struct PipeTerms {
 /// where the process does not speak. The processes end with the program.
 std::vector<ForeignForm> open_pipe(const std::string& command, const PipeTerms& terms);
 
-/// The header of a pipe that offers these forms.
-std::string pipe_header(const std::vector<ForeignForm>& forms);
-
 /// The other end: answers requests on `input` with these forms until it ends. False where what came was no request.
 bool serve_pipe(const std::vector<ForeignForm>& forms, int input, int output);
 

@@ -82,14 +82,10 @@ bool answer_one(const ForeignForm& form, const PipeRequest& request, Room& room,
 
 }  // namespace
 
-std::string pipe_header(const std::vector<ForeignForm>& forms) {
+bool serve_pipe(const std::vector<ForeignForm>& forms, int input, int output) {
     std::vector<Contract> contracts;
     for (const ForeignForm& form : forms) contracts.push_back(form.contract);
-    return pipe_header_of(contracts);
-}
-
-bool serve_pipe(const std::vector<ForeignForm>& forms, int input, int output) {
-    const std::string header = pipe_header(forms);
+    const std::string header = pipe_header_of(contracts);
     if (!write_all(output, header.data(), header.size())) return true;
     Room room;
     for (PipeRequest request; read_all(input, &request, sizeof request);) {

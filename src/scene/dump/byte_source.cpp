@@ -32,12 +32,13 @@ ByteSource::~ByteSource() { ::close(fd_); }
 
 void ByteSource::fail(const std::string& what) const { throw EnvironmentError(name_ + ": " + what); }
 
-std::size_t ByteSource::read(std::string& to, std::size_t most) {
+template <class ReadSome>
+std::size_t ByteSource::fill(std::string& to, std::size_t most, const ReadSome& read_some) const {
     const std::size_t begin = to.size();
     to.resize(begin + most);
     std::size_t got = 0;
     while (got < most) {
-        const ssize_t n = ::read(fd_, to.data() + begin + got, most - got);
+        const ssize_t n = read_some(to.data() + begin + got, most - got, got);
         if (n < 0 && errno == EINTR) {
             stop_if_interrupted();
             continue;
@@ -50,22 +51,14 @@ std::size_t ByteSource::read(std::string& to, std::size_t most) {
     return got;
 }
 
+std::size_t ByteSource::read(std::string& to, std::size_t most) {
+    return fill(to, most, [this](char* room, std::size_t size, std::size_t) { return ::read(fd_, room, size); });
+}
+
 std::size_t ByteSource::read_at(std::uint64_t place, std::string& to, std::size_t most) const {
-    const std::size_t begin = to.size();
-    to.resize(begin + most);
-    std::size_t got = 0;
-    while (got < most) {
-        const ssize_t n = ::pread(fd_, to.data() + begin + got, most - got, static_cast<off_t>(place + got));
-        if (n < 0 && errno == EINTR) {
-            stop_if_interrupted();
-            continue;
-        }
-        if (n < 0) fail(std::string("cannot read: ") + std::strerror(errno));
-        if (n == 0) break;
-        got += static_cast<std::size_t>(n);
-    }
-    to.resize(begin + got);
-    return got;
+    return fill(to, most, [&](char* room, std::size_t size, std::size_t got) {
+        return ::pread(fd_, room, size, static_cast<off_t>(place + got));
+    });
 }
 
 }  // namespace lostbits::scene::dump

@@ -27,6 +27,9 @@ public:
 
 private:
     [[noreturn]] void fail(const std::string& what) const;
+    /// Appends up to so many bytes; `read_some(room, size, got)` is asked for them until it has none.
+    template <class ReadSome>
+    std::size_t fill(std::string& to, std::size_t most, const ReadSome& read_some) const;
 
     std::string name_;
     int fd_ = -1;
