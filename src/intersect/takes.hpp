@@ -1,5 +1,5 @@
 // Which shape a form's `intersect` takes, for translation units that may include nothing heavier (see
-// packed_kernels.hpp).
+// packed_batch.hpp).
 #pragma once
 
 #include <type_traits>

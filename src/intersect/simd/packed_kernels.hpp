@@ -1,83 +1,10 @@
-// The loop around `Form::intersect` over packs: one translation unit for each register width includes it, each with its
-// own `Width` of internal linkage (see `Registers`). They see plain pointers only: an inline function of std::span or
-// of our own, compiled here under its ordinary name, could be the one that the linker keeps for everybody, on machines
-// that cannot run it. A test reads the symbols of the objects.
+// Every form over packs; see packed_batch.hpp for what such a file may include.
 #pragma once
 
-#include <cstring>
-#include <limits>
-
 #include "intersect/catalogue.hpp"
-#include "intersect/sdf/field.hpp"
-#include "intersect/simd/packed_raw.hpp"
-#include "intersect/takes.hpp"
-#include "number/pack.hpp"
+#include "intersect/simd/packed_batch.hpp"
 
 namespace lostbits::intersect::simd {
-
-template <class P, class F>
-Sphere<P> sphere_at(const RawTarget<F>& target, std::size_t k) {
-    const F* const n = target.numbers + 6 * k;
-    return {{P(n[0]), P(n[1]), P(n[2])}, P(n[3])};
-}
-
-template <class P, class F>
-Box<P> box_at(const RawTarget<F>& target, std::size_t k) {
-    const F* const n = target.numbers + 6 * k;
-    return {{P(n[0]), P(n[1]), P(n[2])}, {P(n[3]), P(n[4]), P(n[5])}};
-}
-
-/// The least distance over the solids, as `sdf::Union` takes it.
-template <class Form, class P, class F>
-Hit<P> march_pack(const Ray<P>& ray, const RawTarget<F>& target) {
-    const auto distance = [&target](std::size_t k, const Vec<P>& p) {
-        if (target.shapes[k] == static_cast<std::uint8_t>(Shape::sphere))
-            return sdf::distance(sphere_at<P>(target, k), p);
-        return sdf::distance(box_at<P>(target, k), p);
-    };
-    const auto field = [&](const Vec<P>& p) {
-        P least = distance(0, p);
-        for (std::size_t k = 1; k < target.solids; ++k) least = min(least, distance(k, p));
-        return least;
-    };
-    sdf::Unwatched unwatched;
-    return Form::intersect(ray, field, transformed(target.march, [](const F& x) { return P(x); }), unwatched);
-}
-
-/// Flattened: every call inside is inlined. Otherwise the compiler keeps functions for the operators of `Outward`,
-/// packs travel through the stack, and sphere.pbrt_interval takes five times as long.
-template <class Form, class F, class Width>
-[[gnu::flatten]] void packed_batch(const RawBatch<F>& batch) {
-    using P = Pack<F, Width>;
-    // Copies: the stores below could reach the batch itself, and everything would be read again after each.
-    const F *const ox = batch.rays[0], *const oy = batch.rays[1], *const oz = batch.rays[2];
-    const F *const dx = batch.rays[3], *const dy = batch.rays[4], *const dz = batch.rays[5], *const tmax = batch.tmax;
-    F *const t = batch.t, *const near = batch.near, *const far = batch.far;
-    std::uint8_t* const decisions = batch.hit;
-    const std::size_t size = batch.size;
-    const RawTarget<F> target = *batch.target;
-    const auto number = [s = target.numbers](int k) { return P(s[k]); };
-    const P n0 = number(0), n1 = number(1), n2 = number(2), n3 = number(3);  // the centre and radius, or lo and hi
-    F nowhere[P::lanes];
-    P(std::numeric_limits<F>::infinity()).store(nowhere);
-    for (std::size_t i = 0; i < size; i += P::lanes) {
-        const auto at = [i](const F* column) { return P::load(column + i); };
-        const Ray<P> ray{{at(ox), at(oy), at(oz)}, {at(dx), at(dy), at(dz)}};
-        const Hit<P> hit = [&] {
-            if constexpr (shape_of<Form> == Shape::sphere) return Form::intersect(ray, Sphere<P>{{n0, n1, n2}, n3});
-            else if constexpr (shape_of<Form> == Shape::box)
-                return Form::intersect(ray, Box<P>{{n0, n1, n2}, {n3, number(4), number(5)}},
-                                       P::load(tmax ? tmax + i : nowhere));
-            else return march_pack<Form>(ray, target);
-        }();
-        hit.t.store(t + i);
-        hit.near.store(near + i);
-        hit.far.store(far + i);
-        // Straight into the bytes, which provide storage for bools: by way of an array of bools, every register of
-        // decisions went through the stack, a twentieth of the loop.
-        hit.hit.store(reinterpret_cast<bool*>(decisions + i));
-    }
-}
 
 /// A null pointer where the form does not exist in binary64.
 template <class Width>

@@ -1,4 +1,4 @@
-// The loops over packs of solids for one ray; see packed_kernels.hpp for what such a file may include.
+// The loops over packs of solids for one ray; see packed_batch.hpp for what such a file may include.
 #pragma once
 
 #include <cstring>

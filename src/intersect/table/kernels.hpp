@@ -3,7 +3,7 @@
 
 #include <limits>
 
-#include "intersect/catalogue.hpp"
+#include "intersect/march.hpp"
 #include "intersect/march_watch.hpp"
 #include "intersect/table/table.hpp"
 #include "intersect/table/union_field.hpp"

@@ -1,6 +1,7 @@
 // The translation units that fill the table, one per family of arithmetic: they compile side by side.
 #pragma once
 
+#include "intersect/catalogue.hpp"
 #include "intersect/table/kernels.hpp"
 
 namespace lostbits::intersect::table {

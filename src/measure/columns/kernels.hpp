@@ -1,5 +1,5 @@
 // The loops over columns: one translation unit for each register width includes this, and sees plain pointers only
-// (see intersect/simd/packed_kernels.hpp for why).
+// (see intersect/simd/packed_batch.hpp for why).
 #pragma once
 
 #include <limits>

@@ -1,5 +1,5 @@
 // The loops around the stages, for packs of any width and for single doubles. They see plain pointers only, as
-// intersect/simd/packed_kernels.hpp does and for the same reason.
+// intersect/simd/packed_batch.hpp does and for the same reason.
 #pragma once
 
 #include <cstring>

@@ -1,0 +1,101 @@
+// A form in each family of arithmetic: what the rows of the table point to.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+
+#include "intersect/table/kernels.hpp"
+#include "number/recorded.hpp"
+#include "number/with_number.hpp"
+
+namespace lostbits::intersect::table {
+
+template <class Form>
+void rounded_batch(const FloatFormat& format, const RayBatch<double>& rays, const Target<double>& target,
+                   const HitBatch<double>& hits) {
+    const CurrentFormat::Scope scope(format);
+    intersect_batch<Form, RoundedAny>(
+        rays, target, hits, [](double x) { return RoundedAny(x); }, [](RoundedAny x) { return x.value(); });
+}
+
+/// "Nowhere", for enclosures, whose arithmetic has no infinity: beyond every t that double precision can name.
+inline constexpr double unlimited = 0x1p1000;
+
+template <class Form, class E>
+Hit<E> enclosed(const Ray<E>& ray, const Target<E>& target) {
+    sdf::Unwatched unwatched;
+    return intersect_target<Form>(ray, target, E(unlimited), unwatched);
+}
+
+template <class Form, class T>
+MarchLog logged(const Ray<double>& ray, const Target<double>& target) {
+    const auto lift = [](double x) { return static_cast<T>(x); };
+    const auto vec = [lift](const Vec<double>& v) { return Vec<T>(lift(v.x), lift(v.y), lift(v.z)); };
+    const LiftedTarget<T> lifted(target, lift);
+    StepLog<T> log;
+    const Hit<T> hit = intersect_target<Form>(Ray<T>{vec(ray.origin), vec(ray.direction)}, lifted.get(), T(0), log);
+    const Stop stop = log.stop(hit, *lifted.get().march);
+    return {log.take(), {hit.hit, as_double(hit.t), as_double(hit.near), as_double(hit.far)}, stop};
+}
+
+template <class Form>
+MarchLog log_of(const Format& format, const Ray<double>& ray, const Target<double>& target) {
+    return with_number(format, [&]<class T>() { return logged<Form, T>(ray, target); });
+}
+
+/// Marks where the samples of a march end, and gives its operations the names that the lesson SDF Sphere Marching has
+/// for them.
+template <class T>
+struct SampleMarks : sdf::Unwatched {
+    void operator()(const RecordedMask& /*active*/, const T& t, const Vec<T>& p, const T& d) const {
+        named("t", t);
+        named("p.x", p.x);
+        named("p.y", p.y);
+        named("p.z", p.z);
+        named("d", d);
+        if (Tape* const tape = Tape::current()) tape->samples.push_back(tape->nodes.size());
+    }
+};
+
+template <class Form, class F>
+void evaluate_on(Tape& tape, const Ray<double>& ray, const Target<double>& target, double tmax) {
+    using T = Recorded<F>;
+    const auto input = [](double x) { return T(x); };
+    const auto vec = [input](const Vec<double>& v) {
+        const T x = input(v.x), y = input(v.y), z = input(v.z);
+        return Vec<T>(x, y, z);
+    };
+    const Tape::Scope scope(tape);
+    const Vec<T> origin = vec(ray.origin), direction = vec(ray.direction);
+    const LiftedTarget<T> lifted(target, input);
+    const T end = input(tmax);
+    SampleMarks<T> marks;
+    const Hit<T> hit = intersect_target<Form>(Ray<T>{origin, direction}, lifted.get(), end, marks);
+    tape.outputs = {hit.hit.node(), hit.t.node(), hit.near.node(), hit.far.node()};
+}
+
+template <class Form>
+void record_of(const Format& format, const Ray<double>& ray, const Target<double>& target, double tmax, Tape& tape) {
+    tape.clear();
+    with_number(format, [&]<class F>() { evaluate_on<Form, F>(tape, ray, target, tmax); });
+}
+
+/// Two samples of a march, and each refinement once or twice, are all that there is: what follows does the same again.
+template <class Form>
+void record_all_of(const Target<double>& target, Tape& tape) {
+    const Ray<double> any{Vec<double>(1, 2, 3), Vec<double>(4, 5, 6)};
+    tape.clear();
+    tape.every_loop = true;
+    if (target.march) {
+        MarchConstants<double> few = *target.march;
+        few.max_steps = 3;
+        few.secant_steps = std::min(few.secant_steps, 2);
+        few.bisect_steps = std::min(few.bisect_steps, 2);
+        evaluate_on<Form, float>(tape, any, Target<double>(target.solids, few), HUGE_VAL);
+    } else {
+        evaluate_on<Form, float>(tape, any, target, HUGE_VAL);
+    }
+    tape.every_loop = false;
+}
+
+}  // namespace lostbits::intersect::table
