@@ -4,7 +4,8 @@ include(CMakePackageConfigHelpers)
 
 install(TARGETS lostbits RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
 install(TARGETS lostbits_image LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}/lostbits)
-install(FILES plugins/lostbits_plugin.h plugins/lostbits_plugin.hpp DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
+install(FILES plugins/lostbits_plugin.h plugins/lostbits_plugin.hpp plugins/lostbits_form.hpp
+    ${PROJECT_BINARY_DIR}/include/lostbits_build.hpp DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
 install(DIRECTORY data/ DESTINATION ${CMAKE_INSTALL_DATADIR}/lostbits/data FILES_MATCHING PATTERN "*.toml")
 
 foreach(room number geometry intersect scene measure)
@@ -23,5 +24,5 @@ configure_package_config_file(cmake/lostbits-config.cmake.in lostbits-config.cma
 write_basic_package_version_file(lostbits-config-version.cmake COMPATIBILITY SameMinorVersion)
 install(FILES ${CMAKE_CURRENT_BINARY_DIR}/lostbits-config.cmake
     ${CMAKE_CURRENT_BINARY_DIR}/lostbits-config-version.cmake
-              cmake/FindMPFR.cmake cmake/FindMPFI.cmake
+              cmake/FindMPFR.cmake cmake/FindMPFI.cmake cmake/isa.cmake cmake/formulas.cmake
         DESTINATION ${package_dir})

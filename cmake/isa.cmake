@@ -5,16 +5,11 @@ if(CMAKE_SYSTEM_PROCESSOR MATCHES "^(x86_64|AMD64|amd64)$")
     list(APPEND LOSTBITS_ISAS w256 w512)
 endif()
 
-# lostbits_isa_library(NAME ISA SOURCES…): an object library with the flags of that width and of no other; its sources
-# learn the width from number/width.hpp. It links nothing: it is used through its objects.
-function(lostbits_isa_library name isa)
-    add_library(${name} OBJECT ${ARGN})
-    target_include_directories(${name} PRIVATE ${PROJECT_SOURCE_DIR}/src)
-    target_compile_features(${name} PRIVATE cxx_std_20)
+# lostbits_isa_flags(TARGET ISA): the flags of that width; sources learn it from number/width.hpp.
+function(lostbits_isa_flags name isa)
     string(SUBSTRING ${isa} 1 -1 bits)
     math(EXPR bytes "${bits} / 8")
     target_compile_definitions(${name} PRIVATE GLM_FORCE_XYZW_ONLY LOSTBITS_ISA=${isa} LOSTBITS_REGISTER_BYTES=${bytes})
-    target_link_libraries(${name} PRIVATE glm::glm lostbits_warnings)
     # Optimised in every configuration: what the library's headers define is inlined then, and leaves no function behind
     # that the linker could give to others. At -O2 the three axes of a box stay a loop, with every pack in memory.
     target_compile_options(${name} PRIVATE -ffp-contract=off -O3)
@@ -31,4 +26,14 @@ function(lostbits_isa_library name isa)
             target_compile_options(${name} PRIVATE -Wno-uninitialized -Wno-maybe-uninitialized)
         endif()
     endif()
+endfunction()
+
+# lostbits_isa_library(NAME ISA SOURCES…): an object library with the flags of that width and of no other. It links
+# nothing: it is used through its objects.
+function(lostbits_isa_library name isa)
+    add_library(${name} OBJECT ${ARGN})
+    target_include_directories(${name} PRIVATE ${PROJECT_SOURCE_DIR}/src)
+    target_compile_features(${name} PRIVATE cxx_std_20)
+    target_link_libraries(${name} PRIVATE glm::glm lostbits_warnings)
+    lostbits_isa_flags(${name} ${isa})
 endfunction()

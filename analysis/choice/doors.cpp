@@ -8,6 +8,7 @@
 #include <system_error>
 #include <thread>
 
+#include "intersect/doors/formulas.hpp"
 #include "intersect/doors/guard.hpp"
 #include "intersect/doors/pipe.hpp"
 #include "intersect/doors/plugin.hpp"
@@ -60,7 +61,22 @@ std::vector<ForeignForm> forms_behind(const DoorWords& words, int threads) {
     return forms;
 }
 
-void open_doors(const DoorWords& words, int threads) { intersect::doors::enroll(forms_behind(words, threads)); }
+void open_doors(const DoorWords& words, int threads) {
+    std::vector<ForeignForm> forms = forms_behind(words, threads);
+    // A library with formulas answers through the C interface too: for --isolate and `plugin check`.
+    std::vector<intersect::doors::Formula> formulas;
+    if (!words.isolate) {
+        for (const std::string& named : words.plugins)
+            std::ranges::copy(intersect::doors::load_formulas(intersect::doors::find_plugin(named)),
+                              std::back_inserter(formulas));
+    }
+    std::erase_if(forms, [&formulas](const ForeignForm& form) {
+        return std::ranges::any_of(formulas,
+                                   [&form](const auto& f) { return f.row.info->name == form.contract.name; });
+    });
+    intersect::doors::enroll_formulas(formulas);
+    intersect::doors::enroll(std::move(forms));
+}
 
 std::string words_of_doors() { return opened(); }
 

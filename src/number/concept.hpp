@@ -19,14 +19,24 @@ using mask_t = decltype(std::declval<const T&>() < std::declval<const T&>());
 
 // --- float and double: the machine's own operations, correctly rounded by IEEE 754 --------------------
 
-inline float sqrt(float x) { return std::sqrt(x); }
-inline double sqrt(double x) { return std::sqrt(x); }
-inline float fma(float x, float y, float z) { return std::fma(x, y, z); }
-inline double fma(double x, double y, double z) { return std::fma(x, y, z); }
-inline float abs(float x) { return std::fabs(x); }
-inline double abs(double x) { return std::fabs(x); }
-inline float copysign(float x, float y) { return std::copysign(x, y); }
-inline double copysign(double x, double y) { return std::copysign(x, y); }
+// Templates, so that a formula in a program that also sees the C library's functions of these names calls those, which
+// are the same, and not two that fit equally well.
+template <std::floating_point F>
+F sqrt(F x) {
+    return std::sqrt(x);
+}
+template <std::floating_point F>
+F fma(F x, F y, F z) {
+    return std::fma(x, y, z);
+}
+template <std::floating_point F>
+F abs(F x) {
+    return std::fabs(x);
+}
+template <std::floating_point F>
+F copysign(F x, F y) {
+    return std::copysign(x, y);
+}
 inline float next_up(float x) { return std::nextafter(x, HUGE_VALF); }
 inline double next_up(double x) { return std::nextafter(x, HUGE_VAL); }
 inline float next_down(float x) { return std::nextafter(x, -HUGE_VALF); }

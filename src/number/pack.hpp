@@ -13,6 +13,7 @@
 #endif
 
 #include "number/concept.hpp"
+#include "number/mask.hpp"
 
 namespace lostbits {
 
@@ -54,7 +55,7 @@ inline constexpr bool has_pack_minmax = false;
 
 /// A decision in each lane.
 template <class F, class Width>
-class PackMask {
+class PackMask : public NotABool {
 public:
     using Simd = stdx::simd_mask<F, PackAbi<F, Width>>;
 

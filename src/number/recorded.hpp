@@ -1,13 +1,14 @@
 // Recorded: which operation lost the bits? A number of a format that writes down what is done to it.
 #pragma once
 
+#include "number/mask.hpp"
 #include "number/rounded.hpp"
 #include "number/tape.hpp"
 
 namespace lostbits {
 
 /// A decision and its place on the tape.
-class RecordedMask {
+class RecordedMask : public NotABool {
 public:
     RecordedMask(bool value, NodeId node) : value_(value), node_(node) {}
     [[nodiscard]] bool value() const { return value_; }

@@ -1,10 +1,12 @@
 // Three-valued logic for enclosures: a comparison of overlapping enclosures has no answer yet.
 #pragma once
 
+#include "number/mask.hpp"
+
 namespace lostbits {
 
 /// Kleene's strong logic: `unknown` is the honest third answer, never a default.
-class Tri {
+class Tri : public NotABool {
 public:
     enum Value : signed char { no = -1, unknown = 0, yes = 1 };
 
@@ -18,7 +20,7 @@ public:
     friend constexpr Tri operator&&(Tri a, Tri b) { return a.value_ < b.value_ ? a : b; }
     friend constexpr Tri operator||(Tri a, Tri b) { return a.value_ > b.value_ ? a : b; }
     friend constexpr Tri operator!(Tri a) { return Tri(static_cast<Value>(-a.value_)); }
-    friend constexpr bool operator==(Tri a, Tri b) = default;
+    friend constexpr bool operator==(Tri a, Tri b) { return a.value_ == b.value_; }
     friend constexpr bool any_of(Tri a) { return !a.is_no(); }
 
 private:

@@ -25,3 +25,14 @@ foreach(file summary.csv contact.png near-benign.exr)
         message(FATAL_ERROR "the installed program did not write ${file}")
     endif()
 endforeach()
+
+# A form in a project of its own, as docs/your-own-form.md has it: a library that carries every arithmetic.
+step(${CMAKE_COMMAND} -S ${FORM_DIR} -B ${WORK_DIR}/form -DCMAKE_PREFIX_PATH=${WORK_DIR}/prefix
+    -DCMAKE_CXX_COMPILER=${CXX} -DCMAKE_BUILD_TYPE=Release)
+step(${CMAKE_COMMAND} --build ${WORK_DIR}/form)
+step(${WORK_DIR}/prefix/bin/lostbits plugin check ${WORK_DIR}/form/geometric.so)
+step(${WORK_DIR}/prefix/bin/lostbits explain near-benign --pixel 128,128 -i example.geometric -f fp16
+    --plugin ${WORK_DIR}/form/geometric.so)
+if(NOT last_output MATCHES "tca")
+    message(FATAL_ERROR "explain does not name the form's own intermediates:\n${last_output}")
+endif()

@@ -43,12 +43,9 @@ std::string loader_words(const fs::path& library) {
     return words;
 }
 
-/// Kept beyond the end of main(): what is called when the program exits may ask for it.
-const char* lasting(const std::string& name) { return (new std::string(name))->c_str(); }
-
 ForeignForm foreign(const lb_form& form, const std::string& from) {
     ForeignForm made{contract_of(form, from), from, {}};
-    const char* const who = lasting(from + ": form \"" + made.contract.name + "\"");
+    const char* const who = lasting_text(from + ": form \"" + made.contract.name + "\"");
     made.answer = [&form, who](const lb_batch& asked) {
         lb_batch batch = asked;
         batch.own = form.own;
@@ -83,15 +80,21 @@ fs::path find_plugin(const std::string& named) {
                      "; give its path, or set LOSTBITS_PLUGIN_PATH");
 }
 
+const char* lasting_text(const std::string& text) { return (new std::string(text))->c_str(); }
+
+void* load_library(const fs::path& library) {
+    const std::string from = library.string();
+    const InForeignCode here(lasting_text(from));  // what it does when it is loaded
+    // Without a slash the loader would look for it in folders of its own.
+    void* const loaded = dlopen(fs::absolute(library).c_str(), RTLD_NOW | RTLD_LOCAL);
+    if (loaded == nullptr) throw InputError(from + ": cannot be loaded: " + loader_words(fs::absolute(library)));
+    return loaded;
+}
+
 std::vector<ForeignForm> load_plugin(const fs::path& library) {
     const std::string from = library.string();
-    // Without a slash the loader would look for it in folders of its own.
-    const char* const who = lasting(from);
-    void* const loaded = [&] {
-        const InForeignCode here(who);  // what it does when it is loaded
-        return dlopen(fs::absolute(library).c_str(), RTLD_NOW | RTLD_LOCAL);
-    }();
-    if (loaded == nullptr) throw InputError(from + ": cannot be loaded: " + loader_words(fs::absolute(library)));
+    const char* const who = lasting_text(from);
+    void* const loaded = load_library(library);
     using Ask = const lb_form* (*)(int, std::size_t*);
     const auto ask = reinterpret_cast<Ask>(dlsym(loaded, "lostbits_forms"));
     if (ask == nullptr)
@@ -105,6 +108,8 @@ std::vector<ForeignForm> load_plugin(const fs::path& library) {
     if (forms == nullptr)
         throw InputError(from + ": has no forms for version " + std::to_string(LOSTBITS_PLUGIN_ABI) +
                          " of lostbits_plugin.h; compile it again with the header of this program");
+    // Of forms that march the C interface knows nothing: a library may hold those alone.
+    if (count == 0 && dlsym(loaded, "lostbits_formulas") != nullptr) return {};
     if (count == 0 || count > 4096)
         throw InputError(from + ": says that it has " + std::to_string(count) + " forms; it must be from 1 to 4096");
     std::vector<ForeignForm> all;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <deque>
 #include <string>
 #include <utility>
 
@@ -131,12 +132,72 @@ std::span<const PackedRow> packed_rows(Isa isa) {
     return {};
 }
 
-PackedRow packed_kernels(const table::Intersector& form) {
-    const PackedRow own{form.info, form.native32, form.native64};
+namespace {
+
+/// A kernel over packs and how many numbers its registers hold: what a bound kernel needs of its own.
+template <class S>
+struct OwnPack {
+    RawKernel<S> kernel;
+    std::size_t lanes;
+};
+
+template <class S>
+void run_own(void* own, const RayBatch<S>& rays, const Target<S>& target, const HitBatch<S>& hits) {
+    const auto& pack = *static_cast<const OwnPack<S>*>(own);
+    run_packed(pack.kernel, pack.lanes, rays, target, hits);
+}
+
+struct OwnWidths {
+    const Info* info;
+    std::array<OwnPack<float>, 3> f32;
+    std::array<OwnPack<double>, 3> f64;
+};
+
+std::deque<OwnWidths>& own_packs() {
+    static std::deque<OwnWidths> rows;
+    return rows;
+}
+
+PackedRow native_kernels(const table::Intersector& form) { return {form.info, form.native32, form.native64}; }
+
+/// The kernels of a row at a width; nothing where it is in no packs.
+std::optional<PackedRow> found_in_packs(const table::Intersector& form, Isa isa) {
     const auto scalar = scalar_rows();
-    const auto same = std::ranges::find_if(
-        scalar, [&](const PackedRow& row) { return row.info == own.info && row.f32 == own.f32 && row.f64 == own.f64; });
-    return same == scalar.end() ? own : packed_rows(current_isa())[static_cast<std::size_t>(same - scalar.begin())];
+    const auto same = std::ranges::find_if(scalar, [&](const PackedRow& row) {
+        return row.info == form.info && row.f32 == form.native32 && row.f64 == form.native64;
+    });
+    if (same != scalar.end()) return packed_rows(isa)[static_cast<std::size_t>(same - scalar.begin())];
+    const auto own = std::ranges::find(own_packs(), form.info, &OwnWidths::info);
+    if (own == own_packs().end() || isa == Isa::scalar) return std::nullopt;
+    const auto width = static_cast<std::size_t>(isa) - 1;
+    PackedRow row = native_kernels(form);
+    if (own->f32[width].kernel == nullptr) return std::nullopt;
+    row.f32 = {run_own<float>, &own->f32[width]};
+    if (own->f64[width].kernel != nullptr) row.f64 = {run_own<double>, &own->f64[width]};
+    return row;
+}
+
+}  // namespace
+
+PackedRow packed_kernels(const table::Intersector& form, Isa isa) {
+    return found_in_packs(form, isa).value_or(native_kernels(form));
+}
+
+PackedRow packed_kernels(const table::Intersector& form) { return packed_kernels(form, current_isa()); }
+
+bool is_packed(const table::Intersector& form, Isa isa) {
+    return isa != Isa::scalar && found_in_packs(form, isa).has_value();
+}
+
+void enroll_packs(const std::vector<OwnPacks>& rows) {
+    for (const OwnPacks& row : rows) {
+        OwnWidths& kept = own_packs().emplace_back(OwnWidths{row.info, {}, {}});
+        for (std::size_t w = 0; w < row.widths.size(); ++w) {
+            const std::size_t bytes = bytes_of(static_cast<Isa>(w + 1));
+            kept.f32[w] = {row.widths[w].f32, bytes / sizeof(float)};
+            kept.f64[w] = {row.widths[w].f64, bytes / sizeof(double)};
+        }
+    }
 }
 
 }  // namespace lostbits::intersect::simd

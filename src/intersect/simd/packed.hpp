@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include "intersect/simd/packed_raw.hpp"
 #include "intersect/table/table.hpp"
 #include "number/with_number.hpp"
 
@@ -45,9 +46,20 @@ struct PackedRow {
 /// not available: calling such a kernel would be an illegal instruction.
 std::span<const PackedRow> packed_rows(Isa isa);
 
-/// The kernels at `current_isa()` of a row of the table; of a row that is not the table's (a form made up by a test,
-/// one from elsewhere) its own native ones.
+/// The kernels of a row of the table, at a width that is available or at `current_isa()`. Of a row that nobody compiled
+/// for packs (a form made up by a test, a function behind a door) its own native ones.
+PackedRow packed_kernels(const table::Intersector& form, Isa isa);
 PackedRow packed_kernels(const table::Intersector& form);
+/// Whether it is in packs at that width.
+bool is_packed(const table::Intersector& form, Isa isa);
+
+/// What a row outside of the catalogue has over packs of 128, 256 and 512 bits; null where it was not compiled.
+struct OwnPacks {
+    const Info* info;
+    std::array<RawRow, 3> widths;
+};
+/// Beside `table::enroll`, before any kernel is asked for.
+void enroll_packs(const std::vector<OwnPacks>& rows);
 
 /// `use.operator()<S>(kernel)` with the kernel of a form in a format, whose batches are stored in S. `native` are the
 /// form's kernels in float and double: packed ones, or its own.

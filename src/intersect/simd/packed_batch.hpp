@@ -9,6 +9,7 @@
 
 #include "intersect/info.hpp"
 #include "intersect/sdf/field.hpp"
+#include "intersect/sdf/march_loop.hpp"
 #include "intersect/simd/packed_raw.hpp"
 #include "intersect/takes.hpp"
 #include "number/pack.hpp"
@@ -77,6 +78,14 @@ template <class Form, class F, class Width>
         // decisions went through the stack, a twentieth of the loop.
         hit.hit.store(reinterpret_cast<bool*>(decisions + i));
     }
+}
+
+/// Null where the form does not exist in binary64.
+template <class Form, class Width>
+RawRow raw_row() {
+    RawRow row{packed_batch<Form, float, Width>, nullptr};
+    if constexpr (Form::info.formats == Formats::all) row.f64 = packed_batch<Form, double, Width>;
+    return row;
 }
 
 }  // namespace lostbits::intersect::simd

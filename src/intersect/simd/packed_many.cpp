@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "intersect/catalogue.hpp"
 #include "intersect/simd/packed_target.hpp"
 #include "intersect/table/kernels.hpp"
 

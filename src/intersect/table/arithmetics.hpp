@@ -4,7 +4,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "intersect/sdf/march_loop.hpp"
 #include "intersect/table/kernels.hpp"
+#include "number/counted.hpp"
 #include "number/recorded.hpp"
 #include "number/with_number.hpp"
 
@@ -96,6 +98,19 @@ void record_all_of(const Target<double>& target, Tape& tape) {
         evaluate_on<Form, float>(tape, any, target, HUGE_VAL);
     }
     tape.every_loop = false;
+}
+
+template <class Form>
+OperationCounts count_of(const Ray<float>& ray, const Target<float>& target, float tmax) {
+    using T = Counted<float>;
+    const auto input = [](float x) { return T(x); };
+    const auto vec = [&](const Vec<float>& v) { return Vec<T>(input(v.x), input(v.y), input(v.z)); };
+    const LiftedTarget<T> lifted(target, input);
+    const Ray<T> inputs{vec(ray.origin), vec(ray.direction)};
+    operation_counts() = {};
+    sdf::Unwatched unwatched;
+    static_cast<void>(intersect_target<Form>(inputs, lifted.get(), input(tmax), unwatched));
+    return operation_counts();
 }
 
 }  // namespace lostbits::intersect::table

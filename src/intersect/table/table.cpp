@@ -16,6 +16,7 @@ std::vector<Intersector>& all_rows() {
         fill_enclosed(filled);
         fill_logs(filled);
         fill_recorded(filled);
+        fill_counted(filled);
         return filled;
     }();
     return rows;

@@ -12,6 +12,7 @@
 #include "intersect/march_watch.hpp"
 #include "intersect/target.hpp"
 #include "number/ball.hpp"
+#include "number/counted.hpp"
 #include "number/format.hpp"
 #include "number/interval.hpp"
 #include "number/tape.hpp"
@@ -86,6 +87,8 @@ struct Intersector {
     void (*record)(const Format&, const Ray<double>&, const Target<double>&, double tmax, Tape&) = nullptr;
     /// The same with every loop run to its bound whatever its decisions: all operations that the form can ever do.
     void (*record_all)(const Target<double>&, Tape&) = nullptr;
+    /// The operations of one evaluation in binary32, as the form is written (see `Counted`).
+    OperationCounts (*count)(const Ray<float>&, const Target<float>&, float tmax) = nullptr;
 
     [[nodiscard]] bool exists_in(const Format& format) const {
         switch (format.engine) {

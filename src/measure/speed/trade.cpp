@@ -82,9 +82,14 @@ void count_all(const TradeRequest& request, TradeResult& result) {
         return Vec<float>(static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z));
     };
     const Solid<float> solid = transformed(pool.solid, [](double x) { return static_cast<float>(x); });
+    const Ray<float> ray{narrow(hit.origin), narrow(hit.direction)};
     for (const TradeKernel& k : request.kernels) {
-        result.operations.push_back(operations_of(*k.form, {narrow(hit.origin), narrow(hit.direction)}, solid,
-                                                  std::numeric_limits<float>::infinity()));
+        // Not of the kernel's own row: that of other compiler flags is the same formula, and has no counts.
+        const auto row = std::ranges::find(intersect::table::intersectors(), k.form, &Intersector::info);
+        const bool counts = row != intersect::table::intersectors().end() && row->count != nullptr;
+        result.operations.push_back(
+            counts ? row->count(ray, intersect::Target<float>(solid), std::numeric_limits<float>::infinity())
+                   : OperationCounts{});
     }
 }
 
@@ -107,17 +112,12 @@ std::vector<TradeKernel> trade_kernels(const std::vector<MapRow>& rows) {
     for (const MapRow& row : rows) {
         const intersect::Info* const form = row.form->info;
         for (const intersect::simd::Isa isa : intersect::simd::available_isas()) {
-            const auto packed = intersect::simd::packed_rows(isa);
-            const auto found = std::ranges::find(packed, form, &intersect::simd::PackedRow::info);
-            if (found != packed.end())
-                add({.measured = row, .form = form, .isa = name_of(isa)}, found->f32, found->f64);
+            if (isa != intersect::simd::Isa::scalar && !is_packed(*row.form, isa)) continue;
+            const intersect::simd::PackedRow kernels = packed_kernels(*row.form, isa);
+            add({.measured = row, .form = form, .isa = name_of(isa)}, kernels.f32, kernels.f64);
         }
         const auto number = static_cast<std::size_t>(row.form - intersect::table::intersectors().data());
-        if (number >= intersect::table::catalogue().size()) {  // nobody compiled it for packs, or with other flags
-            add({.measured = row, .form = form, .isa = name_of(intersect::simd::Isa::scalar)}, row.form->native32,
-                row.form->native64);
-            continue;
-        }
+        if (number >= intersect::table::catalogue().size()) continue;  // nobody compiled it with other flags
         for (const intersect::simd::Variant& variant : intersect::simd::variants()) {
             const Intersector& made = variant.rows[number];
             add({.measured = {&made, row.format}, .form = form, .isa = name_of(variant.isa), .variant = variant.name},

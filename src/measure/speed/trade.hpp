@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "measure/map/map.hpp"
-#include "measure/speed/operations.hpp"
 #include "measure/speed/timing.hpp"
 #include "measure/speed/trade_rays.hpp"
 

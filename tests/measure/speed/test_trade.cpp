@@ -22,9 +22,9 @@ OperationCounts operations(std::string_view form) {
     const auto narrow = [](const Vec<double>& v) {
         return Vec<float>(static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z));
     };
-    return measure::speed::operations_of(
-        *form_named(form).info, {narrow(pool.hits[0].origin), narrow(pool.hits[0].direction)},
-        transformed(pool.solid, [](double x) { return static_cast<float>(x); }), HUGE_VALF);
+    const Solid<float> solid = transformed(pool.solid, [](double x) { return static_cast<float>(x); });
+    return form_named(form).count({narrow(pool.hits[0].origin), narrow(pool.hits[0].direction)},
+                                  intersect::Target<float>(solid), HUGE_VALF);
 }
 
 OperationCounts counts(std::initializer_list<std::pair<Operation, std::uint64_t>> some) {

@@ -1,0 +1,78 @@
+// A form written once for every number (C++20), as a library that carries all of them: float, double, the widths
+// between, enclosures, tapes, packs. Unlike a function behind lostbits_plugin.h it can be explained, and the bits that
+// it needs be found. The whole of such a library:
+//
+//   #include <lostbits_form.hpp>
+//   using namespace lostbits;
+//
+//   struct Mine {
+//       static constexpr intersect::Info info{.name = "mylib.mine"};
+//       template <Number T>
+//       static Hit<T> intersect(const Ray<T>& ray, const Sphere<T>& sphere) {
+//           …                                         // no if on numbers: select(mask, a, b)
+//           return {hit, t, t, t};
+//       }
+//   };
+//   LOSTBITS_FORMULAS(Mine)
+//
+// and in CMakeLists.txt
+//
+//   find_package(lostbits REQUIRED)
+//   lostbits_add_formulas(mylib mine.cpp)
+//
+// which compiles the file once for all arithmetics and once for each width of registers. A form of a box takes
+// `(const Ray<T>&, const Box<T>&, const T& tmax)`; one that marches `(const Ray<T>&, const Field& field,
+// const MarchConstants<T>&, Watch& watch)`. docs/your-own-form.md leads from a function with `if` to here.
+#pragma once
+
+#include "geometry/shapes.hpp"
+#include "intersect/info.hpp"
+
+#if defined(LOSTBITS_ISA)  // one object for each width of registers, which sees what packs need and nothing else
+
+#include "intersect/simd/packed_batch.hpp"
+#include "number/width.hpp"
+
+namespace lostbits::intersect::doors {
+
+template <class Width, class... Form>
+void fill_own_rows(simd::RawRow* row) {
+    ((*row++ = simd::raw_row<Form, Width>()), ...);
+}
+
+}  // namespace lostbits::intersect::doors
+
+#define LOSTBITS_FORMULAS(...)                                                                              \
+    namespace lostbits::intersect::doors {                                                                  \
+    void LOSTBITS_NAME_OF_WIDTH(fill_own)(simd::RawRow * rows);                                             \
+    void LOSTBITS_NAME_OF_WIDTH(fill_own)(simd::RawRow * rows) { fill_own_rows<Width, __VA_ARGS__>(rows); } \
+    }
+
+#else
+
+#include "intersect/doors/build_words.hpp"
+#include "intersect/doors/formula_of.hpp"
+#include "number/archetype.hpp"
+
+namespace lostbits::intersect::doors {
+
+// Those that are not linked are null.
+[[gnu::weak]] void fill_own_w128(simd::RawRow* rows);
+[[gnu::weak]] void fill_own_w256(simd::RawRow* rows);
+[[gnu::weak]] void fill_own_w512(simd::RawRow* rows);
+
+}  // namespace lostbits::intersect::doors
+
+/// The forms that the library exports; once, outside of every namespace.
+#define LOSTBITS_FORMULAS(...)                                                                                         \
+    extern "C" [[gnu::visibility("default")]] const lostbits::intersect::doors::FormulaList* lostbits_formulas(        \
+        const lostbits::intersect::doors::FormulaWatch* watch) {                                                       \
+        namespace doors = lostbits::intersect::doors;                                                                  \
+        return doors::Formulas<__VA_ARGS__>::list(watch, doors::build_words,                                           \
+                                                  {doors::fill_own_w128, doors::fill_own_w256, doors::fill_own_w512}); \
+    }                                                                                                                  \
+    const lb_form* lostbits_forms(int abi, std::size_t* count) {                                                       \
+        return lostbits::intersect::doors::Formulas<__VA_ARGS__>::plain(abi, count);                                   \
+    }
+
+#endif

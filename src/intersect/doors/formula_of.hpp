@@ -1,0 +1,153 @@
+// What a library makes of a form written once for every number: its row in every arithmetic, and its answers through
+// the C interface. Compiled into the library with all that it needs; nothing here refers to the program.
+#pragma once
+
+#include <lostbits_plugin.h>
+#include "intersect/doors/formulas.hpp"
+#include "intersect/table/arithmetics.hpp"
+
+namespace lostbits::intersect::doors {
+
+inline const FormulaWatch* formula_watch = nullptr;
+template <class Form>
+inline const char* name_for_messages = nullptr;
+
+/// `function`, with the program told who runs.
+template <class Form, auto function, class = std::decay_t<decltype(function)>>
+struct Told;
+template <class Form, auto function, class R, class... A>
+struct Told<Form, function, R (*)(A...)> {
+    static R run(A... arguments) {
+        const struct Telling {
+            Telling() {
+                if (formula_watch != nullptr) formula_watch->enter(name_for_messages<Form>);
+            }
+            ~Telling() {
+                if (formula_watch != nullptr) formula_watch->leave();
+            }
+        } telling;
+        return function(arguments...);
+    }
+};
+
+/// The working precision of intervals is a variable of the thread in each binary: here the library's, which follows the
+/// program's through its numbers.
+template <class Form>
+Hit<Interval> enclosed_by_intervals(const Ray<Interval>& ray, const Target<Interval>& target) {
+    const Interval::Precision same(mpfr_get_prec(ray.origin.x.lower()));
+    return table::enclosed<Form, Interval>(ray, target);
+}
+
+/// What the objects of the register widths gave.
+template <class Form>
+inline std::array<simd::RawRow, 3> compiled_packs{};
+
+template <class Form, std::size_t width, class S>
+void run_pack(const simd::RawBatch<S>& batch) {
+    if constexpr (std::same_as<S, float>) compiled_packs<Form>[width].f32(batch);
+    else compiled_packs<Form>[width].f64(batch);
+}
+
+template <class Form, std::size_t width>
+simd::RawRow told_pack() {
+    const simd::RawRow& compiled = compiled_packs<Form>[width];
+    return {compiled.f32 ? Told<Form, run_pack<Form, width, float>>::run : nullptr,
+            compiled.f64 ? Told<Form, run_pack<Form, width, double>>::run : nullptr};
+}
+
+template <class Form>
+Formula formula_of() {
+    table::Intersector row{.info = &Form::info, .shape = shape_of<Form>, .native32 = {}, .native64 = {}};
+    row.native32 = Told<Form, table::native_batch<Form, float>>::run;
+    row.ball = Told<Form, table::enclosed<Form, Ball>>::run;
+    row.interval = Told<Form, enclosed_by_intervals<Form>>::run;
+    row.record = Told<Form, table::record_of<Form>>::run;
+    row.record_all = Told<Form, table::record_all_of<Form>>::run;
+    row.count = Told<Form, table::count_of<Form>>::run;
+    if constexpr (shape_of<Form> == Shape::sdf) row.log = Told<Form, table::log_of<Form>>::run;
+    if constexpr (Form::info.formats == Formats::all) {
+        row.native64 = Told<Form, table::native_batch<Form, double>>::run;
+        row.rounded = Told<Form, table::rounded_batch<Form>>::run;
+    }
+    return {row, {told_pack<Form, 0>(), told_pack<Form, 1>(), told_pack<Form, 2>()}, &name_for_messages<Form>};
+}
+
+/// The answers in S through the C interface.
+template <class Form, class S>
+const char* answer_batch_of(const lb_batch* batch) {
+    const auto* const rays = static_cast<const S*>(batch->rays);
+    const auto* const ends = static_cast<const S*>(batch->ends);
+    auto* const near_far = static_cast<S*>(batch->near_far);
+    for (std::size_t i = 0; i < batch->size; ++i) {
+        const S* const r = rays + 6 * i;
+        const S* const n = static_cast<const S*>(batch->solids) + batch->solid_stride * i;
+        const Ray<S> ray{{r[0], r[1], r[2]}, {r[3], r[4], r[5]}};
+        const Hit<S> hit = [&] {
+            if constexpr (shape_of<Form> == Shape::sphere)
+                return Form::intersect(ray, Sphere<S>{{n[0], n[1], n[2]}, n[3]});
+            else
+                return Form::intersect(ray, Box<S>{{n[0], n[1], n[2]}, {n[3], n[4], n[5]}},
+                                       ends ? ends[i] : std::numeric_limits<S>::infinity());
+        }();
+        batch->hit[i] = hit.hit ? 1 : 0;
+        near_far[2 * i] = Form::info.roots == Roots::both ? hit.near : hit.t;
+        near_far[2 * i + 1] = hit.far;
+    }
+    return nullptr;
+}
+
+template <class Form, class S>
+constexpr lb_form plain_form() {
+    return {.name = Form::info.name.data(),
+            .title = Form::info.title.data(),
+            .source = Form::info.source.data(),
+            .shape = static_cast<int>(shape_of<Form>),
+            .format = 8 * sizeof(S),
+            .direction = static_cast<int>(Form::info.direction),
+            .roots = static_cast<int>(Form::info.roots),
+            .touching = static_cast<int>(Form::info.touching),
+            .at_origin = static_cast<int>(Form::info.at_origin),
+            // A sphere's formula is not told where rays end.
+            .flags = shape_of<Form> == Shape::sphere && Form::info.roots != Roots::none ? unsigned{LB_NO_END} : 0U,
+            .own = nullptr,
+            .run = answer_batch_of<Form, S>};
+}
+
+/// All that a library exports of a list of forms.
+template <class... Form>
+struct Formulas {
+    static const FormulaList* list(const FormulaWatch* watch, const char* build,
+                                   const std::array<void (*)(simd::RawRow*), 3>& fill_packs) {
+        formula_watch = watch;
+        for (std::size_t width = 0; width < fill_packs.size(); ++width) {
+            if (fill_packs[width] == nullptr) continue;
+            std::array<simd::RawRow, sizeof...(Form)> rows;
+            fill_packs[width](rows.data());
+            std::size_t i = 0;
+            ((compiled_packs<Form>[width] = rows[i++]), ...);
+        }
+        static const std::array<Formula, sizeof...(Form)> all{formula_of<Form>()...};
+        static const FormulaList told{build, all.data(), all.size()};
+        return &told;
+    }
+
+    /// In float and in double; forms that march are told of no solid that the C interface could name.
+    static const lb_form* plain(int abi, std::size_t* count) {
+        if (abi != LOSTBITS_PLUGIN_ABI) return nullptr;
+        static const std::vector<lb_form> all = [] {
+            std::vector<lb_form> forms;
+            const auto add = [&forms]<class F>() {
+                if constexpr (shape_of<F> != Shape::sdf) {
+                    forms.push_back(plain_form<F, float>());
+                    if constexpr (F::info.formats == Formats::all) forms.push_back(plain_form<F, double>());
+                }
+            };
+            (add.template operator()<Form>(), ...);
+            return forms;
+        }();
+        *count = all.size();
+        return all.data();
+    }
+};
+
+}  // namespace lostbits::intersect::doors

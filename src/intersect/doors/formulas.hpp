@@ -1,0 +1,45 @@
+// Formulas from outside: libraries compiled with lostbits_form.hpp, whose forms come in every arithmetic, as those of
+// the catalogue do.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <filesystem>
+#include <vector>
+
+#include "intersect/simd/packed.hpp"
+#include "intersect/table/table.hpp"
+
+namespace lostbits::intersect::doors {
+
+/// How a library says that a form begins and ends, so that a crash or a hang in it has a name.
+struct FormulaWatch {
+    void (*enter)(const char* who);
+    void (*leave)();
+};
+
+/// A form as the library compiled it.
+struct Formula {
+    table::Intersector row;
+    std::array<simd::RawRow, 3> packed;  ///< registers of 128, 256 and 512 bits; null: not compiled
+    const char** who;                    ///< what `FormulaWatch::enter` is told, for the program to set
+};
+
+/// What `lostbits_formulas` returns. `build` stands first and is compared before the rest is looked at: all that
+/// follows is laid out as one build of the headers lays it out.
+struct FormulaList {
+    const char* build;
+    const Formula* all;
+    std::size_t count;
+};
+
+using AskForFormulas = const FormulaList* (*)(const FormulaWatch*);
+
+/// The formulas of a library, which is loaded and stays so; none where it exports no `lostbits_formulas`. InputError
+/// where it was compiled with other headers than this program, or says what makes no sense of a form.
+std::vector<Formula> load_formulas(const std::filesystem::path& library);
+
+/// As rows of the table, and of the packs. InputError for a name that is taken.
+void enroll_formulas(const std::vector<Formula>& formulas);
+
+}  // namespace lostbits::intersect::doors

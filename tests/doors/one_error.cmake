@@ -1,0 +1,13 @@
+# Compiles SOURCE, which must fail with exactly one error, whose text holds SAYS.
+execute_process(COMMAND ${CXX} ${FLAGS} -fsyntax-only ${SOURCE} RESULT_VARIABLE result ERROR_VARIABLE said)
+if(result EQUAL 0)
+    message(FATAL_ERROR "${SOURCE} compiles")
+endif()
+string(REGEX MATCHALL "error:" errors "${said}")
+list(LENGTH errors count)
+string(FIND "${said}" "${SAYS}" place)
+string(REGEX MATCHALL "\n" lines "${said}")
+list(LENGTH lines line_count)
+if(NOT count EQUAL 1 OR place EQUAL -1 OR line_count GREATER 40)
+    message(FATAL_ERROR "${count} errors on ${line_count} lines:\n${said}")
+endif()

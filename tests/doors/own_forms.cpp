@@ -1,0 +1,54 @@
+// Forms of the catalogue again, as a library of formulas: everything that is measured of them must come out the same.
+// And two that misbehave.
+#include <lostbits_form.hpp>
+
+#include "intersect/box/inclusive.hpp"
+#include "intersect/sdf/secant_refined.hpp"
+#include "intersect/sphere/double_inside.hpp"
+#include "intersect/sphere/unified.hpp"
+
+using namespace lostbits;
+
+namespace {
+
+/// A form under another name.
+template <class Form>
+constexpr intersect::Info renamed(std::string_view name) {
+    intersect::Info info = Form::info;
+    info.name = name;
+    return info;
+}
+
+struct Unified : intersect::sphere::Unified {
+    static constexpr intersect::Info info = renamed<intersect::sphere::Unified>("own.unified");
+};
+struct DoubleInside : intersect::sphere::DoubleInside {
+    static constexpr intersect::Info info = renamed<intersect::sphere::DoubleInside>("own.double_inside");
+};
+struct Inclusive : intersect::box::Inclusive {
+    static constexpr intersect::Info info = renamed<intersect::box::Inclusive>("own.inclusive");
+};
+struct SecantRefined : intersect::sdf::SecantRefined {
+    static constexpr intersect::Info info = renamed<intersect::sdf::SecantRefined>("own.secant_refined");
+};
+
+struct Crashes {
+    static constexpr intersect::Info info{.name = "own.crashes"};
+    template <Number T>
+    static Hit<T> intersect(const Ray<T>& ray, const Sphere<T>& sphere) {
+        if constexpr (stands_for_exact<T>) *static_cast<volatile int*>(nullptr) = 1;
+        return intersect::sphere::Unified::intersect(ray, sphere);
+    }
+};
+struct Hangs {
+    static constexpr intersect::Info info{.name = "own.hangs"};
+    template <Number T>
+    static Hit<T> intersect(const Ray<T>& ray, const Sphere<T>& sphere) {
+        for (volatile bool again = !stands_for_exact<T>; again;) {}
+        return intersect::sphere::Unified::intersect(ray, sphere);
+    }
+};
+
+}  // namespace
+
+LOSTBITS_FORMULAS(Unified, DoubleInside, Inclusive, SecantRefined, Crashes, Hangs)

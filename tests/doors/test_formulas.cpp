@@ -1,0 +1,156 @@
+// Libraries of forms over any number, from the outside: whatever is measured of a form of the catalogue is measured of
+// its copy behind the door, with the same result.
+#include <array>
+#include <string>
+
+#include "catch.hpp"
+#include "cli/program.hpp"
+
+using namespace lostbits::test;
+
+namespace {
+
+const std::string folder_of_libraries = LOSTBITS_LIBRARIES;
+const std::string own = " --plugin " + folder_of_libraries + "/own_forms.so";
+
+std::string replaced(std::string text, const std::string& what, const std::string& by) {
+    for (std::size_t at = 0; (at = text.find(what, at)) != std::string::npos; at += by.size())
+        text.replace(at, what.size(), by);
+    return text;
+}
+
+struct Pair {
+    const char *ours, *copy;
+};
+
+}  // namespace
+
+TEST_CASE("formulas: a map of a form and of its copy are the same in every format", "[doors]") {
+    struct Case {
+        Pair forms;
+        const char* scene;
+    };
+    for (const auto& [forms, scene] : {Case{{"sphere.unified", "own.unified"}, "rtg-fig-7-3-4100-oblique"},
+                                       Case{{"sphere.double_inside", "own.double_inside"}, "near-benign"},
+                                       Case{{"box.inclusive", "own.inclusive"}, "box-axis"},
+                                       Case{{"sdf.secant_refined", "own.secant_refined"}, "sdf-sphere"}}) {
+        const Scratch folder;
+        const std::string ours(forms.ours), copy(forms.copy);
+        const Outcome o = run(
+            "map " + std::string(scene) + " --size 48x32 -i " + ours + " -i " + copy +
+                " -f f32 -f f64 -f fp16 -f p20 --pixels csv --metric lost_bits --metric model_error --metric "
+                "rounding_error --metric culprit --metric condition --metric residual --exr --bits-needed 12 -o out" +
+                own,
+            folder.path());
+        INFO(scene << ": " << o.err);
+        REQUIRE(o.code == 0);
+        const auto out = folder.path() / "out" / scene;
+        std::size_t compared = 0;
+        for (const std::string& name : folder.files()) {
+            const auto file = std::filesystem::path(name).filename().string();
+            if (!file.starts_with(ours) || file.ends_with(".png")) continue;
+            INFO(name);
+            const auto twin = out / (copy + file.substr(ours.size()));
+            REQUIRE(std::filesystem::exists(twin));
+            CHECK(contents(out / file) == contents(twin));
+            ++compared;
+        }
+        CHECK(compared >= 4);
+        std::map<std::string, std::map<std::string, std::string>> first, second;
+        for (auto& row : read_csv(out / "summary.csv")) {
+            std::erase_if(row, [](const auto& cell) { return cell.first.ends_with("_explain"); });
+            auto& place = (row["form"] == ours ? first : second)[row["format"]];
+            row.erase("form");
+            place = row;
+        }
+        CHECK(first.size() == (std::string(scene) == "sdf-sphere" ? 4 : first.size()));
+        CHECK(first == second);
+    }
+}
+
+TEST_CASE("formulas: explained, in any format, and with the same words", "[doors]") {
+    const auto told = [](const std::string& form, const std::string& how) {
+        const Outcome o = run("explain rtg-fig-7-3-4100 --pixel 128,128 -i " + form + how + own);
+        INFO(o.err);
+        CHECK(o.code == 0);
+        return o.out;
+    };
+    for (const std::string how : {" -f f32", " -f fp16", " -f f32 --json", " -f f32 --fpcore", " -f f64 --latex"}) {
+        const std::string ours = told("sphere.unified", how);
+        CHECK(ours.size() > 200);
+        CHECK(replaced(told("own.unified", how), "own.unified", "sphere.unified").size() > 200);
+    }
+    CHECK(has(told("own.unified", " -f f32"), "disc"));
+}
+
+TEST_CASE("formulas: the price is of packs of every width, with its operations", "[doors]") {
+    const Scratch folder;
+    REQUIRE(
+        run("trade --quick --repetitions 1 -i own.unified -i sphere.unified -f f32 -o out" + own, folder.path()).code ==
+        0);
+    std::map<std::string, std::vector<std::string>> widths, adds;
+    for (auto& row : read_csv(folder.path() / "out/sphere/trade.csv")) {
+        if (row["form"] != "own.unified" && row["form"] != "sphere.unified") continue;
+        auto& seen = widths[row["form"]];
+        if (seen.empty() || seen.back() != row["isa"]) seen.push_back(row["isa"]);
+        adds[row["form"]].push_back(row["ops_add"]);
+    }
+    CHECK(widths["own.unified"].size() > 1);
+    CHECK(widths["own.unified"] == widths["sphere.unified"]);
+    CHECK(adds["own.unified"] == adds["sphere.unified"]);
+    CHECK_FALSE(adds["own.unified"].front() == "0");
+}
+
+TEST_CASE("formulas: the bits are the same for every register width, and through the C interface", "[doors]") {
+    const Scratch folder;
+    const std::string map = "map near-benign --size 50x30 -i own.unified -f f32 -f f64 --pixels csv --metric lost_bits";
+    REQUIRE(run(map + " --isa scalar -o scalar" + own, folder.path()).code == 0);
+    std::size_t widths = 0;
+    for (const std::string more : {" --isa 128", " --isa 256", " --isa 512", " --isolate"}) {
+        const Outcome o = run(map + more + " -o out" + own, folder.path());
+        if (has(o.err, "this processor has no registers of that width")) continue;
+        INFO(more << ": " << o.err);
+        REQUIRE(o.code == 0);
+        ++widths;
+        for (const std::string format : {"f32", "f64"}) {
+            const std::string pixels = "near-benign/own.unified." + format + ".csv";
+            CHECK(contents(folder.path() / "scalar" / pixels).size() > 10'000);
+            CHECK(contents(folder.path() / "scalar" / pixels) == contents(folder.path() / "out" / pixels));
+        }
+    }
+    CHECK(widths >= 2);
+    CHECK(run("plugin check" + own.substr(own.find("--plugin") + 8)).code == 3);  // one of its forms hangs
+}
+
+TEST_CASE("formulas: one that crashes or hangs in any arithmetic ends the program with its name", "[doors]") {
+    for (const auto& [form, says] : std::initializer_list<std::array<std::string, 2>>{
+             {"own.crashes", "SIGSEGV"}, {"own.hangs", "has not answered a batch within the time limit"}}) {
+        const Scratch folder;
+        const Outcome o = run("map near-benign --size 32x24 -i " + form +
+                                  " -f f32 -f f64 --metric model_error --time-limit 1 -o out" + own,
+                              folder.path());
+        INFO(o.err);
+        CHECK(o.code == 3);
+        CHECK(has(o.err, form));
+        CHECK(has(o.err, says));
+        CHECK(has(o.err, "own_forms.so"));
+        CHECK(folder.files().empty());
+    }
+}
+
+TEST_CASE("formulas: a library compiled with other headers is refused before it is used", "[doors]") {
+    const Outcome o = run("list intersectors --plugin " + folder_of_libraries + "/other_build.so");
+    CHECK(o.code == 2);
+    CHECK(has(o.err, "compiled with the headers of lostbits 0.0.7-cafe"));
+    CHECK(has(o.err, "compile it again"));
+}
+
+TEST_CASE("formulas: the example is what the page shows", "[doors]") {
+    const std::string source = LOSTBITS_SOURCE_DIR;
+    const std::string page = contents(source + "/docs/your-own-form.md");
+    for (const std::string file : {"geometric.cpp", "CMakeLists.txt"}) {
+        const std::string text = contents(source + "/examples/form/" + file);
+        CHECK(text.size() > 100);
+        CHECK(has(page, text));
+    }
+}
