@@ -1,6 +1,7 @@
 // A contract that is wrong costs more than any rounding: it is said, and never of one that is right.
 #include <cmath>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "catch.hpp"
@@ -25,6 +26,7 @@ std::vector<measure::contract::Judged> judged(const Answer& answer) {
                                     .solid = Solid<double>(Sphere<double>{{0, 0, 0}, 3}),
                                     .truly_hits = true,
                                     .true_t = (from - half) / length,
+                                    .other_measure = from - half,
                                     .hit = true};
         j.t = answer(j.true_t, (from + half) / length, length);
         all.push_back(j);
@@ -40,6 +42,12 @@ TEST_CASE("suspicion: each wrong contract is known by its answers", "[doors]") {
     CHECK(suspicion(judged([](double t, double, double) { return t * (1 + 0x1p-9); })).empty());
     CHECK(has(suspicion(judged([](double t, double, double l) { return t * l; })), "directions of unit length"));
     CHECK(has(suspicion(judged([](double, double far, double) { return far; })), "the far root"));
+    auto by_distance = judged([](double t, double, double) { return t; });  // where a distance was promised
+    for (auto& j : by_distance) {
+        j.unit = true;
+        std::swap(j.true_t, j.other_measure);
+    }
+    CHECK(has(suspicion(by_distance), "the ray's parameter, not a distance"));
     CHECK(has(suspicion(judged([](double t, double, double) { return -t; })), "wrong sign"));
     CHECK(suspicion(judged([](double, double, double) { return 17.0; })).empty());  // nothing known explains it
 }

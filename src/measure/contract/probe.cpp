@@ -317,10 +317,12 @@ private:
         try_odd("an origin at infinity", q);
         q = along(shape_, -5, 1, 0, 0);
         try_odd(shape_ == Shape::sphere ? "a radius of 0" : "a box that is a point", q);
-        q = along(shape_, -0x1p100, 0x1p100, 0, 0x1p80);
-        try_odd("numbers of 2^100, whose squares are no binary32 numbers", q);
-        q = along(shape_, -0x1p-100, 0x1p-100, 0, 0x1p-101);
-        try_odd("numbers of 2^-100, whose squares are 0 in binary32", q);
+        const int scale = contract_.bits == 32 ? 100 : 600;
+        const std::string format = "binary" + std::to_string(contract_.bits), power = std::to_string(scale);
+        q = along(shape_, -std::ldexp(1, scale), std::ldexp(1, scale), 0, std::ldexp(1, scale - 20));
+        try_odd("numbers of 2^" + power + ", whose squares are no " + format + " numbers", q);
+        q = along(shape_, -std::ldexp(1, -scale), std::ldexp(1, -scale), 0, std::ldexp(1, -scale - 1));
+        try_odd("numbers of 2^-" + power + ", whose squares are 0 in " + format, q);
     }
 
     const ForeignForm& form_;

@@ -40,8 +40,6 @@ std::optional<Line> line_through(const Ray<double>& ray, const Solid<double>& so
 
 bool is_about(double x, double y) { return std::fabs(x - y) <= 0x1p-8 * std::fabs(y); }
 
-double length(const Ray<double>& ray) { return std::sqrt(dot(ray.direction, ray.direction)); }
-
 /// The answer for a sphere of another radius.
 bool fits_radius(const Judged& j, double radius) {
     if (j.solid.shape != Shape::sphere || is_about(radius, j.solid.sphere().radius)) return false;
@@ -53,24 +51,30 @@ bool fits_radius(const Judged& j, double radius) {
     return is_about(j.t, line->near >= 0 ? line->near : line->far);
 }
 
+bool is_in_other_measure(const Judged& j) {
+    return j.hit && j.truly_hits && !is_about(j.other_measure, j.true_t) && is_about(j.t, j.other_measure);
+}
+
 /// Something that a contract may have said wrongly: whether it explains an answer.
 struct Reason {
     const char* words;
     std::function<bool(const Judged&)> explains;
 };
 
-const std::array<Reason, 8>& reasons() {
-    static const std::array<Reason, 8> all{{
+const std::array<Reason, 9>& reasons() {
+    static const std::array<Reason, 9> all{{
         {"t is a distance, not the ray's parameter: it seems to take directions of unit length; say so "
          "(unit_direction, direction=unit, --direction unit)",
-         [](const Judged& j) {
-             return j.hit && j.truly_hits && !is_about(length(j.ray), 1) && is_about(j.t, j.true_t * length(j.ray));
-         }},
+         [](const Judged& j) { return !j.unit && is_in_other_measure(j); }},
+        {"t is the ray's parameter, not a distance: leave out what says that directions have unit length "
+         "(unit_direction, direction=unit, --direction unit)",
+         [](const Judged& j) { return j.unit && is_in_other_measure(j); }},
         {"the radius seems to be taken for its square; hand over radius * radius",
          [](const Judged& j) { return fits_radius(j, std::sqrt(j.solid.numbers[3])); }},
         {"the radius seems to be squared once too often; hand over radius",
          [](const Judged& j) { return fits_radius(j, j.solid.numbers[3] * j.solid.numbers[3]); }},
-        {"the radius seems to be taken for a diameter; hand over 2 * radius",
+        {"the radius seems to be taken for a diameter; hand over 2 * radius, or write the radius that was meant "
+         "(--sphere)",
          [](const Judged& j) { return fits_radius(j, j.solid.numbers[3] / 2); }},
         {"a diameter seems to be handed over for the radius",
          [](const Judged& j) { return fits_radius(j, j.solid.numbers[3] * 2); }},
@@ -110,8 +114,12 @@ void judge(const truth::Band& band, const map::MapRow& row, std::vector<Judged>&
         j.truly_hits = truth.is_hit();
         const int object = truth.is_hit() ? truth.object : std::max(0, answers.object[i]);
         j.solid = in.solids[static_cast<std::size_t>(object)];
-        const truth::Certified& t = unit ? truth.distance : truth.t;
-        if (truth.is_hit()) j.true_t = std::ldexp(t.hi, static_cast<int>(t.exponent));
+        const auto number = [](const truth::Certified& x) { return std::ldexp(x.hi, static_cast<int>(x.exponent)); };
+        j.unit = unit;
+        if (truth.is_hit()) {
+            j.true_t = number(unit ? truth.distance : truth.t);
+            j.other_measure = number(unit ? truth.t : truth.distance);
+        }
         rays.push_back(j);
     }
 }

@@ -61,11 +61,7 @@ private:
 class Run {
 public:
     Run(Dump& dump, const JudgeRequest& request, const std::vector<JudgeSink*>& sinks)
-        : dump_(dump),
-          request_(request),
-          sinks_(sinks),
-          needs_(map::needs_by_format(request.rows, request.metrics)),
-          decisions_only_(dump.layout().decides_only()) {
+        : dump_(dump), request_(request), sinks_(sinks), needs_(map::needs_by_format(request.rows, request.metrics)) {
         for (std::size_t r = 0; r < request.rows.size(); ++r) result_.summaries.emplace_back(request.metrics);
     }
 
@@ -199,8 +195,7 @@ private:
                               .metrics = request_.metrics,
                               .sink = sink ? &*sink : nullptr,
                               .first = first,
-                              .answers = answered ? &piece.answers : nullptr,
-                              .decisions_only = answered && decisions_only_},
+                              .answers = answered ? &piece.answers : nullptr},
                              {*piece.band, piece.inputs.at(row.format.name), *piece.columns}, result_.summaries[r]);
         });
         if (request_.answered) keep_first(piece);
@@ -231,7 +226,6 @@ private:
     const JudgeRequest& request_;
     const std::vector<JudgeSink*>& sinks_;
     std::map<std::string, truth::BandNeeds> needs_;
-    bool decisions_only_;
     bool failed_ = false;
     JudgeResult result_;
 };

@@ -17,7 +17,7 @@ namespace lostbits::measure::judge {
 class FileForm {
 public:
     /// Called `file.NAME`, of which a letter that no file name should have becomes `_`. `info` is the contract: its
-    /// texts are not read.
+    /// texts are not read, and a file without a t has `Roots::none`.
     FileForm(const std::string& name, Shape shape, const intersect::Info& info);
     FileForm(const FileForm&) = delete;
     FileForm& operator=(const FileForm&) = delete;

@@ -119,7 +119,6 @@ struct RowRequest {
     int first = 0;  ///< the place of the band's first ray, where rays are a list and no picture
     /// What was answered, where a file has it and no form can be asked; null: the form is asked.
     const answer::Answers* answers = nullptr;
-    bool decisions_only = false;  ///< the answers are hits and misses without a t: outcomes alone are measured
 };
 
 /// Evaluates a row on a band, of which `inputs` are those of its format, and adds what it finds to `summary`, which is

@@ -76,9 +76,7 @@ public:
     }
 
 private:
-    [[nodiscard]] bool tells_t() const {
-        return !request_.decisions_only && row_.form->info->roots != intersect::Roots::none;
-    }
+    [[nodiscard]] bool tells_t() const { return row_.form->info->roots != intersect::Roots::none; }
 
     /// A row that is a file's, or someone else's function, has no formula to evaluate without rounding or to record.
     static unsigned needs_met_by(const intersect::table::Intersector& form) {

@@ -145,8 +145,18 @@ void Layout::require_whole(const Complain& complain) const {
         }
         return names;
     };
-    if (const auto names = lacks(0, slot::tmax, Shape::sphere); !names.empty())
+    if (const auto names = lacks(0, slot::tmax, Shape::sphere); !names.empty()) {
+        // Of a word of two letters every other is one slip away, so the question waits until it is known to be missing.
+        for (const LayoutColumn& column : columns_) {
+            for (std::size_t s = 0; s < slot::tmax; ++s) {
+                const std::string_view name = name_of_slot(s, Shape::sphere);
+                if (!has(s) && !column.slot && toml::edit_distance(column.name, name) == 1)
+                    complain(static_cast<std::size_t>(&column - columns_.data()),
+                             fmt::format("a ray has no {}; is \"{}\" meant to be \"{}\"?", names, column.name, name));
+            }
+        }
         complain(0, fmt::format("a ray has no {}; {}", names, what_to_write));
+    }
     if (!solid_) return;
     const std::size_t end = slot::solid + number_names(*solid_).size();
     if (const auto names = lacks(slot::solid, end, *solid_); !names.empty())
