@@ -17,7 +17,7 @@ Answer<double> sphere(const Ray<double>& r, const Sphere<double>& s) {
     static const bool ready = dInitODE2(0) != 0;
     static thread_local const bool here = ready && dAllocateODEDataForThread(dAllocateMaskAll) != 0;
     static thread_local const dGeomID ray = here ? dCreateRay(nullptr, 1) : nullptr, ball = dCreateSphere(nullptr, 1);
-    if (!(size(r.origin) + size(s.centre) + s.radius < 1e150 && s.radius > 1e-300)) return miss;
+    if (!(size(r.origin) + size(s.centre) + s.radius < 1e150 && s.radius > 1e-160)) return miss;
     if (!(size(r.direction) >= 1e-300 && size(r.direction) < 1e300)) return miss;
     dGeomSphereSetRadius(ball, s.radius), dGeomSetPosition(ball, s.centre[0], s.centre[1], s.centre[2]);
     dGeomRaySetLength(ray, std::min(r.end, std::numeric_limits<double>::max()));

@@ -71,8 +71,7 @@ void open_doors(const DoorWords& words, int threads) {
                               std::back_inserter(formulas));
     }
     std::erase_if(forms, [&formulas](const ForeignForm& form) {
-        return std::ranges::any_of(formulas,
-                                   [&form](const auto& f) { return f.row.info->name == form.contract.name; });
+        return std::ranges::any_of(formulas, [&form](const auto& f) { return f.row.info->name == form.contract.name; });
     });
     intersect::doors::enroll_formulas(formulas);
     intersect::doors::enroll(std::move(forms));

@@ -108,23 +108,24 @@ void judge(const truth::Band& band, const map::MapRow& row, std::vector<Judged>&
     for (std::size_t i = 0; i < band.pixels() && rays.size() < most_rays; ++i) {
         const truth::Truth& truth = band.truth(i, row.convention());
         if (truth.decision == truth::Truth::Decision::unresolved) continue;
-        Judged j{.ray = in.rays_for(*row.form->info)[i], .solid = {}};
-        j.hit = answers.hit[i] != 0;
-        j.t = answers.t[i];
-        j.truly_hits = truth.is_hit();
         const int object = truth.is_hit() ? truth.object : std::max(0, answers.object[i]);
-        j.solid = in.solids[static_cast<std::size_t>(object)];
-        const auto number = [](const truth::Certified& x) { return std::ldexp(x.hi, static_cast<int>(x.exponent)); };
-        j.unit = unit;
-        if (truth.is_hit()) {
-            j.true_t = number(unit ? truth.distance : truth.t);
-            j.other_measure = number(unit ? truth.t : truth.distance);
-        }
-        rays.push_back(j);
+        rays.push_back(judged(in.rays_for(*row.form->info)[i], in.solids[static_cast<std::size_t>(object)], truth, unit,
+                              answers.hit[i] != 0, answers.t[i]));
     }
 }
 
 }  // namespace
+
+Judged judged(const Ray<double>& ray, const Solid<double>& solid, const truth::Truth& truth, bool unit, bool hit,
+              double t) {
+    Judged j{.ray = ray, .solid = solid, .truly_hits = truth.is_hit(), .unit = unit, .hit = hit, .t = t};
+    const auto number = [](const truth::Certified& x) { return std::ldexp(x.hi, static_cast<int>(x.exponent)); };
+    if (truth.is_hit()) {
+        j.true_t = number(unit ? truth.distance : truth.t);
+        j.other_measure = number(unit ? truth.t : truth.distance);
+    }
+    return j;
+}
 
 std::string suspicion(const std::vector<Judged>& rays) {
     std::vector<Judged> wrong;

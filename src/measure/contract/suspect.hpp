@@ -20,6 +20,10 @@ struct Judged {
     double t = 0;
 };
 
+/// Both measures of a true hit; `unit`: by contract directions have unit length.
+Judged judged(const Ray<double>& ray, const Solid<double>& solid, const truth::Truth& truth, bool unit, bool hit,
+              double t);
+
 /// What would explain answers most of which are wrong: those that are off by more than 2^-8 of t and wrong decisions,
 /// where at least half of all that are not rightly missed are so and one explanation fits nine in ten. In words, with
 /// what to write; empty where nothing is wrong, or nothing known explains it.

@@ -62,6 +62,9 @@ class Run {
 public:
     Run(Dump& dump, const JudgeRequest& request, const std::vector<JudgeSink*>& sinks)
         : dump_(dump), request_(request), sinks_(sinks), needs_(map::needs_by_format(request.rows, request.metrics)) {
+        if (request.answered && dump.layout().decides_only() &&
+            request.rows.front().form->info->roots != intersect::Roots::none)
+            throw std::logic_error("a file without a t is judged by a row that has one");
         for (std::size_t r = 0; r < request.rows.size(); ++r) result_.summaries.emplace_back(request.metrics);
     }
 
@@ -212,13 +215,9 @@ private:
             const bool hit = piece.answers.hit[i] != 0;
             if (truth.decision == truth::Truth::Decision::unresolved || !(hit || truth.is_hit())) continue;
             const int object = truth.is_hit() ? truth.object : piece.answers.object[i];
-            const truth::Certified& t = unit ? truth.distance : truth.t;
-            result_.first.push_back({.ray = in.rays_for(*row.form->info)[i],
-                                     .solid = in.solids[static_cast<std::size_t>(object)],
-                                     .truly_hits = truth.is_hit(),
-                                     .true_t = truth.is_hit() ? std::ldexp(t.hi, static_cast<int>(t.exponent)) : 0,
-                                     .hit = hit,
-                                     .t = piece.answers.t[i]});
+            result_.first.push_back(contract::judged(in.rays_for(*row.form->info)[i],
+                                                     in.solids[static_cast<std::size_t>(object)], truth, unit, hit,
+                                                     piece.answers.t[i]));
         }
     }
 

@@ -269,7 +269,9 @@ TEST_CASE("decisions without a t have outcomes and no errors") {
     }
     const scene::test::DumpFile file("a.csv", text);
     const auto dump = scene::dump::open_dump(file.path(), {});
-    const judge::FileForm form("a b.c", Shape::sphere, intersect::Info{});
+    intersect::Info decides;
+    decides.roots = intersect::Roots::none;
+    const judge::FileForm form("a b.c", Shape::sphere, decides);
     CHECK(form.form().info->name == "file.a_b_c");
     const auto s =
         std::move(judge::run_judge(
@@ -302,8 +304,8 @@ TEST_CASE("of equal errors and of wrong decisions the first are kept") {
 
 TEST_CASE("rays that are not the pixels of the picture are refused") {
     for (const std::size_t rays : {11U, 13U, 16U, 24U, 8U}) {
-        std::string text = "ox,oy,oz,dx,dy,dz,hit\n";
-        for (std::size_t i = 0; i < rays; ++i) text += "0,0,-5,0,0,1,1\n";
+        std::string text = "ox,oy,oz,dx,dy,dz,hit,t\n";
+        for (std::size_t i = 0; i < rays; ++i) text += "0,0,-5,0,0,1,1,4\n";
         const scene::test::DumpFile file("a.csv", text);
         const auto dump = scene::dump::open_dump(file.path(), {.solid = Shape::sphere});
         const judge::FileForm form("a", Shape::sphere, intersect::Info{});
