@@ -5,6 +5,7 @@
 #include <memory>
 #include <set>
 
+#include "analysis/choice/options.hpp"
 #include "analysis/choice/select.hpp"
 #include "commands.hpp"
 #include "number/error.hpp"
@@ -195,7 +196,7 @@ void add_check(CLI::App& program, const Common& common, Command& chosen) {
     auto* command = program.add_subcommand("check", "Measure every claim again and compare with what it states");
     const auto o = std::make_shared<CheckOptions>();
     command->add_option("CLAIMS", o->files, "Claim files or folders (default: data/claims)");
-    command->add_option("--filter", o->filters, "Only claims whose id matches a glob");
+    choice::add_list(*command, "--filter", o->filters, "Only claims whose id matches a glob");
     command->add_option("--junit", o->junit, "Write JUnit XML");
     command->add_option("--export-csv", o->csv, "Write CSV, one row per claim");
     command->add_option("--export-json", o->json, "Write JSON, one object per claim");
@@ -206,7 +207,7 @@ void add_check(CLI::App& program, const Common& common, Command& chosen) {
         ->add_option(
             "--profile", o->profile,
             "results (default); timing: claims about speed, which are shown and never fail; libraries: claims about "
-            "intersectors that come by --plugin and --pipe, skipped where theirs did not")
+            "forms that come by --plugin and --pipe, skipped where theirs did not")
         ->check(CLI::IsMember({"results", "timing", "libraries"}));
     command
         ->add_option("--seeds", o->seeds,

@@ -108,7 +108,7 @@ std::unique_ptr<scene::dump::Dump> open_file(const JudgeWords& o, std::optional<
         {"auto", Container::by_name}, {"csv", Container::csv}, {"npy", Container::npy}, {"raw", Container::raw}};
     DumpOptions options{.container = containers.at(o.container), .columns = o.columns, .skip = o.skip};
     if (!o.format.empty()) {
-        const auto formats = select_formats({o.format});
+        const auto formats = select_formats({o.format}, "--format");
         if (formats.size() > 1) throw InputError("--format " + o.format + ": the answers are of one format; name one");
         options.format = formats.front();
     }

@@ -45,7 +45,7 @@ std::string with(const std::string& what) { return good_scene + what; }
 TEST_CASE("render writes what it says: pictures, references, difference maps, layers, a sheet and a table") {
     const Scratch scratch;
     const auto r =
-        run("render raycast-course.small --size 40x30 --stage visible phong -i sphere.expanded -i sphere.unit_half_b "
+        run("render raycast-course.small --size 40x30 --stage visible,phong -i sphere.expanded -i sphere.unit_half_b "
             "-f f32 -f bf16 -o '" +
             scratch.path().string() + "'");
     INFO(r.err);
@@ -79,7 +79,7 @@ TEST_CASE("render writes what it says: pictures, references, difference maps, la
 
 TEST_CASE("the layers, the pictures and the table say the same") {
     const Scratch scratch;
-    REQUIRE(run("render raycast-acne.none --size 48x36 --stage visible shadows -i sphere.unified -f f32 -o '" +
+    REQUIRE(run("render raycast-acne.none --size 48x36 --stage visible --stage shadows -i sphere.unified -f f32 -o '" +
                 scratch.path().string() + "'")
                 .code == 0);
     const auto folder = scratch.path() / "raycast-acne.none";

@@ -1,5 +1,6 @@
 #include <dlfcn.h>
 
+#include <algorithm>
 #include <cstdlib>
 #include <mutex>
 #include <set>
@@ -7,6 +8,7 @@
 #include <system_error>
 
 #include "number/error.hpp"
+#include "output/file/result_folder.hpp"
 #include "output/image/image.hpp"
 
 namespace lostbits::output::image {
@@ -70,12 +72,24 @@ std::unique_ptr<ExrWriter> ImageBackend::open_exr(const fs::path& path, const Ex
             throw std::logic_error(path.string() + ": channel " + channel.name + " appears twice");
         }
     }
-    return make_exr(std::make_unique<file::AtomicFile>(path), path.string(), spec);
+    ExrSpec signed_spec = spec;
+    if (const auto maker = file::maker_of(path)) {
+        const auto add = [&signed_spec](const char* name, const std::string& value) {
+            const auto has = [&](const auto& entry) { return entry.first == name; };
+            if (std::ranges::none_of(signed_spec.attributes, has)) signed_spec.attributes.emplace_back(name, value);
+        };
+        add("lostbits:command", maker->command);
+        add("lostbits:program", maker->program);
+    }
+    return make_exr(std::make_unique<file::AtomicFile>(path), path.string(), signed_spec);
 }
 
 std::unique_ptr<PngWriter> ImageBackend::open_png(const fs::path& path, int width, int height) {
     if (width <= 0 || height <= 0) throw std::logic_error(path.string() + ": a PNG without pixels");
-    return make_png(std::make_unique<file::AtomicFile>(path), path.string(), width, height);
+    PngSpec spec{width, height, {}};
+    if (const auto maker = file::maker_of(path))
+        spec.words = {{"Software", maker->program}, {"lostbits:command", maker->command}};
+    return make_png(std::make_unique<file::AtomicFile>(path), path.string(), spec);
 }
 
 const ExrChannel* ExrImage::find(std::string_view name) const {
