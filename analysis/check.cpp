@@ -161,6 +161,8 @@ Exit run(const CheckOptions& o, const Common& common) {
     for (const std::string& path : {o.junit, o.csv, o.json}) {
         if (!path.empty()) output::file::AtomicFile probe(path);
     }
+    std::unique_ptr<output::file::ResultFolder> folder;
+    if (!o.report.empty()) folder = own_folder(o.report, common, "", {.shared = true});
     const auto results = measure::claim::measure_claims(
         claims, {.data_dir = data, .further_draws = o.seeds, .done = stop_if_interrupted});
     if (o.timing() && !o.measure) return report_times(claims, results);

@@ -53,11 +53,11 @@ void add_trade(CLI::App& program, const Common& common, Command& chosen);
 /// InputError where -o names no folder.
 void require_folder(const std::string& out);
 
-/// The folder is this run's from now on: see `ResultFolder`. `subject` is what the command is about, in words of a
-/// shell. `keep`: the run goes on with what lies there.
+/// The folder is this run's from now on: see `ResultFolder`, whose rule `force` is that of the command line. `subject`
+/// is what the command is about, in words of a shell.
 [[nodiscard]] std::unique_ptr<output::file::ResultFolder> own_folder(const std::filesystem::path& folder,
                                                                      const Common& common, const std::string& subject,
-                                                                     bool keep = false);
+                                                                     output::file::ResultFolder::Rules rules = {});
 
 /// EnvironmentError where this file could not be written. A folder that cannot be written ends the run before the first
 /// ray, not after the tenth scene.

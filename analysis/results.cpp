@@ -16,10 +16,11 @@ void require_folder(const std::string& out) {
 }
 
 std::unique_ptr<output::file::ResultFolder> own_folder(const std::filesystem::path& folder, const Common& common,
-                                                       const std::string& subject, bool keep) {
+                                                       const std::string& subject,
+                                                       output::file::ResultFolder::Rules rules) {
+    rules.force = common.force;
     return std::make_unique<output::file::ResultFolder>(
-        folder, output::file::MadeBy{common.typed.of(subject), "lostbits " LOSTBITS_VERSION},
-        output::file::ResultFolder::Rules{.force = common.force, .keep = keep});
+        folder, output::file::MadeBy{common.typed.of(subject), "lostbits " LOSTBITS_VERSION}, rules);
 }
 
 void probe(const std::filesystem::path& file) { const output::file::AtomicFile opened(file); }

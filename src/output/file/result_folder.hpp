@@ -16,6 +16,12 @@ struct MadeBy {
     std::string program;  ///< `lostbits 0.1.0`
 };
 
+struct ResultFolderRules {
+    bool force = false;   ///< results that no list names may lie there
+    bool shared = false;  ///< others keep files there on purpose, so results that no list names are no offence
+    bool keep = false;    ///< what the earlier run listed stays: this run goes on with it
+};
+
 /// A folder that is a run's own while this lives.
 ///
 /// Every file that gets its final name in it is listed in `manifest.json` before it is there. In front of the first of
@@ -24,11 +30,7 @@ struct MadeBy {
 /// killed runs left half written (`.NAME.partial-…`) goes at once, unless its run is alive.
 class ResultFolder {
 public:
-    struct Rules {
-        bool force = false;   ///< results that no list names may lie there
-        bool shared = false;  ///< others keep files there on purpose, so results that no list names are no offence
-        bool keep = false;    ///< what the earlier run listed stays: this run goes on with it
-    };
+    using Rules = ResultFolderRules;
 
     /// InputError where the folder holds results that no list names, and where another run writes there;
     /// EnvironmentError where it cannot be made.
