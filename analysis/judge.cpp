@@ -127,15 +127,14 @@ Exit run(const JudgeWords& o, const Common& common) {
     request.progress = [&](std::uint64_t, std::uint64_t bytes) { advance(by_bytes ? bytes : 0); };
     const auto folder = std::filesystem::path(o.out) / stem;
     const auto owner = own_folder(folder, common, output::blame::shell_word(o.file));
-    output::judge::JudgeFiles files(
-        request, *dump,
-        {.folder = folder,
-         .id = stem,
-         .title = "rays of " + std::filesystem::path(o.file).filename().string(),
-         .command = choice::canonical_command(o) + each(" -i '", o.forms, "'") + each(" -f ", o.formats),
-         .drawn = request.picture ? drawn : std::vector<const Metric*>{},
-         .rows = o.rows,
-         .worst = o.worst});
+    output::judge::JudgeFiles files(request, *dump,
+                                    {.folder = folder,
+                                     .id = stem,
+                                     .title = "rays of " + std::filesystem::path(o.file).filename().string(),
+                                     .command = common.typed.text(),
+                                     .drawn = request.picture ? drawn : std::vector<const Metric*>{},
+                                     .rows = o.rows,
+                                     .worst = o.worst});
     const JudgeResult result = measure::judge::run_judge(*dump, request, files.sinks());
     const bool worst = files.finish(result);
     progress.finish();

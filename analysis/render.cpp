@@ -31,12 +31,6 @@ struct RenderOptions {
     std::string out;
 };
 
-/// What to type to make these files again.
-std::string canonical_command(const Scene& scene, const RenderOptions& o) {
-    return "lostbits render " + scene.id + each(" -i '", o.forms, "'") + each(" -f ", o.formats) +
-           each(" --stage ", o.stages) + each(" --set '", o.set, "'") + (o.size.empty() ? "" : " --size " + o.size);
-}
-
 /// The scenes themselves; InputError where one has no spheres with colours.
 std::vector<Scene> renderable(std::vector<Scene> scenes) {
     for (const Scene& scene : scenes) {
@@ -86,7 +80,8 @@ void print_table(const RenderRequest& request, const std::vector<RenderSummary>&
 std::uint64_t render_scene(const RenderRequest& request, const RenderOptions& o, const Common& common,
                            output::file::Progress& progress) {
     const auto folder = std::filesystem::path(o.out) / request.scene->id;
-    output::picture::RenderFiles files(request, {folder, canonical_command(*request.scene, o)});
+    output::picture::RenderFiles files(
+        request, {folder, common.typed.of(choice::name_of_scene(*request.scene, choice::data_folder(common.data)))});
     const auto summaries = measure::picture::run_render(request, &files);
     files.finish(summaries);
     progress.aside([&] {

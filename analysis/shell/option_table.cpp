@@ -74,6 +74,9 @@ void add_options(const CLI::App& app, std::vector<OptionRow>& options, std::vect
         if (option->get_group().empty()) continue;
         (option->get_positional() ? arguments : options).push_back(row_of(*option));
     }
+    // A group of options is a command without a name.
+    for (const CLI::App* group : app.get_subcommands([](const CLI::App* inner) { return inner->get_name().empty(); }))
+        add_options(*group, options, arguments);
 }
 
 }  // namespace

@@ -90,9 +90,10 @@ std::string without_zeros(const std::string& number) {
 
 std::string unfit_value(const std::string& text) {
     std::smatch part;
-    // Where values are mapped, CLI11 shows the map: `{auto->0,bar->1}` and what it is mapped to.
-    static const std::regex of_set(R"((.*?): (.*) not in \{([^}]*)\}.*)"), arrow("->[^,}]*");
-    if (std::regex_match(text, part, of_set))
+    // Where words are mapped, CLI11 shows the map: `Check often value in {auto->0,bar->1} OR {0,1} FAILED`.
+    static const std::regex of_set(R"((.*?): (.*) not in \{([^}]*)\}.*)"), arrow("->[^,}]*"),
+        of_map(R"((.*?): Check (.*) value in \{([^}]*)\}.*)");
+    if (std::regex_match(text, part, of_set) || std::regex_match(text, part, of_map))
         return not_one_of(part[1], part[2], std::regex_replace(part[3].str(), arrow, ""));
     if (std::regex_match(text, part, std::regex("(.*?): Value (.*) not in range (.*) to (.*)")))
         return fmt::format("{} {}: is not a number from {} to {}", part[1].str(), part[2].str(), without_zeros(part[3]),
@@ -128,7 +129,7 @@ const CLI::App& command_named(const CLI::App& program) {
 std::vector<std::string> commands_of(const CLI::App& program) {
     std::vector<std::string> names;
     for (const CLI::App* command :
-         program.get_subcommands([](const CLI::App* app) { return !app->get_group().empty(); }))
+         program.get_subcommands([](const CLI::App* app) { return !app->get_name().empty(); }))
         names.push_back(command->get_name());
     return names;
 }
@@ -137,6 +138,8 @@ std::string what_is_wrong(const CLI::App& program, const CLI::ParseError& error)
     const std::string text = error.what();
     const std::string& kind = error.get_name();
     if (kind == "ExtrasError") return leftover(program, text);
+    // A slip in a name is why something else seems to be missing.
+    if (kind == "RequiredError" && !program.remaining(true).empty()) return leftover(program, text);
     if (kind == "RequiredError") return missing(program, text);
     if (kind == "ValidationError") return unfit_value(text);
     if (kind == "ConversionError") return unread_value(program, text);

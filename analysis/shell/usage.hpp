@@ -13,7 +13,7 @@ std::string what_is_wrong(const CLI::App& program, const CLI::ParseError& error)
 /// The command that was named, or the program itself.
 const CLI::App& command_named(const CLI::App& program);
 
-/// The names of the commands that are for people: hidden ones have an empty group.
+/// The names of its commands; groups of options are commands without a name.
 std::vector<std::string> commands_of(const CLI::App& program);
 
 }  // namespace lostbits::analysis::shell

@@ -84,7 +84,6 @@ TEST_CASE("what is not understood is said in a sentence, with what may have been
         {"", {"name a command: check"}},
         {"plugin", {"name a command: check, serve"}},
         {"judge '" + scratch.write("r.csv", "x\n") + "' --skip abc -o out", {"--skip abc: is not a whole number"}},
-        {"judge r.csv --against nothing -i sphere.press -o out", {"there is no such file"}},
         {"map " + scene + " --against unifid -o out", {"--against unifid: unknown form"}},
         {"explain --ray 0,0,5,0,0,-1 --sphere 0,0,0,1 --as f99 -i sphere.press", {"--as f99: unknown format"}},
         {"explain near-benign --pixel 1,1 -i sphere.press --json --c", {"only one of them can be given"}},

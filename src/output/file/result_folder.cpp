@@ -78,7 +78,7 @@ std::set<std::string> ResultFolder::listed_in(const fs::path& folder) {
     std::ifstream in(folder / list_name, std::ios::binary);
     if (!in) return {};
     const auto list = nlohmann::json::parse(in, nullptr, false);
-    if (!list.is_object() || list.value("schema", "") != schema || !list.contains("files")) return {};
+    if (!list.is_object() || !list.contains("schema") || list["schema"] != schema || !list.contains("files")) return {};
     std::set<std::string> names;
     for (const auto& name : list["files"]) {
         if (name.is_string() && stays_inside(name.get<std::string>())) names.insert(name.get<std::string>());
@@ -88,12 +88,12 @@ std::set<std::string> ResultFolder::listed_in(const fs::path& folder) {
 
 ResultFolder::ResultFolder(fs::path folder, MadeBy made_by, Rules rules)
     : folder_(plain(folder)), made_by_(std::move(made_by)), rules_(rules) {
-    for (auto part = folder_; !part.empty() && !fs::exists(part) && part != part.parent_path();
+    std::error_code error, ignored;
+    for (auto part = folder_; part != part.parent_path() && !fs::exists(fs::symlink_status(part, ignored));
          part = part.parent_path())
         made_.push_back(part);
-    std::error_code error;
     fs::create_directories(folder_, error);
-    if (!fs::is_directory(folder_))
+    if (!fs::is_directory(folder_, ignored))
         throw EnvironmentError(fmt::format("{}: cannot create the folder: {}; choose another -o", folder.string(),
                                            error ? error.message() : "a file has that name"));
     earlier_ = listed_in(folder_);
@@ -124,7 +124,7 @@ void ResultFolder::refuse_strange_results() const {
     std::vector<std::string> strange;
     std::error_code ignored;
     for (auto at = fs::recursive_directory_iterator(folder_, ignored); at != fs::end(at); at.increment(ignored)) {
-        if (at->is_directory(ignored) && fs::exists(at->path() / list_name)) at.disable_recursion_pending();
+        if (at->is_directory(ignored) && fs::exists(at->path() / list_name, ignored)) at.disable_recursion_pending();
         if (!at->is_regular_file(ignored) || !looks_like_a_result(at->path())) continue;
         const std::string name = name_in(folder_, at->path());
         if (!earlier_.contains(name)) strange.push_back(name);
@@ -182,6 +182,16 @@ ResultFolder* ResultFolder::owner_of(const fs::path& path, std::string& name) {
 void note_result(const fs::path& path) {
     std::string name;
     if (ResultFolder* const owner = ResultFolder::owner_of(path, name)) owner->note(name);
+}
+
+void add_maker(const fs::path& path, std::vector<std::pair<std::string, std::string>>& attributes) {
+    const auto maker = maker_of(path);
+    if (!maker) return;
+    for (const auto& [name, value] :
+         {std::pair("lostbits:command", maker->command), {"lostbits:program", maker->program}}) {
+        const auto is_it = [name = name](const auto& entry) { return entry.first == name; };
+        if (std::ranges::none_of(attributes, is_it)) attributes.emplace_back(name, value);
+    }
 }
 
 std::optional<MadeBy> maker_of(const fs::path& path) {

@@ -6,6 +6,7 @@
 #include <optional>
 #include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace lostbits::output::file {
@@ -63,6 +64,9 @@ private:
 
 /// Of AtomicFile: this file is about to get its final name.
 void note_result(const std::filesystem::path& path);
+
+/// Adds `lostbits:command` and `lostbits:program` of the run whose folder the path lies in, where they are missing.
+void add_maker(const std::filesystem::path& path, std::vector<std::pair<std::string, std::string>>& attributes);
 
 /// The run whose folder the path lies in; nothing outside of all.
 [[nodiscard]] std::optional<MadeBy> maker_of(const std::filesystem::path& path);

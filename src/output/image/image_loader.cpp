@@ -1,6 +1,5 @@
 #include <dlfcn.h>
 
-#include <algorithm>
 #include <cstdlib>
 #include <mutex>
 #include <set>
@@ -73,14 +72,7 @@ std::unique_ptr<ExrWriter> ImageBackend::open_exr(const fs::path& path, const Ex
         }
     }
     ExrSpec signed_spec = spec;
-    if (const auto maker = file::maker_of(path)) {
-        const auto add = [&signed_spec](const char* name, const std::string& value) {
-            const auto has = [&](const auto& entry) { return entry.first == name; };
-            if (std::ranges::none_of(signed_spec.attributes, has)) signed_spec.attributes.emplace_back(name, value);
-        };
-        add("lostbits:command", maker->command);
-        add("lostbits:program", maker->program);
-    }
+    file::add_maker(path, signed_spec.attributes);
     return make_exr(std::make_unique<file::AtomicFile>(path), path.string(), signed_spec);
 }
 
