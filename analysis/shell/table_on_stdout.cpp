@@ -41,19 +41,22 @@ TableOnStdout::TableOnStdout(CLI::App& program) {
     if (&named == &program) return;
     command_ = named.get_name();
     CLI::App& command = *program.get_subcommands().front();
+    CLI::Option* chosen = nullptr;
     for (const char* name : outputs) {
         CLI::Option* const option = command.get_option_no_throw(name);
         if (option == nullptr || option->results() != std::vector<std::string>{"-"}) continue;
-        if (!scratch_.empty()) throw InputError(std::string(name) + " -: standard output takes one table, not two");
+        if (chosen != nullptr) throw InputError(std::string(name) + " -: standard output takes one table, not two");
+        chosen = option;
         is_folder_ = std::string_view(name) == "--out";
-        if (is_folder_ && command_ == "report")
-            throw InputError("-o -: a page is not a table; name a folder for index.html");
-        scratch_ = new_folder();
-        option->clear();
-        option->add_result((is_folder_ ? scratch_ : scratch_ / "table").string());
-        option->run_callback();
     }
-    if (!scratch_.empty()) redirect(is_folder_);
+    if (chosen == nullptr) return;
+    if (is_folder_ && command_ == "report")
+        throw InputError("-o -: a page is not a table; name a folder for index.html");
+    redirect(is_folder_);
+    scratch_ = new_folder();
+    chosen->clear();
+    chosen->add_result((is_folder_ ? scratch_ : scratch_ / "table").string());
+    chosen->run_callback();
 }
 
 TableOnStdout::~TableOnStdout() {

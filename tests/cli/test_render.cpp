@@ -52,8 +52,8 @@ TEST_CASE("render writes what it says: pictures, references, difference maps, la
     REQUIRE(r.code == 0);
     const auto folder = scratch.path() / "raycast-course.small";
     CHECK(r.out == (folder / "contact.png").string() + "\n");
-    std::vector<std::string> expected{"contact.png", "datapackage.json", "summary.csv", "visible.reference.png",
-                                      "phong.reference.png"};
+    std::vector<std::string> expected{"contact.png", "datapackage.json",      "manifest.json",
+                                      "summary.csv", "visible.reference.png", "phong.reference.png"};
     for (const char* form : {"sphere.expanded", "sphere.unit_half_b"}) {
         for (const char* format : {".f32", ".bf16"}) {
             const std::string stem = std::string(form) + format;
