@@ -186,7 +186,7 @@ std::string zsh_completion(const CLI::App& program) {
     text += ")]}\n    case $command in\n";
     const std::string common = zsh_specs(common_options(program));
     for (const CommandRow& command : commands) {
-        text += fmt::format("        {})\n        _arguments{}{} \\\n            '1:command:(({}))'", command.name,
+        text += fmt::format("        {})\n        _arguments{}{} \\\n            '1:command:({})'", command.name,
                             zsh_specs(command.options), common, command.name);
         if (!command.commands.empty())
             text += fmt::format(" \\\n            '2:command:({})'", fmt::join(command.commands, " "));

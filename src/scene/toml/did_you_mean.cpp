@@ -52,7 +52,8 @@ std::optional<std::string> closest(std::string_view word, const std::vector<std:
     if (best || word.find_first_of("./") != std::string_view::npos) return best;
     for (const std::string& candidate : candidates) {
         const auto dot = candidate.find_last_of("./");
-        if (dot != std::string::npos) consider(std::string_view(candidate).substr(dot + 1), candidate);
+        const std::string_view part = std::string_view(candidate).substr(dot == std::string::npos ? 0 : dot + 1);
+        if (part.size() > 2) consider(part, candidate);
     }
     return best;
 }
