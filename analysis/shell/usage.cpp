@@ -109,6 +109,11 @@ std::string unread_value(const CLI::App& program, const std::string& text) {
     return fmt::format("{} {}: is not a {}number that it can be", part[1].str(), part[2].str(), whole ? "whole " : "");
 }
 
+template <class Kind>
+bool is(const CLI::ParseError& error) {
+    return dynamic_cast<const Kind*>(&error) != nullptr;
+}
+
 std::string wrong_count(const CLI::App& program, const std::string& text) {
     std::smatch part;
     if (std::regex_match(text, part, std::regex("(.*?): [0-9]+ required .* missing")))
@@ -136,14 +141,15 @@ std::vector<std::string> commands_of(const CLI::App& program) {
 
 std::string what_is_wrong(const CLI::App& program, const CLI::ParseError& error) {
     const std::string text = error.what();
-    const std::string& kind = error.get_name();
-    if (kind == "ExtrasError") return leftover(program, text);
+    // By type: the name of an ExtrasError is that of the command.
+    const bool required = is<CLI::RequiredError>(error);
+    if (is<CLI::ExtrasError>(error)) return leftover(program, text);
     // A slip in a name is why something else seems to be missing.
-    if (kind == "RequiredError" && !program.remaining(true).empty()) return leftover(program, text);
-    if (kind == "RequiredError") return missing(program, text);
-    if (kind == "ValidationError") return unfit_value(text);
-    if (kind == "ConversionError") return unread_value(program, text);
-    if (kind == "ArgumentMismatch") return wrong_count(program, text);
+    if (required && !program.remaining(true).empty()) return leftover(program, text);
+    if (required) return missing(program, text);
+    if (is<CLI::ValidationError>(error)) return unfit_value(text);
+    if (is<CLI::ConversionError>(error)) return unread_value(program, text);
+    if (is<CLI::ArgumentMismatch>(error)) return wrong_count(program, text);
     return text;
 }
 
