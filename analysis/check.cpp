@@ -5,6 +5,7 @@
 #include <memory>
 #include <set>
 
+#include "analysis/choice/options.hpp"
 #include "analysis/choice/select.hpp"
 #include "commands.hpp"
 #include "number/error.hpp"
@@ -160,6 +161,8 @@ Exit run(const CheckOptions& o, const Common& common) {
     for (const std::string& path : {o.junit, o.csv, o.json}) {
         if (!path.empty()) output::file::AtomicFile probe(path);
     }
+    std::unique_ptr<output::file::ResultFolder> folder;
+    if (!o.report.empty()) folder = own_folder(o.report, common, "", {.shared = true});
     const auto results = measure::claim::measure_claims(
         claims, {.data_dir = data, .further_draws = o.seeds, .done = stop_if_interrupted});
     if (o.timing() && !o.measure) return report_times(claims, results);
@@ -195,7 +198,7 @@ void add_check(CLI::App& program, const Common& common, Command& chosen) {
     auto* command = program.add_subcommand("check", "Measure every claim again and compare with what it states");
     const auto o = std::make_shared<CheckOptions>();
     command->add_option("CLAIMS", o->files, "Claim files or folders (default: data/claims)");
-    command->add_option("--filter", o->filters, "Only claims whose id matches a glob");
+    choice::add_list(*command, "--filter", o->filters, "Only claims whose id matches a glob");
     command->add_option("--junit", o->junit, "Write JUnit XML");
     command->add_option("--export-csv", o->csv, "Write CSV, one row per claim");
     command->add_option("--export-json", o->json, "Write JSON, one object per claim");
@@ -206,7 +209,7 @@ void add_check(CLI::App& program, const Common& common, Command& chosen) {
         ->add_option(
             "--profile", o->profile,
             "results (default); timing: claims about speed, which are shown and never fail; libraries: claims about "
-            "intersectors that come by --plugin and --pipe, skipped where theirs did not")
+            "forms that come by --plugin and --pipe, skipped where theirs did not")
         ->check(CLI::IsMember({"results", "timing", "libraries"}));
     command
         ->add_option("--seeds", o->seeds,

@@ -6,14 +6,17 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "analysis/choice/doors.hpp"
+#include "analysis/choice/options.hpp"
 #include "measure/map/map.hpp"
 #include "measure/truth/truth_columns.hpp"
 #include "number/error.hpp"
 #include "output/file/progress.hpp"
+#include "output/file/result_folder.hpp"
 
 namespace lostbits::analysis {
 
@@ -26,6 +29,8 @@ struct Common {
     int threads = 0;  ///< 0: one per core
     std::string isa;  ///< a name of `isa_names`; empty: the best that the processor has
     choice::DoorWords doors;
+    choice::Typed typed;  ///< the command itself
+    bool force = false;   ///< folders that hold results of someone else are written to as well
 };
 
 using Command = std::function<Exit()>;
@@ -47,6 +52,12 @@ void add_trade(CLI::App& program, const Common& common, Command& chosen);
 
 /// InputError where -o names no folder.
 void require_folder(const std::string& out);
+
+/// The folder is this run's from now on: see `ResultFolder`, whose rule `force` is that of the command line. `subject`
+/// is what the command is about, in words of a shell.
+[[nodiscard]] std::unique_ptr<output::file::ResultFolder> own_folder(const std::filesystem::path& folder,
+                                                                     const Common& common, const std::string& subject,
+                                                                     output::file::ResultFolder::Rules rules = {});
 
 /// EnvironmentError where this file could not be written. A folder that cannot be written ends the run before the first
 /// ray, not after the tenth scene.

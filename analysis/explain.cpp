@@ -3,6 +3,7 @@
 #include <memory>
 
 #include "analysis/choice/lost_numbers.hpp"
+#include "analysis/choice/options.hpp"
 #include "analysis/choice/select.hpp"
 #include "commands.hpp"
 #include "explain_ray.hpp"
@@ -65,12 +66,10 @@ void add_explain(CLI::App& program, const Common& common, Command& chosen) {
     command->add_option("--variant", words.variant, "The variant of a scene that has several");
     command->add_option("--ray", words.ray,
                         "A ray of one's own: OX,OY,OZ,DX,DY,DZ, decimals or hexadecimal floats, taken as given");
-    command
-        ->add_option("--sphere", words.spheres, "A sphere for --ray, in place of a scene: CX,CY,CZ,R; may be repeated")
-        ->allow_extra_args(false);
-    command
-        ->add_option("--box", words.boxes, "A box for --ray, in place of a scene: LX,LY,LZ,HX,HY,HZ; may be repeated")
-        ->allow_extra_args(false);
+    command->add_option("--sphere", words.spheres,
+                        "A sphere for --ray, in place of a scene: CX,CY,CZ,R; may be repeated");
+    command->add_option("--box", words.boxes,
+                        "A box for --ray, in place of a scene: LX,LY,LZ,HX,HY,HZ; may be repeated");
     command->add_option("--tmax", words.tmax, "Where the ray ends; with --box");
     command->add_option("--as", words.as,
                         "A format that the numbers of --ray, --sphere, --box and --tmax are rounded to first");
@@ -83,8 +82,7 @@ void add_explain(CLI::App& program, const Common& common, Command& chosen) {
         ->check(CLI::IsMember({"own", "closed", "open"}));
     command->add_option("-i,--intersector", o->form, "The form")->required();
     command->add_option("-f,--format", o->format, "The format (default: f32)");
-    command->add_option("--set", words.set, "Change a number of the scene first: march.hit_eps=1e-6")
-        ->allow_extra_args(false);
+    choice::add_set(*command, words.set, "Change a number of the scene first: march.hit_eps=1e-6");
     auto* const as = command->add_option_group("as", "Instead of the table");
     as->add_flag("--json", o->json, "Everything, as JSON");
     as->add_flag("--fpcore", o->fpcore, "FPCore 2.0 of t, for Herbie and FPBench");

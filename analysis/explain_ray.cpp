@@ -54,7 +54,7 @@ struct Wanted {
 /// The numbers of a ray or a solid, rounded to the format of `--as` where there is one. InputError for another count.
 std::vector<Real> numbers_of(const std::string& text, const Wanted& wanted, const std::string& as) {
     const char* const option = wanted.option;
-    const Format format = choice::select_formats({as.empty() ? "f64" : as}).front();
+    const Format format = choice::select_formats({as.empty() ? "f64" : as}, "--as").front();
     std::vector<Real> numbers;
     for (const std::string& part : parts_of(text)) {
         if (wanted.special && (part == "nan" || part == "inf" || part == "-inf")) {
@@ -279,6 +279,7 @@ void check(const RayWords& words) {
     without(!words.as.empty(), "--as", !words.ray.empty(), "--ray, whose numbers it rounds");
     without(!words.tmax.empty(), "--tmax", !words.boxes.empty() && words.spheres.empty(),
             "--box: only boxes know the end of a ray");
+    without(!words.size.empty(), "--size", words.ray.empty() || own, "--pixel: a ray of one's own is of no picture");
     if (words.named_case.empty() && !own) return;
     for (const auto& [given, option] :
          {std::pair{&words.pixel, "--pixel"}, {&words.size, "--size"}, {&words.variant, "--variant"}})
@@ -292,6 +293,13 @@ void check(const RayWords& words) {
 
 AskedRay find_ray(const RayWords& words, const MapRow& row, const std::filesystem::path& data) {
     check(words);
+    for (const std::string& set : words.set) {
+        if (set.starts_with("march.") && row.form->shape != Shape::sdf)
+            throw InputError(
+                fmt::format("--set {}: {} does not march, so nothing would change; leave it out, or name a "
+                            "form of sdf.*",
+                            set, row.form->info->name));
+    }
     if (!words.named_case.empty()) return of_case(words, row, data);
     AskedRay found = words.subject.empty() ? of_own_solids(words, row) : of_scene(words, row, data);
     found.ray.judge_by(scene::sweep::convention_named(words.convention));

@@ -7,8 +7,10 @@
 #include <memory>
 
 #include "analysis/choice/judge_words.hpp"
+#include "analysis/choice/options.hpp"
 #include "analysis/choice/select.hpp"
 #include "commands.hpp"
+#include "output/blame/explain_command.hpp"
 #include "output/judge/judge_files.hpp"
 #include "scene/file/march_table.hpp"
 
@@ -79,24 +81,6 @@ std::vector<measure::map::MapRow> rows_of(const JudgeWords& o, const Dump& dump,
     return rows;
 }
 
-/// Removes the folders that a run which wrote nothing has made.
-class NewFolder {
-public:
-    explicit NewFolder(const std::filesystem::path& folder) {
-        for (auto part = folder; !part.empty() && !std::filesystem::exists(part); part = part.parent_path())
-            made_.push_back(part);
-    }
-    ~NewFolder() {
-        std::error_code ignored;
-        for (const auto& part : made_) std::filesystem::remove(part, ignored);  // one that is not empty stays
-    }
-    NewFolder(const NewFolder&) = delete;
-    NewFolder& operator=(const NewFolder&) = delete;
-
-private:
-    std::vector<std::filesystem::path> made_;
-};
-
 Exit run(const JudgeWords& o, const Common& common) {
     require_folder(o.out);
     const auto scene = choice::scene_of(o, choice::data_folder(common.data));
@@ -142,16 +126,15 @@ Exit run(const JudgeWords& o, const Common& common) {
     const auto advance = advancing(progress);
     request.progress = [&](std::uint64_t, std::uint64_t bytes) { advance(by_bytes ? bytes : 0); };
     const auto folder = std::filesystem::path(o.out) / stem;
-    const NewFolder clean(folder);
-    output::judge::JudgeFiles files(
-        request, *dump,
-        {.folder = folder,
-         .id = stem,
-         .title = "rays of " + std::filesystem::path(o.file).filename().string(),
-         .command = choice::canonical_command(o) + each(" -i '", o.forms, "'") + each(" -f ", o.formats),
-         .drawn = request.picture ? drawn : std::vector<const Metric*>{},
-         .rows = o.rows,
-         .worst = o.worst});
+    const auto owner = own_folder(folder, common, output::blame::shell_word(o.file));
+    output::judge::JudgeFiles files(request, *dump,
+                                    {.folder = folder,
+                                     .id = stem,
+                                     .title = "rays of " + std::filesystem::path(o.file).filename().string(),
+                                     .command = common.typed.text(),
+                                     .drawn = request.picture ? drawn : std::vector<const Metric*>{},
+                                     .rows = o.rows,
+                                     .worst = o.worst});
     const JudgeResult result = measure::judge::run_judge(*dump, request, files.sinks());
     const bool worst = files.finish(result);
     progress.finish();
@@ -208,10 +191,10 @@ void add_judge(CLI::App& program, const Common& common, Command& chosen) {
         ->check(CLI::IsMember({"hit", "miss"}));
     command->add_option("--at-origin", o->at_origin, "Whether a sphere at t = 0 should be hit (default) or miss")
         ->check(CLI::IsMember({"hit", "miss"}));
-    command->add_option("-i,--intersector", o->forms, "Forms that answer to the same rays, by name or glob");
-    command->add_option("-f", o->formats, "Their formats (default: that of the file)");
+    choice::add_list(*command, "-i,--intersector", o->forms, "Forms that answer to the same rays, by name or glob");
+    choice::add_list(*command, "-f", o->formats, "Their formats (default: that of the file)");
     command->add_option("--against", o->against, "A form to hold the answers against, without asking what is true");
-    command->add_option("--metric", o->metrics, "Metrics to draw and to measure (default: lost_bits); globs");
+    choice::add_list(*command, "--metric", o->metrics, "Metrics to draw and to measure (default: lost_bits); globs");
     command->add_option("--size", o->size, "Columns x rows, where the rays are the pixels of a picture: WxH");
     command->add_flag("--rows", o->rows, "Also write one row per ray, with the columns of the file");
     command->add_option("--worst", o->worst, "So many rays of each kind go into worst.toml (default: 10; 0: none)");

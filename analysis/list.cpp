@@ -80,6 +80,17 @@ Listing labels() {
     return l;
 }
 
+/// `sweeps` in the data folder. InputError where there is none: an empty list would say that all is well.
+std::filesystem::path folder_of(const std::filesystem::path& data, const char* what) {
+    const auto folder = data / what;
+    if (!std::filesystem::is_directory(folder))
+        throw InputError(
+            fmt::format("{}: is not a folder of {}; name the folder that contains {}/ with --data, or in "
+                        "LOSTBITS_DATA",
+                        folder.string(), what, what));
+    return folder;
+}
+
 Listing scenes(const Common& common) {
     Listing l{{"name", "variants", "inputs", "title"}, {}};
     for (const auto& path : scene::file::scene_files(choice::data_folder(common.data))) {
@@ -120,9 +131,8 @@ std::string axis_of(const std::filesystem::path& path, const std::filesystem::pa
 
 Listing sweeps(const Common& common) {
     Listing l{{"name", "axis", "title"}, {}};
-    const auto data = choice::data_folder(common.data), root = data / "sweeps";
-    std::error_code error;
-    for (const auto& entry : std::filesystem::recursive_directory_iterator(root, error)) {
+    const auto data = choice::data_folder(common.data), root = folder_of(data, "sweeps");
+    for (const auto& entry : std::filesystem::recursive_directory_iterator(root)) {
         if (entry.path().extension() != ".toml") continue;
         std::string title, axis = axis_of(entry.path(), data, title);
         l.rows.push_back(
@@ -135,8 +145,7 @@ Listing sweeps(const Common& common) {
 /// In the order of the files; verdicts as they state them, measured by `lostbits check` alone.
 Listing claims(const Common& common) {
     Listing l{{"id", "verdict", "profile", "subject", "form", "format", "statement"}, {}};
-    const auto root = choice::data_folder(common.data) / "claims";
-    if (!std::filesystem::exists(root)) return l;
+    const auto root = folder_of(choice::data_folder(common.data), "claims");
     for (const auto& path : scene::claim::claim_files(root)) {
         for (const Claim& c : scene::claim::read_claims(path)) {
             l.rows.push_back({c.id, c.verdict == Claim::Verdict::holds ? "holds" : "refuted",
@@ -195,11 +204,11 @@ Exit run(const std::string& what, bool json, const Common& common) {
 
 void add_list(CLI::App& program, const Common& common, Command& chosen) {
     auto* command = program.add_subcommand(
-        "list", "List intersectors, labels of their operations, formats, metrics, scenes, sweeps, claims");
-    const auto what = std::make_shared<std::string>("intersectors");
+        "list", "List forms (intersectors), labels of their operations, formats, metrics, scenes, sweeps, claims");
+    const auto what = std::make_shared<std::string>("forms");
     const auto json = std::make_shared<bool>(false);
     command->add_option("WHAT", *what, "What to list")
-        ->check(CLI::IsMember({"intersectors", "labels", "formats", "metrics", "scenes", "sweeps", "claims"}));
+        ->check(CLI::IsMember({"forms", "intersectors", "labels", "formats", "metrics", "scenes", "sweeps", "claims"}));
     command->add_flag("--json", *json, "As a JSON array");
     command->callback(
         [what, json, &common, &chosen] { chosen = [what, json, &common] { return run(*what, *json, common); }; });

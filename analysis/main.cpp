@@ -9,11 +9,14 @@
 #include <new>
 #include <system_error>
 
+#include "analysis/choice/options.hpp"
+#include "analysis/shell/completion.hpp"
+#include "analysis/shell/table_on_stdout.hpp"
+#include "analysis/shell/usage.hpp"
 #include "commands.hpp"
 #include "intersect/simd/packed.hpp"
 #include "number/error.hpp"
 #include "output/file/atomic_file.hpp"
-#include "scene/toml/did_you_mean.hpp"
 
 namespace lostbits::analysis {
 namespace {
@@ -40,11 +43,14 @@ void install_signal_handlers() {
 void add_common(CLI::App& program, Common& common) {
     using Mode = output::file::Progress::Mode;
     static const std::map<std::string, Mode> modes{{"auto", Mode::automatic}, {"bar", Mode::bar}, {"none", Mode::none}};
-    program.add_option("--data", common.data,
-                       "Folder with scenes/, sweeps/, claims/ (default: $LOSTBITS_DATA, ./data, the installed one)");
+    program.add_option(
+        "--data", common.data,
+        "Folder with scenes/, sweeps/, claims/ (default: $LOSTBITS_DATA, ./data, the one of the program)");
     program.add_option("--progress", common.progress, "Progress on stderr: auto (on a terminal), bar, none")
         ->transform(CLI::CheckedTransformer(modes))
         ->default_str("auto");
+    program.add_flag("--force", common.force,
+                     "Write into a folder of results although it holds some that no manifest.json names; they stay");
     program.add_flag("-q,--quiet", common.quiet, "Print errors only");
     program.add_flag("-v,--verbose", common.verbose, "Print more detail");
     program.add_option("-j,--threads", common.threads, "Threads (default: one per core); results do not depend on it")
@@ -58,39 +64,62 @@ void add_common(CLI::App& program, Common& common) {
 }
 
 void add_doors(CLI::App& program, choice::DoorWords& doors) {
-    program
-        .add_option("--plugin", doors.plugins,
-                    "A library of intersectors of your own (lostbits_plugin.h); its forms stand beside the others. May "
-                    "be repeated")
-        ->allow_extra_args(false);
-    program
-        .add_option("--pipe", doors.pipes,
-                    "A command that reads rays on its standard input and answers on its standard output, in any "
-                    "language; its forms stand beside the others. May be repeated")
-        ->allow_extra_args(false);
+    program.add_option(
+        "--plugin", doors.plugins,
+        "A library of intersectors of your own (lostbits_plugin.h); its forms stand beside the others. May "
+        "be repeated");
+    program.add_option("--pipe", doors.pipes,
+                       "A command that reads rays on its standard input and answers on its standard output, in any "
+                       "language; its forms stand beside the others. May be repeated");
     program.add_flag("--isolate", doors.isolate, "Run libraries in processes of their own: a crash is an error then");
     program.add_option("--time-limit", doors.seconds, "Seconds that --plugin and --pipe may take for a batch (30)")
         ->check(CLI::Range(0.1, 1e6));
 }
 
-/// CLI11's own message, and what the user may have meant where a word is unknown.
-void explain(const CLI::App& program, const CLI::ParseError& error, int argc, char** argv) {
-    std::vector<std::string> commands;
-    for (const CLI::App* sub : program.get_subcommands({})) commands.push_back(sub->get_name());
-    if (argc > 1 && argv[1][0] != '-' && program.get_subcommands().empty()) {
-        fmt::print(stderr, "lostbits: \"{}\" is not a command; {}\n", argv[1],
-                   scene::toml::did_you_mean(argv[1], commands));
-    } else {
-        fmt::print(stderr, "lostbits: {}\n", error.what());
-        fmt::print(stderr, "lostbits: see `lostbits{} --help`\n",
-                   program.get_subcommands().empty() ? "" : " " + program.get_subcommands().front()->get_name());
-    }
+constexpr const char* footer =
+    "Exit status:\n"
+    "  0    done, and every selected claim holds\n"
+    "  1    done, and the answer is no: a claim fails, a difference is found, a promise is broken\n"
+    "  2    bad input: what was typed, or a file\n"
+    "  3    the machine: a file that cannot be written, no memory, a processor that lacks what --isa names\n"
+    "  4    nothing was selected\n"
+    "  70   something could not be proved\n"
+    "  130  interrupted; finished files stay\n"
+    "Environment:\n"
+    "  LOSTBITS_DATA         the folder with scenes/, sweeps/ and claims/\n"
+    "  LOSTBITS_PLUGIN_PATH  folders to look for a --plugin in, with colons between them\n"
+    "  NO_COLOR              set to anything: no colours\n"
+    "  TMPDIR                where `-o -` keeps what it does not print\n"
+    "See also:\n"
+    "  `lostbits COMMAND --help`, `lostbits completion bash`, `lostbits manual | man -l -`\n";
+
+/// Words for shells and for man(1), made of the options of all commands.
+void add_shell(CLI::App& program, Command& chosen) {
+    const auto add = [&](CLI::App& command, std::function<std::string()> text) {
+        command.callback([text = std::move(text), &chosen] {
+            chosen = [text] {
+                fmt::print("{}", text());
+                return Exit::done;
+            };
+        });
+    };
+    auto* const completion = program.add_subcommand(
+        "completion", "A script that completes the words of this program: `source <(lostbits completion bash)`");
+    completion->require_subcommand(1);
+    add(*completion->add_subcommand("bash", "For bash"), [&program] { return shell::bash_completion(program); });
+    add(*completion->add_subcommand("zsh", "For zsh: the file _lostbits in a folder of $fpath"),
+        [&program] { return shell::zsh_completion(program); });
+    add(*completion->add_subcommand("fish", "For fish: `lostbits completion fish | source`"),
+        [&program] { return shell::fish_completion(program); });
+    add(*program.add_subcommand("manual", "The manual page: `lostbits manual | man -l -`"),
+        [&program] { return shell::manual_page(program, LOSTBITS_VERSION); });
 }
 
 Exit run(int argc, char** argv) {
     CLI::App program{description, "lostbits"};
     program.require_subcommand(1);
     program.fallthrough();
+    program.footer(footer);
     program.set_version_flag("--version", "lostbits " LOSTBITS_VERSION);
     Common common;
     Command chosen;
@@ -107,17 +136,25 @@ Exit run(int argc, char** argv) {
     add_report(program, common, chosen);
     add_sweep(program, common, chosen);
     add_trade(program, common, chosen);
+    add_shell(program, chosen);
+    choice::one_value_each(program);
     try {
         program.parse(argc, argv);
     } catch (const CLI::Success& success) {  // --help, --version
         return static_cast<Exit>(program.exit(success));
     } catch (const CLI::ParseError& error) {
-        explain(program, error, argc, argv);
+        const CLI::App& command = shell::command_named(program);
+        fmt::print(stderr, "lostbits: {}\nlostbits: see `{} --help`\n", shell::what_is_wrong(program, error),
+                   &command == &program ? "lostbits" : "lostbits " + command.get_name());
         return Exit::bad_input;
     }
+    common.typed = choice::typed(program);
     if (const auto isa = intersect::simd::isa_named(common.isa)) intersect::simd::set_isa(*isa);
     if (!program.got_subcommand("plugin")) choice::open_doors(common.doors, common.threads);
-    return chosen();
+    shell::TableOnStdout table(program);
+    const Exit code = chosen();
+    table.write();
+    return code;
 }
 
 }  // namespace

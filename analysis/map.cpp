@@ -8,6 +8,7 @@
 #include <set>
 
 #include "analysis/choice/lost_numbers.hpp"
+#include "analysis/choice/options.hpp"
 #include "analysis/choice/select.hpp"
 #include "commands.hpp"
 #include "measure/blame/culprits.hpp"
@@ -85,7 +86,7 @@ std::vector<const intersect::table::Intersector*> forms_of_any_width(const std::
     }
     if (forms.empty())
         throw NothingSelected(
-            "--bits-needed: all selected intersectors exist in binary32 only; `lostbits list intersectors` shows the "
+            "--bits-needed: all selected forms exist in binary32 only; `lostbits list forms` shows the "
             "formats of each");
     return forms;
 }
@@ -139,9 +140,31 @@ std::vector<const Metric*> exr_layers(const SceneWork& work, const MapOptions& o
     return layers;
 }
 
+/// What is known of a scene in the end.
+struct SceneSummaries {
+    std::vector<measure::map::MapSummary> map;
+    std::vector<measure::map::NeededSummary> needed;
+};
+
+void say_results(const SceneWork& work, const SceneSummaries& summaries, const std::filesystem::path& folder,
+                 bool verbose) {
+    fmt::print("{}\n", (folder / "contact.png").string());
+    if (work.needed) fmt::print("{}\n", (folder / "needed.csv").string());
+    print_pairs(work.map.rows, work.map.metrics, summaries.map);
+    if (verbose) print_table(work.map, summaries.map);
+    if (verbose) print_stages(*work.map.stages);
+    if (verbose && work.needed) print_table(*work.needed, summaries.needed);
+    const measure::map::MapSummary& first = summaries.map.front();
+    if (first.count(Outcome::agree_miss) + first.count(Outcome::false_hit) == work.map.scene->pixels())
+        fmt::print(stderr,
+                   "lostbits: scene {}: no ray of its camera meets a solid, so every pixel is a miss; look at its eye, "
+                   "look_at and width or fov\n",
+                   work.map.scene->id);
+}
+
 /// Maps one scene; the number of its rays without a proved truth.
 std::uint64_t map_scene(const SceneWork& work, const MapOptions& o, const Common& common,
-                        const std::vector<const Metric*>& drawn) {
+                        const std::vector<const Metric*>& drawn, output::file::Progress& progress) {
     const Scene& scene = *work.map.scene;
     const auto folder = std::filesystem::path(o.out) / scene.id;
     const bool pixels = o.pixels == "csv";
@@ -164,22 +187,14 @@ std::uint64_t map_scene(const SceneWork& work, const MapOptions& o, const Common
                    .exr = book,
                    .also = needed_files ? needed_files->resources() : std::vector<output::file::DataResource>{}});
 
-    const auto summaries = measure::map::run_map(work.map, files.sinks());
-    std::vector<measure::map::NeededSummary> needed;
+    SceneSummaries summaries{measure::map::run_map(work.map, files.sinks()), {}};
     if (work.needed) {
-        needed = measure::map::run_needed(*work.needed, needed_files->sinks());
-        needed_files->finish(needed);
+        summaries.needed = measure::map::run_needed(*work.needed, needed_files->sinks());
+        needed_files->finish(summaries.needed);
     }
-    files.finish(summaries);
-    const std::uint64_t unresolved = summaries.front().count(Outcome::unresolved);
-    if (common.quiet) return unresolved;
-    fmt::print("{}\n", (folder / "contact.png").string());
-    if (work.needed) fmt::print("{}\n", (folder / "needed.csv").string());
-    print_pairs(work.map.rows, work.map.metrics, summaries);
-    if (common.verbose) print_table(work.map, summaries);
-    if (common.verbose) print_stages(*work.map.stages);
-    if (common.verbose && work.needed) print_table(*work.needed, needed);
-    return unresolved;
+    files.finish(summaries.map);
+    if (!common.quiet) progress.aside([&] { say_results(work, summaries, folder, common.verbose); });
+    return summaries.map.front().count(Outcome::unresolved);
 }
 
 /// The pictures of one scene: what was asked for, as its work measures it.
@@ -188,6 +203,16 @@ std::vector<const Metric*> drawn_of(std::vector<const Metric*> asked, const Scen
         return work.map.metrics[measure::metric::place_of(work.map.metrics, m->name)];
     });
     return asked;
+}
+
+/// The folders of the results, this run's own while they live.
+std::vector<std::unique_ptr<output::file::ResultFolder>> own_folders(const std::vector<Scene>& scenes,
+                                                                     const MapOptions& o, const Common& common) {
+    std::vector<std::unique_ptr<output::file::ResultFolder>> folders;
+    for (const Scene& scene : scenes)
+        folders.push_back(own_folder(std::filesystem::path(o.out) / scene.id, common,
+                                     choice::name_of_scene(scene, choice::data_folder(common.data))));
+    return folders;
 }
 
 Exit run(const MapOptions& o, const Common& common) {
@@ -214,11 +239,15 @@ Exit run(const MapOptions& o, const Common& common) {
     std::vector<SceneWork> works;
     for (const auto& scene : scenes) works.push_back(work_on(scene, o, rows, wanted, made));
     for (const SceneWork& work : works) choice::that_apply(drawn, work.map.rows, "scene " + work.map.scene->id);
+    const auto folders = own_folders(scenes, o, common);
     for (const auto& scene : scenes) probe(std::filesystem::path(o.out) / scene.id / "summary.csv");
     for (const SceneWork& work : works) choice::note_without_formula(drawn, work.map.rows, common.quiet);
     if (o.bits_needed > 0 && !common.quiet) note_skipped(works);
     if (!common.quiet) {
-        for (const SceneWork& work : works) choice::note_lost_numbers(*work.map.scene, work.map.rows);
+        for (const SceneWork& work : works) {
+            choice::note_lost_numbers(*work.map.scene, work.map.rows);
+            choice::note_idle_settings(o.set, work.map.scene->id, work.map.rows);
+        }
     }
 
     std::uint64_t units = 0, unresolved = 0;
@@ -230,8 +259,8 @@ Exit run(const MapOptions& o, const Common& common) {
         work.map.progress = advance;
         work.map.stages = &stages;
         if (work.needed) work.needed->progress = advance;
-        unresolved +=
-            map_scene(work, o, common, drawn_of(choice::that_apply(drawn, work.map.rows, work.map.scene->id), work));
+        unresolved += map_scene(work, o, common,
+                                drawn_of(choice::that_apply(drawn, work.map.rows, work.map.scene->id), work), progress);
     }
     progress.finish();
     for (const SceneWork& work : works)
@@ -247,15 +276,15 @@ void add_map(CLI::App& program, const Common& common, Command& chosen) {
         program.add_subcommand("map", "Error maps of every selected form and format over the pixels of a scene");
     const auto o = std::make_shared<MapOptions>();
     command->add_option("SCENE", o->scenes, "Scene files, or names in data/scenes")->required();
-    command->add_option("-i,--intersector", o->forms, "Forms, by name or glob (default: all)");
-    command->add_option("-f,--format", o->formats,
-                        "Formats: f32, f64, fp16, bf16, tf32, pN, pA..pB (default: f32 f64)");
-    command->add_option(
-        "--metric", o->metrics,
+    choice::add_list(*command, "-i,--intersector", o->forms, "Forms, by name or glob (default: all)");
+    choice::add_list(*command, "-f,--format", o->formats,
+                     "Formats: f32, f64, fp16, bf16, tf32, pN, pA..pB (default: f32 f64)");
+    choice::add_list(
+        *command, "--metric", o->metrics,
         "Metrics to draw (default: lost_bits); globs, or contribution:LABEL for an operation that forms call LABEL");
     command->add_option("--size", o->size, "Picture size, WxH in pixels (default: the scene's)");
     command->add_option("--variant", o->variant, "One variant of a scene that has several (default: all)");
-    command->add_option("--set", o->set, "Change a number of the scene first: sphere[0].radius=10");
+    choice::add_set(*command, o->set, "Change a number of the scene first: sphere[0].radius=10");
     command->add_option("--pixels", o->pixels, "csv: also write one row per pixel")
         ->check(CLI::IsMember({"none", "csv"}));
     command

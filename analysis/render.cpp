@@ -7,6 +7,7 @@
 #include <set>
 
 #include "analysis/choice/lost_numbers.hpp"
+#include "analysis/choice/options.hpp"
 #include "analysis/choice/select.hpp"
 #include "commands.hpp"
 #include "output/picture/render_files.hpp"
@@ -29,12 +30,6 @@ struct RenderOptions {
     std::vector<std::string> set;
     std::string out;
 };
-
-/// What to type to make these files again.
-std::string canonical_command(const Scene& scene, const RenderOptions& o) {
-    return "lostbits render " + scene.id + each(" -i '", o.forms, "'") + each(" -f ", o.formats) +
-           each(" --stage ", o.stages) + each(" --set '", o.set, "'") + (o.size.empty() ? "" : " --size " + o.size);
-}
 
 /// The scenes themselves; InputError where one has no spheres with colours.
 std::vector<Scene> renderable(std::vector<Scene> scenes) {
@@ -82,13 +77,17 @@ void print_table(const RenderRequest& request, const std::vector<RenderSummary>&
 }
 
 /// Renders one scene; the number of its pixels of which something is not proved.
-std::uint64_t render_scene(const RenderRequest& request, const RenderOptions& o, const Common& common) {
+std::uint64_t render_scene(const RenderRequest& request, const RenderOptions& o, const Common& common,
+                           output::file::Progress& progress) {
     const auto folder = std::filesystem::path(o.out) / request.scene->id;
-    output::picture::RenderFiles files(request, {folder, canonical_command(*request.scene, o)});
+    output::picture::RenderFiles files(
+        request, {folder, common.typed.of(choice::name_of_scene(*request.scene, choice::data_folder(common.data)))});
     const auto summaries = measure::picture::run_render(request, &files);
     files.finish(summaries);
-    if (!common.quiet) fmt::print("{}\n", (folder / "contact.png").string());
-    if (common.verbose) print_table(request, summaries);
+    progress.aside([&] {
+        if (!common.quiet) fmt::print("{}\n", (folder / "contact.png").string());
+        if (common.verbose) print_table(request, summaries);
+    });
     std::uint64_t unproved = 0;
     for (const RenderSummary& s : summaries) unproved = std::max(unproved, s.unresolved());
     return unproved;
@@ -100,7 +99,7 @@ Exit run(const RenderOptions& o, const Common& common) {
                                       [](Shape shape) { return shape == Shape::sphere; });
     if (rows.empty())
         throw NothingSelected(
-            "render draws spheres, and none of the selected intersectors is a sphere form; try -i 'sphere.*'");
+            "render draws spheres, and none of the selected forms is for a sphere; try -i 'sphere.*'");
     const auto scenes =
         renderable(choice::load_scenes({o.scenes, o.size, o.variant, o.set}, choice::data_folder(common.data)));
     const choice::ThreadLimit limit(common.threads);
@@ -111,16 +110,24 @@ Exit run(const RenderOptions& o, const Common& common) {
         requests.push_back({.scene = &scene, .stages = stages_of(scene, o, common.quiet), .rows = rows});
         units += scene.pixels() * rows.size();
     }
-    for (const auto& scene : scenes) probe(std::filesystem::path(o.out) / scene.id / "summary.csv");
+    std::vector<std::unique_ptr<output::file::ResultFolder>> folders;
+    for (const auto& scene : scenes) {
+        const auto folder = std::filesystem::path(o.out) / scene.id;
+        folders.push_back(own_folder(folder, common, choice::name_of_scene(scene, choice::data_folder(common.data))));
+        probe(folder / "summary.csv");
+    }
 
     if (!common.quiet) {
-        for (const auto& scene : scenes) choice::note_lost_numbers(scene, rows);
+        for (const auto& scene : scenes) {
+            choice::note_lost_numbers(scene, rows);
+            choice::note_idle_settings(o.set, scene.id, rows);
+        }
     }
 
     output::file::Progress progress(units, "render", common.progress, common.quiet);
     for (RenderRequest& request : requests) {
         request.progress = advancing(progress);
-        unproved += render_scene(request, o, common);
+        unproved += render_scene(request, o, common, progress);
     }
     progress.finish();
     if (unproved > 0 && !common.quiet)
@@ -138,17 +145,17 @@ void add_render(CLI::App& program, const Common& common, Command& chosen) {
         "render", "Draw a scene, stage by stage, with a form in a format, and compare with the certified picture");
     const auto o = std::make_shared<RenderOptions>();
     command->add_option("SCENE", o->scenes, "Scene files, or names in data/scenes; scenes of spheres")->required();
-    command->add_option("-i,--intersector", o->forms,
-                        "Forms that find hits and shadows, by name or glob (default: sphere.expanded)");
-    command->add_option("-f,--format", o->formats, "Formats: f32, f64, fp16, bf16, tf32, pN, pA..pB (default: f32)");
-    command
-        ->add_option("--stage", o->stages,
+    choice::add_list(*command, "-i,--intersector", o->forms,
+                     "Forms that find hits and shadows, by name or glob (default: sphere.expanded)");
+    choice::add_list(*command, "-f,--format", o->formats,
+                     "Formats: f32, f64, fp16, bf16, tf32, pN, pA..pB (default: f32)");
+    choice::add_list(*command, "--stage", o->stages,
                      "visible, diffuse, shadows, phong; may be repeated (default: the last that the scene has)")
         ->check(
             CLI::IsMember(std::vector<std::string>(scene::file::stage_names.begin(), scene::file::stage_names.end())));
     command->add_option("--size", o->size, "Picture size, WxH in pixels (default: the scene's)");
     command->add_option("--variant", o->variant, "One variant of a scene that has several (default: all)");
-    command->add_option("--set", o->set, "Change a number of the scene first: light.position=[9,9,9]");
+    choice::add_set(*command, o->set, "Change a number of the scene first: light.position=[9,9,9]");
     command->add_option("-o,--out", o->out, "Folder for the results")->required();
     command->callback([o, &common, &chosen] { chosen = [o, &common] { return run(*o, common); }; });
 }

@@ -6,6 +6,7 @@
 #include <memory>
 #include <set>
 
+#include "analysis/choice/options.hpp"
 #include "analysis/choice/select.hpp"
 #include "commands.hpp"
 #include "measure/blame/culprits.hpp"
@@ -199,18 +200,6 @@ Work plan(const ReportOptions& o, const std::filesystem::path& data) {
     return work;
 }
 
-std::string canonical_command(const ReportOptions& o) {
-    std::string text = "lostbits report";
-    for (const auto& s : o.subjects) text += " " + std::filesystem::path(s).filename().string();
-    text += each(" -i '", o.forms, "'") + each(" -f ", o.formats) + each(" --metric ", o.metrics) +
-            each(" --claims '", o.claims, "'");
-    if (!o.size.empty()) text += " --size " + o.size;
-    if (o.all) text += " --all";
-    if (o.no_claims) text += " --no-claims";
-    if (o.trade) text += " --trade";
-    return text + " -o out";
-}
-
 Exit run(const ReportOptions& o, const Common& common) {
     require_folder(o.out);
     const auto data = choice::data_folder(common.data);
@@ -223,8 +212,13 @@ Exit run(const ReportOptions& o, const Common& common) {
         work.units + sweep_units * work.sweeps.size() + (work.claims.empty() ? 0 : claims_units), "report",
         common.progress, common.quiet);
     const auto advance = advancing(progress);
-    output::page::Report report{
-        .command = canonical_command(o), .maps = {}, .sweeps = {}, .trades = {}, .claims = work.claims, .results = {}};
+    output::page::Report report{.command = common.typed.text() + " -o out",
+                                .maps = {},
+                                .sweeps = {},
+                                .trades = {},
+                                .claims = work.claims,
+                                .results = {}};
+    report.program = "lostbits " LOSTBITS_VERSION;
     std::uint64_t unresolved = 0;
     for (MapWork& map : work.maps) {
         report.maps.push_back(map_part(map, work.made, advance));
@@ -264,13 +258,14 @@ void add_report(CLI::App& program, const Common& common, Command& chosen) {
     const auto o = std::make_shared<ReportOptions>();
     command->add_option("SUBJECT", o->subjects,
                         "Scenes and sweeps, by file or name (default: those of data/report.toml)");
-    command->add_option("-i,--intersector", o->forms,
-                        "Forms, by name or glob (default: those of data/report.toml, and those that claims name)");
-    command->add_option("-f,--format", o->formats,
-                        "Formats: f32, f64, fp16, bf16, tf32, pN, pA..pB (default: f32 f64)");
-    command->add_option("--metric", o->metrics, "Metrics in addition to the default ones; globs");
+    choice::add_list(*command, "-i,--intersector", o->forms,
+                     "Forms, by name or glob (default: those of data/report.toml, and those that claims name)");
+    choice::add_list(*command, "-f,--format", o->formats,
+                     "Formats: f32, f64, fp16, bf16, tf32, pN, pA..pB (default: f32 f64)");
+    choice::add_list(*command, "--metric", o->metrics, "Metrics in addition to the default ones; globs");
     command->add_option("--size", o->size, "Picture size, WxH in pixels (default: each scene's)");
-    command->add_option("--claims", o->claims, "Claims by id; globs (default: all, or those about the SUBJECTs)");
+    choice::add_list(*command, "--claims", o->claims,
+                     "Claims by id; globs (default: all, or those about the SUBJECTs)");
     command
         ->add_option("--seeds", o->seeds,
                      "Measure claims and onsets of random rays on this many further draws too (default: 2)")

@@ -15,6 +15,14 @@ void require_folder(const std::string& out) {
     if (out.empty()) throw InputError("-o: the name of the folder is empty; write -o . for the current folder");
 }
 
+std::unique_ptr<output::file::ResultFolder> own_folder(const std::filesystem::path& folder, const Common& common,
+                                                       const std::string& subject,
+                                                       output::file::ResultFolder::Rules rules) {
+    rules.force = common.force;
+    return std::make_unique<output::file::ResultFolder>(
+        folder, output::file::MadeBy{common.typed.of(subject), "lostbits " LOSTBITS_VERSION}, rules);
+}
+
 void probe(const std::filesystem::path& file) { const output::file::AtomicFile opened(file); }
 
 std::function<void(std::uint64_t)> advancing(output::file::Progress& progress) {

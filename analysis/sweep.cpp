@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "analysis/choice/lost_numbers.hpp"
+#include "analysis/choice/options.hpp"
 #include "analysis/choice/select.hpp"
 #include "commands.hpp"
 #include "measure/contract/suspect.hpp"
@@ -73,6 +74,7 @@ void run_case_file(const std::filesystem::path& path, const Chosen& chosen, cons
     }
     if (!common.quiet) choice::note_lost_numbers(file, rows);
     const auto folder = std::filesystem::path(o.out) / file.id;
+    const auto owner = own_folder(folder, common, choice::name_of_sweep(path, choice::data_folder(common.data)));
     output::sweep::CaseFiles files(request, folder, choice::name_of_sweep(path, choice::data_folder(common.data)));
     Progress progress(file.size() * request.rows.size(), file.id, common.progress, common.quiet);
     request.progress = advancing(progress);
@@ -99,6 +101,7 @@ void run_axes(const std::filesystem::path& path, const Chosen& chosen, const Swe
     choice::note_without_formula(chosen.asked, request.rows, common.quiet);
     if (!common.quiet) choice::note_lost_numbers(sweep, request.rows);
     const auto folder = std::filesystem::path(o.out) / sweep.id;
+    const auto owner = own_folder(folder, common, choice::name_of_sweep(path, choice::data_folder(common.data)));
     output::sweep::SweepFiles files(request, folder);
     Progress progress(measure::sweep::sweep_units(request), sweep.id, common.progress, common.quiet);
     request.progress = advancing(progress);
@@ -129,6 +132,7 @@ void run_search(const std::filesystem::path& path, const Chosen& chosen, const S
         chosen.made.for_forms(choice::measured({chosen.made.find(search.metric)}, request.rows),
                               measure::map::forms_of(request.rows), measure::blame::Setting{std::span(&any, 1)});
     const auto folder = std::filesystem::path(o.out) / search.id;
+    const auto owner = own_folder(folder, common, choice::name_of_sweep(path, choice::data_folder(common.data)));
     probe(folder / "worst.csv");
     Progress progress(request.rows.size(), search.id, common.progress, common.quiet);
     request.progress = advancing(progress);
@@ -242,10 +246,10 @@ void add_sweep(CLI::App& program, const Common& common, Command& chosen) {
     auto* command = program.add_subcommand("sweep", "Errors along a parameter, and where they first cross a threshold");
     const auto o = std::make_shared<SweepOptions>();
     command->add_option("SWEEP", o->sweeps, "Sweep files, or names in data/sweeps")->required();
-    command->add_option("-i,--intersector", o->forms, "Forms, by name or glob (default: all)");
-    command->add_option("-f,--format", o->formats,
-                        "Formats: f32, f64, fp16, bf16, tf32, pN, pA..pB (default: f32 f64; f32 for every float)");
-    command->add_option("--metric", o->metrics, "Metrics in addition to the default ones; globs");
+    choice::add_list(*command, "-i,--intersector", o->forms, "Forms, by name or glob (default: all)");
+    choice::add_list(*command, "-f,--format", o->formats,
+                     "Formats: f32, f64, fp16, bf16, tf32, pN, pA..pB (default: f32 f64; f32 for every float)");
+    choice::add_list(*command, "--metric", o->metrics, "Metrics in addition to the default ones; globs");
     command
         ->add_option(
             "--seeds", o->seeds,

@@ -29,7 +29,11 @@ std::uint64_t percent(std::uint64_t part, std::uint64_t whole) {
 
 ExhaustiveRun::ExhaustiveRun(const std::filesystem::path& path, const std::vector<measure::map::MapRow>& rows,
                              const std::filesystem::path& out, bool resume)
-    : sweep_(path), folder_(out / sweep_.id), state_file_(folder_ / output::sweep::state_file_name), resumed_(resume) {
+    : sweep_(path),
+      path_(path),
+      folder_(out / sweep_.id),
+      state_file_(folder_ / output::sweep::state_file_name),
+      resumed_(resume) {
     request_.sweep = &sweep_;
     for (measure::map::MapRow row : choice::fitting(rows, [&](Shape shape) { return sweep_.meets(shape); })) {
         if (row.format.engine != Format::Engine::native32) continue;
@@ -73,6 +77,8 @@ void ExhaustiveRun::try_all(const Common& common) {
 
 std::uint64_t ExhaustiveRun::run(const Common& common) {
     note_older_state(common);
+    const auto owner =
+        own_folder(folder_, common, choice::name_of_sweep(path_, choice::data_folder(common.data)), {.keep = resumed_});
     output::sweep::ExhaustiveFiles files(request_, folder_);
     probe(state_file_);
     try_all(common);

@@ -34,7 +34,7 @@ private:
     measure::sweep::ExhaustiveRequest request_;
     measure::sweep::ExhaustiveState state_;
     output::sweep::RunIdentity identity_;
-    std::filesystem::path folder_, state_file_;
+    std::filesystem::path path_, folder_, state_file_;
     bool resumed_;
 };
 

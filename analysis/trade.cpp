@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <memory>
 
+#include "analysis/choice/options.hpp"
 #include "analysis/choice/select.hpp"
 #include "commands.hpp"
 #include "measure/speed/trade.hpp"
@@ -48,8 +49,7 @@ Exit run(const TradeOptions& o, const Common& common) {
                                       [shape](Shape form) { return form == shape; });
     if (rows.empty())
         throw NothingSelected(fmt::format(
-            "--shape {0}: none of the selected intersectors is a {0} form; try -i '{0}.*' or another --shape",
-            o.shape));
+            "--shape {0}: none of the selected forms is for a {0}; try -i '{0}.*' or another --shape", o.shape));
     measure::speed::TradeRequest request{.shape = shape,
                                          .kernels = measure::speed::trade_kernels(rows),
                                          .metrics = {},
@@ -57,6 +57,7 @@ Exit run(const TradeOptions& o, const Common& common) {
                                          .plan = plan_of(o)};
     for (const char* name : {"lost_bits", "excess_bits"}) request.metrics.push_back(measure::metric::find_metric(name));
     const auto folder = std::filesystem::path(o.out) / o.shape;
+    const auto owner = own_folder(folder, common, "");
     output::speed::TradeFiles files(request, folder);
     const choice::ThreadLimit limit(common.threads);
     output::file::Progress progress(measure::speed::trade_units(request), fmt::format("trade {}", o.shape),
@@ -76,8 +77,8 @@ void add_trade(CLI::App& program, const Common& common, Command& chosen) {
     auto* command = program.add_subcommand("trade", "Measured speed against measured accuracy, with the Pareto front");
     const auto o = std::make_shared<TradeOptions>();
     command->add_option("--shape", o->shape, "sphere (default) or box")->check(CLI::IsMember({"sphere", "box"}));
-    command->add_option("-i,--intersector", o->forms, "Forms, by name or glob (default: all of the shape)");
-    command->add_option("-f,--format", o->formats, "f32, f64 (default: both)");
+    choice::add_list(*command, "-i,--intersector", o->forms, "Forms, by name or glob (default: all of the shape)");
+    choice::add_list(*command, "-f,--format", o->formats, "f32, f64 (default: both)");
     command->add_option("--repetitions", o->repetitions, "Measurements of each kernel (default: 25; 5 with --quick)")
         ->check(CLI::Range(1, 1000));
     command->add_flag("--quick", o->quick, "Shorter measurements, for a first look");

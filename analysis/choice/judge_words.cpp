@@ -8,7 +8,6 @@
 
 #include "analysis/choice/select.hpp"
 #include "number/error.hpp"
-#include "output/blame/explain_command.hpp"
 #include "scene/dump/number_words.hpp"
 #include "scene/rays/rays.hpp"
 
@@ -108,7 +107,7 @@ std::unique_ptr<scene::dump::Dump> open_file(const JudgeWords& o, std::optional<
         {"auto", Container::by_name}, {"csv", Container::csv}, {"npy", Container::npy}, {"raw", Container::raw}};
     DumpOptions options{.container = containers.at(o.container), .columns = o.columns, .skip = o.skip};
     if (!o.format.empty()) {
-        const auto formats = select_formats({o.format});
+        const auto formats = select_formats({o.format}, "--format");
         if (formats.size() > 1) throw InputError("--format " + o.format + ": the answers are of one format; name one");
         options.format = formats.front();
     }
@@ -124,21 +123,6 @@ intersect::Info contract_of(const JudgeWords& o) {
     info.touching = o.touching == "miss" ? intersect::Touching::miss : intersect::Touching::hit;
     info.at_origin = o.at_origin == "miss" ? intersect::AtOrigin::miss : intersect::AtOrigin::hit;
     return info;
-}
-
-std::string canonical_command(const JudgeWords& o) {
-    using output::blame::shell_word;
-    const auto option = [](const char* name, const std::string& value, const std::string& usual = "") {
-        return value == usual ? std::string() : fmt::format(" {} {}", name, shell_word(value));
-    };
-    std::string text = "lostbits judge " + shell_word(o.file) + option("--container", o.container, "auto") +
-                       option("--columns", o.columns) + option("--format", o.format) + option("--scene", o.scene) +
-                       (o.skip > 0 ? fmt::format(" --skip {}", o.skip) : "") + option("--miss", o.miss) +
-                       option("--direction", o.direction, "any") + option("--touching", o.touching, "hit") +
-                       option("--at-origin", o.at_origin, "hit");
-    for (const std::string& sphere : o.spheres) text += option("--sphere", sphere);
-    for (const std::string& box : o.boxes) text += option("--box", box);
-    return text;
 }
 
 }  // namespace lostbits::analysis::choice

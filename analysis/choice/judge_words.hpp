@@ -45,7 +45,4 @@ std::unique_ptr<scene::dump::Dump> open_file(const JudgeWords& o, std::optional<
 /// The contract of the answers.
 intersect::Info contract_of(const JudgeWords& o);
 
-/// What to type to judge the file again.
-std::string canonical_command(const JudgeWords& o);
-
 }  // namespace lostbits::analysis::choice

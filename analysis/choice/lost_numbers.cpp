@@ -101,4 +101,14 @@ void note_lost_numbers(const scene::sweep::CaseFile& file, const std::vector<Map
     }
 }
 
+void note_idle_settings(const std::vector<std::string>& set, const std::string& id, const std::vector<MapRow>& rows) {
+    if (std::ranges::any_of(rows, [](const MapRow& row) { return row.form->shape == Shape::sdf; })) return;
+    for (const std::string& assignment : set) {
+        if (assignment.starts_with("march."))
+            fmt::print(stderr,
+                       "lostbits: --set {}: changes nothing in {}, where no selected form marches; add -i 'sdf.*'\n",
+                       assignment, id);
+    }
+}
+
 }  // namespace lostbits::analysis::choice

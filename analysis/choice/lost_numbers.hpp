@@ -1,6 +1,7 @@
 // Says on stderr which numbers of a file the formats of the rows cannot hold: what rounds to 0 or to infinity.
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include "measure/map/map.hpp"
@@ -18,5 +19,9 @@ void note_lost_numbers(const scene::sweep::SweepFile& sweep, const std::vector<m
 
 /// The lengths of all cases. Words such as `tiny` are numbers of every format and never lost.
 void note_lost_numbers(const scene::sweep::CaseFile& file, const std::vector<measure::map::MapRow>& rows);
+
+/// Says which assignments of `--set` change nothing: the constants of a march where no row marches.
+void note_idle_settings(const std::vector<std::string>& set, const std::string& id,
+                        const std::vector<measure::map::MapRow>& rows);
 
 }  // namespace lostbits::analysis::choice

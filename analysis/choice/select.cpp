@@ -56,17 +56,17 @@ std::vector<const Row*> select_rows(std::span<const Row> table, const std::vecto
     return rows;
 }
 
-[[noreturn]] void unknown_format(const std::string& name) {
+[[noreturn]] void unknown_format(const std::string& name, const char* option) {
     std::vector<std::string> names{"f32", "f64", "fp16", "bf16", "tf32"};
     std::string hint = scene::toml::did_you_mean(name, names);
     throw InputError(
-        fmt::format("-f {}: unknown format; {} (or pN with 2 <= N <= 53, or a range p5..p12)", name, hint));
+        fmt::format("{} {}: unknown format; {} (or pN with 2 <= N <= 53, or a range p5..p12)", option, name, hint));
 }
 
 }  // namespace
 
-std::vector<const Intersector*> select_forms(const std::vector<std::string>& globs) {
-    return select_rows(intersect::table::intersectors(), globs, "intersector", "-i",
+std::vector<const Intersector*> select_forms(const std::vector<std::string>& globs, const char* option) {
+    return select_rows(intersect::table::intersectors(), globs, "form", option,
                        [](const Intersector& i) { return i.info->name; });
 }
 
@@ -121,7 +121,7 @@ std::vector<const Metric*> that_apply(std::vector<const Metric*> asked, const st
 }
 
 void hold_against(std::vector<MapRow>& rows, const std::string& name, bool quiet) {
-    const auto found = select_forms({name});
+    const auto found = select_forms({name}, "--against");
     if (found.size() != 1) throw InputError(fmt::format("--against {}: name one form", name));
     const Intersector& other = *found.front();
     std::erase_if(
@@ -176,11 +176,11 @@ std::vector<const Metric*> measured(const std::vector<const Metric*>& asked, con
     return all;
 }
 
-std::vector<Format> select_formats(const std::vector<std::string>& names) {
+std::vector<Format> select_formats(const std::vector<std::string>& names, const char* option) {
     std::vector<Format> formats;
-    const auto add = [&formats](const std::string& name) {
+    const auto add = [&formats, option](const std::string& name) {
         const auto format = find_format(name);
-        if (!format) unknown_format(name);
+        if (!format) unknown_format(name, option);
         if (std::ranges::find(formats, *format) == formats.end()) formats.push_back(*format);
     };
     for (const std::string& name : names) {
@@ -191,7 +191,7 @@ std::vector<Format> select_formats(const std::vector<std::string>& names) {
         }
         const auto first = find_format(name.substr(0, dots)), last = find_format(name.substr(dots + 2));
         const bool widths = first && last && first->name.front() == 'p' && last->name.front() == 'p';
-        if (!widths || first->shape.precision > last->shape.precision) unknown_format(name);
+        if (!widths || first->shape.precision > last->shape.precision) unknown_format(name, option);
         for (int p = first->shape.precision; p <= last->shape.precision; ++p) add("p" + std::to_string(p));
     }
     return formats;
@@ -212,7 +212,7 @@ std::vector<MapRow> cross(const std::vector<const Intersector*>& forms, const st
     }
     if (rows.empty())
         throw NothingSelected(
-            "none of the selected intersectors exists in the selected formats; `lostbits list intersectors` shows the "
+            "none of the selected forms exists in the selected formats; `lostbits list forms` shows the "
             "formats of each");
     return rows;
 }
@@ -292,8 +292,13 @@ std::filesystem::path data_folder(const std::string& given) {
     if (const char* variable = std::getenv("LOSTBITS_DATA")) return variable;
     if (fs::is_directory("data/scenes")) return "data";
     std::error_code error;
-    const fs::path beside = fs::read_symlink("/proc/self/exe", error).parent_path() / "../share/lostbits/data";
-    return fs::is_directory(beside, error) ? beside : fs::path("data");
+    const fs::path program = fs::read_symlink("/proc/self/exe", error).parent_path();
+    // Unpacked beside the program, of the tree it was built in, installed.
+    for (const char* const place : {"data", "../data", "../share/lostbits/data"}) {
+        const fs::path folder = (program / place).lexically_normal();
+        if (!program.empty() && fs::is_directory(folder / "scenes", error)) return folder;
+    }
+    return "data";
 }
 
 }  // namespace lostbits::analysis::choice

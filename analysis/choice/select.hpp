@@ -20,11 +20,13 @@
 namespace lostbits::analysis::choice {
 
 /// Forms whose name matches any of the globs (`sphere.*`, `*press*`), in the catalogue's order. A name without a glob
-/// character that is unknown is bad input, with did-you-mean; a glob that matches nothing selects nothing (exit 4).
-std::vector<const intersect::table::Intersector*> select_forms(const std::vector<std::string>& globs);
+/// character that is unknown is bad input, with did-you-mean, of the `option`; a glob that matches nothing selects
+/// nothing (exit 4).
+std::vector<const intersect::table::Intersector*> select_forms(const std::vector<std::string>& globs,
+                                                               const char* option = "-i");
 
 /// Formats by name, or ranges `p5..p12`; duplicates are dropped. InputError with did-you-mean.
-std::vector<Format> select_formats(const std::vector<std::string>& names);
+std::vector<Format> select_formats(const std::vector<std::string>& names, const char* option = "-f");
 
 /// Metrics by name or glob, in the order asked for; `made` keeps those of labels. InputError with did-you-mean.
 std::vector<const measure::metric::Metric*> select_metrics(const std::vector<std::string>& globs,
@@ -122,7 +124,8 @@ std::string name_of_sweep(const std::filesystem::path& path, const std::filesyst
 /// `WxH` in pixels. InputError otherwise.
 std::pair<int, int> parse_size(const std::string& text);
 
-/// The data folder: `--data`, then $LOSTBITS_DATA, then ./data, then the installed one beside the program.
+/// The data folder: `--data`, then $LOSTBITS_DATA, then ./data, then the one of the program: beside it, of the tree it
+/// was built in, or installed.
 std::filesystem::path data_folder(const std::string& given);
 
 }  // namespace lostbits::analysis::choice

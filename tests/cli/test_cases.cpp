@@ -47,14 +47,14 @@ TEST_CASE("a file of cases leaves a table and a picture, the same for any number
         CHECK(r.out.find("/not-numbers/") != std::string::npos);
     }
     for (const std::string folder : {"not-numbers", "scale"}) {
-        for (const std::string name : {"cases.csv", "matrix.png", "datapackage.json"}) {
+        for (const std::string name : {"cases.csv", "matrix.png", "datapackage.json", "manifest.json"}) {
             const std::string one = contents(scratch.path() / "1" / folder / name);
             CAPTURE(folder, name);
             CHECK_FALSE(one.empty());
             CHECK(one == contents(scratch.path() / "3" / folder / name));
         }
     }
-    CHECK(scratch.files().size() == 2 * 2 * 3);
+    CHECK(scratch.files().size() == 2 * 2 * 4);
     const auto table = lostbits::output::file::read_csv(scratch.path() / "1/scale/cases.csv");
     CHECK(table.rows() % (3 * 2) == 0);
     CHECK(cell(table, "case", 0) == "ordinary lengths");

@@ -150,7 +150,7 @@ TEST_CASE("diff: bad input exits with 2, says why, and prints no half of an answ
         {"a.csv b.csv --tolerance ulp_error", "COLUMN=ABS"},
         {"a.csv b.csv --tolerance ulp_error=-1", "at least 0"},
         {"a.csv b.csv --tolerance ulp_error=inf", "--ignore"},
-        {"a.csv", "B is required"},
+        {"a.csv", "B is missing"},
         {"a.csv b.csv c.txt", "c.txt"},
     };
     for (const auto& c : cases) {

@@ -84,8 +84,8 @@ TEST_CASE("map writes every file of every form and format") {
         CHECK(sum == 384);
         CHECK(row.at("unresolved") == "0");
     }
-    // scene.toml, a picture a row, contact sheet, summary, data package: and nothing else, hidden or not.
-    CHECK(scratch.files().size() == 1 + rows + 3);
+    // scene.toml, a picture a row, contact sheet, summary, data package, manifest: and nothing else, hidden or not.
+    CHECK(scratch.files().size() == 1 + rows + 4);
     const auto package = nlohmann::json::parse(contents(scratch.path() / "scene/datapackage.json"));
     CHECK(package["resources"][0]["schema"]["fields"].size() == summary.front().size());
 }
@@ -145,7 +145,7 @@ TEST_CASE("the EXR of a scene has a part a row and its truth once, by each way t
         attribute(read_part(file, "truth"), "lostbits:command") ==
         "lostbits map near-benign -i 'sphere.schoolbook' -i 'sphere.unit_half_b' -i 'sphere.schoolbook_strict' -f f32 "
         "-f f64 --exr --size 32x24");
-    CHECK(scratch.files().size() == rows + 4);
+    CHECK(scratch.files().size() == rows + 5);
 }
 
 TEST_CASE("EXR, pixel CSV and summary tell the same story") {

@@ -156,8 +156,11 @@ TEST_CASE("bits needed: the same bytes for any number of threads, and the map be
         if (rest.find("needed") != std::string::npos) {
             CHECK_FALSE(std::filesystem::exists(scratch.path() / "plain" / rest));
             ++needed;
-        } else if (rest.find("datapackage") == std::string::npos) {
-            CHECK(bytes == contents(scratch.path() / "plain" / rest));
+        } else if (!rest.ends_with(".json")) {
+            // A picture says which command made it, and the commands differ.
+            if (rest.ends_with(".png"))
+                CHECK(run("diff 'one/" + rest + "' 'plain/" + rest + "'", scratch.path()).code == 0);
+            else CHECK(bytes == contents(scratch.path() / "plain" / rest));
             ++others;
         }
     }

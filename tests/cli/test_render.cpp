@@ -45,15 +45,15 @@ std::string with(const std::string& what) { return good_scene + what; }
 TEST_CASE("render writes what it says: pictures, references, difference maps, layers, a sheet and a table") {
     const Scratch scratch;
     const auto r =
-        run("render raycast-course.small --size 40x30 --stage visible phong -i sphere.expanded -i sphere.unit_half_b "
+        run("render raycast-course.small --size 40x30 --stage visible,phong -i sphere.expanded -i sphere.unit_half_b "
             "-f f32 -f bf16 -o '" +
             scratch.path().string() + "'");
     INFO(r.err);
     REQUIRE(r.code == 0);
     const auto folder = scratch.path() / "raycast-course.small";
     CHECK(r.out == (folder / "contact.png").string() + "\n");
-    std::vector<std::string> expected{"contact.png", "datapackage.json", "summary.csv", "visible.reference.png",
-                                      "phong.reference.png"};
+    std::vector<std::string> expected{"contact.png", "datapackage.json",      "manifest.json",
+                                      "summary.csv", "visible.reference.png", "phong.reference.png"};
     for (const char* form : {"sphere.expanded", "sphere.unit_half_b"}) {
         for (const char* format : {".f32", ".bf16"}) {
             const std::string stem = std::string(form) + format;
@@ -79,7 +79,7 @@ TEST_CASE("render writes what it says: pictures, references, difference maps, la
 
 TEST_CASE("the layers, the pictures and the table say the same") {
     const Scratch scratch;
-    REQUIRE(run("render raycast-acne.none --size 48x36 --stage visible shadows -i sphere.unified -f f32 -o '" +
+    REQUIRE(run("render raycast-acne.none --size 48x36 --stage visible --stage shadows -i sphere.unified -f f32 -o '" +
                 scratch.path().string() + "'")
                 .code == 0);
     const auto folder = scratch.path() / "raycast-acne.none";

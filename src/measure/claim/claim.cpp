@@ -3,6 +3,7 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <iterator>
 #include <map>
@@ -83,7 +84,7 @@ MapRow claim_row(const Claim& claim) {
         const Format format = claim_format(claim);
         if (!i.exists_in(format))
             scene::toml::fail(claim.where, claim.form + " does not exist in " + claim.format +
-                                               "; `lostbits list intersectors` shows its formats");
+                                               "; `lostbits list forms` shows its formats");
         return {&i, format, claim.convention};
     }
     scene::toml::fail(claim.where,
@@ -161,6 +162,7 @@ std::vector<ClaimResult> measure_claims(const std::vector<Claim>& claims, const 
         subjects[{kind_of(claims[i]), claims[i].subject(), asks_for_attribution(claims[i])}].push_back(i);
     }
     for (const auto& [subject, places] : subjects) {
+        const auto begin = std::chrono::steady_clock::now();
         switch (std::get<Kind>(subject)) {
             case Kind::scene: measure_scene(claims, places, request.data_dir, results); break;
             case Kind::render: measure_render(claims, places, request.data_dir, results); break;
@@ -170,6 +172,8 @@ std::vector<ClaimResult> measure_claims(const std::vector<Claim>& claims, const 
                 for (const std::size_t i : places)
                     results[i] = judge(claims[i], timed_ratio(claims[i], request.done), nullptr);
         }
+        const std::chrono::duration<double> took = std::chrono::steady_clock::now() - begin;
+        for (const std::size_t i : places) results[i].seconds = took.count() / static_cast<double>(places.size());
         request.done();
     }
     for (std::size_t i = 0; i < claims.size(); ++i) {

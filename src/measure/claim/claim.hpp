@@ -26,6 +26,7 @@ struct ClaimResult {
     /// Every float of a range was tried, so many; 0: the claim is about nothing of the kind.
     std::uint64_t floats = 0;
     std::vector<double> further = {};  ///< the same measured on further draws, one a seed; NaN where it does not exist
+    double seconds = 0;  ///< that measuring took; where claims share a map or a sweep, each has an equal part of it
 
     [[nodiscard]] bool is_drawn() const { return samples > 0; }
     [[nodiscard]] metric::Spread spread() const { return metric::spread_of(measured, further); }

@@ -41,7 +41,7 @@ std::vector<TimedWork> make_work(const Claim& claim, const std::vector<TimedKern
                                   std::string(kernels[i].kernel) + "\" for " + claim.timing->work + " in " +
                                   claim.format +
                                   "; kernels are scalar, 128, 256 and 512, and plain-256 and plain-structs-256 for "
-                                  "boxes in f32; `lostbits list intersectors` has the forms");
+                                  "boxes in f32; `lostbits list forms` has the forms");
         all.push_back(std::move(*made[i]));
     }
     return all;

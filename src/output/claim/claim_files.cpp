@@ -16,6 +16,7 @@
 
 namespace lostbits::output::claim {
 
+using blame::shell_word;
 using measure::claim::ClaimResult;
 using measure::metric::Metric;
 
@@ -67,7 +68,7 @@ std::string witness_text(const ClaimResult& r) {
 std::string explain_witness(const Claim& c, const ClaimResult& r) {
     if (r.witness.x < 0) return "";
     const std::string name = r.witness.given    ? blame::name_of_ray(r.witness.given.get())
-                             : !c.scene.empty() ? blame::name_of_pixel(c.scene, r.witness.x, r.witness.y)
+                             : !c.scene.empty() ? blame::name_of_pixel(shell_word(c.scene), r.witness.x, r.witness.y)
                                                 : "";
     if (name.empty()) return "";
     measure::map::MapRow row = measure::claim::claim_row(c);
@@ -110,11 +111,12 @@ std::string reproduce(const Claim& c) {
     if (c.timing) return fmt::format("lostbits check --profile timing --filter '{}'", c.id);
     if (!c.table.empty() || c.exhaustive) return fmt::format("lostbits check --filter '{}' --measure", c.id);
     if (!c.render.empty())
-        return fmt::format("lostbits render {}{} -i {} -f {} -o out", c.render,
+        return fmt::format("lostbits render {}{} -i {} -f {} -o out", shell_word(c.render),
                            c.stage ? fmt::format(" --stage {}", name_of(*c.stage)) : "", c.form, c.format);
-    if (c.step) return fmt::format("lostbits explain {} --pixel 0,0 -i {} -f {}", c.scene, c.form, c.format);
-    return fmt::format("lostbits {} {} -i {} -f {}{} -o out", c.scene.empty() ? "sweep" : "map", c.subject(), c.form,
-                       c.format, metric_option(c));
+    if (c.step)
+        return fmt::format("lostbits explain {} --pixel 0,0 -i {} -f {}", shell_word(c.scene), c.form, c.format);
+    return fmt::format("lostbits {} {} -i {} -f {}{} -o out", c.scene.empty() ? "sweep" : "map",
+                       shell_word(c.subject()), c.form, c.format, metric_option(c));
 }
 
 std::string where_measured(const Claim& c) {
@@ -137,12 +139,16 @@ void write_junit(const std::filesystem::path& path, const std::vector<Claim>& cl
     suite.append_attribute("name") = "lostbits claims";
     std::size_t failures = 0, errors = 0, skips = 0;
     const auto tests = suite.append_attribute("tests"), failed = suite.append_attribute("failures"),
-               broken = suite.append_attribute("errors"), skipped = suite.append_attribute("skipped");
+               broken = suite.append_attribute("errors"), skipped = suite.append_attribute("skipped"),
+               time = suite.append_attribute("time");
+    double seconds = 0;
     for (std::size_t i = 0; i < claims.size(); ++i) {
         const Claim& c = claims[i];
         auto test = suite.append_child("testcase");
         test.append_attribute("name") = c.id.c_str();
         test.append_attribute("classname") = c.subject().c_str();
+        test.append_attribute("time") = fmt::format("{:.6f}", results[i].seconds).c_str();
+        seconds += results[i].seconds;
         if (results[i].state == State::agrees) continue;
         if (results[i].state == State::skipped) {
             ++skips;
@@ -163,6 +169,7 @@ void write_junit(const std::filesystem::path& path, const std::vector<Claim>& cl
         node.append_attribute("message") = what.c_str();
         node.text().set(more.c_str());
     }
+    pugi::xml_attribute(time).set_value(fmt::format("{:.6f}", seconds).c_str());
     pugi::xml_attribute(tests).set_value(static_cast<unsigned long long>(claims.size()));
     pugi::xml_attribute(failed).set_value(static_cast<unsigned long long>(failures));
     pugi::xml_attribute(broken).set_value(static_cast<unsigned long long>(errors));

@@ -75,8 +75,8 @@ struct Comparison {
 
 /// Compares sizes, channels by name, their types, and every sample: bit by bit where no tolerance names the channel,
 /// but any NaN equals any NaN; `f32` differences are evaluated in double. `u32` samples are codes and halves of exact
-/// words, so no tolerance applies to them. String attributes are compared, except `lostbits:command` and
-/// `lostbits:compiler`, which say how a file was made and not what is in it.
+/// words, so no tolerance applies to them. String attributes are compared, except `lostbits:command`, `:program` and
+/// `:compiler`, which say how a file was made and not what is in it.
 [[nodiscard]] Comparison compare(const image::ExrImage& a, const image::ExrImage& b, const CompareOptions& options);
 
 /// Compares two EXR files part by part, by name: parts that are missing, added or moved are differences. Parts are read

@@ -1,6 +1,7 @@
 #include "output/file/atomic_file.hpp"
 
 #include <fcntl.h>
+#include <sys/file.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -15,6 +16,7 @@
 #include <system_error>
 
 #include "number/error.hpp"
+#include "output/file/result_folder.hpp"
 
 namespace lostbits::output::file {
 namespace {
@@ -83,13 +85,25 @@ void make_parent(const std::filesystem::path& path) {
     refuse(parent, "cannot create the folder", error ? error.value() : errno);
 }
 
+/// The file, locked. Between its creation and its lock somebody may take it for abandoned and remove it: then again.
 int open_new(const std::string& name) {
-    const int flags = O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC;
-    int fd = ::open(name.c_str(), flags, 0666);
-    if (fd >= 0 || errno != EEXIST) return fd;
-    // Only a dead process with our id can have left it: the registry below keeps a live one from opening twice.
-    if (::unlink(name.c_str()) != 0) return -1;
-    return ::open(name.c_str(), flags, 0666);
+    for (;;) {
+        const int fd = ::open(name.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+        if (fd < 0 && errno == EEXIST) {
+            // What a dead process with our id left goes; a living one in another container keeps its own.
+            remove_if_abandoned(name);
+            if (::access(name.c_str(), F_OK) == 0) return errno = EEXIST, -1;
+            continue;
+        }
+        if (fd < 0 || ::flock(fd, LOCK_EX | LOCK_NB) != 0) {
+            if (fd < 0 || errno != EWOULDBLOCK) return fd;  // no locks here: nobody removes it
+            ::close(fd);
+            continue;
+        }
+        struct stat info {};
+        if (::fstat(fd, &info) != 0 || info.st_nlink > 0) return fd;
+        ::close(fd);
+    }
 }
 
 bool is_live(const std::string& partial) {
@@ -200,6 +214,7 @@ void AtomicFile::commit() {
         slot_ = nullptr;
         throw Interrupted();
     }
+    note_result(path_);
     if (::rename(partial_.c_str(), final_.c_str()) != 0) {
         const int error_number = errno;
         if (slot_->load() == nullptr) {
@@ -210,6 +225,13 @@ void AtomicFile::commit() {
     }
     unregister_partial(slot_);
     slot_ = nullptr;
+}
+
+void remove_if_abandoned(const std::filesystem::path& partial) noexcept {
+    const int fd = ::open(partial.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK);
+    if (fd < 0) return;
+    if (::flock(fd, LOCK_EX | LOCK_NB) == 0) ::unlink(partial.c_str());
+    ::close(fd);
 }
 
 void remove_partial_files() noexcept {

@@ -34,7 +34,7 @@ public:
 /// A file that gets its final name only when it is whole.
 ///
 /// Opened before the work starts, so that a run of an hour does not end on a folder that cannot be written.
-/// Bytes go to `.<name>.partial-<pid>` in the same folder, and `commit` renames. Without `commit` the
+/// Bytes go to `.<name>.partial-<pid>` in the same folder, under a lock, and `commit` renames. Without `commit` the
 /// destructor removes the temporary file; so does `remove_partial_files` from a signal handler.
 ///
 /// A final path that is a device or a pipe (`/dev/stdout`, `/dev/full`) is written directly, since a rename would
@@ -73,6 +73,11 @@ private:
     std::size_t buffered_ = 0;
     std::unique_ptr<std::byte[]> buffer_;
 };
+
+/// Removes a temporary file that no living AtomicFile writes, of this process or another: whoever writes one holds a
+/// lock on it (a process id says nothing, since two containers may both be process 1). Where the file system has no
+/// locks it stays.
+void remove_if_abandoned(const std::filesystem::path& partial) noexcept;
 
 /// Removes the temporary file of every live AtomicFile of the process. Async-signal-safe: atomics and `unlink`
 /// only. The files stay open, and their `commit` throws Interrupted.

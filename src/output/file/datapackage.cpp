@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "output/file/atomic_file.hpp"
+#include "output/file/result_folder.hpp"
 
 namespace lostbits::output::file {
 namespace {
@@ -55,8 +56,10 @@ void write_datapackage(const std::filesystem::path& path, const std::string& tit
                        const std::vector<DataResource>& resources) {
     Json list = Json::array();
     for (const auto& data : resources) list.push_back(resource(data));
-    const Json package{
-        {"profile", "tabular-data-package"}, {"name", slug(title)}, {"title", valid_utf8(title)}, {"resources", list}};
+    Json package{{"profile", "tabular-data-package"}, {"name", slug(title)}, {"title", valid_utf8(title)}};
+    if (const auto maker = maker_of(path))
+        package["lostbits"] = {{"command", valid_utf8(maker->command)}, {"program", maker->program}};
+    package["resources"] = std::move(list);
     AtomicFile file(path);
     file.write(package.dump(2) + "\n");
     file.commit();

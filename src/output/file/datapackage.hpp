@@ -16,7 +16,8 @@ struct DataResource {
     std::vector<Column> columns;
 };
 
-/// Writes a Frictionless `datapackage.json` to `path`: each column's type, unit and meaning. Same input, same
+/// Writes a Frictionless `datapackage.json` to `path`: each column's type, unit and meaning, and in the property
+/// `lostbits` the command and the program that made the files. Same input, same
 /// bytes: no timestamps, keys in a fixed order, resources in the order given. Throws EnvironmentError.
 void write_datapackage(const std::filesystem::path& path, const std::string& title,
                        const std::vector<DataResource>& resources);

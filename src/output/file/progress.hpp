@@ -4,6 +4,7 @@
 #include <atomic>
 #include <chrono>
 #include <cstdint>
+#include <cstdio>
 #include <mutex>
 #include <string>
 #include <string_view>
@@ -27,6 +28,15 @@ public:
 
     /// A message on a line of its own on stderr, above the bar.
     void say(std::string_view message);
+
+    /// Erases the bar and calls `print`, whose lines then stand by themselves; the next `advance` draws it again.
+    template <class Print>
+    void aside(const Print& print) {
+        const std::lock_guard lock(mutex_);
+        erase();
+        print();
+        std::fflush(stdout);
+    }
 
     /// Erases the bar. Nothing is drawn after it.
     void finish() noexcept;

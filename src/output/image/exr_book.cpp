@@ -9,6 +9,8 @@
 #include <set>
 #include <stdexcept>
 
+#include "output/file/result_folder.hpp"
+
 namespace lostbits::output::image {
 
 static_assert(std::endian::native == std::endian::little, "samples are written as they lie in memory");
@@ -126,6 +128,7 @@ struct ExrBook::Page {
 ExrBook::ExrBook(const std::filesystem::path& path, std::vector<ExrPart> parts) : path_(path.string()), out_(path) {
     std::set<std::string> names;
     for (ExrPart& part : parts) {
+        file::add_maker(path, part.spec.attributes);
         const ExrSpec& spec = part.spec;
         std::set<std::string_view> channels;
         for (const Channel& channel : spec.channels) channels.insert(channel.name);

@@ -49,6 +49,12 @@ public:
     virtual void close() = 0;
 };
 
+/// What a PNG file is to be.
+struct PngSpec {
+    int width = 0, height = 0;
+    std::vector<std::pair<std::string, std::string>> words;  ///< its text chunks: keyword and text
+};
+
 /// Writes one RGB PNG file from top to bottom, 8 bits, sRGB.
 class PngWriter {
 public:
@@ -95,11 +101,13 @@ class ImageBackend {
 public:
     virtual ~ImageBackend() = default;
 
-    /// Opens `path` at once, as AtomicFile does. Throws EnvironmentError, and std::logic_error for a spec without
-    /// pixels or channels, or with a channel name used twice.
+    /// Opens `path` at once, as AtomicFile does. In a run's own folder (see file::ResultFolder) the file says what made
+    /// it, as `lostbits:command` and `lostbits:program`. Throws EnvironmentError, and std::logic_error for a spec
+    /// without pixels or channels, or with a channel name used twice.
     [[nodiscard]] std::unique_ptr<ExrWriter> open_exr(const std::filesystem::path& path, const ExrSpec& spec);
 
-    /// Opens `path` for width × height RGB pixels. Throws as open_exr does.
+    /// Opens `path` for width × height RGB pixels. What made it is in text chunks `lostbits:command` and `Software`.
+    /// Throws as open_exr does.
     [[nodiscard]] std::unique_ptr<PngWriter> open_png(const std::filesystem::path& path, int width, int height);
 
     /// `steps` (at least 2) colours of the ramp, low to high: viridis, inferno, magma, plasma or turbo. Throws
@@ -123,11 +131,11 @@ protected:
     virtual std::unique_ptr<ExrWriter> make_exr(std::unique_ptr<file::ByteSink> sink, const std::string& path,
                                                 const ExrSpec& spec) = 0;
     virtual std::unique_ptr<PngWriter> make_png(std::unique_ptr<file::ByteSink> sink, const std::string& path,
-                                                int width, int height) = 0;
+                                                const PngSpec& spec) = 0;
 };
 
 /// Grows with every change of this header; a module of another build is refused rather than misread.
-inline constexpr int image_module_abi = 2;
+inline constexpr int image_module_abi = 3;
 
 /// The module, loaded on the first call; later calls cost nothing. Looks at $LOSTBITS_IMAGE_MODULE (then nowhere
 /// else), beside the program, in its `../lib/lostbits` and in its `src/output`. Throws EnvironmentError that says

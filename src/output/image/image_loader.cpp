@@ -7,6 +7,7 @@
 #include <system_error>
 
 #include "number/error.hpp"
+#include "output/file/result_folder.hpp"
 #include "output/image/image.hpp"
 
 namespace lostbits::output::image {
@@ -70,12 +71,17 @@ std::unique_ptr<ExrWriter> ImageBackend::open_exr(const fs::path& path, const Ex
             throw std::logic_error(path.string() + ": channel " + channel.name + " appears twice");
         }
     }
-    return make_exr(std::make_unique<file::AtomicFile>(path), path.string(), spec);
+    ExrSpec signed_spec = spec;
+    file::add_maker(path, signed_spec.attributes);
+    return make_exr(std::make_unique<file::AtomicFile>(path), path.string(), signed_spec);
 }
 
 std::unique_ptr<PngWriter> ImageBackend::open_png(const fs::path& path, int width, int height) {
     if (width <= 0 || height <= 0) throw std::logic_error(path.string() + ": a PNG without pixels");
-    return make_png(std::make_unique<file::AtomicFile>(path), path.string(), width, height);
+    PngSpec spec{width, height, {}};
+    if (const auto maker = file::maker_of(path))
+        spec.words = {{"Software", maker->program}, {"lostbits:command", maker->command}};
+    return make_png(std::make_unique<file::AtomicFile>(path), path.string(), spec);
 }
 
 const ExrChannel* ExrImage::find(std::string_view name) const {

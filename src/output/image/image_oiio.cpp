@@ -121,9 +121,9 @@ protected:
                                         const ExrSpec& spec) override {
         return oiio_exr(std::move(sink), path, spec);
     }
-    std::unique_ptr<PngWriter> make_png(std::unique_ptr<file::ByteSink> sink, const std::string& path, int width,
-                                        int height) override {
-        return oiio_png(std::move(sink), path, width, height);
+    std::unique_ptr<PngWriter> make_png(std::unique_ptr<file::ByteSink> sink, const std::string& path,
+                                        const PngSpec& spec) override {
+        return oiio_png(std::move(sink), path, spec);
     }
 
 private:

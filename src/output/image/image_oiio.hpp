@@ -12,6 +12,6 @@ namespace lostbits::output::image {
 [[nodiscard]] std::unique_ptr<ExrWriter> oiio_exr(std::unique_ptr<file::ByteSink> sink, const std::string& path,
                                                   const ExrSpec& spec);
 [[nodiscard]] std::unique_ptr<PngWriter> oiio_png(std::unique_ptr<file::ByteSink> sink, const std::string& path,
-                                                  int width, int height);
+                                                  const PngSpec& spec);
 
 }  // namespace lostbits::output::image

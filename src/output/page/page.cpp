@@ -209,6 +209,8 @@ std::string page(const Report& report) {
         "content=\"no-referrer\">\n<title>lostbits report</title>\n"
         "<link rel=\"icon\" href=\"data:,\">\n",
         policy());
+    if (!report.program.empty())
+        text += fmt::format("<meta name=\"generator\" content=\"{}\">\n", html(report.program));
     text += fmt::format("<style>{}</style>\n", page_style.text);
     if (!plot_style.text.empty()) text += fmt::format("<style>{}</style>\n", plot_style.text);
     text += "</head><body>\n" + heading(report) + "<main>\n" + maps_section(report) + sweeps_section(report) +

@@ -55,6 +55,7 @@ struct Report {
     std::vector<scene::claim::Claim> claims;
     std::vector<measure::claim::ClaimResult> results;
     std::string processor = {};  ///< that the times are of; empty where nothing tells
+    std::string program = {};    ///< that made it: `lostbits 0.1.0`
 };
 
 /// Forms and formats of a map: decisions, and p50, p99 and max of lost bits; each number carries the CSV's own decimal.

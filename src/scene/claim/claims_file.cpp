@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <set>
 
+#include "scene/file/beside.hpp"
 #include "scene/sweep/convention.hpp"
 #include "scene/toml/toml_reader.hpp"
 
@@ -47,11 +48,14 @@ void read_timing(TableReader table, Claim& claim) {
 }
 
 void read_given(TableReader table, Claim& claim) {
-    claim.scene = table.optional_string("scene").value_or("");
-    claim.sweep = table.optional_string("sweep").value_or("");
+    const auto named = [&table](const char* key) {
+        return file::beside(table.where().source, table.optional_string(key).value_or(""));
+    };
+    claim.scene = named("scene");
+    claim.sweep = named("sweep");
     claim.table = table.optional_string("table").value_or("");
     if (table.has("timing")) table.reject("timing", "needs `profile = \"timing\"` at the head of the file");
-    claim.render = table.optional_string("render").value_or("");
+    claim.render = named("render");
     if (int{!claim.scene.empty()} + int{!claim.sweep.empty()} + int{!claim.table.empty()} +
             int{!claim.render.empty()} !=
         1) {

@@ -45,7 +45,7 @@ bool is_plain_name(std::string_view name) {
 std::string stem_of(const std::filesystem::path& path) {
     std::string stem = path.stem().string();
     if (stem.starts_with('.'))
-        throw InputError(path.string() + ":1:1: this file name gives no scene id; rename it to start with a letter");
+        throw InputError(path.string() + ": this file name gives no scene id; rename it to start with a letter");
     return stem;
 }
 
@@ -179,7 +179,7 @@ std::vector<std::filesystem::path> scene_files(const std::filesystem::path& data
         if (entry.path().extension() == ".toml") files.push_back(entry.path());
     if (error)
         throw InputError(folder.string() + ": is not a folder of scenes: " + error.message() +
-                         "; name the folder that contains scenes/ with --data");
+                         "; name the folder that contains scenes/ with --data, or in LOSTBITS_DATA");
     std::sort(files.begin(), files.end());
     return files;
 }
@@ -193,6 +193,10 @@ SceneName find_scene(const std::string& name_or_path, const std::filesystem::pat
     const std::string name = as_path.extension() == ".toml" ? stem_of(as_path) : name_or_path;
     const std::size_t dot = std::min(name.rfind('.'), name.size());
     const std::string stem = name.substr(0, dot);
+    const bool is_file = as_path.extension() == ".toml";
+    const std::string no_file = name_or_path + ": there is no such file";
+    if (is_file && !std::filesystem::is_directory(data_dir / "scenes", ignored))
+        throw InputError(no_file + "; check the path");
     const std::vector<std::filesystem::path> files = scene_files(data_dir);
     std::vector<std::string> ids;
     for (const std::filesystem::path& file : files) ids.push_back(stem_of(file));
@@ -201,6 +205,9 @@ SceneName find_scene(const std::string& name_or_path, const std::filesystem::pat
     for (std::size_t i = 0; i < files.size(); ++i)
         if (dot < name.size() && ids[i] == stem) return {files[i], name.substr(dot + 1)};
     const std::string hint = toml::did_you_mean(stem, ids);
+    if (is_file)
+        throw InputError(no_file + ", nor a scene \"" + name + "\" in " + (data_dir / "scenes").string() +
+                         (hint.empty() ? "" : "; " + hint));
     throw InputError("no scene \"" + name_or_path + "\" in " + (data_dir / "scenes").string() +
                      (hint.empty() ? "" : "; " + hint) + " (a path to a .toml file works too)");
 }

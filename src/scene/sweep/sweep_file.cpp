@@ -5,6 +5,7 @@
 
 #include "intersect/table/table.hpp"
 #include "number/error.hpp"
+#include "scene/file/beside.hpp"
 #include "scene/file/march_table.hpp"
 #include "scene/sweep/convention.hpp"
 #include "scene/sweep/float_order.hpp"
@@ -153,7 +154,7 @@ void SweepFile::read_subject(TableReader& file, const std::filesystem::path& dat
                    "a sweep is over either scene = \"…\", a [family] or a [box_family] table; write one of them");
     }
     if (scene) {
-        const file::SceneName name = file::find_scene(*scene, data_dir);
+        const file::SceneName name = file::find_scene(file::beside(file.where().source, *scene), data_dir);
         scene_.emplace(name.path);
         variant_ = name.variant;
         if (!variant_ && scene_->variants().size() > 1)
@@ -255,8 +256,9 @@ std::filesystem::path find_sweep(const std::string& name_or_path, const std::fil
     };
     if (std::ranges::count_if(names, last_part) == 1)
         return folder / (*std::ranges::find_if(names, last_part) + ".toml");
-    throw InputError(name_or_path + ":1:1: is not a sweep file, nor a name in " + folder.string() + "; " +
-                     toml::did_you_mean(name_or_path, names));
+    const std::string hint = toml::did_you_mean(std::filesystem::path(name_or_path).stem().string(), names);
+    throw InputError(name_or_path + ": is neither a file nor the name of a sweep in " + folder.string() +
+                     (hint.empty() ? "; check the path" : "; " + hint));
 }
 
 }  // namespace lostbits::scene::sweep

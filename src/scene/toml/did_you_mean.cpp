@@ -41,11 +41,19 @@ int edit_distance(std::string_view a, std::string_view b) {
 std::optional<std::string> closest(std::string_view word, const std::vector<std::string>& candidates) {
     std::optional<std::string> best;
     int fewest = most_edits(word.size()) + 1;
-    for (const std::string& candidate : candidates) {
-        const int edits = edit_distance(word, candidate);
-        if (edits >= fewest) continue;
+    const auto consider = [&](std::string_view part, const std::string& candidate) {
+        const int edits = edit_distance(word, part);
+        if (edits >= fewest) return;
         fewest = edits;
         best = candidate;
+    };
+    for (const std::string& candidate : candidates) consider(candidate, candidate);
+    // Where no whole name is near, the last part of one will do: `unified` is `sphere.unified`.
+    if (best || word.find_first_of("./") != std::string_view::npos) return best;
+    for (const std::string& candidate : candidates) {
+        const auto dot = candidate.find_last_of("./");
+        const std::string_view part = std::string_view(candidate).substr(dot == std::string::npos ? 0 : dot + 1);
+        if (part.size() > 2) consider(part, candidate);
     }
     return best;
 }

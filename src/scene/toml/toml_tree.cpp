@@ -178,12 +178,12 @@ void reject_endless_keys(const std::string& text, const std::string& source) {
 }  // namespace
 
 Node read_toml(const std::filesystem::path& path) {
-    const Where start{path.string(), 1, 1};
+    const Where start{path.string(), 1, 1}, unread{path.string(), 0, 0};
     std::error_code ignored;
-    if (std::filesystem::is_directory(path, ignored)) fail(start, "is a folder; name a .toml file in it");
+    if (std::filesystem::is_directory(path, ignored)) fail(unread, "is a folder; name a .toml file in it");
     std::ifstream file(path, std::ios::binary);
     if (!file)
-        fail(start, std::string("cannot be read: ") + std::strerror(errno) + "; check the path and its permissions");
+        fail(unread, std::string("cannot be read: ") + std::strerror(errno) + "; check the path and its permissions");
 
     std::string text;
     std::array<char, 65536> chunk;

@@ -27,6 +27,11 @@ TEST_CASE("the closest name is one that a slip explains") {
     CHECK(closest("F32", {"f16", "f32"}) == "f32");
     CHECK_FALSE(closest("eye", {"fov_deg"}));
     CHECK(closest("ab", {"aa", "bb"}) == "aa");  // the first of equals
+    CHECK(closest("press", forms) == "sphere.press");
+    CHECK(closest("pres", forms) == "sphere.press");  // a slip in the last part
+    CHECK(closest("near", {"extremes/contact", "worst/near"}) == "worst/near");
+    CHECK_FALSE(closest("sphere", forms));
+    CHECK_FALSE(closest("x", {"far-2.5"}));
     CHECK_FALSE(closest("word", {}));
 }
 

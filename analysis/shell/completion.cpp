@@ -1,0 +1,230 @@
+#include "analysis/shell/completion.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "analysis/shell/option_table.hpp"
+
+namespace lostbits::analysis::shell {
+
+using Kind = Values::Kind;
+
+namespace {
+
+std::string replaced(std::string text, const std::string& what, const std::string& by) {
+    for (auto at = text.find(what); at != std::string::npos; at = text.find(what, at + by.size()))
+        text.replace(at, what.size(), by);
+    return text;
+}
+
+/// Up to the first stop, for a menu: without what options of scenes and defaults say.
+std::string short_help(const std::string& help) {
+    return help.substr(0, std::min({help.find(" ("), help.find(": "), help.find("; ")}));
+}
+
+std::string quoted(const std::string& text) { return "'" + replaced(text, "'", "'\\''") + "'"; }
+
+std::vector<std::string> names_of(const std::vector<OptionRow>& options) {
+    std::vector<std::string> names;
+    for (const OptionRow& option : options) names.insert(names.end(), option.names.begin(), option.names.end());
+    return names;
+}
+
+// bash -----------------------------------------------------------------------------------------------------------
+
+/// The shell's words that set what can stand here.
+std::string bash_values(const Values& values) {
+    switch (values.kind) {
+        case Kind::words: return fmt::format("words=\"{}\"", fmt::join(values.words, " "));
+        case Kind::names: return fmt::format("words=$(_lostbits_names {})", fmt::join(values.words, " "));
+        case Kind::files: return "files=-f";
+        case Kind::folders: return "files=-d";
+        case Kind::anything: break;
+    }
+    return ":";
+}
+
+std::string bash_cases(const std::vector<OptionRow>& options, const std::string& indent) {
+    std::string text;
+    for (const OptionRow& option : options) {
+        if (option.takes_value)
+            text +=
+                fmt::format("{}{}) {}; return ;;\n", indent, fmt::join(option.names, "|"), bash_values(option.values));
+    }
+    return text;
+}
+
+// zsh ------------------------------------------------------------------------------------------------------------
+
+std::string zsh_action(const OptionRow& option) {
+    const std::string comma = option.several && option.names.front().front() == '-' ? "_sequence " : "";
+    switch (option.values.kind) {
+        case Kind::words: return fmt::format("({})", fmt::join(option.values.words, " "));
+        case Kind::names: return fmt::format("{}_lostbits_names {}", comma, fmt::join(option.values.words, " "));
+        case Kind::files: return "_files";
+        case Kind::folders: return "_files -/";
+        case Kind::anything: break;
+    }
+    return "";
+}
+
+/// `'*'{-i,--intersector}'[help]:forms:_lostbits_names forms'`
+std::string zsh_spec(const OptionRow& option) {
+    std::string help = short_help(option.help);
+    for (const char* special : {"\\", "[", "]", ":"}) help = replaced(help, special, std::string("\\") + special);
+    const std::string names =
+        option.names.size() == 1 ? option.names.front() : fmt::format("'{{{}}}'", fmt::join(option.names, ","));
+    const std::string body = replaced(help, "'", "'\\''");
+    const std::string value = option.takes_value ? fmt::format(":value:{}", zsh_action(option)) : "";
+    return fmt::format("'*{}[{}]{}'", names, body, value);
+}
+
+std::string zsh_specs(const std::vector<OptionRow>& options) {
+    std::string text;
+    for (const OptionRow& option : options) text += " \\\n            " + zsh_spec(option);
+    return text;
+}
+
+// fish -----------------------------------------------------------------------------------------------------------
+
+std::string fish_values(const Values& values) {
+    switch (values.kind) {
+        case Kind::words: return fmt::format(" -x -a '{}'", fmt::join(values.words, " "));
+        case Kind::names: return fmt::format(" -x -a '(__lostbits_names {})'", fmt::join(values.words, " "));
+        case Kind::files: return " -r -F";
+        case Kind::folders: return " -x -a '(__fish_complete_directories)'";
+        case Kind::anything: break;
+    }
+    return " -x";
+}
+
+std::string fish_option(const std::string& condition, const OptionRow& option) {
+    std::string text = "complete -c lostbits" + condition;
+    for (const std::string& name : option.names)
+        text += name.starts_with("--") ? " -l " + name.substr(2) : " -s " + name.substr(1);
+    return text + " -d " + replaced(quoted(short_help(option.help)), "'\\''", "\\'") +
+           (option.takes_value ? fish_values(option.values) : "") + "\n";
+}
+
+}  // namespace
+
+std::string bash_completion(const CLI::App& program) {
+    const auto commands = command_table(program);
+    const auto common = common_options(program);
+    std::vector<std::string> names;
+    for (const CommandRow& command : commands) names.push_back(command.name);
+    std::string text =
+        "# Completion for bash, made by `lostbits completion bash`.\n"
+        "_lostbits_names() {\n"
+        "    local what\n"
+        "    for what; do \"${COMP_WORDS[0]/#\\~/$HOME}\" list \"$what\" 2>/dev/null | awk 'NR > 1 { print $1 }'; "
+        "done\n"
+        "}\n\n"
+        "# Sets what can stand at the cursor: words, or the kind of files.\n"
+        "_lostbits_here() {\n"
+        "    local command=$1 previous=$2\n"
+        "    case $command in\n";
+    for (const CommandRow& command : commands) {
+        text += fmt::format("        {})\n            case $previous in\n{}            esac\n", command.name,
+                            bash_cases(command.options, "                "));
+        std::string here = fmt::format("options=\"{}\"", fmt::join(names_of(command.options), " "));
+        if (!command.commands.empty()) here += fmt::format("; words=\"{}\"", fmt::join(command.commands, " "));
+        else if (!command.arguments.empty()) here += "; " + bash_values(command.arguments.front().values);
+        // What has a name may be a file as well.
+        if (!command.arguments.empty()) here += "; files=-f";
+        text += fmt::format("            {} ;;\n", here);
+    }
+    text += fmt::format(
+        "        *) words=\"{}\" ;;\n    esac\n    case $previous in\n{}    esac\n    options+=\" {}\"\n}}\n\n",
+        fmt::join(names, " "), replaced(bash_cases(common, "        "), ") ", ") options=; words=; files=; "),
+        fmt::join(names_of(common), " "));
+    text += fmt::format(
+        "_lostbits() {{\n"
+        "    local current=${{COMP_WORDS[COMP_CWORD]}} previous=${{COMP_WORDS[COMP_CWORD - 1]}}\n"
+        "    local command= options= words= files= i\n"
+        "    for ((i = 1; i < COMP_CWORD; ++i)); do\n"
+        "        case ${{COMP_WORDS[i]}} in {}) command=${{COMP_WORDS[i]}}; break ;; esac\n"
+        "    done\n"
+        "    _lostbits_here \"$command\" \"$previous\"\n"
+        "    if [[ $current == -* ]]; then\n"
+        "        COMPREPLY=($(compgen -W \"$options\" -- \"$current\"))\n"
+        "        return\n"
+        "    fi\n"
+        "    # Several values stand between commas: the last of them is completed.\n"
+        "    local last=${{current##*,}}\n"
+        "    COMPREPLY=($(compgen -P \"${{current%\"$last\"}}\" -W \"$words\" -- \"$last\"))\n"
+        "    if [[ -n $files ]]; then\n"
+        "        compopt -o filenames 2>/dev/null\n"
+        "        COMPREPLY+=($(compgen $files -- \"$current\"))\n"
+        "    fi\n"
+        "}}\n"
+        "complete -F _lostbits lostbits\n",
+        fmt::join(names, "|"));
+    return text;
+}
+
+std::string zsh_completion(const CLI::App& program) {
+    const auto commands = command_table(program);
+    std::string text =
+        "#compdef lostbits\n"
+        "# Completion for zsh, made by `lostbits completion zsh`.\n"
+        "_lostbits_names() {\n"
+        "    local -a names\n"
+        "    local what\n"
+        "    while [[ $1 == -* ]]; do shift; done\n"
+        "    for what; do names+=(${(f)\"$($words[1] list $what 2>/dev/null | awk 'NR > 1 { print $1 }')\"}); done\n"
+        "    compadd -a names\n"
+        "    [[ $what == (scenes|sweeps) ]] && _files -g '*.toml'\n"
+        "}\n\n"
+        "_lostbits() {\n"
+        "    local command\n"
+        "    local -a commands=(\n";
+    for (const CommandRow& command : commands)
+        text += "        " + quoted(command.name + ":" + replaced(short_help(command.help), ":", "\\:")) + "\n";
+    text += "    )\n    command=${words[(r)(";
+    for (const CommandRow& command : commands) text += (&command == &commands.front() ? "" : "|") + command.name;
+    text += ")]}\n    case $command in\n";
+    const std::string common = zsh_specs(common_options(program));
+    for (const CommandRow& command : commands) {
+        text += fmt::format("        {})\n        _arguments{}{} \\\n            '1:command:({})'", command.name,
+                            zsh_specs(command.options), common, command.name);
+        if (!command.commands.empty())
+            text += fmt::format(" \\\n            '2:command:({})'", fmt::join(command.commands, " "));
+        for (const OptionRow& argument : command.arguments)
+            text += fmt::format(" \\\n            '{}:{}:{}'", argument.several ? "*" : "", argument.names.front(),
+                                zsh_action(argument));
+        text += " ;;\n";
+    }
+    return text + "        *) _describe command commands ;;\n    esac\n}\n_lostbits \"$@\"\n";
+}
+
+std::string fish_completion(const CLI::App& program) {
+    std::string text =
+        "# Completion for fish, made by `lostbits completion fish`.\n"
+        "function __lostbits_names\n"
+        "    set -l program (commandline -opc)[1]\n"
+        "    for what in $argv\n"
+        "        $program list $what 2>/dev/null | awk 'NR > 1 { print $1 }'\n"
+        "    end\n"
+        "end\n";
+    for (const OptionRow& option : common_options(program)) text += fish_option("", option);
+    for (const CommandRow& command : command_table(program)) {
+        text += fmt::format("complete -c lostbits -f -n __fish_use_subcommand -a {} -d {}\n", command.name,
+                            replaced(quoted(short_help(command.help)), "'\\''", "\\'"));
+        const std::string condition = fmt::format(" -n '__fish_seen_subcommand_from {}'", command.name);
+        for (const OptionRow& option : command.options) text += fish_option(condition, option);
+        if (!command.commands.empty())
+            text += fmt::format("complete -c lostbits{} -f -a '{}'\n", condition, fmt::join(command.commands, " "));
+        for (const OptionRow& argument : command.arguments) {
+            if (argument.values.kind == Kind::names)
+                text += fmt::format("complete -c lostbits{} -a '(__lostbits_names {})'\n", condition,
+                                    fmt::join(argument.values.words, " "));
+            if (argument.values.kind == Kind::words)
+                text += fmt::format("complete -c lostbits{} -f -a '{}'\n", condition,
+                                    fmt::join(argument.values.words, " "));
+        }
+    }
+    return text;
+}
+
+}  // namespace lostbits::analysis::shell

@@ -1,0 +1,82 @@
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "analysis/shell/completion.hpp"
+#include "analysis/shell/option_table.hpp"
+
+namespace lostbits::analysis::shell {
+
+namespace {
+
+/// Text as roff reads it: a hyphen that can be copied, a backslash as itself, no line that looks like a request.
+std::string roff(const std::string& text) {
+    std::string out;
+    for (const char c : text) {
+        if (c == '\\') out += "\\e";
+        else if (c == '-') out += "\\-";
+        else if ((c == '.' || c == '\'') && (out.empty() || out.back() == '\n')) out += std::string("\\&") + c;
+        else out += c;
+    }
+    return out;
+}
+
+/// `-i, --intersector VALUE`
+std::string heading(const OptionRow& option) {
+    std::string text;
+    for (const std::string& name : option.names) text += (text.empty() ? "" : ", ") + ("\\fB" + roff(name) + "\\fR");
+    const bool is_option = option.names.front().front() == '-';
+    if (is_option && option.takes_value)
+        text += option.values.kind == Values::Kind::words
+                    ? " " + roff(fmt::format("{}", fmt::join(option.values.words, "|")))
+                : option.several ? " \\fIVALUE\\fR[,\\fIVALUE\\fR]..."
+                                 : " \\fIVALUE\\fR";
+    return text;
+}
+
+std::string paragraphs(const std::vector<OptionRow>& options) {
+    std::string text;
+    for (const OptionRow& option : options) text += ".TP\n" + heading(option) + "\n" + roff(option.help) + "\n";
+    return text;
+}
+
+std::string synopsis(const CommandRow& command) {
+    std::string text = "\\fBlostbits " + command.name + "\\fR";
+    if (!command.commands.empty()) text += fmt::format(" {}", fmt::join(command.commands, "|"));
+    for (const OptionRow& argument : command.arguments)
+        text += " \\fI" + argument.names.front() + "\\fR" + (argument.several ? "..." : "");
+    return text + " [\\fIOPTION\\fR]...";
+}
+
+}  // namespace
+
+std::string manual_page(const CLI::App& program, const std::string& version) {
+    const auto commands = command_table(program);
+    std::string text = fmt::format(".TH LOSTBITS 1 \"\" \"lostbits {}\" \"User Commands\"\n", version);
+    text += ".SH NAME\nlostbits \\- a precision laboratory for ray intersectors\n.SH SYNOPSIS\n";
+    for (const CommandRow& command : commands) text += synopsis(command) + "\n.br\n";
+    text += ".SH DESCRIPTION\n" + roff(program.get_description()) + "\n.SH COMMANDS\n";
+    for (const CommandRow& command : commands) {
+        text += ".SS " + synopsis(command) + "\n" + roff(command.help) + ".\n" + paragraphs(command.arguments) +
+                paragraphs(command.options);
+    }
+    text += ".SH OPTIONS OF EVERY COMMAND\n" + paragraphs(common_options(program));
+    // The sections of the footer, whose headings end with a colon.
+    std::string section;
+    for (const std::string& line : CLI::detail::split(program.get_footer(), '\n')) {
+        if (line.empty()) continue;
+        if (line.back() == ':' && line.front() != ' ') {
+            section = line.substr(0, line.size() - 1);
+            for (char& c : section) c = static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
+            text += ".SH " + section + "\n";
+            continue;
+        }
+        const auto begin = line.find_first_not_of(' '), end = line.find("  ", begin);
+        if (end == std::string::npos) text += roff(line.substr(begin)) + "\n";
+        else
+            text += ".TP\n\\fB" + roff(line.substr(begin, end - begin)) + "\\fR\n" +
+                    roff(line.substr(line.find_first_not_of(' ', end))) + "\n";
+    }
+    return text;
+}
+
+}  // namespace lostbits::analysis::shell

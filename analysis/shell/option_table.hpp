@@ -1,0 +1,36 @@
+// The options of the program as a table, for completion and for the manual page: what the parser itself was told.
+#pragma once
+
+#include <CLI/CLI.hpp>
+
+#include <string>
+#include <vector>
+
+namespace lostbits::analysis::shell {
+
+/// What can stand for a value.
+struct Values {
+    enum class Kind { anything, words, names, files, folders };
+    Kind kind = Kind::anything;
+    std::vector<std::string> words;  ///< these; of `names` what `lostbits list` lists: `forms`
+};
+
+struct OptionRow {
+    std::vector<std::string> names;  ///< `-i`, `--intersector`; of an argument its one name: SCENE
+    std::string help;
+    bool takes_value = false;
+    bool several = false;  ///< between commas, or one argument after another
+    Values values;
+};
+
+struct CommandRow {
+    std::string name, help;
+    std::vector<OptionRow> options, arguments;
+    std::vector<std::string> commands;  ///< of its own: `plugin check`
+};
+
+/// Those of every command.
+std::vector<OptionRow> common_options(const CLI::App& program);
+std::vector<CommandRow> command_table(const CLI::App& program);
+
+}  // namespace lostbits::analysis::shell

@@ -1,0 +1,104 @@
+#include "analysis/shell/table_on_stdout.hpp"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cstdio>
+#include <cstdlib>
+#include <fstream>
+#include <string_view>
+
+#include "analysis/shell/usage.hpp"
+#include "number/error.hpp"
+
+namespace lostbits::analysis::shell {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr std::array outputs{"--out", "--export-csv", "--export-json", "--junit"};
+
+/// The table of a run: the first of these that it wrote.
+constexpr std::array<std::string_view, 6> tables{"summary.csv", "samples.csv",    "cases.csv",
+                                                 "worst.csv",   "statements.csv", "pareto.csv"};
+
+fs::path new_folder() {
+    std::string pattern = (fs::temp_directory_path() / "lostbits-XXXXXX").string();
+    if (mkdtemp(pattern.data()) == nullptr)
+        throw EnvironmentError(pattern + ": cannot be made; set TMPDIR to a folder that you may write to");
+    return pattern;
+}
+
+}  // namespace
+
+TableOnStdout::TableOnStdout(CLI::App& program) {
+    const CLI::App& named = command_named(program);
+    if (&named == &program) return;
+    command_ = named.get_name();
+    CLI::App& command = *program.get_subcommands().front();
+    CLI::Option* chosen = nullptr;
+    for (const char* name : outputs) {
+        CLI::Option* const option = command.get_option_no_throw(name);
+        if (option == nullptr || option->results() != std::vector<std::string>{"-"}) continue;
+        if (chosen != nullptr) throw InputError(std::string(name) + " -: standard output takes one table, not two");
+        chosen = option;
+        is_folder_ = std::string_view(name) == "--out";
+    }
+    if (chosen == nullptr) return;
+    if (is_folder_ && command_ == "report")
+        throw InputError("-o -: a page is not a table; name a folder for index.html");
+    redirect(is_folder_);
+    scratch_ = new_folder();
+    chosen->clear();
+    chosen->add_result((is_folder_ ? scratch_ : scratch_ / "table").string());
+    chosen->run_callback();
+}
+
+TableOnStdout::~TableOnStdout() {
+    std::error_code ignored;
+    if (!scratch_.empty()) fs::remove_all(scratch_, ignored);
+}
+
+void TableOnStdout::redirect(bool to_nothing) {
+    std::fflush(stdout);
+    stdout_ = fcntl(STDOUT_FILENO, F_DUPFD_CLOEXEC, 3);
+    const int instead = to_nothing ? ::open("/dev/null", O_WRONLY | O_CLOEXEC) : STDERR_FILENO;
+    if (stdout_ < 0 || instead < 0 || dup2(instead, STDOUT_FILENO) < 0)
+        throw EnvironmentError("standard output: is closed, and the table was to go there");
+}
+
+fs::path TableOnStdout::table() const {
+    if (!is_folder_) return scratch_ / "table";
+    for (const std::string_view name : tables) {
+        std::vector<fs::path> found;
+        for (const auto& entry : fs::recursive_directory_iterator(scratch_)) {
+            if (entry.path().filename() == name) found.push_back(entry.path());
+        }
+        if (found.size() > 1)
+            throw InputError(
+                fmt::format("-o -: standard output takes one table, and `{}` makes {}; name one subject, "
+                            "or a folder",
+                            command_, found.size()));
+        if (!found.empty()) return found.front();
+    }
+    return {};
+}
+
+void TableOnStdout::write() {
+    if (scratch_.empty()) return;
+    std::fflush(stdout);
+    if (dup2(stdout_, STDOUT_FILENO) < 0) throw EnvironmentError("standard output: cannot write");
+    ::close(stdout_);
+    const fs::path file = table();
+    std::ifstream in(file, std::ios::binary);
+    std::array<char, 65536> bytes{};
+    while (in.read(bytes.data(), bytes.size()), in.gcount() > 0)
+        std::fwrite(bytes.data(), 1, static_cast<std::size_t>(in.gcount()), stdout);
+}
+
+}  // namespace lostbits::analysis::shell

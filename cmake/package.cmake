@@ -1,0 +1,43 @@
+# What a user of a package gets beside the program, and the Debian package: `cpack -G DEB` in the build folder.
+
+# Completion and the manual page come from the program itself, so they cannot fall behind its options.
+set(shell_dir ${CMAKE_CURRENT_BINARY_DIR}/shell)
+set(shell_files ${shell_dir}/lostbits.bash ${shell_dir}/_lostbits ${shell_dir}/lostbits.fish ${shell_dir}/lostbits.1)
+add_custom_command(OUTPUT ${shell_files}
+    COMMAND ${CMAKE_COMMAND} -E make_directory ${shell_dir}
+    COMMAND lostbits completion bash > ${shell_dir}/lostbits.bash
+    COMMAND lostbits completion zsh > ${shell_dir}/_lostbits
+    COMMAND lostbits completion fish > ${shell_dir}/lostbits.fish
+    COMMAND lostbits manual > ${shell_dir}/lostbits.1
+    DEPENDS lostbits VERBATIM)
+add_custom_target(lostbits_shell ALL DEPENDS ${shell_files})
+install(FILES ${shell_dir}/lostbits.bash DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions
+    RENAME lostbits)
+install(FILES ${shell_dir}/_lostbits DESTINATION ${CMAKE_INSTALL_DATADIR}/zsh/vendor-completions)
+install(FILES ${shell_dir}/lostbits.fish DESTINATION ${CMAKE_INSTALL_DATADIR}/fish/vendor_completions.d)
+install(FILES ${shell_dir}/lostbits.1 DESTINATION ${CMAKE_INSTALL_MANDIR}/man1)
+
+set(CPACK_GENERATOR DEB)
+set(CPACK_PACKAGE_NAME lostbits)
+set(CPACK_PACKAGE_CONTACT "lostbits")
+set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "${PROJECT_DESCRIPTION}")
+set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
+set(CPACK_STRIP_FILES TRUE)
+# Two packages: what the plugins are linked with is more than all the rest.
+set(CPACK_DEB_COMPONENT_INSTALL ON)
+set(CPACK_COMPONENTS_ALL Unspecified)
+set(CPACK_DEBIAN_UNSPECIFIED_PACKAGE_NAME lostbits)
+set(CPACK_DEBIAN_UNSPECIFIED_FILE_NAME DEB-DEFAULT)
+if(LOSTBITS_BUILD_PLUGINS)
+    list(APPEND CPACK_COMPONENTS_ALL plugins)
+    set(CPACK_DEBIAN_PLUGINS_PACKAGE_NAME lostbits-plugins)
+    set(CPACK_DEBIAN_PLUGINS_FILE_NAME DEB-DEFAULT)
+    set(CPACK_DEBIAN_PLUGINS_PACKAGE_DEPENDS lostbits)
+    set(CPACK_COMPONENT_PLUGINS_DESCRIPTION "Ray tests of libraries, for `lostbits --plugin NAME`")
+endif()
+set(CPACK_DEBIAN_PACKAGE_SECTION science)
+# The libraries that the program and its image module are linked with, by dpkg-shlibdeps. Letters in pictures are those
+# of DejaVu Sans, which no library says.
+set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
+set(CPACK_DEBIAN_UNSPECIFIED_PACKAGE_DEPENDS fonts-dejavu-core)
+include(CPack)

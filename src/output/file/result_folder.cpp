@@ -1,0 +1,203 @@
+#include "output/file/result_folder.hpp"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/file.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "number/error.hpp"
+#include "output/file/atomic_file.hpp"
+#include "output/file/csv.hpp"
+
+namespace lostbits::output::file {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr const char* list_name = "manifest.json";
+constexpr const char* schema = "lostbits-manifest/1";
+
+/// The folders that are some run's own now.
+struct Owned {
+    std::mutex mutex;
+    std::vector<ResultFolder*> folders;
+};
+Owned& owned() {
+    static Owned all;
+    return all;
+}
+
+fs::path plain(const fs::path& path) {
+    fs::path whole = fs::absolute(path).lexically_normal();
+    return whole.has_filename() ? whole : whole.parent_path();
+}
+
+/// The name inside the folder; empty for what lies elsewhere.
+std::string name_in(const fs::path& folder, const fs::path& path) {
+    const fs::path inside = plain(path).lexically_relative(folder);
+    return inside.empty() || *inside.begin() == ".." ? "" : inside.generic_string();
+}
+
+/// A name that stays in its folder, whatever somebody wrote into the list.
+bool stays_inside(const std::string& name) {
+    const fs::path path(name);
+    return !name.empty() && path.is_relative() &&
+           std::ranges::none_of(path, [](const fs::path& part) { return part == ".."; });
+}
+
+/// What this program writes, and people look at for its results.
+bool looks_like_a_result(const fs::path& path) {
+    constexpr std::array<std::string_view, 4> endings{".png", ".csv", ".exr", ".html"};
+    return std::ranges::find(endings, path.extension().string()) != endings.end() ||
+           path.filename() == "datapackage.json";
+}
+
+bool is_half_written(const fs::path& path) {
+    const std::string name = path.filename().string();
+    return name.starts_with('.') && name.find(".partial-") != std::string::npos;
+}
+
+void remove_abandoned(const fs::path& folder) {
+    std::error_code ignored;
+    for (auto at = fs::recursive_directory_iterator(folder, ignored); at != fs::end(at); at.increment(ignored)) {
+        if (is_half_written(at->path()) && fs::is_regular_file(at->symlink_status(ignored)))
+            remove_if_abandoned(at->path());
+    }
+}
+
+}  // namespace
+
+std::set<std::string> ResultFolder::listed_in(const fs::path& folder) {
+    std::ifstream in(folder / list_name, std::ios::binary);
+    if (!in) return {};
+    const auto list = nlohmann::json::parse(in, nullptr, false);
+    if (!list.is_object() || !list.contains("schema") || list["schema"] != schema || !list.contains("files")) return {};
+    std::set<std::string> names;
+    for (const auto& name : list["files"]) {
+        if (name.is_string() && stays_inside(name.get<std::string>())) names.insert(name.get<std::string>());
+    }
+    return names;
+}
+
+ResultFolder::ResultFolder(fs::path folder, MadeBy made_by, Rules rules)
+    : folder_(plain(folder)), made_by_(std::move(made_by)), rules_(rules) {
+    std::error_code error, ignored;
+    for (auto part = folder_; part != part.parent_path() && !fs::exists(fs::symlink_status(part, ignored));
+         part = part.parent_path())
+        made_.push_back(part);
+    fs::create_directories(folder_, error);
+    if (!fs::is_directory(folder_, ignored))
+        throw EnvironmentError(fmt::format("{}: cannot create the folder: {}; choose another -o", folder.string(),
+                                           error ? error.message() : "a file has that name"));
+    earlier_ = listed_in(folder_);
+    if (!rules_.force && !rules_.shared) refuse_strange_results();
+    lock_ = ::open(folder_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    // A file system without locks answers otherwise, and then nobody can tell.
+    if (lock_ >= 0 && ::flock(lock_, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
+        ::close(lock_);
+        throw InputError(folder.string() + ": another run is writing there; wait for its end, or choose another -o");
+    }
+    remove_abandoned(folder_);
+    if (rules_.keep) files_ = earlier_;
+    const std::lock_guard lock(owned().mutex);
+    owned().folders.push_back(this);
+}
+
+ResultFolder::~ResultFolder() {
+    {
+        const std::lock_guard lock(owned().mutex);
+        std::erase(owned().folders, this);
+    }
+    if (lock_ >= 0) ::close(lock_);
+    std::error_code ignored;
+    for (const auto& part : made_) fs::remove(part, ignored);  // one that is not empty stays
+}
+
+void ResultFolder::refuse_strange_results() const {
+    std::vector<std::string> strange;
+    std::error_code ignored;
+    for (auto at = fs::recursive_directory_iterator(folder_, ignored); at != fs::end(at); at.increment(ignored)) {
+        if (at->is_directory(ignored) && fs::exists(at->path() / list_name, ignored)) at.disable_recursion_pending();
+        if (!at->is_regular_file(ignored) || !looks_like_a_result(at->path())) continue;
+        const std::string name = name_in(folder_, at->path());
+        if (!earlier_.contains(name)) strange.push_back(name);
+    }
+    if (strange.empty()) return;
+    std::ranges::sort(strange);
+    const std::string more = strange.size() == 1 ? "" : fmt::format(" and {} more", strange.size() - 1);
+    throw InputError(
+        fmt::format("{}: holds results that are not in its {}: {}{}; they would stand among those of this run: choose "
+                    "another -o, move them away, or add --force to leave them there",
+                    folder_.string(), list_name, strange.front(), more));
+}
+
+void ResultFolder::clear_earlier() const {
+    std::error_code ignored;
+    const fs::path real = fs::canonical(folder_, ignored);
+    for (const std::string& name : earlier_) {
+        const fs::path path = folder_ / name;
+        // Through a link to elsewhere a listed name would be somebody else's file.
+        const fs::path parent = fs::canonical(path.parent_path(), ignored);
+        if (ignored || name_in(real, parent / "x").empty() || !fs::is_regular_file(fs::symlink_status(path, ignored)))
+            continue;
+        fs::remove(path, ignored);
+        for (auto empty = path.parent_path(); empty != folder_ && fs::is_empty(empty, ignored);
+             empty = empty.parent_path())
+            fs::remove(empty, ignored);
+    }
+}
+
+void ResultFolder::note(const std::string& name) {
+    const std::lock_guard lock(mutex_);
+    if (!begun_ && !rules_.keep) clear_earlier();
+    begun_ = true;
+    if (!files_.insert(name).second) return;
+    auto files = nlohmann::ordered_json::array();
+    for (const std::string& each : files_) files.push_back(valid_utf8(each));
+    const nlohmann::ordered_json list{{"schema", schema},
+                                      {"program", made_by_.program},
+                                      {"command", valid_utf8(made_by_.command)},
+                                      {"files", std::move(files)}};
+    AtomicFile file(folder_ / list_name);
+    file.write(list.dump(2) + "\n");
+    file.commit();
+}
+
+ResultFolder* ResultFolder::owner_of(const fs::path& path, std::string& name) {
+    const std::lock_guard lock(owned().mutex);
+    for (ResultFolder* folder : owned().folders) {
+        name = name_in(folder->folder_, path);
+        if (!name.empty() && name != list_name) return folder;
+    }
+    return nullptr;
+}
+
+void note_result(const fs::path& path) {
+    std::string name;
+    if (ResultFolder* const owner = ResultFolder::owner_of(path, name)) owner->note(name);
+}
+
+void add_maker(const fs::path& path, std::vector<std::pair<std::string, std::string>>& attributes) {
+    const auto maker = maker_of(path);
+    if (!maker) return;
+    for (const auto& [name, value] :
+         {std::pair("lostbits:command", maker->command), {"lostbits:program", maker->program}}) {
+        const auto is_it = [name = name](const auto& entry) { return entry.first == name; };
+        if (std::ranges::none_of(attributes, is_it)) attributes.emplace_back(name, value);
+    }
+}
+
+std::optional<MadeBy> maker_of(const fs::path& path) {
+    std::string name;
+    if (const ResultFolder* const owner = ResultFolder::owner_of(path, name)) return owner->made_by_;
+    return {};
+}
+
+}  // namespace lostbits::output::file

@@ -1,0 +1,74 @@
+// A folder of results belongs to the run that wrote them, which leaves a list of them.
+#pragma once
+
+#include <filesystem>
+#include <mutex>
+#include <optional>
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace lostbits::output::file {
+
+/// What made a file, as the files that can hold it say.
+struct MadeBy {
+    std::string command;  ///< what to type to make it again
+    std::string program;  ///< `lostbits 0.1.0`
+};
+
+struct ResultFolderRules {
+    bool force = false;   ///< results that no list names may lie there
+    bool shared = false;  ///< others keep files there on purpose, so results that no list names are no offence
+    bool keep = false;    ///< what the earlier run listed stays: this run goes on with it
+};
+
+/// A folder that is a run's own while this lives.
+///
+/// Every file that gets its final name in it is listed in `manifest.json` before it is there. In front of the first of
+/// them goes what the list of an earlier run names, so a folder never holds the results of two runs, and a run that
+/// ends before it has results leaves those that were there. What no list names is somebody's own and stays. What
+/// killed runs left half written (`.NAME.partial-…`) goes at once, unless its run is alive.
+class ResultFolder {
+public:
+    using Rules = ResultFolderRules;
+
+    /// InputError where the folder holds results that no list names, and where another run writes there;
+    /// EnvironmentError where it cannot be made.
+    ResultFolder(std::filesystem::path folder, MadeBy made_by, Rules rules);
+    /// A folder that was made for it and is empty goes again.
+    ~ResultFolder();
+    ResultFolder(const ResultFolder&) = delete;
+    ResultFolder& operator=(const ResultFolder&) = delete;
+
+    /// The files that the folder's list names, relative to it; nothing where there is no list, or none of ours.
+    [[nodiscard]] static std::set<std::string> listed_in(const std::filesystem::path& folder);
+
+private:
+    friend void note_result(const std::filesystem::path& path);
+    friend std::optional<MadeBy> maker_of(const std::filesystem::path& path);
+    static ResultFolder* owner_of(const std::filesystem::path& path, std::string& name);
+    void refuse_strange_results() const;
+    void note(const std::string& name);
+    void clear_earlier() const;
+
+    std::filesystem::path folder_;  // absolute, normal
+    MadeBy made_by_;
+    Rules rules_;
+    std::vector<std::filesystem::path> made_;  // folders that were not there, deepest first
+    std::set<std::string> earlier_, files_;
+    std::mutex mutex_;
+    bool begun_ = false;
+    int lock_ = -1;
+};
+
+/// Of AtomicFile: this file is about to get its final name.
+void note_result(const std::filesystem::path& path);
+
+/// Adds `lostbits:command` and `lostbits:program` of the run whose folder the path lies in, where they are missing.
+void add_maker(const std::filesystem::path& path, std::vector<std::pair<std::string, std::string>>& attributes);
+
+/// The run whose folder the path lies in; nothing outside of all.
+[[nodiscard]] std::optional<MadeBy> maker_of(const std::filesystem::path& path);
+
+}  // namespace lostbits::output::file

@@ -1,0 +1,243 @@
+// The manners of the command line: one value an option, sentences for what is not understood, names from any folder.
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <regex>
+
+#include "catch.hpp"
+#include "program.hpp"
+
+using namespace lostbits::test;
+namespace fs = std::filesystem;
+
+namespace {
+
+/// Without $LOSTBITS_DATA: as from a fresh shell.
+constexpr const char* fresh = "unset LOSTBITS_DATA;";
+
+std::string out_of(const Scratch& scratch) { return " -o '" + (scratch.path() / "out").string() + "'"; }
+
+}  // namespace
+
+TEST_CASE("an option takes one value, and the scene may stand behind it") {
+    const Scratch scratch;
+    const std::string scene = "'" + scratch.write("mine.toml", good_scene) + "'";
+    for (const char* options : {"-i sphere.unified", "-i sphere.unified -f f32", "-f f32", "--set sphere[0].radius=0.5",
+                                "--metric lost_bits"}) {
+        INFO(options);
+        const auto r = run("map " + std::string(options) + " " + scene + " --size 8x8" + out_of(scratch));
+        INFO(r.err);
+        CHECK(r.code == 0);
+    }
+    CHECK(run("render --stage visible " + std::string("raycast-course.small --size 8x6") + out_of(scratch)).code == 0);
+    CHECK(run("sweep -f f32 -i sphere.press sphere-tilt --seeds 0" + out_of(scratch)).code == 0);
+    CHECK(run("report --claims 'nothing' -i sphere.press -f f32 near-benign --size 8x8" + out_of(scratch)).code == 0);
+}
+
+TEST_CASE("several values stand between commas, and options may be repeated") {
+    const Scratch scratch;
+    const std::string scene = "'" + scratch.write("mine.toml", good_scene) + "'";
+    const auto rows = [&](const std::string& options) {
+        const auto r = run("map " + scene + " --size 8x8 " + options + out_of(scratch));
+        INFO(options << r.err);
+        REQUIRE(r.code == 0);
+        std::string text;
+        for (const auto& row : read_csv(scratch.path() / "out/mine/summary.csv"))
+            text += row.at("form") + " " + row.at("format") + "\n";
+        return text;
+    };
+    const std::string both = rows("-i sphere.press -i sphere.unified -f f32 -f f64");
+    CHECK(both == "sphere.press f32\nsphere.press f64\nsphere.unified f32\nsphere.unified f64\n");
+    CHECK(rows("-i sphere.press,sphere.unified -f f32,f64") == both);
+    // A comma inside brackets is the vector's own.
+    const auto title = [&](const std::string& set) {
+        REQUIRE(run("map " + scene + " --size 8x8 -i sphere.press -f f32 " + set + out_of(scratch)).code == 0);
+        return contents(scratch.path() / "out/mine/datapackage.json");
+    };
+    const std::string changed = title("--set 'sphere[0].centre=[0.1,0.2,0],sphere[0].radius=0.5'");
+    CHECK(has(changed, "sphere[0].centre=[0.1,0.2,0], sphere[0].radius=0.5"));
+    CHECK(run("check --measure --filter 'float.*,box.no-such-*' -q").code == 0);
+}
+
+TEST_CASE("what is not understood is said in a sentence, with what may have been meant") {
+    const Scratch scratch;
+    const std::string scene = "'" + scratch.write("mine.toml", good_scene) + "'";
+    struct Case {
+        std::string words;
+        std::vector<std::string> says;
+    };
+    const Case cases[] = {
+        {"map " + scene + " -i unified -o out", {"-i unified: unknown form", "did you mean \"sphere.unified\"?"}},
+        {"map " + scene + " -i spher.unified -o out", {"did you mean \"sphere.unified\"?"}},
+        {"map " + scene + " --metrik lost_bits -o out", {"--metrik: is not an option", "did you mean --metric?"}},
+        {"map " + scene + " -metrix lost_bits -o out", {"-metrix: is not an option", "did you mean --metric?"}},
+        {"map " + scene + " --out", {"--out: its value is missing", "Folder for the results"}},
+        {"map " + scene, {"--out is missing", "Folder for the results"}},
+        {"map -o out", {"SCENE is missing", "Scene files"}},
+        {"map " + scene + " --pixels cvs -o out", {"--pixels cvs: is not one of none, csv", "did you mean csv?"}},
+        {"map " + scene + " -j 0 -o out", {"--threads 0: is not a number from 1 to 1024"}},
+        {"map " + scene + " --progress sometimes -o out", {"--progress sometimes: is not one of auto, bar, none"}},
+        {"map " + scene + " --size 4x4 --size 8x8 -o out", {"--size: is given 2 times, and takes one value"}},
+        {"trade -i sphere.press sphere.unified -o out", {"sphere.unified: `lostbits trade` takes no such word"}},
+        {"list scene", {"is not one of forms", "did you mean scenes?"}},
+        {"list form", {"did you mean forms?"}},
+        {"mapp", {"\"mapp\" is not a command", "did you mean \"map\"?"}},
+        {"", {"name a command: check"}},
+        {"plugin", {"name a command: check, serve"}},
+        {"judge '" + scratch.write("r.csv", "x\n") + "' --skip abc -o out", {"--skip abc: is not a whole number"}},
+        {"map " + scene + " --against unifid -o out", {"--against unifid: unknown form"}},
+        {"explain --ray 0,0,5,0,0,-1 --sphere 0,0,0,1 --as f99 -i sphere.press", {"--as f99: unknown format"}},
+        {"explain near-benign --pixel 1,1 -i sphere.press --json --c", {"only one of them can be given"}},
+    };
+    for (const Case& c : cases) {
+        const auto r = run(c.words, scratch.path());
+        INFO(c.words << "\n" << r.err);
+        CHECK(r.code == 2);
+        CHECK(r.out.empty());
+        for (const std::string& words : c.says) CHECK(has(r.err, words));
+        for (const char* raw :
+             {"were not expected", "was not expected", " is required", "not in {", "TEXT", "Could not"})
+            CHECK_FALSE(has(r.err, raw));
+    }
+    CHECK_FALSE(fs::exists(scratch.path() / "out"));
+}
+
+TEST_CASE("forms have one word: forms; the older one works") {
+    const auto forms = run("list forms"), older = run("list intersectors");
+    CHECK(forms.code == 0);
+    CHECK(forms.out == older.out);
+    CHECK(run("list").out == forms.out);
+}
+
+TEST_CASE("every list is there as JSON") {
+    const auto help = run("list --help").out;
+    std::smatch all;
+    REQUIRE(std::regex_search(help, all, std::regex(R"(\{([a-z,]+)\})")));
+    std::istringstream words(all[1]);
+    int lists = 0;
+    for (std::string what; std::getline(words, what, ','); ++lists) {
+        INFO(what);
+        const auto array = nlohmann::json::parse(run("list --json " + what).out);
+        CHECK(array.is_array());
+        CHECK_FALSE(array.empty());
+    }
+    CHECK(lists >= 7);
+}
+
+TEST_CASE("a file that is not there is named, without a line that nobody read") {
+    const Scratch scratch;
+    for (const char* words :
+         {"map nofile.toml -o o", "map sub/nofile.toml -o o", "sweep nofile.toml -o o", "sweep sub/nofile.toml -o o",
+          "check nofile.toml", "explain nofile.toml --pixel 1,1 -i sphere.press", "render nofile.toml -o o",
+          "report nofile.toml -o o", "judge nofile.csv -o o"}) {
+        for (const char* before : {"", fresh}) {
+            const auto r = run(words, scratch.path(), before);
+            INFO(words << "\n" << r.err);
+            CHECK(r.code == 2);
+            CHECK(has(r.err, "nofile."));
+            CHECK_FALSE(has(r.err, ":1:1"));
+            CHECK_FALSE(r.err.ends_with("; \n"));
+        }
+    }
+    for (const char* what : {"scenes", "sweeps", "claims"}) {
+        const auto r = run("list " + std::string(what) + " --data /nowhere");
+        INFO(r.err);
+        CHECK(r.code == 2);
+        CHECK(has(r.err, "/nowhere/" + std::string(what) + ": is not a folder of " + what));
+        CHECK(has(r.err, "LOSTBITS_DATA"));
+    }
+}
+
+TEST_CASE("built-in names work from any folder") {
+    const Scratch scratch;
+    const auto r = run("map near-benign -i sphere.press -f f32 --size 8x8 -o out", scratch.path(), fresh);
+    INFO(r.err);
+    CHECK(r.code == 0);
+    CHECK(fs::exists(scratch.path() / "out/near-benign/contact.png"));
+    CHECK(run("list sweeps", scratch.path(), fresh).out == run("list sweeps").out);
+}
+
+TEST_CASE("a sweep and a claim find a scene beside themselves") {
+    const Scratch scratch;
+    fs::create_directories(scratch.path() / "own");
+    static_cast<void>(scratch.write("own/ball.toml", good_scene));
+    static_cast<void>(scratch.write("own/grow.toml", R"(schema = "lostbits-sweep/1"
+title = "A test"
+source = "-"
+note = "-"
+scene = "ball.toml"
+[[axis]]
+name = "radius"
+spacing = "linear"
+from = 0.5
+to = 1
+steps = 2
+set = ["sphere[0].radius"]
+)"));
+    static_cast<void>(scratch.write("own/claims.toml", R"(schema = "lostbits-claims/1"
+[[claim]]
+id = "own.ball"
+statement = "A ball beside its claim is hit."
+source = "-"
+verdict = "holds"
+[claim.given]
+scene = "ball.toml"
+form = "sphere.press"
+format = "f32"
+[claim.expect]
+metric = "false_miss_fraction"
+in = [0, 0]
+)"));
+    for (const auto& folder : {scratch.path(), scratch.path() / "own"}) {
+        const std::string own = folder == scratch.path() ? "own/" : "";
+        const auto swept = run("sweep " + own + "grow.toml -i sphere.press -f f32 -o out", folder);
+        INFO(swept.err);
+        CHECK(swept.code == 0);
+        const auto checked = run("check " + own + "claims.toml", folder);
+        INFO(checked.err << checked.out);
+        CHECK(checked.code == 0);
+    }
+}
+
+TEST_CASE("an option that would do nothing is refused, or it is said") {
+    const auto sized = run("explain near-benign --ray 0,0,5,0,0,-1 --size 10x10 -i sphere.press");
+    CHECK(sized.code == 2);
+    CHECK(has(sized.err, "--size needs --pixel"));
+    const auto marched = run("explain --ray 0,0,5,0,0,-1 --sphere 0,0,0,1 --set march.hit_eps=1e-3 -i sphere.press");
+    CHECK(marched.code == 2);
+    CHECK(has(marched.err, "sphere.press does not march"));
+    const Scratch scratch;
+    const std::string march = good_scene + "\n[march]\nhit_eps = 1e-4\n";
+    const auto mapped = run("map '" + scratch.write("m.toml", march) +
+                            "' --set march.hit_eps=1e-3 -i sphere.press -f f32 --size 8x8" + out_of(scratch));
+    INFO(mapped.err);
+    CHECK(mapped.code == 0);
+    CHECK(has(mapped.err, "--set march.hit_eps=1e-3: changes nothing in m"));
+}
+
+TEST_CASE("a camera that sees nothing says so") {
+    const Scratch scratch;
+    const std::string away =
+        "'" + scratch.write("away.toml", spoilt("look_at = [0, 0, 0]", "look_at = [0, 0, 90]")) + "'";
+    const auto r = run("map " + away + " -i sphere.press -f f32" + out_of(scratch));
+    CHECK(r.code == 0);
+    CHECK(has(r.err, "scene away: no ray of its camera meets a solid"));
+    const std::string there = "'" + scratch.write("there.toml", good_scene) + "'";
+    CHECK_FALSE(has(run("map " + there + " -i sphere.press -f f32" + out_of(scratch)).err, "meets a solid"));
+}
+
+TEST_CASE("a path stands on a line of its own, beside a bar on the same terminal") {
+    const Scratch scratch;
+    static_cast<void>(scratch.write("a.toml", good_scene));
+    static_cast<void>(scratch.write("b.toml", good_scene));
+    const auto r = run("map a.toml b.toml -i sphere.press -f f32 --progress bar -o out 2>&1", scratch.path());
+    CHECK(r.code == 0);
+    std::size_t paths = 0;
+    for (auto at = r.out.find("out/"); at != std::string::npos; at = r.out.find("out/", at + 1), ++paths) {
+        INFO(r.out);
+        REQUIRE(at > 0);
+        // A line begins at a line break, or where the bar was wiped out: blanks, then back to the first column.
+        CHECK((r.out[at - 1] == '\n' || r.out[at - 1] == '\r'));
+        if (r.out[at - 1] == '\r') CHECK(r.out[at - 2] == ' ');
+    }
+    CHECK(paths == 2);
+}

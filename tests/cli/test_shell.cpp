@@ -1,0 +1,201 @@
+// What the shell sees: completion that really completes, a manual page that man reads, tables on standard output.
+#include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+#include <regex>
+#include <set>
+#include <sstream>
+
+#include "catch.hpp"
+#include "program.hpp"
+
+using namespace lostbits::test;
+namespace fs = std::filesystem;
+
+namespace {
+
+/// Through a shell of its own: what it printed, and how it ended.
+Outcome shell(const std::string& program, const std::string& script, const Scratch& scratch) {
+    const std::string file = scratch.write("script", script);
+    const auto out = (scratch.path() / "said").string();
+    const int status = std::system((program + " '" + file + "' >'" + out + "' 2>&1 </dev/null").c_str());
+    return {status == 0 ? 0 : 1, contents(out), ""};
+}
+
+bool there_is(const std::string& program) {
+    return std::system(("command -v " + program + " >/dev/null 2>&1").c_str()) == 0;
+}
+
+/// What bash offers for the last of the words, as the completion of readline asks for it.
+std::set<std::string> offered(const std::vector<std::string>& words, const Scratch& scratch) {
+    std::string script = "export LOSTBITS_DATA='" LOSTBITS_DATA_DIR "'\ncd '" + scratch.path().string() +
+                         "'\nsource <('" LOSTBITS_PROGRAM "' completion bash)\nCOMP_WORDS=('" LOSTBITS_PROGRAM "'";
+    for (const std::string& word : words) script += " '" + word + "'";
+    script += ")\nCOMP_CWORD=$((${#COMP_WORDS[@]} - 1))\n_lostbits\nprintf '%s\\n' \"${COMPREPLY[@]}\"\n";
+    const Outcome said = shell("bash", script, scratch);
+    INFO(said.out);
+    CHECK(said.code == 0);
+    std::set<std::string> all;
+    std::istringstream in(said.out);
+    for (std::string line; std::getline(in, line);) all.insert(line);
+    all.erase("");
+    return all;
+}
+
+/// The long options that the help of a command names.
+std::set<std::string> options_in_help(const std::string& command) {
+    const std::string help = run(command + " --help").out;
+    std::set<std::string> names;
+    const std::regex option(R"(^ +(?:-[a-z],)?(--[a-z-]+))");
+    std::istringstream in(help);
+    for (std::string line; std::getline(in, line);) {
+        std::smatch found;
+        if (std::regex_search(line, found, option)) names.insert(found[1]);
+    }
+    return names;
+}
+
+using Words = std::set<std::string>;
+
+}  // namespace
+
+TEST_CASE("bash completes commands, options, names and values") {
+    const Scratch scratch;
+    static_cast<void>(scratch.write("mine.toml", good_scene));
+    CHECK(offered({"ma"}, scratch) == Words{"manual", "map"});
+    CHECK(offered({"map", "--metr"}, scratch) == Words{"--metric"});
+    CHECK(offered({"map", "-i", "sphere.unifi"}, scratch) == Words{"sphere.unified", "sphere.unified_unit"});
+    CHECK(offered({"map", "-i", "sphere.press,sphere.unifi"}, scratch) ==
+          Words{"sphere.press,sphere.unified", "sphere.press,sphere.unified_unit"});
+    CHECK(offered({"map", "--pixels", ""}, scratch) == Words{"none", "csv"});
+    CHECK(offered({"map", "--progress", "b"}, scratch) == Words{"bar"});
+    CHECK(offered({"map", "near-b"}, scratch) == Words{"near-benign"});
+    CHECK(offered({"map", "mi"}, scratch) == Words{"mine.toml"});
+    CHECK(offered({"-q", "map", "-f", "bf"}, scratch) == Words{"bf16"});
+    CHECK(offered({"sweep", "sphere-ti"}, scratch) == Words{"sphere-tilt"});
+    CHECK(offered({"list", "sce"}, scratch) == Words{"scenes"});
+    CHECK(offered({"plugin", "ch"}, scratch) == Words{"check"});
+    CHECK(offered({"render", "--stage", "sha"}, scratch) == Words{"shadows"});
+    CHECK(offered({"map", "--size", ""}, scratch).empty());
+}
+
+TEST_CASE("bash completes every option of every command") {
+    const Scratch scratch;
+    for (const std::string command :
+         {"check", "diff", "explain", "judge", "list", "map", "render", "report", "sweep", "trade"}) {
+        INFO(command);
+        const auto offers = offered({command, "--"}, scratch);
+        const auto named = options_in_help(command);
+        REQUIRE(named.size() > 1);
+        for (const std::string& option : named) {
+            INFO(option);
+            CHECK(offers.contains(option));
+        }
+    }
+}
+
+TEST_CASE("the scripts for zsh and fish are what those shells read") {
+    const Scratch scratch;
+    for (const std::string name : {"bash", "zsh", "fish"}) {
+        const auto r = run("completion " + name);
+        CHECK(r.code == 0);
+        CHECK(has(r.out, "intersector"));
+        if (!there_is(name)) continue;  // its syntax is read where it is installed
+        const std::string file = scratch.write("completion", r.out);
+        const auto read = shell(name + " -n", r.out, scratch);
+        INFO(name << read.out);
+        CHECK(read.code == 0);
+    }
+    if (there_is("fish")) {
+        const auto said = shell("fish",
+                                "source ('" LOSTBITS_PROGRAM
+                                "' completion fish | psub)\n"
+                                "complete -C 'lostbits map --metr'\n",
+                                scratch);
+        INFO(said.out);
+        CHECK(has(said.out, "--metric"));
+    }
+}
+
+TEST_CASE("the manual page names every command and every option, and man reads it") {
+    const Scratch scratch;
+    const auto page = run("manual");
+    REQUIRE(page.code == 0);
+    CHECK(page.out.starts_with(".TH LOSTBITS 1"));
+    const std::string file = scratch.write("lostbits.1", page.out);
+    if (!there_is("man")) return;
+    const auto said = shell("bash", "MANWIDTH=100 man --warnings -l '" + file + "' | col -b\n", scratch);
+    INFO(said.out);
+    CHECK(said.code == 0);
+    CHECK_FALSE(has(said.out, "warning"));
+    for (const char* words :
+         {"NAME", "SYNOPSIS", "EXIT STATUS", "ENVIRONMENT", "LOSTBITS_DATA", "lostbits sweep SWEEP"})
+        CHECK(has(said.out, words));
+    for (const std::string command : {"check", "map", "explain", "judge"}) {
+        for (const std::string& option : options_in_help(command)) {
+            INFO(option);
+            CHECK(has(said.out, option));
+        }
+    }
+}
+
+TEST_CASE("-o - writes the table to standard output, and leaves nothing else anywhere") {
+    const Scratch scratch, temporary;
+    static_cast<void>(scratch.write("mine.toml", good_scene));
+    static_cast<void>(scratch.write("rays.csv", "ox,oy,oz,dx,dy,dz,hit,t\n0,0,-5,0,0,1,1,4\n0,0,-5,0,0,1,1,4\n"));
+    const std::string before = "export TMPDIR='" + temporary.path().string() + "';";
+    struct Case {
+        std::string words, file;
+    };
+    const Case cases[] = {{"map mine.toml -i sphere.press -f f32", "mine/summary.csv"},
+                          {"judge rays.csv --sphere 0,0,0,1", "rays/summary.csv"},
+                          {"render raycast-course.small --size 8x6", "raycast-course.small/summary.csv"},
+                          {"sweep sphere-tilt -i sphere.press -f f32 --seeds 0", "sphere-tilt/samples.csv"},
+                          {"sweep extremes/contact -i sphere.press -f f32", "contact/cases.csv"}};
+    for (const Case& c : cases) {
+        const auto r = run(c.words + " -o -", scratch.path(), before);
+        INFO(c.words << "\n" << r.err);
+        CHECK(r.code == 0);
+        CHECK_FALSE(has(r.err, temporary.path().string()));
+        CHECK(temporary.files().empty());
+        CHECK_FALSE(fs::exists(scratch.path() / "-"));
+        REQUIRE(run(c.words + " -o out", scratch.path()).code == 0);
+        CHECK(r.out == contents(scratch.path() / "out" / c.file));
+    }
+    CHECK(run("check --filter 'float.*' --export-json - 2>/dev/null").out.starts_with("["));
+    const auto csv = run("check --filter 'float.*' --export-csv -");
+    CHECK(csv.code == 0);
+    CHECK(csv.out.starts_with("id,"));
+    CHECK(has(csv.err, "confirmed"));
+}
+
+TEST_CASE("standard output takes one table") {
+    const Scratch scratch;
+    static_cast<void>(scratch.write("mine.toml", good_scene));
+    static_cast<void>(scratch.write("other.toml", good_scene));
+    for (const auto& [words, says] :
+         {std::pair{"map mine.toml other.toml -i sphere.press -f f32 -o -", "name one subject"},
+          std::pair{"report near-benign --no-claims --size 8x8 -i sphere.press -f f32 -o -", "a page is not a table"},
+          std::pair{"check --filter 'float.*' --junit - --export-csv -", "takes one table, not two"}}) {
+        const auto r = run(words, scratch.path());
+        INFO(words << r.err);
+        CHECK(r.code == 2);
+        CHECK(has(r.err, says));
+        CHECK(r.out.empty());
+    }
+}
+
+TEST_CASE("JUnit says how long each claim took") {
+    const auto r = run("check --filter 'float.*' --junit -");
+    REQUIRE(r.code == 0);
+    const std::regex time("<testcase [^>]*time=\"([0-9.]+)\"");
+    double sum = 0;
+    int cases = 0;
+    for (auto at = std::sregex_iterator(r.out.begin(), r.out.end(), time); at != std::sregex_iterator(); ++at, ++cases)
+        sum += std::stod((*at)[1]);
+    std::smatch suite;
+    REQUIRE(std::regex_search(r.out, suite, std::regex("<testsuite [^>]*time=\"([0-9.]+)\"")));
+    CHECK(cases > 5);
+    CHECK(sum > 0);
+    CHECK(std::abs(std::stod(suite[1]) - sum) < 1e-4);
+}
