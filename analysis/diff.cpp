@@ -45,11 +45,15 @@ Exit run_on_maps(const DiffWords& w, const MapSides& sides, const CompareOptions
     auto names = names_of(found.others);
     names.insert(found.rows.names.begin(), found.rows.names.end());
     refuse_unknown_columns(options, names);
-    if (!w.draw.empty()) draw_maps(sides, w.draw, common.quiet);
+    const auto pictures = w.draw.empty() ? std::vector<std::filesystem::path>{} : draw_maps(sides, w.draw);
     if (!found.same() || common.verbose) print(found, sides, common.verbose);
     if (found.same() && !common.quiet) fmt::print("same\n");
+    for (const auto& picture : pictures) {
+        if (!common.quiet) fmt::print("{}\n", picture.string());
+    }
     if (found.pictures > 0 && !common.quiet)
-        fmt::print(stderr, "lostbits: {} pictures are not compared; --pictures compares them\n", found.pictures);
+        fmt::print(stderr, "lostbits: {} {} not compared; --pictures compares {}\n", found.pictures,
+                   found.pictures == 1 ? "picture is" : "pictures are", found.pictures == 1 ? "it" : "them");
     return found.same() ? Exit::done : Exit::answer_is_no;
 }
 

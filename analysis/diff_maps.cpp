@@ -162,9 +162,9 @@ void print(const MapDifference& d, const MapSides& sides, bool verbose) {
     }
 }
 
-void draw_maps(const MapSides& sides, const fs::path& out, bool quiet) {
+std::vector<fs::path> draw_maps(const MapSides& sides, const fs::path& out) {
     auto& images = output::image::image_backend();
-    std::size_t drawn = 0;
+    std::vector<fs::path> drawn;
     for (const fs::path& file : files_below(sides.a)) {
         if (file.filename() != "summary.csv") continue;
         const auto table = output::file::read_csv(sides.a / file);
@@ -181,11 +181,10 @@ void draw_maps(const MapSides& sides, const fs::path& out, bool quiet) {
                 images, picture, *a, *b,
                 {(map.empty() ? "" : map.string() + ": ") + (first == second ? first : first + " and " + second),
                  first == second ? sides.a.string() : first, first == second ? sides.b.string() : second});
-            ++drawn;
-            if (!quiet) fmt::print("{}\n", picture.string());
+            drawn.push_back(picture);
         }
     }
-    if (drawn == 0)
+    if (drawn.empty())
         throw InputError(
             fmt::format("--draw {}: no map below {} has the pixels of a form on both sides; make the maps "
                         "with --pixels csv or --exr",

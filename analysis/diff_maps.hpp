@@ -34,8 +34,8 @@ struct MapDifference {
 /// `most` lines of each kind; `verbose`: all of them, and the differences of other files.
 void print(const MapDifference& difference, const MapSides& sides, bool verbose);
 
-/// A picture in `out` for each form and format of each map whose pixels both sides hold; their paths on stdout.
-/// InputError where there is none.
-void draw_maps(const MapSides& sides, const std::filesystem::path& out, bool quiet);
+/// A picture in `out` for each form and format of each map whose pixels both sides hold; their paths. InputError where
+/// there is none.
+std::vector<std::filesystem::path> draw_maps(const MapSides& sides, const std::filesystem::path& out);
 
 }  // namespace lostbits::analysis
