@@ -140,7 +140,7 @@ void print(const MapDifference& d, const MapSides& sides, bool verbose) {
     const std::string a = sides.are_forms() ? sides.form_a : sides.a.string(),
                       b = sides.are_forms() ? sides.form_b : sides.b.string();
     if (d.tables > 0)
-        fmt::print("{} to {}: {} of {} differ, in {} {}\n", a, b, d.rows.changed, rows_text(d.rows.rows), d.tables,
+        fmt::print("{} to {}: {} of {} rows differ, in {} {}\n", a, b, d.rows.changed, d.rows.rows, d.tables,
                    d.tables == 1 ? "table" : "tables");
     print_lines(fmt::format("{} only in {}:", rows_text(d.rows.only_a.size()), a), d.rows.only_a, verbose);
     print_lines(fmt::format("{} only in {}:", rows_text(d.rows.only_b.size()), b), d.rows.only_b, verbose);

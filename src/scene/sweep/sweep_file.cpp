@@ -181,8 +181,7 @@ void SweepFile::change(const SweepChanges& changes) {
                              "out --steps, or bring the ends closer together with --set 'axis[0].to=VALUE'");
         const long long steps = changes.steps[changes.steps.size() > 1 ? a : 0];
         const toml::Where where{"--steps " + std::to_string(steps), 0, 0};
-        toml::apply_override(root_,
-                             {fmt::format("axis[{}].steps", a), toml::Node::of_integer(steps, where), where});
+        toml::apply_override(root_, {fmt::format("axis[{}].steps", a), toml::Node::of_integer(steps, where), where});
     }
 }
 
