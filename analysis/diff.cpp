@@ -4,13 +4,15 @@
 #include <memory>
 #include <set>
 
+#include "analysis/diff/diff_files.hpp"
+#include "analysis/diff/diff_maps.hpp"
 #include "commands.hpp"
-#include "diff_files.hpp"
-#include "diff_maps.hpp"
 #include "number/error.hpp"
 
 namespace lostbits::analysis {
 
+using diff::MapSides;
+using diff::Result;
 using output::diff::CompareOptions;
 
 namespace {
@@ -30,23 +32,23 @@ std::set<std::string> names_of(const std::vector<Result>& results) {
 /// Every file of every kind, one after another; what two commits that mean to change nothing are held to.
 Exit run_strictly(const DiffWords& w, const CompareOptions& options, const Common& common) {
     // Nothing is printed before every file is read: bad input is not to look like half an answer.
-    const auto results = compare_all(w.a, w.b, options);
-    refuse_unknown_columns(options, names_of(results));
+    const auto results = diff::compare_all(w.a, w.b, options);
+    diff::refuse_unknown_columns(options, names_of(results));
     const bool same = std::ranges::all_of(results, &Result::same);
     for (const Result& r : results) {
-        if (!r.same() || common.verbose) print(r, common.verbose);
+        if (!r.same() || common.verbose) diff::print(r, common.verbose);
     }
     if (same && !common.quiet) fmt::print("same\n");
     return same ? Exit::done : Exit::answer_is_no;
 }
 
 Exit run_on_maps(const DiffWords& w, const MapSides& sides, const CompareOptions& options, const Common& common) {
-    const MapDifference found = compare_maps(sides, options, w.pictures);
+    const diff::MapDifference found = diff::compare_maps(sides, options, w.pictures);
     auto names = names_of(found.others);
     names.insert(found.rows.names.begin(), found.rows.names.end());
-    refuse_unknown_columns(options, names);
-    const auto pictures = w.draw.empty() ? std::vector<std::filesystem::path>{} : draw_maps(sides, w.draw);
-    if (!found.same() || common.verbose) print(found, sides, common.verbose);
+    diff::refuse_unknown_columns(options, names);
+    const auto pictures = w.draw.empty() ? std::vector<std::filesystem::path>{} : diff::draw_maps(sides, w.draw);
+    if (!found.same() || common.verbose) diff::print(found, sides, common.verbose);
     if (found.same() && !common.quiet) fmt::print("same\n");
     for (const auto& picture : pictures) {
         if (!common.quiet) fmt::print("{}\n", picture.string());
@@ -78,7 +80,7 @@ Exit run(const DiffWords& w, const Common& common) {
     if (w.b.empty() && !sides.are_forms())
         throw InputError("diff: B is required, a file or folder to compare with; or name two forms of " + w.a +
                          ": -i FORM -i FORM");
-    const bool folders = are_folders(w.a, w.b.empty() ? w.a : w.b);
+    const bool folders = diff::are_folders(w.a, w.b.empty() ? w.a : w.b);
     if (!folders && sides.are_forms())
         throw InputError(w.a + ": is a file; two forms are held against each other in the folder of a map");
     if (!w.draw.empty() && (!folders || w.strict))

@@ -8,7 +8,7 @@
 
 #include "output/diff/difference.hpp"
 
-namespace lostbits::analysis {
+namespace lostbits::analysis::diff {
 
 /// How a file is compared, which its name says.
 enum class FileKind { csv, exr, png, bytes };
@@ -44,4 +44,4 @@ void refuse_unknown_columns(const output::diff::CompareOptions& options, const s
 /// are not identical.
 void print(const Result& result, bool verbose);
 
-}  // namespace lostbits::analysis
+}  // namespace lostbits::analysis::diff

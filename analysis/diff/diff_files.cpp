@@ -1,4 +1,4 @@
-#include "diff_files.hpp"
+#include "analysis/diff/diff_files.hpp"
 
 #include <fmt/format.h>
 
@@ -8,7 +8,7 @@
 #include "number/error.hpp"
 #include "scene/toml/did_you_mean.hpp"
 
-namespace lostbits::analysis {
+namespace lostbits::analysis::diff {
 
 namespace fs = std::filesystem;
 using output::diff::CompareOptions;
@@ -161,4 +161,4 @@ void print(const Result& r, bool verbose) {
         fmt::print("{}: and {} more; -v shows all\n", r.file, c.count - c.differences.size());
 }
 
-}  // namespace lostbits::analysis
+}  // namespace lostbits::analysis::diff

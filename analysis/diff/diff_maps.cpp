@@ -1,4 +1,4 @@
-#include "diff_maps.hpp"
+#include "analysis/diff/diff_maps.hpp"
 
 #include <fmt/format.h>
 
@@ -8,7 +8,7 @@
 #include "output/diff/pixel_difference.hpp"
 #include "scene/toml/did_you_mean.hpp"
 
-namespace lostbits::analysis {
+namespace lostbits::analysis::diff {
 
 namespace fs = std::filesystem;
 using output::diff::CompareOptions;
@@ -154,7 +154,7 @@ void print(const MapDifference& d, const MapSides& sides, bool verbose) {
     print_lines("columns:", d.rows.columns, verbose);
     for (const Result& r : d.others) {
         if (verbose || !r.only.empty()) {
-            if (verbose || !r.same()) analysis::print(r, verbose);
+            if (verbose || !r.same()) diff::print(r, verbose);
         } else if (!r.same()) {
             fmt::print("{}: {} {}\n", r.file, r.comparison.count,
                        r.comparison.count == 1 ? "difference" : "differences");
@@ -191,4 +191,4 @@ std::vector<fs::path> draw_maps(const MapSides& sides, const fs::path& out) {
                         out.string(), sides.a.string()));
 }
 
-}  // namespace lostbits::analysis
+}  // namespace lostbits::analysis::diff

@@ -7,10 +7,10 @@
 #include <string>
 #include <vector>
 
-#include "diff_files.hpp"
+#include "analysis/diff/diff_files.hpp"
 #include "output/diff/row_changes.hpp"
 
-namespace lostbits::analysis {
+namespace lostbits::analysis::diff {
 
 /// Two sides of maps: folders, and perhaps a form on each side.
 struct MapSides {
@@ -38,4 +38,4 @@ void print(const MapDifference& difference, const MapSides& sides, bool verbose)
 /// there is none.
 std::vector<std::filesystem::path> draw_maps(const MapSides& sides, const std::filesystem::path& out);
 
-}  // namespace lostbits::analysis
+}  // namespace lostbits::analysis::diff
