@@ -42,7 +42,9 @@ PixelField pixels_of_table(const std::filesystem::path& path) {
         const auto found = std::ranges::find(outcome_names, outcome->cells[r]);
         if (found == outcome_names.end()) refuse(path, "has an outcome that is none");
         field.outcome.push_back(static_cast<std::uint8_t>(found - outcome_names.begin()));
-        field.lost.push_back(lost->cells[r].empty() ? none : number(lost->cells[r]));
+        // As an EXR holds it, so that both give one picture.
+        const double bits = lost->cells[r].empty() ? none : number(lost->cells[r]);
+        field.lost.push_back(static_cast<double>(static_cast<float>(bits)));
     }
     return field;
 }
