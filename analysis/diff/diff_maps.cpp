@@ -189,6 +189,7 @@ std::vector<fs::path> draw_maps(const MapSides& sides, const fs::path& out) {
             fmt::format("--draw {}: no map below {} has the pixels of a form on both sides; make the maps "
                         "with --pixels csv or --exr",
                         out.string(), sides.a.string()));
+    return drawn;
 }
 
 }  // namespace lostbits::analysis::diff

@@ -75,11 +75,11 @@ TEST_CASE("a sweep says where a form is good again after its first trouble, as i
         CHECK(again <= number(samples[good + 1].at("distance_radii")));
         CHECK(again - last <= 0x1p-8 * again);
     }
-    CHECK(recovered > 2);  // past 2^12 radii a float of the schoolbook form hits nothing, and then by chance again
+    CHECK(recovered > 1);  // past 2^12 radii a float of the schoolbook form hits nothing, and then by chance again
     CHECK(for_good > 2);
 }
 
-TEST_CASE("--steps, --set and --size change what they name, and the title says so") {
+TEST_CASE("a sweep: --steps, --set and --size change what they name, and the title says so") {
     const Scratch scratch;
     const std::string file = scratch.write("s.toml", small_sweep);
     const auto sweep = [&](const std::string& options) {
@@ -120,7 +120,8 @@ set = ["sphere[0].radius"]
     CHECK(read_csv(scratch.path() / "d/near/worst.csv").front().at("evaluations") == "64");
 }
 
-TEST_CASE("--size, --set and --steps are refused where they mean nothing, with what does, and nothing is written") {
+TEST_CASE(
+    "a sweep: --size, --set and --steps are refused where they mean nothing, with what does, and nothing is written") {
     const Scratch scratch;
     static_cast<void>(scratch.write("s.toml", small_sweep));
     static_cast<void>(scratch.write("f.toml", small_sweep + "\n[[axis]]\nname = \"impact\"\nspacing = "
@@ -161,7 +162,9 @@ TEST_CASE("--size, --set and --steps are refused where they mean nothing, with w
 TEST_CASE("an interrupted sweep says what it was amid, and what is kept") {
     const Scratch scratch;
     static_cast<void>(scratch.write("s.toml", with_steps(4000)));
-    const auto r = run("sweep s.toml --set views=1024 -o out", scratch.path(), "timeout --preserve-status -s INT 3 ");
+    const auto r =
+        run("sweep s.toml --set views=1024 -o out & child=$!; sleep 3; kill -INT $child; wait $child; exit $?",
+            scratch.path());
     INFO(r.err);
     CHECK(r.code == 130);
     CHECK(has(r.err, "interrupted among the steps of s: of this sweep nothing is kept"));
