@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <memory>
+#include <optional>
 
 #include "analysis/choice/lost_numbers.hpp"
 #include "analysis/choice/options.hpp"
@@ -9,7 +10,6 @@
 #include "explain_ray.hpp"
 #include "output/blame/explain_programs.hpp"
 #include "output/blame/explain_text.hpp"
-#include "output/blame/march_text.hpp"
 
 namespace lostbits::analysis {
 
@@ -44,8 +44,11 @@ Exit run(const ExplainOptions& o, const Common& common) {
     else if (o.c) fmt::print("{}", output::blame::explain_c(x));
     else {
         fmt::print("{}", asked.note);
-        if (form.log) fmt::print("{}\n", output::blame::march_table(form, formats.front(), ray));
-        fmt::print("{}", output::blame::explain_text(x, common.verbose));
+        std::optional<output::blame::MarchEnd> march;
+        if (form.log)
+            march = {measure::answer::march_log(form, formats.front(), ray),
+                     ray.inputs(form, formats.front()).all.march.value()};
+        fmt::print("{}", output::blame::explain_text(x, common.verbose, march));
     }
     return Exit::done;
 }

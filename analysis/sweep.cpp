@@ -11,15 +11,18 @@
 #include "analysis/choice/select.hpp"
 #include "commands.hpp"
 #include "measure/contract/suspect.hpp"
+#include "output/file/estimate.hpp"
 #include "output/sweep/case_files.hpp"
 #include "output/sweep/sweep_files.hpp"
 #include "output/sweep/sweep_plots.hpp"
 #include "output/sweep/worst_files.hpp"
 #include "sweep_exhaustive.hpp"
+#include "sweep_options.hpp"
 
 namespace lostbits::analysis {
 
 using measure::map::MapRow;
+using output::file::Estimate;
 using output::file::Progress;
 using scene::sweep::SweepKind;
 
@@ -31,25 +34,47 @@ struct SweepOptions {
     std::vector<std::string> formats;
     std::vector<std::string> metrics;
     std::string out, against;
+    SweepWords changes;
     bool worst = false;
     bool resume = false;
     std::optional<int> seeds;
 };
 
 void print_onsets(const measure::sweep::SweepRequest& request, const std::vector<measure::sweep::Onset>& onsets) {
-    fmt::print("  {:<28} {:<5} {:<13} {:<5} {:>9} {:>14} {:>14}  {}\n", "form", "fmt", "event", "stat", "threshold",
-               "last good", "first bad", "first bad over draws");
+    fmt::print("  {:<28} {:<5} {:<13} {:<5} {:>9} {:>14} {:>14} {:>15}  {}\n", "form", "fmt", "event", "stat",
+               "threshold", "last good", "first bad", "last good after", "first bad over draws");
     for (const measure::sweep::Onset& o : onsets) {
         if (!o.found) continue;
         const MapRow& row = request.rows[o.row];
         // Bad at the first step already: there is no last good value.
         const auto s = o.spread();
-        fmt::print("  {:<28} {:<5} {:<13} {:<5} {:>9} {:>14} {:>14.8g}  {}\n", row.form->info->name, row.format.name,
-                   o.event, o.statistic, o.threshold, o.from_start ? "-" : fmt::format("{:.8g}", o.last_good),
-                   o.first_bad,
+        fmt::print("  {:<28} {:<5} {:<13} {:<5} {:>9} {:>14} {:>14.8g} {:>15}  {}\n", row.form->info->name,
+                   row.format.name, o.event, o.statistic, o.threshold,
+                   o.from_start ? "-" : fmt::format("{:.8g}", o.last_good), o.first_bad,
+                   !o.recovers     ? "-"
+                   : o.good_at_end ? "to the end"
+                                   : fmt::format("{:.8g}", o.last_good_after),
                    o.further.empty() ? "" : fmt::format("{:.4g} to {:.4g}, median {:.4g}", s.low, s.high, s.median));
     }
 }
+
+/// Moves a bar on, says on long runs how long they will take, and ends the run where someone interrupted it.
+class Watched {
+public:
+    Watched(const std::string& id, std::uint64_t units, const Common& common)
+        : progress_(units, id, common.progress, common.quiet), estimate_(progress_, id, units, common.quiet) {}
+    [[nodiscard]] std::function<void(std::uint64_t)> advancing() {
+        return [this, move = analysis::advancing(progress_)](std::uint64_t done) {
+            estimate_.advance(done);
+            move(done);
+        };
+    }
+    void finish() { progress_.finish(); }
+
+private:
+    Progress progress_;
+    Estimate estimate_;
+};
 
 struct Chosen {
     std::vector<MapRow> rows;
@@ -76,15 +101,16 @@ void run_case_file(const std::filesystem::path& path, const Chosen& chosen, cons
     const auto folder = std::filesystem::path(o.out) / file.id;
     const auto owner = own_folder(folder, common, choice::name_of_sweep(path, choice::data_folder(common.data)));
     output::sweep::CaseFiles files(request, folder, choice::name_of_sweep(path, choice::data_folder(common.data)));
-    Progress progress(file.size() * request.rows.size(), file.id, common.progress, common.quiet);
-    request.progress = advancing(progress);
+    Watched progress(file.id, file.size() * request.rows.size(), common);
+    request.progress = progress.advancing();
     files.finish(measure::sweep::run_cases(request));
     progress.finish();
     if (!common.quiet) fmt::print("{}\n", (folder / "cases.csv").string());
 }
 
 void run_axes(const std::filesystem::path& path, const Chosen& chosen, const SweepOptions& o, const Common& common) {
-    const scene::sweep::SweepFile sweep(path, choice::data_folder(common.data));
+    scene::sweep::SweepFile sweep(path, choice::data_folder(common.data), read_changes(o.changes));
+    sweep.title += o.changes.in_title();
     measure::sweep::SweepRequest request{
         .sweep = &sweep,
         .rows = choice::fitting(chosen.rows, [&](Shape shape) { return sweep.meets(shape); }),
@@ -98,13 +124,14 @@ void run_axes(const std::filesystem::path& path, const Chosen& chosen, const Swe
                                             [&sweep] { return measure::blame::SettingOf(sweep.first_rays()); });
     for (MapRow& row : request.rows) row.judged = sweep.convention;
     request.further_draws = o.seeds.value_or(2);
+    request.recoveries = true;
     choice::note_without_formula(chosen.asked, request.rows, common.quiet);
     if (!common.quiet) choice::note_lost_numbers(sweep, request.rows);
     const auto folder = std::filesystem::path(o.out) / sweep.id;
     const auto owner = own_folder(folder, common, choice::name_of_sweep(path, choice::data_folder(common.data)));
     output::sweep::SweepFiles files(request, folder);
-    Progress progress(measure::sweep::sweep_units(request), sweep.id, common.progress, common.quiet);
-    request.progress = advancing(progress);
+    Watched progress(sweep.id, measure::sweep::sweep_units(request), common);
+    request.progress = progress.advancing();
     const auto steps = measure::sweep::run_sweep(request);
     const auto onsets = measure::sweep::find_onsets(request, steps);
     output::sweep::write_sweep_plots(folder, {request, steps, onsets});
@@ -121,7 +148,8 @@ void run_axes(const std::filesystem::path& path, const Chosen& chosen, const Swe
 }
 
 void run_search(const std::filesystem::path& path, const Chosen& chosen, const SweepOptions& o, const Common& common) {
-    const scene::sweep::SearchFile search(path);
+    scene::sweep::SearchFile search(path, read_changes(o.changes).set);
+    search.title += o.changes.in_title();
     measure::sweep::WorstRequest request{
         .search = &search,
         .rows = choice::fitting(chosen.rows, [&](Shape shape) { return search.shape == shape; }),
@@ -134,8 +162,8 @@ void run_search(const std::filesystem::path& path, const Chosen& chosen, const S
     const auto folder = std::filesystem::path(o.out) / search.id;
     const auto owner = own_folder(folder, common, choice::name_of_sweep(path, choice::data_folder(common.data)));
     probe(folder / "worst.csv");
-    Progress progress(request.rows.size(), search.id, common.progress, common.quiet);
-    request.progress = advancing(progress);
+    Watched progress(search.id, request.rows.size(), common);
+    request.progress = progress.advancing();
     const auto found = measure::sweep::find_worst(request);
     progress.finish();
     if (std::ranges::none_of(found, [](const auto& w) { return w.has_value(); })) {
@@ -151,24 +179,26 @@ void run_search(const std::filesystem::path& path, const Chosen& chosen, const S
 using Meets = std::function<bool(Shape)>;
 
 /// Reads the file only to check it: InputError if something is wrong. Returns which forms can handle it.
-Meets check_file(const std::filesystem::path& path, SweepKind kind, bool worst, const std::filesystem::path& data) {
+Meets check_file(const std::filesystem::path& path, SweepKind kind, const SweepOptions& o,
+                 const std::filesystem::path& data) {
     using K = SweepKind;
-    if (worst && kind != K::search)
+    if (o.worst && kind != K::search)
         throw InputError(path.string() +
                          ":1:1: --worst needs a [search] table: the ranges to search; see data/sweeps/worst");
-    if (!worst && kind == K::search)
+    if (!o.worst && kind == K::search)
         throw InputError(path.string() + ":1:1: this file has a [search] table, which only --worst uses; add --worst");
+    check_changes(o.changes, kind, path.stem().string());
     const auto only = [](Shape shape) { return [shape](Shape form) { return form == shape; }; };
     if (kind == K::cases) return only(scene::sweep::CaseFile(path).shape());
     if (kind == K::every_float) return only(scene::sweep::ExhaustiveFile(path).solid.shape);
     if (kind == K::axes) {
-        const scene::sweep::SweepFile sweep(path, data);
+        const scene::sweep::SweepFile sweep(path, data, read_changes(o.changes));
         return [sphere = sweep.meets(Shape::sphere), box = sweep.meets(Shape::box),
                 sdf = sweep.meets(Shape::sdf)](Shape form) {
             return form == Shape::sphere ? sphere : form == Shape::box ? box : sdf;
         };
     }
-    const scene::sweep::SearchFile search(path);
+    const scene::sweep::SearchFile search(path, read_changes(o.changes).set);
     measure::metric::MetricSet made;
     const measure::metric::Metric* const metric = made.find(search.metric);
     if (metric == nullptr) {
@@ -219,7 +249,7 @@ Exit run(const SweepOptions& o, const Common& common) {
         else if (o.resume)
             throw InputError("--resume: " + path.stem().string() +
                              " is not a sweep over every float, and only those can be resumed; leave out --resume");
-        sweeps.push_back({path, kind, check_file(path, kind, o.worst, data)});
+        sweeps.push_back({path, kind, check_file(path, kind, o, data)});
     }
     choice::drop_unfitting(
         sweeps, chosen.rows, common.quiet, [](const Sweep& s, Shape shape) { return s.meets(shape); },
@@ -231,9 +261,13 @@ Exit run(const SweepOptions& o, const Common& common) {
     }
     const choice::ThreadLimit limit(common.threads);
     for (const auto& [path, kind, meets] : sweeps) {
-        if (kind == SweepKind::cases) run_case_file(path, chosen, o, common);
-        else if (kind == SweepKind::axes) run_axes(path, chosen, o, common);
-        else if (kind == SweepKind::search) run_search(path, chosen, o, common);
+        try {
+            if (kind == SweepKind::cases) run_case_file(path, chosen, o, common);
+            else if (kind == SweepKind::axes) run_axes(path, chosen, o, common);
+            else if (kind == SweepKind::search) run_search(path, chosen, o, common);
+        } catch (const Interrupted&) {
+            throw Error(Exit::interrupted, interrupted_text(kind, path.stem().string()));
+        }
     }
     std::uint64_t unproved = 0;
     for (const auto& run : exhaustive) unproved += run->run(common);
@@ -255,6 +289,14 @@ void add_sweep(CLI::App& program, const Common& common, Command& chosen) {
             "--seeds", o->seeds,
             "Find the onsets of a family of rays on this many further draws too, for their spread (default: 2)")
         ->check(CLI::Range(0, 1000));
+    command->add_option("--size", o->changes.size,
+                        "Size of the picture of a sweep's scene, WxH: so many rays a step (default: the scene's)");
+    command->add_option("--steps", o->changes.steps, "Steps of each axis: 40, or 40,20 (default: the file's)");
+    command
+        ->add_option("--set", o->changes.set,
+                     "Change a number of the sweep's scene, family or search first: views=64, axis[0].to=100, "
+                     "march.hit_eps=1e-6")
+        ->allow_extra_args(false);
     command->add_flag("--worst", o->worst, "Search the ranges of a [search] file for the worst ray of each form");
     command->add_flag("--resume", o->resume, "Go on with a sweep over every float that was stopped");
     command->add_option("--against", o->against, "A form to hold the others against, without asking what is true");

@@ -7,8 +7,10 @@
 
 #include "analysis/choice/select.hpp"
 #include "commands.hpp"
+#include "output/file/estimate.hpp"
 #include "output/sweep/exhaustive_files.hpp"
 #include "output/sweep/exhaustive_text.hpp"
+#include "sweep_options.hpp"
 
 namespace lostbits::analysis {
 
@@ -55,7 +57,11 @@ void ExhaustiveRun::try_all(const Common& common) {
     const std::uint64_t each = sweep_.rays.size() * request_.rows.size();
     Progress progress(sweep_.floats() * each, sweep_.id, common.progress, common.quiet);
     progress.advance(state_.tried * each);
-    request_.progress = advancing(progress);
+    output::file::Estimate estimate(progress, sweep_.id, (sweep_.floats() - state_.tried) * each, common.quiet);
+    request_.progress = [&estimate, move = advancing(progress)](std::uint64_t done) {
+        estimate.advance(done);
+        move(done);
+    };
     auto kept = std::chrono::steady_clock::now();
     request_.keep = [&](const ExhaustiveState& state) {
         if (std::chrono::steady_clock::now() - kept < keep_every) return;
@@ -70,7 +76,7 @@ void ExhaustiveRun::try_all(const Common& common) {
         if (!common.quiet)
             fmt::print(stderr, "lostbits: {} was stopped at {} %; the same command with --resume goes on from there\n",
                        sweep_.id, percent(state_.tried, sweep_.floats()));
-        throw;
+        throw Error(Exit::interrupted, interrupted_text(scene::sweep::SweepKind::every_float, sweep_.id));
     }
     progress.finish();
 }

@@ -32,7 +32,7 @@ TEST_CASE("every claim measures as stated, on three further draws too, and the r
     const auto table = run("diff '" + made + "/claims.csv' '" LOSTBITS_REPORTS_DIR "/claims.csv'");
     INFO(table.out);
     CHECK(table.code == 0);
-    const auto pictures = run("diff '" + made + "/pictures' '" LOSTBITS_REPORTS_DIR "/pictures'");
+    const auto pictures = run("diff --strict '" + made + "/pictures' '" LOSTBITS_REPORTS_DIR "/pictures'");
     INFO(pictures.out);
     CHECK(pictures.code == 0);
 }

@@ -46,6 +46,22 @@ std::vector<Standing> better_than(const Standing& mine, const Format& format, co
     return better;
 }
 
+/// The form asked of the solid that the ray truly meets, where its answer is on another one.
+std::optional<TrueSolid> missed_solid(const Intersector& form, const Format& format, const OneRay::Inputs& in,
+                                      int truly) {
+    TrueSolid found{.solid = truly, .alone = scene::rays::group_of(in.all.rays[in.index])};
+    const auto place = static_cast<std::size_t>(truly);
+    found.alone.solids = {in.all.solids[place]};
+    double tmax = HUGE_VAL;
+    if (!in.all.rays.tmax.empty()) found.alone.rays.tmax.push_back(tmax = in.all.rays.tmax[in.index]);
+    const FormatInputs::AimedAt aim = in.all.target_for(form, place);
+    Tape tape;
+    form.record(format, in.ray(*form.info), aim, tmax, tape);
+    found.hit = tape[tape.outputs.hit].value != 0;
+    found.t = tape[tape.outputs.t].value;
+    return found;
+}
+
 }  // namespace
 
 bool Standing::beats(const Standing& other) const {
@@ -120,6 +136,9 @@ Explanation explain(const Intersector& form, const Format& format, const OneRay&
         x.condition = ray.condition(*form.info);
         x.inherent = truth::inherent_bits(x.condition, format.shape.precision);
     }
+    const int met = answers.object[in.index];
+    if (form.shape != Shape::sdf && x.hit && truth.is_hit() && met != truth.object && truth.object >= 0)
+        x.missed = missed_solid(form, format, in, truth.object);
     x.better = better_than(x.standing, format, ray);
     return x;
 }

@@ -23,6 +23,14 @@ struct Standing {
     bool beats(const Standing& other) const;
 };
 
+/// What a form says of the solid that a ray truly meets first, asked of it alone, where it hit another one instead.
+struct TrueSolid {
+    int solid = 0;  ///< from 0
+    bool hit = false;
+    double t = 0;                 ///< the form's answer; means nothing for a miss
+    scene::rays::RayGroup alone;  ///< the ray, as the format holds it, with that solid
+};
+
 struct Explanation {
     const intersect::table::Intersector* form;
     Format format;
@@ -38,10 +46,11 @@ struct Explanation {
     Standing standing = {};
     bool hit = false;  ///< the form's decision
     truth::Truth::Decision truth = truth::Truth::Decision::miss;
-    std::optional<double> true_t = {};  ///< t*, correctly rounded to binary64
-    double condition = 0;               ///< κ; NaN for a miss
-    double inherent = 0;                ///< bits of the envelope; NaN for a miss
-    std::vector<Standing> better = {};  ///< forms of the same shape in the same format that do better, best first
+    std::optional<double> true_t = {};     ///< t*, correctly rounded to binary64
+    double condition = 0;                  ///< κ; NaN for a miss
+    double inherent = 0;                   ///< bits of the envelope; NaN for a miss
+    std::optional<TrueSolid> missed = {};  ///< where the form hits another solid than the ray; of a march never
+    std::vector<Standing> better = {};     ///< forms of the same shape in the same format that do better, best first
 
     /// Lost bits beyond the envelope.
     [[nodiscard]] double excess() const { return standing.lost > inherent ? standing.lost - inherent : 0; }

@@ -44,9 +44,13 @@ Verdict verdict_of(const MapSummary& s, const std::vector<const metric::Metric*>
                : *wrong == Outcome::false_miss ? Verdict::false_miss
                                                : Verdict::false_hit;
     }
-    const std::size_t excess = metric::place_of(metrics, "excess_bits");
-    return s.metrics[excess].count() > 0 && s.metrics[excess].quantile(1) > within ? Verdict::wrong_value
-                                                                                   : Verdict::right;
+    const auto exceeds = [&](const char* metric) {
+        const auto& bits = s.metrics[metric::place_of(metrics, metric)];
+        return bits.count() > 0 && bits.quantile(1) > within;
+    };
+    return exceeds("excess_bits") ? Verdict::wrong_value
+           : exceeds("lost_bits") ? Verdict::within_inputs
+                                  : Verdict::right;
 }
 
 }  // namespace lostbits::measure::sweep

@@ -11,10 +11,19 @@
 namespace lostbits::measure::sweep {
 
 /// What a case comes to. Wrong decisions come before wrong values, and of several kinds the most frequent counts.
-enum class Verdict : std::uint8_t { right, wrong_value, false_hit, false_miss, not_a_number, unresolved };
+/// `within_inputs` is an answer that loses many bits where the inputs allow no better.
+enum class Verdict : std::uint8_t {
+    right,
+    wrong_value,
+    false_hit,
+    false_miss,
+    not_a_number,
+    unresolved,
+    within_inputs
+};
 
-inline constexpr std::array<std::string_view, 6> verdict_names{"right",      "wrong_value",  "false_hit",
-                                                               "false_miss", "not_a_number", "unresolved"};
+inline constexpr std::array<std::string_view, 7> verdict_names{
+    "right", "wrong_value", "false_hit", "false_miss", "not_a_number", "unresolved", "within_inputs"};
 
 struct CaseRequest {
     const scene::sweep::CaseFile* file = nullptr;
@@ -31,8 +40,8 @@ std::vector<std::vector<map::MapSummary>> run_cases(const CaseRequest& request);
 map::MapSummary run_cases_together(const CaseRequest& request, std::size_t row,
                                    const std::vector<std::size_t>& numbers);
 
-/// `right`: every decision is, and no answer is more than `within` bits beyond the envelope of half an ulp in each
-/// input.
+/// Every decision is right, and: `right`, no answer loses more than `within` bits; `within_inputs`, none loses more
+/// than so many beyond the envelope of half an ulp in each input.
 Verdict verdict_of(const map::MapSummary& summary, const std::vector<const metric::Metric*>& metrics, double within);
 
 }  // namespace lostbits::measure::sweep

@@ -31,6 +31,8 @@ struct Event {
     std::function<double(const MapSummary&)> value;
 
     [[nodiscard]] bool happens(const MapSummary& s) const { return value(s) >= threshold; }
+    /// A form that hits nothing any more has no bits to lose, and is not good again.
+    [[nodiscard]] bool is_good(const MapSummary& s) const { return value(s) < threshold; }
 };
 
 std::vector<Event> events_of(const MapRow& row, const std::vector<const Metric*>& metrics) {
@@ -84,6 +86,40 @@ private:
     std::map<double, MapSummary> seen_;
 };
 
+/// Halves a bracket until it is narrow. `holds` at the first place and not at the second; `at_second` hears of every
+/// summary that the second moves to.
+template <class Holds, class AtSecond>
+void narrow(const scene::sweep::Axis& axis, double& first, double& second, StepsBetween& between, const Holds& holds,
+            const AtSecond& at_second) {
+    while (std::fabs(second - first) > 0x1p-9 * std::fabs(second)) {
+        const double middle = axis.middle(first, second);
+        if (middle == first || middle == second) return;
+        const MapSummary& there = between.at(middle);
+        if (holds(there)) {
+            first = middle;
+        } else {
+            second = middle;
+            at_second(there);
+        }
+    }
+}
+
+/// The last step after `bad` at which the form is good again, and where it ceases to be.
+void find_recovery(const SweepRequest& request, const std::vector<SweepStep>& steps, std::size_t bad,
+                   const Event& event, StepsBetween& between, Onset& onset) {
+    std::size_t good = steps.size() - 1;
+    while (good > bad && !event.is_good(steps[good].rows[onset.row])) --good;
+    if (good == bad) return;
+    onset.recovers = true;
+    onset.good_at_end = good + 1 == steps.size();
+    onset.last_good_after = steps[good].values.front();
+    if (onset.good_at_end) return;
+    onset.bad_again = steps[good + 1].values.front();
+    narrow(
+        request.sweep->axes.front(), onset.last_good_after, onset.bad_again, between,
+        [&](const MapSummary& s) { return event.is_good(s); }, [](const MapSummary&) {});
+}
+
 Onset locate(const SweepRequest& request, const std::vector<SweepStep>& steps, std::size_t row, const Event& event,
              StepsBetween& between) {
     Onset onset{row, event.name, event.statistic, event.threshold};
@@ -94,23 +130,17 @@ Onset locate(const SweepRequest& request, const std::vector<SweepStep>& steps, s
     onset.found = true;
     onset.first_bad = bad->values.front();
     onset.value_at_first_bad = event.value(bad->rows[row]);
+    if (request.recoveries)
+        find_recovery(request, steps, static_cast<std::size_t>(bad - steps.begin()), event, between, onset);
     if (bad == steps.begin()) {
         onset.from_start = true;
         return onset;
     }
-    const scene::sweep::Axis& axis = request.sweep->axes.front();
     onset.last_good = std::prev(bad)->values.front();
-    while (std::fabs(onset.first_bad - onset.last_good) > 0x1p-9 * std::fabs(onset.first_bad)) {
-        const double middle = axis.middle(onset.last_good, onset.first_bad);
-        if (middle == onset.last_good || middle == onset.first_bad) break;
-        const MapSummary& there = between.at(middle);
-        if (event.happens(there)) {
-            onset.first_bad = middle;
-            onset.value_at_first_bad = event.value(there);
-        } else {
-            onset.last_good = middle;
-        }
-    }
+    narrow(
+        request.sweep->axes.front(), onset.last_good, onset.first_bad, between,
+        [&](const MapSummary& s) { return !event.happens(s); },
+        [&](const MapSummary& s) { onset.value_at_first_bad = event.value(s); });
     return onset;
 }
 
@@ -159,6 +189,7 @@ std::vector<Onset> find_onsets(const SweepRequest& request, const std::vector<Sw
         const scene::sweep::SweepFile again = request.sweep->drawn_again(draw);
         SweepRequest other = for_events(request);
         other.sweep = &again;
+        other.recoveries = false;
         const std::vector<Onset> found = onsets_of_draw(other, run_sweep(other));
         for (std::size_t i = 0; i < onsets.size(); ++i)
             onsets[i].further.push_back(found[i].found ? found[i].first_bad : truth::missing);

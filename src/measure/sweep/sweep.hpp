@@ -27,7 +27,11 @@ struct Onset {
     bool found = false;
     bool from_start = false;  ///< bad at the first step already: there is no last good value
     double last_good = 0, first_bad = 0;
-    double value_at_first_bad = 0;      ///< of the statistic
+    double value_at_first_bad = 0;  ///< of the statistic
+    /// A form can recover. Whether a step after the first bad one is good, up to where the last of them is, and from
+    /// where on it is bad to the end; of that nothing where the last step is good.
+    bool recovers = false, good_at_end = false;
+    double last_good_after = 0, bad_again = 0;
     std::uint64_t rays = 0, views = 0;  ///< of every step: a first failure among so many comes later among fewer
     std::vector<double> further = {};   ///< first_bad of further draws, one a seed; NaN where it does not happen
 
@@ -41,7 +45,8 @@ struct SweepRequest {
     const scene::sweep::SweepFile* sweep = nullptr;
     std::vector<map::MapRow> rows;
     std::vector<const metric::Metric*> metrics;
-    int further_draws = 0;  ///< of the rays, for the spread of onsets; no other rays where the sweep is not random
+    int further_draws = 0;    ///< of the rays, for the spread of onsets; no other rays where the sweep is not random
+    bool recoveries = false;  ///< find where a form is good again after its first trouble, too
     truth::TruthLimit limit{};
     std::function<void(std::uint64_t)> progress = [](std::uint64_t) {};
 };
@@ -56,7 +61,8 @@ map::MapSummary run_place(const SweepRequest& request, std::size_t row, const st
 /// the 99th percentile and the largest, of the first false hit and false miss, and of the first march that ends at
 /// max_dist, at max_steps, or stagnated; each bracket [last good, first bad] narrowed by bisection until it is 2^-9 of
 /// its value wide, or holds no number of the axis. A crossing is the first in the order of the steps: a dip between two
-/// of them stays unseen. Then the same on further draws, where the request asks for them.
+/// of them stays unseen. A form may be good again later: the last place that is, and where it is bad from then on, are
+/// found alike. Then the first crossings on further draws, where the request asks for them.
 std::vector<Onset> find_onsets(const SweepRequest& request, const std::vector<SweepStep>& steps);
 
 /// Units of progress that both calls together report at most.

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <optional>
 
-#include "output/blame/culprit_text.hpp"
+#include "output/blame/march_text.hpp"
 #include "output/blame/operation_words.hpp"
 #include "output/file/number_text.hpp"
 
@@ -44,26 +44,48 @@ std::string inputs_block(const Explanation& x) {
 
 constexpr std::size_t widest_expression = 54;
 
+/// `* c       = ` and what it is, as wide as the columns of numbers allow.
+std::string left_of(const char* mark, const OperationWords& words, NodeId i, const std::string& formula) {
+    std::string left = mark + padded(words.text().name(i), 7) + " = " + formula;
+    if (width_of(left) > widest_expression) left += "\n" + std::string(widest_expression, ' ');
+    return padded(std::move(left), widest_expression) + " ";
+}
+
+int digits_of(const TapeNode& n, const Tape& tape, NodeId i) {
+    return is_decision(n.op) ? 0 : 1 + static_cast<int>(std::ceil(tape.format_of(i).precision * 0.30103));
+}
+
+/// Computed, and without rounding.
+std::string values_of(const Explanation& x, const OperationWords& words, NodeId i, int digits) {
+    const TapeNode& n = x.tape[i];
+    const int width = 1 + static_cast<int>(std::ceil(x.format.shape.precision * 0.30103)) + 6;
+    const auto number = [&](double v) {
+        if (is_decision(n.op)) return fmt::format("{:>{}}", v != 0 ? "true" : "false", width);
+        return fmt::format("{:>{}.{}g}", std::isnan(v) ? std::fabs(v) : v, std::max(width, digits + 6), digits);
+    };
+    return number(n.value) + " " + number(words.of(i).exact);
+}
+
 std::string row_of(const Explanation& x, const OperationWords& words, NodeId i) {
     const OperationError& e = words.of(i);
-    const int digits = 1 + static_cast<int>(std::ceil(x.tape.format_of(i).precision * 0.30103));
-    const auto number = [digits](double v) {
-        return fmt::format("{:>{}.{}g}", std::isnan(v) ? std::fabs(v) : v, digits + 6, digits);
-    };
-    const std::string mark = i == x.attribution.culprit ? "* " : e.live ? "  " : "- ";
-    std::string name = words.text().name(i);
-    std::string formula = words.text().expression(i);
-    const std::string tail =
-        fmt::format("{} {} {:>9} {:<16} {:>6} {:>9} {:>10}", number(x.tape[i].value), number(e.exact),
-                    short_number(words.own_ulps(i, e.error)), words.cancellation(i),
-                    e.local_bits == 0 ? "" : fmt::format("{:.1f}", e.local_bits),
-                    e.rounding == 0 ? "" : short_number(words.own_ulps(i, e.rounding)),
-                    e.live && e.rounding != 0 ? short_number(words.contribution(i)) : "");
-    std::string left = mark + padded(std::move(name), 7) + " = " + formula;
-    if (width_of(left) > widest_expression) left += "\n" + std::string(widest_expression, ' ');
-    std::string line = padded(std::move(left), widest_expression) + " " + tail;
+    const TapeNode& n = x.tape[i];
+    const bool decides = is_decision(n.op);
+    const char* const mark = i == x.attribution.culprit && names_culprit(x) ? "* " : e.live || decides ? "  " : "- ";
+    std::string line =
+        left_of(mark, words, i, words.text().expression(i)) + values_of(x, words, i, digits_of(n, x.tape, i));
+    if (!decides)
+        line += fmt::format(" {:>9} {:<16} {:>6} {:>9} {:>10}", short_number(words.own_ulps(i, e.error)),
+                            words.cancellation(i), e.local_bits == 0 ? "" : fmt::format("{:.1f}", e.local_bits),
+                            e.rounding == 0 ? "" : short_number(words.own_ulps(i, e.rounding)),
+                            e.live && e.rounding != 0 ? short_number(words.contribution(i)) : "");
     while (line.back() == ' ') line.pop_back();
-    return line + (e.turned && e.rounding != 0 ? "  rounding chose the other side" : "") + "\n";
+    return line + (e.turned && (decides || e.rounding != 0) ? "  rounding chose the other side" : "") + "\n";
+}
+
+/// Of an operation that a row names and that belongs to an earlier sample: its value alone.
+std::string value_row(const Explanation& x, const OperationWords& words, NodeId i) {
+    return left_of("  ", words, i, "(an earlier sample)") + values_of(x, words, i, digits_of(x.tape[i], x.tape, i)) +
+           "\n";
 }
 
 /// The nodes that the table shows: of a march those of the last samples, unless all are asked for.
@@ -80,31 +102,21 @@ std::string table(const Explanation& x, const OperationWords& words, bool all) {
                     digits + 6, "off, ulp", "bits cancelled", "local", "own, ulp", "of t, ulp");
     const NodeId from = first_shown(x, all);
     if (from > 0) text += fmt::format("  ({} operations of earlier samples: --verbose)\n", from);
-    if (x.attribution.culprit != no_node && x.attribution.culprit < from)
-        text += row_of(x, words, x.attribution.culprit);
-    for (NodeId i = from; i < x.tape.size(); ++i) {
-        if (words.is_shown(i, all)) text += row_of(x, words, i);
+    // A row names other operations; each of those has a row too, of which the last come first to be looked at.
+    std::vector<bool> shown(x.tape.nodes.size()), whole(x.tape.nodes.size());
+    for (NodeId i = x.tape.size() - 1; i >= 0; --i) {
+        const auto place = static_cast<std::size_t>(i);
+        const bool culprit = i == x.attribution.culprit && names_culprit(x);
+        whole[place] = culprit || (i >= from && (shown[place] || words.is_shown(i, all)));
+        shown[place] = shown[place] || whole[place];
+        if (!whole[place]) continue;
+        for (const NodeId named : words.named_in(i)) shown[static_cast<std::size_t>(named)] = true;
+    }
+    for (NodeId i = 0; i < x.tape.size(); ++i) {
+        const auto place = static_cast<std::size_t>(i);
+        if (shown[place]) text += whole[place] ? row_of(x, words, i) : value_row(x, words, i);
     }
     return text;
-}
-
-std::string outcome_sentence(const Explanation& x) {
-    const std::string form(x.form->info->name);
-    switch (x.standing.outcome) {
-        case Outcome::agree_miss: return fmt::format("{} misses, and so does the exact ray: a correct miss.", form);
-        case Outcome::false_hit:
-            return fmt::format("{} reports a hit at {}, but the ray misses: a false hit.", form,
-                               file::decimal(x.standing.t));
-        case Outcome::false_miss:
-            return fmt::format("{} reports a miss, but the ray hits at {}: a false miss.", form,
-                               file::decimal(x.true_t.value_or(0)));
-        case Outcome::not_a_number: return fmt::format("{} reports a hit at NaN.", form);
-        case Outcome::unresolved: return "The true answer for this ray could not be proved.";
-        case Outcome::agree_hit: break;
-    }
-    return fmt::format("t = {} ({}), the true t is {}: {:.4g} ulp off, {:.1f} of {} bits lost.",
-                       file::decimal(x.standing.t), file::hex(x.standing.t), file::decimal(x.true_t.value_or(0)),
-                       x.standing.ulps, x.standing.lost, x.format.shape.precision);
 }
 
 std::string model_sentence(const Explanation& x) {
@@ -140,6 +152,7 @@ std::string sums_sentence(const Explanation& x, const OperationWords& words) {
 /// How much of the error is rounding's at all.
 std::string split_sentence(const Explanation& x, const OperationWords& words) {
     if (x.standing.outcome != Outcome::agree_hit || x.attribution.subject != x.tape.outputs.t) return "";
+    if (!names_culprit(x)) return "";  // said there
     const double rounding = x.attribution.error / words.ulp();
     if (!(std::fabs(x.standing.ulps - rounding) > 0.01)) return "";
     return fmt::format(
@@ -169,19 +182,6 @@ std::string turned_sentences(const Explanation& x, const OperationWords& words) 
     return text;
 }
 
-std::string better_sentence(const Explanation& x) {
-    if (x.better.empty()) return "No other form of the same shape does better on this ray in this format.\n";
-    std::string text = "Better on this ray:";
-    constexpr std::size_t most = 6;
-    for (std::size_t i = 0; i < std::min(most, x.better.size()); ++i) {
-        const measure::blame::Standing& s = x.better[i];
-        text +=
-            fmt::format("{} {} ({})", i ? "," : "", s.form->info->name,
-                        s.outcome == Outcome::agree_hit ? fmt::format("{:.1f} bits lost", s.lost) : "a correct miss");
-    }
-    return text + (x.better.size() > most ? fmt::format(" and {} more.\n", x.better.size() - most) : ".\n");
-}
-
 }  // namespace
 
 std::string verdict(const Explanation& x) {
@@ -198,9 +198,10 @@ std::string verdict(const Explanation& x) {
     return envelope + fmt::format("; the formula loses the other {:.1f} bits.", x.excess());
 }
 
-std::string explain_text(const Explanation& x, bool all) {
+std::string explain_text(const Explanation& x, bool all, const std::optional<MarchEnd>& march) {
     const OperationWords words(x);
-    std::string text = fmt::format("{} in {}: {}\n", x.form->info->name, x.format.name, x.form->info->title);
+    std::string text = fmt::format("{} in {}: {}\n\n", x.form->info->name, x.format.name, x.form->info->title);
+    text += verdict_text(x, march) + "\n";
     if (x.solids > 1 && x.form->shape != Shape::sdf) text += fmt::format("solid {} of {}\n", x.solid + 1, x.solids);
     if (x.judged)
         text +=
@@ -218,14 +219,17 @@ std::string explain_text(const Explanation& x, bool all) {
             "distance.\n",
             file::decimal(x.given->x), file::decimal(x.given->y), file::decimal(x.given->z));
     }
-    text += inputs_block(x) + "\n" + table(x, words, all);
+    text += inputs_block(x) + "\n";
+    if (march) text += march_samples(*march, x.format) + "\n";
     text +=
-        "\n* marks the culprit, - what is not on the way to the answer. local: bits that the operation alone loses on "
-        "exact operands, each rounded once. own: its rounding, in ulps of its own result.\n\n";
-    text += outcome_sentence(x) + "\n" + culprit_sentence(x) + "\n" + sums_sentence(x, words) +
-            split_sentence(x, words) + turned_sentences(x, words) + model_sentence(x) + verdict(x) + "\n" +
-            better_sentence(x);
-    return text;
+        table(x, words, all) +
+        fmt::format(
+            "\n{}- what is not on the way to the answer. local: bits that the operation alone loses on exact operands, "
+            "each rounded once. own: its rounding, in ulps of its own result.\n",
+            names_culprit(x) ? "* marks the culprit, " : "");
+    const std::string sums =
+        sums_sentence(x, words) + split_sentence(x, words) + turned_sentences(x, words) + model_sentence(x);
+    return text + (sums.empty() ? "" : "\n" + sums);
 }
 
 }  // namespace lostbits::output::blame

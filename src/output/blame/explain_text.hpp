@@ -1,15 +1,18 @@
 // One ray and one form as a person reads it, and as other programs do.
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include "measure/blame/explanation.hpp"
+#include "output/blame/verdict_text.hpp"
 
 namespace lostbits::output::blame {
 
-/// The table of operations, the culprit marked, and what it comes to in sentences. `all` shows every operation;
-/// otherwise those that the answer is computed from and that round, cancel, or have a name.
-std::string explain_text(const measure::blame::Explanation& x, bool all);
+/// What it comes to in sentences, the inputs, the samples of a march, and the table of operations with the culprit
+/// marked. `all` shows every operation; otherwise those that the answer is computed from and that round, cancel, or
+/// have a name, and those that a row names: of an earlier sample of a march their values.
+std::string explain_text(const measure::blame::Explanation& x, bool all, const std::optional<MarchEnd>& march = {});
 
 /// Whether the problem or the formula is to blame, by the envelope.
 std::string verdict(const measure::blame::Explanation& x);

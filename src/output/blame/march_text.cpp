@@ -57,19 +57,13 @@ std::string action_of(const MarchLog& log, std::size_t step, const intersect::Ma
     return fmt::format("miss: all {} samples are used", constants.max_steps);
 }
 
-std::string march_table(const intersect::table::Intersector& form, const Format& format,
-                        const measure::answer::OneRay& ray) {
-    const MarchLog log = measure::answer::march_log(form, format, ray);
-    const auto in = ray.inputs(form, format);
-    const intersect::MarchConstants<double>& c = in.all.march.value();
-    const Ray<double> r = in.ray(*form.info);
+std::string march_samples(const MarchEnd& march, const Format& format) {
+    const auto& [log, c] = march;
     const int digits = digits_of(format), width = digits + 7;
-    std::string text = fmt::format("{} in {}\norigin    ({}, {}, {})\ndirection ({}, {}, {})\n", form.info->name,
-                                   format.name, file::hex(r.origin.x), file::hex(r.origin.y), file::hex(r.origin.z),
-                                   file::hex(r.direction.x), file::hex(r.direction.y), file::hex(r.direction.z));
-    text += fmt::format("hit_eps {}, max_steps {}, max_dist {}, relative_eps {}, cone {}, over_relaxation {}\n\n",
-                        file::decimal(c.hit_eps), c.max_steps, file::decimal(c.max_dist), file::decimal(c.relative_eps),
-                        file::decimal(c.cone), file::decimal(c.over_relaxation));
+    std::string text =
+        fmt::format("hit_eps {}, max_steps {}, max_dist {}, relative_eps {}, cone {}, over_relaxation {}\n\n",
+                    file::decimal(c.hit_eps), c.max_steps, file::decimal(c.max_dist), file::decimal(c.relative_eps),
+                    file::decimal(c.cone), file::decimal(c.over_relaxation));
     text += fmt::format("{0:>4} {2:>{1}} {3:>{1}} {4:>{1}} {5:>{1}} {6:>{1}} {7:>{1}}  {8}\n", "i", width, "t", "x",
                         "y", "z", "|p|", "d", "action");
     for (std::size_t i = 0; i < log.steps.size(); ++i) {
@@ -78,7 +72,18 @@ std::string march_table(const intersect::table::Intersector& form, const Format&
         text += fmt::format("{:>4} {} {} {} {} {} {}  {}\n", i, number(s.t), number(s.p.x), number(s.p.y),
                             number(s.p.z), number(s.size), number(s.d), action_of(log, i, c));
     }
-    return text + "\n" + answer_line(form, format, ray, log) + "\n";
+    return text;
+}
+
+std::string march_table(const intersect::table::Intersector& form, const Format& format,
+                        const measure::answer::OneRay& ray) {
+    const auto in = ray.inputs(form, format);
+    const MarchEnd march{measure::answer::march_log(form, format, ray), in.all.march.value()};
+    const Ray<double> r = in.ray(*form.info);
+    return fmt::format("{} in {}\norigin    ({}, {}, {})\ndirection ({}, {}, {})\n{}\n{}\n", form.info->name,
+                       format.name, file::hex(r.origin.x), file::hex(r.origin.y), file::hex(r.origin.z),
+                       file::hex(r.direction.x), file::hex(r.direction.y), file::hex(r.direction.z),
+                       march_samples(march, format), answer_line(form, format, ray, march.log));
 }
 
 }  // namespace lostbits::output::blame

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "measure/answer/one_ray.hpp"
+#include "output/blame/verdict_text.hpp"
 
 namespace lostbits::output::blame {
 
@@ -12,7 +12,10 @@ namespace lostbits::output::blame {
 std::string action_of(const intersect::table::MarchLog& log, std::size_t step,
                       const intersect::MarchConstants<double>& constants);
 
-/// Iteration, t, position, |p|, d and action of every sample, and what the answer is worth.
+/// The constants of a march; iteration, t, position, |p|, d and action of every sample.
+std::string march_samples(const MarchEnd& march, const Format& format);
+
+/// The same with the form and the ray above, and what the answer is worth below: to be read by itself.
 std::string march_table(const intersect::table::Intersector& form, const Format& format,
                         const measure::answer::OneRay& ray);
 

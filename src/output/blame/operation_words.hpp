@@ -1,7 +1,10 @@
 // What the table and the sentences of an explained ray say of its operations.
 #pragma once
 
+#include <functional>
+#include <map>
 #include <string>
+#include <vector>
 
 #include "measure/blame/explanation.hpp"
 #include "measure/blame/tape_text.hpp"
@@ -28,6 +31,8 @@ public:
     [[nodiscard]] std::string cancellation(NodeId i) const;
     /// Whether the table has a row for it.
     [[nodiscard]] bool is_shown(NodeId i, bool all) const;
+    /// The operations that its expression calls by their names.
+    [[nodiscard]] std::vector<NodeId> named_in(NodeId i) const;
     /// Of the subject.
     [[nodiscard]] double ulp() const { return ulp_; }
 
@@ -35,6 +40,7 @@ private:
     const measure::blame::Explanation& x_;
     measure::blame::TapeText text_;
     double ulp_;
+    std::map<std::string, std::vector<NodeId>, std::less<>> called_;  ///< operations by name; by a vector's all three
 };
 
 }  // namespace lostbits::output::blame

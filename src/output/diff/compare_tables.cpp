@@ -81,7 +81,9 @@ Comparison compare(const CsvTable& a, const CsvTable& b, const CompareOptions& o
     const auto pairs = match_headers(a, b, ledger);
     const std::size_t rows = std::min(a.rows(), b.rows());
     for (const Pair& p : pairs) ledger.result.columns.emplace_back().name = p.a->name;
+    ledger.result.rows = rows;
     for (std::size_t r = 0; r < rows; ++r) {
+        const std::uint64_t before = ledger.result.count;
         for (std::size_t c = 0; c < pairs.size(); ++c) {
             const std::string_view left = pairs[c].a->cells[r], right = pairs[c].b->cells[r];
             if (left == right) continue;
@@ -91,6 +93,7 @@ Comparison compare(const CsvTable& a, const CsvTable& b, const CompareOptions& o
                 return fmt::format("{}: {} != {}{}", pairs[c].a->name, shown(left), shown(right), distances(v));
             });
         }
+        ledger.result.rows_differ += ledger.result.count > before;
     }
     if (a.rows() != b.rows())
         ledger.add(0,

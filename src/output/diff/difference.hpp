@@ -56,8 +56,9 @@ struct ColumnDifference {
 };
 
 struct Comparison {
-    std::vector<Difference> differences;    ///< in the file's order, at most `CompareOptions::most`
-    std::uint64_t count = 0;                ///< all of them
+    std::vector<Difference> differences;      ///< in the file's order, at most `CompareOptions::most`
+    std::uint64_t count = 0;                  ///< all of them
+    std::uint64_t rows = 0, rows_differ = 0;  ///< of tables: those that were compared, and those with a difference
     std::vector<ColumnDifference> columns;  ///< those that both sides have and that were compared, in the first's order
     std::vector<std::string> names;         ///< every column or channel of either side, ignored ones too
 

@@ -37,7 +37,10 @@ std::vector<Column> case_columns(const CaseRequest& request) {
          "by whose word touching and t = 0 are judged: the form's own (own); touching a hit (closed) or a miss (open), "
          "t = 0 a hit"},
         {"verdict", "string", "",
-         fmt::format("right ({}), wrong_value, or the most frequent wrong decision", right_means(*request.file))}};
+         fmt::format("every decision is right, and no answer loses more than {0} bits (right), or none loses more than "
+                     "{0} bits beyond what half an ulp in each input would cost (within_inputs: lost_bits_max of what "
+                     "inherent_bits_max would be at best); wrong_value, or the most frequent wrong decision",
+                     file::decimal(request.file->right_within_bits))}};
     for (Column& c : map::SummaryTable{request.metrics, {request.file->shape()}}.columns()) {
         if (c.name == "rays") c.meaning = "rays of the case";
         if (c.name == "worst_x") c.meaning = "ray with the largest |ulp_error| in its group, from 0";
@@ -55,6 +58,7 @@ plot::MatrixCell cell_of(const MapSummary& s, Verdict verdict, std::size_t lost,
                                 n < s.rays ? std::to_string(n) : std::string()};
     };
     switch (verdict) {
+        case Verdict::within_inputs:
         case Verdict::right: return {case_right_colour, {}};
         case Verdict::wrong_value: {
             const double bits = s.metrics[lost].quantile(1);

@@ -53,6 +53,13 @@ std::vector<Column> onset_columns(const SweepRequest& request) {
         {"last_good_hex", "string", axis.unit, "the same, exactly"},
         {"first_bad_hex", "string", axis.unit, "the same, exactly"},
         {"value_at_first_bad", "number", "", "the statistic there"},
+        {"recovers", "boolean", "", "whether a step after the first bad one is good again"},
+        {"last_good_after_" + axis.name, "number", axis.unit,
+         "the last value after the first bad one that is good; missing where none is"},
+        {"bad_again_" + axis.name, "number", axis.unit,
+         "from where on it is bad to the end, narrowed by bisection; missing where the last step is good"},
+        {"last_good_after_hex", "string", axis.unit, "the same, exactly"},
+        {"bad_again_hex", "string", axis.unit, "the same, exactly"},
         {"rays", "integer", "", "rays of each step: the first of more rays to fail does so earlier"},
         {"views", "integer", "", views_meaning},
         {"draws", "integer", "", "sets of rays tried, one a seed; the columns above are of the file's own seed"},
@@ -114,7 +121,11 @@ void SweepFiles::write_onsets(const std::vector<Onset>& onsets) {
             .add(o.found);
         onsets_->add(good ? Cell(o.last_good) : Cell()).add(o.found ? Cell(o.first_bad) : Cell());
         onsets_->add(good ? Cell(file::hex(o.last_good)) : Cell()).add(o.found ? Cell(file::hex(o.first_bad)) : Cell());
-        onsets_->add(o.found ? Cell(o.value_at_first_bad) : Cell());
+        onsets_->add(o.found ? Cell(o.value_at_first_bad) : Cell()).add(o.recovers);
+        const bool again = o.recovers && !o.good_at_end;
+        onsets_->add(o.recovers ? Cell(o.last_good_after) : Cell()).add(again ? Cell(o.bad_again) : Cell());
+        onsets_->add(o.recovers ? Cell(file::hex(o.last_good_after)) : Cell())
+            .add(again ? Cell(file::hex(o.bad_again)) : Cell());
         const auto spread = o.spread();
         onsets_->add(o.rays).add(o.views).add(1 + o.further.size()).add(spread.draws);
         for (const double x : {spread.low, spread.median, spread.high})

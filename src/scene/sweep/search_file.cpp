@@ -21,8 +21,12 @@ double distance_in_radii(const Ray<double>& ray, const Sphere<double>& sphere) {
     return length(ray.origin - sphere.centre) / sphere.radius;
 }
 
-SearchFile::SearchFile(const std::filesystem::path& path) {
-    const toml::Node root = toml::read_toml(path);
+SearchFile::SearchFile(const std::filesystem::path& path, const std::vector<toml::Override>& set) {
+    toml::Node root = toml::read_toml(path);
+    for (toml::Override change : set) {
+        if (!change.path.starts_with("search.")) change.path = "search." + change.path;
+        toml::apply_override(root, change);
+    }
     TableReader file(root);
     static_cast<SweepHead&>(*this) = read_sweep_head(file, path);
     TableReader table = file.table("search");

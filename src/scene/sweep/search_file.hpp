@@ -25,7 +25,8 @@ double distance_in_radii(const Ray<double>& ray, const Sphere<double>& sphere);
 class SearchFile : public SweepHead {
 public:
     /// InputError with a position for anything that is not a search.
-    explicit SearchFile(const std::filesystem::path& path);
+    /// `set` changes keys of the table first: `starts`, `radius`.
+    explicit SearchFile(const std::filesystem::path& path, const std::vector<toml::Override>& set = {});
 
     Shape shape = Shape::sphere;
     /// Of origin x, y, z, direction x, y, z, and the solid's numbers, in this order: one after another.

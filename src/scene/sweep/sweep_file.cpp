@@ -1,5 +1,7 @@
 #include "scene/sweep/sweep_file.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -128,8 +130,10 @@ double Axis::middle(double a, double b) const {
     return static_cast<double>(float_at(half)) + 0.0;  // of the two zeros the one above
 }
 
-SweepFile::SweepFile(const std::filesystem::path& path, const std::filesystem::path& data_dir)
+SweepFile::SweepFile(const std::filesystem::path& path, const std::filesystem::path& data_dir,
+                     const SweepChanges& changes)
     : root_(toml::read_toml(path)) {
+    change(changes);
     TableReader file(root_);
     static_cast<SweepHead&>(*this) = read_sweep_head(file, path);
     convention = read_convention(file);
@@ -141,7 +145,61 @@ SweepFile::SweepFile(const std::filesystem::path& path, const std::filesystem::p
                    "both axes are named \"" + axes[0].name + "\"; give each its own name: they become column names");
     for (TableReader& mark : file.tables("mark")) marks.push_back(read_mark(mark));
     file.reject_unknown_keys();
+    refuse_what_axes_set(changes);
     try_both_ends();
+}
+
+/// Puts into the file what belongs there, and keeps for later what belongs to its scene.
+void SweepFile::change(const SweepChanges& changes) {
+    const bool scene = TableReader(root_).has("scene"), boxes = TableReader(root_).has("box_family");
+    const std::string name = root_.where.source;
+    if (changes.size && !scene)
+        throw InputError(name +
+                         ": --size is of a scene's picture, and the rays of this sweep are drawn by a family; try "
+                         "--set rays=N or --set views=N");
+    size_ = changes.size;
+    for (toml::Override change : changes.set) {
+        const bool in_file = change.path.starts_with("axis[") || (!scene && change.path.starts_with("march."));
+        if (scene && !in_file) {
+            changes_.push_back(std::move(change));
+            continue;
+        }
+        const std::string table = boxes ? "box_family." : "family.";
+        if (!in_file && !change.path.starts_with(table)) change.path = table + change.path;
+        toml::apply_override(root_, change);
+    }
+    if (changes.steps.empty()) return;
+    auto axes_tables = TableReader(root_).tables("axis");
+    if (changes.steps.size() > 1 && changes.steps.size() != axes_tables.size())
+        throw InputError(
+            fmt::format("{}: --steps gives {} numbers, and the sweep has {} [[axis]] table{}; give one "
+                        "for all, or one each",
+                        name, changes.steps.size(), axes_tables.size(), axes_tables.size() == 1 ? "" : "s"));
+    for (std::size_t a = 0; a < axes_tables.size(); ++a) {
+        if (!axes_tables[a].has("steps"))
+            throw InputError(name +
+                             ": --steps: its axis tries every float between its ends and has no steps to choose; leave "
+                             "out --steps, or bring the ends closer together with --set 'axis[0].to=VALUE'");
+        const long long steps = changes.steps[changes.steps.size() > 1 ? a : 0];
+        const toml::Where where{"--steps " + std::to_string(steps), 0, 0};
+        toml::apply_override(root_, {fmt::format("axis[{}].steps", a), toml::Node::of_integer(steps, where), where});
+    }
+}
+
+/// What an axis sets anew at every step would swallow such a change without a word.
+void SweepFile::refuse_what_axes_set(const SweepChanges& changes) const {
+    for (const toml::Override& change : changes.set) {
+        for (const Axis& axis : axes) {
+            for (const Axis::Target& target : axis.targets) {
+                const std::string_view path = target.path;
+                if (path != change.path && !path.ends_with("." + change.path)) continue;
+                throw InputError(
+                    fmt::format("{}: the axis {} sets it at every step; --set 'axis[0].from=VALUE' and "
+                                "'axis[0].to=VALUE' change between what",
+                                change.where.source, axis.name));
+            }
+        }
+    }
 }
 
 /// What the sweep is over, and its axes, whose paths are those of the subject.
@@ -219,7 +277,9 @@ std::vector<RayGroup> SweepFile::rays(const std::vector<double>& values) const {
     }
     file::LoadOptions options;
     options.variant = variant_;
-    options.overrides = std::move(changes);
+    options.size = size_;
+    options.overrides = changes_;
+    options.overrides.insert(options.overrides.end(), changes.begin(), changes.end());
     const file::Scene scene = scene_->load(options).front();
     RayGroup group{rays::make_shared_rays(scene, 0, scene.height), {}};
     group.solids = rays::shared_solids(scene);

@@ -29,10 +29,20 @@ struct Axis : AxisName {
     [[nodiscard]] double middle(double a, double b) const;
 };
 
+/// What a run changes of a sweep before it begins.
+struct SweepChanges {
+    std::optional<std::pair<int, int>> size = {};  ///< of the picture of its scene: so many rays a step
+    /// Paths as an axis has them: of the scene, or of the family's table; `march.` and `axis[K].` stand beside those.
+    std::vector<toml::Override> set = {};
+    std::vector<long long> steps = {};  ///< of each axis, or of the only one
+};
+
 class SweepFile : public SweepHead {
 public:
-    /// InputError with a position for anything that is not a sweep. A scene is looked up in `data_dir`.
-    SweepFile(const std::filesystem::path& path, const std::filesystem::path& data_dir);
+    /// InputError with a position for anything that is not a sweep, and for a change that means nothing to this one. A
+    /// scene is looked up in `data_dir`.
+    SweepFile(const std::filesystem::path& path, const std::filesystem::path& data_dir,
+              const SweepChanges& changes = {});
 
     std::vector<Axis> axes;  ///< one or two
     std::optional<intersect::Touching>
@@ -66,6 +76,8 @@ public:
     [[nodiscard]] rays::RayGroup first_rays() const;
 
 private:
+    void change(const SweepChanges& changes);
+    void refuse_what_axes_set(const SweepChanges& changes) const;
     void read_subject(toml::TableReader& file, const std::filesystem::path& data_dir);
     void try_both_ends();
     [[nodiscard]] std::vector<rays::RayGroup> drawn(rays::Family family) const;
@@ -73,6 +85,8 @@ private:
 
     toml::Node root_;
     std::optional<file::SceneFile> scene_;
+    std::optional<std::pair<int, int>> size_;
+    std::vector<toml::Override> changes_;  ///< of the scene
     std::optional<std::string> variant_;
     std::vector<Shape> shapes_;
     bool marches_ = false;

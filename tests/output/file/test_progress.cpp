@@ -1,11 +1,14 @@
 #include <unistd.h>
 
+#include <algorithm>
+#include <chrono>
 #include <cstdlib>
 #include <string>
 #include <thread>
 #include <vector>
 
 #include "catch.hpp"
+#include "output/file/estimate.hpp"
 #include "output/file/progress.hpp"
 
 using namespace lostbits::output;
@@ -84,4 +87,34 @@ TEST_CASE("the bar counts from all threads and erases itself", "[progress]") {
     REQUIRE(out.ends_with('\r'));
     const auto last = out.find_last_of('\r', out.size() - 2);
     CHECK(out.find_first_not_of(' ', last + 1) == out.size() - 1);  // the last thing on the screen is blank
+}
+
+TEST_CASE("an estimate comes from a first piece, and on long runs alone") {
+    CHECK(estimate_text("s", 1, 100, 2.0) == "lostbits: s will take about 3m20s: its first 1 % took 2s");
+    CHECK(estimate_text("s", 1, 16, 2.0) == "lostbits: s will take about 32s: its first 6.2 % took 2s");
+    CHECK_FALSE(estimate_text("s", 0, 100, 50.0));    // nothing is known yet
+    CHECK_FALSE(estimate_text("s", 1, 100, 1.9));     // start-up, mostly
+    CHECK_FALSE(estimate_text("s", 1, 14, 2.0));      // over in 28 s
+    CHECK_FALSE(estimate_text("s", 100, 100, 90.0));  // over
+}
+
+TEST_CASE("a short run hears no estimate, nor does a quiet one") {
+    CHECK(written([](int fd) {
+              Progress progress(1000, "s", Progress::Mode::none, false, fd);
+              Estimate estimate(progress, "s", 1000, false);
+              for (int i = 0; i < 1000; ++i) estimate.advance(1);
+          }).empty());
+    const auto of_a_long_one = [](bool quiet) {
+        return written([quiet](int fd) {
+            Progress progress(1000000, "s", Progress::Mode::none, quiet, fd);
+            Estimate estimate(progress, "s", 1000000, quiet);
+            std::this_thread::sleep_for(std::chrono::milliseconds(2100));
+            estimate.advance(1);
+            estimate.advance(1);
+        });
+    };
+    const std::string once = of_a_long_one(false);
+    CHECK(once.starts_with("lostbits: s will take about "));
+    CHECK(std::count(once.begin(), once.end(), '\n') == 1);
+    CHECK(of_a_long_one(true).empty());
 }

@@ -1,0 +1,164 @@
+#include "analysis/diff/diff_files.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <tuple>
+
+#include "number/error.hpp"
+#include "scene/toml/did_you_mean.hpp"
+
+namespace lostbits::analysis::diff {
+
+namespace fs = std::filesystem;
+using output::diff::CompareOptions;
+using output::diff::Comparison;
+
+namespace {
+
+const char* name_of(FileKind kind) {
+    switch (kind) {
+        case FileKind::csv: return "a CSV file";
+        case FileKind::exr: return "an EXR file";
+        case FileKind::png: return "a PNG file";
+        case FileKind::bytes: break;
+    }
+    return "a file of another type";
+}
+
+void print_largest(const char* name, const output::diff::Largest& largest) {
+    if (!largest.at.empty()) fmt::print(", largest {} {:.4g} at {}", name, largest.value, largest.at);
+}
+
+}  // namespace
+
+FileKind kind_of(const fs::path& path) {
+    std::string extension = path.extension().string();
+    std::ranges::transform(extension, extension.begin(),
+                           [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
+    return extension == ".csv"   ? FileKind::csv
+           : extension == ".exr" ? FileKind::exr
+           : extension == ".png" ? FileKind::png
+                                 : FileKind::bytes;
+}
+
+Comparison compare_files(const fs::path& a, const fs::path& b, FileKind kind, const CompareOptions& options) {
+    // One after the other: the order of arguments is the compiler's, and the first bad file is the one to name.
+    const auto both = [&](auto read) {
+        const auto left = read(a);
+        return output::diff::compare(left, read(b), options);
+    };
+    if (kind == FileKind::csv) return both(output::file::read_csv);
+    const std::string left = output::file::read_file(a);
+    Comparison bytes = output::diff::compare_bytes(left, output::file::read_file(b));
+    const bool named = !options.tolerances.empty() || !options.ignored.empty();
+    if (kind == FileKind::bytes || (bytes.same() && !(kind == FileKind::exr && named))) return bytes;
+    auto& images = output::image::image_backend();
+    if (kind == FileKind::exr) return output::diff::compare_exr(images, a, b, options);
+    return both([&](const fs::path& path) { return images.read_png(path); });
+}
+
+std::set<fs::path> files_below(const fs::path& folder) {
+    std::set<fs::path> files;
+    try {
+        for (const auto& entry :
+             fs::recursive_directory_iterator(folder, fs::directory_options::follow_directory_symlink)) {
+            if (entry.is_directory()) continue;
+            // A pipe or a socket would make the run wait for ever; a broken link has nothing to compare.
+            if (!entry.is_regular_file())
+                throw InputError(entry.path().string() + ": is not a regular file; move it out of the folder");
+            files.insert(entry.path().lexically_relative(folder));
+        }
+    } catch (const fs::filesystem_error& error) {
+        throw EnvironmentError(fmt::format("{}: cannot list the folder: {}; check permissions and links",
+                                           error.path1().string(), error.code().message()));
+    }
+    return files;
+}
+
+bool are_folders(const std::string& a, const std::string& b) {
+    const auto is_folder = [](const std::string& path) {
+        std::error_code error;
+        const auto s = fs::status(path, error);
+        if (s.type() == fs::file_type::not_found) throw InputError(path + ": no such file or folder; check the path");
+        if (error) throw EnvironmentError(path + ": cannot be read: " + error.message() + "; check the permissions");
+        return fs::is_directory(s);
+    };
+    const bool left = is_folder(a), right = is_folder(b);
+    if (left == right) return left;
+    const auto& [folder, file] = left ? std::tie(a, b) : std::tie(b, a);
+    throw InputError(fmt::format("{}: is a folder, but {} is a file; compare two folders or two files", folder, file));
+}
+
+namespace {
+
+std::vector<Result> compare_folders(const std::string& of_a, const std::string& of_b, const CompareOptions& options) {
+    const fs::path a = of_a, b = of_b;
+    const auto left = files_below(a), right = files_below(b);
+    auto all = left;
+    all.insert(right.begin(), right.end());
+    if (all.empty()) throw NothingSelected(fmt::format("{} and {} contain no files; check the paths", of_a, of_b));
+    std::vector<Result> results;
+    for (const fs::path& file : all) {
+        stop_if_interrupted();
+        const bool in_a = left.contains(file), in_b = right.contains(file);
+        Result& result = results.emplace_back();
+        result.file = ((in_a ? a : b) / file).string();
+        if (in_a && in_b) result.comparison = compare_files(a / file, b / file, kind_of(file), options);
+        else result.only = in_a ? of_a : of_b;
+    }
+    return results;
+}
+
+}  // namespace
+
+std::vector<Result> compare_all(const std::string& a, const std::string& b, const CompareOptions& options) {
+    if (are_folders(a, b)) return compare_folders(a, b, options);
+    // What comes through a pipe has no name that says its kind: it is taken for what the other one is.
+    const FileKind left = kind_of(fs::is_regular_file(a) ? a : b), right = kind_of(fs::is_regular_file(b) ? b : a);
+    if (left != right)
+        throw InputError(fmt::format("{}: is {}, but {} is {}; compare two files of the same kind", a, name_of(left), b,
+                                     name_of(right)));
+    return {{a, compare_files(a, b, left, options), ""}};
+}
+
+void refuse_unknown_columns(const CompareOptions& options, const std::set<std::string>& names) {
+    const auto check = [&](const char* option, const std::string& pattern) {
+        if (std::ranges::any_of(names,
+                                [&](const std::string& name) { return output::diff::names_column(pattern, name); }))
+            return;
+        const std::string hint = scene::toml::did_you_mean(pattern, {names.begin(), names.end()});
+        throw InputError(fmt::format("{} {}: unknown column; {}", option, pattern,
+                                     hint.empty() ? "no file here has columns or channels" : hint));
+    };
+    for (const auto& t : options.tolerances) check("--tolerance", t.column);
+    for (const auto& pattern : options.ignored) check("--ignore", pattern);
+}
+
+void print(const Result& r, bool verbose) {
+    if (!r.only.empty()) return fmt::print("{}: only in {}\n", r.file, r.only);
+    const Comparison& c = r.comparison;
+    if (c.same()) {
+        if (verbose) fmt::print("{}: same\n", r.file);
+    } else {
+        fmt::print("{}: {} {}", r.file, c.count, c.count == 1 ? "difference" : "differences");
+        if (c.rows_differ > 0) fmt::print(", in {} of {} rows", c.rows_differ, c.rows);
+        fmt::print("\n");
+    }
+    for (const auto& column : c.columns) {
+        if (column.count == 0 && !(verbose && !column.absolute.at.empty())) continue;
+        fmt::print("  {}: {} differ", column.name, column.count);
+        if (column.kinds > 0) fmt::print(", {} of them in kind (NaN, infinite, empty or text)", column.kinds);
+        print_largest("abs", column.absolute);
+        print_largest("rel", column.relative);
+        fmt::print("\n");
+    }
+    for (const auto& d : c.differences) {
+        if (d.line > 0) fmt::print("{}:{}: {}\n", r.file, d.line, d.what);
+        else fmt::print("{}: {}\n", r.file, d.what);
+    }
+    if (c.count > c.differences.size())
+        fmt::print("{}: and {} more; -v shows all\n", r.file, c.count - c.differences.size());
+}
+
+}  // namespace lostbits::analysis::diff

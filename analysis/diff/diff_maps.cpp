@@ -1,0 +1,195 @@
+#include "analysis/diff/diff_maps.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "number/error.hpp"
+#include "output/diff/pixel_difference.hpp"
+#include "scene/toml/did_you_mean.hpp"
+
+namespace lostbits::analysis::diff {
+
+namespace fs = std::filesystem;
+using output::diff::CompareOptions;
+using output::diff::RowChanges;
+
+namespace {
+
+constexpr std::size_t most = 8;  // lines of each kind that fit on one screen
+
+/// `near-benign `: the folder of a table, in front of the names of its rows.
+std::string subject_of(const fs::path& file) {
+    const std::string folder = file.parent_path().string();
+    const bool main = file.filename() == "summary.csv" || folder.empty();
+    std::string subject = main ? folder : file.string();
+    return subject.empty() ? "" : subject + " ";
+}
+
+/// The rows of two forms in one table; nothing where it has not both.
+std::optional<RowChanges> held_against(const fs::path& file, const MapSides& sides, const CompareOptions& options) {
+    const auto table = output::file::read_csv(file);
+    if (!output::diff::has_row_keys(table)) return {};
+    const auto& forms = table.find("form")->cells;
+    const auto has = [&](const std::string& form) { return std::ranges::find(forms, form) != forms.end(); };
+    if (!has(sides.form_a) || !has(sides.form_b)) return {};
+    return compare_rows(table, table, subject_of(file.lexically_relative(sides.a)), options, {sides.form_a},
+                        {sides.form_b});
+}
+
+/// Every form that the tables below a folder name.
+std::vector<std::string> forms_below(const fs::path& folder) {
+    std::set<std::string> forms;
+    for (const fs::path& file : files_below(folder)) {
+        if (kind_of(file) != FileKind::csv) continue;
+        const auto table = output::file::read_csv(folder / file);
+        if (!output::diff::has_row_keys(table)) continue;
+        for (const std::string_view form : table.find("form")->cells) forms.emplace(form);
+    }
+    return {forms.begin(), forms.end()};
+}
+
+MapDifference compare_forms(const MapSides& sides, const CompareOptions& options) {
+    MapDifference found;
+    for (const fs::path& file : files_below(sides.a)) {
+        stop_if_interrupted();
+        if (kind_of(file) != FileKind::csv) continue;
+        auto rows = held_against(sides.a / file, sides, options);
+        if (!rows) continue;
+        ++found.tables;
+        found.rows.add(std::move(*rows));
+    }
+    if (found.tables > 0) return found;
+    const auto forms = forms_below(sides.a);
+    for (const std::string& form : {sides.form_a, sides.form_b}) {
+        if (std::ranges::find(forms, form) == forms.end())
+            throw InputError(
+                fmt::format("-i {}: no table below {} has rows of that form; {}", form, sides.a.string(),
+                            forms.empty() ? "map it there first" : scene::toml::did_you_mean(form, forms)));
+    }
+    throw InputError(fmt::format("-i {} -i {}: no table below {} has rows of both; map both in one run", sides.form_a,
+                                 sides.form_b, sides.a.string()));
+}
+
+void print_lines(const std::string& head, const std::vector<std::string>& lines, bool all) {
+    if (lines.empty()) return;
+    fmt::print("{}\n", head);
+    const std::size_t shown = all ? lines.size() : std::min(most, lines.size());
+    for (std::size_t i = 0; i < shown; ++i) fmt::print("  {}\n", lines[i]);
+    if (shown < lines.size()) fmt::print("  and {} more; -v shows all\n", lines.size() - shown);
+}
+
+std::string rows_text(std::uint64_t n) { return fmt::format("{} {}", n, n == 1 ? "row" : "rows"); }
+
+/// The names of the files of a form and format, `sphere.press.f32`, on both sides.
+std::vector<std::pair<std::string, std::string>> drawn_rows(const MapSides& sides,
+                                                            const output::file::CsvTable& table) {
+    std::vector<std::pair<std::string, std::string>> rows;
+    const auto &forms = table.find("form")->cells, &formats = table.find("format")->cells;
+    for (std::size_t r = 0; r < table.rows(); ++r) {
+        const std::string form(forms[r]), format(formats[r]);
+        if (!sides.formats.empty() && std::ranges::find(sides.formats, format) == sides.formats.end()) continue;
+        if (sides.are_forms() && form != sides.form_a) continue;
+        rows.emplace_back(form + "." + format, (sides.are_forms() ? sides.form_b : form) + "." + format);
+    }
+    return rows;
+}
+
+}  // namespace
+
+bool MapDifference::same() const { return rows.same() && std::ranges::all_of(others, &Result::same); }
+
+MapDifference compare_maps(const MapSides& sides, const CompareOptions& options, bool pictures) {
+    if (sides.are_forms()) return compare_forms(sides, options);
+    const auto left = files_below(sides.a), right = files_below(sides.b);
+    auto all = left;
+    all.insert(right.begin(), right.end());
+    if (all.empty())
+        throw NothingSelected(
+            fmt::format("{} and {} contain no files; check the paths", sides.a.string(), sides.b.string()));
+    MapDifference found;
+    for (const fs::path& file : all) {
+        stop_if_interrupted();
+        const FileKind kind = kind_of(file);
+        const bool in_a = left.contains(file), in_b = right.contains(file);
+        if (kind == FileKind::png && !pictures) {
+            ++found.pictures;
+            continue;
+        }
+        if (in_a && in_b && kind == FileKind::csv) {
+            const auto a = output::file::read_csv(sides.a / file), b = output::file::read_csv(sides.b / file);
+            if (output::diff::has_row_keys(a) && output::diff::has_row_keys(b)) {
+                ++found.tables;
+                found.rows.add(output::diff::compare_rows(a, b, subject_of(file), options));
+                continue;
+            }
+        }
+        Result& result = found.others.emplace_back();
+        result.file = ((in_a ? sides.a : sides.b) / file).string();
+        if (in_a && in_b) result.comparison = compare_files(sides.a / file, sides.b / file, kind, options);
+        else result.only = (in_a ? sides.a : sides.b).string();
+    }
+    if (found.tables == 0 && found.others.empty())
+        throw NothingSelected(fmt::format("{} and {} contain nothing but pictures; --pictures compares them",
+                                          sides.a.string(), sides.b.string()));
+    found.rows.sort();
+    return found;
+}
+
+void print(const MapDifference& d, const MapSides& sides, bool verbose) {
+    const std::string a = sides.are_forms() ? sides.form_a : sides.a.string(),
+                      b = sides.are_forms() ? sides.form_b : sides.b.string();
+    if (d.tables > 0)
+        fmt::print("{} to {}: {} of {} rows differ, in {} {}\n", a, b, d.rows.changed, d.rows.rows, d.tables,
+                   d.tables == 1 ? "table" : "tables");
+    print_lines(fmt::format("{} only in {}:", rows_text(d.rows.only_a.size()), a), d.rows.only_a, verbose);
+    print_lines(fmt::format("{} only in {}:", rows_text(d.rows.only_b.size()), b), d.rows.only_b, verbose);
+    std::vector<std::string> lines;
+    for (const auto& o : d.rows.outcomes) lines.push_back(o.row + ": " + o.text);
+    print_lines(fmt::format("outcomes differ in {}:", rows_text(d.rows.outcomes.size())), lines, verbose);
+    lines.clear();
+    for (const auto& c : d.rows.cells)
+        lines.push_back(fmt::format("{}: {} {} to {}", c.row, c.column, c.before, c.after));
+    print_lines(fmt::format("largest changes, of {} numbers that differ:", d.rows.cells.size()), lines, verbose);
+    print_lines("columns:", d.rows.columns, verbose);
+    for (const Result& r : d.others) {
+        if (verbose || !r.only.empty()) {
+            if (verbose || !r.same()) diff::print(r, verbose);
+        } else if (!r.same()) {
+            fmt::print("{}: {} {}\n", r.file, r.comparison.count,
+                       r.comparison.count == 1 ? "difference" : "differences");
+        }
+    }
+}
+
+std::vector<fs::path> draw_maps(const MapSides& sides, const fs::path& out) {
+    auto& images = output::image::image_backend();
+    std::vector<fs::path> drawn;
+    for (const fs::path& file : files_below(sides.a)) {
+        if (file.filename() != "summary.csv") continue;
+        const auto table = output::file::read_csv(sides.a / file);
+        if (!output::diff::has_row_keys(table)) continue;
+        const fs::path map = file.parent_path();
+        for (const auto& [first, second] : drawn_rows(sides, table)) {
+            stop_if_interrupted();
+            const auto a = output::diff::read_pixels(images, sides.a / map, first);
+            const auto b = a ? output::diff::read_pixels(images, sides.b / map, second) : std::nullopt;
+            if (!a || !b) continue;
+            const std::string name = first == second ? first : first + "-to-" + second;
+            const fs::path picture = out / map / (name + ".png");
+            output::diff::draw_difference(
+                images, picture, *a, *b,
+                {(map.empty() ? "" : map.string() + ": ") + (first == second ? first : first + " and " + second),
+                 first == second ? sides.a.string() : first, first == second ? sides.b.string() : second});
+            drawn.push_back(picture);
+        }
+    }
+    if (drawn.empty())
+        throw InputError(
+            fmt::format("--draw {}: no map below {} has the pixels of a form on both sides; make the maps "
+                        "with --pixels csv or --exr",
+                        out.string(), sides.a.string()));
+    return drawn;
+}
+
+}  // namespace lostbits::analysis::diff

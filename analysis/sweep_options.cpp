@@ -1,0 +1,91 @@
+#include "sweep_options.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "analysis/choice/select.hpp"
+#include "number/error.hpp"
+
+namespace lostbits::analysis {
+
+using scene::sweep::SweepKind;
+
+namespace {
+
+std::vector<long long> read_steps(const std::string& text) {
+    std::vector<long long> steps;
+    for (std::size_t at = 0; at <= text.size();) {
+        const std::size_t end = std::min(text.find(',', at), text.size());
+        const std::string word = text.substr(at, end - at);
+        const bool digits =
+            !word.empty() && word.size() < 10 && std::ranges::all_of(word, [](char c) { return c >= '0' && c <= '9'; });
+        if (!digits)
+            throw InputError(fmt::format(
+                "--steps {}: is not a number of steps; write one for every axis, or one each: 40 or 40,20", text));
+        steps.push_back(std::stoll(word));
+        at = end + 1;
+    }
+    return steps;
+}
+
+const char* parts_of(SweepKind kind) {
+    switch (kind) {
+        case SweepKind::axes: return "steps";
+        case SweepKind::cases: return "cases";
+        case SweepKind::search: return "searches";
+        case SweepKind::every_float: break;
+    }
+    return "floats";
+}
+
+}  // namespace
+
+std::string SweepWords::in_title() const {
+    std::string text;
+    const auto add = [&text](const char* option, const std::string& value) {
+        if (!value.empty()) text += (text.empty() ? " (" : ", ") + std::string(option) + value;
+    };
+    add("--size ", size);
+    add("--steps ", steps);
+    for (const std::string& change : set) add("--set ", change);
+    return text.empty() ? "" : text + ")";
+}
+
+scene::sweep::SweepChanges read_changes(const SweepWords& words) {
+    scene::sweep::SweepChanges changes;
+    if (!words.size.empty()) changes.size = choice::parse_size(words.size);
+    if (!words.steps.empty()) changes.steps = read_steps(words.steps);
+    for (const std::string& s : words.set) changes.set.push_back(scene::toml::parse_override(s));
+    return changes;
+}
+
+void check_changes(const SweepWords& words, SweepKind kind, const std::string& name) {
+    if (kind == SweepKind::axes) return;
+    const auto refuse = [&name](const std::string& option, const std::string& why) {
+        throw InputError(fmt::format("{}: {} {}", option, name, why));
+    };
+    const bool cases = kind == SweepKind::cases, search = kind == SweepKind::search;
+    if (!words.size.empty())
+        refuse("--size " + words.size, cases    ? "has no picture: its rays are the cases; leave out --size"
+                                       : search ? "has no picture: its rays are searched; leave out --size, and try "
+                                                  "--set starts=N for more of them"
+                                                : "has no picture: its rays are in the file; leave out --size");
+    if (!words.steps.empty())
+        refuse("--steps " + words.steps, cases    ? "has no steps but its cases; leave out --steps"
+                                         : search ? "has no steps; try --set starts=N or --set generations=N"
+                                                  : "tries every float of its range; leave out --steps");
+    if (!words.set.empty() && !search)
+        refuse("--set " + words.set.front(),
+               cases ? "names each of its cases by its numbers; copy the file and change them there"
+                     : "says what is true of the very numbers in its file; copy the file and change them there");
+}
+
+std::string interrupted_text(SweepKind kind, const std::string& name) {
+    if (kind == SweepKind::every_float)
+        return fmt::format("interrupted among the floats of {}: how far it came is kept for --resume", name);
+    return fmt::format("interrupted among the {} of {}: of this sweep nothing is kept, of finished ones everything",
+                       parts_of(kind), name);
+}
+
+}  // namespace lostbits::analysis

@@ -1,0 +1,151 @@
+#include "output/diff/pixel_difference.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "measure/answer/outcome.hpp"
+#include "number/error.hpp"
+#include "output/file/read_csv.hpp"
+#include "output/image/heatmap.hpp"
+
+namespace lostbits::output::diff {
+
+using image::ExrImage;
+using image::Rgb8;
+using measure::answer::Outcome;
+using measure::answer::outcome_names;
+
+namespace {
+
+constexpr double none = std::numeric_limits<double>::quiet_NaN();
+
+[[noreturn]] void refuse(const std::filesystem::path& path, const std::string& why) {
+    throw InputError(fmt::format("{}: {}; make the map again with --pixels csv", path.string(), why));
+}
+
+PixelField pixels_of_table(const std::filesystem::path& path) {
+    const file::CsvTable table = file::read_csv(path);
+    const file::CsvColumn *const x = table.find("x"), *const y = table.find("y"),
+                                 *const outcome = table.find("outcome"), *const lost = table.find("lost_bits");
+    if (x == nullptr || y == nullptr || outcome == nullptr || lost == nullptr || table.rows() == 0)
+        refuse(path, "has not the columns x, y, outcome and lost_bits of a map's pixels");
+    const auto number = [](std::string_view cell) { return file::read_cell(cell).approximate(); };
+    PixelField field;
+    field.width = static_cast<int>(number(x->cells.back())) + 1;
+    field.height = static_cast<int>(number(y->cells.back())) + 1;
+    if (static_cast<std::size_t>(field.width) * static_cast<std::size_t>(field.height) != table.rows())
+        refuse(path, "does not hold every pixel of a picture, row by row");
+    for (std::size_t r = 0; r < table.rows(); ++r) {
+        const auto found = std::ranges::find(outcome_names, outcome->cells[r]);
+        if (found == outcome_names.end()) refuse(path, "has an outcome that is none");
+        field.outcome.push_back(static_cast<std::uint8_t>(found - outcome_names.begin()));
+        // As an EXR holds it, so that both give one picture.
+        const double bits = lost->cells[r].empty() ? none : number(lost->cells[r]);
+        field.lost.push_back(static_cast<double>(static_cast<float>(bits)));
+    }
+    return field;
+}
+
+PixelField pixels_of_part(const std::filesystem::path& path, const ExrImage& part) {
+    const image::ExrChannel *const outcome = part.find("class.outcome"), *const lost = part.find("bits.lost");
+    if (outcome == nullptr || lost == nullptr || outcome->samples.index() != 1 || lost->samples.index() != 0)
+        refuse(path, "has not the channels class.outcome and bits.lost of a map");
+    PixelField field{part.width, part.height, {}, {}};
+    for (const std::uint32_t code : std::get<1>(outcome->samples)) {
+        if (code >= outcome_names.size()) refuse(path, "has an outcome that is none");
+        field.outcome.push_back(static_cast<std::uint8_t>(code));
+    }
+    for (const float bits : std::get<0>(lost->samples)) field.lost.push_back(static_cast<double>(bits));
+    return field;
+}
+
+/// The class of a pixel; nothing for two agreed hits, which have a difference.
+std::optional<PixelClass> class_of(std::uint8_t a, std::uint8_t b) {
+    const auto hit = static_cast<std::uint8_t>(Outcome::agree_hit),
+               miss = static_cast<std::uint8_t>(Outcome::agree_miss);
+    const auto right = [&](std::uint8_t o) { return o == hit || o == miss; };
+    if (a == hit && b == hit) return {};
+    if (right(a) && right(b)) return PixelClass::both_miss;
+    return right(a) ? PixelClass::wrong_now : right(b) ? PixelClass::right_now : PixelClass::both_wrong;
+}
+
+}  // namespace
+
+std::optional<PixelField> read_pixels(image::ImageBackend& images, const std::filesystem::path& folder,
+                                      const std::string& row) {
+    if (const auto table = folder / (row + ".csv"); std::filesystem::exists(table)) return pixels_of_table(table);
+    const auto exr = folder / (std::filesystem::weakly_canonical(folder / ".").filename().string() + ".exr");
+    if (!std::filesystem::exists(exr)) return {};
+    const auto parts = images.exr_parts(exr);
+    const auto found = std::ranges::find(parts, row);
+    if (found == parts.end()) return {};
+    return pixels_of_part(exr, images.read_exr(exr, static_cast<std::size_t>(found - parts.begin())));
+}
+
+std::vector<Rgb8> difference_ramp() {
+    const std::array<Rgb8, 3> ends{{{20, 80, 180}, {250, 250, 250}, {200, 80, 0}}};
+    std::vector<Rgb8> ramp;
+    constexpr int half = 128;
+    for (int i = -half; i <= half; ++i) {
+        const Rgb8 end = i < 0 ? ends[0] : ends[2], middle = ends[1];
+        const auto mixed = [&](std::uint8_t m, std::uint8_t e) {
+            return static_cast<std::uint8_t>((m * (half - std::abs(i)) + e * std::abs(i) + half / 2) / half);
+        };
+        ramp.push_back({mixed(middle.r, end.r), mixed(middle.g, end.g), mixed(middle.b, end.b)});
+    }
+    return ramp;
+}
+
+void draw_difference(image::ImageBackend& images, const std::filesystem::path& path, const PixelField& a,
+                     const PixelField& b, const DifferenceWords& words) {
+    if (a.width != b.width || a.height != b.height)
+        throw InputError(fmt::format("{}: {}x{} pixels in {}, {}x{} in {}; make both maps with one --size", words.title,
+                                     a.width, a.height, words.first, b.width, b.height, words.second));
+    double largest = 1;
+    std::array<std::uint64_t, pixel_class_colours.size()> counts{};
+    std::uint64_t more = 0, fewer = 0, hits = 0;
+    for (std::size_t i = 0; i < a.lost.size(); ++i) {
+        if (const auto c = class_of(a.outcome[i], b.outcome[i])) {
+            ++counts[static_cast<std::size_t>(*c)];
+            continue;
+        }
+        const double difference = b.lost[i] - a.lost[i];
+        ++hits;
+        more += difference > 0;
+        fewer += difference < 0;
+        largest = std::max(largest, std::fabs(difference));
+    }
+    const std::array<std::string, 4> names{"both miss, rightly", "wrong in both", "wrong only in " + words.second,
+                                           "right only in " + words.second};
+    std::vector<image::LegendEntry> widest, legend;
+    for (std::size_t c = 0; c < names.size(); ++c) {
+        widest.push_back({names[c], pixel_class_colours[c], std::to_string(a.lost.size())});
+        if (counts[c] > 0) legend.push_back({names[c], pixel_class_colours[c], std::to_string(counts[c])});
+    }
+    const image::ColourScale scale("difference", difference_ramp(), -largest, largest);
+    image::HeatmapWriter picture(
+        images, path,
+        {.title = words.title,
+         .subtitle = {fmt::format("From {} to {}.", words.first, words.second),
+                      fmt::format("Of {} pixels that both hit rightly {} lose more bits (orange), {} fewer (blue).",
+                                  hits, more, fewer)},
+         .width = a.width,
+         .height = a.height,
+         .scale = scale,
+         .unit = "more bits lost",
+         .legend = widest});
+    std::vector<Rgb8> row(static_cast<std::size_t>(a.width));
+    for (std::size_t i = 0, x = 0; i < a.lost.size(); ++i) {
+        const auto c = class_of(a.outcome[i], b.outcome[i]);
+        row[x] = c ? pixel_class_colours[static_cast<std::size_t>(*c)] : scale.map(b.lost[i] - a.lost[i]);
+        if (++x < row.size()) continue;
+        picture.write_rows(row);
+        x = 0;
+    }
+    picture.finish(legend);
+}
+
+}  // namespace lostbits::output::diff

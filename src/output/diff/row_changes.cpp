@@ -1,0 +1,158 @@
+#include "output/diff/row_changes.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <optional>
+#include <set>
+
+#include "measure/answer/outcome.hpp"
+#include "output/diff/ledger.hpp"
+
+namespace lostbits::output::diff {
+
+using file::CsvColumn;
+using file::CsvTable;
+
+namespace {
+
+/// What stands before the form (a case, the value of an axis), the form and the format.
+std::vector<const CsvColumn*> key_columns(const CsvTable& table) {
+    std::vector<const CsvColumn*> keys;
+    const CsvColumn *const form = table.find("form"), *const format = table.find("format");
+    if (form == nullptr || format == nullptr) return keys;
+    for (const CsvColumn& column : table.columns) {
+        if (!column.name.ends_with("_hex") && column.name != "verdict") keys.push_back(&column);
+        if (&column == std::max(form, format)) break;
+    }
+    return keys;
+}
+
+/// Rows by their key, in the table's order.
+struct KeyedRows {
+    std::vector<std::string> order;
+    std::map<std::string, std::size_t> row;
+};
+
+KeyedRows keyed(const CsvTable& table, const RowChoice& choice) {
+    KeyedRows rows;
+    const CsvColumn* const form = table.find("form");
+    for (std::size_t r = 0; r < table.rows(); ++r) {
+        if (!choice.form.empty() && form->cells[r] != choice.form) continue;
+        std::string key;
+        for (const CsvColumn* column : key_columns(table)) {
+            if (column == form && !choice.form.empty()) continue;
+            key += (key.empty() ? "" : " ") + std::string(column->cells[r]);
+        }
+        if (rows.row.try_emplace(key, r).second) rows.order.push_back(key);
+    }
+    return rows;
+}
+
+bool is_outcome(const std::string& name) {
+    return std::ranges::find(measure::answer::outcome_names, name) != measure::answer::outcome_names.end() ||
+           name == "wrong_object";
+}
+
+/// Names a ray, a place or a command; how far two of them are apart says nothing.
+bool is_place(const std::string& name) {
+    return name.starts_with("worst_") || name.starts_with("fault_") || name.ends_with("_hex") ||
+           name.ends_with("explain");
+}
+
+std::string shown(std::string_view cell) { return cell.empty() ? "(empty)" : std::string(cell); }
+
+struct ColumnPair {
+    const CsvColumn *a, *b;
+    const Tolerance* tolerance;
+};
+
+}  // namespace
+
+void RowChanges::add(RowChanges other) {
+    rows += other.rows;
+    changed += other.changed;
+    count += other.count;
+    const auto append = [](auto& to, auto& from) {
+        to.insert(to.end(), std::make_move_iterator(from.begin()), std::make_move_iterator(from.end()));
+    };
+    append(only_a, other.only_a);
+    append(only_b, other.only_b);
+    append(outcomes, other.outcomes);
+    append(cells, other.cells);
+    append(columns, other.columns);
+    append(names, other.names);
+}
+
+void RowChanges::sort() {
+    std::ranges::stable_sort(outcomes, [](const auto& a, const auto& b) { return a.rays > b.rays; });
+    std::ranges::stable_sort(
+        cells, [](const CellChange& a, const CellChange& b) { return a.bits != b.bits ? a.bits : a.size > b.size; });
+}
+
+bool has_row_keys(const CsvTable& table) {
+    const auto keys = key_columns(table);
+    return !keys.empty() && table.rows() > 0 && keyed(table, {}).order.size() == table.rows();
+}
+
+RowChanges compare_rows(const CsvTable& a, const CsvTable& b, const std::string& subject, const CompareOptions& options,
+                        const RowChoice& of_a, const RowChoice& of_b) {
+    RowChanges found;
+    const bool two_forms = !of_a.form.empty();
+    std::vector<ColumnPair> pairs;
+    std::set<const CsvColumn*> keys;
+    for (const CsvColumn* key : key_columns(a)) keys.insert(key);
+    for (const CsvColumn& column : a.columns) {
+        found.names.push_back(column.name);
+        if (ignores(options, column.name) || keys.contains(&column)) continue;
+        const CsvColumn* const other = b.find(column.name);
+        if (other != nullptr) pairs.push_back({&column, other, tolerance_of(column.name, options)});
+        else found.columns.push_back(fmt::format("{}column {} is missing in the second", subject, column.name));
+    }
+    for (const CsvColumn& column : b.columns) {
+        if (a.find(column.name) != nullptr) continue;
+        found.names.push_back(column.name);
+        if (!ignores(options, column.name))
+            found.columns.push_back(fmt::format("{}column {} is added in the second", subject, column.name));
+    }
+    const KeyedRows left = keyed(a, of_a), right = keyed(b, of_b);
+    for (const std::string& key : right.order) {
+        if (!left.row.contains(key)) found.only_b.push_back(subject + key);
+    }
+    for (const std::string& key : left.order) {
+        const auto other = right.row.find(key);
+        if (other == right.row.end()) {
+            found.only_a.push_back(subject + key);
+            continue;
+        }
+        ++found.rows;
+        const std::size_t r = left.row.at(key), q = other->second;
+        OutcomeChange outcome{subject + key, {}, 0};
+        bool differs = false;
+        for (const auto& [x, y, tolerance] : pairs) {
+            const std::string_view before = x->cells[r], after = y->cells[q];
+            if (before == after) continue;
+            const bool place = is_place(x->name);
+            const PairVerdict v = judge_cells(before, after, tolerance, tolerance == nullptr && place);
+            if (!v.differs || (two_forms && (place || (!v.measured && !v.kinds)))) continue;
+            differs = true;
+            ++found.count;
+            if (is_outcome(x->name)) {
+                outcome.text += fmt::format("{}{} {} to {}", outcome.text.empty() ? "" : ", ", x->name, before, after);
+                outcome.rays += v.absolute;
+            } else if (!place) {
+                const bool bits = x->name.find("bits") != std::string::npos;
+                const double size = !v.measured ? HUGE_VAL : bits ? v.absolute : v.relative;
+                found.cells.push_back({subject + key, x->name, shown(before), shown(after), bits, size});
+            }
+        }
+        found.changed += differs;
+        if (!outcome.text.empty()) found.outcomes.push_back(std::move(outcome));
+    }
+    found.sort();
+    return found;
+}
+
+}  // namespace lostbits::output::diff

@@ -1,0 +1,107 @@
+// `lostbits diff` between folders of maps, and between two forms of one.
+#include <algorithm>
+#include <cstdlib>
+
+#include "catch.hpp"
+#include "output/image/image.hpp"
+#include "program.hpp"
+
+using namespace lostbits::test;
+namespace output = lostbits::output;
+
+namespace {
+
+output::image::ImageBackend& backend() {
+    setenv("LOSTBITS_IMAGE_MODULE", LOSTBITS_IMAGE_MODULE_FILE, 1);
+    return output::image::image_backend();
+}
+
+void write_png(const std::filesystem::path& path, std::uint8_t blue) {
+    auto png = backend().open_png(path, 2, 1);
+    const output::image::Rgb8 pixels[] = {{1, 2, 3}, {4, 5, blue}};
+    png->write_rows(1, pixels);
+    png->close();
+}
+
+}  // namespace
+
+TEST_CASE("diff: two folders of maps open with rows, outcomes and the largest changes, rows paired by what they are") {
+    const Scratch scratch;
+    const std::string head = "form,format,agree_hit,false_miss,lost_bits_p99,ulp_error_max,worst_explain\n";
+    for (const char* folder : {"one/map", "two/map"}) std::filesystem::create_directories(scratch.path() / folder);
+    static_cast<void>(scratch.write("one/map/summary.csv", head + "sphere.press,f32,10,0,2,5,a\n"
+                                                                  "sphere.press,f64,10,0,1,4,a\n"
+                                                                  "sphere.half_b,f32,10,0,nan,4,a\n"));
+    // Another order, a row less and a row more.
+    static_cast<void>(scratch.write("two/map/summary.csv", head + "sphere.half_b,f32,10,0,3,4,a\n"
+                                                                  "sphere.press,f32,8,2,4.5,10,b\n"
+                                                                  "sphere.unified,f32,10,0,0,0,a\n"));
+    write_png(scratch.path() / "one/map/contact.png", 6);
+    write_png(scratch.path() / "two/map/contact.png", 7);
+    const auto r = run("diff one two", scratch.path());
+    CHECK(r.code == 1);
+    CHECK(r.out ==
+          "one to two: 2 of 2 rows differ, in 1 table\n"
+          "1 row only in one:\n"
+          "  map sphere.press f64\n"
+          "1 row only in two:\n"
+          "  map sphere.unified f32\n"
+          "outcomes differ in 1 row:\n"
+          "  map sphere.press f32: agree_hit 10 to 8, false_miss 0 to 2\n"
+          "largest changes, of 3 numbers that differ:\n"
+          "  map sphere.half_b f32: lost_bits_p99 nan to 3\n"
+          "  map sphere.press f32: lost_bits_p99 2 to 4.5\n"
+          "  map sphere.press f32: ulp_error_max 5 to 10\n");
+    CHECK(has(r.err, "1 picture is not compared; --pictures compares it\n"));
+    CHECK(has(run("diff one two --pictures", scratch.path()).out, "one/map/contact.png: 1 difference\n"));
+    CHECK(run("diff one two --ignore lost_eits", scratch.path()).code == 2);
+
+    // The pictures alone do not count, unless they are asked for.
+    std::filesystem::copy_file(scratch.path() / "one/map/summary.csv", scratch.path() / "two/map/summary.csv",
+                               std::filesystem::copy_options::overwrite_existing);
+    CHECK(run("diff one two", scratch.path()).out == "same\n");
+    CHECK(run("diff one two --pictures", scratch.path()).code == 1);
+    CHECK(run("diff one two --strict", scratch.path()).code == 1);
+    for (const char* folder : {"one", "two"}) std::filesystem::remove(scratch.path() / folder / "map/summary.csv");
+    const auto nothing = run("diff one two", scratch.path());
+    CHECK(nothing.code == 4);
+    CHECK(has(nothing.err, "nothing but pictures"));
+}
+
+TEST_CASE("diff: two forms of one folder, and the difference as a picture, from tables and from EXR alike") {
+    const Scratch scratch;
+    const std::string map = "map rtg-fig-7-3-4100-oblique --size 48x36 -f f32 -i sphere.schoolbook -i sphere.unified ";
+    REQUIRE(run(map + "--pixels csv -o csv", scratch.path()).code == 0);
+    REQUIRE(run(map + "--exr -o exr", scratch.path()).code == 0);
+    const std::string forms = " -i sphere.schoolbook -i sphere.unified";
+    const auto r = run("diff csv" + forms + " --draw from-csv", scratch.path());
+    INFO(r.err);
+    CHECK(r.code == 1);
+    CHECK(has(r.out, "sphere.schoolbook to sphere.unified: 1 of 1 rows differ, in 1 table\n"));
+    CHECK(has(r.out, "rtg-fig-7-3-4100-oblique f32: lost_bits_"));
+    const std::string picture = "/rtg-fig-7-3-4100-oblique/sphere.schoolbook.f32-to-sphere.unified.f32.png";
+    CHECK(has(r.out, "from-csv" + picture + "\n"));
+    REQUIRE(run("diff exr" + forms + " --draw from-exr", scratch.path()).code == 1);
+    const auto one = backend().read_png((scratch.path() / ("from-csv" + picture)).string());
+    const auto two = backend().read_png((scratch.path() / ("from-exr" + picture)).string());
+    CHECK(one.pixels == two.pixels);
+
+    // Of a form and itself nothing is orange and nothing blue; decisions that changed are black.
+    REQUIRE(run("diff csv exr --draw none --ignore '*'", scratch.path()).code == 1);  // files that only one has
+    const auto same = backend().read_png(scratch.path() / "none/rtg-fig-7-3-4100-oblique/sphere.unified.f32.png");
+    const output::image::Rgb8 black{0, 0, 0}, blue{20, 80, 180};
+    const auto count = [](const output::image::PngImage& image, output::image::Rgb8 colour) {
+        return std::ranges::count(image.pixels, colour);
+    };
+    CHECK(count(one, blue) > count(same, blue));
+    const auto back = run("diff csv -i sphere.unified -i sphere.schoolbook --draw back", scratch.path());
+    const auto worse = backend().read_png(
+        scratch.path() / "back/rtg-fig-7-3-4100-oblique/sphere.unified.f32-to-sphere.schoolbook.f32.png");
+    CHECK(count(worse, black) > count(one, black));  // schoolbook misses what unified hits
+
+    REQUIRE(run(map + "-o bare", scratch.path()).code == 0);
+    const auto bare = run("diff bare" + forms + " --draw no", scratch.path());
+    CHECK(bare.code == 2);
+    CHECK(has(bare.err, "--pixels csv or --exr"));
+    CHECK_FALSE(std::filesystem::exists(scratch.path() / "no"));
+}

@@ -1,0 +1,113 @@
+// lostbits explain: what stands first, whom it blames, and what it leaves out.
+#include <nlohmann/json.hpp>
+
+#include <cctype>
+#include <set>
+#include <sstream>
+
+#include "catch.hpp"
+#include "intersect/table/table.hpp"
+#include "program.hpp"
+
+using namespace lostbits;
+using test::has;
+using test::run;
+
+namespace {
+
+const std::string far = "explain rtg-fig-7-3-4100-oblique --pixel 128,40 ";
+
+/// A scene and a pixel that forms of the shape hit.
+std::string setting_of(Shape shape) {
+    return shape == Shape::sphere ? "rtg-fig-7-3-100-oblique --pixel 128,100"
+           : shape == Shape::box  ? "box-one --pixel 128,100"
+                                  : "sdf-sphere --pixel 100,100";
+}
+
+}  // namespace
+
+TEST_CASE("the verdict stands first, and where less than a bit is lost no operation is to blame") {
+    const auto far_away = run(far + "-i sphere.schoolbook -f f32").out;
+    const auto at = [](const std::string& text, const std::string& part) { return text.find(part); };
+    CHECK(at(far_away, "the formula loses the other") < at(far_away, "The culprit is"));
+    CHECK(at(far_away, "The culprit is") < at(far_away, "Better on this ray"));
+    CHECK(at(far_away, "Better on this ray") < at(far_away, "radius   = 0x1p+0"));
+    CHECK(at(far_away, "\n* c  ") != std::string::npos);
+    const auto near = run("explain near-benign --pixel 100,128 -i sphere.unified").out;
+    CHECK(has(near, "No operation is to blame: what is lost is less than a bit."));
+    CHECK(has(near, "does better on this ray in this format"));
+    CHECK_FALSE(has(near, "culprit"));
+    CHECK_FALSE(has(near, "\n* "));
+    const auto j = nlohmann::json::parse(run("explain near-benign --pixel 100,128 -i sphere.unified --json").out);
+    CHECK(has(j["sentence"], "The largest contribution is that of"));  // for programs, as ever
+}
+
+TEST_CASE("better is what keeps a bit more, and no less") {
+    const std::string what = "explain near-benign --pixel 100,128 -i sphere.schoolbook -f f32";
+    const auto j = nlohmann::json::parse(run(what + " --json").out);
+    const auto text = run(what).out;
+    const auto line = text.substr(text.find("etter on this ray"));
+    int worth = 0, less = 0;
+    for (const auto& s : j["better"]) {
+        const bool bit = j["lost_bits"].get<double>() - s["lost_bits"].get<double>() >= 1;
+        worth += bit;
+        less += !bit;
+        if (!bit) CHECK_FALSE(has(line.substr(0, line.find('\n')), s["form"].get<std::string>() + " ("));
+    }
+    INFO(text);
+    CHECK(less > 0);
+    CHECK((worth > 0) == has(text, "Better on this ray:"));
+}
+
+TEST_CASE("what the format cannot hold is nobody's rounding") {
+    // Every number of the scene is rounded to 8 bits first; the form itself does well.
+    const auto r = run("explain near-benign --pixel 100,128 -i sphere.unified -f bf16");
+    INFO(r.out);
+    CHECK(has(r.out, "bf16 cannot hold all of these numbers"));
+    CHECK(has(r.out, "the rest comes from inputs that the format cannot hold"));
+    CHECK_FALSE(has(r.out, "The culprit is"));
+}
+
+TEST_CASE("a hit of another solid than the ray meets first is said to be one, with the command for the right one") {
+    const auto r = run("explain sphereflake-far --pixel 102,5 -i sphere.schoolbook -f f32");
+    INFO(r.out.substr(0, 2000));
+    CHECK(has(r.out, "The wrong solid: the form hits solid 58866, but the ray first meets solid 1."));
+    const auto at = r.out.find("lostbits explain --sphere=");
+    REQUIRE(at != std::string::npos);
+    const auto other = run(r.out.substr(at + 9, r.out.find('\n', at) - at - 9));
+    CHECK(other.code == 0);
+    CHECK(has(other.out, "the true t is 306.782093"));
+    CHECK_FALSE(has(run("explain sphereflake-near --pixel 100,100 -i sphere.unified").out, "The wrong solid"));
+}
+
+TEST_CASE("every operation that a row names has a row") {
+    for (const intersect::table::Intersector& form : intersect::table::intersectors()) {
+        const auto out = run("explain " + setting_of(form.shape) + " -i " + std::string(form.info->name)).out;
+        std::set<std::string> rows, named;
+        std::istringstream lines(out.substr(out.find("  operation ")));
+        for (std::string line; std::getline(lines, line) && !line.starts_with("- what");) {
+            const auto equals = line.find(" = ");
+            if (equals == std::string::npos || line.size() < 3) continue;
+            rows.insert(line.substr(2, line.find(' ', 2) - 2));
+            // Names that the tape gives: m12, s12, v1, v1.x. The formula stands before the numbers.
+            for (std::size_t k = equals; k + 1 < line.size(); ++k) {
+                const bool starts = std::string("msv").find(line[k]) != std::string::npos &&
+                                    std::isdigit(static_cast<unsigned char>(line[k + 1])) &&
+                                    !std::isalnum(static_cast<unsigned char>(line[k - 1])) && line[k - 1] != '_';
+                if (!starts) continue;
+                std::size_t end = k + 1;
+                while (end < line.size() && std::isdigit(static_cast<unsigned char>(line[end]))) ++end;
+                std::string name = line.substr(k, end - k);
+                if (line.compare(end, 1, ".") == 0) name += line.substr(end, 2);
+                else if (line[k] == 'v') name += ".x";
+                named.insert(name);
+            }
+        }
+        INFO(form.info->name << "\n" << out);
+        CHECK(rows.size() > 3);
+        for (const std::string& name : named) {
+            INFO(name);
+            CHECK(rows.contains(name));
+        }
+    }
+}

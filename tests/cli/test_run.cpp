@@ -1,0 +1,83 @@
+// ./run: what it builds, in which order it works, and what it says last. Packages, compiler and program are stand-ins
+// that write down how they were called.
+#include <cstdlib>
+
+#include "catch.hpp"
+#include "program.hpp"
+
+using namespace lostbits::test;
+
+namespace {
+
+/// A folder with the script, two scenes and a scene with light.
+class Tree {
+public:
+    Tree() {
+        for (const char* folder : {"bin", "build", "data/scenes", "node_modules/uplot"})
+            std::filesystem::create_directories(at(folder));
+        std::filesystem::copy_file(LOSTBITS_DATA_DIR "/../run", at("run"));
+        for (const char* scene : {"one", "rtg-fig-7-3-4100-oblique", "raycast-acne"})
+            static_cast<void>(scratch_.write(std::string("data/scenes/") + scene + ".toml", ""));
+        stand_in("bin/cmake", "");
+        stand_in("bin/npm", "");
+        stand_in("bin/apt-get", "");
+        stand_in("bin/dpkg-query", "echo install ok installed");
+        stand_in("build/lostbits", "echo made by the program");
+    }
+
+    struct Said {
+        int code;
+        std::string out, calls;
+    };
+    [[nodiscard]] Said run(const std::string& word) const {
+        const std::string command = "cd '" + scratch_.path().string() + "' && PATH=\"$PWD/bin:$PATH\" bash run " +
+                                    word + " >out.txt 2>err.txt </dev/null";
+        const int code = std::system(command.c_str());
+        return {code, contents(at("out.txt")), contents(at("calls.txt"))};
+    }
+    [[nodiscard]] std::filesystem::path at(const std::string& name) const { return scratch_.path() / name; }
+
+private:
+    void stand_in(const std::string& name, const std::string& answer) const {
+        const std::string program = std::filesystem::path(name).filename();
+        std::filesystem::permissions(scratch_.write(name, "#!/bin/sh\necho \"" + program + " $*\" >>'" +
+                                                              at("calls.txt").string() + "'\n" + answer + "\n"),
+                                     std::filesystem::perms::owner_all);
+    }
+
+    Scratch scratch_;
+};
+
+}  // namespace
+
+TEST_CASE("./run builds the program alone, maps one scene first and all of them small, and ends with their folder") {
+    const Tree tree;
+    const auto said = tree.run("");
+    INFO(said.calls);
+    REQUIRE(said.code == 0);
+    CHECK(has(said.calls, "-DLOSTBITS_BUILD_TESTS=OFF -DLOSTBITS_BUILD_BENCH=OFF -DLOSTBITS_BUILD_PLUGINS=OFF"));
+    // What the page needs is a hundred packages, and what tests need is another hundred.
+    for (const char* no : {"npm ", "check", "render", "report", "raycast"}) CHECK_FALSE(has(said.calls, no));
+    for (const char* no : {"catch2", "libbenchmark-dev", "nodejs"}) CHECK_FALSE(has(said.calls, no));
+    const auto build = said.calls.find("cmake --build"), first = said.calls.find("lostbits map data/scenes/rtg-"),
+               small = said.calls.find("lostbits map -q data/scenes/one.toml data/scenes/rtg-");
+    REQUIRE(small != std::string::npos);
+    CHECK(build < first);
+    CHECK(first < small);
+    CHECK(has(said.calls.substr(small), "--size 64x48"));
+    CHECK(said.out.starts_with("made by the program\n"));  // the path of the first picture
+    CHECK(said.out.ends_with(tree.at("out/small").string() + "\n"));
+}
+
+TEST_CASE("./run all makes everything and ends with the page; another word is refused") {
+    const Tree tree;
+    const auto said = tree.run("all");
+    INFO(said.calls);
+    REQUIRE(said.code == 0);
+    for (const char* part : {"lostbits map data/scenes/one.toml", "lostbits render data/scenes/raycast-acne.toml",
+                             "lostbits check", "lostbits report"})
+        CHECK(has(said.calls, part));
+    CHECK(said.out.ends_with(tree.at("out/report/index.html").string() + "\n"));
+    CHECK(tree.run("al").code != 0);
+    CHECK(has(contents(tree.at("err.txt")), "usage: ./run [all|test]"));
+}

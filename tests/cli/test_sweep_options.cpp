@@ -1,0 +1,172 @@
+// `lostbits sweep`: what a run changes of its file, where forms recover, and what an interrupt leaves.
+#include <cmath>
+#include <cstdlib>
+
+#include "catch.hpp"
+#include "program.hpp"
+
+using namespace lostbits::test;
+
+namespace {
+
+const std::string small_sweep = R"(schema = "lostbits-sweep/1"
+title = "A test"
+source = "-"
+
+[family]
+projection = "parallel"
+views = 4
+rays = 16
+
+[[axis]]
+name = "distance_radii"
+spacing = "log2"
+from = 2
+to = 1048576
+steps = 20
+set = ["distance"]
+)";
+
+double number(const std::string& cell) { return cell.empty() ? std::nan("") : std::strtod(cell.c_str(), nullptr); }
+
+std::string with_steps(int n) {
+    std::string text = small_sweep;
+    return text.replace(text.find("steps = 20"), 10, "steps = " + std::to_string(n));
+}
+
+}  // namespace
+
+TEST_CASE("a sweep says where a form is good again after its first trouble, as its own steps do") {
+    const Scratch scratch;
+    const std::string file = scratch.write("s.toml", with_steps(60));
+    REQUIRE(run("sweep '" + file + "' -i sphere.schoolbook -f f32 -q -o '" + scratch.path().string() + "'").code == 0);
+    const auto samples = read_csv(scratch.path() / "s/samples.csv");
+    std::size_t recovered = 0, for_good = 0;
+    for (const auto& onset : read_csv(scratch.path() / "s/onsets.csv")) {
+        if (onset.at("found") != "1") {
+            CHECK(onset.at("recovers") == "0");
+            continue;
+        }
+        const bool count = onset.at("statistic") == "count";
+        const std::string column = count ? onset.at("event") : "lost_bits_" + onset.at("statistic");
+        std::size_t first = samples.size(), good = samples.size();  // the first bad step, the last good one after it
+        for (std::size_t i = 0; i < samples.size(); ++i) {
+            const double value = number(samples[i].at(column));
+            if (first == samples.size() && value >= number(onset.at("threshold"))) first = i;
+            if (first < i && value < number(onset.at("threshold"))) good = i;
+        }
+        INFO(onset.at("event") << " " << onset.at("statistic") << " " << onset.at("threshold"));
+        REQUIRE(first < samples.size());
+        CHECK((onset.at("recovers") == "1") == (good < samples.size()));
+        if (good == samples.size()) {
+            CHECK(onset.at("last_good_after_distance_radii").empty());
+            CHECK(onset.at("bad_again_hex").empty());
+            ++for_good;
+            continue;
+        }
+        ++recovered;
+        const double last = number(onset.at("last_good_after_distance_radii"));
+        CHECK(last == number(onset.at("last_good_after_hex")));
+        CHECK(last >= number(samples[good].at("distance_radii")));
+        CHECK(onset.at("bad_again_distance_radii").empty() == (good + 1 == samples.size()));
+        if (good + 1 == samples.size()) continue;
+        const double again = number(onset.at("bad_again_distance_radii"));
+        CHECK(last < again);
+        CHECK(again <= number(samples[good + 1].at("distance_radii")));
+        CHECK(again - last <= 0x1p-8 * again);
+    }
+    CHECK(recovered > 1);  // past 2^12 radii a float of the schoolbook form hits nothing, and then by chance again
+    CHECK(for_good > 2);
+}
+
+TEST_CASE("a sweep: --steps, --set and --size change what they name, and the title says so") {
+    const Scratch scratch;
+    const std::string file = scratch.write("s.toml", small_sweep);
+    const auto sweep = [&](const std::string& options) {
+        return run("sweep s.toml -i sphere.unified -f f32 -q " + options, scratch.path());
+    };
+    REQUIRE(sweep("--steps 3 --set rays=5 --set family.views=2 --set 'axis[0].to=8' -o a").code == 0);
+    const auto samples = read_csv(scratch.path() / "a/s/samples.csv");
+    REQUIRE(samples.size() == 3);
+    CHECK(number(samples.back().at("distance_radii")) == 8);
+    CHECK(samples.front().at("rays") == "10");
+    CHECK(has(contents(scratch.path() / "a/s/datapackage.json"),
+              "A test (--steps 3, --set rays=5, --set family.views=2, --set axis[0].to=8)"));
+
+    static_cast<void>(scratch.write("scene.toml", R"(schema = "lostbits-sweep/1"
+title = "A test"
+source = "-"
+scene = "near-benign"
+[[axis]]
+name = "radius"
+spacing = "linear"
+from = 0.25
+to = 1
+steps = 4
+set = ["sphere[0].radius"]
+)"));
+    const auto scene = [&](const std::string& options) {
+        return run("sweep scene.toml -i sphere.unified -f f32 -q " + options, scratch.path());
+    };
+    REQUIRE(scene("--size 12x8 --steps 2 -o b").code == 0);
+    const auto small = read_csv(scratch.path() / "b/scene/samples.csv");
+    REQUIRE(small.size() == 2);
+    CHECK(small.front().at("rays") == "96");
+    REQUIRE(scene("--size 12x8 --steps 2 --set 'sphere[1].radius=0.01' -o c").code == 0);
+    CHECK(number(read_csv(scratch.path() / "c/scene/samples.csv").front().at("agree_hit")) <
+          number(small.front().at("agree_hit")));
+    REQUIRE(run("sweep near --worst -i sphere.press -f f32 -q --set starts=1 --set generations=2 -o d", scratch.path())
+                .code == 0);
+    CHECK(read_csv(scratch.path() / "d/near/worst.csv").front().at("evaluations") == "64");
+}
+
+TEST_CASE(
+    "a sweep: --size, --set and --steps are refused where they mean nothing, with what does, and nothing is written") {
+    const Scratch scratch;
+    static_cast<void>(scratch.write("s.toml", small_sweep));
+    static_cast<void>(scratch.write("f.toml", small_sweep + "\n[[axis]]\nname = \"impact\"\nspacing = "
+                                                            "\"every_float\"\nfrom = \"0x1.fffff0p-1\"\nto = "
+                                                            "\"0x1.fffff8p-1\"\nset = [\"impact_to\"]\n"));
+    const struct {
+        const char *arguments, *says;
+    } cases[] = {
+        {"s.toml --size 8x8", "try --set rays=N or --set views=N"},
+        {"s.toml --size 8by8", "--size"},
+        {"s.toml --steps 3,4", "--steps gives 2 numbers, and the sweep has 1 [[axis]] table"},
+        {"s.toml --steps many", "is not a number of steps"},
+        {"s.toml --steps 1", "steps"},
+        {"s.toml --set distance=4", "the axis distance_radii sets it at every step"},
+        {"s.toml --set family.distance=4", "the axis distance_radii sets it at every step"},
+        {"s.toml --set veiws=4", "did you mean \"views\""},
+        {"s.toml --set views", "--set"},
+        {"f.toml --steps 3", "tries every float"},
+        {"extremes/contact --size 8x8", "its rays are the cases"},
+        {"extremes/contact --steps 3", "has no steps but its cases"},
+        {"extremes/contact --set x=3", "copy the file"},
+        {"near --worst --size 8x8", "--set starts=N"},
+        {"near --worst --steps 8", "--set starts=N or --set generations=N"},
+        {"near --worst --set strats=8", "did you mean \"starts\""},
+        {"exhaustive-distance --steps 8", "tries every float of its range"},
+        {"exhaustive-distance --size 8x8", "leave out --size"},
+        {"exhaustive-distance --set radius=2", "copy the file"},
+    };
+    for (const auto& c : cases) {
+        const auto r = run(std::string("sweep -i 'sphere.press' -o out ") + c.arguments, scratch.path());
+        INFO(c.arguments << ": " << r.err);
+        CHECK(r.code == 2);
+        CHECK(has(r.err, c.says));
+        CHECK_FALSE(std::filesystem::exists(scratch.path() / "out"));
+    }
+}
+
+TEST_CASE("an interrupted sweep says what it was amid, and what is kept") {
+    const Scratch scratch;
+    static_cast<void>(scratch.write("s.toml", with_steps(4000)));
+    const auto r =
+        run("sweep s.toml --set views=1024 -o out & child=$!; sleep 3; kill -INT $child; wait $child; exit $?",
+            scratch.path(), "set -m; ");
+    INFO(r.err);
+    CHECK(r.code == 130);
+    CHECK(has(r.err, "interrupted among the steps of s: of this sweep nothing is kept"));
+    CHECK_FALSE(has(r.err, "scenes"));
+}
