@@ -44,9 +44,10 @@ Verdict verdict_of(const MapSummary& s, const std::vector<const metric::Metric*>
                : *wrong == Outcome::false_miss ? Verdict::false_miss
                                                : Verdict::false_hit;
     }
-    const std::size_t excess = metric::place_of(metrics, "excess_bits");
-    return s.metrics[excess].count() > 0 && s.metrics[excess].quantile(1) > within ? Verdict::wrong_value
-                                                                                   : Verdict::right;
+    // NaN where no hit is agreed on: nothing is lost then.
+    const auto most = [&](const char* name) { return s.metrics[metric::place_of(metrics, name)].quantile(1); };
+    if (most("excess_bits") > within) return Verdict::wrong_value;
+    return most("lost_bits") > within ? Verdict::within_inputs : Verdict::right;
 }
 
 }  // namespace lostbits::measure::sweep
