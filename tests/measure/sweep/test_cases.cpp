@@ -101,7 +101,9 @@ TEST_CASE("verdicts that follow by hand") {
     // Far enough from the envelope to be wrong by any limit below, right by any above.
     const double excess = cases[1][0].metrics[1].quantile(1);
     CHECK(excess > 8);
-    CHECK(measure::sweep::verdict_of(cases[1][0], request.metrics, excess) == measure::sweep::Verdict::right);
+    // All but `excess` of the 12 bits are the inputs' own: not wrong, and not right either.
+    CHECK(measure::sweep::verdict_of(cases[1][0], request.metrics, excess) == measure::sweep::Verdict::within_inputs);
+    CHECK(measure::sweep::verdict_of(cases[1][0], request.metrics, 12) == measure::sweep::Verdict::right);
     CHECK(measure::sweep::verdict_of(cases[1][0], request.metrics, std::nextafter(excess, 0)) ==
           measure::sweep::Verdict::wrong_value);
 }
@@ -129,6 +131,8 @@ TEST_CASE("wrong decisions come before wrong values, the most frequent of them c
           measure::sweep::Verdict::unresolved);
     CHECK(measure::sweep::verdict_names[static_cast<std::size_t>(measure::sweep::Verdict::not_a_number)] ==
           "not_a_number");
+    CHECK(measure::sweep::verdict_names[static_cast<std::size_t>(measure::sweep::Verdict::within_inputs)] ==
+          "within_inputs");
 }
 
 TEST_CASE("a ray that is none meets nothing, in any form and format") {
@@ -226,7 +230,7 @@ TEST_CASE("every file of extremes runs with every form, and the truth of each is
                 const measure::sweep::Verdict v =
                     measure::sweep::verdict_of(s, request.metrics, file.right_within_bits);
                 CHECK(v != measure::sweep::Verdict::unresolved);
-                any_right |= v == measure::sweep::Verdict::right;
+                any_right |= v == measure::sweep::Verdict::right || v == measure::sweep::Verdict::within_inputs;
                 CHECK(s.rays > 0);
                 CHECK(std::accumulate(s.outcomes.begin(), s.outcomes.end(), std::uint64_t{0}) == s.rays);
                 if (file.id == "not-numbers") CHECK(s.true_hits == 0);

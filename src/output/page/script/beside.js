@@ -4,8 +4,8 @@
 /** Writes A and B on the halves, each no wider than its half. */
 function nameHalves() {
     const { halfA, halfB } = mapParts, other = otherRow();
-    for (const [half, letter, row, share]
-             of [[halfA, "A", rowNow(), state.split], [halfB, "B", other, 1 - state.split]]) {
+    for (const [half, letter, row, share] of [
+             [halfA, "A", rowNow(), state.split], [halfB, "B", other, 1 - state.split]]) {
         half.hidden = !other || share < 0.08;
         if (half.hidden) continue;
         half.replaceChildren(make("b", {}, letter), ` ${shortName(row)} ${row.format}`);
@@ -28,9 +28,11 @@ async function otherAnswer(map, row, x, y) {
 
 /** What a scene or sweep is to show, closed until it is asked for. */
 function noteBox(id) {
-    const text = make("p"), box = make("details", { className: "note", id }, make("summary", {}, "What to look for"), text);
+    const text = make("p"),
+          box = make("details", { className: "note", id }, make("summary", {}, "What to look for"), text);
     return [
-        box, (note) => {
+        box,
+        (note) => {
             box.hidden = !note;
             if (text.textContent !== note) text.textContent = note ?? "";
         }

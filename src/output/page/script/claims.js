@@ -14,7 +14,7 @@ const claimOrders = {
 /** Numbers by size, other words by the alphabet, what has neither last. */
 function compareKeys(a, b) {
     if (a === "" || b === "") return (a === "") - (b === "");
-    const x = Number(a), y = Number(b);
+    const [x, y] = [a, b].map((key) => Number(asNumber(key)));
     return Number.isNaN(x) || Number.isNaN(y) ? a.localeCompare(b) : x - y;
 }
 

@@ -45,9 +45,11 @@ function cellLook(sweep, row, statistic, cell) {
         if (verdict === "right") return { colour: sweep.right, text: "" };
         if (outcome < 0) {
             const bits = cellValue(sweep, row, "lost_bits_max", cell), colour = rampAt(sweep.scale, bits);
-            return verdict === "within_inputs" ?
-                { colour: paler(sweep, colour), text: `${bits.toFixed(0)}/${asNumber(row.inherent[cell]).toFixed(0)} b` } :
-                { colour, text: `${bits.toFixed(0)} b` };
+            return verdict === "within_inputs" ? {
+                colour: paler(sweep, colour),
+                text: `${bits.toFixed(0)}/${asNumber(row.inherent[cell]).toFixed(0)} b`
+            } :
+                                                 { colour, text: `${bits.toFixed(0)} b` };
         }
         const all = counts.reduce((a, b) => a + b, 0);
         return { colour: index.outcomes[outcome][1], text: counts[outcome] < all ? `${counts[outcome]}/${all}` : "" };
@@ -69,8 +71,8 @@ function isBlamed(sweep, row, cell) {
 /** Lines around the cells that the form is to blame for. */
 function outlineBlamed(context, { sweep, chosen, statistic }, layout, frame) {
     if (!layout.up || statistic !== "lost_bits_p99") return;
-    const inside = (i, j) => i >= 0 && j >= 0 && i < layout.columns && j < layout.lines &&
-        isBlamed(sweep, chosen, layout.cell(i, j)[1]);
+    const inside = (i, j) =>
+        i >= 0 && j >= 0 && i < layout.columns && j < layout.lines && isBlamed(sweep, chosen, layout.cell(i, j)[1]);
     for (const [colour, wide, off] of [["#fff", 1, -0.5], ["#202024", 2, 1]]) {
         context.fillStyle = colour;
         for (let j = 0; j < layout.lines; ++j) {
@@ -260,11 +262,12 @@ function gridLegend() {
             `${words(outcomeNames[outcome])}${statistic === "verdict" ? "" : " on most rays"}`);
     if (statistic === "lost_bits_p99" && sweep.kind === "plane") {
         const any = chosen.outcomes.some((_, cell) => isBlamed(sweep, chosen, cell));
-        entries.push(make("span", { className: "class", id: "outlined" }, any ? sweep.outlined_means : sweep.nowhere_outlined));
+        entries.push(
+            make("span", { className: "class", id: "outlined" }, any ? sweep.outlined_means : sweep.nowhere_outlined));
     }
     const few = !isFraction(statistic) && statistic !== "verdict" &&
-        (sweep.kind === "plane" ? [chosen] : rows).some(
-            (row) => row.outcomes.some((_, cell) => isWithheld(row, statistic, cell)));
+        (sweep.kind === "plane" ? [chosen] : rows)
+            .some((row) => row.outcomes.some((_, cell) => isWithheld(row, statistic, cell)));
     if (few) entries.push(make("span", { className: "class" }, `crossed out: ${sweep.gap_means}`));
     return entries;
 }

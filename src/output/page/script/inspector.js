@@ -121,7 +121,9 @@ function intervalAbout(column, value, rays) {
         return [Math.max(0, value - by), Math.min(rays, value + by)];
     }
     const isShare = column.endsWith("_fraction"),
-          by = column.includes("bits") ? 0.5 : isShare ? 0.01 : Math.abs(value) / 10;
+          by = column.includes("bits") ? 0.5 :
+        isShare                        ? 0.01 :
+                                         Math.abs(value) / 10;
     const digits = (x) => Number(x.toPrecision(3)), low = Math.max(0, value - by), high = value + by;
     // Outwards: three digits may lie a two-hundredth inside, which a tenth covers; bits and shares are cut apart.
     return column.includes("bits") ? [Math.floor(low * 10) / 10, Math.ceil(high * 10) / 10] :

@@ -20,9 +20,9 @@ function lineGroups({ sweep, rows, statistic }, order) {
 }
 
 /** `unified and 4 with the same values` */
-const groupName = ({ rows }, most) => (rows.length <= most ?
-                                           rows.map(shortName).join(", ") :
-                                           `${shortName(rows[0])} and ${rows.length - 1} with the same values`);
+const groupName = ({ rows }, most) =>
+    (rows.length <= most ? rows.map(shortName).join(", ") :
+                           `${shortName(rows[0])} and ${rows.length - 1} with the same values`);
 
 /** Where a line ends: the place of its last value, or none. */
 const lastOf = (group) => group.y.reduce((last, y, k) => (y === null ? last : k), -1);
@@ -41,8 +41,8 @@ function spreadOut(wishes, gap, low, high) {
             blocks.pop();
         }
     }
-    const places = blocks.flatMap(
-        ({ sum, n }) => Array.from({ length: n }, (_, k) => sum / n + (k - (n - 1) / 2) * gap));
+    const places =
+        blocks.flatMap(({ sum, n }) => Array.from({ length: n }, (_, k) => sum / n + (k - (n - 1) / 2) * gap));
     const from = Math.max(0, low - (places[0] ?? low)), to = Math.min(0, high - (places.at(-1) ?? high));
     return places.map((place) => place + (from || to));
 }
@@ -89,7 +89,9 @@ function drawEnds(plot) {
 
 const endName = (group) => shortName(group.rows[0]) + (group.rows.length > 1 ? ` +${group.rows.length - 1}` : "");
 
-/** Where an ulp of t is as wide as the sphere, nothing that a form answers there is of use: shaded, behind the lines. */
+/**
+ * Where an ulp of t is as wide as the sphere, nothing that a form answers there is of use: shaded, behind the lines.
+ */
 function shadeTooFar(plot) {
     const { sweep, chosen } = sweepParts.now, part = sweep.too_far[chosen.format];
     if (!part) return;
@@ -97,7 +99,8 @@ function shadeTooFar(plot) {
     const [from, to] = part.map((v) => Math.min(right, Math.max(bbox.left, plot.valToPos(asNumber(v), "x", true))));
     context.save();
     context.fillStyle = ink("--shade");
-    context.fillRect(from, bbox.top, (to >= plot.valToPos(plot.data[0].at(-1), "x", true) ? right : to) - from, bbox.height);
+    context.fillRect(
+        from, bbox.top, (to >= plot.valToPos(plot.data[0].at(-1), "x", true) ? right : to) - from, bbox.height);
     context.restore();
 }
 

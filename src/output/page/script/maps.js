@@ -82,7 +82,9 @@ function drawPickers() {
         choice(
             "scene", "pick-scene", index.maps.map((m) => [m.id, m.title]), state.scene,
             (scene) => goTo({ scene, x: -1, y: -1, zoom: 1, cx: 0.5, cy: 0.5, other: "" })),
-        choice(`${letterA()}form`, "pick-form", options(map.rows.map((r) => r.form)), state.form, (form) => goTo({ form })),
+        choice(
+            `${letterA()}form`, "pick-form", options(map.rows.map((r) => r.form)), state.form,
+            (form) => goTo({ form })),
         choice(
             "format", "pick-format", options(map.rows.filter((r) => r.form === state.form).map((r) => r.format)),
             state.format, (format) => goTo({ format })),
@@ -219,14 +221,8 @@ function buildMaps() {
         pickers: make("div", { className: "pickers" }),
         what: make("p", { className: "what" }),
         canvas: make("canvas", { id: "map", tabIndex: 0, role: "img" }),
-        slider: make("input", {
-            type: "range",
-            min: 0,
-            max: 1,
-            step: "any",
-            id: "split",
-            "aria-label": "where B begins"
-        }),
+        slider:
+            make("input", { type: "range", min: 0, max: 1, step: "any", id: "split", "aria-label": "where B begins" }),
         under: make("p", { className: "hint", id: "under" }, "\u00a0"),
         legend: make("div", { className: "legend" }),
         inspector: make("div", { className: "inspector", id: "inspector", "aria-live": "polite" }),

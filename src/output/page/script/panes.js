@@ -10,8 +10,8 @@ function buildPane(map, row) {
     const canvas = make("canvas", { width: Math.round(map.width * factor), height: Math.round(map.height * factor) });
     const lost = row.statistics.lost_bits?.[1], agreed = row.outcomes[agreeHit];
     const quantile = !isEnough(agreed, row.true_hits) ? `${tooFew(agreed, row.true_hits)}: no quantile` :
-        lost === null || lost === undefined           ? "no correct hit" :
-                                                        `p99 ${rounded(lost)} of ${row.precision} bits lost`;
+        lost === null || lost === undefined ? "no correct hit" :
+                                              `p99 ${rounded(lost)} of ${row.precision} bits lost`;
     const wrong = index.outcomes.map(([name], o) => [name, row.outcomes[o]]).filter(([name, n], o) => o >= 2 && n > 0);
     const button = make(
         "button", {

@@ -83,7 +83,8 @@ function nameFront(plot) {
         if (!box) continue;
         taken.push(box);
         tradeParts.named.push({ text, box, at: [x, y] });
-        const [left, top] = box, nearX = Math.min(Math.max(x, left), left + w), nearY = Math.min(Math.max(y, top), top + h);
+        const [left, top] = box, nearX = Math.min(Math.max(x, left), left + w),
+                     nearY = Math.min(Math.max(y, top), top + h);
         context.strokeStyle = ink("--line");
         context.lineWidth = k;
         context.beginPath();
