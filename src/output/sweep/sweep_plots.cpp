@@ -89,8 +89,13 @@ LinePlotSpec plot_along(const MeasuredSweep& sweep, const std::string& title, co
 
 /// Where no t of the format can be of use, and what gaps are.
 void shade_and_note(LinePlotSpec& spec, const MeasuredSweep& sweep, const Format& format, bool over_hits) {
-    if (const auto part = too_far(*sweep.request.sweep, format.shape))
-        spec.shades.push_back({part->from, part->to, too_far_means});
+    if (const auto part = too_far(*sweep.request.sweep, format.shape)) {
+        // In place: of a moved temporary gcc 12 warns without cause.
+        plot::PlotShade& shade = spec.shades.emplace_back();
+        shade.from = part->from;
+        shade.to = part->to;
+        shade.label = too_far_means;
+    }
     const auto is_withheld = [&](const SweepStep& step) {
         for (std::size_t r = 0; r < step.rows.size(); ++r) {
             const MapSummary& s = step.rows[r];

@@ -116,8 +116,8 @@ function showCell(under) {
             make(
                 "p", { className: "hint" },
                 sweep.kind === "line" ?
-                    "Point at the plot for the numbers of a step; click, or walk along it with the arrow keys, to keep " +
-                        "them. A click also chooses the form whose line is under the pointer. " +
+                    "Point at the plot for the numbers of a step; click, or walk with the arrow keys, to keep them. " +
+                        "A click also chooses the form whose line is under the pointer. " +
                         "Drag to zoom, double-click to see all." :
                     "Point at a cell for its numbers. Click, or walk with the arrow keys, to keep them; Escape lets them go."));
 }
