@@ -21,11 +21,11 @@ bool is_too_far(const scene::sweep::SweepFile& sweep, const FloatFormat& format,
     const Ray<double> ray = groups.front().rays[0];
     const Vec<double> to{solid.numbers[0] - ray.origin.x, solid.numbers[1] - ray.origin.y,
                          solid.numbers[2] - ray.origin.z};
-    const double radius = solid.numbers[3], length = std::hypot(ray.direction.x, ray.direction.y, ray.direction.z);
-    // From inside the sphere the nearest point lies nearer than the centre, too: |distance − r| in either case.
-    const double t = std::fabs(std::hypot(to.x, to.y, to.z) - radius) / length;
-    if (!(t > 0) || !std::isfinite(t)) return false;
-    return std::ldexp(length, static_cast<int>(ulp_exponent(format, std::ilogb(t)))) >= 2 * radius;
+    const double radius = solid.numbers[3];
+    // Of an eye inside of the sphere, too, the nearest point is |distance of the centre − r| away.
+    const double distance = std::fabs(std::hypot(to.x, to.y, to.z) - radius);
+    if (!(distance > 0) || !std::isfinite(distance)) return false;
+    return std::ldexp(1, static_cast<int>(ulp_exponent(format, std::ilogb(distance)))) >= 2 * radius;
 }
 
 }  // namespace

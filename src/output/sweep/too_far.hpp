@@ -19,11 +19,11 @@ struct AxisPart {
     double from, to;
 };
 
-/// Where along a sweep of one axis an ulp of t is at least as long as the one sphere is wide: ulp_F(t)·|d| ≥ 2r, with t
-/// of the sphere's nearest point. No t of the format then tells front from back, whatever the form. Found by bisection,
-/// to 2^-9 of the value; of random rays by the first. Nothing where that never happens, where it happens away from both
-/// ends alone, and where there is not one sphere.
+/// Where along a sweep of one axis an ulp of the distance D of the one sphere is at least as long as the sphere is
+/// wide: ulp_F(D) ≥ 2r, which is from 2^p radii on. No t along a unit direction then tells front from back, whatever
+/// the form. Found by bisection, to 2^-9 of the value, of the first ray: rays of a family are all as far away as each
+/// other. Nothing where that is so at neither end of the axis, and where there is not one sphere.
 [[nodiscard]] std::optional<AxisPart> too_far(const scene::sweep::SweepFile& sweep, const FloatFormat& format);
-inline constexpr const char* too_far_means = "shaded: an ulp of t is as wide as the sphere, or wider";
+inline constexpr const char* too_far_means = "shaded: an ulp of the distance is as wide as the sphere, or wider";
 
 }  // namespace lostbits::output::sweep

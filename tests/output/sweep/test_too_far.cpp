@@ -23,7 +23,7 @@ std::optional<output::sweep::AxisPart> part_of(const std::string& text, const Fl
 
 }  // namespace
 
-TEST_CASE("an ulp of t is as wide as a sphere from 2^p radii on", "[too_far]") {
+TEST_CASE("an ulp of the distance is as wide as a sphere from 2^p radii on", "[too_far]") {
     // In [2^24, 2^25) an ulp of a float is 2, the width of a unit sphere; before that it is 1.
     const std::string text = sweep_of("radius = 1", "distance", "4", "\"0x1p40\"");
     const auto single = part_of(text, binary32);
