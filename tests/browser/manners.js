@@ -168,7 +168,7 @@ async function thumbnails({ browser, report }) {
 
 /**
  * Forms with the same values share a line that says so; lines have names at their ends, gaps where quantiles are
- * withheld, and a shade where an ulp of t is as wide as the sphere. No legend of boxes.
+ * withheld, and a shade where an ulp of the distance is as wide as the sphere. No legend of boxes.
  */
 async function lines({ browser, report, sweep }) {
     const page =

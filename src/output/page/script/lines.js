@@ -90,7 +90,8 @@ function drawEnds(plot) {
 const endName = (group) => shortName(group.rows[0]) + (group.rows.length > 1 ? ` +${group.rows.length - 1}` : "");
 
 /**
- * Where an ulp of t is as wide as the sphere, nothing that a form answers there is of use: shaded, behind the lines.
+ * Where an ulp of the distance is as wide as the sphere, nothing that a form answers there is of use: shaded, behind
+ * the lines.
  */
 function shadeTooFar(plot) {
     const { sweep, chosen } = sweepParts.now, part = sweep.too_far[chosen.format];
