@@ -181,17 +181,6 @@ TEST_CASE("series that agree share a line and an entry; the others have looks of
 }
 
 TEST_CASE("names stand where their lines end, as near as the others allow", "[line_plot]") {
-    using Places = std::vector<double>;
-    const Places tens(3, 10.0);
-    CHECK(places_near(Places{5, 40, 90}, tens, 0, 200) == Places{5, 40, 90});
-    // Three that want the same place: the middle one has it.
-    CHECK(places_near(Places{50, 50, 50}, tens, 0, 200) == Places{40, 50, 60});
-    CHECK(places_near(Places{0, 0, 100}, tens, 0, 200) == Places{0, 10, 100});
-    CHECK(places_near(Places{500, 500, 500}, tens, 0, 100) == Places{70, 80, 90});
-    // Too little room for all: one below the other from the top.
-    CHECK(places_near(Places{3, 3, 3}, tens, 0, 20) == Places{0, 10, 20});
-    CHECK(places_near(Places{}, Places{}, 0, 20).empty());
-
     const Scratch folder;
     const auto sample_row = [](const image::PngImage& png, image::Rgb8 colour) {
         const auto frame = frame_of(png);
