@@ -89,6 +89,7 @@ async function main() {
         ...require("./sweeps.js"),
         ...require("./grids.js"),
         ...require("./whole.js"),
+        ...require("./manners.js"),
         ...operations.promises
     };
     if (!checks[name]) throw new Error(`no check is called ${name}; there are ${Object.keys(checks).join(", ")}`);

@@ -44,6 +44,7 @@ async function link({ browser, report }) {
 /** A claim leads to its pixel or its plot; the filter leaves what it says. */
 async function claims({ browser, report }) {
     const page = await browser.page(report);
+    await page.locator("#open-claims").click();
     const place = page.locator("table.claims a.jump[href*='scene=near-benign']").first(),
           target = await place.getAttribute("href");
     await place.click();
@@ -67,6 +68,7 @@ async function claims({ browser, report }) {
  */
 async function places({ browser, grids, report }) {
     const page = await browser.page(grids);
+    await page.locator("#open-claims").click();
     const jump = async (id) => {
         await page.locator(`#claim-${id.replaceAll(".", "\\.")} a.jump`).click();
         await settled(page);

@@ -44,13 +44,10 @@ Verdict verdict_of(const MapSummary& s, const std::vector<const metric::Metric*>
                : *wrong == Outcome::false_miss ? Verdict::false_miss
                                                : Verdict::false_hit;
     }
-    const auto exceeds = [&](const char* metric) {
-        const auto& bits = s.metrics[metric::place_of(metrics, metric)];
-        return bits.count() > 0 && bits.quantile(1) > within;
-    };
-    return exceeds("excess_bits") ? Verdict::wrong_value
-           : exceeds("lost_bits") ? Verdict::within_inputs
-                                  : Verdict::right;
+    // NaN where no hit is agreed on: nothing is lost then.
+    const auto most = [&](const char* name) { return s.metrics[metric::place_of(metrics, name)].quantile(1); };
+    if (most("excess_bits") > within) return Verdict::wrong_value;
+    return most("lost_bits") > within ? Verdict::within_inputs : Verdict::right;
 }
 
 }  // namespace lostbits::measure::sweep

@@ -11,19 +11,18 @@
 namespace lostbits::measure::sweep {
 
 /// What a case comes to. Wrong decisions come before wrong values, and of several kinds the most frequent counts.
-/// `within_inputs` is an answer that loses many bits where the inputs allow no better.
 enum class Verdict : std::uint8_t {
     right,
+    within_inputs,
     wrong_value,
     false_hit,
     false_miss,
     not_a_number,
-    unresolved,
-    within_inputs
+    unresolved
 };
 
 inline constexpr std::array<std::string_view, 7> verdict_names{
-    "right", "wrong_value", "false_hit", "false_miss", "not_a_number", "unresolved", "within_inputs"};
+    "right", "within_inputs", "wrong_value", "false_hit", "false_miss", "not_a_number", "unresolved"};
 
 struct CaseRequest {
     const scene::sweep::CaseFile* file = nullptr;
@@ -40,8 +39,8 @@ std::vector<std::vector<map::MapSummary>> run_cases(const CaseRequest& request);
 map::MapSummary run_cases_together(const CaseRequest& request, std::size_t row,
                                    const std::vector<std::size_t>& numbers);
 
-/// Every decision is right, and: `right`, no answer loses more than `within` bits; `within_inputs`, none loses more
-/// than so many beyond the envelope of half an ulp in each input.
+/// `right`: every decision is, and no answer loses more than `within` bits. `within_inputs`: every decision is right,
+/// and what an answer loses is at most `within` bits beyond the envelope of half an ulp in each input.
 Verdict verdict_of(const map::MapSummary& summary, const std::vector<const metric::Metric*>& metrics, double within);
 
 }  // namespace lostbits::measure::sweep

@@ -25,31 +25,25 @@ using intersect::Touching;
 using measure::claim::ClaimResult;
 using measure::map::MapRow;
 
-namespace {
-
-using scene::claim::Claim;
-using State = ClaimResult::State;
-
-/// The claims about one scene, sweep or table, in the order of the first.
-struct Subject {
-    std::string name;
-    std::vector<std::size_t> claims;
-};
-
-std::vector<Subject> subjects_of(const std::vector<Claim>& claims) {
-    std::vector<Subject> subjects;
+std::vector<ClaimSubject> subjects_of(const std::vector<scene::claim::Claim>& claims) {
+    std::vector<ClaimSubject> subjects;
     for (std::size_t i = 0; i < claims.size(); ++i) {
         // One scene may be mapped for some claims and rendered for others.
         const std::string name = claims[i].subject() + (claims[i].render.empty() ? "" : ", rendered");
-        auto found = std::ranges::find(subjects, name, &Subject::name);
+        auto found = std::ranges::find(subjects, name, &ClaimSubject::name);
         if (found == subjects.end()) found = subjects.insert(subjects.end(), {name, {}});
         found->claims.push_back(i);
     }
     return subjects;
 }
 
+namespace {
+
+using scene::claim::Claim;
+using State = ClaimResult::State;
+
 /// The forms and formats that a subject's claims name, each once, in the order of the catalogue.
-std::vector<MapRow> rows_of(const Subject& subject, const std::vector<Claim>& claims) {
+std::vector<MapRow> rows_of(const ClaimSubject& subject, const std::vector<Claim>& claims) {
     std::vector<MapRow> rows;
     for (const std::size_t i : subject.claims) {
         const MapRow row = measure::claim::claim_row(claims[i]);
@@ -92,7 +86,7 @@ std::string trace_text(const std::vector<MapRow>& rows, const std::string& name,
 }
 
 /// The pictures of a rendered scene, of all stages that its claims name.
-std::string picture_render(const std::filesystem::path& folder, const Subject& subject,
+std::string picture_render(const std::filesystem::path& folder, const ClaimSubject& subject,
                            const std::vector<Claim>& claims, const std::filesystem::path& data_dir) {
     const auto found = scene::file::find_scene(claims[subject.claims.front()].render, data_dir);
     const scene::file::Scene scene = scene::file::load_scene(found.path, {.variant = found.variant}).front();
@@ -120,7 +114,7 @@ struct Shown {
     bool median = false, tail = false, wrong = false;
 };
 
-Shown shown_of(const Subject& subject, const std::vector<Claim>& claims) {
+Shown shown_of(const ClaimSubject& subject, const std::vector<Claim>& claims) {
     Shown shown;
     for (const std::size_t i : subject.claims) {
         const std::string& what = claims[i].onset.empty() ? claims[i].metric : claims[i].onset;
@@ -202,7 +196,7 @@ std::string spread_text(const ClaimResult& r) {
 }
 
 /// What the random claims of a subject rest on.
-std::string samples_text(const Subject& subject, const std::vector<ClaimResult>& results) {
+std::string samples_text(const ClaimSubject& subject, const std::vector<ClaimResult>& results) {
     for (const std::size_t i : subject.claims) {
         if (results[i].is_drawn())
             return fmt::format("*Random rays or numbers: each draw has {} independent samples.*\n\n",
@@ -274,7 +268,7 @@ void write_claim_report(const std::filesystem::path& folder, const std::vector<C
         "much again on either side (in logarithms of onsets and fractions).\n{}",
         draws_option(results), claims.size(), held, refuted,
         other == 0 ? "" : fmt::format(", {} failed or could not be measured", other), screenshots_in(folder));
-    for (const Subject& subject : subjects_of(claims)) {
+    for (const ClaimSubject& subject : subjects_of(claims)) {
         const Claim& first = claims[subject.claims.front()];
         text += fmt::format("\n## {}\n\n", subject.name);
         const bool traced =

@@ -4,11 +4,13 @@
 #include <fnmatch.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <optional>
 
 #include "measure/claim/claim_columns.hpp"
 #include "output/claim/claim_files.hpp"
+#include "output/claim/claim_report.hpp"
 #include "output/file/number_text.hpp"
 #include "output/page/assets.hpp"
 #include "output/page/sweep_data.hpp"
@@ -150,16 +152,18 @@ std::string tile(std::size_t n, const char* words, const char* style) {
 
 }  // namespace
 
+void VerdictCounts::add(const Claim& claim, const ClaimResult& result) {
+    switch (result.state) {
+        case State::agrees: ++(claim.verdict == Claim::Verdict::holds ? held : refuted); break;
+        case State::disagrees: ++differing; break;
+        case State::broken: ++broken; break;
+        case State::skipped: ++skipped; break;
+    }
+}
+
 VerdictCounts count_verdicts(const Report& report) {
     VerdictCounts n;
-    for (std::size_t i = 0; i < report.claims.size(); ++i) {
-        switch (report.results[i].state) {
-            case State::agrees: ++(report.claims[i].verdict == Claim::Verdict::holds ? n.held : n.refuted); break;
-            case State::disagrees: ++n.differing; break;
-            case State::broken: ++n.broken; break;
-            case State::skipped: ++n.skipped; break;
-        }
-    }
+    for (std::size_t i = 0; i < report.claims.size(); ++i) n.add(report.claims[i], report.results[i]);
     return n;
 }
 
@@ -172,29 +176,78 @@ std::string verdict_tiles(const VerdictCounts& n) {
     return text + "</ul>\n";
 }
 
+namespace {
+
+/// What the browser sorts a row by: the gravest verdict first, the number as it was measured, the rest as it is read.
+std::string sort_keys(const Word& word, const ClaimResult& r) {
+    static constexpr std::array<std::string_view, 4> gravest{"differs", "refuted", "holds", "skipped"};
+    const auto grave = std::ranges::find(gravest, word.style) - gravest.begin();
+    const bool measured = r.state == State::agrees || r.state == State::disagrees;
+    return fmt::format("data-grave=\"{}\" data-measured=\"{}\"", grave, measured ? file::decimal(r.measured) : "");
+}
+
+std::string claim_row(const Claim& c, const ClaimResult& r, const Report& report) {
+    const Word word = word_of(c, r);
+    std::string text = fmt::format(
+        "<tr id=\"claim-{}\" class=\"{}\" {} data-command=\"{}\"><td class=\"verdict\">{}</td><td>{}", html(c.id),
+        word.style, sort_keys(word, r), html(claim::reproduce(c)), word.text, html(c.statement));
+    if (!c.note.empty()) text += fmt::format("<br><em>{}</em>", html(c.note));
+    text += fmt::format("<br><small>{}{}<code>{}</code></small></td>", c.source == "-" ? "" : html(c.source),
+                        c.source == "-" ? "" : " &middot; ", html(c.id));
+    return text + fmt::format(
+                      "<td>{}</td><td data-name=\"quantity\">{}</td><td class=\"n\" data-name=\"measured\">{}</td><td "
+                      "class=\"n\" data-name=\"expected\">{} to {}</td></tr>\n",
+                      measured_on(c, r, report), breakable(html(claim::quantity(c))), measured_cell(r), shown(c.low),
+                      shown(c.high) + (c.draws == 0 ? "" : fmt::format("<br><small>from {} draws</small>", c.draws)));
+}
+
+/// `12 claims: 1 failed, 9 hold, 2 refuted`
+std::string counts_text(std::size_t claims, const VerdictCounts& n) {
+    std::string text;
+    const auto add = [&text](std::size_t count, const char* words, const char* style) {
+        if (count == 0) return;
+        text += fmt::format("{}<span class=\"{}\">{} {}</span>", text.empty() ? "" : ", ", style, count, words);
+    };
+    add(n.differing, "failed", "differs");
+    add(n.broken, "could not be measured", "differs");
+    add(n.held, n.held == 1 ? "holds" : "hold", "holds");
+    add(n.refuted, "refuted", "refuted");
+    add(n.skipped, "skipped", "skipped");
+    return fmt::format("{} claim{}: {}", claims, claims == 1 ? "" : "s", text);
+}
+
+/// The title of what the page shows by this name; empty where it shows nothing by it.
+std::string title_of(const std::string& subject, const Report& report) {
+    const auto map = std::ranges::find(report.maps, subject, &MapPart::id);
+    if (map != report.maps.end()) return map->title;
+    const auto sweep = std::ranges::find(report.sweeps, std::filesystem::path(subject).stem().string(), &SweepPart::id);
+    return sweep == report.sweeps.end() ? "" : sweep->title;
+}
+
+constexpr const char* table_head =
+    "<table class=\"claims\"><thead><tr><th scope=\"col\">verdict</th><th scope=\"col\">sentence</th><th "
+    "scope=\"col\">measured on</th><th scope=\"col\">quantity</th><th scope=\"col\">measured</th><th "
+    "scope=\"col\">expected</th></tr></thead><tbody>\n";
+
+}  // namespace
+
 std::string claims_table(const Report& report) {
-    std::string text =
-        "<table class=\"claims\"><thead><tr><th scope=\"col\">verdict</th><th scope=\"col\">sentence</th><th "
-        "scope=\"col\">measured on</th>"
-        "<th scope=\"col\">quantity</th><th scope=\"col\">measured</th><th "
-        "scope=\"col\">expected</th></tr></thead><tbody>\n";
-    for (std::size_t i = 0; i < report.claims.size(); ++i) {
-        const Claim& c = report.claims[i];
-        const ClaimResult& r = report.results[i];
-        const Word word = word_of(c, r);
-        const std::string what = claim::quantity(c);
-        text += fmt::format("<tr id=\"claim-{}\" class=\"{}\" data-command=\"{}\"><td class=\"verdict\">{}</td><td>{}",
-                            html(c.id), word.style, html(claim::reproduce(c)), word.text, html(c.statement));
-        if (!c.note.empty()) text += fmt::format("<br><em>{}</em>", html(c.note));
-        text += fmt::format("<br><small>{}{}<code>{}</code></small></td>", c.source == "-" ? "" : html(c.source),
-                            c.source == "-" ? "" : " &middot; ", html(c.id));
+    std::string text;
+    for (const claim::ClaimSubject& subject : claim::subjects_of(report.claims)) {
+        VerdictCounts counts;
+        std::string rows;
+        for (const std::size_t i : subject.claims) {
+            counts.add(report.claims[i], report.results[i]);
+            rows += claim_row(report.claims[i], report.results[i], report);
+        }
+        const std::string title = title_of(subject.name, report);
         text += fmt::format(
-            "<td>{}</td><td data-name=\"quantity\">{}</td><td class=\"n\" data-name=\"measured\">{}</td><td "
-            "class=\"n\" data-name=\"expected\">{} to {}</td></tr>\n",
-            measured_on(c, r, report), breakable(html(what)), measured_cell(r), shown(c.low),
-            shown(c.high) + (c.draws == 0 ? "" : fmt::format("<br><small>from {} draws</small>", c.draws)));
+            "<details open class=\"part subject\"><summary>{}<code>{}</code> <small>{}</small></summary>\n"
+            "{}{}</tbody></table></details>\n",
+            title.empty() ? "" : html(title) + " ", html(subject.name), counts_text(subject.claims.size(), counts),
+            table_head, rows);
     }
-    return text + "</tbody></table>\n";
+    return text;
 }
 
 }  // namespace lostbits::output::page

@@ -4,6 +4,7 @@
 #include "output/page/sweep_data.hpp"
 #include "output/sweep/case_files.hpp"
 #include "output/sweep/sweep_planes.hpp"
+#include "output/sweep/too_far.hpp"
 
 namespace lostbits::output::page {
 
@@ -17,7 +18,7 @@ void add_paint(Json& json, const std::vector<measure::map::MapRow>& rows) {
     json["scale"] =
         scale_json(map::metric_scale(*measure::metric::find_metric("lost_bits"), rows, image::image_backend()));
     json["paper"] = colour_json(image::style::page);
-    json["paler_means"] = map::paler_means;
+    json["gap_means"] = sweep::gap_means();
     json["statistics"] = sweep_statistics;
 }
 
@@ -34,6 +35,9 @@ Json plane_json(const measure::sweep::SweepRequest& request, const std::vector<m
     Json json{{"id", request.sweep->id},
               {"title", request.sweep->title},
               {"kind", "plane"},
+              {"is_drawn", request.sweep->is_drawn()},
+              {"outlined_means", sweep::outlined_means},
+              {"nowhere_outlined", sweep::nowhere_outlined},
               {"axes", Json::array({axis_json(axes[0], plane.x), axis_json(axes[1], plane.y)})}};
     add_paint(json, request.rows);
     Json& rows = json["rows"] = Json::array();
@@ -55,6 +59,8 @@ Json case_json(const measure::sweep::CaseRequest& request, const std::vector<std
               {"kind", "cases"},
               {"cases", names},
               {"right_means", sweep::right_means(file)},
+              {"within_means", sweep::within_means(file)},
+              {"numbers_mean", sweep::numbers_mean},
               {"right", colour_json(sweep::case_right_colour)},
               {"conventions", array_of(file.conventions, intersect::convention_name)}};
     add_paint(json, request.rows);
@@ -62,6 +68,11 @@ Json case_json(const measure::sweep::CaseRequest& request, const std::vector<std
     for (std::size_t r = 0; r < request.rows.size(); ++r) {
         const auto at = [&](std::size_t cell) -> const MapSummary& { return cases[cell][r]; };
         Json row = row_json(request.rows[r], request.metrics, cases.size(), at);
+        const std::size_t inherent = measure::metric::place_of(request.metrics, "inherent_bits");
+        row["inherent"] = array_of(cases, [&](const std::vector<MapSummary>& each) {
+            return number_json(inherent < request.metrics.size() ? each[r].metrics[inherent].quantile(1)
+                                                                 : measure::truth::missing);
+        });
         row["judged"] = intersect::convention_name(request.rows[r].judged);
         row["verdicts"] = array_of(cases, [&](const std::vector<MapSummary>& each) {
             return measure::sweep::verdict_names[static_cast<std::size_t>(

@@ -236,6 +236,7 @@ Json summary_json(const MapRequest& request, const MapRow& row, const measure::m
             {"direction", row.form->info->direction == Direction::unit ? "unit" : "any"},
             {"group", group},
             {"outcomes", s.outcomes},
+            {"true_hits", s.true_hits},
             {"statistics", std::move(statistics)},
             {"worst", s.worst.x < 0 ? Json() : Json{{"x", s.worst.x}, {"y", s.worst.y}}}};
 }

@@ -86,9 +86,11 @@ const char* kind_name(SweepPart::Kind kind) {
 
 Json index_json(const Report& report) {
     Json json = colours_json();
+    json["quantiles"] = array_of(measure::metric::quantiles, [](const auto& q) { return q.name; });
+    json["least_agreement"] = measure::metric::least_agreement;
     json["maps"] = array_of(report.maps, [](const MapPart& m) { return m.index; });
     json["sweeps"] = array_of(report.sweeps, [](const SweepPart& s) {
-        return Json{{"id", s.id}, {"title", s.title}, {"kind", kind_name(s.kind)}, {"rows", s.rows}};
+        return Json{{"id", s.id}, {"title", s.title}, {"note", s.note}, {"kind", kind_name(s.kind)}, {"rows", s.rows}};
     });
     json["trades"] = array_of(report.trades, [](const TradePart& t) { return t.json; });
     return json;
@@ -151,19 +153,50 @@ std::string claims_section(const Report& report) {
 
 std::string counted(std::size_t n, const char* thing) { return fmt::format("{} {}{}", n, thing, n == 1 ? "" : "s"); }
 
-std::string heading(const Report& report) {
-    std::string text = "<header><h1>lostbits report</h1>\n";
+/// What the page is.
+constexpr const char* what_it_is =
+    "This page shows where ray intersectors lose significand bits, and which of their operations lose them. Every form "
+    "answered the same rays in each format, and each answer is held against the true one, which is proved.";
+
+/// What to do with it first.
+std::string what_to_do(const Report& report) {
+    if (!report.maps.empty())
+        return "<b>First</b>, choose a scene and a form under <a href=\"#maps\">Maps</a> and point at the picture: the "
+               "numbers of that ray stand beside it. A click keeps them and lists its operations.";
+    if (!report.sweeps.empty())
+        return "<b>First</b>, choose a statistic under <a href=\"#sweeps\">Sweeps</a> and point at a line or a cell: "
+               "its numbers stand beside it.";
     if (!report.claims.empty())
-        text += fmt::format("<p>{} measured:</p>\n", counted(report.claims.size(), "claim")) +
-                verdict_tiles(count_verdicts(report));
-    text += fmt::format("<p>{}, {}. Made by <code>{}</code>.</p>\n<nav>", counted(report.maps.size(), "map"),
-                        counted(report.sweeps.size(), "sweep"), html(report.command));
+        return "<b>First</b>, open a subject under <a href=\"#claims\">Claims</a>: each sentence stands beside the "
+               "number that was measured for it.";
+    return "";
+}
+
+/// How the claims came out, and what the words mean.
+std::string verdicts(const Report& report) {
+    if (report.claims.empty()) return "";
+    const VerdictCounts n = count_verdicts(report);
+    std::string text =
+        fmt::format("<p>{} measured again:</p>\n", counted(report.claims.size(), "claim")) + verdict_tiles(n);
+    std::string meaning;
+    if (n.refuted > 0) meaning = "Refuted: the measurement contradicts the sentence, as was found before.";
+    if (n.differing + n.broken > 0) meaning += " Failed: the measurement is no longer what was found before.";
+    return meaning.empty() ? text : fmt::format("{}<p class=\"hint\">{}</p>\n", text, meaning);
+}
+
+std::string heading(const Report& report) {
+    std::string text =
+        fmt::format("<header><h1>lostbits report</h1>\n<p id=\"opening\">{} {}</p>\n", what_it_is, what_to_do(report));
+    text += "<nav>";
     if (!report.maps.empty()) text += "<a href=\"#maps\">Maps</a> ";
     if (!report.sweeps.empty()) text += "<a href=\"#sweeps\">Sweeps</a> ";
     if (!report.trades.empty()) text += "<a href=\"#trade\">Speed</a> ";
     if (!report.claims.empty()) text += "<a href=\"#claims\">Claims</a>";
+    text += "</nav>\n" + verdicts(report);
+    text += fmt::format("<p class=\"hint\">{}, {}. Made by <code>{}</code>.</p>\n", counted(report.maps.size(), "map"),
+                        counted(report.sweeps.size(), "sweep"), html(report.command));
     return text +
-           "</nav>\n<noscript><p>Without scripts this page shows tables and contact sheets. With scripts it shows "
+           "<noscript><p>Without scripts this page shows tables and contact sheets. With scripts it shows "
            "every pixel.</p></noscript></header>\n";
 }
 
@@ -178,8 +211,8 @@ std::string summary_table(const measure::map::MapRequest& request,
     std::string text =
         "<table><thead><tr><th scope=\"col\">form</th><th scope=\"col\">format</th><th scope=\"col\">false "
         "hits</th><th scope=\"col\">false misses</th><th scope=\"col\">NaN</th>"
-        "<th scope=\"col\">unresolved</th><th scope=\"col\">lost bits p50</th><th scope=\"col\">p99</th><th "
-        "scope=\"col\">max</th><th scope=\"col\">excess p99</th>"
+        "<th scope=\"col\">unresolved</th><th scope=\"col\">agreed hits</th><th scope=\"col\">lost bits p50</th><th "
+        "scope=\"col\">p99</th><th scope=\"col\">max</th><th scope=\"col\">excess p99</th>"
         "<th scope=\"col\">worst pixel</th></tr></thead><tbody>\n";
     for (std::size_t r = 0; r < summaries.size(); ++r) {
         const measure::map::MapSummary& s = summaries[r];
@@ -188,8 +221,13 @@ std::string summary_table(const measure::map::MapRequest& request,
                             html(row.form->info->name), row.format.name);
         for (const char* name : {"false_hit", "false_miss", "not_a_number", "unresolved"})
             text += fmt::format("<td class=\"n\">{}</td>", static_cast<std::uint64_t>(value(name, s)));
-        for (const char* name : {"lost_bits_p50", "lost_bits_p99", "lost_bits_max", "excess_bits_p99"})
-            text += fmt::format("<td class=\"n\">{}</td>", shown(value(name, s)));
+        text += fmt::format("<td class=\"n\">{}</td>", s.count(Outcome::agree_hit));
+        if (s.true_hits > 0 && !s.agreement().is_enough()) {
+            text += fmt::format("<td class=\"few\" colspan=\"4\">{}</td>", s.agreement().too_few());
+        } else {
+            for (const char* name : {"lost_bits_p50", "lost_bits_p99", "lost_bits_max", "excess_bits_p99"})
+                text += fmt::format("<td class=\"n\">{}</td>", shown(value(name, s)));
+        }
         if (s.worst.x < 0) text += "<td>&ndash;</td></tr>\n";
         else
             text += fmt::format(

@@ -58,7 +58,8 @@ struct Report {
     std::string program = {};    ///< that made it: `lostbits 0.1.0`
 };
 
-/// Forms and formats of a map: decisions, and p50, p99 and max of lost bits; each number carries the CSV's own decimal.
+/// Forms and formats of a map: decisions, and p50, p99 and max of lost bits, withheld where too few hits agree; each
+/// number carries the CSV's own decimal.
 [[nodiscard]] std::string summary_table(const measure::map::MapRequest& request,
                                         const std::vector<measure::map::MapSummary>& summaries);
 

@@ -9,6 +9,7 @@
 #include "output/page/text.hpp"
 #include "output/speed/trade_files.hpp"
 #include "output/speed/trade_plot.hpp"
+#include "output/sweep/too_far.hpp"
 
 namespace lostbits::output::page {
 
@@ -28,18 +29,20 @@ const char* spacing_name(scene::sweep::Axis::Spacing s) {
 Json row_json(const measure::map::MapRow& row, const std::vector<const Metric*>& metrics, std::size_t cells,
               const std::function<const MapSummary&(std::size_t)>& at) {
     const auto columns = measure::map::summary_columns(metrics);
-    Json values = Json::array(), outcomes = Json::array();
+    Json values = Json::array(), outcomes = Json::array(), true_hits = Json::array();
     for (const std::string_view name : sweep_statistics) {
         const measure::map::SummaryColumn* const column = measure::map::find_column(columns, name);
         Json& all = values.emplace_back(Json::array());
         for (std::size_t c = 0; c < cells; ++c)
             all.push_back(number_json(column ? column->value(at(c)) : measure::truth::missing));
     }
-    for (std::size_t c = 0; c < cells; ++c) outcomes.push_back(at(c).outcomes);
-    return {{"form", row.form->info->name},
-            {"format", row.format.name},
-            {"values", std::move(values)},
-            {"outcomes", std::move(outcomes)}};
+    for (std::size_t c = 0; c < cells; ++c) {
+        outcomes.push_back(at(c).outcomes);
+        true_hits.push_back(at(c).true_hits);
+    }
+    return {
+        {"form", row.form->info->name}, {"format", row.format.name},       {"precision", row.format.shape.precision},
+        {"values", std::move(values)},  {"outcomes", std::move(outcomes)}, {"true_hits", std::move(true_hits)}};
 }
 
 Json sweep_json(const measure::sweep::SweepRequest& request, const std::vector<measure::sweep::SweepStep>& steps,
@@ -59,6 +62,12 @@ Json sweep_json(const measure::sweep::SweepRequest& request, const std::vector<m
         }
         rows.push_back(std::move(row));
     }
+    Json far = Json::object();
+    for (const measure::map::MapRow& row : request.rows) {
+        if (far.contains(row.format.name)) continue;
+        const auto part = sweep::too_far(*request.sweep, row.format.shape);
+        far[row.format.name] = part ? Json::array({number_json(part->from), number_json(part->to)}) : Json();
+    }
     return {
         {"id", request.sweep->id},
         {"title", request.sweep->title},
@@ -67,6 +76,10 @@ Json sweep_json(const measure::sweep::SweepRequest& request, const std::vector<m
         {"unit", axis.unit},
         {"spacing", spacing_name(axis.spacing)},
         {"steps", array_of(steps, [](const measure::sweep::SweepStep& s) { return number_json(s.values.front()); })},
+        {"is_drawn", request.sweep->is_drawn()},
+        {"too_far", std::move(far)},
+        {"too_far_means", sweep::too_far_means},
+        {"gap_means", sweep::gap_means()},
         {"statistics", sweep_statistics},
         {"rows", std::move(rows)}};
 }

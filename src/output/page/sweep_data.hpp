@@ -18,8 +18,8 @@ inline constexpr std::array<std::string_view, 7> sweep_statistics{
     "lost_bits_p50",     "lost_bits_p99",      "lost_bits_max",      "excess_bits_p99",
     "inherent_bits_p99", "false_hit_fraction", "false_miss_fraction"};
 
-/// `{"form":…,"format":…,"values":[statistic][cell],"outcomes":[cell][outcome]}`: the numbers of a row at every step,
-/// cell or case.
+/// `{"form":…,"format":…,"values":[statistic][cell],"outcomes":[cell][outcome],"true_hits":[cell]}`: the numbers of a
+/// row at every step, cell or case.
 [[nodiscard]] Json row_json(const measure::map::MapRow& row, const std::vector<const measure::metric::Metric*>& metrics,
                             std::size_t cells, const std::function<const measure::map::MapSummary&(std::size_t)>& at);
 

@@ -26,7 +26,8 @@ constexpr std::array<std::pair<double, double>, 12> directions{{{1, 0},
                                                                 {-0.5, -0.866},
                                                                 {0.5, 0.866},
                                                                 {-0.5, 0.866}}};
-constexpr double between_labels = 3, price_of_cover = 45;  // pixels
+// A cover costs more than the farthest place is away: it happens only where every place covers something.
+constexpr double between_labels = 3, price_of_cover = 400;  // pixels
 constexpr double leader_step = 3;
 
 /// The line from a point to its label, as small boxes.

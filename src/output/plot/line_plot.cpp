@@ -1,9 +1,16 @@
 #include "output/plot/line_plot.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <limits>
 #include <numeric>
+#include <optional>
+#include <span>
 #include <stdexcept>
+#include <utility>
 
 #include "output/plot/line_plot_parts.hpp"
 #include "output/plot/plot_frame.hpp"
@@ -16,7 +23,7 @@ using image::Point;
 namespace {
 
 constexpr int gap = 14;
-constexpr int legend_gap = 18;
+constexpr int legend_gap = 34;          // wide enough for the lines that lead to the legend
 constexpr int frame_pad = 9;            // half a marker, or the triangle of an infinite value
 constexpr int least_right = 120;        // room for the label of a mark at the right edge
 constexpr std::size_t few_points = 24;  // a line of at most so many shows each of them
@@ -64,11 +71,79 @@ std::vector<double> values_of(const LinePlotSpec& spec, bool x_axis) {
     return out;
 }
 
+constexpr double reaches_the_end = 0.999;
+
+bool has_place(const AxisRange& x, double value) { return std::isfinite(value) && x.has_place(value); }
+
+/// The last point of a line that is drawn.
+std::optional<std::size_t> last_drawn(const Series& series, const AxisRange& x, const AxisRange& y) {
+    for (std::size_t i = series.x.size(); i-- > 0;) {
+        if (has_place(x, series.x[i]) && y.has_place(series.y[i])) return i;
+    }
+    return {};
+}
+
+/// Where a line ends on the page, as it is drawn: from the left and from the foot, each 0..1; nothing when it is
+/// nowhere drawn.
+std::optional<std::pair<double, double>> end_of(const PlotLine& line, const AxisRange& x, const AxisRange& y) {
+    const auto i = last_drawn(*line.series, x, y);
+    if (!i) return {};
+    return std::pair{x.position(line.series->x[*i]), std::clamp(y.position(line.series->y[*i]), 0.0, 1.0)};
+}
+
+/// ` (no values)`, ` (ends at 2^20.3)`; nothing for a line that has a value for its last parameter.
+std::string ending(const PlotLine& line, const LinePlotSpec& spec, const AxisRange& x, const AxisRange& y) {
+    const Series& series = *line.series;
+    const auto last = last_drawn(series, x, y);
+    if (!last) return " (no values)";
+    const auto rest = std::span(series.x).subspan(*last + 1);
+    if (std::ranges::none_of(rest, [&](double value) { return has_place(x, value); })) return {};
+    const double at = series.x[*last];
+    return spec.x.scale == AxisSpec::Scale::log2 ? fmt::format(" (ends at 2^{:.3g})", std::log2(at))
+                                                 : fmt::format(" (ends at {:.3g})", at);
+}
+
+std::vector<PlotArea> areas_of(const LinePlotSpec& spec) {
+    std::vector<PlotArea> areas;
+    if (spec.envelope) areas.push_back({spec.envelope->label, envelope_fill, envelope_edge});
+    for (const PlotShade& shade : spec.shades) areas.push_back({shade.label, shade_fill, shade_fill});
+    return areas;
+}
+
 /// The plot with its axes; draws one layer at a time.
 class Plot {
 public:
     Plot(const LinePlotSpec& spec, const AxisRange& x, const AxisRange& y, const PlotFrame& frame)
         : spec_(spec), x_(x), y_(y), frame_(frame), stroke_(frame.x, frame.y, frame.width, frame.height) {}
+
+    void shades(Canvas& canvas) const {
+        for (const PlotShade& shade : spec_.shades) {
+            const auto edge = [&](double value) {
+                return static_cast<int>(std::lround(frame_.across(std::clamp(x_.position(value), 0.0, 1.0))));
+            };
+            if (!x_.has_place(shade.from) || !x_.has_place(shade.to)) continue;
+            // One that reaches the end of the axis reaches the frame.
+            const int from = x_.position(shade.from) <= 0 ? frame_.x : edge(shade.from),
+                      to = x_.position(shade.to) >= 1 ? frame_.x + frame_.width : edge(shade.to);
+            canvas.fill(from, frame_.y, to - from, frame_.height, shade_fill);
+        }
+    }
+
+    /// From where lines end to their names in the legend at pixel x. One that ends before the axis does has no way
+    /// there that would not cross others; its name says where it ends.
+    void leaders(Canvas& canvas, std::span<const PlotLine> lines, const PlotLegend& legend, int legend_x) {
+        image::Stroke stroke(frame_.x, frame_.y - 20, legend_x - frame_.x, frame_.height + 40);
+        for (std::size_t k = 0; k < lines.size(); ++k) {
+            const auto end = end_of(lines[k], x_, y_);
+            const auto sample = legend.sample_of(k);
+            if (!end || !sample || end->first < reaches_the_end) continue;
+            const double y = frame_.up(end->second), right = frame_.x + frame_.width + 2.0;
+            const std::array<Point, 3> way{
+                {{right, y}, {legend_x - 6.0, frame_.y + *sample}, {legend_x - 1.0, frame_.y + *sample}}};
+            stroke.polyline(way, 0.9);
+            stroke.paint(canvas, lines[k].colour, 0.7);
+        }
+    }
 
     void envelope(Canvas& canvas) {
         const Series& series = *spec_.envelope;
@@ -169,17 +244,6 @@ private:
     image::Stroke stroke_;
 };
 
-/// Where a line ends on the page, as it is drawn: 0..1 from the foot, below that when it is nowhere drawn.
-double end_of(const PlotLine& line, const AxisRange& x, const AxisRange& y) {
-    const Series& series = *line.series;
-    for (std::size_t i = series.x.size(); i-- > 0;) {
-        if (std::isfinite(series.x[i]) && x.has_place(series.x[i]) && y.has_place(series.y[i])) {
-            return std::clamp(y.position(series.y[i]), 0.0, 1.0);
-        }
-    }
-    return -1;
-}
-
 }  // namespace
 
 void write_line_plot(image::ImageBackend& backend, const std::filesystem::path& path, const LinePlotSpec& spec) {
@@ -187,21 +251,20 @@ void write_line_plot(image::ImageBackend& backend, const std::filesystem::path& 
     auto lines = plot_lines(spec.series);
     if (spec.envelope) static_cast<void>(plot_lines({&*spec.envelope, 1}));  // its columns are checked like any
     const AxisRange x(spec.x, values_of(spec, true)), y(spec.y, values_of(spec, false));
-    for (auto& line : lines) {
-        if (end_of(line, x, y) < 0) line.label += " (no values)";
-    }
+    for (auto& line : lines) line.label += ending(line, spec, x, y);
     std::vector<std::size_t> order(lines.size());
     std::iota(order.begin(), order.end(), std::size_t{0});
     std::vector<PlotLine> sorted = lines;
-    std::ranges::stable_sort(sorted, std::ranges::greater{}, [&](const PlotLine& line) { return end_of(line, x, y); });
+    const auto height = [&](const PlotLine& line) { return end_of(line, x, y).value_or(std::pair{0.0, -1.0}).second; };
+    std::ranges::stable_sort(sorted, std::ranges::greater{}, height);
     const bool markers = std::ranges::all_of(lines, [](const PlotLine& l) { return l.series->x.size() <= few_points; });
 
     const int content = spec.width - 2 * image::style::margin;
     const Canvas head = image::heading(backend, spec.title, spec.subtitle, content);
     const int top = image::style::margin + head.height() + (head.height() > 0 ? gap : 0);
     const int nominal = std::max(spec.height - top - image::style::margin - 60, 100);
-    const PlotLegend legend(backend, sorted, spec.envelope ? &spec.envelope->label : nullptr, markers,
-                            {content, nominal});
+    const auto areas = areas_of(spec);
+    PlotLegend legend(backend, sorted, areas, markers, {content, nominal});
     const int right =
         std::max(legend.width() > 0 ? legend_gap + legend.width() : 0, spec.marks.empty() ? 0 : least_right);
     const PlotAxes axes(backend, x, y, content - right - 60, nominal);
@@ -223,13 +286,19 @@ void write_line_plot(image::ImageBackend& backend, const std::filesystem::path& 
     Plot measured(spec, x, y, frame);
     for (const auto& series : spec.series) measured.count(series, lacking);
     if (spec.envelope) measured.count(*spec.envelope, lacking);
-    const Canvas notes = image::heading(backend, {}, lacking.notes(), content);
+    std::vector<std::string> said = lacking.notes();
+    if (lines.size() < spec.series.size())
+        said.push_back(fmt::format("{} lines for {} series: those with the same values throughout share one.",
+                                   lines.size(), spec.series.size()));
+    said.insert(said.end(), spec.notes.begin(), spec.notes.end());
+    const Canvas notes = image::heading(backend, {}, said, content);
     const int foot = 1 + axes.below() + (notes.height() > 0 ? gap + notes.height() : 0) + image::style::margin;
     frame.height = std::max({spec.height - frame.y - foot, nominal / 2, legend.height()});
 
     Canvas page(spec.width, frame.y + frame.height + foot);
     page.picture(image::style::margin, image::style::margin, head);
     Plot plot(spec, x, y, frame);
+    plot.shades(page);
     if (spec.envelope) plot.envelope(page);
     axes.draw_grid(page, frame);
     if (spec.envelope) plot.envelope_line(page);
@@ -239,12 +308,20 @@ void write_line_plot(image::ImageBackend& backend, const std::filesystem::path& 
     std::ranges::stable_sort(order, {}, [&](std::size_t i) { return !lines[i].dashes.empty(); });
     for (const auto i : order) plot.line(page, lines[i], markers, i);
     axes.draw(page, frame);
-    if (std::ranges::all_of(lines, [&](const PlotLine& line) { return end_of(line, x, y) < 0; })) {
+    if (std::ranges::all_of(lines, [&](const PlotLine& line) { return !end_of(line, x, y); })) {
         const auto text = backend.render_text("no data", image::style::text_size);
         page.text(frame.x + (frame.width - text.width) / 2, frame.y + (frame.height - text.height) / 2, text,
                   image::style::soft_ink);
     }
-    legend.draw(page, spec.width - image::style::margin - legend.width(), frame.y);
+    std::vector<double> ends;
+    for (const auto& line : sorted) {
+        const auto end = end_of(line, x, y);
+        ends.push_back(end ? frame.up(end->second) - frame.y : std::numeric_limits<double>::quiet_NaN());
+    }
+    legend.align(ends, frame.height);
+    const int legend_x = spec.width - image::style::margin - legend.width();
+    plot.leaders(page, sorted, legend, legend_x);
+    legend.draw(page, legend_x, frame.y);
     page.picture(image::style::margin, page.height() - image::style::margin - notes.height(), notes);
 
     image::save_png(backend, path, page);

@@ -26,6 +26,12 @@ struct PlotMark {
     std::string label;
 };
 
+/// A part of the x axis, drawn as a wash behind the lines; the label stands in the legend.
+struct PlotShade {
+    double from, to;
+    std::string label;
+};
+
 struct LinePlotSpec {
     std::string title;
     std::vector<std::string> subtitle;
@@ -33,14 +39,18 @@ struct LinePlotSpec {
     std::vector<Series> series;
     std::optional<Series> envelope = {};  ///< what no form can be better than: grey below it
     std::vector<PlotMark> marks = {};
-    int width = 1100, height = 620;  ///< the height grows where legend or marks need it
+    std::vector<PlotShade> shades = {};
+    std::vector<std::string> notes = {};  ///< below the plot, a sentence each
+    int width = 1100, height = 620;       ///< the height grows where legend or marks need it
 };
 
 /// Writes the plot as a PNG; the same spec gives the same bytes.
 ///
-/// Series with the same points (and band) are drawn once and share one line of the legend, since many forms agree bit
-/// for bit. The legend is sorted as the lines end, from top to bottom. Colours are handed out in the order of the
-/// series; when there are more than eight, markers tell them apart. What cannot be drawn is counted in a footnote.
+/// Series with the same points (and band) are drawn once and share one line of the legend, which says how many they
+/// are, since many forms agree bit for bit. Each entry of the legend stands as near to the end of its line as the
+/// others allow, and a thin line leads there; where the legend needs two columns, it is only sorted as the lines end.
+/// Colours are handed out in the order of the series; when there are more than eight, markers tell them apart. What
+/// cannot be drawn is counted in a footnote.
 ///
 /// Throws EnvironmentError for an unwritable file, and std::invalid_argument for x, y and bands of different lengths,
 /// ends of axes as AxisRange, and a picture of less than 400 by 200 pixels.

@@ -64,6 +64,7 @@ void check(const Series& series) {
 
 std::vector<PlotLine> plot_lines(std::span<const Series> series) {
     std::vector<PlotLine> lines;
+    std::vector<int> alike;  // series of each line
     for (const auto& one : series) {
         check(one);
         const auto twin = std::ranges::find_if(lines, [&](const PlotLine& line) {
@@ -73,10 +74,15 @@ std::vector<PlotLine> plot_lines(std::span<const Series> series) {
         });
         if (twin == lines.end()) {
             lines.push_back({&one, one.label, {}, 0, {}});
+            alike.push_back(1);
         } else {
             twin->label += ", " + one.label;
+            ++alike[static_cast<std::size_t>(twin - lines.begin())];
             if (!one.dashed && twin->series->dashed) twin->series = &one;
         }
+    }
+    for (std::size_t k = 0; k < lines.size(); ++k) {
+        if (alike[k] > 1) lines[k].label = std::to_string(alike[k]) + " the same: " + lines[k].label;
     }
     std::map<std::string, std::size_t> families;
     std::map<std::size_t, std::vector<int>> taken;
@@ -123,7 +129,39 @@ void draw_edge_triangle(Stroke& stroke, Point tip, bool up) {
     stroke.polygon(std::array<Point, 3>{{tip, {tip.x + 4.5, base}, {tip.x - 4.5, base}}});
 }
 
-PlotLegend::PlotLegend(ImageBackend& backend, std::span<const PlotLine> lines, const std::string* envelope,
+std::vector<double> places_near(std::span<const double> wishes, std::span<const double> heights, double low,
+                                double high) {
+    // With the heights before each thing taken off, "in order and apart" is "not falling": neighbours that fall take
+    // their common mean (pool adjacent violators), which is the least of the sums of squares.
+    struct Block {
+        double sum;
+        std::size_t n;
+        [[nodiscard]] double mean() const { return sum / static_cast<double>(n); }
+    };
+    std::vector<Block> blocks;
+    double before = 0;
+    for (std::size_t k = 0; k < wishes.size(); before += heights[k++]) {
+        blocks.push_back({wishes[k] - before, 1});
+        while (blocks.size() > 1 && blocks[blocks.size() - 2].mean() > blocks.back().mean()) {
+            const Block last = blocks.back();
+            blocks.pop_back();
+            blocks.back().sum += last.sum;
+            blocks.back().n += last.n;
+        }
+    }
+    const double slack = std::max(high - low - before, 0.0);
+    std::vector<double> places;
+    before = 0;
+    for (const Block& block : blocks) {
+        for (std::size_t k = 0; k < block.n; ++k) {
+            places.push_back(low + std::clamp(block.mean() - low, 0.0, slack) + before);
+            before += heights[places.size() - 1];
+        }
+    }
+    return places;
+}
+
+PlotLegend::PlotLegend(ImageBackend& backend, std::span<const PlotLine> lines, std::span<const PlotArea> areas,
                        bool markers, Room room)
     : markers_(markers) {
     struct Try {
@@ -133,33 +171,54 @@ PlotLegend::PlotLegend(ImageBackend& backend, std::span<const PlotLine> lines, c
          {Try{image::style::text_size, 1, 26}, Try{12, 1, 26}, Try{image::style::small_size, 1, 26},
           Try{image::style::small_size, 2, 40}, Try{10, 2, 40}}) {
         const int column_width = (room.width * per_cent / 100 - (columns - 1) * column_gap) / columns;
-        arrange(backend, lines, envelope, {size, columns, column_width});
+        arrange(backend, lines, areas, {size, columns, column_width});
         if (height_ <= room.height) return;
     }
 }
 
-void PlotLegend::arrange(ImageBackend& backend, std::span<const PlotLine> lines, const std::string* envelope,
+int PlotLegend::height_of(const Entry& entry) const {
+    return std::max<int>(static_cast<int>(entry.text.size()), 1) * image::style::line_height(size_) + entry_gap;
+}
+
+void PlotLegend::align(std::span<const double> ends, int room) {
+    if (column_x_.size() != 1) return;
+    const double half = image::style::line_height(size_) / 2.0;
+    std::vector<double> wishes, heights;
+    for (std::size_t k = 0; k < entries_.size(); ++k) {
+        heights.push_back(height_of(entries_[k]));
+        wishes.push_back(k < ends.size() && !std::isnan(ends[k]) ? ends[k] - half : room);
+    }
+    const auto places = places_near(wishes, heights, 0, std::max(room, height_));
+    for (std::size_t k = 0; k < entries_.size(); ++k) entries_[k].y = static_cast<int>(std::lround(places[k]));
+    aligned_ = true;
+}
+
+std::optional<double> PlotLegend::sample_of(std::size_t line) const {
+    if (!aligned_) return {};
+    return entries_[line].y + size_ - image::style::digit_rise(size_) + 0.5;
+}
+
+void PlotLegend::arrange(ImageBackend& backend, std::span<const PlotLine> lines, std::span<const PlotArea> areas,
                          const Layout& layout) {
     const int size = layout.size, columns = layout.columns;
     entries_.clear();
     size_ = size;
     const int text_room = std::max(layout.column_width - sample_width - sample_gap, 40);
     int total = 0, highest = 0;
-    const auto add = [&](const std::string& label, const PlotLine* line) {
-        Entry entry{{}, line};
+    const auto add = [&](const std::string& label, const PlotLine* line, const PlotArea* area) {
+        Entry entry{{}, line, area};
         auto whole = power_text(backend, label, size);
         if (whole.width <= text_room) {
             entry.text.push_back(std::move(whole));
         } else {
             entry.text = image::wrap_text(backend, label, size, false, text_room);
         }
-        const int rows = std::max<int>(static_cast<int>(entry.text.size()), 1);
-        highest = std::max(highest, rows * image::style::line_height(size) + entry_gap);
-        total += rows * image::style::line_height(size) + entry_gap;
+        highest = std::max(highest, height_of(entry));
+        total += height_of(entry);
         entries_.push_back(std::move(entry));
     };
-    for (const auto& line : lines) add(line.label, &line);
-    if (envelope != nullptr) add(*envelope, nullptr);
+    for (const auto& line : lines) add(line.label, &line, nullptr);
+    for (const auto& area : areas) add(area.label, nullptr, &area);
 
     // Columns of even height: the least that holds all entries in order.
     int limit = std::max(total / columns, highest);
@@ -167,8 +226,7 @@ void PlotLegend::arrange(ImageBackend& backend, std::span<const PlotLine> lines,
         int column = 0, y = 0;
         height_ = 0;
         for (auto& entry : entries_) {
-            const int h =
-                std::max<int>(static_cast<int>(entry.text.size()), 1) * image::style::line_height(size) + entry_gap;
+            const int h = height_of(entry);
             if (y + h > limit && y > 0) {
                 ++column;
                 y = 0;
@@ -203,8 +261,8 @@ void PlotLegend::draw(image::Canvas& canvas, int x0, int y0) const {
         }
         const double middle = y + size_ - image::style::digit_rise(size_) + 0.5;
         if (entry.line == nullptr) {
-            canvas.fill(x, static_cast<int>(middle) - 5, sample_width, 11, envelope_fill);
-            canvas.fill(x, static_cast<int>(middle) - 5, sample_width, 1, envelope_edge);
+            canvas.fill(x, static_cast<int>(middle) - 5, sample_width, 11, entry.area->fill);
+            canvas.fill(x, static_cast<int>(middle) - 5, sample_width, 1, entry.area->edge);
             continue;
         }
         Stroke stroke(x, y - 6, sample_width, image::style::line_height(size_) + 12);

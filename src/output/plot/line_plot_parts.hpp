@@ -1,6 +1,7 @@
 // The parts of a line plot that have a place of their own: what a line looks like, the legend, the labels of marks.
 #pragma once
 
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -13,7 +14,7 @@ namespace lostbits::output::plot {
 /// Series that agree in every point, as the one line that is drawn for them.
 struct PlotLine {
     const Series* series;
-    std::string label;  ///< `schoolbook, half_b, press`
+    std::string label;  ///< `schoolbook`, `3 the same: schoolbook, half_b, press`
     image::Rgb8 colour;
     int marker;  ///< 0 for the first eight families, which need none
     std::span<const double> dashes;
@@ -32,16 +33,34 @@ void draw_edge_triangle(image::Stroke& stroke, image::Point tip, bool up);
 inline constexpr double line_thickness = 1.8;
 inline constexpr image::Rgb8 envelope_fill{222, 222, 220};
 inline constexpr image::Rgb8 envelope_edge{150, 150, 150};
+inline constexpr image::Rgb8 shade_fill{236, 230, 216};
 
-/// The legend at the right: lines in the order given, the envelope last.
+/// An area that the legend names: its colour, and that of its upper edge.
+struct PlotArea {
+    std::string label;
+    image::Rgb8 fill, edge;
+};
+
+/// Places from `low` on for things that stay in order, thing k `heights[k]` high and as near to `wishes[k]` as those
+/// around it allow, the sum of squares considered; the last ends at `high` if there is room for all.
+[[nodiscard]] std::vector<double> places_near(std::span<const double> wishes, std::span<const double> heights,
+                                              double low, double high);
+
+/// The legend at the right: lines in the order given, areas last.
 class PlotLegend {
 public:
     struct Room {
         int width, height;
     };
     /// Takes small letters and a second column before it is higher than the room, and at most two fifths of its width.
-    PlotLegend(image::ImageBackend& backend, std::span<const PlotLine> lines, const std::string* envelope, bool markers,
-               Room room);
+    PlotLegend(image::ImageBackend& backend, std::span<const PlotLine> lines, std::span<const PlotArea> areas,
+               bool markers, Room room);
+
+    /// Moves each line's entry to where the line ends, in pixels below the legend's top and no further than `room`; a
+    /// NaN is no place. Does nothing where there are two columns.
+    void align(std::span<const double> ends, int room);
+    /// Where the sample of line k is, below the legend's top; nothing where entries are not aligned.
+    [[nodiscard]] std::optional<double> sample_of(std::size_t line) const;
 
     [[nodiscard]] int width() const noexcept { return width_; }
     [[nodiscard]] int height() const noexcept { return height_; }
@@ -50,17 +69,19 @@ public:
 private:
     struct Entry {
         std::vector<image::TextBitmap> text;
-        const PlotLine* line;  // nullptr for the envelope
+        const PlotLine* line;  // nullptr for an area
+        const PlotArea* area;
         int column = 0, y = 0;
     };
     struct Layout {
         int size, columns, column_width;
     };
-    void arrange(image::ImageBackend& backend, std::span<const PlotLine> lines, const std::string* envelope,
+    void arrange(image::ImageBackend& backend, std::span<const PlotLine> lines, std::span<const PlotArea> areas,
                  const Layout& layout);
+    [[nodiscard]] int height_of(const Entry& entry) const;
 
     std::vector<Entry> entries_;
-    bool markers_;
+    bool markers_, aligned_ = false;
     std::vector<int> column_x_;
     int size_ = 0, width_ = 0, height_ = 0;
 };

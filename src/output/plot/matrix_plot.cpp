@@ -13,7 +13,7 @@ using image::TextBitmap;
 
 namespace {
 
-constexpr int cell_width = 26, cell_height = 22, group_gap = 14, label_gap = 8, block_gap = 12;
+constexpr int least_cell_width = 26, cell_room = 6, cell_height = 22, group_gap = 14, label_gap = 8, block_gap = 12;
 
 /// Luminance decides the ink: 0.18 linear is where black and white on a colour have the same contrast.
 Rgb8 ink_on(Rgb8 c) {
@@ -30,7 +30,7 @@ std::size_t column_count(const MatrixPlotSpec& spec) {
 }
 
 /// Where the left edge of each column lies, from the left edge of the first.
-std::vector<int> column_places(const MatrixPlotSpec& spec) {
+std::vector<int> column_places(const MatrixPlotSpec& spec, int cell_width) {
     std::vector<int> places;
     int x = 0;
     for (const auto& g : spec.groups) {
@@ -40,10 +40,20 @@ std::vector<int> column_places(const MatrixPlotSpec& spec) {
     return places;
 }
 
-void draw_cell(Canvas& page, image::ImageBackend& backend, int x, int y, const MatrixCell& cell) {
+/// Of all cells: that of the widest text.
+int width_of_cells(const MatrixPlotSpec& spec, image::ImageBackend& backend) {
+    int width = least_cell_width;
+    for (const MatrixCell& cell : spec.cells) {
+        if (!cell.text.empty())
+            width = std::max(width, backend.render_text(cell.text, image::style::small_size).width + cell_room);
+    }
+    return width;
+}
+
+void draw_cell(Canvas& page, image::ImageBackend& backend, int x, int y, int cell_width, const MatrixCell& cell) {
     page.fill(x, y, cell_width - 1, cell_height - 1, cell.colour);
     if (cell.text.empty()) return;
-    const TextBitmap text = image::fit_text(backend, cell.text, image::style::small_size, false, cell_width - 3);
+    const TextBitmap text = backend.render_text(cell.text, image::style::small_size);
     page.text(x + (cell_width - 1 - text.width) / 2, y + (cell_height - 1 - text.height) / 2, text,
               ink_on(cell.colour));
 }
@@ -67,7 +77,8 @@ void write_matrix_plot(image::ImageBackend& backend, const std::filesystem::path
             head_room = std::max(head_room, column_labels.back().height);
         }
     }
-    const auto places = column_places(spec);
+    const int cell_width = width_of_cells(spec, backend);
+    const auto places = column_places(spec, cell_width);
     const int field_width = places.back() + cell_width, field_height = static_cast<int>(spec.rows.size()) * cell_height;
     const Canvas bar =
         spec.scale ? image::colour_bar(backend, *spec.scale, spec.unit, std::max(field_height, 160)) : Canvas(0, 0);
@@ -95,7 +106,7 @@ void write_matrix_plot(image::ImageBackend& backend, const std::filesystem::path
         page.text(x0 - label_gap - row_labels[r].width, y + (cell_height - row_labels[r].height) / 2, row_labels[r],
                   image::style::ink);
         for (std::size_t k = 0; k < columns; ++k)
-            draw_cell(page, backend, x0 + places[k], y, spec.cells[r * columns + k]);
+            draw_cell(page, backend, x0 + places[k], y, cell_width, spec.cells[r * columns + k]);
     }
     page.picture(x0 + field_width + block_gap, y0, bar);
     page.picture(image::style::margin, below, legend.draw(spec.legend));

@@ -11,7 +11,7 @@ namespace lostbits::output::plot {
 
 struct MatrixCell {
     image::Rgb8 colour = image::style::page;
-    std::string text = {};  ///< short: `12`; in dark or light ink, whichever is read better
+    std::string text = {};  ///< `24/48`; in dark or light ink, whichever is read better
 };
 
 struct MatrixPlotSpec {

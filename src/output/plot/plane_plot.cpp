@@ -60,6 +60,32 @@ void hatch(Canvas& canvas, int x, int y, int width, int height) {
     }
 }
 
+/// Lines two pixels wide on the inner side of the border of the outlined cells, with a light one outside, so that they
+/// are seen on every colour. `column` and `row` give the pixel at which a cell begins.
+template <class Column, class Row>
+void outline(Canvas& page, const PlanePlotSpec& spec, Column column, Row row) {
+    const std::size_t columns = spec.x.size(), rows = spec.y.size();
+    const auto inside = [&](std::size_t i, std::size_t j) {  // one before 0 wraps to beyond the last
+        return i < columns && j < rows && spec.cells[j * columns + i].outlined;
+    };
+    struct Coat {
+        image::Rgb8 colour;
+        int thickness, outwards;
+    };
+    for (const auto& [colour, thick, out] : {Coat{{255, 255, 255}, 1, 1}, Coat{image::style::ink, 2, 0}}) {
+        for (std::size_t j = 0; j < rows; ++j) {
+            for (std::size_t i = 0; i < columns; ++i) {
+                if (!inside(i, j)) continue;
+                const int x0 = column(i), x1 = column(i + 1), y0 = row(j + 1), y1 = row(j);
+                if (!inside(i - 1, j)) page.fill(x0 - out, y0, thick, y1 - y0, colour);
+                if (!inside(i + 1, j)) page.fill(x1 + out - thick, y0, thick, y1 - y0, colour);
+                if (!inside(i, j + 1)) page.fill(x0, y0 - out, x1 - x0, thick, colour);
+                if (!inside(i, j - 1)) page.fill(x0, y1 + out - thick, x1 - x0, thick, colour);
+            }
+        }
+    }
+}
+
 AxisRange range_of(const AxisSpec& axis, const std::vector<double>& edges) {
     return {{axis.title, axis.scale, edges.front(), edges.back()}, {}};
 }
@@ -86,7 +112,7 @@ void write_plane_plot(image::ImageBackend& backend, const std::filesystem::path&
     const int content = axes.left() + frame.width + 1 + beside;
     const Canvas head = image::heading(backend, spec.title, spec.subtitle, content);
     std::vector<image::LegendEntry> entries = spec.legend;
-    if (hatched) entries.push_back({"no value", hatch_paper, {}});
+    if (hatched) entries.push_back({spec.none_means, hatch_paper, {}});
     const image::Legend legend(backend, entries, content);
     frame.x = image::style::margin + axes.left();
     frame.y = image::style::margin + head.height() + (head.height() > 0 ? gap : 0) + axes.above();
@@ -110,6 +136,7 @@ void write_plane_plot(image::ImageBackend& backend, const std::filesystem::path&
             }
         }
     }
+    outline(page, spec, column, row);
     axes.draw(page, frame);
     page.picture(frame.x + frame.width + 1 + gap, frame.y - 1, bar);
     page.picture(image::style::margin, page.height() - image::style::margin - legend.height(), legend.draw(entries));

@@ -16,6 +16,7 @@ namespace lostbits::output::plot {
 struct PlaneCell {
     double value = std::numeric_limits<double>::quiet_NaN();
     std::optional<image::Rgb8> colour = {};
+    bool outlined = false;  ///< a line is drawn around neighbouring cells that are
 };
 
 struct PlanePlotSpec {
@@ -27,6 +28,7 @@ struct PlanePlotSpec {
     std::optional<image::ColourScale> scale;  ///< required where a cell shows its value
     std::string unit;                         ///< over the colour bar: `lost bits`
     std::vector<image::LegendEntry> legend;   ///< the outcomes that occur
+    std::string none_means = "no value";      ///< what hatched cells are
 };
 
 /// Writes the plot as a PNG; the same spec gives the same bytes. A cell reaches half-way to its neighbours on the

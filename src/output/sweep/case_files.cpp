@@ -22,10 +22,12 @@ using measure::sweep::CaseRequest;
 using measure::sweep::Verdict;
 
 std::string right_means(const scene::sweep::CaseFile& file) {
-    return fmt::format(
-        "every decision is right, and no answer loses more than {} bits beyond what half an ulp in each input would "
-        "cost",
-        file::decimal(file.right_within_bits));
+    return fmt::format("every decision is right, and no answer loses more than {} bits",
+                       file::decimal(file.right_within_bits));
+}
+
+std::string within_means(const scene::sweep::CaseFile& file) {
+    return fmt::format("within {} bits of what the inputs allow", file::decimal(file.right_within_bits));
 }
 
 namespace {
@@ -37,10 +39,10 @@ std::vector<Column> case_columns(const CaseRequest& request) {
          "by whose word touching and t = 0 are judged: the form's own (own); touching a hit (closed) or a miss (open), "
          "t = 0 a hit"},
         {"verdict", "string", "",
-         fmt::format("every decision is right, and no answer loses more than {0} bits (right), or none loses more than "
-                     "{0} bits beyond what half an ulp in each input would cost (within_inputs: lost_bits_max of what "
-                     "inherent_bits_max would be at best); wrong_value, or the most frequent wrong decision",
-                     file::decimal(request.file->right_within_bits))}};
+         fmt::format(
+             "right ({}), within_inputs (every decision is right, and every answer {}: half an ulp in each input "
+             "would cost the rest), wrong_value, or the most frequent wrong decision",
+             right_means(*request.file), within_means(*request.file))}};
     for (Column& c : map::SummaryTable{request.metrics, {request.file->shape()}}.columns()) {
         if (c.name == "rays") c.meaning = "rays of the case";
         if (c.name == "worst_x") c.meaning = "ray with the largest |ulp_error| in its group, from 0";
@@ -50,49 +52,59 @@ std::vector<Column> case_columns(const CaseRequest& request) {
     return columns;
 }
 
-plot::MatrixCell cell_of(const MapSummary& s, Verdict verdict, std::size_t lost, const image::ColourScale& scale) {
-    const auto wrong = [&](Outcome o) {
-        const std::uint64_t n = s.count(o);
-        // A part of the rays is told by its number, all of them by the colour alone.
-        return plot::MatrixCell{image::outcome_colours[static_cast<std::size_t>(o)],
-                                n < s.rays ? std::to_string(n) : std::string()};
-    };
-    switch (verdict) {
-        case Verdict::within_inputs:
-        case Verdict::right: return {case_right_colour, {}};
-        case Verdict::wrong_value: {
-            const double bits = s.metrics[lost].quantile(1);
-            return {scale.map(bits), fmt::format("{:.0f}", bits)};
+/// Colours and texts of cells.
+struct CellLook {
+    const std::vector<const measure::metric::Metric*>& metrics;
+    const image::ColourScale& scale;
+
+    [[nodiscard]] plot::MatrixCell of(const MapSummary& s, Verdict verdict) const {
+        switch (verdict) {
+            case Verdict::right: return {case_right_colour, {}};
+            case Verdict::within_inputs: return valued(s, true);
+            case Verdict::wrong_value: return valued(s, false);
+            case Verdict::false_hit: return wrong(s, Outcome::false_hit);
+            case Verdict::false_miss: return wrong(s, Outcome::false_miss);
+            case Verdict::not_a_number: return wrong(s, Outcome::not_a_number);
+            case Verdict::unresolved: break;
         }
-        case Verdict::false_hit: return wrong(Outcome::false_hit);
-        case Verdict::false_miss: return wrong(Outcome::false_miss);
-        case Verdict::not_a_number: return wrong(Outcome::not_a_number);
-        case Verdict::unresolved: break;
+        return wrong(s, Outcome::unresolved);
     }
-    return wrong(Outcome::unresolved);
-}
+
+private:
+    /// A part of the rays is told by its number, all of them by the colour alone.
+    [[nodiscard]] static plot::MatrixCell wrong(const MapSummary& s, Outcome o) {
+        const std::uint64_t n = s.count(o);
+        return {image::outcome_colours[static_cast<std::size_t>(o)],
+                n < s.rays ? fmt::format("{}/{}", n, s.rays) : std::string()};
+    }
+
+    [[nodiscard]] plot::MatrixCell valued(const MapSummary& s, bool within) const {
+        const double lost = s.metrics[measure::metric::place_of(metrics, "lost_bits")].quantile(1);
+        const std::size_t inherent = measure::metric::place_of(metrics, "inherent_bits");
+        if (!within) return {scale.map(lost), fmt::format("{:.0f} b", lost)};
+        return {map::paler(scale.map(lost)), inherent < metrics.size()
+                                                 ? fmt::format("{:.0f}/{:.0f} b", lost, s.metrics[inherent].quantile(1))
+                                                 : fmt::format("{:.0f} b", lost)};
+    }
+};
 
 }  // namespace
 
 void write_case_matrix(const std::filesystem::path& path, const CaseRequest& request,
                        const std::vector<std::vector<MapSummary>>& cases, std::optional<intersect::Touching> judged) {
     image::ImageBackend& backend = image::image_backend();
-    const auto lost = measure::metric::place_of(request.metrics, "lost_bits");
     const image::ColourScale scale =
         map::metric_scale(*measure::metric::find_metric("lost_bits"), request.rows, backend);
-    plot::MatrixPlotSpec spec{
-        .title = judged
-                     ? fmt::format("{}: judged as {} solids", request.file->title, intersect::convention_name(judged))
-                     : request.file->title,
-        .subtitle = {fmt::format(
-            "Right: {}. A number in a coloured cell: how many rays; on the ramp: bits lost by the worst ray.",
-            right_means(*request.file))},
-        .groups = {},
-        .rows = {},
-        .cells = {},
-        .legend = {{"right", case_right_colour, {}}},
-        .scale = scale,
-        .unit = "lost bits"};
+    plot::MatrixPlotSpec spec{.title = judged ? fmt::format("{}: judged as {} solids", request.file->title,
+                                                            intersect::convention_name(judged))
+                                              : request.file->title,
+                              .subtitle = {fmt::format("Right: {}. {}.", right_means(*request.file), numbers_mean)},
+                              .groups = {},
+                              .rows = {},
+                              .cells = {},
+                              .legend = {{"right", case_right_colour, {}}},
+                              .scale = scale,
+                              .unit = "lost bits"};
     std::vector<std::size_t> order;  // rows of the request, by format
     for (const measure::map::MapRow& row : request.rows) {
         const std::string& format = row.format.name;
@@ -112,21 +124,23 @@ void write_case_matrix(const std::filesystem::path& path, const CaseRequest& req
         });
         if (seen) spec.legend.push_back({map::plain_name(o), image::outcome_colours[static_cast<std::size_t>(o)], {}});
     }
+    const CellLook look{request.metrics, scale};
+    bool any_wrong_value = false, any_within = false;
     for (std::size_t i = 0; i < cases.size(); ++i) {
         spec.rows.push_back(request.file->name(i));
         for (const std::size_t r : order) {
-            const MapSummary& s = cases[i][r];
-            spec.cells.push_back(cell_of(
-                s, measure::sweep::verdict_of(s, request.metrics, request.file->right_within_bits), lost, scale));
+            const Verdict verdict =
+                measure::sweep::verdict_of(cases[i][r], request.metrics, request.file->right_within_bits);
+            any_wrong_value |= verdict == Verdict::wrong_value;
+            any_within |= verdict == Verdict::within_inputs;
+            spec.cells.push_back(look.of(cases[i][r], verdict));
         }
     }
-    const auto on_ramp = [&](const auto& rows) {
-        return std::ranges::any_of(order, [&](std::size_t r) {
-            return measure::sweep::verdict_of(rows[r], request.metrics, request.file->right_within_bits) ==
-                   Verdict::wrong_value;
-        });
-    };
-    if (std::ranges::none_of(cases, on_ramp)) spec.scale.reset();
+    if (any_within) {
+        spec.legend.insert(spec.legend.begin() + 1,
+                           {within_means(*request.file), map::paler(scale.map(scale.hi() / 2)), {}});
+    }
+    if (!any_wrong_value && !any_within) spec.scale.reset();
     plot::write_matrix_plot(backend, path, spec);
 }
 

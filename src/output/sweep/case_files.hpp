@@ -14,8 +14,13 @@ namespace lostbits::output::sweep {
 /// Of a case that a form has right.
 inline constexpr image::Rgb8 case_right_colour{226, 238, 226};
 
-/// What the verdict `right` means: `every decision is right, and no answer loses more than 1 bits beyond …`.
+/// What the verdict `right` means: `every decision is right, and no answer loses more than 3 bits`.
 [[nodiscard]] std::string right_means(const scene::sweep::CaseFile& file);
+/// What `within_inputs` means: `within 3 bits of what the inputs allow`.
+[[nodiscard]] std::string within_means(const scene::sweep::CaseFile& file);
+/// What the numbers in the cells of a matrix are.
+inline constexpr const char* numbers_mean =
+    "24/48: 24 of the case's 48 rays; 22 b: bits that the worst ray loses; 22/21 b: and bits that the inputs cost";
 
 /// Opened before the work, named when it is whole.
 class CaseFiles {

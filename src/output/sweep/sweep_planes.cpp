@@ -10,6 +10,7 @@
 #include "output/map/map_colour.hpp"
 #include "output/map/row_names.hpp"
 #include "output/plot/plane_plot.hpp"
+#include "output/sweep/too_far.hpp"
 
 namespace lostbits::output::sweep {
 
@@ -118,18 +119,17 @@ void write_plane_picture(ImageBackend& backend, const std::filesystem::path& pat
         .unit = "lost bits",
         .legend = {}};
     MapSummary drawn;
-    bool any_inside = false;
+    bool any_outlined = false, few = false;
     for (std::size_t line = 0; line < plane.y.size(); ++line) {
         for (std::size_t column = 0; column < plane.x.size(); ++column) {
             const MapSummary& s = plane.at(row, column, line);
             plot::PlaneCell cell;
             ++drawn.rays;
             if (wrong_share(s) <= 0.5) {
-                cell.value = s.metrics[lost].quantile(0.99);
-                if (map::inside_envelope(cell.value, s.metrics[excess].quantile(0.99))) {
-                    cell.colour = map::paler(spec.scale->map(cell.value));
-                    any_inside = true;
-                }
+                cell.value = drawn_quantile(s, lost, 0.99);
+                few |= s.true_hits > 0 && !s.agreement().is_enough();
+                cell.outlined = cell.value >= 1 && s.metrics[excess].quantile(0.99) >= 1;
+                any_outlined |= cell.outlined;
             } else {
                 const Outcome worst = std::max({Outcome::false_hit, Outcome::false_miss, Outcome::not_a_number},
                                                [&](Outcome a, Outcome b) { return s.count(a) < s.count(b); });
@@ -140,7 +140,8 @@ void write_plane_picture(ImageBackend& backend, const std::filesystem::path& pat
         }
     }
     spec.legend = map::outcome_legend(drawn);
-    if (any_inside) spec.legend.push_back({map::paler_means, map::paler(spec.scale->map(spec.scale->hi() / 2)), {}});
+    spec.subtitle.push_back(std::string(any_outlined ? outlined_means : nowhere_outlined) + ".");
+    if (few) spec.none_means = gap_means();
     plot::write_plane_plot(backend, path, spec);
 }
 

@@ -28,9 +28,16 @@ private:
     bool x_falls_, y_falls_;
 };
 
+/// What the outline in a plane says, here and on the page.
+inline constexpr const char* outlined_means =
+    "Outlined: the form loses a bit or more beyond what half an ulp in each input would cost";
+inline constexpr const char* nowhere_outlined =
+    "Nowhere does the form lose a bit beyond what half an ulp in each input would cost";
+
 /// `<form>.<format>.png`: the 99th percentile of lost bits, the colour of the most frequent wrong outcome where most
-/// rays have one, paler where the envelope explains the loss. `<form>.<format>.exr`: columns are the first axis's
-/// values in rising order, rows the second's from the top, the highest first; the values stand in the attributes.
+/// rays have one, outlined where the form is to blame, hatched where too few hits agree. `<form>.<format>.exr`: columns
+/// are the first axis's values in rising order, rows the second's from the top, the highest first; the values stand in
+/// the attributes.
 void write_plane(image::ImageBackend& backend, const std::filesystem::path& folder,
                  const measure::sweep::SweepRequest& request, const std::vector<measure::sweep::SweepStep>& steps,
                  std::size_t row);

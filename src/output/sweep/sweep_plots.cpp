@@ -13,6 +13,7 @@
 #include "output/map/row_names.hpp"
 #include "output/plot/line_plot.hpp"
 #include "output/sweep/sweep_planes.hpp"
+#include "output/sweep/too_far.hpp"
 
 namespace lostbits::output::sweep {
 
@@ -62,6 +63,7 @@ struct Quantity {
     plot::AxisSpec axis;
     std::function<double(const MapSummary&)> value;
     std::function<double(const MapSummary&)> envelope;  ///< empty: none
+    bool over_hits = false;                             ///< a quantile over agreed hits: withheld where they are few
     bool (*shows)(const MapRow&) = [](const MapRow&) { return true; };
 };
 
@@ -85,6 +87,26 @@ LinePlotSpec plot_along(const MeasuredSweep& sweep, const std::string& title, co
             .series = {}};
 }
 
+/// Where no t of the format can be of use, and what gaps are.
+void shade_and_note(LinePlotSpec& spec, const MeasuredSweep& sweep, const Format& format, bool over_hits) {
+    if (const auto part = too_far(*sweep.request.sweep, format.shape)) {
+        // In place: of a moved temporary gcc 12 warns without cause.
+        plot::PlotShade& shade = spec.shades.emplace_back();
+        shade.from = part->from;
+        shade.to = part->to;
+        shade.label = too_far_means;
+    }
+    const auto is_withheld = [&](const SweepStep& step) {
+        for (std::size_t r = 0; r < step.rows.size(); ++r) {
+            const MapSummary& s = step.rows[r];
+            if (sweep.request.rows[r].format == format && s.true_hits > 0 && !s.agreement().is_enough()) return true;
+        }
+        return false;
+    };
+    if (over_hits && std::ranges::any_of(sweep.steps, is_withheld))
+        spec.notes.push_back("A gap in a line: " + gap_means() + ".");
+}
+
 void write_lines(const std::filesystem::path& path, const MeasuredSweep& sweep, const Format& format,
                  const Quantity& quantity, PlotSize size = {}) {
     const SweepRequest& request = sweep.request;
@@ -101,6 +123,7 @@ void write_lines(const std::filesystem::path& path, const MeasuredSweep& sweep, 
                 spec.envelope = std::move(envelope);
         }
     }
+    shade_and_note(spec, sweep, format, quantity.over_hits);
     for (const auto& mark : request.sweep->marks) {
         if (!mark.format.empty() && mark.format != format.name) continue;
         spec.marks.push_back({mark.at, mark.label});
@@ -126,10 +149,11 @@ void write_lost_bits_plot(const std::filesystem::path& path, const MeasuredSweep
                       inherent = measure::metric::place_of(request.metrics, "inherent_bits");
     Quantity quantity{fmt::format("Lost bits, {}", q == 0.5 ? "median" : "99th percentile"),
                       {"lost bits", plot::AxisSpec::Scale::linear, 0.0, static_cast<double>(format.shape.precision)},
-                      [lost, q](const MapSummary& s) { return s.metrics[lost].quantile(q); },
-                      {}};
+                      [lost, q](const MapSummary& s) { return drawn_quantile(s, lost, q); },
+                      {},
+                      true};
     if (inherent < request.metrics.size())
-        quantity.envelope = [inherent, q](const MapSummary& s) { return s.metrics[inherent].quantile(q); };
+        quantity.envelope = [inherent, q](const MapSummary& s) { return drawn_quantile(s, inherent, q); };
     write_lines(path, sweep, format, quantity, size);
 }
 
@@ -155,7 +179,7 @@ void write_split_plot(const std::filesystem::path& path, const MeasuredSweep& sw
         const std::string label =
             name == std::string("ulp_error") ? "all error" : std::string(name).substr(0, std::string(name).find('_'));
         spec.series.push_back(
-            series_of(sweep.steps, r, label, [m](const MapSummary& s) { return s.metrics[m].quantile(0.5); }));
+            series_of(sweep.steps, r, label, [m](const MapSummary& s) { return drawn_quantile(s, m, 0.5); }));
     }
     for (const auto& mark : request.sweep->marks) {
         if (mark.format.empty() || mark.format == row.format.name) spec.marks.push_back({mark.at, mark.label});
@@ -179,12 +203,14 @@ void write_march_plots(const std::filesystem::path& folder, const MeasuredSweep&
                  {"share of rays", plot::AxisSpec::Scale::linear, 0.0, 1.0},
                  unfinished,
                  {},
+                 false,
                  marches});
     write_lines(folder / fmt::format("iterations.{}.png", format.name), sweep, format,
                 {"Samples of the field, 99th percentile",
                  {"samples", plot::AxisSpec::Scale::log2, 1.0, {}},
                  [iterations](const MapSummary& s) { return s.metrics[iterations].quantile(0.99); },
                  {},
+                 false,
                  marches});
     for (std::size_t r = 0; r < request.rows.size(); ++r) {
         const MapRow& row = request.rows[r];

@@ -103,6 +103,7 @@ TEST_CASE("verdicts that follow by hand") {
     const double excess = cases[1][0].metrics[1].quantile(1);
     CHECK(excess > 8);
     CHECK(excess < 12);
+    // All but `excess` of the 12 bits are the inputs' own: not wrong, and not right either.
     CHECK(measure::sweep::verdict_of(cases[1][0], request.metrics, excess) == measure::sweep::Verdict::within_inputs);
     CHECK(measure::sweep::verdict_of(cases[1][0], request.metrics, 12) == measure::sweep::Verdict::right);
     CHECK(measure::sweep::verdict_of(cases[1][0], request.metrics, std::nextafter(excess, 0)) ==

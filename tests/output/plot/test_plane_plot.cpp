@@ -94,6 +94,26 @@ TEST_CASE("values take the ramp, outcomes their colour, and what is neither is h
     CHECK(rim_is_blank(hatched));
 }
 
+TEST_CASE("a line runs around outlined cells and between none of them", "[plane_plot]") {
+    const Scratch folder;
+    auto spec = coloured(4, 3);
+    const auto bare = plotted(folder, spec);
+    spec.cells[5].outlined = spec.cells[6].outlined = true;  // two neighbours in the middle
+    const auto png = plotted(folder, spec);
+    // A cell is 140 by 140: the line takes two pixels of an outlined one along the border, and a light one outside.
+    const int w = 140, h = 140;
+    const auto of = [&](int i) {
+        return count_of(png, {static_cast<std::uint8_t>(i % 4), static_cast<std::uint8_t>(i / 4), 77});
+    };
+    CHECK(count_of(bare, {1, 1, 77}) == w * h);
+    CHECK(of(5) == (w - 2) * (h - 4));
+    CHECK(of(6) == (w - 2) * (h - 4));
+    CHECK(of(4) == w * h - h);  // beside
+    CHECK(of(1) == w * h - w);  // below
+    CHECK(of(3) == w * h);      // a corner away
+    CHECK(rim_is_blank(png));
+}
+
 TEST_CASE("planes of odd shapes, and those that are refused", "[plane_plot]") {
     const Scratch folder;
     for (const auto& [columns, rows] : {std::pair{1, 1}, {1, 30}, {200, 1}, {3, 700}}) {

@@ -5,6 +5,7 @@
 
 #include "catch.hpp"
 #include "output/image/stroke.hpp"
+#include "output/plot/line_plot_parts.hpp"
 #include "output/plot/plot_axis.hpp"
 
 using namespace lostbits::output;
@@ -69,6 +70,19 @@ TEST_CASE("every range has ticks that differ, and they lie on it", "[plot]") {
     CHECK_THROWS_AS(lostbits::output::plot::AxisRange({"", Scale::log2, 0.0, {}}, {}), std::invalid_argument);
     CHECK_THROWS_AS(lostbits::output::plot::AxisRange({"", Scale::linear, 2.0, 2.0}, {}), std::invalid_argument);
     CHECK_THROWS_AS(lostbits::output::plot::AxisRange({"", Scale::linear, {}, inf}, {}), std::invalid_argument);
+}
+
+TEST_CASE("things stay in order and apart, each as near to its wish as the others allow", "[plot]") {
+    using Places = std::vector<double>;
+    const Places tens(3, 10.0);
+    CHECK(places_near(Places{5, 40, 90}, tens, 0, 200) == Places{5, 40, 90});
+    // Three that want the same place: the middle one has it.
+    CHECK(places_near(Places{50, 50, 50}, tens, 0, 200) == Places{40, 50, 60});
+    CHECK(places_near(Places{0, 0, 100}, tens, 0, 200) == Places{0, 10, 100});
+    CHECK(places_near(Places{500, 500, 500}, tens, 0, 100) == Places{70, 80, 90});
+    // Too little room for all: one below the other from the top.
+    CHECK(places_near(Places{3, 3, 3}, tens, 0, 20) == Places{0, 10, 20});
+    CHECK(places_near(Places{}, Places{}, 0, 20).empty());
 }
 
 TEST_CASE("coverage is exact on the grid, blended in linear light and not doubled at joints", "[plot]") {

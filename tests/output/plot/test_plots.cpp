@@ -152,8 +152,8 @@ TEST_CASE("series that agree share a line and an entry; the others have looks of
                                                              level("e", 11)};
     const auto lines = lostbits::output::plot::plot_lines(series);
     REQUIRE(lines.size() == 3);
-    CHECK(lines[0].label == "a, b");
-    CHECK(lines[1].label == "c, d");
+    CHECK(lines[0].label == "2 the same: a, b");
+    CHECK(lines[1].label == "2 the same: c, d");
     CHECK(lines[2].label == "e");
     CHECK(lines[0].colour == first_colour);
     CHECK(lines[1].colour == second_colour);
@@ -178,6 +178,45 @@ TEST_CASE("series that agree share a line and an entry; the others have looks of
         CHECK((looks[i].colour == looks[i / 2 * 2].colour && looks[i].marker == looks[i / 2 * 2].marker));
     }
     CHECK(different.size() == 96);
+}
+
+TEST_CASE("names stand where their lines end, as near as the others allow", "[line_plot]") {
+    const Scratch folder;
+    const auto sample_row = [](const image::PngImage& png, image::Rgb8 colour) {
+        const auto frame = frame_of(png);
+        for (int y = 0; y < png.height; ++y) {
+            int n = 0;
+            for (int x = frame.x + frame.width + 1; x < png.width; ++x) n += at(png, x, y) == colour;
+            if (n > 20) return y;  // the sample of the legend, not the thin line that leads there
+        }
+        return -1;
+    };
+    const auto png = plotted(folder, spec_of({level("low", 3), level("high", 50)}));
+    const auto frame = frame_of(png);
+    for (const auto& [colour, value] : {std::pair{first_colour, 3.0}, {second_colour, 50.0}})
+        CHECK(std::fabs(sample_row(png, colour) - frame.up(value / 53)) < 12);
+    CHECK(rim_is_blank(png));
+}
+
+TEST_CASE("a shade lies behind the lines over its part of the axis, and the legend names it", "[line_plot]") {
+    const Scratch folder;
+    auto spec = spec_of({level("a", 10)});
+    const auto bare = plotted(folder, spec);
+    spec.shades = {{std::exp2(24), std::exp2(40), "no use"}};
+    const auto png = plotted(folder, spec);
+    const auto frame = frame_of(png);
+    const auto is_shaded = [&](double position) {
+        return at(png, static_cast<int>(frame.across(position)), frame.y + frame.height / 3) == shade_fill;
+    };
+    CHECK_FALSE(is_shaded(22.5 / 40));
+    CHECK(is_shaded(25.5 / 40));
+    CHECK(at(png, frame.x + frame.width - 1, frame.y + frame.height / 3) == shade_fill);  // up to the frame
+    CHECK(in_legend(png, shade_fill) > 100);
+    CHECK(in_legend(bare, shade_fill) == 0);
+    CHECK(drawn(png) > 400);
+    // What is said below the plot takes room there.
+    spec.notes = {"A gap in a line."};
+    CHECK(frame_of(plotted(folder, spec)).height < frame.height);
 }
 
 TEST_CASE("the legend reads in the order of the ends of the lines", "[line_plot]") {

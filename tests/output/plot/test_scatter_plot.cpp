@@ -91,6 +91,13 @@ TEST_CASE("a label lies beside its point, where it covers least, and nowhere whe
     const auto left = place_labels({&wish, 1}, {room, {}, {&right, 1}});
     REQUIRE(left[0].has_value());
     CHECK_FALSE(left[0]->overlaps(right));
+    // A grey point everywhere within 60 pixels: the name goes where there is none, far as it is.
+    std::vector<lostbits::output::plot::Box2> points;
+    for (int x = 60; x < 240; x += 8) points.push_back({static_cast<double>(x), 0, 8, 100});
+    const lostbits::output::plot::LabelWish narrow{{150, 50}, 20, 14};
+    const auto far = place_labels({&narrow, 1}, {room, {}, points});
+    REQUIRE(far[0].has_value());
+    for (const auto& point : points) CHECK_FALSE(far[0]->overlaps(point));
     const auto none = place_labels({&wish, 1}, {room, {&room, 1}, {}});
     CHECK_FALSE(none[0].has_value());
     const auto nowhere = place_labels({&wish, 1}, {{0, 0, 40, 100}, {}, {}});

@@ -4,6 +4,12 @@ const index = JSON.parse(document.getElementById("index").textContent);
 const outcomeNames = index.outcomes.map(([name]) => name);
 const agreeHit = 0;
 const keyOf = (row) => `${row.form}.${row.format}`;
+const shortName = (row) => row.form.slice(row.form.indexOf(".") + 1);
+
+/** Whether quantiles over so many agreed hits stand for a form, and what is said where they do not: agreement.hpp. */
+const isEnough = (agreed, hits) => hits === 0 || (agreed > 0 && agreed >= index.least_agreement * hits);
+const tooFew = (agreed, hits) =>
+    `${agreed} of ${hits} hit${hits === 1 ? "" : "s"} ${agreed === 1 ? "agrees" : "agree"}`;
 
 const unpacked = new Map();
 

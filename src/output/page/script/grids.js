@@ -44,19 +44,48 @@ function cellLook(sweep, row, statistic, cell) {
         const verdict = row.verdicts[cell], outcome = outcomeNames.indexOf(verdict);
         if (verdict === "right") return { colour: sweep.right, text: "" };
         if (outcome < 0) {
-            const bits = cellValue(sweep, row, "lost_bits_max", cell);
-            return { colour: rampAt(sweep.scale, bits), text: bits.toFixed(0) };
+            const bits = cellValue(sweep, row, "lost_bits_max", cell), colour = rampAt(sweep.scale, bits);
+            return verdict === "within_inputs" ? {
+                colour: paler(sweep, colour),
+                text: `${bits.toFixed(0)}/${asNumber(row.inherent[cell]).toFixed(0)} b`
+            } :
+                                                 { colour, text: `${bits.toFixed(0)} b` };
         }
         const all = counts.reduce((a, b) => a + b, 0);
-        return { colour: index.outcomes[outcome][1], text: counts[outcome] < all ? String(counts[outcome]) : "" };
+        return { colour: index.outcomes[outcome][1], text: counts[outcome] < all ? `${counts[outcome]}/${all}` : "" };
     }
-    const value = cellValue(sweep, row, statistic, cell), wrong = isFraction(statistic) ? -1 : mostlyWrong(counts);
+    const value = drawnValue(sweep, row, statistic, cell), wrong = isFraction(statistic) ? -1 : mostlyWrong(counts);
     if (wrong >= 0) return { colour: index.outcomes[wrong][1], text: "" };
     if (Number.isNaN(value)) return { colour: null, text: "" };
-    const colour = rampAt(isFraction(statistic) ? { lo: 0, hi: 1, log2: false } : sweep.scale, value);
-    const explained = statistic === "lost_bits_p99" && value >= 1 &&
-        cellValue(sweep, row, "excess_bits_p99", cell) < 1;  // the problem's, not the form's
-    return { colour: explained ? colour.map((x, k) => (x + sweep.paper[k]) >> 1) : colour, text: "" };
+    return { colour: rampAt(isFraction(statistic) ? { lo: 0, hi: 1, log2: false } : sweep.scale, value), text: "" };
+}
+
+const paler = (sweep, colour) => colour.map((x, k) => (x + sweep.paper[k]) >> 1);
+
+/** Whether the form, not the problem, is to blame for what a cell of a plane loses. */
+function isBlamed(sweep, row, cell) {
+    return mostlyWrong(row.outcomes[cell]) < 0 && drawnValue(sweep, row, "lost_bits_p99", cell) >= 1 &&
+        cellValue(sweep, row, "excess_bits_p99", cell) >= 1;
+}
+
+/** Lines around the cells that the form is to blame for. */
+function outlineBlamed(context, { sweep, chosen, statistic }, layout, frame) {
+    if (!layout.up || statistic !== "lost_bits_p99") return;
+    const inside = (i, j) =>
+        i >= 0 && j >= 0 && i < layout.columns && j < layout.lines && isBlamed(sweep, chosen, layout.cell(i, j)[1]);
+    for (const [colour, wide, off] of [["#fff", 1, -0.5], ["#202024", 2, 1]]) {
+        context.fillStyle = colour;
+        for (let j = 0; j < layout.lines; ++j) {
+            for (let i = 0; i < layout.columns; ++i) {
+                if (!inside(i, j)) continue;
+                const [x, y] = placeOf(layout, frame, i, j), { w, h } = frame, at = off - wide / 2;
+                if (!inside(i - 1, j)) context.fillRect(x + at, y, wide, h);
+                if (!inside(i + 1, j)) context.fillRect(x + w - at - wide, y, wide, h);
+                if (!inside(i, j + 1)) context.fillRect(x, y + at, w, wide);
+                if (!inside(i, j - 1)) context.fillRect(x, y + h - at - wide, w, wide);
+            }
+        }
+    }
 }
 
 /** Black or white, whichever is read better on a colour: 0.18 of linear light is where both have the same contrast. */
@@ -82,16 +111,17 @@ function paintCell(context, look, x, y, w, h) {
 }
 
 /** Where the field lies in the canvas, in its own units: labels to the left, and above (names) or below (values). */
-function frameOf(context, sweep, layout) {
+function frameOf(context, { sweep, rows, statistic }, layout) {
     const wide = (texts) => Math.ceil(Math.max(...texts.map((t) => context.measureText(t).width)));
     if (layout.up) {
         const w = Math.max(3, Math.floor(560 / layout.columns)), h = Math.max(3, Math.floor(400 / layout.lines));
         return { left: wide(layout.down) + 30, top: 6, w, h, gap: 0, below: 44 };
     }
+    const written = rows.flatMap((row) => row.outcomes.map((_, cell) => cellLook(sweep, row, statistic, cell).text));
     return {
         left: Math.min(420, wide(layout.down)) + 10,
         top: Math.min(240, wide(layout.across)) + 10,
-        w: 26,
+        w: Math.max(26, wide(written) + 8),
         h: 22,
         gap: 1,
         below: 4
@@ -128,7 +158,7 @@ function drawGrid() {
                                            layout = layoutOf(sweep, rows), font = "12px sans-serif";
     const sharp = Math.max(1, Math.min(3, Math.ceil(devicePixelRatio))), context = canvas.getContext("2d");
     context.font = font;
-    const frame = frameOf(context, sweep, layout), width = frame.left + layout.columns * frame.w + 8,
+    const frame = frameOf(context, sweepParts.now, layout), width = frame.left + layout.columns * frame.w + 8,
           height = frame.top + layout.lines * frame.h + frame.below;
     canvas.width = width * sharp;
     canvas.height = height * sharp;
@@ -144,6 +174,7 @@ function drawGrid() {
                 frame.h - frame.gap);
         }
     }
+    outlineBlamed(context, sweepParts.now, layout, frame);
     const at = gridCell(sweep, rows, chosen);
     if (at) {
         const [x, y] = placeOf(layout, frame, ...at);
@@ -220,12 +251,24 @@ function gridLegend() {
     const scale = isFraction(statistic) ? [0, 0.25, 0.5, 0.75, 1].map((x) => [x, String(x)]) : sweep.scale.ticks;
     const entries = [rampBar(scale, statistic === "verdict" ? "lost bits, max" : words(statistic))];
     const add = (colour, text) => entries.push(make("span", { className: "class" }, swatch(colour), ` ${text}`));
-    if (statistic === "verdict")
-        add(sweep.right, `right: ${sweep.right_means}; a number says of how many rays, or how many bits`);
+    if (statistic === "verdict") {
+        add(sweep.right, `right: ${sweep.right_means}`);
+        if (rows.some((row) => row.verdicts.includes("within_inputs")))
+            entries.push(make("span", { className: "class" }, `22/21 b, paler: ${sweep.within_means}`));
+        entries.push(make("span", { className: "class" }, sweep.numbers_mean));
+    }
     for (const outcome of [...seen].sort())
         add(index.outcomes[outcome][1],
             `${words(outcomeNames[outcome])}${statistic === "verdict" ? "" : " on most rays"}`);
-    if (statistic === "lost_bits_p99") entries.push(make("span", { className: "class" }, sweep.paler_means));
+    if (statistic === "lost_bits_p99" && sweep.kind === "plane") {
+        const any = chosen.outcomes.some((_, cell) => isBlamed(sweep, chosen, cell));
+        entries.push(
+            make("span", { className: "class", id: "outlined" }, any ? sweep.outlined_means : sweep.nowhere_outlined));
+    }
+    const few = !isFraction(statistic) && statistic !== "verdict" &&
+        (sweep.kind === "plane" ? [chosen] : rows)
+            .some((row) => row.outcomes.some((_, cell) => isWithheld(row, statistic, cell)));
+    if (few) entries.push(make("span", { className: "class" }, `crossed out: ${sweep.gap_means}`));
     return entries;
 }
 

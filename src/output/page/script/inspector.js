@@ -111,12 +111,41 @@ function commandsFor(map, row, x, y, metric) {
     };
 }
 
+/**
+ * Room about a measured number, so that a claim does not fail over nothing: half a bit, a hundredth of a share, a
+ * hundredth of the rays, and else a tenth. Nothing below 0; of an exact zero, only zero.
+ */
+function intervalAbout(column, value, rays) {
+    if (outcomeNames.includes(column)) {
+        const by = Math.max(1, Math.ceil(rays / 100));
+        return [Math.max(0, value - by), Math.min(rays, value + by)];
+    }
+    const isShare = column.endsWith("_fraction"),
+          by = column.includes("bits") ? 0.5 :
+        isShare                        ? 0.01 :
+                                         Math.abs(value) / 10;
+    const digits = (x) => Number(x.toPrecision(3)), low = Math.max(0, value - by), high = value + by;
+    // Outwards: three digits may lie a two-hundredth inside, which a tenth covers; bits and shares are cut apart.
+    return column.includes("bits") ? [Math.floor(low * 10) / 10, Math.ceil(high * 10) / 10] :
+        isShare                    ? [Math.floor(low * 1000) / 1000, Math.min(1, Math.ceil(high * 1000) / 1000)] :
+                                     [digits(low), digits(high)];
+}
+
+/** `in = […]`, and what was measured. */
+function intervalLine(column, value, rays, isDrawn = false) {
+    const [low, high] = intervalAbout(column, value, rays);
+    const advice = isDrawn ?
+        "; the rays are random, so take the interval that `lostbits check --measure --seeds 31` prints" :
+        "; make the interval as wide as the sentence allows";
+    return `# measured ${decimal(value)}${advice}\nin = [${decimal(low)}, ${decimal(high)}]`;
+}
+
 /** A claim of what the summary has for this row, two-sided, ready for data/claims. */
 function claimFor(map, row, metric) {
     const rays = row.outcomes.reduce((a, b) => a + b, 0);
     const statistic = row.statistics[metric.name];
-    const [column, value] = typeof statistic?.[1] === "number" ? [`${metric.name}_p99`, statistic[1]] :
-                                                                 ["agree_hit", row.outcomes[agreeHit]];
+    const quantile = typeof statistic?.[1] === "number" && isEnough(row.outcomes[agreeHit], row.true_hits);
+    const [column, value] = quantile ? [`${metric.name}_p99`, statistic[1]] : ["agree_hit", row.outcomes[agreeHit]];
     return `[[claim]]
 id = "my.${map.id}.${row.form}.${row.format}.${column}"
 statement = "Say in one sentence what should hold"
@@ -129,7 +158,7 @@ form = "${row.form}"
 format = "${row.format}"
 [claim.expect]
 metric = "${column}"
-in = [${decimal(value)}, ${decimal(value)}]
+${intervalLine(column, value, rays)}
 `;
 }
 
@@ -137,14 +166,15 @@ let asked = 0;
 
 async function showPixel(element, map, row, x, y, pinned) {
     const number = ++asked;
-    const facts = await pixelFacts(map, row, x, y);
+    const facts = await pixelFacts(map, row, x, y),
+          other = otherRow() ? [await otherAnswer(map, otherRow(), x, y)] : [];
     if (number !== asked) return;  // another pixel has been asked for since
     element.replaceChildren(
         make("h3", {}, `Pixel ${x}, ${y}${pinned ? "" : " (under the pointer)"}`),
         make(
             "p", { className: "outcome" }, swatch(index.outcomes[outcomeNames.indexOf(facts.outcome)][1]),
-            ` ${words(facts.outcome)}: ${title(row)}`),
-        make("p", {}, ...truthText(facts, row)), answerTable(facts), metricTable(facts),
+            ` ${letterA()}${words(facts.outcome)}: ${title(row)}`),
+        ...other, make("p", {}, ...truthText(facts, row)), answerTable(facts), metricTable(facts),
         make("p", { className: "verdict" }, facts.verdict));
     element.dataset.pixel = `${x},${y}`;
 }

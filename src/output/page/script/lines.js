@@ -1,22 +1,151 @@
-// Sweeps along one axis: a line per form, drawn by uPlot; the thick one is the chosen form's.
+// Sweeps along one axis: a line for each group of forms whose values are the same, drawn by uPlot and named where it
+// ends; the thick one is the chosen form's.
 
-function plotSweep({ sweep, rows, chosen, statistic }) {
-    const s = sweep.statistics.indexOf(statistic), log = sweep.spacing === "log2" && Math.min(...sweep.steps) > 0;
+const endGap = 14;  // pixels between the names of lines
+
+/** Forms whose values are the same all along, in the order of the first: they share a line. */
+function lineGroups({ sweep, rows, statistic }, order) {
+    const groups = new Map();
+    for (const row of rows) {
+        const y = order.map((k) => {
+            const value = drawnValue(sweep, row, statistic, k);
+            return Number.isFinite(value) ? value : null;
+        });
+        const key = JSON.stringify(y), group = groups.get(key);
+        if (group) group.rows.push(row);
+        else groups.set(key, { rows: [row], y });
+    }
+    return [...groups.values()].map(
+        (g, k) => ({...g, colour: onPage(lineColours[k % lineColours.length]), dashed: k >= lineColours.length }));
+}
+
+/** `unified and 4 with the same values` */
+const groupName = ({ rows }, most) =>
+    (rows.length <= most ? rows.map(shortName).join(", ") :
+                           `${shortName(rows[0])} and ${rows.length - 1} with the same values`);
+
+/** Where a line ends: the place of its last value, or none. */
+const lastOf = (group) => group.y.reduce((last, y, k) => (y === null ? last : k), -1);
+
+/** Places for things of equal height that stay in order and apart, each as near to what it asks for as that allows. */
+function spreadOut(wishes, gap, low, high) {
+    const blocks = [];
+    for (const wish of wishes) {
+        blocks.push({ sum: wish, n: 1 });
+        // A block stands about the mean of its wishes; where two touch they become one.
+        for (;;) {
+            const b = blocks.at(-1), a = blocks.at(-2);
+            if (!a || a.sum / a.n + ((a.n + b.n) * gap) / 2 <= b.sum / b.n) break;
+            a.sum += b.sum;
+            a.n += b.n;
+            blocks.pop();
+        }
+    }
+    const places =
+        blocks.flatMap(({ sum, n }) => Array.from({ length: n }, (_, k) => sum / n + (k - (n - 1) / 2) * gap));
+    const from = Math.max(0, low - (places[0] ?? low)), to = Math.min(0, high - (places.at(-1) ?? high));
+    return places.map((place) => place + (from || to));
+}
+
+/** Names at the right, each beside the end of its line. */
+function drawEnds(plot) {
+    const { ctx: context, bbox } = plot, k = devicePixelRatio, right = bbox.left + bbox.width;
+    const ends = sweepParts.groups.filter((g) => lastOf(g) >= 0)
+                     .map((group) => {
+                         const at = lastOf(group);
+                         return {
+                             group,
+                             x: Math.min(right, plot.valToPos(plot.data[0][at], "x", true)),
+                             y: plot.valToPos(group.y[at], "y", true)
+                         };
+                     })
+                     .filter(({ x, y }) => x >= bbox.left && y >= bbox.top - 1 && y <= bbox.top + bbox.height + 1)
+                     .sort((a, b) => a.y - b.y);
+    const places = spreadOut(ends.map((e) => e.y), endGap * k, bbox.top, bbox.top + bbox.height);
+    context.save();
+    context.font = `${11 * k}px sans-serif`;
+    context.textBaseline = "middle";
+    context.textAlign = "left";
+    context.lineWidth = k;
+    ends.forEach(({ group, x, y }, i) => {
+        context.strokeStyle = group.colour;
+        context.beginPath();
+        // From where the line stops, if that is before the edge: dotted.
+        context.setLineDash(x < right - 2 * k ? [k, 4 * k] : []);
+        context.moveTo(x, y);
+        context.lineTo(right, y);
+        context.stroke();
+        context.setLineDash([]);
+        context.beginPath();
+        context.moveTo(right, y);
+        context.lineTo(right + 12 * k, places[i]);
+        context.lineTo(right + 16 * k, places[i]);
+        context.stroke();
+        context.fillStyle = ink("--ink");
+        context.fillText(endName(group), right + 19 * k, places[i]);
+    });
+    context.restore();
+}
+
+const endName = (group) => shortName(group.rows[0]) + (group.rows.length > 1 ? ` +${group.rows.length - 1}` : "");
+
+/**
+ * Where an ulp of the distance is as wide as the sphere, nothing that a form answers there is of use: shaded, behind
+ * the lines.
+ */
+function shadeTooFar(plot) {
+    const { sweep, chosen } = sweepParts.now, part = sweep.too_far[chosen.format];
+    if (!part) return;
+    const { ctx: context, bbox } = plot, right = bbox.left + bbox.width;
+    const [from, to] = part.map((v) => Math.min(right, Math.max(bbox.left, plot.valToPos(asNumber(v), "x", true))));
+    context.save();
+    context.fillStyle = ink("--shade");
+    context.fillRect(
+        from, bbox.top, (to >= plot.valToPos(plot.data[0].at(-1), "x", true) ? right : to) - from, bbox.height);
+    context.restore();
+}
+
+/** What the lines and the shade mean, in words: for who cannot read the names in the plot. */
+function drawLineKey() {
+    const { sweep, chosen, rows } = sweepParts.now, { groups, lineKey } = sweepParts;
+    const sample = (colour) => swatch(colour.match(/[0-9a-f]{2}/g).map((x) => parseInt(x, 16)));
+    const entries = groups.map((group) => {
+        const names = make("span", {}, ` ${group.rows.map(shortName).join(", ")}`);
+        if (group.rows.length > 1) names.append(make("small", {}, ` (${group.rows.length} forms, the same values)`));
+        if (lastOf(group) < 0) names.append(make("small", {}, " (no values)"));
+        const entry = make("li", {}, sample(group.colour), names);
+        entry.classList.toggle("chosen", group.rows.includes(chosen));
+        return entry;
+    });
+    if (groups.length < rows.length)
+        entries.unshift(make("li", { className: "hint" }, `${rows.length} forms, ${groups.length} lines:`));
+    if (sweep.too_far[chosen.format])
+        entries.push(make("li", {}, make("span", { className: "shade" }), ` ${sweep.too_far_means}`));
+    if (rows.some((row) => row.outcomes.some((_, k) => isWithheld(row, sweepParts.now.statistic, k))))
+        entries.push(make("li", { className: "hint" }, sweep.gap_means));
+    lineKey.replaceChildren(...entries);
+}
+
+function plotSweep(now) {
+    const { sweep, rows, chosen, statistic } = now;
+    const log = sweep.spacing === "log2" && Math.min(...sweep.steps) > 0;
     const order = sweep.steps.map((_, k) => k).sort((a, b) => sweep.steps[a] - sweep.steps[b]);  // some run downwards
-    const finite = (y) => (typeof y === "number" ? y : null);
-    const data = [order.map((k) => sweep.steps[k]), ...rows.map((r) => order.map((k) => finite(r.values[s][k])))];
-    const bits = statistic.includes("bits");
-    const { element } = sweepParts;
-    sweepParts.order = order;
+    const groups = lineGroups(now, order), { element } = sweepParts, size = plotSize(element);
+    const data = [order.map((k) => sweep.steps[k]), ...groups.map((g) => g.y)];
+    const bits = statistic.includes("bits"), named = size.width >= 560;
+    Object.assign(sweepParts, { order, groups });
     element.replaceChildren();
     element.setAttribute(
         "aria-label",
-        `${sweep.title}: ${words(statistic)} in ${
-            chosen.format}, one line per form; arrow keys move from step to step and from form to form`);
+        `${sweep.title}: ${words(statistic)} of ${rows.length} forms in ${chosen.format}, ${
+            groups.length} lines; arrow keys move from step to step and from form to form`);
+    drawLineKey();
     const ends = log ? logEnds(sweep.steps) : apart(Math.min(...sweep.steps), Math.max(...sweep.steps));
+    const longest = Math.max(...groups.map((g) => endName(g).length));
     return new uPlot(
         {
-            ...plotSize(element),
+            ...size,
+            padding: [null, named ? 24 + 7 * longest : null, null, null],
             scales: {
                 x: { time: false, distr: log ? 3 : 1, log: 2, range: () => ends },
                 y: { range: (_, low, high) => [0, bits ? Math.max(2, high * 1.05) : Math.max(0.05, high * 1.05)] }
@@ -30,26 +159,36 @@ function plotSweep({ sweep, rows, chosen, statistic }) {
             ],
             cursor: { focus: { prox: 24 }, points: { size: 6 } },
             focus: { alpha: 0.25 },
-            legend: { live: true },
+            legend: { show: false },
             series: [
-                { label: words(sweep.axis), value: (_, x) => (typeof x === "number" ? rounded(x) : "–") },
-                ...rows.map((r, k) => ({
-                                label: r.form,
-                                stroke: lineColours[k % lineColours.length],
-                                width: r === chosen ? 3.5 : 1.25,
-                                dash: k < lineColours.length ? undefined : [6, 4],
-                                points: { show: false },
-                                value: (_, y) => (typeof y === "number" ? rounded(y) : "–")
-                            }))
+                {}, ...groups.map((g) => ({
+                                      label: groupName(g, 2),
+                                      stroke: g.colour,
+                                      width: g.rows.includes(chosen) ? 3.5 : 1.25,
+                                      dash: g.dashed ? [6, 4] : undefined,
+                                      points: { show: false }
+                                  }))
             ],
             hooks: {
                 setSeries: [(u, k, options) => {
                     if (options.focus !== null) sweepParts.focused = k;
                 }],
-                draw: [drawStep]
+                setCursor: [({ cursor }) => showCell(stepUnder(cursor))],
+                drawClear: [shadeTooFar],
+                draw: [...(named ? [drawEnds] : []), drawStep]
             },
         },
         data, element);
+}
+
+/** The form whose line is under the pointer: the chosen one of a group that holds it. */
+function rowUnder() {
+    const { chosen } = sweepParts.now, group = sweepParts.groups[(sweepParts.focused ?? 0) - 1];
+    return !group || group.rows.includes(chosen) ? chosen : group.rows[0];
+}
+
+function stepUnder({ left, idx }) {
+    return sweepParts.plot && left >= 0 && typeof idx === "number" ? {...stepAt(idx), row: rowUnder() } : null;
 }
 
 /** A line at the chosen step, and a ring where it meets the chosen form. */
@@ -57,7 +196,7 @@ function drawStep(plot) {
     if (state.u < 0) return;
     const { sweep, chosen, statistic } = sweepParts.now, { cell } = stepAt(state.u),
                                      x = plot.valToPos(sweep.steps[cell], "x", true),
-                                     value = cellValue(sweep, chosen, statistic, cell);
+                                     value = drawnValue(sweep, chosen, statistic, cell);
     const { ctx: context, bbox } = plot;
     if (!(x >= bbox.left && x <= bbox.left + bbox.width)) return;
     context.save();
@@ -114,10 +253,9 @@ function buildLines() {
     const element = make("div", { className: "plot", id: "sweep-plot", tabIndex: 0, role: "group" });
     element.addEventListener("click", (event) => {
         if (!event.target.closest(".u-over")) return;
-        const { rows } = sweepParts.now, { idx } = sweepParts.plot.cursor;
+        const { idx } = sweepParts.plot.cursor;
         element.focus();
-        goAlong(
-            rows[(sweepParts.focused ?? 0) - 1] ?? sweepParts.now.chosen, typeof idx === "number" ? { u: idx } : {});
+        goAlong(rowUnder(), typeof idx === "number" ? { u: idx } : {});
     });
     walkedByKeys(element, lineKeys);
     return element;

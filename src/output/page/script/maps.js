@@ -44,11 +44,14 @@ function crosshair(canvas, map) {
 
 async function drawMap() {
     const map = mapNow(), metric = metricNow(), other = otherRow(), { canvas } = mapParts;
-    const factor = Math.max(1, Math.floor(576 / map.width));
+    // Half of the room, in whole pixels a ray.
+    const room = Math.min(1024, Math.max(576, document.getElementById("map-view").clientWidth / 2));
+    const factor = Math.max(1, Math.floor(room / map.width));
     canvas.width = map.width * factor;
     canvas.height = map.height * factor;
-    canvas.parentElement.style.width =
+    mapParts.picture.style.width =
         `${canvas.width + 2}px`;  // the slider is as long as the picture, whose frame is a pixel wide
+    nameHalves();
     const fields = await Promise.all(
         [rowNow(), ...(other ? [other] : [])].map(async (row) => paint(map, await pixelsOf(map, row), metric)));
     if (map !== mapNow() || metric !== metricNow()) return;  // something newer is on its way
@@ -68,18 +71,20 @@ async function drawMap() {
     canvas.setAttribute(
         "aria-label",
         `${map.title}: ${words(metric.name)} of ${title(rowNow())}${
-            other ? ` against ${title(other)}` : ""}; arrow keys move from pixel to pixel`);
+            other ? ` (A, left) against ${title(other)} (B, right)` : ""}; arrow keys move from pixel to pixel`);
 }
 
 function drawPickers() {
-    const map = mapNow(), row = rowNow();
+    const map = mapNow(), row = rowNow(), other = otherRow();
     const options = (names) => [...new Set(names)].map((n) => [n, n]);
     const able = metricsOf(map).filter((m) => !m.marches || state.form.startsWith("sdf."));
     const pickers = [
         choice(
             "scene", "pick-scene", index.maps.map((m) => [m.id, m.title]), state.scene,
             (scene) => goTo({ scene, x: -1, y: -1, zoom: 1, cx: 0.5, cy: 0.5, other: "" })),
-        choice("form", "pick-form", options(map.rows.map((r) => r.form)), state.form, (form) => goTo({ form })),
+        choice(
+            `${letterA()}form`, "pick-form", options(map.rows.map((r) => r.form)), state.form,
+            (form) => goTo({ form })),
         choice(
             "format", "pick-format", options(map.rows.filter((r) => r.form === state.form).map((r) => r.format)),
             state.format, (format) => goTo({ format })),
@@ -87,7 +92,7 @@ function drawPickers() {
             "metric", "pick-metric", able.map((m) => [m.name, words(m.name)]), state.metric,
             (metric) => goTo({ metric })),
         choice(
-            "against", "pick-other",
+            other ? "B: against" : "against", "pick-other",
             [["", "nothing"], ...map.rows.filter((r) => r !== row).map((r) => [keyOf(r), title(r)])], state.other,
             (other) => goTo({ other })),
     ];
@@ -99,6 +104,7 @@ function drawPickers() {
     mapParts.slider.value = state.split;
     mapParts.copyClaim.disabled = !map.own_size;  // a claim is of the scene at its own size
     mapParts.what.textContent = `${row.title}. ${metricNow().meaning}.`;
+    mapParts.showNote(map.note);
 }
 
 async function drawInspector(at) {
@@ -108,10 +114,11 @@ async function drawInspector(at) {
             make(
                 "p", {},
                 "Point at the picture to see a ray's numbers; click, or move with the arrow keys, to keep them."),
+            ...summaryOf(map, rowNow()),
             make(
-                "p", {},
+                "p", { className: "hint" },
                 "Wheel, + and − zoom; drag moves; 0 shows all; m and M change the metric, " +
-                    "[ and ] the form; w goes to the worst pixel; x swaps the compared halves."));
+                    "[ and ] the form; w goes to the worst pixel; x swaps A and B."));
         delete mapParts.inspector.dataset.pixel;
         mapParts.operations.replaceChildren();
         return;
@@ -206,18 +213,16 @@ function steer(canvas, onclick) {
 
 function buildMaps() {
     const root = document.getElementById("map-view");
+    const [note, showNote] = noteBox("scene-note");
     Object.assign(mapParts, {
+        showNote,
+        halfA: make("span", { className: "half a", hidden: true }),
+        halfB: make("span", { className: "half b", hidden: true }),
         pickers: make("div", { className: "pickers" }),
         what: make("p", { className: "what" }),
         canvas: make("canvas", { id: "map", tabIndex: 0, role: "img" }),
-        slider: make("input", {
-            type: "range",
-            min: 0,
-            max: 1,
-            step: "any",
-            id: "split",
-            "aria-label": "where the compared half begins"
-        }),
+        slider:
+            make("input", { type: "range", min: 0, max: 1, step: "any", id: "split", "aria-label": "where B begins" }),
         under: make("p", { className: "hint", id: "under" }, "\u00a0"),
         legend: make("div", { className: "legend" }),
         inspector: make("div", { className: "inspector", id: "inspector", "aria-live": "polite" }),
@@ -246,11 +251,13 @@ function buildMaps() {
         make(
             "button", { type: "button", id: "copy-link", onclick: () => copyText(location.href, copied) },
             "copy the link"));
+    mapParts.picture = make(
+        "div", { className: "picture" }, make("div", { className: "halves" }, canvas, mapParts.halfA, mapParts.halfB),
+        slider, mapParts.under, mapParts.legend);
     root.append(
-        mapParts.pickers, mapParts.what,
+        mapParts.pickers, mapParts.what, note,
         make(
-            "div", { className: "stage" },
-            make("div", { className: "picture" }, canvas, slider, mapParts.under, mapParts.legend),
+            "div", { className: "stage" }, mapParts.picture,
             make("div", { className: "side" }, mapParts.inspector, buttons, copied)),
         mapParts.operations, make("div", { id: "panes" }));
     mapParts.copyClaim = buttons.querySelector("#copy-claim");

@@ -8,7 +8,10 @@ const paneParts = {
 function buildPane(map, row) {
     const factor = 144 / Math.max(map.width, map.height);
     const canvas = make("canvas", { width: Math.round(map.width * factor), height: Math.round(map.height * factor) });
-    const lost = row.statistics.lost_bits?.[1];
+    const lost = row.statistics.lost_bits?.[1], agreed = row.outcomes[agreeHit];
+    const quantile = !isEnough(agreed, row.true_hits) ? `${tooFew(agreed, row.true_hits)}: no quantile` :
+        lost === null || lost === undefined ? "no correct hit" :
+                                              `p99 ${rounded(lost)} of ${row.precision} bits lost`;
     const wrong = index.outcomes.map(([name], o) => [name, row.outcomes[o]]).filter(([name, n], o) => o >= 2 && n > 0);
     const button = make(
         "button", {
@@ -17,9 +20,9 @@ function buildPane(map, row) {
             title: `${row.title}; click to look at it, shift-click to compare with it`,
             data: { row: keyOf(row) }
         },
-        canvas, make("b", {}, row.form.slice(row.form.indexOf(".") + 1)), ` ${row.format}`,
-        make("small", {}, lost === null || lost === undefined ? "no correct hit" : `p99 ${rounded(lost)} bits lost`),
-        ...wrong.map(([name, n]) => make("small", {}, `${n} ${words(name)}`)));
+        make("span", { className: "thumbnail" }, canvas),
+        make("span", { className: "name" }, make("b", {}, shortName(row)), ` ${row.format}`),
+        ...wrong.map(([name, n]) => make("small", {}, `${n} ${words(name)}`)), make("small", {}, quantile));
     steer(canvas, () => {});
     button.addEventListener(
         "click", (event) => goTo(event.shiftKey ? { other: keyOf(row) } : { form: row.form, format: row.format }));
@@ -40,6 +43,7 @@ async function drawPanes() {
         drawView(canvas, map, field);
         button.classList.toggle("chosen", row === rowNow());
         button.classList.toggle("other", row === otherRow());
+        button.dataset.half = !otherRow() ? "" : row === rowNow() ? "A" : row === otherRow() ? "B" : "";
     }
 }
 

@@ -3,9 +3,16 @@
 const hasPlots = typeof uPlot === "function";
 if (!hasPlots) index.sweeps = index.sweeps.filter((s) => s.kind !== "line");  // those are pictures then
 const lineColours = [
-    "#4477aa", "#ee6677", "#228833", "#aa7700", "#0099bb", "#aa3377", "#555555", "#882255", "#117733", "#dd7711",
-    "#332288", "#999933"
+    "#4477aa", "#d94f61", "#228833", "#aa7700", "#0085a3", "#aa3377", "#555555", "#882255", "#117733", "#c2600a",
+    "#332288", "#80801a"
 ];
+
+/** A line's colour on the page of the moment: on a dark one, two fifths of the way to white. */
+function onPage(colour) {
+    if (!matchMedia("(prefers-color-scheme: dark)").matches) return colour;
+    const lighter = (x) => Math.round(x + 0.4 * (255 - x)).toString(16).padStart(2, "0");
+    return "#" + colour.match(/[0-9a-f]{2}/g).map((x) => lighter(parseInt(x, 16))).join("");
+}
 
 /** As wide as there is room. */
 const plotSize = (element) => ({ width: Math.max(240, Math.min(1100, element.clientWidth)), height: 380 });

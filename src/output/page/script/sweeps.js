@@ -56,6 +56,14 @@ function sweepNow(sweep) {
 /** A statistic of a cell of a row: a step, a cell of a plane, a case. */
 const cellValue = (sweep, row, statistic, cell) => asNumber(row.values[sweep.statistics.indexOf(statistic)][cell]);
 
+/** Whether a number is a quantile over too few of the hits to stand for the form. */
+const isWithheld = (row, statistic, cell) =>
+    !isFraction(statistic) && !isEnough(row.outcomes[cell][agreeHit], row.true_hits[cell]);
+/** What pictures show: NaN where a quantile is withheld. */
+const drawnValue = (sweep, row, statistic, cell) =>
+    (isWithheld(row, statistic, cell) ? NaN : cellValue(sweep, row, statistic, cell));
+const fewHits = (row, cell) => tooFew(row.outcomes[cell][agreeHit], row.true_hits[cell]);
+
 /** The chosen cell, or none: its row, its number there and its place, each a name, a value and the same exactly. */
 function cellNow() {
     const { sweep, rows, chosen } = sweepParts.now;
@@ -72,14 +80,22 @@ function factsTable({ row, cell, place }) {
     };
     for (const [name, value, exactly] of place) add(name, value, exactly, "place");
     row.outcomes[cell].forEach((n, o) => n > 0 && add(words(outcomeNames[o]), `${n} of ${rays}`, "", outcomeNames[o]));
-    if (row.verdicts) add("verdict", words(row.verdicts[cell]), "", "verdict");
+    if (row.verdicts) add("verdict", verdictWords(sweep, row, cell), "", "verdict");
     for (const statistic of sweep.statistics) {
         const value = cellValue(sweep, row, statistic, cell);
-        add(words(statistic), Number.isNaN(value) ? "–" : decimal(value), "", statistic);
+        const few = !Number.isNaN(value) && isWithheld(row, statistic, cell) ? `, but only ${fewHits(row, cell)}` : "";
+        add(words(statistic), Number.isNaN(value) ? "–" : decimal(value) + few, "", statistic);
     }
     const [note] = row.verdicts ? [sweep.cases[cell][1]] : [""],
           by = row.judged && row.judged !== "own" ? `, judged by the ${row.judged} solid` : "";
     return make("table", {}, make("caption", {}, `${title(row)}${by}${note ? `. ${note}` : ""}`), body);
+}
+
+/** The verdict on a case; of one that the inputs decide, both numbers. */
+function verdictWords(sweep, row, cell) {
+    if (row.verdicts[cell] !== "within_inputs") return words(row.verdicts[cell]);
+    const lost = cellValue(sweep, row, "lost_bits_max", cell), costs = asNumber(row.inherent[cell]);
+    return `${sweep.within_means}: ${rounded(lost)} of ${row.precision} bits lost, the inputs cost ${rounded(costs)}`;
 }
 
 /** The cell under the pointer in a line; the chosen one, or else that, in the table. */
@@ -87,9 +103,10 @@ function showCell(under) {
     const { sweep, statistic } = sweepParts.now, pinned = cellNow();
     const line = ({ row, cell, place }) => {
         const value =
-            statistic === "verdict" ? words(row.verdicts[cell]) : rounded(cellValue(sweep, row, statistic, cell));
+            statistic === "verdict" ? verdictWords(sweep, row, cell) : rounded(drawnValue(sweep, row, statistic, cell));
+        const none = isWithheld(row, statistic, cell) ? `is withheld: ${fewHits(row, cell)}` : "has no value";
         return `${title(row)}, ${place.map(([name, text]) => `${name} ${text}`).join("; ")}: ${words(statistic)} ${
-            value === "nan" ? "has no value" : value}`;
+            value === "nan" ? none : value}`;
     };
     sweepParts.under.textContent = under ? line(under) : "\u00a0";
     const known = pinned ?? under;
@@ -99,7 +116,7 @@ function showCell(under) {
             make(
                 "p", { className: "hint" },
                 sweep.kind === "line" ?
-                    "Click the plot for the numbers of a step, or walk along it with the arrow keys. " +
+                    "Point at the plot for the numbers of a step; click, or walk with the arrow keys, to keep them. " +
                         "A click also chooses the form whose line is under the pointer. " +
                         "Drag to zoom, double-click to see all." :
                     "Point at a cell for its numbers. Click, or walk with the arrow keys, to keep them; Escape lets them go."));
@@ -136,7 +153,7 @@ form = "${row.form}"
 format = "${row.format}"
 [claim.expect]
 metric = "${column}"
-in = [${decimal(value)}, ${decimal(value)}]
+${intervalLine(column, value, row.outcomes[cell].reduce((a, b) => a + b, 0), sweep.is_drawn)}
 `;
 }
 
@@ -196,7 +213,7 @@ function drawSweepPickers() {
 async function drawSweep() {
     const sweep = await sweepOf(state.sweep);
     if (sweep.id !== state.sweep) return;
-    const now = sweepNow(sweep), { element, grid, legend, onsets } = sweepParts, line = sweep.kind === "line";
+    const now = sweepNow(sweep), { element, grid, legend, onsets, lineKey } = sweepParts, line = sweep.kind === "line";
     sweepParts.now = now;
     const [columns, lines] = line ? [sweep.steps.length, 1] :
         sweep.kind === "plane"    ? sweep.axes.map((a) => a.values.length) :
@@ -212,7 +229,9 @@ async function drawSweep() {
         sweepParts.plot = null;
         element.hidden = !line;
         grid.hidden = line;
+        lineKey.replaceChildren();
         if (line) sweepParts.plot = plotSweep(now);
+        sweepParts.showNote(index.sweeps.find((s) => s.id === sweep.id).note);
         legend.replaceChildren(...(line ? [] : gridLegend()));
         onsets.replaceChildren(...(line ? onsetLines(now.chosen) : []));
     }
@@ -223,7 +242,10 @@ async function drawSweep() {
 
 function buildSweeps() {
     const root = document.getElementById("sweep-view");
+    const [note, showNote] = noteBox("sweep-note");
     Object.assign(sweepParts, {
+        showNote,
+        lineKey: make("ul", { className: "line-key", id: "line-key" }),
         pickers: make("div", { className: "pickers" }),
         element: buildLines(),
         grid: make("div", { className: "grid" }, buildGrid()),
@@ -239,14 +261,14 @@ function buildSweeps() {
     const button = (id, words, text) =>
         make("button", { type: "button", id, onclick: () => copyText(text(), copied) }, words);
     root.append(
-        sweepParts.pickers,
+        sweepParts.pickers, note,
         make(
             "div", { className: "stage" },
             make(
                 "div", { className: "picture wide" }, sweepParts.element, sweepParts.grid, sweepParts.under,
                 sweepParts.legend),
             make(
-                "div", { className: "side" }, sweepParts.facts,
+                "div", { className: "side" }, sweepParts.lineKey, sweepParts.facts,
                 make(
                     "div", { className: "buttons" }, button("copy-sweep-command", "copy the command", command),
                     button("copy-sweep-claim", "copy as claim", sweepClaim),

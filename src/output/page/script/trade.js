@@ -7,7 +7,8 @@ const tradeParts = {
 function plotTrade(trade, set) {
     const points = set.points.filter((p) => typeof p.kept_bits === "number").sort((a, b) => a.time_ns - b.time_ns);
     const x = points.map((p) => p.time_ns), pick = (test) => points.map((p) => (test(p) ? p.kept_bits : null));
-    const look32 = { stroke: "#4477aa", fill: "#4477aa" }, look64 = { stroke: "#ee6677", fill: "#ee6677" };
+    const look = (k) => ({ stroke: onPage(lineColours[k]), fill: onPage(lineColours[k]) }), look32 = look(0),
+          look64 = look(1);
     const dots = (label, look, filled, size) => ({
         label,
         ...look,
@@ -42,7 +43,7 @@ function plotTrade(trade, set) {
                     dots("f32, not on the front, or sometimes wrong", look32, false, 6),
                     dots("f64, not on the front, or sometimes wrong", look64, false, 6)
                 ],
-                hooks: { setCursor: [(u) => pointUnder(u)] },
+                hooks: { setCursor: [(u) => pointUnder(u)], draw: [nameFront] },
             },
             [
                 x, pick(best), pick((p) => best(p) && p.wrong_fraction === 0 && p.format === "f32"),
@@ -52,6 +53,48 @@ function plotTrade(trade, set) {
             ],
             tradeParts.element);
     return plot;
+}
+
+/** Names beside the points of the front, on no point and on no other name; what finds no place stays without. */
+function nameFront(plot) {
+    const { ctx: context, bbox } = plot, k = devicePixelRatio, taken = [];
+    const placed = tradeParts.points.map(
+        (p) => ({ p, x: plot.valToPos(p.time_ns, "x", true), y: plot.valToPos(p.kept_bits, "y", true) }));
+    for (const { x, y } of placed) taken.push([x - 6 * k, y - 6 * k, 12 * k, 12 * k]);
+    const free = ([x, y, w, h]) => x >= bbox.left && y >= bbox.top && x + w <= bbox.left + bbox.width &&
+        y + h <= bbox.top + bbox.height &&
+        taken.every(([a, b, c, d]) => x >= a + c || a >= x + w || y >= b + d || b >= y + h);
+    context.save();
+    context.font = `${11 * k}px sans-serif`;
+    context.textBaseline = "middle";
+    context.textAlign = "left";
+    tradeParts.named = [];
+    for (const { p, x, y } of placed.filter((q) => !q.p.dominated)) {
+        const text = p.form.slice(p.form.indexOf(".") + 1), w = context.measureText(text).width + 4 * k, h = 14 * k;
+        const boxes = [8, 20, 34, 50, 70].flatMap((away) => {
+            const d = away * k;
+            return [
+                [x + d, y - h / 2, w, h], [x - w / 2, y - d - h, w, h], [x - w / 2, y + d, w, h],
+                [x - d - w, y - h / 2, w, h], [x + d * 0.7, y - d * 0.7 - h, w, h], [x + d * 0.7, y + d * 0.7, w, h],
+                [x - d * 0.7 - w, y - d * 0.7 - h, w, h], [x - d * 0.7 - w, y + d * 0.7, w, h]
+            ];
+        });
+        const box = boxes.find(free);
+        if (!box) continue;
+        taken.push(box);
+        tradeParts.named.push({ text, box, at: [x, y] });
+        const [left, top] = box, nearX = Math.min(Math.max(x, left), left + w),
+                     nearY = Math.min(Math.max(y, top), top + h);
+        context.strokeStyle = ink("--line");
+        context.lineWidth = k;
+        context.beginPath();
+        context.moveTo(x, y);
+        context.lineTo(nearX, nearY);
+        if (Math.hypot(nearX - x, nearY - y) > 14 * k) context.stroke();
+        context.fillStyle = ink("--ink");
+        context.fillText(text, left + 2 * k, top + h / 2);
+    }
+    context.restore();
 }
 
 function pointUnder(plot) {

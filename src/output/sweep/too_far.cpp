@@ -1,0 +1,57 @@
+#include "output/sweep/too_far.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace lostbits::output::sweep {
+
+namespace {
+
+constexpr double bracket = 0x1p-9;
+constexpr int most_steps = 60;  // of a bisection: more than any axis has octaves, and nine bits more
+
+bool is_too_far(const scene::sweep::SweepFile& sweep, const FloatFormat& format, double value) {
+    const auto groups = sweep.rays({value});
+    if (groups.empty() || groups.front().solids.size() != 1 || groups.front().rays.size() == 0) return false;
+    const Solid<double>& solid = groups.front().solids.front();
+    if (solid.shape != Shape::sphere) return false;
+    const Ray<double> ray = groups.front().rays[0];
+    const Vec<double> to{solid.numbers[0] - ray.origin.x, solid.numbers[1] - ray.origin.y,
+                         solid.numbers[2] - ray.origin.z};
+    const double radius = solid.numbers[3];
+    // Of an eye inside of the sphere, too, the nearest point is |distance of the centre − r| away.
+    const double distance = std::fabs(std::hypot(to.x, to.y, to.z) - radius);
+    if (!(distance > 0) || !std::isfinite(distance)) return false;
+    return std::ldexp(1, static_cast<int>(ulp_exponent(format, std::ilogb(distance)))) >= 2 * radius;
+}
+
+}  // namespace
+
+double drawn_quantile(const measure::map::MapSummary& s, std::size_t metric, double q) {
+    return s.agreement().is_enough() ? s.metrics[metric].quantile(q) : std::numeric_limits<double>::quiet_NaN();
+}
+
+std::string gap_means() {
+    return fmt::format("no value where fewer than {:.0f} % of the hits agree", 100 * measure::metric::least_agreement);
+}
+
+std::optional<AxisPart> too_far(const scene::sweep::SweepFile& sweep, const FloatFormat& format) {
+    const scene::sweep::Axis& axis = sweep.axes.front();
+    const auto [low, high] = std::ranges::minmax(axis.values);
+    const auto far = [&](double value) { return is_too_far(sweep, format, value); };
+    const bool at_low = far(low), at_high = far(high);
+    if (at_low && at_high) return AxisPart{low, high};
+    if (!at_low && !at_high) return {};
+    double near_end = at_low ? high : low, far_end = at_low ? low : high;
+    for (int k = 0; k < most_steps && std::fabs(far_end - near_end) > bracket * std::fabs(far_end); ++k) {
+        const double middle = axis.middle(near_end, far_end);
+        if (middle == near_end || middle == far_end) break;
+        (far(middle) ? far_end : near_end) = middle;
+    }
+    return at_low ? AxisPart{low, far_end} : AxisPart{far_end, high};
+}
+
+}  // namespace lostbits::output::sweep

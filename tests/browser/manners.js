@@ -1,0 +1,291 @@
+// What the page promises a reader: where to begin, what belongs together, what is withheld, what can be told apart.
+"use strict";
+
+const assert = require("node:assert/strict");
+const { schoolbook, settled } = require("./common.js");
+
+/** Contrast of two colours as WCAG 2 defines it. */
+function contrast(a, b) {
+    const light = (colour) => {
+        const [r, g, bl] =
+            colour.map((x) => (x / 255 <= 0.04045 ? x / 255 / 12.92 : ((x / 255 + 0.055) / 1.055) ** 2.4));
+        return 0.2126 * r + 0.7152 * g + 0.0722 * bl;
+    };
+    const [low, high] = [light(a), light(b)].sort((x, y) => x - y);
+    return (high + 0.05) / (low + 0.05);
+}
+
+const rgbOf = (text) =>
+    (text.startsWith("#") ? text.match(/[0-9a-f]{2}/g).map((x) => parseInt(x, 16)) :
+                            text.match(/\d+/g).slice(0, 3).map(Number));
+
+/** What stands in an element's box on the page, in pixels. */
+const boxOf = (page, selector) => page.$eval(selector, (e) => {
+    const { left, right, top, bottom } = e.getBoundingClientRect();
+    return { left, right, top, bottom };
+});
+
+/**
+ * The first paragraph says what the page is and what to do first; what a scene shows is a click away; neither half of a
+ * wide window is left blank.
+ */
+async function opening({ browser, report, grids }) {
+    const page = await browser.page(report);
+    const first = await page.locator("main, header").first().locator("p").first().innerText();
+    assert.match(first, /^This page shows where ray intersectors lose significand bits/);
+    assert.match(first, /First, choose a scene and a form under Maps and point at the picture/);
+    // Of a page without maps it names what is there.
+    assert.match(
+        await (await browser.page(grids)).locator("#opening").innerText(), /First, choose a statistic under Sweeps/);
+    for (const [view, note] of [["#map-view", "#scene-note"], ["#sweep-view", "#sweep-note"]]) {
+        assert.equal(await page.$eval(note, (e) => e.open), false, note);
+        await page.locator(`${view} ${note} summary`).press("Enter");
+        assert.ok((await page.locator(`${note} p`).innerText()).length > 20, note);
+    }
+    for (const width of [1280, 1920]) {
+        const wide = await browser.page(report, { width, height: 1000 });
+        await settled(wide);
+        for (const view of ["#map-view", "#sweep-view"]) {
+            const whole = await boxOf(wide, `${view} .stage`), picture = await boxOf(wide, `${view} .picture`),
+                  side = await boxOf(wide, `${view} .side`);
+            assert.ok(whole.right - whole.left > 0.9 * width, `${view} takes ${whole.right - whole.left} of ${width}`);
+            assert.ok(
+                side.left >= picture.right && side.top < picture.bottom, `${view} at ${width}: one below the other`);
+            assert.ok(
+                (side.bottom - side.top) > 0.3 * (picture.bottom - picture.top), `${view} at ${width}: blank side`);
+        }
+        await wide.context().close();
+    }
+}
+
+/** Claims stand by subject, closed, sorted and filtered by the keyboard alone. */
+async function subjects({ browser, report }) {
+    const page = await browser.page(report, { width: 400, height: 800 });
+    const subject = page.locator("details.subject"), count = await subject.count();
+    assert.ok(count >= 3, `${count} subjects`);
+    assert.equal(await page.locator("details.subject[open]").count(), 0);
+    const height = await page.$eval("#claims", (e) => e.offsetHeight);
+    assert.ok(height < 250 + 110 * count, `${height} px for ${count} closed subjects`);
+    const red = rgbOf(await page.$eval(".tiles .refuted b", (e) => getComputedStyle(e).color));
+    assert.ok(red[0] > 150 && red[0] > 2 * red[1] && red[0] > 2 * red[2], `refuted is ${red}`);
+    assert.match(await subject.first().locator("summary").innerText(), /\d+ claims?: .*(holds?|refuted)/);
+
+    await page.locator("#open-claims").press("Enter");
+    assert.equal(await page.locator("details.subject[open]").count(), count);
+    // By the number that was measured, up and down again.
+    const measured = (on) => on.$$eval(
+        "table.claims",
+        (tables) => tables.map(
+            (t) => [...t.tBodies[0].rows]
+                       .map((r) => r.dataset.measured)
+                       .filter((x) => x !== "")
+                       .map((x) => Number(asNumber(x)))));
+    const wide = await browser.page(report);
+    await wide.locator("#open-claims").click();
+    const head = wide.locator("table.claims").first().locator("thead th", { hasText: "measured" }).last();
+    await head.locator("button").press("Enter");
+    const rising = (lists, sign) => lists.every((l) => l.every((x, k) => k === 0 || sign * (x - l[k - 1]) >= 0));
+    assert.ok(rising(await measured(wide), 1));
+    assert.equal(await head.getAttribute("aria-sort"), "ascending");
+    await head.locator("button").press("Enter");
+    assert.ok(rising(await measured(wide), -1));
+    assert.ok((await measured(wide)).some((l) => new Set(l).size > 2));
+    // On a narrow page, where there are no heads of columns, by the picker.
+    await page.selectOption("#pick-order", "measured");
+    assert.ok(rising(await measured(page), 1));
+    await page.selectOption("#pick-order", "as in the files");
+    const places = await page.$$eval("table.claims tbody tr", (rows) => rows.map((r) => Number(r.dataset.place)));
+    assert.deepEqual(places, [...places].sort((a, b) => a - b));
+
+    await page.locator("#close-claims").press("Enter");
+    await page.fill("#filter", "tilt schoolbook");
+    assert.ok(await page.locator("details.subject[open]").count() > 0, "what was found is closed");
+    assert.equal(await page.locator("details.subject:not([open]):visible").count(), 0);
+    await page.fill("#filter", "");
+    assert.equal(await page.locator("details.subject[open]").count(), 0);
+}
+
+/** A and B: on the picture, in the pickers, on the small pictures and in the words. */
+async function halves({ browser, report }) {
+    const page = await browser.page(report, { hash: `${schoolbook}&other=sphere.unified.f64&split=0.5&x=128&y=128` });
+    await settled(page);
+    assert.equal(await page.locator(".half.a").innerText(), "A schoolbook f32");
+    assert.equal(await page.locator(".half.b").innerText(), "B unified f64");
+    const a = await boxOf(page, ".half.a"), b = await boxOf(page, ".half.b"), map = await boxOf(page, "#map");
+    assert.ok(Math.abs(a.left - map.left) < 3 && Math.abs(b.right - map.right) < 3 && a.right < b.left);
+    const pickers = await page.locator("#map-view .pickers").innerText();
+    assert.ok(pickers.includes("A: form") && pickers.includes("B: against"), pickers);
+    for (const [half, key] of [["A", "sphere.schoolbook.f32"], ["B", "sphere.unified.f64"]])
+        assert.equal(await page.$eval(`.pane[data-row="${key}"]`, (e) => e.dataset.half), half);
+    const inspector = await page.locator("#inspector").innerText();
+    assert.match(inspector, /A: .*sphere\.schoolbook in f32/);
+    assert.match(inspector, /B: .*sphere\.unified in f64/);
+    await page.locator("#map").press("x");
+    await settled(page);
+    assert.equal(await page.locator(".half.a").innerText(), "A unified f64");
+    await page.selectOption("#pick-other", "");
+    await settled(page);
+    assert.equal(await page.locator(".half:visible").count(), 0);
+}
+
+/** Small pictures of a row begin at one height, their names at another, and say why they have no quantile. */
+async function thumbnails({ browser, report }) {
+    const page = await browser.page(report, { hash: schoolbook });
+    await settled(page);
+    const places = await page.$$eval(".pane", (panes) => panes.map((p) => {
+        const top = (e) => Math.round(e.getBoundingClientRect().top), box = p.getBoundingClientRect();
+        return { row: Math.round(box.top), picture: top(p.querySelector("canvas")), name: top(p.querySelector("b")) };
+    }));
+    assert.ok(places.length >= 6);
+    for (const { row, picture, name } of places) {
+        const first = places.find((p) => p.row === row);
+        assert.deepEqual([picture, name], [first.picture, first.name]);
+    }
+    const words = async () => {
+        await page.evaluate(() => {
+            paneParts.scene = "";
+            return goTo({ x: -1 });
+        });
+        await settled(page);
+        return [
+            await page.locator(".pane[data-row='sphere.schoolbook.f32']").innerText(),
+            await page.locator("#inspector").innerText()
+        ];
+    };
+    for (const text of await words()) assert.doesNotMatch(text, /agree:|too few/);
+    assert.match((await words())[0], /p99 [\d.]+ of 24 bits lost/);
+    // A form that agrees on less than a tenth of the hits has no quantile that stands for it.
+    const agreed = await page.evaluate(() => {
+        const row = rowNow();
+        row.true_hits = 11 * row.outcomes[agreeHit];
+        return row.outcomes[agreeHit];
+    });
+    for (const text of await words()) {
+        assert.ok(text.includes(`${agreed} of ${11 * agreed} hits agree`), text);
+        assert.doesNotMatch(text, /p99/);
+    }
+}
+
+/**
+ * Forms with the same values share a line that says so; lines have names at their ends, gaps where quantiles are
+ * withheld, and a shade where an ulp of the distance is as wide as the sphere. No legend of boxes.
+ */
+async function lines({ browser, report, sweep }) {
+    const page =
+        await browser.page(report, { hash: `#sweep=${sweep}&form=sphere.unified&format=f32&statistic=lost_bits_p99` });
+    assert.equal(await page.locator("#sweep-plot .u-legend").count(), 0);
+    const key = () => page.locator("#line-key").innerText();
+    assert.doesNotMatch(await key(), /the same values/);
+    const before = await page.evaluate(() => sweepParts.groups.length);
+    await page.evaluate(() => {
+        const { sweep } = sweepParts.now, rows = sweep.rows.filter((r) => r.format === "f32"),
+                      [a, b] = rows.filter((r) => r.form !== "sphere.unified");
+        b.values = a.values;
+        b.outcomes = a.outcomes;
+        b.true_hits = a.true_hits;
+        const c = rows.find((r) => r.form === "sphere.unified");
+        c.true_hits = c.true_hits.map((n, k) => (k < 5 ? 1e9 : n));
+        const sorted = [...sweep.steps].sort((x, y) => x - y);
+        sweep.too_far.f32 = [sorted[sorted.length >> 1], sorted.at(-1)];
+        return redraw();
+    });
+    await settled(page);
+    assert.equal(await page.evaluate(() => sweepParts.groups.length), before - 1);
+    assert.match(await key(), /\(2 forms, the same values\)/);
+    assert.match(await key(), /shaded: an ulp of the distance is as wide as the sphere, or wider/);
+    assert.match(await key(), /no value where fewer than 10 % of the hits agree/);
+    const drawn = await page.evaluate(() => {
+        const { plot, groups, now } = sweepParts, own = groups.findIndex((g) => g.rows.includes(now.chosen));
+        const { ctx, bbox } = plot,
+                          at = (x, y) => [...ctx.getImageData(Math.round(x), Math.round(y), 1, 1).data].slice(0, 3);
+        const ink = (x0, x1) => {
+            const { data } = ctx.getImageData(x0, bbox.top, x1 - x0, bbox.height);
+            let n = 0;
+            for (let i = 3; i < data.length; i += 4) n += data[i] > 128;
+            return n;
+        };
+        const right = bbox.left + bbox.width;
+        return {
+            gaps: plot.data[own + 1].slice(0, 5),
+            values: plot.data[own + 1].slice(5).filter((y) => y !== null).length,
+            left: at(bbox.left + 3, bbox.top + 3),
+            shade: at(right - 6, bbox.top + 3),
+            ends: ink(right + 16, ctx.canvas.width)
+        };
+    });
+    assert.deepEqual(drawn.gaps, [null, null, null, null, null]);
+    assert.ok(drawn.values > 5);
+    assert.notDeepEqual(drawn.shade, drawn.left);
+    assert.ok(drawn.ends > 200, `${drawn.ends} pixels of names`);
+    // The number itself is still there to be read, with why it is not drawn.
+    await page.evaluate(() => goTo({ u: 0 }));
+    await settled(page);
+    assert.match(
+        await page.locator("#sweep-facts tr[data-fact=lost_bits_p99] td").first().innerText(),
+        /, but only \d+ of 1000000000 hits agree$/);
+    // Names keep apart, and lie on nothing else.
+    const places = await page.evaluate(() => spreadOut([50, 50, 50, 200, 199], 14, 0, 300));
+    assert.deepEqual(places.map(Math.round), [36, 50, 64, 193, 207]);
+    // The pointer has the numbers of its step.
+    await page.evaluate(() => {
+        document.getElementById("sweep-plot").scrollIntoView();
+        return goTo({ u: -1 });
+    });
+    const box = await page.locator("#sweep-plot .u-over").boundingBox();
+    await page.mouse.move(box.x + box.width * 0.8, box.y + box.height * 0.5);
+    await settled(page);
+    assert.match(await page.locator("#sweep-under").innerText(), /in f32, .*: lost bits p99 /);
+    assert.ok(await page.locator("#sweep-facts table").isVisible());
+}
+
+/** Lines and words can be told from the page they are on, light or dark: 3 to 1 and 4.5 to 1 of WCAG 2. */
+async function contrasts({ browser, report }) {
+    const page = await browser.page(report);
+    for (const colorScheme of ["light", "dark"]) {
+        await page.emulateMedia({ colorScheme });
+        await settled(page);
+        const seen = await page.evaluate(() => ({
+                                             lines: lineColours.map(onPage),
+                                             paper: ink("--page"),
+                                             shade: ink("--shade"),
+                                             words: ["--ink", "--soft", "--link", "--refuted", "--bad"].map(ink)
+                                         }));
+        for (const colour of seen.lines)
+            assert.ok(contrast(rgbOf(colour), rgbOf(seen.paper)) >= 3, `${colorScheme}: a line in ${colour}`);
+        for (const colour of seen.words) {
+            assert.ok(contrast(rgbOf(colour), rgbOf(seen.paper)) >= 4.5, `${colorScheme}: words in ${colour}`);
+        }
+        assert.ok(contrast(rgbOf(seen.words[0]), rgbOf(seen.shade)) >= 4.5);
+    }
+}
+
+/** What is copied as a claim has room about the number that was measured, and says what that was. */
+async function margins({ browser, report, sweep }) {
+    const page =
+        await browser.page(report, { hash: `${schoolbook}&metric=lost_bits&sweep=${sweep}&statistic=lost_bits_p99` });
+    const about = (...args) => page.evaluate((args) => intervalAbout(...args), args);
+    assert.deepEqual(await about("lost_bits_p99", 13.24, 1024), [12.7, 13.8]);
+    assert.deepEqual(await about("lost_bits_p99", 0.2, 1024), [0, 0.7]);
+    assert.deepEqual(await about("false_miss_fraction", 0.995, 1024), [0.985, 1]);
+    assert.deepEqual(await about("agree_hit", 1020, 1024), [1009, 1024]);
+    assert.deepEqual(await about("ulp_error_p99", 2041, 1024), [1840, 2250]);
+    assert.deepEqual(await about("ulp_error_p99", 0, 1024), [0, 0]);
+    for (const [button, pre] of [["#copy-claim", "#map-view"], ["#copy-sweep-claim", "#sweep-view"]]) {
+        await page.locator(button).click();
+        const text = await page.locator(`${pre} pre.copied`).textContent(),
+              [, measured] = text.match(/^# measured ([\d.e+-]+);/m),
+              [, low, high] = text.match(/^in = \[(.*), (.*)\]$/m);
+        assert.ok(Number(low) < Number(measured) && Number(measured) < Number(high), text);
+    }
+    assert.match(await page.locator("#sweep-view pre.copied").textContent(), /lostbits check --measure --seeds 31/);
+}
+
+module.exports = {
+    opening,
+    subjects,
+    halves,
+    thumbnails,
+    lines,
+    contrasts,
+    margins
+};
