@@ -11,6 +11,7 @@
 
 #include "measure/answer/answers.hpp"
 #include "measure/answer/outcome.hpp"
+#include "measure/metric/agreement.hpp"
 #include "measure/metric/metrics.hpp"
 #include "measure/metric/statistics.hpp"
 #include "measure/truth/band.hpp"
@@ -83,6 +84,8 @@ struct MapSummary {
     [[nodiscard]] std::optional<answer::Outcome> wrong() const;
     /// The first ray of that; null where there is none.
     [[nodiscard]] const WorstRay* fault() const;
+    /// The hits that errors are measured on.
+    [[nodiscard]] metric::Agreement agreement() const { return {count(answer::Outcome::agree_hit), true_hits}; }
     /// Rays that truly miss, whatever the form says.
     [[nodiscard]] std::uint64_t true_misses() const { return rays - true_hits - count(answer::Outcome::unresolved); }
 };
