@@ -42,7 +42,7 @@ Verdict verdict_of(const MapSummary& s, const std::vector<const metric::Metric*>
     if (const auto wrong = s.wrong()) {
         return *wrong == Outcome::not_a_number ? Verdict::not_a_number
                : *wrong == Outcome::false_miss ? Verdict::false_miss
-                                               : Verdict::false_hit;
+                                               : Verdict::false_hit;  // a case has one solid to hit
     }
     const std::size_t excess = metric::place_of(metrics, "excess_bits");
     return s.metrics[excess].count() > 0 && s.metrics[excess].quantile(1) > within ? Verdict::wrong_value
