@@ -53,7 +53,7 @@ function cellLook(sweep, row, statistic, cell) {
     const value = cellValue(sweep, row, statistic, cell), wrong = isFraction(statistic) ? -1 : mostlyWrong(counts);
     if (wrong >= 0) return { colour: index.outcomes[wrong][1], text: "" };
     if (Number.isNaN(value)) return { colour: null, text: "" };
-    const colour = rampAt(isFraction(statistic) ? { lo: 0, hi: 1, log2: false } : sweep.scale, value);
+    const colour = rampAt(isFraction(statistic) ? { lo: 0, hi: 1, spacing: "linear" } : sweep.scale, value);
     const explained = statistic === "lost_bits_p99" && value >= 1 &&
         cellValue(sweep, row, "excess_bits_p99", cell) < 1;  // the problem's, not the form's
     return { colour: explained ? colour.map((x, k) => (x + sweep.paper[k]) >> 1) : colour, text: "" };
