@@ -42,11 +42,11 @@ std::vector<const Metric*> metrics_of(const std::vector<const Metric*>& drawn, c
 
 void print_table(const JudgeRequest& request, const JudgeResult& result) {
     const std::size_t lost = measure::metric::place_of(request.metrics, "lost_bits");
-    fmt::print("  {:<28} {:<5} {:>10} {:>11} {:>10} {:>10} {:>9} {:>16} {:>7} {:>7}\n", "form", "fmt", "hits",
-               "wrong solid", "false hit", "false miss", "NaN", "bits lost:  p50", "p99", "max");
+    fmt::print("  {:<28} {:<5} {:>8} {:>11} {:>9} {:>10} {:>6} {:>15} {:>6} {:>6}\n", "form", "fmt", "hits",
+               "wrong solid", "false hit", "false miss", "NaN", "bits lost: p50", "p99", "max");
     for (std::size_t r = 0; r < result.summaries.size(); ++r) {
         const measure::map::MapSummary& s = result.summaries[r];
-        fmt::print("  {:<28} {:<5} {:>10} {:>11} {:>10} {:>10} {:>9} {:>16} {:>7} {:>7}\n",
+        fmt::print("  {:<28} {:<5} {:>8} {:>11} {:>9} {:>10} {:>6} {:>15} {:>6} {:>6}\n",
                    request.rows[r].form->info->name, request.rows[r].format.name, s.count(Outcome::agree_hit),
                    s.count(Outcome::wrong_object), s.count(Outcome::false_hit), s.count(Outcome::false_miss),
                    s.count(Outcome::not_a_number), lost_or_withheld(s, lost, 0.5), lost_or_withheld(s, lost, 0.99),

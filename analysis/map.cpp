@@ -58,12 +58,12 @@ std::string canonical_command(const Scene& scene, const MapOptions& o) {
 
 void print_table(const measure::map::MapRequest& request, const std::vector<measure::map::MapSummary>& summaries) {
     const std::size_t lost = measure::metric::place_of(request.metrics, "lost_bits");
-    fmt::print("  {:<28} {:<5} {:>11} {:>10} {:>10} {:>9} {:>9} {:>16} {:>9}\n", "form", "fmt", "wrong solid",
-               "false hit", "false miss", "NaN", "hits", "bits lost:  p50", "p99");
+    fmt::print("  {:<28} {:<5} {:>11} {:>9} {:>10} {:>6} {:>8} {:>15} {:>6}\n", "form", "fmt", "wrong solid",
+               "false hit", "false miss", "NaN", "hits", "bits lost: p50", "p99");
     bool withheld = false;
     for (std::size_t r = 0; r < summaries.size(); ++r) {
         const measure::map::MapSummary& s = summaries[r];
-        fmt::print("  {:<28} {:<5} {:>11} {:>10} {:>10} {:>9} {:>9} {:>16} {:>9}\n", request.rows[r].form->info->name,
+        fmt::print("  {:<28} {:<5} {:>11} {:>9} {:>10} {:>6} {:>8} {:>15} {:>6}\n", request.rows[r].form->info->name,
                    request.rows[r].format.name, s.count(Outcome::wrong_object), s.count(Outcome::false_hit),
                    s.count(Outcome::false_miss), s.count(Outcome::not_a_number), s.count(Outcome::agree_hit),
                    lost_or_withheld(s, lost, 0.5), lost_or_withheld(s, lost, 0.99));

@@ -35,8 +35,7 @@ constexpr std::array<Rgb8, measure::picture::shadow_names.size()> shadow_colours
     of(Outcome::wrong_object), of(Outcome::false_miss),
     of(Outcome::unresolved)};
 constexpr std::array<const char*, measure::picture::shadow_names.size()> shadow_labels{
-    "not compared",      "both lit",    "both in shadow",   "false shadow",
-    "own shadow (acne)", "false light", "shadow not proved"};
+    "not compared", "both lit", "both in shadow", "false shadow", "own shadow (acne)", "false light", "not proved"};
 
 constexpr std::array<ErrorMapKind, 3> kinds{{
     {"difference of colour", "8-bit steps",
@@ -97,18 +96,19 @@ std::vector<LegendEntry> widest_seen_legend(std::uint64_t pixels) {
 
 std::vector<LegendEntry> shadow_legend(const measure::picture::RenderSummary& s) {
     std::vector<LegendEntry> entries;
-    const std::uint64_t not_alike = s.pixels - s.count(Seen::same_sphere) - s.count(Seen::background);
+    const std::uint64_t unproved = s.count(Seen::unresolved),
+                        not_alike = s.pixels - s.count(Seen::same_sphere) - s.count(Seen::background);
+    const auto add = [&](const char* label, Rgb8 colour, std::uint64_t n) {
+        if (n > 0) entries.push_back({label, colour, map::count_text(n, s.pixels)});
+    };
     for (std::size_t k = 0; k < measure::picture::shadow_names.size(); ++k) {
         // What is not seen alike is not compared either, and drawn as what it is.
-        const std::uint64_t n = s.shadow[0][k] + s.shadow[1][k] - (k == 0 ? not_alike : 0);
-        if (n > 0) entries.push_back({shadow_labels[k], shadow_colours[k], map::count_text(n, s.pixels)});
+        std::uint64_t n = s.shadow[0][k] + s.shadow[1][k];
+        if (k == 0) n -= not_alike;
+        if (k == static_cast<std::size_t>(measure::picture::Shadow::unresolved)) n += unproved;
+        add(shadow_labels[k], shadow_colours[k], n);
     }
-    const auto seen = [&](const char* label, Seen colour, std::uint64_t n) {
-        if (n > 0)
-            entries.push_back({label, seen_colours[static_cast<std::size_t>(colour)], map::count_text(n, s.pixels)});
-    };
-    seen(seen_otherwise, Seen::not_a_number, not_alike - s.count(Seen::unresolved));
-    seen(seen_labels[static_cast<std::size_t>(Seen::unresolved)], Seen::unresolved, s.count(Seen::unresolved));
+    add(seen_otherwise, of(Outcome::not_a_number), not_alike - unproved);
     return entries;
 }
 
@@ -116,11 +116,7 @@ std::vector<LegendEntry> widest_shadow_legend(std::uint64_t pixels) {
     std::vector<LegendEntry> entries;
     for (std::size_t k = 0; k < measure::picture::shadow_names.size(); ++k)
         entries.push_back({shadow_labels[k], shadow_colours[k], widest_count(pixels)});
-    const auto seen = [&](const char* label, Seen colour) {
-        entries.push_back({label, seen_colours[static_cast<std::size_t>(colour)], widest_count(pixels)});
-    };
-    seen(seen_otherwise, Seen::not_a_number);
-    seen(seen_labels[static_cast<std::size_t>(Seen::unresolved)], Seen::unresolved);
+    entries.push_back({seen_otherwise, of(Outcome::not_a_number), widest_count(pixels)});
     return entries;
 }
 
