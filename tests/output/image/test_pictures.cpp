@@ -20,7 +20,8 @@ std::vector<lostbits::output::image::LegendEntry> legend_of(const std::string& c
             {"false hit", outcome_colours[2], count},
             {"false miss", outcome_colours[3], count},
             {"not a number", outcome_colours[4], count},
-            {"unresolved", outcome_colours[5], count}};
+            {"unresolved", outcome_colours[5], count},
+            {"wrong solid", outcome_colours[6], count}};
 }
 
 /// No two samples of a small field alike, and none a colour of the page.
