@@ -180,6 +180,8 @@ TEST_CASE("what suffices on one ray", "[needed]") {
     CHECK_FALSE(measure::map::suffices(hit, any, 11, {true, 4}, 12));  // right, but by luck: 11 bits are no 12
     CHECK_FALSE(measure::map::suffices(hit, any, 12, {true, 8}, 12));
     CHECK(measure::map::suffices(hit, unit, 12, {true, 8}, 12));
+    CHECK(measure::map::suffices(hit, any, 12, {true, 4, hit.object}, 12));
+    CHECK_FALSE(measure::map::suffices(hit, any, 12, {true, 4, hit.object + 1}, 12));  // t of another solid
     CHECK_FALSE(measure::map::suffices(hit, any, 53, {false, 4}, 12));
     CHECK_FALSE(measure::map::suffices(hit, any, 53, {true, std::nan("")}, 12));
     CHECK(measure::map::suffices(miss, any, 2, {false, std::nan("")}, 12));
