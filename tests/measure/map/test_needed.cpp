@@ -172,6 +172,7 @@ TEST_CASE("what suffices on one ray", "[needed]") {
     hit.decision = measure::truth::Truth::Decision::hit;
     hit.t = measure::truth::exactly(4);
     hit.distance = measure::truth::exactly(8);
+    hit.object = 3;
     open.decision = measure::truth::Truth::Decision::unresolved;
     const intersect::Info& any = *form("sphere.schoolbook").info;
     const intersect::Info& unit = *form("sphere.unit_half_b").info;
