@@ -85,12 +85,12 @@ void HeatmapWriter::finish(std::span<const LegendEntry> legend, std::string_view
     put_body_row(rim);
     while (body_y_ < body_height_) put_body_row({});
     Canvas foot(page_width_, foot_height());
-    foot.picture(style::margin, gap, legend_->draw(legend));
+    const int caption_height = spec_.captioned ? gap + style::line_height(style::text_size) : 0;
     if (spec_.captioned) {
-        const int line = foot.height() - style::margin - style::line_height(style::text_size);
-        foot.text(style::margin, line,
-                  fit_text(backend_, caption, style::text_size, false, page_width_ - 2 * style::margin), style::ink);
+        const int width = page_width_ - 2 * style::margin;
+        foot.text(style::margin, gap, fit_text(backend_, caption, style::text_size, false, width), style::ink);
     }
+    foot.picture(style::margin, gap + caption_height, legend_->draw(legend));
     png_->write_rows(foot.height(), foot.pixels());
     png_->close();
 }

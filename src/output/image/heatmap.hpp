@@ -23,7 +23,7 @@ struct HeatmapSpec {
     std::optional<ColourScale> scale;  ///< none for a map of classes or objects alone
     std::string unit;                  ///< over the colour bar: `lost bits`
     std::vector<LegendEntry> legend;   ///< every class that may occur, each with the widest count it may get
-    bool captioned = false;            ///< a line below the legend, which is known at the end
+    bool captioned = false;            ///< a line above the legend, which is known at the end
 };
 
 /// Streams a field into a PNG. Fields narrower than 384 samples are enlarged by a whole factor, nearest neighbour, so
@@ -37,7 +37,7 @@ public:
     /// std::logic_error for a part of a row or a row too many.
     void write_rows(std::span<const Rgb8> samples);
 
-    /// Writes the legend, then the caption where the spec has one, and gives the file its final name. `legend` holds
+    /// Writes the caption where the spec has one, then the legend, and gives the file its final name. `legend` holds
     /// those classes of the spec that occurred, with their counts. Throws as write_rows does, and std::logic_error when
     /// rows are lacking.
     void finish(std::span<const LegendEntry> legend, std::string_view caption = {});
