@@ -82,6 +82,10 @@ void print_pairs(const std::vector<measure::map::MapRow>& rows,
                  const std::vector<const measure::metric::Metric*>& metrics,
                  const std::vector<measure::map::MapSummary>& summaries);
 
+/// A quantile of metric `lost` for a table: `13.57`; `-` where there is none, or where the agreed hits are too few to
+/// stand for the form.
+[[nodiscard]] std::string lost_or_withheld(const measure::map::MapSummary& summary, std::size_t lost, double q);
+
 /// A line on stdout: how many truths, each of a ray and a solid, each stage settled.
 void print_stages(const measure::truth::StageCounts& stages);
 

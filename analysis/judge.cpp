@@ -44,18 +44,15 @@ std::vector<const Metric*> metrics_of(const std::vector<const Metric*>& drawn, c
 
 void print_table(const JudgeRequest& request, const JudgeResult& result) {
     const std::size_t lost = measure::metric::place_of(request.metrics, "lost_bits");
-    fmt::print("  {:<28} {:<5} {:>10} {:>10} {:>10} {:>9} {:>6} {:>7} {:>7} {:>7}\n", "form", "fmt", "hits",
-               "false hit", "false miss", "NaN", "bits:", "p50", "p99", "max");
+    fmt::print("  {:<28} {:<5} {:>8} {:>11} {:>9} {:>10} {:>6} {:>15} {:>6} {:>6}\n", "form", "fmt", "hits",
+               "wrong solid", "false hit", "false miss", "NaN", "bits lost: p50", "p99", "max");
     for (std::size_t r = 0; r < result.summaries.size(); ++r) {
         const measure::map::MapSummary& s = result.summaries[r];
-        const auto bits = [&](double q) {
-            const double x = s.metrics[lost].quantile(q);
-            return std::isnan(x) ? std::string("-") : fmt::format("{:.2f}", x);
-        };
-        fmt::print("  {:<28} {:<5} {:>10} {:>10} {:>10} {:>9} {:>6} {:>7} {:>7} {:>7}\n",
+        fmt::print("  {:<28} {:<5} {:>8} {:>11} {:>9} {:>10} {:>6} {:>15} {:>6} {:>6}\n",
                    request.rows[r].form->info->name, request.rows[r].format.name, s.count(Outcome::agree_hit),
-                   s.count(Outcome::false_hit), s.count(Outcome::false_miss), s.count(Outcome::not_a_number), "",
-                   bits(0.5), bits(0.99), bits(1));
+                   s.count(Outcome::wrong_object), s.count(Outcome::false_hit), s.count(Outcome::false_miss),
+                   s.count(Outcome::not_a_number), lost_or_withheld(s, lost, 0.5), lost_or_withheld(s, lost, 0.99),
+                   lost_or_withheld(s, lost, 1));
     }
 }
 

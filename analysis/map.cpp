@@ -9,6 +9,7 @@
 
 #include "analysis/choice/lost_numbers.hpp"
 #include "analysis/choice/options.hpp"
+#include "analysis/choice/range.hpp"
 #include "analysis/choice/select.hpp"
 #include "commands.hpp"
 #include "measure/blame/culprits.hpp"
@@ -30,6 +31,7 @@ using scene::file::Scene;
 namespace {
 
 struct MapOptions {
+    std::string range;
     std::vector<std::string> scenes;
     std::vector<std::string> forms{"*"};
     std::vector<std::string> formats{"f32", "f64"};
@@ -49,21 +51,26 @@ std::string input_of(const MapOptions& o) {
 /// What to type to make the EXR again: everything that decides its bytes, and nothing that does not.
 std::string canonical_command(const Scene& scene, const MapOptions& o) {
     return fmt::format("lostbits map {}{}{}{}{}{}{}{} --exr{}", scene.id, choice::words_of_doors(),
-                       each(" -i '", o.forms, "'"), each(" -f ", o.formats), each(" --metric ", o.metrics),
+                       each(" -i '", o.forms, "'"), each(" -f ", o.formats),
+                       each(" --metric ", o.metrics) + (o.range.empty() ? "" : " --range " + o.range),
                        o.envelope ? " --envelope" : "", o.against.empty() ? "" : " --against " + o.against,
                        o.bits_needed > 0 ? fmt::format(" --bits-needed {}", o.bits_needed) : "", input_of(o));
 }
 
 void print_table(const measure::map::MapRequest& request, const std::vector<measure::map::MapSummary>& summaries) {
     const std::size_t lost = measure::metric::place_of(request.metrics, "lost_bits");
-    fmt::print("  {:<28} {:<5} {:>10} {:>10} {:>9} {:>6} {:>9} {:>9}\n", "form", "fmt", "false hit", "false miss",
-               "NaN", "bits:", "p50", "p99");
+    fmt::print("  {:<28} {:<5} {:>11} {:>9} {:>10} {:>6} {:>8} {:>15} {:>6}\n", "form", "fmt", "wrong solid",
+               "false hit", "false miss", "NaN", "hits", "bits lost: p50", "p99");
+    bool withheld = false;
     for (std::size_t r = 0; r < summaries.size(); ++r) {
         const measure::map::MapSummary& s = summaries[r];
-        fmt::print("  {:<28} {:<5} {:>10} {:>10} {:>9} {:>6} {:>9.2f} {:>9.2f}\n", request.rows[r].form->info->name,
-                   request.rows[r].format.name, s.count(Outcome::false_hit), s.count(Outcome::false_miss),
-                   s.count(Outcome::not_a_number), "", s.metrics[lost].quantile(0.5), s.metrics[lost].quantile(0.99));
+        fmt::print("  {:<28} {:<5} {:>11} {:>9} {:>10} {:>6} {:>8} {:>15} {:>6}\n", request.rows[r].form->info->name,
+                   request.rows[r].format.name, s.count(Outcome::wrong_object), s.count(Outcome::false_hit),
+                   s.count(Outcome::false_miss), s.count(Outcome::not_a_number), s.count(Outcome::agree_hit),
+                   lost_or_withheld(s, lost, 0.5), lost_or_withheld(s, lost, 0.99));
+        withheld |= s.agreement().agreed > 0 && !s.agreement().is_enough();
     }
+    if (withheld) fmt::print("  -: form and truth agree on less than a tenth of the true hits\n");
 }
 
 void print_table(const NeededRequest& request, const std::vector<measure::map::NeededSummary>& summaries) {
@@ -185,7 +192,8 @@ std::uint64_t map_scene(const SceneWork& work, const MapOptions& o, const Common
                    .named = choice::name_of_scene(scene, choice::data_folder(common.data)) + input_of(o),
                    .envelope = o.envelope,
                    .exr = book,
-                   .also = needed_files ? needed_files->resources() : std::vector<output::file::DataResource>{}});
+                   .also = needed_files ? needed_files->resources() : std::vector<output::file::DataResource>{},
+                   .range = choice::parse_range(o.range, drawn)});
 
     SceneSummaries summaries{measure::map::run_map(work.map, files.sinks()), {}};
     if (work.needed) {
@@ -234,6 +242,7 @@ Exit run(const MapOptions& o, const Common& common) {
     choice::drop_unfitting(
         scenes, rows, common.quiet, [](const Scene& s, Shape shape) { return s.meets(shape); },
         [](const Scene& s) { return s.id; });
+    static_cast<void>(choice::parse_range(o.range, drawn));  // a mistake ends the run before any work
     const choice::ThreadLimit limit(common.threads);
 
     std::vector<SceneWork> works;
@@ -282,6 +291,8 @@ void add_map(CLI::App& program, const Common& common, Command& chosen) {
     choice::add_list(
         *command, "--metric", o->metrics,
         "Metrics to draw (default: lost_bits); globs, or contribution:LABEL for an operation that forms call LABEL");
+    command->add_option("--range", o->range,
+                        "Ends of the colour bar, LO:HI in the unit of the metric (default: all bits of each format)");
     command->add_option("--size", o->size, "Picture size, WxH in pixels (default: the scene's)");
     command->add_option("--variant", o->variant, "One variant of a scene that has several (default: all)");
     choice::add_set(*command, o->set, "Change a number of the scene first: sphere[0].radius=10");

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "measure/answer/against.hpp"
 #include "measure/truth/truth.hpp"
@@ -73,6 +74,11 @@ void print_pairs(const std::vector<measure::map::MapRow>& rows,
         fmt::print("  {} {} against {}: {}\n", rows[r].form->info->name, rows[r].format.name,
                    rows[r].against->info->name, words);
     }
+}
+
+std::string lost_or_withheld(const measure::map::MapSummary& summary, std::size_t lost, double q) {
+    const double bits = summary.metrics[lost].quantile(q);
+    return std::isnan(bits) || !summary.agreement().is_enough() ? std::string("-") : fmt::format("{:.2f}", bits);
 }
 
 void print_stages(const measure::truth::StageCounts& stages) {

@@ -214,7 +214,9 @@ TEST_CASE("the envelope draws lost bits paler exactly where the problem explains
         "'";
     REQUIRE(run(what + (scratch.path() / "with").string() + "' --envelope").code == 0);
     REQUIRE(run(what + (scratch.path() / "without").string() + "'").code == 0);
-    const lostbits::output::image::ColourScale scale("viridis", backend().ramp("viridis", 256), 0, 24);
+    // Half of the bits of a format, by its square root.
+    const lostbits::output::image::ColourScale scale("viridis", backend().ramp("viridis", 256), 0, 24,
+                                                     lostbits::output::image::Spacing::root);
     const lostbits::output::image::Rgb8 swatch = paler(scale.map(12));
     for (const char* format : {"f32", "f64"}) {
         INFO(format);

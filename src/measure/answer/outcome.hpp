@@ -10,12 +10,24 @@
 
 namespace lostbits::measure::answer {
 
-/// Error metrics exist on `agree_hit` alone. `not_a_number` is a form that claims a hit at NaN.
-enum class Outcome : std::uint8_t { agree_hit, agree_miss, false_hit, false_miss, not_a_number, unresolved };
+/// Error metrics exist on `agree_hit` alone. `not_a_number` is a form that claims a hit at NaN; `wrong_object` is a hit
+/// where there is one, but on another solid than the ray meets first. It stands last: files number outcomes.
+enum class Outcome : std::uint8_t {
+    agree_hit,
+    agree_miss,
+    false_hit,
+    false_miss,
+    not_a_number,
+    unresolved,
+    wrong_object
+};
 
-inline constexpr std::array<std::string_view, 6> outcome_names{"agree_hit",  "agree_miss",   "false_hit",
-                                                               "false_miss", "not_a_number", "unresolved"};
+inline constexpr std::array<std::string_view, 7> outcome_names{
+    "agree_hit", "agree_miss", "false_hit", "false_miss", "not_a_number", "unresolved", "wrong_object"};
+/// So many of them, from the first, are there where a ray has one solid to hit.
+inline constexpr std::size_t outcomes_of_one_solid = 6;
 
+/// Of a ray with one solid; where there are several, a hit of another one than the true one is a `wrong_object`.
 inline Outcome classify(truth::Truth::Decision truth, bool hit, double t) {
     if (truth == truth::Truth::Decision::unresolved) return Outcome::unresolved;
     if (hit && std::isnan(t)) return Outcome::not_a_number;

@@ -58,7 +58,7 @@ struct WorstRay {
 /// The ways in which a decision can be wrong. Of several kinds in one summary the most frequent counts, the first here
 /// of equally frequent ones.
 inline constexpr std::array wrong_decisions{answer::Outcome::not_a_number, answer::Outcome::false_miss,
-                                            answer::Outcome::false_hit};
+                                            answer::Outcome::false_hit, answer::Outcome::wrong_object};
 
 /// What is known of a row when the whole picture has been seen.
 struct MapSummary {
@@ -67,7 +67,6 @@ struct MapSummary {
         1;  ///< sets of rays with solids of their own: the independent samples of what rays of one set share
     std::array<std::uint64_t, answer::outcome_names.size()> outcomes{};
     std::uint64_t true_hits = 0;                ///< rays that truly hit, whatever the form says
-    std::uint64_t wrong_object = 0;             ///< agree_hit, but on another solid
     std::vector<metric::Distribution> metrics;  ///< in the order of the request's metrics
     /// For each metric that names a category, how many rays are of each; empty for the others.
     std::vector<std::vector<std::uint64_t>> categories;

@@ -157,7 +157,8 @@ private:
         if (!marches && !hits && !faults) return;
         for (std::size_t i = 0; i < measured_.size(); ++i) {
             const Outcome outcome = result_.outcomes[i];
-            const bool fault = outcome == Outcome::false_hit || outcome == Outcome::false_miss;
+            const bool fault =
+                outcome == Outcome::false_hit || outcome == Outcome::false_miss || outcome == Outcome::wrong_object;
             const Ray<double> ray = ray_of(i);
             if (marches) take(i, plain_sample_of(i, ray), of_marches);
             if (faults && fault) {

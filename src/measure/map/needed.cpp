@@ -48,10 +48,12 @@ void step(Scan& scan, const intersect::table::Intersector& form, const FormatInp
     if (scan.pixels.empty()) return;
     const int width = inputs.format.shape.precision;
     const answer::Answers answers = answer::evaluate(form, only(inputs, *form.info, scan.pixels));
+    const bool tells = form.info->roots != intersect::Roots::none;
     std::size_t kept = 0;
     for (std::size_t k = 0; k < scan.pixels.size(); ++k) {
         const std::uint32_t i = scan.pixels[k];
-        if (suffices(result.truth(i), *form.info, width, {answers.hit[k] != 0, answers.t[k]}, bits))
+        if (suffices(result.truth(i), *form.info, width,
+                     {answers.hit[k] != 0, answers.t[k], tells ? answers.object[k] : -1}, bits))
             scan.pixels[kept++] = i;
         else result.needed[i] = width == most_width ? needed_beyond : width + 1;
     }
@@ -88,7 +90,7 @@ bool suffices(const Truth& truth, const intersect::Info& form, int width, Answer
     switch (answer::classify(truth.decision, given.hit, given.t)) {
         case answer::Outcome::agree_miss: return true;
         case answer::Outcome::agree_hit:
-            return width >= bits &&
+            return width >= bits && (given.object < 0 || given.object == truth.object) &&
                    keeps_bits(given.t, form.direction == Direction::unit ? truth.distance : truth.t, bits);
         default: return false;
     }

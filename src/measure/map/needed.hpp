@@ -25,11 +25,12 @@ bool keeps_bits(double t, const truth::Certified& truth, int bits);
 struct Answer {
     bool hit;
     double t;
+    std::int32_t object = -1;  ///< the solid that it hits; −1 where nobody knows
 };
 
 /// What a width P must do on one ray: decide as the truth does (by the form's own convention on touching) and, on a
-/// hit, keep B bits and have them, that is correct_bits = P − lost_bits(P) ≥ B. So P ≥ B on a hit: a narrower number
-/// that lies near t* by luck carries no B bits.
+/// hit, meet the right solid, keep B bits and have them, that is correct_bits = P − lost_bits(P) ≥ B. So P ≥ B on a
+/// hit: a narrower number that lies near t* by luck carries no B bits.
 bool suffices(const truth::Truth& truth, const intersect::Info& form, int width, Answer given, int bits);
 
 /// [w]: pixels that need w bits. Statistics of whole numbers are exact.

@@ -41,21 +41,20 @@ void find_outcomes(const answer::Answers& answers, const columns::TrueLengths& t
     const std::size_t n = truth.decision.size();
     const Cases cases(tells_t);
     out.measured.resize(n);
-    std::uint64_t true_hits = 0, wrong_object = 0;
+    std::uint64_t true_hits = 0;
     Outcome* const outcomes = out.outcomes.data();
     double* const measured = out.measured.data();
     for (std::size_t i = 0; i < n; ++i) outcomes[i] = cases.of(truth.decision[i], answers.hit[i] != 0, answers.t[i]);
     for (std::size_t i = 0; i < n; ++i) {
-        const bool agree = outcomes[i] == Outcome::agree_hit;
-        measured[i] = agree && tells_t ? answers.t[i] : missing;
-        wrong_object += static_cast<std::uint64_t>(agree & tells_t & (answers.object[i] != truth.object[i]));
+        const bool other = tells_t & (outcomes[i] == Outcome::agree_hit) & (answers.object[i] != truth.object[i]);
+        outcomes[i] = other ? Outcome::wrong_object : outcomes[i];
+        measured[i] = tells_t & (outcomes[i] == Outcome::agree_hit) ? answers.t[i] : missing;
     }
     for (const Truth::Decision decision : truth.decision)
         true_hits += static_cast<std::uint64_t>(decision == Truth::Decision::hit);
     for (std::size_t o = 0; o < summary.outcomes.size(); ++o)
         summary.outcomes[o] += static_cast<std::uint64_t>(std::ranges::count(out.outcomes, static_cast<Outcome>(o)));
     summary.true_hits += true_hits;
-    summary.wrong_object += wrong_object;
     summary.rays += n;
 }
 

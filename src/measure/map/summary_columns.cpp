@@ -30,7 +30,7 @@ double outcome(const S& s) {
 Columns outcome_columns() {
     Columns columns{
         {"rays", Kind::count, "", "rays, one per pixel", [](const S& s) { return number(s.rays); }},
-        {"agree_hit", Kind::count, "", "correct hits: form and truth agree that there is a hit",
+        {"agree_hit", Kind::count, "", "correct hits: form and truth agree that there is a hit, and on which solid",
          outcome<Outcome::agree_hit>},
         {"agree_miss", Kind::count, "", "correct misses: form and truth agree that there is none",
          outcome<Outcome::agree_miss>},
@@ -47,9 +47,11 @@ Columns outcome_columns() {
          [](const S& s) { return fraction(s.count(Outcome::false_miss), s.true_hits); }},
         {"not_a_number_fraction", Kind::number, "1", "not_a_number among all rays",
          [](const S& s) { return fraction(s.count(Outcome::not_a_number), s.rays); }},
-        {"wrong_object", Kind::count, "", "agree_hit, but the form found another solid first",
-         [](const S& s) { return number(s.wrong_object); }}};
-    columns[columns.size() - 2].tabled = false;
+        {"wrong_object", Kind::count, "", "wrong solids: form and truth hit, but the form found another solid first",
+         outcome<Outcome::wrong_object>},
+        {"wrong_object_fraction", Kind::number, "1", "wrong_object among the rays that truly hit",
+         [](const S& s) { return fraction(s.count(Outcome::wrong_object), s.true_hits); }}};
+    for (SummaryColumn& c : columns) c.tabled = c.name != "not_a_number_fraction" && c.name != "wrong_object_fraction";
     return columns;
 }
 
@@ -187,13 +189,14 @@ Columns worst_columns(const std::vector<Shape>& shapes) {
 
 Columns fault_columns() {
     using W = WorstRay;
-    Columns columns{{.name = "fault_outcome",
-                     .kind = Kind::category,
-                     .unit = "",
-                     .meaning = "the most frequent wrong decision: false_hit, false_miss or not_a_number; the other "
-                                "columns of a fault are of its first ray",
-                     .value = of_fault([](const W& w) { return static_cast<double>(w.outcome); }),
-                     .categories = answer::outcome_names}};
+    Columns columns{
+        {.name = "fault_outcome",
+         .kind = Kind::category,
+         .unit = "",
+         .meaning = "the most frequent wrong decision: false_hit, false_miss, not_a_number or wrong_object; the other "
+                    "columns of a fault are of its first ray",
+         .value = of_fault([](const W& w) { return static_cast<double>(w.outcome); }),
+         .categories = answer::outcome_names}};
     add_both(columns, "fault_t", "the form's answer there, in its own unit; missing where it misses or is not a number",
              of_fault([](const W& w) { return w.t; }));
     add_both(columns, "fault_truth", "t* there, correctly rounded to binary64; missing where the ray truly misses",

@@ -35,7 +35,6 @@ constexpr Metric labelled[] = {
      .needs = needs_attribution,
      .ramp = Ramp::magnitude,
      .low = 0x1p-4,
-     .high = 0x1p+24,
      .value = contribution},
     {.name = "cancellation:",
      .unit = "bits",

@@ -42,8 +42,9 @@ enum Needs : unsigned {
     needs_attribution = 16
 };
 
-/// bits: linear from 0 to `high`; magnitude: log2|x| from `low` to `high`; categories: a colour each.
-enum class Ramp { bits, magnitude, categories };
+/// lost: from 0 to `high`, spaced by roots, so that the first bits show; kept: linear from 0 to `high`; magnitude:
+/// log2|x| from `low` to `high`; categories: a colour each.
+enum class Ramp { lost, kept, magnitude, categories };
 
 /// The rays on which a metric is measured. `marches`: every ray, whatever its outcome, of the forms that march;
 /// `blamed`: correct hits, false hits and false misses; `pairs`: every ray, whatever the truth, of the rows that are
@@ -60,9 +61,11 @@ struct Metric {
     std::string_view layer = {};    ///< EXR channel, `layer.channel`
     std::string_view meaning = {};  ///< one line with the formula
     unsigned needs = needs_nothing;
-    Ramp ramp = Ramp::bits;
-    double low = 0, high = 0;  ///< of the colour ramp; high = 0 stands for the format's significand width
-    bool by_default = false;   ///< measured and written unless metrics are named
+    Ramp ramp = Ramp::lost;
+    /// Of the colour ramp. 0 stands for what fits a format with p significand bits: high is p, or 2^p of a magnitude;
+    /// low of a magnitude is 2^-(p + 6).
+    double low = 0, high = 0;
+    bool by_default = false;                   ///< measured and written unless metrics are named
     double (*value)(const Sample&) = nullptr;  ///< of one ray; NaN where there is none
     Over over = Over::agreed_hits;
     /// Of a metric that names one: its value is the place in this list.

@@ -35,7 +35,7 @@ struct FloatTally {
         friend bool operator==(const Wrong&, const Wrong&) = default;
     };
 
-    std::array<std::uint64_t, answer::outcome_names.size()> outcomes{};
+    std::array<std::uint64_t, answer::outcomes_of_one_solid> outcomes{};
     /// Of the floats where both hit, the first whose error is the largest in size; see `try_floats`.
     std::optional<Worst> worst;
     /// No float's error is larger in size; −1 where none is a hit for both.

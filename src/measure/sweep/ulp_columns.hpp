@@ -14,7 +14,7 @@ namespace lostbits::measure::sweep {
 /// Of one form at the floats of some columns.
 class UlpColumns {
 public:
-    using Outcomes = std::array<std::uint64_t, answer::outcome_names.size()>;
+    using Outcomes = std::array<std::uint64_t, answer::outcomes_of_one_solid>;
 
     /// The answers of a form beside the truth of the same floats.
     UlpColumns(const AxisColumns& columns, const truth::ColumnTerms& terms) : columns_(columns), terms_(terms) {}

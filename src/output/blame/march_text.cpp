@@ -31,6 +31,7 @@ std::string answer_line(const intersect::table::Intersector& form, const Format&
                                file::decimal(ray.rounded_truth(*form.info, binary64)));
         case Outcome::not_a_number: return "The form reports a hit at NaN.";
         case Outcome::unresolved: return "The true answer for this ray could not be proved.";
+        case Outcome::wrong_object:
         case Outcome::agree_hit: break;
     }
     const measure::truth::Certified& t = ray.true_t(*form.info);

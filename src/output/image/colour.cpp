@@ -16,7 +16,7 @@ constexpr std::array<Rgb8, 20> object_colours{{
     {230, 159, 0},  {86, 180, 233},  {0, 158, 115},   {240, 228, 66},  {0, 114, 178},
     {213, 94, 0},   {204, 121, 167}, {153, 221, 85},  {136, 34, 85},   {170, 170, 255},
     {153, 102, 51}, {68, 221, 221},  {255, 153, 136}, {102, 51, 170},  {187, 187, 119},
-    {34, 102, 51},  {255, 102, 187}, {119, 136, 153}, {255, 221, 187}, {0, 68, 119},
+    {34, 102, 51},  {255, 102, 187}, {119, 136, 153}, {255, 214, 170}, {0, 68, 119},
 }};
 
 const std::array<std::uint16_t, 256>& linear_table() {
@@ -120,22 +120,32 @@ Rgb8 object_colour(std::uint32_t id) noexcept {
     return id == 0 ? outcome_colours[1] : object_colours[(id - 1) % object_colours.size()];
 }
 
-ColourScale::ColourScale(std::string name, std::vector<Rgb8> table, double lo, double hi, bool log2)
-    : name_(std::move(name)), table_(std::move(table)), lo_(lo), hi_(hi), log2_(log2) {
+double ColourScale::spaced(double value) const {
+    switch (spacing_) {
+        case Spacing::root: return std::sqrt(value);
+        case Spacing::log2: return std::log2(value);
+        case Spacing::linear: break;
+    }
+    return value / 2;  // hi − lo may overflow
+}
+
+ColourScale::ColourScale(std::string name, std::vector<Rgb8> table, double lo, double hi, Spacing spacing)
+    : name_(std::move(name)), table_(std::move(table)), lo_(lo), hi_(hi), spacing_(spacing) {
     if (table_.size() < 2) throw std::invalid_argument("colour scale " + name_ + ": fewer than two colours");
-    if (!std::isfinite(lo) || !std::isfinite(hi) || !(hi > lo) || (log2 && !(lo > 0))) {
+    if (!std::isfinite(lo) || !std::isfinite(hi) || !(hi > lo) || (spacing == Spacing::log2 && !(lo > 0)) ||
+        (spacing == Spacing::root && lo < 0)) {
         throw std::invalid_argument("colour scale " + name_ + ": no range from " + file::decimal(lo) + " to " +
                                     file::decimal(hi));
     }
-    from_ = log2 ? std::log2(lo) : lo / 2;
-    range_ = (log2 ? std::log2(hi) : hi / 2) - from_;
+    from_ = spaced(lo);
+    range_ = spaced(hi) - from_;
 }
 
 double ColourScale::position(double value) const {
     if (std::isnan(value)) throw std::invalid_argument("colour scale " + name_ + ": a NaN has no colour");
     if (value <= lo_) return 0;
     if (value >= hi_) return 1;
-    return std::clamp(((log2_ ? std::log2(value) : value / 2) - from_) / range_, 0.0, 1.0);
+    return std::clamp((spaced(value) - from_) / range_, 0.0, 1.0);
 }
 
 Rgb8 ColourScale::at(double position) const { return colour_at(table_, position); }
@@ -143,13 +153,31 @@ Rgb8 ColourScale::at(double position) const { return colour_at(table_, position)
 Rgb8 ColourScale::map(double value) const {
     // As at(position(value)), in one call: pictures ask for every pixel.
     if (!(value > lo_ && value < hi_)) return at(position(value));
-    return colour_at(table_, ((log2_ ? std::log2(value) : value / 2) - from_) / range_);
+    return colour_at(table_, (spaced(value) - from_) / range_);
+}
+
+/// Both ends, then powers of two where there is room, those of four first.
+std::vector<ColourScale::Tick> ColourScale::root_ticks(int most) const {
+    std::vector<Tick> out{{0, tick_label(lo_)}, {1, tick_label(hi_)}};
+    const double room = 0.75 / most;
+    for (const int first : {0, 1}) {
+        for (int e = first; e < 1024 && static_cast<int>(out.size()) < most; e += 2) {
+            const double value = std::exp2(e);
+            if (!(value > lo_ && value < hi_)) continue;
+            const double at = position(value);
+            if (std::ranges::all_of(out, [&](const Tick& t) { return std::fabs(t.position - at) >= room; }))
+                out.push_back({at, tick_label(value)});
+        }
+    }
+    std::ranges::sort(out, {}, &Tick::position);
+    return out;
 }
 
 std::vector<ColourScale::Tick> ColourScale::ticks(int most) const {
     most = std::max(most, 2);
+    if (spacing_ == Spacing::root) return root_ticks(most);
     std::vector<Tick> out;
-    if (log2_) {
+    if (spacing_ == Spacing::log2) {
         const double first = std::ceil(std::log2(lo_)), last = std::floor(std::log2(hi_));
         double step = 0;
         for (const double s : {1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64, 128, 256, 512, 1024, 2048}) {

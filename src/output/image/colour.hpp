@@ -17,24 +17,37 @@ struct Rgb8 {
 static_assert(sizeof(Rgb8) == 3);
 
 /// One fixed colour an outcome, in the order of `Outcome` (measure/answer/outcome.hpp) and of the values of the `class`
-/// layer. All but `agree_hit` stay away from the whole viridis ramp and from each other, also for a deuteranope (tests
-/// hold the distances); their lightness differs too, so that a grey print still tells them apart. `agree_hit` is drawn
-/// with its metric's colour, and with this one only in a map of classes alone.
-inline constexpr std::array<Rgb8, 6> outcome_colours{{
-    {26, 152, 120},   // agree_hit: a colour of the ramp, on purpose
-    {222, 222, 222},  // agree_miss: neutral, recedes
-    {210, 30, 15},    // false_hit: red
-    {255, 150, 230},  // false_miss: pink
+/// layer. All but `agree_hit` stay away from the whole viridis ramp and from each other: between any two, CIEDE2000 is
+/// at least 25 for every eye, also a deuteranope's and a protanope's (tests hold the distances); their lightness
+/// differs too, so that a grey print still tells them apart. `agree_hit` is drawn with its metric's colour, and with
+/// this one where the metric has no value there, or in a map of classes alone.
+inline constexpr std::array<Rgb8, 7> outcome_colours{{
+    {95, 110, 110},   // agree_hit: slate, near the middle of the ramp
+    {231, 231, 231},  // agree_miss: neutral, recedes
+    {114, 51, 0},     // false_hit: brown
+    {214, 148, 255},  // false_miss: pink
     {0, 0, 0},        // not_a_number: black
-    {124, 120, 255},  // unresolved: periwinkle
+    {95, 46, 225},    // unresolved: violet
+    {181, 124, 0},    // wrong_object: gold
 }};
 
 /// One fixed colour a reason for a march to stop, in the order of `Stop` (intersect/march.hpp).
 inline constexpr std::array<Rgb8, 4> stop_colours{{
-    {26, 152, 120},   // hit: a colour of the ramp, which such a map does not use
-    {222, 222, 222},  // max_dist: neutral, recedes
-    {244, 150, 30},   // max_steps: orange
-    {110, 20, 130},   // stagnated: purple
+    outcome_colours[0],  // hit
+    outcome_colours[1],  // max_dist: neutral, recedes
+    outcome_colours[6],  // max_steps: gold
+    outcome_colours[5],  // stagnated: violet
+}};
+
+/// One fixed colour for each way in which two forms can stand to each other, in the order of `Against`
+/// (measure/answer/against.hpp).
+inline constexpr std::array<Rgb8, 6> against_colours{{
+    outcome_colours[1],  // both_miss
+    outcome_colours[0],  // same_t
+    outcome_colours[6],  // other_t: gold
+    outcome_colours[5],  // both_hit: violet
+    outcome_colours[2],  // alone_hits: brown
+    outcome_colours[3],  // other_alone_hits: pink
 }};
 
 /// The colour of an object id in a categorical map; 0 (no object) is the colour of `agree_miss`. Twenty colours,
@@ -46,12 +59,17 @@ inline constexpr std::array<Rgb8, 4> stop_colours{{
 /// again.
 [[nodiscard]] Rgb8 distinct_colour(std::size_t place);
 
-/// Maps a metric to a colour: linear or log2 between two ends, clamped outside.
+/// How values lie between the ends of a scale: by themselves, by their square roots (small ones get more of the ramp),
+/// or by their logarithms.
+enum class Spacing : std::uint8_t { linear, root, log2 };
+inline constexpr std::array<const char*, 3> spacing_names{"linear", "root", "log2"};
+
+/// Maps a metric to a colour between two ends, clamped outside.
 class ColourScale {
 public:
-    /// `table` is the ramp from low to high, at least two colours (`ImageBackend::ramp`). `hi > lo`, both finite,
-    /// and `lo > 0` where `log2`. Throws std::invalid_argument otherwise.
-    ColourScale(std::string name, std::vector<Rgb8> table, double lo, double hi, bool log2 = false);
+    /// `table` is the ramp from low to high, at least two colours (`ImageBackend::ramp`). `hi > lo`, both finite;
+    /// `lo >= 0` for roots and `lo > 0` for logarithms. Throws std::invalid_argument otherwise.
+    ColourScale(std::string name, std::vector<Rgb8> table, double lo, double hi, Spacing spacing = Spacing::linear);
 
     /// The colour of `value`; -inf and +inf take the ends, and so does what is not positive on a log2 scale. A NaN
     /// has no place on the ramp: draw its outcome instead. Throws std::invalid_argument for it.
@@ -75,14 +93,21 @@ public:
     [[nodiscard]] const std::string& name() const noexcept { return name_; }
     [[nodiscard]] double lo() const noexcept { return lo_; }
     [[nodiscard]] double hi() const noexcept { return hi_; }
-    [[nodiscard]] bool is_log2() const noexcept { return log2_; }
+    [[nodiscard]] Spacing spacing() const noexcept { return spacing_; }
+    /// Whether both give every value the same place.
+    [[nodiscard]] bool is_as(const ColourScale& o) const noexcept {
+        return lo_ == o.lo_ && hi_ == o.hi_ && spacing_ == o.spacing_ && name_ == o.name_;
+    }
 
 private:
+    [[nodiscard]] double spaced(double value) const;
+    [[nodiscard]] std::vector<Tick> root_ticks(int most) const;
+
     std::string name_;
     std::vector<Rgb8> table_;
     double lo_, hi_;
-    bool log2_;
-    double from_, range_;  ///< half of lo and of hi − lo, which may overflow; or log2 of lo, and of hi less that
+    Spacing spacing_;
+    double from_, range_;  ///< of lo as it is spaced, and of hi less that
 };
 
 /// Linear light of an sRGB byte, as 0..65535. Averages of pixels are taken in it.

@@ -10,16 +10,20 @@ constexpr std::size_t most_columns = 7;
 constexpr int least_cell = 164;  // room for most names of forms
 constexpr int least_content = 440;
 constexpr int most_bar = 480, least_bar = 150;
+constexpr int line_bar = 120;    // of a line with a bar of its own
+constexpr int unit_height = 18;  // over a bar: it reaches above its line
 constexpr int gap = 14;
 constexpr int block_gap = 10;
 constexpr int column_head = 22;  // the name of the form
 constexpr int note_line = 14;
-constexpr std::size_t note_lines = 3;
+constexpr std::size_t note_lines = 4;
 
 }  // namespace
 
 ContactSheet::ContactSheet(ImageBackend& backend, const std::filesystem::path& path, SheetSpec spec)
     : backend_(backend), spec_(std::move(spec)), cells_(spec_.forms.size() * spec_.formats.size()) {
+    if (spec_.scales.size() > 1 && spec_.scales.size() != spec_.formats.size())
+        throw std::logic_error(path.string() + ": neither one colour bar nor one a line");
     if (cells_.empty()) throw std::logic_error(path.string() + ": a contact sheet without cells");
     const Thumbnail size(spec_.field_width, spec_.field_height);
     thumb_width_ = size.width();
@@ -32,24 +36,29 @@ ContactSheet::ContactSheet(ImageBackend& backend, const std::filesystem::path& p
     for (const auto& format : spec_.formats) {
         row_label_width_ = std::max(row_label_width_, backend.render_text(format, style::text_size, true).width);
     }
-    row_height_ = thumb_height_ + 2 + 3 + static_cast<int>(note_lines) * note_line + gap;
+    const bool bar_a_line = spec_.scales.size() > 1;
+    row_height_ =
+        std::max(thumb_height_ + 2 + 3 + static_cast<int>(note_lines) * note_line, bar_a_line ? line_bar : 0) + gap;
     block_height_ = column_head + static_cast<int>(spec_.formats.size()) * row_height_;
     const int grid_height = static_cast<int>(blocks) * (block_height_ + block_gap) - block_gap;
     grid_width_ = row_label_width_ + gap + columns_ * (cell_width_ + gap);
 
     int content = grid_width_;
-    if (spec_.scale) {
-        bar_ =
-            colour_bar(backend, *spec_.scale, spec_.unit,
-                       std::clamp(block_height_ - gap - static_cast<int>(note_lines) * note_line, least_bar, most_bar));
-        content += gap + bar_.width();
+    int bar_width = 0, bar_height = 0;
+    for (const ColourScale& scale : spec_.scales) {
+        const int one = std::clamp(block_height_ - gap - static_cast<int>(note_lines) * note_line, least_bar, most_bar);
+        bars_.push_back(
+            colour_bar(backend, scale, spec_.unit, bar_a_line ? std::max(line_bar, thumb_height_ + unit_height) : one));
+        bar_width = std::max(bar_width, bars_.back().width());
+        bar_height = bars_.back().height();
     }
+    if (!bars_.empty()) content += gap + bar_width;
     content = std::max(content, least_content);
     heading_ = heading(backend, spec_.title, spec_.subtitle, content);
     legend_.emplace(backend, spec_.legend, content);
     page_width_ = content + 2 * style::margin;
-    page_height_ = style::margin + heading_.height() + gap + std::max(grid_height, bar_.height()) + legend_->height() +
-                   style::margin;
+    page_height_ = style::margin + heading_.height() + gap + std::max(grid_height, bar_a_line ? 0 : bar_height) +
+                   legend_->height() + style::margin;
     png_ = backend.open_png(path, page_width_, page_height_);
 }
 
@@ -62,7 +71,10 @@ ContactSheet::Cell& ContactSheet::cell(std::size_t form, std::size_t format) {
 
 void ContactSheet::add_rows(std::size_t form, std::size_t format, int y_begin, std::span<const Rgb8> samples) {
     Cell& target = cell(form, format);
-    if (!target.thumbnail) target.thumbnail.emplace(spec_.field_width, spec_.field_height);
+    if (!target.thumbnail) {
+        target.thumbnail.emplace(spec_.field_width, spec_.field_height,
+                                 spec_.categories ? Thumbnail::Shrink::pick : Thumbnail::Shrink::average);
+    }
     target.thumbnail->add_rows(y_begin, samples);
 }
 
@@ -113,6 +125,19 @@ std::vector<TextBitmap> ContactSheet::note_of(std::string_view note) const {
     return lines;
 }
 
+/// One beside the first block, or one beside each line of every block, as high as its thumbnails.
+void ContactSheet::draw_bars(Canvas& page, int top) const {
+    const int x = style::margin + grid_width_ + gap;
+    if (bars_.size() == 1) return page.picture(x, top, bars_.front());
+    for (std::size_t line = 0; line < bars_.size(); ++line) {
+        const int y = top + column_head - unit_height + static_cast<int>(line) * row_height_;
+        for (std::size_t form = 0; form < spec_.forms.size(); form += static_cast<std::size_t>(columns_)) {
+            const int block = static_cast<int>(form) / columns_;
+            page.picture(x, y + block * (block_height_ + block_gap), bars_[line]);
+        }
+    }
+}
+
 void ContactSheet::finish(std::span<const LegendEntry> legend) {
     Canvas page(page_width_, page_height_);
     page.picture(style::margin, style::margin, heading_);
@@ -131,7 +156,7 @@ void ContactSheet::finish(std::span<const LegendEntry> legend) {
             draw_cell(page, x, y, cell(form, format));
         }
     }
-    if (spec_.scale) page.picture(style::margin + grid_width_ + gap, top, bar_);
+    draw_bars(page, top);
     page.picture(style::margin, page_height_ - style::margin - legend_->height(), legend_->draw(legend));
     png_->write_rows(page_height_, page.pixels());
     png_->close();

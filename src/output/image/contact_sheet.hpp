@@ -20,10 +20,13 @@ namespace lostbits::output::image {
 /// A small picture of a field, at most 160 pixels on its longer side, made from rows in any order.
 ///
 /// Larger fields are box-averaged in linear light: with integer weights and sums, so the result is exact and the
-/// order of the rows cannot show. Smaller ones are enlarged by a whole factor. Memory does not grow with the field.
+/// order of the rows cannot show. Colours of categories have no average that a legend could name: of those each pixel
+/// takes the sample at its middle. Smaller fields are enlarged by a whole factor. Memory does not grow with the field.
 class Thumbnail {
 public:
-    Thumbnail(int field_width, int field_height);
+    enum class Shrink : std::uint8_t { average, pick };
+
+    Thumbnail(int field_width, int field_height, Shrink shrink = Shrink::average);
 
     [[nodiscard]] int width() const noexcept { return width_; }
     [[nodiscard]] int height() const noexcept { return height_; }
@@ -40,10 +43,12 @@ public:
 
 private:
     void add_row(int y, std::span<const Rgb8> samples);
+    void pick_row(int y, std::span<const Rgb8> samples);
     void resolve();
 
     int field_width_, field_height_, width_, height_;
-    int factor_ = 0;  // of enlargement; 0 = averaged
+    Shrink shrink_;
+    int factor_ = 0;  // of enlargement; 0 = made smaller
     int rows_ = 0;
     /// Into which pixel a column of the field falls, and with which weight; the rest of it into the next one.
     struct Fall {
@@ -63,9 +68,10 @@ struct SheetSpec {
     std::vector<std::string> forms;         ///< across
     std::vector<std::string> formats;       ///< down
     int field_width = 0, field_height = 0;  ///< of every cell, in samples
-    std::optional<ColourScale> scale;       ///< shared by all cells
-    std::string unit;                       ///< over the colour bar
+    std::vector<ColourScale> scales;        ///< none; one, shared by all cells; or one for each line of cells
+    std::string unit;                       ///< over a colour bar
     std::vector<LegendEntry> legend;        ///< every class that may occur, with the widest count it may get
+    bool categories = false;                ///< the colours are names: cells are not averaged
 };
 
 /// A grid of thumbnails: forms across, formats down, in blocks of at most seven forms. Cells may be fed at the same
@@ -78,7 +84,7 @@ public:
     /// Rows of the field of one cell, as Thumbnail::add_rows.
     void add_rows(std::size_t form, std::size_t format, int y_begin, std::span<const Rgb8> samples);
 
-    /// The small text under one cell, such as `p99 3.2 bits\n4% false miss`: three lines of about 25 letters, wrapped
+    /// The small text under one cell, such as `4% false miss\np99 3.2 bits`: four lines of about 25 letters, wrapped
     /// where there is no line break, and shortened where there are more.
     void set_note(std::size_t form, std::size_t format, std::string note);
 
@@ -98,9 +104,11 @@ private:
     SheetSpec spec_;
     std::vector<Cell> cells_;  // format by format
     int thumb_width_, thumb_height_;
+    void draw_bars(Canvas& page, int top) const;
     int columns_ = 1, cell_width_ = 0, row_label_width_ = 0, row_height_ = 0, block_height_ = 0;
     int page_width_ = 0, page_height_ = 0, grid_width_ = 0;
-    Canvas heading_{0, 0}, bar_{0, 0};
+    Canvas heading_{0, 0};
+    std::vector<Canvas> bars_;  // as many as scales
     std::optional<Legend> legend_;
     std::unique_ptr<PngWriter> png_;
 };

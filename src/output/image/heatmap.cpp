@@ -20,7 +20,7 @@ int choose_factor(int width, int height) {
 }  // namespace
 
 HeatmapWriter::HeatmapWriter(ImageBackend& backend, const std::filesystem::path& path, HeatmapSpec spec)
-    : spec_(std::move(spec)) {
+    : backend_(backend), spec_(std::move(spec)) {
     if (spec_.width <= 0 || spec_.height <= 0) throw std::logic_error(path.string() + ": a field without samples");
     factor_ = choose_factor(spec_.width, spec_.height);
     field_width_ = spec_.width * factor_;
@@ -37,8 +37,7 @@ HeatmapWriter::HeatmapWriter(ImageBackend& backend, const std::filesystem::path&
     const Canvas head = heading(backend, spec_.title, spec_.subtitle, content);
     legend_.emplace(backend, spec_.legend, content);
     const int head_height = style::margin + head.height() + (head.height() > 0 ? gap : 0);
-    const int foot_height = (legend_->height() > 0 ? gap + legend_->height() : 0) + style::margin;
-    png_ = backend.open_png(path, page_width_, head_height + body_height_ + foot_height);
+    png_ = backend.open_png(path, page_width_, head_height + body_height_ + foot_height());
     Canvas top(page_width_, head_height);
     top.picture(style::margin, style::margin, head);
     png_->write_rows(top.height(), top.pixels());
@@ -75,14 +74,23 @@ void HeatmapWriter::write_rows(std::span<const Rgb8> samples) {
     }
 }
 
-void HeatmapWriter::finish(std::span<const LegendEntry> legend) {
+int HeatmapWriter::foot_height() const {
+    const int legend = legend_->height() > 0 ? gap + legend_->height() : 0;
+    return legend + (spec_.captioned ? gap + style::line_height(style::text_size) : 0) + style::margin;
+}
+
+void HeatmapWriter::finish(std::span<const LegendEntry> legend, std::string_view caption) {
     if (rows_ != spec_.height) throw std::logic_error("heatmap: rows are lacking");
     const std::vector<Rgb8> rim(static_cast<std::size_t>(spec_.width), style::line);
     put_body_row(rim);
     while (body_y_ < body_height_) put_body_row({});
-    const int legend_height = legend_->height();
-    Canvas foot(page_width_, (legend_height > 0 ? gap + legend_height : 0) + style::margin);
-    foot.picture(style::margin, gap, legend_->draw(legend));
+    Canvas foot(page_width_, foot_height());
+    const int caption_height = spec_.captioned ? gap + style::line_height(style::text_size) : 0;
+    if (spec_.captioned) {
+        const int width = page_width_ - 2 * style::margin;
+        foot.text(style::margin, gap, fit_text(backend_, caption, style::text_size, false, width), style::ink);
+    }
+    foot.picture(style::margin, gap + caption_height, legend_->draw(legend));
     png_->write_rows(foot.height(), foot.pixels());
     png_->close();
 }

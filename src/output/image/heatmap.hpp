@@ -6,6 +6,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "output/image/canvas.hpp"
@@ -22,6 +23,7 @@ struct HeatmapSpec {
     std::optional<ColourScale> scale;  ///< none for a map of classes or objects alone
     std::string unit;                  ///< over the colour bar: `lost bits`
     std::vector<LegendEntry> legend;   ///< every class that may occur, each with the widest count it may get
+    bool captioned = false;            ///< a line above the legend, which is known at the end
 };
 
 /// Streams a field into a PNG. Fields narrower than 384 samples are enlarged by a whole factor, nearest neighbour, so
@@ -35,9 +37,10 @@ public:
     /// std::logic_error for a part of a row or a row too many.
     void write_rows(std::span<const Rgb8> samples);
 
-    /// Writes the legend and gives the file its final name. `legend` holds those classes of the spec that occurred,
-    /// with their counts. Throws as write_rows does, and std::logic_error when rows are lacking.
-    void finish(std::span<const LegendEntry> legend);
+    /// Writes the caption where the spec has one, then the legend, and gives the file its final name. `legend` holds
+    /// those classes of the spec that occurred, with their counts. Throws as write_rows does, and std::logic_error when
+    /// rows are lacking.
+    void finish(std::span<const LegendEntry> legend, std::string_view caption = {});
 
     /// Pixels a side that a sample got.
     [[nodiscard]] int magnification() const noexcept { return factor_; }
@@ -45,7 +48,9 @@ public:
 private:
     void put_body_row(std::span<const Rgb8> samples);
 
+    ImageBackend& backend_;
     HeatmapSpec spec_;
+    [[nodiscard]] int foot_height() const;
     int factor_ = 1;
     int field_width_ = 0, field_height_ = 0, body_height_ = 0, page_width_ = 0;
     int rows_ = 0;    // of the field, taken

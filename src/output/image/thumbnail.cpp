@@ -16,7 +16,8 @@ int shrunk(int side, int longer) {
 
 }  // namespace
 
-Thumbnail::Thumbnail(int field_width, int field_height) : field_width_(field_width), field_height_(field_height) {
+Thumbnail::Thumbnail(int field_width, int field_height, Shrink shrink)
+    : field_width_(field_width), field_height_(field_height), shrink_(shrink) {
     if (field_width <= 0 || field_height <= 0) throw std::logic_error("thumbnail: a field without samples");
     const int longer = std::max(field_width, field_height);
     if (longer <= longest) {
@@ -40,7 +41,7 @@ void Thumbnail::add_rows(int y_begin, std::span<const Rgb8> samples) {
     if (pixels_.empty()) {
         const auto count = static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_);
         pixels_.resize(count);
-        if (factor_ == 0) {
+        if (factor_ == 0 && shrink_ == Shrink::average) {
             sums_.assign(3 * count, 0);
             across_ = falls(field_width_, width_);
             down_ = falls(field_height_, height_);
@@ -50,7 +51,22 @@ void Thumbnail::add_rows(int y_begin, std::span<const Rgb8> samples) {
         add_row(y_begin + static_cast<int>(i), samples.subspan(i * width, width));
     }
     rows_ += static_cast<int>(rows);
-    if (complete() && factor_ == 0) resolve();
+    if (complete() && factor_ == 0 && shrink_ == Shrink::average) resolve();
+}
+
+/// Pixel i of an axis takes sample ⌊(2i + 1)·f/(2·t)⌋ of f. With t ≤ f no two pixels take the same.
+void Thumbnail::pick_row(int y, std::span<const Rgb8> samples) {
+    const auto middle = [](std::int64_t i, std::int64_t field, std::int64_t thumbnail) {
+        return (2 * i + 1) * field / (2 * thumbnail);
+    };
+    // The pixel whose middle lies in this row, if any, is the one that its top lies in or the next.
+    std::int64_t j = static_cast<std::int64_t>(y) * height_ / field_height_;
+    if (middle(j, field_height_, height_) != y) ++j;
+    if (j >= height_ || middle(j, field_height_, height_) != y) return;
+    for (int i = 0; i < width_; ++i) {
+        pixels_[static_cast<std::size_t>(j * width_ + i)] =
+            samples[static_cast<std::size_t>(middle(i, field_width_, width_))];
+    }
 }
 
 void Thumbnail::add_row(int y, std::span<const Rgb8> samples) {
@@ -62,6 +78,7 @@ void Thumbnail::add_row(int y, std::span<const Rgb8> samples) {
         }
         return;
     }
+    if (shrink_ == Shrink::pick) return pick_row(y, samples);
     // A row once, and its sums into one or two rows of pixels: the weights are products.
     static const auto lights = [] {
         std::array<std::uint64_t, 256> all{};

@@ -12,13 +12,6 @@ using image::LegendEntry;
 using image::Rgb8;
 using measure::answer::Outcome;
 
-namespace {
-
-/// A correct hit for which the metric does not exist (a form with no exact value there).
-constexpr Rgb8 no_value{120, 90, 60};
-
-}  // namespace
-
 std::string count_text(std::uint64_t count, std::uint64_t total) {
     const double share = 100.0 * static_cast<double>(count) / static_cast<double>(total);
     const std::string percent = share > 0 && share < 0.1      ? "<0.1%"
@@ -33,26 +26,37 @@ Rgb8 paler(Rgb8 c) {
 }
 
 std::string plain_name(Outcome o) {
+    if (o == Outcome::wrong_object) return "wrong solid";
     std::string name(measure::answer::outcome_names[static_cast<std::size_t>(o)]);
     if (name.starts_with("agree_")) name.replace(0, 5, "correct");
     std::ranges::replace(name, '_', ' ');
     return name;
 }
 
+ColourScale metric_scale(const measure::metric::Metric& metric, const FloatFormat& format, image::ImageBackend& backend,
+                         const std::optional<Range>& range) {
+    using measure::metric::Ramp;
+    const bool magnitude = metric.ramp == Ramp::magnitude;
+    const double p = format.precision;
+    const double low = magnitude && metric.low == 0 ? std::exp2(-(p + 6)) : metric.low;
+    const double high = metric.high == 0 ? (magnitude ? std::exp2(p) : p) : metric.high;
+    const image::Spacing spacing = magnitude                             ? image::Spacing::log2
+                                   : metric.ramp == Ramp::lost && !range ? image::Spacing::root
+                                                                         : image::Spacing::linear;
+    return {"viridis", backend.ramp("viridis", 256), range ? range->lo : low, range ? range->hi : high, spacing};
+}
+
 ColourScale metric_scale(const measure::metric::Metric& metric, std::span<const measure::map::MapRow> rows,
                          image::ImageBackend& backend) {
     double high = metric.high;
-    if (high == 0) {
-        for (const measure::map::MapRow& row : rows) high = std::max<double>(high, row.format.shape.precision);
-        high = std::min<double>(high, binary32.precision);
-    }
-    return ColourScale("viridis", backend.ramp("viridis", 256), metric.low, high,
-                       metric.ramp == measure::metric::Ramp::magnitude);
+    for (const measure::map::MapRow& row : rows) high = std::max<double>(high, row.format.shape.precision);
+    return {"viridis", backend.ramp("viridis", 256), 0, std::min<double>(high, binary32.precision)};
 }
 
 Rgb8 pixel_colour(const ColourScale& scale, Outcome outcome, double value) {
     if (outcome != Outcome::agree_hit) return image::outcome_colours[static_cast<std::size_t>(outcome)];
-    return std::isnan(value) ? no_value : scale.map(std::fabs(value));
+    // A correct hit for which the metric does not exist (a form with no exact value there) has its outcome's colour.
+    return std::isnan(value) ? image::outcome_colours[0] : scale.map(std::fabs(value));
 }
 
 std::vector<LegendEntry> outcome_legend(const measure::map::MapSummary& summary) {
@@ -71,6 +75,11 @@ std::vector<LegendEntry> widest_legend(std::uint64_t pixels) {
         entries.push_back(
             {plain_name(static_cast<Outcome>(o)), image::outcome_colours[o], fmt::format("{} (>99.9%)", pixels)});
     }
+    return entries;
+}
+
+std::vector<LegendEntry> without_counts(std::vector<LegendEntry> entries) {
+    for (LegendEntry& entry : entries) entry.count.clear();
     return entries;
 }
 

@@ -1,7 +1,9 @@
 // What a pixel of a map looks like: its outcome's fixed colour, or its metric on the ramp.
 #pragma once
 
+#include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "measure/map/map.hpp"
@@ -11,8 +13,20 @@
 
 namespace lostbits::output::map {
 
-/// The scale of a metric for a set of formats: compared pictures share one range. A metric in bits runs from 0 to the
-/// widest of the significands but at most a float's 24: a double that has lost 24 bits is as bad as pictures get.
+/// The ends of a colour bar, where someone asks for them: `lo < hi`, and `lo > 0` for a metric drawn by its magnitude.
+struct Range {
+    double lo, hi;
+    friend bool operator==(const Range&, const Range&) = default;
+};
+
+/// The scale of a metric in a format. Lost bits run from 0 to all p of the significand, so that a colour is a share of
+/// it in every format, scene and sheet, and are spaced by their roots, so that the first bits show: a quarter of the
+/// significand is half of the ramp. Magnitudes fit the format as well (`Metric::high`). A `range` is spaced evenly, or
+/// by logarithms where the metric is.
+image::ColourScale metric_scale(const measure::metric::Metric& metric, const FloatFormat& format,
+                                image::ImageBackend& backend, const std::optional<Range>& range = {});
+/// One scale of bits for plots that mix formats: evenly from 0 to the widest of the significands but at most a float's
+/// 24.
 image::ColourScale metric_scale(const measure::metric::Metric& metric, std::span<const measure::map::MapRow> rows,
                                 image::ImageBackend& backend);
 
@@ -25,7 +39,7 @@ inline bool inside_envelope(double lost, double excess) { return lost >= 1 && ex
 image::Rgb8 paler(image::Rgb8 colour);
 inline constexpr const char* paler_means = "paler: input rounding alone explains it";
 
-/// `false miss`: an outcome in words.
+/// `false miss`, `wrong solid`: an outcome in words.
 std::string plain_name(measure::answer::Outcome o);
 
 /// `1234 (3.1%)`: a count and its share, as legends have it.
@@ -35,5 +49,7 @@ std::string count_text(std::uint64_t count, std::uint64_t total);
 std::vector<image::LegendEntry> outcome_legend(const measure::map::MapSummary& summary);
 /// Every class that may occur in a picture of so many pixels, with the widest count it can have.
 std::vector<image::LegendEntry> widest_legend(std::uint64_t pixels);
+/// Of a sheet: counts of several maps have no common whole.
+std::vector<image::LegendEntry> without_counts(std::vector<image::LegendEntry> entries);
 
 }  // namespace lostbits::output::map

@@ -18,6 +18,7 @@ namespace lostbits::output::map {
 
 using file::CsvWriter;
 using image::LegendEntry;
+using measure::answer::Outcome;
 using measure::map::MapRequest;
 using measure::map::MapRow;
 using measure::map::MapSink;
@@ -57,14 +58,29 @@ std::vector<LegendEntry> possible_legend(const MapFilesOptions& options, const M
 /// Those that occurred; `inside` of the pixels are drawn paler.
 std::vector<LegendEntry> final_legend(const MetricPaint& paint, const MapSummary& summary, std::size_t m,
                                       std::uint64_t inside) {
-    auto entries = paint.legend(summary, m);
+    auto entries = paint.legend(summary, m, paint.hits_without_value(summary, m));
     if (inside > 0) entries.push_back(envelope_entry(*paint.scale(), count_text(inside, summary.rays)));
     return entries;
 }
 
+/// What the maps of a sheet have in common.
+struct Total {
+    MapSummary summary;
+    std::uint64_t without = 0, inside = 0;
+};
+
+/// The classes of a sheet by name alone: counts of several maps have no common whole.
+std::vector<LegendEntry> sheet_legend(const MetricPaint& paint, const Total& total, std::size_t m) {
+    auto entries = paint.legend(total.summary, m, total.without);
+    if (total.inside > 0) entries.push_back(envelope_entry(*paint.scale(), ""));
+    if (total.summary.count(Outcome::agree_miss) == total.summary.rays && !entries.empty())
+        entries.front().label += ": no ray hits anything";
+    return without_counts(std::move(entries));
+}
+
 /// A contact sheet: forms across; down, each format with each of the metrics that share a bar.
 struct Sheet {
-    MetricPaint paint;  ///< of all its metrics
+    MetricPaint paint;  ///< of all its metrics, in the first format
     std::vector<const Metric*> metrics;
     std::unique_ptr<image::ContactSheet> page;
     std::vector<std::string> forms, lines;
@@ -81,25 +97,33 @@ struct Sheet {
     }
 
     void open(const MapRequest& request, const MapFilesOptions& options, bool first) {
+        std::vector<image::ColourScale> scales;  // one a line
         for (const MapRow& row : request.rows) {
             if (!paint.applies_to(row)) continue;
             static_cast<void>(find_or_add(forms, short_name(*row.form->info)));
-            for (const Metric* m : metrics) static_cast<void>(find_or_add(lines, line_name(row, *m)));
+            for (const Metric* m : metrics) {
+                if (find_or_add(lines, line_name(row, *m)) < scales.size() || !paint.scale()) continue;
+                scales.push_back(metric_scale(*m, row.format.shape, image::image_backend(), options.range));
+            }
         }
+        const auto differs = [&scales](const image::ColourScale& s) { return !s.is_as(scales.front()); };
+        const bool several = std::ranges::any_of(scales, differs);
+        if (!scales.empty() && !several) scales.resize(1, scales.front());
         const std::string name = first ? "contact.png" : fmt::format("contact.{}.png", file_word(*metrics.front()));
         page = std::make_unique<image::ContactSheet>(
             image::image_backend(), options.folder / name,
             image::SheetSpec{.title = request.scene->title,
-                             .subtitle = {fmt::format("{}, {} x {} rays", request.scene->id, request.scene->width,
-                                                      request.scene->height),
-                                          paint.note()},
+                             .subtitle = {fmt::format("{}, {} x {} rays; percentages are of all of them",
+                                                      request.scene->id, request.scene->width, request.scene->height),
+                                          paint.note(several)},
                              .forms = forms,
                              .formats = lines,
                              .field_width = request.scene->width,
                              .field_height = request.scene->height,
-                             .scale = paint.scale(),
+                             .scales = std::move(scales),
                              .unit = std::string(paint.metric().unit),
-                             .legend = possible_legend(options, paint, request.scene->pixels() * request.rows.size())});
+                             .legend = without_counts(possible_legend(options, paint, request.scene->pixels())),
+                             .categories = !paint.scale()});
     }
 };
 
@@ -107,11 +131,16 @@ struct Sheet {
 std::vector<Sheet> sheets_of(const MapRequest& request, const MapFilesOptions& options) {
     std::vector<Sheet> sheets;
     for (const Metric* m : options.drawn) {
-        const MetricPaint alone(*m, request.rows, image::image_backend());
-        if (std::ranges::none_of(request.rows, [&alone](const MapRow& row) { return alone.applies_to(row); })) continue;
+        const auto draws = [m](const MapRow& row) {
+            return MetricPaint(*m, row.format.shape, image::image_backend()).applies_to(row);
+        };
+        const auto first = std::ranges::find_if(request.rows, draws);
+        if (first == request.rows.end()) continue;
         const auto same = std::ranges::find_if(sheets, [m](const Sheet& s) { return s.paint.shares_with(*m); });
         if (same != sheets.end()) same->metrics.push_back(m);
-        else sheets.push_back({MetricPaint(*m, request.rows, image::image_backend()), {m}, nullptr, {}, {}});
+        else
+            sheets.push_back(
+                {MetricPaint(*m, first->format.shape, image::image_backend(), options.range), {m}, nullptr, {}, {}});
     }
     for (Sheet& sheet : sheets) sheet.open(request, options, &sheet == sheets.data());
     return sheets;
@@ -141,7 +170,7 @@ public:
         for (const Metric* m : options.drawn) {
             Sheet& sheet = *std::ranges::find_if(
                 sheets, [m](const Sheet& s) { return std::ranges::find(s.metrics, m) != s.metrics.end(); });
-            const MetricPaint paint(*m, request.rows, backend);
+            const MetricPaint paint(*m, row.format.shape, backend, options.range);
             if (!paint.applies_to(row)) continue;
             const std::string suffix = options.drawn.size() == 1 ? "" : "." + file_word(*m);
             image::HeatmapSpec spec{
@@ -153,7 +182,8 @@ public:
                 .height = request.scene->height,
                 .scale = paint.scale(),
                 .unit = std::string(m->unit),
-                .legend = possible_legend(options, paint, request.scene->pixels())};
+                .legend = possible_legend(options, paint, request.scene->pixels()),
+                .captioned = true};
             drawings_.push_back({index_of(request.metrics, m), paint, &sheet, is_enveloped(options, *m),
                                  std::make_unique<image::HeatmapWriter>(
                                      backend, options.folder / (stem + suffix + ".png"), std::move(spec))});
@@ -187,7 +217,8 @@ public:
 
     void finish(const MapSummary& summary) {
         for (Drawing& d : drawings_) {
-            d.heatmap->finish(final_legend(d.paint, summary, d.metric, d.enveloped ? inside_ : 0));
+            d.heatmap->finish(final_legend(d.paint, summary, d.metric, d.enveloped ? inside_ : 0),
+                              d.paint.caption(summary, d.metric));
             d.sheet->page->set_note(d.sheet->form_of(row_), d.sheet->line_of(row_, d.paint.metric()),
                                     d.paint.glance(summary, d.metric));
         }
@@ -267,16 +298,19 @@ void MapFiles::finish(const std::vector<MapSummary>& summaries) {
     for (const auto& row : p.rows) inside += row->inside();
     for (Sheet& sheet : p.sheets) {
         const std::size_t m = index_of(p.request.metrics, sheet.metrics.front());
-        MapSummary total(p.request.metrics);
+        Total all{MapSummary(p.request.metrics)};
+        if (is_enveloped(p.options, sheet.paint.metric())) all.inside = inside;
+        MapSummary& total = all.summary;
         for (std::size_t r = 0; r < p.rows.size(); ++r) {
             if (!sheet.paint.applies_to(p.request.rows[r])) continue;
             total.rays += summaries[r].rays;
+            for (const Metric* each : sheet.metrics)
+                all.without += sheet.paint.hits_without_value(summaries[r], index_of(p.request.metrics, each));
             for (std::size_t o = 0; o < total.outcomes.size(); ++o) total.outcomes[o] += summaries[r].outcomes[o];
             for (std::size_t c = 0; c < total.categories[m].size(); ++c)
                 total.categories[m][c] += summaries[r].categories[m][c];
         }
-        sheet.page->finish(
-            final_legend(sheet.paint, total, m, is_enveloped(p.options, sheet.paint.metric()) ? inside : 0));
+        sheet.page->finish(sheet_legend(sheet.paint, all, m));
     }
     for (std::size_t r = 0; r < summaries.size(); ++r) {
         p.table.add(*p.summary, p.request.rows[r], summaries[r], [&p](const measure::map::WorstRay& ray) {

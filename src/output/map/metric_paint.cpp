@@ -33,10 +33,12 @@ std::string in_words(std::string_view name) {
 }
 
 std::string short_number(double x) {
+    if (x == 0) return "0";
     return std::fabs(x) >= 0.01 && std::fabs(x) < 10000 ? fmt::format("{:.3g}", x) : fmt::format("{:.1e}", x);
 }
 
-constexpr Rgb8 no_culprit{120, 90, 60};      ///< a hit to which no operation adds an error
+constexpr Rgb8 no_culprit = image::outcome_colours[0];  ///< a hit to which no operation adds an error
+constexpr const char* without_value = "correct hit without a value";
 constexpr std::size_t most_culprits = 6;     ///< that a legend names
 constexpr std::size_t longest_culprit = 44;  ///< letters
 
@@ -44,21 +46,30 @@ std::string shortened(std::string_view text, std::size_t letters) {
     return text.size() <= letters ? std::string(text) : std::string(text.substr(0, letters - 2)) + "..";
 }
 
-/// Wrong decisions as shares of the rays that could be wrong so.
-std::vector<std::string> faults_of(const MapSummary& s) {
-    const std::uint64_t true_misses = s.rays - s.true_hits - s.count(Outcome::unresolved);
+/// Wrong decisions as shares of all pixels, the most frequent first.
+std::string faults_of(const MapSummary& s) {
+    auto order = measure::map::wrong_decisions;
+    std::ranges::stable_sort(order, std::greater<>(), [&s](Outcome o) { return s.count(o); });
     std::vector<std::string> faults;
-    if (const auto n = s.count(Outcome::false_miss)) faults.push_back(percent(n, s.true_hits) + " false miss");
-    if (const auto n = s.count(Outcome::false_hit)) faults.push_back(percent(n, true_misses) + " false hit");
-    if (const auto n = s.count(Outcome::not_a_number)) faults.push_back(percent(n, s.rays) + " NaN");
-    return faults;
+    for (const Outcome o : order) {
+        if (const auto n = s.count(o))
+            faults.push_back(percent(n, s.rays) + " " + (o == Outcome::not_a_number ? "NaN" : plain_name(o)));
+    }
+    return fmt::format("{}", fmt::join(faults, ", "));
+}
+
+/// `22.7 of 53 lost, 30 kept`
+std::string lost_and_kept(double lost, int precision) {
+    const double kept = precision - lost;
+    return fmt::format("{:.1f} of {} lost, {:.{}f} kept", lost, precision, kept, kept < 9.95 ? 1 : 0);
 }
 
 }  // namespace
 
-MetricPaint::MetricPaint(const Metric& metric, std::span<const measure::map::MapRow> rows, image::ImageBackend& backend)
-    : metric_(&metric) {
-    if (metric.ramp != measure::metric::Ramp::categories) scale_ = metric_scale(metric, rows, backend);
+MetricPaint::MetricPaint(const Metric& metric, const FloatFormat& format, image::ImageBackend& backend,
+                         const std::optional<Range>& range)
+    : metric_(&metric), precision_(format.precision), ranged_(range.has_value()) {
+    if (metric.ramp != measure::metric::Ramp::categories) scale_ = metric_scale(metric, format, backend, range);
 }
 
 bool MetricPaint::applies_to(const measure::map::MapRow& row) const {
@@ -77,7 +88,7 @@ bool MetricPaint::shares_with(const Metric& other) const {
 Rgb8 MetricPaint::category_colour(std::size_t category) const {
     if (metric_->by_run()) return category == 0 ? no_culprit : image::distinct_colour(category - 1);
     if (metric_->categories.data() == intersect::stop_names.data()) return image::stop_colours[category];
-    return image::object_colour(static_cast<std::uint32_t>(category + 1));
+    return image::against_colours[category];
 }
 
 Rgb8 MetricPaint::colour(Outcome outcome, double value) const {
@@ -90,7 +101,11 @@ Rgb8 MetricPaint::colour(Outcome outcome, double value) const {
 }
 
 std::vector<LegendEntry> MetricPaint::widest(std::uint64_t pixels) const {
-    if (metric_->over == Over::agreed_hits) return widest_legend(pixels);
+    if (metric_->over == Over::agreed_hits) {
+        auto entries = widest_legend(pixels);
+        entries.push_back({without_value, image::outcome_colours[0], fmt::format("{} (>99.9%)", pixels)});
+        return entries;
+    }
     if (metric_->by_run()) {
         std::vector<LegendEntry> entries(
             most_culprits + 2, {std::string(longest_culprit, 'e'), no_culprit, fmt::format("{} (>99.9%)", pixels)});
@@ -105,8 +120,17 @@ std::vector<LegendEntry> MetricPaint::widest(std::uint64_t pixels) const {
     return entries;
 }
 
-std::vector<LegendEntry> MetricPaint::legend(const MapSummary& summary, std::size_t m) const {
-    if (metric_->over == Over::agreed_hits) return outcome_legend(summary);
+std::uint64_t MetricPaint::hits_without_value(const MapSummary& summary, std::size_t m) const {
+    return metric_->over == Over::agreed_hits ? summary.count(Outcome::agree_hit) - summary.metrics[m].count() : 0;
+}
+
+std::vector<LegendEntry> MetricPaint::legend(const MapSummary& summary, std::size_t m, std::uint64_t without) const {
+    if (metric_->over == Over::agreed_hits) {
+        auto entries = outcome_legend(summary);
+        if (without > 0)
+            entries.push_back({without_value, image::outcome_colours[0], count_text(without, summary.rays)});
+        return entries;
+    }
     if (metric_->by_run()) return culprit_legend(summary, m);
     std::vector<LegendEntry> entries;
     for (std::size_t c = 0; c < metric_->categories.size(); ++c) {
@@ -135,20 +159,29 @@ std::vector<LegendEntry> MetricPaint::culprit_legend(const MapSummary& summary, 
             {"other operations, each in its own colour", image::style::page, count_text(rest, summary.rays)});
     for (std::size_t o = 0; o < summary.outcomes.size(); ++o) {
         const auto outcome = static_cast<Outcome>(o);
-        if (summary.outcomes[o] == 0 || outcome == Outcome::agree_hit || outcome == Outcome::false_hit ||
-            outcome == Outcome::false_miss)
-            continue;
+        const auto blamed = {Outcome::agree_hit, Outcome::false_hit, Outcome::false_miss, Outcome::wrong_object};
+        if (summary.outcomes[o] == 0 || std::ranges::find(blamed, outcome) != blamed.end()) continue;
         entries.push_back(
             {plain_name(outcome), image::outcome_colours[o], count_text(summary.outcomes[o], summary.rays)});
     }
     return entries;
 }
 
-std::string MetricPaint::note() const {
+std::string MetricPaint::note(bool several) const {
     if (!scale_) return fmt::format("colour: {}", metric_->meaning);
+    const std::string name(metric_->name);
+    if (ranged_)
+        return fmt::format("colour: {} from {} to {}, as asked for; what is beyond has the colour of the end",
+                           metric_->ramp == measure::metric::Ramp::magnitude ? "|" + name + "|" : name,
+                           short_number(scale_->lo()), short_number(scale_->hi()));
     if (metric_->ramp == measure::metric::Ramp::magnitude)
-        return fmt::format("colour: |{}|, clamped at both ends of the bar", metric_->name);
-    return fmt::format("colour: {} from 0 to {:g}; more is drawn as {:g}", metric_->name, scale_->hi(), scale_->hi());
+        return fmt::format("colour: |{}|, clamped at both ends of the bar{}", name,
+                           several ? ", which fit the format" : "");
+    const std::string all = several ? std::string("all bits of each format's significand")
+                                    : fmt::format("all {} bits of the format's significand", precision_);
+    return fmt::format(
+        "colour: {} from 0 to {}{}", name, all,
+        metric_->ramp == measure::metric::Ramp::lost ? ", by square roots, so that the first ones show" : "");
 }
 
 std::string MetricPaint::glance(const MapSummary& s, std::size_t m) const {
@@ -169,16 +202,28 @@ std::string MetricPaint::glance(const MapSummary& s, std::size_t m) const {
     const measure::metric::Distribution& d = s.metrics[m];
     if (metric_->over == Over::marches || metric_->over == Over::pairs)
         return fmt::format("median {}\nlargest {}", short_number(d.quantile(0.5)), short_number(d.quantile(1)));
-    const auto faults = faults_of(s);
-    if (s.count(Outcome::agree_hit) == 0 && faults.empty()) return "no hits";
-    std::string text = "no correct hit";
-    if (s.count(Outcome::agree_hit) > 0) {
-        if (metric_->name == "lost_bits") text = fmt::format("p99 {:.1f} bits lost", d.quantile(0.99));
-        else
-            text =
-                d.count() == 0 ? "no value" : fmt::format("p99 {} {}", short_number(d.quantile(0.99)), metric_->unit);
+    std::string text = faults_of(s);
+    const auto add = [&text](const std::string& line) { text += (text.empty() ? "" : "\n") + line; };
+    const measure::metric::Agreement hits = s.agreement();
+    const std::string unit = metric_->unit == "1" ? "" : " " + std::string(metric_->unit);
+    if (hits.agreed == 0) {
+        add(hits.true_hits == 0 ? "no ray hits" : "no correct hit");
+    } else if (!hits.is_enough()) {
+        add("no p99: " + hits.too_few());
+    } else if (d.count() == 0) {
+        add("no value");
+    } else {
+        const double p99 = d.quantile(0.99);
+        add("p99 " + (metric_->name == "lost_bits" ? lost_and_kept(p99, precision_) : short_number(p99) + unit));
+        add(measure::metric::Agreement{d.count(), hits.true_hits}.of_agreed_hits());
     }
-    return fmt::format("{}{}{}", text, faults.empty() ? "" : "\n", fmt::join(faults, "\n"));
+    return text;
+}
+
+std::string MetricPaint::caption(const MapSummary& s, std::size_t m) const {
+    std::string text;
+    for (const char c : glance(s, m)) text += c == '\n' ? std::string("; ") : std::string(1, c);
+    return text;
 }
 
 }  // namespace lostbits::output::map

@@ -1,4 +1,5 @@
-// How one metric of a map is drawn: on the ramp between the colours of outcomes, on the ramp alone, or as categories.
+// How one metric of a map is drawn in a format: on the ramp between the colours of outcomes, on the ramp alone, or as
+// categories.
 #pragma once
 
 #include <optional>
@@ -11,8 +12,8 @@ namespace lostbits::output::map {
 
 class MetricPaint {
 public:
-    MetricPaint(const measure::metric::Metric& metric, std::span<const measure::map::MapRow> rows,
-                image::ImageBackend& backend);
+    MetricPaint(const measure::metric::Metric& metric, const FloatFormat& format, image::ImageBackend& backend,
+                const std::optional<Range>& range = {});
 
     [[nodiscard]] const measure::metric::Metric& metric() const { return *metric_; }
     /// None for categories.
@@ -25,13 +26,19 @@ public:
     [[nodiscard]] image::Rgb8 colour(measure::answer::Outcome outcome, double value) const;
     /// Every class that may occur in a picture of so many pixels, with the widest count it can have.
     [[nodiscard]] std::vector<image::LegendEntry> widest(std::uint64_t pixels) const;
-    /// Those that occurred; `m` is the metric's place in the summary.
-    [[nodiscard]] std::vector<image::LegendEntry> legend(const measure::map::MapSummary& summary, std::size_t m) const;
+    /// Those that occurred; `m` is the metric's place in the summary, and `without` how many `hits_without_value`.
+    [[nodiscard]] std::vector<image::LegendEntry> legend(const measure::map::MapSummary& summary, std::size_t m,
+                                                         std::uint64_t without) const;
+    /// Correct hits for which the metric does not exist.
+    [[nodiscard]] std::uint64_t hits_without_value(const measure::map::MapSummary& summary, std::size_t m) const;
 
-    /// What the colours mean, in one line.
-    [[nodiscard]] std::string note() const;
-    /// What a glance at a row should take away, in at most three short lines.
+    /// What the colours mean, in one line: in this format, or on a sheet of several.
+    [[nodiscard]] std::string note(bool several = false) const;
+    /// What a glance at a row should take away, in at most four short lines: wrong decisions, as shares of all pixels,
+    /// then how far off the agreed hits are, and how many they are.
     [[nodiscard]] std::string glance(const measure::map::MapSummary& summary, std::size_t m) const;
+    /// The same as a sentence, for below a picture.
+    [[nodiscard]] std::string caption(const measure::map::MapSummary& summary, std::size_t m) const;
 
 private:
     [[nodiscard]] image::Rgb8 category_colour(std::size_t category) const;
@@ -39,6 +46,8 @@ private:
                                                                  std::size_t m) const;
 
     const measure::metric::Metric* metric_;
+    int precision_;
+    bool ranged_;
     std::optional<image::ColourScale> scale_;
 };
 

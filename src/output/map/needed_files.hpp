@@ -13,9 +13,9 @@
 
 namespace lostbits::output::map {
 
-/// A pixel on which not even 53 bits suffice: rust, as far from the ramp and from every outcome's colour as those are
-/// from each other (a test holds it).
-inline constexpr image::Rgb8 beyond_colour{120, 30, 0};
+/// A pixel on which not even 53 bits suffice: dark green, as far from the ramp and from every outcome's colour as those
+/// are from each other (a test holds it).
+inline constexpr image::Rgb8 beyond_colour{0, 45, 0};
 
 struct NeededFilesOptions {
     std::filesystem::path folder;  ///< of this scene; made if missing

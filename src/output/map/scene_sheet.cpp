@@ -5,7 +5,7 @@
 #include <algorithm>
 
 #include "output/image/contact_sheet.hpp"
-#include "output/map/map_colour.hpp"
+#include "output/map/metric_paint.hpp"
 #include "output/map/row_names.hpp"
 
 namespace lostbits::output::map {
@@ -19,19 +19,22 @@ namespace {
 /// Hands a row's lost bits on to the contact sheet.
 class SheetRow final : public MapSink {
 public:
-    SheetRow(ContactSheet& sheet, RowGrid::Place place, const ColourScale& scale, std::size_t metric)
-        : sheet_(sheet), place_(place), scale_(scale), metric_(metric) {}
+    SheetRow(ContactSheet& sheet, RowGrid::Place place, MetricPaint paint, std::size_t metric)
+        : sheet_(sheet), place_(place), paint_(std::move(paint)), metric_(metric) {}
     void band(const measure::map::BandResult& result) override {
         std::vector<image::Rgb8> field(result.outcomes.size());
         for (std::size_t i = 0; i < field.size(); ++i)
-            field[i] = pixel_colour(scale_, result.outcomes[i], result.metrics[metric_][i]);
+            field[i] = paint_.colour(result.outcomes[i], result.metrics[metric_][i]);
         sheet_.add_rows(place_.form, place_.format, result.y0, field);
+    }
+    void finish(const measure::map::MapSummary& summary) {
+        sheet_.set_note(place_.form, place_.format, paint_.glance(summary, metric_));
     }
 
 private:
     ContactSheet& sheet_;
     RowGrid::Place place_;
-    const ColourScale& scale_;
+    MetricPaint paint_;
     std::size_t metric_;
 };
 
@@ -39,7 +42,6 @@ private:
 
 struct SceneSheet::Parts {
     std::size_t metric;
-    ColourScale scale;
     RowGrid grid;
     std::unique_ptr<ContactSheet> sheet;
     std::vector<std::unique_ptr<SheetRow>> rows;
@@ -49,23 +51,32 @@ SceneSheet::SceneSheet(const measure::map::MapRequest& request, const std::files
     const measure::metric::Metric* const lost = measure::metric::find_metric("lost_bits");
     image::ImageBackend& backend = image::image_backend();
     const auto metric = static_cast<std::size_t>(std::ranges::find(request.metrics, lost) - request.metrics.begin());
-    parts_ = std::unique_ptr<Parts>(
-        new Parts{metric, metric_scale(*lost, request.rows, backend), RowGrid(request.rows), nullptr, {}});
+    parts_ = std::unique_ptr<Parts>(new Parts{metric, RowGrid(request.rows), nullptr, {}});
     Parts& p = *parts_;
     const scene::file::Scene& scene = *request.scene;
+    std::vector<ColourScale> scales;  // one a format
+    for (std::size_t r = 0; r < request.rows.size(); ++r) {
+        if (p.grid.places[r].format < scales.size()) continue;
+        scales.push_back(metric_scale(*lost, request.rows[r].format.shape, backend));
+    }
+    const MetricPaint first(*lost, request.rows.front().format.shape, backend);
+    const bool several = scales.size() > 1;
     p.sheet = std::make_unique<ContactSheet>(
         backend, path,
         image::SheetSpec{.title = scene.title,
-                         .subtitle = {fmt::format("{}, {} x {} rays", scene.id, scene.width, scene.height)},
+                         .subtitle = {fmt::format("{}, {} x {} rays; percentages are of all of them", scene.id,
+                                                  scene.width, scene.height),
+                                      first.note(several)},
                          .forms = p.grid.forms,
                          .formats = p.grid.formats,
                          .field_width = scene.width,
                          .field_height = scene.height,
-                         .scale = p.scale,
+                         .scales = std::move(scales),
                          .unit = "lost bits",
-                         .legend = widest_legend(scene.pixels() * request.rows.size())});
-    for (const RowGrid::Place& place : p.grid.places)
-        p.rows.push_back(std::make_unique<SheetRow>(*p.sheet, place, p.scale, metric));
+                         .legend = without_counts(widest_legend(scene.pixels()))});
+    for (std::size_t r = 0; r < request.rows.size(); ++r)
+        p.rows.push_back(std::make_unique<SheetRow>(*p.sheet, p.grid.places[r],
+                                                    MetricPaint(*lost, request.rows[r].format.shape, backend), metric));
 }
 
 SceneSheet::~SceneSheet() = default;
@@ -82,10 +93,9 @@ void SceneSheet::finish(const std::vector<measure::map::MapSummary>& summaries) 
     for (std::size_t r = 0; r < summaries.size(); ++r) {
         total.rays += summaries[r].rays;
         for (std::size_t o = 0; o < total.outcomes.size(); ++o) total.outcomes[o] += summaries[r].outcomes[o];
-        p.sheet->set_note(p.grid.places[r].form, p.grid.places[r].format,
-                          fmt::format("p99 {:.1f} bits lost", summaries[r].metrics[p.metric].quantile(0.99)));
+        p.rows[r]->finish(summaries[r]);
     }
-    p.sheet->finish(outcome_legend(total));
+    p.sheet->finish(without_counts(outcome_legend(total)));
 }
 
 }  // namespace lostbits::output::map

@@ -183,7 +183,7 @@ std::vector<MapSink*> MapData::sinks() {
 namespace {
 
 Json metric_json(const Metric& m, std::span<const MapRow> rows) {
-    const map::MetricPaint paint(m, rows, image::image_backend());
+    const map::MetricPaint paint(m, rows.front().format.shape, image::image_backend());
     Json json{{"name", m.name},
               {"unit", m.unit},
               {"meaning", m.meaning},
@@ -192,8 +192,10 @@ Json metric_json(const Metric& m, std::span<const MapRow> rows) {
               {"kind", is_derived(m)     ? "derived"
                        : is_condition(m) ? "shared"
                                          : "stored"}};
-    if (paint.scale()) {
-        json.update(scale_json(*paint.scale()));
+    if (paint.scale()) {  // one a format, as the pictures have it
+        Json& scales = json["scales"] = Json::object();
+        for (const MapRow& row : rows)
+            scales[row.format.name] = scale_json(map::metric_scale(m, row.format.shape, image::image_backend()));
         return json;
     }
     Json& categories = json["categories"] = Json::array();

@@ -19,21 +19,23 @@ namespace {
 constexpr Rgb8 of(Outcome o) { return image::outcome_colours[static_cast<std::size_t>(o)]; }
 
 constexpr std::array<Rgb8, measure::picture::seen_names.size()> seen_colours{
-    of(Outcome::agree_hit), of(Outcome::agree_miss),   {160, 82, 45},          of(Outcome::false_miss),
+    of(Outcome::agree_hit), of(Outcome::agree_miss),   of(Outcome::wrong_object), of(Outcome::false_miss),
     of(Outcome::false_hit), of(Outcome::not_a_number), of(Outcome::unresolved)};
 constexpr std::array<const char*, measure::picture::seen_names.size()> seen_labels{
     "same sphere",  "background", "another sphere", "sphere lost", "sphere where there is none",
     "not a number", "not proved"};
 
-/// A map of shadow decisions has red and pink for these, so pixels that show something else have one colour there.
-constexpr const char* seen_otherwise = "sees something else";
+/// A map of shadow decisions has a colour for each of these, so pixels that show something else share black with NaN.
+constexpr const char* seen_otherwise = "sees something else, or NaN";
 
+constexpr Rgb8 lit{255, 255, 125};
 constexpr std::array<Rgb8, measure::picture::shadow_names.size()> shadow_colours{
-    of(Outcome::agree_miss), {255, 246, 205},         {105, 110, 122},        of(Outcome::false_hit),
-    {255, 140, 0},           of(Outcome::false_miss), of(Outcome::unresolved)};
+    of(Outcome::agree_miss),   lit,
+    of(Outcome::agree_hit),    of(Outcome::false_hit),
+    of(Outcome::wrong_object), of(Outcome::false_miss),
+    of(Outcome::unresolved)};
 constexpr std::array<const char*, measure::picture::shadow_names.size()> shadow_labels{
-    "not compared",      "both lit",    "both in shadow",   "false shadow",
-    "own shadow (acne)", "false light", "shadow not proved"};
+    "not compared", "both lit", "both in shadow", "false shadow", "own shadow (acne)", "false light", "not proved"};
 
 constexpr std::array<ErrorMapKind, 3> kinds{{
     {"difference of colour", "8-bit steps",
@@ -63,7 +65,7 @@ const ErrorMapKind& error_map_kind(ErrorMap d) { return kinds[static_cast<std::s
 
 ColourScale error_map_scale(ErrorMap d, image::ImageBackend& backend) {
     const ErrorMapKind& kind = error_map_kind(d);
-    return ColourScale("viridis", backend.ramp("viridis", 256), kind.low, kind.high, true);
+    return ColourScale("viridis", backend.ramp("viridis", 256), kind.low, kind.high, image::Spacing::log2);
 }
 
 Rgb8 error_map_colour(const ColourScale& scale, Seen seen, double value) {
@@ -74,9 +76,7 @@ Rgb8 error_map_colour(const ColourScale& scale, Seen seen, double value) {
 
 Rgb8 shadow_colour(Seen seen, measure::picture::Shadow shadow) {
     if (alike(seen)) return shadow_colours[static_cast<std::size_t>(shadow)];
-    return seen == Seen::not_a_number || seen == Seen::unresolved
-               ? seen_colours[static_cast<std::size_t>(seen)]
-               : seen_colours[static_cast<std::size_t>(Seen::other_sphere)];
+    return seen_colours[static_cast<std::size_t>(seen == Seen::unresolved ? seen : Seen::not_a_number)];
 }
 
 std::vector<LegendEntry> seen_legend(const measure::picture::RenderSummary& s) {
@@ -96,20 +96,19 @@ std::vector<LegendEntry> widest_seen_legend(std::uint64_t pixels) {
 
 std::vector<LegendEntry> shadow_legend(const measure::picture::RenderSummary& s) {
     std::vector<LegendEntry> entries;
-    const std::uint64_t not_alike = s.pixels - s.count(Seen::same_sphere) - s.count(Seen::background);
+    const std::uint64_t unproved = s.count(Seen::unresolved),
+                        not_alike = s.pixels - s.count(Seen::same_sphere) - s.count(Seen::background);
+    const auto add = [&](const char* label, Rgb8 colour, std::uint64_t n) {
+        if (n > 0) entries.push_back({label, colour, map::count_text(n, s.pixels)});
+    };
     for (std::size_t k = 0; k < measure::picture::shadow_names.size(); ++k) {
         // What is not seen alike is not compared either, and drawn as what it is.
-        const std::uint64_t n = s.shadow[0][k] + s.shadow[1][k] - (k == 0 ? not_alike : 0);
-        if (n > 0) entries.push_back({shadow_labels[k], shadow_colours[k], map::count_text(n, s.pixels)});
+        std::uint64_t n = s.shadow[0][k] + s.shadow[1][k];
+        if (k == 0) n -= not_alike;
+        if (k == static_cast<std::size_t>(measure::picture::Shadow::unresolved)) n += unproved;
+        add(shadow_labels[k], shadow_colours[k], n);
     }
-    const auto seen = [&](const char* label, Seen colour, std::uint64_t n) {
-        if (n > 0)
-            entries.push_back({label, seen_colours[static_cast<std::size_t>(colour)], map::count_text(n, s.pixels)});
-    };
-    seen(seen_otherwise, Seen::other_sphere,
-         s.count(Seen::other_sphere) + s.count(Seen::lost_sphere) + s.count(Seen::extra_sphere));
-    for (const Seen each : {Seen::not_a_number, Seen::unresolved})
-        seen(seen_labels[static_cast<std::size_t>(each)], each, s.count(each));
+    add(seen_otherwise, of(Outcome::not_a_number), not_alike - unproved);
     return entries;
 }
 
@@ -117,12 +116,7 @@ std::vector<LegendEntry> widest_shadow_legend(std::uint64_t pixels) {
     std::vector<LegendEntry> entries;
     for (std::size_t k = 0; k < measure::picture::shadow_names.size(); ++k)
         entries.push_back({shadow_labels[k], shadow_colours[k], widest_count(pixels)});
-    const auto seen = [&](const char* label, Seen colour) {
-        entries.push_back({label, seen_colours[static_cast<std::size_t>(colour)], widest_count(pixels)});
-    };
-    seen(seen_otherwise, Seen::other_sphere);
-    for (const Seen each : {Seen::not_a_number, Seen::unresolved})
-        seen(seen_labels[static_cast<std::size_t>(each)], each);
+    entries.push_back({seen_otherwise, of(Outcome::not_a_number), widest_count(pixels)});
     return entries;
 }
 

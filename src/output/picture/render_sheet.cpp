@@ -37,13 +37,14 @@ RenderSheet::RenderSheet(image::ImageBackend& backend, const std::filesystem::pa
     : request_(request), grid_(request.rows) {
     const scene::file::Scene& scene = *request.scene;
     image::SheetSpec spec{.title = scene.title,
-                          .subtitle = {fmt::format("{}, {} x {} pixels", scene.id, scene.width, scene.height),
+                          .subtitle = {fmt::format("{}, {} x {} pixels; percentages are of all of them", scene.id,
+                                                   scene.width, scene.height),
                                        "the picture of each form in each format, beside the certified one"},
                           .forms = {"certified"},
                           .formats = {},
                           .field_width = scene.width,
                           .field_height = scene.height,
-                          .scale = std::nullopt,
+                          .scales = {},
                           .unit = "",
                           .legend = {{"not a number", nan_colour, ""}, {"colour not proved", unproved_colour, ""}}};
     spec.forms.insert(spec.forms.end(), grid_.forms.begin(), grid_.forms.end());

@@ -1,6 +1,7 @@
 #include "output/sweep/exhaustive_files.hpp"
 
 #include <cmath>
+#include <span>
 
 #include "measure/truth/lost_bits.hpp"
 #include "output/file/datapackage.hpp"
@@ -38,7 +39,7 @@ void put_subject(std::vector<Column>& columns, const std::string& of) {
 
 void put_outcomes(std::vector<Column>& columns) {
     columns.push_back({"floats", "integer", "", "how many were tried: counted"});
-    for (const auto name : measure::answer::outcome_names)
+    for (const auto name : std::span(measure::answer::outcome_names).first(measure::answer::outcomes_of_one_solid))
         columns.push_back({std::string(name), "integer", "", "floats with this outcome"});
 }
 

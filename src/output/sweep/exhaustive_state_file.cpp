@@ -87,7 +87,7 @@ std::optional<FloatTally::Wrong> read_wrong(StateReader& in) {
     const auto outcome = in.optional<int>();
     if (place.has_value() != outcome.has_value()) in.damaged();
     if (!place) return std::nullopt;
-    if (*outcome < 0 || *outcome >= static_cast<int>(measure::answer::outcome_names.size())) in.damaged();
+    if (*outcome < 0 || *outcome >= static_cast<int>(measure::answer::outcomes_of_one_solid)) in.damaged();
     return FloatTally::Wrong{*place, static_cast<Outcome>(*outcome)};
 }
 

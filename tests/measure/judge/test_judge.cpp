@@ -45,7 +45,6 @@ void require_same(const map::MapSummary& a, const map::MapSummary& b) {
     CHECK(a.rays == b.rays);
     CHECK(a.outcomes == b.outcomes);
     CHECK(a.true_hits == b.true_hits);
-    CHECK(a.wrong_object == b.wrong_object);
     REQUIRE(a.metrics.size() == b.metrics.size());
     const auto same = [](double x, double y) { return x == y || (std::isnan(x) && std::isnan(y)); };
     for (std::size_t m = 0; m < a.metrics.size(); ++m) {

@@ -172,6 +172,7 @@ TEST_CASE("what suffices on one ray", "[needed]") {
     hit.decision = measure::truth::Truth::Decision::hit;
     hit.t = measure::truth::exactly(4);
     hit.distance = measure::truth::exactly(8);
+    hit.object = 3;
     open.decision = measure::truth::Truth::Decision::unresolved;
     const intersect::Info& any = *form("sphere.schoolbook").info;
     const intersect::Info& unit = *form("sphere.unit_half_b").info;
@@ -180,6 +181,8 @@ TEST_CASE("what suffices on one ray", "[needed]") {
     CHECK_FALSE(measure::map::suffices(hit, any, 11, {true, 4}, 12));  // right, but by luck: 11 bits are no 12
     CHECK_FALSE(measure::map::suffices(hit, any, 12, {true, 8}, 12));
     CHECK(measure::map::suffices(hit, unit, 12, {true, 8}, 12));
+    CHECK(measure::map::suffices(hit, any, 12, {true, 4, hit.object}, 12));
+    CHECK_FALSE(measure::map::suffices(hit, any, 12, {true, 4, hit.object + 1}, 12));  // t of another solid
     CHECK_FALSE(measure::map::suffices(hit, any, 53, {false, 4}, 12));
     CHECK_FALSE(measure::map::suffices(hit, any, 53, {true, std::nan("")}, 12));
     CHECK(measure::map::suffices(miss, any, 2, {false, std::nan("")}, 12));

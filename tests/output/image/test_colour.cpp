@@ -6,6 +6,7 @@
 #include "measure/answer/outcome.hpp"
 #include "number/error.hpp"
 #include "output/image/colour.hpp"
+#include "output/image/eyes.hpp"
 #include "output/map/needed_files.hpp"
 #include "output/scratch.hpp"
 
@@ -15,20 +16,6 @@ using namespace lostbits::output::map;
 using namespace lostbits::output::test;
 
 namespace {
-
-using Vector = std::array<double, 3>;
-
-Vector linear(lostbits::output::image::Rgb8 c) {
-    return {linear_light(c.r) / 65535.0, linear_light(c.g) / 65535.0, linear_light(c.b) / 65535.0};
-}
-
-/// What a deuteranope sees: Machado, Oliveira and Fernandes 2009, severity 1, on linear light.
-Vector deuteranope(const Vector& c) {
-    const auto clip = [](double x) { return std::min(1.0, std::max(0.0, x)); };
-    return {clip(0.367322 * c[0] + 0.860646 * c[1] - 0.227968 * c[2]),
-            clip(0.280085 * c[0] + 0.672501 * c[1] + 0.047413 * c[2]),
-            clip(-0.011820 * c[0] + 0.042940 * c[1] + 0.968881 * c[2])};
-}
 
 /// Ottosson's OKLab.
 Vector oklab(const Vector& c) {
@@ -151,7 +138,7 @@ TEST_CASE("a scale clamps, and refuses what has no colour", "[colour]") {
     CHECK(scale.map(inf) == Rgb8{100, 0, 0});
     CHECK(scale.map(-inf) == Rgb8{0, 0, 0});
     CHECK_THROWS_AS(scale.map(std::nan("")), std::invalid_argument);
-    const lostbits::output::image::ColourScale log("grey", grey_ramp(), 1, 16, true);
+    const lostbits::output::image::ColourScale log("grey", grey_ramp(), 1, 16, Spacing::log2);
     CHECK(log.map(4) == Rgb8{50, 0, 0});
     CHECK(log.map(0) == Rgb8{0, 0, 0});
     CHECK(log.map(-3) == Rgb8{0, 0, 0});
@@ -159,8 +146,16 @@ TEST_CASE("a scale clamps, and refuses what has no colour", "[colour]") {
     CHECK(wide.map(0) == Rgb8{50, 0, 0});
     CHECK_THROWS_AS(lostbits::output::image::ColourScale("grey", grey_ramp(), 1, 1), std::invalid_argument);
     CHECK_THROWS_AS(lostbits::output::image::ColourScale("grey", grey_ramp(), 0, inf), std::invalid_argument);
-    CHECK_THROWS_AS(lostbits::output::image::ColourScale("grey", grey_ramp(), 0, 1, true), std::invalid_argument);
+    CHECK_THROWS_AS(lostbits::output::image::ColourScale("grey", grey_ramp(), 0, 1, Spacing::log2),
+                    std::invalid_argument);
     CHECK_THROWS_AS(ColourScale("grey", {Rgb8{}}, 0, 1), std::invalid_argument);
+    const ColourScale root("grey", grey_ramp(), 0, 16, Spacing::root);
+    CHECK(root.map(4) == Rgb8{50, 0, 0});
+    CHECK(root.map(-1) == Rgb8{0, 0, 0});
+    CHECK(root.map(inf) == Rgb8{100, 0, 0});
+    CHECK_THROWS_AS(ColourScale("grey", grey_ramp(), -1, 1, Spacing::root), std::invalid_argument);
+    CHECK(root.is_as(ColourScale("grey", grey_ramp(), 0, 16, Spacing::root)));
+    CHECK_FALSE(root.is_as(ColourScale("grey", grey_ramp(), 0, 16)));
 }
 
 TEST_CASE("ticks are round, within the range and few", "[colour]") {
@@ -179,16 +174,21 @@ TEST_CASE("ticks are round, within the range and few", "[colour]") {
     CHECK(labels({"g", grey_ramp(), 0, 1e-12}, 3) == "0 5e-13 1e-12 ");
     CHECK(labels({"g", grey_ramp(), 0, 53}, 7) == "0 10 20 30 40 50 ");
     CHECK(labels({"g", grey_ramp(), 1.5, 1.6}, 2) == "1.5 1.6 ");
-    CHECK(labels({"g", grey_ramp(), 1.5, 3, true}, 5) == "1.5 3 ");
-    CHECK(labels({"g", grey_ramp(), 1, 16, true}, 9) == "1 2 4 8 16 ");
-    CHECK(labels({"g", grey_ramp(), 0x1p-24, 0x1p24, true}, 5) == "2^-24 2^-12 1 2^12 2^24 ");
-    CHECK(labels({"g", grey_ramp(), 0x1p-4, 1, true}, 9) == "2^-4 2^-3 2^-2 2^-1 1 ");
+    CHECK(labels({"g", grey_ramp(), 1.5, 3, Spacing::log2}, 5) == "1.5 3 ");
+    CHECK(labels({"g", grey_ramp(), 1, 16, Spacing::log2}, 9) == "1 2 4 8 16 ");
+    CHECK(labels({"g", grey_ramp(), 0x1p-24, 0x1p24, Spacing::log2}, 5) == "2^-24 2^-12 1 2^12 2^24 ");
+    CHECK(labels({"g", grey_ramp(), 0x1p-4, 1, Spacing::log2}, 9) == "2^-4 2^-3 2^-2 2^-1 1 ");
+    CHECK(labels({"g", grey_ramp(), 0, 24, Spacing::root}, 6) == "0 1 4 8 16 24 ");
+    CHECK(labels({"g", grey_ramp(), 0, 53, Spacing::root}, 9) == "0 1 4 8 16 32 53 ");
+    CHECK(labels({"g", grey_ramp(), 0, 1, Spacing::root}, 9) == "0 1 ");
     for (int most = 2; most < 12; ++most) {
         for (const double hi : {0.3, 1.0, 7.0, 24.0, 53.0, 1e9}) {
-            INFO(most << ' ' << hi);
-            const auto count = lostbits::output::image::ColourScale("g", grey_ramp(), 0, hi).ticks(most).size();
-            CHECK(count >= 2);
-            CHECK(count <= static_cast<std::size_t>(most));
+            for (const Spacing spacing : {Spacing::linear, Spacing::root}) {
+                INFO(most << ' ' << hi);
+                const auto count = ColourScale("g", grey_ramp(), 0, hi, spacing).ticks(most).size();
+                CHECK(count >= 2);
+                CHECK(count <= static_cast<std::size_t>(most));
+            }
         }
     }
 }

@@ -20,7 +20,8 @@ std::vector<lostbits::output::image::LegendEntry> legend_of(const std::string& c
             {"false hit", outcome_colours[2], count},
             {"false miss", outcome_colours[3], count},
             {"not a number", outcome_colours[4], count},
-            {"unresolved", outcome_colours[5], count}};
+            {"unresolved", outcome_colours[5], count},
+            {"wrong solid", outcome_colours[6], count}};
 }
 
 /// No two samples of a small field alike, and none a colour of the page.
@@ -200,7 +201,7 @@ lostbits::output::image::PngImage sheet_of(const fs::path& path, std::size_t for
          .formats = words("p", formats),
          .field_width = 64,
          .field_height = 32,
-         .scale = viridis(),
+         .scales = {viridis()},
          .unit = "lost bits",
          .legend = legend_of("123456 (99.9%)")});
     std::vector<std::thread> workers;
@@ -237,6 +238,45 @@ TEST_CASE("a contact sheet shows every cell once, whole, with nothing cut off", 
     }
 }
 
+TEST_CASE("where formats differ each line of a sheet has a bar of its own", "[contact_sheet]") {
+    const Scratch folder;
+    const auto ramp = backend().ramp("viridis", 256);
+    const auto sheet = [&](const char* name, std::size_t forms, std::vector<ColourScale> scales) {
+        ContactSheet page(backend(), folder / name,
+                          {.title = "T",
+                           .subtitle = {},
+                           .forms = words("form_", forms),
+                           .formats = {"f32", "f64"},
+                           .field_width = 64,
+                           .field_height = 64,
+                           .scales = std::move(scales),
+                           .unit = "bits",
+                           .legend = {}});
+        page.finish({});
+        return backend().read_png(folder / name);
+    };
+    const auto both = sheet("two.png", 2, {{"viridis", ramp, 0, 24}, {"viridis", ramp, 0, 53}});
+    const auto one = sheet("one.png", 2, {{"viridis", ramp, 0, 24}});
+    // The middle of the ramp is met once in each bar, sixteen pixels wide.
+    const auto bars = [&](const PngImage& image) {
+        int rows = 0;
+        for (int y = 0; y < image.height; ++y) {
+            bool top = false;
+            for (int x = 0; x < image.width; ++x) top |= at(image, x, y) == ramp.back();
+            rows += top;
+        }
+        return rows;
+    };
+    CHECK(bars(one) > 0);
+    CHECK(bars(both) >= 2);
+    CHECK(count_of(both, ramp.back()) >= 32);
+    // Nine forms are two blocks, and every block has its bars.
+    const auto blocks = sheet("blocks.png", 9, {{"viridis", ramp, 0, 24}, {"viridis", ramp, 0, 53}});
+    CHECK(count_of(blocks, ramp.back()) == 2 * count_of(both, ramp.back()));
+    CHECK(rim_is_blank(blocks, image::style::margin - 1));
+    CHECK_THROWS_AS(sheet("three.png", 2, {viridis(), viridis(), viridis()}), std::logic_error);
+}
+
 TEST_CASE("a contact sheet does not show how many threads fed it", "[contact_sheet]") {
     const Scratch folder;
     sheet_of(folder / "a.png", 9, 2, 1);
@@ -254,7 +294,7 @@ TEST_CASE("a cell without data is drawn as such, and a wrong one refused", "[con
                                                  .formats = {"f32"},
                                                  .field_width = 64,
                                                  .field_height = 64,
-                                                 .scale = {},
+                                                 .scales = {},
                                                  .unit = "",
                                                  .legend = {}});
     sheet.add_rows(0, 0, 0, std::vector<lostbits::output::image::Rgb8>(64 * 64, Rgb8{1, 2, 3}));
@@ -272,7 +312,7 @@ TEST_CASE("a cell without data is drawn as such, and a wrong one refused", "[con
                                   .formats = {"f32"},
                                   .field_width = 4,
                                   .field_height = 4,
-                                  .scale = {},
+                                  .scales = {},
                                   .unit = "",
                                   .legend = {}}),
                     std::logic_error);

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <random>
 
@@ -44,6 +45,34 @@ TEST_CASE("a thumbnail averages in linear light, exactly and in any order of row
         CHECK(std::abs(got.r -
                        lostbits::output::image::srgb_byte(static_cast<std::uint16_t>(std::lround(sum / weight)))) <= 1);
         CHECK(got.b == 7);
+    }
+}
+
+TEST_CASE("a thumbnail of categories has no colour that the field has not", "[thumbnail]") {
+    const std::array<Rgb8, 3> names{Rgb8{200, 0, 0}, Rgb8{0, 0, 200}, Rgb8{0, 150, 0}};
+    for (const auto& [width, height] : {std::pair{333, 211}, {161, 160}, {1024, 3}, {160, 400}}) {
+        INFO(width << " x " << height);
+        std::vector<Rgb8> field;
+        for (int y = 0; y < height; ++y) {
+            for (int x = 0; x < width; ++x) field.push_back(names[static_cast<std::size_t>((7 * x + 5 * y) % 3)]);
+        }
+        Thumbnail down(width, height, Thumbnail::Shrink::pick), up(width, height, Thumbnail::Shrink::pick);
+        const auto row = [&](int y) {
+            const auto w = static_cast<std::size_t>(width);
+            return std::span(field).subspan(static_cast<std::size_t>(y) * w, w);
+        };
+        for (int y = 0; y < height; ++y) down.add_rows(y, row(y));
+        for (int y = height - 1; y >= 0; --y) up.add_rows(y, row(y));
+        CHECK((down.pixels() == up.pixels()));
+        // Every pixel is the sample at its middle.
+        for (int j = 0; j < down.height(); ++j) {
+            for (int i = 0; i < down.width(); ++i) {
+                const int x = (2 * i + 1) * width / (2 * down.width()), y = (2 * j + 1) * height / (2 * down.height());
+                if (down.pixels()[static_cast<std::size_t>(j * down.width() + i)] !=
+                    field[static_cast<std::size_t>(y * width + x)])
+                    FAIL_CHECK(i << ", " << j);
+            }
+        }
     }
 }
 

@@ -175,25 +175,30 @@ function valueAt(pixels, metric, i) {
 const ramp = Array.from(
     { length: 256 }, (_, i) => [0, 2, 4].map((k) => parseInt(index.ramp.slice(6 * i + k, 6 * i + k + 2), 16)));
 
-function rampAt(metric, value) {
-    if (value <= metric.lo) return ramp[0];
-    if (value >= metric.hi) return ramp[255];
-    const p = metric.log2 ? (Math.log2(value) - Math.log2(metric.lo)) / (Math.log2(metric.hi) - Math.log2(metric.lo)) :
-                            (value / 2 - metric.lo / 2) / (metric.hi / 2 - metric.lo / 2);
+const spacings = { linear: (x) => x / 2, root: Math.sqrt, log2: Math.log2 };
+
+function rampAt(scale, value) {
+    if (value <= scale.lo) return ramp[0];
+    if (value >= scale.hi) return ramp[255];
+    const spaced = spacings[scale.spacing];
+    const p = (spaced(value) - spaced(scale.lo)) / (spaced(scale.hi) - spaced(scale.lo));
     return ramp[Math.round(Math.min(1, Math.max(0, p)) * 255)];
 }
 
-function colourOf(metric, outcome, value) {
+/** The scale of a metric in the format of a row. */
+const scaleOf = (metric, row) => metric.scales[row.format];
+
+function colourOf(metric, row, outcome, value) {
     if (metric.kind === "classes") return index.outcomes[outcome][1];
     if (metric.blamed)
         return Number.isNaN(value) && outcome !== agreeHit ? index.outcomes[outcome][1] :
                                                              metric.categories[Number.isNaN(value) ? 0 : value][1];
     if (metric.marches) {
         if (Number.isNaN(value)) return index.outcomes[outcomeNames.indexOf("not_a_number")][1];
-        return metric.categories ? metric.categories[value][1] : rampAt(metric, value);
+        return metric.categories ? metric.categories[value][1] : rampAt(scaleOf(metric, row), value);
     }
     if (outcome !== agreeHit) return index.outcomes[outcome][1];
-    return Number.isNaN(value) ? index.no_value : rampAt(metric, Math.abs(value));
+    return Number.isNaN(value) ? index.no_value : rampAt(scaleOf(metric, row), Math.abs(value));
 }
 
 /** The field of a metric as a canvas of one pixel a ray. */
@@ -204,8 +209,8 @@ function paint(map, pixels, metric) {
         canvas.height = map.height;
         const context = canvas.getContext("2d"), image = context.createImageData(map.width, map.height);
         for (let i = 0; i < pixels.outcome.length; ++i) {
-            const [r, g, b] =
-                colourOf(metric, pixels.outcome[i], metric.kind === "classes" ? NaN : valueAt(pixels, metric, i));
+            const value = metric.kind === "classes" ? NaN : valueAt(pixels, metric, i);
+            const [r, g, b] = colourOf(metric, pixels.row, pixels.outcome[i], value);
             image.data.set([r, g, b, 255], 4 * i);
         }
         context.putImageData(image, 0, 0);

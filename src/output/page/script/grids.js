@@ -57,7 +57,7 @@ function cellLook(sweep, row, statistic, cell) {
     const value = drawnValue(sweep, row, statistic, cell), wrong = isFraction(statistic) ? -1 : mostlyWrong(counts);
     if (wrong >= 0) return { colour: index.outcomes[wrong][1], text: "" };
     if (Number.isNaN(value)) return { colour: null, text: "" };
-    return { colour: rampAt(isFraction(statistic) ? { lo: 0, hi: 1, log2: false } : sweep.scale, value), text: "" };
+    return { colour: rampAt(isFraction(statistic) ? { lo: 0, hi: 1, spacing: "linear" } : sweep.scale, value), text: "" };
 }
 
 const paler = (sweep, colour) => colour.map((x, k) => (x + sweep.paper[k]) >> 1);

@@ -41,9 +41,9 @@ function culpritLegend(metric, pixels) {
 
 async function drawLegend() {
     const metric = metricNow(), row = rowNow(), children = [];
-    if (metric.ticks)
+    if (metric.scales)
         children.push(rampBar(
-            metric.ticks,
+            scaleOf(metric, row).ticks,
             `${words(metric.name)}${
                 metric.unit && metric.unit !== "1" && !metric.name.includes(metric.unit) ? `, ${metric.unit}` : ""}`));
     if (metric.blamed) children.push(...culpritLegend(metric, await pixelsOf(mapNow(), row)));
@@ -54,7 +54,7 @@ async function drawLegend() {
     if (metricNow() !== metric || rowNow() !== row) return;  // another is looked at by now
     if (!metric.marches) {
         const wrongOnes =
-            ["false_hit", "false_miss"].map((name) => outcomeNames.indexOf(name));  // a culprit is named for those too
+            ["false_hit", "false_miss", "wrong_object"].map((name) => outcomeNames.indexOf(name));  // a culprit is named for those too
         index.outcomes.forEach(([name, colour], o) => {
             if (metric.blamed && wrongOnes.includes(o)) return;
             if (row.outcomes[o] > 0 && (o !== agreeHit || metric.kind === "classes"))

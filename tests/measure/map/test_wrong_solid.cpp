@@ -1,0 +1,70 @@
+// A hit of another solid than the ray meets first: an outcome of its own, on which no error is measured.
+#include <algorithm>
+#include <cmath>
+
+#include "catch.hpp"
+#include "measure/map/map.hpp"
+#include "measure/map/summary_columns.hpp"
+#include "measure/rows.hpp"
+#include "scene/file/scene.hpp"
+
+namespace lostbits::test {
+
+using measure::answer::Outcome;
+using measure::map::MapSummary;
+
+namespace {
+
+/// Counts for itself what a band shows.
+class Recount final : public measure::map::MapSink {
+public:
+    void band(const measure::map::BandResult& result) override {
+        for (std::size_t i = 0; i < result.outcomes.size(); ++i) {
+            const auto truth = result.truth(i);
+            const bool both = truth.is_hit() && result.answers->hit[i] != 0 && !std::isnan(result.answers->t[i]);
+            const bool other = both && truth.object != result.answers->object[i];
+            wrong += other;
+            mistaken += other != (result.outcomes[i] == Outcome::wrong_object);
+            mistaken += (result.outcomes[i] == Outcome::agree_hit) != (both && !other);
+            for (const auto& values : result.metrics)
+                mistaken += std::isnan(values[i]) != (result.outcomes[i] != Outcome::agree_hit);
+        }
+    }
+    std::uint64_t wrong = 0, mistaken = 0;
+};
+
+}  // namespace
+
+TEST_CASE("a hit of the wrong solid is no agreed hit, and no error is measured there", "[outcome]") {
+    const auto found = scene::file::find_scene("rtg-fig-7-6-far", LOSTBITS_DATA_DIR);
+    const auto scene =
+        scene::file::load_scene(found.path, {.variant = found.variant, .size = std::pair{96, 96}}).front();
+    const measure::map::MapRequest request{
+        .scene = &scene,
+        .rows = {testing::row("sphere.schoolbook", "f32"), testing::row("sphere.schoolbook", "f64")},
+        .metrics = {measure::metric::find_metric("lost_bits"), measure::metric::find_metric("ulp_error")}};
+    Recount single, wide;
+    const auto summaries = measure::map::run_map(request, {&single, &wide});
+    CHECK(single.wrong > 500);
+    CHECK(wide.wrong == 0);
+    CHECK(single.mistaken + wide.mistaken == 0);
+
+    const MapSummary& s = summaries.front();
+    CHECK(s.count(Outcome::wrong_object) == single.wrong);
+    CHECK(s.metrics[0].count() == s.count(Outcome::agree_hit));
+    CHECK(s.agreement().agreed == s.count(Outcome::agree_hit));
+    CHECK(s.agreement().true_hits == s.true_hits);
+    CHECK(s.true_hits == s.count(Outcome::agree_hit) + s.count(Outcome::wrong_object) + s.count(Outcome::false_miss));
+    // It is what goes wrong most often here, so the ray that stands for faults is one.
+    CHECK(s.wrong() == Outcome::wrong_object);
+    REQUIRE(s.fault() != nullptr);
+    CHECK(s.fault()->outcome == Outcome::wrong_object);
+    CHECK(s.fault()->t != s.fault()->truth);
+
+    const auto columns = measure::map::summary_columns(request.metrics);
+    CHECK(measure::map::find_column(columns, "wrong_object")->value(s) == static_cast<double>(single.wrong));
+    CHECK(measure::map::find_column(columns, "wrong_object_fraction")->value(s) ==
+          static_cast<double>(single.wrong) / static_cast<double>(s.true_hits));
+}
+
+}  // namespace lostbits::test

@@ -1,0 +1,82 @@
+// Classes are told apart by every eye: between any two of one picture CIEDE2000 is at least 25, for an ordinary eye, a
+// deuteranope's and a protanope's.
+#include <string>
+
+#include "catch.hpp"
+#include "output/image/colour.hpp"
+#include "output/image/eyes.hpp"
+#include "output/map/map_colour.hpp"
+#include "output/map/needed_files.hpp"
+#include "output/picture/render_colour.hpp"
+
+using namespace lostbits::output;
+using namespace lostbits::output::test;
+using lostbits::measure::answer::Outcome;
+using lostbits::output::image::outcome_colours;
+using lostbits::output::image::Rgb8;
+
+namespace {
+
+constexpr double least = 25;
+
+void check_apart(const std::string& what, const std::vector<Rgb8>& classes) {
+    struct Eye {
+        const char* name;
+        Vector (*see)(const Vector&);
+    };
+    for (const auto& [name, see] :
+         {Eye{"any", any_eye}, Eye{"deuteranope", deuteranope}, Eye{"protanope", protanope}}) {
+        for (std::size_t i = 0; i < classes.size(); ++i) {
+            for (std::size_t j = 0; j < i; ++j) {
+                INFO(what << ", " << name << ": class " << i << " against " << j);
+                CHECK(ciede2000(cielab(see(linear(classes[i]))), cielab(see(linear(classes[j])))) >= least);
+            }
+        }
+    }
+}
+
+std::vector<Rgb8> colours_of(const std::vector<image::LegendEntry>& legend) {
+    std::vector<Rgb8> colours;
+    for (const image::LegendEntry& entry : legend) colours.push_back(entry.colour);
+    return colours;
+}
+
+}  // namespace
+
+TEST_CASE("CIEDE2000 is that of its authors' test data", "[colour]") {
+    // Sharma, Wu and Dalal 2005, table 1: pairs 1, 4, 7, 9, 17, 20, 25 and 33.
+    struct Pair {
+        Vector one, other;
+        double apart;
+    };
+    for (const auto& [one, other, apart] :
+         {Pair{{50, 2.6772, -79.7751}, {50, 0, -82.7485}, 2.0425},
+          Pair{{50, -1.3802, -84.2814}, {50, 0, -82.7485}, 1.0000}, Pair{{50, 0, 0}, {50, -1, 2}, 2.3669},
+          Pair{{50, 2.49, -0.001}, {50, -2.49, 0.0009}, 7.1792}, Pair{{50, 2.5, 0}, {73, 25, -18}, 27.1492},
+          Pair{{50, 2.5, 0}, {58, 24, 15}, 19.4535},
+          Pair{{60.2574, -34.0099, 36.2677}, {60.4626, -34.1751, 39.4387}, 1.2644},
+          Pair{{6.7747, -0.2908, -2.4247}, {5.8714, -0.0985, -2.2286}, 0.6377}}) {
+        CHECK(std::fabs(ciede2000(one, other) - apart) < 6e-5);
+        CHECK(std::fabs(ciede2000(other, one) - apart) < 6e-5);
+    }
+}
+
+TEST_CASE("every eye tells the classes of a picture apart", "[colour]") {
+    check_apart("outcomes", {outcome_colours.begin(), outcome_colours.end()});
+    check_apart("stops", {image::stop_colours.begin(), image::stop_colours.end()});
+    check_apart("pairs", {image::against_colours.begin(), image::against_colours.end()});
+    check_apart("bits needed", {map::beyond_colour, outcome_colours[static_cast<std::size_t>(Outcome::unresolved)]});
+    auto seen = colours_of(picture::widest_seen_legend(1));
+    seen.push_back(outcome_colours.front());
+    check_apart("what is seen", seen);
+    check_apart("shadows", colours_of(picture::widest_shadow_legend(1)));
+}
+
+TEST_CASE("an outcome has a colour and a name, the wrong solid too", "[colour]") {
+    const auto legend = map::widest_legend(1);
+    REQUIRE(legend.size() == outcome_colours.size() - 1);
+    CHECK(legend.back().label == "wrong solid");
+    CHECK(legend.back().colour == outcome_colours[static_cast<std::size_t>(Outcome::wrong_object)]);
+    CHECK(map::plain_name(Outcome::agree_hit) == "correct hit");
+    for (const image::LegendEntry& entry : map::without_counts(legend)) CHECK(entry.count.empty());
+}

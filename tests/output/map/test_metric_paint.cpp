@@ -1,0 +1,107 @@
+// What the colours and captions of maps say.
+#include <cmath>
+#include <limits>
+
+#include "catch.hpp"
+#include "output/map/metric_paint.hpp"
+#include "output/scratch.hpp"
+
+using namespace lostbits::output;
+using namespace lostbits::output::map;
+using namespace lostbits::output::test;
+using lostbits::binary32;
+using lostbits::binary64;
+using lostbits::measure::answer::Outcome;
+using lostbits::measure::map::MapSummary;
+using lostbits::measure::metric::find_metric;
+using lostbits::measure::metric::Metric;
+
+namespace {
+
+/// A row of 1000 pixels with these lost bits on its agreed hits, and these outcomes beside them.
+MapSummary summary_of(double lost, std::initializer_list<std::pair<Outcome, std::uint64_t>> outcomes) {
+    MapSummary s({find_metric("lost_bits")});
+    s.rays = 1000;
+    for (const auto& [outcome, n] : outcomes) s.outcomes[static_cast<std::size_t>(outcome)] = n;
+    for (const Outcome o : {Outcome::agree_hit, Outcome::false_miss, Outcome::wrong_object}) s.true_hits += s.count(o);
+    for (std::uint64_t i = 0; i < s.count(Outcome::agree_hit); ++i) s.metrics[0].add(lost);
+    return s;
+}
+
+std::string glance(const MapSummary& s, const lostbits::FloatFormat& format = binary32,
+                   const char* name = "lost_bits") {
+    return MetricPaint(*find_metric(name), format, backend()).glance(s, 0);
+}
+
+}  // namespace
+
+TEST_CASE("a colour is a share of the significand, in every format", "[metric_paint]") {
+    const Metric& lost = *find_metric("lost_bits");
+    const auto single = metric_scale(lost, binary32, backend()), wide = metric_scale(lost, binary64, backend());
+    CHECK(single.hi() == 24);
+    CHECK(wide.hi() == 53);
+    for (const double share : {0.0, 0.125, 0.25, 0.5, 1.0}) CHECK(single.map(24 * share) == wide.map(53 * share));
+    CHECK(single.map(6) == single.at(0.5));  // a quarter of the significand is half of the ramp
+    CHECK(single.map(1) != single.map(0));
+    CHECK(wide.map(23) != wide.map(53));  // not as bad as it gets: 30 are kept
+    // What is kept is no loss: evenly spaced.
+    CHECK(metric_scale(*find_metric("correct_bits"), binary32, backend()).map(12) == single.at(0.5));
+    CHECK_FALSE(MetricPaint(lost, binary32, backend()).shares_with(*find_metric("correct_bits")));
+}
+
+TEST_CASE("magnitudes fit the format", "[metric_paint]") {
+    for (const char* name : {"ulp_error", "model_error", "input_error", "rounding_error"}) {
+        CHECK(metric_scale(*find_metric(name), binary32, backend()).hi() == 0x1p24);
+        CHECK(metric_scale(*find_metric(name), binary64, backend()).hi() == 0x1p53);
+    }
+    CHECK(metric_scale(*find_metric("relative_error"), binary32, backend()).lo() == 0x1p-30);
+    CHECK(metric_scale(*find_metric("relative_error"), binary64, backend()).lo() == 0x1p-59);
+    CHECK(metric_scale(*find_metric("condition"), binary64, backend()).lo() == 1);
+    const auto asked = metric_scale(*find_metric("ulp_error"), binary64, backend(), Range{1, 16});
+    CHECK(asked.map(4) == asked.at(0.5));
+    const auto bits = metric_scale(*find_metric("lost_bits"), binary64, backend(), Range{2, 6});
+    CHECK(bits.map(4) == bits.at(0.5));
+}
+
+TEST_CASE("decisions lead, and the hits behind a quantile are counted", "[metric_paint]") {
+    CHECK(glance(summary_of(12, {{Outcome::agree_hit, 400}, {Outcome::agree_miss, 600}})) ==
+          "p99 12.0 of 24 lost, 12 kept\nof 400 agreed hits");
+    CHECK(glance(summary_of(22.75, {{Outcome::agree_hit, 400}, {Outcome::agree_miss, 600}}), binary64) ==
+          "p99 22.8 of 53 lost, 30 kept\nof 400 agreed hits");
+    // Of all pixels, whatever kind of wrong; the most frequent first.
+    CHECK(glance(summary_of(18, {{Outcome::agree_hit, 200},
+                                 {Outcome::false_miss, 50},
+                                 {Outcome::false_hit, 20},
+                                 {Outcome::wrong_object, 730}})) ==
+          "73% wrong solid, 5.0% false miss, 2.0% false hit\np99 18.0 of 24 lost, 6.0 kept\nof 200 agreed hits");
+    CHECK(glance(summary_of(0.7, {{Outcome::agree_hit, 5}, {Outcome::false_miss, 895}, {Outcome::agree_miss, 100}})) ==
+          "90% false miss\nno p99: 5 of 900 hits agree");
+    CHECK(glance(summary_of(0, {{Outcome::false_miss, 900}, {Outcome::agree_miss, 100}})) ==
+          "90% false miss\nno correct hit");
+    CHECK(glance(summary_of(0, {{Outcome::agree_miss, 1000}})) == "no ray hits");
+    CHECK(MetricPaint(*find_metric("lost_bits"), binary32, backend())
+              .caption(summary_of(1, {{Outcome::agree_hit, 999}, {Outcome::not_a_number, 1}}), 0) ==
+          "0.1% NaN; p99 1.0 of 24 lost, 23 kept; of 999 agreed hits");
+}
+
+TEST_CASE("nothing is written as 0", "[metric_paint]") {
+    CHECK(glance(summary_of(0, {{Outcome::agree_hit, 1000}}), binary32, "excess_bits") ==
+          "p99 0 bits\nof 1000 agreed hits");
+    CHECK(glance(summary_of(0.25, {{Outcome::agree_hit, 1000}}), binary32, "relative_error") ==
+          "p99 0.25\nof 1000 agreed hits");
+}
+
+TEST_CASE("a hit without a value has its outcome's colour, and the legend names it", "[metric_paint]") {
+    const MetricPaint paint(*find_metric("lost_bits"), binary32, backend());
+    CHECK(paint.colour(Outcome::agree_hit, std::numeric_limits<double>::quiet_NaN()) == image::outcome_colours[0]);
+    MapSummary s = summary_of(3, {{Outcome::agree_hit, 600}, {Outcome::agree_miss, 400}});
+    CHECK(paint.hits_without_value(s, 0) == 0);
+    CHECK(paint.legend(s, 0, 0).size() == 1);
+    s.outcomes[static_cast<std::size_t>(Outcome::agree_hit)] += 7;
+    CHECK(paint.hits_without_value(s, 0) == 7);
+    const auto legend = paint.legend(s, 0, 7);
+    REQUIRE(legend.size() == 2);
+    CHECK(legend.back().label == "correct hit without a value");
+    CHECK(legend.back().colour == image::outcome_colours[0]);
+    CHECK(paint.colour(Outcome::wrong_object, 0) == image::outcome_colours[6]);
+}
