@@ -17,8 +17,8 @@ foreach(library libmpfr6 libmpfi0 libopenimageio libtbb fonts-dejavu-core)
     endif()
 endforeach()
 
-# Into a root of its own: this machine is not changed, what the package depends on is the machine's, and no script of the
-# package (ldconfig) runs.
+# Into a root of its own: this machine is not changed, what the package depends on is the machine's, and no script of
+# the package (ldconfig) runs.
 set(root ${WORK_DIR}/root)
 file(MAKE_DIRECTORY ${root}/var/lib/dpkg/info ${root}/var/lib/dpkg/updates)
 file(TOUCH ${root}/var/lib/dpkg/status)
