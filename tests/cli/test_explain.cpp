@@ -276,7 +276,7 @@ TEST_CASE("explain refuses what it cannot read, and says why") {
              {"explain near-benign --ray 0,0,0,0,0,0 -i sphere.unified", "is not a ray; its numbers must be finite"},
              {"explain near-benign --pixel 1,1 -i box.signs", "has no solids"},
              {"explain near-benign --pixel 1,1 -i sphere.double_inside -f f64", "does not exist"},
-             {"explain near-benign --pixel 1,1 -i sphere.unified --json --c", "at most 1"},
+             {"explain near-benign --pixel 1,1 -i sphere.unified --json --c", "only one of them"},
              {"explain near-benign --pixel 1,1 -i sphere.double_inside -f p2", "try -f f32"},
              {"explain near-benign --ray 0,0,0,0,0,x -i sphere.unified", "\"x\" is not a number"},
              {"explain near-benign --ray 0,0,0,0,0,1e400 -i sphere.unified",

@@ -17,12 +17,13 @@ foreach(library libmpfr6 libmpfi0 libopenimageio libtbb fonts-dejavu-core)
     endif()
 endforeach()
 
-# Into a root of its own: this machine is not changed, and what the package depends on is the machine's.
+# Into a root of its own: this machine is not changed, what the package depends on is the machine's, and no script of
+# the package (ldconfig) runs.
 set(root ${WORK_DIR}/root)
 file(MAKE_DIRECTORY ${root}/var/lib/dpkg/info ${root}/var/lib/dpkg/updates)
 file(TOUCH ${root}/var/lib/dpkg/status)
 step(dpkg --root=${root} --log=${WORK_DIR}/dpkg.log --force-depends --force-not-root --force-bad-path
-    --install ${package})
+    --unpack ${package})
 set(program ${root}/usr/bin/lostbits)
 
 function(run)

@@ -161,7 +161,9 @@ TEST_CASE("a sweep goes by its path below data/sweeps, or by its own name where 
     CHECK(find_sweep("c/top", data.path()) == top);
     CHECK(find_sweep(near.string(), "nowhere") == near);
     CHECK(error_of([&] { find_sweep("both", data.path()); }).find("\"a/both\"") != std::string::npos);
-    CHECK(error_of([&] { find_sweep("nar", data.path()); }).starts_with("nar: is neither a file nor the name of a sweep"));
+    CHECK(error_of([&] {
+              find_sweep("nar", data.path());
+          }).starts_with("nar: is neither a file nor the name of a sweep"));
 }
 
 TEST_CASE("a sweep drawn again has other rays at the same places; one over a scene has none to draw") {
