@@ -72,6 +72,20 @@ async function trade({ browser, report }) {
     const named = await page.evaluate(() => tradeParts.under.name);
     await page.mouse.click(box.x + local.x, box.y + local.y);
     assert.equal((await stateOf(page)).form, named);
+    // Names of the front lie on no point and on no other name.
+    const covered = await page.evaluate(() => {
+        const { plot, points, named } = tradeParts, boxes = named.map((n) => n.box);
+        const on = ([x, y, w, h], [a, b, c, d]) => x < a + c && a < x + w && y < b + d && b < y + h;
+        const dots =
+            points.map((p) => [plot.valToPos(p.time_ns, "x", true), plot.valToPos(p.kept_bits, "y", true), 1, 1]);
+        return {
+            names: boxes.length,
+            points: boxes.filter((b) => dots.some((d) => on(b, d))).length,
+            others: boxes.filter((b, i) => boxes.some((o, j) => i !== j && on(b, o))).length
+        };
+    });
+    assert.ok(covered.names > 0);
+    assert.deepEqual([covered.points, covered.others], [0, 0]);
     // By the keyboard: from point to point by time, Enter for the map of one that has a map here (variants of compiler
     // flags have none).
     const walked = [],

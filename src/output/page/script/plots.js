@@ -15,7 +15,7 @@ function onPage(colour) {
 }
 
 /** As wide as there is room. */
-const plotSize = (element) => ({ width: Math.max(240, Math.min(1100, element.clientWidth)), height: 380 });
+const plotSize = (element) => ({ width: Math.max(240, Math.min(1500, element.clientWidth)), height: 380 });
 
 /** `2^10` for powers of two beyond what reads well plainly. */
 function tickText(x) {

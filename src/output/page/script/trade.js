@@ -61,6 +61,13 @@ function nameFront(plot) {
     const placed = tradeParts.points.map(
         (p) => ({ p, x: plot.valToPos(p.time_ns, "x", true), y: plot.valToPos(p.kept_bits, "y", true) }));
     for (const { x, y } of placed) taken.push([x - 6 * k, y - 6 * k, 12 * k, 12 * k]);
+    // Nor on the steps of the front: right, then up or down.
+    const front = placed.filter((q) => !q.p.dominated);
+    front.slice(1).forEach(({ x, y }, i) => {
+        const from = front[i];
+        taken.push([from.x, from.y - k, x - from.x, 2 * k]);
+        taken.push([x - k, Math.min(y, from.y), 2 * k, Math.abs(y - from.y)]);
+    });
     const free = ([x, y, w, h]) => x >= bbox.left && y >= bbox.top && x + w <= bbox.left + bbox.width &&
         y + h <= bbox.top + bbox.height &&
         taken.every(([a, b, c, d]) => x >= a + c || a >= x + w || y >= b + d || b >= y + h);
@@ -69,7 +76,7 @@ function nameFront(plot) {
     context.textBaseline = "middle";
     context.textAlign = "left";
     tradeParts.named = [];
-    for (const { p, x, y } of placed.filter((q) => !q.p.dominated)) {
+    for (const { p, x, y } of front) {
         const text = p.form.slice(p.form.indexOf(".") + 1), w = context.measureText(text).width + 4 * k, h = 14 * k;
         const boxes = [8, 20, 34, 50, 70].flatMap((away) => {
             const d = away * k;
