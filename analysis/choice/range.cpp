@@ -23,7 +23,7 @@ std::optional<double> number(std::string_view text) {
 
 }  // namespace
 
-std::optional<output::map::Range> parse_range(const std::string& text, const std::vector<const Metric*>& drawn) {
+std::optional<output::map::BarRange> parse_range(const std::string& text, const std::vector<const Metric*>& drawn) {
     if (text.empty()) return std::nullopt;
     const std::size_t colon = text.find(':');
     const auto lo = number(std::string_view(text).substr(0, colon));
@@ -44,7 +44,7 @@ std::optional<output::map::Range> parse_range(const std::string& text, const std
     if (first->ramp == Ramp::magnitude && !(*lo > 0))
         throw InputError(fmt::format("--range {}: the bar of {} is logarithmic, so both ends are above 0, like 1:1000",
                                      text, first->name));
-    return output::map::Range{*lo, *hi};
+    return output::map::BarRange{*lo, *hi};
 }
 
 }  // namespace lostbits::analysis::choice

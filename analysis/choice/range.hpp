@@ -11,7 +11,7 @@ namespace lostbits::analysis::choice {
 
 /// `LO:HI`, in the unit of the metrics that are drawn; nothing where the text is empty. InputError for what is no
 /// range, where the metrics have several units or no bar, and for an end that a logarithm cannot have.
-std::optional<output::map::Range> parse_range(const std::string& text,
-                                              const std::vector<const measure::metric::Metric*>& drawn);
+std::optional<output::map::BarRange> parse_range(const std::string& text,
+                                                 const std::vector<const measure::metric::Metric*>& drawn);
 
 }  // namespace lostbits::analysis::choice

@@ -34,7 +34,7 @@ std::string plain_name(Outcome o) {
 }
 
 ColourScale metric_scale(const measure::metric::Metric& metric, const FloatFormat& format, image::ImageBackend& backend,
-                         const std::optional<Range>& range) {
+                         const std::optional<BarRange>& range) {
     using measure::metric::Ramp;
     const bool magnitude = metric.ramp == Ramp::magnitude;
     const double p = format.precision;

@@ -14,9 +14,9 @@
 namespace lostbits::output::map {
 
 /// The ends of a colour bar, where someone asks for them: `lo < hi`, and `lo > 0` for a metric drawn by its magnitude.
-struct Range {
+struct BarRange {
     double lo, hi;
-    friend bool operator==(const Range&, const Range&) = default;
+    friend bool operator==(const BarRange&, const BarRange&) = default;
 };
 
 /// The scale of a metric in a format. Lost bits run from 0 to all p of the significand, so that a colour is a share of
@@ -24,7 +24,7 @@ struct Range {
 /// significand is half of the ramp. Magnitudes fit the format as well (`Metric::high`). A `range` is spaced evenly, or
 /// by logarithms where the metric is.
 image::ColourScale metric_scale(const measure::metric::Metric& metric, const FloatFormat& format,
-                                image::ImageBackend& backend, const std::optional<Range>& range = {});
+                                image::ImageBackend& backend, const std::optional<BarRange>& range = {});
 /// One scale of bits for plots that mix formats: evenly from 0 to the widest of the significands but at most a float's
 /// 24.
 image::ColourScale metric_scale(const measure::metric::Metric& metric, std::span<const measure::map::MapRow> rows,

@@ -26,7 +26,7 @@ struct MapFilesOptions {
     std::vector<file::DataResource> also = {};  ///< tables that others write into the folder, for datapackage.json
     NameOfRay name_of_ray = {};                 ///< in place of `named`, where the rays are those of a file
     bool listed = false;                        ///< the rays are a list and no picture: none is drawn
-    std::optional<Range> range = {};            ///< of every colour bar; absent: what fits each format
+    std::optional<BarRange> range = {};         ///< of every colour bar; absent: what fits each format
 };
 
 /// Opens every file of a map at once, before any work; serves as the sinks of its rows; and gives all files their final

@@ -67,7 +67,7 @@ std::string lost_and_kept(double lost, int precision) {
 }  // namespace
 
 MetricPaint::MetricPaint(const Metric& metric, const FloatFormat& format, image::ImageBackend& backend,
-                         const std::optional<Range>& range)
+                         const std::optional<BarRange>& range)
     : metric_(&metric), precision_(format.precision), ranged_(range.has_value()) {
     if (metric.ramp != measure::metric::Ramp::categories) scale_ = metric_scale(metric, format, backend, range);
 }

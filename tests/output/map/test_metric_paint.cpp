@@ -57,9 +57,9 @@ TEST_CASE("magnitudes fit the format", "[metric_paint]") {
     CHECK(metric_scale(*find_metric("relative_error"), binary32, backend()).lo() == 0x1p-30);
     CHECK(metric_scale(*find_metric("relative_error"), binary64, backend()).lo() == 0x1p-59);
     CHECK(metric_scale(*find_metric("condition"), binary64, backend()).lo() == 1);
-    const auto asked = metric_scale(*find_metric("ulp_error"), binary64, backend(), Range{1, 16});
+    const auto asked = metric_scale(*find_metric("ulp_error"), binary64, backend(), BarRange{1, 16});
     CHECK(asked.map(4) == asked.at(0.5));
-    const auto bits = metric_scale(*find_metric("lost_bits"), binary64, backend(), Range{2, 6});
+    const auto bits = metric_scale(*find_metric("lost_bits"), binary64, backend(), BarRange{2, 6});
     CHECK(bits.map(4) == bits.at(0.5));
 }
 
