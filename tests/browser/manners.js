@@ -26,7 +26,7 @@ const boxOf = (page, selector) => page.$eval(selector, (e) => {
 });
 
 /**
- * The first paragraph says what the page is and what to do first; what a scene shows is a click away; neither half of a
+ * The first paragraph says what the page is and what to do first; what a scene shows stands open; neither half of a
  * wide window is left blank.
  */
 async function opening({ browser, report, grids }) {
@@ -38,8 +38,7 @@ async function opening({ browser, report, grids }) {
     assert.match(
         await (await browser.page(grids)).locator("#opening").innerText(), /First, choose a statistic under Sweeps/);
     for (const [view, note] of [["#map-view", "#scene-note"], ["#sweep-view", "#sweep-note"]]) {
-        assert.equal(await page.$eval(note, (e) => e.open), false, note);
-        await page.locator(`${view} ${note} summary`).press("Enter");
+        assert.equal(await page.$eval(note, (e) => e.open), true, note);
         assert.ok((await page.locator(`${note} p`).innerText()).length > 20, note);
     }
     for (const width of [1280, 1920]) {
@@ -67,7 +66,7 @@ async function subjects({ browser, report }) {
     const height = await page.$eval("#claims", (e) => e.offsetHeight);
     assert.ok(height < 250 + 110 * count, `${height} px for ${count} closed subjects`);
     const red = rgbOf(await page.$eval(".tiles .refuted b", (e) => getComputedStyle(e).color));
-    assert.ok(red[0] > 150 && red[0] > 2 * red[1] && red[0] > 2 * red[2], `refuted is ${red}`);
+    assert.ok(red[0] < 2 * red[1], `a finding, not an alarm: refuted is ${red}`);
     assert.match(await subject.first().locator("summary").innerText(), /\d+ claims?: .*(holds?|refuted)/);
 
     await page.locator("#open-claims").press("Enter");

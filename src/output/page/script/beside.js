@@ -26,10 +26,10 @@ async function otherAnswer(map, row, x, y) {
         ` B: ${words(outcomeNames[outcome])}: ${title(row)}${answer}${lost}`);
 }
 
-/** What a scene or sweep is to show, closed until it is asked for. */
+/** What a scene or sweep is to show, open until it is closed. */
 function noteBox(id) {
     const text = make("p"),
-          box = make("details", { className: "note", id }, make("summary", {}, "What to look for"), text);
+          box = make("details", { className: "note", id, open: true }, make("summary", {}, "What to look for"), text);
     return [
         box,
         (note) => {
