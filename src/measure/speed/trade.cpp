@@ -113,8 +113,8 @@ std::vector<TradeKernel> trade_kernels(const std::vector<MapRow>& rows) {
         const intersect::Info* const form = row.form->info;
         for (const intersect::simd::Isa isa : intersect::simd::available_isas()) {
             if (isa != intersect::simd::Isa::scalar && !is_packed(*row.form, isa)) continue;
-            const intersect::simd::PackedRow kernels = packed_kernels(*row.form, isa);
-            add({.measured = row, .form = form, .isa = name_of(isa)}, kernels.f32, kernels.f64);
+            const intersect::simd::PackedRow packed = packed_kernels(*row.form, isa);
+            add({.measured = row, .form = form, .isa = name_of(isa)}, packed.f32, packed.f64);
         }
         const auto number = static_cast<std::size_t>(row.form - intersect::table::intersectors().data());
         if (number >= intersect::table::catalogue().size()) continue;  // nobody compiled it with other flags
