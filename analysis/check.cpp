@@ -5,6 +5,7 @@
 #include <memory>
 #include <set>
 
+#include "analysis/choice/doors.hpp"
 #include "analysis/choice/options.hpp"
 #include "analysis/choice/select.hpp"
 #include "commands.hpp"
@@ -90,8 +91,8 @@ void print(const Claim& claim, const ClaimResult& r, const CheckOptions& o, bool
                    output::file::hex(r.witness.ray.direction.y), output::file::hex(r.witness.ray.direction.z));
     }
     if (const std::string command = output::claim::explain_witness(claim, r); !command.empty())
-        fmt::print("         explain it: {}\n", command);
-    fmt::print("         reproduce: {}\n", output::claim::reproduce(claim));
+        fmt::print("         explain it: {}{}\n", command, choice::words_of_doors());
+    fmt::print("         reproduce: {}{}\n", output::claim::reproduce(claim), choice::words_of_doors());
     if (o.annotations == "github" && r.state != State::skipped) {
         fmt::print("::{} file={},line={},title={}::{}\n", std::string_view(word) == "warning" ? "warning" : "error",
                    claim.where.source, claim.where.line, claim.id, output::claim::explain(claim, r));

@@ -4,6 +4,7 @@
 #include <memory>
 #include <set>
 
+#include "analysis/choice/options.hpp"
 #include "analysis/diff/diff_files.hpp"
 #include "analysis/diff/diff_maps.hpp"
 #include "commands.hpp"
@@ -111,9 +112,8 @@ void add_diff(CLI::App& program, const Common& common, Command& chosen) {
     command->add_flag("--strict", w->strict,
                       "Every file, pictures too, row by row and line by line: for changes that mean to change nothing");
     command->add_flag("--pictures", w->pictures, "Compare pictures too");
-    command->add_option("-i,--intersector", w->forms, "Two forms of the maps in A, in place of B; one each")
-        ->allow_extra_args(false);
-    command->add_option("-f,--format", w->formats, "Formats that --draw draws (default: all)")->allow_extra_args(false);
+    choice::add_list(*command, "-i,--intersector", w->forms, "Two forms of the maps in A, in place of B");
+    choice::add_list(*command, "-f,--format", w->formats, "Formats that --draw draws (default: all)");
     command->add_option("--draw", w->draw,
                         "A folder for pictures of the difference, one a form and format; of maps made with --pixels "
                         "csv or --exr");

@@ -292,11 +292,9 @@ void add_sweep(CLI::App& program, const Common& common, Command& chosen) {
     command->add_option("--size", o->changes.size,
                         "Size of the picture of a sweep's scene, WxH: so many rays a step (default: the scene's)");
     command->add_option("--steps", o->changes.steps, "Steps of each axis: 40, or 40,20 (default: the file's)");
-    command
-        ->add_option("--set", o->changes.set,
-                     "Change a number of the sweep's scene, family or search first: views=64, axis[0].to=100, "
-                     "march.hit_eps=1e-6")
-        ->allow_extra_args(false);
+    choice::add_set(*command, o->changes.set,
+                    "Change a number of the sweep's scene, family or search first: views=64, axis[0].to=100, "
+                    "march.hit_eps=1e-6");
     command->add_flag("--worst", o->worst, "Search the ranges of a [search] file for the worst ray of each form");
     command->add_flag("--resume", o->resume, "Go on with a sweep over every float that was stopped");
     command->add_option("--against", o->against, "A form to hold the others against, without asking what is true");
