@@ -1,0 +1,71 @@
+// The wrong solid in every file of a map, and colour bars that someone asked for.
+#include <algorithm>
+#include <cstdlib>
+
+#include "catch.hpp"
+#include "output/image/colour.hpp"
+#include "output/image/image.hpp"
+#include "program.hpp"
+
+using namespace lostbits::test;
+using lostbits::output::image::outcome_colours;
+
+namespace {
+
+lostbits::output::image::PngImage png(const std::filesystem::path& path) {
+    setenv("LOSTBITS_IMAGE_MODULE", LOSTBITS_IMAGE_MODULE_FILE, 1);
+    return lostbits::output::image::image_backend().read_png(path);
+}
+
+}  // namespace
+
+TEST_CASE("the wrong solid has a colour, a column, a place in the table, and a ray that explains it") {
+    const Scratch scratch;
+    const auto r = run("map rtg-fig-7-6-far --size 96x96 -i sphere.schoolbook -f f32 --pixels csv -v -o '" +
+                       scratch.path().string() + "'");
+    INFO(r.err);
+    REQUIRE(r.code == 0);
+    CHECK(has(r.out, "wrong solid"));
+    const auto folder = scratch.path() / "rtg-fig-7-6-far";
+    const auto row = read_csv(folder / "summary.csv").front();
+    const auto wrong = std::strtol(row.at("wrong_object").c_str(), nullptr, 10);
+    CHECK(wrong > 500);
+    CHECK(has(r.out, row.at("wrong_object")));
+    CHECK(row.at("fault_outcome") == "wrong_object");
+    CHECK(row.at("fault_explain").starts_with("lostbits explain "));
+    long pixels = 0;
+    for (const auto& pixel : read_csv(folder / "sphere.schoolbook.f32.csv")) {
+        if (pixel.at("outcome") != "wrong_object") continue;
+        ++pixels;
+        CHECK(pixel.at("object") != pixel.at("truth_object"));
+        CHECK(pixel.at("lost_bits").empty());
+    }
+    CHECK(pixels == wrong);
+    // 96 samples across are drawn four pixels a side; the legend's swatch comes on top.
+    const auto picture = png(folder / "sphere.schoolbook.f32.png");
+    const auto drawn = std::ranges::count(picture.pixels, outcome_colours.back());
+    CHECK(drawn >= 16 * wrong + 100);
+    CHECK(drawn <= 16 * wrong + 200);
+}
+
+TEST_CASE("--range sets the ends of the bar, and says what is no range") {
+    const Scratch scratch;
+    const std::string what = "map near-benign --size 32x24 -i sphere.schoolbook -f f32 ";
+    const auto out = [&](const char* name) { return " -o '" + (scratch.path() / name).string() + "'"; };
+    const auto picture = [&](const char* name) {
+        return png(scratch.path() / name / "near-benign/contact.png").pixels;
+    };
+    REQUIRE(run(what + out("all")).code == 0);
+    REQUIRE(run(what + "--range 0:2" + out("near")).code == 0);
+    REQUIRE(run(what + "--range 0:20" + out("far")).code == 0);
+    CHECK(picture("all") != picture("near"));
+    CHECK(picture("near") != picture("far"));
+    for (const char* wrong : {"4:1", "0", "0:", ":3", "a:b", "0:inf", "1:1", "0:8 --metric ulp_error",
+                              "0:8 --metric culprit", "1:8 --metric ulp_error --metric lost_bits"}) {
+        INFO(wrong);
+        const auto r = run(what + "--range " + wrong + out("none"));
+        CHECK(r.code == 2);
+        CHECK(has(r.err, "--range "));
+        CHECK_FALSE(std::filesystem::exists(scratch.path() / "none"));
+    }
+}
