@@ -151,7 +151,7 @@ TEST_CASE("diff: bad input exits with 2, says why, and prints no half of an answ
         {"a.csv b.csv --tolerance ulp_error", "COLUMN=ABS"},
         {"a.csv b.csv --tolerance ulp_error=-1", "at least 0"},
         {"a.csv b.csv --tolerance ulp_error=inf", "--ignore"},
-        {"a.csv", "B is missing"},
+        {"a.csv", "B is required"},
         {"folder -i sphere.press", "name two of them"},
         {"folder folder -i sphere.press -i sphere.unified", "leave out folder"},
         {"folder -i sphere.press -i sphere.unified --strict", "leave it out"},

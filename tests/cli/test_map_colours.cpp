@@ -48,7 +48,7 @@ TEST_CASE("the wrong solid has a colour, a column, a place in the table, and a r
     CHECK(drawn <= 16 * wrong + 200);
 }
 
-TEST_CASE("--range sets the ends of the bar, and says what is no range") {
+TEST_CASE("map --range sets the ends of the bar, and says what is no range") {
     const Scratch scratch;
     const std::string what = "map near-benign --size 32x24 -i sphere.schoolbook -f f32 ";
     const auto out = [&](const char* name) { return " -o '" + (scratch.path() / name).string() + "'"; };

@@ -139,7 +139,7 @@ TEST_CASE("the manual page names every command and every option, and man reads i
     }
 }
 
-TEST_CASE("-o - writes the table to standard output, and leaves nothing else anywhere") {
+TEST_CASE("out: -o - writes the table to standard output, and leaves nothing else anywhere") {
     const Scratch scratch, temporary;
     static_cast<void>(scratch.write("mine.toml", good_scene));
     static_cast<void>(scratch.write("rays.csv", "ox,oy,oz,dx,dy,dz,hit,t\n0,0,-5,0,0,1,1,4\n0,0,-5,0,0,1,1,4\n"));

@@ -53,6 +53,12 @@ void MapSummary::add(std::size_t m, const Metric& metric, std::span<const double
     }
 }
 
+std::uint64_t MapSummary::wrong_count() const {
+    std::uint64_t all = 0;
+    for (const Outcome o : wrong_decisions) all += count(o);
+    return all;
+}
+
 std::optional<Outcome> MapSummary::wrong() const {
     const auto most = std::ranges::max_element(wrong_decisions, {}, [this](Outcome o) { return count(o); });
     return count(*most) > 0 ? std::optional(*most) : std::nullopt;

@@ -79,6 +79,8 @@ struct MapSummary {
     /// To the distribution of metric m, or to the counts of its categories; NaN is no value.
     void add(std::size_t m, const metric::Metric& metric, std::span<const double> values);
     [[nodiscard]] std::uint64_t count(answer::Outcome o) const { return outcomes[static_cast<std::size_t>(o)]; }
+    /// Of all the `wrong_decisions`.
+    [[nodiscard]] std::uint64_t wrong_count() const;
     /// The most frequent of the `wrong_decisions`; nothing where every decision is right.
     [[nodiscard]] std::optional<answer::Outcome> wrong() const;
     /// The first ray of that; null where there is none.

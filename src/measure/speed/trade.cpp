@@ -161,8 +161,7 @@ TradeResult run_trade(const TradeRequest& request) {
 ParetoPoint pareto_point(const Timing& timing, const MapRow& row, const map::MapSummary& accuracy,
                          const std::vector<const metric::Metric*>& metrics) {
     const std::size_t lost = metric::place_of(metrics, "lost_bits");
-    const auto wrong = accuracy.count(Outcome::false_hit) + accuracy.count(Outcome::false_miss) +
-                       accuracy.count(Outcome::not_a_number) + accuracy.count(Outcome::wrong_object);
+    const auto wrong = accuracy.wrong_count();
     const auto known = accuracy.rays - accuracy.count(Outcome::unresolved);
     return {timing.median * 1e9, known == 0 ? 0 : static_cast<double>(wrong) / static_cast<double>(known),
             row.format.shape.precision - accuracy.metrics[lost].quantile(0.99)};

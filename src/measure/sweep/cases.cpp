@@ -42,7 +42,8 @@ Verdict verdict_of(const MapSummary& s, const std::vector<const metric::Metric*>
     if (const auto wrong = s.wrong()) {
         return *wrong == Outcome::not_a_number ? Verdict::not_a_number
                : *wrong == Outcome::false_miss ? Verdict::false_miss
-                                               : Verdict::false_hit;  // a case has one solid to hit
+               : *wrong == Outcome::false_hit  ? Verdict::false_hit
+                                               : Verdict::wrong_object;
     }
     // NaN where no hit is agreed on: nothing is lost then.
     const auto most = [&](const char* name) { return s.metrics[metric::place_of(metrics, name)].quantile(1); };

@@ -18,11 +18,12 @@ enum class Verdict : std::uint8_t {
     false_hit,
     false_miss,
     not_a_number,
-    unresolved
+    unresolved,
+    wrong_object
 };
 
-inline constexpr std::array<std::string_view, 7> verdict_names{
-    "right", "within_inputs", "wrong_value", "false_hit", "false_miss", "not_a_number", "unresolved"};
+inline constexpr std::array<std::string_view, 8> verdict_names{
+    "right", "within_inputs", "wrong_value", "false_hit", "false_miss", "not_a_number", "unresolved", "wrong_object"};
 
 struct CaseRequest {
     const scene::sweep::CaseFile* file = nullptr;

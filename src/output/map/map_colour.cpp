@@ -46,11 +46,23 @@ ColourScale metric_scale(const measure::metric::Metric& metric, const FloatForma
     return {"viridis", backend.ramp("viridis", 256), range ? range->lo : low, range ? range->hi : high, spacing};
 }
 
-ColourScale metric_scale(const measure::metric::Metric& metric, std::span<const measure::map::MapRow> rows,
-                         image::ImageBackend& backend) {
-    double high = metric.high;
-    for (const measure::map::MapRow& row : rows) high = std::max<double>(high, row.format.shape.precision);
-    return {"viridis", backend.ramp("viridis", 256), 0, std::min<double>(high, binary32.precision)};
+namespace {
+
+int common_precision(std::span<const measure::map::MapRow> rows) {
+    const int first = rows.empty() ? 0 : rows.front().format.shape.precision;
+    const auto same = [first](const measure::map::MapRow& row) { return row.format.shape.precision == first; };
+    return std::ranges::all_of(rows, same) ? first : 0;
+}
+
+}  // namespace
+
+LostBitsScale::LostBitsScale(std::span<const measure::map::MapRow> rows, image::ImageBackend& backend)
+    : precision_(common_precision(rows)),
+      bar_("viridis", backend.ramp("viridis", 256), 0, precision_ ? precision_ : 100, image::Spacing::root),
+      unit_(precision_ ? "lost bits" : "% of the significand lost") {}
+
+Rgb8 LostBitsScale::colour(double bits, const FloatFormat& format) const {
+    return bar_.map(precision_ ? bits : 100 * bits / format.precision);
 }
 
 Rgb8 pixel_colour(const ColourScale& scale, Outcome outcome, double value) {

@@ -25,10 +25,23 @@ struct BarRange {
 /// by logarithms where the metric is.
 image::ColourScale metric_scale(const measure::metric::Metric& metric, const FloatFormat& format,
                                 image::ImageBackend& backend, const std::optional<BarRange>& range = {});
-/// One scale of bits for plots that mix formats: evenly from 0 to the widest of the significands but at most a float's
-/// 24.
-image::ColourScale metric_scale(const measure::metric::Metric& metric, std::span<const measure::map::MapRow> rows,
-                                image::ImageBackend& backend);
+
+/// Colours of lost bits in one picture of rows in any formats: shares of the significand, so that an equal share has an
+/// equal colour, and the colours of `metric_scale` in each format. The bar is of bits where all rows have one
+/// precision, and of percent where they do not.
+class LostBitsScale {
+public:
+    LostBitsScale(std::span<const measure::map::MapRow> rows, image::ImageBackend& backend);
+
+    [[nodiscard]] image::Rgb8 colour(double bits, const FloatFormat& format) const;
+    [[nodiscard]] const image::ColourScale& bar() const { return bar_; }
+    [[nodiscard]] const std::string& unit() const { return unit_; }
+
+private:
+    int precision_;  ///< of every row; 0: they differ
+    image::ColourScale bar_;
+    std::string unit_;
+};
 
 /// The colour of one pixel. `value` is the metric's, signed; magnitudes are drawn.
 image::Rgb8 pixel_colour(const image::ColourScale& scale, measure::answer::Outcome outcome, double value);

@@ -179,9 +179,10 @@ std::string MetricPaint::note(bool several) const {
                            several ? ", which fit the format" : "");
     const std::string all = several ? std::string("all bits of each format's significand")
                                     : fmt::format("all {} bits of the format's significand", precision_);
-    return fmt::format(
-        "colour: {} from 0 to {}{}", name, all,
-        metric_->ramp == measure::metric::Ramp::lost ? ", by square roots, so that the first ones show" : "");
+    return fmt::format("colour: {} from 0 to {}{}", name, all,
+                       metric_->ramp == measure::metric::Ramp::lost
+                           ? "; the bar is spaced by square roots, so that few bits show"
+                           : "");
 }
 
 std::string MetricPaint::glance(const MapSummary& s, std::size_t m) const {

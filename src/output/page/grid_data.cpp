@@ -12,11 +12,12 @@ using measure::map::MapSummary;
 
 namespace {
 
-/// What all grids need to be painted as the PNGs are: the scale of lost bits, and the paper that paler colours are
-/// mixed with.
+/// What all grids need to be painted as the PNGs are: the scale of lost bits in each format, and the paper that paler
+/// colours are mixed with.
 void add_paint(Json& json, const std::vector<measure::map::MapRow>& rows) {
-    json["scale"] =
-        scale_json(map::metric_scale(*measure::metric::find_metric("lost_bits"), rows, image::image_backend()));
+    for (const measure::map::MapRow& row : rows)
+        json["scales"][row.format.name] = scale_json(
+            map::metric_scale(*measure::metric::find_metric("lost_bits"), row.format.shape, image::image_backend()));
     json["paper"] = colour_json(image::style::page);
     json["gap_means"] = sweep::gap_means();
     json["statistics"] = sweep_statistics;

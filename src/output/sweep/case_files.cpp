@@ -55,7 +55,8 @@ std::vector<Column> case_columns(const CaseRequest& request) {
 /// Colours and texts of cells.
 struct CellLook {
     const std::vector<const measure::metric::Metric*>& metrics;
-    const image::ColourScale& scale;
+    const map::LostBitsScale& scale;
+    const FloatFormat& format;
 
     [[nodiscard]] plot::MatrixCell of(const MapSummary& s, Verdict verdict) const {
         switch (verdict) {
@@ -65,6 +66,7 @@ struct CellLook {
             case Verdict::false_hit: return wrong(s, Outcome::false_hit);
             case Verdict::false_miss: return wrong(s, Outcome::false_miss);
             case Verdict::not_a_number: return wrong(s, Outcome::not_a_number);
+            case Verdict::wrong_object: return wrong(s, Outcome::wrong_object);
             case Verdict::unresolved: break;
         }
         return wrong(s, Outcome::unresolved);
@@ -81,10 +83,10 @@ private:
     [[nodiscard]] plot::MatrixCell valued(const MapSummary& s, bool within) const {
         const double lost = s.metrics[measure::metric::place_of(metrics, "lost_bits")].quantile(1);
         const std::size_t inherent = measure::metric::place_of(metrics, "inherent_bits");
-        if (!within) return {scale.map(lost), fmt::format("{:.0f} b", lost)};
-        return {map::paler(scale.map(lost)), inherent < metrics.size()
-                                                 ? fmt::format("{:.0f}/{:.0f} b", lost, s.metrics[inherent].quantile(1))
-                                                 : fmt::format("{:.0f} b", lost)};
+        if (!within) return {scale.colour(lost, format), fmt::format("{:.0f} b", lost)};
+        return {map::paler(scale.colour(lost, format)),
+                inherent < metrics.size() ? fmt::format("{:.0f}/{:.0f} b", lost, s.metrics[inherent].quantile(1))
+                                          : fmt::format("{:.0f} b", lost)};
     }
 };
 
@@ -93,8 +95,7 @@ private:
 void write_case_matrix(const std::filesystem::path& path, const CaseRequest& request,
                        const std::vector<std::vector<MapSummary>>& cases, std::optional<intersect::Touching> judged) {
     image::ImageBackend& backend = image::image_backend();
-    const image::ColourScale scale =
-        map::metric_scale(*measure::metric::find_metric("lost_bits"), request.rows, backend);
+    const map::LostBitsScale scale(request.rows, backend);
     plot::MatrixPlotSpec spec{.title = judged ? fmt::format("{}: judged as {} solids", request.file->title,
                                                             intersect::convention_name(judged))
                                               : request.file->title,
@@ -103,8 +104,8 @@ void write_case_matrix(const std::filesystem::path& path, const CaseRequest& req
                               .rows = {},
                               .cells = {},
                               .legend = {{"right", case_right_colour, {}}},
-                              .scale = scale,
-                              .unit = "lost bits"};
+                              .scale = scale.bar(),
+                              .unit = scale.unit()};
     std::vector<std::size_t> order;  // rows of the request, by format
     for (const measure::map::MapRow& row : request.rows) {
         const std::string& format = row.format.name;
@@ -118,13 +119,16 @@ void write_case_matrix(const std::filesystem::path& path, const CaseRequest& req
             order.push_back(r);
         }
     }
-    for (const Outcome o : {Outcome::false_hit, Outcome::false_miss, Outcome::not_a_number, Outcome::unresolved}) {
+    for (const Outcome o :
+         {Outcome::false_hit, Outcome::false_miss, Outcome::not_a_number, Outcome::wrong_object, Outcome::unresolved}) {
         const bool seen = std::ranges::any_of(cases, [&](const auto& rows) {
             return std::ranges::any_of(order, [&](std::size_t r) { return rows[r].count(o) > 0; });
         });
         if (seen) spec.legend.push_back({map::plain_name(o), image::outcome_colours[static_cast<std::size_t>(o)], {}});
     }
-    const CellLook look{request.metrics, scale};
+    const auto look = [&](const MapSummary& s, Verdict verdict, const FloatFormat& format) {
+        return CellLook{request.metrics, scale, format}.of(s, verdict);
+    };
     bool any_wrong_value = false, any_within = false;
     for (std::size_t i = 0; i < cases.size(); ++i) {
         spec.rows.push_back(request.file->name(i));
@@ -133,12 +137,11 @@ void write_case_matrix(const std::filesystem::path& path, const CaseRequest& req
                 measure::sweep::verdict_of(cases[i][r], request.metrics, request.file->right_within_bits);
             any_wrong_value |= verdict == Verdict::wrong_value;
             any_within |= verdict == Verdict::within_inputs;
-            spec.cells.push_back(look.of(cases[i][r], verdict));
+            spec.cells.push_back(look(cases[i][r], verdict, request.rows[r].format.shape));
         }
     }
     if (any_within) {
-        spec.legend.insert(spec.legend.begin() + 1,
-                           {within_means(*request.file), map::paler(scale.map(scale.hi() / 2)), {}});
+        spec.legend.insert(spec.legend.begin() + 1, {within_means(*request.file), map::paler(scale.bar().at(0.5)), {}});
     }
     if (!any_wrong_value && !any_within) spec.scale.reset();
     plot::write_matrix_plot(backend, path, spec);

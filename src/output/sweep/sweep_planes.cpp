@@ -115,7 +115,7 @@ void write_plane_picture(ImageBackend& backend, const std::filesystem::path& pat
         .x = plane.x,
         .y = plane.y,
         .cells = {},
-        .scale = map::metric_scale(*measure::metric::find_metric("lost_bits"), request.rows, backend),
+        .scale = map::metric_scale(*measure::metric::find_metric("lost_bits"), what.format.shape, backend),
         .unit = "lost bits",
         .legend = {}};
     MapSummary drawn;
@@ -131,8 +131,7 @@ void write_plane_picture(ImageBackend& backend, const std::filesystem::path& pat
                 cell.outlined = cell.value >= 1 && s.metrics[excess].quantile(0.99) >= 1;
                 any_outlined |= cell.outlined;
             } else {
-                const Outcome worst = std::max({Outcome::false_hit, Outcome::false_miss, Outcome::not_a_number},
-                                               [&](Outcome a, Outcome b) { return s.count(a) < s.count(b); });
+                const Outcome worst = s.wrong().value();
                 cell.colour = image::outcome_colours[static_cast<std::size_t>(worst)];
                 ++drawn.outcomes[static_cast<std::size_t>(worst)];
             }

@@ -34,10 +34,7 @@ plot::AxisSpec plot_axis(const scene::sweep::Axis& axis) {
             {}};
 }
 
-double wrong_share(const MapSummary& s) {
-    const auto wrong = s.count(Outcome::false_hit) + s.count(Outcome::false_miss) + s.count(Outcome::not_a_number);
-    return static_cast<double>(wrong) / static_cast<double>(s.rays);
-}
+double wrong_share(const MapSummary& s) { return static_cast<double>(s.wrong_count()) / static_cast<double>(s.rays); }
 
 namespace {
 

@@ -114,8 +114,12 @@ TEST_CASE("cases.csv and matrix.png say what each form makes of each case") {
 
     const auto image = backend().read_png(folder / "matrix.png");
     CHECK(rim_is_blank(image));
-    const output::image::ColourScale scale =
-        metric_scale(*measure::metric::find_metric("lost_bits"), request.rows, backend());
+    const LostBitsScale scale(request.rows, backend());  // rows in float and in double
+    const auto in_float = metric_scale(*measure::metric::find_metric("lost_bits"), binary32, backend());
+    CHECK(scale.unit() == "% of the significand lost");
+    for (const double bits : {0.0, 6.0, 24.0}) CHECK(scale.colour(bits, binary32) == in_float.map(bits));
+    CHECK(scale.colour(53, binary64) == in_float.map(24));
+    CHECK(LostBitsScale(std::span(request.rows).first(1), backend()).unit() == "lost bits");
     int pitch = 26;  // of a column: as wide as the widest text
     while (find_block(image, {226, 238, 226}, pitch, 21)) ++pitch;
     const auto first = find_block(image, {226, 238, 226}, pitch - 1, 21);
@@ -124,8 +128,8 @@ TEST_CASE("cases.csv and matrix.png say what each form makes of each case") {
         return pixel(image, first->first + column, first->second + 22 * line);
     };
     const output::image::Rgb8 colours[] = {
-        {226, 238, 226}, scale.map(12), outcome_colours[3], outcome_colours[2], outcome_colours[4]};
-    CHECK(scale.map(12) != scale.map(0));
+        {226, 238, 226}, scale.colour(12, binary32), outcome_colours[3], outcome_colours[2], outcome_colours[4]};
+    CHECK(in_float.map(12) != in_float.map(0));
     for (int i = 0; i < 5; ++i) {
         CAPTURE(i);
         CHECK(corner(0, i) == colours[i]);

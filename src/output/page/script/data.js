@@ -175,7 +175,11 @@ function valueAt(pixels, metric, i) {
 const ramp = Array.from(
     { length: 256 }, (_, i) => [0, 2, 4].map((k) => parseInt(index.ramp.slice(6 * i + k, 6 * i + k + 2), 16)));
 
-const spacings = { linear: (x) => x / 2, root: Math.sqrt, log2: Math.log2 };
+const spacings = {
+    linear: (x) => x / 2,
+    root: Math.sqrt,
+    log2: Math.log2
+};
 
 function rampAt(scale, value) {
     if (value <= scale.lo) return ramp[0];

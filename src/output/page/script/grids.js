@@ -29,7 +29,8 @@ function layoutOf(sweep, rows) {
     };
 }
 
-const wrongOutcomes = ["false_hit", "false_miss", "not_a_number"].map((name) => outcomeNames.indexOf(name));
+const wrongOutcomes =
+    ["not_a_number", "false_miss", "false_hit", "wrong_object"].map((name) => outcomeNames.indexOf(name));
 
 /** The most frequent wrong outcome, the first of equals, where more than half of the rays have one. */
 function mostlyWrong(counts) {
@@ -44,7 +45,7 @@ function cellLook(sweep, row, statistic, cell) {
         const verdict = row.verdicts[cell], outcome = outcomeNames.indexOf(verdict);
         if (verdict === "right") return { colour: sweep.right, text: "" };
         if (outcome < 0) {
-            const bits = cellValue(sweep, row, "lost_bits_max", cell), colour = rampAt(sweep.scale, bits);
+            const bits = cellValue(sweep, row, "lost_bits_max", cell), colour = rampAt(sweep.scales[row.format], bits);
             return verdict === "within_inputs" ? {
                 colour: paler(sweep, colour),
                 text: `${bits.toFixed(0)}/${asNumber(row.inherent[cell]).toFixed(0)} b`
@@ -57,7 +58,10 @@ function cellLook(sweep, row, statistic, cell) {
     const value = drawnValue(sweep, row, statistic, cell), wrong = isFraction(statistic) ? -1 : mostlyWrong(counts);
     if (wrong >= 0) return { colour: index.outcomes[wrong][1], text: "" };
     if (Number.isNaN(value)) return { colour: null, text: "" };
-    return { colour: rampAt(isFraction(statistic) ? { lo: 0, hi: 1, spacing: "linear" } : sweep.scale, value), text: "" };
+    return {
+        colour: rampAt(isFraction(statistic) ? { lo: 0, hi: 1, spacing: "linear" } : sweep.scales[row.format], value),
+        text: ""
+    };
 }
 
 const paler = (sweep, colour) => colour.map((x, k) => (x + sweep.paper[k]) >> 1);
@@ -248,7 +252,8 @@ function gridLegend() {
             if (verdict >= 0) seen.add(verdict);
         });
     }
-    const scale = isFraction(statistic) ? [0, 0.25, 0.5, 0.75, 1].map((x) => [x, String(x)]) : sweep.scale.ticks;
+    const scale =
+        isFraction(statistic) ? [0, 0.25, 0.5, 0.75, 1].map((x) => [x, String(x)]) : sweep.scales[chosen.format].ticks;
     const entries = [rampBar(scale, statistic === "verdict" ? "lost bits, max" : words(statistic))];
     const add = (colour, text) => entries.push(make("span", { className: "class" }, swatch(colour), ` ${text}`));
     if (statistic === "verdict") {

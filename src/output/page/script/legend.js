@@ -53,8 +53,8 @@ async function drawLegend() {
     }
     if (metricNow() !== metric || rowNow() !== row) return;  // another is looked at by now
     if (!metric.marches) {
-        const wrongOnes =
-            ["false_hit", "false_miss", "wrong_object"].map((name) => outcomeNames.indexOf(name));  // a culprit is named for those too
+        const wrongOnes = ["false_hit", "false_miss", "wrong_object"].map(
+            (name) => outcomeNames.indexOf(name));  // a culprit is named for those too
         index.outcomes.forEach(([name, colour], o) => {
             if (metric.blamed && wrongOnes.includes(o)) return;
             if (row.outcomes[o] > 0 && (o !== agreeHit || metric.kind === "classes"))
