@@ -74,7 +74,8 @@ Checked paste_rows(const CsvTable& table, const Scratch& folder, std::size_t eve
             CAPTURE(command);
             CHECK(j["outcome"] == cell(table, "fault_outcome", i));
             CHECK(hex(j["truth"]) == cell(table, "fault_truth_hex", i));
-            if (j["outcome"] == "false_hit" || j["outcome"] == "wrong_object") CHECK(hex(j["t"]) == cell(table, "fault_t_hex", i));
+            if (j["outcome"] == "false_hit" || j["outcome"] == "wrong_object")
+                CHECK(hex(j["t"]) == cell(table, "fault_t_hex", i));
             else CHECK(cell(table, "fault_t_hex", i).empty());
             ++checked.faults;
         }

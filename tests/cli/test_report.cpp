@@ -1,5 +1,7 @@
 // `lostbits report` from the outside: one file that needs nothing else, the same bytes every time, the CSVs' numbers.
 // What a browser makes of it is held by tests/browser.
+#include <algorithm>
+#include <cctype>
 #include <regex>
 #include <set>
 
@@ -26,9 +28,19 @@ std::vector<std::string> all_of(const std::string& text, const std::string& patt
     return found;
 }
 
-/// The page without what is packed, which no pattern need be matched against.
+/// The page without what is packed, which no pattern need be matched against. (A pattern that matches a hundred
+/// thousand letters uses up the stack.)
 std::string without_blobs(const std::string& page) {
-    return std::regex_replace(page, std::regex("[A-Za-z0-9+/=]{200,}"), "");
+    const auto packed = [](unsigned char c) { return std::isalnum(c) || c == '+' || c == '/' || c == '='; };
+    std::string text;
+    for (auto at = page.begin(); at != page.end();) {
+        const auto end = std::find_if_not(at, page.end(), packed);
+        if (end - at < 200) text.append(at, end);
+        const auto next = std::find_if(end, page.end(), packed);
+        text.append(end, next);
+        at = next;
+    }
+    return text;
 }
 
 std::string report_of(const std::string& arguments, const Scratch& scratch) {
@@ -86,7 +98,7 @@ TEST_CASE("the tables of a report are the CSVs' numbers") {
     const std::string page = report_of(what + "--no-claims", scratch);
     REQUIRE(run("map " + what + "--metric lost_bits --metric excess_bits -o " + in(maps)).code == 0);
     const auto summary = read_csv(maps.path() / "rtg-fig-7-3-4100-oblique/summary.csv");
-    std::size_t rows = 0;
+    std::size_t rows = 0, withheld_rows = 0;
     for (const auto& row : summary) {
         const std::string key = row.at("form") + "." + row.at("format"), start = "<tr data-row=\"" + key + "\">";
         const std::size_t at = page.find(start);
@@ -97,7 +109,13 @@ TEST_CASE("the tables of a report are the CSVs' numbers") {
         for (const char* column : {"lost_bits_p50", "lost_bits_p99", "lost_bits_max", "excess_bits_p99"}) {
             if (!row.at(column).empty()) expected.push_back(row.at(column));
         }
-        CHECK(all_of(cells, R"re(<data value="([^"]*)")re") == expected);
+        const auto number = [&row](const char* column) { return std::stod(row.at(column)); };
+        const double agreed = number("agree_hit");
+        const bool withheld =
+            agreed < 0.1 * (agreed + number("false_miss") + number("wrong_object") + number("not_a_number"));
+        withheld_rows += withheld;
+        CHECK((cells.find("hits agree") != std::string::npos) == withheld);
+        CHECK(all_of(cells, R"re(<data value="([^"]*)")re") == (withheld ? std::vector<std::string>{} : expected));
         const auto counts = all_of(cells, R"(<td class="n">(\d+)</td>)");
         REQUIRE(counts.size() >= 3);
         CHECK(counts[0] == row.at("false_hit"));
@@ -105,6 +123,7 @@ TEST_CASE("the tables of a report are the CSVs' numbers") {
         CHECK(counts[2] == row.at("not_a_number"));
         ++rows;
     }
+    CHECK(withheld_rows > 0);
     CHECK(rows == all_of(page, "<tr data-row=\"([^\"]*)\"").size());
 }
 
