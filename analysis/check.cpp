@@ -91,7 +91,7 @@ void print(const Claim& claim, const ClaimResult& r, const CheckOptions& o, bool
                    output::file::hex(r.witness.ray.direction.y), output::file::hex(r.witness.ray.direction.z));
     }
     if (const std::string command = output::claim::explain_witness(claim, r); !command.empty())
-        fmt::print("         explain it: {}{}\n", command, choice::words_of_doors());
+        fmt::print("         explain it: {}\n", command);
     fmt::print("         reproduce: {}{}\n", output::claim::reproduce(claim), choice::words_of_doors());
     if (o.annotations == "github" && r.state != State::skipped) {
         fmt::print("::{} file={},line={},title={}::{}\n", std::string_view(word) == "warning" ? "warning" : "error",

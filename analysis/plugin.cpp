@@ -8,6 +8,7 @@
 
 #include "analysis/choice/doors.hpp"
 #include "commands.hpp"
+#include "intersect/doors/formulas.hpp"
 #include "intersect/doors/guard.hpp"
 #include "intersect/doors/pipe.hpp"
 #include "intersect/doors/plugin.hpp"
@@ -67,6 +68,8 @@ Exit try_forms(const std::string& library, const Common& common) {
     if (!library.empty()) words.plugins.push_back(library);
     const std::vector<ForeignForm> forms = choice::forms_behind(words, common.threads);
     if (forms.empty()) throw InputError("plugin check: name a library, or a command by --pipe");
+    if (!library.empty() && !words.isolate)  // what the other commands would refuse is refused here
+        static_cast<void>(intersect::doors::load_formulas(intersect::doors::find_plugin(library)));
     bool good = true;
     for (const ForeignForm& form : forms) good = show_trial(form, common.quiet) && good;
     return good ? Exit::done : Exit::answer_is_no;

@@ -1,13 +1,14 @@
-# lostbits_add_formulas(NAME SOURCES…): a library of forms written with lostbits_form.hpp, in every arithmetic and for
-# each width of registers, to be loaded with `lostbits … --plugin`. NAME.so lies in the folder of the build that calls.
-function(lostbits_add_formulas name)
-    add_library(${name} MODULE ${ARGN})
+# lostbits_add_formulas(NAME SOURCE [MORE…]): a library of the forms in SOURCE, written with lostbits_form.hpp, in every
+# arithmetic and for each width of registers, to be loaded with `lostbits … --plugin`. MORE is compiled once, and is for
+# what packs do not call. NAME.so lies in the folder of the build that calls.
+function(lostbits_add_formulas name source)
+    add_library(${name} MODULE ${source} ${ARGN})
     target_link_libraries(${name} PRIVATE lostbits::core)
     target_compile_options(${name} PRIVATE -O2)
     # The narrowest comes first: of a function that several objects define, the linker keeps the first, and that one
     # runs everywhere.
     foreach(isa IN LISTS LOSTBITS_ISAS)
-        add_library(${name}_${isa} OBJECT ${ARGN})
+        add_library(${name}_${isa} OBJECT ${source})
         target_include_directories(${name}_${isa} PRIVATE
             $<TARGET_PROPERTY:lostbits::core,INTERFACE_INCLUDE_DIRECTORIES>)
         target_link_libraries(${name}_${isa} PRIVATE glm::glm)

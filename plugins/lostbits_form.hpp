@@ -22,7 +22,7 @@
 //
 // which compiles the file once for all arithmetics and once for each width of registers. A form of a box takes
 // `(const Ray<T>&, const Box<T>&, const T& tmax)`; one that marches `(const Ray<T>&, const Field& field,
-// const MarchConstants<T>&, Watch& watch)`. docs/your-own-form.md leads from a function with `if` to here.
+// const intersect::MarchConstants<T>&, Watch& watch)`. docs/your-own-form.md leads from a function with `if` to here.
 #pragma once
 
 #include "geometry/shapes.hpp"

@@ -73,6 +73,7 @@ void open_doors(const DoorWords& words, int threads) {
     std::erase_if(forms, [&formulas](const ForeignForm& form) {
         return std::ranges::any_of(formulas, [&form](const auto& f) { return f.row.info->name == form.contract.name; });
     });
+    output::blame::say_where_forms_are_from(opened());
     intersect::doors::enroll_formulas(formulas);
     intersect::doors::enroll(std::move(forms));
 }

@@ -8,6 +8,7 @@ struct Geometric {
     static constexpr intersect::Info info{
         .name = "example.geometric",
         .title = "geometric: nearest point minus half the chord",
+        .source = "docs/your-own-form.md",
         .direction = intersect::Direction::unit,
         .roots = intersect::Roots::near_only,
     };

@@ -21,7 +21,7 @@ public:
     };
 
     explicit Archetype(int);
-    Archetype(double) = delete;
+    Archetype(double) = delete;  // constants are of whole numbers: write T(1) / T(2) for 0.5
     Archetype(float) = delete;
 
     Archetype& operator+=(const Archetype&);

@@ -2,6 +2,8 @@
 // And two that misbehave.
 #include <lostbits_form.hpp>
 
+#include <stdexcept>
+
 #include "intersect/box/inclusive.hpp"
 #include "intersect/sdf/secant_refined.hpp"
 #include "intersect/sphere/double_inside.hpp"
@@ -40,6 +42,14 @@ struct Crashes {
         return intersect::sphere::Unified::intersect(ray, sphere);
     }
 };
+struct Throws {
+    static constexpr intersect::Info info{.name = "own.throws"};
+    template <Number T>
+    static Hit<T> intersect(const Ray<T>& ray, const Sphere<T>& sphere) {
+        if constexpr (stands_for_exact<T>) throw std::runtime_error("no bananas");
+        return intersect::sphere::Unified::intersect(ray, sphere);
+    }
+};
 struct Hangs {
     static constexpr intersect::Info info{.name = "own.hangs"};
     template <Number T>
@@ -51,4 +61,4 @@ struct Hangs {
 
 }  // namespace
 
-LOSTBITS_FORMULAS(Unified, DoubleInside, Inclusive, SecantRefined, Crashes, Hangs)
+LOSTBITS_FORMULAS(Unified, DoubleInside, Inclusive, SecantRefined, Crashes, Throws, Hangs)

@@ -1,6 +1,7 @@
 // Libraries of forms over any number, from the outside: whatever is measured of a form of the catalogue is measured of
 // its copy behind the door, with the same result.
 #include <array>
+#include <filesystem>
 #include <string>
 
 #include "catch.hpp"
@@ -125,7 +126,9 @@ TEST_CASE("formulas: the bits are the same for every register width, and through
 
 TEST_CASE("formulas: one that crashes or hangs in any arithmetic ends the program with its name", "[doors]") {
     for (const auto& [form, says] : std::initializer_list<std::array<std::string, 2>>{
-             {"own.crashes", "SIGSEGV"}, {"own.hangs", "has not answered a batch within the time limit"}}) {
+             {"own.crashes", "SIGSEGV"},
+             {"own.throws", "threw an exception: no bananas"},
+             {"own.hangs", "has not answered a batch within the time limit"}}) {
         const Scratch folder;
         const Outcome o = run("map near-benign --size 32x24 -i " + form +
                                   " -f f32 -f f64 --metric model_error --time-limit 1 -o out" + own,
@@ -137,6 +140,26 @@ TEST_CASE("formulas: one that crashes or hangs in any arithmetic ends the progra
         CHECK(has(o.err, "own_forms.so"));
         CHECK(folder.files().empty());
     }
+}
+
+TEST_CASE("formulas: a library may hold forms that march alone, and its commands can be pasted", "[doors]") {
+    const Scratch folder;
+    const std::string march = " --plugin " + folder_of_libraries + "/only_march.so";
+    REQUIRE(run("map sdf-sphere --size 32x24 -i mylib.half -f f32 -o out" + march, folder.path()).code == 0);
+    auto row = read_csv(folder.path() / "out/sdf-sphere/summary.csv").front();
+    CHECK(row["form"] == "mylib.half");
+    CHECK(std::stoi(row["agree_hit"]) > 50);
+    const std::string pasted = row["worst_explain"];
+    CHECK(has(pasted, "only_march.so"));
+    REQUIRE(pasted.starts_with("lostbits "));
+    CHECK(run(pasted.substr(9), folder.path()).code == 0);
+}
+
+TEST_CASE("formulas: a library that rounds a*b + c once is refused", "[doors]") {
+    if (!std::filesystem::exists(folder_of_libraries + "/contracting.so")) return;  // x86-64 alone
+    const Outcome o = run("list intersectors --plugin " + folder_of_libraries + "/contracting.so");
+    CHECK((o.code == 2 || has(o.err, "SIGILL")));
+    CHECK((has(o.err, "-ffp-contract=off") || has(o.err, "SIGILL")));
 }
 
 TEST_CASE("formulas: a library compiled with other headers is refused before it is used", "[doors]") {

@@ -40,6 +40,10 @@ std::vector<Formula> load_formulas(const std::filesystem::path& library) {
     if (std::string_view(list->build) != build_words)
         throw InputError(from + ": its forms were compiled with the headers of " + list->build + "; this program is " +
                          build_words + "; compile it again with this program's headers");
+    if (list->contracts)
+        throw InputError(from +
+                         ": its forms were compiled so that a*b + c is rounded once, and their tapes say twice; "
+                         "compile it with -ffp-contract=off, as lostbits_add_formulas does");
     std::vector<Formula> formulas(list->all, list->all + list->count);
     for (Formula& formula : formulas) {
         require_sense(contract_of(formula), from);

@@ -31,6 +31,7 @@ struct FormulaList {
     const char* build;
     const Formula* all;
     std::size_t count;
+    bool contracts;  ///< it was compiled so that a·b + c is rounded once
 };
 
 using AskForFormulas = const FormulaList* (*)(const FormulaWatch*);

@@ -99,17 +99,19 @@ std::vector<ForeignForm> load_plugin(const fs::path& library) {
     const auto ask = reinterpret_cast<Ask>(dlsym(loaded, "lostbits_forms"));
     if (ask == nullptr)
         throw InputError(from +
-                         ": exports no lostbits_forms; see lostbits_plugin.h, and make it extern \"C\" and visible");
+                         ": exports no lostbits_forms; write LOSTBITS_FORMS(...) of lostbits_plugin.hpp or "
+                         "LOSTBITS_FORMULAS(...) of lostbits_form.hpp outside of every namespace, or in C define "
+                         "lostbits_forms as lostbits_plugin.h declares it");
     std::size_t count = 0;
     const lb_form* const forms = [&] {
         const InForeignCode here(who);
         return ask(LOSTBITS_PLUGIN_ABI, &count);
     }();
+    // Of forms that march the C interface knows nothing: a library may hold those alone.
+    if (count == 0 && dlsym(loaded, "lostbits_formulas") != nullptr) return {};
     if (forms == nullptr)
         throw InputError(from + ": has no forms for version " + std::to_string(LOSTBITS_PLUGIN_ABI) +
                          " of lostbits_plugin.h; compile it again with the header of this program");
-    // Of forms that march the C interface knows nothing: a library may hold those alone.
-    if (count == 0 && dlsym(loaded, "lostbits_formulas") != nullptr) return {};
     if (count == 0 || count > 4096)
         throw InputError(from + ": says that it has " + std::to_string(count) + " forms; it must be from 1 to 4096");
     std::vector<ForeignForm> all;

@@ -33,7 +33,8 @@ void enroll(const std::vector<Intersector>& rows) {
         const auto same = [&row](const Intersector& other) { return other.info->name == row.info->name; };
         if (std::ranges::any_of(all_rows(), same))
             throw InputError(std::string(row.info->name) +
-                             ": two intersectors have this name; give the one from outside another name");
+                             ": two forms have this name, of two libraries, of one that is named twice, or of one and "
+                             "lostbits; load one of them, or give it another name");
         all_rows().push_back(row);
     }
 }

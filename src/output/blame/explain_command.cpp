@@ -57,10 +57,27 @@ std::string name_of_ray(const scene::rays::RayGroup* one) {
                               one->march->max_steps, one->march->secant_steps, one->march->bisect_steps);
 }
 
+namespace {
+
+std::string& words_of_libraries() {
+    static std::string words;
+    return words;
+}
+
+bool is_from_outside(const intersect::table::Intersector& form) {
+    const auto own = intersect::table::catalogue();
+    return std::ranges::find(own, form.info, &intersect::table::Intersector::info) == own.end();
+}
+
+}  // namespace
+
+void say_where_forms_are_from(const std::string& words) { words_of_libraries() = words; }
+
 std::string explain_command(const std::string& name, const measure::map::MapRow& row) {
     if (!row.form->is_template()) return "";
-    return fmt::format("lostbits explain {} -i {} -f {}{}", name, row.form->info->name, row.format.name,
-                       row.judged ? fmt::format(" --convention {}", intersect::convention_name(row.judged)) : "");
+    return fmt::format("lostbits explain {} -i {} -f {}{}{}", name, row.form->info->name, row.format.name,
+                       row.judged ? fmt::format(" --convention {}", intersect::convention_name(row.judged)) : "",
+                       is_from_outside(*row.form) ? words_of_libraries() : "");
 }
 
 }  // namespace lostbits::output::blame

@@ -18,6 +18,9 @@ std::string name_of_pixel(const std::string& scene, int x, int y);
 /// where it has them. Empty for no ray.
 std::string name_of_ray(const scene::rays::RayGroup* one);
 
+/// What a command needs that asks for forms from outside (` --plugin ./mine.so`): set once, before any is made.
+void say_where_forms_are_from(const std::string& words);
+
 /// `lostbits explain NAME -i FORM -f FORMAT`, with the convention that the row is judged by unless that is its own.
 std::string explain_command(const std::string& name, const measure::map::MapRow& row);
 

@@ -1,0 +1,20 @@
+// A library that holds a form that marches and no other, as docs/your-own-form.md has it.
+#include <lostbits_form.hpp>
+
+#include "intersect/sdf/march_loop.hpp"
+
+using namespace lostbits;
+
+struct HalfSteps {  // steps of half the field
+    static constexpr intersect::Info info{.name = "mylib.half", .direction = intersect::Direction::unit};
+
+    template <Number T, class Field, class Watch>
+    static Hit<T> intersect(const Ray<T>& ray, const Field& field, const intersect::MarchConstants<T>& c,
+                            Watch& watch) {
+        const auto half = [&](const Vec<T>& p) { return field(p) / T(2); };
+        const auto m = intersect::sdf::march(ray, half, c, watch, [&](const T& d, const T&) { return d < c.hit_eps; });
+        return intersect::sdf::only(m.hit, m.t);
+    }
+};
+
+LOSTBITS_FORMULAS(HalfSteps)

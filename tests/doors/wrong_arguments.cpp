@@ -1,0 +1,15 @@
+// A sphere's form that asks for the end of the ray: none of the three ways to be called.
+#include <lostbits_form.hpp>
+
+using namespace lostbits;
+
+struct Mine {
+    static constexpr intersect::Info info{.name = "my.own"};
+    template <Number T>
+    static Hit<T> intersect(const Ray<T>& ray, const Sphere<T>& sphere, const T& end) {
+        const T t = ray.origin.x + sphere.radius;
+        return {t <= end, t, t, t};
+    }
+};
+
+LOSTBITS_FORMULAS(Mine)
