@@ -133,7 +133,7 @@ TEST_CASE("what a killed run left goes; what a living one writes stays") {
     static_cast<void>(scratch.write("mine.toml", good_scene));
     const std::string words = "map mine.toml -i sphere.press -f f32 -o out";
     const auto killed =
-        run("map mine.toml -i sphere.press -f f32 --size 3000x3000 --metric culprit -o out & child=$!; while [ -z "
+        run("map mine.toml -i sphere.press -f f32 --size 3000x3000 -o out & child=$!; while [ -z "
             "\"$(ls -A out/mine "
             "2>/dev/null)\" ]; do sleep "
             "0.05; done; sleep 0.3; kill -KILL $child; wait $child; exit $?",
@@ -176,7 +176,8 @@ TEST_CASE("a run that is stopped before it has results leaves those that were th
     must("map mine.toml -i sphere.press -f f32,f64 -o out", scratch);
     const auto before = files_in(scratch.path() / "out/mine");
     const auto r =
-        run("map mine.toml -i sphere.press -f f32 --size 3000x3000 -o out & child=$!; sleep 1; kill -INT $child; "
+        run("map mine.toml -i sphere.press -f f32 --size 3000x3000 --metric culprit -o out & child=$!; sleep 1; kill "
+            "-INT $child; "
             "wait $child; exit $?",
             scratch.path());
     CHECK(r.code == 130);
