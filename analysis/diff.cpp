@@ -48,6 +48,8 @@ Exit run_on_maps(const DiffWords& w, const MapSides& sides, const CompareOptions
     auto names = names_of(found.others);
     names.insert(found.rows.names.begin(), found.rows.names.end());
     diff::refuse_unknown_columns(options, names);
+    std::unique_ptr<output::file::ResultFolder> owner;
+    if (!w.draw.empty()) owner = own_folder(w.draw, common, w.a + (w.b.empty() ? "" : " " + w.b));
     const auto pictures = w.draw.empty() ? std::vector<std::filesystem::path>{} : diff::draw_maps(sides, w.draw);
     if (!found.same() || common.verbose) diff::print(found, sides, common.verbose);
     if (found.same() && !common.quiet) fmt::print("same\n");

@@ -160,6 +160,12 @@ Work plan(const ReportOptions& o, const std::filesystem::path& data) {
     const scene::claim::ReportFile defaults = scene::claim::read_report_file(data / "report.toml");
     const Subjects subjects = subjects_of(o, defaults, data);
     const auto claims = o.no_claims ? std::vector<Claim>{} : read_all_claims(data);
+    for (const std::string& glob : o.claims) {
+        const auto named = [&glob](const Claim& c) { return fnmatch(glob.c_str(), c.id.c_str(), 0) == 0; };
+        if (std::ranges::none_of(claims, named))
+            throw InputError("--claims " + glob +
+                             ": no claim of the results has such an id; `lostbits list claims` names them");
+    }
     const auto rows = choice::cross(choice::select_forms(o.forms.empty() ? defaults.forms : o.forms),
                                     choice::select_formats(o.formats.empty() ? defaults.formats : o.formats));
     Work work;

@@ -139,6 +139,10 @@ Explanation explain(const Intersector& form, const Format& format, const OneRay&
     const int met = answers.object[in.index];
     if (form.shape != Shape::sdf && x.hit && truth.is_hit() && met != truth.object && truth.object >= 0)
         x.missed = missed_solid(form, format, in, truth.object);
+    if (x.missed) {  // between two solids there is a distance, and no error
+        x.standing.outcome = answer::Outcome::wrong_object;
+        x.standing.ulps = x.standing.lost = missing;
+    }
     x.better = better_than(x.standing, format, ray);
     return x;
 }

@@ -82,9 +82,7 @@ std::string explain_json(const measure::blame::Explanation& x) {
     j["hit"] = x.hit;
     j["t"] = exact(x.standing.t);
     j["truth"] = x.true_t ? Json(exact(*x.true_t)) : Json(nullptr);
-    // What is explained is a hit of the solid that the form answered with; of the whole ray it is the wrong one.
-    const auto outcome = x.missed ? measure::answer::Outcome::wrong_object : x.standing.outcome;
-    j["outcome"] = std::string(measure::answer::outcome_names[static_cast<std::size_t>(outcome)]);
+    j["outcome"] = std::string(measure::answer::outcome_names[static_cast<std::size_t>(x.standing.outcome)]);
     j["ulp_error"] = if_any(x.standing.ulps);
     j["lost_bits"] = if_any(x.standing.lost);
     j["condition"] = if_any(x.condition);

@@ -120,6 +120,7 @@ std::string table(const Explanation& x, const OperationWords& words, bool all) {
 }
 
 std::string model_sentence(const Explanation& x) {
+    if (x.missed) return "";  // what the truth says is of another solid
     if (x.attribution.cut_short)
         return "Without rounding the march would have gone on. The exact values shown end where the computed ones "
                "do.\n";

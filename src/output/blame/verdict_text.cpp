@@ -30,7 +30,9 @@ std::string outcome_sentence(const Explanation& x) {
                                file::decimal(x.true_t.value_or(0)));
         case Outcome::not_a_number: return fmt::format("{} reports a hit at NaN.", form);
         case Outcome::unresolved: return "The true answer for this ray could not be proved.";
-        case Outcome::wrong_object:  // never: an explanation is of one solid
+        case Outcome::wrong_object:
+            return fmt::format("{} reports a hit at {}, on another solid than the ray meets first, at {}.", form,
+                               file::decimal(x.standing.t), file::decimal(x.true_t.value_or(0)));
         case Outcome::agree_hit: break;
     }
     return fmt::format("t = {} ({}), the true t is {}: {:.4g} ulp off, {:.1f} of {} bits lost.",

@@ -148,7 +148,8 @@ function choice(label, id, options, value, onchange) {
     return make("label", {}, label + " ", select);
 }
 
-const words = (name) => name.replace(/^agree_/, "correct_").replaceAll("_", " ");
+const words = (name) =>
+    name.replace(/^agree_/, "correct_").replace(/^wrong_object/, "wrong_solid").replaceAll("_", " ");
 
 /** Puts a text on the clipboard and shows it: it can be read and selected where a browser lends no clipboard. */
 function copyText(text, output) {
