@@ -9,6 +9,7 @@
 #include <limits>
 
 #include "measure/blame/culprits.hpp"
+#include "output/file/number_text.hpp"
 #include "output/map/culprit_table.hpp"
 #include "output/map/row_names.hpp"
 #include "output/plot/line_plot.hpp"
@@ -132,7 +133,11 @@ void write_lines(const std::filesystem::path& path, const MeasuredSweep& sweep, 
         if (measured != sweep.onsets.end())
             spec.marks.push_back(
                 {measured->first_bad,
-                 fmt::format("{}: measured", map::short_name(*request.rows[measured->row].form->info))});
+                 mark.event == "lost_bits"
+                     ? fmt::format("{}: its {} reaches {} bits",
+                                   map::short_name(*request.rows[measured->row].form->info),
+                                   mark.statistic == "p50" ? "median" : mark.statistic, file::decimal(mark.threshold))
+                     : fmt::format("{}: measured", map::short_name(*request.rows[measured->row].form->info))});
     }
     plot::write_line_plot(image::image_backend(), path, spec);
 }
