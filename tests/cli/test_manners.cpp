@@ -30,7 +30,10 @@ TEST_CASE("an option takes one value, and the scene may stand behind it") {
     }
     CHECK(run("render --stage visible " + std::string("raycast-course.small --size 8x6") + out_of(scratch)).code == 0);
     CHECK(run("sweep -f f32 -i sphere.press sphere-tilt --seeds 0" + out_of(scratch)).code == 0);
-    CHECK(run("report --claims 'nothing' -i sphere.press -f f32 near-benign --size 8x8" + out_of(scratch)).code == 0);
+    CHECK(run("report --claims 'rtg7.*' -i sphere.press -f f32 near-benign --size 8x8" + out_of(scratch)).code == 0);
+    const auto none = run("report --claims nothing near-benign" + out_of(scratch));
+    CHECK(none.code == 2);
+    CHECK(has(none.err, "no claim of the results has such an id"));
 }
 
 TEST_CASE("several values stand between commas, and options may be repeated") {
@@ -101,7 +104,7 @@ TEST_CASE("what is not understood is said in a sentence, with what may have been
     CHECK_FALSE(fs::exists(scratch.path() / "out"));
 }
 
-TEST_CASE("forms have one word: forms; the older one works") {
+TEST_CASE("forms have one word, and the older one works") {
     const auto forms = run("list forms"), older = run("list intersectors");
     CHECK(forms.code == 0);
     CHECK(forms.out == older.out);
