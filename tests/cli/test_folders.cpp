@@ -128,7 +128,7 @@ TEST_CASE("a list can name nothing outside its folder") {
     CHECK(run(words, scratch.path()).code == 2);
 }
 
-TEST_CASE("what a killed run left goes; what a living one writes stays") {
+TEST_CASE("what a killed run left goes, what a living one writes stays") {
     const Scratch scratch;
     static_cast<void>(scratch.write("mine.toml", good_scene));
     const std::string words = "map mine.toml -i sphere.press -f f32 -o out";

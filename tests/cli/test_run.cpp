@@ -69,7 +69,7 @@ TEST_CASE("./run builds the program alone, maps one scene first and all of them 
     CHECK(said.out.ends_with(tree.at("out/small").string() + "\n"));
 }
 
-TEST_CASE("./run all makes everything and ends with the page; another word is refused") {
+TEST_CASE("./run all makes everything and ends with the page, another word is refused") {
     const Tree tree;
     const auto said = tree.run("all");
     INFO(said.calls);

@@ -85,7 +85,7 @@ TEST_CASE("a NaN on the way ends a march at max_steps: it never stands still", "
     }
 }
 
-TEST_CASE("stagnated: no further sample changes anything; max_steps: the next one lies elsewhere", "[intersect][sdf]") {
+TEST_CASE("stagnated: no further sample changes anything, max_steps: the next one lies elsewhere", "[intersect][sdf]") {
     Random random(17);
     std::array<int, intersect::stop_names.size()> seen{};
     int at_last_sample = 0;

@@ -116,7 +116,7 @@ TEST_CASE("quantiles are those of the sorted list to 2^-11, zero and the largest
     }
 }
 
-TEST_CASE("a distribution says the same after it is sealed; of nothing it says nothing", "[measure][metric]") {
+TEST_CASE("a distribution says the same after it is sealed, of nothing it says nothing", "[measure][metric]") {
     Random random(2);
     Distribution d = of(numbers(500, -3, 9, random), 500);
     const double mean = d.mean(), middle = d.quantile(0.5), most = d.quantile(1);

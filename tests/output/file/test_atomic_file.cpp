@@ -170,7 +170,7 @@ TEST_CASE("a symbolic link stays and its target is replaced", "[atomic_file]") {
     REQUIRE(slurp(folder / "real/target") == "new");
 }
 
-TEST_CASE("what a dead process of the same id left is replaced; a second live writer is refused", "[atomic_file]") {
+TEST_CASE("what a dead process of the same id left is replaced, a second live writer is refused", "[atomic_file]") {
     const Scratch folder;
     { std::ofstream(folder / (".a.partial-" + std::to_string(::getpid()))) << "stale and longer than the new text"; }
     output::file::AtomicFile file(folder / "a");

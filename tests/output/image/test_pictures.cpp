@@ -125,7 +125,7 @@ TEST_CASE("nothing in a heatmap is cut off, however long the words", "[heatmap]"
     }
 }
 
-TEST_CASE("the legend shows what occurred and nothing else; the bar is there when a scale is", "[heatmap]") {
+TEST_CASE("the legend shows what occurred and nothing else, the bar is there when a scale is", "[heatmap]") {
     const Scratch folder;
     const auto make = [&](std::vector<lostbits::output::image::LegendEntry> entries, bool bar) {
         lostbits::output::image::HeatmapSpec spec{.title = "T",

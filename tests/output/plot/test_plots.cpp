@@ -144,7 +144,7 @@ TEST_CASE("a NaN leaves a gap", "[line_plot]") {
     CHECK(missing(21, 30) == 0);
 }
 
-TEST_CASE("series that agree share a line and an entry; the others have looks of their own", "[line_plot]") {
+TEST_CASE("series that agree share a line and an entry, the others have looks of their own", "[line_plot]") {
     const Scratch folder;
     auto broken = level("c", 10), twin = level("d", 10);
     broken.y[3] = twin.y[3] = no_value;

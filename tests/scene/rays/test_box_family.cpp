@@ -58,7 +58,7 @@ TEST_CASE("a gap inward is a hit of about that depth, outward a miss, at edges a
     }
 }
 
-TEST_CASE("aimed inside, every ray crosses the box; along a face it has a component of zero") {
+TEST_CASE("aimed inside, every ray crosses the box, along a face it has a component of zero") {
     scene::rays::BoxFamily family;
     family.aim = BoxFamily::Aim::inside;
     for_each_ray(family, [](const Ray<double>& ray, const auto& solids) {

@@ -138,7 +138,7 @@ TEST_CASE("a silhouette gap puts every line at 1 - gap radii, from both projecti
     CHECK(most > 0.95);
 }
 
-TEST_CASE("rays away leave the centre behind; those that do not are the same, turned") {
+TEST_CASE("rays away leave the centre behind, those that do not are the same, turned") {
     for (const double height : {1.0, 0.0, -0x1p-6, -0.5}) {
         scene::rays::Family f =
             family_of("projection = \"point\"\nimpact_to = 0.5\nradius = 1\nviews = 6\nrays = 16\n");

@@ -37,7 +37,7 @@ TEST_CASE("a radius is lost from half of the smallest number down, and from half
     CHECK(lost({ball(0, 1e-42)}, "f32").empty());
 }
 
-TEST_CASE("a coordinate is lost at infinity, not at 0; a box where it has no thickness left") {
+TEST_CASE("a coordinate is lost at infinity, not at 0, a box where it has no thickness left") {
     CHECK(lost({ball(1e-9, 1)}, "fp16").empty());
     CHECK(lost({ball(-1e6, 1)}, "fp16") == Lines{"a coordinate of the centre = -1e+06 rounds to infinity (solid 0)"});
     const auto box = [](double lo, double hi) { return Solid<double>(Box<double>{{0, lo, 0}, {1, hi, 1}}); };

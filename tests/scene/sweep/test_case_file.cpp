@@ -74,7 +74,7 @@ TEST_CASE("cases are read in order, each with its rays and solids") {
     CHECK(loaded_cases("right_within_bits = 0.5\n" + good_cases).right_within_bits == 0.5);
 }
 
-TEST_CASE("each format gets a case in its own numbers; lengths scale lengths, directions directions") {
+TEST_CASE("each format gets a case in its own numbers, lengths scale lengths, directions directions") {
     const scene::sweep::CaseFile file = loaded_cases(good_cases);
     for (const FloatFormat& f : {binary16, bfloat16, binary32, binary64}) {
         const auto group = file.rays(1, f).at(0);

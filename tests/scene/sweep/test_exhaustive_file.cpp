@@ -78,7 +78,7 @@ TEST_CASE("all = true takes every bit pattern, from each zero outwards") {
     CHECK(sweep.ranges()[1].falls());
 }
 
-TEST_CASE("several numbers move together, also of the solid; a range may fall, and -0 is not 0") {
+TEST_CASE("several numbers move together, also of the solid, a range may fall, and -0 is not 0") {
     const ExhaustiveFile both =
         swept(replaced(good_sweep, "\"ray.origin.z\"", "[\"ray.origin.z\", \"ray.direction.x\", \"sphere.radius\"]"));
     CHECK(both.ray_places == std::vector<std::size_t>{2, 3});

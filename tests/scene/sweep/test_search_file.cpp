@@ -166,7 +166,7 @@ TEST_CASE("a sweep goes by its path below data/sweeps, or by its own name where 
           }).starts_with("nar: is neither a file nor the name of a sweep"));
 }
 
-TEST_CASE("a sweep drawn again has other rays at the same places; one over a scene has none to draw") {
+TEST_CASE("a sweep drawn again has other rays at the same places, one over a scene has none to draw") {
     const Folder folder;
     const std::string head = "schema = \"lostbits-sweep/1\"\ntitle = \"-\"\nsource = \"-\"\n",
                       axis = "[[axis]]\nname = \"x\"\nspacing = \"linear\"\nfrom = 2\nto = 4\nsteps = 2\nset = [";

@@ -182,7 +182,7 @@ TEST_CASE("an ulp away is the neighbour, across binades, zero and both ends") {
     }
 }
 
-TEST_CASE("what is no quantity is refused where it stands; a solid is finite") {
+TEST_CASE("what is no quantity is refused where it stands, a solid is finite") {
     for (const std::string text : {"", "big", "max2", "2max", "maximum", "ulp", "+ ulp", "3 + 2 ulp", "3 + ulp + ulp",
                                    "--3", "3 +", "nan nan", "MAX", "1e400"}) {
         CAPTURE(text);
