@@ -81,6 +81,24 @@ std::vector<std::map<std::string, std::string>> read_csv(const fs::path& file) {
     return rows;
 }
 
+const std::string small_sweep = R"(schema = "lostbits-sweep/1"
+title = "A test"
+source = "-"
+
+[family]
+projection = "parallel"
+views = 4
+rays = 16
+
+[[axis]]
+name = "distance_radii"
+spacing = "log2"
+from = 2
+to = 1048576
+steps = 20
+set = ["distance"]
+)";
+
 const std::string good_scene = R"(schema = "lostbits-scene/1"
 title = "A test"
 source = "-"

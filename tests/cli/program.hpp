@@ -1,6 +1,8 @@
 // The program as a shell sees it.
 #pragma once
 
+#include <cmath>
+#include <cstdlib>
 #include <filesystem>
 #include <map>
 #include <string>
@@ -40,6 +42,13 @@ inline bool has(const std::string& text, const std::string& part) { return text.
 /// A CSV without quotes or line breaks inside its fields, row by row, by column name.
 std::vector<std::map<std::string, std::string>> read_csv(const std::filesystem::path& file);
 
+/// The number in a cell of a table; NaN for an empty one.
+inline double number_in(const std::string& cell) {
+    return cell.empty() ? std::nan("") : std::strtod(cell.c_str(), nullptr);
+}
+
+/// A sweep of a family along one axis, to be spoilt or changed.
+extern const std::string small_sweep;
 /// A scene that is right, to be spoilt: a sphere of radius 1 five units in front of a 24x16 camera.
 extern const std::string good_scene;
 /// The same with the first occurrence of `what` replaced.

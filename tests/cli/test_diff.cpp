@@ -7,6 +7,7 @@
 #include "output/image/exr_book.hpp"
 #include "output/image/image.hpp"
 #include "program.hpp"
+#include "two_pixels.hpp"
 
 using namespace lostbits::test;
 namespace output = lostbits::output;
@@ -19,11 +20,6 @@ Outcome diff(const std::string& a, const std::string& b, const std::string& opti
     static_cast<void>(scratch.write("a.csv", a));
     static_cast<void>(scratch.write("b.csv", b));
     return run("diff a.csv b.csv " + options, scratch.path());
-}
-
-output::image::ImageBackend& backend() {
-    setenv("LOSTBITS_IMAGE_MODULE", LOSTBITS_IMAGE_MODULE_FILE, 1);
-    return output::image::image_backend();
 }
 
 void write_exr(const std::filesystem::path& path, float x, const char* command = "map") {
@@ -43,13 +39,6 @@ void write_parts(const std::filesystem::path& path, const std::vector<std::pair<
     for (std::size_t p = 0; p < values.size(); ++p)
         book.write_rows(p, 0, 1, std::as_bytes(std::span(&values[p].second, 1)));
     book.close();
-}
-
-void write_png(const std::filesystem::path& path, std::uint8_t blue) {
-    auto png = backend().open_png(path, 2, 1);
-    const output::image::Rgb8 pixels[] = {{1, 2, 3}, {4, 5, blue}};
-    png->write_rows(1, pixels);
-    png->close();
 }
 
 }  // namespace

@@ -5,25 +5,10 @@
 #include "catch.hpp"
 #include "output/image/image.hpp"
 #include "program.hpp"
+#include "two_pixels.hpp"
 
 using namespace lostbits::test;
 namespace output = lostbits::output;
-
-namespace {
-
-output::image::ImageBackend& backend() {
-    setenv("LOSTBITS_IMAGE_MODULE", LOSTBITS_IMAGE_MODULE_FILE, 1);
-    return output::image::image_backend();
-}
-
-void write_png(const std::filesystem::path& path, std::uint8_t blue) {
-    auto png = backend().open_png(path, 2, 1);
-    const output::image::Rgb8 pixels[] = {{1, 2, 3}, {4, 5, blue}};
-    png->write_rows(1, pixels);
-    png->close();
-}
-
-}  // namespace
 
 TEST_CASE("diff: two folders of maps open with rows, outcomes and the largest changes, rows paired by what they are") {
     const Scratch scratch;

@@ -55,8 +55,6 @@ double exact(const ExrImage& exr, const std::string& number, std::size_t i) {
                                  words(exr, (number + ".word0").c_str())[i]);
 }
 
-double number(const std::string& cell) { return cell.empty() ? std::nan("") : std::strtod(cell.c_str(), nullptr); }
-
 }  // namespace
 
 TEST_CASE("map writes every file of every form and format") {
@@ -80,7 +78,7 @@ TEST_CASE("map writes every file of every form and format") {
     for (const auto& row : summary) {
         CHECK(row.at("rays") == "384");
         double sum = 0;
-        for (const auto name : lostbits::measure::answer::outcome_names) sum += number(row.at(std::string(name)));
+        for (const auto name : lostbits::measure::answer::outcome_names) sum += number_in(row.at(std::string(name)));
         CHECK(sum == 384);
         CHECK(row.at("unresolved") == "0");
     }
@@ -179,12 +177,12 @@ TEST_CASE("EXR, pixel CSV and summary tell the same story") {
             }
             CHECK(words(exr, "class.object")[i] ==
                   (pixel.at("object").empty() ? 0 : std::stoul(pixel.at("object")) + 1));
-            CHECK((pixel.at("t_hex").empty() ? std::isnan(t) : t == number(pixel.at("t_hex"))));
-            CHECK((pixel.at("t").empty() || number(pixel.at("t")) == t));
+            CHECK((pixel.at("t_hex").empty() ? std::isnan(t) : t == number_in(pixel.at("t_hex"))));
+            CHECK((pixel.at("t").empty() || number_in(pixel.at("t")) == t));
             const double truth = exact(true_exr, "truth", i);
             CHECK(words(true_exr, "class.truth")[i] == (pixel.at("truth_hex").empty() ? 0 : 1));
             CHECK((words(true_exr, "class.truth_object")[i] > 0) == !pixel.at("truth_hex").empty());
-            CHECK((pixel.at("truth_hex").empty() ? std::isnan(truth) : truth == number(pixel.at("truth_hex"))));
+            CHECK((pixel.at("truth_hex").empty() ? std::isnan(truth) : truth == number_in(pixel.at("truth_hex"))));
             const std::string cell = pixel.at("ulp_error");
             for (const auto& metric : lostbits::measure::metric::metrics()) {
                 const auto* channel = exr.find(metric.layer);
@@ -193,33 +191,34 @@ TEST_CASE("EXR, pixel CSV and summary tell the same story") {
                 const float layer = std::get<std::vector<float>>(channel->samples)[i];
                 const std::string& of_metric = pixel.at(std::string(metric.name));
                 ++layers;
-                CHECK((of_metric.empty() ? std::isnan(layer) : layer == static_cast<float>(number(of_metric))));
+                CHECK((of_metric.empty() ? std::isnan(layer) : layer == static_cast<float>(number_in(of_metric))));
             }
             if (pixel.at("outcome") != "agree_hit") continue;
-            ulps.push_back(std::fabs(number(cell)));
+            ulps.push_back(std::fabs(number_in(cell)));
             // The three-way split is a split: its parts sum to the whole, to the rounding of the sum.
-            const double parts =
-                number(pixel.at("input_error")) + number(pixel.at("model_error")) + number(pixel.at("rounding_error"));
-            CHECK(parts == Approx(number(cell)).margin(1e-6).epsilon(1e-9));
-            CHECK(number(pixel.at("lost_bits")) + number(pixel.at("correct_bits")) ==
+            const double parts = number_in(pixel.at("input_error")) + number_in(pixel.at("model_error")) +
+                                 number_in(pixel.at("rounding_error"));
+            CHECK(parts == Approx(number_in(cell)).margin(1e-6).epsilon(1e-9));
+            CHECK(number_in(pixel.at("lost_bits")) + number_in(pixel.at("correct_bits")) ==
                   Approx(summary.at("format") == "f32" ? 24 : 53));
         }
         for (const auto name : lostbits::measure::answer::outcome_names)
-            CHECK(number(summary.at(std::string(name))) == static_cast<double>(counts[std::string(name)]));
+            CHECK(number_in(summary.at(std::string(name))) == static_cast<double>(counts[std::string(name)]));
         CHECK(layers >= 12 * pixels.size());
         std::ranges::sort(ulps);
         REQUIRE_FALSE(ulps.empty());
-        CHECK(number(summary.at("ulp_error_max")) == ulps.back());
+        CHECK(number_in(summary.at("ulp_error_max")) == ulps.back());
         const auto rank = [&](double q) {
             return ulps[static_cast<std::size_t>(std::ceil(q * static_cast<double>(ulps.size()))) - 1];
         };
-        CHECK(number(summary.at("ulp_error_p50")) == Approx(rank(0.5)).epsilon(0x1p-10));
-        CHECK(number(summary.at("ulp_error_p99")) == Approx(rank(0.99)).epsilon(0x1p-10));
+        CHECK(number_in(summary.at("ulp_error_p50")) == Approx(rank(0.5)).epsilon(0x1p-10));
+        CHECK(number_in(summary.at("ulp_error_p99")) == Approx(rank(0.99)).epsilon(0x1p-10));
         double sum = 0;
         for (const double u : ulps) sum += u;
-        CHECK(number(summary.at("ulp_error_mean")) == Approx(sum / static_cast<double>(ulps.size())));
-        const auto worst = static_cast<std::size_t>(number(summary.at("worst_y")) * 96 + number(summary.at("worst_x")));
-        CHECK(std::fabs(number(pixels[worst].at("ulp_error"))) == ulps.back());
+        CHECK(number_in(summary.at("ulp_error_mean")) == Approx(sum / static_cast<double>(ulps.size())));
+        const auto worst =
+            static_cast<std::size_t>(number_in(summary.at("worst_y")) * 96 + number_in(summary.at("worst_x")));
+        CHECK(std::fabs(number_in(pixels[worst].at("ulp_error"))) == ulps.back());
         CHECK(summary.at("worst_t_hex") == pixels[worst].at("t_hex"));
     }
 }
@@ -238,8 +237,8 @@ TEST_CASE("variants, --variant, --set and --size choose what is mapped") {
     const auto before = read_csv(scratch.path() / "scene/summary.csv").front().at("agree_hit");
     REQUIRE(run("map '" + scene + "' --set 'sphere[0].radius=0.25'" + out).code == 0);
     const auto after = read_csv(scratch.path() / "scene/summary.csv").front().at("agree_hit");
-    CHECK(number(after) > 0);
-    CHECK(number(after) < number(before));
+    CHECK(number_in(after) > 0);
+    CHECK(number_in(after) < number_in(before));
     // The file's title may tell of the numbers that were changed.
     const auto title = [&](const char* id) {
         return nlohmann::json::parse(contents(scratch.path() / id / "datapackage.json"))["title"].get<std::string>();
@@ -256,7 +255,7 @@ TEST_CASE("own inputs and narrow formats show input error, shared ones in f32 an
                 .code == 0);
     const auto worst = [&](const char* scene, const char* format) {
         for (const auto& row : read_csv(scratch.path() / scene / "summary.csv")) {
-            if (row.at("format") == format) return number(row.at("input_error_max"));
+            if (row.at("format") == format) return number_in(row.at("input_error_max"));
         }
         return std::nan("");
     };

@@ -31,8 +31,6 @@ const std::vector<Sample>& samples(const ExrImage& exr, const char* name) {
     return std::get<std::vector<Sample>>(channel->samples);
 }
 
-double number(const std::string& cell) { return cell.empty() ? std::nan("") : std::strtod(cell.c_str(), nullptr); }
-
 std::string attribute(const lostbits::output::image::ExrImage& exr, const std::string& name) {
     for (const auto& [key, value] : exr.attributes) {
         if (key == name) return value;
@@ -82,7 +80,7 @@ TEST_CASE("picture, EXR, pixels and table of the bits needed tell the same story
         std::vector<double> all, hits;
         double hits_beyond = 0, misses_beyond = 0;
         for (std::size_t i = 0; i < pixels.size(); ++i) {
-            const double needed = number(pixels[i].at("needed"));
+            const double needed = number_in(pixels[i].at("needed"));
             const bool hit = pixels[i].at("truth") == "hit";
             CHECK(samples<float>(exr, "bits.needed")[i] == static_cast<float>(needed));
             CHECK(samples<std::uint32_t>(exr, "class.truth")[i] == (hit ? 1 : 0));
@@ -100,10 +98,10 @@ TEST_CASE("picture, EXR, pixels and table of the bits needed tell the same story
         // 48 samples across are drawn eight pixels a side; the legend's swatch comes on top.
         CHECK((count_of(png, lostbits::output::map::beyond_colour) >
                64 * static_cast<std::size_t>(hits_beyond + misses_beyond)) == (hits_beyond + misses_beyond > 0));
-        CHECK(number(row.at("bits_asked")) == 45);
-        CHECK(number(row.at("pixels")) == 48 * 40);
-        CHECK(number(row.at("hits_beyond_53")) == hits_beyond);
-        CHECK(number(row.at("misses_beyond_53")) == misses_beyond);
+        CHECK(number_in(row.at("bits_asked")) == 45);
+        CHECK(number_in(row.at("pixels")) == 48 * 40);
+        CHECK(number_in(row.at("hits_beyond_53")) == hits_beyond);
+        CHECK(number_in(row.at("misses_beyond_53")) == misses_beyond);
         CHECK(row.at("unresolved") == "0");
         for (const auto& [prefix, values] :
              {std::pair{std::string("needed_"), &all}, {std::string("hit_needed_"), &hits}}) {
@@ -117,10 +115,11 @@ TEST_CASE("picture, EXR, pixels and table of the bits needed tell the same story
             };
             double sum = 0;
             for (const double v : *values) sum += v;
-            CHECK(number(row.at(prefix + "mean")) == Approx(sum / static_cast<double>(values->size())).epsilon(1e-14));
-            CHECK(number(row.at(prefix + "p50")) == rank(0.5));
-            CHECK(number(row.at(prefix + "p99")) == rank(0.99));
-            CHECK(number(row.at(prefix + "max")) == values->back());
+            CHECK(number_in(row.at(prefix + "mean")) ==
+                  Approx(sum / static_cast<double>(values->size())).epsilon(1e-14));
+            CHECK(number_in(row.at(prefix + "p50")) == rank(0.5));
+            CHECK(number_in(row.at(prefix + "p99")) == rank(0.99));
+            CHECK(number_in(row.at(prefix + "max")) == values->back());
         }
         CHECK(attribute(exr, "lostbits:command") ==
               "lostbits map rtg-fig-7-3-2000-oblique -i 'sphere.schoolbook' -i 'sphere.unit_half_b' -f f32 "

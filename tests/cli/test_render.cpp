@@ -30,8 +30,6 @@ const std::vector<T>& channel(const ExrImage& exr, const std::string& name) {
     return std::get<std::vector<T>>(found->samples);
 }
 
-double number(const std::string& cell) { return cell.empty() ? std::nan("") : std::strtod(cell.c_str(), nullptr); }
-
 const std::string spheres = R"(
 [light]
 position = [4, 6, 9]
@@ -114,13 +112,13 @@ TEST_CASE("the layers, the pictures and the table say the same") {
     for (const auto kind : {Seen::same_sphere, Seen::background, Seen::other_sphere, Seen::lost_sphere,
                             Seen::extra_sphere, Seen::not_a_number}) {
         const auto k = static_cast<std::size_t>(kind);
-        CHECK(number(row.at(std::string(lostbits::measure::picture::seen_names[k]))) == seen_counts[k]);
+        CHECK(number_in(row.at(std::string(lostbits::measure::picture::seen_names[k]))) == seen_counts[k]);
     }
-    CHECK(number(row.at("own_shadow")) == shadow_counts[static_cast<std::size_t>(Shadow::own_shadow)]);
-    CHECK(number(row.at("own_shadow")) > 100);
-    CHECK(number(row.at("surface_lit")) == shadow_counts[1] + shadow_counts[3] + shadow_counts[4]);
-    CHECK(number(row.at("changed")) == changed);
-    CHECK(static_cast<float>(number(row.at("colour_error_max"))) == worst);
+    CHECK(number_in(row.at("own_shadow")) == shadow_counts[static_cast<std::size_t>(Shadow::own_shadow)]);
+    CHECK(number_in(row.at("own_shadow")) > 100);
+    CHECK(number_in(row.at("surface_lit")) == shadow_counts[1] + shadow_counts[3] + shadow_counts[4]);
+    CHECK(number_in(row.at("changed")) == changed);
+    CHECK(static_cast<float>(number_in(row.at("colour_error_max"))) == worst);
 }
 
 TEST_CASE("a picture is the same bytes for any number of threads and any width of registers") {

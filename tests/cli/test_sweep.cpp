@@ -9,26 +9,6 @@ using namespace lostbits::test;
 
 namespace {
 
-const std::string small_sweep = R"(schema = "lostbits-sweep/1"
-title = "A test"
-source = "-"
-
-[family]
-projection = "parallel"
-views = 4
-rays = 16
-
-[[axis]]
-name = "distance_radii"
-spacing = "log2"
-from = 2
-to = 1048576
-steps = 20
-set = ["distance"]
-)";
-
-double number(const std::string& cell) { return cell.empty() ? std::nan("") : std::strtod(cell.c_str(), nullptr); }
-
 std::string spoil(const std::string& what, const std::string& by) {
     std::string text = small_sweep;
     return text.replace(text.find(what), what.size(), by);
@@ -51,24 +31,25 @@ TEST_CASE("a sweep writes a row per form, format and step, and the onsets betwee
     REQUIRE(samples.size() == 2 * 2 * 20);
     for (const auto& row : samples) {
         CHECK(row.at("rays") == "64");
-        CHECK(number(row.at("distance_radii_hex")) == number(row.at("distance_radii")));
+        CHECK(number_in(row.at("distance_radii_hex")) == number_in(row.at("distance_radii")));
     }
     std::size_t found = 0, spread = 0;
     for (const auto& row : read_csv(scratch.path() / "s/onsets.csv")) {
         if (row.at("found") != "1" || row.at("last_good_distance_radii").empty()) continue;
         ++found;
-        const double good = number(row.at("last_good_distance_radii")),
-                     bad = number(row.at("first_bad_distance_radii"));
+        const double good = number_in(row.at("last_good_distance_radii")),
+                     bad = number_in(row.at("first_bad_distance_radii"));
         CHECK(good < bad);
         CHECK(row.at("rays") == "64");
         CHECK(row.at("views") == "4");
         CHECK(row.at("draws") == "3");  // its own and two more
-        const double low = number(row.at("first_bad_low")), high = number(row.at("first_bad_high")),
-                     median = number(row.at("first_bad_median"));
+        const double low = number_in(row.at("first_bad_low")), high = number_in(row.at("first_bad_high")),
+                     median = number_in(row.at("first_bad_median"));
         CHECK((low <= median && median <= high && low <= bad && bad <= high));
         spread += low < high;
         CHECK(bad - good <= 0x1p-8 * bad);  // narrowed to 2^-9, or to the 12 bits that the axis has
-        if (row.at("event") == "lost_bits") CHECK(number(row.at("value_at_first_bad")) >= number(row.at("threshold")));
+        if (row.at("event") == "lost_bits")
+            CHECK(number_in(row.at("value_at_first_bad")) >= number_in(row.at("threshold")));
     }
     CHECK(found > 8);
     CHECK(spread > 4);
@@ -108,8 +89,8 @@ TEST_CASE("a sweep takes culprits, cancellation and contributions: columns, a lo
     for (const auto& row : read_csv(scratch.path() / "1/s/culprits.csv")) {
         auto& [first, shares] = steps[{row.at("form"), row.at("distance_radii")}];
         if (first.empty()) first = row.at("operation");
-        shares += number(row.at("culprit_fraction"));
-        CHECK(number(row.at("culprit_rays")) > 0);
+        shares += number_in(row.at("culprit_fraction"));
+        CHECK(number_in(row.at("culprit_rays")) > 0);
     }
     CHECK(steps.size() == 40);
     for (const auto& row : read_csv(scratch.path() / "1/s/samples.csv")) {
@@ -117,7 +98,7 @@ TEST_CASE("a sweep takes culprits, cancellation and contributions: columns, a lo
         CHECK(row.at("culprit") == first);
         CHECK(std::fabs(shares - 1) < 1e-12);
         CHECK_FALSE(row.at("contribution_c_p50").empty());
-        CHECK_FALSE(number(row.at("cancellation_c_max")) > number(row.at("cancellation_max")));
+        CHECK_FALSE(number_in(row.at("cancellation_c_max")) > number_in(row.at("cancellation_max")));
     }
     const auto refused = run("sweep sphere-distance -i sphere.schoolbook --metric contribution:disk -o '" +
                              (scratch.path() / "no").string() + "'");
@@ -165,7 +146,7 @@ factors = [1, 0.5]
     const auto samples = read_csv(scratch.path() / "s/samples.csv");
     REQUIRE(samples.size() == 4);
     // Larger spheres are hit by more rays; and 1 with 0.5 is what --set gives.
-    CHECK(number(samples[0].at("agree_hit")) < number(samples[3].at("agree_hit")));
+    CHECK(number_in(samples[0].at("agree_hit")) < number_in(samples[3].at("agree_hit")));
     REQUIRE(
         run("map near-benign --set 'sphere[0].radius=1' --set 'sphere[1].radius=0.5' -i sphere.unified -f f32 -o '" +
             scratch.path().string() + "'")

@@ -9,26 +9,6 @@ using namespace lostbits::test;
 
 namespace {
 
-const std::string small_sweep = R"(schema = "lostbits-sweep/1"
-title = "A test"
-source = "-"
-
-[family]
-projection = "parallel"
-views = 4
-rays = 16
-
-[[axis]]
-name = "distance_radii"
-spacing = "log2"
-from = 2
-to = 1048576
-steps = 20
-set = ["distance"]
-)";
-
-double number(const std::string& cell) { return cell.empty() ? std::nan("") : std::strtod(cell.c_str(), nullptr); }
-
 std::string with_steps(int n) {
     std::string text = small_sweep;
     return text.replace(text.find("steps = 20"), 10, "steps = " + std::to_string(n));
@@ -51,9 +31,9 @@ TEST_CASE("a sweep says where a form is good again after its first trouble, as i
         const std::string column = count ? onset.at("event") : "lost_bits_" + onset.at("statistic");
         std::size_t first = samples.size(), good = samples.size();  // the first bad step, the last good one after it
         for (std::size_t i = 0; i < samples.size(); ++i) {
-            const double value = number(samples[i].at(column));
-            if (first == samples.size() && value >= number(onset.at("threshold"))) first = i;
-            if (first < i && value < number(onset.at("threshold"))) good = i;
+            const double value = number_in(samples[i].at(column));
+            if (first == samples.size() && value >= number_in(onset.at("threshold"))) first = i;
+            if (first < i && value < number_in(onset.at("threshold"))) good = i;
         }
         INFO(onset.at("event") << " " << onset.at("statistic") << " " << onset.at("threshold"));
         REQUIRE(first < samples.size());
@@ -65,14 +45,14 @@ TEST_CASE("a sweep says where a form is good again after its first trouble, as i
             continue;
         }
         ++recovered;
-        const double last = number(onset.at("last_good_after_distance_radii"));
-        CHECK(last == number(onset.at("last_good_after_hex")));
-        CHECK(last >= number(samples[good].at("distance_radii")));
+        const double last = number_in(onset.at("last_good_after_distance_radii"));
+        CHECK(last == number_in(onset.at("last_good_after_hex")));
+        CHECK(last >= number_in(samples[good].at("distance_radii")));
         CHECK(onset.at("bad_again_distance_radii").empty() == (good + 1 == samples.size()));
         if (good + 1 == samples.size()) continue;
-        const double again = number(onset.at("bad_again_distance_radii"));
+        const double again = number_in(onset.at("bad_again_distance_radii"));
         CHECK(last < again);
-        CHECK(again <= number(samples[good + 1].at("distance_radii")));
+        CHECK(again <= number_in(samples[good + 1].at("distance_radii")));
         CHECK(again - last <= 0x1p-8 * again);
     }
     CHECK(recovered > 1);  // past 2^12 radii a float of the schoolbook form hits nothing, and then by chance again
@@ -88,7 +68,7 @@ TEST_CASE("a sweep: --steps, --set and --size change what they name, and the tit
     REQUIRE(sweep("--steps 3 --set rays=5 --set family.views=2 --set 'axis[0].to=8' -o a").code == 0);
     const auto samples = read_csv(scratch.path() / "a/s/samples.csv");
     REQUIRE(samples.size() == 3);
-    CHECK(number(samples.back().at("distance_radii")) == 8);
+    CHECK(number_in(samples.back().at("distance_radii")) == 8);
     CHECK(samples.front().at("rays") == "10");
     CHECK(has(contents(scratch.path() / "a/s/datapackage.json"),
               "A test (--steps 3, --set rays=5, --set family.views=2, --set axis[0].to=8)"));
@@ -113,8 +93,8 @@ set = ["sphere[0].radius"]
     REQUIRE(small.size() == 2);
     CHECK(small.front().at("rays") == "96");
     REQUIRE(scene("--size 12x8 --steps 2 --set 'sphere[1].radius=0.01' -o c").code == 0);
-    CHECK(number(read_csv(scratch.path() / "c/scene/samples.csv").front().at("agree_hit")) <
-          number(small.front().at("agree_hit")));
+    CHECK(number_in(read_csv(scratch.path() / "c/scene/samples.csv").front().at("agree_hit")) <
+          number_in(small.front().at("agree_hit")));
     REQUIRE(run("sweep near --worst -i sphere.press -f f32 -q --set starts=1 --set generations=2 -o d", scratch.path())
                 .code == 0);
     CHECK(read_csv(scratch.path() / "d/near/worst.csv").front().at("evaluations") == "64");
