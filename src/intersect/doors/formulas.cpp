@@ -16,9 +16,10 @@ namespace {
 
 thread_local std::optional<InForeignCode> inside_formula;
 
-constexpr FormulaWatch watch{[](const char* who) { inside_formula.emplace(who); }, [] { inside_formula.reset(); }};
+constexpr FormulaWatch name_of_running{[](const char* who) { inside_formula.emplace(who); },
+                                       [] { inside_formula.reset(); }};
 
-Contract contract_of(const Formula& formula) {
+Contract stated_by(const Formula& formula) {
     const Info& info = *formula.row.info;
     return {.name = std::string(info.name),
             .title = std::string(info.title),
@@ -36,7 +37,7 @@ std::vector<Formula> load_formulas(const std::filesystem::path& library) {
     const std::string from = library.string();
     const auto ask = reinterpret_cast<AskForFormulas>(dlsym(load_library(library), "lostbits_formulas"));
     if (ask == nullptr) return {};
-    const FormulaList* const list = ask(&watch);
+    const FormulaList* const list = ask(&name_of_running);
     if (std::string_view(list->build) != build_words)
         throw InputError(from + ": its forms were compiled with the headers of " + list->build + "; this program is " +
                          build_words + "; compile it again with this program's headers");
@@ -46,7 +47,7 @@ std::vector<Formula> load_formulas(const std::filesystem::path& library) {
                          "compile it with -ffp-contract=off, as lostbits_add_formulas does");
     std::vector<Formula> formulas(list->all, list->all + list->count);
     for (Formula& formula : formulas) {
-        require_sense(contract_of(formula), from);
+        require_sense(stated_by(formula), from);
         *formula.who = lasting_text(from + ": form \"" + std::string(formula.row.info->name) + "\"");
     }
     return formulas;

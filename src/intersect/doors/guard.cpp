@@ -80,7 +80,7 @@ void have_signal_stack() {
     static_cast<void>(memory);
 }
 
-[[noreturn]] void watch() {
+[[noreturn]] void watch_over_calls() {
     for (;;) {
         std::this_thread::sleep_for(std::chrono::milliseconds(100));
         const auto now = Clock::now().time_since_epoch().count();
@@ -130,7 +130,7 @@ void guard_foreign_code(const GuardTerms& wanted) {
     action.sa_flags = SA_ONSTACK;
     for (const int signal : {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT}) sigaction(signal, &action, nullptr);
     std::atexit(on_exit_inside);
-    std::thread(watch).detach();
+    std::thread(watch_over_calls).detach();
 }
 
 }  // namespace lostbits::intersect::doors

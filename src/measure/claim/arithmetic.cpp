@@ -8,7 +8,7 @@
 namespace lostbits::measure::claim {
 namespace {
 
-constexpr int samples = 4096;
+constexpr int tried = 4096;
 
 /// The share of significands in [1, 2) on which the test says yes; `unit` gives further numbers in [0, 1).
 template <class Test>
@@ -16,12 +16,12 @@ double share(const FloatFormat& f, std::uint64_t seed, const Test& test) {
     std::mt19937_64 engine(seed);
     const auto unit = [&engine] { return static_cast<double>(engine() >> 11) * 0x1p-53; };
     int yes = 0;
-    for (int i = 0; i < samples; ++i) {
+    for (int i = 0; i < tried; ++i) {
         const double significand =
             std::fmin(rounding::to_format(1 + unit(), 0, f), 2 - std::ldexp(1.0, 1 - f.precision));
         yes += test(significand, unit);
     }
-    return static_cast<double>(yes) / samples;
+    return static_cast<double>(yes) / tried;
 }
 
 /// a ± a/ratio = a, the quotient rounded.
@@ -74,18 +74,18 @@ double zero_times_infinity(const FloatFormat& f, double, std::uint64_t) {
     return yes / 4.0;
 }
 
-constexpr ArithmeticRow rows[] = {
-    {"sum", "ratio", "a + a/ratio = a", samples, sum<1>},
+constexpr ArithmeticRow measured_rows[] = {
+    {"sum", "ratio", "a + a/ratio = a", tried, sum<1>},
     {"sum_power_of_two", "ratio", "the same for a = 1", 0, power_of_two<1>},
-    {"difference", "ratio", "a - a/ratio = a", samples, sum<-1>},
+    {"difference", "ratio", "a - a/ratio = a", tried, sum<-1>},
     {"difference_power_of_two", "ratio", "the same for a = 1", 0, power_of_two<-1>},
-    {"ff_minus_r2", "distance in radii", "f.f - r^2 = f.f: the radius has no influence on c", samples, far_radius},
+    {"ff_minus_r2", "distance in radii", "f.f - r^2 = f.f: the radius has no influence on c", tried, far_radius},
     {"zero_times_infinity", "nothing", "0 times infinity is NaN", 0, zero_times_infinity},
-    {"r2_minus_l2", "l/r", "r^2 - l^2 does not notice that r^2 becomes the next number", samples, radius_over_l},
+    {"r2_minus_l2", "l/r", "r^2 - l^2 does not notice that r^2 becomes the next number", tried, radius_over_l},
 };
 
 }  // namespace
 
-std::span<const ArithmeticRow> arithmetic_rows() { return rows; }
+std::span<const ArithmeticRow> arithmetic_rows() { return measured_rows; }
 
 }  // namespace lostbits::measure::claim

@@ -25,7 +25,7 @@ namespace {
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN(), infinity = std::numeric_limits<double>::infinity();
 
-bool is_about(double x, double right) { return std::fabs(x - right) <= 0x1p-10 * std::max(1.0, std::fabs(right)); }
+bool is_answer(double x, double right) { return std::fabs(x - right) <= 0x1p-10 * std::max(1.0, std::fabs(right)); }
 
 std::string text_of(double x) {
     if (std::isnan(x)) return "NaN";
@@ -160,17 +160,18 @@ private:
 
     /// Near as it is told, of a ray that comes from outside.
     void try_size(const Reply& plain) {
-        if (is_about(plain.near, 3)) return kept("t", "the plainest ray is met at t = 3, as it is");
+        if (is_answer(plain.near, 3)) return kept("t", "the plainest ray is met at t = 3, as it is");
         const auto where = " (origin (0, 0, -5), direction (0, 0, 1), " + solid_words() + ": 3 is right, it says " +
                            text_of(plain.near) + ")";
-        if (shape_ == Shape::sphere && is_about(plain.near, 5 - std::sqrt(2.0)))
+        if (shape_ == Shape::sphere && is_answer(plain.near, 5 - std::sqrt(2.0)))
             return broken("t", "the radius is taken for its square" + where + "; hand over radius * radius");
-        if (shape_ == Shape::sphere && is_about(plain.near, 1))
+        if (shape_ == Shape::sphere && is_answer(plain.near, 1))
             return broken("t", "the radius is squared once too often" + where);
-        if (shape_ == Shape::sphere && is_about(plain.near, 4))
+        if (shape_ == Shape::sphere && is_answer(plain.near, 4))
             return broken("t", "the radius is taken for a diameter" + where + "; hand over 2 * radius");
-        if (is_about(plain.near, 7)) return broken("t", "the far root comes first" + where + "; write near before far");
-        if (is_about(plain.near, -3) || is_about(plain.near, -7))
+        if (is_answer(plain.near, 7))
+            return broken("t", "the far root comes first" + where + "; write near before far");
+        if (is_answer(plain.near, -3) || is_answer(plain.near, -7))
             return broken("t", "t has the wrong sign" + where + "; is the direction reversed?");
         broken("t", "t is something else" + where);
     }
@@ -178,7 +179,7 @@ private:
     void try_direction() {
         const Reply twice = ask(along(shape_, -5, 2));
         if (contract_.direction == Direction::unit) {
-            if (tells_t_ && twice.hit == 1 && is_about(twice.near, 1.5))
+            if (tells_t_ && twice.hit == 1 && is_answer(twice.near, 1.5))
                 told("direction", "takes unit directions, and is right for others too: the promise could be LB_ANY");
             else kept("direction", "takes unit directions, and gets no others");
             return;
@@ -186,11 +187,11 @@ private:
         if (twice.hit != 1)
             return broken("direction",
                           "a direction twice as long misses; say LB_UNIT (unit_direction, direction=unit)");
-        if (!tells_t_ || is_about(twice.near, 1.5))
+        if (!tells_t_ || is_answer(twice.near, 1.5))
             return kept("direction", tells_t_ ? "of any length: twice as long, half the t"
                                               : "of any length: twice as long hits as well");
         broken("direction",
-               is_about(twice.near, 3)
+               is_answer(twice.near, 3)
                    ? "t is a distance: a direction twice as long changes nothing. Divide by its length, or say LB_UNIT "
                      "(unit_direction, direction=unit)"
                    : "a direction twice as long gives t = " + text_of(twice.near) +
@@ -200,10 +201,10 @@ private:
     void try_roots() {
         const Reply outside = ask(along(shape_, -5, 1)), inside = ask(along(shape_, 0, 1));
         if (contract_.roots == Roots::both) {
-            hold(is_about(outside.far, 7), "roots", "near and far, from outside",
+            hold(is_answer(outside.far, 7), "roots", "near and far, from outside",
                  "far is " + text_of(outside.far) + " where 7 is right; say LB_NEAR or LB_FIRST where it tells one");
-            const bool clipped = inside.hit == 1 && inside.near == 0 && is_about(inside.far, 2);
-            if (inside.hit == 1 && is_about(inside.near, -2) && is_about(inside.far, 2))
+            const bool clipped = inside.hit == 1 && inside.near == 0 && is_answer(inside.far, 2);
+            if (inside.hit == 1 && is_answer(inside.near, -2) && is_answer(inside.far, 2))
                 kept("inside", "from inside, near is behind and far ahead");
             else if (clipped) told("inside", "from inside, near is 0 and far ahead: near is clipped to the ray");
             else inside_otherwise(inside);
@@ -216,7 +217,7 @@ private:
                                    "; LB_NEAR promises nothing there, LB_FIRST would");
             return;
         }
-        if (inside.hit == 1 && (is_about(inside.near, 2) || (shape_ == Shape::box && is_about(inside.near, 0))))
+        if (inside.hit == 1 && (is_answer(inside.near, 2) || (shape_ == Shape::box && is_answer(inside.near, 0))))
             return kept("inside", shape_ == Shape::box ? "a ray from inside is answered"
                                                        : "a ray from inside is answered with the far surface");
         inside_otherwise(inside);
@@ -263,7 +264,7 @@ private:
             return;
         }
         const bool first = contract_.roots != Roots::both;
-        const bool zero = in.near == 0, far = is_about(in.near, 4);
+        const bool zero = in.near == 0, far = is_answer(in.near, 4);
         if (!first) return;  // both roots are told, and the table takes the one that counts
         const bool promised = contract_.at_origin == AtOrigin::hit;
         if (contract_.roots == Roots::near_only) return;

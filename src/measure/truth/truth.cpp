@@ -22,7 +22,7 @@ std::optional<std::int64_t> straddled_power(const Certified& x) {
     return std::nullopt;
 }
 
-Interval power_of_two(std::int64_t k) {
+Interval interval_at_power(std::int64_t k) {
     Interval r(1);
     // A step is a power of two that double holds; each moves toward k.
     while (k != 0) {
@@ -114,7 +114,7 @@ Truth escalate(const Ray<S>& ray, const Solid<S>& solid, const Terms& terms) {
         const auto place = [&](Certified& x, Length length) {
             const auto power = straddled_power(x);
             if (!power) return true;
-            const auto side = side_of(wide_ray, wide_solid, power_of_two(*power), length);
+            const auto side = side_of(wide_ray, wide_solid, interval_at_power(*power), length);
             if (side) x = on_side(x, *side);
             return side.has_value();
         };

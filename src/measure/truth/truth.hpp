@@ -1,8 +1,10 @@
 // Truth: the exact answer of the geometric problem for the exact stored inputs, with a proof.
 #pragma once
 
+#include <array>
 #include <cmath>
 #include <span>
+#include <string_view>
 
 #include "geometry/solid.hpp"
 #include "intersect/info.hpp"
@@ -32,6 +34,9 @@ struct Truth {
 
     [[nodiscard]] bool is_hit() const { return decision == Decision::hit; }
 };
+
+/// In the order of `Truth::Decision`, as files name them.
+inline constexpr std::array<std::string_view, 3> decision_names{"miss", "hit", "unresolved"};
 
 /// Enclosures start at double-double (`Ball`) and go to MPFI at 192 bits, doubling. Every decision rests on the sign
 /// of a dyadic polynomial of degree four in the inputs, so an interval of enough bits has zero width: for doubles that

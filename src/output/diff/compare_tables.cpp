@@ -11,7 +11,7 @@ using file::CsvTable;
 
 namespace {
 
-std::string shown(std::string_view cell) {
+std::string in_words(std::string_view cell) {
     using Kind = file::CellValue::Kind;
     const Kind kind = file::read_cell(cell).kind;
     return kind == Kind::missing ? "(empty)" : kind == Kind::text ? in_quotes(cell) : std::string(cell);
@@ -90,7 +90,7 @@ Comparison compare(const CsvTable& a, const CsvTable& b, const CompareOptions& o
             const PairVerdict v = judge_cells(left, right, pairs[c].tolerance, pairs[c].as_text);
             if (!book(ledger.result.columns[c], v, [&] { return fmt::format("line {}", a.lines[r]); })) continue;
             ledger.add(a.lines[r], [&] {
-                return fmt::format("{}: {} != {}{}", pairs[c].a->name, shown(left), shown(right), distances(v));
+                return fmt::format("{}: {} != {}{}", pairs[c].a->name, in_words(left), in_words(right), distances(v));
             });
         }
         ledger.result.rows_differ += ledger.result.count > before;

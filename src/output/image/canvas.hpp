@@ -19,8 +19,11 @@ inline constexpr Rgb8 page{250, 250, 248};
 inline constexpr Rgb8 ink{32, 32, 36};
 inline constexpr Rgb8 soft_ink{96, 96, 104};
 inline constexpr Rgb8 line{176, 176, 180};
-inline constexpr int margin = 16;      // pixels around everything
-inline constexpr int title_size = 18;  // pixels to the em
+inline constexpr int margin = 16;                      // pixels around everything
+inline constexpr int gap = 14;                         // between parts
+inline constexpr int least_content = 440;              // room for a title and a legend beside a thin field
+inline constexpr int least_bar = 150, most_bar = 480;  // of colours, pixels high
+inline constexpr int title_size = 18;                  // pixels to the em
 inline constexpr int text_size = 13;
 inline constexpr int small_size = 11;
 inline constexpr int smallest_size = 9;  // below this letters are no longer letters

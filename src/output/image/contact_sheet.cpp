@@ -8,11 +8,8 @@ namespace {
 
 constexpr std::size_t most_columns = 7;
 constexpr int least_cell = 164;  // room for most names of forms
-constexpr int least_content = 440;
-constexpr int most_bar = 480, least_bar = 150;
 constexpr int line_bar = 120;    // of a line with a bar of its own
 constexpr int unit_height = 18;  // over a bar: it reaches above its line
-constexpr int gap = 14;
 constexpr int block_gap = 10;
 constexpr int column_head = 22;  // the name of the form
 constexpr int note_line = 14;
@@ -38,26 +35,28 @@ ContactSheet::ContactSheet(ImageBackend& backend, const std::filesystem::path& p
     }
     const bool bar_a_line = spec_.scales.size() > 1;
     row_height_ =
-        std::max(thumb_height_ + 2 + 3 + static_cast<int>(note_lines) * note_line, bar_a_line ? line_bar : 0) + gap;
+        std::max(thumb_height_ + 2 + 3 + static_cast<int>(note_lines) * note_line, bar_a_line ? line_bar : 0) +
+        style::gap;
     block_height_ = column_head + static_cast<int>(spec_.formats.size()) * row_height_;
     const int grid_height = static_cast<int>(blocks) * (block_height_ + block_gap) - block_gap;
-    grid_width_ = row_label_width_ + gap + columns_ * (cell_width_ + gap);
+    grid_width_ = row_label_width_ + style::gap + columns_ * (cell_width_ + style::gap);
 
     int content = grid_width_;
     int bar_width = 0, bar_height = 0;
     for (const ColourScale& scale : spec_.scales) {
-        const int one = std::clamp(block_height_ - gap - static_cast<int>(note_lines) * note_line, least_bar, most_bar);
+        const int one = std::clamp(block_height_ - style::gap - static_cast<int>(note_lines) * note_line,
+                                   style::least_bar, style::most_bar);
         bars_.push_back(
             colour_bar(backend, scale, spec_.unit, bar_a_line ? std::max(line_bar, thumb_height_ + unit_height) : one));
         bar_width = std::max(bar_width, bars_.back().width());
         bar_height = bars_.back().height();
     }
-    if (!bars_.empty()) content += gap + bar_width;
-    content = std::max(content, least_content);
+    if (!bars_.empty()) content += style::gap + bar_width;
+    content = std::max(content, style::least_content);
     heading_ = heading(backend, spec_.title, spec_.subtitle, content);
     legend_.emplace(backend, spec_.legend, content);
     page_width_ = content + 2 * style::margin;
-    page_height_ = style::margin + heading_.height() + gap + std::max(grid_height, bar_a_line ? 0 : bar_height) +
+    page_height_ = style::margin + heading_.height() + style::gap + std::max(grid_height, bar_a_line ? 0 : bar_height) +
                    legend_->height() + style::margin;
     png_ = backend.open_png(path, page_width_, page_height_);
 }
@@ -127,7 +126,7 @@ std::vector<TextBitmap> ContactSheet::note_of(std::string_view note) const {
 
 /// One beside the first block, or one beside each line of every block, as high as its thumbnails.
 void ContactSheet::draw_bars(Canvas& page, int top) const {
-    const int x = style::margin + grid_width_ + gap;
+    const int x = style::margin + grid_width_ + style::gap;
     if (bars_.size() == 1) return page.picture(x, top, bars_.front());
     for (std::size_t line = 0; line < bars_.size(); ++line) {
         const int y = top + column_head - unit_height + static_cast<int>(line) * row_height_;
@@ -141,10 +140,11 @@ void ContactSheet::draw_bars(Canvas& page, int top) const {
 void ContactSheet::finish(std::span<const LegendEntry> legend) {
     Canvas page(page_width_, page_height_);
     page.picture(style::margin, style::margin, heading_);
-    const int top = style::margin + heading_.height() + gap;
+    const int top = style::margin + heading_.height() + style::gap;
     const auto per_block = static_cast<std::size_t>(columns_);
     for (std::size_t form = 0; form < spec_.forms.size(); ++form) {
-        const int x = style::margin + row_label_width_ + gap + static_cast<int>(form % per_block) * (cell_width_ + gap);
+        const int x = style::margin + row_label_width_ + style::gap +
+                      static_cast<int>(form % per_block) * (cell_width_ + style::gap);
         const int block_y = top + static_cast<int>(form / per_block) * (block_height_ + block_gap);
         page.text(x, block_y, fit_text(backend_, spec_.forms[form], style::text_size, true, cell_width_), style::ink);
         for (std::size_t format = 0; format < spec_.formats.size(); ++format) {

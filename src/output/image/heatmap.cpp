@@ -6,11 +6,8 @@
 namespace lostbits::output::image {
 namespace {
 
-constexpr int narrow = 384;         // a field below this many samples across is enlarged
-constexpr int tallest = 2048;       // and not beyond this many pixels down
-constexpr int least_content = 440;  // room for a title and a legend beside a thin field
-constexpr int least_bar = 150, most_bar = 480;
-constexpr int gap = 14;
+constexpr int narrow = 384;    // a field below this many samples across is enlarged
+constexpr int tallest = 2048;  // and not beyond this many pixels down
 
 int choose_factor(int width, int height) {
     if (width >= narrow) return 1;
@@ -28,15 +25,16 @@ HeatmapWriter::HeatmapWriter(ImageBackend& backend, const std::filesystem::path&
     body_height_ = field_height_ + 2;  // the frame
     int content = field_width_ + 2;
     if (spec_.scale) {
-        bar_ = colour_bar(backend, *spec_.scale, spec_.unit, std::clamp(body_height_, least_bar, most_bar));
-        content += gap + bar_.width();
+        bar_ =
+            colour_bar(backend, *spec_.scale, spec_.unit, std::clamp(body_height_, style::least_bar, style::most_bar));
+        content += style::gap + bar_.width();
         body_height_ = std::max(body_height_, bar_.height());
     }
-    content = std::max(content, least_content);
+    content = std::max(content, style::least_content);
     page_width_ = content + 2 * style::margin;
     const Canvas head = heading(backend, spec_.title, spec_.subtitle, content);
     legend_.emplace(backend, spec_.legend, content);
-    const int head_height = style::margin + head.height() + (head.height() > 0 ? gap : 0);
+    const int head_height = style::margin + head.height() + (head.height() > 0 ? style::gap : 0);
     png_ = backend.open_png(path, page_width_, head_height + body_height_ + foot_height());
     Canvas top(page_width_, head_height);
     top.picture(style::margin, style::margin, head);
@@ -57,7 +55,7 @@ void HeatmapWriter::put_body_row(std::span<const Rgb8> samples) {
     } else {
         out += field_width_ + 2;
     }
-    if (body_y_ < bar_.height()) std::ranges::copy(bar_.row(body_y_), out + gap);
+    if (body_y_ < bar_.height()) std::ranges::copy(bar_.row(body_y_), out + style::gap);
     png_->write_rows(1, line_);
     ++body_y_;
 }
@@ -75,8 +73,8 @@ void HeatmapWriter::write_rows(std::span<const Rgb8> samples) {
 }
 
 int HeatmapWriter::foot_height() const {
-    const int legend = legend_->height() > 0 ? gap + legend_->height() : 0;
-    return legend + (spec_.captioned ? gap + style::line_height(style::text_size) : 0) + style::margin;
+    const int legend = legend_->height() > 0 ? style::gap + legend_->height() : 0;
+    return legend + (spec_.captioned ? style::gap + style::line_height(style::text_size) : 0) + style::margin;
 }
 
 void HeatmapWriter::finish(std::span<const LegendEntry> legend, std::string_view caption) {
@@ -85,12 +83,12 @@ void HeatmapWriter::finish(std::span<const LegendEntry> legend, std::string_view
     put_body_row(rim);
     while (body_y_ < body_height_) put_body_row({});
     Canvas foot(page_width_, foot_height());
-    const int caption_height = spec_.captioned ? gap + style::line_height(style::text_size) : 0;
+    const int caption_height = spec_.captioned ? style::gap + style::line_height(style::text_size) : 0;
     if (spec_.captioned) {
         const int width = page_width_ - 2 * style::margin;
-        foot.text(style::margin, gap, fit_text(backend_, caption, style::text_size, false, width), style::ink);
+        foot.text(style::margin, style::gap, fit_text(backend_, caption, style::text_size, false, width), style::ink);
     }
-    foot.picture(style::margin, gap + caption_height, legend_->draw(legend));
+    foot.picture(style::margin, style::gap + caption_height, legend_->draw(legend));
     png_->write_rows(foot.height(), foot.pixels());
     png_->close();
 }

@@ -101,7 +101,6 @@ void add(Attributes& attributes, const Attributes& more) {
 const std::vector<Channel> preview_channels{{"R", {}}, {"G", {}}, {"B", {}}};
 const std::vector<Channel> truth_channels{{"class.truth", Channel::Type::u32},
                                           {"class.truth_object", Channel::Type::u32}};
-constexpr std::array<std::string_view, 3> truth_names{"miss", "hit", "unresolved"};
 
 ExrPart row_part(const MapExrRequest& request, const MapRow& row, const std::string& truth) {
     ExrPart part = part_of(request, row_name(row), "lostbits-map/2");
@@ -124,7 +123,7 @@ ExrPart truth_part(const MapExrRequest& request, const std::string& name) {
     ExrPart part = part_of(request, name, "lostbits-map/2");
     add_number(part.spec.channels, "truth", false);
     part.spec.channels.insert(part.spec.channels.end(), truth_channels.begin(), truth_channels.end());
-    part.spec.attributes.emplace_back("lostbits:truths", numbered(truth_names, ", "));
+    part.spec.attributes.emplace_back("lostbits:truths", numbered(measure::truth::decision_names, ", "));
     return part;
 }
 
@@ -139,7 +138,7 @@ ExrPart needed_part(const MapExrRequest& request, const intersect::Info& form) {
         {{"lostbits:form", std::string(form.name)},
          {"lostbits:format", "p" + std::to_string(least_width) + "..p" + std::to_string(most_width)},
          {"lostbits:bits", std::to_string(request.needed->bits)},
-         {"lostbits:truths", numbered(truth_names, ", ")}});
+         {"lostbits:truths", numbered(measure::truth::decision_names, ", ")}});
     return part;
 }
 

@@ -29,7 +29,6 @@ namespace {
 
 constexpr Rgb8 unresolved_colour =
     image::outcome_colours[static_cast<std::size_t>(measure::answer::Outcome::unresolved)];
-constexpr const char* truth_names[] = {"miss", "hit", "unresolved"};
 
 std::string stem(const Info& form) { return std::string(form.name) + ".needed"; }
 
@@ -140,7 +139,7 @@ private:
             const measure::truth::Truth& truth = result.truth(i);
             csv_->add(i % width)
                 .add(static_cast<std::size_t>(result.y0) + i / width)
-                .add(truth_names[static_cast<std::size_t>(truth.decision)]);
+                .add(measure::truth::decision_names[static_cast<std::size_t>(truth.decision)]);
             csv_->add(truth.is_hit() ? Cell(truth.object) : Cell())
                 .add(std::isnan(result.needed[i]) ? Cell() : Cell(result.needed[i]));
             csv_->end_row();

@@ -22,7 +22,6 @@ using image::Point;
 
 namespace {
 
-constexpr int gap = 14;
 constexpr int legend_gap = 34;          // wide enough for the lines that lead to the legend
 constexpr int frame_pad = 9;            // half a marker, or the triangle of an infinite value
 constexpr int least_right = 120;        // room for the label of a mark at the right edge
@@ -261,7 +260,7 @@ void write_line_plot(image::ImageBackend& backend, const std::filesystem::path& 
 
     const int content = spec.width - 2 * image::style::margin;
     const Canvas head = image::heading(backend, spec.title, spec.subtitle, content);
-    const int top = image::style::margin + head.height() + (head.height() > 0 ? gap : 0);
+    const int top = image::style::margin + head.height() + (head.height() > 0 ? image::style::gap : 0);
     const int nominal = std::max(spec.height - top - image::style::margin - 60, 100);
     const auto areas = areas_of(spec);
     PlotLegend legend(backend, sorted, areas, markers, {content, nominal});
@@ -292,7 +291,8 @@ void write_line_plot(image::ImageBackend& backend, const std::filesystem::path& 
                                    lines.size(), spec.series.size()));
     said.insert(said.end(), spec.notes.begin(), spec.notes.end());
     const Canvas notes = image::heading(backend, {}, said, content);
-    const int foot = 1 + axes.below() + (notes.height() > 0 ? gap + notes.height() : 0) + image::style::margin;
+    const int foot =
+        1 + axes.below() + (notes.height() > 0 ? image::style::gap + notes.height() : 0) + image::style::margin;
     frame.height = std::max({spec.height - frame.y - foot, nominal / 2, legend.height()});
 
     Canvas page(spec.width, frame.y + frame.height + foot);

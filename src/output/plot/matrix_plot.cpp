@@ -13,7 +13,7 @@ using image::TextBitmap;
 
 namespace {
 
-constexpr int least_cell_width = 26, cell_room = 6, cell_height = 22, group_gap = 14, label_gap = 8, block_gap = 12;
+constexpr int least_cell_width = 26, cell_room = 6, cell_height = 22, group_gap = 14, beside_label = 8, block_gap = 12;
 
 /// Luminance decides the ink: 0.18 linear is where black and white on a colour have the same contrast.
 Rgb8 ink_on(Rgb8 c) {
@@ -82,12 +82,12 @@ void write_matrix_plot(image::ImageBackend& backend, const std::filesystem::path
     const int field_width = places.back() + cell_width, field_height = static_cast<int>(spec.rows.size()) * cell_height;
     const Canvas bar =
         spec.scale ? image::colour_bar(backend, *spec.scale, spec.unit, std::max(field_height, 160)) : Canvas(0, 0);
-    const int content = left + label_gap + field_width + (bar.width() > 0 ? block_gap + bar.width() : 0);
+    const int content = left + beside_label + field_width + (bar.width() > 0 ? block_gap + bar.width() : 0);
     const Canvas head = image::heading(backend, spec.title, spec.subtitle, content);
     const image::Legend legend(backend, spec.legend, content);
-    const int x0 = image::style::margin + left + label_gap;
+    const int x0 = image::style::margin + left + beside_label;
     const int group_y = image::style::margin + head.height() + block_gap;
-    const int y0 = group_y + group_labels.front().height + head_room + 2 * label_gap;
+    const int y0 = group_y + group_labels.front().height + head_room + 2 * beside_label;
     const int below = y0 + std::max(field_height, bar.height()) + block_gap;
     Canvas page(content + 2 * image::style::margin, below + legend.height() + image::style::margin);
     page.picture(image::style::margin, image::style::margin, head);
@@ -97,13 +97,13 @@ void write_matrix_plot(image::ImageBackend& backend, const std::filesystem::path
         page.text(x0 + places[c], group_y, group_labels[g], image::style::ink);
         for (std::size_t k = 0; k < spec.groups[g].columns.size(); ++k, ++c) {
             const TextBitmap& label = column_labels[c];
-            page.text(x0 + places[c] + (cell_width - 1 - label.width) / 2, y0 - label_gap / 2 - label.height, label,
+            page.text(x0 + places[c] + (cell_width - 1 - label.width) / 2, y0 - beside_label / 2 - label.height, label,
                       image::style::ink);
         }
     }
     for (std::size_t r = 0; r < spec.rows.size(); ++r) {
         const int y = y0 + static_cast<int>(r) * cell_height;
-        page.text(x0 - label_gap - row_labels[r].width, y + (cell_height - row_labels[r].height) / 2, row_labels[r],
+        page.text(x0 - beside_label - row_labels[r].width, y + (cell_height - row_labels[r].height) / 2, row_labels[r],
                   image::style::ink);
         for (std::size_t k = 0; k < columns; ++k)
             draw_cell(page, backend, x0 + places[k], y, cell_width, spec.cells[r * columns + k]);

@@ -12,7 +12,6 @@ using image::Canvas;
 
 namespace {
 
-constexpr int gap = 14;
 constexpr int least_width = 560, least_height = 420;  // of the field, in pixels
 constexpr image::Rgb8 hatch_paper{240, 240, 238}, hatch_ink{200, 200, 202};
 constexpr int hatch_pitch = 6;
@@ -108,15 +107,16 @@ void write_plane_plot(image::ImageBackend& backend, const std::filesystem::path&
     PlotFrame frame{0, 0, extent(spec.x.size(), least_width), extent(spec.y.size(), least_height)};
     const PlotAxes axes(backend, x, y, frame.width, frame.height);
     const Canvas bar = spec.scale ? image::colour_bar(backend, *spec.scale, spec.unit, frame.height + 2) : Canvas(0, 0);
-    const int beside = std::max(axes.right(), bar.width() > 0 ? gap + bar.width() : 0);
+    const int beside = std::max(axes.right(), bar.width() > 0 ? image::style::gap + bar.width() : 0);
     const int content = axes.left() + frame.width + 1 + beside;
     const Canvas head = image::heading(backend, spec.title, spec.subtitle, content);
     std::vector<image::LegendEntry> entries = spec.legend;
     if (hatched) entries.push_back({spec.none_means, hatch_paper, {}});
     const image::Legend legend(backend, entries, content);
     frame.x = image::style::margin + axes.left();
-    frame.y = image::style::margin + head.height() + (head.height() > 0 ? gap : 0) + axes.above();
-    const int foot = 1 + axes.below() + (legend.height() > 0 ? gap + legend.height() : 0) + image::style::margin;
+    frame.y = image::style::margin + head.height() + (head.height() > 0 ? image::style::gap : 0) + axes.above();
+    const int foot =
+        1 + axes.below() + (legend.height() > 0 ? image::style::gap + legend.height() : 0) + image::style::margin;
     Canvas page(content + 2 * image::style::margin, frame.y + frame.height + foot);
     page.picture(image::style::margin, image::style::margin, head);
 
@@ -138,7 +138,7 @@ void write_plane_plot(image::ImageBackend& backend, const std::filesystem::path&
     }
     outline(page, spec, column, row);
     axes.draw(page, frame);
-    page.picture(frame.x + frame.width + 1 + gap, frame.y - 1, bar);
+    page.picture(frame.x + frame.width + 1 + image::style::gap, frame.y - 1, bar);
     page.picture(image::style::margin, page.height() - image::style::margin - legend.height(), legend.draw(entries));
 
     image::save_png(backend, path, page);

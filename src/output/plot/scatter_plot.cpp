@@ -19,13 +19,15 @@ using image::TextBitmap;
 
 namespace {
 
-constexpr int gap = 14, frame_pad = 14;
+constexpr int point_room = 14;
 constexpr double marker_half = 5, hole = 1.7, front_thickness = 1.6, leader_from = 13;
-constexpr std::array<Rgb8, 4> palette{{{0, 114, 178}, {213, 94, 0}, {0, 158, 115}, {136, 34, 85}}};
+constexpr std::array<Rgb8, 4> point_colours{{{0, 114, 178}, {213, 94, 0}, {0, 158, 115}, {136, 34, 85}}};
 constexpr Rgb8 faint_colour{186, 186, 188}, front_colour{120, 120, 126};
 constexpr std::array<double, 2> dashes{5, 4};
 
-Rgb8 colour_of(std::size_t colour, bool faint) { return faint ? faint_colour : palette[colour % palette.size()]; }
+Rgb8 colour_of(std::size_t colour, bool faint) {
+    return faint ? faint_colour : point_colours[colour % point_colours.size()];
+}
 
 struct Marker {
     int kind;
@@ -203,10 +205,10 @@ void write_scatter_plot(ImageBackend& backend, const std::filesystem::path& path
     const std::vector<std::string> lines = absent.empty() ? std::vector<std::string>{} : std::vector{absent};
     const Canvas notes = image::heading(backend, {}, lines, content);
 
-    PlotFrame frame{image::style::margin + axes.left(), 0, 1, 1, frame_pad};
+    PlotFrame frame{image::style::margin + axes.left(), 0, 1, 1, point_room};
     frame.width = spec.width - image::style::margin - axes.right() - 1 - frame.x;
-    frame.y = image::style::margin + head.height() + gap + axes.above();
-    const int foot = 1 + axes.below() + gap + keys.height() + notes.height() + image::style::margin;
+    frame.y = image::style::margin + head.height() + image::style::gap + axes.above();
+    const int foot = 1 + axes.below() + image::style::gap + keys.height() + notes.height() + image::style::margin;
     frame.height = std::max(spec.height - frame.y - foot, 200);
 
     Canvas page(spec.width, frame.y + frame.height + foot);
@@ -218,7 +220,7 @@ void write_scatter_plot(ImageBackend& backend, const std::filesystem::path& path
     scatter.points(false);
     scatter.labels(backend);
     axes.draw(page, frame);
-    keys.draw(page, image::style::margin, frame.y + frame.height + 1 + axes.below() + gap);
+    keys.draw(page, image::style::margin, frame.y + frame.height + 1 + axes.below() + image::style::gap);
     page.picture(image::style::margin, page.height() - image::style::margin - notes.height(), notes);
 
     image::save_png(backend, path, page);
