@@ -15,6 +15,7 @@
 #include "measure/blame/culprits.hpp"
 #include "measure/contract/suspect.hpp"
 #include "measure/map/culprit_order.hpp"
+#include "output/blame/explain_command.hpp"
 #include "output/map/map_exr.hpp"
 #include "output/map/map_files.hpp"
 #include "output/map/needed_files.hpp"
@@ -50,7 +51,7 @@ std::string input_of(const MapOptions& o) {
 
 /// What to type to make the EXR again: everything that decides its bytes, and nothing that does not.
 std::string canonical_command(const Scene& scene, const MapOptions& o) {
-    return fmt::format("lostbits map {}{}{}{}{}{}{}{} --exr{}", scene.id, choice::words_of_doors(),
+    return fmt::format("lostbits map {}{}{}{}{}{}{}{} --exr{}", scene.id, output::blame::where_forms_are_from(),
                        each(" -i '", o.forms, "'"), each(" -f ", o.formats),
                        each(" --metric ", o.metrics) + (o.range.empty() ? "" : " --range " + o.range),
                        o.envelope ? " --envelope" : "", o.against.empty() ? "" : " --against " + o.against,
