@@ -151,8 +151,7 @@ void add_render(CLI::App& program, const Common& common, Command& chosen) {
                      "Formats: f32, f64, fp16, bf16, tf32, pN, pA..pB (default: f32)");
     choice::add_list(*command, "--stage", o->stages,
                      "visible, diffuse, shadows, phong; may be repeated (default: the last that the scene has)")
-        ->check(
-            CLI::IsMember(std::vector<std::string>(scene::file::stage_names.begin(), scene::file::stage_names.end())));
+        ->check(choice::each_of("--stage", {scene::file::stage_names.begin(), scene::file::stage_names.end()}));
     command->add_option("--size", o->size, "Picture size, WxH in pixels (default: the scene's)");
     command->add_option("--variant", o->variant, "One variant of a scene that has several (default: all)");
     choice::add_set(*command, o->set, "Change a number of the scene first: light.position=[9,9,9]");
