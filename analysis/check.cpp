@@ -173,7 +173,7 @@ Exit run(const CheckOptions& o, const Common& common) {
         if (!path.empty()) output::file::AtomicFile probe(path);
     }
     std::unique_ptr<output::file::ResultFolder> folder;
-    if (!o.report.empty()) folder = own_folder(o.report, common, "", {.shared = true});
+    if (!o.report.empty()) folder = own_folder(o.report, common, common.typed.all_subjects(), {.shared = true});
     const auto results = measure::claim::measure_claims(
         claims, {.data_dir = data, .further_draws = o.seeds, .done = stop_if_interrupted});
     if (o.timing() && !o.measure) return report_times(claims, results);

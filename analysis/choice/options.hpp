@@ -38,6 +38,8 @@ struct Typed {
     std::string after;     ///< ` -f f32 --size 64x64`
 
     [[nodiscard]] std::string text() const { return before + subjects + after; }
+    /// Without the blank in front.
+    [[nodiscard]] std::string all_subjects() const { return subjects.empty() ? "" : subjects.substr(1); }
     /// The same for one of the subjects, in words of a shell.
     [[nodiscard]] std::string of(const std::string& subject) const {
         return before + (subject.empty() ? "" : " ") + subject + after;
