@@ -16,6 +16,7 @@
 #include "measure/contract/suspect.hpp"
 #include "measure/map/culprit_order.hpp"
 #include "output/blame/explain_command.hpp"
+#include "output/file/estimate.hpp"
 #include "output/map/map_exr.hpp"
 #include "output/map/map_files.hpp"
 #include "output/map/needed_files.hpp"
@@ -198,7 +199,15 @@ std::uint64_t map_scene(const SceneWork& work, const MapOptions& o, const Common
 
     SceneSummaries summaries{measure::map::run_map(work.map, files.sinks()), {}};
     if (work.needed) {
-        summaries.needed = measure::map::run_needed(*work.needed, needed_files->sinks());
+        NeededRequest request = *work.needed;
+        // Its rays are asked in many widths: what the map took says nothing of it.
+        output::file::Estimate estimate(progress, scene.id + " --bits-needed", measure::map::needed_units(request),
+                                        common.quiet);
+        request.progress = [&estimate, advance = work.needed->progress](std::uint64_t done) {
+            estimate.advance(done);
+            advance(done);
+        };
+        summaries.needed = measure::map::run_needed(request, needed_files->sinks());
         needed_files->finish(summaries.needed);
     }
     files.finish(summaries.map);
@@ -266,7 +275,12 @@ Exit run(const MapOptions& o, const Common& common) {
     const auto advance = advancing(progress);
     for (SceneWork& work : works) {
         measure::truth::StageCounts stages;
-        work.map.progress = advance;
+        output::file::Estimate estimate(progress, work.map.scene->id, work.map.scene->pixels() * work.map.rows.size(),
+                                        common.quiet);
+        work.map.progress = [&](std::uint64_t done) {
+            estimate.advance(done);
+            advance(done);
+        };
         work.map.stages = &stages;
         if (work.needed) work.needed->progress = advance;
         unresolved += map_scene(work, o, common,
