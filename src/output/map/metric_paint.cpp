@@ -35,6 +35,7 @@ std::string in_words(std::string_view name) {
 
 std::string short_number(double x) {
     if (x == 0) return "0";
+    if (std::fabs(x) >= 1000 && std::fabs(x) < 10000) return fmt::format("{:.0f}", x);
     return std::fabs(x) >= 0.01 && std::fabs(x) < 10000 ? fmt::format("{:.3g}", x) : fmt::format("{:.1e}", x);
 }
 
@@ -209,7 +210,7 @@ std::string MetricPaint::glance(const MapSummary& s, std::size_t m) const {
         const auto order = culprits_by_count(s.categories[m]);
         if (order.empty()) return "no culprit";
         const std::uint64_t blamed = measure::blame::rays_with_culprit(s.categories[m]);
-        return fmt::format("{} of {} with a culprit:\n{}", percent(s.categories[m][order.front()], blamed), blamed,
+        return fmt::format("{} of {} culprits:\n{}", percent(s.categories[m][order.front()], blamed), blamed,
                            shortened(metric_->categories[order.front()], 48));
     }
     if (!metric_->categories.empty()) {
@@ -246,7 +247,7 @@ std::string MetricPaint::glance(const MapSummary& s, std::size_t m) const {
 
 std::string MetricPaint::caption(const MapSummary& s, std::size_t m) const {
     std::string text;
-    for (const char c : glance(s, m)) text += c == '\n' ? std::string("; ") : std::string(1, c);
+    for (const char c : glance(s, m)) text += c != '\n' ? std::string(1, c) : text.ends_with(':') ? " " : "; ";
     // Below one picture there is room for what a sheet says once.
     constexpr std::string_view short_word = "p99 ";
     const std::size_t at = text.find(short_word);
@@ -257,7 +258,9 @@ std::string MetricPaint::caption(const MapSummary& s, std::size_t m) const {
 }
 
 std::string MetricPaint::widest_caption(std::uint64_t pixels) const {
-    if (metric_->over != Over::agreed_hits) return std::string(longest_culprit + 30, 'e');
+    if (metric_->by_run()) return fmt::format("99% of {} culprits: {}", pixels, std::string(48, 'e'));
+    if (metric_->over != Over::agreed_hits)
+        return fmt::format("median 1.2e+03 {0}; largest 1.2e+03 {0}; of {1} rays that both hit", metric_->unit, pixels);
     return fmt::format(
         "99% false miss, 99% false hit; 99 of 100 hits: at most 22.7 of 53 lost, 30 kept; of {} agreed hits", pixels);
 }

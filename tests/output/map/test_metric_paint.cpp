@@ -125,8 +125,9 @@ TEST_CASE("shares of culprits are of the rays that have one, and the picture say
     s.outcomes[static_cast<std::size_t>(Outcome::agree_miss)] = 700;
     s.outcomes[static_cast<std::size_t>(Outcome::agree_hit)] = 300;
     s.categories = {{100, 150, 50}};
-    CHECK(paint.glance(s, 0) == "75% of 200 with a culprit:\nb*b - c");
+    CHECK(paint.glance(s, 0) == "75% of 200 culprits:\nb*b - c");
     const auto legend = paint.legend(s, 0, 0);
+    CHECK(paint.caption(s, 0) == "75% of 200 culprits: b*b - c");
     REQUIRE(legend.size() == 4);
     CHECK(legend[0].count == "150 (75.0%)");
     CHECK(legend[1].count == "50 (25.0%)");
