@@ -189,9 +189,15 @@ SceneName find_scene(const std::string& name_or_path, const std::filesystem::pat
     const std::filesystem::path as_path(name_or_path);
     std::error_code ignored;
     const std::string no_file = name_or_path + ": there is no such file";
-    const std::string meant = std::filesystem::exists(as_path, ignored) ? "" : toml::nearby_file(as_path);
-    if (as_path.has_parent_path() && !meant.empty()) throw InputError(no_file + "; " + meant);
-    if (as_path.has_parent_path()) return {as_path};
+    const auto refuse_slip = [&] {
+        if (std::filesystem::exists(as_path, ignored)) return;
+        if (const std::string meant = toml::nearby_file(as_path); !meant.empty())
+            throw InputError(no_file + "; " + meant);
+    };
+    if (as_path.has_parent_path()) {
+        refuse_slip();
+        return {as_path};
+    }
     if (std::filesystem::is_regular_file(as_path, ignored) && as_path.extension() == ".toml") return {as_path};
 
     const std::string name = as_path.extension() == ".toml" ? stem_of(as_path) : name_or_path;
@@ -207,7 +213,7 @@ SceneName find_scene(const std::string& name_or_path, const std::filesystem::pat
         if (ids[i] == name) return {files[i]};
     for (std::size_t i = 0; i < files.size(); ++i)
         if (dot < name.size() && ids[i] == stem) return {files[i], name.substr(dot + 1)};
-    if (!meant.empty()) throw InputError(no_file + "; " + meant);
+    refuse_slip();
     const std::string hint = toml::did_you_mean(stem, ids);
     if (is_file)
         throw InputError(no_file + ", nor a scene \"" + name + "\" in " + (data_dir / "scenes").string() +
