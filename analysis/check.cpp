@@ -5,11 +5,11 @@
 #include <memory>
 #include <set>
 
-#include "analysis/choice/doors.hpp"
 #include "analysis/choice/options.hpp"
 #include "analysis/choice/select.hpp"
 #include "commands.hpp"
 #include "number/error.hpp"
+#include "output/blame/explain_command.hpp"
 #include "output/claim/claim_files.hpp"
 #include "output/claim/claim_report.hpp"
 #include "output/file/atomic_file.hpp"
@@ -92,7 +92,7 @@ void print(const Claim& claim, const ClaimResult& r, const CheckOptions& o, bool
     }
     if (const std::string command = output::claim::explain_witness(claim, r); !command.empty())
         fmt::print("         explain it: {}\n", command);
-    fmt::print("         reproduce: {}{}\n", output::claim::reproduce(claim), choice::words_of_doors());
+    fmt::print("         reproduce: {}{}\n", output::claim::reproduce(claim), output::blame::where_forms_are_from());
     if (o.annotations == "github" && r.state != State::skipped) {
         fmt::print("::{} file={},line={},title={}::{}\n", std::string_view(word) == "warning" ? "warning" : "error",
                    claim.where.source, claim.where.line, claim.id, output::claim::explain(claim, r));
@@ -124,6 +124,16 @@ void print_spreads(const std::vector<Claim>& claims, const std::vector<ClaimResu
         fmt::print(row, claims[i].id, text(results[i].measured), text(s.low), text(s.median), text(s.high),
                    fmt::format("[{}, {}]", text(claims[i].low), text(claims[i].high)), results[i].samples);
     }
+}
+
+/// `: 4 sentences hold, 1 is refuted`. A verdict that is confirmed may be that a sentence is wrong.
+std::string sentences_text(std::size_t holding, std::size_t refuted) {
+    std::string text;
+    if (holding > 0) text = holding == 1 ? "1 sentence holds" : fmt::format("{} sentences hold", holding);
+    if (refuted == 0) return text.empty() ? "" : ": " + text;
+    if (text.empty())
+        return refuted == 1 ? ": 1 sentence is refuted" : fmt::format(": {} sentences are refuted", refuted);
+    return fmt::format(": {}, {} {} refuted", text, refuted, refuted == 1 ? "is" : "are");
 }
 
 /// A ratio of two speeds is what it was on this machine in this minute: every claim is shown with it, and none fails.
@@ -163,7 +173,7 @@ Exit run(const CheckOptions& o, const Common& common) {
         if (!path.empty()) output::file::AtomicFile probe(path);
     }
     std::unique_ptr<output::file::ResultFolder> folder;
-    if (!o.report.empty()) folder = own_folder(o.report, common, "", {.shared = true});
+    if (!o.report.empty()) folder = own_folder(o.report, common, common.typed.all_subjects(), {.shared = true});
     const auto results = measure::claim::measure_claims(
         claims, {.data_dir = data, .further_draws = o.seeds, .done = stop_if_interrupted});
     if (o.timing() && !o.measure) return report_times(claims, results);
@@ -173,10 +183,11 @@ Exit run(const CheckOptions& o, const Common& common) {
                        draws_text(claims[i], results[i]));
         return Exit::done;
     }
-    std::size_t agreed = 0, failed = 0, skipped = 0;
+    std::size_t agreed = 0, refuted = 0, failed = 0, skipped = 0;
     for (std::size_t i = 0; i < claims.size(); ++i) {
         print(claims[i], results[i], o, common.verbose);
         agreed += results[i].state == State::agrees;
+        refuted += results[i].state == State::agrees && claims[i].verdict == Claim::Verdict::refuted;
         skipped += results[i].state == State::skipped;
         failed += results[i].state != State::agrees && results[i].state != State::skipped &&
                   (o.strict || claims[i].severity == Claim::Severity::error);
@@ -187,8 +198,9 @@ Exit run(const CheckOptions& o, const Common& common) {
     if (!o.json.empty()) output::claim::write_claims_json(o.json, claims, results);
     if (!o.report.empty()) output::claim::write_claim_report(o.report, claims, results, data);
     if (!common.quiet) {
-        fmt::print("{} claim{} confirmed, {} failed{}\n", agreed, agreed == 1 ? "" : "s",
-                   claims.size() - agreed - skipped, skipped == 0 ? "" : fmt::format(", {} skipped", skipped));
+        fmt::print("{} verdict{} confirmed, {} failed{}{}\n", agreed, agreed == 1 ? "" : "s",
+                   claims.size() - agreed - skipped, skipped == 0 ? "" : fmt::format(", {} skipped", skipped),
+                   sentences_text(agreed - refuted, refuted));
     }
     return failed == 0 ? Exit::done : Exit::answer_is_no;
 }

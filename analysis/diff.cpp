@@ -7,6 +7,7 @@
 #include "analysis/choice/options.hpp"
 #include "analysis/diff/diff_files.hpp"
 #include "analysis/diff/diff_maps.hpp"
+#include "analysis/diff/made_by.hpp"
 #include "commands.hpp"
 #include "number/error.hpp"
 
@@ -30,12 +31,19 @@ std::set<std::string> names_of(const std::vector<Result>& results) {
     return names;
 }
 
+/// Where a file lies, as it was written.
+std::filesystem::path folder_of(const std::filesystem::path& file) {
+    return file.has_parent_path() ? file.parent_path() : ".";
+}
+
 /// Every file of every kind, one after another; what two commits that mean to change nothing are held to.
 Exit run_strictly(const DiffWords& w, const CompareOptions& options, const Common& common) {
     // Nothing is printed before every file is read: bad input is not to look like half an answer.
     const auto results = diff::compare_all(w.a, w.b, options);
     diff::refuse_unknown_columns(options, names_of(results));
     const bool same = std::ranges::all_of(results, &Result::same);
+    if (std::filesystem::is_regular_file(w.a) && std::filesystem::is_regular_file(w.b))
+        diff::print_made_differently(diff::made_differently(folder_of(w.a), folder_of(w.b)));
     for (const Result& r : results) {
         if (!r.same() || common.verbose) diff::print(r, common.verbose);
     }
@@ -51,6 +59,7 @@ Exit run_on_maps(const DiffWords& w, const MapSides& sides, const CompareOptions
     std::unique_ptr<output::file::ResultFolder> owner;
     if (!w.draw.empty()) owner = own_folder(w.draw, common, w.a + (w.b.empty() ? "" : " " + w.b));
     const auto pictures = w.draw.empty() ? std::vector<std::filesystem::path>{} : diff::draw_maps(sides, w.draw);
+    if (!sides.are_forms()) diff::print_made_differently(diff::made_differently_below(w.a, w.b));
     if (!found.same() || common.verbose) diff::print(found, sides, common.verbose);
     if (found.same() && !common.quiet) fmt::print("same\n");
     for (const auto& picture : pictures) {

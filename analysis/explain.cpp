@@ -21,12 +21,20 @@ struct ExplainOptions {
     bool json = false, fpcore = false, latex = false, c = false;
 };
 
+/// One of the option's kind. InputError for several, between commas or by a glob.
+template <class Select>
+auto only(const char* option, const std::string& word, const char* what, const Select& select) {
+    const auto found = select(choice::items_in(word, option), option);
+    if (found.size() != 1)
+        throw InputError(fmt::format("{} {}: names {} {}s, and explain looks at one ray in one {}; name one", option,
+                                     word, found.size(), what, what));
+    return found.front();
+}
+
 Exit run(const ExplainOptions& o, const Common& common) {
-    const auto forms = choice::select_forms({o.form});
-    const auto formats = choice::select_formats({o.format});
-    if (forms.size() != 1 || formats.size() != 1) throw InputError("explain: name one form and one format");
-    const intersect::table::Intersector& form = *forms.front();
-    if (!form.exists_in(formats.front()))
+    const intersect::table::Intersector& form = *only("-i", o.form, "form", choice::select_forms);
+    const Format format = only("-f", o.format, "format", choice::select_formats);
+    if (!form.exists_in(format))
         throw InputError(fmt::format("-i {}: this form does not exist in {}, only in {}; try -f {}", o.form, o.format,
                                      choice::formats_of(form), form.native32 ? "f32" : "f64"));
     if (!form.is_template())
@@ -34,10 +42,10 @@ Exit run(const ExplainOptions& o, const Common& common) {
             "-i {}: its operations cannot be looked at, since it is compiled elsewhere; written as a form over any "
             "number they can (docs/your-own-form.md). `lostbits map` and `sweep` measure it as it is",
             o.form));
-    const AskedRay asked = find_ray(o.words, {&form, formats.front()}, choice::data_folder(common.data));
+    const AskedRay asked = find_ray(o.words, {&form, format}, choice::data_folder(common.data));
     const measure::answer::OneRay& ray = asked.ray;
-    if (asked.scene && !common.quiet) choice::note_lost_numbers(*asked.scene, {{&form, formats.front()}});
-    const measure::blame::Explanation x = measure::blame::explain(form, formats.front(), ray);
+    if (asked.scene && !common.quiet) choice::note_lost_numbers(*asked.scene, {{&form, format}});
+    const measure::blame::Explanation x = measure::blame::explain(form, format, ray);
     if (o.json) fmt::print("{}", output::blame::explain_json(x));
     else if (o.fpcore) fmt::print("{}", output::blame::explain_fpcore(x));
     else if (o.latex) fmt::print("{}", output::blame::explain_latex(x));
@@ -46,8 +54,7 @@ Exit run(const ExplainOptions& o, const Common& common) {
         fmt::print("{}", asked.note);
         std::optional<output::blame::MarchEnd> march;
         if (form.log)
-            march = {measure::answer::march_log(form, formats.front(), ray),
-                     ray.inputs(form, formats.front()).all.march.value()};
+            march = {measure::answer::march_log(form, format, ray), ray.inputs(form, format).all.march.value()};
         fmt::print("{}", output::blame::explain_text(x, common.verbose, march));
     }
     return Exit::done;

@@ -15,6 +15,8 @@
 #include "measure/blame/culprits.hpp"
 #include "measure/contract/suspect.hpp"
 #include "measure/map/culprit_order.hpp"
+#include "output/blame/explain_command.hpp"
+#include "output/file/estimate.hpp"
 #include "output/map/map_exr.hpp"
 #include "output/map/map_files.hpp"
 #include "output/map/needed_files.hpp"
@@ -50,7 +52,7 @@ std::string input_of(const MapOptions& o) {
 
 /// What to type to make the EXR again: everything that decides its bytes, and nothing that does not.
 std::string canonical_command(const Scene& scene, const MapOptions& o) {
-    return fmt::format("lostbits map {}{}{}{}{}{}{}{} --exr{}", scene.id, choice::words_of_doors(),
+    return fmt::format("lostbits map {}{}{}{}{}{}{}{} --exr{}", scene.id, output::blame::where_forms_are_from(),
                        each(" -i '", o.forms, "'"), each(" -f ", o.formats),
                        each(" --metric ", o.metrics) + (o.range.empty() ? "" : " --range " + o.range),
                        o.envelope ? " --envelope" : "", o.against.empty() ? "" : " --against " + o.against,
@@ -197,7 +199,15 @@ std::uint64_t map_scene(const SceneWork& work, const MapOptions& o, const Common
 
     SceneSummaries summaries{measure::map::run_map(work.map, files.sinks()), {}};
     if (work.needed) {
-        summaries.needed = measure::map::run_needed(*work.needed, needed_files->sinks());
+        NeededRequest request = *work.needed;
+        // Its rays are asked in many widths: what the map took says nothing of it.
+        output::file::Estimate estimate(progress, scene.id + " --bits-needed", measure::map::needed_units(request),
+                                        common.quiet);
+        request.progress = [&estimate, advance = work.needed->progress](std::uint64_t done) {
+            estimate.advance(done);
+            advance(done);
+        };
+        summaries.needed = measure::map::run_needed(request, needed_files->sinks());
         needed_files->finish(summaries.needed);
     }
     files.finish(summaries.map);
@@ -265,7 +275,12 @@ Exit run(const MapOptions& o, const Common& common) {
     const auto advance = advancing(progress);
     for (SceneWork& work : works) {
         measure::truth::StageCounts stages;
-        work.map.progress = advance;
+        output::file::Estimate estimate(progress, work.map.scene->id, work.map.scene->pixels() * work.map.rows.size(),
+                                        common.quiet);
+        work.map.progress = [&](std::uint64_t done) {
+            estimate.advance(done);
+            advance(done);
+        };
         work.map.stages = &stages;
         if (work.needed) work.needed->progress = advance;
         unresolved += map_scene(work, o, common,

@@ -8,7 +8,6 @@
 
 #include "analysis/choice/doors.hpp"
 #include "commands.hpp"
-#include "intersect/doors/formulas.hpp"
 #include "intersect/doors/guard.hpp"
 #include "intersect/doors/pipe.hpp"
 #include "intersect/doors/plugin.hpp"
@@ -66,10 +65,8 @@ bool show_trial(const ForeignForm& form, bool quiet) {
 Exit try_forms(const std::string& library, const Common& common) {
     choice::DoorWords words = common.doors;
     if (!library.empty()) words.plugins.push_back(library);
-    const std::vector<ForeignForm> forms = choice::forms_behind(words, common.threads);
+    const std::vector<ForeignForm> forms = choice::open_each(words, common.threads).forms;
     if (forms.empty()) throw InputError("plugin check: name a library, or a command by --pipe");
-    if (!library.empty() && !words.isolate)  // what the other commands would refuse is refused here
-        static_cast<void>(intersect::doors::load_formulas(intersect::doors::find_plugin(library)));
     bool good = true;
     for (const ForeignForm& form : forms) good = show_trial(form, common.quiet) && good;
     return good ? Exit::done : Exit::answer_is_no;

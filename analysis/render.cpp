@@ -65,14 +65,15 @@ std::vector<scene::file::Stage> stages_of(const Scene& scene, const RenderOption
 }
 
 void print_table(const RenderRequest& request, const std::vector<RenderSummary>& summaries) {
-    fmt::print("  {:<8} {:<28} {:<5} {:>9} {:>9} {:>9} {:>10} {:>9}\n", "stage", "form", "fmt", "changed", "acne",
-               "flips", "p99 steps", "unproved");
+    fmt::print("  {:<8} {:<28} {:<5} {:>12} {:>12} {:>9} {:>9} {:>10} {:>9}\n", "stage", "form", "fmt", "wrong colour",
+               "wrong sphere", "acne", "flips", "p99 steps", "unproved");
     for (std::size_t k = 0; k < summaries.size(); ++k) {
         const RenderSummary& s = summaries[k];
         const measure::map::MapRow& row = request.rows[k / request.stages.size()];
-        fmt::print("  {:<8} {:<28} {:<5} {:>9} {:>9} {:>9} {:>10.3g} {:>9}\n", name_of(s.stage), row.form->info->name,
-                   row.format.name, s.changed, s.count(false, measure::picture::Shadow::own_shadow), s.flips(),
-                   s.colour_error.quantile(0.99), s.unresolved());
+        fmt::print("  {:<8} {:<28} {:<5} {:>12} {:>12} {:>9} {:>9} {:>10.3g} {:>9}\n", name_of(s.stage),
+                   row.form->info->name, row.format.name, s.changed, s.seen_wrong(),
+                   s.count(false, measure::picture::Shadow::own_shadow), s.flips(), s.colour_error.quantile(0.99),
+                   s.unresolved());
     }
 }
 
@@ -151,8 +152,7 @@ void add_render(CLI::App& program, const Common& common, Command& chosen) {
                      "Formats: f32, f64, fp16, bf16, tf32, pN, pA..pB (default: f32)");
     choice::add_list(*command, "--stage", o->stages,
                      "visible, diffuse, shadows, phong; may be repeated (default: the last that the scene has)")
-        ->check(
-            CLI::IsMember(std::vector<std::string>(scene::file::stage_names.begin(), scene::file::stage_names.end())));
+        ->check(choice::each_of("--stage", {scene::file::stage_names.begin(), scene::file::stage_names.end()}));
     command->add_option("--size", o->size, "Picture size, WxH in pixels (default: the scene's)");
     command->add_option("--variant", o->variant, "One variant of a scene that has several (default: all)");
     choice::add_set(*command, o->set, "Change a number of the scene first: light.position=[9,9,9]");

@@ -211,6 +211,7 @@ Exit run(const ReportOptions& o, const Common& common) {
     const auto data = choice::data_folder(common.data);
     Work work = plan(o, data);
     const choice::ThreadLimit limit(common.threads);
+    const auto folder = own_folder(o.out, common, common.typed.all_subjects(), {.shared = true});
     output::file::AtomicFile file(std::filesystem::path(o.out) / "index.html");
     // A sweep counts as a map of 100 x 100 pixels under ten rows, the claims as ten of them.
     constexpr std::uint64_t sweep_units = 100'000, claims_units = 1'000'000;

@@ -23,11 +23,6 @@ using output::blame::shell_word;
 
 namespace {
 
-std::string& opened() {
-    static std::string words;
-    return words;
-}
-
 /// The forms of a library, from a process of this program that holds it.
 std::vector<ForeignForm> isolated(const std::filesystem::path& library, intersect::doors::PipeTerms terms) {
     std::error_code unknown;
@@ -41,43 +36,38 @@ std::vector<ForeignForm> isolated(const std::filesystem::path& library, intersec
 
 }  // namespace
 
-std::vector<ForeignForm> forms_behind(const DoorWords& words, int threads) {
+Behind open_each(const DoorWords& words, int threads) {
     if (words.isolate && words.plugins.empty()) throw InputError("--isolate: is for libraries; name one by --plugin");
     if (words.plugins.empty() && words.pipes.empty()) return {};
     intersect::doors::guard_foreign_code({words.seconds, output::file::remove_partial_files});
     const int processes = threads > 0 ? threads : static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
     const intersect::doors::PipeTerms terms{.seconds = words.seconds, .processes = static_cast<unsigned>(processes)};
-    std::vector<ForeignForm> forms;
-    const auto add = [&forms](std::vector<ForeignForm> more) { std::ranges::move(more, std::back_inserter(forms)); };
+    Behind found;
+    const auto add = [](auto more, auto& all) { std::ranges::move(more, std::back_inserter(all)); };
+    std::string again;
     for (const std::string& named : words.plugins) {
         const auto library = intersect::doors::find_plugin(named);
-        add(words.isolate ? isolated(library, terms) : intersect::doors::load_plugin(library));
-        opened() += " --plugin " + shell_word(named);
+        add(words.isolate ? isolated(library, terms) : intersect::doors::load_plugin(library), found.forms);
+        if (!words.isolate) add(intersect::doors::load_formulas(library), found.formulas);
+        again += " --plugin " + shell_word(named);
     }
     for (const std::string& command : words.pipes) {
-        add(intersect::doors::open_pipe(command, terms));
-        opened() += " --pipe " + shell_word(command);
+        add(intersect::doors::open_pipe(command, terms), found.forms);
+        again += " --pipe " + shell_word(command);
     }
-    return forms;
+    output::blame::say_where_forms_are_from(again);
+    return found;
 }
 
 void open_doors(const DoorWords& words, int threads) {
-    std::vector<ForeignForm> forms = forms_behind(words, threads);
+    Behind found = open_each(words, threads);
     // A library with formulas answers through the C interface too: for --isolate and `plugin check`.
-    std::vector<intersect::doors::Formula> formulas;
-    if (!words.isolate) {
-        for (const std::string& named : words.plugins)
-            std::ranges::copy(intersect::doors::load_formulas(intersect::doors::find_plugin(named)),
-                              std::back_inserter(formulas));
-    }
-    std::erase_if(forms, [&formulas](const ForeignForm& form) {
-        return std::ranges::any_of(formulas, [&form](const auto& f) { return f.row.info->name == form.contract.name; });
+    std::erase_if(found.forms, [&found](const ForeignForm& form) {
+        return std::ranges::any_of(found.formulas,
+                                   [&form](const auto& f) { return f.row.info->name == form.contract.name; });
     });
-    output::blame::say_where_forms_are_from(opened());
-    intersect::doors::enroll_formulas(formulas);
-    intersect::doors::enroll(std::move(forms));
+    intersect::doors::enroll_formulas(found.formulas);
+    intersect::doors::enroll(std::move(found.forms));
 }
-
-std::string words_of_doors() { return opened(); }
 
 }  // namespace lostbits::analysis::choice

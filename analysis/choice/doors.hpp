@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "intersect/doors/contract.hpp"
+#include "intersect/doors/formulas.hpp"
 
 namespace lostbits::analysis::choice {
 
@@ -16,14 +17,17 @@ struct DoorWords {
     double seconds = 30;               ///< that one batch may take
 };
 
-/// Loads and starts what is named; at most `threads` processes a command, 0 for one a core. InputError,
-/// EnvironmentError.
-std::vector<intersect::doors::ForeignForm> forms_behind(const DoorWords& words, int threads);
+/// What stands behind the doors: forms that answer, and those of them that are formulas.
+struct Behind {
+    std::vector<intersect::doors::ForeignForm> forms;
+    std::vector<intersect::doors::Formula> formulas;  ///< none with `isolate`
+};
+
+/// Loads and starts what is named; at most `threads` processes a command, 0 for one a core. Commands that are to be run
+/// later name the same again, see `output::blame::where_forms_are_from`. InputError, EnvironmentError.
+Behind open_each(const DoorWords& words, int threads);
 
 /// The same, and adds the forms to the table. Before any row is asked for.
 void open_doors(const DoorWords& words, int threads);
-
-/// The same words again, for a command that is to be run later: ` --plugin ./mine.so`.
-std::string words_of_doors();
 
 }  // namespace lostbits::analysis::choice

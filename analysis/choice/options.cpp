@@ -4,6 +4,7 @@
 #include <array>
 #include <string_view>
 
+#include "number/error.hpp"
 #include "output/blame/explain_command.hpp"
 
 namespace lostbits::analysis::choice {
@@ -14,6 +15,8 @@ namespace {
 constexpr std::array<std::string_view, 15> of_no_result{
     "out",   "progress", "quiet",      "verbose",    "threads",     "isa",    "force",      "resume",
     "junit", "isolate",  "time-limit", "export-csv", "export-json", "report", "annotations"};
+
+constexpr const char* list_type = "TEXT,TEXT";  ///< in the help of an option
 
 bool of_result(const CLI::Option& option) {
     return std::ranges::none_of(option.get_lnames(), [](const std::string& name) {
@@ -43,9 +46,44 @@ void add_words(const CLI::App& app, Typed& words) {
 
 }  // namespace
 
+std::vector<std::string> items_in(const std::string& word, const std::string& option) {
+    std::vector<std::string> all;
+    for (std::size_t begin = 0; begin <= word.size();) {
+        const std::size_t end = std::min(word.find(',', begin), word.size());
+        all.push_back(CLI::detail::trim_copy(word.substr(begin, end - begin)));
+        if (all.back().empty())
+            throw InputError(word.find(',') == std::string::npos
+                                 ? option + ": its value is empty"
+                                 : option + " " + output::blame::shell_word(word) +
+                                       ": has nothing before, between or after its commas; take out the comma");
+        begin = end + 1;
+    }
+    return all;
+}
+
 CLI::Option* add_list(CLI::App& command, const std::string& names, std::vector<std::string>& into,
                       const std::string& help) {
-    return command.add_option(names, into, help)->allow_extra_args(false)->delimiter(',');
+    const auto take = [&into, option = names.substr(0, names.find(','))](const std::vector<std::string>& words) {
+        into.clear();
+        for (const std::string& word : words) std::ranges::move(items_in(word, option), std::back_inserter(into));
+    };
+    // Not by CLI11's delimiter, which drops empty items and keeps blanks.
+    return command.add_option_function<std::vector<std::string>>(names, take, help)
+        ->allow_extra_args(false)
+        ->type_name(list_type);
+}
+
+bool is_list(const CLI::Option& option) { return option.get_type_name().starts_with(list_type); }
+
+CLI::Validator each_of(const std::string& option, const std::vector<std::string>& known) {
+    const CLI::IsMember one(known);
+    const auto check = [one, option](std::string& word) {
+        for (const std::string& item : items_in(word, option)) {
+            if (std::string wrong = one(item); !wrong.empty()) return wrong;
+        }
+        return std::string();
+    };
+    return {check, one.get_description()};
 }
 
 std::vector<std::string> assignments_in(const std::string& word) {
@@ -55,10 +93,10 @@ std::vector<std::string> assignments_in(const std::string& word) {
     for (std::size_t i = 0; i < word.size(); ++i) {
         depth += (word[i] == '[' || word[i] == '(') - (word[i] == ']' || word[i] == ')');
         if (word[i] != ',' || depth > 0) continue;
-        all.push_back(word.substr(begin, i - begin));
+        all.push_back(CLI::detail::trim_copy(word.substr(begin, i - begin)));
         begin = i + 1;
     }
-    all.push_back(word.substr(begin));
+    all.push_back(CLI::detail::trim_copy(word.substr(begin)));
     return all;
 }
 

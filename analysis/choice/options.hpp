@@ -8,10 +8,18 @@
 
 namespace lostbits::analysis::choice {
 
+/// The items of a list between commas, without the blanks around them. InputError, of the `option`, for an empty one.
+std::vector<std::string> items_in(const std::string& word, const std::string& option);
+
 /// An option that may be repeated and takes several values between commas: `-f f32 -f f64` is `-f f32,f64`. The word
 /// after its value is never its own: that is the scene.
 CLI::Option* add_list(CLI::App& command, const std::string& names, std::vector<std::string>& into,
                       const std::string& help);
+
+/// Whether an option was added so.
+bool is_list(const CLI::Option& option);
+/// Of such an option: every item is one of these.
+CLI::Validator each_of(const std::string& option, const std::vector<std::string>& known);
 
 /// `--set`: assignments, repeated or between commas; a comma inside brackets belongs to the value.
 CLI::Option* add_set(CLI::App& command, std::vector<std::string>& into, const std::string& help);
@@ -30,6 +38,8 @@ struct Typed {
     std::string after;     ///< ` -f f32 --size 64x64`
 
     [[nodiscard]] std::string text() const { return before + subjects + after; }
+    /// Without the blank in front.
+    [[nodiscard]] std::string all_subjects() const { return subjects.empty() ? "" : subjects.substr(1); }
     /// The same for one of the subjects, in words of a shell.
     [[nodiscard]] std::string of(const std::string& subject) const {
         return before + (subject.empty() ? "" : " ") + subject + after;

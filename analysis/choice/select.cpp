@@ -56,9 +56,17 @@ std::vector<const Row*> select_rows(std::span<const Row> table, const std::vecto
     return rows;
 }
 
+/// What other programs call them.
+constexpr std::pair<std::string_view, const char*> formats_elsewhere[] = {
+    {"float", "f32"},    {"single", "f32"},    {"float32", "f32"},  {"binary32", "f32"},
+    {"double", "f64"},   {"float64", "f64"},   {"binary64", "f64"}, {"half", "fp16"},
+    {"float16", "fp16"}, {"binary16", "fp16"}, {"bfloat16", "bf16"}};
+
 [[noreturn]] void unknown_format(const std::string& name, const char* option) {
     std::vector<std::string> names{"f32", "f64", "fp16", "bf16", "tf32"};
-    std::string hint = scene::toml::did_you_mean(name, names);
+    const auto elsewhere = std::ranges::find(formats_elsewhere, name, &std::pair<std::string_view, const char*>::first);
+    std::string hint = elsewhere != std::end(formats_elsewhere) ? fmt::format("here it is \"{}\"", elsewhere->second)
+                                                                : scene::toml::did_you_mean(name, names);
     throw InputError(
         fmt::format("{} {}: unknown format; {} (or pN with 2 <= N <= 53, or a range p5..p12)", option, name, hint));
 }

@@ -128,7 +128,8 @@ std::string bash_completion(const CLI::App& program) {
         text += fmt::format("        {})\n            case $previous in\n{}            esac\n", command.name,
                             bash_cases(command.options, "                "));
         std::string here = fmt::format("options=\"{}\"", fmt::join(names_of(command.options), " "));
-        if (!command.commands.empty()) here += fmt::format("; words=\"{}\"", fmt::join(command.commands, " "));
+        if (!command.commands.empty())
+            here += fmt::format("; words=\"{}\"", fmt::join(command.names_of_commands(), " "));
         else if (!command.arguments.empty()) here += "; " + bash_values(command.arguments.front().values);
         // What has a name may be a file as well.
         if (!command.arguments.empty()) here += "; files=-f";
@@ -189,7 +190,7 @@ std::string zsh_completion(const CLI::App& program) {
         text += fmt::format("        {})\n        _arguments{}{} \\\n            '1:command:({})'", command.name,
                             zsh_specs(command.options), common, command.name);
         if (!command.commands.empty())
-            text += fmt::format(" \\\n            '2:command:({})'", fmt::join(command.commands, " "));
+            text += fmt::format(" \\\n            '2:command:({})'", fmt::join(command.names_of_commands(), " "));
         for (const OptionRow& argument : command.arguments)
             text += fmt::format(" \\\n            '{}:{}:{}'", argument.several ? "*" : "", argument.names.front(),
                                 zsh_action(argument));
@@ -214,7 +215,8 @@ std::string fish_completion(const CLI::App& program) {
         const std::string condition = fmt::format(" -n '__fish_seen_subcommand_from {}'", command.name);
         for (const OptionRow& option : command.options) text += fish_option(condition, option);
         if (!command.commands.empty())
-            text += fmt::format("complete -c lostbits{} -f -a '{}'\n", condition, fmt::join(command.commands, " "));
+            text += fmt::format("complete -c lostbits{} -f -a '{}'\n", condition,
+                                fmt::join(command.names_of_commands(), " "));
         for (const OptionRow& argument : command.arguments) {
             if (argument.values.kind == Kind::names)
                 text += fmt::format("complete -c lostbits{} -a '(__lostbits_names {})'\n", condition,

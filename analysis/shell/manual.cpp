@@ -39,12 +39,26 @@ std::string paragraphs(const std::vector<OptionRow>& options) {
     return text;
 }
 
-std::string synopsis(const CommandRow& command) {
-    std::string text = "\\fBlostbits " + command.name + "\\fR";
-    if (!command.commands.empty()) text += fmt::format(" {}", fmt::join(command.commands, "|"));
-    for (const OptionRow& argument : command.arguments)
-        text += " \\fI" + argument.names.front() + "\\fR" + (argument.several ? "..." : "");
+/// `SCENE... [OPTION]...`
+std::string words_after(const CommandRow& command) {
+    std::string text;
+    for (const OptionRow& argument : command.arguments) {
+        const std::string name = "\\fI" + argument.names.front() + "\\fR";
+        text += " " + (argument.required ? name : "[" + name + "]") + (argument.several ? "..." : "");
+    }
     return text + " [\\fIOPTION\\fR]...";
+}
+
+/// The ways to write a command: one a line where its own commands take different words.
+std::vector<std::string> synopsis(const CommandRow& command) {
+    const std::string name = "\\fBlostbits " + command.name;
+    if (command.commands.empty()) return {name + "\\fR" + words_after(command)};
+    if (command.arguments.empty())
+        return {name + fmt::format("\\fR {} [\\fIOPTION\\fR]...", fmt::join(command.names_of_commands(), "|"))};
+    std::vector<std::string> lines;
+    for (const CommandRow& inner : command.commands)
+        lines.push_back(name + " " + inner.name + "\\fR" + words_after(inner));
+    return lines;
 }
 
 }  // namespace
@@ -53,11 +67,14 @@ std::string manual_page(const CLI::App& program, const std::string& version) {
     const auto commands = command_table(program);
     std::string text = fmt::format(".TH LOSTBITS 1 \"\" \"lostbits {}\" \"User Commands\"\n", version);
     text += ".SH NAME\nlostbits \\- a precision laboratory for ray intersectors\n.SH SYNOPSIS\n";
-    for (const CommandRow& command : commands) text += synopsis(command) + "\n.br\n";
+    for (const CommandRow& command : commands)
+        text += fmt::format("{}\n.br\n", fmt::join(synopsis(command), "\n.br\n"));
     text += ".SH DESCRIPTION\n" + roff(program.get_description()) + "\n.SH COMMANDS\n";
     for (const CommandRow& command : commands) {
-        text += ".SS " + synopsis(command) + "\n" + roff(command.help) + ".\n" + paragraphs(command.arguments) +
-                paragraphs(command.options);
+        text += fmt::format(".SS {}\n{}.\n", fmt::join(synopsis(command), "\n.SS "), roff(command.help));
+        for (const CommandRow& inner : command.commands)
+            text += ".TP\n\\fB" + inner.name + "\\fR\n" + roff(inner.help) + "\n";
+        text += paragraphs(command.arguments) + paragraphs(command.options);
     }
     text += ".SH OPTIONS OF EVERY COMMAND\n" + paragraphs(common_options(program));
     // The sections of the footer, whose headings end with a colon.

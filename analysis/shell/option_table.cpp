@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <map>
 
+#include "analysis/choice/options.hpp"
 #include "analysis/shell/usage.hpp"
 
 namespace lostbits::analysis::shell {
@@ -55,7 +56,8 @@ OptionRow row_of(const CLI::Option& option) {
     OptionRow row;
     row.help = option.get_description();
     row.takes_value = option.get_expected_max() > 0;
-    row.several = option.get_expected_max() > 1 && (option.get_positional() || option.get_delimiter() == ',');
+    row.several = option.get_expected_max() > 1 && (option.get_positional() || choice::is_list(option));
+    row.required = option.get_required();
     std::vector<std::string> bare;
     if (option.get_positional()) row.names = bare = {option.get_name()};
     for (const std::string& name : option.get_snames()) row.names.push_back("-" + name), bare.push_back(name);
@@ -79,7 +81,20 @@ void add_options(const CLI::App& app, std::vector<OptionRow>& options, std::vect
         add_options(*group, options, arguments);
 }
 
+/// Those that are not there yet.
+void add_new(const std::vector<OptionRow>& more, std::vector<OptionRow>& options) {
+    for (const OptionRow& row : more) {
+        if (std::ranges::find(options, row.names, &OptionRow::names) == options.end()) options.push_back(row);
+    }
+}
+
 }  // namespace
+
+std::vector<std::string> CommandRow::names_of_commands() const {
+    std::vector<std::string> names;
+    for (const CommandRow& command : commands) names.push_back(command.name);
+    return names;
+}
 
 std::vector<OptionRow> common_options(const CLI::App& program) {
     std::vector<OptionRow> options, none;
@@ -91,10 +106,12 @@ std::vector<CommandRow> command_table(const CLI::App& program) {
     std::vector<CommandRow> rows;
     for (const std::string& name : commands_of(program)) {
         const CLI::App& command = *program.get_subcommand(name);
-        CommandRow row{name, command.get_description(), {}, {}, commands_of(command)};
+        CommandRow row{name, command.get_description(), {}, {}, command_table(command)};
         add_options(command, row.options, row.arguments);
-        for (const std::string& inner : row.commands)
-            add_options(*command.get_subcommand(inner), row.options, row.arguments);
+        for (const CommandRow& inner : row.commands) {
+            add_new(inner.options, row.options);
+            add_new(inner.arguments, row.arguments);
+        }
         rows.push_back(std::move(row));
     }
     return rows;

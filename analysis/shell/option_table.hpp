@@ -20,17 +20,21 @@ struct OptionRow {
     std::string help;
     bool takes_value = false;
     bool several = false;  ///< between commas, or one argument after another
+    bool required = false;
     Values values;
 };
 
 struct CommandRow {
     std::string name, help;
-    std::vector<OptionRow> options, arguments;
-    std::vector<std::string> commands;  ///< of its own: `plugin check`
+    std::vector<OptionRow> options, arguments;  ///< of its own commands, too
+    std::vector<CommandRow> commands;           ///< of its own: `plugin check`
+
+    [[nodiscard]] std::vector<std::string> names_of_commands() const;
 };
 
 /// Those of every command.
 std::vector<OptionRow> common_options(const CLI::App& program);
+/// Those of a program, or of a command that has some.
 std::vector<CommandRow> command_table(const CLI::App& program);
 
 }  // namespace lostbits::analysis::shell

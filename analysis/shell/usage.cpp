@@ -53,8 +53,14 @@ std::string leftover(const CLI::App& program, const std::string& fallback) {
     const std::string& word = words.front();
     if (word.size() > 1 && word.front() == '-' && word.find_first_not_of('-') != std::string::npos)
         return unknown_option(program, word);
+    if (word == "help")
+        return fmt::format("help is not a command; write `lostbits {}--help`",
+                           &command == &program ? "" : command.get_name() + " ");
+    if (&command == &program && word == "version") return "version is not a command; write `lostbits --version`";
     if (&command == &program)
         return fmt::format("\"{}\" is not a command; {}", word, did_you_mean(word, commands_of(program)));
+    if (const auto inner = commands_of(command); !inner.empty())
+        return fmt::format("{} {}: is not one of {}", command.get_name(), word, fmt::join(inner, ", "));
     return fmt::format(
         "{}: `lostbits {}` takes no such word; an option takes one value where it stands: repeat it, or "
         "write commas (-i A,B)",

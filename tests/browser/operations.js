@@ -111,7 +111,7 @@ async function attributes({ browser, taped, lostbits }) {
                     equals: walk.equals,
                     explained: decimal(walk.explained),
                     sentence: culpritSentence(found, row, walk.subject < 0 ? NaN : walk.ulpOfSubject(row)),
-                    verdict: verdictText(found.pixels, found.i)
+                    verdict: verdictText(map, found.pixels, found.i)
                 });
             }
         }
@@ -231,6 +231,8 @@ async function table({ browser, report, lostbits }) {
     await page.waitForFunction(() => document.getElementById("operations").dataset.pixel === "61,60");
     const march =
         await browser.page(report, { hash: "#scene=sdf-sphere&form=sdf.sphere_trace&format=f32&x=100&y=100" });
+    assert.match(
+        await march.locator("#inspector .verdict").innerText(), /bits are lost where the march ended, at sample \d+, or/);
     assert.match(
         await march.locator("#operations").innerText(),
         /lostbits explain sdf-sphere --pixel 100,100 -i sdf.sphere_trace -f f32/);

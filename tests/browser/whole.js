@@ -39,6 +39,9 @@ async function link({ browser, report }) {
     const wrong = await browser.page(report, { hash: "#scene=nowhere&x=5&y=5" });
     assert.match(await wrong.locator("#note").innerText(), /scene "nowhere" is not on this page/);
     assert.deepEqual(wrong.complaints, []);
+    const other = await browser.page(report, { hash: "#sweep=sphere-tilt&statistic=lost_bits_p98" });
+    assert.match(await other.locator("#note").innerText(), /statistic "lost_bits_p98" is not on this page/);
+    assert.equal((await stateOf(other)).statistic, "");
 }
 
 /** A claim leads to its pixel or its plot; the filter leaves what it says. */

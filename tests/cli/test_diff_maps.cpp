@@ -90,3 +90,25 @@ TEST_CASE("diff: two forms of one folder, and the difference as a picture, from 
     CHECK(has(bare.err, "--pixels csv or --exr"));
     CHECK_FALSE(std::filesystem::exists(scratch.path() / "no"));
 }
+
+TEST_CASE("diff: folders made with other numbers are said to be, first") {
+    const Scratch scratch;
+    const auto map = [&](const std::string& options) {
+        REQUIRE(run("map near-benign -i sphere.press -f f32 -q " + options, scratch.path()).code == 0);
+    };
+    map("--size 16x12 --set 'sphere[0].radius=1.5' -o one");
+    map("--size 20x12 --set 'sphere[0].radius=1.5' -o two");
+    map("--size 16x12 --set 'sphere[0].radius=1.5,camera.fov_deg=30' --exr -o three");
+    const std::string heading = "made with other numbers, which may be all that differs:\n";
+    CHECK(run("diff one two", scratch.path())
+              .out.starts_with(heading + "  --size 16x12 in one/near-benign, 20x12 in two/near-benign\none to two: "));
+    const auto other = run("diff one three", scratch.path()).out;
+    CHECK(other.starts_with(heading + "  --set camera.fov_deg=30 only in three/near-benign\none to three: "));
+    CHECK(run("diff one/near-benign/summary.csv two/near-benign/summary.csv", scratch.path()).out.starts_with(heading));
+    // What only chooses rows and columns is no other number; nor is a folder that does not say what made it.
+    map("--size 16x12 --set 'sphere[0].radius=1.5' --metric residual --pixels csv -o four");
+    CHECK_FALSE(has(run("diff one four", scratch.path()).out, heading));
+    std::filesystem::remove(scratch.path() / "two/near-benign/manifest.json");
+    CHECK_FALSE(has(run("diff one two", scratch.path()).out, heading));
+    CHECK(run("diff one one", scratch.path()).out == "same\n");
+}

@@ -71,7 +71,8 @@ TEST_CASE("what the format cannot hold is nobody's rounding") {
 TEST_CASE("a hit of another solid than the ray meets first is said to be one, with the command for the right one") {
     const auto r = run("explain sphereflake-far --pixel 102,5 -i sphere.schoolbook -f f32");
     INFO(r.out.substr(0, 2000));
-    CHECK(has(r.out, "The wrong solid: the form hits solid 58866, but the ray first meets solid 1."));
+    CHECK(has(r.out, "The wrong solid: the form hits solid 58865, but the ray first meets solid 0 (counted from 0)."));
+    CHECK(has(r.out, "\nOf the solids 0 to 66430, this is solid 58865.\n"));
     const auto at = r.out.find("lostbits explain --sphere=");
     REQUIRE(at != std::string::npos);
     const auto other = run(r.out.substr(at + 9, r.out.find('\n', at) - at - 9));

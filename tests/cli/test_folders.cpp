@@ -224,4 +224,40 @@ TEST_CASE("a page and a judgement name their command as well") {
     std::string version = run("--version").out;
     version.pop_back();
     CHECK(has(contents(scratch.path() / "page/index.html"), version));
+    const auto page = Json::parse(contents(scratch.path() / "page/manifest.json"));
+    CHECK(page.at("command") == "lostbits report near-benign -i sphere.press -f f32 --size 8x8 --no-claims");
+    CHECK(page.at("files") == Json::array({"index.html"}));
+}
+
+TEST_CASE("a folder that a report and checked claims share keeps both, and its list says which made what") {
+    const Scratch scratch;
+    const fs::path folder = scratch.path() / "page";
+    const std::string check = "check --filter 'float.*' --report page",
+                      report = "report near-benign --size 8x8 -i sphere.press -f f32 --no-claims -o page";
+    must(check, scratch);
+    const auto claims = files_in(folder);
+    must(report, scratch);
+    for (int again = 0; again < 2; ++again) {
+        const auto list = Json::parse(contents(folder / "manifest.json"));
+        CHECK(list.at("files") == Json::array({"index.html"}));
+        REQUIRE(list.at("others").size() == 1);
+        CHECK(has(list.at("others")[0].at("command").get<std::string>(), "lostbits check"));
+        CHECK(list.at("others")[0].at("files").size() + 1 == claims.size());
+        CHECK(files_in(folder).size() == claims.size() + 1);
+        must(again == 0 ? report : check, scratch);
+    }
+    CHECK(fs::exists(folder / "index.html"));
+    CHECK(files_in(folder).size() == claims.size() + 1);
+}
+
+TEST_CASE("an interrupted report leaves no folder") {
+    const Scratch scratch;
+    const auto r =
+        run("report near-benign --size 700x700 -o page/inner & child=$!; sleep 1.5; kill -INT $child; "
+            "wait $child; exit $?",
+            scratch.path(), "set -m; ");
+    INFO(r.err);
+    CHECK(r.code == 130);
+    CHECK(scratch.files().empty());
+    CHECK_FALSE(fs::exists(scratch.path() / "page"));
 }

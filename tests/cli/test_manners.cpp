@@ -51,6 +51,8 @@ TEST_CASE("several values stand between commas, and options may be repeated") {
     const std::string both = rows("-i sphere.press -i sphere.unified -f f32 -f f64");
     CHECK(both == "sphere.press f32\nsphere.press f64\nsphere.unified f32\nsphere.unified f64\n");
     CHECK(rows("-i sphere.press,sphere.unified -f f32,f64") == both);
+    CHECK(rows("-i 'sphere.press, sphere.unified ' -f 'f32, f64'") == both);
+    CHECK(run("render raycast-course.small --stage 'visible, diffuse' --size 8x6" + out_of(scratch)).code == 0);
     // A comma inside brackets is the vector's own.
     const auto title = [&](const std::string& set) {
         REQUIRE(run("map " + scene + " --size 8x8 -i sphere.press -f f32 " + set + out_of(scratch)).code == 0);
@@ -84,6 +86,24 @@ TEST_CASE("what is not understood is said in a sentence, with what may have been
         {"list scene", {"is not one of forms", "did you mean scenes?"}},
         {"list form", {"did you mean forms?"}},
         {"mapp", {"\"mapp\" is not a command", "did you mean \"map\"?"}},
+        {"completion foo", {"completion foo: is not one of bash, zsh, fish"}},
+        {"plugin foo", {"plugin foo: is not one of check, serve"}},
+        {"help map", {"help is not a command; write `lostbits map --help`"}},
+        {"help", {"write `lostbits --help`"}},
+        {"version", {"write `lostbits --version`"}},
+        {"map " + scene + " -f f32,,f64 -o out", {"-f f32,,f64: has nothing before, between or after its commas"}},
+        {"map " + scene + " -i sphere.press, -o out", {"-i sphere.press,: has nothing"}},
+        {"map " + scene + " --metric '' -o out", {"--metric: its value is empty"}},
+        {"map " + scene + " -f float -o out", {"-f float: unknown format; here it is \"f32\""}},
+        {"map " + scene + " -f f32,double -o out", {"-f double: unknown format; here it is \"f64\""}},
+        {"render raycast-course.small --stage visible,shadow -o out",
+         {"--stage shadow: is not one of", "mean shadows?"}},
+        {"explain near-benign --pixel 1,1 -i sphere.press,sphere.unified", {"names 2 forms", "name one"}},
+        {"explain near-benign --pixel 1,1 -i sphere.press -f f32,f64", {"names 2 formats", "name one"}},
+        {"map mine -o out", {"did you mean \"mine.toml\"?"}},
+        {"map mine.tom -o out", {"mine.tom", "did you mean \"mine.toml\"?"}},
+        {"map ./mine.tmol -o out", {"./mine.tmol", "did you mean \"./mine.toml\"?"}},
+        {"sweep min.toml -o out", {"min.toml", "did you mean \"mine.toml\"?"}},
         {"", {"name a command: check"}},
         {"plugin", {"name a command: check, serve"}},
         {"judge '" + scratch.write("r.csv", "x\n") + "' --skip abc -o out", {"--skip abc: is not a whole number"}},

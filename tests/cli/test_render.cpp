@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <sstream>
 
 #include <nlohmann/json.hpp>
 
@@ -119,6 +120,25 @@ TEST_CASE("the layers, the pictures and the table say the same") {
     CHECK(number_in(row.at("surface_lit")) == shadow_counts[1] + shadow_counts[3] + shadow_counts[4]);
     CHECK(number_in(row.at("changed")) == changed);
     CHECK(static_cast<float>(number_in(row.at("colour_error_max"))) == worst);
+}
+
+TEST_CASE("render -v names both shares of wrong pixels, and they are those of the summary") {
+    const Scratch scratch;
+    const auto r = run("render raycast-course.small --size 64x48 -i sphere.expanded -f fp16 -v -o out", scratch.path());
+    REQUIRE(r.code == 0);
+    CHECK(has(r.out, "wrong colour wrong sphere "));
+    const auto row = read_csv(scratch.path() / "out/raycast-course.small/summary.csv").at(0);
+    double wrong = 0;
+    for (const char* column : {"other_sphere", "lost_sphere", "extra_sphere", "not_a_number"})
+        wrong += number_in(row.at(column));
+    CHECK(wrong > 0);
+    CHECK(wrong < number_in(row.at("changed")));
+    std::istringstream line(r.out.substr(r.out.find("sphere.expanded  ")));
+    std::string form, format;
+    double colour = 0, sphere = 0;
+    line >> form >> format >> colour >> sphere;
+    CHECK(colour == number_in(row.at("changed")));
+    CHECK(sphere == wrong);
 }
 
 TEST_CASE("a picture is the same bytes for any number of threads and any width of registers") {

@@ -48,7 +48,7 @@ std::string report_of(const std::string& arguments, const Scratch& scratch) {
     INFO(r.err);
     REQUIRE(r.code == 0);
     CHECK(r.out == (scratch.path() / "index.html").string() + "\n");
-    CHECK(scratch.files() == std::vector<std::string>{"index.html"});
+    CHECK(scratch.files() == std::vector<std::string>{"index.html", "manifest.json"});
     return contents(scratch.path() / "index.html");
 }
 

@@ -129,7 +129,9 @@ TEST_CASE("the manual page names every command and every option, and man reads i
     CHECK(said.code == 0);
     CHECK_FALSE(has(said.out, "warning"));
     for (const char* words :
-         {"NAME", "SYNOPSIS", "EXIT STATUS", "ENVIRONMENT", "LOSTBITS_DATA", "lostbits sweep SWEEP"})
+         {"NAME", "SYNOPSIS", "EXIT STATUS", "ENVIRONMENT", "LOSTBITS_DATA", "lostbits sweep SWEEP... [OPTION]...",
+          "lostbits plugin check [LIBRARY] [OPTION]...", "lostbits plugin serve LIBRARY [OPTION]...",
+          "lostbits explain [SCENE] [OPTION]...", "lostbits completion bash|zsh|fish [OPTION]..."})
         CHECK(has(said.out, words));
     for (const std::string command : {"check", "map", "explain", "judge"}) {
         for (const std::string& option : options_in_help(command)) {
@@ -167,6 +169,10 @@ TEST_CASE("out: -o - writes the table to standard output, and leaves nothing els
     CHECK(csv.code == 0);
     CHECK(csv.out.starts_with("id,"));
     CHECK(has(csv.err, "confirmed"));
+    // A confirmed verdict may be that the sentence is wrong.
+    CHECK(has(run("check --filter 'float.sum-2p24-f32,float.sum-2p25-f32'").out,
+              "2 verdicts confirmed, 0 failed: 1 sentence holds, 1 is refuted\n"));
+    CHECK(has(run("check --filter float.sum-2p24-f32").out, "1 verdict confirmed, 0 failed: 1 sentence is refuted\n"));
 }
 
 TEST_CASE("standard output takes one table") {

@@ -59,6 +59,46 @@ TEST_CASE("a sweep says where a form is good again after its first trouble, as i
     CHECK(for_good > 2);
 }
 
+TEST_CASE("a sweep says where a form first hits the wrong solid, as its own steps do") {
+    const Scratch scratch;
+    static_cast<void>(scratch.write("two.toml", good_scene + "[[sphere]]\ncentre = [0, 0, 0.0078125]\nradius = 1\n"));
+    static_cast<void>(scratch.write("s.toml", R"(schema = "lostbits-sweep/1"
+title = "A test"
+source = "-"
+scene = "two.toml"
+[[axis]]
+name = "eye_z"
+spacing = "log2"
+from = 4
+to = 1024
+steps = 9
+set = ["camera.eye[2]"]
+[[mark]]
+at = 8
+label = "the wrong one"
+measured = { form = "sphere.schoolbook", event = "wrong_object", threshold = 1 }
+)"));
+    REQUIRE(run("sweep s.toml -i sphere.schoolbook -f f32,f64 -q -o .", scratch.path()).code == 0);
+    double first = 0;  // the first step with a wrong solid
+    for (const auto& step : read_csv(scratch.path() / "s/samples.csv")) {
+        if (first == 0 && step.at("format") == "f32" && number_in(step.at("wrong_object")) > 0)
+            first = number_in(step.at("eye_z"));
+        if (step.at("format") == "f64") CHECK(step.at("wrong_object") == "0");
+    }
+    REQUIRE(first > 4);
+    int rows = 0;
+    for (const auto& onset : read_csv(scratch.path() / "s/onsets.csv")) {
+        if (onset.at("event") != "wrong_object") continue;
+        ++rows;
+        CHECK((onset.at("found") == "1") == (onset.at("format") == "f32"));
+        if (onset.at("found") != "1") continue;
+        CHECK(number_in(onset.at("first_bad_eye_z")) <= first);
+        CHECK(number_in(onset.at("last_good_eye_z")) >= first / 2);
+        CHECK(number_in(onset.at("value_at_first_bad")) > 0);
+    }
+    CHECK(rows == 2);
+}
+
 TEST_CASE("a sweep: --steps, --set and --size change what they name, and the title says so") {
     const Scratch scratch;
     const std::string file = scratch.write("s.toml", small_sweep);

@@ -87,8 +87,12 @@ std::vector<std::string_view> labels_of(const Intersector& form, const Setting& 
     return labels;
 }
 
+std::uint64_t rays_with_culprit(std::span<const std::uint64_t> counts) {
+    return std::accumulate(counts.begin() + 1, counts.end(), std::uint64_t{0});
+}
+
 double culprit_share(std::span<const std::uint64_t> counts, std::span<const std::size_t> places) {
-    const std::uint64_t all = std::accumulate(counts.begin() + 1, counts.end(), std::uint64_t{0});
+    const std::uint64_t all = rays_with_culprit(counts);
     std::uint64_t some = 0;
     for (const std::size_t place : places) some += counts[place];
     return truth::fraction(some, all);

@@ -48,6 +48,9 @@ std::vector<std::string> operation_names(const intersect::table::Intersector& fo
 /// Every label of a form, in the order of its tape; empty where the form cannot handle the setting.
 std::vector<std::string_view> labels_of(const intersect::table::Intersector& form, const Setting& setting);
 
+/// Rays that have a culprit, by the counts of `culprit`'s categories: what shares of culprits are shares of.
+std::uint64_t rays_with_culprit(std::span<const std::uint64_t> counts);
+
 /// The share of one category, or of several, in the rays that have a culprit, by the counts of `culprit`'s categories;
 /// NaN where no ray has one. Rays on which nothing rounds have none.
 double culprit_share(std::span<const std::uint64_t> counts, std::span<const std::size_t> places);

@@ -83,6 +83,8 @@ struct RenderSummary {
     [[nodiscard]] std::uint64_t count(bool on_background, Shadow s) const {
         return shadow[on_background ? 1 : 0][static_cast<std::size_t>(s)];
     }
+    /// Pixels that show another sphere than the true one, none where there is one, one where there is none, or NaN.
+    [[nodiscard]] std::uint64_t seen_wrong() const;
     /// Shadow decisions that are not the truth's, its own sphere's shadows apart.
     [[nodiscard]] std::uint64_t flips() const;
     /// Pixels of which something is not proved: what is seen, the shadow, or the colour.

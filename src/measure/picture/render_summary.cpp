@@ -163,6 +163,10 @@ double render_value(const RenderSummary& summary, const std::string& column, con
                      scene::toml::did_you_mean(column, names));
 }
 
+std::uint64_t RenderSummary::seen_wrong() const {
+    return pixels - count(Seen::same_sphere) - count(Seen::background) - count(Seen::unresolved);
+}
+
 std::uint64_t RenderSummary::flips() const {
     std::uint64_t sum = 0;
     for (const bool background : {false, true})

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <stdexcept>
 
 #include "measure/truth/missing.hpp"
 
@@ -46,7 +47,7 @@ std::vector<Event> events_of(const MapRow& row, const std::vector<const Metric*>
                               [lost, s](const MapSummary& m) { return s.of(m.metrics[lost]); }});
         }
     }
-    for (const Outcome o : {Outcome::false_hit, Outcome::false_miss, Outcome::not_a_number}) {
+    for (const Outcome o : map::wrong_decisions) {
         events.push_back({std::string(answer::outcome_names[static_cast<std::size_t>(o)]), "count", 1,
                           [o](const MapSummary& m) { return static_cast<double>(m.count(o)); }});
     }
@@ -191,8 +192,12 @@ std::vector<Onset> find_onsets(const SweepRequest& request, const std::vector<Sw
         other.sweep = &again;
         other.recoveries = false;
         const std::vector<Onset> found = onsets_of_draw(other, run_sweep(other));
-        for (std::size_t i = 0; i < onsets.size(); ++i)
-            onsets[i].further.push_back(found[i].found ? found[i].first_bad : truth::missing);
+        for (Onset& onset : onsets) {
+            const auto same = std::ranges::find_if(found, [&onset](const Onset& o) { return o.is_of_event(onset); });
+            if (same == found.end())
+                throw std::logic_error("a further draw of a sweep has other events than the first");
+            onset.further.push_back(same->found ? same->first_bad : truth::missing);
+        }
     }
     return onsets;
 }

@@ -35,6 +35,10 @@ struct Onset {
     std::uint64_t rays = 0, views = 0;  ///< of every step: a first failure among so many comes later among fewer
     std::vector<double> further = {};   ///< first_bad of further draws, one a seed; NaN where it does not happen
 
+    /// Whether both are of one row, and of the same thing that happens there.
+    [[nodiscard]] bool is_of_event(const Onset& other) const {
+        return row == other.row && event == other.event && statistic == other.statistic && threshold == other.threshold;
+    }
     /// Of first_bad over all draws.
     [[nodiscard]] metric::Spread spread() const {
         return metric::spread_of(found ? first_bad : std::numeric_limits<double>::quiet_NaN(), further);
@@ -58,11 +62,11 @@ std::vector<SweepStep> run_sweep(const SweepRequest& request);
 map::MapSummary run_place(const SweepRequest& request, std::size_t row, const std::vector<double>& values);
 
 /// The first crossings, along the first axis of a sweep with one axis, of 1, 4, 8, p/2 and p lost bits by the median,
-/// the 99th percentile and the largest, of the first false hit and false miss, and of the first march that ends at
-/// max_dist, at max_steps, or stagnated; each bracket [last good, first bad] narrowed by bisection until it is 2^-9 of
-/// its value wide, or holds no number of the axis. A crossing is the first in the order of the steps: a dip between two
-/// of them stays unseen. A form may be good again later: the last place that is, and where it is bad from then on, are
-/// found alike. Then the first crossings on further draws, where the request asks for them.
+/// the 99th percentile and the largest, of the first of each of the `wrong_decisions`, and of the first march that ends
+/// at max_dist, at max_steps, or stagnated; each bracket [last good, first bad] narrowed by bisection until it is 2^-9
+/// of its value wide, or holds no number of the axis. A crossing is the first in the order of the steps: a dip between
+/// two of them stays unseen. A form may be good again later: the last place that is, and where it is bad from then on,
+/// are found alike. Then the first crossings on further draws, where the request asks for them.
 std::vector<Onset> find_onsets(const SweepRequest& request, const std::vector<SweepStep>& steps);
 
 /// Units of progress that both calls together report at most.

@@ -73,6 +73,8 @@ bool is_from_outside(const intersect::table::Intersector& form) {
 
 void say_where_forms_are_from(const std::string& words) { words_of_libraries() = words; }
 
+const std::string& where_forms_are_from() { return words_of_libraries(); }
+
 std::string explain_command(const std::string& name, const measure::map::MapRow& row) {
     if (!row.form->is_template()) return "";
     return fmt::format("lostbits explain {} -i {} -f {}{}{}", name, row.form->info->name, row.format.name,

@@ -20,6 +20,8 @@ std::string name_of_ray(const scene::rays::RayGroup* one);
 
 /// What a command needs that asks for forms from outside (` --plugin ./mine.so`): set once, before any is made.
 void say_where_forms_are_from(const std::string& words);
+/// The same words; empty where all forms are the catalogue's.
+[[nodiscard]] const std::string& where_forms_are_from();
 
 /// `lostbits explain NAME -i FORM -f FORMAT`, with the convention that the row is judged by unless that is its own.
 std::string explain_command(const std::string& name, const measure::map::MapRow& row);

@@ -203,7 +203,8 @@ std::string explain_text(const Explanation& x, bool all, const std::optional<Mar
     const OperationWords words(x);
     std::string text = fmt::format("{} in {}: {}\n\n", x.form->info->name, x.format.name, x.form->info->title);
     text += verdict_text(x, march) + "\n";
-    if (x.solids > 1 && x.form->shape != Shape::sdf) text += fmt::format("solid {} of {}\n", x.solid + 1, x.solids);
+    if (x.solids > 1 && x.form->shape != Shape::sdf)
+        text += fmt::format("Of the solids 0 to {}, this is solid {}.\n", x.solids - 1, x.solid);
     if (x.judged)
         text +=
             fmt::format("Judged by {} solids: what a ray only touches is a {}.\n", intersect::convention_name(x.judged),

@@ -47,9 +47,9 @@ std::string wrong_solid_sentence(const Explanation& x) {
                                                       missed.t > x.standing.t ? "behind" : "which is not before")
                                         : "a miss";
     return fmt::format(
-        "The wrong solid: the form hits solid {}, but the ray first meets solid {}. Of that solid alone it reports {}. "
-        "What follows is about solid {}; the other one: {}\n",
-        x.solid + 1, missed.solid + 1, says, x.solid + 1,
+        "The wrong solid: the form hits solid {}, but the ray first meets solid {} (counted from 0). Of that solid "
+        "alone it reports {}. What follows is about solid {}; the other one: {}\n",
+        x.solid, missed.solid, says, x.solid,
         explain_command(name_of_ray(&missed.alone), {x.form, x.format, x.judged}));
 }
 

@@ -72,17 +72,56 @@ void remove_abandoned(const fs::path& folder) {
     }
 }
 
-}  // namespace
+/// `lostbits check`: which command it was, without its words.
+std::string kind_of(const std::string& command) {
+    const auto name = command.find(' ');
+    return name == std::string::npos ? command : command.substr(0, command.find(' ', name + 1));
+}
 
-std::set<std::string> ResultFolder::listed_in(const fs::path& folder) {
+std::string text_of(const nlohmann::json& entry, const char* key) {
+    return entry.contains(key) && entry[key].is_string() ? entry[key].get<std::string>() : std::string();
+}
+
+ResultFolder::Made made_of(const nlohmann::json& entry) {
+    ResultFolder::Made made{{text_of(entry, "command"), text_of(entry, "program")}, {}};
+    if (!entry.contains("files")) return made;
+    for (const auto& name : entry["files"]) {
+        if (name.is_string() && stays_inside(name.get<std::string>())) made.files.insert(name.get<std::string>());
+    }
+    return made;
+}
+
+/// What the list of a folder names, the last run first; nothing where there is no list, or none of ours.
+std::vector<ResultFolder::Made> made_in(const fs::path& folder) {
     std::ifstream in(folder / list_name, std::ios::binary);
     if (!in) return {};
     const auto list = nlohmann::json::parse(in, nullptr, false);
     if (!list.is_object() || !list.contains("schema") || list["schema"] != schema || !list.contains("files")) return {};
-    std::set<std::string> names;
-    for (const auto& name : list["files"]) {
-        if (name.is_string() && stays_inside(name.get<std::string>())) names.insert(name.get<std::string>());
+    std::vector<ResultFolder::Made> all{made_of(list)};
+    if (!list.contains("others") || !list["others"].is_array()) return all;
+    for (const auto& entry : list["others"]) {
+        if (entry.is_object()) all.push_back(made_of(entry));
     }
+    return all;
+}
+
+nlohmann::ordered_json json_of(const MadeBy& by, const std::set<std::string>& names) {
+    auto files = nlohmann::ordered_json::array();
+    for (const std::string& each : names) files.push_back(valid_utf8(each));
+    return {{"program", by.program}, {"command", valid_utf8(by.command)}, {"files", std::move(files)}};
+}
+
+}  // namespace
+
+std::optional<MadeBy> ResultFolder::made_by_in(const fs::path& folder) {
+    const auto all = made_in(folder);
+    if (all.empty()) return {};
+    return all.front().by;
+}
+
+std::set<std::string> ResultFolder::listed_in(const fs::path& folder) {
+    std::set<std::string> names;
+    for (const Made& made : made_in(folder)) names.insert(made.files.begin(), made.files.end());
     return names;
 }
 
@@ -96,7 +135,10 @@ ResultFolder::ResultFolder(fs::path folder, MadeBy made_by, Rules rules)
     if (!fs::is_directory(folder_, ignored))
         throw EnvironmentError(fmt::format("{}: cannot create the folder: {}; choose another -o", folder.string(),
                                            error ? error.message() : "a file has that name"));
-    earlier_ = listed_in(folder_);
+    for (Made& made : made_in(folder_)) {
+        if (rules_.shared && kind_of(made.by.command) != kind_of(made_by_.command)) others_.push_back(std::move(made));
+        else earlier_.merge(made.files);
+    }
     if (!rules_.force && !rules_.shared) refuse_strange_results();
     lock_ = ::open(folder_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
     // A file system without locks answers otherwise, and then nobody can tell.
@@ -159,12 +201,12 @@ void ResultFolder::note(const std::string& name) {
     if (!begun_ && !rules_.keep) clear_earlier();
     begun_ = true;
     if (!files_.insert(name).second) return;
-    auto files = nlohmann::ordered_json::array();
-    for (const std::string& each : files_) files.push_back(valid_utf8(each));
-    const nlohmann::ordered_json list{{"schema", schema},
-                                      {"program", made_by_.program},
-                                      {"command", valid_utf8(made_by_.command)},
-                                      {"files", std::move(files)}};
+    nlohmann::ordered_json list{{"schema", schema}};
+    list.update(json_of(made_by_, files_));
+    for (Made& other : others_) {
+        other.files.erase(name);
+        list["others"].push_back(json_of(other.by, other.files));
+    }
     AtomicFile file(folder_ / list_name);
     file.write(list.dump(2) + "\n");
     file.commit();

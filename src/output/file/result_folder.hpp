@@ -18,9 +18,11 @@ struct MadeBy {
 };
 
 struct ResultFolderRules {
-    bool force = false;   ///< results that no list names may lie there
-    bool shared = false;  ///< others keep files there on purpose, so results that no list names are no offence
-    bool keep = false;    ///< what the earlier run listed stays: this run goes on with it
+    bool force = false;  ///< results that no list names may lie there
+    /// Others keep files there on purpose, so results that no list names are no offence; and what another command of
+    /// this program made there stays, and stays on the list.
+    bool shared = false;
+    bool keep = false;  ///< what the earlier run listed stays: this run goes on with it
 };
 
 /// A folder that is a run's own while this lives.
@@ -32,6 +34,11 @@ struct ResultFolderRules {
 class ResultFolder {
 public:
     using Rules = ResultFolderRules;
+    /// The files of one run.
+    struct Made {
+        MadeBy by;
+        std::set<std::string> files;
+    };
 
     /// InputError where the folder holds results that no list names, and where another run writes there;
     /// EnvironmentError where it cannot be made.
@@ -43,6 +50,9 @@ public:
 
     /// The files that the folder's list names, relative to it; nothing where there is no list, or none of ours.
     [[nodiscard]] static std::set<std::string> listed_in(const std::filesystem::path& folder);
+
+    /// What that list says made the folder; nothing where there is no list, or none of ours.
+    [[nodiscard]] static std::optional<MadeBy> made_by_in(const std::filesystem::path& folder);
 
 private:
     friend void note_result(const std::filesystem::path& path);
@@ -57,6 +67,7 @@ private:
     Rules rules_;
     std::vector<std::filesystem::path> made_;  // folders that were not there, deepest first
     std::set<std::string> earlier_, files_;
+    std::vector<Made> others_;  // of other commands, where the folder is shared
     std::mutex mutex_;
     bool begun_ = false;
     int lock_ = -1;

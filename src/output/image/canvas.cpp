@@ -80,8 +80,11 @@ void Canvas::picture(int x, int y, const Canvas& other) noexcept {
     }
 }
 
-std::vector<TextBitmap> wrap_text(ImageBackend& backend, std::string_view text, int size, bool bold, int width) {
-    std::vector<TextBitmap> lines;
+namespace {
+
+/// The words of each line of `wrap_text`.
+std::vector<std::string_view> wrapped(ImageBackend& backend, std::string_view text, int size, bool bold, int width) {
+    std::vector<std::string_view> lines;
     while (!text.empty()) {
         std::size_t n = fitting_prefix(backend, text, size, bold, width);
         if (n < text.size()) {
@@ -90,9 +93,31 @@ std::vector<TextBitmap> wrap_text(ImageBackend& backend, std::string_view text, 
         }
         std::string_view line = text.substr(0, n);
         while (line.ends_with(' ')) line.remove_suffix(1);
-        if (!line.empty()) lines.push_back(backend.render_text(line, size, bold));
+        if (!line.empty()) lines.push_back(line);
         text.remove_prefix(n);
         while (text.starts_with(' ')) text.remove_prefix(1);
+    }
+    return lines;
+}
+
+}  // namespace
+
+std::vector<TextBitmap> wrap_text(ImageBackend& backend, std::string_view text, int size, bool bold, int width) {
+    std::vector<TextBitmap> lines;
+    for (const std::string_view line : wrapped(backend, text, size, bold, width))
+        lines.push_back(backend.render_text(line, size, bold));
+    return lines;
+}
+
+std::vector<TextBitmap> wrap_text_into(ImageBackend& backend, std::string_view text, int size, int width,
+                                       std::size_t most) {
+    std::vector<TextBitmap> lines;
+    const auto words = wrapped(backend, text, size, false, width);
+    for (std::size_t i = 0; i < std::min(most, words.size()); ++i) {
+        // The last one takes the rest of the text.
+        const auto begin = static_cast<std::size_t>(words[i].data() - text.data());
+        const bool rest = i + 1 == most;
+        lines.push_back(fit_text(backend, rest ? text.substr(begin) : words[i], size, false, width));
     }
     return lines;
 }

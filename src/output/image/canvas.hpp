@@ -65,6 +65,10 @@ void save_png(ImageBackend& backend, const std::filesystem::path& path, const Ca
 /// `text` in one line of at most `width` pixels: smaller letters first, then `..` in the middle.
 [[nodiscard]] TextBitmap fit_text(ImageBackend& backend, std::string_view text, int size, bool bold, int width);
 
+/// `text` in at most that many lines of `width` pixels, the last of them as `fit_text` makes it.
+[[nodiscard]] std::vector<TextBitmap> wrap_text_into(ImageBackend& backend, std::string_view text, int size, int width,
+                                                     std::size_t most);
+
 /// The heading of a picture `width` pixels wide: the title, and the smaller lines below it.
 [[nodiscard]] Canvas heading(ImageBackend& backend, std::string_view title, std::span<const std::string> subtitle,
                              int width);

@@ -25,7 +25,7 @@ inline constexpr std::array<Rgb8, 7> outcome_colours{{
     {95, 110, 110},   // agree_hit: slate, near the middle of the ramp
     {231, 231, 231},  // agree_miss: neutral, recedes
     {114, 51, 0},     // false_hit: brown
-    {214, 148, 255},  // false_miss: pink
+    {214, 148, 255},  // false_miss: lilac
     {0, 0, 0},        // not_a_number: black
     {95, 46, 225},    // unresolved: violet
     {181, 124, 0},    // wrong_object: gold
@@ -47,7 +47,7 @@ inline constexpr std::array<Rgb8, 6> against_colours{{
     outcome_colours[6],  // other_t: gold
     outcome_colours[5],  // both_hit: violet
     outcome_colours[2],  // alone_hits: brown
-    outcome_colours[3],  // other_alone_hits: pink
+    outcome_colours[3],  // other_alone_hits: lilac
 }};
 
 /// The colour of an object id in a categorical map; 0 (no object) is the colour of `agree_miss`. Twenty colours,

@@ -4,4 +4,9 @@ namespace lostbits::output::image {
 
 std::pair<std::string, std::string> compiler_attribute() { return {"lostbits:compiler", LOSTBITS_COMPILER}; }
 
+std::pair<std::string, std::string> objects_attribute() {
+    return {"lostbits:objects",
+            "0 none, otherwise 1 + the solid's number, its place in the scene from 0: 1 is solid 0"};
+}
+
 }  // namespace lostbits::output::image

@@ -23,4 +23,7 @@ namespace lostbits::output::image {
 /// `lostbits:compiler`: what the program was built with.
 [[nodiscard]] std::pair<std::string, std::string> compiler_attribute();
 
+/// `lostbits:objects`: how a channel names a solid. 0 is none, as in a layer that nothing was painted on.
+[[nodiscard]] std::pair<std::string, std::string> objects_attribute();
+
 }  // namespace lostbits::output::image

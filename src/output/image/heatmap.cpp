@@ -34,6 +34,8 @@ HeatmapWriter::HeatmapWriter(ImageBackend& backend, const std::filesystem::path&
     page_width_ = content + 2 * style::margin;
     const Canvas head = heading(backend, spec_.title, spec_.subtitle, content);
     legend_.emplace(backend, spec_.legend, content);
+    caption_lines_ =
+        static_cast<int>(wrap_text(backend, spec_.widest_caption, style::text_size, false, content).size());
     const int head_height = style::margin + head.height() + (head.height() > 0 ? style::gap : 0);
     png_ = backend.open_png(path, page_width_, head_height + body_height_ + foot_height());
     Canvas top(page_width_, head_height);
@@ -74,7 +76,11 @@ void HeatmapWriter::write_rows(std::span<const Rgb8> samples) {
 
 int HeatmapWriter::foot_height() const {
     const int legend = legend_->height() > 0 ? style::gap + legend_->height() : 0;
-    return legend + (spec_.captioned ? style::gap + style::line_height(style::text_size) : 0) + style::margin;
+    return legend + caption_height() + style::margin;
+}
+
+int HeatmapWriter::caption_height() const {
+    return caption_lines_ > 0 ? style::gap + caption_lines_ * style::line_height(style::text_size) : 0;
 }
 
 void HeatmapWriter::finish(std::span<const LegendEntry> legend, std::string_view caption) {
@@ -83,12 +89,12 @@ void HeatmapWriter::finish(std::span<const LegendEntry> legend, std::string_view
     put_body_row(rim);
     while (body_y_ < body_height_) put_body_row({});
     Canvas foot(page_width_, foot_height());
-    const int caption_height = spec_.captioned ? style::gap + style::line_height(style::text_size) : 0;
-    if (spec_.captioned) {
-        const int width = page_width_ - 2 * style::margin;
-        foot.text(style::margin, style::gap, fit_text(backend_, caption, style::text_size, false, width), style::ink);
-    }
-    foot.picture(style::margin, style::gap + caption_height, legend_->draw(legend));
+    const auto lines = wrap_text_into(backend_, caption, style::text_size, page_width_ - 2 * style::margin,
+                                      static_cast<std::size_t>(caption_lines_));
+    for (std::size_t i = 0; i < lines.size(); ++i)
+        foot.text(style::margin, style::gap + static_cast<int>(i) * style::line_height(style::text_size), lines[i],
+                  style::ink);
+    foot.picture(style::margin, style::gap + caption_height(), legend_->draw(legend));
     png_->write_rows(foot.height(), foot.pixels());
     png_->close();
 }

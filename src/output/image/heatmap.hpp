@@ -23,7 +23,7 @@ struct HeatmapSpec {
     std::optional<ColourScale> scale;  ///< none for a map of classes or objects alone
     std::string unit;                  ///< over the colour bar: `lost bits`
     std::vector<LegendEntry> legend;   ///< every class that may occur, each with the widest count it may get
-    bool captioned = false;            ///< a line above the legend, which is known at the end
+    std::string widest_caption;        ///< room for lines above the legend that are known at the end; empty: none
 };
 
 /// Streams a field into a PNG. Fields narrower than 384 samples are enlarged by a whole factor, nearest neighbour, so
@@ -37,7 +37,8 @@ public:
     /// std::logic_error for a part of a row or a row too many.
     void write_rows(std::span<const Rgb8> samples);
 
-    /// Writes the caption where the spec has one, then the legend, and gives the file its final name. `legend` holds
+    /// Writes the caption where the spec has room for one, in its lines, the last one small or shortened where it is
+    /// longer than that; then the legend, and gives the file its final name. `legend` holds
     /// those classes of the spec that occurred, with their counts. Throws as write_rows does, and std::logic_error when
     /// rows are lacking.
     void finish(std::span<const LegendEntry> legend, std::string_view caption = {});
@@ -51,8 +52,10 @@ private:
     ImageBackend& backend_;
     HeatmapSpec spec_;
     [[nodiscard]] int foot_height() const;
+    [[nodiscard]] int caption_height() const;
     int factor_ = 1;
     int field_width_ = 0, field_height_ = 0, body_height_ = 0, page_width_ = 0;
+    int caption_lines_ = 0;
     int rows_ = 0;    // of the field, taken
     int body_y_ = 0;  // of the body, written
     Canvas bar_{0, 0};

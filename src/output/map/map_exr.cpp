@@ -38,8 +38,6 @@ namespace {
 
 using Attributes = std::vector<std::pair<std::string, std::string>>;
 
-constexpr std::string_view objects_meaning = "0 none, otherwise the solid's place in the scene, from 1";
-
 /// Whether every number of the format is one of binary32.
 bool is_within_float(const Format& format) {
     const FloatFormat& f = format.shape;
@@ -91,7 +89,7 @@ ExrPart part_of(const MapExrRequest& request, std::string name, const char* sche
                                     {"lostbits:schema", schema},
                                     {"lostbits:scene", scene.id},
                                     image::compiler_attribute(),
-                                    {"lostbits:objects", std::string(objects_meaning)}}}};
+                                    image::objects_attribute()}}};
 }
 
 void add(Attributes& attributes, const Attributes& more) {

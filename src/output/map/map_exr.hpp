@@ -23,8 +23,8 @@ struct MapExrRequest {
 
 /// Parts, in this order, all channels of 32 bits:
 /// - `<form>.<format>`, one a row: `R`, `G`, `B` (the heatmap in linear light); the answer t (below); `class.outcome`,
-///   `class.object` (UINT; objects from 1, 0 is none); one FLOAT channel a metric, NaN where it does not exist. The
-///   attribute `lostbits:truth` names the part with the row's truth.
+///   `class.object` (UINT; 0 is none, otherwise 1 + the number of the solid, counted from 0); one FLOAT channel a
+///   metric, NaN where it does not exist. The attribute `lostbits:truth` names the part with the row's truth.
 /// - `truth…`, one for each way of the rows to ask: t* correctly rounded to binary64, `class.truth` (UINT: 0 miss, 1
 ///   hit, 2 unresolved), `class.truth_object`. In `truth.distance` t* is a distance, for unit-direction forms.
 /// - `<form>.needed`: `R`, `G`, `B`, `bits.needed` (FLOAT: 2 to 53, infinity where not even 53 suffice, NaN where the

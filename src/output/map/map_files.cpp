@@ -13,6 +13,7 @@
 #include "output/map/map_tables.hpp"
 #include "output/map/metric_paint.hpp"
 #include "output/map/row_names.hpp"
+#include "output/map/sheet_words.hpp"
 
 namespace lostbits::output::map {
 
@@ -58,7 +59,7 @@ std::vector<LegendEntry> possible_legend(const MapFilesOptions& options, const M
 /// Those that occurred; `inside` of the pixels are drawn paler.
 std::vector<LegendEntry> final_legend(const MetricPaint& paint, const MapSummary& summary, std::size_t m,
                                       std::uint64_t inside) {
-    auto entries = paint.legend(summary, m, paint.hits_without_value(summary, m));
+    auto entries = paint.legend(summary, m, paint.without_value(summary, m));
     if (inside > 0) entries.push_back(envelope_entry(*paint.scale(), count_text(inside, summary.rays)));
     return entries;
 }
@@ -112,18 +113,18 @@ struct Sheet {
         const std::string name = first ? "contact.png" : fmt::format("contact.{}.png", file_word(*metrics.front()));
         page = std::make_unique<image::ContactSheet>(
             image::image_backend(), options.folder / name,
-            image::SheetSpec{.title = request.scene->title,
-                             .subtitle = {fmt::format("{}, {} x {} rays; percentages are of all of them",
-                                                      request.scene->id, request.scene->width, request.scene->height),
-                                          paint.note(several)},
-                             .forms = forms,
-                             .formats = lines,
-                             .field_width = request.scene->width,
-                             .field_height = request.scene->height,
-                             .scales = std::move(scales),
-                             .unit = std::string(paint.metric().unit),
-                             .legend = without_counts(possible_legend(options, paint, request.scene->pixels())),
-                             .categories = !paint.scale()});
+            image::SheetSpec{
+                .title = request.scene->title,
+                .subtitle = sheet_subtitle(*request.scene, options.listed ? std::span<const MapRow>() : request.rows,
+                                           paint, several),
+                .forms = forms,
+                .formats = lines,
+                .field_width = request.scene->width,
+                .field_height = request.scene->height,
+                .scales = std::move(scales),
+                .unit = std::string(paint.metric().unit),
+                .legend = without_counts(possible_legend(options, paint, request.scene->pixels())),
+                .categories = !paint.scale()});
     }
 };
 
@@ -183,7 +184,10 @@ public:
                 .scale = paint.scale(),
                 .unit = std::string(m->unit),
                 .legend = possible_legend(options, paint, request.scene->pixels()),
-                .captioned = true};
+                .widest_caption = paint.widest_caption(request.scene->pixels())};
+            if (const std::string note = input_note(*request.scene, std::span(&row, 1));
+                !note.empty() && !options.listed)
+                spec.subtitle.push_back(note);
             drawings_.push_back({index_of(request.metrics, m), paint, &sheet, is_enveloped(options, *m),
                                  std::make_unique<image::HeatmapWriter>(
                                      backend, options.folder / (stem + suffix + ".png"), std::move(spec))});
@@ -305,7 +309,7 @@ void MapFiles::finish(const std::vector<MapSummary>& summaries) {
             if (!sheet.paint.applies_to(p.request.rows[r])) continue;
             total.rays += summaries[r].rays;
             for (const Metric* each : sheet.metrics)
-                all.without += sheet.paint.hits_without_value(summaries[r], index_of(p.request.metrics, each));
+                all.without += sheet.paint.without_value(summaries[r], index_of(p.request.metrics, each));
             for (std::size_t o = 0; o < total.outcomes.size(); ++o) total.outcomes[o] += summaries[r].outcomes[o];
             for (std::size_t c = 0; c < total.categories[m].size(); ++c)
                 total.categories[m][c] += summaries[r].categories[m][c];

@@ -78,7 +78,7 @@ std::vector<Column> pixel_columns(const measure::map::MapRequest& request) {
                                 {"y", "integer", "pixel", "row, from the top"},
                                 {"outcome", "string", "", "outcome of the ray"},
                                 {"object", "integer", "", "solid that the form hit, from 0"},
-                                {"truth_object", "integer", "", "solid that the ray truly hits first"},
+                                {"truth_object", "integer", "", "solid that the ray truly hits first, from 0"},
                                 {"t", "number", "t", "the form's answer, in its own unit"},
                                 {"t_hex", "string", "t", "the same, exactly"},
                                 {"truth", "number", "t", "t*, correctly rounded to binary64, in the same unit"},

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "measure/answer/against.hpp"
+#include "measure/blame/culprits.hpp"
 #include "output/map/culprit_table.hpp"
 
 namespace lostbits::output::map {
@@ -34,11 +35,13 @@ std::string in_words(std::string_view name) {
 
 std::string short_number(double x) {
     if (x == 0) return "0";
+    if (std::fabs(x) >= 1000 && std::fabs(x) < 10000) return fmt::format("{:.0f}", x);
     return std::fabs(x) >= 0.01 && std::fabs(x) < 10000 ? fmt::format("{:.3g}", x) : fmt::format("{:.1e}", x);
 }
 
 constexpr Rgb8 no_culprit = image::outcome_colours[0];  ///< a hit to which no operation adds an error
-constexpr const char* without_value = "correct hit without a value";
+constexpr const char* hit_without_value = "correct hit without a value";
+constexpr const char* not_both_hit = "not both hit: nothing to compare";
 constexpr std::size_t most_culprits = 6;     ///< that a legend names
 constexpr std::size_t longest_culprit = 44;  ///< letters
 
@@ -96,14 +99,19 @@ Rgb8 MetricPaint::colour(Outcome outcome, double value) const {
     if (metric_->over == Over::blamed && std::isnan(value))
         return outcome == Outcome::agree_hit ? no_culprit : image::outcome_colours[static_cast<std::size_t>(outcome)];
     if (!scale_) return category_colour(static_cast<std::size_t>(value));
-    return std::isnan(value) ? image::outcome_colours[static_cast<std::size_t>(Outcome::not_a_number)]
-                             : scale_->map(value);
+    return std::isnan(value) ? colour_without_value() : scale_->map(value);
+}
+
+Rgb8 MetricPaint::colour_without_value() const {
+    // Of two forms that do not both hit nothing is wrong: it recedes.
+    return image::outcome_colours[static_cast<std::size_t>(metric_->over == Over::pairs ? Outcome::agree_miss
+                                                                                        : Outcome::not_a_number)];
 }
 
 std::vector<LegendEntry> MetricPaint::widest(std::uint64_t pixels) const {
     if (metric_->over == Over::agreed_hits) {
         auto entries = widest_legend(pixels);
-        entries.push_back({without_value, image::outcome_colours[0], fmt::format("{} (>99.9%)", pixels)});
+        entries.push_back({hit_without_value, image::outcome_colours[0], fmt::format("{} (>99.9%)", pixels)});
         return entries;
     }
     if (metric_->by_run()) {
@@ -117,10 +125,12 @@ std::vector<LegendEntry> MetricPaint::widest(std::uint64_t pixels) const {
     std::vector<LegendEntry> entries;
     for (std::size_t c = 0; c < metric_->categories.size(); ++c)
         entries.push_back({in_words(metric_->categories[c]), category_colour(c), fmt::format("{} (>99.9%)", pixels)});
+    if (is_distance()) entries.push_back({not_both_hit, colour_without_value(), fmt::format("{} (>99.9%)", pixels)});
     return entries;
 }
 
-std::uint64_t MetricPaint::hits_without_value(const MapSummary& summary, std::size_t m) const {
+std::uint64_t MetricPaint::without_value(const MapSummary& summary, std::size_t m) const {
+    if (is_distance()) return summary.rays - summary.metrics[m].count();
     return metric_->over == Over::agreed_hits ? summary.count(Outcome::agree_hit) - summary.metrics[m].count() : 0;
 }
 
@@ -128,7 +138,7 @@ std::vector<LegendEntry> MetricPaint::legend(const MapSummary& summary, std::siz
     if (metric_->over == Over::agreed_hits) {
         auto entries = outcome_legend(summary);
         if (without > 0)
-            entries.push_back({without_value, image::outcome_colours[0], count_text(without, summary.rays)});
+            entries.push_back({hit_without_value, image::outcome_colours[0], count_text(without, summary.rays)});
         return entries;
     }
     if (metric_->by_run()) return culprit_legend(summary, m);
@@ -138,36 +148,39 @@ std::vector<LegendEntry> MetricPaint::legend(const MapSummary& summary, std::siz
         if (n > 0)
             entries.push_back({in_words(metric_->categories[c]), category_colour(c), count_text(n, summary.rays)});
     }
+    if (is_distance() && without > 0)
+        entries.push_back({not_both_hit, colour_without_value(), count_text(without, summary.rays)});
     return entries;
 }
 
 std::vector<LegendEntry> MetricPaint::culprit_legend(const MapSummary& summary, std::size_t m) const {
     const auto& counts = summary.categories[m];
+    const std::uint64_t blamed = measure::blame::rays_with_culprit(counts);
     std::vector<LegendEntry> entries;
     std::uint64_t rest = 0;
     for (const std::size_t c : culprits_by_count(counts)) {
         if (entries.size() < most_culprits)
             entries.push_back({shortened(metric_->categories[c], longest_culprit), category_colour(c),
-                               count_text(counts[c], summary.rays)});
+                               count_text(counts[c], blamed)});
         else rest += counts[c];
     }
     if (counts.front() > 0)
-        entries.push_back({shortened(metric_->categories.front(), longest_culprit), no_culprit,
-                           count_text(counts.front(), summary.rays)});
-    if (rest > 0)
         entries.push_back(
-            {"other operations, each in its own colour", image::style::page, count_text(rest, summary.rays)});
+            {shortened(metric_->categories.front(), longest_culprit), no_culprit, std::to_string(counts.front())});
+    if (rest > 0)
+        entries.push_back({"other operations, each in its own colour", image::style::page, count_text(rest, blamed)});
     for (std::size_t o = 0; o < summary.outcomes.size(); ++o) {
         const auto outcome = static_cast<Outcome>(o);
         const auto blamed = {Outcome::agree_hit, Outcome::false_hit, Outcome::false_miss, Outcome::wrong_object};
         if (summary.outcomes[o] == 0 || std::ranges::find(blamed, outcome) != blamed.end()) continue;
-        entries.push_back(
-            {plain_name(outcome), image::outcome_colours[o], count_text(summary.outcomes[o], summary.rays)});
+        entries.push_back({plain_name(outcome), image::outcome_colours[o], std::to_string(summary.outcomes[o])});
     }
     return entries;
 }
 
 std::string MetricPaint::note(bool several) const {
+    if (metric_->by_run())
+        return fmt::format("colour: {}; percentages are of the rays that have a culprit", metric_->meaning);
     if (!scale_) return fmt::format("colour: {}", metric_->meaning);
     const std::string name(metric_->name);
     if (ranged_)
@@ -175,8 +188,8 @@ std::string MetricPaint::note(bool several) const {
                            metric_->ramp == measure::metric::Ramp::magnitude ? "|" + name + "|" : name,
                            short_number(scale_->lo()), short_number(scale_->hi()));
     if (metric_->ramp == measure::metric::Ramp::magnitude)
-        return fmt::format("colour: |{}|, clamped at both ends of the bar{}", name,
-                           several ? ", which fit the format" : "");
+        return fmt::format("colour: |{}|{}, clamped at both ends of the bar{}", name,
+                           is_distance() ? ", where both forms hit" : "", several ? ", which fit the format" : "");
     const std::string all = several ? std::string("all bits of each format's significand")
                                     : fmt::format("all {} bits of the format's significand", precision_);
     return fmt::format("colour: {} from 0 to {}{}", name, all,
@@ -185,11 +198,19 @@ std::string MetricPaint::note(bool several) const {
                            : "");
 }
 
+std::string MetricPaint::quantile_note() const {
+    if (metric_->over != Over::agreed_hits) return "";
+    return fmt::format("p99: 99 of 100 agreed hits {} at most so much", metric_->name == "lost_bits"      ? "lose"
+                                                                        : metric_->name == "correct_bits" ? "keep"
+                                                                                                          : "have");
+}
+
 std::string MetricPaint::glance(const MapSummary& s, std::size_t m) const {
     if (metric_->by_run()) {
         const auto order = culprits_by_count(s.categories[m]);
         if (order.empty()) return "no culprit";
-        return fmt::format("{}\n{}", percent(s.categories[m][order.front()], s.rays),
+        const std::uint64_t blamed = measure::blame::rays_with_culprit(s.categories[m]);
+        return fmt::format("{} of {} culprits:\n{}", percent(s.categories[m][order.front()], blamed), blamed,
                            shortened(metric_->categories[order.front()], 48));
     }
     if (!metric_->categories.empty()) {
@@ -201,12 +222,15 @@ std::string MetricPaint::glance(const MapSummary& s, std::size_t m) const {
         return fmt::format("{}", fmt::join(shares, "\n"));
     }
     const measure::metric::Distribution& d = s.metrics[m];
-    if (metric_->over == Over::marches || metric_->over == Over::pairs)
-        return fmt::format("median {}\nlargest {}", short_number(d.quantile(0.5)), short_number(d.quantile(1)));
+    const std::string unit = metric_->unit == "1" ? "" : " " + std::string(metric_->unit);
+    if (metric_->over == Over::marches || metric_->over == Over::pairs) {
+        if (d.count() == 0) return is_distance() ? "no ray that both hit" : "no value";
+        return fmt::format("median {}{}\nlargest {}{}\nof {} rays{}", short_number(d.quantile(0.5)), unit,
+                           short_number(d.quantile(1)), unit, d.count(), is_distance() ? " that both hit" : "");
+    }
     std::string text = faults_of(s);
     const auto add = [&text](const std::string& line) { text += (text.empty() ? "" : "\n") + line; };
     const measure::metric::Agreement hits = s.agreement();
-    const std::string unit = metric_->unit == "1" ? "" : " " + std::string(metric_->unit);
     if (hits.agreed == 0) {
         add(hits.true_hits == 0 ? "no ray hits" : "no correct hit");
     } else if (!hits.is_enough()) {
@@ -223,8 +247,22 @@ std::string MetricPaint::glance(const MapSummary& s, std::size_t m) const {
 
 std::string MetricPaint::caption(const MapSummary& s, std::size_t m) const {
     std::string text;
-    for (const char c : glance(s, m)) text += c == '\n' ? std::string("; ") : std::string(1, c);
+    for (const char c : glance(s, m)) text += c != '\n' ? std::string(1, c) : text.ends_with(':') ? " " : "; ";
+    // Below one picture there is room for what a sheet says once.
+    constexpr std::string_view short_word = "p99 ";
+    const std::size_t at = text.find(short_word);
+    const bool is_word = at == 0 || (at != std::string::npos && text[at - 1] == ' ');
+    if (is_word && !text.substr(0, at).ends_with("no "))
+        text.replace(at, short_word.size(), "99 of 100 hits: at most ");
     return text;
+}
+
+std::string MetricPaint::widest_caption(std::uint64_t pixels) const {
+    if (metric_->by_run()) return fmt::format("99% of {} culprits: {}", pixels, std::string(48, 'e'));
+    if (metric_->over != Over::agreed_hits)
+        return fmt::format("median 1.2e+03 {0}; largest 1.2e+03 {0}; of {1} rays that both hit", metric_->unit, pixels);
+    return fmt::format(
+        "99% false miss, 99% false hit; 99 of 100 hits: at most 22.7 of 53 lost, 30 kept; of {} agreed hits", pixels);
 }
 
 }  // namespace lostbits::output::map

@@ -26,21 +26,28 @@ public:
     [[nodiscard]] image::Rgb8 colour(measure::answer::Outcome outcome, double value) const;
     /// Every class that may occur in a picture of so many pixels, with the widest count it can have.
     [[nodiscard]] std::vector<image::LegendEntry> widest(std::uint64_t pixels) const;
-    /// Those that occurred; `m` is the metric's place in the summary, and `without` how many `hits_without_value`.
+    /// Those that occurred; `m` is the metric's place in the summary, and `without` how many are `without_value`.
     [[nodiscard]] std::vector<image::LegendEntry> legend(const measure::map::MapSummary& summary, std::size_t m,
                                                          std::uint64_t without) const;
-    /// Correct hits for which the metric does not exist.
-    [[nodiscard]] std::uint64_t hits_without_value(const measure::map::MapSummary& summary, std::size_t m) const;
+    /// Correct hits for which the metric does not exist; of two forms held against each other, rays that not both hit.
+    [[nodiscard]] std::uint64_t without_value(const measure::map::MapSummary& summary, std::size_t m) const;
 
     /// What the colours mean, in one line: in this format, or on a sheet of several.
     [[nodiscard]] std::string note(bool several = false) const;
+    /// What `p99` in a glance is, for a sheet; empty where no glance has one.
+    [[nodiscard]] std::string quantile_note() const;
     /// What a glance at a row should take away, in at most four short lines: wrong decisions, as shares of all pixels,
     /// then how far off the agreed hits are, and how many they are.
     [[nodiscard]] std::string glance(const measure::map::MapSummary& summary, std::size_t m) const;
     /// The same as a sentence, for below a picture.
     [[nodiscard]] std::string caption(const measure::map::MapSummary& summary, std::size_t m) const;
+    /// As long as captions of pictures of so many pixels get.
+    [[nodiscard]] std::string widest_caption(std::uint64_t pixels) const;
 
 private:
+    /// How far two forms are apart, which exists where both hit.
+    [[nodiscard]] bool is_distance() const { return metric_->over == measure::metric::Over::pairs && scale_; }
+    [[nodiscard]] image::Rgb8 colour_without_value() const;
     [[nodiscard]] image::Rgb8 category_colour(std::size_t category) const;
     [[nodiscard]] std::vector<image::LegendEntry> culprit_legend(const measure::map::MapSummary& summary,
                                                                  std::size_t m) const;

@@ -7,6 +7,7 @@
 #include "output/image/contact_sheet.hpp"
 #include "output/map/metric_paint.hpp"
 #include "output/map/row_names.hpp"
+#include "output/map/sheet_words.hpp"
 
 namespace lostbits::output::map {
 
@@ -61,19 +62,17 @@ SceneSheet::SceneSheet(const measure::map::MapRequest& request, const std::files
     }
     const MetricPaint first(*lost, request.rows.front().format.shape, backend);
     const bool several = scales.size() > 1;
-    p.sheet = std::make_unique<ContactSheet>(
-        backend, path,
-        image::SheetSpec{.title = scene.title,
-                         .subtitle = {fmt::format("{}, {} x {} rays; percentages are of all of them", scene.id,
-                                                  scene.width, scene.height),
-                                      first.note(several)},
-                         .forms = p.grid.forms,
-                         .formats = p.grid.formats,
-                         .field_width = scene.width,
-                         .field_height = scene.height,
-                         .scales = std::move(scales),
-                         .unit = "lost bits",
-                         .legend = without_counts(widest_legend(scene.pixels()))});
+    p.sheet =
+        std::make_unique<ContactSheet>(backend, path,
+                                       image::SheetSpec{.title = scene.title,
+                                                        .subtitle = sheet_subtitle(scene, request.rows, first, several),
+                                                        .forms = p.grid.forms,
+                                                        .formats = p.grid.formats,
+                                                        .field_width = scene.width,
+                                                        .field_height = scene.height,
+                                                        .scales = std::move(scales),
+                                                        .unit = "lost bits",
+                                                        .legend = without_counts(widest_legend(scene.pixels()))});
     for (std::size_t r = 0; r < request.rows.size(); ++r)
         p.rows.push_back(std::make_unique<SheetRow>(*p.sheet, p.grid.places[r],
                                                     MetricPaint(*lost, request.rows[r].format.shape, backend), metric));

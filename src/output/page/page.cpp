@@ -11,6 +11,7 @@
 #include "output/map/row_names.hpp"
 #include "output/page/assets.hpp"
 #include "output/page/claims_table.hpp"
+#include "output/page/sweep_data.hpp"
 #include "output/page/text.hpp"
 
 namespace lostbits::output::page {
@@ -92,6 +93,7 @@ Json index_json(const Report& report) {
     json["sweeps"] = array_of(report.sweeps, [](const SweepPart& s) {
         return Json{{"id", s.id}, {"title", s.title}, {"note", s.note}, {"kind", kind_name(s.kind)}, {"rows", s.rows}};
     });
+    json["statistics"] = sweep_statistics;
     json["trades"] = array_of(report.trades, [](const TradePart& t) { return t.json; });
     return json;
 }

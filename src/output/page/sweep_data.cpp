@@ -108,11 +108,16 @@ std::string onset_table(const measure::sweep::SweepRequest& request, const std::
         const char *title, *event, *statistic;
         double share;  ///< of the significand; 0: the threshold is one
     };
-    static constexpr Wanted wanted[] = {{"p99 loses 4 bits", "lost_bits", "p99", 4},
-                                        {"p99 loses half", "lost_bits", "p99", 0.5},
-                                        {"p99 loses all", "lost_bits", "p99", 1},
-                                        {"first false hit", "false_hit", "count", 0},
-                                        {"first false miss", "false_miss", "count", 0}};
+    std::vector<Wanted> wanted{
+        {"p99 loses 4 bits", "lost_bits", "p99", 4},    {"p99 loses half", "lost_bits", "p99", 0.5},
+        {"p99 loses all", "lost_bits", "p99", 1},       {"first false hit", "false_hit", "count", 0},
+        {"first false miss", "false_miss", "count", 0}, {"first wrong solid", "wrong_object", "count", 0},
+        {"first NaN", "not_a_number", "count", 0}};
+    // Most sweeps have one solid, and most forms no NaN: no column of dashes.
+    std::erase_if(wanted, [&onsets](const Wanted& w) {
+        return (std::string_view(w.event) == "wrong_object" || std::string_view(w.event) == "not_a_number") &&
+               std::ranges::none_of(onsets, [&w](const Onset& o) { return o.found && o.event == w.event; });
+    });
     const std::string axis = html(request.sweep->axes.front().name);
     std::string text = fmt::format(
         "<table><caption>First value of {} at which it happens{}</caption><thead><tr><th scope=\"col\">form</th><th "

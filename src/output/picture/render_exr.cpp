@@ -40,7 +40,7 @@ image::ExrSpec spec_of(const measure::picture::RenderRequest& request, const mea
                        image::compiler_attribute(),
                        {"lostbits:seen", list(measure::picture::seen_names)},
                        {"lostbits:shadow", list(measure::picture::shadow_names)},
-                       {"lostbits:objects", "0 none, otherwise the sphere's place in the scene, from 1"}};
+                       image::objects_attribute()};
     return spec;
 }
 

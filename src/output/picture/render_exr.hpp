@@ -15,8 +15,8 @@ namespace lostbits::output::picture {
 /// `.b` (FLOAT, display numbers as the format computed them, not clamped), `<stage>_true.r`, `.g`, `.b` (the certified
 /// ones) and
 /// `<stage>.difference` (8-bit steps); `normal.angle`, `point.residual`; `class.seen`, `class.shadow` (UINT, in the
-/// order of the attributes `lostbits:seen` and `lostbits:shadow`), `class.object`, `class.true_object` (from 1, 0 is
-/// none).
+/// order of the attributes `lostbits:seen` and `lostbits:shadow`), `class.object`, `class.true_object` (0 is
+/// none, otherwise 1 + the sphere's number, counted from 0).
 class RenderExr {
 public:
     RenderExr(image::ImageBackend& backend, const std::filesystem::path& path,

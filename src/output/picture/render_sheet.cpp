@@ -4,11 +4,10 @@
 
 #include <algorithm>
 
+#include "output/map/sheet_words.hpp"
 #include "output/picture/render_colour.hpp"
 
 namespace lostbits::output::picture {
-
-using measure::picture::Seen;
 
 namespace {
 
@@ -17,12 +16,14 @@ std::string percent(std::uint64_t part, std::uint64_t whole) {
     return share > 0 && share < 0.1 ? std::string("<0.1%") : fmt::format("{:.1f}%", share);
 }
 
+constexpr const char* glance_means =
+    "wrong colour: a byte is not that of the certified picture; wrong sphere: another one is seen, none where there is "
+    "one, or one where there is none";
+
 /// The note under a thumbnail: what a glance should take away.
 std::string glance(const measure::picture::RenderSummary& s) {
-    std::string text = s.changed == 0 ? "every pixel right" : percent(s.changed, s.pixels) + " of pixels wrong";
-    const std::uint64_t wrong =
-        s.pixels - s.count(Seen::same_sphere) - s.count(Seen::background) - s.count(Seen::unresolved);
-    if (wrong > 0) text += fmt::format("\n{} seen wrong", percent(wrong, s.pixels));
+    std::string text = s.changed == 0 ? "every pixel right" : percent(s.changed, s.pixels) + " wrong colour";
+    if (const std::uint64_t wrong = s.seen_wrong()) text += fmt::format("\n{} wrong sphere", percent(wrong, s.pixels));
     if (!s.rule.shadows) return text;
     const auto acne = s.count(false, measure::picture::Shadow::own_shadow);
     if (acne > 0) text += fmt::format("\n{} acne", percent(acne, s.pixels));
@@ -36,17 +37,20 @@ RenderSheet::RenderSheet(image::ImageBackend& backend, const std::filesystem::pa
                          const measure::picture::RenderRequest& request)
     : request_(request), grid_(request.rows) {
     const scene::file::Scene& scene = *request.scene;
-    image::SheetSpec spec{.title = scene.title,
-                          .subtitle = {fmt::format("{}, {} x {} pixels; percentages are of all of them", scene.id,
-                                                   scene.width, scene.height),
-                                       "the picture of each form in each format, beside the certified one"},
-                          .forms = {"certified"},
-                          .formats = {},
-                          .field_width = scene.width,
-                          .field_height = scene.height,
-                          .scales = {},
-                          .unit = "",
-                          .legend = {{"not a number", nan_colour, ""}, {"colour not proved", unproved_colour, ""}}};
+    image::SheetSpec spec{
+        .title = scene.title,
+        .subtitle = {fmt::format("{}, {} x {} pixels; percentages are of all of them", scene.id, scene.width,
+                                 scene.height),
+                     "the picture of each form in each format, beside the certified one", glance_means},
+        .forms = {"certified"},
+        .formats = {},
+        .field_width = scene.width,
+        .field_height = scene.height,
+        .scales = {},
+        .unit = "",
+        .legend = {{"not a number", nan_colour, ""}, {"colour not proved", unproved_colour, ""}}};
+    if (std::string note = map::input_note(scene, request.rows); !note.empty())
+        spec.subtitle.push_back(std::move(note));
     spec.forms.insert(spec.forms.end(), grid_.forms.begin(), grid_.forms.end());
     for (const scene::file::Stage stage : request.stages) {
         for (const std::string& format : grid_.formats)

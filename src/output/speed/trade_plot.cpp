@@ -72,11 +72,13 @@ ScatterPlotSpec trade_plot(const TradeRequest& request, const measure::speed::Tr
     const auto& [timing, bytes, count] = result.times.front()[load];
     ScatterPlotSpec spec;
     spec.title = fmt::format("Time against kept bits: {}", rays.title);
-    spec.subtitle = {fmt::format("Accuracy: {} rays of the set {}. Time: {:.0f} KiB of rays and answers in the first "
-                                 "cache, every other ray a hit; median of {} interleaved repetitions, bars from "
-                                 "quartile to quartile.",
-                                 result.accuracy(set, 0).rays, rays.name, static_cast<double>(bytes) / 1024,
-                                 request.plan.repetitions),
+    const std::string_view timed = measure::speed::ray_sets(request.shape).front().name;
+    spec.subtitle = {fmt::format("Accuracy: {} rays of the set {}. Time{}: rays as those of the set {}, {:.0f} KiB of "
+                                 "them and of answers in the first cache, every other ray a hit; median of {} "
+                                 "interleaved repetitions, bars from quartile to quartile.",
+                                 result.accuracy(set, 0).rays, rays.name,
+                                 rays.name == timed ? "" : ", the same in the pictures of all sets", timed,
+                                 static_cast<double>(bytes) / 1024, request.plan.repetitions),
                      "Named: the Pareto front, and every form that is not of lostbits. Fewer wrong decisions count "
                      "before more bits, so it may step down to a "
                      "form that is never wrong."};

@@ -10,7 +10,8 @@
 namespace lostbits::output::speed {
 
 /// The titles of its axes, here and on the page.
-inline constexpr const char *time_title = "time per ray, ns", *kept_title = "bits that 99 % of the hits keep";
+inline constexpr const char *time_title = "time per ray of the easy set, ns",
+                            *kept_title = "bits that 99 % of the hits keep";
 
 /// `one ray at a time`, `256-bit registers`
 std::string registers_of(const measure::speed::TradeKernel& kernel);

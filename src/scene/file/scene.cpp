@@ -4,6 +4,7 @@
 
 #include "scene/file/camera_table.hpp"
 #include "scene/file/march_table.hpp"
+#include "scene/toml/nearby_file.hpp"
 #include "scene/toml/toml_reader.hpp"
 
 namespace lostbits::scene::file {
@@ -186,15 +187,23 @@ std::vector<std::filesystem::path> scene_files(const std::filesystem::path& data
 
 SceneName find_scene(const std::string& name_or_path, const std::filesystem::path& data_dir) {
     const std::filesystem::path as_path(name_or_path);
-    if (as_path.has_parent_path()) return {as_path};
     std::error_code ignored;
+    const std::string no_file = name_or_path + ": there is no such file";
+    const auto refuse_slip = [&] {
+        if (std::filesystem::exists(as_path, ignored)) return;
+        if (const std::string meant = toml::nearby_file(as_path); !meant.empty())
+            throw InputError(no_file + "; " + meant);
+    };
+    if (as_path.has_parent_path()) {
+        refuse_slip();
+        return {as_path};
+    }
     if (std::filesystem::is_regular_file(as_path, ignored) && as_path.extension() == ".toml") return {as_path};
 
     const std::string name = as_path.extension() == ".toml" ? stem_of(as_path) : name_or_path;
     const std::size_t dot = std::min(name.rfind('.'), name.size());
     const std::string stem = name.substr(0, dot);
     const bool is_file = as_path.extension() == ".toml";
-    const std::string no_file = name_or_path + ": there is no such file";
     if (is_file && !std::filesystem::is_directory(data_dir / "scenes", ignored))
         throw InputError(no_file + "; check the path");
     const std::vector<std::filesystem::path> files = scene_files(data_dir);
@@ -204,6 +213,7 @@ SceneName find_scene(const std::string& name_or_path, const std::filesystem::pat
         if (ids[i] == name) return {files[i]};
     for (std::size_t i = 0; i < files.size(); ++i)
         if (dot < name.size() && ids[i] == stem) return {files[i], name.substr(dot + 1)};
+    refuse_slip();
     const std::string hint = toml::did_you_mean(stem, ids);
     if (is_file)
         throw InputError(no_file + ", nor a scene \"" + name + "\" in " + (data_dir / "scenes").string() +

@@ -11,6 +11,7 @@
 #include "scene/file/march_table.hpp"
 #include "scene/sweep/convention.hpp"
 #include "scene/sweep/float_order.hpp"
+#include "scene/toml/nearby_file.hpp"
 #include "scene/toml/round.hpp"
 
 namespace lostbits::scene::sweep {
@@ -101,11 +102,10 @@ SweepFile::Mark read_mark(TableReader& mark) {
                       .format = mark.optional_string("format").value_or("")};
     if (auto measured = mark.optional_table("measured")) {
         m.form = known(*measured, "form", form_names());
-        m.event =
-            measured->has("event")
-                ? known(*measured, "event",
-                        {"lost_bits", "false_hit", "false_miss", "not_a_number", "max_dist", "max_steps", "stagnated"})
-                : "lost_bits";
+        m.event = measured->has("event") ? known(*measured, "event",
+                                                 {"lost_bits", "false_hit", "false_miss", "not_a_number",
+                                                  "wrong_object", "max_dist", "max_steps", "stagnated"})
+                                         : "lost_bits";
         m.statistic = measured->has("statistic") ? known(*measured, "statistic", {"p50", "p99", "max", "count"})
                       : m.event == "lost_bits"   ? "p50"
                                                  : "count";
@@ -316,6 +316,8 @@ std::filesystem::path find_sweep(const std::string& name_or_path, const std::fil
     };
     if (std::ranges::count_if(names, last_part) == 1)
         return folder / (*std::ranges::find_if(names, last_part) + ".toml");
+    if (const std::string meant = toml::nearby_file(name_or_path); !meant.empty())
+        throw InputError(name_or_path + ": there is no such file; " + meant);
     const std::string hint = toml::did_you_mean(std::filesystem::path(name_or_path).stem().string(), names);
     throw InputError(name_or_path + ": is neither a file nor the name of a sweep in " + folder.string() +
                      (hint.empty() ? "; check the path" : "; " + hint));

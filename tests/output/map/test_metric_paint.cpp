@@ -1,9 +1,12 @@
 // What the colours and captions of maps say.
+#include <array>
 #include <cmath>
 #include <limits>
 
 #include "catch.hpp"
+#include "measure/rows.hpp"
 #include "output/map/metric_paint.hpp"
+#include "output/map/sheet_words.hpp"
 #include "output/scratch.hpp"
 
 using namespace lostbits::output;
@@ -27,6 +30,8 @@ MapSummary summary_of(double lost, std::initializer_list<std::pair<Outcome, std:
     for (std::uint64_t i = 0; i < s.count(Outcome::agree_hit); ++i) s.metrics[0].add(lost);
     return s;
 }
+
+bool has_word(const std::string& text, const char* words) { return text.find(words) != std::string::npos; }
 
 std::string glance(const MapSummary& s, const lostbits::FloatFormat& format = binary32,
                    const char* name = "lost_bits") {
@@ -81,7 +86,69 @@ TEST_CASE("decisions lead, and the hits behind a quantile are counted", "[metric
     CHECK(glance(summary_of(0, {{Outcome::agree_miss, 1000}})) == "no ray hits");
     CHECK(MetricPaint(*find_metric("lost_bits"), binary32, backend())
               .caption(summary_of(1, {{Outcome::agree_hit, 999}, {Outcome::not_a_number, 1}}), 0) ==
-          "0.1% NaN; p99 1.0 of 24 lost, 23 kept; of 999 agreed hits");
+          "0.1% NaN; 99 of 100 hits: at most 1.0 of 24 lost, 23 kept; of 999 agreed hits");
+    // Withheld, it is not explained.
+    CHECK(MetricPaint(*find_metric("lost_bits"), binary32, backend())
+              .caption(summary_of(0.7, {{Outcome::agree_hit, 5}, {Outcome::false_miss, 995}}), 0) ==
+          ">99% false miss; no p99: 5 of 1000 hits agree");
+    CHECK(has_word(MetricPaint(*find_metric("lost_bits"), binary32, backend()).quantile_note(), "99 of 100"));
+    CHECK(MetricPaint(*find_metric("apart"), binary32, backend()).quantile_note().empty());
+}
+
+TEST_CASE("how far two forms are apart has a unit, a count, and a legend for where they are not both hits",
+          "[metric_paint]") {
+    const Metric& apart = *find_metric("apart");
+    const MetricPaint paint(apart, binary32, backend());
+    MapSummary s({&apart});
+    s.rays = 1000;
+    for (int i = 0; i < 300; ++i) s.metrics[0].add(i < 200 ? 0.0 : 3.0);
+    CHECK(paint.glance(s, 0) == "median 0 ulp\nlargest 3 ulp\nof 300 rays that both hit");
+    CHECK(paint.without_value(s, 0) == 700);
+    const auto legend = paint.legend(s, 0, 700);
+    REQUIRE(legend.size() == 1);
+    CHECK(has_word(legend.front().label, "not both hit"));
+    CHECK(legend.front().count == "700 (70.0%)");
+    CHECK(legend.front().colour == paint.colour(Outcome::agree_hit, std::numeric_limits<double>::quiet_NaN()));
+    CHECK(legend.front().colour != image::outcome_colours[static_cast<std::size_t>(Outcome::not_a_number)]);
+    CHECK(paint.widest(1000).size() == 1);
+    CHECK(paint.glance(MapSummary({&apart}), 0) == "no ray that both hit");
+    CHECK(has_word(paint.note(), "where both forms hit"));
+}
+
+TEST_CASE("shares of culprits are of the rays that have one, and the picture says so", "[metric_paint]") {
+    static constexpr std::array<std::string_view, 3> operations{"no rounding", "b*b - c", "sqrt(d)"};
+    Metric culprit = *find_metric("culprit");
+    culprit.categories = operations;
+    const MetricPaint paint(culprit, binary32, backend());
+    MapSummary s({&culprit});
+    s.rays = 1000;
+    s.outcomes[static_cast<std::size_t>(Outcome::agree_miss)] = 700;
+    s.outcomes[static_cast<std::size_t>(Outcome::agree_hit)] = 300;
+    s.categories = {{100, 150, 50}};
+    CHECK(paint.glance(s, 0) == "75% of 200 culprits:\nb*b - c");
+    const auto legend = paint.legend(s, 0, 0);
+    CHECK(paint.caption(s, 0) == "75% of 200 culprits: b*b - c");
+    REQUIRE(legend.size() == 4);
+    CHECK(legend[0].count == "150 (75.0%)");
+    CHECK(legend[1].count == "50 (25.0%)");
+    CHECK(legend[2].count == "100");  // of another whole: no share
+    CHECK(legend[3].count == "700");
+    CHECK(has_word(paint.note(), "of the rays that have a culprit"));
+}
+
+TEST_CASE("a sheet says which formats got the inputs rounded too", "[metric_paint]") {
+    lostbits::scene::file::Scene scene;
+    const auto note = [&scene](std::initializer_list<const char*> formats) {
+        std::vector<lostbits::measure::map::MapRow> rows;
+        for (const char* name : formats) rows.push_back(lostbits::testing::row("sphere.unified", name));
+        return input_note(scene, rows);
+    };
+    CHECK(note({"f32", "f64", "p24", "p30"}).empty());
+    CHECK(note({"f32", "fp16"}).starts_with("in fp16 the inputs are rounded too"));
+    CHECK(note({"bf16", "f32", "p11", "tf32", "bf16"}).starts_with("in bf16, p11 and tf32 the inputs"));
+    CHECK(has_word(note({"p23"}), "input_error"));
+    scene.inputs = lostbits::scene::file::Inputs::own;
+    CHECK(note({"f32"}).starts_with("each format rounds the ideal scene itself"));
 }
 
 TEST_CASE("nothing is written as 0", "[metric_paint]") {
@@ -95,10 +162,10 @@ TEST_CASE("a hit without a value has its outcome's colour, and the legend names 
     const MetricPaint paint(*find_metric("lost_bits"), binary32, backend());
     CHECK(paint.colour(Outcome::agree_hit, std::numeric_limits<double>::quiet_NaN()) == image::outcome_colours[0]);
     MapSummary s = summary_of(3, {{Outcome::agree_hit, 600}, {Outcome::agree_miss, 400}});
-    CHECK(paint.hits_without_value(s, 0) == 0);
+    CHECK(paint.without_value(s, 0) == 0);
     CHECK(paint.legend(s, 0, 0).size() == 1);
     s.outcomes[static_cast<std::size_t>(Outcome::agree_hit)] += 7;
-    CHECK(paint.hits_without_value(s, 0) == 7);
+    CHECK(paint.without_value(s, 0) == 7);
     const auto legend = paint.legend(s, 0, 7);
     REQUIRE(legend.size() == 2);
     CHECK(legend.back().label == "correct hit without a value");

@@ -28,7 +28,7 @@ async function pixelFacts(map, row, x, y) {
         truth: truth.truth[i],
         rest: truth.rest[i],
         bound: truth.bound[i],
-        verdict: verdictText(pixels, i),
+        verdict: verdictText(map, pixels, i),
         trueObject: truth.object[i] - 1,
         answers,
         metrics,
@@ -87,17 +87,40 @@ function metricTable(facts) {
     return make("table", { className: "metrics" }, body);
 }
 
-/** Whether the problem or the formula is to blame: the sentence of `lostbits explain`, letter by letter. */
-function verdictText(pixels, i) {
+/** Why a march that missed ended; empty where the page does not know. `lostbits explain` also says how far away. */
+function endOfMarch(map, pixels, i) {
+    const stop = map.metrics.find((m) => m.name === "stop"), samples = pixels.stored.iterations?.[i];
+    if (!stop?.categories || !pixels.stored.stop) return "";
+    return {
+        max_steps: `The march used all its ${samples} samples.`,
+        stagnated: `The march stood still: its last step does not change t in ${
+            pixels.row.format}, so that no further sample would help.`,
+        max_dist: "The march went past max_dist.",
+    }[stop.categories[pixels.stored.stop[i]][0]] ??
+        "";
+}
+
+/**
+ * Whether the problem or the formula is to blame: the sentence of `lostbits explain`, letter by letter. Of a march
+ * neither may be, and whether it is where the march ended or its rounding takes the march itself: `explain` has it.
+ */
+function verdictText(map, pixels, i) {
     const s = sampleAt(pixels, i), outcome = outcomeNames[pixels.outcome[i]],
           costs = fixed(derived.inherent_bits(s), 1);
     if (outcome === "agree_miss") return "Nothing is lost.";
     if (pixels.truth.decision[i] !== 1) return "The ray hits nothing, so it has no condition number.";
     const envelope = `Condition ${brief(s.condition)}: half an ulp in each input`;
-    if (outcome !== "agree_hit") return `${envelope} costs ${costs} bits.`;
+    const marches = pixels.row.form.startsWith("sdf.");
+    if (outcome !== "agree_hit")
+        return (marches && outcome === "false_miss" && endOfMarch(map, pixels, i)) ||
+            `${envelope} costs ${costs} bits.`;
     const lost = derived.lost_bits(s), alone = `${envelope} would cost ${costs} bits`;
     if (lost < 1) return `${alone}. Less than one bit is lost.`;
     if (derived.excess_bits(s) < 1) return `${alone}; input rounding alone explains this loss.`;
+    if (marches)
+        return `${alone}; the other ${fixed(derived.excess_bits(s), 1)} bits are lost where the march ended${
+            pixels.stored.iterations ? `, at sample ${pixels.stored.iterations[i]},` : ""} or by its rounding: ` +
+            "lostbits explain says which.";
     return `${alone}; the formula loses the other ${fixed(derived.excess_bits(s), 1)} bits.`;
 }
 

@@ -46,7 +46,11 @@ function settle(asked = {}) {
         if (asked[key]) notes.push(`${key} "${asked[key]}" is not on this page`);
         state[key] = names[0] ?? "";
     };
-    if (index.sweeps.length > 0) choose("sweep", index.sweeps.map((s) => s.id));
+    if (index.sweeps.length > 0) {
+        choose("sweep", index.sweeps.map((s) => s.id));
+        const cases = index.sweeps.find((s) => s.id === state.sweep).kind === "cases";
+        choose("statistic", ["", ...(cases ? ["verdict"] : []), ...index.statistics]);
+    }
     if (index.maps.length > 0) {
         choose("scene", index.maps.map((m) => m.id));
         const map = mapNow();

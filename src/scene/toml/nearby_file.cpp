@@ -1,0 +1,26 @@
+#include "scene/toml/nearby_file.hpp"
+
+#include <algorithm>
+#include <optional>
+#include <system_error>
+#include <vector>
+
+#include "scene/toml/did_you_mean.hpp"
+
+namespace lostbits::scene::toml {
+
+std::string nearby_file(const std::filesystem::path& path) {
+    std::vector<std::string> names;
+    std::error_code none;
+    const auto folder = path.parent_path();
+    for (const auto& entry : std::filesystem::directory_iterator(folder.empty() ? "." : folder, none)) {
+        if (entry.path().extension() == ".toml") names.push_back(entry.path().filename().string());
+    }
+    std::ranges::sort(names);
+    const std::string name = path.filename().string();
+    const bool bare = std::ranges::find(names, name + ".toml") != names.end();
+    const auto near = bare ? std::optional(name + ".toml") : closest(name, names);
+    return near ? "did you mean \"" + (folder / *near).string() + "\"?" : "";
+}
+
+}  // namespace lostbits::scene::toml
