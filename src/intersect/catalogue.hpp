@@ -91,7 +91,7 @@ using BoxForms = FormList<  //
     box::MaxMult,           //
     box::EmbreeFma,         //
     box::EmbreeRobust,      //
-    box::Filtered           // of the laboratory itself
+    box::FilteredSlabs      // of the laboratory itself
     >;
 
 using SdfForms = FormList<  //

@@ -32,9 +32,10 @@ private:
 /// Algorithms, 2002, section 3.3). Infinity says nothing. An error of zero says: exactly, of an infinity and of NaN
 /// too.
 ///
-/// A result of rounding is off by at most u|v|, and by half of the least subnormal number where that is more; u|v| is
-/// computed from the rounded v, so u(1 + u). The bounds are sums of products of at most twelve operations, each of
-/// which rounds: `outward` takes 16u more and two subnormals, which is more than they can have lost.
+/// What rounding loses is known exactly of sums, and of products that do not underflow (error_free.hpp has why); of all
+/// others it is at most u|v|, computed from the rounded v, so u(1 + u), and the least subnormal number. The bounds are
+/// sums of products of at most twelve operations, each of which rounds: `outward` takes 16u more and four subnormals,
+/// which is more than they can have lost.
 ///
 /// Where a decision is not proved, `select` answers by the values, as F does, and its error reaches the other side too.
 template <class F>
@@ -53,14 +54,18 @@ public:
     friend Bounded operator+(const Bounded& a, const Bounded& b) {
         const F v = a.value_ + b.value_;
         if (a.is_exact_infinity() || b.is_exact_infinity()) return of_infinities(v, a, b);
-        return rounded(v, a.error_ + b.error_, a, b);
+        const F bb = v - a.value_, lost = (a.value_ - (v - bb)) + (b.value_ - bb);
+        return rounded(v, a.error_ + b.error_, size_of(lost), a, b);
     }
     friend Bounded operator-(const Bounded& a, const Bounded& b) { return a + (-b); }
     friend Bounded operator*(const Bounded& a, const Bounded& b) {
         const F v = a.value_ * b.value_;
         if (a.is_exact_infinity() || b.is_exact_infinity())
             return a.has_sign() && b.has_sign() ? of_infinities(v, a, b) : unknown(v);
-        return rounded(v, size(a) * b.error_ + size(b) * a.error_ + a.error_ * b.error_, a, b);
+        const F lost = a.value_ == 0 || b.value_ == 0 ? F(0)
+                       : size_of(v) < deep            ? nearest(v)
+                                                      : size_of(fma(a.value_, b.value_, -v));
+        return rounded(v, size(a) * b.error_ + size(b) * a.error_ + a.error_ * b.error_, lost, a, b);
     }
     /// |a/b − a*/b*| ≤ (δa + |a/b| δb)/(|b| − δb).
     friend Bounded operator/(const Bounded& a, const Bounded& b) {
@@ -70,7 +75,10 @@ public:
         if (a.is_exact_infinity()) return b.has_sign() ? Bounded(v, 0) : unknown(v);
         const F least = size(b) * (1 - 4 * u) - b.error_;
         if (!(least > 0)) return unknown(v);
-        return rounded(v, (a.error_ + (size_of(v) + tiny) * b.error_) / least, a, b);
+        if (a.value_ == 0 && a.error_ == 0) return {v, 0};
+        // What a product loses to underflow counts before it is divided by what may be small.
+        const F above = a.error_ + (size_of(v) + tiny) * b.error_ + (a.error_ > 0 || b.error_ > 0 ? tiny : F(0));
+        return rounded(v, above / least, nearest(v), a, b);
     }
     Bounded& operator+=(const Bounded& b) { return *this = *this + b; }
     Bounded& operator-=(const Bounded& b) { return *this = *this - b; }
@@ -83,13 +91,13 @@ public:
         if (a.error_ == 0 && a.value_ < 0) return {v, 0};  // NaN in any arithmetic
         const F least = a.value_ * (1 - 4 * u) - a.error_;
         if (a.error_ > 0 && !(least >= 0)) return unknown(v);
-        return rounded(v, a.error_ == 0 ? F(0) : a.error_ / (v + sqrt(least) * (1 - 4 * u)), a, a);
+        return rounded(v, a.error_ == 0 ? F(0) : a.error_ / (v + sqrt(least) * (1 - 4 * u)), nearest(v), a, a);
     }
     friend Bounded fma(const Bounded& a, const Bounded& b, const Bounded& c) {
         const F v = fma(a.value_, b.value_, c.value_);
         if (a.is_infinite() || b.is_infinite() || c.is_infinite()) return unknown(v);
         const F apart = size(a) * b.error_ + size(b) * a.error_ + a.error_ * b.error_ + c.error_;
-        return {rounded(v, apart, a, b).value_, c.is_nan() ? infinity : rounded(v, apart, a, b).error_};
+        return c.is_nan() ? unknown(v) : rounded(v, apart, nearest(v), a, b);
     }
     friend Bounded abs(const Bounded& a) { return {size(a), a.error_}; }
     friend Bounded copysign(const Bounded& a, const Bounded& b) {
@@ -139,7 +147,11 @@ private:
 
     static F size_of(F x) { return abs(x); }
     static F size(const Bounded& a) { return abs(a.value_); }
-    static F outward(F bound) { return bound * (1 + 16 * u) + 2 * tiny; }
+    /// Below it products may have lost what a number of the format cannot hold.
+    static constexpr F deep = std::numeric_limits<F>::min() / (u * u);
+    static F outward(F bound) { return bound * (1 + 16 * u) + 4 * tiny; }
+    /// The most that rounding to v, the nearest number, can have lost.
+    static F nearest(F v) { return u * size_of(v) + tiny; }
     static Bounded unknown(F v) { return {v, infinity}; }
     static bool is_same(const Bounded& a, const Bounded& b) { return a.value_ == b.value_ && a.error_ == b.error_; }
 
@@ -157,10 +169,10 @@ private:
         const bool known = a.error_ < infinity && b.error_ < infinity;
         return known ? Bounded(v, 0) : unknown(v);
     }
-    static Bounded rounded(F v, F apart, const Bounded& a, const Bounded& b) {
+    static Bounded rounded(F v, F apart, F lost, const Bounded& a, const Bounded& b) {
         if (a.error_ == 0 && b.error_ == 0 && (a.is_nan() || b.is_nan())) return {v, 0};
         if (!(apart < infinity) || !(abs(v) < infinity)) return unknown(v);
-        return {v, outward(apart + u * size_of(v))};
+        return {v, apart == 0 && lost == 0 ? F(0) : outward(apart + lost)};
     }
     /// By a < b ? a : b, which of a NaN answers the second: then only what is surely NaN is known.
     static Bounded extreme(const BoundedMask& first, const Bounded& a, const Bounded& b) {

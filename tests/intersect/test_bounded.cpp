@@ -25,21 +25,20 @@ struct Tally {
     std::atomic<std::uint64_t> other_bits = 0, below = 0, wrong = 0;
 };
 
-/// The form in exact arithmetic on the format's own inputs: quickly, and with more bits where that leaves it open.
-struct Exact {
-    Tri hit;
-    Ball t;
-    Exact(const Intersector& form, const HostileRay& x) : hit(Tri::unknown), t(Ball::unknown()) {
-        const auto ball = [](double v) { return Ball(v); };
-        const auto vec = [&](const Vec<double>& v) { return Vec<Ball>(ball(v.x), ball(v.y), ball(v.z)); };
-        const Solid<Ball> solid = transformed(x.solid, ball);
-        const Hit<Ball> h = form.ball(Ray<Ball>{vec(x.ray.origin), vec(x.ray.direction)}, Target<Ball>(solid));
-        hit = h.hit;
-        t = h.t;
-    }
-    template <class T>
-    using Target = intersect::Target<T>;
-};
+/// The form in exact arithmetic on the format's own inputs, from both sides: as narrow as so many bits make it.
+Hit<Interval> without_rounding(const Intersector& form, const HostileRay& x) {
+    const Interval::Precision precision(700);
+    const auto lift = [](double v) { return Interval(v); };
+    const auto vec = [&](const Vec<double>& v) { return Vec<Interval>(lift(v.x), lift(v.y), lift(v.z)); };
+    const Solid<Interval> solid = transformed(x.solid, lift);
+    return form.interval(Ray<Interval>{vec(x.ray.origin), vec(x.ray.direction)}, intersect::Target<Interval>(solid));
+}
+
+/// Whether t is farther than `error` from every point of the interval.
+bool is_farther(double t, double error, const Interval& from) {
+    const Interval::Precision precision(700);
+    return (abs(from - Interval(t)) > Interval(error)).is_yes();
+}
 
 template <class S>
 void check_ray(const Intersector& form, const HostileRay& x, Tally& tally) {
@@ -60,7 +59,7 @@ void check_ray(const Intersector& form, const HostileRay& x, Tally& tally) {
     const bool both_nan = std::isnan(t) && std::isnan(own->t);
     tally.other_bits += own->hit != (hit != 0) || !(own->t == static_cast<double>(t) || both_nan);
 
-    const Exact exact(form, x);
+    const Hit<Interval> exact = without_rounding(form, x);
     tally.proved += own->proved;
     if (exact.hit.is_unknown()) return;
     ++tally.known;
@@ -69,9 +68,7 @@ void check_ray(const Intersector& form, const HostileRay& x, Tally& tally) {
     ++tally.hits;
     if (!(own->error < HUGE_VAL)) return;
     ++tally.finite;
-    const Ball apart = Ball(own->t) - exact.t;
-    const double least = std::fabs(apart.hi()) * (1 - 0x1p-40) - apart.radius();
-    tally.below += least > own->error;
+    tally.below += is_farther(own->t, own->error, exact.t);
 }
 
 template <class S>

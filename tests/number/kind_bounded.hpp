@@ -6,8 +6,8 @@
 
 namespace lostbits::test {
 
-inline bool surely(const BoundedMask& mask) { return mask.value(); }
-inline bool surely_not(const BoundedMask& mask) { return !mask.value(); }
+inline bool surely(const BoundedMask& mask) { return mask.value() && mask.is_proved(); }
+inline bool surely_not(const BoundedMask& mask) { return !mask.value() && mask.is_proved(); }
 
 template <class F>
 struct Kind<Bounded<F>> {
@@ -29,6 +29,7 @@ struct Kind<Bounded<F>> {
             if (random.one_in(2) || !std::isfinite(x)) return Operand<T>{T(static_cast<F>(x)), Mpfr(x, 53)};
             const F error =
                 static_cast<F>(std::fabs(x) * std::ldexp(random.unit(), -static_cast<int>(random.between(0, 30))));
+            if (error == 0) return Operand<T>{T(static_cast<F>(x)), Mpfr(x, 53)};
             Operand<T> some{T(static_cast<F>(x), error), Mpfr(error, 3000)};
             mpfr_mul_si(some.point, some.point, random.between(-4, 4), MPFR_RNDN);
             mpfr_div_ui(some.point, some.point, 4, MPFR_RNDN);

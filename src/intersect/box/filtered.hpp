@@ -8,7 +8,7 @@
 
 namespace lostbits::intersect::box {
 
-struct Filtered {
+struct FilteredSlabs {
     static constexpr Info info{
         .name = "box.filtered",
         .title = "signs where a bound proves it, wider where not",
@@ -29,7 +29,7 @@ struct Filtered {
         if constexpr (stands_for_exact<T>) {
             return entered<T>(tmin <= tmax, {tmin, tmax});
         } else {
-            const filtered::Verdict<T> cheap = filtered::by_bound<T>(tmin, tmax);
+            const filtered::SlabDecision<T> cheap = filtered::by_bound<T>(tmin, tmax);
             if (!any_of(!cheap.proved)) return entered<T>(cheap.hit, {tmin, tmax});
             return entered<T>(filtered::by_planes<T>(ray, filtered::planes_of<T>(ray, box), limit, cheap, watch),
                               {tmin, tmax});

@@ -1,8 +1,6 @@
 // The steps of `box.filtered`, and the inequalities that let a ray stop at one.
 #pragma once
 
-#include <array>
-
 #include "intersect/box/slab.hpp"
 #include "intersect/way.hpp"
 #include "number/wide/exact_sum.hpp"
@@ -12,11 +10,11 @@ namespace lostbits::intersect::box::filtered {
 
 /// What a step says of a ray: the decision where it is proved, nothing where not.
 template <Number T>
-struct Verdict {
+struct SlabDecision {
     mask_t<T> proved, hit;
 
     /// `first` where it is proved, `second` where not.
-    friend Verdict joined(const Verdict& first, const Verdict& second) {
+    friend SlabDecision joined(const SlabDecision& first, const SlabDecision& second) {
         return {first.proved || second.proved, (first.proved && first.hit) || (!first.proved && second.hit)};
     }
 };
@@ -30,7 +28,7 @@ struct Verdict {
 /// No step may over- or underflow: of float that is sure while no plane is closer to the origin than 2^-60 or farther
 /// than 2^60, unless it contains it, and each |d| is 0 or within 2^±60.
 template <Number T>
-Verdict<T> by_bound(const T& tmin, const T& tmax) {
+SlabDecision<T> by_bound(const T& tmin, const T& tmax) {
     const T slack = T(8) * unit_roundoff<T>();
     const mask_t<T> hit = tmin <= tmax * (T(1) - slack) || (tmin <= T(0) && tmax >= T(0));
     return {hit || tmin > tmax * (T(1) + slack), hit};
@@ -38,12 +36,12 @@ Verdict<T> by_bound(const T& tmin, const T& tmax) {
 
 /// A box's planes in the order in which the line meets them, and whether the line runs down the axis.
 template <Number T>
-struct Slabs {
+struct OrderedSlabs {
     std::array<Planes<T>, 3> of;
 };
 
 template <Number T, class B>
-Slabs<T> planes_of(const Ray<T>& ray, const B& box) {
+OrderedSlabs<T> planes_of(const Ray<T>& ray, const B& box) {
     const auto of = [&](int axis) { return planes_by_sign<T>(box, axis, T(1) / ray.direction[axis]); };
     return {{of(0), of(1), of(2)}};
 }
@@ -64,9 +62,8 @@ W as_factor(const W& limit) {
 template <class V, class Below, class Join>
 V every_pair(const Below& below, const Join& join, V all) {
     for (int i = 0; i < 3; ++i) {
-        for (int j = 0; j < 3; ++j) {
-            if (i != j) all = join(all, below(i, j));
-        }
+        all = join(all, below(i, (i + 1) % 3));
+        all = join(all, below(i, (i + 2) % 3));
     }
     return all;
 }
@@ -74,7 +71,7 @@ V every_pair(const Below& below, const Join& join, V all) {
 /// In W, to nearest. v is its unit roundoff: n and f round once, the products once more, so n m and f g are right to
 /// 2.1v of themselves, and n m ≤ f g where n m + 3v(|n m| + |f g|) ≤ f g: where both are zero, too.
 template <class W, Number T>
-Verdict<T> widely(const Ray<T>& ray, const Slabs<T>& slabs, const T& limit) {
+SlabDecision<T> widely(const Ray<T>& ray, const OrderedSlabs<T>& slabs, const T& limit) {
     using number::wide::taken_back, number::wide::taken_to;
     const auto wide = [](const T& x) { return taken_to<W>(x); };
     std::array<W, 3> m{W(0), W(0), W(0)}, n = m, f = m;
@@ -110,7 +107,7 @@ Verdict<T> widely(const Ray<T>& ray, const Slabs<T>& slabs, const T& limit) {
 
 /// Exactly, as signs of sums of words: 1 where every comparison holds, −1 where one fails.
 template <Number T>
-Verdict<T> exactly(const Ray<T>& ray, const Slabs<T>& slabs, const T& limit) {
+SlabDecision<T> exactly(const Ray<T>& ray, const OrderedSlabs<T>& slabs, const T& limit) {
     using B = number::wide::OneWord<T>;
     using number::wide::ExactSum, number::wide::sum_of, number::wide::TwoWords;
     const auto word = [](const T& x) { return number::wide::taken_to<B>(x); };
@@ -153,14 +150,14 @@ Verdict<T> exactly(const Ray<T>& ray, const Slabs<T>& slabs, const T& limit) {
 /// What `cheap` leaves open by the planes themselves: in the wider arithmetic of one word where there is one, then
 /// exactly. A function of its own, by value: the loops over packs keep their registers to themselves.
 template <Number T, class Watch>
-[[gnu::noinline]] mask_t<T> by_planes(Ray<T> ray, Slabs<T> slabs, T limit, Verdict<T> cheap, Watch& watch) {
+[[gnu::noinline]] mask_t<T> by_planes(Ray<T> ray, OrderedSlabs<T> slabs, T limit, SlabDecision<T> cheap, Watch& watch) {
     using B = number::wide::OneWord<T>;
     const Part<T> part("planes");
     if constexpr (tells_of_operations<T>) {
         watch(Way::two_words);
         return joined(cheap, widely<number::wide::TwoWords<B>, T>(ray, slabs, limit)).hit;
     } else {
-        Verdict<T> known = cheap;
+        SlabDecision<T> known = cheap;
         if constexpr (number::wide::has_wider_word<T>) {
             watch(Way::wider);
             known = joined(known, widely<B, T>(ray, slabs, limit));

@@ -29,12 +29,12 @@ struct Filtered {
         if constexpr (stands_for_exact<T>) {
             return answered(filtered::unrounded<T>(ray, sphere));
         } else {
-            const filtered::Verdict<T> cheap = filtered::cheaply<T>(ray, sphere);
+            const filtered::Settled<T> cheap = filtered::cheaply<T>(ray, sphere);
             if (!any_of(!cheap.proved)) return answered(cheap);
             if constexpr (number::wide::has_wider_word<T>) {
                 watch(Way::wider);
                 using W = number::wide::OneWord<T>;
-                const filtered::Verdict<T> wide = joined(cheap, filtered::widely<W, T>(ray, sphere));
+                const filtered::Settled<T> wide = joined(cheap, filtered::widely<W, T>(ray, sphere));
                 if (!any_of(!wide.proved)) return answered(wide);
                 return answered(filtered::to_the_end<T>(ray, sphere, wide, watch));
             } else {
@@ -45,7 +45,7 @@ struct Filtered {
 
 private:
     template <Number T>
-    static Hit<T> answered(const filtered::Verdict<T>& v) {
+    static Hit<T> answered(const filtered::Settled<T>& v) {
         const T& t = named("t", v.t);
         return {v.hit, t, t, t};
     }

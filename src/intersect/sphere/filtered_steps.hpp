@@ -10,12 +10,12 @@ namespace lostbits::intersect::sphere::filtered {
 
 /// What a step says of a ray: the decision and t where they are proved, nothing where not.
 template <Number T>
-struct Verdict {
+struct Settled {
     mask_t<T> proved, hit;
     T t;
 
     /// `first` where it is proved, `second` where not.
-    friend Verdict joined(const Verdict& first, const Verdict& second) {
+    friend Settled joined(const Settled& first, const Settled& second) {
         return {first.proved || second.proved, (first.proved && first.hit) || (!first.proved && second.hit),
                 select(first.proved, first.t, second.t)};
     }
@@ -32,8 +32,8 @@ struct Verdict {
 ///     twice l̂                off from it by 2.05φ + u|l̂| (f, the product, the sum), and its square rounds thrice:
 ///                      | |l̂| − |f + (s + δs)d| | ≤ δ + 2.6u|l̂|,  δ = 2.05φ
 ///
-/// With w = 2.1u(|f_x| + |f_y| + |f_z|) + 4u r and E = w(2r + 32w), Δ̂ > E implies |l| < r, and Δ̂ < −E implies |l| > r:
-/// from |l̂|² > r² + E follows (1 − 2.6u)|l̂| > δ + √(r² + 91φ²), because the square of the right side is at most
+/// With w = 2.1u(|f_x| + |f_y| + |f_z|) + 4ur and E = w(2r + 32w), Δ̂ > E implies |l| < r and Δ̂ < −E that |l| > r:
+/// from |l̂|² > r² + E follows (1 − 2.6u)|l̂| > δ + √(r² + 91φ²), for the square of the right side is at most
 /// r² + 4.1φr + 134φ², times 1 + 5.5u. And |Δ̂ − Δ| ≤ E for hits.
 ///
 /// Ahead or behind: where Δ̂ ≥ −E, s²a = f·f − l·l ≥ f·f − r² − 2E ≥ 0.47 f·f, so |s| ≥ 0.68F > |δs|: the sign of s is
@@ -45,7 +45,7 @@ struct Verdict {
 ///
 /// No step may over- or underflow: of float that is sure while a lies within 2^±100, and |f|, r and r·√a within 2^±50.
 template <Number T>
-Verdict<T> cheaply(const Ray<T>& ray, const Sphere<T>& sphere) {
+Settled<T> cheaply(const Ray<T>& ray, const Sphere<T>& sphere) {
     const T u = unit_roundoff<T>(), r = sphere.radius;
     const Vec<T> f = sphere.centre - ray.origin;  // −f of the derivation: both s and l are then without a minus
     const T ff = square(f), r2 = square(r);
@@ -77,7 +77,7 @@ Verdict<T> cheaply(const Ray<T>& ray, const Sphere<T>& sphere) {
 /// t: D's part is |√D̂ − √D|/q ≤ e/(√D̂ q), asked to be at most 16u; the rest is 6u of c, and the roundings of h, c, D,
 /// √, +, ÷ in T: 27u together, within the 32u of 18 correct bits of 24.
 template <class W, Number T>
-Verdict<T> widely(const Ray<T>& ray, const Sphere<T>& sphere) {
+Settled<T> widely(const Ray<T>& ray, const Sphere<T>& sphere) {
     using number::wide::taken_back, number::wide::taken_to;
     const auto wide = [](const Vec<T>& x) { return Vec<W>(taken_to<W>(x.x), taken_to<W>(x.y), taken_to<W>(x.z)); };
     const Vec<W> d = wide(ray.direction), f = wide(ray.origin) - wide(sphere.centre);
@@ -149,7 +149,7 @@ struct ExactTerms {
 /// The decision and t of the terms, without a bound: they are right, or T is exact. A ray that touches hits, and one
 /// that starts on the surface hits at t = 0.
 template <Number T>
-Verdict<T> of_terms(const T& h, const T& c, const T& a, const T& disc) {
+Settled<T> of_terms(const T& h, const T& c, const T& a, const T& disc) {
     const T root = named("root", sqrt(disc)), q = named("q", abs(h) + root);
     const T t = decide(c < T(0) && h <= T(0), [&](const mask_t<T>& from_within) {
         return T(select(from_within, q, abs(c)) / select(from_within, a, q));
@@ -160,7 +160,7 @@ Verdict<T> of_terms(const T& h, const T& c, const T& a, const T& disc) {
 
 /// The form in exact arithmetic, where there is nothing to filter.
 template <Number T>
-Verdict<T> unrounded(const Ray<T>& ray, const Sphere<T>& sphere) {
+Settled<T> unrounded(const Ray<T>& ray, const Sphere<T>& sphere) {
     const Vec<T> f = ray.origin - sphere.centre;
     const T a = named("a", square(ray.direction)), h = named("h", dot(f, ray.direction));
     const T r2 = square(sphere.radius), c = named("c", square(f) - r2);
@@ -170,13 +170,13 @@ Verdict<T> unrounded(const Ray<T>& ray, const Sphere<T>& sphere) {
 /// Proved for every ray whose terms neither overflow nor underflow; the answer is brought back as t, −1 for a miss,
 /// because T may be narrower and its masks others.
 template <Number T>
-Verdict<T> exactly(const Ray<T>& ray, const Sphere<T>& sphere) {
+Settled<T> exactly(const Ray<T>& ray, const Sphere<T>& sphere) {
     using B = number::wide::OneWord<T>;
     const auto word = [](const T& x) { return number::wide::taken_to<B>(x); };
     const auto words = [&](const Vec<T>& x) { return Vec<B>(word(x.x), word(x.y), word(x.z)); };
     const ExactTerms<B> in(Ray<B>{words(ray.origin), words(ray.direction)},
                            Sphere<B>{words(sphere.centre), word(sphere.radius)});
-    const Verdict<B> found = of_terms<B>(in.h, in.c, in.a, in.disc);
+    const Settled<B> found = of_terms<B>(in.h, in.c, in.a, in.disc);
     const T t = number::wide::taken_back<T>(select(found.hit, found.t, B(-1)));
     return {T(0) <= T(0), t >= T(0), t};
 }
@@ -184,11 +184,11 @@ Verdict<T> exactly(const Ray<T>& ray, const Sphere<T>& sphere) {
 /// What `soft` leaves open in double-double, and what that leaves open exactly. A function of its own, by value: the
 /// loops over packs keep their registers to themselves.
 template <Number T, class Watch>
-[[gnu::noinline]] Verdict<T> to_the_end(Ray<T> ray, Sphere<T> sphere, Verdict<T> soft, Watch& watch) {
+[[gnu::noinline]] Settled<T> to_the_end(Ray<T> ray, Sphere<T> sphere, Settled<T> soft, Watch& watch) {
     using W = number::wide::TwoWords<number::wide::OneWord<T>>;
     watch(Way::two_words);
     const Part<T> part("in two words");
-    const Verdict<T> wide = joined(soft, widely<W, T>(ray, sphere));
+    const Settled<T> wide = joined(soft, widely<W, T>(ray, sphere));
     if constexpr (tells_of_operations<T>) {
         return wide;
     } else {
