@@ -57,7 +57,10 @@ void check_ray(const Intersector& form, const HostileRay& x, Tally& tally) {
     if constexpr (sizeof(S) == 4) form.native32(rays, intersect::Target<S>(solid), hits);
     else form.native64(rays, intersect::Target<S>(solid), hits);
     const bool both_nan = std::isnan(t) && std::isnan(own->t);
-    tally.other_bits += own->hit != (hit != 0) || !(own->t == static_cast<double>(t) || both_nan);
+    // Exact sums say nothing of single operations, and the forms that end in them end before, over `Bounded`.
+    const bool ends_otherwise =
+        form.way && form.way(format, x.ray, intersect::Target<double>(x.solid), HUGE_VAL) == intersect::Way::exact;
+    tally.other_bits += !ends_otherwise && (own->hit != (hit != 0) || !(own->t == static_cast<double>(t) || both_nan));
 
     const Hit<Interval> exact = without_rounding(form, x);
     tally.proved += own->proved;
@@ -105,7 +108,9 @@ void check_bounds(std::uint64_t rays, std::uint64_t seed) {
             CHECK(tally.wrong == 0);
             CHECK(tally.below == 0);
             CHECK(tally.proved > tally.asked / 8);
-            CHECK(tally.finite > tally.hits / 8);
+            CHECK(tally.finite > 0);
+            if (form.info->name == "sphere.schoolbook") CHECK(tally.finite > tally.hits / 3);
+            if (form.info->name == "box.signs") CHECK(tally.finite > tally.hits * 9 / 10);
         }
     }
 }

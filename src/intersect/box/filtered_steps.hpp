@@ -6,7 +6,8 @@
 #include "number/wide/exact_sum.hpp"
 #include "number/wide/ladder.hpp"
 
-namespace lostbits::intersect::box::filtered {
+namespace lostbits::intersect::box {
+namespace filtered {
 
 /// What a step says of a ray: the decision where it is proved, nothing where not.
 template <Number T>
@@ -107,7 +108,7 @@ SlabDecision<T> widely(const Ray<T>& ray, const OrderedSlabs<T>& slabs, const T&
 
 /// Exactly, as signs of sums of words: 1 where every comparison holds, −1 where one fails.
 template <Number T>
-SlabDecision<T> exactly(const Ray<T>& ray, const OrderedSlabs<T>& slabs, const T& limit) {
+[[gnu::noinline]] SlabDecision<T> exactly(const Ray<T>& ray, const OrderedSlabs<T>& slabs, const T& limit) {
     using B = number::wide::OneWord<T>;
     using number::wide::ExactSum, number::wide::sum_of, number::wide::TwoWords;
     const auto word = [](const T& x) { return number::wide::taken_to<B>(x); };
@@ -148,9 +149,10 @@ SlabDecision<T> exactly(const Ray<T>& ray, const OrderedSlabs<T>& slabs, const T
 }
 
 /// What `cheap` leaves open by the planes themselves: in the wider arithmetic of one word where there is one, then
-/// exactly. A function of its own, by value: the loops over packs keep their registers to themselves.
+/// exactly; over numbers that tell of operations in double-double.
 template <Number T, class Watch>
-[[gnu::noinline]] mask_t<T> by_planes(Ray<T> ray, OrderedSlabs<T> slabs, T limit, SlabDecision<T> cheap, Watch& watch) {
+mask_t<T> beyond(const Ray<T>& ray, const OrderedSlabs<T>& slabs, const T& limit, const SlabDecision<T>& cheap,
+                 Watch& watch) {
     using B = number::wide::OneWord<T>;
     const Part<T> part("planes");
     if constexpr (tells_of_operations<T>) {
@@ -168,4 +170,17 @@ template <Number T, class Watch>
     }
 }
 
-}  // namespace lostbits::intersect::box::filtered
+/// The same as a function of its own, by value: the loops over packs keep their registers to themselves.
+template <Number T, class Watch>
+[[gnu::noinline]] mask_t<T> by_planes(Ray<T> ray, OrderedSlabs<T> slabs, T limit, SlabDecision<T> cheap, Watch& watch) {
+    return beyond<T>(ray, slabs, limit, cheap, watch);
+}
+template <Number T, class Watch>
+requires number::wide::InRegisters<T>
+[[gnu::noinline, gnu::flatten]] mask_t<T> by_planes(Ray<T> ray, OrderedSlabs<T> slabs, T limit, SlabDecision<T> cheap,
+                                                    Watch& watch) {
+    return beyond<T>(ray, slabs, limit, cheap, watch);
+}
+
+}  // namespace filtered
+}  // namespace lostbits::intersect::box

@@ -6,7 +6,8 @@
 #include "number/wide/exact_sum.hpp"
 #include "number/wide/ladder.hpp"
 
-namespace lostbits::intersect::sphere::filtered {
+namespace lostbits::intersect::sphere {
+namespace filtered {
 
 /// What a step says of a ray: the decision and t where they are proved, nothing where not.
 template <Number T>
@@ -23,7 +24,7 @@ struct Settled {
 
 /// From outside, |f| ≥ √2 r, in T alone: s = −f·d/a, l = f + s d, Δ = r² − l·l, t = s − √(Δ/a); one division, one root.
 ///
-/// u is T's unit roundoff, at most 2^-10 (`fine`); φ = u|f|, F = |f|/|d|; terms of second order are in the last digits
+/// u is T's unit roundoff, at most 2^-10 (`from`); φ = u|f|, F = |f|/|d|; terms of second order are in the last digits
 /// of the constants. (Higham 2002, lemma 3.1 and section 3.3, in norms.)
 ///
 ///     f, f·d, a        |δf_i| ≤ u|f_i|,   |δ(f·d)| ≤ 4.1u|f||d|,   |δa| ≤ 3.05u a
@@ -57,10 +58,12 @@ Settled<T> cheaply(const Ray<T>& ray, const Sphere<T>& sphere) {
 
     const T w = (T(21) / T(10) * u) * (abs(f.x) + abs(f.y) + abs(f.z)) + T(4) * u * r;
     const T e = w * (T(2) * r + T(32) * w);
-    const mask_t<T> ahead = s > T(0), fine = T(1024) * u <= T(1);
+    // In coarser formats nothing is far enough away.
+    const T from = select(T(1024) * u <= T(1), T(2), T(1) / T(0));
+    const mask_t<T> ahead = s > T(0);
     const mask_t<T> open = ahead && delta >= -e;
     const mask_t<T> met = ahead && delta > T(4) * e && e * inv <= root * (T(36) * u * s - T(66) * u * root);
-    return {fine && ff >= T(2) * r2 && (!open || met), met, s - root};
+    return {ff >= from * r2 && (!open || met), met, s - root};
 }
 
 /// From anywhere, with h = f·d, c = f·f − r² and D = h² − ac in W, and all that follows in T: t = c/q or q/a with
@@ -170,7 +173,7 @@ Settled<T> unrounded(const Ray<T>& ray, const Sphere<T>& sphere) {
 /// Proved for every ray whose terms neither overflow nor underflow; the answer is brought back as t, −1 for a miss,
 /// because T may be narrower and its masks others.
 template <Number T>
-Settled<T> exactly(const Ray<T>& ray, const Sphere<T>& sphere) {
+[[gnu::noinline]] Settled<T> exactly(const Ray<T>& ray, const Sphere<T>& sphere) {
     using B = number::wide::OneWord<T>;
     const auto word = [](const T& x) { return number::wide::taken_to<B>(x); };
     const auto words = [&](const Vec<T>& x) { return Vec<B>(word(x.x), word(x.y), word(x.z)); };
@@ -181,10 +184,10 @@ Settled<T> exactly(const Ray<T>& ray, const Sphere<T>& sphere) {
     return {T(0) <= T(0), t >= T(0), t};
 }
 
-/// What `soft` leaves open in double-double, and what that leaves open exactly. A function of its own, by value: the
-/// loops over packs keep their registers to themselves.
+/// What `soft` leaves open in double-double, and what that leaves open exactly; over numbers that tell of operations
+/// double-double is the end, and its decision stands.
 template <Number T, class Watch>
-[[gnu::noinline]] Settled<T> to_the_end(Ray<T> ray, Sphere<T> sphere, Settled<T> soft, Watch& watch) {
+Settled<T> beyond(const Ray<T>& ray, const Sphere<T>& sphere, const Settled<T>& soft, Watch& watch) {
     using W = number::wide::TwoWords<number::wide::OneWord<T>>;
     watch(Way::two_words);
     const Part<T> part("in two words");
@@ -198,4 +201,16 @@ template <Number T, class Watch>
     }
 }
 
-}  // namespace lostbits::intersect::sphere::filtered
+/// The same as a function of its own, by value: the loops over packs keep their registers to themselves.
+template <Number T, class Watch>
+[[gnu::noinline]] Settled<T> to_the_end(Ray<T> ray, Sphere<T> sphere, Settled<T> soft, Watch& watch) {
+    return beyond<T>(ray, sphere, soft, watch);
+}
+template <Number T, class Watch>
+requires number::wide::InRegisters<T>
+[[gnu::noinline, gnu::flatten]] Settled<T> to_the_end(Ray<T> ray, Sphere<T> sphere, Settled<T> soft, Watch& watch) {
+    return beyond<T>(ray, sphere, soft, watch);
+}
+
+}  // namespace filtered
+}  // namespace lostbits::intersect::sphere

@@ -14,6 +14,13 @@ using OneWord = typename Wider<T>::type;
 template <class T>
 inline constexpr bool has_wider_word = !std::same_as<OneWord<T>, T>;
 
+/// Packs. Their rare, long functions are flattened, or every pack in them goes through memory; of others that would
+/// take the compiler minutes.
+template <class T>
+concept InRegisters = requires {
+    T::lanes;
+};
+
 /// x in W: `OneWord<T>`, or two of them. Exact.
 template <class W, class T>
 W taken_to(const T& x) {
