@@ -154,7 +154,7 @@ template <Number T, class Watch>
 mask_t<T> beyond(const Ray<T>& ray, const OrderedSlabs<T>& slabs, const T& limit, const SlabDecision<T>& cheap,
                  Watch& watch) {
     using B = number::wide::OneWord<T>;
-    const Part<T> part("planes");
+    const Part<T> part("by planes");
     if constexpr (tells_of_operations<T>) {
         watch(Way::two_words);
         return joined(cheap, widely<number::wide::TwoWords<B>, T>(ray, slabs, limit)).hit;

@@ -46,8 +46,7 @@ struct Filtered {
 private:
     template <Number T>
     static Hit<T> answered(const filtered::Settled<T>& v) {
-        const T& t = named("t", v.t);
-        return {v.hit, t, t, t};
+        return {v.hit, v.t, v.t, v.t};
     }
 };
 

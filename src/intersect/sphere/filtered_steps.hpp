@@ -63,7 +63,7 @@ Settled<T> cheaply(const Ray<T>& ray, const Sphere<T>& sphere) {
     const mask_t<T> ahead = s > T(0);
     const mask_t<T> open = ahead && delta >= -e;
     const mask_t<T> met = ahead && delta > T(4) * e && e * inv <= root * (T(36) * u * s - T(66) * u * root);
-    return {ff >= from * r2 && (!open || met), met, s - root};
+    return {ff >= from * r2 && (!open || met), met, named("t", s - root)};
 }
 
 /// From anywhere, with h = f·d, c = f·f − r² and D = h² − ac in W, and all that follows in T: t = c/q or q/a with
@@ -94,7 +94,7 @@ Settled<T> widely(const Ray<T>& ray, const Sphere<T>& sphere) {
     const T e = (T(24) * v) * (all * a);
     const T root = named("root", sqrt(disc)), q = named("q", abs(h) + root);
     const mask_t<T> outside = c > T(0), behind = h > T(0), from_within = !(outside || behind);
-    const T t = select(from_within, q, abs(c)) / select(from_within, a, q);
+    const T t = named("t", select(from_within, q, abs(c)) / select(from_within, a, q));
     const mask_t<T> sure = abs(c) >= all * (v / u) && T(32) * u <= T(1);
     const mask_t<T> missed = outside && (behind || disc < -e);
     const mask_t<T> met = !missed && disc > e && e <= root * (q * (T(16) * u));
