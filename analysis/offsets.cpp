@@ -9,12 +9,15 @@
 #include "analysis/choice/options.hpp"
 #include "analysis/choice/select.hpp"
 #include "commands.hpp"
+#include "measure/offset/along.hpp"
 #include "output/file/estimate.hpp"
+#include "output/offset/along_files.hpp"
 #include "output/offset/offset_files.hpp"
 #include "scene/file/scene.hpp"
 
 namespace lostbits::analysis {
 
+using measure::offset::Along;
 using measure::offset::OffsetRequest;
 using measure::offset::OffsetSummary;
 using measure::offset::Point;
@@ -30,8 +33,18 @@ struct OffsetOptions {
     std::vector<std::string> strategies{"*"};
     std::string points = "both";
     std::string size, variant, pixels = "none";
-    std::vector<std::string> set;
+    std::vector<std::string> set, along;
     std::string out;
+
+    /// The axes that it asks for, each once.
+    [[nodiscard]] std::vector<Along> axes() const {
+        std::vector<Along> axes;
+        for (std::size_t k = 0; k < measure::offset::along_names.size(); ++k) {
+            if (std::ranges::find(along, measure::offset::along_names[k]) != along.end())
+                axes.push_back(static_cast<Along>(k));
+        }
+        return axes;
+    }
 };
 
 /// The rows that a scene can be asked about: each form and format, with the points taken as they were asked for.
@@ -60,12 +73,41 @@ void say_row(const OffsetRequest& request, std::size_t r, const OffsetSummary& s
     }
 }
 
+/// The scene at every place of an axis.
+void sweep_offsets(const OffsetRequest& request, Along along, output::offset::AlongFiles& files) {
+    for (const double k : measure::offset::steps_along(along)) {
+        const Scene there = measure::offset::moved_along(*request.scene, along, k);
+        OffsetRequest step = request;
+        step.scene = &there;
+        files.add(k, measure::offset::run_offsets(step));
+    }
+    files.finish();
+}
+
+/// Pixels of all rows, of the scene itself and of every place that it is moved to.
+std::uint64_t units_of(const OffsetRequest& request, const OffsetOptions& o) {
+    std::uint64_t pixels = request.scene->pixels();
+    for (const Along along : o.axes()) {
+        for (const double k : measure::offset::steps_along(along))
+            pixels += measure::offset::moved_along(*request.scene, along, k).pixels();
+    }
+    return pixels * request.rows.size();
+}
+
 /// Offsets over one scene; the number of its rays without a proved truth.
 std::uint64_t offset_scene(const OffsetRequest& request, const OffsetOptions& o, const Common& common,
                            output::file::Progress& progress) {
     const auto folder = std::filesystem::path(o.out) / request.scene->id;
-    output::offset::OffsetFiles files(request, {.folder = folder, .pixels_csv = o.pixels == "csv"});
+    std::vector<std::unique_ptr<output::offset::AlongFiles>> along;
+    std::vector<output::file::DataResource> also;
+    for (const Along axis : o.axes()) {
+        along.push_back(std::make_unique<output::offset::AlongFiles>(folder, request, axis));
+        also.push_back(along.back()->resource());
+    }
+    output::offset::OffsetFiles files(request,
+                                      {.folder = folder, .pixels_csv = o.pixels == "csv", .also = std::move(also)});
     const auto summaries = measure::offset::run_offsets(request, &files);
+    for (std::size_t k = 0; k < along.size(); ++k) sweep_offsets(request, o.axes()[k], *along[k]);
     files.finish(summaries);
     if (!common.quiet) {
         progress.aside([&] {
@@ -101,7 +143,7 @@ Exit run(const OffsetOptions& o, const Common& common) {
     for (const Scene& scene : scenes) {
         measure::offset::require_few_solids(scene);
         requests.push_back({.scene = &scene, .rows = rows_for(scene, rows, o), .strategies = strategies});
-        units += scene.pixels() * requests.back().rows.size();
+        units += units_of(requests.back(), o);
     }
     std::vector<std::unique_ptr<output::file::ResultFolder>> folders;
     for (const Scene& scene : scenes) {
@@ -152,6 +194,11 @@ void add_offsets(CLI::App& program, const Common& common, Command& chosen) {
     choice::add_set(*command, o->set, "Change a number of the scene first: sphere[0].radius=10");
     command->add_option("--pixels", o->pixels, "csv: also write one row per pixel")
         ->check(CLI::IsMember({"none", "csv"}));
+    choice::add_list(*command, "--along", o->along,
+                     "Also with the scene moved along an axis: distance of the eye, radius (every length), world "
+                     "(offset from the origin); pictures of 48 columns")
+        ->check(CLI::IsMember(
+            std::vector<std::string>(measure::offset::along_names.begin(), measure::offset::along_names.end())));
     command->add_option("-o,--out", o->out, "Folder for the results")->required();
     command->callback([o, &common, &chosen] { chosen = [o, &common] { return run(*o, common); }; });
 }

@@ -44,6 +44,12 @@ constexpr Strategy table[] = {
 
 std::span<const Strategy> strategies() { return table; }
 
+std::vector<const Strategy*> all_strategies() {
+    std::vector<const Strategy*> all;
+    for (const Strategy& s : table) all.push_back(&s);
+    return all;
+}
+
 std::uint64_t Strategy::operations(Shape shape) const {
     using T = Counted<float>;
     const auto vec = [](float x, float y, float z) { return Vec<T>(T(x), T(y), T(z)); };

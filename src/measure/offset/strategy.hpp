@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <span>
 #include <string_view>
+#include <vector>
 
 #include "geometry/solid.hpp"
 #include "measure/offset/strategies.hpp"
@@ -33,5 +34,7 @@ struct Strategy {
 
 /// In the order of every table.
 std::span<const Strategy> strategies();
+/// The same, one by one.
+std::vector<const Strategy*> all_strategies();
 
 }  // namespace lostbits::measure::offset

@@ -6,10 +6,10 @@
 #include <cmath>
 
 #include "output/file/datapackage.hpp"
-#include "output/image/contact_sheet.hpp"
 #include "output/image/heatmap.hpp"
 #include "output/map/row_names.hpp"
 #include "output/offset/offset_colour.hpp"
+#include "output/offset/offset_sheet.hpp"
 
 namespace lostbits::output::offset {
 
@@ -25,20 +25,6 @@ using measure::offset::Side;
 using measure::offset::Strategy;
 
 namespace {
-
-/// `integer` of `offset.integer`.
-std::string short_name(const Strategy& strategy) {
-    return std::string(strategy.name.substr(strategy.name.find('.') + 1));
-}
-
-/// `sphere.half_b.f32.computed`
-std::string row_name(const OffsetRow& row) { return fmt::format("{}.{}", map::row_name(row.row), name_of(row.point)); }
-
-std::string subject(const OffsetRow& row) {
-    return fmt::format("{} in {}, {} points", row.row.form->info->name, row.row.format.name, name_of(row.point));
-}
-
-std::string in_words(Side side) { return side == Side::outside ? "away from the solid" : "into the solid"; }
 
 /// One picture of a row: the smallest safe offset to a side, or what becomes of a strategy there.
 struct OffsetMap {
@@ -70,6 +56,14 @@ std::vector<file::Column> pixel_columns(const OffsetRequest& request) {
 }
 
 }  // namespace
+
+std::string row_name(const OffsetRow& row) { return fmt::format("{}.{}", map::row_name(row.row), name_of(row.point)); }
+
+std::string subject(const OffsetRow& row) {
+    return fmt::format("{} in {}, {} points", row.row.form->info->name, row.row.format.name, name_of(row.point));
+}
+
+std::string in_words(Side side) { return side == Side::outside ? "away from the solid" : "into the solid"; }
 
 std::vector<file::Column> offset_summary_columns() {
     std::vector<file::Column> columns{
@@ -189,60 +183,20 @@ private:
     std::optional<file::CsvWriter> pixels_;
 };
 
-namespace {
-
-/// The smallest safe offset and the strategies across; form, format, points and side down.
-image::SheetSpec sheet_spec(const OffsetRequest& request, const image::ColourScale& scale) {
-    image::SheetSpec spec{
-        .title = request.scene->title,
-        .subtitle = {fmt::format("{}, {} x {} pixels: what becomes of rays that leave the points that a form finds",
-                                 request.scene->id, request.scene->width, request.scene->height),
-                     "first the smallest safe offset, in ulps of the largest coordinate; then each strategy, with its "
-                     "share of rays that go wrong"},
-        .forms = {"smallest safe"},
-        .formats = {},
-        .field_width = request.scene->width,
-        .field_height = request.scene->height,
-        .scales = {scale},
-        .unit = safe_unit,
-        .legend = widest_shown_legend(request.scene->pixels()),
-        .categories = true};
-    const auto needed = widest_needed_legend(request.scene->pixels());
-    spec.legend.insert(spec.legend.end(), needed.begin() + 1, needed.end());
-    for (const Strategy* s : request.strategies) spec.forms.push_back(short_name(*s));
-    for (const OffsetRow& row : request.rows) {
-        for (const Side side : both_sides)
-            spec.formats.push_back(fmt::format("{} {} {} {}", map::short_name(*row.row.form->info), row.row.format.name,
-                                               name_of(row.point), name_of(side)));
-    }
-    return spec;
-}
-
-std::string percent(double share) {
-    if (std::isnan(share)) return "-";
-    return share > 0 && share < 0.001 ? "<0.1%" : fmt::format("{:.1f}%", 100 * share);
-}
-
-}  // namespace
-
 struct OffsetFiles::Parts {
     Parts(const OffsetRequest& of, const OffsetFilesOptions& with)
         : request(of),
           options(with),
-          scale(safe_scale(image::image_backend())),
           table(with.folder / "summary.csv", offset_summary_columns()),
-          sheet(image::image_backend(), with.folder / "contact.png", sheet_spec(of, scale)) {
+          sheet(image::image_backend(), with.folder / "contact.png", of) {
         for (const OffsetRow& row : of.rows) rows.push_back(std::make_unique<OffsetRowFiles>(of, row, with));
     }
 
     const OffsetRequest& request;
     OffsetFilesOptions options;
-    image::ColourScale scale;
     file::CsvWriter table;
-    image::ContactSheet sheet;
+    OffsetSheet sheet;
     std::vector<std::unique_ptr<OffsetRowFiles>> rows;
-    std::array<bool, shown_labels.size()> shown{};
-    std::array<bool, 4> needed{};
 };
 
 OffsetFiles::OffsetFiles(const OffsetRequest& request, const OffsetFilesOptions& options)
@@ -251,57 +205,14 @@ OffsetFiles::OffsetFiles(const OffsetRequest& request, const OffsetFilesOptions&
 OffsetFiles::~OffsetFiles() = default;
 
 void OffsetFiles::band(std::size_t row, const OffsetBand& band) {
-    Parts& p = *parts_;
-    p.rows[row]->band(band);
-    std::vector<image::Rgb8> field(band.is_point.size());
-    for (const Side side : both_sides) {
-        const std::size_t line = 2 * row + static_cast<std::size_t>(side);
-        for (std::size_t k = 0; k <= band.strategies; ++k) {
-            for (std::size_t i = 0; i < field.size(); ++i) {
-                if (k == 0) {
-                    field[i] = safe_colour(p.scale, band, i, side);
-                    p.needed[static_cast<std::size_t>(needed_of(band, i, side))] = true;
-                    continue;
-                }
-                const Shown shown = shown_of(band, i, side, k - 1);
-                field[i] = colour_of(shown);
-                p.shown[static_cast<std::size_t>(shown)] = true;
-            }
-            p.sheet.add_rows(k, line, band.y0, field);
-        }
-    }
+    parts_->rows[row]->band(band);
+    parts_->sheet.band(row, band);
 }
 
 void OffsetFiles::finish(const std::vector<OffsetSummary>& summaries) {
     Parts& p = *parts_;
     for (auto& row : p.rows) row->finish();
-    for (std::size_t r = 0; r < summaries.size(); ++r) {
-        for (const Side side : both_sides) {
-            const measure::offset::SideSummary& s = summaries[r].on(side);
-            const std::size_t line = 2 * r + static_cast<std::size_t>(side);
-            if (s.safe.count() > 0)
-                p.sheet.set_note(
-                    0, line,
-                    fmt::format("p50 {:.3g}, max {:.3g}\n(world units)", s.safe.quantile(0.5), s.safe.quantile(1)));
-            for (std::size_t k = 0; k < p.request.strategies.size(); ++k) {
-                const auto& of = s.strategies[k];
-                const double bad = measure::truth::fraction(of.bad, s.rays), much = of.oversize.quantile(0.5);
-                std::string note = bad == 0 ? "every ray right" : percent(bad) + " of rays wrong";
-                if (!std::isnan(much)) note += fmt::format("\n{:.3g} x needed", much);
-                p.sheet.set_note(k + 1, line, note);
-            }
-        }
-    }
-    std::vector<image::LegendEntry> legend;
-    const auto shown = widest_shown_legend(p.request.scene->pixels());
-    for (std::size_t k = 0; k < shown.size(); ++k) {
-        if (p.shown[k]) legend.push_back({shown[k].label, shown[k].colour, ""});
-    }
-    const auto needed = widest_needed_legend(p.request.scene->pixels());
-    for (std::size_t k = 1; k < needed.size(); ++k) {
-        if (p.needed[k]) legend.push_back({needed[k].label, needed[k].colour, ""});
-    }
-    p.sheet.finish(legend);
+    p.sheet.finish(summaries);
     std::vector<file::DataResource> resources{
         {"summary.csv", "One row per strategy, side, kind of point, form and format", offset_summary_columns()}};
     if (p.options.pixels_csv) {
@@ -309,6 +220,7 @@ void OffsetFiles::finish(const std::vector<OffsetSummary>& summaries) {
             resources.push_back(
                 {row_name(row) + ".csv", "One row per pixel with a point that counts", pixel_columns(p.request)});
     }
+    resources.insert(resources.end(), p.options.also.begin(), p.options.also.end());
     add_summary_rows(p.request, summaries, p.table);
     file::write_datapackage(p.options.folder / "datapackage.json", p.request.scene->title, resources);
     p.table.close();  // last: a folder with a summary is a finished one

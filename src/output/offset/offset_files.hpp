@@ -7,17 +7,23 @@
 
 #include "measure/offset/offsets.hpp"
 #include "output/file/csv.hpp"
+#include "output/file/datapackage.hpp"
 
 namespace lostbits::output::offset {
 
 struct OffsetFilesOptions {
-    std::filesystem::path folder;  ///< of this scene; made if missing
-    bool pixels_csv = false;       ///< also a row a pixel
+    std::filesystem::path folder;               ///< of this scene; made if missing
+    bool pixels_csv = false;                    ///< also a row a pixel
+    std::vector<file::DataResource> also = {};  ///< other tables in the folder
 };
 
 /// The columns of summary.csv: strategy, side, point, form, format, operations and `offset_columns`.
 [[nodiscard]] std::vector<file::Column> offset_summary_columns();
-/// Adds a row for every strategy to every side.
+/// `sphere.half_b.f32.computed`
+[[nodiscard]] std::string row_name(const measure::offset::OffsetRow& row);
+/// `away from the solid`, `into the solid`
+[[nodiscard]] std::string in_words(measure::offset::Side side);
+/// Adds a row for every strategy to every side, after the cells that stand `before`.
 void add_summary_rows(const measure::offset::OffsetRequest& request,
                       const std::vector<measure::offset::OffsetSummary>& summaries, file::CsvWriter& table,
                       const std::vector<file::Cell>& before = {});
