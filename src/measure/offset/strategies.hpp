@@ -93,7 +93,7 @@ struct Epsilon {
 };
 
 template <int k>
-struct Along {
+struct AlongNewRay {
     template <Number T>
     static Respawn<T> respawn(const Leaving<T>& l) {
         return from<T>(moved<T>(l.p, tenth_power<T, k>(), l.w), l);

@@ -25,7 +25,7 @@ constexpr Strategy table[] = {
                  true),
     row<Epsilon<3>>("offset.epsilon", "p + 1e-3 n", "common practice"),
     row<Epsilon<4>>("offset.epsilon_1e-4", "p + 1e-4 n", "common practice"),
-    row<Along<3>>("offset.direction", "p + 1e-3 w", "common practice"),
+    row<AlongNewRay<3>>("offset.direction", "p + 1e-3 w", "common practice"),
     row<Ulps<4>>("offset.ulp", "p + 4 ulp(max |p|) n", "common practice"),
     row<Ulps<16>>("offset.ulp_16", "p + 16 ulp(max |p|) n", "common practice"),
     row<Integer>("offset.integer", "the bits of p moved by 256 n; p + n/65536 where |p| < 1/32",

@@ -32,6 +32,10 @@ std::string subject(const OffsetRow& row, Side side) {
                        name_of(row.point), in_words(side));
 }
 
+plot::AxisSpec axis_of(Along along) {
+    return {std::string(measure::offset::meaning_of(along)), plot::AxisSpec::Scale::log2, {}, {}};
+}
+
 }  // namespace
 
 AlongFiles::AlongFiles(const std::filesystem::path& folder, const OffsetRequest& request, Along along)
@@ -52,12 +56,11 @@ std::filesystem::path AlongFiles::file_of(std::size_t row, Side side, const char
 }
 
 void AlongFiles::plot_wrong(std::size_t row, Side side) const {
-    plot::LinePlotSpec spec{
-        .title = fmt::format("Rays that go wrong along {}", name_of(along_)),
-        .subtitle = {request_.scene->title, subject(request_.rows[row], side)},
-        .x = {.title = std::string(measure::offset::meaning_of(along_)), .scale = plot::AxisSpec::Scale::log2},
-        .y = {.title = "share of rays", .low = 0.0, .high = 1.0},
-        .series = {}};
+    plot::LinePlotSpec spec{.title = fmt::format("Rays that go wrong along {}", name_of(along_)),
+                            .subtitle = {request_.scene->title, subject(request_.rows[row], side)},
+                            .x = axis_of(along_),
+                            .y = {"share of rays", plot::AxisSpec::Scale::linear, 0.0, 1.0},
+                            .series = {}};
     for (std::size_t k = 0; k < request_.strategies.size(); ++k) {
         plot::Series series{.label = short_name(*request_.strategies[k]), .x = steps_, .y = {}, .low = {}, .high = {}};
         for (const auto& step : summaries_) {
@@ -71,12 +74,11 @@ void AlongFiles::plot_wrong(std::size_t row, Side side) const {
 }
 
 void AlongFiles::plot_size(std::size_t row, Side side) const {
-    plot::LinePlotSpec spec{
-        .title = fmt::format("Offsets along {}", name_of(along_)),
-        .subtitle = {request_.scene->title, subject(request_.rows[row], side)},
-        .x = {.title = std::string(measure::offset::meaning_of(along_)), .scale = plot::AxisSpec::Scale::log2},
-        .y = {.title = "world units", .scale = plot::AxisSpec::Scale::log10},
-        .series = {}};
+    plot::LinePlotSpec spec{.title = fmt::format("Offsets along {}", name_of(along_)),
+                            .subtitle = {request_.scene->title, subject(request_.rows[row], side)},
+                            .x = axis_of(along_),
+                            .y = {"world units", plot::AxisSpec::Scale::log10, {}, {}},
+                            .series = {}};
     const auto add = [&](const std::string& label, bool dashed, const auto& value) {
         plot::Series series{.label = label, .x = steps_, .y = {}, .low = {}, .high = {}, .dashed = dashed};
         for (const auto& step : summaries_) series.y.push_back(value(step[row].on(side)));
