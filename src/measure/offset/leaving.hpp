@@ -104,9 +104,9 @@ Vec<T> projected(const Ray<T>& ray, const Solid<T>& solid, const Vec<T>& p) {
 inline double number_at(std::int64_t n, const FloatFormat& f) {
     const std::int64_t lead = std::int64_t{1} << (f.precision - 1);
     if (n < lead) return std::ldexp(static_cast<double>(n), f.emin - f.precision + 1);
-    const auto binade = static_cast<int>(n / lead) - 1;
-    if (f.emin + binade > f.emax) return std::numeric_limits<double>::infinity();
-    return std::ldexp(static_cast<double>(lead + n % lead), f.emin + binade - f.precision + 1);
+    const std::int64_t binade = n / lead - 1;
+    if (binade > f.emax - f.emin) return std::numeric_limits<double>::infinity();
+    return std::ldexp(static_cast<double>(lead + n % lead), f.emin + static_cast<int>(binade) - f.precision + 1);
 }
 
 }  // namespace lostbits::measure::offset

@@ -142,6 +142,17 @@ private:
     OffsetBand out_;
 };
 
+/// Keeps the quantiles that columns ask for.
+void seal(OffsetSummary& summary) {
+    for (SideSummary& side : summary.sides) {
+        for (metric::Distribution* d : {&side.safe, &side.safe_ulps, &side.quiet}) d->seal();
+        for (StrategySummary& s : side.strategies) {
+            s.size.seal();
+            s.oversize.seal();
+        }
+    }
+}
+
 }  // namespace
 
 void require_few_solids(const Scene& scene) {
@@ -172,6 +183,7 @@ std::vector<OffsetSummary> run_offsets(const OffsetRequest& request, OffsetSink*
             request.progress(band.pixels());
         }
     }
+    for (OffsetSummary& s : summaries) seal(s);
     return summaries;
 }
 

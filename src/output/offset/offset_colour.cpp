@@ -61,7 +61,7 @@ std::vector<LegendEntry> shown_legend(std::span<const std::uint64_t> counts, std
 std::vector<LegendEntry> widest_shown_legend(std::uint64_t pixels) { return shown_legend({}, pixels); }
 
 image::ColourScale safe_scale(image::ImageBackend& backend) {
-    return image::ColourScale("viridis", backend.ramp("viridis", 256), 0x1p-2, 0x1p22, image::Spacing::log2);
+    return image::ColourScale("viridis", backend.ramp("viridis", 256), 0x1p-2, 0x1p14, image::Spacing::log2);
 }
 
 Needed needed_of(const OffsetBand& band, std::size_t pixel, Side side) {

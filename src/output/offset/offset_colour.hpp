@@ -30,7 +30,7 @@ inline constexpr std::array<const char*, 6> shown_labels{"no point that counts",
 [[nodiscard]] std::vector<image::LegendEntry> shown_legend(std::span<const std::uint64_t> counts, std::uint64_t pixels);
 [[nodiscard]] std::vector<image::LegendEntry> widest_shown_legend(std::uint64_t pixels);
 
-/// The smallest safe offset in ulps of the largest coordinate, 2^-2 to 2^22, clamped.
+/// The smallest safe offset in ulps of the largest coordinate, 2^-2 to 2^14, clamped.
 [[nodiscard]] image::ColourScale safe_scale(image::ImageBackend& backend);
 inline constexpr const char* safe_unit = "ulps of the largest coordinate";
 /// What has no place on that scale.
