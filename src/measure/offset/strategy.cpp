@@ -32,7 +32,7 @@ constexpr Strategy table[] = {
                  "Wächter, Binder, A Fast and Robust Method for Avoiding Self-Intersection, Ray Tracing Gems (2019), "
                  "chapter 6"),
     row<Cycles>("offset.cycles", "the bits of p moved by 32 toward n; p + 1e-5 n where |p| < 1",
-                "Blender Cycles, ray_offset"),
+                "Blender Cycles, ray_offset, before it took the rule of Ray Tracing Gems"),
     row<Relative>("offset.relative", "p + (1 + max |p|) 1500u n", "Mitsuba 3, Interaction::offset_p"),
     row<Bound>("offset.bound", "p + (|n| . error bound of p) n, then one float further",
                "Pharr, Jakob, Humphreys, Physically Based Rendering, fourth edition, section 6.8"),
