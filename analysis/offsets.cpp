@@ -18,9 +18,9 @@
 namespace lostbits::analysis {
 
 using measure::offset::Along;
+using measure::offset::HitPoint;
 using measure::offset::OffsetRequest;
 using measure::offset::OffsetSummary;
-using measure::offset::Point;
 using measure::offset::Side;
 using scene::file::Scene;
 
@@ -52,8 +52,8 @@ std::vector<measure::offset::OffsetRow> rows_for(const Scene& scene, const std::
                                                  const OffsetOptions& o) {
     std::vector<measure::offset::OffsetRow> rows;
     for (const auto& row : choice::fitting(all, [&](Shape shape) { return scene.meets(shape); })) {
-        if (o.points != "projected") rows.push_back({row, Point::computed});
-        if (o.points != "computed") rows.push_back({row, Point::projected});
+        if (o.points != "projected") rows.push_back({row, HitPoint::computed});
+        if (o.points != "computed") rows.push_back({row, HitPoint::projected});
     }
     return rows;
 }
