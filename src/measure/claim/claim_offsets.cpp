@@ -87,7 +87,7 @@ void measure_offsets(const std::vector<Claim>& claims, const Places& places, con
                                                " does not tell where a ray meets a sphere or a box, so there "
                                                "is no point to leave; name another form");
         const auto point =
-            static_cast<offset::Point>(place_of_word(claim, "points", claim.points, offset::point_names));
+            static_cast<offset::HitPoint>(place_of_word(claim, "points", claim.points, offset::point_names));
         const offset::Strategy* const strategy =
             &offset::strategies()[place_of_word(claim, "strategy", claim.strategy, strategy_names())];
         at.push_back({place_in(request.rows, offset::OffsetRow{row, point}), place_in(request.strategies, strategy),

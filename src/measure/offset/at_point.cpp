@@ -78,7 +78,7 @@ public:
         const auto lift = [](double x) { return static_cast<T>(x); };
         const Solid<T> solid = transformed(own(), lift);
         const Vec<T> there = moved<T>(ray.origin, t, ray.direction);
-        const Vec<T> p = work.point_ == Point::computed ? there : projected<T>(ray, solid, there);
+        const Vec<T> p = work.point_ == HitPoint::computed ? there : projected<T>(ray, solid, there);
         leaving_.emplace(Leaving<T>{ray, t, solid, p, outward_normal<T>(ray, solid, p), p, T(1), T(1)});
         p_ = dropped(p);
         n_ = dropped(leaving_->n);

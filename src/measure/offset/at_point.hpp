@@ -80,7 +80,7 @@ struct MetPoint {
 /// Asks everything about points of one form in one format. The scene's solids and light are numbers of the format.
 class PointWork {
 public:
-    PointWork(const map::MapRow& row, Point point, std::span<const Solid<double>> solids,
+    PointWork(const map::MapRow& row, HitPoint point, std::span<const Solid<double>> solids,
               std::optional<Vec<double>> light, std::span<const Strategy* const> strategies)
         : row_(row), point_(point), solids_(solids), light_(light), strategies_(strategies) {}
 
@@ -102,7 +102,7 @@ public:
 
 private:
     const map::MapRow& row_;
-    Point point_;
+    HitPoint point_;
     std::span<const Solid<double>> solids_;
     std::optional<Vec<double>> light_;
     std::span<const Strategy* const> strategies_;

@@ -32,7 +32,7 @@ struct Respawn {
 };
 
 /// Whether the point is taken as it was computed, o + t·d, or put onto the surface first.
-enum class Point : std::uint8_t { computed, projected };
+enum class HitPoint : std::uint8_t { computed, projected };
 
 /// p + k·v, component by component.
 template <Number T>

@@ -16,7 +16,7 @@
 namespace lostbits::measure::offset {
 
 inline constexpr std::array<std::string_view, 2> point_names{"computed", "projected"};
-inline constexpr std::string_view name_of(Point p) { return point_names[static_cast<std::size_t>(p)]; }
+inline constexpr std::string_view name_of(HitPoint p) { return point_names[static_cast<std::size_t>(p)]; }
 
 /// A respawned ray that shows what is wrong, with everything it takes to ask again.
 struct BadRay {
@@ -54,7 +54,7 @@ struct SideSummary {
 /// A form in a format, and how its points are taken.
 struct OffsetRow {
     map::MapRow row;
-    Point point = Point::computed;
+    HitPoint point = HitPoint::computed;
     friend bool operator==(const OffsetRow&, const OffsetRow&) = default;
 };
 

@@ -121,7 +121,7 @@ std::string picture_offsets(const std::filesystem::path& folder, const ClaimSubj
     measure::offset::OffsetRequest request{
         .scene = &scene, .rows = {}, .strategies = measure::offset::all_strategies()};
     for (const std::size_t i : subject.claims) {
-        for (const auto point : {measure::offset::Point::computed, measure::offset::Point::projected}) {
+        for (const auto point : {measure::offset::HitPoint::computed, measure::offset::HitPoint::projected}) {
             const measure::offset::OffsetRow row{measure::claim::claim_row(claims[i]), point};
             if (name_of(point) == claims[i].points && std::ranges::find(request.rows, row) == request.rows.end())
                 request.rows.push_back(row);

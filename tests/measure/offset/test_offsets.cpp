@@ -67,7 +67,7 @@ TEST_CASE("the smallest safe offset is safe and the float below it is not", "[me
         for (const char* format : {"f32", "f64", "p14"}) {
             if (!testing::form_named(form).exists_in(*find_format(format))) continue;
             const Points points(scene, form, format);
-            for (const Point point : {Point::computed, Point::projected}) {
+            for (const HitPoint point : {HitPoint::computed, HitPoint::projected}) {
                 const auto strategies = all_strategies();
                 const PointWork work(points.of, point, points.solids, Vec<double>(3, 9, 4), strategies);
                 for (std::size_t k = 0; k < points.met.size(); k += 7) {
@@ -107,7 +107,7 @@ TEST_CASE("below the smallest safe offset hardly any is safe, and above it hardl
     for (const auto& [scene, form] : scenes) {
         const Points points(scene, form, "f32");
         const auto strategies = all_strategies();
-        const PointWork work(points.of, Point::projected, points.solids, std::nullopt, strategies);
+        const PointWork work(points.of, HitPoint::projected, points.solids, std::nullopt, strategies);
         for (std::size_t k = 0; k < points.met.size(); k += 3) {
             std::array<SideOfPoint, 2> sides;
             std::vector<StrategyAtPoint> at(2 * strategies.size());
@@ -134,7 +134,7 @@ TEST_CASE("rationals agree that the smallest safe offset is safe and the float b
     for (const auto& [scene, form] : scenes) {
         const Points points(scene, form, "f32");
         const auto strategies = all_strategies();
-        const PointWork work(points.of, Point::computed, points.solids, std::nullopt, strategies);
+        const PointWork work(points.of, HitPoint::computed, points.solids, std::nullopt, strategies);
         for (std::size_t k = 0; k < points.met.size(); k += 5) {
             const MetPoint& met = points.met[k];
             std::array<SideOfPoint, 2> sides;
@@ -167,7 +167,7 @@ TEST_CASE("faults of respawned rays are those that rationals find", "[measure][o
     for (const auto& [scene, form] : scenes) {
         const Points points(scene, form, "f32");
         const auto strategies = all_strategies();
-        const PointWork work(points.of, Point::computed, points.solids, std::nullopt, strategies);
+        const PointWork work(points.of, HitPoint::computed, points.solids, std::nullopt, strategies);
         for (std::size_t k = 0; k < points.met.size(); k += 9) {
             const Solid<double>& own = points.solids[points.met[k].own];
             for (const Strategy* s : strategies) {
@@ -237,7 +237,7 @@ TEST_CASE("strategies: none moves nothing, exclude meets nothing of its own, con
 
     const scene::file::Scene scene = load("near-benign", 24, 18);
     const OffsetRequest request{
-        .scene = &scene, .rows = {{row("sphere.half_b", "f32"), Point::computed}}, .strategies = all_strategies()};
+        .scene = &scene, .rows = {{row("sphere.half_b", "f32"), HitPoint::computed}}, .strategies = all_strategies()};
     const auto summaries = run_offsets(request);
     const OffsetSummary& summary = summaries.front();
     CHECK(summary.points > 100);
@@ -268,7 +268,7 @@ TEST_CASE("the constants of double are those of float, as its u is to that of fl
 
 TEST_CASE("the cheapest safe strategies are safe, and those left out are not", "[measure][offset]") {
     const scene::file::Scene scene = load("near-benign", 24, 18);
-    const OffsetRow of{row("sphere.half_b", "f32"), Point::computed};
+    const OffsetRow of{row("sphere.half_b", "f32"), HitPoint::computed};
     const OffsetRequest request{.scene = &scene, .rows = {of}, .strategies = all_strategies()};
     const auto summaries = run_offsets(request);
     const OffsetSummary& summary = summaries.front();
@@ -312,7 +312,7 @@ TEST_CASE("a scene moved along an axis starts as it is, and keeps its picture", 
 TEST_CASE("a shell 4e-5 away is lost by every offset that is longer", "[measure][offset]") {
     const scene::file::Scene scene = load("offset-shells.outside", 24, 18);
     const OffsetRequest request{.scene = &scene,
-                                .rows = {{row("sphere.double_inside", "f32"), Point::projected}},
+                                .rows = {{row("sphere.double_inside", "f32"), HitPoint::projected}},
                                 .strategies = all_strategies()};
     const auto summaries = run_offsets(request);
     const OffsetSummary& summary = summaries.front();
