@@ -309,6 +309,35 @@ TEST_CASE("a scene moved along an axis starts as it is, and keeps its picture", 
     CHECK_THROWS(moved_along(load("raycast-course.pixels"), Along::distance, 1));
 }
 
+TEST_CASE("a bead above a sphere: jumped over, started in, or kept in sight", "[measure][offset]") {
+    const measure::map::MapRow of = row("sphere.half_b", "f32");
+    const auto strategies = all_strategies();
+    const auto named = [](std::string_view name) -> const Strategy& {
+        return *std::ranges::find(measure::offset::strategies(), name, &Strategy::name);
+    };
+    // At the pole of a unit sphere; t is exact, and so is the point.
+    const MetPoint pole{{{0, 0, 5}, {0, 0, -1}}, 4, 0};
+    const auto count = [&](double above, double radius, std::string_view name, Fault fault) {
+        const std::vector<Solid<double>> solids{Sphere<double>{{0, 0, 0}, 1}, Sphere<double>{{0, 0, above}, radius}};
+        const PointWork work(of, HitPoint::computed, solids, std::nullopt, strategies);
+        const auto rays = work.rays(pole, named(name), Side::outside);
+        CHECK(rays.size() == 18);
+        return std::ranges::count_if(rays, [&](const NewRay& r) { return r.has(fault); });
+    };
+    // From 3 to 5 ten-thousandths above: the ray along the normal, twice (mirrored and up), meets it.
+    const double above = 1 + 0x1.a36e2ep-12, radius = 0x1.a36e2ep-14;
+    CHECK(count(above, radius, "offset.epsilon", Fault::lost_occluder) == 2);
+    CHECK(count(above, radius, "offset.tmin", Fault::lost_occluder) == 2);
+    CHECK(count(above, radius, "offset.epsilon", Fault::begins_in_neighbour) == 0);
+    CHECK(count(above, radius, "offset.epsilon_1e-4", Fault::lost_occluder) == 0);
+    CHECK(count(above, radius, "offset.integer", Fault::lost_occluder) == 0);
+    CHECK(count(above, radius, "offset.exclude", Fault::lost_occluder) == 0);
+    // A bead that holds the place a thousandth above: every ray starts in it.
+    CHECK(count(1 + 0x1p-10, 0x1p-12, "offset.epsilon", Fault::begins_in_neighbour) == 18);
+    CHECK(count(1 + 0x1p-10, 0x1p-12, "offset.epsilon", Fault::lost_occluder) == 2);
+    CHECK(count(1 + 0x1p-10, 0x1p-12, "offset.epsilon_1e-4", Fault::begins_in_neighbour) == 0);
+}
+
 TEST_CASE("a shell 4e-5 away is lost by every offset that is longer", "[measure][offset]") {
     const scene::file::Scene scene = load("offset-shells.outside", 24, 18);
     const OffsetRequest request{.scene = &scene,
