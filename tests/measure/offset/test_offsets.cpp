@@ -309,6 +309,47 @@ TEST_CASE("a scene moved along an axis starts as it is, and keeps its picture", 
     CHECK_THROWS(moved_along(load("raycast-course.pixels"), Along::distance, 1));
 }
 
+TEST_CASE("the rays that leave a point: to the light, mirrored, refracted by Snell's law, over both hemispheres",
+          "[measure][offset]") {
+    const Vec<double> n(0.48, -0.6, 0.64), p(1, 2, 3);
+    const auto angle = [&](const Vec<double>& w) { return dot(n, w) / length(w); };
+    const auto ways_of = [&](const Vec<double>& d, const std::optional<Vec<double>>& light) {
+        return ways_from<double>({p, d}, p, n, HUGE_VAL, light);
+    };
+    const Vec<double> along(0.8, 0, -0.6);  // perpendicular to n
+    REQUIRE(dot(along, n) == Approx(0).margin(1e-15));
+    for (const double slope : {0.1, 1.0, 5.0}) {
+        const Vec<double> d = along - slope * n;  // from outside, of no unit length
+        const auto ways = ways_of(d, std::nullopt);
+        REQUIRE(ways.size() == 36);
+        CHECK(angle(ways[0].w) == Approx(-angle(d)));
+        CHECK(dot(along, ways[0].w) == Approx(dot(along, d) / length(d)));
+        // sin θ' = 2/3 sin θ, on the other side, in the same plane.
+        CHECK(dot(along, ways[1].w) == Approx(2.0 / 3 * dot(along, d) / length(d)));
+        CHECK(ways[1].side == -1);
+        for (const auto& way : ways) {
+            CHECK(length(way.w) == Approx(1).epsilon(1e-14));
+            CHECK(way.side == (angle(way.w) > 0 ? 1 : -1));
+            CHECK(std::isinf(way.reach));
+        }
+        for (std::size_t k = 0; k < 17; ++k) {
+            const double cosine = k == 0 ? 1 : 1.0 / cosine_denominators[(k + 3) / 4];
+            CHECK(angle(ways[2 + k].w) == Approx(cosine));
+            CHECK(angle(ways[19 + k].w) == Approx(-cosine));
+        }
+    }
+    // From inside: out of the glass where that is possible, mirrored totally where it is not.
+    CHECK(ways_of(along + 5.0 * n, std::nullopt).size() == 36);
+    CHECK(dot(along, ways_of(along + 5.0 * n, std::nullopt)[1].w) == Approx(1.5 / std::sqrt(26.0)));
+    CHECK(ways_of(along + 0.1 * n, std::nullopt).size() == 35);
+    // The light comes first, where it is above the surface.
+    const auto lit = ways_of(along - n, p + 2.5 * n);
+    REQUIRE(lit.size() == 37);
+    CHECK(lit[0].reach == Approx(2.5));
+    CHECK(angle(lit[0].w) == Approx(1));
+    CHECK(ways_of(along - n, p - 2.5 * n).size() == 36);
+}
+
 TEST_CASE("a bead above a sphere: jumped over, started in, or kept in sight", "[measure][offset]") {
     const measure::map::MapRow of = row("sphere.half_b", "f32");
     const auto strategies = all_strategies();
