@@ -10,9 +10,11 @@
 #include "analysis/choice/select.hpp"
 #include "commands.hpp"
 #include "measure/offset/along.hpp"
+#include "measure/offset/cheapest.hpp"
 #include "output/file/estimate.hpp"
 #include "output/offset/along_files.hpp"
 #include "output/offset/offset_files.hpp"
+#include "output/offset/offset_sheet.hpp"
 #include "scene/file/scene.hpp"
 
 namespace lostbits::analysis {
@@ -58,19 +60,29 @@ std::vector<measure::offset::OffsetRow> rows_for(const Scene& scene, const std::
     return rows;
 }
 
-/// What a run says of a row: the strategies that are right for every ray, and the smallest safe offsets.
+/// What a run says of a row: the strategies that are right for every ray, the cheapest of them, and the smallest safe
+/// offsets.
 void say_row(const OffsetRequest& request, std::size_t r, const OffsetSummary& summary) {
+    if (summary.points == 0) return;
     const measure::offset::OffsetRow& row = request.rows[r];
     for (const Side side : measure::offset::both_sides) {
         std::string right;
         for (std::size_t k = 0; k < request.strategies.size(); ++k) {
             if (summary.on(side).strategies[k].bad > 0) continue;
-            right += fmt::format("{}{}", right.empty() ? "" : ", ", request.strategies[k]->name.substr(7));
+            right += fmt::format("{}{}", right.empty() ? "" : ", ", output::offset::short_name(*request.strategies[k]));
         }
-        fmt::print("  {} {} {} {}: smallest safe offset up to {:.3g}; right for all {} rays: {}\n",
-                   row.row.form->info->name, row.row.format.name, name_of(row.point), name_of(side),
-                   summary.on(side).safe.quantile(1), summary.on(side).rays, right.empty() ? "none" : right);
+        fmt::print(
+            "  {} {} {} {}: smallest safe offset up to {:.3g}{}; right for all {} rays: {}\n", row.row.form->info->name,
+            row.row.format.name, name_of(row.point), name_of(side), summary.on(side).safe.quantile(1),
+            summary.on(side).never_safe == 0 ? "" : fmt::format(" ({} points have none)", summary.on(side).never_safe),
+            summary.on(side).rays, right.empty() ? "none" : right);
     }
+    const auto safe =
+        measure::offset::safe_strategies(summary, request.strategies, row.row.form->shape, measure::offset::both_sides);
+    if (!safe.empty())
+        fmt::print("  {} {} {}: the cheapest that is right on both sides: {}, {} operations\n",
+                   row.row.form->info->name, row.row.format.name, name_of(row.point), safe.front().strategy->name,
+                   safe.front().operations);
 }
 
 /// The scene at every place of an axis.
