@@ -42,6 +42,7 @@ void add_explain(CLI::App& program, const Common& common, Command& chosen);
 void add_judge(CLI::App& program, const Common& common, Command& chosen);
 void add_list(CLI::App& program, const Common& common, Command& chosen);
 void add_map(CLI::App& program, const Common& common, Command& chosen);
+void add_offsets(CLI::App& program, const Common& common, Command& chosen);
 void add_plugin(CLI::App& program, const Common& common, Command& chosen);
 void add_render(CLI::App& program, const Common& common, Command& chosen);
 void add_report(CLI::App& program, const Common& common, Command& chosen);

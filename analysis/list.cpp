@@ -8,6 +8,7 @@
 #include "analysis/choice/select.hpp"
 #include "commands.hpp"
 #include "measure/blame/culprits.hpp"
+#include "measure/offset/strategy.hpp"
 #include "scene/claim/claims_file.hpp"
 #include "scene/file/scene.hpp"
 #include "scene/sweep/case_file.hpp"
@@ -63,6 +64,15 @@ Listing metric_table() {
         l.rows.push_back({name, std::string(m.unit), std::string(m.layer), "no",
                           std::string(m.meaning) + "; `lostbits list labels` shows the labels of each form"});
     }
+    return l;
+}
+
+/// Rules for the origin of the next ray, and how many operations each costs.
+Listing strategies() {
+    Listing l{{"name", "operations_sphere", "operations_box", "source", "title"}, {}};
+    for (const measure::offset::Strategy& s : measure::offset::strategies())
+        l.rows.push_back({std::string(s.name), std::to_string(s.operations(Shape::sphere)),
+                          std::to_string(s.operations(Shape::box)), std::string(s.source), std::string(s.title)});
     return l;
 }
 
@@ -190,6 +200,7 @@ Exit run(const std::string& what, bool json, const Common& common) {
         if (name == "formats") return formats();
         if (name == "metrics") return metric_table();
         if (name == "labels") return labels();
+        if (name == "strategies") return strategies();
         if (name == "scenes") return scenes(common);
         if (name == "sweeps") return sweeps(common);
         if (name == "claims") return claims(common);
@@ -204,11 +215,13 @@ Exit run(const std::string& what, bool json, const Common& common) {
 
 void add_list(CLI::App& program, const Common& common, Command& chosen) {
     auto* command = program.add_subcommand(
-        "list", "List forms (intersectors), labels of their operations, formats, metrics, scenes, sweeps, claims");
+        "list",
+        "List forms (intersectors), labels of their operations, formats, metrics, scenes, sweeps, claims, strategies");
     const auto what = std::make_shared<std::string>("forms");
     const auto json = std::make_shared<bool>(false);
     command->add_option("WHAT", *what, "What to list")
-        ->check(CLI::IsMember({"forms", "intersectors", "labels", "formats", "metrics", "scenes", "sweeps", "claims"}));
+        ->check(CLI::IsMember(
+            {"forms", "intersectors", "labels", "formats", "metrics", "scenes", "sweeps", "claims", "strategies"}));
     command->add_flag("--json", *json, "As a JSON array");
     command->callback(
         [what, json, &common, &chosen] { chosen = [what, json, &common] { return run(*what, *json, common); }; });

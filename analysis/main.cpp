@@ -131,6 +131,7 @@ Exit run(int argc, char** argv) {
     add_judge(program, common, chosen);
     add_list(program, common, chosen);
     add_map(program, common, chosen);
+    add_offsets(program, common, chosen);
     add_plugin(program, common, chosen);
     add_render(program, common, chosen);
     add_report(program, common, chosen);

@@ -9,6 +9,7 @@
 #include "analysis/choice/lost_numbers.hpp"
 #include "analysis/choice/options.hpp"
 #include "analysis/choice/select.hpp"
+#include "analysis/choice/sweep_options.hpp"
 #include "commands.hpp"
 #include "measure/contract/suspect.hpp"
 #include "output/file/estimate.hpp"
@@ -17,7 +18,6 @@
 #include "output/sweep/sweep_plots.hpp"
 #include "output/sweep/worst_files.hpp"
 #include "sweep_exhaustive.hpp"
-#include "sweep_options.hpp"
 
 namespace lostbits::analysis {
 
@@ -34,7 +34,7 @@ struct SweepOptions {
     std::vector<std::string> formats;
     std::vector<std::string> metrics;
     std::string out, against;
-    SweepWords changes;
+    choice::SweepWords changes;
     bool worst = false;
     bool resume = false;
     std::optional<int> seeds;
@@ -109,7 +109,7 @@ void run_case_file(const std::filesystem::path& path, const Chosen& chosen, cons
 }
 
 void run_axes(const std::filesystem::path& path, const Chosen& chosen, const SweepOptions& o, const Common& common) {
-    scene::sweep::SweepFile sweep(path, choice::data_folder(common.data), read_changes(o.changes));
+    scene::sweep::SweepFile sweep(path, choice::data_folder(common.data), choice::read_changes(o.changes));
     sweep.title += o.changes.in_title();
     measure::sweep::SweepRequest request{
         .sweep = &sweep,
@@ -148,7 +148,7 @@ void run_axes(const std::filesystem::path& path, const Chosen& chosen, const Swe
 }
 
 void run_search(const std::filesystem::path& path, const Chosen& chosen, const SweepOptions& o, const Common& common) {
-    scene::sweep::SearchFile search(path, read_changes(o.changes).set);
+    scene::sweep::SearchFile search(path, choice::read_changes(o.changes).set);
     search.title += o.changes.in_title();
     measure::sweep::WorstRequest request{
         .search = &search,
@@ -187,18 +187,18 @@ Meets check_file(const std::filesystem::path& path, SweepKind kind, const SweepO
                          ":1:1: --worst needs a [search] table: the ranges to search; see data/sweeps/worst");
     if (!o.worst && kind == K::search)
         throw InputError(path.string() + ":1:1: this file has a [search] table, which only --worst uses; add --worst");
-    check_changes(o.changes, kind, path.stem().string());
+    choice::check_changes(o.changes, kind, path.stem().string());
     const auto only = [](Shape shape) { return [shape](Shape form) { return form == shape; }; };
     if (kind == K::cases) return only(scene::sweep::CaseFile(path).shape());
     if (kind == K::every_float) return only(scene::sweep::ExhaustiveFile(path).solid.shape);
     if (kind == K::axes) {
-        const scene::sweep::SweepFile sweep(path, data, read_changes(o.changes));
+        const scene::sweep::SweepFile sweep(path, data, choice::read_changes(o.changes));
         return [sphere = sweep.meets(Shape::sphere), box = sweep.meets(Shape::box),
                 sdf = sweep.meets(Shape::sdf)](Shape form) {
             return form == Shape::sphere ? sphere : form == Shape::box ? box : sdf;
         };
     }
-    const scene::sweep::SearchFile search(path, read_changes(o.changes).set);
+    const scene::sweep::SearchFile search(path, choice::read_changes(o.changes).set);
     measure::metric::MetricSet made;
     const measure::metric::Metric* const metric = made.find(search.metric);
     if (metric == nullptr) {
@@ -266,7 +266,7 @@ Exit run(const SweepOptions& o, const Common& common) {
             else if (kind == SweepKind::axes) run_axes(path, chosen, o, common);
             else if (kind == SweepKind::search) run_search(path, chosen, o, common);
         } catch (const Interrupted&) {
-            throw Error(Exit::interrupted, interrupted_text(kind, path.stem().string()));
+            throw Error(Exit::interrupted, choice::interrupted_text(kind, path.stem().string()));
         }
     }
     std::uint64_t unproved = 0;

@@ -6,11 +6,11 @@
 #include <chrono>
 
 #include "analysis/choice/select.hpp"
+#include "analysis/choice/sweep_options.hpp"
 #include "commands.hpp"
 #include "output/file/estimate.hpp"
 #include "output/sweep/exhaustive_files.hpp"
 #include "output/sweep/exhaustive_text.hpp"
-#include "sweep_options.hpp"
 
 namespace lostbits::analysis {
 
@@ -76,7 +76,7 @@ void ExhaustiveRun::try_all(const Common& common) {
         if (!common.quiet)
             fmt::print(stderr, "lostbits: {} was stopped at {} %; the same command with --resume goes on from there\n",
                        sweep_.id, percent(state_.tried, sweep_.floats()));
-        throw Error(Exit::interrupted, interrupted_text(scene::sweep::SweepKind::every_float, sweep_.id));
+        throw Error(Exit::interrupted, choice::interrupted_text(scene::sweep::SweepKind::every_float, sweep_.id));
     }
     progress.finish();
 }

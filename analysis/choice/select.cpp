@@ -43,9 +43,10 @@ std::vector<const Row*> select_rows(std::span<const Row> table, const std::vecto
             chosen[i] = any = true;
         }
         if (any) continue;
+        const std::string whats = what == std::string_view("strategy") ? "strategies" : std::string(what) + "s";
         if (is_glob(word))
-            throw NothingSelected(fmt::format("{} {}: no {} matches this pattern; `lostbits list {}s` shows all",
-                                              option, word, what, what));
+            throw NothingSelected(fmt::format("{} {}: no {} matches this pattern; `lostbits list {}` shows all", option,
+                                              word, what, whats));
         throw InputError(
             fmt::format("{} {}: unknown {}; {}", option, word, what, scene::toml::did_you_mean(word, names)));
     }
@@ -76,6 +77,11 @@ constexpr std::pair<std::string_view, const char*> formats_elsewhere[] = {
 std::vector<const Intersector*> select_forms(const std::vector<std::string>& globs, const char* option) {
     return select_rows(intersect::table::intersectors(), globs, "form", option,
                        [](const Intersector& i) { return i.info->name; });
+}
+
+std::vector<const measure::offset::Strategy*> select_strategies(const std::vector<std::string>& globs) {
+    return select_rows(measure::offset::strategies(), globs, "strategy", "--strategy",
+                       [](const measure::offset::Strategy& s) { return s.name; });
 }
 
 std::vector<const Metric*> select_metrics(const std::vector<std::string>& globs, measure::metric::MetricSet& made) {

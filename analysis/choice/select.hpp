@@ -13,6 +13,7 @@
 #include "intersect/table/table.hpp"
 #include "measure/map/map.hpp"
 #include "measure/metric/metric_set.hpp"
+#include "measure/offset/strategy.hpp"
 #include "number/error.hpp"
 #include "number/format.hpp"
 #include "scene/file/scene.hpp"
@@ -31,6 +32,9 @@ std::vector<Format> select_formats(const std::vector<std::string>& names, const 
 /// Metrics by name or glob, in the order asked for; `made` keeps those of labels. InputError with did-you-mean.
 std::vector<const measure::metric::Metric*> select_metrics(const std::vector<std::string>& globs,
                                                            measure::metric::MetricSet& made);
+
+/// Strategies of offsets by name or glob, in the table's order. InputError with did-you-mean.
+std::vector<const measure::offset::Strategy*> select_strategies(const std::vector<std::string>& globs);
 
 /// Those of the metrics that any of the rows has: the ones of marches go where no row marches. InputError where that
 /// leaves none; `what` is the scene or sweep.

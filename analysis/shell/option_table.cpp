@@ -19,6 +19,7 @@ Values known_values(const std::string& name) {
                                                      {"f", {Kind::names, {"formats"}}},
                                                      {"as", {Kind::names, {"formats"}}},
                                                      {"metric", {Kind::names, {"metrics"}}},
+                                                     {"strategy", {Kind::names, {"strategies"}}},
                                                      {"filter", {Kind::names, {"claims"}}},
                                                      {"claims", {Kind::names, {"claims"}}},
                                                      {"scene", {Kind::names, {"scenes"}}},

@@ -17,16 +17,6 @@ using truth::missing;
 
 namespace {
 
-/// The one scene of that name; the claim says what is wrong with it.
-scene::file::Scene one_scene(const Claim& claim, const std::string& called, const std::filesystem::path& data_dir) {
-    const auto name = find_or_blame_claim(claim, [&] { return scene::file::find_scene(called, data_dir); });
-    auto scenes = scene::file::load_scene(name.path, {.variant = name.variant});
-    if (scenes.size() != 1)
-        scene::toml::fail(claim.where,
-                          "scene \"" + called + "\" has variants; name one, such as \"" + scenes.front().id + "\"");
-    return std::move(scenes.front());
-}
-
 /// One number of one sample of a march along the scene's first pixel.
 double trace_value(const Claim& claim, const scene::file::Scene& scene) {
     const MapRow row = row_for(claim, scene);
@@ -54,6 +44,15 @@ struct SpheresAlone {
 };
 
 }  // namespace
+
+scene::file::Scene one_scene(const Claim& claim, const std::string& called, const std::filesystem::path& data_dir) {
+    const auto name = find_or_blame_claim(claim, [&] { return scene::file::find_scene(called, data_dir); });
+    auto scenes = scene::file::load_scene(name.path, {.variant = name.variant});
+    if (scenes.size() != 1)
+        scene::toml::fail(claim.where,
+                          "scene \"" + called + "\" has variants; name one, such as \"" + scenes.front().id + "\"");
+    return std::move(scenes.front());
+}
 
 void measure_scene(const std::vector<Claim>& claims, const Places& places, const std::filesystem::path& data_dir,
                    std::vector<ClaimResult>& results) {

@@ -113,10 +113,17 @@ std::string reproduce(const Claim& c) {
     if (!c.render.empty())
         return fmt::format("lostbits render {}{} -i {} -f {} -o out", shell_word(c.render),
                            c.stage ? fmt::format(" --stage {}", name_of(*c.stage)) : "", c.form, c.format);
+    if (!c.offsets.empty())
+        return fmt::format("lostbits offsets {} --strategy {} --points {} -i {} -f {} -o out", shell_word(c.offsets),
+                           c.strategy, c.points, c.form, c.format);
     if (c.step)
         return fmt::format("lostbits explain {} --pixel 0,0 -i {} -f {}", shell_word(c.scene), c.form, c.format);
     return fmt::format("lostbits {} {} -i {} -f {}{} -o out", c.scene.empty() ? "sweep" : "map",
                        shell_word(c.subject()), c.form, c.format, metric_option(c));
+}
+
+std::string offset_words(const Claim& c) {
+    return fmt::format("{}, {}, {} points", c.strategy, c.side == "outside" ? "rays outside" : "rays inside", c.points);
 }
 
 std::string where_measured(const Claim& c) {
@@ -124,6 +131,7 @@ std::string where_measured(const Claim& c) {
     if (!c.row.empty()) text += " " + c.row;
     if (!c.render.empty())
         text += fmt::format(", rendered{}", c.stage ? fmt::format(" to stage {}", name_of(*c.stage)) : "");
+    if (!c.offsets.empty()) text += ", " + offset_words(c);
     if (!c.case_name.empty()) text += ": " + c.case_name;
     if (!c.ray.empty()) text += ": " + c.ray;
     if (c.from) text += fmt::format(", {} to {}", scene::toml::exact_text(*c.from), scene::toml::exact_text(*c.to));

@@ -13,6 +13,7 @@
 #include "output/file/atomic_file.hpp"
 #include "output/file/number_text.hpp"
 #include "output/map/scene_sheet.hpp"
+#include "output/offset/offset_sheet.hpp"
 #include "output/picture/render_sheet.hpp"
 #include "output/sweep/case_files.hpp"
 #include "output/sweep/sweep_planes.hpp"
@@ -28,8 +29,11 @@ using measure::map::MapRow;
 std::vector<ClaimSubject> subjects_of(const std::vector<scene::claim::Claim>& claims) {
     std::vector<ClaimSubject> subjects;
     for (std::size_t i = 0; i < claims.size(); ++i) {
-        // One scene may be mapped for some claims and rendered for others.
-        const std::string name = claims[i].subject() + (claims[i].render.empty() ? "" : ", rendered");
+        // One scene may be mapped for some claims, rendered for others, and the rays that leave it be the subject of
+        // more.
+        const std::string name = claims[i].subject() + (!claims[i].render.empty()    ? ", rendered"
+                                                        : !claims[i].offsets.empty() ? ", offsets"
+                                                                                     : "");
         auto found = std::ranges::find(subjects, name, &ClaimSubject::name);
         if (found == subjects.end()) found = subjects.insert(subjects.end(), {name, {}});
         found->claims.push_back(i);
@@ -106,6 +110,26 @@ std::string picture_render(const std::filesystem::path& folder, const ClaimSubje
     const std::string file = scene.id + ".rendered.png";
     picture::RenderSheet sheet(image::image_backend(), folder / "pictures" / file, request);
     sheet.finish(measure::picture::run_render(request, &sheet));
+    return fmt::format("![{}](pictures/{})\n", scene.title, file);
+}
+
+/// The offsets of a scene: of each form, format and kind of point that its claims name.
+std::string picture_offsets(const std::filesystem::path& folder, const ClaimSubject& subject,
+                            const std::vector<Claim>& claims, const std::filesystem::path& data_dir) {
+    const auto found = scene::file::find_scene(claims[subject.claims.front()].offsets, data_dir);
+    const scene::file::Scene scene = scene::file::load_scene(found.path, {.variant = found.variant}).front();
+    measure::offset::OffsetRequest request{
+        .scene = &scene, .rows = {}, .strategies = measure::offset::all_strategies()};
+    for (const std::size_t i : subject.claims) {
+        for (const auto point : {measure::offset::HitPoint::computed, measure::offset::HitPoint::projected}) {
+            const measure::offset::OffsetRow row{measure::claim::claim_row(claims[i]), point};
+            if (name_of(point) == claims[i].points && std::ranges::find(request.rows, row) == request.rows.end())
+                request.rows.push_back(row);
+        }
+    }
+    const std::string file = scene.id + ".offsets.png";
+    offset::OffsetSheet sheet(image::image_backend(), folder / "pictures" / file, request);
+    sheet.finish(measure::offset::run_offsets(request, &sheet));
     return fmt::format("![{}](pictures/{})\n", scene.title, file);
 }
 
@@ -227,6 +251,7 @@ std::string row_text(const Claim& c, const ClaimResult& r) {
     if (c.from)
         place += fmt::format("{}{} to {}", place.empty() ? "" : ", ", scene::toml::exact_text(*c.from),
                              scene::toml::exact_text(*c.to));
+    if (!c.offsets.empty()) place = offset_words(c);
     if (c.step) place = fmt::format("sample {}", *c.step);
     for (const double x : c.at) place += (place.empty() ? "at " : ", ") + file::decimal(x);
     return fmt::format(
@@ -277,6 +302,7 @@ void write_claim_report(const std::filesystem::path& folder, const std::vector<C
         else if (!first.scene.empty())
             text += picture_scene(folder, rows_of(subject, claims), subject.name, data_dir) + "\n";
         else if (!first.render.empty()) text += picture_render(folder, subject, claims, data_dir) + "\n";
+        else if (!first.offsets.empty()) text += picture_offsets(folder, subject, claims, data_dir) + "\n";
         else if (!first.sweep.empty())
             text += picture_sweep(folder, rows_of(subject, claims), subject.name, shown_of(subject, claims), data_dir) +
                     "\n";

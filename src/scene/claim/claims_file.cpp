@@ -47,6 +47,20 @@ void read_timing(TableReader table, Claim& claim) {
     table.reject_unknown_keys();
 }
 
+/// `strategy`, `side` and `points`, which go with `offsets`.
+void read_offsets(TableReader& table, Claim& claim) {
+    if (claim.offsets.empty()) {
+        for (const char* key : {"strategy", "side", "points"})
+            table.reject(key, "goes with offsets = \"...\", a scene whose respawned rays the claim is about");
+        return;
+    }
+    for (const char* key : {"at", "case", "convention"})
+        table.reject(key, "has no meaning for offsets of a scene; leave it out");
+    claim.strategy = table.string("strategy");
+    claim.side = table.optional_string("side").value_or("outside");
+    claim.points = table.optional_string("points").value_or("computed");
+}
+
 void read_given(TableReader table, Claim& claim) {
     const auto named = [&table](const char* key) {
         return file::beside(table.where().source, table.optional_string(key).value_or(""));
@@ -56,12 +70,15 @@ void read_given(TableReader table, Claim& claim) {
     claim.table = table.optional_string("table").value_or("");
     if (table.has("timing")) table.reject("timing", "needs `profile = \"timing\"` at the head of the file");
     claim.render = named("render");
-    if (int{!claim.scene.empty()} + int{!claim.sweep.empty()} + int{!claim.table.empty()} +
-            int{!claim.render.empty()} !=
+    claim.offsets = named("offsets");
+    if (int{!claim.scene.empty()} + int{!claim.sweep.empty()} + int{!claim.table.empty()} + int{!claim.render.empty()} +
+            int{!claim.offsets.empty()} !=
         1) {
         toml::fail(table.where(),
-                   "claim.given names a scene, a sweep, a table or a scene to render; write one of them");
+                   "claim.given names a scene, a sweep, a table, a scene to render or one of which offsets are "
+                   "measured; write one of them");
     }
+    read_offsets(table, claim);
     if (!claim.render.empty()) {
         for (const char* key : {"at", "case", "convention"})
             table.reject(key, "has no meaning for a rendered scene; leave it out");

@@ -51,13 +51,18 @@ struct Claim {
     std::string render;                ///< a scene, of whose picture `lostbits render` makes the claim is
     std::optional<file::Stage> stage;  ///< of that picture; absent: the last that the scene asks for
 
+    /// A scene, of whose respawned rays `lostbits offsets` makes the claim is: by which strategy, to which side, from
+    /// which points.
+    std::string offsets, strategy, side, points;
+
     /// What is measured on: the scene, sweep or table, or the work that is timed.
     [[nodiscard]] const std::string& subject() const {
-        return timing            ? timing->work
-               : !scene.empty()  ? scene
-               : !sweep.empty()  ? sweep
-               : !render.empty() ? render
-                                 : table;
+        return timing             ? timing->work
+               : !scene.empty()   ? scene
+               : !sweep.empty()   ? sweep
+               : !render.empty()  ? render
+               : !offsets.empty() ? offsets
+                                  : table;
     }
 
     // expect: a column of the summary, or an onset along the sweep

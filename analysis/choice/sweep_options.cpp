@@ -1,4 +1,4 @@
-#include "sweep_options.hpp"
+#include "analysis/choice/sweep_options.hpp"
 
 #include <fmt/format.h>
 
@@ -7,7 +7,7 @@
 #include "analysis/choice/select.hpp"
 #include "number/error.hpp"
 
-namespace lostbits::analysis {
+namespace lostbits::analysis::choice {
 
 using scene::sweep::SweepKind;
 
@@ -88,4 +88,4 @@ std::string interrupted_text(SweepKind kind, const std::string& name) {
                        parts_of(kind), name);
 }
 
-}  // namespace lostbits::analysis
+}  // namespace lostbits::analysis::choice

@@ -7,7 +7,7 @@
 #include "scene/sweep/case_file.hpp"
 #include "scene/sweep/sweep_file.hpp"
 
-namespace lostbits::analysis {
+namespace lostbits::analysis::choice {
 
 /// As on the command line; what was not given is empty.
 struct SweepWords {
@@ -27,4 +27,4 @@ void check_changes(const SweepWords& words, scene::sweep::SweepKind kind, const 
 /// The error of an interrupted sweep: where it stopped, and which files there are.
 [[nodiscard]] std::string interrupted_text(scene::sweep::SweepKind kind, const std::string& name);
 
-}  // namespace lostbits::analysis
+}  // namespace lostbits::analysis::choice

@@ -1,0 +1,218 @@
+#include "measure/offset/offsets.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <memory>
+
+#include "analysis/choice/lost_numbers.hpp"
+#include "analysis/choice/options.hpp"
+#include "analysis/choice/select.hpp"
+#include "commands.hpp"
+#include "measure/offset/along.hpp"
+#include "measure/offset/cheapest.hpp"
+#include "output/file/estimate.hpp"
+#include "output/offset/along_files.hpp"
+#include "output/offset/offset_files.hpp"
+#include "output/offset/offset_sheet.hpp"
+#include "scene/file/scene.hpp"
+
+namespace lostbits::analysis {
+
+using measure::offset::Along;
+using measure::offset::HitPoint;
+using measure::offset::OffsetRequest;
+using measure::offset::OffsetSummary;
+using measure::offset::Side;
+using scene::file::Scene;
+
+namespace {
+
+struct OffsetOptions {
+    std::vector<std::string> scenes;
+    std::vector<std::string> forms{"sphere.half_b", "box.ieee_minmax"};
+    std::vector<std::string> formats{"f32"};
+    std::vector<std::string> strategies{"*"};
+    std::string points = "both";
+    std::string size, variant, pixels = "none";
+    std::vector<std::string> set, along;
+    std::string out;
+
+    /// The axes that it asks for, each once.
+    [[nodiscard]] std::vector<Along> axes() const {
+        std::vector<Along> axes;
+        for (std::size_t k = 0; k < measure::offset::along_names.size(); ++k) {
+            if (std::ranges::find(along, measure::offset::along_names[k]) != along.end())
+                axes.push_back(static_cast<Along>(k));
+        }
+        return axes;
+    }
+};
+
+/// The rows that a scene can be asked about: each form and format, with the points taken as they were asked for.
+std::vector<measure::offset::OffsetRow> rows_for(const Scene& scene, const std::vector<measure::map::MapRow>& all,
+                                                 const OffsetOptions& o) {
+    std::vector<measure::offset::OffsetRow> rows;
+    for (const auto& row : choice::fitting(all, [&](Shape shape) { return scene.meets(shape); })) {
+        if (o.points != "projected") rows.push_back({row, HitPoint::computed});
+        if (o.points != "computed") rows.push_back({row, HitPoint::projected});
+    }
+    return rows;
+}
+
+/// What a run says of a row: the strategies that are right for every ray, the cheapest of them, and the smallest safe
+/// offsets.
+void say_row(const OffsetRequest& request, std::size_t r, const OffsetSummary& summary) {
+    if (summary.points == 0) return;
+    const measure::offset::OffsetRow& row = request.rows[r];
+    for (const Side side : measure::offset::both_sides) {
+        std::string right;
+        for (std::size_t k = 0; k < request.strategies.size(); ++k) {
+            if (summary.on(side).strategies[k].bad > 0) continue;
+            right += fmt::format("{}{}", right.empty() ? "" : ", ", output::offset::short_name(*request.strategies[k]));
+        }
+        fmt::print(
+            "  {} {} {} {}: smallest safe offset up to {:.3g}{}; right for all {} rays: {}\n", row.row.form->info->name,
+            row.row.format.name, name_of(row.point), name_of(side), summary.on(side).safe.quantile(1),
+            summary.on(side).never_safe == 0 ? "" : fmt::format(" ({} points have none)", summary.on(side).never_safe),
+            summary.on(side).rays, right.empty() ? "none" : right);
+    }
+    const auto safe =
+        measure::offset::safe_strategies(summary, request.strategies, row.row.form->shape, measure::offset::both_sides);
+    if (!safe.empty())
+        fmt::print("  {} {} {}: the cheapest that is right on both sides: {}, {} operations\n",
+                   row.row.form->info->name, row.row.format.name, name_of(row.point), safe.front().strategy->name,
+                   safe.front().operations);
+}
+
+/// The scene at every place of an axis.
+void sweep_offsets(const OffsetRequest& request, Along along, output::offset::AlongFiles& files) {
+    for (const double k : measure::offset::steps_along(along)) {
+        const Scene there = measure::offset::moved_along(*request.scene, along, k);
+        OffsetRequest step = request;
+        step.scene = &there;
+        files.add(k, measure::offset::run_offsets(step));
+    }
+    files.finish();
+}
+
+/// Pixels of all rows, of the scene itself and of every place that it is moved to.
+std::uint64_t units_of(const OffsetRequest& request, const OffsetOptions& o) {
+    std::uint64_t pixels = request.scene->pixels();
+    for (const Along along : o.axes()) {
+        for (const double k : measure::offset::steps_along(along))
+            pixels += measure::offset::moved_along(*request.scene, along, k).pixels();
+    }
+    return pixels * request.rows.size();
+}
+
+/// Offsets over one scene; the number of its rays without a proved truth.
+std::uint64_t offset_scene(const OffsetRequest& request, const OffsetOptions& o, const Common& common,
+                           output::file::Progress& progress) {
+    const auto folder = std::filesystem::path(o.out) / request.scene->id;
+    std::vector<std::unique_ptr<output::offset::AlongFiles>> along;
+    std::vector<output::file::DataResource> also;
+    for (const Along axis : o.axes()) {
+        along.push_back(std::make_unique<output::offset::AlongFiles>(folder, request, axis));
+        also.push_back(along.back()->resource());
+    }
+    output::offset::OffsetFiles files(request,
+                                      {.folder = folder, .pixels_csv = o.pixels == "csv", .also = std::move(also)});
+    const auto summaries = measure::offset::run_offsets(request, &files);
+    for (std::size_t k = 0; k < along.size(); ++k) sweep_offsets(request, o.axes()[k], *along[k]);
+    files.finish(summaries);
+    if (!common.quiet) {
+        progress.aside([&] {
+            fmt::print("{}\n", (folder / "contact.png").string());
+            for (std::size_t r = 0; r < request.rows.size(); ++r) say_row(request, r, summaries[r]);
+            if (summaries.front().points == 0)
+                fmt::print(stderr,
+                           "lostbits: scene {}: no ray of its camera meets a solid where the form says so, so there "
+                           "is no point to leave; look at its eye, look_at and width or fov\n",
+                           request.scene->id);
+        });
+    }
+    return summaries.front().unresolved;
+}
+
+Exit run(const OffsetOptions& o, const Common& common) {
+    require_folder(o.out);
+    auto rows = choice::cross(choice::select_forms(o.forms), choice::select_formats(o.formats));
+    std::erase_if(rows, [](const auto& row) { return !measure::offset::can_be_asked(*row.form); });
+    if (rows.empty())
+        throw NothingSelected(
+            "offsets needs forms that tell where a ray meets a sphere or a box, and none is selected; try -i "
+            "'sphere.*'");
+    const auto strategies = choice::select_strategies(o.strategies);
+    auto scenes = choice::load_scenes({o.scenes, o.size, o.variant, o.set}, choice::data_folder(common.data));
+    choice::drop_unfitting(
+        scenes, rows, common.quiet, [](const Scene& s, Shape shape) { return shape != Shape::sdf && s.meets(shape); },
+        [](const Scene& s) { return s.id; });
+    const choice::ThreadLimit limit(common.threads);
+
+    std::vector<OffsetRequest> requests;
+    std::uint64_t units = 0, unresolved = 0;
+    for (const Scene& scene : scenes) {
+        measure::offset::require_few_solids(scene);
+        requests.push_back({.scene = &scene, .rows = rows_for(scene, rows, o), .strategies = strategies});
+        units += units_of(requests.back(), o);
+    }
+    std::vector<std::unique_ptr<output::file::ResultFolder>> folders;
+    for (const Scene& scene : scenes) {
+        const auto folder = std::filesystem::path(o.out) / scene.id;
+        folders.push_back(own_folder(folder, common, choice::name_of_scene(scene, choice::data_folder(common.data))));
+        probe(folder / "summary.csv");
+    }
+    if (!common.quiet) {
+        for (const Scene& scene : scenes) {
+            choice::note_lost_numbers(scene, rows);
+            choice::note_idle_settings(o.set, scene.id, rows);
+        }
+    }
+
+    output::file::Progress progress(units, "offsets", common.progress, common.quiet);
+    output::file::Estimate estimate(progress, "offsets", units, common.quiet);
+    const auto advance = advancing(progress);
+    for (OffsetRequest& request : requests) {
+        request.progress = [&](std::uint64_t done) {
+            advance(done);
+            estimate.advance(done);
+        };
+        unresolved += offset_scene(request, o, common, progress);
+    }
+    progress.finish();
+    return end_with_unproved(unresolved);
+}
+
+}  // namespace
+
+void add_offsets(CLI::App& program, const Common& common, Command& chosen) {
+    auto* command = program.add_subcommand(
+        "offsets",
+        "By how much the origin of the next ray must move, point by point, and what published strategies do");
+    const auto o = std::make_shared<OffsetOptions>();
+    command->add_option("SCENE", o->scenes, "Scene files, or names in data/scenes; spheres or boxes")->required();
+    choice::add_list(*command, "-i,--intersector", o->forms,
+                     "Forms that find the points and are asked for self-hits (default: sphere.half_b, "
+                     "box.ieee_minmax)");
+    choice::add_list(*command, "-f,--format", o->formats,
+                     "Formats: f32, f64, fp16, bf16, tf32, pN, pA..pB (default: f32)");
+    choice::add_list(*command, "--strategy", o->strategies,
+                     "Strategies, by name or glob (default: all); `lostbits list strategies`");
+    command->add_option("--points", o->points, "Points as computed, put back onto the surface, or both (default)")
+        ->check(CLI::IsMember({"computed", "projected", "both"}));
+    command->add_option("--size", o->size, "Picture size, WxH in pixels (default: the scene's)");
+    command->add_option("--variant", o->variant, "One variant of a scene that has several (default: all)");
+    choice::add_set(*command, o->set, "Change a number of the scene first: sphere[0].radius=10");
+    command->add_option("--pixels", o->pixels, "csv: also write one row per pixel")
+        ->check(CLI::IsMember({"none", "csv"}));
+    choice::add_list(*command, "--along", o->along,
+                     "Also with the scene moved along an axis: distance of the eye, radius (every length), world "
+                     "(offset from the origin); pictures of 48 columns")
+        ->check(CLI::IsMember(
+            std::vector<std::string>(measure::offset::along_names.begin(), measure::offset::along_names.end())));
+    command->add_option("-o,--out", o->out, "Folder for the results")->required();
+    command->callback([o, &common, &chosen] { chosen = [o, &common] { return run(*o, common); }; });
+}
+
+}  // namespace lostbits::analysis

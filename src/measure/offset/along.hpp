@@ -1,0 +1,27 @@
+// A scene moved along an axis: what its offsets are swept over.
+#pragma once
+
+#include <array>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "scene/file/scene.hpp"
+
+namespace lostbits::measure::offset {
+
+/// `distance`: the eye goes k times as far from the point that it looks at, and the field of view narrows so that the
+/// picture stays. `radius`: every length grows k times. `world`: everything moves by k·(1, 0.6875, −0.4375).
+enum class Along { distance, radius, world };
+inline constexpr std::array<std::string_view, 3> along_names{"distance", "radius", "world"};
+inline constexpr std::string_view name_of(Along a) { return along_names[static_cast<std::size_t>(a)]; }
+/// What k is, for axes and tables.
+std::string_view meaning_of(Along a);
+
+/// The values of k, powers of two: distance 1 to 2^13, radius 2^-12 to 2^24, world 2^-2 to 2^22.
+std::vector<double> steps_along(Along a);
+
+/// The scene there, its picture cut down to 48 columns: steps are many. InputError where its camera has no distance.
+scene::file::Scene moved_along(const scene::file::Scene& scene, Along a, double k);
+
+}  // namespace lostbits::measure::offset

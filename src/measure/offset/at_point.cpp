@@ -1,0 +1,292 @@
+#include "measure/offset/at_point.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "measure/offset/half_line.hpp"
+#include "measure/offset/smallest.hpp"
+#include "measure/truth/unit_direction.hpp"
+
+namespace lostbits::measure::offset {
+
+namespace {
+
+template <class T>
+struct StoredAs {
+    using type = T;
+};
+template <>
+struct StoredAs<RoundedAny> {
+    using type = double;
+};
+
+template <class T>
+Vec<T> lifted(const Vec<double>& v) {
+    return Vec<T>(static_cast<T>(v.x), static_cast<T>(v.y), static_cast<T>(v.z));
+}
+template <class T>
+Vec<double> dropped(const Vec<T>& v) {
+    return {as_double(v.x), as_double(v.y), as_double(v.z)};
+}
+bool is_finite(const Vec<double>& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
+double distance(const Vec<double>& a, const Vec<double>& b) { return length(Vec<double>(a - b)); }
+
+/// Half of the way to the far side, in doubles: what tells a root at the start from the one at the end.
+double half_exit(const Ray<double>& ray, const Solid<double>& solid) {
+    const Vec<double>&o = ray.origin, &w = ray.direction;
+    if (solid.shape == Shape::sphere) {
+        const Vec<double> f = o - solid.sphere().centre;
+        const double a = square(w), h = dot(f, w);
+        const double r2 = solid.sphere().radius * solid.sphere().radius;
+        const double discriminant = a * r2 - square(cross(f, w));
+        return discriminant > 0 ? (std::sqrt(discriminant) - h) / a / 2 : 0;
+    }
+    const Box<double> box = solid.box();
+    double exit = HUGE_VAL;
+    for (int i = 0; i < 3; ++i) {
+        if (w[i] != 0) exit = std::min(exit, ((w[i] > 0 ? box.hi[i] : box.lo[i]) - o[i]) / w[i]);
+    }
+    return exit / 2;
+}
+
+/// How far a point is from the surface of a solid at least: in doubles, less a margin for their rounding.
+double least_distance(const Vec<double>& p, const Solid<double>& solid) {
+    double size = largest_of(p), away = 0;
+    for (const double x : solid.used()) size = std::max(size, std::fabs(x));
+    if (solid.shape == Shape::sphere) {
+        away = std::fabs(length(Vec<double>(p - solid.sphere().centre)) - solid.sphere().radius);
+    } else {
+        const Box<double> box = solid.box();
+        double beyond = -HUGE_VAL;
+        for (int i = 0; i < 3; ++i) beyond = std::max({beyond, box.lo[i] - p[i], p[i] - box.hi[i]});
+        away = std::fabs(beyond);
+    }
+    return away - 0x1p-40 * size;
+}
+
+}  // namespace
+
+/// One point, in the number of its format.
+template <class T>
+class TypedPoint {
+public:
+    using S = typename StoredAs<T>::type;
+
+    TypedPoint(const PointWork& work, const MetPoint& met) : work_(work), met_(met) {
+        const Ray<T> ray{lifted<T>(met.ray.origin), lifted<T>(met.ray.direction)};
+        const T t = static_cast<T>(met.t);
+        const auto lift = [](double x) { return static_cast<T>(x); };
+        const Solid<T> solid = transformed(own(), lift);
+        const Vec<T> there = moved<T>(ray.origin, t, ray.direction);
+        const Vec<T> p = work.point_ == HitPoint::computed ? there : projected<T>(ray, solid, there);
+        leaving_.emplace(Leaving<T>{ray, t, solid, p, outward_normal<T>(ray, solid, p), p, T(1), T(1)});
+        p_ = dropped(p);
+        n_ = dropped(leaving_->n);
+        const T infinite = T(1) / T(0);
+        std::optional<Vec<T>> light;
+        if (work.light_) light = lifted<T>(*work.light_);
+        if (!is_finite(p_) || !is_finite(n_)) return;
+        for (const Way<T>& way : ways_from<T>(ray, p, leaving_->n, infinite, light)) {
+            if (is_finite(dropped(way.w))) ways_[way.side > T(0) ? 0 : 1].push_back(way);
+        }
+    }
+
+    [[nodiscard]] bool is_there() const { return is_finite(p_) && is_finite(n_); }
+    [[nodiscard]] const Vec<double>& p() const { return p_; }
+    [[nodiscard]] const Vec<double>& n() const { return n_; }
+    [[nodiscard]] std::size_t count(Side side) const { return ways(side).size(); }
+
+    [[nodiscard]] std::vector<NewRay> rays(const Strategy& strategy, Side side) const {
+        std::vector<NewRay> all;
+        for (const Way<T>& way : ways(side)) {
+            Leaving<T> leaving = *leaving_;
+            leaving.w = way.w;
+            leaving.side = way.side;
+            leaving.reach = way.reach;
+            const Respawn<T> r = strategy.respawn<T>(leaving);
+            all.push_back({.ray = {dropped(r.origin), dropped(way.w)},
+                           .tmin = as_double(r.tmin),
+                           .tmax = as_double(r.tmax),
+                           .asks_own = r.asks_own});
+        }
+        for (NewRay& ray : all) find_faults(ray, side);
+        find_faults_by_form(all, side);
+        return all;
+    }
+
+    [[nodiscard]] Enough judge(Side side, double e, bool by_form) const {
+        const T signed_e = side == Side::outside ? static_cast<T>(e) : -static_cast<T>(e);
+        const Vec<double> origin = dropped(moved<T>(leaving_->p, signed_e, leaving_->n));
+        if (!is_finite(origin)) return Enough::too_much;
+        std::vector<NewRay> all;
+        for (const Way<T>& way : ways(side)) {
+            const Ray<double> ray{origin, dropped(way.w)};
+            const Meeting met = find_meeting({ray, 0}, own());
+            if (side == Side::outside) {
+                if (met.meets) return Enough::too_little;
+            } else if (met.outside || !met.meets) {
+                return is_past_middle(origin) ? Enough::too_much : Enough::too_little;
+            }
+            if (by_form) all.push_back({.ray = ray, .tmin = 0, .tmax = as_double(way.reach)});
+        }
+        if (!by_form) return Enough::enough;
+        find_faults_by_form(all, side);
+        const unsigned wrong = bit_of(Fault::self_hit_by_form) | bit_of(Fault::lost_exit_by_form);
+        const bool any = std::ranges::any_of(all, [&](const NewRay& r) { return (r.faults & wrong) != 0; });
+        return any ? Enough::too_little : Enough::enough;
+    }
+
+    [[nodiscard]] double smallest(Side side, bool by_form) const {
+        const FloatFormat& format = work_.row_.format.shape;
+        const double start = std::ldexp(largest_of(p_), -format.precision);
+        double size = largest_of(p_);
+        for (const double x : own().used()) size = std::max(size, std::fabs(x));
+        return smallest_enough(format, start, 64 * size, [&](double e) { return judge(side, e, by_form); });
+    }
+
+private:
+    [[nodiscard]] const std::vector<Way<T>>& ways(Side side) const { return ways_[static_cast<std::size_t>(side)]; }
+    [[nodiscard]] const Solid<double>& own() const { return work_.solids_[met_.own]; }
+
+    /// Whether a place is nearer to the far side of the solid, as the normal goes.
+    [[nodiscard]] bool is_past_middle(const Vec<double>& place) const {
+        const Vec<double> middle = own().shape == Shape::sphere
+                                       ? own().sphere().centre
+                                       : Vec<double>(0.5 * own().box().lo + 0.5 * own().box().hi);
+        return dot(Vec<double>(place - middle), n_) < 0;
+    }
+
+    void find_faults(NewRay& r, Side side) const {
+        const auto add = [&r](bool is, Fault f) { r.faults |= is ? bit_of(f) : 0; };
+        const HalfLine line{r.ray, r.tmin};
+        if (!line.is_proper()) return add(true, Fault::not_finite);
+        const Meeting met = find_meeting(line, own());
+        const Meeting there = r.tmin > 0 ? find_meeting({r.ray, 0}, own()) : met;
+        if (side == Side::outside) {
+            add(there.inside, Fault::wrong_side);
+            add(r.asks_own && met.meets, Fault::self_hit);
+        } else {
+            add(there.outside, Fault::wrong_side);
+            add(r.asks_own && met.outside && met.meets, Fault::self_hit);
+            add(!r.asks_own || !met.meets, Fault::lost_exit);
+        }
+        const double jump = distance(r.ray.origin, p_) + r.tmin * length(r.ray.direction);
+        for (std::size_t k = 0; k < work_.solids_.size() && jump > 0; ++k) {
+            const Solid<double>& other = work_.solids_[k];
+            if (k == met_.own || least_distance(p_, other) > 1.001 * jump) continue;
+            find_faults_with(other, line, r);
+        }
+    }
+
+    /// Those with a neighbour whose surface may lie between p and where the ray starts.
+    void find_faults_with(const Solid<double>& other, const HalfLine& line, NewRay& r) const {
+        const Meeting from_p = find_meeting({{p_, r.ray.direction}, 0}, other), now = find_meeting(line, other);
+        const bool through = line.from > 0 ? from_p.meets && !now.meets
+                                           : !from_p.inside && !now.inside && passes_through(p_, r.ray.origin, other);
+        if (from_p.meets && (from_p.inside != now.inside || through)) r.faults |= bit_of(Fault::lost_occluder);
+        if (!from_p.inside && now.inside) r.faults |= bit_of(Fault::begins_in_neighbour);
+    }
+
+    void find_faults_by_form(std::vector<NewRay>& all, Side side) const {
+        const std::size_t n = all.size();
+        const intersect::Info& info = *work_.row_.form->info;
+        std::array<std::vector<S>, 6> numbers;
+        for (const NewRay& r : all) {
+            Vec<double> w = r.ray.direction;
+            if (info.direction == intersect::Direction::unit && is_finite(w))
+                w = truth::unit_direction(w, work_.row_.format.shape);
+            for (int i = 0; i < 3; ++i) {
+                numbers[static_cast<std::size_t>(i)].push_back(static_cast<S>(r.ray.origin[i]));
+                numbers[static_cast<std::size_t>(i) + 3].push_back(static_cast<S>(w[i]));
+            }
+        }
+        std::vector<S> t(n), near(n), far(n);
+        std::vector<std::uint8_t> hit(n);
+        const auto& [ox, oy, oz, dx, dy, dz] = numbers;
+        const Solid<S> solid = transformed(own(), [](double x) { return static_cast<S>(x); });
+        const intersect::table::RayBatch<S> batch{ox, oy, oz, dx, dy, dz};
+        const intersect::table::HitBatch<S> answers{t, near, far, hit};
+        ask(batch, solid, answers);
+        for (std::size_t k = 0; k < n; ++k) {
+            NewRay& r = all[k];
+            if (!r.asks_own || r.has(Fault::not_finite)) continue;
+            const double first = hit[k] == 0 ? truth::missing : first_told(info, r, {t[k], near[k], far[k]});
+            if (side == Side::outside) {
+                if (!std::isnan(first)) r.faults |= bit_of(Fault::self_hit_by_form);
+            } else if (std::isnan(first)) {
+                r.faults |= bit_of(Fault::lost_exit_by_form);
+            } else if (first < half_exit(r.ray, own())) {
+                r.faults |= bit_of(Fault::self_hit_by_form);
+            }
+        }
+    }
+
+    void ask(const intersect::table::RayBatch<S>& batch, const Solid<S>& solid,
+             const intersect::table::HitBatch<S>& answers) const {
+        const intersect::table::Intersector& form = *work_.row_.form;
+        if constexpr (std::is_same_v<T, float>) form.native32(batch, solid, answers);
+        else if constexpr (std::is_same_v<T, double>) form.native64(batch, solid, answers);
+        else form.rounded(work_.row_.format.shape, batch, solid, answers);
+    }
+
+    /// The first of the roots that the form tells in (tmin, tmax); NaN where there is none.
+    static double first_told(const intersect::Info& info, const NewRay& r, const std::array<S, 3>& told) {
+        const std::size_t begin = info.roots == intersect::Roots::both ? 1 : 0;
+        const std::size_t end = info.roots == intersect::Roots::both ? 3 : 1;
+        for (std::size_t k = begin; k < end; ++k) {
+            const auto root = static_cast<double>(told[k]);
+            if (root > r.tmin && root < r.tmax) return root;
+        }
+        return truth::missing;
+    }
+
+    const PointWork& work_;
+    const MetPoint& met_;
+    std::optional<Leaving<T>> leaving_;
+    Vec<double> p_{0, 0, 0}, n_{0, 0, 0};
+    std::array<std::vector<Way<T>>, 2> ways_;
+};
+
+bool PointWork::measure(const MetPoint& met, std::array<SideOfPoint, 2>& sides,
+                        std::span<StrategyAtPoint> by_strategy) const {
+    return with_number(row_.format, [&]<class T>() {
+        const TypedPoint<T> point(*this, met);
+        if (!point.is_there()) return false;
+        for (const Side side : both_sides) {
+            const auto s = static_cast<std::size_t>(side);
+            sides[s].rays = static_cast<std::uint8_t>(point.count(side));
+            sides[s].safe = point.smallest(side, false);
+            sides[s].quiet = point.smallest(side, true);
+            for (std::size_t k = 0; k < strategies_.size(); ++k) {
+                StrategyAtPoint& at = by_strategy[s * strategies_.size() + k];
+                for (const NewRay& r : point.rays(*strategies_[k], side)) {
+                    for (std::size_t f = 0; f < fault_names.size(); ++f)
+                        at.count[f] = static_cast<std::uint8_t>(at.count[f] + ((r.faults >> f) & 1U));
+                    at.bad = static_cast<std::uint8_t>(at.bad + (r.is_bad() ? 1 : 0));
+                    if (!r.has(Fault::not_finite))
+                        at.size = std::max(at.size, distance(r.ray.origin, point.p()) + r.tmin);
+                }
+            }
+        }
+        return true;
+    });
+}
+
+std::vector<NewRay> PointWork::rays(const MetPoint& met, const Strategy& strategy, Side side) const {
+    return with_number(row_.format, [&]<class T>() { return TypedPoint<T>(*this, met).rays(strategy, side); });
+}
+
+bool PointWork::is_safe(const MetPoint& met, Side side, double e, bool by_form) const {
+    return with_number(row_.format,
+                       [&]<class T>() { return TypedPoint<T>(*this, met).judge(side, e, by_form) == Enough::enough; });
+}
+
+std::optional<PointWork::Start> PointWork::start(const MetPoint& met) const {
+    return with_number(row_.format, [&]<class T>() -> std::optional<Start> {
+        const TypedPoint<T> point(*this, met);
+        if (!point.is_there()) return std::nullopt;
+        return Start{point.p(), point.n()};
+    });
+}
+
+}  // namespace lostbits::measure::offset

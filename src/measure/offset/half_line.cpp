@@ -1,0 +1,172 @@
+#include "measure/offset/half_line.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "measure/truth/enclose_box.hpp"
+#include "measure/truth/side.hpp"
+#include "number/error.hpp"
+
+namespace lostbits::measure::offset {
+
+using truth::sign;
+
+namespace {
+
+constexpr double u = 0x1p-53;
+/// Products of four lengths below this size may lose bits to underflow; the filter leaves those alone.
+constexpr double least_filtered = 0x1p-200, most_filtered = 0x1p+200;
+
+double sum_of_sizes(const Vec<double>& v) { return std::fabs(v.x) + std::fabs(v.y) + std::fabs(v.z); }
+
+/// The sign of x where |x| exceeds a bound on its error; nothing elsewhere.
+std::optional<int> proved(double x, double error) {
+    if (std::fabs(x) <= error) return std::nullopt;
+    return x > 0 ? 1 : -1;
+}
+
+/// With s and S the sums of |f| and |w| over their components, and δ the error of each component of f, every step below
+/// rounds by at most u of itself: c is off by at most 2·(2sδ) + 4u(s² + r²), h by Sδ + 4usS, and aΔ by
+/// 2·(2sS²)(2δ + 3us) + 8uS²(s² + r²). Twice each of these is taken.
+std::optional<Meeting> filtered(const HalfLine& line, const Sphere<double>& sphere) {
+    const Vec<double>&o = line.ray.origin, &w = line.ray.direction;
+    const Vec<double> f(o.x - sphere.centre.x + line.from * w.x, o.y - sphere.centre.y + line.from * w.y,
+                        o.z - sphere.centre.z + line.from * w.z);
+    const double r = sphere.radius, s = sum_of_sizes(f), size_w = sum_of_sizes(w);
+    for (const double size : {s + r, r, size_w}) {
+        if (!(size > least_filtered && size < most_filtered)) return std::nullopt;
+    }
+    // o − G rounds by u|o − G| ≤ u(s + from·S), the product and the sum by as much again.
+    const double delta = line.from > 0 ? 4 * u * (s + 2 * line.from * size_w) : u * s;
+    const double squares = s * s + r * r, c = (f.x * f.x + f.y * f.y + f.z * f.z) - r * r;
+    const auto outside = proved(c, 8 * s * delta + 16 * u * squares);
+    if (!outside) return std::nullopt;
+    if (*outside < 0) return Meeting{.inside = true, .outside = false, .meets = true};
+    const auto leaving = proved(dot(f, w), 2 * size_w * (delta + 4 * u * s));
+    if (!leaving) return std::nullopt;
+    if (*leaving > 0) return Meeting{.inside = false, .outside = true, .meets = false};
+    const Vec<double> m = cross(f, w);
+    const double discriminant = square(w) * (r * r) - square(m);
+    const auto through = proved(discriminant, size_w * size_w * (8 * s * (2 * delta + 3 * u * s) + 16 * u * squares));
+    if (!through) return std::nullopt;
+    return Meeting{.inside = false, .outside = true, .meets = *through > 0};
+}
+
+/// Comparisons of stored numbers are exact; where t_min moves the start, only the enclosures know it.
+std::optional<Meeting> filtered(const HalfLine& line, const Box<double>& box) {
+    if (line.from > 0) return std::nullopt;
+    bool inside = true, outside = false;
+    for (int i = 0; i < 3; ++i) {
+        const double o = line.ray.origin[i], w = line.ray.direction[i];
+        inside = inside && o > box.lo[i] && o < box.hi[i];
+        outside = outside || o < box.lo[i] || o > box.hi[i];
+        if ((o >= box.hi[i] && w >= 0) || (o <= box.lo[i] && w <= 0)) {
+            for (int k = i + 1; k < 3; ++k)
+                outside = outside || line.ray.origin[k] < box.lo[k] || line.ray.origin[k] > box.hi[k];
+            return Meeting{.inside = false, .outside = outside, .meets = false};
+        }
+    }
+    if (inside) return Meeting{.inside = true, .outside = false, .meets = true};
+    return std::nullopt;
+}
+
+template <class E>
+std::optional<Meeting> enclosed(const Ray<E>& from, const Sphere<E>& sphere) {
+    const Vec<E> f = from.origin - sphere.centre;
+    const auto c = sign<E>(square(f) - square(sphere.radius));
+    if (!c) return std::nullopt;
+    if (*c < 0) return Meeting{.inside = true, .outside = false, .meets = true};
+    Meeting met{.inside = false, .outside = *c > 0, .meets = false};
+    const auto h = sign<E>(dot(f, from.direction));
+    if (!h) return std::nullopt;
+    if (*h >= 0) return met;
+    const auto through = sign<E>(square(from.direction) * square(sphere.radius) - square(cross<E>(f, from.direction)));
+    if (!through) return std::nullopt;
+    met.meets = *through > 0;
+    return met;
+}
+
+template <class E>
+std::optional<Meeting> enclosed(const Ray<E>& from, const Box<E>& box) {
+    Meeting met{.inside = true, .outside = false, .meets = false};
+    for (int i = 0; i < 3; ++i) {
+        for (const auto& inward : {sign<E>(from.origin[i] - box.lo[i]), sign<E>(box.hi[i] - from.origin[i])}) {
+            if (!inward) return std::nullopt;
+            met.inside = met.inside && *inward > 0;
+            met.outside = met.outside || *inward < 0;
+        }
+    }
+    const auto hit = truth::enclose<E>(from, box, nullptr, intersect::Touching::miss).hit;
+    if (hit.is_unknown()) return std::nullopt;
+    met.meets = hit.is_yes();
+    return met;
+}
+
+template <class E>
+std::optional<Meeting> enclosed(const HalfLine& line, const Solid<double>& solid) {
+    Ray<E> from = truth::lift_ray<E>(line.ray);
+    if (line.from > 0) from.origin = from.origin + E(line.from) * from.direction;
+    const Solid<E> exact = truth::lift_solid<E>(solid);
+    return solid.shape == Shape::sphere ? enclosed<E>(from, exact.sphere()) : enclosed<E>(from, exact.box());
+}
+
+/// What `find` finds with balls, or with intervals of rising precision.
+template <class Find>
+auto escalate(const Find& find) {
+    if (const auto found = find.template operator()<Ball>()) return *found;
+    for (int bits = 192; bits <= truth::TruthLimit{}.bits; bits *= 2) {
+        const Interval::Precision precision(bits);
+        if (const auto found = find.template operator()<Interval>()) return *found;
+    }
+    throw Error(Exit::internal, "no precision was enough to tell on which side of a solid a ray starts");
+}
+
+/// The way a + s(b − a), 0 ≤ s ≤ 1, against the open solid: both ends of it, or the place in between that is nearest to
+/// the middle of a sphere; of a box its slabs, with s ≤ 1 as the end of the ray.
+template <class E>
+std::optional<bool> passes(const Vec<E>& a, const Vec<E>& b, const Sphere<E>& sphere) {
+    const Vec<E> f = a - sphere.centre, g = b - sphere.centre, w = b - a;
+    const E r2 = square(sphere.radius);
+    for (const auto& c : {sign<E>(square(f) - r2), sign<E>(square(g) - r2)}) {
+        if (!c) return std::nullopt;
+        if (*c < 0) return true;
+    }
+    const auto from = sign<E>(dot(f, w)), to = sign<E>(dot(g, w)),
+               through = sign<E>(square(w) * r2 - square(cross<E>(f, w)));
+    if (!from || !to || !through) return std::nullopt;
+    return *from < 0 && *to > 0 && *through > 0;
+}
+
+template <class E>
+std::optional<bool> passes(const Vec<E>& a, const Vec<E>& b, const Box<E>& box) {
+    const E end(1);
+    const Ray<E> way{a, b - a};
+    const auto hit = truth::enclose<E>(way, box, &end, intersect::Touching::miss).hit;
+    if (hit.is_unknown()) return std::nullopt;
+    return hit.is_yes();
+}
+
+}  // namespace
+
+bool HalfLine::is_proper() const { return truth::is_proper(ray) && std::isfinite(from) && from >= 0; }
+
+Meeting find_meeting_by_enclosure(const HalfLine& line, const Solid<double>& solid) {
+    return escalate([&]<class E>() { return enclosed<E>(line, solid); });
+}
+
+Meeting find_meeting(const HalfLine& line, const Solid<double>& solid) {
+    const auto quick = solid.shape == Shape::sphere ? filtered(line, solid.sphere()) : filtered(line, solid.box());
+    return quick ? *quick : find_meeting_by_enclosure(line, solid);
+}
+
+bool passes_through(const Vec<double>& a, const Vec<double>& b, const Solid<double>& solid) {
+    if (a == b) return find_meeting({{a, {1, 0, 0}}, 0}, solid).inside;
+    return escalate([&]<class E>() {
+        const Vec<E> from = truth::lift_vec<E>(a), to = truth::lift_vec<E>(b);
+        const Solid<E> exact = truth::lift_solid<E>(solid);
+        return solid.shape == Shape::sphere ? passes<E>(from, to, exact.sphere()) : passes<E>(from, to, exact.box());
+    });
+}
+
+}  // namespace lostbits::measure::offset

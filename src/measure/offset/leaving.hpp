@@ -1,0 +1,112 @@
+// The point where a ray has met a solid, and where the next one starts: over any number.
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+#include <limits>
+
+#include "geometry/solid.hpp"
+#include "number/rounded.hpp"
+
+namespace lostbits::measure::offset {
+
+/// What a strategy is given: a ray met a solid at t, and a new one leaves in direction w.
+template <class T>
+struct Leaving {
+    Ray<T> ray;
+    T t;
+    Solid<T> solid;
+    Vec<T> p;  ///< the point as computed
+    Vec<T> n;  ///< the outward unit normal as computed
+    Vec<T> w;  ///< unit up to rounding
+    T side;    ///< sign(n·w): +1 away from the solid, −1 into it
+    T reach;   ///< how far away what is aimed at is; infinite where nothing is
+};
+
+/// What the new ray is: only what it meets at tmin < t < tmax counts.
+template <class T>
+struct Respawn {
+    Vec<T> origin;
+    T tmin, tmax;
+    bool asks_own = true;  ///< also of the solid that it leaves
+};
+
+/// Whether the point is taken as it was computed, o + t·d, or put onto the surface first.
+enum class HitPoint : std::uint8_t { computed, projected };
+
+/// p + k·v, component by component.
+template <Number T>
+Vec<T> moved(const Vec<T>& p, const T& k, const Vec<T>& v) {
+    return Vec<T>(p.x + k * v.x, p.y + k * v.y, p.z + k * v.z);
+}
+
+/// v/|v|.
+template <Number T>
+Vec<T> normalised(const Vec<T>& v) {
+    const T size = length(v);
+    return Vec<T>(v.x / size, v.y / size, v.z / size);
+}
+
+/// The largest of |p.x|, |p.y|, |p.z|.
+template <Number T>
+T largest_of(const Vec<T>& p) {
+    return max(max(abs(p.x), abs(p.y)), abs(p.z));
+}
+
+/// Which plane of a box a ray met: that of the latest of its entries or, from inside, of the earliest of its exits.
+struct Face {
+    int axis = 0;
+    bool high = false;
+};
+
+template <Number T>
+Face face_of(const Ray<T>& ray, const Box<T>& box) {
+    Face entry, exit;
+    bool any = false;
+    T latest(0), earliest(0);
+    for (int i = 0; i < 3; ++i) {
+        const bool ahead = ray.direction[i] > T(0);
+        if (!ahead && !(ray.direction[i] < T(0))) continue;
+        const T in = ((ahead ? box.lo[i] : box.hi[i]) - ray.origin[i]) / ray.direction[i];
+        const T out = ((ahead ? box.hi[i] : box.lo[i]) - ray.origin[i]) / ray.direction[i];
+        if (!any || in > latest) latest = in, entry = {i, !ahead};
+        if (!any || out < earliest) earliest = out, exit = {i, ahead};
+        any = true;
+    }
+    return latest > T(0) ? entry : exit;
+}
+
+/// (p − G)/|p − G|, or the axis of the face.
+template <Number T>
+Vec<T> outward_normal(const Ray<T>& ray, const Solid<T>& solid, const Vec<T>& p) {
+    if (solid.shape == Shape::sphere) return normalised<T>(p - solid.sphere().centre);
+    const Face face = face_of<T>(ray, solid.box());
+    Vec<T> n(T(0), T(0), T(0));
+    n[face.axis] = face.high ? T(1) : T(-1);
+    return n;
+}
+
+/// G + f·(r/|f|) with f = p − G, or the coordinate of the face in place of the computed one.
+template <Number T>
+Vec<T> projected(const Ray<T>& ray, const Solid<T>& solid, const Vec<T>& p) {
+    if (solid.shape == Shape::sphere) {
+        const Sphere<T> sphere = solid.sphere();
+        const Vec<T> f = p - sphere.centre;
+        return moved<T>(sphere.centre, sphere.radius / length(f), f);
+    }
+    const Face face = face_of<T>(ray, solid.box());
+    Vec<T> on = p;
+    on[face.axis] = face.high ? solid.box().hi[face.axis] : solid.box().lo[face.axis];
+    return on;
+}
+
+/// The number n ≥ 0 places above zero in a format: the inverse of `truth::ordinal`.
+inline double number_at(std::int64_t n, const FloatFormat& f) {
+    const std::int64_t lead = std::int64_t{1} << (f.precision - 1);
+    if (n < lead) return std::ldexp(static_cast<double>(n), f.emin - f.precision + 1);
+    const std::int64_t binade = n / lead - 1;
+    if (binade > f.emax - f.emin) return std::numeric_limits<double>::infinity();
+    return std::ldexp(static_cast<double>(lead + n % lead), f.emin + static_cast<int>(binade) - f.precision + 1);
+}
+
+}  // namespace lostbits::measure::offset

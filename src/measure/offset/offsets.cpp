@@ -1,0 +1,190 @@
+#include "measure/offset/offsets.hpp"
+
+#include <fmt/format.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "measure/answer/answers.hpp"
+#include "measure/picture/stored_appearance.hpp"
+#include "number/error.hpp"
+
+namespace lostbits::measure::offset {
+
+using scene::file::Scene;
+using truth::Band;
+using truth::Truth;
+
+namespace {
+
+/// Lines of a band: every pixel keeps some kilobytes until its band is counted.
+constexpr int lines_together = 16;
+
+/// One row on one band.
+class RowBand {
+public:
+    RowBand(const OffsetRequest& request, const OffsetRow& row, const Band& band)
+        : request_(request),
+          row_(row),
+          inputs_(band.inputs(row.row.format, {.unit_rays = is_unit(row), .own_truth = false})),
+          solids_(inputs_.solids.all()),
+          answers_(answer::evaluate(*row.row.form, inputs_)),
+          work_(row_.row, row_.point, solids_, light(), request.strategies),
+          truth_(band) {
+        const std::size_t n = band.pixels(), m = request.strategies.size();
+        out_.y0 = band.y0();
+        out_.rows = band.rows();
+        out_.width = request.scene->width;
+        out_.strategies = m;
+        out_.is_point.assign(n, 0);
+        out_.object.assign(n, -1);
+        out_.ulp.assign(n, truth::missing);
+        out_.sides.resize(n);
+        out_.by_strategy.resize(2 * n * m);
+    }
+
+    const OffsetBand& measure() {
+        const std::size_t m = out_.strategies;
+        tbb::parallel_for(tbb::blocked_range<std::size_t>(0, truth_.pixels(), 16), [&](const auto& range) {
+            for (std::size_t i = range.begin(); i < range.end(); ++i) {
+                stop_if_interrupted();
+                if (!meets_the_true_solid(i)) continue;
+                const auto by_strategy = std::span(out_.by_strategy).subspan(2 * i * m, 2 * m);
+                if (!work_.measure(met(i), out_.sides[i], by_strategy)) continue;
+                out_.is_point[i] = 1;
+                out_.object[i] = answers_.object[i];
+                out_.ulp[i] = ulp_of(work_.start(met(i))->p);
+            }
+        });
+        return out_;
+    }
+
+    void add_to(OffsetSummary& summary) const {
+        summary.pixels += out_.is_point.size();
+        for (std::size_t i = 0; i < out_.is_point.size(); ++i) {
+            if (truth_.truth(i, row_.row.convention()).decision == Truth::Decision::unresolved) ++summary.unresolved;
+            if (out_.is_point[i] == 0) continue;
+            ++summary.points;
+            for (const Side side : both_sides) add_side(i, side, summary.sides[static_cast<std::size_t>(side)]);
+        }
+    }
+
+private:
+    static bool is_unit(const OffsetRow& row) { return row.row.form->info->direction == intersect::Direction::unit; }
+    [[nodiscard]] std::optional<Vec<double>> light() const {
+        if (!request_.scene->appearance.light) return std::nullopt;
+        return picture::input_appearance(*request_.scene, row_.row.format.shape).light;
+    }
+    [[nodiscard]] bool meets_the_true_solid(std::size_t i) const {
+        if (answers_.hit[i] == 0 || !(answers_.t[i] > 0)) return false;
+        const Truth truth = truth_.truth(i, row_.row.convention());
+        return truth.is_hit() && truth.object == answers_.object[i];
+    }
+    [[nodiscard]] MetPoint met(std::size_t i) const {
+        return {inputs_.rays_for(*row_.row.form->info)[i], answers_.t[i], static_cast<std::size_t>(answers_.object[i])};
+    }
+    [[nodiscard]] double ulp_of(const Vec<double>& p) const {
+        const double size = largest_of(p);
+        const long binade = size > 0 ? std::ilogb(size) : std::numeric_limits<int>::min();
+        return std::ldexp(1.0, static_cast<int>(ulp_exponent(row_.row.format.shape, binade)));
+    }
+
+    void add_side(std::size_t i, Side side, SideSummary& summary) const {
+        const SideOfPoint& at = out_.sides[i][static_cast<std::size_t>(side)];
+        summary.rays += at.rays;
+        summary.already_safe += static_cast<std::uint64_t>(at.safe == 0);
+        summary.never_safe += static_cast<std::uint64_t>(std::isinf(at.safe));
+        summary.never_quiet += static_cast<std::uint64_t>(std::isinf(at.quiet));
+        if (std::isfinite(at.safe)) {
+            summary.safe.add(at.safe);
+            summary.safe_ulps.add(at.safe / out_.ulp[i]);
+        }
+        if (std::isfinite(at.quiet)) summary.quiet.add(at.quiet);
+        for (std::size_t k = 0; k < out_.strategies; ++k) add_strategy(i, side, k, summary);
+    }
+
+    void add_strategy(std::size_t i, Side side, std::size_t k, SideSummary& summary) const {
+        const double safe = out_.sides[i][static_cast<std::size_t>(side)].safe;
+        const StrategyAtPoint& at = out_.at(i, side, k);
+        StrategySummary& s = summary.strategies[k];
+        s.size.add(at.size);
+        if (std::isfinite(safe) && safe > 0) {
+            s.oversize.add(at.size / safe);
+            s.too_small += static_cast<std::uint64_t>(at.size < safe);
+        }
+        bool shows = false, any = false;
+        for (std::size_t f = 0; f < fault_names.size(); ++f) {
+            s.count[f] += at.count[f];
+            any = any || at.count[f] > 0;
+            shows = shows || (at.count[f] > 0 && !s.first[f]);
+        }
+        if (!any) return;
+        s.bad += at.bad;
+        if (!shows) return;
+        for (const NewRay& ray : work_.rays(met(i), *request_.strategies[k], side)) {
+            for (std::size_t f = 0; f < fault_names.size(); ++f) {
+                if (s.first[f] || !ray.has(static_cast<Fault>(f))) continue;
+                const auto pixel = static_cast<int>(i);
+                s.first[f] = BadRay{pixel % out_.width, out_.y0 + pixel / out_.width, answers_.object[i], ray,
+                                    solids_[static_cast<std::size_t>(answers_.object[i])]};
+            }
+        }
+    }
+
+    const OffsetRequest& request_;
+    const OffsetRow& row_;
+    truth::FormatInputs inputs_;
+    std::vector<Solid<double>> solids_;
+    answer::Answers answers_;
+    PointWork work_;
+    const Band& truth_;
+    OffsetBand out_;
+};
+
+/// Keeps the quantiles that columns ask for.
+void seal(OffsetSummary& summary) {
+    for (SideSummary& side : summary.sides) {
+        for (metric::Distribution* d : {&side.safe, &side.safe_ulps, &side.quiet}) d->seal();
+        for (StrategySummary& s : side.strategies) {
+            s.size.seal();
+            s.oversize.seal();
+        }
+    }
+}
+
+}  // namespace
+
+void require_few_solids(const Scene& scene) {
+    if (scene.solid_count() <= most_solids) return;
+    throw InputError(fmt::format(
+        "scene {}: has {} solids, and every point is held against all others; at most {}: try a part of the scene",
+        scene.id, scene.solid_count(), most_solids));
+}
+
+bool can_be_asked(const intersect::table::Intersector& form) {
+    return form.shape != Shape::sdf && form.info->roots != intersect::Roots::none;
+}
+
+std::vector<OffsetSummary> run_offsets(const OffsetRequest& request, OffsetSink* sink) {
+    const Scene& scene = *request.scene;
+    require_few_solids(scene);
+    std::vector<OffsetSummary> summaries(request.rows.size());
+    for (OffsetSummary& s : summaries) {
+        for (SideSummary& side : s.sides) side.strategies.resize(request.strategies.size());
+    }
+    for (int y0 = 0; y0 < scene.height; y0 += lines_together) {
+        const Band band(scene, y0, std::min(scene.height, y0 + lines_together));
+        for (std::size_t r = 0; r < request.rows.size(); ++r) {
+            RowBand row(request, request.rows[r], band);
+            const OffsetBand& measured = row.measure();
+            row.add_to(summaries[r]);
+            if (sink) sink->band(r, measured);
+            request.progress(band.pixels());
+        }
+    }
+    for (OffsetSummary& s : summaries) seal(s);
+    return summaries;
+}
+
+}  // namespace lostbits::measure::offset

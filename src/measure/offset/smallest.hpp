@@ -1,0 +1,42 @@
+// The smallest number of a format that is enough, found by bisection over its floats.
+#pragma once
+
+#include <cstdint>
+#include <limits>
+
+#include "measure/offset/leaving.hpp"
+#include "measure/truth/certified.hpp"
+
+namespace lostbits::measure::offset {
+
+/// What an offset comes to.
+enum class Enough : std::int8_t { too_little, enough, too_much };
+
+/// A number e ≥ 0 of the format with judge(e) = enough, whose neighbour below is too little; 0 where that is enough;
+/// infinity where none up to `most` is. From `start` on e is doubled until it is not too little; then the floats in
+/// between are bisected. Where `judge` is monotone it is the smallest; where it is not (a step of one component can
+/// turn a grazing ray back), it is one of those places where too little ends.
+template <class Judge>
+double smallest_enough(const FloatFormat& format, double start, double most, const Judge& judge) {
+    if (judge(0.0) == Enough::enough) return 0;
+    const std::int64_t binade = std::int64_t{1} << (format.precision - 1);
+    std::int64_t low = 0, high = truth::ordinal(start, format);
+    if (high < 1) high = 1;
+    Enough at_high = judge(number_at(high, format));
+    while (at_high == Enough::too_little) {
+        low = high;
+        high += binade;
+        const double e = number_at(high, format);
+        if (!(e <= most)) return std::numeric_limits<double>::infinity();
+        at_high = judge(e);
+    }
+    while (high - low > 1) {
+        const std::int64_t middle = low + (high - low) / 2;
+        const Enough at_middle = judge(number_at(middle, format));
+        if (at_middle == Enough::too_little) low = middle;
+        else high = middle, at_high = at_middle;
+    }
+    return at_high == Enough::enough ? number_at(high, format) : std::numeric_limits<double>::infinity();
+}
+
+}  // namespace lostbits::measure::offset

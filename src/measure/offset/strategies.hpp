@@ -1,0 +1,207 @@
+// Where the next ray starts, by every published rule: one function each. Constants of rules for float are scaled to
+// other formats as their comments say; u is ½ε of the format.
+#pragma once
+
+#include <bit>
+#include <cmath>
+#include <cstdint>
+
+#include "measure/offset/leaving.hpp"
+#include "number/counted.hpp"
+#include "number/with_number.hpp"
+
+namespace lostbits::measure::offset {
+
+/// The bits of x moved as an integer by k floats toward +∞ (k < 0: toward −∞). It is for x that stay on their side of
+/// zero.
+inline float moved_by_floats(float x, int k) {
+    return std::bit_cast<float>(std::bit_cast<std::int32_t>(x) + (x < 0 ? -k : k));
+}
+inline double moved_by_floats(double x, int k) {
+    return std::bit_cast<double>(std::bit_cast<std::int64_t>(x) + (x < 0 ? -k : k));
+}
+template <class F>
+BasicRounded<F> moved_by_floats(BasicRounded<F> x, int k) {
+    for (; k > 0; --k) x = next_up(x);
+    for (; k < 0; ++k) x = next_down(x);
+    return x;
+}
+/// One integer addition.
+inline Counted<float> moved_by_floats(const Counted<float>& x, int k) {
+    ++operation_counts()[Operation::neighbour];
+    return Counted<float>(moved_by_floats(x.value(), k));
+}
+
+/// x toward zero as an integer.
+template <class T>
+int whole_of(const T& x) {
+    return static_cast<int>(as_double(x));
+}
+inline int whole_of(const Counted<float>& x) {
+    ++operation_counts()[Operation::convert];
+    return static_cast<int>(x.value());
+}
+
+/// γ(n) = nu/(1 − nu).
+template <Number T>
+T gamma(int n) {
+    const T nu = T(n) * unit_roundoff<T>();
+    return nu / (T(1) - nu);
+}
+
+/// n, turned to the side of w.
+template <Number T>
+Vec<T> facing(const Leaving<T>& l) {
+    return Vec<T>(l.side * l.n.x, l.side * l.n.y, l.side * l.n.z);
+}
+
+/// The whole of what is ahead of an origin.
+template <Number T>
+Respawn<T> from(const Vec<T>& origin, const Leaving<T>& l) {
+    return {origin, T(0), l.reach, true};
+}
+
+/// 10^-k: of float the literal 1e-3f, and of any format the nearest number to the quotient.
+template <Number T, int k>
+T tenth_power() {
+    T x(1);
+    for (int i = 0; i < k; ++i) x = x * T(10);
+    return T(1) / x;
+}
+
+struct None {
+    template <Number T>
+    static Respawn<T> respawn(const Leaving<T>& l) {
+        return from<T>(l.p, l);
+    }
+};
+
+template <int k>
+struct Tmin {
+    template <Number T>
+    static Respawn<T> respawn(const Leaving<T>& l) {
+        return {l.p, tenth_power<T, k>(), l.reach, true};
+    }
+};
+
+template <int k>
+struct Epsilon {
+    template <Number T>
+    static Respawn<T> respawn(const Leaving<T>& l) {
+        return from<T>(moved<T>(l.p, l.side * tenth_power<T, k>(), l.n), l);
+    }
+};
+
+template <int k>
+struct AlongNewRay {
+    template <Number T>
+    static Respawn<T> respawn(const Leaving<T>& l) {
+        return from<T>(moved<T>(l.p, tenth_power<T, k>(), l.w), l);
+    }
+};
+
+/// k units in the last place of the largest coordinate.
+template <int k>
+struct Ulps {
+    template <Number T>
+    static Respawn<T> respawn(const Leaving<T>& l) {
+        const T size = largest_of<T>(l.p);
+        return from<T>(moved<T>(l.p, l.side * (T(k) * (next_up(size) - size)), l.n), l);
+    }
+};
+
+/// The bits moved by 256 n, or, where |p| < 1/32, p + n/65536. 1/65536 is 256u of float, and 256u of any format here.
+struct Integer {
+    template <Number T>
+    static Respawn<T> respawn(const Leaving<T>& l) {
+        const Vec<T> n = facing<T>(l);
+        const T step = T(256) * unit_roundoff<T>(), near_zero = T(1) / T(32);
+        Vec<T> o = l.p;
+        for (int i = 0; i < 3; ++i) {
+            const T by_bits = moved_by_floats(l.p[i], whole_of(T(256) * n[i]));
+            o[i] = select(abs(l.p[i]) < near_zero, l.p[i] + step * n[i], by_bits);
+        }
+        return from<T>(o, l);
+    }
+};
+
+/// The bits moved by 32 to the side where n points, or, where |p| < 1, p + 1e-5 n: 1e-5 is 167.8u of float, and 1e-5
+/// times u over that of float in any format.
+struct Cycles {
+    template <Number T>
+    static Respawn<T> respawn(const Leaving<T>& l) {
+        const Vec<T> n = facing<T>(l);
+        const T step = T(4096) * unit_roundoff<T>() * T(4096) / T(1000) / T(100);
+        Vec<T> o = l.p;
+        for (int i = 0; i < 3; ++i) {
+            const T by_bits = moved_by_floats(l.p[i], n[i] < T(0) ? -32 : 32);
+            o[i] = select(abs(l.p[i]) < T(1), l.p[i] + step * n[i], by_bits);
+        }
+        return from<T>(o, l);
+    }
+};
+
+/// 1500u is 750ε; a ray that is aimed at something ends at 1 − 15000u of the way.
+struct Relative {
+    template <Number T>
+    static Respawn<T> respawn(const Leaving<T>& l) {
+        const T e = (T(1) + largest_of<T>(l.p)) * (T(1500) * unit_roundoff<T>());
+        return {moved<T>(l.p, l.side * e, l.n), T(0), (T(1) - T(15000) * unit_roundoff<T>()) * l.reach, true};
+    }
+};
+
+/// The point that the bound is about, and the bound δ of each of its components.
+template <class T>
+struct BoundedPoint {
+    Vec<T> p, delta;
+};
+
+/// The point of a sphere is put back onto it in object space, f' = f r/|f| with f = p − G, where each component is off
+/// by at most γ(5)|f'|; taken to the world, δ = (γ(3) + 1)γ(5)|f'| + γ(3)(|f'| + |G|).
+template <Number T>
+BoundedPoint<T> bounded_point(const Leaving<T>& l, const Sphere<T>& sphere) {
+    const Vec<T> f = l.p - sphere.centre;
+    const T scale = sphere.radius / length(f);
+    BoundedPoint<T> b{l.p, l.p};
+    for (int i = 0; i < 3; ++i) {
+        const T on = f[i] * scale, size = abs(on);
+        b.p[i] = on + sphere.centre[i];
+        b.delta[i] = (gamma<T>(3) + T(1)) * (gamma<T>(5) * size) + gamma<T>(3) * (size + abs(sphere.centre[i]));
+    }
+    return b;
+}
+
+/// A box is met at t = (plane − o)·(1/d), whose error is at most γ(3)|t|. Of p = o + t·d each component is off by at
+/// most δ = (γ(3) + 1)γ(3)|t d| + γ(3)|t d| + u|o + t d|.
+template <Number T>
+BoundedPoint<T> bounded_point(const Leaving<T>& l, const Box<T>&) {
+    BoundedPoint<T> b{l.p, l.p};
+    for (int i = 0; i < 3; ++i) {
+        const T far = abs(l.t * l.ray.direction[i]);
+        b.delta[i] = (gamma<T>(3) + T(1)) * (gamma<T>(3) * far) + gamma<T>(3) * far + unit_roundoff<T>() * abs(l.p[i]);
+    }
+    return b;
+}
+
+/// d = |n|·δ along n, then each component one float further away.
+struct Bound {
+    template <Number T>
+    static Respawn<T> respawn(const Leaving<T>& l) {
+        const BoundedPoint<T> b =
+            l.solid.shape == Shape::sphere ? bounded_point<T>(l, l.solid.sphere()) : bounded_point<T>(l, l.solid.box());
+        const Vec<T> n = facing<T>(l);
+        const T d = abs(n.x) * b.delta.x + abs(n.y) * b.delta.y + abs(n.z) * b.delta.z;
+        Vec<T> o = moved<T>(b.p, d, n);
+        for (int i = 0; i < 3; ++i) o[i] = n[i] > T(0) ? next_up(o[i]) : n[i] < T(0) ? next_down(o[i]) : o[i];
+        return from<T>(o, l);
+    }
+};
+
+struct Exclude {
+    template <Number T>
+    static Respawn<T> respawn(const Leaving<T>& l) {
+        return {l.p, T(0), l.reach, false};
+    }
+};
+
+}  // namespace lostbits::measure::offset

@@ -1,0 +1,40 @@
+// The table of strategies: each is one function of strategies.hpp and one row.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "geometry/solid.hpp"
+#include "measure/offset/strategies.hpp"
+
+namespace lostbits::measure::offset {
+
+struct Strategy {
+    std::string_view name;    ///< `offset.integer`
+    std::string_view title;   ///< the new origin, in a line
+    std::string_view source;  ///< where it is published
+    bool keeps_point;         ///< the new origin is p itself: what is asked of the ray is the rule
+    Respawn<float> (*in_float)(const Leaving<float>&);
+    Respawn<double> (*in_double)(const Leaving<double>&);
+    Respawn<RoundedAny> (*in_any)(const Leaving<RoundedAny>&);
+    Respawn<Counted<float>> (*counted)(const Leaving<Counted<float>>&);
+
+    template <class T>
+    [[nodiscard]] Respawn<T> respawn(const Leaving<T>& l) const {
+        if constexpr (std::is_same_v<T, float>) return in_float(l);
+        else if constexpr (std::is_same_v<T, double>) return in_double(l);
+        else return in_any(l);
+    }
+    /// Operations that one new ray costs, as the rule is written: additions, products, quotients, roots, comparisons,
+    /// choices, conversions and moves of bits, each counted once.
+    [[nodiscard]] std::uint64_t operations(Shape shape) const;
+};
+
+/// In the order of every table.
+std::span<const Strategy> strategies();
+/// The same, one by one.
+std::vector<const Strategy*> all_strategies();
+
+}  // namespace lostbits::measure::offset

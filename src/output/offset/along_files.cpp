@@ -1,0 +1,113 @@
+#include "output/offset/along_files.hpp"
+
+#include <fmt/format.h>
+
+#include "output/image/image.hpp"
+#include "output/offset/offset_files.hpp"
+#include "output/offset/offset_sheet.hpp"
+#include "output/plot/line_plot.hpp"
+
+namespace lostbits::output::offset {
+
+using measure::offset::Along;
+using measure::offset::both_sides;
+using measure::offset::OffsetRequest;
+using measure::offset::OffsetRow;
+using measure::offset::OffsetSummary;
+using measure::offset::Side;
+using measure::offset::SideSummary;
+
+namespace {
+
+std::vector<file::Column> columns_along(Along along) {
+    std::vector<file::Column> columns{
+        {std::string(name_of(along)), "number", "", std::string(measure::offset::meaning_of(along))}};
+    const auto rest = offset_summary_columns();
+    columns.insert(columns.end(), rest.begin(), rest.end());
+    return columns;
+}
+
+std::string subject(const OffsetRow& row, Side side) {
+    return fmt::format("{} in {}, {} points, rays {}", row.row.form->info->name, row.row.format.name,
+                       name_of(row.point), in_words(side));
+}
+
+plot::AxisSpec axis_of(Along along) {
+    return {std::string(measure::offset::meaning_of(along)), plot::AxisSpec::Scale::log2, {}, {}};
+}
+
+}  // namespace
+
+AlongFiles::AlongFiles(const std::filesystem::path& folder, const OffsetRequest& request, Along along)
+    : folder_(folder),
+      request_(request),
+      along_(along),
+      table_(folder / fmt::format("along.{}.csv", name_of(along)), columns_along(along)) {}
+
+void AlongFiles::add(double k, std::vector<OffsetSummary> summaries) {
+    add_summary_rows(request_, summaries, table_, {file::Cell(k)});
+    steps_.push_back(k);
+    summaries_.push_back(std::move(summaries));
+}
+
+std::filesystem::path AlongFiles::file_of(std::size_t row, Side side, const char* what) const {
+    return folder_ /
+           fmt::format("along.{}.{}.{}.{}.png", name_of(along_), row_name(request_.rows[row]), name_of(side), what);
+}
+
+void AlongFiles::plot_wrong(std::size_t row, Side side) const {
+    plot::LinePlotSpec spec{.title = fmt::format("Rays that go wrong along {}", name_of(along_)),
+                            .subtitle = {request_.scene->title, subject(request_.rows[row], side)},
+                            .x = axis_of(along_),
+                            .y = {"share of rays", plot::AxisSpec::Scale::linear, 0.0, 1.0},
+                            .series = {}};
+    for (std::size_t k = 0; k < request_.strategies.size(); ++k) {
+        plot::Series series{.label = short_name(*request_.strategies[k]), .x = steps_, .y = {}, .low = {}, .high = {}};
+        for (const auto& step : summaries_) {
+            const SideSummary& s = step[row].on(side);
+            series.y.push_back(measure::truth::fraction(s.strategies[k].bad, s.rays));
+        }
+        spec.series.push_back(std::move(series));
+    }
+    spec.notes = {"wrong: a self-hit by truth or by the form's arithmetic, or an occluder or the way out lost"};
+    plot::write_line_plot(image::image_backend(), file_of(row, side, "wrong"), spec);
+}
+
+void AlongFiles::plot_size(std::size_t row, Side side) const {
+    plot::LinePlotSpec spec{.title = fmt::format("Offsets along {}", name_of(along_)),
+                            .subtitle = {request_.scene->title, subject(request_.rows[row], side)},
+                            .x = axis_of(along_),
+                            .y = {"world units", plot::AxisSpec::Scale::log10, {}, {}},
+                            .series = {}};
+    const auto add = [&](const std::string& label, bool dashed, const auto& value) {
+        plot::Series series{.label = label, .x = steps_, .y = {}, .low = {}, .high = {}, .dashed = dashed};
+        for (const auto& step : summaries_) series.y.push_back(value(step[row].on(side)));
+        spec.series.push_back(std::move(series));
+    };
+    add("smallest safe, largest", true, [](const SideSummary& s) { return s.safe.quantile(1); });
+    for (std::size_t k = 0; k < request_.strategies.size(); ++k) {
+        if (request_.strategies[k]->keeps_point) continue;
+        add(short_name(*request_.strategies[k]), false,
+            [k](const SideSummary& s) { return s.strategies[k].size.quantile(0.5); });
+    }
+    spec.notes = {"dashed: the largest of the smallest safe offsets of all points; the others: medians over the points",
+                  "where no point needs an offset, or none is enough, the dashed line has no place"};
+    plot::write_line_plot(image::image_backend(), file_of(row, side, "size"), spec);
+}
+
+void AlongFiles::finish() {
+    for (std::size_t r = 0; r < request_.rows.size(); ++r) {
+        for (const Side side : both_sides) {
+            plot_wrong(r, side);
+            plot_size(r, side);
+        }
+    }
+    table_.close();
+}
+
+file::DataResource AlongFiles::resource() const {
+    return {fmt::format("along.{}.csv", name_of(along_)),
+            "One row per place on the axis, strategy, side, kind of point, form and format", columns_along(along_)};
+}
+
+}  // namespace lostbits::output::offset

@@ -1,0 +1,38 @@
+// Points of a scene as one form in one format finds them.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "measure/offset/at_point.hpp"
+#include "measure/rows.hpp"
+
+namespace lostbits::testing {
+
+inline scene::file::Scene load(const std::string& name, int width = 12, int height = 9) {
+    const auto found = scene::file::find_scene(name, LOSTBITS_DATA_DIR);
+    return scene::file::load_scene(found.path, {.variant = found.variant, .size = std::pair{width, height}}).front();
+}
+
+/// Points of a scene as one form in one format finds them, and what to ask them.
+struct ScenePoints {
+    scene::file::Scene scene;
+    measure::map::MapRow of;
+    std::vector<Solid<double>> solids;
+    std::vector<measure::offset::MetPoint> met;
+
+    ScenePoints(const std::string& name, std::string_view form, std::string_view format)
+        : scene(load(name)), of(row(form, format)) {
+        const measure::truth::Band band(scene, 0, scene.height);
+        const auto inputs = band.inputs(of.format, {});
+        solids = inputs.solids.all();
+        const auto answers = measure::answer::evaluate(*of.form, inputs);
+        for (std::size_t i = 0; i < answers.t.size(); ++i) {
+            if (answers.hit[i] != 0 && answers.t[i] > 0)
+                met.push_back({inputs.rays[i], answers.t[i], static_cast<std::size_t>(answers.object[i])});
+        }
+    }
+};
+
+}  // namespace lostbits::testing

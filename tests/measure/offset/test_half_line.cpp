@@ -1,0 +1,135 @@
+// Sides and meetings of half-lines: the filter against enclosures, and both against rationals.
+#include <array>
+
+#include "catch.hpp"
+#include "measure/offset/exact_sides.hpp"
+#include "measure/offset/smallest.hpp"
+#include "measure/seeded.hpp"
+
+using namespace lostbits;
+using measure::offset::find_meeting;
+using measure::offset::find_meeting_by_enclosure;
+using measure::offset::HalfLine;
+using measure::offset::Meeting;
+using testing::Seeded;
+
+namespace {
+
+/// Solids and half-lines that start within some units in the last place of a surface, exactly on it, or anywhere; into,
+/// out of and along it.
+struct Hostile {
+    HalfLine line;
+    Solid<double> solid;
+};
+
+Hostile hostile(Seeded& random, bool box, const FloatFormat& format) {
+    const auto stored = [&](const Vec<double>& v) { return testing::stored(v, format); };
+    const double size = random.magnitude(-12, 12), far = random.coin() ? random.magnitude(-4, 16) : 0;
+    const Vec<double> centre = stored(far * random.vec(-1, 1));
+    Hostile h{{{{0, 0, 0}, {0, 0, 0}}, 0}, Sphere<double>{centre, testing::stored(size, format)}};
+    Vec<double> n = random.vec(-1, 1);
+    if (box) {
+        const Vec<double> half = stored(Vec<double>(random.magnitude(-3, 3), random.magnitude(-10, 3), size));
+        h.solid = Solid<double>(Box<double>{stored(centre - half), stored(centre + half)});
+    }
+    const double long_n = length(n);
+    n = Vec<double>(n.x / long_n, n.y / long_n, n.z / long_n);
+    Vec<double> p = stored(centre + size * n);
+    if (box) {
+        const Box<double> b = h.solid.box();
+        for (int i = 0; i < 3; ++i) p[i] = testing::stored(random.uniform(b.lo[i], b.hi[i]), format);
+        const int axis = random.index(3);
+        p[axis] = random.coin() ? b.lo[axis] : b.hi[axis];
+    }
+    for (int i = 0; i < 3; ++i) p[i] = testing::nudged(p[i], random.coin() ? random.integer(-3, 3) : 0, format);
+    Vec<double> w = random.vec(-1, 1);
+    switch (random.index(4)) {
+        case 0: w = w - dot(w, n) * n; break;                                // along the surface
+        case 1: w = w - (dot(w, n) - random.magnitude(-20, -2)) * n; break;  // just out of it
+        case 2: w[random.index(3)] = 0; break;
+        default: break;
+    }
+    h.line.ray = {p, stored(w)};
+    h.line.from = random.index(4) == 0 ? testing::stored(random.magnitude(-20, 2), format) : 0;
+    return h;
+}
+
+}  // namespace
+
+TEST_CASE("half-lines: the filter, the enclosures and rationals say the same", "[measure][offset]") {
+    Seeded random(20261);
+    std::array<int, 4> kinds{};
+    for (const FloatFormat& format : {binary32, binary64}) {
+        for (int k = 0; k < 40000; ++k) {
+            const Hostile h = hostile(random, k % 2 == 1, format);
+            if (!h.line.is_proper()) continue;
+            const Meeting met = find_meeting(h.line, h.solid);
+            const auto exact = testing::exact_meeting(h.line, h.solid);
+            INFO(k);
+            REQUIRE(met.inside == exact.inside);
+            REQUIRE(met.outside == exact.outside);
+            REQUIRE(met.meets == exact.meets);
+            if (k % 8 < 2) REQUIRE(find_meeting_by_enclosure(h.line, h.solid) == met);
+            ++kinds[met.inside ? 0 : !met.outside ? 1 : met.meets ? 2 : 3];
+        }
+    }
+    for (const int n : kinds) CHECK(n > 500);  // inside, on the surface, entering, missing
+}
+
+TEST_CASE("the way between two points goes through a solid or not", "[measure][offset]") {
+    using measure::offset::passes_through;
+    const Solid<double> unit(Sphere<double>{{0, 0, 0}, 1}), pane(Box<double>{{-1, -1, 0}, {1, 1, 0x1p-40}});
+    CHECK(passes_through({-2, 0, 0}, {2, 0, 0}, unit));
+    CHECK_FALSE(passes_through({-2, 0, 0}, {-1, 0, 0}, unit));  // ends on the surface
+    CHECK(passes_through({-2, 0, 0}, {-0x1.fffffffffffffp-1, 0, 0}, unit));
+    CHECK_FALSE(passes_through({-2, 1, 0}, {2, 1, 0}, unit));  // touches
+    CHECK(passes_through({-2, 0x1.fffffffffffffp-1, 0}, {2, 0x1.fffffffffffffp-1, 0}, unit));
+    CHECK_FALSE(passes_through({2, 0, 0}, {3, 0, 0}, unit));
+    CHECK(passes_through({0.5, 0, 0}, {0.5, 0, 0}, unit));
+    CHECK_FALSE(passes_through({1, 0, 0}, {1, 0, 0}, unit));
+    CHECK(passes_through({0.1, 0.2, -1e-12}, {0.1, 0.2, 1e-9}, pane));
+    CHECK_FALSE(passes_through({0.1, 0.2, 0x1p-40}, {0.1, 0.2, 1}, pane));  // leaves its face
+    CHECK_FALSE(passes_through({2, 0, -1}, {2, 0, 1}, pane));
+}
+
+TEST_CASE("a number at a place is the one whose place that is, in every format", "[measure][offset]") {
+    for (const FloatFormat& f : {binary32, binary64, binary16, bfloat16, FloatFormat{5, -1022, 1023}}) {
+        Seeded random(7);
+        for (int k = 0; k < 2000; ++k) {
+            const std::int64_t n = static_cast<std::int64_t>(random.bits(62)) >> random.index(61);
+            const double x = measure::offset::number_at(n, f);
+            if (std::isinf(x)) continue;
+            CAPTURE(n, f.precision);
+            REQUIRE(measure::truth::ordinal(x, f) == n);
+        }
+        CHECK(measure::offset::number_at(0, f) == 0);
+        CHECK(measure::offset::number_at(1, f) == std::ldexp(1.0, f.emin - f.precision + 1));
+    }
+}
+
+TEST_CASE("bisection finds the least float that is enough, and says where none is", "[measure][offset]") {
+    using measure::offset::Enough;
+    using measure::offset::smallest_enough;
+    Seeded random(11);
+    for (const FloatFormat& f : {binary32, binary64, bfloat16}) {
+        for (int k = 0; k < 500; ++k) {
+            const double least = random.magnitude(-60, 3), most = least * random.uniform(1, 3);
+            const double start = random.magnitude(-70, -10);
+            const auto judge = [&](double e) {
+                return e < least ? Enough::too_little : e > most ? Enough::too_much : Enough::enough;
+            };
+            const double found = smallest_enough(f, start, 64, judge);
+            CAPTURE(least, most, start, found, f.precision);
+            const std::int64_t place = measure::truth::ordinal(
+                measure::offset::number_at(measure::truth::ordinal(rounding::to_format(least, 0, f), f), f), f);
+            double expected = measure::offset::number_at(place, f);
+            if (expected < least) expected = measure::offset::number_at(place + 1, f);
+            if (expected > most) CHECK(std::isinf(found));
+            else CHECK(found == expected);
+        }
+        const auto never = [](double) { return Enough::too_little; };
+        CHECK(std::isinf(smallest_enough(f, 0x1p-20, 64, never)));
+        const auto always = [](double) { return Enough::enough; };
+        CHECK(smallest_enough(f, 0x1p-20, 64, always) == 0);
+    }
+}

@@ -1,0 +1,232 @@
+// Offsets over scenes: what the smallest safe one promises, what each strategy does, and what follows from both.
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "catch.hpp"
+#include "measure/offset/along.hpp"
+#include "measure/offset/cheapest.hpp"
+#include "measure/offset/exact_sides.hpp"
+#include "measure/offset/points.hpp"
+#include "measure/offset/smallest.hpp"
+#include "scene/rays/rays.hpp"
+
+using namespace lostbits;
+using namespace lostbits::measure::offset;
+using testing::load;
+using testing::row;
+using testing::ScenePoints;
+
+namespace {
+
+const std::vector<std::pair<std::string, std::string>> scenes{
+    {"near-benign", "sphere.half_b"},          {"rtg-fig-7-3-4100-oblique", "sphere.double_inside"},
+    {"offset-tiny", "sphere.schoolbook"},      {"rtg-fig-7-4.r6371000", "sphere.half_b"},
+    {"offset-shells.inside", "sphere.half_b"}, {"offset-touching", "sphere.expanded"},
+    {"offset-thin-box", "box.baseline"},       {"world-offset", "sphere.pbrt_factored"}};
+
+/// `p + side·e·n`, each product and sum rounded once to float.
+Vec<double> moved_in_float(const PointWork::Start& at, Side side, double e) {
+    Vec<double> o(0, 0, 0);
+    const float signed_e = static_cast<float>(side == Side::outside ? e : -e);
+    for (int i = 0; i < 3; ++i) {
+        const float step = signed_e * static_cast<float>(at.n[i]);
+        o[i] = static_cast<float>(at.p[i]) + step;
+    }
+    return o;
+}
+
+}  // namespace
+
+TEST_CASE("the smallest safe offset is safe and the float below it is not", "[measure][offset]") {
+    int found = 0, none_needed = 0;
+    for (const auto& [scene, form] : scenes) {
+        for (const char* format : {"f32", "f64", "p14"}) {
+            if (!testing::form_named(form).exists_in(*find_format(format))) continue;
+            const ScenePoints points(scene, form, format);
+            for (const HitPoint point : {HitPoint::computed, HitPoint::projected}) {
+                const auto strategies = all_strategies();
+                const PointWork work(points.of, point, points.solids, Vec<double>(3, 9, 4), strategies);
+                for (std::size_t k = 0; k < points.met.size(); k += 7) {
+                    std::array<SideOfPoint, 2> sides;
+                    std::vector<StrategyAtPoint> at(2 * strategies.size());
+                    if (!work.measure(points.met[k], sides, at)) continue;
+                    for (const Side side : both_sides) {
+                        const SideOfPoint& s = sides[static_cast<std::size_t>(side)];
+                        for (const bool by_form : {false, true}) {
+                            const double e = by_form ? s.quiet : s.safe;
+                            CAPTURE(scene, format, name_of(point), name_of(side), by_form, k, e);
+                            if (!std::isfinite(e)) continue;
+                            REQUIRE(work.is_safe(points.met[k], side, e, by_form));
+                            if (e == 0) {
+                                ++none_needed;
+                                continue;
+                            }
+                            ++found;
+                            const auto place = measure::truth::ordinal(e, points.of.format.shape);
+                            REQUIRE_FALSE(work.is_safe(points.met[k], side,
+                                                       number_at(place - 1, points.of.format.shape), by_form));
+                        }
+                        // What is quiet is safe, and a place that is safe from 0 on needs nothing.
+                        if (s.quiet == 0) CHECK(s.safe == 0);
+                        CHECK(s.rays >= 17);
+                    }
+                }
+            }
+        }
+    }
+    CHECK(found > 300);
+    CHECK(none_needed > 100);
+}
+
+TEST_CASE("below the smallest safe offset hardly any is safe, and above it hardly any is not", "[measure][offset]") {
+    int below = 0, safe_below = 0, above = 0, unsafe_above = 0;
+    for (const auto& [scene, form] : scenes) {
+        const ScenePoints points(scene, form, "f32");
+        const auto strategies = all_strategies();
+        const PointWork work(points.of, HitPoint::projected, points.solids, std::nullopt, strategies);
+        for (std::size_t k = 0; k < points.met.size(); k += 3) {
+            std::array<SideOfPoint, 2> sides;
+            std::vector<StrategyAtPoint> at(2 * strategies.size());
+            if (!work.measure(points.met[k], sides, at)) continue;
+            const double e = sides[0].safe;
+            if (!(e > 0) || !std::isfinite(e)) continue;
+            const std::int64_t place = measure::truth::ordinal(e, binary32);
+            for (std::int64_t step = 1; step < (std::int64_t{1} << 25); step *= 8) {
+                below += 1;
+                safe_below += work.is_safe(points.met[k], Side::outside, number_at(place - step, binary32), false);
+                above += 1;
+                unsafe_above += !work.is_safe(points.met[k], Side::outside, number_at(place + step, binary32), false);
+            }
+        }
+    }
+    CAPTURE(below, safe_below, above, unsafe_above);
+    CHECK(below > 500);
+    CHECK(safe_below * 100 < below);
+    CHECK(unsafe_above * 100 < above);
+}
+
+TEST_CASE("rationals agree that the smallest safe offset is safe and the float below it is not", "[measure][offset]") {
+    int checked = 0;
+    for (const auto& [scene, form] : scenes) {
+        const ScenePoints points(scene, form, "f32");
+        const auto strategies = all_strategies();
+        const PointWork work(points.of, HitPoint::computed, points.solids, std::nullopt, strategies);
+        for (std::size_t k = 0; k < points.met.size(); k += 5) {
+            const MetPoint& met = points.met[k];
+            std::array<SideOfPoint, 2> sides;
+            std::vector<StrategyAtPoint> at(2 * strategies.size());
+            if (!work.measure(met, sides, at)) continue;
+            const auto start = work.start(met).value();
+            for (const Side side : both_sides) {
+                const double e = sides[static_cast<std::size_t>(side)].safe;
+                if (!std::isfinite(e) || e == 0) continue;
+                const auto is_safe = [&](double offset) {
+                    for (const NewRay& r : work.rays(met, *strategies.front(), side)) {
+                        const Ray<double> ray{moved_in_float(start, side, offset), r.ray.direction};
+                        const auto exact = testing::exact_meeting({ray, 0}, points.solids[met.own]);
+                        if (side == Side::outside ? exact.meets : exact.outside || !exact.meets) return false;
+                    }
+                    return true;
+                };
+                CAPTURE(scene, k, name_of(side), e);
+                CHECK(is_safe(e));
+                CHECK_FALSE(is_safe(std::nextafter(static_cast<float>(e), 0.0F)));
+                ++checked;
+            }
+        }
+    }
+    CHECK(checked > 60);
+}
+
+TEST_CASE("faults of respawned rays are those that rationals find", "[measure][offset]") {
+    std::array<int, fault_names.size()> seen{};
+    for (const auto& [scene, form] : scenes) {
+        const ScenePoints points(scene, form, "f32");
+        const auto strategies = all_strategies();
+        const PointWork work(points.of, HitPoint::computed, points.solids, std::nullopt, strategies);
+        for (std::size_t k = 0; k < points.met.size(); k += 9) {
+            const Solid<double>& own = points.solids[points.met[k].own];
+            for (const Strategy* s : strategies) {
+                for (const Side side : both_sides) {
+                    for (const NewRay& r : work.rays(points.met[k], *s, side)) {
+                        for (std::size_t f = 0; f < seen.size(); ++f) seen[f] += (r.faults >> f) & 1U ? 1 : 0;
+                        const auto ahead = testing::exact_meeting({r.ray, r.tmin}, own);
+                        const auto there = testing::exact_meeting({r.ray, 0}, own);
+                        const bool out = side == Side::outside;
+                        CAPTURE(scene, k, s->name, name_of(side));
+                        CHECK(r.has(Fault::wrong_side) == (out ? there.inside : there.outside));
+                        CHECK(r.has(Fault::self_hit) == (r.asks_own && ahead.meets && (out || ahead.outside)));
+                        CHECK(r.has(Fault::lost_exit) == (!out && (!r.asks_own || !ahead.meets)));
+                    }
+                }
+            }
+        }
+    }
+    for (const Fault f : {Fault::self_hit, Fault::self_hit_by_form, Fault::lost_occluder, Fault::lost_exit,
+                          Fault::lost_exit_by_form, Fault::wrong_side}) {
+        INFO(fault_names[static_cast<std::size_t>(f)]);
+        CHECK(seen[static_cast<std::size_t>(f)] > 0);
+    }
+}
+
+TEST_CASE("the cheapest safe strategies are safe, and those left out are not", "[measure][offset]") {
+    const scene::file::Scene scene = load("near-benign", 24, 18);
+    const OffsetRow of{row("sphere.half_b", "f32"), HitPoint::computed};
+    const OffsetRequest request{.scene = &scene, .rows = {of}, .strategies = all_strategies()};
+    const auto summaries = run_offsets(request);
+    const OffsetSummary& summary = summaries.front();
+    const auto both = safe_strategies(scene, of);
+    REQUIRE_FALSE(both.empty());
+    CHECK(std::ranges::is_sorted(both, {}, &SafeStrategy::operations));
+    std::set<const Strategy*> safe;
+    for (const SafeStrategy& s : both) safe.insert(s.strategy);
+    for (std::size_t k = 0; k < request.strategies.size(); ++k) {
+        const bool right =
+            summary.on(Side::outside).strategies[k].bad == 0 && summary.on(Side::inside).strategies[k].bad == 0;
+        INFO(request.strategies[k]->name);
+        CHECK(right == safe.contains(request.strategies[k]));
+    }
+    // Where nothing has to go into the solid, it is enough not to ask it.
+    const auto out = safe_strategies(scene, of, std::array{Side::outside});
+    CHECK(out.front().strategy->name == "offset.exclude");
+    CHECK(out.front().operations == 0);
+    CHECK(safe_strategies(OffsetSummary{}, {}, Shape::sphere).empty());
+}
+
+TEST_CASE("a scene moved along an axis starts as it is, and keeps its picture", "[measure][offset]") {
+    const scene::file::Scene scene = load("near-benign", 24, 18);
+    const auto rays = scene::rays::make_shared_rays(scene, 0, 18);
+    for (const Along along : {Along::distance, Along::radius}) {
+        const auto same = scene::rays::make_shared_rays(moved_along(scene, along, 1), 0, 18);
+        CHECK(same.dx == rays.dx);
+        CHECK(same.oz == rays.oz);
+    }
+    const auto far = scene::rays::make_shared_rays(moved_along(scene, Along::distance, 1024), 0, 18);
+    CHECK(far.oz[0] - -4 == Approx(1024 * (1.1 + 4)).epsilon(1e-4));
+    const auto moved = moved_along(scene, Along::world, 16);
+    CHECK(moved.spheres[1].centre.y == scene.spheres[1].centre.y + 11);
+    CHECK(moved.spheres[1].radius == scene.spheres[1].radius);
+    CHECK(moved_along(scene, Along::radius, 8).spheres[1].radius == 8 * scene.spheres[1].radius);
+    CHECK(moved_along(load("near-benign", 480, 360), Along::world, 1).width == 48);
+    CHECK_THROWS(moved_along(load("sphereflake-near"), Along::world, 1));
+    CHECK_THROWS(moved_along(load("raycast-course.pixels"), Along::distance, 1));
+}
+
+TEST_CASE("a shell 4e-5 away is lost by every offset that is longer", "[measure][offset]") {
+    const scene::file::Scene scene = load("offset-shells.outside", 24, 18);
+    const OffsetRequest request{.scene = &scene,
+                                .rows = {{row("sphere.double_inside", "f32"), HitPoint::projected}},
+                                .strategies = all_strategies()};
+    const auto summaries = run_offsets(request);
+    const OffsetSummary& summary = summaries.front();
+    REQUIRE(summary.points > 50);
+    for (std::size_t k = 0; k < request.strategies.size(); ++k) {
+        const StrategySummary& s = summary.on(Side::inside).strategies[k];
+        if (request.strategies[k]->keeps_point) continue;
+        INFO(request.strategies[k]->name);
+        if (request.strategies[k]->name == "offset.direction") continue;  // grazing rays stay between the shells
+        CHECK((s[Fault::lost_occluder] == 0) == (s.size.quantile(1) < 3.9e-5));
+        if (s.size.quantile(0.5) > 4.2e-5) CHECK(s[Fault::lost_occluder] > summary.on(Side::inside).rays / 2);
+    }
+}

@@ -1,0 +1,157 @@
+// Strategies by themselves: their constants, the set of rays that they are asked about, and neighbours in the way.
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <set>
+
+#include "catch.hpp"
+#include "measure/offset/offsets.hpp"
+#include "measure/offset/points.hpp"
+
+using namespace lostbits;
+using namespace lostbits::measure::offset;
+using testing::load;
+using testing::row;
+
+TEST_CASE("strategies: none moves nothing, exclude meets nothing of its own, constants are those published",
+          "[measure][offset]") {
+    std::set<std::string_view> names;
+    for (const Strategy& s : strategies()) {
+        CHECK(s.name.starts_with("offset."));
+        CHECK(names.insert(s.name).second);
+        CHECK_FALSE(s.source.empty());
+        CHECK((s.operations(Shape::sphere) == 0) == s.keeps_point);
+    }
+    const auto rule = [](std::string_view name) { return *std::ranges::find(strategies(), name, &Strategy::name); };
+    Leaving<float> l{.ray = {{0, 0, 9}, {0, 0, -1}},
+                     .t = 8,
+                     .solid = Sphere<float>{{0, 0, 0}, 1},
+                     .p = {0.01F, -3, 1},
+                     .n = {0.5F, -0.5F, 0.70710678F},
+                     .w = {0, 0, 1},
+                     .side = 1,
+                     .reach = 7};
+    CHECK(rule("offset.none").in_float(l).origin == l.p);
+    CHECK_FALSE(rule("offset.exclude").in_float(l).asks_own);
+    CHECK(rule("offset.tmin").in_float(l).tmin == 1e-3F);
+    CHECK(rule("offset.epsilon").in_float(l).origin == Vec<float>(0.01F + 5e-4F, -3 - 5e-4F, 1 + 1e-3F * 0.70710678F));
+    const auto integer = rule("offset.integer").in_float(l).origin;
+    CHECK(integer.x == 0.01F + 0.5F / 65536);
+    CHECK(integer.y == std::bit_cast<float>(std::bit_cast<std::int32_t>(-3.0F) + 128));
+    CHECK(integer.z == std::bit_cast<float>(std::bit_cast<std::int32_t>(1.0F) + 181));  // 256·0.7071 is 181.02
+    const auto cycles = rule("offset.cycles").in_float(l).origin;
+    CHECK(cycles.x == 0.01F + 1e-5F * 0.5F);
+    CHECK(cycles.y == std::bit_cast<float>(std::bit_cast<std::int32_t>(-3.0F) + 32));
+    const auto relative = rule("offset.relative").in_float(l);
+    CHECK(relative.origin.y == -3 - 4 * (1500 * 0x1p-24F) * 0.5F);
+    CHECK(relative.tmax == Approx(7 * (1 - 15000 * 0x1p-24)).epsilon(1e-7));
+    l.side = -1;
+    CHECK(rule("offset.integer").in_float(l).origin.y ==
+          std::bit_cast<float>(std::bit_cast<std::int32_t>(-3.0F) - 128));
+    // One float further than the bound, away from the surface on either side.
+    const auto in = rule("offset.bound").in_float(l).origin;
+    l.side = 1;
+    const auto out = rule("offset.bound").in_float(l).origin;
+    CHECK(length(in) < length(l.p) / std::sqrt(1 + 8.0F));
+    CHECK(dot(Vec<float>(out - in), l.n) > 0);
+
+    const scene::file::Scene scene = load("near-benign", 24, 18);
+    const OffsetRequest request{
+        .scene = &scene, .rows = {{row("sphere.half_b", "f32"), HitPoint::computed}}, .strategies = all_strategies()};
+    const auto summaries = run_offsets(request);
+    const OffsetSummary& summary = summaries.front();
+    CHECK(summary.points > 100);
+    for (const Side side : both_sides) {
+        CHECK(summary.on(side).strategies.front().size.quantile(1) == 0);
+        CHECK(summary.on(side).strategies.back()[Fault::self_hit] == 0);
+    }
+    CHECK(summary.on(Side::inside).strategies.back()[Fault::lost_exit] == summary.on(Side::inside).rays);
+}
+
+TEST_CASE("the constants of double are those of float, as its u is to that of float", "[measure][offset]") {
+    Leaving<double> l{.ray = {{0, 0, 9}, {0, 0, -1}},
+                      .t = 8,
+                      .solid = Sphere<double>{{0, 0, 0}, 1},
+                      .p = {0.01, -3, 1},
+                      .n = {0.5, -0.5, 0.7},
+                      .w = {0, 0, 1},
+                      .side = 1,
+                      .reach = 7};
+    const auto at = [&](std::string_view name) {
+        return std::ranges::find(strategies(), name, &Strategy::name)->in_double(l).origin;
+    };
+    CHECK(at("offset.integer").x == 0.01 + 256 * 0x1p-53 * 0.5);
+    CHECK(at("offset.cycles").x == Approx(0.01 + 1e-5 * 0x1p-29 * 0.5).epsilon(0x1p-52));
+    CHECK(at("offset.relative").y == -3 - 4 * (1500 * 0x1p-53) * 0.5);
+    CHECK(at("offset.epsilon").y == -3 - 1e-3 * 0.5);
+}
+
+TEST_CASE("the rays that leave a point: to the light, mirrored, refracted by Snell's law, over both hemispheres",
+          "[measure][offset]") {
+    const Vec<double> n(0.48, -0.6, 0.64), p(1, 2, 3);
+    const auto angle = [&](const Vec<double>& w) { return dot(n, w) / length(w); };
+    const auto ways_of = [&](const Vec<double>& d, const std::optional<Vec<double>>& light) {
+        return ways_from<double>({p, d}, p, n, HUGE_VAL, light);
+    };
+    const Vec<double> along(0.8, 0, -0.6);  // perpendicular to n
+    REQUIRE(dot(along, n) == Approx(0).margin(1e-15));
+    for (const double slope : {0.1, 1.0, 5.0}) {
+        const Vec<double> d = along - slope * n;  // from outside, of no unit length
+        const auto ways = ways_of(d, std::nullopt);
+        REQUIRE(ways.size() == 36);
+        CHECK(angle(ways[0].w) == Approx(-angle(d)));
+        CHECK(dot(along, ways[0].w) == Approx(dot(along, d) / length(d)));
+        // sin θ' = 2/3 sin θ, on the other side, in the same plane.
+        CHECK(dot(along, ways[1].w) == Approx(2.0 / 3 * dot(along, d) / length(d)));
+        CHECK(ways[1].side == -1);
+        for (const auto& way : ways) {
+            CHECK(length(way.w) == Approx(1).epsilon(1e-14));
+            CHECK(way.side == (angle(way.w) > 0 ? 1 : -1));
+            CHECK(std::isinf(way.reach));
+        }
+        for (std::size_t k = 0; k < 17; ++k) {
+            const double cosine = k == 0 ? 1 : 1.0 / cosine_denominators[(k + 3) / 4];
+            CHECK(angle(ways[2 + k].w) == Approx(cosine));
+            CHECK(angle(ways[19 + k].w) == Approx(-cosine));
+        }
+    }
+    // From inside: out of the glass where that is possible, mirrored totally where it is not.
+    CHECK(ways_of(along + 5.0 * n, std::nullopt).size() == 36);
+    CHECK(dot(along, ways_of(along + 5.0 * n, std::nullopt)[1].w) == Approx(1.5 / std::sqrt(26.0)));
+    CHECK(ways_of(along + 0.1 * n, std::nullopt).size() == 35);
+    // The light comes first, where it is above the surface.
+    const auto lit = ways_of(along - n, p + 2.5 * n);
+    REQUIRE(lit.size() == 37);
+    CHECK(lit[0].reach == Approx(2.5));
+    CHECK(angle(lit[0].w) == Approx(1));
+    CHECK(ways_of(along - n, p - 2.5 * n).size() == 36);
+}
+
+TEST_CASE("a bead above a sphere: jumped over, started in, or kept in sight", "[measure][offset]") {
+    const measure::map::MapRow of = row("sphere.half_b", "f32");
+    const auto strategies = all_strategies();
+    const auto named = [](std::string_view name) -> const Strategy& {
+        return *std::ranges::find(measure::offset::strategies(), name, &Strategy::name);
+    };
+    // At the pole of a unit sphere; t is exact, and so is the point.
+    const MetPoint pole{{{0, 0, 5}, {0, 0, -1}}, 4, 0};
+    const auto count = [&](double above, double radius, std::string_view name, Fault fault) {
+        const std::vector<Solid<double>> solids{Sphere<double>{{0, 0, 0}, 1}, Sphere<double>{{0, 0, above}, radius}};
+        const PointWork work(of, HitPoint::computed, solids, std::nullopt, strategies);
+        const auto rays = work.rays(pole, named(name), Side::outside);
+        CHECK(rays.size() == 18);
+        return std::ranges::count_if(rays, [&](const NewRay& r) { return r.has(fault); });
+    };
+    // From 3 to 5 ten-thousandths above: the ray along the normal, twice (mirrored and up), meets it.
+    const double above = 1 + 0x1.a36e2ep-12, radius = 0x1.a36e2ep-14;
+    CHECK(count(above, radius, "offset.epsilon", Fault::lost_occluder) == 2);
+    CHECK(count(above, radius, "offset.tmin", Fault::lost_occluder) == 2);
+    CHECK(count(above, radius, "offset.epsilon", Fault::begins_in_neighbour) == 0);
+    CHECK(count(above, radius, "offset.epsilon_1e-4", Fault::lost_occluder) == 0);
+    CHECK(count(above, radius, "offset.integer", Fault::lost_occluder) == 0);
+    CHECK(count(above, radius, "offset.exclude", Fault::lost_occluder) == 0);
+    // A bead that holds the place a thousandth above: every ray starts in it.
+    CHECK(count(1 + 0x1p-10, 0x1p-12, "offset.epsilon", Fault::begins_in_neighbour) == 18);
+    CHECK(count(1 + 0x1p-10, 0x1p-12, "offset.epsilon", Fault::lost_occluder) == 2);
+    CHECK(count(1 + 0x1p-10, 0x1p-12, "offset.epsilon_1e-4", Fault::begins_in_neighbour) == 0);
+}
