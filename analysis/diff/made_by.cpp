@@ -19,9 +19,10 @@ namespace fs = std::filesystem;
 namespace {
 
 /// Options that change what is measured, and not only of what, or how it is shown.
-constexpr std::array<std::string_view, 16> of_what_is_measured{
-    "--size", "--set",       "--variant",  "--steps",     "--seeds", "--scene", "--sphere", "--box",
-    "--miss", "--direction", "--touching", "--at-origin", "--skip",  "--quick", "--stage",  "--repetitions"};
+constexpr std::array<std::string_view, 21> of_what_is_measured{
+    "--bits",      "--wrong",    "--at",        "--single", "--bulk",   "--size",  "--set",
+    "--variant",   "--steps",    "--seeds",     "--scene",  "--sphere", "--box",   "--miss",
+    "--direction", "--touching", "--at-origin", "--skip",   "--quick",  "--stage", "--repetitions"};
 
 /// The words of a command as `shell_word` wrote them.
 std::vector<std::string> words_of(const std::string& command) {
@@ -50,7 +51,8 @@ Settings settings_of(const std::string& command) {
     const auto words = words_of(command);
     for (std::size_t i = 0; i < words.size(); ++i) {
         if (std::ranges::find(of_what_is_measured, words[i]) == of_what_is_measured.end()) continue;
-        if (words[i] == "--quick" || i + 1 == words.size()) settings[words[i]].insert("");
+        if (words[i] == "--quick" || words[i] == "--single" || words[i] == "--bulk" || i + 1 == words.size())
+            settings[words[i]].insert("");
         else if (words[i] != "--set") settings[words[i]].insert(words[i + 1]);
         else
             std::ranges::copy(choice::assignments_in(words[i + 1]),

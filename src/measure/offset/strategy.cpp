@@ -18,7 +18,7 @@ constexpr Strategy row(std::string_view name, std::string_view title, std::strin
             &Rule::template respawn<Counted<float>>};
 }
 
-constexpr Strategy table[] = {
+constexpr Strategy strategy_rows[] = {
     row<None>("offset.none", "p, and t > 0", "-", true),
     row<Tmin<3>>("offset.tmin", "p, and t > 1e-3", "Shirley, Ray Tracing in One Weekend, section 9.3", true),
     row<Tmin<4>>("offset.tmin_1e-4", "p, and t > 1e-4", "Beason, smallpt: Global Illumination in 99 lines of C++",
@@ -42,11 +42,11 @@ constexpr Strategy table[] = {
 
 }  // namespace
 
-std::span<const Strategy> strategies() { return table; }
+std::span<const Strategy> strategies() { return strategy_rows; }
 
 std::vector<const Strategy*> all_strategies() {
     std::vector<const Strategy*> all;
-    for (const Strategy& s : table) all.push_back(&s);
+    for (const Strategy& s : strategy_rows) all.push_back(&s);
     return all;
 }
 

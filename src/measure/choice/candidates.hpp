@@ -1,0 +1,79 @@
+// Every form and format on the rays of a scene: what it keeps, what it decides wrongly and what it costs, in one run.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string_view>
+#include <vector>
+
+#include "measure/map/map.hpp"
+#include "measure/speed/timing.hpp"
+
+namespace lostbits::measure::choice {
+
+/// What a user asks of an intersector.
+struct Wish {
+    double bits = 0;   ///< correct bits of t, at least
+    double wrong = 0;  ///< share of the rays whose decision may be wrong: false or missed hits, NaN, another solid
+    double quantile = 0.99;  ///< of the agreed hits, so many keep those bits; 1: every one
+};
+
+/// What a row of a map is worth to a wish.
+struct Worth {
+    std::uint64_t rays = 0;                  ///< whose truth is known
+    std::uint64_t wrong = 0;                 ///< of these, decided wrongly
+    std::optional<answer::Outcome> first{};  ///< the most frequent way
+    double kept_bits = 0;    ///< p − lost bits, at the wish's quantile of the agreed hits; NaN where none is agreed
+    std::uint64_t hits = 0;  ///< rays that truly hit
+
+    [[nodiscard]] double wrong_fraction() const {
+        return rays == 0 ? 0 : static_cast<double>(wrong) / static_cast<double>(rays);
+    }
+    [[nodiscard]] bool decides(const Wish& wish) const { return wrong_fraction() <= wish.wrong; }
+    [[nodiscard]] bool meets(const Wish& wish) const { return decides(wish) && kept_bits >= wish.bits; }
+};
+
+/// A form in a format, as it would be called.
+struct Candidate {
+    map::MapRow row;
+    std::string_view isa;  ///< of the registers: `scalar`, `128`, ...
+    speed::Timing time{};  ///< seconds a ray and solid
+    Worth worth{};
+};
+
+struct ChoiceRequest {
+    const scene::file::Scene* scene = nullptr;
+    std::vector<map::MapRow> rows;  ///< f32 and f64 alone
+    Wish wish{};
+    bool single = false;  ///< one ray at a time, not a register full
+    speed::TimingPlan plan{};
+    truth::TruthLimit limit{};
+    /// Rays and rows done; may throw to stop. The plan's own progress counts its measurements.
+    std::function<void(std::uint64_t)> progress = [](std::uint64_t) {};
+};
+
+/// The worth of the row on the scene, at the scene's size; `progress` as above.
+std::vector<Worth> worth_of(const ChoiceRequest& request);
+
+/// What was timed: rays of the scene, taken evenly over its picture, against the solids that most of them truly hit.
+struct TimedRays {
+    std::size_t rays = 0, solids = 0;
+};
+
+/// Every row, in the request's order: its worth, and its time on the scene's own rays.
+std::vector<Candidate> measure_candidates(const ChoiceRequest& request, TimedRays& timed);
+
+/// The fastest that meets the wish; the fastest and the most accurate of all (fewest wrong decisions, then most bits);
+/// nothing where the list is empty or nothing meets it.
+std::optional<std::size_t> cheapest(const std::vector<Candidate>& all, const Wish& wish);
+std::optional<std::size_t> fastest(const std::vector<Candidate>& all);
+std::optional<std::size_t> most_accurate(const std::vector<Candidate>& all);
+/// What comes nearest to a wish that nothing meets: of those that decide well enough the one that keeps most bits; if
+/// there is none, the one that decides fewest rays wrongly.
+std::optional<std::size_t> nearest(const std::vector<Candidate>& all, const Wish& wish);
+
+/// The scene in at most so many pixels, its proportions kept.
+scene::file::Scene thinned(const scene::file::Scene& scene, int pixels);
+
+}  // namespace lostbits::measure::choice

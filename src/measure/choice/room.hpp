@@ -1,0 +1,58 @@
+// How far a choice holds: the scene stretched one way until the wish fails.
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string_view>
+#include <vector>
+
+#include "measure/choice/candidates.hpp"
+
+namespace lostbits::measure::choice {
+
+/// What grows by a factor while the rest stays.
+enum class Way {
+    distance,  ///< from the eye to the solids, straight back along the view; a narrower view keeps the picture
+    radius,    ///< of each solid, about its point nearest to the eye, which stays where it is
+    offset,    ///< eye and solids together move away from the origin, along (3, 2, −1)
+    view       ///< the tangent of half the field of view
+};
+inline constexpr std::array<std::string_view, 4> way_names{"distance", "radius", "offset", "view"};
+inline constexpr std::array ways{Way::distance, Way::radius, Way::offset, Way::view};
+
+/// A scene after that, and the length or angle that stands for it.
+struct Stretched {
+    scene::file::Scene scene;
+    double value;  ///< distance: from the eye to the solids' middle, along the view; radius: of the largest solid (of a
+                   ///< box half its longest side); offset: of what moved: world units. view: degrees
+};
+
+/// Nothing where the way means nothing for the scene: no distance, offset or view of the pixel plane, no distance of
+/// solids that lie behind, no radius of a sphereflake, no view of parallel rays, and none wider than 170 degrees. The
+/// offset at a factor k is (k − 1) times the distance from the eye to the solids' middle. `factor` ≥ 1.
+std::optional<Stretched> stretched(const scene::file::Scene& scene, Way way, double factor);
+
+/// What ended the search along a way.
+enum class End {
+    fails,        ///< the wish
+    nothing_hit,  ///< no ray hits anything there
+    other_scene,  ///< binary32, to which shared inputs are rounded, holds another scene there: the hits of what is
+                  ///< stored and of what was meant are apart by more than a tenth
+    none  ///< nothing, up to the largest factor or the widest view
+};
+inline constexpr std::array<std::string_view, 4> end_names{"fails", "nothing_hit", "other_scene", "none"};
+
+struct Room {
+    Way way = Way::distance;
+    double holds = 0, value = 0;  ///< the largest factor at which the wish was seen to hold below the end, and what it
+                                  ///< stands for; 0: it fails as the scene is
+    double beyond = 0;            ///< the first factor seen at the end; 0 where there is none
+    End end = End::none;
+    Worth broken{};  ///< there, where the wish fails
+};
+
+/// Doubles the factor until the wish fails or the way ends, at most to 2^64, and halves the last step until it is known
+/// to 2 %. What fails in between and holds again is not seen. On a picture of at most `pixels`.
+std::vector<Room> rooms_of(const ChoiceRequest& request, const map::MapRow& row, int pixels = 4096);
+
+}  // namespace lostbits::measure::choice

@@ -1,0 +1,153 @@
+#include "output/choice/choice_files.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "measure/speed/trade.hpp"
+#include "output/file/datapackage.hpp"
+#include "output/map/row_names.hpp"
+#include "output/plot/scatter_plot.hpp"
+
+namespace lostbits::output::choice {
+
+using file::Cell;
+using file::Column;
+using measure::choice::Candidate;
+using measure::choice::Room;
+
+namespace {
+
+const std::vector<Column> candidate_columns{
+    {"form", "string", "", "form under test"},
+    {"format", "string", "", "format it computes in"},
+    {"isa", "string", "", "bits of the registers that hold rays side by side; scalar: one ray at a time"},
+    {"time_ns", "number", "ns", "per ray and solid; median of the repetitions"},
+    {"time_ns_q1", "number", "ns", "per ray and solid; first quartile"},
+    {"time_ns_q3", "number", "ns", "per ray and solid; third quartile"},
+    {"rays", "integer", "", "whose truth is known"},
+    {"true_hits", "integer", "", "rays that truly hit"},
+    {"wrong", "integer", "", "false hits, false misses, NaNs and hits of another solid"},
+    {"wrong_fraction", "number", "1", "wrong/rays"},
+    {"kept_bits", "number", "bits", "significand bits less what is lost, at the wish's share of the agreed hits"},
+    {"meets", "boolean", "", "whether it meets the wish"},
+    {"chosen", "boolean", "", "the cheapest that does"}};
+
+const std::vector<Column> room_columns{
+    {"way", "string", "", "what grows: distance, radius, offset, view"},
+    {"holds", "number", "1", "the largest factor at which the wish was seen to hold; 0: not as the scene is"},
+    {"value", "number", "", "what that is: world units, of view degrees; missing where holds is 0"},
+    {"beyond", "number", "1", "the first factor seen beyond that; missing: none"},
+    {"end", "string", "",
+     "what is there: fails (the wish), nothing_hit, other_scene (binary32 holds another one), none (as far as was "
+     "tried)"},
+    {"wrong", "integer", "", "rays decided wrongly where it fails"},
+    {"rays", "integer", "", "of so many"},
+    {"kept_bits", "number", "bits", "kept there"}};
+
+Cell number_or_missing(double x) { return std::isnan(x) ? Cell() : Cell(x); }
+
+/// The places of all, cheapest first.
+std::vector<std::size_t> by_price(const std::vector<Candidate>& all) {
+    std::vector<std::size_t> order(all.size());
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    std::ranges::stable_sort(order, {}, [&all](std::size_t c) { return all[c].time.median; });
+    return order;
+}
+
+plot::ScatterPlotSpec front_plot(const Chosen& chosen) {
+    const auto& wish = chosen.request.wish;
+    std::vector<measure::speed::ParetoPoint> points;
+    for (const Candidate& c : chosen.all)
+        points.push_back({c.time.median * 1e9, c.worth.wrong_fraction(), c.worth.kept_bits});
+    const auto beaten = measure::speed::dominated(points);
+    plot::ScatterPlotSpec spec;
+    spec.title = fmt::format("Time against kept bits on {}", chosen.request.scene->id);
+    spec.subtitle = {
+        fmt::format("Wished: {}. {}.", in_words(wish),
+                    chosen.meets ? fmt::format("Chosen: {} in {}", chosen.all[*chosen.meets].row.form->info->name,
+                                               chosen.all[*chosen.meets].row.format.name)
+                                 : "Nothing meets it"),
+        fmt::format("Time: {} rays of the scene against {} of its solids, median of {} repetitions of "
+                    "this run, bars from quartile to quartile. Named: the Pareto front, where fewer wrong "
+                    "decisions count before more bits, and what is chosen.",
+                    chosen.timed.rays, chosen.timed.solids, chosen.request.plan.repetitions)};
+    spec.x = {"time per ray and solid, ns", plot::AxisSpec::Scale::log2, {}, {}};
+    spec.y = {"bits kept", plot::AxisSpec::Scale::linear, 0.0, {}};
+    std::vector<std::size_t> front;
+    for (std::size_t k = 0; k < chosen.all.size(); ++k) {
+        const Candidate& c = chosen.all[k];
+        const bool named = !beaten[k] || chosen.meets == k;
+        spec.points.push_back({.x = points[k].time_ns,
+                               .y = points[k].kept_bits,
+                               .x_low = c.time.low_quartile * 1e9,
+                               .x_high = c.time.high_quartile * 1e9,
+                               .marker = chosen.meets == k ? 3 : 0,
+                               .colour = c.row.format.engine == Format::Engine::native64 ? std::size_t{1} : 0,
+                               .faint = !named,
+                               .hollow = !c.worth.decides(wish),
+                               .label = named ? map::short_name(*c.row.form->info) : std::string()});
+        if (!beaten[k] && !std::isnan(points[k].kept_bits)) front.push_back(k);
+    }
+    std::ranges::stable_sort(front, {}, [&points](std::size_t k) { return points[k].time_ns; });
+    for (const std::size_t k : front)
+        spec.front.push_back({points[k].time_ns, points[k].kept_bits, points[k].never_wrong()});
+    spec.keys = {{"f32", 0, 0},
+                 {"f64", 0, 1},
+                 {"decides more rays wrongly than wished", 0, 0, false, true},
+                 {"not on the Pareto front", 0, 0, true}};
+    if (chosen.meets) spec.keys.push_back({"chosen", 3, 0});
+    return spec;
+}
+
+}  // namespace
+
+ChoiceFiles::ChoiceFiles(const std::filesystem::path& folder)
+    : folder_(folder),
+      candidates_(folder / "choose.csv", candidate_columns),
+      rooms_(folder / "room.csv", room_columns) {}
+
+void ChoiceFiles::write_candidates(const Chosen& chosen) {
+    for (const std::size_t k : by_price(chosen.all)) {
+        const Candidate& c = chosen.all[k];
+        candidates_.add(c.row.form->info->name).add(c.row.format.name).add(c.isa);
+        candidates_.add(c.time.median * 1e9).add(c.time.low_quartile * 1e9).add(c.time.high_quartile * 1e9);
+        candidates_.add(c.worth.rays).add(c.worth.hits).add(c.worth.wrong).add(c.worth.wrong_fraction());
+        candidates_.add(number_or_missing(c.worth.kept_bits))
+            .add(c.worth.meets(chosen.request.wish))
+            .add(chosen.meets == k);
+        candidates_.end_row();
+    }
+}
+
+void ChoiceFiles::write_rooms(const Chosen& chosen) {
+    for (const Room& room : chosen.rooms) {
+        const bool fails = room.end == measure::choice::End::fails;
+        rooms_.add(measure::choice::way_names[static_cast<std::size_t>(room.way)]).add(room.holds);
+        rooms_.add(room.holds == 0 ? Cell() : Cell(room.value)).add(room.beyond == 0 ? Cell() : Cell(room.beyond));
+        rooms_.add(measure::choice::end_names[static_cast<std::size_t>(room.end)]);
+        rooms_.add(fails ? Cell(room.broken.wrong) : Cell()).add(fails ? Cell(room.broken.rays) : Cell());
+        rooms_.add(fails ? number_or_missing(room.broken.kept_bits) : Cell());
+        rooms_.end_row();
+    }
+}
+
+void ChoiceFiles::finish(const Chosen& chosen) {
+    write_candidates(chosen);
+    write_rooms(chosen);
+    plot::write_scatter_plot(image::image_backend(), folder_ / "front.png", front_plot(chosen));
+    file::AtomicFile words(folder_ / "choose.txt");
+    words.write(in_words(chosen));
+    words.commit();
+    file::write_datapackage(
+        folder_ / "datapackage.json",
+        fmt::format("What meets a wish on {}: {}", chosen.request.scene->id, in_words(chosen.request.wish)),
+        {{"choose.csv", "One row per form and format, cheapest first; times vary from run to run", candidate_columns},
+         {"room.csv", "One row per way in which the scene was stretched under what is chosen", room_columns}});
+    candidates_.close();
+    rooms_.close();
+}
+
+}  // namespace lostbits::output::choice

@@ -1,0 +1,26 @@
+// The files of a choice: choose.csv (every form and format, cheapest first), room.csv, front.png, choose.txt and
+// datapackage.json. Times are measured and differ from run to run; the columns of accuracy do not.
+#pragma once
+
+#include <filesystem>
+
+#include "output/choice/choice_text.hpp"
+#include "output/file/csv.hpp"
+
+namespace lostbits::output::choice {
+
+/// Opened before the work, named when it is whole.
+class ChoiceFiles {
+public:
+    explicit ChoiceFiles(const std::filesystem::path& folder);
+    void finish(const Chosen& chosen);
+
+private:
+    void write_candidates(const Chosen& chosen);
+    void write_rooms(const Chosen& chosen);
+
+    std::filesystem::path folder_;
+    file::CsvWriter candidates_, rooms_;
+};
+
+}  // namespace lostbits::output::choice
