@@ -93,6 +93,8 @@ void measure_offsets(const std::vector<Claim>& claims, const Places& places, con
         at.push_back({place_in(request.rows, offset::OffsetRow{row, point}), place_in(request.strategies, strategy),
                       static_cast<offset::Side>(place_of_word(claim, "side", claim.side, offset::side_names))});
     }
+    request.quiet = std::ranges::any_of(
+        places, [&claims](std::size_t i) { return claims[i].metric.find("quiet") != std::string::npos; });
     const auto summaries = offset::run_offsets(request);
     for (std::size_t k = 0; k < places.size(); ++k) {
         const Claim& claim = claims[places[k]];

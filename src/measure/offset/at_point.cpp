@@ -247,8 +247,8 @@ private:
     std::array<std::vector<Way<T>>, 2> ways_;
 };
 
-bool PointWork::measure(const MetPoint& met, std::array<SideOfPoint, 2>& sides,
-                        std::span<StrategyAtPoint> by_strategy) const {
+bool PointWork::measure(const MetPoint& met, std::array<SideOfPoint, 2>& sides, std::span<StrategyAtPoint> by_strategy,
+                        bool quiet) const {
     return with_number(row_.format, [&]<class T>() {
         const TypedPoint<T> point(*this, met);
         if (!point.is_there()) return false;
@@ -256,7 +256,7 @@ bool PointWork::measure(const MetPoint& met, std::array<SideOfPoint, 2>& sides,
             const auto s = static_cast<std::size_t>(side);
             sides[s].rays = static_cast<std::uint8_t>(point.count(side));
             sides[s].safe = point.smallest(side, false);
-            sides[s].quiet = point.smallest(side, true);
+            if (quiet) sides[s].quiet = point.smallest(side, true);
             for (std::size_t k = 0; k < strategies_.size(); ++k) {
                 StrategyAtPoint& at = by_strategy[s * strategies_.size() + k];
                 for (const NewRay& r : point.rays(*strategies_[k], side)) {

@@ -86,7 +86,9 @@ public:
 
     /// Both sides; a strategy's place in `by_strategy` is side·strategies + its own. False where the computed point or
     /// its normal is not finite: nothing is filled in then.
-    bool measure(const MetPoint& met, std::array<SideOfPoint, 2>& sides, std::span<StrategyAtPoint> by_strategy) const;
+    /// `quiet`: whether that offset is looked for; it stays missing otherwise.
+    bool measure(const MetPoint& met, std::array<SideOfPoint, 2>& sides, std::span<StrategyAtPoint> by_strategy,
+                 bool quiet = true) const;
 
     /// The rays of one strategy to one side, with their faults.
     [[nodiscard]] std::vector<NewRay> rays(const MetPoint& met, const Strategy& strategy, Side side) const;

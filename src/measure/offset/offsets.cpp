@@ -51,7 +51,7 @@ public:
                 stop_if_interrupted();
                 if (!meets_the_true_solid(i)) continue;
                 const auto by_strategy = std::span(out_.by_strategy).subspan(2 * i * m, 2 * m);
-                if (!work_.measure(met(i), out_.sides[i], by_strategy)) continue;
+                if (!work_.measure(met(i), out_.sides[i], by_strategy, request_.quiet)) continue;
                 out_.is_point[i] = 1;
                 out_.object[i] = answers_.object[i];
                 out_.ulp[i] = ulp_of(work_.start(met(i))->p);

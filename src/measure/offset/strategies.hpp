@@ -146,7 +146,9 @@ struct Relative {
     template <Number T>
     static Respawn<T> respawn(const Leaving<T>& l) {
         const T e = (T(1) + largest_of<T>(l.p)) * (T(1500) * unit_roundoff<T>());
-        return {moved<T>(l.p, l.side * e, l.n), T(0), (T(1) - T(15000) * unit_roundoff<T>()) * l.reach, true};
+        const T shorter = (T(1) - T(15000) * unit_roundoff<T>()) * l.reach;
+        const bool ends = l.reach + l.reach > l.reach;  // not for an infinite one
+        return {moved<T>(l.p, l.side * e, l.n), T(0), select(ends, shorter, l.reach), true};
     }
 };
 

@@ -119,7 +119,7 @@ std::string picture_offsets(const std::filesystem::path& folder, const ClaimSubj
     const auto found = scene::file::find_scene(claims[subject.claims.front()].offsets, data_dir);
     const scene::file::Scene scene = scene::file::load_scene(found.path, {.variant = found.variant}).front();
     measure::offset::OffsetRequest request{
-        .scene = &scene, .rows = {}, .strategies = measure::offset::all_strategies()};
+        .scene = &scene, .rows = {}, .strategies = measure::offset::all_strategies(), .quiet = false};
     for (const std::size_t i : subject.claims) {
         for (const auto point : {measure::offset::HitPoint::computed, measure::offset::HitPoint::projected}) {
             const measure::offset::OffsetRow row{measure::claim::claim_row(claims[i]), point};
