@@ -13,6 +13,19 @@
 
 namespace lostbits {
 
+/// The base of masks: of the three-valued decisions of enclosures, of decisions on a tape, of those of a pack's lanes.
+/// An `if`, `?:`, `while`, or `&&` with a bool asks for one answer where there may be none yet, or several: it is told
+/// so in one sentence. (The mask of the archetype is no such base: there the question itself must not exist.)
+struct NotABool {
+    template <std::same_as<bool> Asked>
+    explicit operator Asked() const {
+        static_assert(!std::same_as<Asked, bool>,
+                      "this comparison may have no single answer (an interval, a pack of rays), so it cannot be asked "
+                      "by if or ?: - write select(mask, a, b), compute both ways and join masks by && || !");
+        return false;
+    }
+};
+
 /// The type of `a < b`: `bool` for scalars, `Tri` for enclosures, a lane mask for SIMD packs.
 template <class T>
 using mask_t = decltype(std::declval<const T&>() < std::declval<const T&>());
@@ -47,6 +60,11 @@ inline double next_down(double x) { return std::nextafter(x, -HUGE_VAL); }
 /// True for numbers that stand for exact arithmetic: they have no neighbours, rounding outward is identity.
 template <class T>
 inline constexpr bool stands_for_exact = false;
+
+/// True for numbers that say something of each operation: its place on a tape, a bound on its rounding. Sums that
+/// cancel their own errors exactly say nothing there, and forms leave them out.
+template <class T>
+inline constexpr bool tells_of_operations = false;
 
 template <class T>
 requires stands_for_exact<T> T next_up(const T& x) { return x; }
@@ -99,6 +117,13 @@ template <class T>
 constexpr const T& named(std::string_view, const T& value) {
     return value;
 }
+
+/// For the life of a `Part`, operations of numbers that keep a tape get its name instead of those in the text: a
+/// stretch of many operations whose single names say nothing. Nothing for all others.
+template <class T>
+struct Part {
+    explicit Part(std::string_view /*name*/) {}
+};
 
 /// The arithmetic that "compute it in double inside" means for T; T itself where nothing is wider.
 template <class T>

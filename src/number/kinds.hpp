@@ -3,6 +3,7 @@
 
 #include "number/archetype.hpp"
 #include "number/ball.hpp"
+#include "number/bounded.hpp"
 #include "number/counted.hpp"
 #include "number/dual.hpp"
 #include "number/interval.hpp"
@@ -39,7 +40,9 @@ using RunnableNumbers = TypeList<  //
     Counted<float>,                // what does it cost in operations?
     Counted<double>,               //
     Recorded<float>,               // which operation lost the bits?
-    Recorded<double>               //
+    Recorded<double>,              //
+    Bounded<float>,                // how wrong can it be, by its own account?
+    Bounded<double>                //
     >;
 
 }  // namespace lostbits

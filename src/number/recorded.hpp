@@ -1,7 +1,6 @@
 // Recorded: which operation lost the bits? A number of a format that writes down what is done to it.
 #pragma once
 
-#include "number/mask.hpp"
 #include "number/rounded.hpp"
 #include "number/tape.hpp"
 
@@ -115,7 +114,7 @@ public:
     /// The same number in another format.
     template <class To>
     [[nodiscard]] Recorded<To> converted() const {
-        return Recorded<To>::made(TapeOp::convert, static_cast<To>(value_), node_);
+        return Recorded<To>::made(TapeOp::convert, static_cast<To>(as_double(value_)), node_);
     }
 
 private:
@@ -146,12 +145,37 @@ const Recorded<F>& named(std::string_view label, const Recorded<F>& value) {
     return value;
 }
 
+template <class F>
+struct Part<Recorded<F>> {
+    explicit Part(std::string_view name) {
+        if (tape) tape->part = name;
+    }
+    ~Part() {
+        if (tape) tape->part = {};
+    }
+    Part(const Part&) = delete;
+    Part& operator=(const Part&) = delete;
+
+private:
+    Tape* tape = Tape::current();
+};
+
 template <>
 struct Wider<Recorded<float>> {
     using type = Recorded<double>;
     static type widen(const Recorded<float>& x) { return x.converted<double>(); }
     static Recorded<float> narrow(const type& x) { return x.converted<float>(); }
 };
+
+template <class F>
+struct Wider<Recorded<BasicRounded<F>>> {
+    using type = Recorded<double>;
+    static type widen(const Recorded<BasicRounded<F>>& x) { return x.template converted<double>(); }
+    static Recorded<BasicRounded<F>> narrow(const type& x) { return x.template converted<BasicRounded<F>>(); }
+};
+
+template <class F>
+inline constexpr bool tells_of_operations<Recorded<F>> = true;
 
 static_assert(Number<Recorded<float>> && Number<Recorded<double>> && Number<Recorded<RoundedAny>>);
 

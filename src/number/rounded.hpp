@@ -133,6 +133,14 @@ using TensorFloat32 = Rounded<11, -126, 127>;
 /// The format is the thread's `CurrentFormat`: one instantiation of a formula serves every format at run time.
 using RoundedAny = BasicRounded<CurrentFormat>;
 
+/// A double holds every number of these formats.
+template <class F>
+struct Wider<BasicRounded<F>> {
+    using type = double;
+    static double widen(BasicRounded<F> x) { return x.value(); }
+    static BasicRounded<F> narrow(double x) { return BasicRounded<F>(x); }
+};
+
 static_assert(Number<Half> && Number<RoundedAny>);
 
 }  // namespace lostbits

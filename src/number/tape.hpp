@@ -114,6 +114,8 @@ public:
     std::vector<std::size_t> samples;
     /// Answers yes to every loop, for a tape of all that a form can ever do.
     bool every_loop = false;
+    /// The name of every operation that is recorded while it is not empty (`Part`).
+    std::string_view part = {};
 
     [[nodiscard]] const TapeNode& operator[](NodeId i) const { return nodes[static_cast<std::size_t>(i)]; }
     [[nodiscard]] TapeNode& operator[](NodeId i) { return nodes[static_cast<std::size_t>(i)]; }
@@ -129,7 +131,8 @@ public:
         inputs_ = 0;
     }
     NodeId add(TapeOp op, const FloatFormat& format, double value, const TapeOperands& of = {}) {
-        nodes.push_back({op, place_of(format), {of.a, of.b, of.c}, value, {}});
+        nodes.push_back(
+            {op, place_of(format), {of.a, of.b, of.c}, value, is_operation(op) ? part : std::string_view()});
         return size() - 1;
     }
     NodeId add_input(const FloatFormat& format, double value) { return add(TapeOp::input, format, value, {inputs_++}); }

@@ -1,7 +1,7 @@
 // Three-valued logic for enclosures: a comparison of overlapping enclosures has no answer yet.
 #pragma once
 
-#include "number/mask.hpp"
+#include "number/concept.hpp"
 
 namespace lostbits {
 

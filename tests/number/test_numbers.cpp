@@ -1,6 +1,7 @@
 // One test for every number: a new number is one line in kinds.hpp and, if no family fits, one `Kind` in kind.hpp.
 #include "catch.hpp"
 #include "number/kind.hpp"
+#include "number/kind_bounded.hpp"
 
 namespace lostbits::test {
 namespace {

@@ -6,7 +6,7 @@
 
 #include "measure/bits/log2.hpp"
 #include "measure/columns/raw_columns.hpp"
-#include "measure/stages/two_words.hpp"
+#include "measure/stages/problem.hpp"
 #include "number/pack.hpp"
 
 namespace lostbits::measure::columns {

@@ -4,9 +4,22 @@
 #include <cstdint>
 
 #include "measure/stages/raw_stages.hpp"
-#include "measure/stages/two_words.hpp"
+#include "number/wide/two_words.hpp"
 
 namespace lostbits::measure::stages {
+
+using number::wide::ordered_sum;
+using number::wide::product_of;
+using number::wide::sum_of;
+using number::wide::sum_of_three;
+using number::wide::TwoWords;
+using number::wide::word_error;
+
+using lostbits::select;
+template <class P>
+TwoWords<P> select(const mask_t<P>& mask, const TwoWords<P>& a, const TwoWords<P>& b) {
+    return {select(mask, a.hi, b.hi), select(mask, a.lo, b.lo)};
+}
 
 /// A ray and a solid as words: o, d, and the solid's numbers (centre and radius, or lo and hi). Where the inputs are
 /// numbers of 256 bits each has two words, and lies within `input_error` of itself of their sum; all others are their

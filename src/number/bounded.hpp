@@ -1,0 +1,209 @@
+// Bounded: how wrong can it be, by its own account? A number of a format and a bound on its error, in the same format.
+#pragma once
+
+#include <limits>
+
+#include "number/concept.hpp"
+
+namespace lostbits {
+
+/// A decision that was made by the values, and whether the bounds prove it.
+class BoundedMask : public NotABool {
+public:
+    constexpr BoundedMask(bool value, bool proved) : value_(value), proved_(proved) {}
+    [[nodiscard]] constexpr bool value() const { return value_; }
+    [[nodiscard]] constexpr bool is_proved() const { return proved_; }
+
+    /// A proved no makes a no of both, whatever the other is.
+    friend constexpr BoundedMask operator&&(const BoundedMask& a, const BoundedMask& b) {
+        return {a.value_ && b.value_, (a.proved_ && b.proved_) || (a.proved_ && !a.value_) || (b.proved_ && !b.value_)};
+    }
+    friend constexpr BoundedMask operator!(const BoundedMask& a) { return {!a.value_, a.proved_}; }
+    friend constexpr BoundedMask operator||(const BoundedMask& a, const BoundedMask& b) { return !(!a && !b); }
+    /// Whether a loop must go on, or a way be taken that `select` may join: by the values, or perhaps without rounding.
+    friend constexpr bool any_of(const BoundedMask& a) { return a.value_ || !a.proved_; }
+
+private:
+    bool value_, proved_;
+};
+
+/// A value of F, to the bit what F computes, and `error`, a number of F: the same formula in exact arithmetic on the
+/// same inputs gives a number within `error` of it (running error analysis; Higham, Accuracy and Stability of Numerical
+/// Algorithms, 2002, section 3.3). Infinity says nothing. An error of zero says: exactly, of an infinity and of NaN
+/// too.
+///
+/// What rounding loses is known exactly of sums, and of products that do not underflow (error_free.hpp has why); of all
+/// others it is at most u|v|, computed from the rounded v, so u(1 + u), and the least subnormal number. The bounds are
+/// sums of products of at most twelve operations, each of which rounds: `outward` takes 16u more and four subnormals,
+/// which is more than they can have lost.
+///
+/// Where a decision is not proved, `select` answers by the values, as F does, and its error reaches the other side too.
+template <class F>
+class Bounded {
+public:
+    explicit Bounded(int x) : value_(static_cast<F>(x)) {}
+    /// An input: exact.
+    template <std::floating_point X>
+    explicit Bounded(X x) : value_(static_cast<F>(x)) {}
+    Bounded(F value, F error) : value_(value), error_(error) {}
+
+    [[nodiscard]] F value() const { return value_; }
+    [[nodiscard]] F error() const { return error_; }
+
+    friend Bounded operator-(const Bounded& a) { return {-a.value_, a.error_}; }
+    friend Bounded operator+(const Bounded& a, const Bounded& b) {
+        const F v = a.value_ + b.value_;
+        if (a.is_exact_infinity() || b.is_exact_infinity()) return of_infinities(v, a, b);
+        const F bb = v - a.value_, lost = (a.value_ - (v - bb)) + (b.value_ - bb);
+        return rounded(v, a.error_ + b.error_, size_of(lost), a, b);
+    }
+    friend Bounded operator-(const Bounded& a, const Bounded& b) { return a + (-b); }
+    friend Bounded operator*(const Bounded& a, const Bounded& b) {
+        const F v = a.value_ * b.value_;
+        if (a.is_exact_infinity() || b.is_exact_infinity())
+            return a.has_sign() && b.has_sign() ? of_infinities(v, a, b) : unknown(v);
+        const F lost = a.value_ == 0 || b.value_ == 0 ? F(0)
+                       : size_of(v) < deep            ? nearest(v)
+                                                      : size_of(fma(a.value_, b.value_, -v));
+        return rounded(v, size(a) * b.error_ + size(b) * a.error_ + a.error_ * b.error_, lost, a, b);
+    }
+    /// |a/b − a*/b*| ≤ (δa + |a/b| δb)/(|b| − δb).
+    friend Bounded operator/(const Bounded& a, const Bounded& b) {
+        const F v = a.value_ / b.value_;
+        if (b.value_ == 0 && b.error_ == 0) return a.has_sign() ? Bounded(v, 0) : unknown(v);
+        if (b.is_exact_infinity()) return a.error_ < infinity && !a.is_exact_infinity() ? Bounded(v, 0) : unknown(v);
+        if (a.is_exact_infinity()) return b.has_sign() ? Bounded(v, 0) : unknown(v);
+        const F least = size(b) * (1 - 4 * u) - b.error_;
+        if (!(least > 0)) return unknown(v);
+        if (a.value_ == 0 && a.error_ == 0) return {v, 0};
+        // What a product loses to underflow counts before it is divided by what may be small.
+        const F above = a.error_ + (size_of(v) + tiny) * b.error_ + (a.error_ > 0 || b.error_ > 0 ? tiny : F(0));
+        return rounded(v, above / least, nearest(v), a, b);
+    }
+    Bounded& operator+=(const Bounded& b) { return *this = *this + b; }
+    Bounded& operator-=(const Bounded& b) { return *this = *this - b; }
+    Bounded& operator*=(const Bounded& b) { return *this = *this * b; }
+
+    /// |√a − √a*| ≤ δa/(√a + √(a − δa)). Nothing is said where a* may be negative.
+    friend Bounded sqrt(const Bounded& a) {
+        const F v = sqrt(a.value_);
+        if (a.error_ == 0 && (a.value_ == 0 || a.is_exact_infinity())) return {v, 0};
+        if (a.error_ == 0 && a.value_ < 0) return {v, 0};  // NaN in any arithmetic
+        const F least = a.value_ * (1 - 4 * u) - a.error_;
+        if (a.error_ > 0 && !(least >= 0)) return unknown(v);
+        return rounded(v, a.error_ == 0 ? F(0) : a.error_ / (v + sqrt(least) * (1 - 4 * u)), nearest(v), a, a);
+    }
+    friend Bounded fma(const Bounded& a, const Bounded& b, const Bounded& c) {
+        const F v = fma(a.value_, b.value_, c.value_);
+        if (a.is_infinite() || b.is_infinite() || c.is_infinite()) return unknown(v);
+        const F apart = size(a) * b.error_ + size(b) * a.error_ + a.error_ * b.error_ + c.error_;
+        return c.is_nan() ? unknown(v) : rounded(v, apart, nearest(v), a, b);
+    }
+    friend Bounded abs(const Bounded& a) { return {size(a), a.error_}; }
+    friend Bounded copysign(const Bounded& a, const Bounded& b) {
+        const F v = copysign(a.value_, b.value_);
+        if (b.is_nan() || !b.has_sign_bit()) return {v, outward(2 * size(a) + a.error_)};
+        return {v, a.error_};
+    }
+    /// The neighbour; numbers without rounding have none.
+    friend Bounded next_up(const Bounded& a) {
+        const F v = next_up(a.value_);
+        return v == a.value_ || a.is_nan() ? Bounded(v, a.error_) : Bounded(v, outward(a.error_ + (v - a.value_)));
+    }
+    friend Bounded next_down(const Bounded& a) { return -next_up(-a); }
+    /// min and max move by no more than the larger of what their operands move by.
+    friend Bounded min(const Bounded& a, const Bounded& b) { return extreme(a < b, a, b); }
+    friend Bounded max(const Bounded& a, const Bounded& b) { return extreme(a > b, a, b); }
+    friend Bounded select(const BoundedMask& mask, const Bounded& a, const Bounded& b) {
+        const Bounded &chosen = mask.value() ? a : b, &other = mask.value() ? b : a;
+        if (mask.is_proved() || is_same(a, b)) return chosen;
+        if (chosen.is_infinite() || other.is_infinite() || chosen.is_nan() || other.is_nan())
+            return unknown(chosen.value_);
+        const F reach = outward(size_of(chosen.value_ - other.value_) + other.error_);
+        return {chosen.value_, reach > chosen.error_ ? reach : chosen.error_};
+    }
+
+    friend BoundedMask operator<(const Bounded& a, const Bounded& b) { return {a.value_ < b.value_, apart(a, b)}; }
+    friend BoundedMask operator<=(const Bounded& a, const Bounded& b) { return {a.value_ <= b.value_, apart(a, b)}; }
+    friend BoundedMask operator>(const Bounded& a, const Bounded& b) { return b < a; }
+    friend BoundedMask operator>=(const Bounded& a, const Bounded& b) { return b <= a; }
+
+    /// The same number in a wider or a narrower format.
+    template <class To>
+    [[nodiscard]] Bounded<To> converted() const {
+        const To v = static_cast<To>(value_);
+        if (error_ == 0 && (v == value_ || is_nan())) return {v, To(0)};
+        if (!(error_ < infinity) || is_infinite()) return Bounded<To>::unknown(v);
+        const F lost = static_cast<F>(v) - value_;  // of a narrower format, which F holds
+        return {v, Bounded<To>::outward(next_up(static_cast<To>(outward(error_ + size_of(lost)))))};
+    }
+
+private:
+    template <class>
+    friend class Bounded;
+
+    static constexpr F infinity = std::numeric_limits<F>::infinity();
+    static constexpr F u = std::numeric_limits<F>::epsilon() / 2, tiny = std::numeric_limits<F>::denorm_min();
+
+    static F size_of(F x) { return abs(x); }
+    static F size(const Bounded& a) { return abs(a.value_); }
+    /// Below it products may have lost what a number of the format cannot hold.
+    static constexpr F deep = std::numeric_limits<F>::min() / (u * u);
+    static F outward(F bound) { return bound * (1 + 16 * u) + 4 * tiny; }
+    /// The most that rounding to v, the nearest number, can have lost.
+    static F nearest(F v) { return u * size_of(v) + tiny; }
+    static Bounded unknown(F v) { return {v, infinity}; }
+    static bool is_same(const Bounded& a, const Bounded& b) { return a.value_ == b.value_ && a.error_ == b.error_; }
+
+    [[nodiscard]] bool is_nan() const { return !(value_ == value_); }
+    [[nodiscard]] bool is_infinite() const { return abs(value_) >= infinity; }
+    [[nodiscard]] bool is_exact_infinity() const { return is_infinite() && error_ == 0; }
+    /// Whether the exact number is known to be above or below zero.
+    [[nodiscard]] bool has_sign() const { return abs(value_) > error_; }
+    /// Whether its sign is known, that of an exact zero too.
+    [[nodiscard]] bool has_sign_bit() const { return has_sign() || (value_ == 0 && error_ == 0); }
+
+    /// Of a sum or product in which an exact infinity stands: an infinity, where the other is finite or agrees; NaN for
+    /// certain where both are exact.
+    static Bounded of_infinities(F v, const Bounded& a, const Bounded& b) {
+        const bool known = a.error_ < infinity && b.error_ < infinity;
+        return known ? Bounded(v, 0) : unknown(v);
+    }
+    static Bounded rounded(F v, F apart, F lost, const Bounded& a, const Bounded& b) {
+        if (a.error_ == 0 && b.error_ == 0 && (a.is_nan() || b.is_nan())) return {v, 0};
+        if (!(apart < infinity) || !(abs(v) < infinity)) return unknown(v);
+        return {v, apart == 0 && lost == 0 ? F(0) : outward(apart + lost)};
+    }
+    /// By a < b ? a : b, which of a NaN answers the second: then only what is surely NaN is known.
+    static Bounded extreme(const BoundedMask& first, const Bounded& a, const Bounded& b) {
+        const Bounded& chosen = first.value() ? a : b;
+        if (first.is_proved()) return chosen;
+        if (a.is_nan() || b.is_nan()) return unknown(chosen.value_);
+        return {chosen.value_, a.error_ > b.error_ ? a.error_ : b.error_};
+    }
+    /// Whether a comparison of the values holds of the exact numbers: they are the values, or on the same side of each
+    /// other. With a NaN every comparison is a no.
+    static bool apart(const Bounded& a, const Bounded& b) {
+        if (a.error_ == 0 && b.error_ == 0) return true;
+        if ((a.is_nan() && a.error_ == 0) || (b.is_nan() && b.error_ == 0)) return true;
+        if (!(a.error_ < infinity) || !(b.error_ < infinity)) return false;
+        return abs(a.value_ - b.value_) * (1 - 4 * u) > outward(a.error_ + b.error_);
+    }
+
+    F value_;
+    F error_ = 0;
+};
+
+template <>
+struct Wider<Bounded<float>> {
+    using type = Bounded<double>;
+    static type widen(const Bounded<float>& x) { return x.converted<double>(); }
+    static Bounded<float> narrow(const type& x) { return x.converted<float>(); }
+};
+
+template <class F>
+inline constexpr bool tells_of_operations<Bounded<F>> = true;
+
+static_assert(Number<Bounded<float>> && Number<Bounded<double>>);
+
+}  // namespace lostbits

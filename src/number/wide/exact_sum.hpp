@@ -1,0 +1,59 @@
+// The sign of a sum of words, exactly: what decides where double-double does not.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <utility>
+
+#include "number/wide/two_words.hpp"
+
+namespace lostbits::number::wide {
+
+/// A sum of `size` words.
+template <class P, std::size_t size>
+class ExactSum {
+public:
+    void add(const P& word) { words_[next_++] = word; }
+    /// Exactly while the product does not underflow.
+    void add(const TwoWords<P>& words) {
+        add(words.hi);
+        add(words.lo);
+    }
+    void add_product(const P& x, const P& y) { add(product_of(x, y)); }
+    [[nodiscard]] const std::array<P, size>& words() const { return words_; }
+
+    /// The sum, good to 2^-59 of itself, zero where it is zero and nowhere else.
+    ///
+    /// A pass adds neighbours without error, from the first word to the last (VecSum of Ogita, Rump and Oishi,
+    /// "Accurate sum and dot product", 2005): the last word then is the sum as it rounds, the others are what was left
+    /// out, and all together are what they were. Each pass makes the others smaller by a factor of about size·u. Passes
+    /// end where the others come to no more than 2^-60 of the last word, or to nothing: all words are multiples of the
+    /// least last place among them, so they reach zero. `most_passes` are enough for 1600 bits between the largest and
+    /// the least.
+    P value() {
+        constexpr int most_passes = 40;
+        P& last = words_.back();
+        for (int pass = 0; pass < most_passes; ++pass) {
+            P others(0);
+            for (std::size_t i = 1; i < size; ++i) {
+                const TwoWords<P> s = sum_of(words_[i], words_[i - 1]);
+                words_[i] = s.hi;
+                words_[i - 1] = s.lo;
+                others = others + abs(s.lo);
+            }
+            if (!any_of(!(others <= abs(last) * power_of_two<P>(-60)))) break;
+        }
+        return last;
+    }
+
+private:
+    template <std::size_t... i>
+    static std::array<P, size> zeros(std::index_sequence<i...>) {
+        return {((void)i, P(0))...};
+    }
+
+    std::array<P, size> words_ = zeros(std::make_index_sequence<size>());
+    std::size_t next_ = 0;
+};
+
+}  // namespace lostbits::number::wide

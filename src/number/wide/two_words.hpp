@@ -1,0 +1,135 @@
+// Double-double over any number: the operations of `Ball` on its midpoint, in the same order, so the same bits.
+#pragma once
+
+#include "number/concept.hpp"
+
+namespace lostbits::number::wide {
+
+/// 2^k in P, k ≤ 0, exactly.
+template <class P>
+P power_of_two(int k) {
+    P x(1);
+    for (; k <= -16; k += 16) x *= P(1) / P(1 << 16);
+    return x / P(1 << -k);
+}
+
+/// hi + lo with |lo| ≤ ulp(hi)/2. Every operation is off by less than `word_error` of its result while nothing
+/// underflows or overflows (the bounds are listed at `Ball`): a sum whatever its signs, too.
+template <class P>
+struct TwoWords {
+    P hi, lo;
+
+    TwoWords() = default;
+    TwoWords(const P& high, const P& low) : hi(high), lo(low) {}
+    explicit TwoWords(int x) : hi(x), lo(0) {}
+    explicit TwoWords(const P& x) : hi(x), lo(0) {}
+
+    TwoWords& operator+=(const TwoWords& b) { return *this = *this + b; }
+    TwoWords& operator-=(const TwoWords& b) { return *this = *this - b; }
+    TwoWords& operator*=(const TwoWords& b) { return *this = *this * b; }
+
+    friend mask_t<P> operator<(const TwoWords& a, const TwoWords& b) {
+        return a.hi < b.hi || (!(b.hi < a.hi) && a.lo < b.lo);
+    }
+    friend mask_t<P> operator<=(const TwoWords& a, const TwoWords& b) {
+        return a.hi < b.hi || (a.hi <= b.hi && a.lo <= b.lo);
+    }
+    friend mask_t<P> operator>(const TwoWords& a, const TwoWords& b) { return b < a; }
+    friend mask_t<P> operator>=(const TwoWords& a, const TwoWords& b) { return b <= a; }
+
+    friend TwoWords abs(const TwoWords& a) { return select(a.hi < P(0), -a, a); }
+    friend TwoWords copysign(const TwoWords& a, const TwoWords& b) {
+        const TwoWords size = abs(a);
+        return select(copysign(P(1), b.hi) < P(0), -size, size);
+    }
+    friend TwoWords select(const mask_t<P>& mask, const TwoWords& a, const TwoWords& b) {
+        return {select(mask, a.hi, b.hi), select(mask, a.lo, b.lo)};
+    }
+    /// The product and the sum, each off by its own error.
+    friend TwoWords fma(const TwoWords& a, const TwoWords& b, const TwoWords& c) { return a * b + c; }
+    /// 2 `word_error` of a away, which is what a neighbour is where operations are good to `word_error`.
+    friend TwoWords next_up(const TwoWords& a) {
+        return a + TwoWords(max(abs(a.hi) * power_of_two<P>(-101), next_up(P(0))));
+    }
+    friend TwoWords next_down(const TwoWords& a) { return -next_up(-a); }
+};
+
+inline constexpr double word_error = 0x1p-102;
+
+/// a + b, exactly.
+template <class P>
+TwoWords<P> sum_of(const P& a, const P& b) {
+    const P s = a + b, bb = s - a;
+    return {s, (a - (s - bb)) + (b - bb)};
+}
+
+/// a + b, exactly, where |a| ≥ |b|.
+template <class P>
+TwoWords<P> ordered_sum(const P& a, const P& b) {
+    const P s = a + b;
+    return {s, b - (s - a)};
+}
+
+/// a b, exactly.
+template <class P>
+TwoWords<P> product_of(const P& a, const P& b) {
+    const P p = a * b;
+    return {p, fma(a, b, -p)};
+}
+
+template <class P>
+TwoWords<P> operator-(const TwoWords<P>& a) {
+    return {-a.hi, -a.lo};
+}
+
+template <class P>
+TwoWords<P> operator+(const TwoWords<P>& a, const TwoWords<P>& b) {
+    const TwoWords<P> s = sum_of(a.hi, b.hi), t = sum_of(a.lo, b.lo);
+    const TwoWords<P> v = ordered_sum<P>(s.hi, s.lo + t.hi);
+    return ordered_sum<P>(v.hi, t.lo + v.lo);
+}
+template <class P>
+TwoWords<P> operator-(const TwoWords<P>& a, const TwoWords<P>& b) {
+    return a + (-b);
+}
+
+template <class P>
+TwoWords<P> operator*(const TwoWords<P>& a, const TwoWords<P>& b) {
+    const TwoWords<P> p = product_of(a.hi, b.hi);
+    return ordered_sum<P>(p.hi, p.lo + fma(a.hi, b.lo, a.lo * b.hi));
+}
+template <class P>
+TwoWords<P> operator*(const TwoWords<P>& a, const P& b) {
+    const TwoWords<P> p = product_of(a.hi, b);
+    return ordered_sum<P>(p.hi, p.lo + a.lo * b);
+}
+
+template <class P>
+TwoWords<P> operator/(const TwoWords<P>& a, const TwoWords<P>& b) {
+    const P q = a.hi / b.hi;
+    const P rest = fma(-q, b.hi, a.hi);
+    return ordered_sum<P>(q, (rest + (a.lo - q * b.lo)) / b.hi);
+}
+template <class P>
+TwoWords<P> operator/(const TwoWords<P>& a, const P& b) {
+    const P q = a.hi / b;
+    const P rest = fma(-q, b, a.hi);
+    return ordered_sum<P>(q, (rest + a.lo) / b);
+}
+
+template <class P>
+TwoWords<P> sqrt(const TwoWords<P>& a) {
+    using lostbits::sqrt;
+    const P s = sqrt(a.hi);
+    return ordered_sum<P>(s, (a.lo + fma(-s, s, a.hi)) / (P(2) * s));
+}
+
+/// (x + y) + z
+template <class X>
+X sum_of_three(const X& x, const X& y, const X& z) {
+    return (x + y) + z;
+}
+
+static_assert(Number<TwoWords<double>>);
+
+}  // namespace lostbits::number::wide
