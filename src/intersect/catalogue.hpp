@@ -6,6 +6,7 @@
 #include "intersect/box/embree_fma.hpp"
 #include "intersect/box/embree_robust.hpp"
 #include "intersect/box/exclusive.hpp"
+#include "intersect/box/filtered.hpp"
 #include "intersect/box/ieee_minmax.hpp"
 #include "intersect/box/inclusive.hpp"
 #include "intersect/box/max_mult.hpp"
@@ -25,6 +26,7 @@
 #include "intersect/sphere/embree_point.hpp"
 #include "intersect/sphere/expanded.hpp"
 #include "intersect/sphere/factored_c.hpp"
+#include "intersect/sphere/filtered.hpp"
 #include "intersect/sphere/half_b.hpp"
 #include "intersect/sphere/hearn_baker.hpp"
 #include "intersect/sphere/kahan_discriminant.hpp"
@@ -74,7 +76,8 @@ using SphereForms = FormList<   //
     sphere::EmbreePoint,        //
     sphere::NewtonRefined,      //
     sphere::FactoredC,          //
-    sphere::DoubleInside        //
+    sphere::DoubleInside,       //
+    sphere::Filtered            // of the laboratory itself
     >;
 
 using BoxForms = FormList<  //
@@ -87,7 +90,8 @@ using BoxForms = FormList<  //
     box::PbrtPadded,        //
     box::MaxMult,           //
     box::EmbreeFma,         //
-    box::EmbreeRobust       //
+    box::EmbreeRobust,      //
+    box::FilteredSlabs      // of the laboratory itself
     >;
 
 using SdfForms = FormList<  //

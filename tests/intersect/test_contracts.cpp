@@ -66,7 +66,7 @@ TEST_CASE("the seeds' forms come first and have the contracts of their words", "
     CHECK(names_where([](const Info& f) { return f.roots == intersect::Roots::near_only; }) ==
           Names{"sphere.unit_half_b", "sphere.expanded"});
     CHECK(names_where([](const Info& f) { return f.roots == intersect::Roots::first_only; }) ==
-          Names{"sphere.early_exit"});
+          Names{"sphere.early_exit", "sphere.filtered"});
     CHECK(names_where([](const Info& f) { return f.touching == intersect::Touching::miss; }) ==
           Names{"sphere.schoolbook_strict", "sphere.two_step"});
     CHECK(names_where([](const Info& f) { return f.at_origin == intersect::AtOrigin::miss; }) ==

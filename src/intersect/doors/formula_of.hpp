@@ -121,6 +121,7 @@ Formula formula_of() {
     row.record = Told<Form, table::record_of<Form>>::run;
     row.record_all = Told<Form, table::record_all_of<Form>>::run;
     row.count = Told<Form, table::count_of<Form>>::run;
+    row.bounded = Told<Form, table::bounded_of<Form>>::run;
     if constexpr (shape_of<Form> == Shape::sdf) row.log = Told<Form, table::log_of<Form>>::run;
     if constexpr (Form::info.formats == Formats::all) {
         row.native64 = Told<Form, table::native_batch<Form, double>>::run;

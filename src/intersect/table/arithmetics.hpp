@@ -6,6 +6,7 @@
 
 #include "intersect/sdf/march_loop.hpp"
 #include "intersect/table/kernels.hpp"
+#include "number/bounded.hpp"
 #include "number/counted.hpp"
 #include "number/recorded.hpp"
 #include "number/with_number.hpp"
@@ -98,6 +99,60 @@ void record_all_of(const Target<double>& target, Tape& tape) {
         evaluate_on<Form, float>(tape, any, target, HUGE_VAL);
     }
     tape.every_loop = false;
+}
+
+/// The inputs of one evaluation in T.
+template <class T>
+struct LiftedInputs {
+    Ray<T> ray;
+    LiftedTarget<T> target;
+    T tmax;
+
+    LiftedInputs(const Ray<double>& r, const Target<double>& aim, double end)
+        : ray{{lift(r.origin.x), lift(r.origin.y), lift(r.origin.z)},
+              {lift(r.direction.x), lift(r.direction.y), lift(r.direction.z)}},
+          target(aim, lift),
+          tmax(lift(end)) {}
+    static T lift(double x) { return T(x); }
+};
+
+template <class Form>
+std::optional<BoundedAnswer> bounded_of(const Format& format, const Ray<double>& ray, const Target<double>& target,
+                                        double tmax) {
+    const auto in = [&]<class F>() {
+        const LiftedInputs<Bounded<F>> inputs(ray, target, tmax);
+        sdf::Unwatched unwatched;
+        const auto hit = intersect_target<Form>(inputs.ray, inputs.target.get(), inputs.tmax, unwatched);
+        return BoundedAnswer{hit.hit.value(), hit.hit.is_proved(), double{hit.t.value()}, double{hit.t.error()}};
+    };
+    switch (format.engine) {
+        case Format::Engine::native32: return in.template operator()<float>();
+        case Format::Engine::native64: return in.template operator()<double>();
+        case Format::Engine::rounded: break;
+    }
+    return std::nullopt;
+}
+
+/// Whether a form takes a watch that hears of wider arithmetic.
+template <class Form>
+inline constexpr bool filters = requires(const Ray<float>& ray, const Sphere<float>& sphere, const Box<float>& box,
+                                         float tmax, WayWatch& watch) {
+    requires requires { Form::intersect(ray, sphere, watch); } || requires {
+        Form::intersect(ray, box, tmax, watch);
+    };
+};
+
+template <class Form>
+Way way_of(const Format& format, const Ray<double>& ray, const Target<double>& target, double tmax) {
+    return with_number(format, [&]<class T>() {
+        const LiftedInputs<T> in(ray, target, tmax);
+        const Solid<T>& solid = in.target.get().solids.front();
+        WayWatch watch;
+        if constexpr (shape_of<Form> == Shape::sphere)
+            static_cast<void>(Form::intersect(in.ray, solid.sphere(), watch));
+        else static_cast<void>(Form::intersect(in.ray, solid.box(), in.tmax, watch));
+        return watch.widest;
+    });
 }
 
 template <class Form>

@@ -12,5 +12,6 @@ void fill_enclosed(std::span<Intersector> rows);
 void fill_logs(std::span<Intersector> rows);
 void fill_recorded(std::span<Intersector> rows);
 void fill_counted(std::span<Intersector> rows);
+void fill_bounded(std::span<Intersector> rows);
 
 }  // namespace lostbits::intersect::table

@@ -17,6 +17,7 @@ std::vector<Intersector>& all_rows() {
         fill_logs(filled);
         fill_recorded(filled);
         fill_counted(filled);
+        fill_bounded(filled);
         return filled;
     }();
     return rows;

@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -11,6 +12,7 @@
 #include "intersect/info.hpp"
 #include "intersect/march_watch.hpp"
 #include "intersect/target.hpp"
+#include "intersect/way.hpp"
 #include "number/ball.hpp"
 #include "number/counted.hpp"
 #include "number/format.hpp"
@@ -89,6 +91,12 @@ struct Intersector {
     void (*record_all)(const Target<double>&, Tape&) = nullptr;
     /// The operations of one evaluation in binary32, as the form is written (see `Counted`).
     OperationCounts (*count)(const Ray<float>&, const Target<float>&, float tmax) = nullptr;
+    /// The answer with the form's own bound; nothing in formats other than binary32 and binary64. Inputs are numbers of
+    /// the format.
+    std::optional<BoundedAnswer> (*bounded)(const Format&, const Ray<double>&, const Target<double>&,
+                                            double tmax) = nullptr;
+    /// The widest arithmetic that one evaluation needs; null for the forms that do not filter.
+    Way (*way)(const Format&, const Ray<double>&, const Target<double>&, double tmax) = nullptr;
 
     [[nodiscard]] bool exists_in(const Format& format) const {
         switch (format.engine) {

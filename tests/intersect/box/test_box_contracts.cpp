@@ -8,9 +8,9 @@
 namespace lostbits::test {
 
 TEST_CASE("box forms have names, titles and sources", "[intersect][box][info]") {
-    const char* order[] = {"box.baseline",   "box.exclusive",    "box.inclusive",   "box.signs",
-                           "box.divide",     "box.ieee_minmax",  "box.pbrt_padded", "box.max_mult",
-                           "box.embree_fma", "box.embree_robust"};
+    const char* order[] = {"box.baseline",   "box.exclusive",     "box.inclusive",   "box.signs",
+                           "box.divide",     "box.ieee_minmax",   "box.pbrt_padded", "box.max_mult",
+                           "box.embree_fma", "box.embree_robust", "box.filtered"};
     std::set<std::string_view> titles, open;
     std::size_t i = 0;
     intersect::BoxForms::for_each([&]<class Form>() {

@@ -1,0 +1,216 @@
+// The steps of `sphere.filtered`, and the inequalities that let a ray stop at one.
+#pragma once
+
+#include "intersect/sphere/roots.hpp"
+#include "intersect/way.hpp"
+#include "number/wide/exact_sum.hpp"
+#include "number/wide/ladder.hpp"
+
+namespace lostbits::intersect::sphere {
+namespace filtered {
+
+/// What a step says of a ray: the decision and t where they are proved, nothing where not.
+template <Number T>
+struct Settled {
+    mask_t<T> proved, hit;
+    T t;
+
+    /// `first` where it is proved, `second` where not.
+    friend Settled joined(const Settled& first, const Settled& second) {
+        return {first.proved || second.proved, (first.proved && first.hit) || (!first.proved && second.hit),
+                select(first.proved, first.t, second.t)};
+    }
+};
+
+/// From outside, |f| ≥ √2 r, in T alone: s = −f·d/a, l = f + s d, Δ = r² − l·l, t = s − √(Δ/a); one division, one root.
+///
+/// u is T's unit roundoff, at most 2^-10 (`from`); φ = u|f|, F = |f|/|d|; terms of second order are in the last digits
+/// of the constants. (Higham 2002, lemma 3.1 and section 3.3, in norms.)
+///
+///     f, f·d, a        |δf_i| ≤ u|f_i|,   |δ(f·d)| ≤ 4.1u|f||d|,   |δa| ≤ 3.05u a
+///     s                |δs| ≤ 4.2u F + 5.2u|s| ≤ 9.5u F
+///     f + s d          |f + (s + δs)d|² = |l|² + a δs² ≤ |l|² + 91φ²: what s is off by moves l along d, and counts
+///     twice l̂                off from it by 2.05φ + u|l̂| (f, the product, the sum), and its square rounds thrice:
+///                      | |l̂| − |f + (s + δs)d| | ≤ δ + 2.6u|l̂|,  δ = 2.05φ
+///
+/// With w = 2.1u(|f_x| + |f_y| + |f_z|) + 4ur and E = w(2r + 32w), Δ̂ > E implies |l| < r and Δ̂ < −E that |l| > r:
+/// from |l̂|² > r² + E follows (1 − 2.6u)|l̂| > δ + √(r² + 91φ²), for the square of the right side is at most
+/// r² + 4.1φr + 134φ², times 1 + 5.5u. And |Δ̂ − Δ| ≤ E for hits.
+///
+/// Ahead or behind: where Δ̂ ≥ −E, s²a = f·f − l·l ≥ f·f − r² − 2E ≥ 0.47 f·f, so |s| ≥ 0.68F > |δs|: the sign of s is
+/// right. Where Δ̂ < −E it does not matter.
+///
+/// t: from Δ̂ > 4E, |√Δ̂ − √Δ| ≤ E/(√Δ̂ + √(Δ̂ − E)) ≤ E/(1.866√Δ̂); F ≤ 1.42s; the root rounds by 3.6u besides. So
+///     |δt| ≤ 11.2u s + 3.6u root + E/(a·1.866·root) + u t,
+/// which is at most 32u t, 18 correct bits of 24, where E/a ≤ u root (36s − 66root), t being s − root.
+///
+/// No step may over- or underflow: of float that is sure while a lies within 2^±100, and |f|, r and r·√a within 2^±50.
+template <Number T>
+Settled<T> cheaply(const Ray<T>& ray, const Sphere<T>& sphere) {
+    const T u = unit_roundoff<T>(), r = sphere.radius;
+    const Vec<T> f = sphere.centre - ray.origin;  // −f of the derivation: both s and l are then without a minus
+    const T ff = square(f), r2 = square(r);
+    const T inv = named("inv", T(1) / square(ray.direction));
+    const T s = named("s", dot(f, ray.direction) * inv);
+    const Vec<T> l = f - s * ray.direction;
+    const T delta = named("delta", r2 - square(l));
+    const T root = named("root", sqrt(delta * inv));
+
+    const T w = (T(21) / T(10) * u) * (abs(f.x) + abs(f.y) + abs(f.z)) + T(4) * u * r;
+    const T e = w * (T(2) * r + T(32) * w);
+    // In coarser formats nothing is far enough away.
+    const T from = select(T(1024) * u <= T(1), T(2), T(1) / T(0));
+    const mask_t<T> ahead = s > T(0);
+    const mask_t<T> open = ahead && delta >= -e;
+    const mask_t<T> met = ahead && delta > T(4) * e && e * inv <= root * (T(36) * u * s - T(66) * u * root);
+    return {ff >= from * r2 && (!open || met), met, named("t", s - root)};
+}
+
+/// From anywhere, with h = f·d, c = f·f − r² and D = h² − ac in W, and all that follows in T: t = c/q or q/a with
+/// q = |h| + √D. No root and no quotient is taken in W.
+///
+/// v is W's unit roundoff, u T's, at most 1/32. In W, with A = f·f + r² and first order in v,
+///     |δh| ≤ 4v|f||d|,  |δc| ≤ 5v A + v|c|,  |δa| ≤ 3v a,  |δD| ≤ v a (19 f·f + 6r²) + v|D|,
+/// so the sign of D is right where |D| > e = 24 v A a, whose quarter to spare covers e's own rounding in T.
+///
+/// `sure`, |c| ≥ (v/u) A, makes c right to 6u of itself, with its sign. Where then D ≥ 0, h² ≥ a|c| from outside, so
+/// |h| ≥ √(v/u) |f||d|, which is more than |δh|: the sign of h is right wherever it matters; and q² ≥ a|c| everywhere,
+/// so h is right to 4√(uv) of q. (f·f is at most A.)
+///
+/// t: D's part is |√D̂ − √D|/q ≤ e/(√D̂ q), asked to be at most 16u; the rest is 6u of c, and the roundings of h, c, D,
+/// √, +, ÷ in T: 27u together, within the 32u of 18 correct bits of 24.
+template <class W, Number T>
+Settled<T> widely(const Ray<T>& ray, const Sphere<T>& sphere) {
+    using number::wide::taken_back, number::wide::taken_to;
+    const auto wide = [](const Vec<T>& x) { return Vec<W>(taken_to<W>(x.x), taken_to<W>(x.y), taken_to<W>(x.z)); };
+    const Vec<W> d = wide(ray.direction), f = wide(ray.origin) - wide(sphere.centre);
+    const W aw = square(d), hw = dot(f, d), cw = square(f) - square(taken_to<W>(sphere.radius));
+    const W dw = square(hw) - aw * cw;
+
+    const T a = named("a", taken_back<T>(aw)), h = named("h", taken_back<T>(hw)), c = named("c", taken_back<T>(cw));
+    const T disc = named("D", taken_back<T>(dw));
+    const T u = unit_roundoff<T>(), v = taken_back<T>(unit_roundoff<W>());
+    const T r2 = square(sphere.radius), all = (c + r2) + r2;
+    const T e = (T(24) * v) * (all * a);
+    const T root = named("root", sqrt(disc)), q = named("q", abs(h) + root);
+    const mask_t<T> outside = c > T(0), behind = h > T(0), from_within = !(outside || behind);
+    const T t = named("t", select(from_within, q, abs(c)) / select(from_within, a, q));
+    const mask_t<T> sure = abs(c) >= all * (v / u) && T(32) * u <= T(1);
+    const mask_t<T> missed = outside && (behind || disc < -e);
+    const mask_t<T> met = !missed && disc > e && e <= root * (q * (T(16) * u));
+    return {sure && (met || missed), met, t};
+}
+
+/// h, c, a and a r² − |f × d|², which is D, good to 2^-52 of themselves, and zero only where they are: sums of the
+/// products that the words of f = o − c make. Exact while no product of four inputs leaves the range of B's residuals
+/// (`error_free_low`); products of floats in double never do.
+template <Number B>
+struct ExactTerms {
+    B h, c, a, disc;
+
+    ExactTerms(const Ray<B>& ray, const Sphere<B>& sphere) : h(0), c(0), a(0), disc(0) {
+        using number::wide::ExactSum, number::wide::sum_of, number::wide::TwoWords;
+        const Vec<B>& d = ray.direction;
+        const TwoWords<B> f[3] = {sum_of<B>(ray.origin.x, -sphere.centre.x), sum_of<B>(ray.origin.y, -sphere.centre.y),
+                                  sum_of<B>(ray.origin.z, -sphere.centre.z)};
+        const TwoWords<B> r2 = number::wide::product_of(sphere.radius, sphere.radius);
+        ExactSum<B, 12> of_h;
+        ExactSum<B, 20> of_c;
+        ExactSum<B, 6> of_a;
+        ExactSum<B, 240> of_disc;
+        for (int i = 0; i < 3; ++i) {
+            of_h.add_product(f[i].hi, d[i]);
+            of_h.add_product(f[i].lo, d[i]);
+            of_c.add_product(f[i].hi, f[i].hi);
+            of_c.add_product(f[i].hi + f[i].hi, f[i].lo);
+            of_c.add_product(f[i].lo, f[i].lo);
+            of_a.add_product(d[i], d[i]);
+            const int j = (i + 1) % 3, k = (i + 2) % 3;
+            ExactSum<B, 8> m;
+            m.add_product(f[j].hi, d[k]);
+            m.add_product(f[j].lo, d[k]);
+            m.add_product(-f[k].hi, d[j]);
+            m.add_product(-f[k].lo, d[j]);
+            for (std::size_t x = 0; x < m.words().size(); ++x) {
+                const B& word = m.words()[x];
+                of_disc.add_product(-word, word);
+                for (std::size_t y = x + 1; y < m.words().size(); ++y) of_disc.add_product(word + word, -m.words()[y]);
+            }
+        }
+        of_c.add(-r2);
+        for (const B& word : of_a.words()) {
+            of_disc.add_product(word, r2.hi);
+            of_disc.add_product(word, r2.lo);
+        }
+        h = of_h.value();
+        c = of_c.value();
+        a = of_a.value();
+        disc = of_disc.value();
+    }
+};
+
+/// The decision and t of the terms, without a bound: they are right, or T is exact. A ray that touches hits, and one
+/// that starts on the surface hits at t = 0.
+template <Number T>
+Settled<T> of_terms(const T& h, const T& c, const T& a, const T& disc) {
+    const T root = named("root", sqrt(disc)), q = named("q", abs(h) + root);
+    const T t = decide(c < T(0) && h <= T(0), [&](const mask_t<T>& from_within) {
+        return T(select(from_within, q, abs(c)) / select(from_within, a, q));
+    });
+    const mask_t<T> on_it = c >= T(0) && c <= T(0);
+    return {T(0) <= T(0), !(c > T(0)) || (disc >= T(0) && h < T(0)), select(on_it, T(0), t)};
+}
+
+/// The form in exact arithmetic, where there is nothing to filter.
+template <Number T>
+Settled<T> unrounded(const Ray<T>& ray, const Sphere<T>& sphere) {
+    const Vec<T> f = ray.origin - sphere.centre;
+    const T a = named("a", square(ray.direction)), h = named("h", dot(f, ray.direction));
+    const T r2 = square(sphere.radius), c = named("c", square(f) - r2);
+    return of_terms<T>(h, c, a, named("D", a * r2 - square(cross(f, ray.direction))));
+}
+
+/// Proved for every ray whose terms neither overflow nor underflow; the answer is brought back as t, −1 for a miss,
+/// because T may be narrower and its masks others.
+template <Number T>
+[[gnu::noinline]] Settled<T> exactly(const Ray<T>& ray, const Sphere<T>& sphere) {
+    using B = number::wide::OneWord<T>;
+    const auto word = [](const T& x) { return number::wide::taken_to<B>(x); };
+    const auto words = [&](const Vec<T>& x) { return Vec<B>(word(x.x), word(x.y), word(x.z)); };
+    const ExactTerms<B> in(Ray<B>{words(ray.origin), words(ray.direction)},
+                           Sphere<B>{words(sphere.centre), word(sphere.radius)});
+    const Settled<B> found = of_terms<B>(in.h, in.c, in.a, in.disc);
+    const T t = number::wide::taken_back<T>(select(found.hit, found.t, B(-1)));
+    return {T(0) <= T(0), t >= T(0), t};
+}
+
+/// What `soft` leaves open in double-double, and what that leaves open exactly; over numbers that tell of operations
+/// double-double is the end, and its decision stands.
+template <Number T, class Watch>
+Settled<T> beyond(const Ray<T>& ray, const Sphere<T>& sphere, const Settled<T>& soft, Watch& watch) {
+    using W = number::wide::TwoWords<number::wide::OneWord<T>>;
+    watch(Way::two_words);
+    const Part<T> part("in two words");
+    const Settled<T> wide = joined(soft, widely<W, T>(ray, sphere));
+    if constexpr (tells_of_operations<T>) {
+        return wide;
+    } else {
+        if (!any_of(!wide.proved)) return wide;
+        watch(Way::exact);
+        return joined(wide, exactly<T>(ray, sphere));
+    }
+}
+
+/// The same as a function of its own, by value: the loops over packs keep their registers to themselves.
+template <Number T, class Watch>
+[[gnu::noinline]] Settled<T> to_the_end(Ray<T> ray, Sphere<T> sphere, Settled<T> soft, Watch& watch) {
+    return beyond<T>(ray, sphere, soft, watch);
+}
+template <Number T, class Watch>
+requires number::wide::InRegisters<T>
+[[gnu::noinline, gnu::flatten]] Settled<T> to_the_end(Ray<T> ray, Sphere<T> sphere, Settled<T> soft, Watch& watch) {
+    return beyond<T>(ray, sphere, soft, watch);
+}
+
+}  // namespace filtered
+}  // namespace lostbits::intersect::sphere

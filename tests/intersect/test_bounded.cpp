@@ -1,0 +1,151 @@
+// What a form says of its own error, held against the same formula without rounding: the bound is never below the
+// error, and a decision that the bounds prove is never wrong.
+//
+//   LOSTBITS_RAYS=100000000 build/test_filtered "[long-bounds]"
+#include <tbb/parallel_for.h>
+
+#include <atomic>
+#include <cstdlib>
+
+#include "catch.hpp"
+#include "intersect/hostile_rays.hpp"
+#include "intersect/table/table.hpp"
+#include "measure/answer/self.hpp"
+#include "measure/truth/unit_direction.hpp"
+#include "number/bounded.hpp"
+
+namespace lostbits::test {
+namespace {
+
+using intersect::BoundedAnswer;
+using intersect::table::Intersector;
+
+struct Tally {
+    std::atomic<std::uint64_t> asked = 0, hits = 0, finite = 0, proved = 0, known = 0;
+    std::atomic<std::uint64_t> other_bits = 0, below = 0, wrong = 0;
+};
+
+/// The form in exact arithmetic on the format's own inputs, from both sides: as narrow as so many bits make it.
+Hit<Interval> without_rounding(const Intersector& form, const HostileRay& x) {
+    const Interval::Precision precision(700);
+    const auto lift = [](double v) { return Interval(v); };
+    const auto vec = [&](const Vec<double>& v) { return Vec<Interval>(lift(v.x), lift(v.y), lift(v.z)); };
+    const Solid<Interval> solid = transformed(x.solid, lift);
+    return form.interval(Ray<Interval>{vec(x.ray.origin), vec(x.ray.direction)}, intersect::Target<Interval>(solid));
+}
+
+/// Whether t is farther than `error` from every point of the interval.
+bool is_farther(double t, double error, const Interval& from) {
+    const Interval::Precision precision(700);
+    return (abs(from - Interval(t)) > Interval(error)).is_yes();
+}
+
+template <class S>
+void check_ray(const Intersector& form, const HostileRay& x, Tally& tally) {
+    const Format& format = *find_format(sizeof(S) == 4 ? "f32" : "f64");
+    const auto own = form.bounded(format, x.ray, intersect::Target<double>(x.solid), HUGE_VAL);
+    ++tally.asked;
+    const auto stored = [](double v) { return static_cast<S>(v); };
+    const Solid<S> solid = transformed(x.solid, stored);
+    const S o[6] = {stored(x.ray.origin.x),    stored(x.ray.origin.y),    stored(x.ray.origin.z),
+                    stored(x.ray.direction.x), stored(x.ray.direction.y), stored(x.ray.direction.z)};
+    S t, near, far;
+    std::uint8_t hit;
+    const auto column = [&o](int k) { return std::span<const S>(o + k, 1); };
+    const intersect::table::RayBatch<S> rays{column(0), column(1), column(2), column(3), column(4), column(5)};
+    const intersect::table::HitBatch<S> hits{{&t, 1}, {&near, 1}, {&far, 1}, {&hit, 1}};
+    if constexpr (sizeof(S) == 4) form.native32(rays, intersect::Target<S>(solid), hits);
+    else form.native64(rays, intersect::Target<S>(solid), hits);
+    const bool both_nan = std::isnan(t) && std::isnan(own->t);
+    // Exact sums say nothing of single operations, and the forms that end in them end before, over `Bounded`.
+    const bool ends_otherwise =
+        form.way && form.way(format, x.ray, intersect::Target<double>(x.solid), HUGE_VAL) == intersect::Way::exact;
+    tally.other_bits += !ends_otherwise && (own->hit != (hit != 0) || !(own->t == static_cast<double>(t) || both_nan));
+
+    const Hit<Interval> exact = without_rounding(form, x);
+    tally.proved += own->proved;
+    if (exact.hit.is_unknown()) return;
+    ++tally.known;
+    tally.wrong += own->proved && own->hit != exact.hit.is_yes();
+    if (!own->hit || !exact.hit.is_yes() || !exact.t.is_bounded()) return;
+    ++tally.hits;
+    if (!(own->error < HUGE_VAL)) return;
+    ++tally.finite;
+    tally.below += is_farther(own->t, own->error, exact.t);
+}
+
+template <class S>
+void check_form(const Intersector& form, std::uint64_t rays, std::uint64_t seed, Tally& tally) {
+    constexpr std::uint64_t block = 1024;
+    tbb::parallel_for(std::uint64_t{0}, (rays + block - 1) / block, [&](std::uint64_t b) {
+        HostileRays<S> draw(seed << 32 | b);
+        for (std::uint64_t i = 0; i < std::min(block, rays - b * block); ++i) {
+            HostileRay x = form.shape == Shape::sphere ? draw.sphere((b + i) % sphere_families.size())
+                                                       : draw.box((b + i) % box_families.size());
+            if (form.info->direction == intersect::Direction::unit)
+                x.ray.direction = measure::truth::unit_direction(x.ray.direction, sizeof(S) == 4 ? binary32 : binary64);
+            check_ray<S>(form, x, tally);
+        }
+    });
+}
+
+/// Every form of spheres and boxes in every format that it has.
+void check_bounds(std::uint64_t rays, std::uint64_t seed) {
+    std::uint64_t rows = 0;
+    for (const Intersector& form : intersect::table::catalogue())
+        if (form.shape != Shape::sdf) rows += 1 + static_cast<bool>(form.native64);
+    for (const Intersector& form : intersect::table::catalogue()) {
+        if (form.shape == Shape::sdf) continue;
+        for (const bool narrow : {true, false}) {
+            if (!narrow && !form.native64) continue;
+            Tally tally;
+            if (narrow) check_form<float>(form, rays / rows, seed, tally);
+            else check_form<double>(form, rays / rows, seed, tally);
+            INFO(form.info->name << (narrow ? " f32: " : " f64: ") << tally.asked << " rays, " << tally.proved
+                                 << " decisions proved, " << tally.known << " known exactly, " << tally.hits
+                                 << " hits, " << tally.finite << " with a bound");
+            CHECK(tally.other_bits == 0);
+            CHECK(tally.wrong == 0);
+            CHECK(tally.below == 0);
+            CHECK(tally.proved > tally.asked / 8);
+            CHECK(tally.finite > 0);
+            if (form.info->name == "sphere.schoolbook") CHECK(tally.finite > tally.hits / 3);
+            if (form.info->name == "box.signs") CHECK(tally.finite > tally.hits * 9 / 10);
+        }
+    }
+}
+
+}  // namespace
+
+TEST_CASE("a form's own bound is never below its error, and a decision that it proves is right",
+          "[intersect][bounded]") {
+    check_bounds(1 << 20, 1);
+}
+
+TEST_CASE("the bounds over as many rays as asked for", "[.][long-bounds]") {
+    const char* const asked = std::getenv("LOSTBITS_RAYS");
+    const char* const seed = std::getenv("LOSTBITS_SEED");
+    check_bounds(asked ? std::strtoull(asked, nullptr, 10) : 10000000, seed ? std::strtoull(seed, nullptr, 10) : 2);
+}
+
+TEST_CASE("bounds say what is known, and no more", "[number][bounded]") {
+    using B = Bounded<float>;
+    const B third = B(1) / B(3);
+    CHECK(third.error() > 0);
+    CHECK(third.error() < 0x1p-24F);
+    CHECK((B(1) - third * B(3)).error() >= 0x1p-25F);
+    CHECK((B(2) < B(3)).is_proved());
+    CHECK_FALSE((third < third * B(1)).is_proved());
+    CHECK((third < B(1)).is_proved());
+    // Where a decision is open, both sides count.
+    const B chosen = select(third <= third * B(1), B(10), B(20));
+    CHECK(chosen.value() == 10);
+    CHECK(chosen.error() >= 10);
+    // The root of what may be negative has no bound; an exact infinity is exact.
+    CHECK(sqrt(third - third).error() == HUGE_VALF);
+    CHECK((B(1) / B(0)).error() == 0);
+    CHECK((B(1) / (third - third)).error() == HUGE_VALF);
+    CHECK((B(1) / B(0) * third).error() == 0);
+}
+
+}  // namespace lostbits::test
