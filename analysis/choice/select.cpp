@@ -111,8 +111,17 @@ std::vector<const Metric*> that_apply(std::vector<const Metric*> asked, const st
         if (asked.empty())
             throw InputError("--metric against, apart: name the form to hold the others against, by --against FORM");
     }
-    if (asked.empty() || any_marches(rows)) return asked;
+    if (asked.empty()) return asked;
     const std::string first(asked.front()->name);
+    if (std::ranges::none_of(rows, [](const MapRow& row) { return row.form->way != nullptr; })) {
+        std::erase_if(asked, [](const Metric* m) { return (m->needs & measure::metric::needs_way) != 0; });
+        if (asked.empty())
+            throw InputError(fmt::format(
+                "--metric {}: none of the selected forms in {} filters, that is, has a wider way beside a cheap one; "
+                "add -i '*.filtered'",
+                first, what));
+    }
+    if (any_marches(rows)) return asked;
     std::erase_if(asked, [](const Metric* m) { return m->over == measure::metric::Over::marches; });
     if (asked.empty())
         throw InputError(fmt::format(

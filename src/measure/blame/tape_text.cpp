@@ -215,6 +215,9 @@ std::string TapeText::definition(NodeId i) const {
 }
 
 std::string TapeText::category(NodeId i) const {
+    // The name of a stretch of many operations (`Part`), told by its spaces, stands for all of them.
+    const std::string_view label = tape_[i].label;
+    if (label.find(' ') != std::string_view::npos) return std::string(label);
     const NodeId dot = part_of_dot_[static_cast<std::size_t>(i)];
     const bool partial = dot != no_node && dot != i;
     std::string text = partial && tape_[i].op == TapeOp::add ? expression(dot) + ", its sums" : definition(i);

@@ -11,6 +11,8 @@
 #include "measure/answer/against.hpp"
 #include "measure/answer/self.hpp"
 #include "measure/map/outcome_columns.hpp"
+#include "measure/map/own_words.hpp"
+#include "measure/map/row_columns.hpp"
 #include "measure/truth/lost_bits.hpp"
 #include "measure/truth/missing.hpp"
 
@@ -33,23 +35,6 @@ const truth::Certified* in_unit_of(const Truth& truth, const intersect::Info& in
     if (!truth.is_hit()) return nullptr;
     return info.direction == intersect::Direction::unit ? &truth.distance : &truth.t;
 }
-
-/// What a row takes on a band, kept by the thread: asking for a megabyte anew each time costs more than to fill it.
-struct RowColumns {
-    std::vector<Outcome> outcomes;
-    std::vector<std::vector<double>> metrics;
-    std::vector<double> measured, own_ulps;
-
-    /// For n rays; NaN wherever no column fills it.
-    void make(std::size_t n, const std::vector<const Metric*>& wanted) {
-        outcomes.resize(n);
-        metrics.resize(wanted.size());
-        for (std::size_t m = 0; m < wanted.size(); ++m) {
-            if (wanted[m]->in_columns == InColumns::no) metrics[m].assign(n, missing);
-            else metrics[m].resize(n);
-        }
-    }
-};
 
 /// The metrics of a row on a band.
 class Measurement {
@@ -80,7 +65,8 @@ private:
 
     /// A row that is a file's, or someone else's function, has no formula to evaluate without rounding or to record.
     static unsigned needs_met_by(const intersect::table::Intersector& form) {
-        return ~((form.ball ? 0U : metric::needs_self) | (form.record ? 0U : metric::needs_attribution));
+        return ~((form.ball ? 0U : metric::needs_self) | (form.record ? 0U : metric::needs_attribution) |
+                 (form.bounded ? 0U : metric::needs_bound) | (form.way ? 0U : metric::needs_way));
     }
 
     static std::span<const std::string_view> culprits_of(const std::vector<const Metric*>& metrics) {
@@ -149,18 +135,21 @@ private:
         };
         const auto of_marches = [](const Metric& m) { return m.over == Over::marches; };
         const auto of_hits = [](const Metric& m) {
-            return m.over != Over::marches && m.over != Over::pairs && m.in_columns == InColumns::no;
+            return (m.over == Over::agreed_hits || m.over == Over::blamed) && m.in_columns == InColumns::no;
         };
+        const auto of_every = [](const Metric& m) { return m.over == Over::every; };
         const auto of_blamed = [](const Metric& m) { return m.over == Over::blamed; };
         const bool marches = any(of_marches) && !result_.answers->march.empty(), hits = any(of_hits);
+        const bool every = any(of_every);
         const bool faults = (needs_ & metric::needs_attribution) != 0;
-        if (!marches && !hits && !faults) return;
+        if (!marches && !every && !hits && !faults) return;
         for (std::size_t i = 0; i < measured_.size(); ++i) {
             const Outcome outcome = result_.outcomes[i];
             const bool fault =
                 outcome == Outcome::false_hit || outcome == Outcome::false_miss || outcome == Outcome::wrong_object;
             const Ray<double> ray = ray_of(i);
             if (marches) take(i, plain_sample_of(i, ray), of_marches);
+            if (every) measure_own_words(i, ray, of_every);
             if (faults && fault) {
                 const bool hit = result_.answers->hit[i] != 0;
                 const Blame blame = blame_of(i, hit ? result_.answers->object[i] : truth_.object[i]);
@@ -170,6 +159,23 @@ private:
             }
             if (hits && outcome == Outcome::agree_hit && tells_t()) measure_hit(i, ray, of_hits);
         }
+    }
+
+    /// What the form says of its own answer, whatever that is worth.
+    template <class Which>
+    void measure_own_words(std::size_t i, const Ray<double>& ray, const Which& which) {
+        const OwnWords own(row_, needs_, *result_.inputs, ray, i, asked_of(i));
+        const Solid<double> solid = result_.inputs->solids[asked_of(i)];
+        const Truth truth = result_.truth(i);
+        Sample sample = sample_of(i, ray, solid, truth);
+        own.into(sample);
+        take(i, sample, which);
+    }
+
+    /// The solid that the form hits or, failing that, that is truly hit, or else the first.
+    [[nodiscard]] std::size_t asked_of(std::size_t i) const {
+        const std::int32_t object = result_.answers->hit[i] != 0 ? result_.answers->object[i] : truth_.object[i];
+        return static_cast<std::size_t>(std::max(0, object));
     }
 
     template <class Which>
@@ -192,6 +198,8 @@ private:
         }
         const Blame blame = blame_of(i, result_.answers->object[i]);
         if (needs_ & metric::needs_attribution) sample.blame = &blame;
+        const OwnWords own_words(row_, needs_ & ~unsigned{metric::needs_way}, in, ray, i, asked_of(i));
+        own_words.into(sample);
         take(i, sample, which);
     }
 

@@ -101,10 +101,11 @@ void add_categories(const Metric& metric, std::size_t m, Columns& columns) {
 }
 
 void add_statistics(const Metric& metric, std::size_t m, Columns& columns) {
-    const std::string name = column_name(metric), over = metric.over == metric::Over::marches ? " over all rays"
-                                                         : metric.over == metric::Over::pairs
-                                                             ? " over the rays that both hit"
-                                                             : " over agree_hit";
+    const std::string name = column_name(metric),
+                      over = metric.over == metric::Over::marches || metric.over == metric::Over::every
+                                 ? " over all rays"
+                             : metric.over == metric::Over::pairs ? " over the rays that both hit"
+                                                                  : " over agree_hit";
     for (const metric::Statistic& statistic : metric::statistics) {
         const bool bucketed = statistic.q > 0 && statistic.q < 1;
         columns.push_back(

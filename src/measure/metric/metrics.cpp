@@ -7,6 +7,9 @@
 #include <iterator>
 
 #include "measure/bits/log2.hpp"
+#include "measure/metric/hit_point.hpp"
+#include "measure/metric/own_bound.hpp"
+#include "measure/metric/published_bounds.hpp"
 #include "measure/truth/conditioning.hpp"
 #include "measure/truth/lost_bits.hpp"
 #include "number/rounded.hpp"
@@ -44,59 +47,6 @@ double relative(const Sample& s) {
                      (s.truth->hi + s.truth->lo));
 }
 
-/// P = o + t·d as the format computes it: a product and a sum, each rounded.
-Vec<double> hit_point(const Sample& s) {
-    const FloatFormat& f = s.format->shape;
-    const auto along = [&](double o, double d) {
-        switch (s.format->engine) {
-            case Format::Engine::native32: {
-                const float step = static_cast<float>(s.t) * static_cast<float>(d);
-                return static_cast<double>(static_cast<float>(o) + step);
-            }
-            case Format::Engine::native64: return o + s.t * d;
-            case Format::Engine::rounded: break;
-        }
-        return rounding::add(o, rounding::mul(s.t, d, f), f);
-    };
-    return Vec<double>(along(s.ray->origin.x, s.ray->direction.x), along(s.ray->origin.y, s.ray->direction.y),
-                       along(s.ray->origin.z, s.ray->direction.z));
-}
-
-/// (|v| − r)/r without cancellation: (v·v − r²)/(r(|v| + r)), v = P − G.
-template <class E>
-E off_surface(const Vec<double>& p, const Sphere<double>& sphere) {
-    const Vec<E> v(E(p.x) - E(sphere.centre.x), E(p.y) - E(sphere.centre.y), E(p.z) - E(sphere.centre.z));
-    const E r(sphere.radius);
-    const E v2 = square(v);
-    return (v2 - square(r)) / (r * (sqrt(v2) + r));
-}
-
-/// The largest of lo − p and p − hi over the axes, in longest sides: how far p lies outside the box by its worst
-/// component (beside an edge or a corner that is less than the distance), or, negative, how deep inside by the nearest
-/// face.
-template <class E>
-E off_surface(const Vec<double>& p, const Box<double>& box) {
-    const auto beyond = [&](int i) { return max(E(box.lo[i]) - E(p[i]), E(p[i]) - E(box.hi[i])); };
-    const auto side = [&](int i) { return E(box.hi[i]) - E(box.lo[i]); };
-    return max(max(beyond(0), beyond(1)), beyond(2)) / max(max(side(0), side(1)), side(2));
-}
-
-template <class Solid>
-double residual_of(const Vec<double>& p, const Solid& solid) {
-    const Ball quick = off_surface<Ball>(p, solid);
-    // Good to 2^-40 of itself, or so small that a double's rounding noise hides it.
-    if (quick.is_bounded() && quick.radius() <= std::max(std::fabs(quick.hi()) * 0x1p-40, 0x1p-90)) return quick.hi();
-    const Interval::Precision precision(8192);
-    const Interval exact = off_surface<Interval>(p, solid);
-    return exact.is_bounded() ? mpfr_get_d(exact.lower(), MPFR_RNDN) : missing;
-}
-
-double residual(const Sample& s) {
-    const Vec<double> p = hit_point(s);
-    if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z)) return HUGE_VAL;
-    return s.solid->shape == Shape::sphere ? residual_of(p, s.solid->sphere()) : residual_of(p, s.solid->box());
-}
-
 double input_error(const Sample& s) { return s.own ? in_ulps(s, *s.own, *s.truth) : missing; }
 double model_error(const Sample& s) { return s.own && s.self ? in_ulps(s, *s.self, *s.own) : missing; }
 double rounding_error(const Sample& s) {
@@ -115,6 +65,8 @@ double least_field(const Sample& s) { return s.march ? s.march->least : missing;
 
 double culprit(const Sample& s) { return s.blame ? s.blame->culprit : missing; }
 double cancelled(const Sample& s) { return s.blame ? blame::worst_cancellation(*s.blame->attribution) : missing; }
+
+double bound_ratio(const Sample& s) { return bound_over(s, rounding_error(s)); }
 
 constexpr unsigned split = needs_own_truth | needs_self;
 
@@ -221,6 +173,70 @@ constexpr Metric table[] = {
      .meaning = "lost_bits beyond inherent_bits: what the formula itself loses",
      .needs = needs_condition,
      .value = excess},
+    {.name = "point_error",
+     .unit = "u",
+     .layer = "bound.point",
+     .meaning = "largest component of P - P*, P = o + t d as the format computes it and P* = o + t* d exactly, over "
+                "(1 + max|P|) u: renderers move the next ray's origin by so many u",
+     .ramp = Ramp::magnitude,
+     .low = 0x1p-2,
+     .value = point_error},
+    {.name = "projected_error",
+     .unit = "u",
+     .layer = "bound.projected",
+     .meaning = "of a sphere: P put back onto the surface as P r/|P| about the centre, in the format: largest relative "
+                "error of a component against the exact P r/|P| of the same P, in u",
+     .ramp = Ramp::magnitude,
+     .low = 0x1p-2,
+     .high = 0x1p+4,
+     .value = projected_error},
+    {.name = "padding",
+     .unit = "u",
+     .layer = "bound.padding",
+     .meaning = "of a box that is truly hit: by how many u tmax must grow for slabs to see it, (tmin/tmax - 1)/u with "
+                "tmin and tmax of box.signs in the format; 0 where it is seen as it is",
+     .ramp = Ramp::magnitude,
+     .low = 0x1p-2,
+     .high = 0x1p+4,
+     .value = padding,
+     .over = Over::every},
+    {.name = "bound",
+     .unit = "ulp",
+     .layer = "bound.size",
+     .meaning =
+         "what the form itself knows of its error: a running bound on rounding, computed in the format beside t, "
+         "over ulp(t*); infinite where it knows nothing",
+     .needs = needs_bound,
+     .ramp = Ramp::magnitude,
+     .low = 0x1p-1,
+     .value = bound},
+    {.name = "bound_ratio",
+     .unit = "1",
+     .layer = "bound.ratio",
+     .meaning = "bound / |rounding_error|: how many times too wide; never below 1",
+     .needs = needs_bound | needs_self,
+     .ramp = Ramp::magnitude,
+     .low = 1,
+     .high = 0x1p+20,
+     .value = bound_ratio},
+    {.name = "decision",
+     .layer = "bound.decision",
+     .meaning = "whether the form's own running bounds prove its hit or miss, for the solid that it hits, or truly is "
+                "hit, or else the first",
+     .needs = needs_bound,
+     .ramp = Ramp::categories,
+     .value = decision,
+     .over = Over::every,
+     .categories = intersect::decision_names},
+    {.name = "arithmetic",
+     .layer = "bound.arithmetic",
+     .meaning = "the arithmetic in which a form that filters settled the ray, with the solid that it hits, or truly is "
+                "hit, or else the first: its own, the next wider one of one word, two words, exact sums",
+     .needs = needs_way,
+     .ramp = Ramp::categories,
+     .value = arithmetic,
+     .over = Over::every,
+     .categories = intersect::way_names},
     {.name = "cancellation",
      .unit = "bits",
      .layer = "culprit.cancellation",

@@ -8,15 +8,16 @@
 
 #include "geometry/solid.hpp"
 #include "intersect/march.hpp"
+#include "intersect/way.hpp"
 #include "measure/blame/culprits.hpp"
 #include "measure/truth/certified.hpp"
 #include "measure/truth/missing.hpp"
 
 namespace lostbits::measure::metric {
 
-/// All that is known of one ray on which form and truth agree that there is a hit; of any other ray `format`, `ray` and
-/// `march` alone. Null pointers stand for values that no selected metric needs, or that do not exist (a form that
-/// misses in exact arithmetic has no `self`).
+/// All that is known of one ray on which form and truth agree that there is a hit; of any other ray `format`, `ray`,
+/// `march`, `bounded` and `way` alone. Null pointers stand for values that no selected metric needs, or that do not
+/// exist (a form that misses in exact arithmetic has no `self`).
 struct Sample {
     double t = truth::missing;                ///< the form's answer, a number of the format
     const Format* format = nullptr;           ///< the format of the form under test
@@ -27,9 +28,11 @@ struct Sample {
     double condition = truth::missing;        ///< κ of the problem at its ideal inputs
     const Ray<double>* ray = nullptr;         ///< the inputs as the form received them
     const Solid<double>* solid = nullptr;     ///< the solid that the form hit, as it received it
-    const intersect::MarchRecord* march = nullptr;  ///< null for the forms that do not march
-    const blame::Blame* blame = nullptr;            ///< which operation lost the bits
-    std::string_view label = {};                    ///< of the metric that is being measured
+    const intersect::MarchRecord* march = nullptr;      ///< null for the forms that do not march
+    const blame::Blame* blame = nullptr;                ///< which operation lost the bits
+    const intersect::BoundedAnswer* bounded = nullptr;  ///< the answer with the form's own bound
+    const intersect::Way* way = nullptr;                ///< the arithmetic that settled it, of a form that filters
+    std::string_view label = {};                        ///< of the metric that is being measured
 };
 
 /// What must be computed before a metric can be.
@@ -39,7 +42,9 @@ enum Needs : unsigned {
     needs_own_truth = 2,
     needs_self = 4,
     needs_condition = 8,
-    needs_attribution = 16
+    needs_attribution = 16,
+    needs_bound = 32,  ///< of a format that is the machine's own
+    needs_way = 64
 };
 
 /// lost: from 0 to `high`, spaced by roots, so that the first bits show; kept: linear from 0 to `high`; magnitude:
@@ -47,9 +52,9 @@ enum Needs : unsigned {
 enum class Ramp { lost, kept, magnitude, categories };
 
 /// The rays on which a metric is measured. `marches`: every ray, whatever its outcome, of the forms that march;
-/// `blamed`: correct hits, false hits and false misses; `pairs`: every ray, whatever the truth, of the rows that are
-/// held against another form, and by `measure_row` itself.
-enum class Over { agreed_hits, marches, blamed, pairs };
+/// `every`: every ray, whatever its outcome; `blamed`: correct hits, false hits and false misses; `pairs`: every ray,
+/// whatever the truth, of the rows that are held against another form, and by `measure_row` itself.
+enum class Over { agreed_hits, marches, every, blamed, pairs };
 
 /// A metric that is measured over columns wherever registers can (measure/columns); `value` answers for the other rays,
 /// with the same bits.

@@ -76,6 +76,9 @@ bool MetricPaint::applies_to(const measure::map::MapRow& row) const {
     if (metric_->over == Over::pairs)  // how far apart: of t that mean the same alone
         return row.against != nullptr &&
                (!metric_->categories.empty() || measure::answer::are_comparable(*row.form->info, *row.against->info));
+    const bool machine = row.format.engine != Format::Engine::rounded;
+    if ((metric_->needs & measure::metric::needs_bound) && (row.form->bounded == nullptr || !machine)) return false;
+    if ((metric_->needs & measure::metric::needs_way) && row.form->way == nullptr) return false;
     return metric_->over != Over::marches || row.form->shape == Shape::sdf;
 }
 
@@ -88,11 +91,13 @@ bool MetricPaint::shares_with(const Metric& other) const {
 Rgb8 MetricPaint::category_colour(std::size_t category) const {
     if (metric_->by_run()) return category == 0 ? no_culprit : image::distinct_colour(category - 1);
     if (metric_->categories.data() == intersect::stop_names.data()) return image::stop_colours[category];
+    if (metric_->over == Over::every) return category == 0 ? no_culprit : image::distinct_colour(category - 1);
     return image::against_colours[category];
 }
 
 Rgb8 MetricPaint::colour(Outcome outcome, double value) const {
-    if (metric_->over == Over::agreed_hits) return pixel_colour(*scale_, outcome, value);
+    if (metric_->over == Over::agreed_hits || (metric_->over == Over::every && scale_ && std::isnan(value)))
+        return pixel_colour(*scale_, outcome, value);
     if (metric_->over == Over::blamed && std::isnan(value))
         return outcome == Outcome::agree_hit ? no_culprit : image::outcome_colours[static_cast<std::size_t>(outcome)];
     if (!scale_) return category_colour(static_cast<std::size_t>(value));

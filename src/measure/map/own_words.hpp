@@ -1,0 +1,23 @@
+// What a form says of its own answer, for the metrics that ask.
+#pragma once
+
+#include <optional>
+
+#include "measure/map/map.hpp"
+
+namespace lostbits::measure::map {
+
+/// Of ray i and one solid; empty of what `needs` does not name or the form cannot tell.
+class OwnWords {
+public:
+    OwnWords(const MapRow& row, unsigned needs, const truth::FormatInputs& inputs, const Ray<double>& ray,
+             std::size_t i, std::size_t solid);
+    /// Points the sample to this, which must outlive it.
+    void into(metric::Sample& sample) const;
+
+private:
+    std::optional<intersect::BoundedAnswer> bounded_;
+    std::optional<intersect::Way> way_;
+};
+
+}  // namespace lostbits::measure::map

@@ -1,0 +1,94 @@
+#include "measure/metric/published_bounds.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "intersect/box/slab.hpp"
+#include "measure/metric/hit_point.hpp"
+#include "number/ball.hpp"
+
+namespace lostbits::measure::metric {
+
+using truth::missing;
+
+namespace {
+
+template <class F>
+inline constexpr double roundoff = std::numeric_limits<F>::epsilon() / 2;
+
+double roundoff_of(const Sample& s) { return std::ldexp(1, -s.format->shape.precision); }
+
+/// `in.operator()<F>()` in the machine's own format; missing in every other.
+template <class In>
+double in_format(const Sample& s, const In& in) {
+    switch (s.format->engine) {
+        case Format::Engine::native32: return in.template operator()<float>();
+        case Format::Engine::native64: return in.template operator()<double>();
+        case Format::Engine::rounded: break;
+    }
+    return missing;
+}
+
+template <class F>
+Vec<F> stored(const Vec<double>& v) {
+    return {static_cast<F>(v.x), static_cast<F>(v.y), static_cast<F>(v.z)};
+}
+
+/// In object space, where the centre is the origin, as pbrt has it: p = o + t d, then p r/|p|.
+template <class F>
+double projected(const Sample& s) {
+    const Sphere<double> sphere = s.solid->sphere();
+    const auto r = static_cast<F>(sphere.radius), t = static_cast<F>(s.t);
+    const Vec<F> o = stored<F>(s.ray->origin) - stored<F>(sphere.centre), d = stored<F>(s.ray->direction);
+    const Vec<F> p = o + Vec<F>(t * d.x, t * d.y, t * d.z);
+    const F scale = r / length(p);
+    const Ball exact = Ball(double{r}) / length(Vec<Ball>(Ball(double{p.x}), Ball(double{p.y}), Ball(double{p.z})));
+    double worst = 0;
+    for (int i = 0; i < 3; ++i) {
+        if (p[i] == 0) continue;
+        const Ball off = Ball(double{p[i] * scale}) / (Ball(double{p[i]}) * exact) - Ball(1);
+        if (!off.is_bounded()) return missing;
+        worst = std::max(worst, std::fabs(off.hi()));
+    }
+    return worst / roundoff<F>;
+}
+
+template <class F>
+double padding_in(const Sample& s) {
+    const Box<double> box = s.solid->box();
+    F tmin = 0, tmax = std::numeric_limits<F>::infinity();
+    intersect::box::clip_by_signs<F>(Ray<F>{stored<F>(s.ray->origin), stored<F>(s.ray->direction)},
+                                     Box<F>{stored<F>(box.lo), stored<F>(box.hi)}, tmin, tmax);
+    if (!(tmin > tmax)) return 0;
+    return tmax > 0 ? (double{tmin} - double{tmax}) / double{tmax} / roundoff<F> : HUGE_VAL;
+}
+
+}  // namespace
+
+double point_error(const Sample& s) {
+    const Vec<double> p = hit_point(s);
+    const truth::Certified& t = *s.truth;
+    double worst = 0, largest = 0;
+    for (int i = 0; i < 3; ++i) {
+        const Ball scale(std::ldexp(1, static_cast<int>(std::clamp<std::int64_t>(t.exponent, -800, 800))));
+        const Ball exact = Ball(s.ray->origin[i]) + (Ball(t.hi) + Ball(t.lo)) * scale * Ball(s.ray->direction[i]);
+        const Ball off = Ball(p[i]) - exact;
+        if (!off.is_bounded()) return HUGE_VAL;
+        worst = std::max(worst, std::fabs(off.hi()));
+        largest = std::max(largest, std::fabs(p[i]));
+    }
+    return worst / ((1 + largest) * roundoff_of(s));
+}
+
+double projected_error(const Sample& s) {
+    if (s.solid->shape != Shape::sphere) return missing;
+    return in_format(s, [&]<class F>() { return projected<F>(s); });
+}
+
+double padding(const Sample& s) {
+    if (!s.truth || !s.solid || s.solid->shape != Shape::box) return missing;
+    return in_format(s, [&]<class F>() { return padding_in<F>(s); });
+}
+
+}  // namespace lostbits::measure::metric
