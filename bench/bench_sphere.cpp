@@ -2,6 +2,7 @@
 // in every engine, in one run: compare ratios, not times.
 //
 //   build/bench/bench_sphere --ratios     packs over loops written by hand, and what more processors bring
+//   build/bench/bench_sphere --filtered   what sphere.filtered and box.filtered cost, and nothing else
 //   build/bench/bench_sphere --benchmark_min_time=0.5 --benchmark_enable_random_interleaving=true
 //   --benchmark_repetitions=5 build/bench/bench_sphere --benchmark_filter='truth|mpfr' build/bench/bench_sphere
 //   --benchmark_filter='packed.*(schoolbook|unified)/f32'
@@ -216,6 +217,7 @@ void print_all() {
             return measure::speed::RayWork(bytes_of(size)).on({"sphere.unified", widest, "f32"})->pass;
         });
     bench::print_bytes_a_sphere();
+    bench::print_filtered();
 }
 
 }  // namespace
@@ -223,6 +225,10 @@ void print_all() {
 int main(int argc, char** argv) {
     if (argc == 2 && std::string_view(argv[1]) == "--ratios") {
         print_all();
+        return 0;
+    }
+    if (argc == 2 && std::string_view(argv[1]) == "--filtered") {
+        bench::print_filtered();
         return 0;
     }
     register_all();

@@ -35,6 +35,9 @@ void print_truth();
 /// Tables on stdout: nanoseconds a ray of a map's row, truth and all the rest, and of a float of an exhaustive sweep.
 void print_chains();
 
+/// A table on stdout: what the filtered forms cost, width by width, over the forms that they are held against.
+void print_filtered();
+
 /// A table on stdout: what a map of a flake of 5.4 million spheres takes of memory for each, from near and from far.
 void print_bytes_a_sphere();
 

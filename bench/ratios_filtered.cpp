@@ -1,0 +1,143 @@
+// What `sphere.filtered` and `box.filtered` cost, on rays that the cheap way settles and on rays that it does not.
+#include <algorithm>
+#include <cstdio>
+
+#include "intersect/simd/packed.hpp"
+#include "measure/speed/timing_work.hpp"
+#include "measure/truth/unit_direction.hpp"
+#include "ratios.hpp"
+#include "two_words.hpp"
+
+namespace bench {
+namespace {
+
+using namespace lostbits;
+using intersect::simd::Isa;
+using measure::speed::RayPool;
+using scene::rays::BoxFamily;
+using scene::rays::Family;
+
+struct Rays {
+    const char* name;
+    RayPool pool;
+    double hit_rate;
+};
+
+std::vector<Ray<double>> unit_rays(const scene::rays::RayGroup& group) {
+    std::vector<Ray<double>> rays;
+    for (std::size_t i = 0; i < group.rays.size(); ++i) {
+        const Ray<double> ray = group.rays[i];
+        rays.push_back({ray.origin, measure::truth::unit_direction(ray.direction, binary32)});
+    }
+    return rays;
+}
+
+/// One view of a family and many rays: rays that hit, and misses beside them.
+RayPool view_of(Family hits) {
+    hits.views = 1;
+    hits.rays = 4096;
+    hits.seed = 7;
+    Family misses = hits;
+    misses.impact_from = 1.1;
+    misses.impact_to = 1.5;
+    const auto met = scene::rays::family_rays(hits).front();
+    const bool point = hits.projection == Family::Projection::point || hits.silhouette_gap != 0;
+    return {met.solids.front(), unit_rays(met),
+            point ? unit_rays(met) : unit_rays(scene::rays::family_rays(misses).front())};
+}
+
+std::vector<Rays> sphere_rays() {
+    return {{"easy", measure::speed::ray_pool(Shape::sphere), 0.5},
+            {"far-small", view_of({.distance = 4096, .impact_to = 0.9}), 0.5},
+            {"1e6 radii", view_of({.distance = 1e6, .impact_to = 0.9}), 0.5},
+            {"near-huge",
+             view_of({.projection = Family::Projection::point, .radius = 1e6, .height = 1, .impact_to = 0.9}), 1},
+            {"grazing", view_of({.distance = 4, .silhouette_gap = 0x1p-10}), 1}};
+}
+
+std::vector<Rays> box_rays() {
+    const auto view = [](BoxFamily family) {
+        family.views = 1;
+        family.rays = 4096;
+        family.seed = 7;
+        const auto group = scene::rays::box_family_rays(family).front();
+        return RayPool{group.solids.front(), unit_rays(group), unit_rays(group)};
+    };
+    return {{"easy", measure::speed::ray_pool(Shape::box), 0.5},
+            {"edge", view({.aim = BoxFamily::Aim::edge, .gap = 0x1p-23}), 1},
+            {"face", view({.aim = BoxFamily::Aim::face}), 1}};
+}
+
+/// Nanoseconds of an item by each kernel, and what the first takes over each of the others.
+void print_over(const char* rays, std::string_view width, std::string_view format,
+                const std::vector<std::pair<std::string, measure::speed::TimedWork>>& all) {
+    std::vector<measure::speed::TimedWork> work;
+    for (const auto& [name, one] : all) work.push_back(one);
+    const auto samples = measure::speed::sample_interleaved(work, {.repetitions = 201});
+    std::printf("%-10s %-6s %-4s", rays, std::string(width).c_str(), std::string(format).c_str());
+    for (std::size_t k = 0; k < all.size(); ++k) {
+        std::printf("  %s %.3f ns", all[k].first.c_str(), 1e9 * measure::speed::timing_of(samples[k]).median);
+        if (k == 0) continue;
+        const measure::speed::Timing over = measure::speed::ratio_of(samples[0], samples[k]);
+        std::printf(" (x %.2f, %.2f-%.2f)", over.median, over.low_quartile, over.high_quartile);
+    }
+    std::printf("\n");
+}
+
+template <class S, class Kernel>
+measure::speed::TimedWork work_on(const std::shared_ptr<measure::speed::RayStore<S>>& store, Kernel kernel) {
+    return {[store, kernel] { store->run(kernel); }, store->slice(), true};
+}
+
+const intersect::simd::PackedRow& row_of(Isa isa, std::string_view form) {
+    const auto rows = intersect::simd::packed_rows(isa);
+    return *std::ranges::find_if(rows, [form](const auto& row) { return row.info->name == form; });
+}
+
+template <class S>
+void print_forms(const Rays& rays, Isa isa, const std::vector<std::string_view>& forms) {
+    const std::size_t bytes = measure::speed::working_set_bytes("l1", measure::speed::cache_sizes());
+    const auto store = std::make_shared<measure::speed::RayStore<S>>(rays.pool, bytes, rays.hit_rate, 0, 1);
+    std::vector<std::pair<std::string, measure::speed::TimedWork>> all;
+    for (const std::string_view form : forms) {
+        const intersect::simd::PackedRow& row = row_of(isa, form);
+        if constexpr (sizeof(S) == 4) all.emplace_back(form, work_on(store, row.f32));
+        else if (row.f64) all.emplace_back(form, work_on(store, row.f64));
+    }
+    if constexpr (sizeof(S) == 8) {
+        by_hand::Sphere<double> loop = nullptr;
+        if (isa == Isa::w128) loop = two_words_w128();
+#if defined(LOSTBITS_BY_HAND)
+        if (isa == Isa::w256) loop = two_words_w256();
+        if (isa == Isa::w512) loop = two_words_w512();
+#endif
+        if (loop && rays.pool.solid.shape == Shape::sphere)
+            all.emplace_back("double-double", work_on(store, [loop](const auto& r, const Solid<S>& s, const auto& h) {
+                                 const S* const in[] = {r.ox.data(), r.oy.data(), r.oz.data(),
+                                                        r.dx.data(), r.dy.data(), r.dz.data()};
+                                 S* const out[] = {h.t.data(), h.near.data(), h.far.data()};
+                                 loop(in, s.numbers.data(), out, h.hit.data(), r.size());
+                             }));
+    }
+    print_over(rays.name, name_of(isa), sizeof(S) == 4 ? "f32" : "f64", all);
+}
+
+}  // namespace
+
+void print_filtered() {
+    std::printf("nanoseconds a ray, and how many times as long as each of the others the filtered form takes\n");
+    for (const Isa isa : intersect::simd::available_isas()) {
+        if (isa == Isa::scalar) continue;
+        for (const Rays& rays : sphere_rays()) {
+            print_forms<float>(rays, isa, {"sphere.filtered", "sphere.schoolbook", "sphere.double_inside"});
+            print_forms<double>(rays, isa, {"sphere.filtered", "sphere.schoolbook"});
+        }
+        for (const Rays& rays : box_rays()) {
+            print_forms<float>(rays, isa, {"box.filtered", "box.signs", "box.inclusive"});
+            print_forms<double>(rays, isa, {"box.filtered", "box.signs", "box.inclusive"});
+        }
+    }
+    std::printf("\n");
+}
+
+}  // namespace bench

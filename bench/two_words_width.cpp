@@ -1,0 +1,28 @@
+// Compiled once for each register width.
+#include "intersect/sphere/filtered_steps.hpp"
+#include "number/width.hpp"
+#include "two_words.hpp"
+
+namespace bench {
+namespace {
+
+using namespace lostbits;
+using P = Pack<double, Width>;
+
+[[gnu::flatten]] void sphere_loop(const double* const rays[6], const double* sphere, double* const answers[3],
+                                  unsigned char* hit, std::size_t n) {
+    const Sphere<P> solid{{P(sphere[0]), P(sphere[1]), P(sphere[2])}, P(sphere[3])};
+    for (std::size_t i = 0; i < n; i += P::lanes) {
+        const auto at = [&](int column) { return P::load(rays[column] + i); };
+        const Ray<P> ray{{at(0), at(1), at(2)}, {at(3), at(4), at(5)}};
+        const auto found = intersect::sphere::filtered::widely<number::wide::TwoWords<P>, P>(ray, solid);
+        for (int k = 0; k < 3; ++k) found.t.store(answers[k] + i);
+        (found.proved && found.hit).store(reinterpret_cast<bool*>(hit + i));
+    }
+}
+
+}  // namespace
+
+by_hand::Sphere<double> LOSTBITS_NAME_OF_WIDTH(two_words)() { return sphere_loop; }
+
+}  // namespace bench
