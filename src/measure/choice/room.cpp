@@ -117,16 +117,21 @@ std::optional<Stretched> stretched(const Scene& scene, Way way, double factor) {
 
 namespace {
 
-/// Whether what is stored of the scene is still the scene: by its hits.
-bool is_as_meant(const Scene& scene, std::uint64_t stored_hits, truth::TruthLimit limit) {
+/// Whether what is stored of the scene is still the scene: nine rays of ten have the same decision, and t to a tenth.
+bool is_as_meant(const Scene& scene, truth::TruthLimit limit) {
     if (scene.inputs == scene::file::Inputs::own) return true;
-    Scene meant = scene;
-    meant.inputs = scene::file::Inputs::own;
-    const truth::Band band(meant, 0, meant.height, limit);
-    std::uint64_t hits = 0;
-    for (std::size_t i = 0; i < band.pixels(); ++i) hits += band.truth(i, {}).is_hit();
-    const auto apart = hits > stored_hits ? hits - stored_hits : stored_hits - hits;
-    return 10 * apart <= std::max(hits, stored_hits);
+    Scene ideal = scene;
+    ideal.inputs = scene::file::Inputs::own;
+    const truth::Band stored(scene, 0, scene.height, limit), meant(ideal, 0, ideal.height, limit);
+    const auto t_of = [](const truth::Band& band, std::size_t i) {
+        return band.truth(i, {}).is_hit() ? band.rounded_truth(i, binary64, intersect::Direction::any, {}) : HUGE_VAL;
+    };
+    std::size_t other = 0;
+    for (std::size_t i = 0; i < meant.pixels(); ++i) {
+        const double is = t_of(stored, i), should_be = t_of(meant, i);
+        other += is != should_be && !(std::fabs(is - should_be) <= 0.1 * should_be);
+    }
+    return 10 * other <= meant.pixels();
 }
 
 /// The search along one way.
@@ -157,10 +162,10 @@ private:
         request_.scene = &there->scene;
         const Worth worth = worth_of(request_).front();
         const bool meets = worth.meets(request_.wish) || (worth.hits == 0 && worth.decides(request_.wish));
-        const End end = !is_as_meant(there->scene, worth.hits, request_.limit) ? End::other_scene
-                        : !meets                                               ? End::fails
-                        : worth.hits == 0                                      ? End::nothing_hit
-                                                                               : End::none;
+        const End end = !is_as_meant(there->scene, request_.limit) ? End::other_scene
+                        : !meets                                   ? End::fails
+                        : worth.hits == 0                          ? End::nothing_hit
+                                                                   : End::none;
         if (end == End::none) {
             room_.holds = factor;
             room_.value = there->value;

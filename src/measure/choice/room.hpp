@@ -36,9 +36,9 @@ std::optional<Stretched> stretched(const scene::file::Scene& scene, Way way, dou
 enum class End {
     fails,        ///< the wish
     nothing_hit,  ///< no ray hits anything there
-    other_scene,  ///< binary32, to which shared inputs are rounded, holds another scene there: the hits of what is
-                  ///< stored and of what was meant are apart by more than a tenth
-    none  ///< nothing, up to the largest factor or the widest view
+    other_scene,  ///< binary32, to which shared inputs are rounded, holds another scene there: for more than a tenth of
+                  ///< the rays, the decision or a tenth of t is not what was meant
+    none          ///< nothing, up to the largest factor or the widest view
 };
 inline constexpr std::array<std::string_view, 4> end_names{"fails", "nothing_hit", "other_scene", "none"};
 

@@ -11,7 +11,7 @@ using truth::missing;
 double bound(const Sample& s) {
     if (!s.bounded) return missing;
     if (!(s.bounded->error < HUGE_VAL)) return HUGE_VAL;
-    return std::ldexp(s.bounded->error, -ulp_exponent(s.format->shape, s.truth->floor_log2()));
+    return std::ldexp(s.bounded->error, -static_cast<int>(ulp_exponent(s.format->shape, s.truth->floor_log2())));
 }
 
 double bound_over(const Sample& s, double error) {

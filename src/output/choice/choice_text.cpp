@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 namespace lostbits::output::choice {
@@ -149,8 +150,9 @@ std::string in_words(const Chosen& chosen) {
     } else {
         const Candidate& c = chosen.all[*chosen.meets];
         const int precision = c.row.format.shape.precision;
-        text += fmt::format("The cheapest is {}: {}, {}; {:.2f} ns a ray and solid, {}.\n", name_of_row(c),
-                            kept(c.worth, precision), decisions(c.worth), nanoseconds(c),
+        text +=
+            fmt::format("The cheapest is {}: {}, {}.\n", name_of_row(c), kept(c.worth, precision), decisions(c.worth));
+        text += fmt::format("  It takes {:.2f} ns a ray and solid, {}.\n", nanoseconds(c),
                             c.isa == "scalar" ? "one ray at a time" : fmt::format("in registers of {} bits", c.isa));
         const std::string assumed = assumptions(*c.row.form->info);
         text += assumed.empty() ? "  It assumes nothing of the ray.\n" : fmt::format("  It assumes: {}.\n", assumed);

@@ -23,7 +23,7 @@ struct HeatmapSpec {
     std::optional<ColourScale> scale;  ///< none for a map of classes or objects alone
     std::string unit;                  ///< over the colour bar: `lost bits`
     std::vector<LegendEntry> legend;   ///< every class that may occur, each with the widest count it may get
-    std::string widest_caption;        ///< room for lines above the legend that are known at the end; empty: none
+    std::string widest_caption = {};   ///< room for lines above the legend that are known at the end; empty: none
 };
 
 /// Streams a field into a PNG. Fields narrower than 384 samples are enlarged by a whole factor, nearest neighbour, so

@@ -1,0 +1,57 @@
+// `lostbits choose` from the outside. Times are not asserted.
+#include "catch.hpp"
+#include "program.hpp"
+
+using namespace lostbits::test;
+
+namespace {
+
+Outcome choose(const std::string& words, const Scratch& scratch) {
+    return run("choose " + words + " --quick --size 32x32 -o '" + scratch.path().string() + "'");
+}
+
+}  // namespace
+
+TEST_CASE("choose says what meets a wish, and writes every form by price") {
+    const Scratch scratch;
+    const auto r = choose("rtg-fig-7-3-4100-oblique --bits 40 -i sphere.schoolbook -i sphere.unified", scratch);
+    INFO(r.err);
+    REQUIRE(r.code == 0);
+    CHECK(has(r.out, "The cheapest is sphere.unified in f64"));
+    CHECK(has(r.out, "It holds"));
+    const auto folder = scratch.path() / "rtg-fig-7-3-4100-oblique";
+    const auto rows = read_csv(folder / "choose.csv");
+    REQUIRE(rows.size() == 4);
+    double before = 0;
+    for (const auto& row : rows) {
+        const double time = std::stod(row.at("time_ns"));
+        CHECK(time >= before);
+        before = time;
+        const bool chosen = row.at("form") == "sphere.unified" && row.at("format") == "f64";
+        CHECK(row.at("chosen") == (chosen ? "1" : "0"));
+    }
+    CHECK(read_csv(folder / "room.csv").size() == 3);  // parallel rays have no view to widen
+    CHECK(std::filesystem::exists(folder / "front.png"));
+}
+
+TEST_CASE("choose ends with 1 where nothing meets the wish, and says what is in the way") {
+    const Scratch scratch;
+    const auto bits = choose("near-benign --bits 30 -f f32", scratch);
+    CHECK(bits.code == 1);
+    CHECK(has(bits.out, "Nothing meets the wish"));
+    CHECK(has(bits.out, "f32 has 24 bits"));
+    const auto decisions = choose("rtg-fig-7-3-4100-oblique --bits 1 -i sphere.schoolbook -f f32", scratch);
+    CHECK(decisions.code == 1);
+    CHECK(has(decisions.out, "its decisions"));
+}
+
+TEST_CASE("choose refuses what is no wish") {
+    const Scratch scratch;
+    CHECK(has(choose("near-benign --bits 16 --at p", scratch).err, "--at p"));
+    CHECK(has(choose("near-benign --bits 16 --at p100", scratch).err, "--at p100"));
+    CHECK(choose("near-benign --bits 60", scratch).code == 2);
+    CHECK(choose("near-benign", scratch).code == 2);
+    CHECK(has(choose("near-benign --bits 8 -f fp16", scratch).err, "emulated"));
+    CHECK(choose("near-benign --bits 8 -i 'box.*'", scratch).code == 4);
+    CHECK(has(choose("rtg-fig-7-4 --bits 8", scratch).err, "variants"));
+}

@@ -1,0 +1,155 @@
+// What meets a wish, and how far it holds; times play no part.
+#include <algorithm>
+#include <cmath>
+
+#include "catch.hpp"
+#include "measure/choice/candidates.hpp"
+#include "measure/choice/room.hpp"
+#include "scene/file/scene.hpp"
+
+namespace lostbits::test {
+
+using namespace lostbits::measure::choice;
+using measure::map::MapRow;
+using scene::file::Scene;
+
+namespace {
+
+Scene scene_named(const char* name) {
+    scene::file::LoadOptions options;
+    options.size = {{48, 48}};
+    return scene::file::load_scene(std::string(LOSTBITS_DATA_DIR "/scenes/") + name + ".toml", options).front();
+}
+
+MapRow row_of(std::string_view form, const char* format) {
+    const auto all = intersect::table::intersectors();
+    return {std::ranges::find_if(all, [&](const auto& row) { return row.info->name == form; }).operator->(),
+            *find_format(format)};
+}
+
+ChoiceRequest request_of(const Scene& scene, double bits) {
+    ChoiceRequest request{.scene = &scene};
+    request.wish.bits = bits;
+    request.plan = {.repetitions = 1, .least_seconds = 1e-6};
+    return request;
+}
+
+Candidate candidate(double time, std::uint64_t wrong, double bits) {
+    Candidate c{.row = row_of("sphere.schoolbook", "f32")};
+    c.time.median = time;
+    c.worth = {.rays = 100, .wrong = wrong, .kept_bits = bits, .hits = 50};
+    return c;
+}
+
+}  // namespace
+
+TEST_CASE("the cheapest that meets a wish is neither the fastest nor the most accurate") {
+    const double none = std::nan("");
+    const std::vector<Candidate> all{candidate(1, 0, 9), candidate(2, 1, 20), candidate(3, 0, 17), candidate(4, 0, 22),
+                                     candidate(0.5, 50, none)};
+    CHECK(cheapest(all, {.bits = 16}) == 2);
+    CHECK(cheapest(all, {.bits = 16, .wrong = 0.01}) == 1);
+    CHECK(cheapest(all, {.bits = 8}) == 0);
+    CHECK(fastest(all) == 4);
+    CHECK(most_accurate(all) == 3);
+    CHECK_FALSE(cheapest(all, {.bits = 23}));
+    CHECK(nearest(all, {.bits = 23}) == 3);
+    CHECK(nearest({candidate(1, 7, 20), candidate(2, 3, 5)}, {.bits = 1}) == 1);
+    CHECK_FALSE(cheapest({candidate(1, 0, none)}, {.bits = 0}));
+}
+
+TEST_CASE("every row is timed, on rays of the scene, and worth what a map says") {
+    const Scene scene = scene_named("rtg-fig-7-3-4100-oblique");
+    ChoiceRequest request = request_of(scene, 16);
+    request.rows = {row_of("sphere.schoolbook", "f32"), row_of("sphere.schoolbook", "f64")};
+    TimedRays timed;
+    const auto all = measure_candidates(request, timed);
+    REQUIRE(all.size() == 2);
+    CHECK(timed.solids == 1);
+    CHECK(timed.rays > 1000);
+    for (const Candidate& c : all) CHECK(c.time.median > 0);
+    const auto* const lost = measure::metric::find_metric("lost_bits");
+    const auto summaries =
+        measure::map::run_map({.scene = &scene, .rows = request.rows, .metrics = {lost}}, {nullptr, nullptr});
+    for (std::size_t r = 0; r < all.size(); ++r) {
+        CHECK(all[r].worth.wrong == summaries[r].wrong_count());
+        CHECK(all[r].worth.hits == summaries[r].true_hits);
+    }
+    CHECK(all[0].worth.wrong > 0);
+    CHECK(all[1].worth.wrong == 0);
+    CHECK(all[1].worth.kept_bits == 53 - summaries[1].metrics[0].quantile(0.99));
+}
+
+TEST_CASE("a stretched scene is the scene at factor 1, and shows the same picture from farther away") {
+    const Scene scene = scene_named("near-benign");
+    for (const Way way : ways) {
+        const auto same = stretched(scene, way, 1);
+        REQUIRE(same);
+        CHECK(abs(same->scene.camera.eye.x - scene.camera.eye.x) < 1e-50);
+        CHECK(abs(same->scene.camera.fov_deg - scene.camera.fov_deg) < 1e-50);
+        CHECK(abs(same->scene.spheres[0].radius - scene.spheres[0].radius) < 1e-50);
+    }
+    const auto far = stretched(scene, Way::distance, 8), near = stretched(scene, Way::distance, 1);
+    CHECK(far->value == Approx(8 * near->value).epsilon(1e-14));
+    const auto large = stretched(scene, Way::radius, 1000);
+    CHECK(large->value == Approx(1200).epsilon(1e-14));  // the largest of the scene has radius 1.2
+    // The point nearest to the eye stays: distance to the centre less radius.
+    const auto gap = [&](const Scene& s) { return length(s.spheres[2].centre - s.camera.eye) - s.spheres[2].radius; };
+    CHECK(abs(gap(large->scene) - gap(scene)) < 1e-40);
+    CHECK_FALSE(stretched(scene, Way::view, 1e6));
+    CHECK_FALSE(stretched(scene_named("rtg-fig-7-3-4100-oblique"), Way::view, 2));  // parallel rays
+}
+
+TEST_CASE("at the edge of a room the wish holds, and just beyond it fails") {
+    const Scene scene = scene_named("near-benign");
+    ChoiceRequest request = request_of(scene, 16);
+    const MapRow row = row_of("sphere.schoolbook", "f32");
+    const auto rooms = rooms_of(request, row, 48 * 48);
+    REQUIRE(rooms.size() == 4);
+    const Room& distance = rooms[0];
+    REQUIRE(distance.end == End::fails);
+    CHECK(distance.holds >= 1);
+    CHECK(distance.beyond / distance.holds <= 1.02);
+    request.rows = {row};
+    const auto at = [&](double factor) {
+        const auto there = stretched(scene, Way::distance, factor);
+        ChoiceRequest asked = request;
+        asked.scene = &there->scene;
+        return worth_of(asked).front();
+    };
+    CHECK(at(distance.holds).meets(request.wish));
+    CHECK_FALSE(at(distance.beyond).meets(request.wish));
+    CHECK(at(distance.beyond).kept_bits == distance.broken.kept_bits);
+    CHECK(at(64 * distance.beyond).kept_bits < 16);
+}
+
+TEST_CASE("a room ends where binary32 holds another scene, though every ray is decided rightly there") {
+    const Scene scene = scene_named("near-benign");
+    const ChoiceRequest request = request_of(scene, 16);
+    const MapRow row = row_of("sphere.unified", "f64");
+    const auto rooms = rooms_of(request, row, 48 * 48);
+    const auto offset = std::ranges::find(rooms, Way::offset, &Room::way);
+    REQUIRE(offset != rooms.end());
+    CHECK(offset->end == End::other_scene);
+    CHECK(offset->value > 1e5);
+    CHECK(offset->value < 1e8);
+    Scene own = scene;
+    own.inputs = scene::file::Inputs::own;
+    ChoiceRequest of_own = request;
+    of_own.scene = &own;
+    const auto own_rooms = rooms_of(of_own, row, 24 * 24);
+    CHECK(std::ranges::find(own_rooms, Way::offset, &Room::way)->end != End::other_scene);
+}
+
+TEST_CASE("a wish that fails at once has no room") {
+    const Scene scene = scene_named("rtg-fig-7-3-4100-oblique");
+    const auto rooms = rooms_of(request_of(scene, 20), row_of("sphere.schoolbook", "f32"), 1024);
+    REQUIRE_FALSE(rooms.empty());
+    for (const Room& room : rooms) {
+        CHECK(room.holds == 0);
+        CHECK(room.end == End::fails);
+        CHECK(room.broken.wrong > 0);
+    }
+}
+
+}  // namespace lostbits::test
