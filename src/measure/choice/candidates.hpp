@@ -37,14 +37,14 @@ struct Worth {
 /// A form in a format, as it would be called.
 struct Candidate {
     map::MapRow row;
-    std::string_view isa;  ///< of the registers: `scalar`, `128`, ...
-    speed::Timing time{};  ///< seconds a ray and solid
+    std::string_view isa = {};  ///< of the registers: `scalar`, `128`, ...
+    speed::Timing time{};       ///< seconds a ray and solid
     Worth worth{};
 };
 
 struct ChoiceRequest {
     const scene::file::Scene* scene = nullptr;
-    std::vector<map::MapRow> rows;  ///< f32 and f64 alone
+    std::vector<map::MapRow> rows = {};  ///< f32 and f64 alone
     Wish wish{};
     bool single = false;  ///< one ray at a time, not a register full
     speed::TimingPlan plan{};
