@@ -209,8 +209,7 @@ void add_offsets(CLI::App& program, const Common& common, Command& chosen) {
     choice::add_list(*command, "--along", o->along,
                      "Also with the scene moved along an axis: distance of the eye, radius (every length), world "
                      "(offset from the origin); pictures of 48 columns")
-        ->check(CLI::IsMember(
-            std::vector<std::string>(measure::offset::along_names.begin(), measure::offset::along_names.end())));
+        ->check(choice::each_of("--along", {measure::offset::along_names.begin(), measure::offset::along_names.end()}));
     command->add_option("-o,--out", o->out, "Folder for the results")->required();
     command->callback([o, &common, &chosen] { chosen = [o, &common] { return run(*o, common); }; });
 }

@@ -25,6 +25,7 @@ async function reruns({ browser, taped }) {
         const found = { rays: 0, wrong: [] };
         for (const map of index.maps) {
             for (const row of map.rows) {
+                if (!row.taped) continue;
                 const pixels = await pixelsOf(map, row);
                 for (let i = map.rows.indexOf(row) % 19; i < map.width * map.height; i += 19) {
                     const [x, y] = [i % map.width, Math.floor(i / map.width)], { walk } = await walkOf(map, row, x, y);
@@ -89,6 +90,7 @@ async function attributes({ browser, taped, lostbits }) {
             for (const [r, row] of map.rows.entries()) {
                 if ((r + index.maps.indexOf(map)) % 3 !== 0)
                     continue;  // three is prime to the four formats: all forms, each in some
+                if (!row.taped) continue;
                 const { worst } = row, k = (r * 7919 + index.maps.indexOf(map) * 104729) % (map.width * map.height);
                 const [x, y] = r % 2 === 0 && worst ? [worst.x, worst.y] : [k % map.width, Math.floor(k / map.width)],
                           found = await walkOf(map, row, x, y), { walk } = found;
@@ -170,6 +172,7 @@ async function ties({ browser, taped }) {
         };
         for (const map of index.maps) {
             for (const [r, row] of map.rows.entries()) {
+                if (!row.taped) continue;
                 const k = (r * 7919 + 11 * index.maps.indexOf(map)) % (map.width * map.height), x = k % map.width,
                       y = Math.floor(k / map.width), { tape, walk } = await walkOf(map, row, x, y),
                       { tape: other, place } = shuffle(tape), again = new Walk(other, walk.inputs),
@@ -232,7 +235,8 @@ async function table({ browser, report, lostbits }) {
     const march =
         await browser.page(report, { hash: "#scene=sdf-sphere&form=sdf.sphere_trace&format=f32&x=100&y=100" });
     assert.match(
-        await march.locator("#inspector .verdict").innerText(), /bits are lost where the march ended, at sample \d+, or/);
+        await march.locator("#inspector .verdict").innerText(),
+        /bits are lost where the march ended, at sample \d+, or/);
     assert.match(
         await march.locator("#operations").innerText(),
         /lostbits explain sdf-sphere --pixel 100,100 -i sdf.sphere_trace -f f32/);

@@ -71,8 +71,10 @@ V every_pair(const Below& below, const Join& join, V all) {
 
 /// In W, to nearest. v is its unit roundoff: n and f round once, the products once more, so n m and f g are right to
 /// 2.1v of themselves, and n m ≤ f g where n m + 3v(|n m| + |f g|) ≤ f g: where both are zero, too.
+///
+/// `static`: what is compiled for wide registers alone must not be what the linker gives to others.
 template <class W, Number T>
-SlabDecision<T> widely(const Ray<T>& ray, const OrderedSlabs<T>& slabs, const T& limit) {
+static SlabDecision<T> widely(const Ray<T>& ray, const OrderedSlabs<T>& slabs, const T& limit) {
     using number::wide::taken_back, number::wide::taken_to;
     const auto wide = [](const T& x) { return taken_to<W>(x); };
     std::array<W, 3> m{W(0), W(0), W(0)}, n = m, f = m;
@@ -108,7 +110,7 @@ SlabDecision<T> widely(const Ray<T>& ray, const OrderedSlabs<T>& slabs, const T&
 
 /// Exactly, as signs of sums of words: 1 where every comparison holds, −1 where one fails.
 template <Number T>
-[[gnu::noinline]] SlabDecision<T> exactly(const Ray<T>& ray, const OrderedSlabs<T>& slabs, const T& limit) {
+[[gnu::noinline]] static SlabDecision<T> exactly(const Ray<T>& ray, const OrderedSlabs<T>& slabs, const T& limit) {
     using B = number::wide::OneWord<T>;
     using number::wide::ExactSum, number::wide::sum_of, number::wide::TwoWords;
     const auto word = [](const T& x) { return number::wide::taken_to<B>(x); };

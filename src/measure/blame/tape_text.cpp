@@ -119,6 +119,21 @@ std::string TapeText::vector_shown(const std::string& base) const {
     return style_ == Style::latex ? "\\mathbf{" + base + "}" : base;
 }
 
+namespace {
+
+/// What means something else in a program that `explain` writes: to C, to FPCore, or to its own functions.
+bool is_taken(std::string_view word) {
+    static constexpr std::array<std::string_view, 42> taken{
+        "auto",   "break",   "case",     "char",   "const",   "continue", "default", "do",      "double",
+        "else",   "enum",    "extern",   "float",  "for",     "if",       "int",     "let",     "long",
+        "return", "short",   "static",   "struct", "switch",  "void",     "while",   "main",    "printf",
+        "fabs",   "fma",     "fmin",     "fmax",   "sqrt",    "copysign", "isnan",   "signbit", "nextafter",
+        "sum",    "product", "quotient", "root",   "rounded", "show"};
+    return std::ranges::find(taken, word) != taken.end();
+}
+
+}  // namespace
+
 std::string TapeText::identifier(NodeId i) const {
     std::string id = name(i);
     if (tape_[i].op == TapeOp::constant) return id;
@@ -127,7 +142,7 @@ std::string TapeText::identifier(NodeId i) const {
         if (c == '\'') safe += "_prime";
         else safe += std::isalnum(static_cast<unsigned char>(c)) ? c : '_';
     }
-    return safe;
+    return is_taken(safe) ? safe + "_" : safe;
 }
 
 /// A sum or difference of inputs, or one of them alone: short enough to be read in place of a name.

@@ -103,14 +103,14 @@ std::optional<Stretched> wider(Scene scene, const Real& k) {
 
 }  // namespace
 
-std::optional<Stretched> stretched(const Scene& scene, Way way, double factor) {
+std::optional<Stretched> stretched(const Scene& scene, Growth way, double factor) {
     const bool plane = scene.camera.kind == Camera::Kind::pixel_plane;
     const Real k(factor);
     switch (way) {
-        case Way::distance: return plane ? std::nullopt : farther(scene, k);
-        case Way::radius: return scene.flake ? std::nullopt : larger(scene, k);
-        case Way::offset: return plane ? std::nullopt : std::optional(elsewhere(scene, k));
-        case Way::view: return wider(scene, k);
+        case Growth::distance: return plane ? std::nullopt : farther(scene, k);
+        case Growth::radius: return scene.flake ? std::nullopt : larger(scene, k);
+        case Growth::offset: return plane ? std::nullopt : std::optional(elsewhere(scene, k));
+        case Growth::view: return wider(scene, k);
     }
     return std::nullopt;
 }
@@ -137,7 +137,7 @@ bool is_as_meant(const Scene& scene, truth::TruthLimit limit) {
 /// The search along one way.
 class Search {
 public:
-    Search(const ChoiceRequest& request, const map::MapRow& row, int pixels, Way way)
+    Search(const ChoiceRequest& request, const map::MapRow& row, int pixels, Growth way)
         : request_(request), thin_(thinned(*request.scene, pixels)) {
         request_.rows = {row};
         room_.way = way;
@@ -186,7 +186,7 @@ private:
 
 std::vector<Room> rooms_of(const ChoiceRequest& request, const map::MapRow& row, int pixels) {
     std::vector<Room> all;
-    for (const Way way : ways) {
+    for (const Growth way : growths) {
         if (const auto room = Search(request, row, pixels, way).run()) all.push_back(*room);
     }
     return all;

@@ -11,14 +11,14 @@
 namespace lostbits::measure::choice {
 
 /// What grows by a factor while the rest stays.
-enum class Way {
+enum class Growth {
     distance,  ///< from the eye to the solids, straight back along the view; a narrower view keeps the picture
     radius,    ///< of each solid, about its point nearest to the eye, which stays where it is
     offset,    ///< eye and solids together move away from the origin, along (3, 2, −1)
     view       ///< the tangent of half the field of view
 };
-inline constexpr std::array<std::string_view, 4> way_names{"distance", "radius", "offset", "view"};
-inline constexpr std::array ways{Way::distance, Way::radius, Way::offset, Way::view};
+inline constexpr std::array<std::string_view, 4> growth_names{"distance", "radius", "offset", "view"};
+inline constexpr std::array growths{Growth::distance, Growth::radius, Growth::offset, Growth::view};
 
 /// A scene after that, and the length or angle that stands for it.
 struct Stretched {
@@ -30,7 +30,7 @@ struct Stretched {
 /// Nothing where the way means nothing for the scene: no distance, offset or view of the pixel plane, no distance of
 /// solids that lie behind, no radius of a sphereflake, no view of parallel rays, and none wider than 170 degrees. The
 /// offset at a factor k is (k − 1) times the distance from the eye to the solids' middle. `factor` ≥ 1.
-std::optional<Stretched> stretched(const scene::file::Scene& scene, Way way, double factor);
+std::optional<Stretched> stretched(const scene::file::Scene& scene, Growth way, double factor);
 
 /// What ended the search along a way.
 enum class End {
@@ -43,7 +43,7 @@ enum class End {
 inline constexpr std::array<std::string_view, 4> end_names{"fails", "nothing_hit", "other_scene", "none"};
 
 struct Room {
-    Way way = Way::distance;
+    Growth way = Growth::distance;
     double holds = 0, value = 0;  ///< the largest factor at which the wish was seen to hold below the end, and what it
                                   ///< stands for; 0: it fails as the scene is
     double beyond = 0;            ///< the first factor seen at the end; 0 where there is none

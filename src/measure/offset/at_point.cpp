@@ -86,7 +86,7 @@ public:
         std::optional<Vec<T>> light;
         if (work.light_) light = lifted<T>(*work.light_);
         if (!is_finite(p_) || !is_finite(n_)) return;
-        for (const Way<T>& way : ways_from<T>(ray, p, leaving_->n, infinite, light)) {
+        for (const Departure<T>& way : ways_from<T>(ray, p, leaving_->n, infinite, light)) {
             if (is_finite(dropped(way.w))) ways_[way.side > T(0) ? 0 : 1].push_back(way);
         }
     }
@@ -98,7 +98,7 @@ public:
 
     [[nodiscard]] std::vector<NewRay> rays(const Strategy& strategy, Side side) const {
         std::vector<NewRay> all;
-        for (const Way<T>& way : ways(side)) {
+        for (const Departure<T>& way : ways(side)) {
             Leaving<T> leaving = *leaving_;
             leaving.w = way.w;
             leaving.side = way.side;
@@ -119,7 +119,7 @@ public:
         const Vec<double> origin = dropped(moved<T>(leaving_->p, signed_e, leaving_->n));
         if (!is_finite(origin)) return Enough::too_much;
         std::vector<NewRay> all;
-        for (const Way<T>& way : ways(side)) {
+        for (const Departure<T>& way : ways(side)) {
             const Ray<double> ray{origin, dropped(way.w)};
             const Meeting met = find_meeting({ray, 0}, own());
             if (side == Side::outside) {
@@ -145,7 +145,9 @@ public:
     }
 
 private:
-    [[nodiscard]] const std::vector<Way<T>>& ways(Side side) const { return ways_[static_cast<std::size_t>(side)]; }
+    [[nodiscard]] const std::vector<Departure<T>>& ways(Side side) const {
+        return ways_[static_cast<std::size_t>(side)];
+    }
     [[nodiscard]] const Solid<double>& own() const { return work_.solids_[met_.own]; }
 
     /// Whether a place is nearer to the far side of the solid, as the normal goes.
@@ -244,7 +246,7 @@ private:
     const MetPoint& met_;
     std::optional<Leaving<T>> leaving_;
     Vec<double> p_{0, 0, 0}, n_{0, 0, 0};
-    std::array<std::vector<Way<T>>, 2> ways_;
+    std::array<std::vector<Departure<T>>, 2> ways_;
 };
 
 bool PointWork::measure(const MetPoint& met, std::array<SideOfPoint, 2>& sides, std::span<StrategyAtPoint> by_strategy,

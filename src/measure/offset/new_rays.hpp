@@ -19,7 +19,7 @@ inline constexpr std::array both_sides{Side::outside, Side::inside};
 
 /// A direction in which a ray leaves.
 template <class T>
-struct Way {
+struct Departure {
     Vec<T> w;
     T side, reach;  ///< as in `Leaving`
 };
@@ -31,7 +31,7 @@ inline constexpr std::array glass{2, 3};
 
 /// Adds the ray w of length one, unless it lies in the surface or is no direction.
 template <Number T>
-void add_way(const Vec<T>& w, const Vec<T>& n, const T& reach, std::vector<Way<T>>& ways) {
+void add_way(const Vec<T>& w, const Vec<T>& n, const T& reach, std::vector<Departure<T>>& ways) {
     const T cosine = dot(n, w);
     if (cosine > T(0)) ways.push_back({w, T(1), reach});
     else if (cosine < T(0)) ways.push_back({w, T(-1), reach});
@@ -42,9 +42,9 @@ void add_way(const Vec<T>& w, const Vec<T>& n, const T& reach, std::vector<Way<T
 /// around −n. The hemisphere's frame is that of Duff et al., Building an Orthonormal Basis, Revisited (2017).
 /// Everything is computed in T.
 template <Number T>
-std::vector<Way<T>> ways_from(const Ray<T>& ray, const Vec<T>& p, const Vec<T>& n, const T& infinite,
-                              const std::optional<Vec<T>>& light) {
-    std::vector<Way<T>> ways;
+std::vector<Departure<T>> ways_from(const Ray<T>& ray, const Vec<T>& p, const Vec<T>& n, const T& infinite,
+                                    const std::optional<Vec<T>>& light) {
+    std::vector<Departure<T>> ways;
     if (light) {
         const Vec<T> way = *light - p;
         if (dot(n, way) > T(0)) add_way<T>(normalised<T>(way), n, length(way), ways);

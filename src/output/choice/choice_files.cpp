@@ -125,7 +125,7 @@ void ChoiceFiles::write_candidates(const Chosen& chosen) {
 void ChoiceFiles::write_rooms(const Chosen& chosen) {
     for (const Room& room : chosen.rooms) {
         const bool fails = room.end == measure::choice::End::fails;
-        rooms_.add(measure::choice::way_names[static_cast<std::size_t>(room.way)]).add(room.holds);
+        rooms_.add(measure::choice::growth_names[static_cast<std::size_t>(room.way)]).add(room.holds);
         rooms_.add(room.holds == 0 ? Cell() : Cell(room.value)).add(room.beyond == 0 ? Cell() : Cell(room.beyond));
         rooms_.add(measure::choice::end_names[static_cast<std::size_t>(room.end)]);
         rooms_.add(fails ? Cell(room.broken.wrong) : Cell()).add(fails ? Cell(room.broken.rays) : Cell());

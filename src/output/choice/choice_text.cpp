@@ -10,8 +10,8 @@ namespace lostbits::output::choice {
 using intersect::Info;
 using measure::choice::Candidate;
 using measure::choice::End;
+using measure::choice::Growth;
 using measure::choice::Room;
-using measure::choice::Way;
 using measure::choice::Wish;
 using measure::choice::Worth;
 
@@ -59,22 +59,22 @@ std::string broken_by(const Room& room, const Wish& wish, int precision) {
                                              : "keeping " + kept(room.broken, precision);
 }
 
-const char* of_the_way(Way way) {
+const char* of_the_way(Growth way) {
     switch (way) {
-        case Way::distance: return "the camera is";
-        case Way::radius: return "the solids are";
-        case Way::offset: return "everything lies";
-        case Way::view: return "the view is";
+        case Growth::distance: return "the camera is";
+        case Growth::radius: return "the solids are";
+        case Growth::offset: return "everything lies";
+        case Growth::view: return "the view is";
     }
     return "";
 }
 
 std::string so_far(const Room& room) {
     switch (room.way) {
-        case Way::distance: return fmt::format("{:.3g} times farther ({:.4g} units)", room.holds, room.value);
-        case Way::radius: return fmt::format("{:.3g} times larger (radius {:.4g})", room.holds, room.value);
-        case Way::offset: return fmt::format("{:.4g} units away from the origin", room.value);
-        case Way::view: return fmt::format("{:.3g} degrees wide", room.value);
+        case Growth::distance: return fmt::format("{:.3g} times farther ({:.4g} units)", room.holds, room.value);
+        case Growth::radius: return fmt::format("{:.3g} times larger (radius {:.4g})", room.holds, room.value);
+        case Growth::offset: return fmt::format("{:.4g} units away from the origin", room.value);
+        case Growth::view: return fmt::format("{:.3g} degrees wide", room.value);
     }
     return "";
 }
@@ -83,7 +83,7 @@ std::string room_in_words(const Room& room, const Wish& wish, int precision) {
     if (room.holds == 0) {
         return fmt::format(
             "no room in {} is known: on the smaller picture that it is tried on, it fails at once, by {}",
-            measure::choice::way_names[static_cast<std::size_t>(room.way)], broken_by(room, wish, precision));
+            measure::choice::growth_names[static_cast<std::size_t>(room.way)], broken_by(room, wish, precision));
     }
     const std::string until = fmt::format("until {} {}", of_the_way(room.way), so_far(room));
     switch (room.end) {

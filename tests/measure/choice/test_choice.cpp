@@ -82,22 +82,22 @@ TEST_CASE("every row is timed, on rays of the scene, and worth what a map says")
 
 TEST_CASE("a stretched scene is the scene at factor 1, and shows the same picture from farther away") {
     const Scene scene = scene_named("near-benign");
-    for (const Way way : ways) {
+    for (const Growth way : growths) {
         const auto same = stretched(scene, way, 1);
         REQUIRE(same);
         CHECK(abs(same->scene.camera.eye.x - scene.camera.eye.x) < 1e-50);
         CHECK(abs(same->scene.camera.fov_deg - scene.camera.fov_deg) < 1e-50);
         CHECK(abs(same->scene.spheres[0].radius - scene.spheres[0].radius) < 1e-50);
     }
-    const auto far = stretched(scene, Way::distance, 8), near = stretched(scene, Way::distance, 1);
+    const auto far = stretched(scene, Growth::distance, 8), near = stretched(scene, Growth::distance, 1);
     CHECK(far->value == Approx(8 * near->value).epsilon(1e-14));
-    const auto large = stretched(scene, Way::radius, 1000);
+    const auto large = stretched(scene, Growth::radius, 1000);
     CHECK(large->value == Approx(1200).epsilon(1e-14));  // the largest of the scene has radius 1.2
     // The point nearest to the eye stays: distance to the centre less radius.
     const auto gap = [&](const Scene& s) { return length(s.spheres[2].centre - s.camera.eye) - s.spheres[2].radius; };
     CHECK(abs(gap(large->scene) - gap(scene)) < 1e-40);
-    CHECK_FALSE(stretched(scene, Way::view, 1e6));
-    CHECK_FALSE(stretched(scene_named("rtg-fig-7-3-4100-oblique"), Way::view, 2));  // parallel rays
+    CHECK_FALSE(stretched(scene, Growth::view, 1e6));
+    CHECK_FALSE(stretched(scene_named("rtg-fig-7-3-4100-oblique"), Growth::view, 2));  // parallel rays
 }
 
 TEST_CASE("at the edge of a room the wish holds, and just beyond it fails") {
@@ -112,7 +112,7 @@ TEST_CASE("at the edge of a room the wish holds, and just beyond it fails") {
     CHECK(distance.beyond / distance.holds <= 1.02);
     request.rows = {row};
     const auto at = [&](double factor) {
-        const auto there = stretched(scene, Way::distance, factor);
+        const auto there = stretched(scene, Growth::distance, factor);
         ChoiceRequest asked = request;
         asked.scene = &there->scene;
         return worth_of(asked).front();
@@ -128,7 +128,7 @@ TEST_CASE("a room ends where binary32 holds another scene, though every ray is d
     const ChoiceRequest request = request_of(scene, 16);
     const MapRow row = row_of("sphere.unified", "f64");
     const auto rooms = rooms_of(request, row, 48 * 48);
-    const auto offset = std::ranges::find(rooms, Way::offset, &Room::way);
+    const auto offset = std::ranges::find(rooms, Growth::offset, &Room::way);
     REQUIRE(offset != rooms.end());
     CHECK(offset->end == End::other_scene);
     CHECK(offset->value > 1e5);
@@ -138,7 +138,7 @@ TEST_CASE("a room ends where binary32 holds another scene, though every ray is d
     ChoiceRequest of_own = request;
     of_own.scene = &own;
     const auto own_rooms = rooms_of(of_own, row, 24 * 24);
-    CHECK(std::ranges::find(own_rooms, Way::offset, &Room::way)->end != End::other_scene);
+    CHECK(std::ranges::find(own_rooms, Growth::offset, &Room::way)->end != End::other_scene);
 }
 
 TEST_CASE("a wish that fails at once has no room") {

@@ -119,7 +119,8 @@ function verdictText(map, pixels, i) {
     if (derived.excess_bits(s) < 1) return `${alone}; input rounding alone explains this loss.`;
     if (marches)
         return `${alone}; the other ${fixed(derived.excess_bits(s), 1)} bits are lost where the march ended${
-            pixels.stored.iterations ? `, at sample ${pixels.stored.iterations[i]},` : ""} or by its rounding: ` +
+                   pixels.stored.iterations ? `, at sample ${pixels.stored.iterations[i]},` :
+                                              ""} or by its rounding: ` +
             "lostbits explain says which.";
     return `${alone}; the formula loses the other ${fixed(derived.excess_bits(s), 1)} bits.`;
 }

@@ -8,8 +8,8 @@ async function tapeOf(row) {
 }
 
 /**
- * The walk of one ray and its tape; null where the page cannot make it: of a march, which has a tape of its own for
- * each ray.
+ * The walk of one ray and its tape; null where the page cannot make it: of a march or a form that filters, which
+ * have a tape of their own for each ray.
  */
 async function walkOf(map, row, x, y) {
     if (!row.taped) return null;
@@ -118,7 +118,9 @@ async function showOperations(element, map, row, x, y) {
     if (number !== operationsAsked) return;  // another pixel has been asked for since
     if (!found) {
         element.replaceChildren(make(
-            "p", { className: "hint" }, "A march has its own operations for every ray. ",
+            "p", { className: "hint" },
+            row.form.startsWith("sdf.") ? "A march has its own operations for every ray. " :
+                                          "This form has its own operations for every ray. ",
             make("code", {}, commandsFor(map, row, x, y, metricNow()).explain), " shows them."));
         return;
     }
