@@ -15,6 +15,7 @@ namespace lostbits::output::choice {
 
 using file::Cell;
 using file::Column;
+using file::number_or_missing;
 using measure::choice::Candidate;
 using measure::choice::Room;
 
@@ -46,8 +47,6 @@ const std::vector<Column> room_columns{
     {"wrong", "integer", "", "rays decided wrongly where it fails"},
     {"rays", "integer", "", "of so many"},
     {"kept_bits", "number", "bits", "kept there"}};
-
-Cell number_or_missing(double x) { return std::isnan(x) ? Cell() : Cell(x); }
 
 /// The places of all, cheapest first.
 std::vector<std::size_t> by_price(const std::vector<Candidate>& all) {

@@ -1,6 +1,7 @@
 // CSV that pandas, R, DuckDB and a spreadsheet read the same way.
 #pragma once
 
+#include <cmath>
 #include <concepts>
 #include <cstdint>
 #include <filesystem>
@@ -46,6 +47,9 @@ public:
 private:
     std::variant<std::monostate, bool, std::int64_t, std::uint64_t, float, double, std::string> value_;
 };
+
+/// Missing where x is NaN.
+inline Cell number_or_missing(double x) { return std::isnan(x) ? Cell() : Cell(x); }
 
 /// Writes one CSV file: UTF-8, LF, RFC 4180 quoting, a header, empty = missing, booleans 0/1.
 ///

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 #include <numeric>
 
 #include "output/file/datapackage.hpp"
@@ -13,6 +12,7 @@ namespace lostbits::output::speed {
 
 using file::Cell;
 using file::Column;
+using file::number_or_missing;
 using measure::answer::Outcome;
 using measure::speed::TradeRequest;
 using measure::speed::TradeResult;
@@ -71,8 +71,6 @@ std::vector<Column> standing_columns() {
           "kept_bits_p99"}});
     return columns;
 }
-
-Cell number_or_missing(double x) { return std::isnan(x) ? Cell() : Cell(x); }
 
 Cell fraction(std::uint64_t part, std::uint64_t whole) {
     return number_or_missing(measure::truth::fraction(part, whole));
