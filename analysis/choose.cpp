@@ -1,6 +1,8 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <filesystem>
+#include <functional>
 #include <memory>
 
 #include "analysis/choice/lost_numbers.hpp"
@@ -47,13 +49,15 @@ scene::file::Scene scene_of(const ChooseOptions& o, const Common& common) {
                      " variants, and a choice is for one; name one of " + names);
 }
 
+bool is_emulated(const Format& format) { return format.engine == Format::Engine::rounded; }
+
+/// All rows; those in emulated formats have no time, and are asked only what each pixel requires.
 std::vector<measure::map::MapRow> rows_of(const ChooseOptions& o, const scene::file::Scene& scene) {
     const auto formats = choice::select_formats(o.formats);
-    for (const Format& f : formats) {
-        if (f.engine == Format::Engine::rounded)
-            throw InputError(fmt::format(
-                "-f {}: this format is emulated, so its time says nothing; a choice is among f32 and f64", f.name));
-    }
+    if (std::ranges::all_of(formats, is_emulated))
+        throw InputError(fmt::format(
+            "-f {}: this format is emulated, so its time says nothing; a choice is among f32 and f64, name one of them",
+            formats.front().name));
     // A march meets all solids at once, and how long it takes depends on its steps: a time a ray and solid says
     // nothing.
     const auto rows = choice::fitting(choice::cross(choice::select_forms(o.forms), formats),
@@ -68,7 +72,12 @@ std::vector<measure::map::MapRow> rows_of(const ChooseOptions& o, const scene::f
 Exit run(const ChooseOptions& o, const Common& common) {
     require_folder(o.out);
     const auto scene = scene_of(o, common);
-    ChoiceRequest request{.scene = &scene, .rows = rows_of(o, scene)};
+    auto rows = rows_of(o, scene);
+    const auto emulated = std::ranges::stable_partition(rows, std::not_fn(is_emulated),
+                                                        [](const auto& row) -> const Format& { return row.format; });
+    const std::vector<measure::map::MapRow> untimed(emulated.begin(), emulated.end());
+    rows.erase(emulated.begin(), rows.end());
+    ChoiceRequest request{.scene = &scene, .rows = std::move(rows)};
     request.wish = {.bits = o.bits, .wrong = o.wrong, .quantile = quantile_named(o.at)};
     request.single = o.single;
     if (o.quick) {
@@ -79,14 +88,18 @@ Exit run(const ChooseOptions& o, const Common& common) {
     const auto owner = own_folder(folder, common, choice::name_of_scene(scene, choice::data_folder(common.data)));
     output::choice::ChoiceFiles files(folder);
     const choice::ThreadLimit limit(common.threads);
-    const auto work = scene.pixels() * request.rows.size();
+    const auto work = scene.pixels() * (request.rows.size() + untimed.size());
     output::file::Progress progress(work, fmt::format("choose {}", scene.id), common.progress, common.quiet);
     request.progress = advancing(progress);
     request.plan.progress = [](std::uint64_t) { stop_if_interrupted(); };
     if (!common.quiet) choice::note_idle_settings(o.set, scene.id, request.rows);
     measure::choice::TimedRays timed;
+    measure::choice::Meetings meetings(request, request.rows);
+    request.sinks = meetings.sinks();
     const auto all = measure_candidates(request, timed);
-    output::choice::Chosen chosen{request, all, timed, cheapest(all, request.wish)};
+    const auto requirement = requirement_of(request, all, meetings, untimed);
+    request.sinks.clear();
+    output::choice::Chosen chosen{request, all, timed, cheapest(all, request.wish), {}, &requirement};
     request.progress = [](std::uint64_t) { stop_if_interrupted(); };
     if (chosen.meets) chosen.rooms = rooms_of(request, all[*chosen.meets].row);
     files.finish(chosen);
@@ -111,7 +124,9 @@ void add_choose(CLI::App& program, const Common& common, Command& chosen) {
     command->add_option("--at", o->at,
                         "Of how many hits the bits are wanted: p50, p99 (default), p99.9, max: every one");
     choice::add_list(*command, "-i,--intersector", o->forms, "Forms, by name or glob (default: all)");
-    choice::add_list(*command, "-f,--format", o->formats, "f32, f64 (default: both)");
+    choice::add_list(
+        *command, "-f,--format", o->formats,
+        "f32, f64 (default: both); an emulated format beside them counts where the narrowest for a pixel is asked");
     auto* const single = command->add_flag("--single", o->single, "One ray at a time is what is paid for");
     command->add_flag("--bulk", o->bulk, "Registers full of rays are what is paid for, where a form has them (default)")
         ->excludes(single);

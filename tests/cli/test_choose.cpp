@@ -1,4 +1,6 @@
 // `lostbits choose` from the outside. Times are not asserted.
+#include <algorithm>
+
 #include "catch.hpp"
 #include "program.hpp"
 
@@ -32,6 +34,30 @@ TEST_CASE("choose says what meets a wish, and writes every form by price") {
     }
     CHECK(read_csv(folder / "room.csv").size() == 3);  // parallel rays have no view to widen
     CHECK(std::filesystem::exists(folder / "front.png"));
+}
+
+TEST_CASE("choose says what each pixel requires, in emulated formats too, and draws it") {
+    const Scratch scratch;
+    const auto r = choose("near-benign --bits 30 -i sphere.unified -f f32,f64,p40", scratch);
+    INFO(r.err);
+    REQUIRE(r.code == 0);
+    CHECK(has(r.out, "Pixel by pixel"));
+    const auto folder = scratch.path() / "near-benign";
+    CHECK(std::filesystem::exists(folder / "requirement.png"));
+    const auto rows = read_csv(folder / "requirement.csv");
+    REQUIRE(rows.size() == 6);  // two rows with a time, three formats, and nothing
+    int required = 0, of_formats = 0;
+    for (const auto& row : rows) {
+        const bool timed = !row.at("time_ns").empty();
+        CHECK(timed == (row.at("form") == "sphere.unified"));
+        (row.at("form") == "any" ? of_formats : required) += std::stoi(row.at("required"));
+    }
+    CHECK(required == 32 * 32);
+    CHECK(of_formats == 32 * 32);
+    const auto p40 = std::ranges::find_if(rows, [](const auto& row) { return row.at("format") == "p40"; });
+    REQUIRE(p40 != rows.end());
+    CHECK(std::stoi(p40->at("required")) > 100);  // the hits, which f32 cannot keep 30 bits of
+    CHECK(read_csv(folder / "choose.csv").size() == 2);
 }
 
 TEST_CASE("choose ends with 1 where nothing meets the wish, and says what is in the way") {

@@ -91,7 +91,9 @@ std::vector<Worth> worth_of(const ChoiceRequest& request) {
     map::MapRequest asked{.scene = request.scene, .rows = request.rows, .metrics = {lost}};
     asked.limit = request.limit;
     asked.progress = request.progress;
-    const auto summaries = map::run_map(asked, std::vector<map::MapSink*>(request.rows.size(), nullptr));
+    auto sinks = request.sinks;
+    sinks.resize(request.rows.size(), nullptr);
+    const auto summaries = map::run_map(asked, sinks);
     std::vector<Worth> all;
     for (std::size_t r = 0; r < summaries.size(); ++r) {
         const map::MapSummary& s = summaries[r];

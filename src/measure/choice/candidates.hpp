@@ -49,6 +49,7 @@ struct ChoiceRequest {
     bool single = false;  ///< one ray at a time, not a register full
     speed::TimingPlan plan{};
     truth::TruthLimit limit{};
+    std::vector<map::MapSink*> sinks = {};  ///< who is shown the rows of `measure_candidates`, in their order; or none
     /// Rays and rows done; may throw to stop. The plan's own progress counts its measurements.
     std::function<void(std::uint64_t)> progress = [](std::uint64_t) {};
 };

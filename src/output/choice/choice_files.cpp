@@ -7,6 +7,7 @@
 #include <numeric>
 
 #include "measure/speed/trade.hpp"
+#include "output/choice/requirement_files.hpp"
 #include "output/file/datapackage.hpp"
 #include "output/map/row_names.hpp"
 #include "output/plot/scatter_plot.hpp"
@@ -106,7 +107,8 @@ plot::ScatterPlotSpec front_plot(const Chosen& chosen) {
 ChoiceFiles::ChoiceFiles(const std::filesystem::path& folder)
     : folder_(folder),
       candidates_(folder / "choose.csv", candidate_columns),
-      rooms_(folder / "room.csv", room_columns) {}
+      rooms_(folder / "room.csv", room_columns),
+      requirement_(folder / "requirement.csv", requirement_columns) {}
 
 void ChoiceFiles::write_candidates(const Chosen& chosen) {
     for (const std::size_t k : by_price(chosen.all)) {
@@ -136,6 +138,10 @@ void ChoiceFiles::write_rooms(const Chosen& chosen) {
 void ChoiceFiles::finish(const Chosen& chosen) {
     write_candidates(chosen);
     write_rooms(chosen);
+    if (chosen.requirement != nullptr) {
+        write_requirement(requirement_, chosen, *chosen.requirement);
+        draw_requirement(folder_ / "requirement.png", chosen, *chosen.requirement);
+    }
     plot::write_scatter_plot(image::image_backend(), folder_ / "front.png", front_plot(chosen));
     file::AtomicFile words(folder_ / "choose.txt");
     words.write(in_words(chosen));
@@ -144,9 +150,14 @@ void ChoiceFiles::finish(const Chosen& chosen) {
         folder_ / "datapackage.json",
         fmt::format("What meets a wish on {}: {}", chosen.request.scene->id, in_words(chosen.request.wish)),
         {{"choose.csv", "One row per form and format, cheapest first; times vary from run to run", candidate_columns},
-         {"room.csv", "One row per way in which the scene was stretched under what is chosen", room_columns}});
+         {"room.csv", "One row per way in which the scene was stretched under what is chosen", room_columns},
+         {"requirement.csv",
+          "On how many pixels each form and format meets the wish, and on how many it is the cheapest; then formats "
+          "under any form, and nothing",
+          requirement_columns}});
     candidates_.close();
     rooms_.close();
+    requirement_.close();
 }
 
 }  // namespace lostbits::output::choice

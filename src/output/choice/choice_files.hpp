@@ -1,5 +1,6 @@
-// The files of a choice: choose.csv (every form and format, cheapest first), room.csv, front.png, choose.txt and
-// datapackage.json. Times are measured and differ from run to run; the columns of accuracy do not.
+// The files of a choice: choose.csv (every form and format, cheapest first), room.csv,
+// requirement.csv, requirement.png, front.png, choose.txt and datapackage.json. Times are measured and differ from run
+// to run; the columns of accuracy do not.
 #pragma once
 
 #include <filesystem>
@@ -20,7 +21,7 @@ private:
     void write_rooms(const Chosen& chosen);
 
     std::filesystem::path folder_;
-    file::CsvWriter candidates_, rooms_;
+    file::CsvWriter candidates_, rooms_, requirement_;
 };
 
 }  // namespace lostbits::output::choice

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "output/choice/requirement_files.hpp"
+
 namespace lostbits::output::choice {
 
 using intersect::Info;
@@ -160,6 +162,7 @@ std::string in_words(const Chosen& chosen) {
         for (const Room& room : chosen.rooms)
             text += fmt::format("  It {}.\n", room_in_words(room, chosen.request.wish, precision));
     }
+    if (chosen.requirement != nullptr) text += in_words(chosen, *chosen.requirement);
     return text + fmt::format("Times are of this run: {} rays of the scene against {} of its solids.\n",
                               chosen.timed.rays, chosen.timed.solids);
 }

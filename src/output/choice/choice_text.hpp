@@ -4,6 +4,7 @@
 #include <string>
 
 #include "measure/choice/candidates.hpp"
+#include "measure/choice/requirement.hpp"
 #include "measure/choice/room.hpp"
 
 namespace lostbits::output::choice {
@@ -13,8 +14,9 @@ struct Chosen {
     const measure::choice::ChoiceRequest& request;
     const std::vector<measure::choice::Candidate>& all;
     measure::choice::TimedRays timed;
-    std::optional<std::size_t> meets;               ///< the cheapest that meets the wish
-    std::vector<measure::choice::Room> rooms = {};  ///< of that one
+    std::optional<std::size_t> meets;                           ///< the cheapest that meets the wish
+    std::vector<measure::choice::Room> rooms = {};              ///< of that one
+    const measure::choice::Requirement* requirement = nullptr;  ///< of each pixel; null where there are none
 };
 
 /// `16 bits of 99 of 100 hits, no wrong decision`.

@@ -1,0 +1,143 @@
+#include "measure/choice/requirement.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+namespace lostbits::measure::choice {
+
+using answer::Outcome;
+using map::MapRow;
+
+void MeetsAt::band(const map::BandResult& result) {
+    const std::size_t first = static_cast<std::size_t>(result.y0) * static_cast<std::size_t>(result.width);
+    const std::vector<double>& lost = result.metrics.front();
+    for (std::size_t i = 0; i < result.outcomes.size(); ++i) {
+        const Outcome outcome = result.outcomes[i];
+        // A form that does not tell t has no lost bits, and NaN keeps none.
+        meets_[first + i] =
+            outcome == Outcome::agree_miss || (outcome == Outcome::agree_hit && precision_ - lost[i] >= bits_);
+        unresolved_[first + i] = outcome == Outcome::unresolved;
+    }
+}
+
+std::uint64_t MeetsAt::count() const { return static_cast<std::uint64_t>(std::ranges::count(meets_, true)); }
+
+Meetings::Meetings(const ChoiceRequest& request, const std::vector<MapRow>& of) {
+    for (const MapRow& row : of)
+        rows.emplace_back(request.scene->pixels(), request.wish.bits, row.format.shape.precision);
+}
+
+std::vector<map::MapSink*> Meetings::sinks() {
+    std::vector<map::MapSink*> all;
+    for (MeetsAt& row : rows) all.push_back(&row);
+    return all;
+}
+
+namespace {
+
+/// A row of either kind, in the order in which it is tried.
+struct Tried {
+    const MeetsAt* meets;
+    int place;  ///< of the candidate, or of the format
+};
+
+/// The first of the tried that meets the wish at the pixel.
+int first_at(const std::vector<Tried>& tried, std::size_t pixel) {
+    for (const Tried& t : tried) {
+        if (t.meets->meets(pixel)) return t.place;
+    }
+    const bool unknown = std::ranges::any_of(tried, [pixel](const Tried& t) { return t.meets->unresolved(pixel); });
+    return unknown ? Requirement::unresolved : Requirement::none;
+}
+
+std::vector<Tried> by_price(const std::vector<Candidate>& all, const Meetings& meetings) {
+    std::vector<Tried> tried;
+    for (std::size_t c = 0; c < all.size(); ++c) tried.push_back({&meetings.rows[c], static_cast<int>(c)});
+    std::ranges::stable_sort(tried, {},
+                             [&all](const Tried& t) { return all[static_cast<std::size_t>(t.place)].time.median; });
+    return tried;
+}
+
+/// The formats of the rows, each once, by precision and then by name.
+std::vector<Format> formats_of(const std::vector<MapRow>& rows) {
+    std::vector<Format> formats;
+    for (const MapRow& row : rows) {
+        if (std::ranges::find(formats, row.format) == formats.end()) formats.push_back(row.format);
+    }
+    std::ranges::sort(formats, [](const Format& a, const Format& b) {
+        return a.shape.precision != b.shape.precision ? a.shape.precision < b.shape.precision : a.name < b.name;
+    });
+    return formats;
+}
+
+/// Counts the places that are at least 0.
+std::vector<std::uint64_t> counts_of(const std::vector<int>& places, std::size_t kinds) {
+    std::vector<std::uint64_t> counts(kinds);
+    for (const int place : places) {
+        if (place >= 0) ++counts[static_cast<std::size_t>(place)];
+    }
+    return counts;
+}
+
+/// Fills what is said of formats; `meetings` are of `rows`.
+void find_narrowest(Requirement& r, const std::vector<MapRow>& rows, const std::vector<const MeetsAt*>& meetings) {
+    r.formats = formats_of(rows);
+    std::vector<std::vector<Tried>> of_format(r.formats.size());
+    for (std::size_t k = 0; k < rows.size(); ++k) {
+        const auto place = std::ranges::find(r.formats, rows[k].format) - r.formats.begin();
+        of_format[static_cast<std::size_t>(place)].push_back({meetings[k], static_cast<int>(place)});
+    }
+    r.any_meets.assign(r.formats.size(), 0);
+    for (std::size_t i = 0; i < r.pixels(); ++i) {
+        int narrowest = Requirement::none;
+        for (std::size_t f = 0; f < of_format.size(); ++f) {
+            const int found = first_at(of_format[f], i);
+            if (found >= 0) ++r.any_meets[f];
+            if (narrowest < 0 && found != Requirement::none) narrowest = found;
+        }
+        r.narrowest.push_back(narrowest);
+    }
+    r.needed = counts_of(r.narrowest, r.formats.size());
+}
+
+}  // namespace
+
+double Requirement::least_time(const std::vector<Candidate>& all) const {
+    double sum = 0;
+    std::uint64_t count = 0;
+    for (std::size_t c = 0; c < all.size(); ++c) {
+        sum += static_cast<double>(taken[c]) * all[c].time.median;
+        count += taken[c];
+    }
+    return count == 0 ? std::numeric_limits<double>::quiet_NaN() : sum / static_cast<double>(count);
+}
+
+Requirement requirement_of(const ChoiceRequest& request, const std::vector<Candidate>& all, const Meetings& meetings,
+                           const std::vector<MapRow>& untimed) {
+    Requirement r{.width = request.scene->width, .height = request.scene->height};
+    const auto tried = by_price(all, meetings);
+    for (std::size_t i = 0; i < request.scene->pixels(); ++i) r.cheapest.push_back(first_at(tried, i));
+    r.taken = counts_of(r.cheapest, all.size());
+    for (const MeetsAt& row : meetings.rows) r.met.push_back(row.count());
+
+    Meetings emulated(request, untimed);
+    if (!untimed.empty()) {
+        map::MapRequest asked{.scene = request.scene, .rows = untimed, .metrics = {metric::find_metric("lost_bits")}};
+        asked.limit = request.limit;
+        asked.progress = request.progress;
+        (void)map::run_map(asked, emulated.sinks());
+    }
+    std::vector<MapRow> rows = request.rows;
+    rows.insert(rows.end(), untimed.begin(), untimed.end());
+    std::vector<const MeetsAt*> of_all;
+    for (const MeetsAt& row : meetings.rows) of_all.push_back(&row);
+    for (const MeetsAt& row : emulated.rows) of_all.push_back(&row);
+    find_narrowest(r, rows, of_all);
+    r.none_meets = static_cast<std::uint64_t>(std::ranges::count(r.narrowest, Requirement::none));
+    r.unknown = static_cast<std::uint64_t>(std::ranges::count(r.narrowest, Requirement::unresolved));
+    return r;
+}
+
+}  // namespace lostbits::measure::choice

@@ -1,0 +1,172 @@
+#include "output/choice/requirement_files.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "output/image/heatmap.hpp"
+#include "output/map/map_colour.hpp"
+#include "output/map/row_names.hpp"
+
+namespace lostbits::output::choice {
+
+using file::Cell;
+using image::LegendEntry;
+using image::Rgb8;
+using measure::answer::Outcome;
+using measure::choice::Candidate;
+using measure::choice::Requirement;
+
+const std::vector<file::Column> requirement_columns{
+    {"form", "string", "", "form under test; any: whichever of them; none: no form in no format"},
+    {"format", "string", "", "format it computes in"},
+    {"time_ns", "number", "ns", "per ray and solid, median of this run; missing for an emulated format"},
+    {"met", "integer", "", "pixels on which it meets the wish"},
+    {"met_fraction", "number", "1", "met/pixels"},
+    {"required", "integer", "",
+     "of a form: pixels on which it is the cheapest that meets the wish; of a format: pixels on which it is the "
+     "narrowest in which any form does; of none: pixels on which nothing does"},
+    {"required_fraction", "number", "1", "required/pixels"}};
+
+namespace {
+
+/// So many choices have colours of their own; a picture with more is no answer.
+constexpr std::size_t most_colours = 10;
+
+double share(std::uint64_t count, const Requirement& r) {
+    return static_cast<double>(count) / static_cast<double>(r.pixels());
+}
+
+std::string name_of(const Candidate& c) {
+    return fmt::format("{} {}", map::short_name(*c.row.form->info), c.row.format.name);
+}
+
+constexpr Rgb8 colour_of(Outcome o) { return image::outcome_colours[static_cast<std::size_t>(o)]; }
+constexpr Rgb8 colour_of_none = colour_of(Outcome::not_a_number), colour_of_unknown = colour_of(Outcome::unresolved),
+               colour_of_others = colour_of(Outcome::agree_hit), page = {255, 255, 255};
+
+/// The candidates that some pixel takes, most pixels first.
+std::vector<std::size_t> most_taken(const Requirement& r) {
+    std::vector<std::size_t> order;
+    for (std::size_t c = 0; c < r.taken.size(); ++c) {
+        if (r.taken[c] > 0) order.push_back(c);
+    }
+    std::ranges::stable_sort(order, std::ranges::greater(), [&r](std::size_t c) { return r.taken[c]; });
+    return order;
+}
+
+/// What the picture shows of a place.
+class Colours {
+public:
+    Colours(const Chosen& chosen, const Requirement& r) : choices_(r.taken.size(), colour_of_others) {
+        const auto order = most_taken(r);
+        const std::size_t shown = order.size() > most_colours ? most_colours - 1 : order.size();
+        std::uint64_t others = 0;
+        for (std::size_t k = 0; k < order.size(); ++k) {
+            if (k >= shown) {
+                others += r.taken[order[k]];
+                continue;
+            }
+            choices_[order[k]] = image::distinct_colour(k);
+            add("left: " + name_of(chosen.all[order[k]]), choices_[order[k]], r.taken[order[k]], r);
+        }
+        add(fmt::format("left: {} other choices", order.size() - shown), colour_of_others, others, r);
+        for (std::size_t f = 0; f < r.formats.size(); ++f) {
+            formats_.push_back(image::distinct_colour(most_colours + f));
+            add("right: " + r.formats[f].name, formats_.back(), r.needed[f], r);
+        }
+        add("nothing meets it", colour_of_none, r.none_meets, r);
+        add("unresolved", colour_of_unknown, r.unknown, r);
+    }
+    [[nodiscard]] Rgb8 choice(int place) const { return at(choices_, place); }
+    [[nodiscard]] Rgb8 format(int place) const { return at(formats_, place); }
+    [[nodiscard]] const std::vector<LegendEntry>& legend() const { return legend_; }
+
+private:
+    static Rgb8 at(const std::vector<Rgb8>& colours, int place) {
+        if (place >= 0) return colours[static_cast<std::size_t>(place)];
+        return place == Requirement::none ? colour_of_none : colour_of_unknown;
+    }
+    void add(std::string label, Rgb8 colour, std::uint64_t count, const Requirement& r) {
+        if (count > 0) legend_.push_back({std::move(label), colour, map::count_text(count, r.pixels())});
+    }
+    std::vector<Rgb8> choices_, formats_;
+    std::vector<LegendEntry> legend_;
+};
+
+std::string percent(std::uint64_t count, const Requirement& r) {
+    const double of_100 = 100 * share(count, r);
+    if (count == 0 || count == r.pixels()) return fmt::format("{}%", count == 0 ? 0 : 100);
+    return of_100 < 0.1 ? fmt::format("{:.1g}%", of_100) : fmt::format("{:.4g}%", std::min(of_100, 99.99));
+}
+
+}  // namespace
+
+void write_requirement(file::CsvWriter& csv, const Chosen& chosen, const Requirement& r) {
+    const auto add = [&](std::string_view form, std::string_view format, const Cell& time, std::uint64_t met,
+                         std::uint64_t required) {
+        csv.add(form).add(format).add(time).add(met).add(share(met, r)).add(required).add(share(required, r));
+        csv.end_row();
+    };
+    std::vector<std::size_t> order(chosen.all.size());
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    std::ranges::stable_sort(order, {}, [&chosen](std::size_t c) { return chosen.all[c].time.median; });
+    for (const std::size_t c : order) {
+        const Candidate& at = chosen.all[c];
+        add(at.row.form->info->name, at.row.format.name, Cell(at.time.median * 1e9), r.met[c], r.taken[c]);
+    }
+    for (std::size_t f = 0; f < r.formats.size(); ++f)
+        add("any", r.formats[f].name, Cell(), r.any_meets[f], r.needed[f]);
+    add("none", "", Cell(), 0, r.none_meets);
+}
+
+void draw_requirement(const std::filesystem::path& path, const Chosen& chosen, const Requirement& r) {
+    const Colours colours(chosen, r);
+    const int gap = std::max(1, r.width / 32);
+    image::HeatmapSpec spec;
+    spec.title = fmt::format("What each pixel of {} requires", chosen.request.scene->id);
+    spec.subtitle = {
+        fmt::format("Wished at each pixel: the right decision, and {:g} correct bits of t where the ray hits",
+                    chosen.request.wish.bits),
+        "left: the cheapest form and format that does it, by the times of this run",
+        "right: the narrowest format in which any of the forms does it"};
+    spec.width = 2 * r.width + gap;
+    spec.height = r.height;
+    spec.legend = colours.legend();
+    image::HeatmapWriter picture(image::image_backend(), path, spec);
+    std::vector<Rgb8> line(static_cast<std::size_t>(spec.width), page);
+    for (int y = 0; y < r.height; ++y) {
+        for (int x = 0; x < r.width; ++x) {
+            const auto pixel =
+                static_cast<std::size_t>(y) * static_cast<std::size_t>(r.width) + static_cast<std::size_t>(x);
+            line[static_cast<std::size_t>(x)] = colours.choice(r.cheapest[pixel]);
+            line[static_cast<std::size_t>(x + r.width + gap)] = colours.format(r.narrowest[pixel]);
+        }
+        picture.write_rows(line);
+    }
+    picture.finish(spec.legend);
+}
+
+std::string in_words(const Chosen& chosen, const Requirement& r) {
+    std::string text = "Pixel by pixel, under whichever form: ";
+    for (std::size_t f = 0; f < r.formats.size(); ++f) {
+        text += fmt::format("{}{} {} {}", f == 0 ? "" : ", ", percent(r.needed[f], r),
+                            f == 0 ? "need no more than" : "need", r.formats[f].name);
+    }
+    if (r.none_meets > 0) text += fmt::format(", on {} nothing meets the wish", percent(r.none_meets, r));
+    if (r.unknown > 0) text += fmt::format(", of {} the truth is not proved", percent(r.unknown, r));
+    text += ".\n";
+    const double least = r.least_time(chosen.all);
+    const auto forms = most_taken(r).size();
+    if (chosen.meets && forms > 1) {
+        text += fmt::format(
+            "The cheapest at each pixel would be {} choices and {:.2f} times the time of this one: switching between "
+            "forms cannot gain more.\n",
+            forms, least / chosen.all[*chosen.meets].time.median);
+    }
+    return text;
+}
+
+}  // namespace lostbits::output::choice

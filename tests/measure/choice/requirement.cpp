@@ -1,0 +1,148 @@
+// What each pixel requires: held against maps of each row by itself.
+#include <algorithm>
+#include <numeric>
+
+#include "catch.hpp"
+#include "measure/choice/requirement.hpp"
+#include "scene/file/scene.hpp"
+
+namespace lostbits::test {
+
+using namespace lostbits::measure::choice;
+using measure::answer::Outcome;
+using measure::map::MapRow;
+
+namespace {
+
+scene::file::Scene small_scene(const char* name) {
+    scene::file::LoadOptions options;
+    options.size = {{40, 30}};
+    return scene::file::load_scene(std::string(LOSTBITS_DATA_DIR "/scenes/") + name + ".toml", options).front();
+}
+
+std::vector<MapRow> rows_of(std::initializer_list<const char*> forms, std::initializer_list<const char*> formats) {
+    std::vector<MapRow> rows;
+    for (const char* form : forms) {
+        const auto all = intersect::table::intersectors();
+        const auto found = std::ranges::find_if(all, [form](const auto& row) { return row.info->name == form; });
+        for (const char* format : formats) rows.push_back({&*found, *find_format(format)});
+    }
+    return rows;
+}
+
+/// Outcomes and lost bits of a row, pixel by pixel.
+struct Kept final : measure::map::MapSink {
+    std::vector<Outcome> outcomes;
+    std::vector<double> lost;
+    void band(const measure::map::BandResult& r) override {
+        outcomes.insert(outcomes.end(), r.outcomes.begin(), r.outcomes.end());
+        lost.insert(lost.end(), r.metrics[0].begin(), r.metrics[0].end());
+    }
+    [[nodiscard]] bool right(std::size_t i, double bits, int precision) const {
+        return outcomes[i] == Outcome::agree_miss ||
+               (outcomes[i] == Outcome::agree_hit && static_cast<double>(precision) - lost[i] >= bits);
+    }
+};
+
+/// Every row by itself.
+std::vector<Kept> maps_of(const scene::file::Scene& scene, const std::vector<MapRow>& rows) {
+    std::vector<Kept> kept(rows.size());
+    for (std::size_t r = 0; r < rows.size(); ++r) {
+        measure::map::run_map(
+            {.scene = &scene, .rows = {rows[r]}, .metrics = {measure::metric::find_metric("lost_bits")}}, {&kept[r]});
+    }
+    return kept;
+}
+
+struct Asked {
+    ChoiceRequest request;
+    std::vector<Candidate> all;
+    Requirement requirement;
+};
+
+/// With prices of its own for the rows, so that a test does not depend on the clock.
+Asked require(const scene::file::Scene& scene, const std::vector<MapRow>& rows, const std::vector<double>& prices,
+              double bits, const std::vector<MapRow>& untimed = {}) {
+    Asked asked{.request = {.scene = &scene, .rows = rows}, .all = {}, .requirement = {}};
+    asked.request.wish.bits = bits;
+    Meetings meetings(asked.request, rows);
+    asked.request.sinks = meetings.sinks();
+    const auto worth = worth_of(asked.request);
+    for (std::size_t r = 0; r < rows.size(); ++r) {
+        asked.all.push_back({.row = rows[r], .worth = worth[r]});
+        asked.all.back().time.median = prices[r];
+    }
+    asked.requirement = requirement_of(asked.request, asked.all, meetings, untimed);
+    return asked;
+}
+
+}  // namespace
+
+TEST_CASE("each pixel takes the cheapest row that is right there, and the narrowest format in which any is") {
+    for (const char* name : {"rtg-fig-7-3-4100-oblique", "near-benign", "sphereflake-near"}) {
+        const auto scene = small_scene(name);
+        const auto rows = rows_of({"sphere.schoolbook", "sphere.embree_point", "sphere.unified"}, {"f32", "f64"});
+        const std::vector<double> prices{1, 4, 2, 5, 3, 6};
+        const auto untimed = rows_of({"sphere.schoolbook", "sphere.unified"}, {"fp16", "p14"});
+        const double bits = 13;
+        const auto [request, all, r] = require(scene, rows, prices, bits, untimed);
+        auto every = rows;
+        every.insert(every.end(), untimed.begin(), untimed.end());
+        const auto maps = maps_of(scene, every);
+        REQUIRE(r.pixels() == scene.pixels());
+        REQUIRE(r.formats.size() == 4);
+        CHECK(r.formats[0].name == "fp16");
+        CHECK(r.formats[3].name == "f64");
+        for (std::size_t i = 0; i < r.pixels(); ++i) {
+            int cheapest = Requirement::none, narrowest = 1000;
+            for (std::size_t k = 0; k < every.size(); ++k) {
+                if (!maps[k].right(i, bits, every[k].format.shape.precision)) continue;
+                narrowest = std::min(narrowest, every[k].format.shape.precision);
+                if (k < rows.size() && (cheapest < 0 || prices[k] < prices[static_cast<std::size_t>(cheapest)]))
+                    cheapest = static_cast<int>(k);
+            }
+            INFO(name << ", pixel " << i);
+            REQUIRE(r.cheapest[i] == cheapest);
+            REQUIRE((r.narrowest[i] < 0 ? 1000 : r.formats[static_cast<std::size_t>(r.narrowest[i])].shape.precision) ==
+                    narrowest);
+        }
+    }
+}
+
+TEST_CASE("pixels of a requirement add up, and a harder wish is met on fewer of them") {
+    const auto scene = small_scene("rtg-fig-7-3-4100-oblique");
+    const auto rows = rows_of({"sphere.schoolbook", "sphere.embree_point"}, {"f32", "f64"});
+    std::vector<std::uint64_t> before(rows.size(), scene.pixels() + 1);
+    for (const double bits : {0.0, 10.0, 20.0, 24.5, 45.0, 53.5}) {
+        const auto [request, all, r] = require(scene, rows, {1, 3, 2, 4}, bits);
+        const auto sum = [](const std::vector<std::uint64_t>& counts) {
+            return std::accumulate(counts.begin(), counts.end(), std::uint64_t{0});
+        };
+        CHECK(sum(r.taken) + r.none_meets + r.unknown == r.pixels());
+        CHECK(sum(r.needed) + r.none_meets + r.unknown == r.pixels());
+        for (std::size_t k = 0; k < rows.size(); ++k) {
+            CHECK(r.met[k] <= before[k]);
+            CHECK(r.taken[k] <= r.met[k]);
+            const std::size_t format = rows[k].format.name == "f32" ? 0 : 1;
+            CHECK(r.met[k] <= r.any_meets[format]);
+        }
+        before = r.met;
+        const double least = r.least_time(all);
+        CHECK(least >= 1);
+        CHECK(least <= 4);
+    }
+}
+
+TEST_CASE("where f32 cannot keep the bits, hits need f64 and misses do not") {
+    const auto scene = small_scene("near-benign");
+    const auto rows = rows_of({"sphere.unified"}, {"f32", "f64"});
+    const auto [request, all, r] = require(scene, rows, {1, 2}, 30);
+    const auto maps = maps_of(scene, {rows[1]});
+    const auto hits = static_cast<std::uint64_t>(std::ranges::count(maps[0].outcomes, Outcome::agree_hit));
+    REQUIRE(hits > 0);
+    CHECK(r.needed[1] == hits);
+    CHECK(r.needed[0] == r.pixels() - hits);
+    CHECK(r.met[1] == r.pixels());
+}
+
+}  // namespace lostbits::test
