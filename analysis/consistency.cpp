@@ -109,9 +109,14 @@ Exit run(const ConsistencyOptions& o, const Common& common) {
     std::uint64_t units = 0, unresolved = 0;
     for (const Scene& scene : scenes) {
         measure::offset::require_few_solids(scene);
-        requests.push_back({.scene = &scene,
-                            .rows = choice::fitting(rows, [&](Shape shape) { return scene.meets(shape); }),
-                            .checks = checks});
+        auto fitting = choice::fitting(rows, [&](Shape shape) { return scene.meets(shape); });
+        auto asked = measure::consistency::checks_for(scene, fitting, checks);
+        if (asked.empty())
+            throw InputError(fmt::format(
+                "--check: none of these can be asked of the selected forms on scene {}; light needs a [light], and "
+                "segment, short and light need a form that takes directions of any length; try --check reverse",
+                scene.id));
+        requests.push_back({.scene = &scene, .rows = std::move(fitting), .checks = std::move(asked)});
         units += scene.pixels() * requests.back().rows.size();
     }
     std::vector<std::unique_ptr<output::file::ResultFolder>> folders;

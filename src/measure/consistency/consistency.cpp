@@ -44,6 +44,14 @@ std::uint64_t CheckSummary::asked() const {
     return std::accumulate(count.begin(), count.end(), std::uint64_t{0}) - of(Accord::not_asked);
 }
 
+std::vector<const Check*> checks_for(const scene::file::Scene& scene, const std::vector<map::MapRow>& rows,
+                                     std::vector<const Check*> among) {
+    std::erase_if(among, [&](const Check* check) {
+        return std::ranges::none_of(rows, [&](const map::MapRow& row) { return check->applies(scene, *row.form); });
+    });
+    return among;
+}
+
 bool can_be_compared(const intersect::table::Intersector& form) { return form.shape != Shape::sdf; }
 
 std::vector<RowChecks> run_consistency(const ConsistencyRequest& request, ConsistencySink* sink) {

@@ -54,6 +54,10 @@ struct ConsistencyRequest {
     std::function<void(std::uint64_t)> progress = [](std::uint64_t) {};  ///< after each band of a row: its pixels
 };
 
+/// Those checks that can be asked of at least one of the rows on a scene.
+std::vector<const Check*> checks_for(const scene::file::Scene& scene, const std::vector<map::MapRow>& rows,
+                                     std::vector<const Check*> among = all_checks());
+
 /// Whether a form can be asked: of a sphere or a box.
 bool can_be_compared(const intersect::table::Intersector& form);
 

@@ -10,6 +10,7 @@
 #include "measure/claim/claim_columns.hpp"
 #include "output/blame/march_text.hpp"
 #include "output/claim/claim_files.hpp"
+#include "output/consistency/consistency_sheet.hpp"
 #include "output/file/atomic_file.hpp"
 #include "output/file/number_text.hpp"
 #include "output/map/scene_sheet.hpp"
@@ -25,15 +26,18 @@ namespace lostbits::output::claim {
 using intersect::Touching;
 using measure::claim::ClaimResult;
 using measure::map::MapRow;
+using scene::claim::Claim;
 
 std::vector<ClaimSubject> subjects_of(const std::vector<scene::claim::Claim>& claims) {
     std::vector<ClaimSubject> subjects;
     for (std::size_t i = 0; i < claims.size(); ++i) {
         // One scene may be mapped for some claims, rendered for others, and the rays that leave it be the subject of
         // more.
-        const std::string name = claims[i].subject() + (!claims[i].render.empty()    ? ", rendered"
-                                                        : !claims[i].offsets.empty() ? ", offsets"
-                                                                                     : "");
+        const Claim& c = claims[i];
+        const std::string name = c.subject() + (!c.render.empty()        ? ", rendered"
+                                                : !c.offsets.empty()     ? ", offsets"
+                                                : !c.consistency.empty() ? ", consistency"
+                                                                         : "");
         auto found = std::ranges::find(subjects, name, &ClaimSubject::name);
         if (found == subjects.end()) found = subjects.insert(subjects.end(), {name, {}});
         found->claims.push_back(i);
@@ -43,7 +47,6 @@ std::vector<ClaimSubject> subjects_of(const std::vector<scene::claim::Claim>& cl
 
 namespace {
 
-using scene::claim::Claim;
 using State = ClaimResult::State;
 
 /// The forms and formats that a subject's claims name, each once, in the order of the catalogue.
@@ -89,11 +92,15 @@ std::string trace_text(const std::vector<MapRow>& rows, const std::string& name,
     return text;
 }
 
+scene::file::Scene scene_named(const std::string& name, const std::filesystem::path& data_dir) {
+    const auto found = scene::file::find_scene(name, data_dir);
+    return scene::file::load_scene(found.path, {.variant = found.variant}).front();
+}
+
 /// The pictures of a rendered scene, of all stages that its claims name.
 std::string picture_render(const std::filesystem::path& folder, const ClaimSubject& subject,
                            const std::vector<Claim>& claims, const std::filesystem::path& data_dir) {
-    const auto found = scene::file::find_scene(claims[subject.claims.front()].render, data_dir);
-    const scene::file::Scene scene = scene::file::load_scene(found.path, {.variant = found.variant}).front();
+    const scene::file::Scene scene = scene_named(claims[subject.claims.front()].render, data_dir);
     std::set<scene::file::Stage> stages;
     for (const std::size_t i : subject.claims) stages.insert(claims[i].stage.value_or(scene.appearance.furthest()));
     measure::picture::RenderRequest request{.scene = &scene, .stages = {stages.begin(), stages.end()}, .rows = {}};
@@ -116,8 +123,7 @@ std::string picture_render(const std::filesystem::path& folder, const ClaimSubje
 /// The offsets of a scene: of each form, format and kind of point that its claims name.
 std::string picture_offsets(const std::filesystem::path& folder, const ClaimSubject& subject,
                             const std::vector<Claim>& claims, const std::filesystem::path& data_dir) {
-    const auto found = scene::file::find_scene(claims[subject.claims.front()].offsets, data_dir);
-    const scene::file::Scene scene = scene::file::load_scene(found.path, {.variant = found.variant}).front();
+    const scene::file::Scene scene = scene_named(claims[subject.claims.front()].offsets, data_dir);
     measure::offset::OffsetRequest request{
         .scene = &scene, .rows = {}, .strategies = measure::offset::all_strategies(), .quiet = false};
     for (const std::size_t i : subject.claims) {
@@ -130,6 +136,20 @@ std::string picture_offsets(const std::filesystem::path& folder, const ClaimSubj
     const std::string file = scene.id + ".offsets.png";
     offset::OffsetSheet sheet(image::image_backend(), folder / "pictures" / file, request);
     sheet.finish(measure::offset::run_offsets(request, &sheet));
+    return fmt::format("![{}](pictures/{})\n", scene.title, file);
+}
+
+/// All checks of a scene, of each form and format that its claims name.
+std::string picture_consistency(const std::filesystem::path& folder, const ClaimSubject& subject,
+                                const std::vector<Claim>& claims, const std::filesystem::path& data_dir) {
+    const scene::file::Scene scene = scene_named(claims[subject.claims.front()].consistency, data_dir);
+    const measure::consistency::ConsistencyRequest request{
+        .scene = &scene,
+        .rows = rows_of(subject, claims),
+        .checks = measure::consistency::checks_for(scene, rows_of(subject, claims))};
+    const std::string file = scene.id + ".consistency.png";
+    consistency::ConsistencySheet sheet(image::image_backend(), folder / "pictures" / file, request);
+    sheet.finish(measure::consistency::run_consistency(request, &sheet));
     return fmt::format("![{}](pictures/{})\n", scene.title, file);
 }
 
@@ -252,6 +272,7 @@ std::string row_text(const Claim& c, const ClaimResult& r) {
         place += fmt::format("{}{} to {}", place.empty() ? "" : ", ", scene::toml::exact_text(*c.from),
                              scene::toml::exact_text(*c.to));
     if (!c.offsets.empty()) place = offset_words(c);
+    if (!c.consistency.empty()) place = consistency_words(c);
     if (c.step) place = fmt::format("sample {}", *c.step);
     for (const double x : c.at) place += (place.empty() ? "at " : ", ") + file::decimal(x);
     return fmt::format(
@@ -303,6 +324,7 @@ void write_claim_report(const std::filesystem::path& folder, const std::vector<C
             text += picture_scene(folder, rows_of(subject, claims), subject.name, data_dir) + "\n";
         else if (!first.render.empty()) text += picture_render(folder, subject, claims, data_dir) + "\n";
         else if (!first.offsets.empty()) text += picture_offsets(folder, subject, claims, data_dir) + "\n";
+        else if (!first.consistency.empty()) text += picture_consistency(folder, subject, claims, data_dir) + "\n";
         else if (!first.sweep.empty())
             text += picture_sweep(folder, rows_of(subject, claims), subject.name, shown_of(subject, claims), data_dir) +
                     "\n";
