@@ -73,10 +73,17 @@ void say_row(const ConsistencyRequest& request, const measure::map::MapRow& row,
 }
 
 /// One scene; the number of questions whose exact answer is not proved.
-std::uint64_t compare_on_scene(const ConsistencyRequest& request, const ConsistencyOptions& o, const Common& common,
+std::uint64_t compare_on_scene(ConsistencyRequest request, const ConsistencyOptions& o, const Common& common,
                                output::file::Progress& progress) {
     const auto folder = std::filesystem::path(o.out) / request.scene->id;
     output::consistency::ConsistencyFiles files(request, {.folder = folder, .pixels_csv = o.pixels == "csv"});
+    // Files of many forms and checks take seconds to open: what is estimated begins here.
+    output::file::Estimate estimate(progress, request.scene->id, request.scene->pixels() * request.rows.size(),
+                                    common.quiet);
+    request.progress = [&estimate, advance = advancing(progress)](std::uint64_t done) {
+        advance(done);
+        estimate.advance(done);
+    };
     const auto rows = measure::consistency::run_consistency(request, &files);
     files.finish(rows);
     std::uint64_t unresolved = 0;
@@ -133,15 +140,7 @@ Exit run(const ConsistencyOptions& o, const Common& common) {
     }
 
     output::file::Progress progress(units, "consistency", common.progress, common.quiet);
-    output::file::Estimate estimate(progress, "consistency", units, common.quiet);
-    const auto advance = advancing(progress);
-    for (ConsistencyRequest& request : requests) {
-        request.progress = [&](std::uint64_t done) {
-            advance(done);
-            estimate.advance(done);
-        };
-        unresolved += compare_on_scene(request, o, common, progress);
-    }
+    for (const ConsistencyRequest& request : requests) unresolved += compare_on_scene(request, o, common, progress);
     progress.finish();
     return end_with_unproved(unresolved);
 }

@@ -88,7 +88,7 @@ std::vector<std::uint8_t> meets_before_end(const AskedForm& asked, const RayBloc
         const AllAnswers a = ask(asked, rays, std::span(&solid, 1));
         for (std::size_t i = 0; i < meets.size(); ++i) {
             const auto ahead = [end = rays.tmax[i]](double t) { return t > 0 && t < end; };
-            const bool any = told || ahead(a.t[i]) || (both && (ahead(a.near[i]) || ahead(a.far[i])));
+            const bool any = told || ahead(a.t[i]) || (both && ahead(a.far[i]));
             meets[i] |= static_cast<std::uint8_t>(a.hit[i] != 0 && any);
         }
     }

@@ -43,7 +43,8 @@ bool tells_t(const intersect::Info& info);
 
 /// Of each ray, whether the form meets any of the solids before the ray's `tmax`, as a shadow test asks. The forms that
 /// are told the end (boxes) decide by themselves. Of the others a solid counts where the form says that it is hit and
-/// one of the t that it tells lies in 0 < t < tmax.
+/// its t, or the far side where it tells that, lies in 0 < t < tmax. A near side that is not t is one that the form
+/// itself has turned down.
 std::vector<std::uint8_t> meets_before_end(const AskedForm& asked, const scene::rays::RayBlock& rays,
                                            std::span<const Solid<double>> solids);
 

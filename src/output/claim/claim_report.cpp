@@ -10,7 +10,7 @@
 #include "measure/claim/claim_columns.hpp"
 #include "output/blame/march_text.hpp"
 #include "output/claim/claim_files.hpp"
-#include "output/consistency/consistency_sheet.hpp"
+#include "output/claim/claim_sheets.hpp"
 #include "output/file/atomic_file.hpp"
 #include "output/file/number_text.hpp"
 #include "output/map/scene_sheet.hpp"
@@ -92,15 +92,11 @@ std::string trace_text(const std::vector<MapRow>& rows, const std::string& name,
     return text;
 }
 
-scene::file::Scene scene_named(const std::string& name, const std::filesystem::path& data_dir) {
-    const auto found = scene::file::find_scene(name, data_dir);
-    return scene::file::load_scene(found.path, {.variant = found.variant}).front();
-}
-
 /// The pictures of a rendered scene, of all stages that its claims name.
 std::string picture_render(const std::filesystem::path& folder, const ClaimSubject& subject,
                            const std::vector<Claim>& claims, const std::filesystem::path& data_dir) {
-    const scene::file::Scene scene = scene_named(claims[subject.claims.front()].render, data_dir);
+    const auto found = scene::file::find_scene(claims[subject.claims.front()].render, data_dir);
+    const scene::file::Scene scene = scene::file::load_scene(found.path, {.variant = found.variant}).front();
     std::set<scene::file::Stage> stages;
     for (const std::size_t i : subject.claims) stages.insert(claims[i].stage.value_or(scene.appearance.furthest()));
     measure::picture::RenderRequest request{.scene = &scene, .stages = {stages.begin(), stages.end()}, .rows = {}};
@@ -123,7 +119,8 @@ std::string picture_render(const std::filesystem::path& folder, const ClaimSubje
 /// The offsets of a scene: of each form, format and kind of point that its claims name.
 std::string picture_offsets(const std::filesystem::path& folder, const ClaimSubject& subject,
                             const std::vector<Claim>& claims, const std::filesystem::path& data_dir) {
-    const scene::file::Scene scene = scene_named(claims[subject.claims.front()].offsets, data_dir);
+    const auto found = scene::file::find_scene(claims[subject.claims.front()].offsets, data_dir);
+    const scene::file::Scene scene = scene::file::load_scene(found.path, {.variant = found.variant}).front();
     measure::offset::OffsetRequest request{
         .scene = &scene, .rows = {}, .strategies = measure::offset::all_strategies(), .quiet = false};
     for (const std::size_t i : subject.claims) {
@@ -136,20 +133,6 @@ std::string picture_offsets(const std::filesystem::path& folder, const ClaimSubj
     const std::string file = scene.id + ".offsets.png";
     offset::OffsetSheet sheet(image::image_backend(), folder / "pictures" / file, request);
     sheet.finish(measure::offset::run_offsets(request, &sheet));
-    return fmt::format("![{}](pictures/{})\n", scene.title, file);
-}
-
-/// All checks of a scene, of each form and format that its claims name.
-std::string picture_consistency(const std::filesystem::path& folder, const ClaimSubject& subject,
-                                const std::vector<Claim>& claims, const std::filesystem::path& data_dir) {
-    const scene::file::Scene scene = scene_named(claims[subject.claims.front()].consistency, data_dir);
-    const measure::consistency::ConsistencyRequest request{
-        .scene = &scene,
-        .rows = rows_of(subject, claims),
-        .checks = measure::consistency::checks_for(scene, rows_of(subject, claims))};
-    const std::string file = scene.id + ".consistency.png";
-    consistency::ConsistencySheet sheet(image::image_backend(), folder / "pictures" / file, request);
-    sheet.finish(measure::consistency::run_consistency(request, &sheet));
     return fmt::format("![{}](pictures/{})\n", scene.title, file);
 }
 
@@ -324,7 +307,8 @@ void write_claim_report(const std::filesystem::path& folder, const std::vector<C
             text += picture_scene(folder, rows_of(subject, claims), subject.name, data_dir) + "\n";
         else if (!first.render.empty()) text += picture_render(folder, subject, claims, data_dir) + "\n";
         else if (!first.offsets.empty()) text += picture_offsets(folder, subject, claims, data_dir) + "\n";
-        else if (!first.consistency.empty()) text += picture_consistency(folder, subject, claims, data_dir) + "\n";
+        else if (!first.consistency.empty())
+            text += picture_consistency(folder, rows_of(subject, claims), first.consistency, data_dir) + "\n";
         else if (!first.sweep.empty())
             text += picture_sweep(folder, rows_of(subject, claims), subject.name, shown_of(subject, claims), data_dir) +
                     "\n";
