@@ -165,7 +165,7 @@ TEST_CASE("consistency refuses what it cannot measure, and says what to try") {
     CHECK(run("consistency near-benign -o ''").code == 2);  // an empty one
 }
 
-TEST_CASE("consistency: one table on standard output; a scene in which nothing is met") {
+TEST_CASE("consistency: one table on standard output, and a scene in which nothing is met") {
     const Scratch scratch;
     const auto table = run("consistency near-benign --size 8x6 -i sphere.unified --check packs -o -");
     REQUIRE(table.code == 0);
