@@ -73,6 +73,15 @@ TEST_CASE("consistency: numbers of a computation in Python, with fractions for t
     CHECK(far.apart.quantile(1) == 2044);
     CHECK(far.excess.quantile(1) == Approx(2044.0336627394759).epsilon(1e-12));
     CHECK(far.excess.count() == 90);
+    const CheckSummary segment = one("rtg-fig-7-3-4100-oblique", "sphere.schoolbook", "f32", "segment");
+    CHECK(segment.of(Accord::agree) == 73);
+    CHECK(segment.of(Accord::first_alone) == 21);
+    CHECK(segment.of(Accord::second_alone) == 22);
+    CHECK(segment.of(Accord::by_inputs) == 8);
+    const CheckSummary shorter = one("rtg-fig-7-3-4100-oblique", "sphere.schoolbook", "f32", "short");
+    CHECK(shorter.of(Accord::agree) == 73);
+    CHECK(shorter.of(Accord::first_alone) == 27);
+    CHECK(shorter.of(Accord::second_alone) == 24);
     const CheckSummary near = one("near-benign", "sphere.schoolbook", "f32", "reverse");
     CHECK(near.of(Accord::agree) == 132);
     CHECK(near.of(Accord::other_number) == 59);
