@@ -38,6 +38,7 @@ using Command = std::function<Exit()>;
 /// Each registers a subcommand and stores in `chosen` what to run when it was given.
 void add_check(CLI::App& program, const Common& common, Command& chosen);
 void add_choose(CLI::App& program, const Common& common, Command& chosen);
+void add_consistency(CLI::App& program, const Common& common, Command& chosen);
 void add_diff(CLI::App& program, const Common& common, Command& chosen);
 void add_explain(CLI::App& program, const Common& common, Command& chosen);
 void add_judge(CLI::App& program, const Common& common, Command& chosen);

@@ -5,9 +5,9 @@
 
 #include "analysis/choice/lost_numbers.hpp"
 #include "analysis/choice/options.hpp"
+#include "analysis/choice/ray_words.hpp"
 #include "analysis/choice/select.hpp"
 #include "commands.hpp"
-#include "explain_ray.hpp"
 #include "output/blame/explain_programs.hpp"
 #include "output/blame/explain_text.hpp"
 
@@ -16,7 +16,7 @@ namespace lostbits::analysis {
 namespace {
 
 struct ExplainOptions {
-    RayWords words;
+    choice::RayWords words;
     std::string form, format = "f32";
     bool json = false, fpcore = false, latex = false, c = false;
 };
@@ -42,7 +42,7 @@ Exit run(const ExplainOptions& o, const Common& common) {
             "-i {}: its operations cannot be looked at, since it is compiled elsewhere; written as a form over any "
             "number they can (docs/your-own-form.md). `lostbits map` and `sweep` measure it as it is",
             o.form));
-    const AskedRay asked = find_ray(o.words, {&form, format}, choice::data_folder(common.data));
+    const choice::AskedRay asked = choice::find_ray(o.words, {&form, format}, choice::data_folder(common.data));
     const measure::answer::OneRay& ray = asked.ray;
     if (asked.scene && !common.quiet) choice::note_lost_numbers(*asked.scene, {{&form, format}});
     const measure::blame::Explanation x = measure::blame::explain(form, format, ray);
@@ -66,7 +66,7 @@ void add_explain(CLI::App& program, const Common& common, Command& chosen) {
     auto* command =
         program.add_subcommand("explain", "One ray of a scene, operation by operation: which one loses the bits");
     const auto o = std::make_shared<ExplainOptions>();
-    RayWords& words = o->words;
+    choice::RayWords& words = o->words;
     command->add_option("SCENE", words.subject,
                         "A scene file, or a name in data/scenes; with --case a file of cases, or a name in "
                         "data/sweeps; none with --sphere or --box");

@@ -8,6 +8,7 @@
 #include "analysis/choice/select.hpp"
 #include "commands.hpp"
 #include "measure/blame/culprits.hpp"
+#include "measure/consistency/check.hpp"
 #include "measure/offset/strategy.hpp"
 #include "scene/claim/claims_file.hpp"
 #include "scene/file/scene.hpp"
@@ -73,6 +74,14 @@ Listing strategies() {
     for (const measure::offset::Strategy& s : measure::offset::strategies())
         l.rows.push_back({std::string(s.name), std::to_string(s.operations(Shape::sphere)),
                           std::to_string(s.operations(Shape::box)), std::string(s.source), std::string(s.title)});
+    return l;
+}
+
+/// Pairs of questions that should have one answer.
+Listing checks() {
+    Listing l{{"name", "title", "first", "second"}, {}};
+    for (const measure::consistency::Check& c : measure::consistency::checks())
+        l.rows.push_back({std::string(c.name), std::string(c.title), std::string(c.first), std::string(c.second)});
     return l;
 }
 
@@ -201,6 +210,7 @@ Exit run(const std::string& what, bool json, const Common& common) {
         if (name == "metrics") return metric_table();
         if (name == "labels") return labels();
         if (name == "strategies") return strategies();
+        if (name == "checks") return checks();
         if (name == "scenes") return scenes(common);
         if (name == "sweeps") return sweeps(common);
         if (name == "claims") return claims(common);
@@ -214,14 +224,14 @@ Exit run(const std::string& what, bool json, const Common& common) {
 }  // namespace
 
 void add_list(CLI::App& program, const Common& common, Command& chosen) {
-    auto* command = program.add_subcommand(
-        "list",
-        "List forms (intersectors), labels of their operations, formats, metrics, scenes, sweeps, claims, strategies");
+    auto* command = program.add_subcommand("list",
+                                           "List forms (intersectors), labels of their operations, formats, metrics, "
+                                           "scenes, sweeps, claims, strategies, checks");
     const auto what = std::make_shared<std::string>("forms");
     const auto json = std::make_shared<bool>(false);
     command->add_option("WHAT", *what, "What to list")
-        ->check(CLI::IsMember(
-            {"forms", "intersectors", "labels", "formats", "metrics", "scenes", "sweeps", "claims", "strategies"}));
+        ->check(CLI::IsMember({"forms", "intersectors", "labels", "formats", "metrics", "scenes", "sweeps", "claims",
+                               "strategies", "checks"}));
     command->add_flag("--json", *json, "As a JSON array");
     command->callback(
         [what, json, &common, &chosen] { chosen = [what, json, &common] { return run(*what, *json, common); }; });

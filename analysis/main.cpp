@@ -127,6 +127,7 @@ Exit run(int argc, char** argv) {
     add_doors(program, common.doors);
     add_check(program, common, chosen);
     add_choose(program, common, chosen);
+    add_consistency(program, common, chosen);
     add_diff(program, common, chosen);
     add_explain(program, common, chosen);
     add_judge(program, common, chosen);

@@ -84,6 +84,11 @@ std::vector<const measure::offset::Strategy*> select_strategies(const std::vecto
                        [](const measure::offset::Strategy& s) { return s.name; });
 }
 
+std::vector<const measure::consistency::Check*> select_checks(const std::vector<std::string>& globs) {
+    return select_rows(measure::consistency::checks(), globs, "check", "--check",
+                       [](const measure::consistency::Check& c) { return c.name; });
+}
+
 std::vector<const Metric*> select_metrics(const std::vector<std::string>& globs, measure::metric::MetricSet& made) {
     std::vector<const Metric*> chosen;
     for (const std::string& glob : globs) {

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "intersect/table/table.hpp"
+#include "measure/consistency/check.hpp"
 #include "measure/map/map.hpp"
 #include "measure/metric/metric_set.hpp"
 #include "measure/offset/strategy.hpp"
@@ -35,6 +36,9 @@ std::vector<const measure::metric::Metric*> select_metrics(const std::vector<std
 
 /// Strategies of offsets by name or glob, in the table's order. InputError with did-you-mean.
 std::vector<const measure::offset::Strategy*> select_strategies(const std::vector<std::string>& globs);
+
+/// Checks of consistency, the same way.
+std::vector<const measure::consistency::Check*> select_checks(const std::vector<std::string>& globs);
 
 /// Those of the metrics that any of the rows has: the ones of marches go where no row marches. InputError where that
 /// leaves none; `what` is the scene or sweep.

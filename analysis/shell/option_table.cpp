@@ -20,6 +20,7 @@ Values known_values(const std::string& name) {
                                                      {"as", {Kind::names, {"formats"}}},
                                                      {"metric", {Kind::names, {"metrics"}}},
                                                      {"strategy", {Kind::names, {"strategies"}}},
+                                                     {"check", {Kind::names, {"checks"}}},
                                                      {"filter", {Kind::names, {"claims"}}},
                                                      {"claims", {Kind::names, {"claims"}}},
                                                      {"scene", {Kind::names, {"scenes"}}},

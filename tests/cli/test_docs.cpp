@@ -118,6 +118,7 @@ constexpr std::array cheaper{
     Cheaper{"map ", " --size 32x32", "a small picture has the same files"},
     Cheaper{"render ", " --size 32x32", "a small picture has the same files"},
     Cheaper{"offsets ", " --size 16x12", "a small picture has the same files"},
+    Cheaper{"consistency ", " --size 16x12", "a small picture has the same files"},
     Cheaper{"report ", " --size 32x32", "a small picture has the same parts"},
     Cheaper{"report -o out ", " --no-claims -i sphere.unified -i box.signs -i sdf.sphere_trace -f f32",
             "40 s; test_check.cpp measures every claim"},

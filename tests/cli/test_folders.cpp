@@ -65,6 +65,8 @@ TEST_CASE("a second run into a folder leaves nothing of the first") {
          "render raycast-course.small --size 8x6 -i sphere.press -o out", "raycast-course.small"},
         {"offsets near-benign --size 8x6 --strategy offset.none,offset.bound --pixels csv --along world -o out",
          "offsets near-benign --size 8x6 --strategy offset.none -o out", "near-benign"},
+        {"consistency near-benign --size 8x6 -i sphere.press,sphere.unified --pixels csv -o out",
+         "consistency near-benign --size 8x6 -i sphere.press --check packs -o out", "near-benign"},
         {"judge rays.csv --sphere 0,0,0,1 -i sphere.press --size 4x4 --metric lost_bits,ulp_error --rows -o out",
          "judge rays.csv --sphere 0,0,0,1 -o out", "rays"},
         {"sweep sphere-tilt -i sphere.press,sphere.unified -f f32,f64 --seeds 0 -o out",

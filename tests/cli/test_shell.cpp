@@ -81,8 +81,8 @@ TEST_CASE("bash completes commands, options, names and values") {
 
 TEST_CASE("bash completes every option of every command") {
     const Scratch scratch;
-    for (const std::string command :
-         {"check", "diff", "explain", "judge", "list", "map", "offsets", "render", "report", "sweep", "trade"}) {
+    for (const std::string command : {"check", "consistency", "diff", "explain", "judge", "list", "map", "offsets",
+                                      "render", "report", "sweep", "trade"}) {
         INFO(command);
         const auto offers = offered({command, "--"}, scratch);
         const auto named = options_in_help(command);
@@ -153,6 +153,7 @@ TEST_CASE("out: -o - writes the table to standard output, and leaves nothing els
                           {"judge rays.csv --sphere 0,0,0,1", "rays/summary.csv"},
                           {"render raycast-course.small --size 8x6", "raycast-course.small/summary.csv"},
                           {"offsets near-benign --size 8x6 --strategy offset.none", "near-benign/summary.csv"},
+                          {"consistency near-benign --size 8x6 -i sphere.press", "near-benign/summary.csv"},
                           {"sweep sphere-tilt -i sphere.press -f f32 --seeds 0", "sphere-tilt/samples.csv"},
                           {"sweep extremes/contact -i sphere.press -f f32", "contact/cases.csv"}};
     for (const Case& c : cases) {

@@ -93,15 +93,16 @@ MapRow claim_row(const Claim& claim) {
 
 namespace {
 
-enum class Kind { scene, sweep, render, offsets, table, timing };
+enum class Kind { scene, sweep, render, offsets, consistency, table, timing };
 
 Kind kind_of(const Claim& c) {
-    return c.timing             ? Kind::timing
-           : !c.scene.empty()   ? Kind::scene
-           : !c.sweep.empty()   ? Kind::sweep
-           : !c.render.empty()  ? Kind::render
-           : !c.offsets.empty() ? Kind::offsets
-                                : Kind::table;
+    return c.timing                 ? Kind::timing
+           : !c.scene.empty()       ? Kind::scene
+           : !c.sweep.empty()       ? Kind::sweep
+           : !c.render.empty()      ? Kind::render
+           : !c.offsets.empty()     ? Kind::offsets
+           : !c.consistency.empty() ? Kind::consistency
+                                    : Kind::table;
 }
 
 /// A claim holds of every draw or it does not hold.
@@ -168,6 +169,7 @@ std::vector<ClaimResult> measure_claims(const std::vector<Claim>& claims, const 
             case Kind::scene: measure_scene(claims, places, request.data_dir, results); break;
             case Kind::render: measure_render(claims, places, request.data_dir, results); break;
             case Kind::offsets: measure_offsets(claims, places, request.data_dir, results); break;
+            case Kind::consistency: measure_consistency(claims, places, request.data_dir, results); break;
             case Kind::sweep:
             case Kind::table: measure_draws(claims, places, request, results); break;
             case Kind::timing:

@@ -4,7 +4,6 @@
 #include "measure/claim/claim_columns.hpp"
 #include "measure/claim/claim_subjects.hpp"
 #include "measure/offset/offsets.hpp"
-#include "scene/toml/did_you_mean.hpp"
 
 namespace lostbits::measure::claim {
 
@@ -13,15 +12,6 @@ using offset::OffsetSummary;
 using scene::claim::Claim;
 
 namespace {
-
-/// The place of a word in a list of names; the claim says what is wrong with it.
-template <class Names>
-std::size_t place_of_word(const Claim& claim, const char* what, const std::string& word, const Names& names) {
-    const auto found = std::ranges::find(names, word);
-    if (found != names.end()) return static_cast<std::size_t>(found - names.begin());
-    scene::toml::fail(claim.where, "unknown " + std::string(what) + " \"" + word + "\"; " +
-                                       scene::toml::did_you_mean(word, {names.begin(), names.end()}));
-}
 
 std::vector<std::string> strategy_names() {
     std::vector<std::string> names;

@@ -7,20 +7,34 @@
 
 #include "measure/claim/claim.hpp"
 #include "number/error.hpp"
+#include "scene/toml/did_you_mean.hpp"
 
 namespace lostbits::measure::claim {
+
+/// The place of a word in a list of names; the claim says what is wrong with it.
+template <class Names>
+std::size_t place_of_word(const scene::claim::Claim& claim, const char* what, const std::string& word,
+                          const Names& names) {
+    const auto found = std::ranges::find(names, word);
+    if (found != names.end()) return static_cast<std::size_t>(found - names.begin());
+    scene::toml::fail(claim.where, "unknown " + std::string(what) + " \"" + word + "\"; " +
+                                       scene::toml::did_you_mean(word, {names.begin(), names.end()}));
+}
 
 /// The claims about one scene or sweep: their places in the list.
 using Places = std::vector<std::size_t>;
 
 /// The claims at these places, each into its place of `results`: about a scene, a rendered scene, the respawned rays of
-/// one, a sweep along axes or over cases, a table. `draw`: how many seeds after the subject's own.
+/// one, its questions put in two ways, a sweep along axes or over cases, a table. `draw`: how many seeds after the
+/// subject's own.
 void measure_scene(const std::vector<scene::claim::Claim>& claims, const Places& places,
                    const std::filesystem::path& data_dir, std::vector<ClaimResult>& results);
 void measure_render(const std::vector<scene::claim::Claim>& claims, const Places& places,
                     const std::filesystem::path& data_dir, std::vector<ClaimResult>& results);
 void measure_offsets(const std::vector<scene::claim::Claim>& claims, const Places& places,
                      const std::filesystem::path& data_dir, std::vector<ClaimResult>& results);
+void measure_consistency(const std::vector<scene::claim::Claim>& claims, const Places& places,
+                         const std::filesystem::path& data_dir, std::vector<ClaimResult>& results);
 void measure_sweep(const std::vector<scene::claim::Claim>& claims, const Places& places,
                    const std::filesystem::path& data_dir, int draw, std::vector<ClaimResult>& results);
 /// About a sweep over every float.

@@ -111,14 +111,10 @@ std::optional<Meeting> enclosed(const HalfLine& line, const Solid<double>& solid
     return solid.shape == Shape::sphere ? enclosed<E>(from, exact.sphere()) : enclosed<E>(from, exact.box());
 }
 
-/// What `find` finds with balls, or with intervals of rising precision.
+/// What `find` finds: every sign is told by some precision.
 template <class Find>
 auto escalate(const Find& find) {
-    if (const auto found = find.template operator()<Ball>()) return *found;
-    for (int bits = 192; bits <= truth::TruthLimit{}.bits; bits *= 2) {
-        const Interval::Precision precision(bits);
-        if (const auto found = find.template operator()<Interval>()) return *found;
-    }
+    if (const auto found = truth::by_rising_precision(find)) return *found;
     throw Error(Exit::internal, "no precision was enough to tell on which side of a solid a ray starts");
 }
 

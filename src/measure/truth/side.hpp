@@ -8,6 +8,18 @@
 
 namespace lostbits::measure::truth {
 
+/// What `find.operator()<E>()` finds with balls, or else with intervals of rising precision: an optional, which is
+/// empty where no precision tells.
+template <class Find>
+auto by_rising_precision(const Find& find) {
+    auto found = find.template operator()<Ball>();
+    for (int bits = 192; !found && bits <= TruthLimit{}.bits; bits *= 2) {
+        const Interval::Precision precision(bits);
+        found = find.template operator()<Interval>();
+    }
+    return found;
+}
+
 /// −1, 0 or +1, or nothing where this precision does not tell.
 template <class E>
 std::optional<int> sign(const E& x) {

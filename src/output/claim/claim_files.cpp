@@ -116,6 +116,9 @@ std::string reproduce(const Claim& c) {
     if (!c.offsets.empty())
         return fmt::format("lostbits offsets {} --strategy {} --points {} -i {} -f {} -o out", shell_word(c.offsets),
                            c.strategy, c.points, c.form, c.format);
+    if (!c.consistency.empty())
+        return fmt::format("lostbits consistency {} --check {} -i {} -f {} -o out", shell_word(c.consistency), c.check,
+                           c.form, c.format);
     if (c.step)
         return fmt::format("lostbits explain {} --pixel 0,0 -i {} -f {}", shell_word(c.scene), c.form, c.format);
     return fmt::format("lostbits {} {} -i {} -f {}{} -o out", c.scene.empty() ? "sweep" : "map",
@@ -126,12 +129,15 @@ std::string offset_words(const Claim& c) {
     return fmt::format("{}, {}, {} points", c.strategy, c.side == "outside" ? "rays outside" : "rays inside", c.points);
 }
 
+std::string consistency_words(const Claim& c) { return "consistency, " + c.check; }
+
 std::string where_measured(const Claim& c) {
     std::string text = c.subject();
     if (!c.row.empty()) text += " " + c.row;
     if (!c.render.empty())
         text += fmt::format(", rendered{}", c.stage ? fmt::format(" to stage {}", name_of(*c.stage)) : "");
     if (!c.offsets.empty()) text += ", " + offset_words(c);
+    if (!c.consistency.empty()) text += ", " + consistency_words(c);
     if (!c.case_name.empty()) text += ": " + c.case_name;
     if (!c.ray.empty()) text += ": " + c.ray;
     if (c.from) text += fmt::format(", {} to {}", scene::toml::exact_text(*c.from), scene::toml::exact_text(*c.to));

@@ -25,6 +25,9 @@ void write_claims_json(const std::filesystem::path& path, const std::vector<scen
 /// `offset.integer, rays outside, computed points`: of a claim about offsets.
 std::string offset_words(const scene::claim::Claim& c);
 
+/// `consistency, reverse`: of a claim about consistency.
+std::string consistency_words(const scene::claim::Claim& c);
+
 /// What is measured: `lost_bits_p50`, `onset of false_hit count 1`, `culprit_fraction of c`.
 std::string quantity(const scene::claim::Claim& claim);
 /// `all 65537 floats` of a claim that rests on every float of a range; empty for the others.

@@ -10,6 +10,7 @@
 #include "measure/claim/claim_columns.hpp"
 #include "output/blame/march_text.hpp"
 #include "output/claim/claim_files.hpp"
+#include "output/claim/claim_sheets.hpp"
 #include "output/file/atomic_file.hpp"
 #include "output/file/number_text.hpp"
 #include "output/map/scene_sheet.hpp"
@@ -25,15 +26,18 @@ namespace lostbits::output::claim {
 using intersect::Touching;
 using measure::claim::ClaimResult;
 using measure::map::MapRow;
+using scene::claim::Claim;
 
 std::vector<ClaimSubject> subjects_of(const std::vector<scene::claim::Claim>& claims) {
     std::vector<ClaimSubject> subjects;
     for (std::size_t i = 0; i < claims.size(); ++i) {
         // One scene may be mapped for some claims, rendered for others, and the rays that leave it be the subject of
         // more.
-        const std::string name = claims[i].subject() + (!claims[i].render.empty()    ? ", rendered"
-                                                        : !claims[i].offsets.empty() ? ", offsets"
-                                                                                     : "");
+        const Claim& c = claims[i];
+        const std::string name = c.subject() + (!c.render.empty()        ? ", rendered"
+                                                : !c.offsets.empty()     ? ", offsets"
+                                                : !c.consistency.empty() ? ", consistency"
+                                                                         : "");
         auto found = std::ranges::find(subjects, name, &ClaimSubject::name);
         if (found == subjects.end()) found = subjects.insert(subjects.end(), {name, {}});
         found->claims.push_back(i);
@@ -43,7 +47,6 @@ std::vector<ClaimSubject> subjects_of(const std::vector<scene::claim::Claim>& cl
 
 namespace {
 
-using scene::claim::Claim;
 using State = ClaimResult::State;
 
 /// The forms and formats that a subject's claims name, each once, in the order of the catalogue.
@@ -252,6 +255,7 @@ std::string row_text(const Claim& c, const ClaimResult& r) {
         place += fmt::format("{}{} to {}", place.empty() ? "" : ", ", scene::toml::exact_text(*c.from),
                              scene::toml::exact_text(*c.to));
     if (!c.offsets.empty()) place = offset_words(c);
+    if (!c.consistency.empty()) place = consistency_words(c);
     if (c.step) place = fmt::format("sample {}", *c.step);
     for (const double x : c.at) place += (place.empty() ? "at " : ", ") + file::decimal(x);
     return fmt::format(
@@ -303,6 +307,8 @@ void write_claim_report(const std::filesystem::path& folder, const std::vector<C
             text += picture_scene(folder, rows_of(subject, claims), subject.name, data_dir) + "\n";
         else if (!first.render.empty()) text += picture_render(folder, subject, claims, data_dir) + "\n";
         else if (!first.offsets.empty()) text += picture_offsets(folder, subject, claims, data_dir) + "\n";
+        else if (!first.consistency.empty())
+            text += picture_consistency(folder, rows_of(subject, claims), first.consistency, data_dir) + "\n";
         else if (!first.sweep.empty())
             text += picture_sweep(folder, rows_of(subject, claims), subject.name, shown_of(subject, claims), data_dir) +
                     "\n";

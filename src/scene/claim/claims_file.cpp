@@ -61,6 +61,15 @@ void read_offsets(TableReader& table, Claim& claim) {
     claim.points = table.optional_string("points").value_or("computed");
 }
 
+/// `check`, which goes with `consistency`.
+void read_consistency(TableReader& table, Claim& claim) {
+    if (claim.consistency.empty())
+        return table.reject("check", "goes with consistency = \"...\", a scene whose questions are put in two ways");
+    for (const char* key : {"at", "case", "convention"})
+        table.reject(key, "has no meaning for the consistency of a scene; leave it out");
+    claim.check = table.string("check");
+}
+
 void read_given(TableReader table, Claim& claim) {
     const auto named = [&table](const char* key) {
         return file::beside(table.where().source, table.optional_string(key).value_or(""));
@@ -71,14 +80,16 @@ void read_given(TableReader table, Claim& claim) {
     if (table.has("timing")) table.reject("timing", "needs `profile = \"timing\"` at the head of the file");
     claim.render = named("render");
     claim.offsets = named("offsets");
-    if (int{!claim.scene.empty()} + int{!claim.sweep.empty()} + int{!claim.table.empty()} + int{!claim.render.empty()} +
-            int{!claim.offsets.empty()} !=
-        1) {
+    claim.consistency = named("consistency");
+    const std::string* const subjects[] = {&claim.scene,  &claim.sweep,   &claim.table,
+                                           &claim.render, &claim.offsets, &claim.consistency};
+    if (std::ranges::count_if(subjects, [](const std::string* s) { return !s->empty(); }) != 1) {
         toml::fail(table.where(),
-                   "claim.given names a scene, a sweep, a table, a scene to render or one of which offsets are "
-                   "measured; write one of them");
+                   "claim.given names a scene, a sweep, a table, a scene to render or one of which offsets or "
+                   "consistency are measured; write one of them");
     }
     read_offsets(table, claim);
+    read_consistency(table, claim);
     if (!claim.render.empty()) {
         for (const char* key : {"at", "case", "convention"})
             table.reject(key, "has no meaning for a rendered scene; leave it out");

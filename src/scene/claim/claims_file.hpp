@@ -55,14 +55,18 @@ struct Claim {
     /// which points.
     std::string offsets, strategy, side, points;
 
+    /// A scene, of whose questions put in two ways `lostbits consistency` makes the claim is: of which check.
+    std::string consistency, check;
+
     /// What is measured on: the scene, sweep or table, or the work that is timed.
     [[nodiscard]] const std::string& subject() const {
-        return timing             ? timing->work
-               : !scene.empty()   ? scene
-               : !sweep.empty()   ? sweep
-               : !render.empty()  ? render
-               : !offsets.empty() ? offsets
-                                  : table;
+        return timing                 ? timing->work
+               : !scene.empty()       ? scene
+               : !sweep.empty()       ? sweep
+               : !render.empty()      ? render
+               : !offsets.empty()     ? offsets
+               : !consistency.empty() ? consistency
+                                      : table;
     }
 
     // expect: a column of the summary, or an onset along the sweep

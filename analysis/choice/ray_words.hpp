@@ -9,7 +9,7 @@
 #include "measure/answer/one_ray.hpp"
 #include "measure/map/map.hpp"
 
-namespace lostbits::analysis {
+namespace lostbits::analysis::choice {
 
 /// The words of the command line that name a ray and what it is aimed at.
 struct RayWords {
@@ -33,4 +33,4 @@ struct AskedRay {
 /// InputError for words that name none, and for solids that the form is not made for.
 AskedRay find_ray(const RayWords& words, const measure::map::MapRow& row, const std::filesystem::path& data);
 
-}  // namespace lostbits::analysis
+}  // namespace lostbits::analysis::choice

@@ -1,4 +1,4 @@
-#include "explain_ray.hpp"
+#include "analysis/choice/ray_words.hpp"
 
 #include <fmt/format.h>
 
@@ -17,7 +17,7 @@
 #include "scene/toml/parse_number.hpp"
 #include "scene/toml/round.hpp"
 
-namespace lostbits::analysis {
+namespace lostbits::analysis::choice {
 
 using measure::answer::OneRay;
 using measure::map::MapRow;
@@ -54,7 +54,7 @@ struct Wanted {
 /// The numbers of a ray or a solid, rounded to the format of `--as` where there is one. InputError for another count.
 std::vector<Real> numbers_of(const std::string& text, const Wanted& wanted, const std::string& as) {
     const char* const option = wanted.option;
-    const Format format = choice::select_formats({as.empty() ? "f64" : as}, "--as").front();
+    const Format format = select_formats({as.empty() ? "f64" : as}, "--as").front();
     std::vector<Real> numbers;
     for (const std::string& part : parts_of(text)) {
         if (wanted.special && (part == "nan" || part == "inf" || part == "-inf")) {
@@ -106,8 +106,7 @@ void require_solids(const MapRow& row, const std::string& where, const Meets& me
     const std::string lacks = shape == Shape::sdf   ? "no [march] table, which the forms of sdf.* need"
                               : shape == Shape::box ? "no solids for it: it is a form for boxes"
                                                     : "no solids for it: it is a form for spheres";
-    throw InputError(
-        fmt::format("-i {}: {} has {}; try -i '{}'", row.form->info->name, where, lacks, choice::globs_of(meets)));
+    throw InputError(fmt::format("-i {}: {} has {}; try -i '{}'", row.form->info->name, where, lacks, globs_of(meets)));
 }
 
 /// The scene of that name: one alone.
@@ -115,7 +114,7 @@ Scene load_one(const RayWords& words, const std::filesystem::path& data) {
     const scene::file::SceneName name = scene::file::find_scene(words.subject, data);
     scene::file::LoadOptions options{.variant = name.variant};
     if (!words.variant.empty()) options.variant = words.variant;
-    if (!words.size.empty()) options.size = choice::parse_size(words.size);
+    if (!words.size.empty()) options.size = parse_size(words.size);
     for (const auto& s : words.set) options.overrides.push_back(scene::toml::parse_override(s));
     auto scenes = scene::file::load_scene(name.path, options);
     if (scenes.size() != 1) throw InputError(words.subject + ": has variants; name one, such as " + scenes.front().id);
@@ -306,4 +305,4 @@ AskedRay find_ray(const RayWords& words, const MapRow& row, const std::filesyste
     return found;
 }
 
-}  // namespace lostbits::analysis
+}  // namespace lostbits::analysis::choice

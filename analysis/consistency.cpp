@@ -1,0 +1,170 @@
+#include "measure/consistency/consistency.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <memory>
+
+#include "analysis/choice/lost_numbers.hpp"
+#include "analysis/choice/options.hpp"
+#include "analysis/choice/select.hpp"
+#include "commands.hpp"
+#include "measure/offset/offsets.hpp"
+#include "output/consistency/consistency_files.hpp"
+#include "output/file/estimate.hpp"
+#include "scene/file/scene.hpp"
+
+namespace lostbits::analysis {
+
+using measure::consistency::Accord;
+using measure::consistency::Check;
+using measure::consistency::CheckSummary;
+using measure::consistency::ConsistencyRequest;
+using measure::consistency::RowChecks;
+using scene::file::Scene;
+
+namespace {
+
+struct ConsistencyOptions {
+    std::vector<std::string> scenes;
+    std::vector<std::string> forms{"*"};
+    std::vector<std::string> formats{"f32"};
+    std::vector<std::string> checks{"*"};
+    std::string size, variant, pixels = "none";
+    std::vector<std::string> set;
+    std::string out;
+};
+
+/// `12 of 3072 (0.39%)`
+std::string share_text(std::uint64_t part, std::uint64_t whole) {
+    return fmt::format("{} of {} ({:.3g}%)", part, whole, 100 * measure::truth::fraction(part, whole));
+}
+
+/// What a run says of one check of a row; empty where it has nothing to say.
+std::string check_text(const Check& check, const CheckSummary& s) {
+    std::string text;
+    const auto add = [&text](const std::string& words) { text += (text.empty() ? "" : "; ") + words; };
+    if (check.name == "end") {
+        const auto yes = s.of(Accord::second_alone);
+        if (s.asked() > 0 && yes > 0 && yes < s.asked())
+            add("a hit at the very end counts for " + share_text(yes, s.asked()));
+        return text;
+    }
+    if (s.decisions() > 0) add("decisions differ for " + share_text(s.decisions(), s.asked()));
+    if (s.of(Accord::other_number) > 0 && !check.numbers)
+        add("numbers differ for " + share_text(s.of(Accord::other_number), s.asked()));
+    if (s.of(Accord::by_inputs) > 0 && !check.numbers)
+        add("the inputs, not the form, for " + share_text(s.of(Accord::by_inputs), s.asked()));
+    if (s.excess.count() > 0)
+        add(fmt::format("both ends are up to {:.3g} ulps further apart than the exact ones", s.excess.quantile(1)));
+    return text;
+}
+
+void say_row(const ConsistencyRequest& request, const measure::map::MapRow& row, const RowChecks& checks) {
+    const std::string name = fmt::format("{} {}", row.form->info->name, row.format.name);
+    std::string alike;
+    for (std::size_t c = 0; c < checks.size(); ++c) {
+        if (checks[c].asked() == 0) continue;
+        const std::string text = check_text(*request.checks[c], checks[c]);
+        if (text.empty()) alike += fmt::format("{}{}", alike.empty() ? "" : ", ", request.checks[c]->name);
+        else fmt::print("  {} {}: {}\n", name, request.checks[c]->name, text);
+    }
+    if (!alike.empty()) fmt::print("  {} answers alike: {}\n", name, alike);
+}
+
+/// One scene; the number of questions whose exact answer is not proved.
+std::uint64_t compare_on_scene(ConsistencyRequest request, const ConsistencyOptions& o, const Common& common,
+                               output::file::Progress& progress) {
+    const auto folder = std::filesystem::path(o.out) / request.scene->id;
+    output::consistency::ConsistencyFiles files(request, {.folder = folder, .pixels_csv = o.pixels == "csv"});
+    // Files of many forms and checks take seconds to open: what is estimated begins here.
+    output::file::Estimate estimate(progress, request.scene->id, request.scene->pixels() * request.rows.size(),
+                                    common.quiet);
+    request.progress = [&estimate, advance = advancing(progress)](std::uint64_t done) {
+        advance(done);
+        estimate.advance(done);
+    };
+    const auto rows = measure::consistency::run_consistency(request, &files);
+    files.finish(rows);
+    std::uint64_t unresolved = 0;
+    for (const RowChecks& row : rows) {
+        for (const CheckSummary& s : row) unresolved += s.of(Accord::unresolved);
+    }
+    if (!common.quiet) {
+        progress.aside([&] {
+            fmt::print("{}\n", (folder / "contact.png").string());
+            for (std::size_t r = 0; r < rows.size(); ++r) say_row(request, request.rows[r], rows[r]);
+        });
+    }
+    return unresolved;
+}
+
+Exit run(const ConsistencyOptions& o, const Common& common) {
+    require_folder(o.out);
+    auto rows = choice::cross(choice::select_forms(o.forms), choice::select_formats(o.formats));
+    std::erase_if(rows, [](const auto& row) { return !measure::consistency::can_be_compared(*row.form); });
+    if (rows.empty())
+        throw NothingSelected("consistency needs forms of spheres or boxes, and none is selected; try -i 'sphere.*'");
+    const auto checks = choice::select_checks(o.checks);
+    auto scenes = choice::load_scenes({o.scenes, o.size, o.variant, o.set}, choice::data_folder(common.data));
+    choice::drop_unfitting(
+        scenes, rows, common.quiet, [](const Scene& s, Shape shape) { return shape != Shape::sdf && s.meets(shape); },
+        [](const Scene& s) { return s.id; });
+    const choice::ThreadLimit limit(common.threads);
+
+    std::vector<ConsistencyRequest> requests;
+    std::uint64_t units = 0, unresolved = 0;
+    for (const Scene& scene : scenes) {
+        measure::offset::require_few_solids(scene);
+        auto fitting = choice::fitting(rows, [&](Shape shape) { return scene.meets(shape); });
+        auto asked = measure::consistency::checks_for(scene, fitting, checks);
+        if (asked.empty())
+            throw InputError(fmt::format(
+                "--check: none of these can be asked of the selected forms on scene {}; light needs a [light], and "
+                "segment, short and light need a form that takes directions of any length; try --check reverse",
+                scene.id));
+        requests.push_back({.scene = &scene, .rows = std::move(fitting), .checks = std::move(asked)});
+        units += scene.pixels() * requests.back().rows.size();
+    }
+    std::vector<std::unique_ptr<output::file::ResultFolder>> folders;
+    for (const Scene& scene : scenes) {
+        const auto folder = std::filesystem::path(o.out) / scene.id;
+        folders.push_back(own_folder(folder, common, choice::name_of_scene(scene, choice::data_folder(common.data))));
+        probe(folder / "summary.csv");
+    }
+    if (!common.quiet) {
+        for (const Scene& scene : scenes) {
+            choice::note_lost_numbers(scene, rows);
+            choice::note_idle_settings(o.set, scene.id, rows);
+        }
+    }
+
+    output::file::Progress progress(units, "consistency", common.progress, common.quiet);
+    for (const ConsistencyRequest& request : requests) unresolved += compare_on_scene(request, o, common, progress);
+    progress.finish();
+    return end_with_unproved(unresolved);
+}
+
+}  // namespace
+
+void add_consistency(CLI::App& program, const Common& common, Command& chosen) {
+    auto* command = program.add_subcommand(
+        "consistency",
+        "Whether a form answers one question alike however it is put: closest and any hit, one ray and packs, a "
+        "segment from either end");
+    const auto o = std::make_shared<ConsistencyOptions>();
+    command->add_option("SCENE", o->scenes, "Scene files, or names in data/scenes; spheres or boxes")->required();
+    choice::add_list(*command, "-i,--intersector", o->forms, "Forms, by name or glob (default: all that fit)");
+    choice::add_list(*command, "-f,--format", o->formats,
+                     "Formats: f32, f64, fp16, bf16, tf32, pN, pA..pB (default: f32)");
+    choice::add_list(*command, "--check", o->checks, "Checks, by name or glob (default: all); `lostbits list checks`");
+    command->add_option("--size", o->size, "Picture size, WxH in pixels (default: the scene's)");
+    command->add_option("--variant", o->variant, "One variant of a scene that has several (default: all)");
+    choice::add_set(*command, o->set, "Change a number of the scene first: sphere[0].radius=10");
+    command->add_option("--pixels", o->pixels, "csv: also write one row per pixel")
+        ->check(CLI::IsMember({"none", "csv"}));
+    command->add_option("-o,--out", o->out, "Folder for the results")->required();
+    command->callback([o, &common, &chosen] { chosen = [o, &common] { return run(*o, common); }; });
+}
+
+}  // namespace lostbits::analysis

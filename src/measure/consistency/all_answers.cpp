@@ -1,0 +1,98 @@
+#include "measure/consistency/all_answers.hpp"
+
+#include <algorithm>
+#include <array>
+
+#include "number/error.hpp"
+
+namespace lostbits::measure::consistency {
+
+using intersect::table::HitBatch;
+using intersect::table::RayBatch;
+using scene::rays::RayBlock;
+
+namespace {
+
+template <class S>
+std::vector<S> stored_as(const std::vector<double>& from) {
+    std::vector<S> to(from.size());
+    std::ranges::transform(from, to.begin(), [](double x) { return static_cast<S>(x); });
+    return to;
+}
+
+/// Rays and answers in the storage of a kernel.
+template <class S>
+class StoredBatch {
+public:
+    explicit StoredBatch(const RayBlock& rays)
+        : columns_{stored_as<S>(rays.ox),  stored_as<S>(rays.oy), stored_as<S>(rays.oz),  //
+                   stored_as<S>(rays.dx),  stored_as<S>(rays.dy), stored_as<S>(rays.dz),  //
+                   stored_as<S>(rays.tmax)} {
+        for (auto* numbers : {&t_, &near_, &far_}) numbers->resize(rays.size());
+        hit_.resize(rays.size());
+    }
+
+    [[nodiscard]] RayBatch<S> rays(std::size_t begin, std::size_t count) const {
+        const auto part = [&](std::size_t k) {
+            const std::span<const S> all = columns_[k];
+            return all.empty() ? all : all.subspan(begin, count);
+        };
+        return {
+            .ox = part(0), .oy = part(1), .oz = part(2), .dx = part(3), .dy = part(4), .dz = part(5), .tmax = part(6)};
+    }
+    [[nodiscard]] HitBatch<S> hits(std::size_t begin, std::size_t count) {
+        const auto part = [&](auto& all) { return std::span(all).subspan(begin, count); };
+        return {part(t_), part(near_), part(far_), part(hit_)};
+    }
+    [[nodiscard]] AllAnswers answers() && {
+        const auto wide = [](const std::vector<S>& all) { return std::vector<double>(all.begin(), all.end()); };
+        return {wide(t_), wide(near_), wide(far_), std::move(hit_)};
+    }
+
+private:
+    std::array<std::vector<S>, 7> columns_;
+    std::vector<S> t_, near_, far_;
+    std::vector<std::uint8_t> hit_;
+};
+
+}  // namespace
+
+AllAnswers ask(const AskedForm& asked, const RayBlock& rays, std::span<const Solid<double>> solids, Calls calls) {
+    AllAnswers answers;
+    const std::size_t n = rays.size();
+    intersect::simd::with_kernel(asked.form, asked.native, asked.format, [&]<class S>(const auto& kernel) {
+        std::vector<Solid<S>> stored;
+        for (const Solid<double>& solid : solids)
+            stored.push_back(transformed(solid, [](double x) { return static_cast<S>(x); }));
+        const std::span<const Solid<S>> all = stored;
+        StoredBatch<S> batch(rays);
+        const std::size_t step = calls == Calls::together ? n : 1;
+        for (std::size_t begin = 0; begin < n; begin += step) {
+            stop_if_interrupted();
+            const auto own = all.size() == 1 ? all : all.subspan(begin, step);
+            kernel(batch.rays(begin, step), intersect::Target<S>(own), batch.hits(begin, step));
+        }
+        answers = std::move(batch).answers();
+    });
+    return answers;
+}
+
+bool tells_t(const intersect::Info& info) { return info.roots != intersect::Roots::none; }
+
+std::vector<std::uint8_t> meets_before_end(const AskedForm& asked, const RayBlock& rays,
+                                           std::span<const Solid<double>> solids) {
+    std::vector<std::uint8_t> meets(rays.size());
+    const bool told = asked.form.shape == Shape::box;
+    const bool both = asked.form.info->roots == intersect::Roots::both;
+    for (const Solid<double>& solid : solids) {
+        const AllAnswers a = ask(asked, rays, std::span(&solid, 1));
+        for (std::size_t i = 0; i < meets.size(); ++i) {
+            const auto ahead = [end = rays.tmax[i]](double t) { return t > 0 && t < end; };
+            const bool any = told || ahead(a.t[i]) || (both && ahead(a.far[i]));
+            meets[i] |= static_cast<std::uint8_t>(a.hit[i] != 0 && any);
+        }
+    }
+    return meets;
+}
+
+}  // namespace lostbits::measure::consistency

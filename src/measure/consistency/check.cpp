@@ -1,0 +1,67 @@
+#include "measure/consistency/check.hpp"
+
+namespace lostbits::measure::consistency {
+
+using intersect::table::Intersector;
+using scene::file::Scene;
+
+RowOnBand::RowOnBand(const Scene& of, const map::MapRow& asked, const truth::Band& on)
+    : scene(of),
+      row(asked),
+      band(on),
+      form(*asked.form, asked.format),
+      inputs(on.inputs(asked.format,
+                       {.unit_rays = asked.form->info->direction == intersect::Direction::unit, .own_truth = false})),
+      solids(inputs.solids.all()),
+      closest(answer::evaluate(*asked.form, inputs)) {}
+
+scene::rays::RayGroup RowOnBand::shown(const Ray<double>& ray, double tmax) const {
+    scene::rays::RayGroup group = scene::rays::group_of(ray);
+    if (row.form->shape == Shape::box) group.rays.tmax = {tmax};
+    if (solids.size() <= truth::Band::most_given) group.solids = solids;
+    return group;
+}
+
+namespace {
+
+bool always(const Scene&, const Intersector&) { return true; }
+bool if_it_tells_t(const Scene&, const Intersector& form) { return tells_t(*form.info); }
+/// A form that assumes unit directions has no answer to q − p.
+bool if_any_length(const Scene&, const Intersector& form) {
+    return tells_t(*form.info) && form.info->direction == intersect::Direction::any;
+}
+bool if_light(const Scene& scene, const Intersector& form) {
+    return scene.appearance.light.has_value() && if_any_length(scene, form);
+}
+
+constexpr Check check_rows[] = {
+    {"beyond", "the closest hit is found by a shadow test that ends one number after it", "the closest hit at t",
+     "any hit before the number after t", if_it_tells_t, check_beyond},
+    {"end", "whether a hit at the very end of a shadow test counts: a convention, which a form should keep",
+     "a hit before t, of which there is none", "any hit of a ray that ends at t", if_it_tells_t, check_end},
+    {"before", "nothing is found by a shadow test that ends one number before the closest hit",
+     "a hit before t, of which there is none", "any hit before the number before t", if_it_tells_t, check_before},
+    {"segment", "from the origin p to the point q that is seen there: one segment, written in two ways",
+     "direction q - p, up to t = 1", "direction (q - p)/|q - p|, up to t = |q - p|", if_any_length, check_segment},
+    {"short", "the same segments, which end at 1 - 1e-4 of the way", "direction q - p, up to t = 1 - 1e-4",
+     "direction (q - p)/|q - p|, up to t = |q - p| (1 - 1e-4)", if_any_length, check_short},
+    {"light", "the segment from the light p to the point q that is seen, up to 1 - 1e-4 of the way",
+     "direction q - p, up to t = 1 - 1e-4", "direction (q - p)/|q - p|, up to t = |q - p| (1 - 1e-4)", if_light,
+     check_light},
+    {"packs", "rays one by one and in batches, at every register width: bit by bit", "rays one by one", "rays together",
+     always, check_packs},
+    {"reverse", "one segment from either end: one decision, and near and far sides that add up to its length",
+     "from p to q", "from q to p", always, check_reverse, true},
+};
+
+}  // namespace
+
+std::span<const Check> checks() { return check_rows; }
+
+std::vector<const Check*> all_checks() {
+    std::vector<const Check*> all;
+    for (const Check& c : check_rows) all.push_back(&c);
+    return all;
+}
+
+}  // namespace lostbits::measure::consistency

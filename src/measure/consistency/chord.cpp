@@ -1,0 +1,92 @@
+#include "measure/consistency/chord.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "measure/truth/side.hpp"
+
+namespace lostbits::measure::consistency {
+
+namespace {
+
+template <class E>
+struct ExactChord {
+    E near, far;
+};
+
+/// (−h ∓ √(a r² − |f × d|²))/a with f = o − G, h = f·d, a = d·d.
+template <class E>
+std::optional<ExactChord<E>> chord_of(const Ray<E>& ray, const Sphere<E>& sphere) {
+    const Vec<E> f = ray.origin - sphere.centre;
+    const E a = square(ray.direction), h = dot(f, ray.direction);
+    const E root = sqrt(a * square(sphere.radius) - square(cross<E>(f, ray.direction)));
+    return ExactChord<E>{(-h - root) / a, (root - h) / a};
+}
+
+/// The largest entry and the smallest exit; of two that cannot be told apart, both.
+template <class E>
+std::optional<ExactChord<E>> chord_of(const Ray<E>& ray, const Box<E>& box) {
+    const auto slabs = truth::slabs_of(ray, box);
+    if (!slabs) return std::nullopt;
+    std::optional<E> near, far;
+    for (std::size_t i = 0; i < 3; ++i) {
+        if (!slabs->entry[i]) continue;
+        const E in = slabs->entry[i]->n / slabs->entry[i]->m, out = slabs->exit[i]->n / slabs->exit[i]->m;
+        near = near ? max(*near, in) : in;
+        far = far ? min(*far, out) : out;
+    }
+    if (!near) return std::nullopt;
+    return ExactChord<E>{*near, *far};
+}
+
+template <class E>
+std::optional<ExactChord<E>> chord_of(const Ray<double>& ray, const Solid<double>& solid) {
+    const Ray<E> exact = truth::lift_ray<E>(ray);
+    const Solid<E> lifted = truth::lift_solid<E>(solid);
+    return solid.shape == Shape::sphere ? chord_of<E>(exact, lifted.sphere()) : chord_of<E>(exact, lifted.box());
+}
+
+/// A number as a double that is off by no more than `error`.
+std::optional<double> within(const Ball& x, double error) {
+    if (!x.is_bounded() || x.radius() > error / 2) return std::nullopt;
+    return x.hi() + x.lo();
+}
+std::optional<double> within(const Interval& x, double error) {
+    if (!x.is_bounded()) return std::nullopt;
+    const double low = mpfr_get_d(x.lower(), MPFR_RNDD), high = mpfr_get_d(x.upper(), MPFR_RNDU);
+    if (!(high - low <= error)) return std::nullopt;
+    return low + (high - low) / 2;
+}
+
+template <class E>
+std::optional<ChordError> error_of(const EitherEnd& ends, const ToldChord& told, bool distances, double ulp) {
+    const auto forth = chord_of<E>(ends.forth, ends.solid), back = chord_of<E>(ends.back, ends.solid);
+    if (!forth || !back) return std::nullopt;
+    const E size = distances ? length(truth::lift_vec<E>(ends.forth.direction)) : E(1);
+    ChordError most;
+    const auto take = [&](const E& exact, double one, double other) {
+        const E sum = E(one) + E(other);
+        const auto apart = within(sum - size, ulp * 0x1p-10);
+        const auto excess = within(sum - exact * size, ulp * 0x1p-10);
+        if (!apart || !excess) return false;
+        most.apart = std::max(most.apart, std::fabs(*apart / ulp));
+        most.excess = std::max(most.excess, std::fabs(*excess / ulp));
+        return true;
+    };
+    // Behind the origin by any doubt at all: then it is not compared.
+    const bool ahead = (forth->near > E(0)).is_yes(), ahead_back = (back->near > E(0)).is_yes();
+    if (ahead && !take(forth->near + back->far, told.near, told.far_back)) return std::nullopt;
+    if (ahead_back && !take(forth->far + back->near, told.far, told.near_back)) return std::nullopt;
+    return most;
+}
+
+}  // namespace
+
+std::optional<ChordError> chord_error(const EitherEnd& ends, const ToldChord& told, bool distances, double ulp) {
+    for (const double t : {told.near, told.far, told.near_back, told.far_back}) {
+        if (!std::isfinite(t)) return ChordError{HUGE_VAL, HUGE_VAL};
+    }
+    return truth::by_rising_precision([&]<class E>() { return error_of<E>(ends, told, distances, ulp); });
+}
+
+}  // namespace lostbits::measure::consistency

@@ -1,0 +1,140 @@
+#include "measure/consistency/consistency.hpp"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "measure/offset/offsets.hpp"
+#include "number/error.hpp"
+#include "scene/toml/did_you_mean.hpp"
+
+namespace lostbits::measure::consistency {
+
+using truth::Band;
+
+namespace {
+
+/// Lines of a band: few enough that its rays stay near the processor.
+constexpr int lines_of_band = 16;
+
+void add_check(AccordOfPixels& found, int y0, int width, CheckSummary& summary) {
+    for (const Accord a : found.accord) ++summary.count[static_cast<std::size_t>(a)];
+    summary.apart.add(found.apart);
+    summary.excess.add(found.excess);
+    if (!found.shown || summary.shown) return;
+    const auto pixel = static_cast<int>(found.shown->pixel);
+    summary.shown = ShownDisagreement{pixel % width, y0 + pixel / width, std::move(*found.shown)};
+}
+
+ConsistencyBand measure_band(const ConsistencyRequest& request, const map::MapRow& row, const Band& band) {
+    const RowOnBand on(*request.scene, row, band);
+    ConsistencyBand out{.y0 = band.y0(), .rows = band.rows(), .width = request.scene->width, .checks = {}};
+    for (const Check* check : request.checks) {
+        AccordOfPixels& pixels = out.checks.emplace_back(on.pixels());
+        if (check->applies(*request.scene, *row.form)) check->measure(on, pixels);
+    }
+    return out;
+}
+
+}  // namespace
+
+std::uint64_t CheckSummary::asked() const {
+    return std::accumulate(count.begin(), count.end(), std::uint64_t{0}) - of(Accord::not_asked);
+}
+
+std::vector<const Check*> checks_for(const scene::file::Scene& scene, const std::vector<map::MapRow>& rows,
+                                     std::vector<const Check*> among) {
+    std::erase_if(among, [&](const Check* check) {
+        return std::ranges::none_of(rows, [&](const map::MapRow& row) { return check->applies(scene, *row.form); });
+    });
+    return among;
+}
+
+bool can_be_compared(const intersect::table::Intersector& form) { return form.shape != Shape::sdf; }
+
+std::vector<RowChecks> run_consistency(const ConsistencyRequest& request, ConsistencySink* sink) {
+    const scene::file::Scene& scene = *request.scene;
+    offset::require_few_solids(scene);
+    std::vector<RowChecks> all(request.rows.size());
+    for (RowChecks& row : all) row.resize(request.checks.size());
+    for (int y0 = 0; y0 < scene.height; y0 += lines_of_band) {
+        const Band band(scene, y0, std::min(scene.height, y0 + lines_of_band));
+        tbb::parallel_for(std::size_t{0}, request.rows.size(), [&](std::size_t r) {
+            ConsistencyBand measured = measure_band(request, request.rows[r], band);
+            if (sink) sink->band(r, measured);
+            for (std::size_t c = 0; c < measured.checks.size(); ++c)
+                add_check(measured.checks[c], y0, scene.width, all[r][c]);
+            request.progress(band.pixels());
+        });
+    }
+    for (RowChecks& row : all) {
+        for (CheckSummary& s : row) {
+            s.apart.seal();
+            s.excess.seal();
+        }
+    }
+    return all;
+}
+
+namespace {
+
+using C = CheckSummary;
+
+double as_number(std::uint64_t n) { return static_cast<double>(n); }
+template <Accord a>
+double count_of(const C& s) {
+    return as_number(s.of(a));
+}
+template <Accord a>
+double share_of(const C& s) {
+    return truth::fraction(s.of(a), s.asked());
+}
+template <metric::Distribution C::*numbers, int percent>
+double quantile_of(const C& s) {
+    return (s.*numbers).quantile(percent / 100.0);
+}
+
+constexpr ConsistencyColumn column_rows[] = {
+    {"rays", "", "pixels of which both questions are asked", true, [](const C& s) { return as_number(s.asked()); }},
+    {"agree", "", "of these: both answers are alike", true, count_of<Accord::agree>},
+    {"first_alone", "", "only the first question is answered with yes, and one of the answers is wrong", true,
+     count_of<Accord::first_alone>},
+    {"second_alone", "", "only the second, and one of the answers is wrong", true, count_of<Accord::second_alone>},
+    {"other_number", "",
+     "the decisions are alike, the numbers are not: by any bit (packs), by more than the exact ones and an ulp "
+     "(reverse)",
+     true, count_of<Accord::other_number>},
+    {"by_inputs", "", "the answers differ as the exact ones do: the stored numbers of the questions differ", true,
+     count_of<Accord::by_inputs>},
+    {"unresolved", "", "the answers differ, and the exact ones are not proved", true, count_of<Accord::unresolved>},
+    {"disagree_fraction", "", "share of first_alone, second_alone and other_number", false,
+     [](const C& s) { return truth::fraction(s.disagreements(), s.asked()); }},
+    {"decision_fraction", "", "share of first_alone and second_alone", false,
+     [](const C& s) { return truth::fraction(s.decisions(), s.asked()); }},
+    {"by_inputs_fraction", "", "share of by_inputs", false, share_of<Accord::by_inputs>},
+    {"apart_p50", "ulp", "|near + far from the other end - length| in ulps of the length, as told: median", false,
+     quantile_of<&C::apart, 50>},
+    {"apart_p99", "ulp", "the same: 99th percentile", false, quantile_of<&C::apart, 99>},
+    {"apart_max", "ulp", "the same: largest", false, quantile_of<&C::apart, 100>},
+    {"excess_p50", "ulp", "how far that is from the same sum of the exact answers: median", false,
+     quantile_of<&C::excess, 50>},
+    {"excess_p99", "ulp", "the same: 99th percentile", false, quantile_of<&C::excess, 99>},
+    {"excess_max", "ulp", "the same: largest", false, quantile_of<&C::excess, 100>},
+};
+
+}  // namespace
+
+std::span<const ConsistencyColumn> consistency_columns() { return column_rows; }
+
+double consistency_value(const CheckSummary& summary, const std::string& column, const std::string& where) {
+    std::vector<std::string> names;
+    for (const ConsistencyColumn& c : column_rows) {
+        if (c.name == column) return c.value(summary);
+        names.emplace_back(c.name);
+    }
+    throw InputError(where + ": unknown metric \"" + column + "\"; " + scene::toml::did_you_mean(column, names));
+}
+
+}  // namespace lostbits::measure::consistency

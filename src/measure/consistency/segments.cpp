@@ -1,0 +1,138 @@
+// One segment, written as q − p up to 1 and as (q − p)/|q − p| up to |q − p|.
+#include "measure/consistency/segments.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "measure/picture/stored_appearance.hpp"
+#include "measure/truth/side.hpp"
+#include "number/with_number.hpp"
+#include "scene/rays/family.hpp"
+
+namespace lostbits::measure::consistency {
+
+using scene::rays::RayBlock;
+using truth::Truth;
+
+namespace {
+
+template <class T>
+Vec<T> in_format(const Vec<double>& v) {
+    return Vec<T>(static_cast<T>(v.x), static_cast<T>(v.y), static_cast<T>(v.z));
+}
+template <class T>
+Vec<double> as_doubles(const Vec<T>& v) {
+    return {as_double(v.x), as_double(v.y), as_double(v.z)};
+}
+
+/// The sign of t* − m for the first t* of a ray that truly hits the sphere; m > 0.
+std::optional<int> side_of_end(const Ray<double>& ray, const Solid<double>& sphere, double m) {
+    return truth::by_rising_precision([&]<class E>() {
+        return truth::side_of<E>(truth::lift_ray<E>(ray), truth::lift_solid<E>(sphere).sphere(), E(m),
+                                 truth::Length::parameter);
+    });
+}
+
+}  // namespace
+
+Truth::Decision truly_meets_before(const Ray<double>& ray, double end, std::span<const Solid<double>> solids,
+                                   intersect::Touching touching) {
+    const bool boxes = !solids.empty() && solids.front().shape == Shape::box;
+    const intersect::Convention convention(touching, boxes ? intersect::AtOrigin::hit : intersect::AtOrigin::miss);
+    const Truth first = truth::find_truth(ray, solids, {}, convention, boxes ? end : HUGE_VAL);
+    if (boxes || !first.is_hit()) return first.decision;
+    if (!(end > 0)) return Truth::Decision::miss;
+    if (std::isinf(end)) return Truth::Decision::hit;
+    std::optional<int> side = truth::compare(first.t, truth::exactly(end));
+    if (*side == 0) side = side_of_end(ray, solids[static_cast<std::size_t>(first.object)], end);
+    if (!side) return Truth::Decision::unresolved;
+    return *side < 0 ? Truth::Decision::hit : Truth::Decision::miss;
+}
+
+SegmentInTwoWays write_segment(const Vec<double>& p, const Vec<double>& q, const Format& format, EndOfSegment end) {
+    return with_number(format, [&]<class T>() {
+        const Vec<T> from = in_format<T>(p), way = in_format<T>(q) - from;
+        const T size = length(way);
+        T share(1);
+        if (end == EndOfSegment::shortened) share = T(1) - T(1) / T(10000);
+        const Vec<T> unit(way.x / size, way.y / size, way.z / size);
+        return SegmentInTwoWays{.by_difference = {p, as_doubles<T>(way)},
+                                .difference_end = as_double(share),
+                                .by_unit = {p, as_doubles<T>(unit)},
+                                .unit_end = as_double(share * size)};
+    });
+}
+
+namespace {
+
+/// The point that a pixel shows: o + t*·d of its own ray, each coordinate rounded to the format; nothing where the ray
+/// truly misses.
+std::optional<Vec<double>> seen_point(const RowOnBand& on, std::size_t i) {
+    const Truth truth = on.band.truth(i, on.row.convention());
+    if (!truth.is_hit()) return std::nullopt;
+    const double t = std::ldexp(truth.t.hi, static_cast<int>(truth.t.exponent));
+    const Ray<double> ray = on.inputs.rays[i];
+    const auto at = [&](double o, double d) { return rounding::to_format(std::fma(t, d, o), 0, on.format()); };
+    return Vec<double>(at(ray.origin.x, ray.direction.x), at(ray.origin.y, ray.direction.y),
+                       at(ray.origin.z, ray.direction.z));
+}
+
+bool is_ray(const SegmentInTwoWays& s) {
+    return truth::is_proper(s.by_difference) && truth::is_proper(s.by_unit) && std::isfinite(s.unit_end);
+}
+
+Accord accord_of_segment(const RowOnBand& on, const SegmentInTwoWays& s, bool first, bool second) {
+    if (first == second) return Accord::agree;
+    const intersect::Touching touching = on.row.convention().touching;
+    const auto one = truly_meets_before(s.by_difference, s.difference_end, on.solids, touching);
+    const auto other = truly_meets_before(s.by_unit, s.unit_end, on.solids, touching);
+    if (one == Truth::Decision::unresolved || other == Truth::Decision::unresolved) return Accord::unresolved;
+    return accord_of(first, second, one == Truth::Decision::hit, other == Truth::Decision::hit);
+}
+
+/// `from(i)` is where the segment of pixel i starts.
+template <class From>
+void compare_segments(const RowOnBand& on, const From& from, EndOfSegment end, AccordOfPixels& out) {
+    std::vector<std::size_t> pixels;
+    std::vector<SegmentInTwoWays> segments;
+    RayBlock first, second;
+    for (std::size_t i = 0; i < on.pixels(); ++i) {
+        const auto q = seen_point(on, i);
+        if (!q) continue;
+        const SegmentInTwoWays s = write_segment(from(i), *q, on.row.format, end);
+        if (!is_ray(s)) continue;
+        pixels.push_back(i);
+        segments.push_back(s);
+        first.push(s.by_difference);
+        first.tmax.push_back(s.difference_end);
+        second.push(s.by_unit);
+        second.tmax.push_back(s.unit_end);
+    }
+    const auto one = meets_before_end(on.form, first, on.solids), other = meets_before_end(on.form, second, on.solids);
+    for (std::size_t k = 0; k < pixels.size(); ++k) {
+        const SegmentInTwoWays& s = segments[k];
+        out.set(pixels[k], accord_of_segment(on, s, one[k] != 0, other[k] != 0), [&] {
+            return TwoRays{0, on.shown(s.by_difference, s.difference_end), on.shown(s.by_unit, s.unit_end)};
+        });
+    }
+}
+
+}  // namespace
+
+void check_segment(const RowOnBand& on, AccordOfPixels& out) {
+    compare_segments(
+        on, [&](std::size_t i) { return on.inputs.rays[i].origin; }, EndOfSegment::whole, out);
+}
+
+void check_short(const RowOnBand& on, AccordOfPixels& out) {
+    compare_segments(
+        on, [&](std::size_t i) { return on.inputs.rays[i].origin; }, EndOfSegment::shortened, out);
+}
+
+void check_light(const RowOnBand& on, AccordOfPixels& out) {
+    const Vec<double> light = picture::input_appearance(on.scene, on.format()).light;
+    compare_segments(
+        on, [&](std::size_t) { return light; }, EndOfSegment::shortened, out);
+}
+
+}  // namespace lostbits::measure::consistency

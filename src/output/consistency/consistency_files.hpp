@@ -1,0 +1,40 @@
+// The files of questions put in two ways over a scene: pictures, the contact sheet, a row a pixel, summary.csv.
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <vector>
+
+#include "measure/consistency/consistency.hpp"
+#include "output/file/csv.hpp"
+
+namespace lostbits::output::consistency {
+
+struct ConsistencyFilesOptions {
+    std::filesystem::path folder;  ///< of this scene; made if missing
+    bool pixels_csv = false;       ///< also a row a pixel
+};
+
+/// The columns of summary.csv: check, form, format, `consistency_columns`, and the first disagreement: its pixel and a
+/// command for each of its two rays.
+[[nodiscard]] std::vector<file::Column> consistency_summary_columns();
+
+/// Opens every file at once, before any work, and gives all their final names in `finish`.
+///
+/// `<form>.<format>.<check>.png` shows each pixel, `<form>.<format>.csv` has a row a pixel.
+class ConsistencyFiles final : public measure::consistency::ConsistencySink {
+public:
+    ConsistencyFiles(const measure::consistency::ConsistencyRequest& request, const ConsistencyFilesOptions& options);
+    ~ConsistencyFiles() override;
+    ConsistencyFiles(const ConsistencyFiles&) = delete;
+    ConsistencyFiles& operator=(const ConsistencyFiles&) = delete;
+
+    void band(std::size_t row, const measure::consistency::ConsistencyBand& band) override;
+    void finish(const std::vector<measure::consistency::RowChecks>& rows);
+
+private:
+    struct Parts;
+    std::unique_ptr<Parts> parts_;
+};
+
+}  // namespace lostbits::output::consistency
