@@ -1,14 +1,18 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 #include <filesystem>
 #include <functional>
 #include <memory>
 
+#include "analysis/choice/judge_words.hpp"
 #include "analysis/choice/lost_numbers.hpp"
 #include "analysis/choice/options.hpp"
 #include "analysis/choice/select.hpp"
 #include "commands.hpp"
+#include "measure/choice/file_rays.hpp"
+#include "output/blame/explain_command.hpp"
 #include "output/choice/choice_files.hpp"
 
 namespace lostbits::analysis {
@@ -17,8 +21,9 @@ using measure::choice::ChoiceRequest;
 
 namespace {
 
-struct ChooseOptions {
-    std::string scene, size, variant, at = "p99", out;
+struct ChooseOptions : choice::RayFileWords {
+    std::vector<std::string> subjects;  ///< one scene, or files of rays
+    std::string size, variant, at = "p99", out;
     std::vector<std::string> forms{"*"}, formats{"f32", "f64"}, set;
     double bits = 0, wrong = 0;
     bool single = false, bulk = false, quick = false;
@@ -40,19 +45,60 @@ double quantile_named(const std::string& text) {
     return percent / 100;
 }
 
+/// Files of rays are told by their ending, or by a word that only they take.
+bool are_files(const ChooseOptions& o) {
+    if (o.container != "auto" || !o.columns.empty()) return true;
+    const auto is_file = [](const std::string& name) {
+        std::string ending = std::filesystem::path(name).extension().string();
+        std::ranges::transform(ending, ending.begin(),
+                               [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+        return ending == ".csv" || ending == ".npy";
+    };
+    return std::ranges::all_of(o.subjects, is_file);
+}
+
+/// InputError for an option of files beside a scene, and the other way round.
+void refuse_others(const ChooseOptions& o, bool files) {
+    const std::pair<const char*, bool> of_files[] = {{"--file-format", !o.format.empty()},
+                                                     {"--skip", o.skip != 0},
+                                                     {"--sphere", !o.spheres.empty()},
+                                                     {"--box", !o.boxes.empty()},
+                                                     {"--scene", !o.RayFileWords::scene.empty()},
+                                                     {"--miss", !o.miss.empty()},
+                                                     {"--direction", o.direction != "any"},
+                                                     {"--touching", o.touching != "hit"},
+                                                     {"--at-origin", o.at_origin != "hit"}};
+    const std::pair<const char*, bool> of_scenes[] = {
+        {"--size", !o.size.empty()}, {"--variant", !o.variant.empty()}, {"--set", !o.set.empty()}};
+    const auto refuse = [](const auto& options, const std::string& why) {
+        for (const auto& [name, given] : options) {
+            if (given) throw InputError(std::string(name) + why);
+        }
+    };
+    if (files) return refuse(of_scenes, ": is about a scene, and these are files of rays; leave it out");
+    refuse(of_files, ": is about files of rays, and " + o.subjects.front() +
+                         " is taken for a scene; leave it out, or say --container csv, npy or raw");
+    if (o.subjects.size() > 1)
+        throw InputError(o.subjects[1] +
+                         ": a choice is for one scene, or for files of rays, which end in .csv or "
+                         ".npy or are named by --container; name one");
+}
+
 scene::file::Scene scene_of(const ChooseOptions& o, const Common& common) {
-    auto scenes = choice::load_scenes({{o.scene}, o.size, o.variant, o.set}, choice::data_folder(common.data));
+    const std::string& name = o.subjects.front();
+    auto scenes = choice::load_scenes({{name}, o.size, o.variant, o.set}, choice::data_folder(common.data));
     if (scenes.size() == 1) return std::move(scenes.front());
     std::string names;
     for (const auto& scene : scenes) names += (names.empty() ? "" : ", ") + scene.id;
-    throw InputError(o.scene + ": has " + std::to_string(scenes.size()) +
+    throw InputError(name + ": has " + std::to_string(scenes.size()) +
                      " variants, and a choice is for one; name one of " + names);
 }
 
 bool is_emulated(const Format& format) { return format.engine == Format::Engine::rounded; }
 
-/// All rows; those in emulated formats have no time, and are asked only what each pixel requires.
-std::vector<measure::map::MapRow> rows_of(const ChooseOptions& o, const scene::file::Scene& scene) {
+/// The selected rows for what is called so, whose solids forms of a shape can meet.
+std::vector<measure::map::MapRow> rows_of(const ChooseOptions& o, const std::string& id,
+                                          const std::function<bool(Shape)>& meets) {
     const auto formats = choice::select_formats(o.formats);
     if (std::ranges::all_of(formats, is_emulated))
         throw InputError(fmt::format(
@@ -60,62 +106,126 @@ std::vector<measure::map::MapRow> rows_of(const ChooseOptions& o, const scene::f
             formats.front().name));
     // A march meets all solids at once, and how long it takes depends on its steps: a time a ray and solid says
     // nothing.
-    const auto rows = choice::fitting(choice::cross(choice::select_forms(o.forms), formats),
-                                      [&](Shape shape) { return shape != Shape::sdf && scene.meets(shape); });
+    const auto can = [&meets](Shape shape) { return shape != Shape::sdf && meets(shape); };
+    const auto rows = choice::fitting(choice::cross(choice::select_forms(o.forms), formats), can);
     if (rows.empty())
         throw NothingSelected(
-            fmt::format("none of the selected forms is for the solids of {}; try -i '{}'", scene.id,
-                        choice::globs_of([&](Shape s) { return s != Shape::sdf && scene.meets(s); })));
+            fmt::format("none of the selected forms is for the solids of {}; try -i '{}'", id, choice::globs_of(can)));
     return rows;
 }
 
-Exit run(const ChooseOptions& o, const Common& common) {
-    require_folder(o.out);
-    const auto scene = scene_of(o, common);
-    auto rows = rows_of(o, scene);
-    const auto emulated = std::ranges::stable_partition(rows, std::not_fn(is_emulated),
-                                                        [](const auto& row) -> const Format& { return row.format; });
-    const std::vector<measure::map::MapRow> untimed(emulated.begin(), emulated.end());
-    rows.erase(emulated.begin(), rows.end());
-    ChoiceRequest request{.scene = &scene, .rows = std::move(rows)};
+ChoiceRequest request_of(const ChooseOptions& o) {
+    ChoiceRequest request;
     request.wish = {.bits = o.bits, .wrong = o.wrong, .quantile = quantile_named(o.at)};
     request.single = o.single;
+    request.plan.progress = [](std::uint64_t) { stop_if_interrupted(); };
     if (o.quick) {
         request.plan.repetitions = 5;
         request.plan.least_seconds = 1e-4;
     }
-    const auto folder = std::filesystem::path(o.out) / scene.id;
-    const auto owner = own_folder(folder, common, choice::name_of_scene(scene, choice::data_folder(common.data)));
-    output::choice::ChoiceFiles files(folder);
-    const choice::ThreadLimit limit(common.threads);
-    const auto work = scene.pixels() * (request.rows.size() + untimed.size());
-    output::file::Progress progress(work, fmt::format("choose {}", scene.id), common.progress, common.quiet);
-    request.progress = advancing(progress);
-    request.plan.progress = [](std::uint64_t) { stop_if_interrupted(); };
-    if (!common.quiet) choice::note_idle_settings(o.set, scene.id, request.rows);
+    return request;
+}
+
+/// What scenes and files have in common, once the accuracy of rays from files is known.
+Exit choose(ChoiceRequest& request, output::choice::ChoiceFiles& files, output::file::Progress& progress,
+            const Common& common) {
     measure::choice::TimedRays timed;
-    measure::choice::Meetings meetings(request, request.rows);
-    request.sinks = meetings.sinks();
+    std::optional<measure::choice::Meetings> meetings;
+    if (request.scene) request.sinks = meetings.emplace(request, request.rows).sinks();
     const auto all = measure_candidates(request, timed);
-    const auto requirement = requirement_of(request, all, meetings, untimed);
+    output::choice::Chosen chosen{request, all, timed, cheapest(all, request.wish)};
+    if (meetings) chosen.requirement = requirement_of(request, all, *meetings);
     request.sinks.clear();
-    output::choice::Chosen chosen{request, all, timed, cheapest(all, request.wish), {}, &requirement};
     request.progress = [](std::uint64_t) { stop_if_interrupted(); };
-    if (chosen.meets) chosen.rooms = rooms_of(request, all[*chosen.meets].row);
+    if (chosen.meets) {
+        const measure::map::MapRow& row = all[*chosen.meets].row;
+        chosen.rooms = rooms_of(request, row);
+        if (request.scene) chosen.offsets = measure::choice::safe_offsets(*request.scene, row);
+    } else {
+        chosen.obstacle = find_obstacle(request, all[*nearest(all, request.wish)].row);
+    }
     files.finish(chosen);
     progress.finish();
     fmt::print("{}", output::choice::in_words(chosen));
-    if (!common.quiet) fmt::print("{}\n", (folder / "choose.csv").string());
+    if (!common.quiet) fmt::print("{}\n", (files.folder() / "choose.csv").string());
     return chosen.meets ? Exit::done : Exit::answer_is_no;
+}
+
+Exit choose_for_scene(const ChooseOptions& o, const Common& common) {
+    const auto scene = scene_of(o, common);
+    ChoiceRequest request = request_of(o);
+    request.scene = &scene;
+    request.rows = rows_of(o, scene.id, [&scene](Shape shape) { return scene.meets(shape); });
+    const auto emulated =
+        std::ranges::stable_partition(request.rows, std::not_fn(is_emulated), &measure::map::MapRow::format);
+    request.untimed.assign(emulated.begin(), emulated.end());
+    request.rows.erase(emulated.begin(), request.rows.end());
+    const auto folder = std::filesystem::path(o.out) / scene.id;
+    const auto owner = own_folder(folder, common, choice::name_of_scene(scene, choice::data_folder(common.data)));
+    output::choice::ChoiceFiles files(folder);
+    output::file::Progress progress(scene.pixels() * (request.rows.size() + request.untimed.size()),
+                                    fmt::format("choose {}", scene.id), common.progress, common.quiet);
+    request.progress = advancing(progress);
+    if (!common.quiet) choice::note_idle_settings(o.set, scene.id, request.rows);
+    return choose(request, files, progress, common);
+}
+
+Exit choose_for_files(const ChooseOptions& o, const Common& common) {
+    const auto aimed_at = choice::scene_of(o, choice::data_folder(common.data));
+    std::vector<std::unique_ptr<scene::dump::Dump>> each;
+    std::string id, words;
+    for (const std::string& file : o.subjects) {
+        each.push_back(choice::open_file(o, file, choice::shape_given(o, aimed_at)));
+        id += (id.empty() ? "" : "+") + std::filesystem::path(file).stem().string();
+        words += (words.empty() ? "" : " ") + output::blame::shell_word(file);
+    }
+    const auto dump = scene::dump::join_dumps(std::move(each));
+    measure::choice::FileTerms terms{
+        .id = id, .solids = choice::solids_given(o, aimed_at, dump->format()), .contract = choice::contract_of(o)};
+    const auto& layout = dump->layout();
+    ChoiceRequest request = request_of(o);
+    request.rows = rows_of(o, id, [&](Shape shape) {
+        return layout.solid() ? *layout.solid() == shape : terms.solids.front().shape == shape;
+    });
+    std::erase_if(request.rows, [](const measure::map::MapRow& row) { return is_emulated(row.format); });
+    const auto folder = std::filesystem::path(o.out) / id;
+    const auto owner = own_folder(folder, common, words);
+    output::choice::ChoiceFiles files(folder);
+    const bool by_bytes = dump->bytes() > 0;
+    output::file::Progress progress(by_bytes ? dump->bytes() : 1, fmt::format("choose {}", id), common.progress,
+                                    common.quiet);
+    const auto advance = advancing(progress);
+    terms.progress = [&](std::uint64_t bytes) { advance(by_bytes ? bytes : 0); };
+    const measure::choice::FileRays rays = judge_rays(*dump, terms, request);
+    if (rays.rounded > 0 && !common.quiet)
+        fmt::print(stderr,
+                   "lostbits: {}: {} numbers are not numbers of {}, and were rounded to it; name the format that they "
+                   "were computed in with --file-format\n",
+                   rays.name, rays.rounded, rays.format.name);
+    request.rays = &rays;
+    return choose(request, files, progress, common);
+}
+
+Exit run(const ChooseOptions& o, const Common& common) {
+    require_folder(o.out);
+    const bool files = are_files(o);
+    refuse_others(o, files);
+    const choice::ThreadLimit limit(common.threads);
+    return files ? choose_for_files(o, common) : choose_for_scene(o, common);
 }
 
 }  // namespace
 
 void add_choose(CLI::App& program, const Common& common, Command& chosen) {
     auto* command = program.add_subcommand(
-        "choose", "The cheapest form and format that meets a wish on a scene, what it costs, and how far it holds");
+        "choose",
+        "The cheapest form and format that meets a wish on a scene or on rays of files, what it costs, and how far it "
+        "holds");
     const auto o = std::make_shared<ChooseOptions>();
-    command->add_option("SCENE", o->scene, "A scene file, or a name in data/scenes")->required();
+    command
+        ->add_option("SCENE", o->subjects,
+                     "A scene file or a name in data/scenes; or files of rays, as `lostbits judge` reads them")
+        ->required();
     command->add_option("--bits", o->bits, "Correct bits of t that are wanted, at least")
         ->required()
         ->check(CLI::Range(0.0, 53.0));
@@ -133,6 +243,7 @@ void add_choose(CLI::App& program, const Common& common, Command& chosen) {
     command->add_option("--size", o->size, "Picture size, WxH in pixels (default: the scene's)");
     command->add_option("--variant", o->variant, "One variant of a scene that has several");
     choice::add_set(*command, o->set, "Change a number of the scene first: sphere[0].radius=10");
+    choice::add_ray_options(*command, *o, "--file-format");
     command->add_flag("--quick", o->quick, "Shorter measurements of time, for a first look");
     command->add_option("-o,--out", o->out, "Folder for the results")->required();
     command->callback([o, &common, &chosen] { chosen = [o, &common] { return run(*o, common); }; });

@@ -81,7 +81,7 @@ std::vector<measure::map::MapRow> rows_of(const JudgeWords& o, const Dump& dump,
 Exit run(const JudgeWords& o, const Common& common) {
     require_folder(o.out);
     const auto scene = choice::scene_of(o, choice::data_folder(common.data));
-    const auto dump = choice::open_file(o, choice::shape_given(o, scene));
+    const auto dump = choice::open_file(o, o.file, choice::shape_given(o, scene), o.rows);
     JudgeRequest request{.solids = choice::solids_given(o, scene, dump->format())};
     if (scene && scene->march) request.march = scene::file::round_march(*scene->march, binary32);
     const Shape shape = dump->layout().solid() ? *dump->layout().solid() : request.solids.front().shape;
@@ -169,25 +169,7 @@ void add_judge(CLI::App& program, const Common& common, Command& chosen) {
         program.add_subcommand("judge", "Rays, and answers if there are any, from a file: CSV, .npy or raw");
     const auto o = std::make_shared<JudgeWords>();
     command->add_option("FILE", o->file, "Columns ox,oy,oz,dx,dy,dz, perhaps tmax, a solid's, hit and t")->required();
-    command->add_option("--container", o->container, "What the file is: csv, npy, raw (default: by its ending)")
-        ->check(CLI::IsMember({"auto", "csv", "npy", "raw"}));
-    command->add_option("--columns", o->columns,
-                        "Names of the columns where the file has none, and of raw numbers their types: ox:f32,oy,oz");
-    command->add_option("--skip", o->skip, "Bytes in front of raw numbers");
-    command->add_option("--format", o->format,
-                        "Format the answers were computed in (default: the file's; of a CSV f64)");
-    command->add_option("--sphere", o->spheres, "The sphere of all rays: CX,CY,CZ,R");
-    command->add_option("--box", o->boxes, "The box of all rays: LOX,LOY,LOZ,HIX,HIY,HIZ");
-    command->add_option("--scene", o->scene, "The scene whose solids the rays are aimed at");
-    command->add_option("--miss", o->miss,
-                        "Where no column is hit: the t that means a miss, negative, or never (NaN and inf always do)");
-    command
-        ->add_option("--direction", o->direction, "unit: t is a distance, of the direction normalised (default: any)")
-        ->check(CLI::IsMember({"any", "unit"}));
-    command->add_option("--touching", o->touching, "Whether a ray that touches should hit (default) or miss")
-        ->check(CLI::IsMember({"hit", "miss"}));
-    command->add_option("--at-origin", o->at_origin, "Whether a sphere at t = 0 should be hit (default) or miss")
-        ->check(CLI::IsMember({"hit", "miss"}));
+    choice::add_ray_options(*command, *o, "--format,--file-format");
     choice::add_list(*command, "-i,--intersector", o->forms, "Forms that answer to the same rays, by name or glob");
     choice::add_list(*command, "-f", o->formats, "Their formats (default: that of the file)");
     command->add_option("--against", o->against, "A form to hold the answers against, without asking what is true");

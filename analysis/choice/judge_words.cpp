@@ -68,7 +68,30 @@ std::optional<MissRule> miss_rule(const std::string& word) {
 
 }  // namespace
 
-std::optional<scene::file::Scene> scene_of(const JudgeWords& o, const std::filesystem::path& data) {
+void add_ray_options(CLI::App& command, RayFileWords& words, const std::string& format_option) {
+    words.format_option = format_option.substr(0, format_option.find(','));
+    command.add_option("--container", words.container, "What the file is: csv, npy, raw (default: by its ending)")
+        ->check(CLI::IsMember({"auto", "csv", "npy", "raw"}));
+    command.add_option("--columns", words.columns,
+                       "Names of the columns where the file has none, and of raw numbers their types: ox:f32,oy,oz");
+    command.add_option("--skip", words.skip, "Bytes in front of raw numbers");
+    command.add_option(format_option, words.format,
+                       "Format the answers were computed in (default: the file's; of a CSV f64)");
+    command.add_option("--sphere", words.spheres, "The sphere of all rays: CX,CY,CZ,R");
+    command.add_option("--box", words.boxes, "The box of all rays: LOX,LOY,LOZ,HIX,HIY,HIZ");
+    command.add_option("--scene", words.scene, "The scene whose solids the rays are aimed at");
+    command.add_option("--miss", words.miss,
+                       "Where no column is hit: the t that means a miss, negative, or never (NaN and inf always do)");
+    command
+        .add_option("--direction", words.direction, "unit: t is a distance, of the direction normalised (default: any)")
+        ->check(CLI::IsMember({"any", "unit"}));
+    command.add_option("--touching", words.touching, "Whether a ray that touches should hit (default) or miss")
+        ->check(CLI::IsMember({"hit", "miss"}));
+    command.add_option("--at-origin", words.at_origin, "Whether a sphere at t = 0 should be hit (default) or miss")
+        ->check(CLI::IsMember({"hit", "miss"}));
+}
+
+std::optional<scene::file::Scene> scene_of(const RayFileWords& o, const std::filesystem::path& data) {
     if (o.scene.empty()) return {};
     auto scenes = load_scenes({{o.scene}, "", "", {}}, data);
     if (scenes.size() > 1)
@@ -83,14 +106,14 @@ std::optional<scene::file::Scene> scene_of(const JudgeWords& o, const std::files
     return std::move(scenes.front());
 }
 
-std::optional<Shape> shape_given(const JudgeWords& o, const std::optional<scene::file::Scene>& scene) {
+std::optional<Shape> shape_given(const RayFileWords& o, const std::optional<scene::file::Scene>& scene) {
     const int ways = (o.spheres.empty() ? 0 : 1) + (o.boxes.empty() ? 0 : 1) + (scene ? 1 : 0);
     if (ways > 1) throw InputError("--sphere, --box and --scene each name the solids of all rays; write one of them");
     if (ways == 0) return {};
     return scene ? scene->shapes().front() : o.boxes.empty() ? Shape::sphere : Shape::box;
 }
 
-std::vector<Solid<double>> solids_given(const JudgeWords& o, const std::optional<scene::file::Scene>& scene,
+std::vector<Solid<double>> solids_given(const RayFileWords& o, const std::optional<scene::file::Scene>& scene,
                                         const Format& format) {
     std::vector<Solid<double>> solids;
     for (const std::string& text : o.spheres) solids.push_back(solid_of(text, Shape::sphere, format));
@@ -102,22 +125,24 @@ std::vector<Solid<double>> solids_given(const JudgeWords& o, const std::optional
     return solids;
 }
 
-std::unique_ptr<scene::dump::Dump> open_file(const JudgeWords& o, std::optional<Shape> solid) {
+std::unique_ptr<scene::dump::Dump> open_file(const RayFileWords& o, const std::string& file, std::optional<Shape> solid,
+                                             bool keep) {
     static const std::map<std::string, Container> containers{
         {"auto", Container::by_name}, {"csv", Container::csv}, {"npy", Container::npy}, {"raw", Container::raw}};
     DumpOptions options{.container = containers.at(o.container), .columns = o.columns, .skip = o.skip};
     if (!o.format.empty()) {
-        const auto formats = select_formats({o.format}, "--format");
-        if (formats.size() > 1) throw InputError("--format " + o.format + ": the answers are of one format; name one");
+        const auto formats = select_formats({o.format}, o.format_option.c_str());
+        if (formats.size() > 1)
+            throw InputError(o.format_option + " " + o.format + ": the answers are of one format; name one");
         options.format = formats.front();
     }
     options.miss = miss_rule(o.miss);
     options.solid = solid;
-    options.keep = o.rows;
-    return scene::dump::open_dump(o.file, options);
+    options.keep = keep;
+    return scene::dump::open_dump(file, options);
 }
 
-intersect::Info contract_of(const JudgeWords& o) {
+intersect::Info contract_of(const RayFileWords& o) {
     intersect::Info info{};
     info.direction = o.direction == "unit" ? intersect::Direction::unit : intersect::Direction::any;
     info.touching = o.touching == "miss" ? intersect::Touching::miss : intersect::Touching::hit;

@@ -1,5 +1,7 @@
-// What the words of `lostbits judge` say of a file of rays.
+// What the words of a command line say of files of rays, and what `lostbits judge` asks beyond that.
 #pragma once
+
+#include <CLI/CLI.hpp>
 
 #include <cstdint>
 #include <filesystem>
@@ -14,12 +16,21 @@
 
 namespace lostbits::analysis::choice {
 
-struct JudgeWords {
-    std::string file, container = "auto", columns, format;
+/// Which columns mean what, which solids the rays are aimed at, and what the answers are held to.
+struct RayFileWords {
+    std::string container = "auto", columns, format;
+    std::string format_option = "--file-format";  ///< as it was offered
     std::uint64_t skip = 0;
     std::vector<std::string> spheres, boxes;
     std::string scene, miss;
     std::string direction = "any", touching = "hit", at_origin = "hit";
+};
+
+/// The options for all of these, `format` under that name.
+void add_ray_options(CLI::App& command, RayFileWords& words, const std::string& format_option);
+
+struct JudgeWords : RayFileWords {
+    std::string file;
     std::vector<std::string> forms, formats, metrics;
     std::string against;
     std::string size;
@@ -30,19 +41,20 @@ struct JudgeWords {
 
 /// The one scene whose solids the rays are aimed at; nothing where none is named. InputError for several, and for one
 /// of too many solids.
-std::optional<scene::file::Scene> scene_of(const JudgeWords& o, const std::filesystem::path& data);
+std::optional<scene::file::Scene> scene_of(const RayFileWords& o, const std::filesystem::path& data);
 
 /// Of the solids that are given once for all rays; nothing where none are.
-std::optional<Shape> shape_given(const JudgeWords& o, const std::optional<scene::file::Scene>& scene);
+std::optional<Shape> shape_given(const RayFileWords& o, const std::optional<scene::file::Scene>& scene);
 
 /// These solids, numbers of the format; those of a scene as a map of it has them.
-std::vector<Solid<double>> solids_given(const JudgeWords& o, const std::optional<scene::file::Scene>& scene,
+std::vector<Solid<double>> solids_given(const RayFileWords& o, const std::optional<scene::file::Scene>& scene,
                                         const Format& format);
 
-/// The file, opened as the words say.
-std::unique_ptr<scene::dump::Dump> open_file(const JudgeWords& o, std::optional<Shape> solid);
+/// The file, opened as the words say; `keep`: the columns of one's own are wanted.
+std::unique_ptr<scene::dump::Dump> open_file(const RayFileWords& o, const std::string& file, std::optional<Shape> solid,
+                                             bool keep = false);
 
 /// The contract of the answers.
-intersect::Info contract_of(const JudgeWords& o);
+intersect::Info contract_of(const RayFileWords& o);
 
 }  // namespace lostbits::analysis::choice

@@ -8,6 +8,7 @@
 #include <numeric>
 
 #include "intersect/simd/packed.hpp"
+#include "measure/choice/file_rays.hpp"
 
 namespace lostbits::measure::choice {
 
@@ -42,12 +43,35 @@ private:
     std::vector<std::uint8_t> hit_;
 };
 
-/// The solids that most rays of the band truly hit first; the first ones of the scene where none is hit.
-std::vector<std::size_t> solids_to_time(const truth::Band& band, std::size_t solids) {
+/// What is timed: the band's rays against some of its solids.
+struct ToTime {
+    truth::Band band;
+    std::size_t solids;
+    /// Of a solid, the first that has the same numbers: where each ray has its own, many may be one.
+    std::function<int(int)> first_same;
+};
+
+ToTime to_time(const ChoiceRequest& request) {
+    if (request.scene) {
+        const Scene thin = thinned(*request.scene, timed_pixels);
+        return {truth::Band(thin, 0, thin.height, request.limit), thin.solid_count(), std::identity{}};
+    }
+    const scene::rays::RayGroup& sample = request.rays->sample;
+    std::map<std::array<double, 6>, int> places;
+    std::vector<int> first;
+    for (const Solid<double>& solid : sample.solids)
+        first.push_back(places.emplace(solid.numbers, static_cast<int>(first.size())).first->second);
+    return {truth::Band(sample, request.limit), sample.solids.size(),
+            [first = std::move(first)](int solid) { return first[static_cast<std::size_t>(solid)]; }};
+}
+
+/// The solids that most rays of the band truly hit first; the first ones where none is hit.
+std::vector<std::size_t> solids_to_time(const ToTime& timed) {
+    const auto& [band, solids, first_same] = timed;
     std::map<int, std::size_t> hits;
     for (std::size_t i = 0; i < band.pixels(); ++i) {
         const truth::Truth truth = band.truth(i, {});
-        if (truth.is_hit()) ++hits[truth.object];
+        if (truth.is_hit()) ++hits[first_same(truth.object)];
     }
     std::vector<std::pair<std::size_t, int>> order;
     for (const auto& [solid, count] : hits) order.emplace_back(count, solid);
@@ -95,24 +119,42 @@ std::vector<Worth> worth_of(const ChoiceRequest& request) {
     sinks.resize(request.rows.size(), nullptr);
     const auto summaries = map::run_map(asked, sinks);
     std::vector<Worth> all;
-    for (std::size_t r = 0; r < summaries.size(); ++r) {
-        const map::MapSummary& s = summaries[r];
-        all.push_back(
-            {.rays = s.rays - s.count(answer::Outcome::unresolved),
-             .wrong = s.wrong_count(),
-             .first = s.wrong(),
-             .kept_bits = request.rows[r].format.shape.precision - s.metrics[0].quantile(request.wish.quantile),
-             .hits = s.true_hits});
-    }
+    for (std::size_t r = 0; r < summaries.size(); ++r)
+        all.push_back(worth_of(summaries[r], request.rows[r], request.wish));
     return all;
 }
 
+const std::string& ChoiceRequest::id() const { return scene ? scene->id : rays->id; }
+
+Worth worth_of(const map::MapSummary& s, const MapRow& row, const Wish& wish) {
+    return {.rays = s.rays - s.count(answer::Outcome::unresolved),
+            .wrong = s.wrong_count(),
+            .first = s.wrong(),
+            .kept_bits = row.format.shape.precision - s.metrics[0].quantile(wish.quantile),
+            .hits = s.true_hits};
+}
+
+truth::BandNeeds needs_of(const MapRow& row) {
+    return {.unit_rays = row.form->info->direction == intersect::Direction::unit};
+}
+
+Worth worth_on(const truth::Band& band, const MapRow& row, const Wish& wish) {
+    return worth_on(band, band.inputs(row.format, needs_of(row)), row, wish);
+}
+
+Worth worth_on(const truth::Band& band, const truth::FormatInputs& inputs, const MapRow& row, const Wish& wish) {
+    const std::vector<const metric::Metric*> lost{metric::find_metric("lost_bits")};
+    map::MapSummary summary(lost);
+    map::measure_row({row, lost}, band, inputs, summary);
+    return worth_of(summary, row, wish);
+}
+
 std::vector<Candidate> measure_candidates(const ChoiceRequest& request, TimedRays& timed) {
-    const auto worth = worth_of(request);
+    const auto worth = request.scene ? worth_of(request) : request.rays->worth;
     std::vector<Candidate> all;
-    const Scene thin = thinned(*request.scene, timed_pixels);
-    const truth::Band band(thin, 0, thin.height, request.limit);
-    const auto solids = solids_to_time(band, thin.solid_count());
+    const ToTime sample = to_time(request);
+    const truth::Band& band = sample.band;
+    const auto solids = solids_to_time(sample);
     timed = {band.pixels(), solids.size()};
     std::map<std::string, truth::FormatInputs> inputs;
     std::vector<speed::TimedWork> work;

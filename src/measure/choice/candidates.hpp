@@ -1,4 +1,5 @@
-// Every form and format on the rays of a scene: what it keeps, what it decides wrongly and what it costs, in one run.
+// Every form and format on the rays of a scene or of files: what it keeps, what it decides wrongly and what it costs,
+// in one run.
 #pragma once
 
 #include <cstdint>
@@ -42,9 +43,13 @@ struct Candidate {
     Worth worth{};
 };
 
+struct FileRays;
+
 struct ChoiceRequest {
-    const scene::file::Scene* scene = nullptr;
-    std::vector<map::MapRow> rows = {};  ///< f32 and f64 alone
+    const scene::file::Scene* scene = nullptr;  ///< what the choice is for; null where it is for rays of files
+    const FileRays* rays = nullptr;             ///< judged for these rows and this wish
+    std::vector<map::MapRow> rows = {};         ///< f32 and f64 alone
+    std::vector<map::MapRow> untimed = {};      ///< in emulated formats: asked only what each pixel requires
     Wish wish{};
     bool single = false;  ///< one ray at a time, not a register full
     speed::TimingPlan plan{};
@@ -52,17 +57,29 @@ struct ChoiceRequest {
     std::vector<map::MapSink*> sinks = {};  ///< who is shown the rows of `measure_candidates`, in their order; or none
     /// Rays and rows done; may throw to stop. The plan's own progress counts its measurements.
     std::function<void(std::uint64_t)> progress = [](std::uint64_t) {};
+
+    /// Of the scene, or of the files: what results are called.
+    [[nodiscard]] const std::string& id() const;
 };
 
-/// The worth of the row on the scene, at the scene's size; `progress` as above.
+/// What a summary, of `lost_bits` alone, is worth to the wish.
+Worth worth_of(const map::MapSummary& summary, const map::MapRow& row, const Wish& wish);
+/// The same of a row on a band.
+Worth worth_on(const truth::Band& band, const map::MapRow& row, const Wish& wish);
+/// And where the row is given other inputs than the band's.
+Worth worth_on(const truth::Band& band, const truth::FormatInputs& inputs, const map::MapRow& row, const Wish& wish);
+/// What the row needs of a band's inputs.
+truth::BandNeeds needs_of(const map::MapRow& row);
+
+/// The worth of every row on the scene, at the scene's size; `progress` as above.
 std::vector<Worth> worth_of(const ChoiceRequest& request);
 
-/// What was timed: rays of the scene, taken evenly over its picture, against the solids that most of them truly hit.
+/// What was timed: rays taken evenly over the picture or the files, against the solids that most of them truly hit.
 struct TimedRays {
     std::size_t rays = 0, solids = 0;
 };
 
-/// Every row, in the request's order: its worth, and its time on the scene's own rays.
+/// Every row, in the request's order: its worth, and its time on rays of the scene or of the files themselves.
 std::vector<Candidate> measure_candidates(const ChoiceRequest& request, TimedRays& timed);
 
 /// The fastest that meets the wish; the fastest and the most accurate of all (fewest wrong decisions, then most bits);

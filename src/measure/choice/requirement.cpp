@@ -114,23 +114,23 @@ double Requirement::least_time(const std::vector<Candidate>& all) const {
     return count == 0 ? std::numeric_limits<double>::quiet_NaN() : sum / static_cast<double>(count);
 }
 
-Requirement requirement_of(const ChoiceRequest& request, const std::vector<Candidate>& all, const Meetings& meetings,
-                           const std::vector<MapRow>& untimed) {
+Requirement requirement_of(const ChoiceRequest& request, const std::vector<Candidate>& all, const Meetings& meetings) {
     Requirement r{.width = request.scene->width, .height = request.scene->height};
     const auto tried = by_price(all, meetings);
     for (std::size_t i = 0; i < request.scene->pixels(); ++i) r.cheapest.push_back(first_at(tried, i));
     r.taken = counts_of(r.cheapest, all.size());
     for (const MeetsAt& row : meetings.rows) r.met.push_back(row.count());
 
-    Meetings emulated(request, untimed);
-    if (!untimed.empty()) {
-        map::MapRequest asked{.scene = request.scene, .rows = untimed, .metrics = {metric::find_metric("lost_bits")}};
+    Meetings emulated(request, request.untimed);
+    if (!request.untimed.empty()) {
+        map::MapRequest asked{
+            .scene = request.scene, .rows = request.untimed, .metrics = {metric::find_metric("lost_bits")}};
         asked.limit = request.limit;
         asked.progress = request.progress;
         (void)map::run_map(asked, emulated.sinks());
     }
     std::vector<MapRow> rows = request.rows;
-    rows.insert(rows.end(), untimed.begin(), untimed.end());
+    rows.insert(rows.end(), request.untimed.begin(), request.untimed.end());
     std::vector<const MeetsAt*> of_all;
     for (const MeetsAt& row : meetings.rows) of_all.push_back(&row);
     for (const MeetsAt& row : emulated.rows) of_all.push_back(&row);

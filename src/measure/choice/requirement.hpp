@@ -58,7 +58,6 @@ struct Requirement {
 
 /// `meetings` are of the request's rows, in their order, and filled. `untimed` are forms in emulated formats, which
 /// have no time: they are measured here, and count among the formats alone.
-Requirement requirement_of(const ChoiceRequest& request, const std::vector<Candidate>& all, const Meetings& meetings,
-                           const std::vector<map::MapRow>& untimed);
+Requirement requirement_of(const ChoiceRequest& request, const std::vector<Candidate>& all, const Meetings& meetings);
 
 }  // namespace lostbits::measure::choice

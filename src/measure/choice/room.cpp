@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
-#include <mpfr.h>
-
+#include "measure/choice/file_rays.hpp"
+#include "measure/choice/ideal_rays.hpp"
 #include "measure/truth/band.hpp"
+#include "scene/file/stretch.hpp"
 
 namespace lostbits::measure::choice {
 
@@ -16,86 +18,30 @@ namespace {
 
 double in_double(const Real& x) { return static_cast<double>(x); }
 
-Vec<Real> middle_of(const Scene& scene) {
-    Vec<Real> sum(Real(0), Real(0), Real(0));
-    int count = 0;
-    const auto take = [&](const Vec<Real>& v) {
-        sum = sum + v;
-        ++count;
-    };
-    for (const auto& sphere : scene.spheres) take(sphere.centre);
-    for (const auto& box : scene.boxes) take(Real(0.5) * (box.lo + box.hi));
-    if (scene.flake) {
-        const Vec<double>& c = scene.flake->centre;
-        take({Real(c.x), Real(c.y), Real(c.z)});
-    }
-    return (Real(1) / Real(std::max(count, 1))) * sum;
+Stretched elsewhere(const Scene& scene, const Real& k) {
+    const Vec<Real> along = scene::file::offset_direction();
+    const Real away = (k - 1) * length(scene::file::middle_of(scene) - scene.camera.eye);
+    return {scene::file::moved(scene, (away / length(along)) * along), in_double(away)};
 }
 
-/// tan(degrees/2), and back.
-Real half_tangent(const Real& degrees) {
-    Real pi;
-    mpfr_const_pi(pi.backend().data(), MPFR_RNDN);
-    return tan(degrees * pi / 360);
-}
-Real degrees_of(const Real& half_tangent) {
-    Real pi;
-    mpfr_const_pi(pi.backend().data(), MPFR_RNDN);
-    return atan(half_tangent) * 360 / pi;
+std::optional<Stretched> farther_away(const Scene& scene, const Real& k) {
+    auto far = scene::file::farther(scene, k);
+    if (!far) return std::nullopt;
+    const Real distance = scene::file::view_share(scene) * length(scene.camera.look_at - scene.camera.eye);
+    return Stretched{std::move(*far), in_double(k * distance)};
 }
 
-std::optional<Stretched> farther(Scene scene, const Real& k) {
-    Camera& camera = scene.camera;
-    const Vec<Real> view = camera.look_at - camera.eye;
-    const Real share = dot(middle_of(scene) - camera.eye, view) / dot(view, view);
-    if (share <= 0) return std::nullopt;
-    const Vec<Real> back = ((k - 1) * share) * view;
-    camera.eye = camera.eye - back;
-    camera.look_at = camera.look_at - back;
-    if (camera.kind == Camera::Kind::pinhole) camera.fov_deg = degrees_of(half_tangent(camera.fov_deg) / k);
-    return Stretched{std::move(scene), in_double(k * share * length(view))};
-}
-
-std::optional<Stretched> larger(Scene scene, const Real& k) {
-    const Vec<Real>& eye = scene.camera.eye;
+std::optional<Stretched> larger(const Scene& scene, const Real& k) {
+    auto large = scene::file::grown(scene, k);
+    if (!large) return std::nullopt;
     Real largest(0);
-    for (auto& sphere : scene.spheres) {
-        const Vec<Real> towards = eye - sphere.centre;
-        const Real distance = length(towards);
-        if (distance == 0) return std::nullopt;
-        sphere.centre = sphere.centre - ((k - 1) * sphere.radius / distance) * towards;
-        sphere.radius = k * sphere.radius;
-        largest = std::max(largest, sphere.radius);
-    }
-    for (auto& box : scene.boxes) {
-        for (int i = 0; i < 3; ++i) {
-            const Real still = std::clamp(eye[i], box.lo[i], box.hi[i]);
-            box.lo[i] = still + k * (box.lo[i] - still);
-            box.hi[i] = still + k * (box.hi[i] - still);
-            largest = std::max(largest, Real((box.hi[i] - box.lo[i]) / 2));
-        }
-    }
-    return Stretched{std::move(scene), in_double(largest)};
-}
-
-Stretched elsewhere(Scene scene, const Real& k) {
-    const Real away = (k - 1) * length(middle_of(scene) - scene.camera.eye), unit = away / sqrt(Real(14));
-    const Vec<Real> by(3 * unit, 2 * unit, -unit);
-    scene.camera.eye = scene.camera.eye + by;
-    scene.camera.look_at = scene.camera.look_at + by;
-    for (auto& sphere : scene.spheres) sphere.centre = sphere.centre + by;
-    for (auto& box : scene.boxes) {
-        box.lo = box.lo + by;
-        box.hi = box.hi + by;
-    }
-    if (scene.flake)
-        for (int i = 0; i < 3; ++i) scene.flake->centre[i] += in_double(by[i]);
-    return {std::move(scene), in_double(away)};
+    for (const Solid<Real>& solid : large->solids()) largest = std::max(largest, scene::file::size_of(solid));
+    return Stretched{std::move(*large), in_double(largest)};
 }
 
 std::optional<Stretched> wider(Scene scene, const Real& k) {
     if (scene.camera.kind != Camera::Kind::pinhole) return std::nullopt;
-    scene.camera.fov_deg = degrees_of(k * half_tangent(scene.camera.fov_deg));
+    scene.camera.fov_deg = scene::file::degrees_of(k * scene::file::half_tangent(scene.camera.fov_deg));
     const double degrees = in_double(scene.camera.fov_deg);
     if (degrees > 170) return std::nullopt;
     return Stretched{std::move(scene), degrees};
@@ -107,7 +53,7 @@ std::optional<Stretched> stretched(const Scene& scene, Growth way, double factor
     const bool plane = scene.camera.kind == Camera::Kind::pixel_plane;
     const Real k(factor);
     switch (way) {
-        case Growth::distance: return plane ? std::nullopt : farther(scene, k);
+        case Growth::distance: return plane ? std::nullopt : farther_away(scene, k);
         case Growth::radius: return scene.flake ? std::nullopt : larger(scene, k);
         case Growth::offset: return plane ? std::nullopt : std::optional(elsewhere(scene, k));
         case Growth::view: return wider(scene, k);
@@ -117,12 +63,8 @@ std::optional<Stretched> stretched(const Scene& scene, Growth way, double factor
 
 namespace {
 
-/// Whether what is stored of the scene is still the scene: nine rays of ten have the same decision, and t to a tenth.
-bool is_as_meant(const Scene& scene, truth::TruthLimit limit) {
-    if (scene.inputs == scene::file::Inputs::own) return true;
-    Scene ideal = scene;
-    ideal.inputs = scene::file::Inputs::own;
-    const truth::Band stored(scene, 0, scene.height, limit), meant(ideal, 0, ideal.height, limit);
+/// Whether what is stored is still what was meant: nine rays of ten have the same decision, and t to a tenth.
+bool is_as_meant(const truth::Band& stored, const truth::Band& meant) {
     const auto t_of = [](const truth::Band& band, std::size_t i) {
         return band.truth(i, {}).is_hit() ? band.rounded_truth(i, binary64, intersect::Direction::any, {}) : HUGE_VAL;
     };
@@ -134,21 +76,26 @@ bool is_as_meant(const Scene& scene, truth::TruthLimit limit) {
     return 10 * other <= meant.pixels();
 }
 
+/// What is found at a factor.
+struct Found {
+    double value;
+    Worth worth;
+    bool as_meant;
+};
+/// Nothing where the way means nothing there.
+using Look = std::function<std::optional<Found>(Growth way, double factor)>;
+
 /// The search along one way.
 class Search {
 public:
-    Search(const ChoiceRequest& request, const map::MapRow& row, int pixels, Growth way)
-        : request_(request), thin_(thinned(*request.scene, pixels)) {
-        request_.rows = {row};
-        room_.way = way;
-    }
+    Search(const Look& look, const Wish& wish, Growth way) : look_(look), wish_(wish) { room_.way = way; }
 
-    /// Nothing where the way means nothing for the scene.
+    /// Nothing where the way means nothing.
     std::optional<Room> run() {
         constexpr double most = 0x1p64, close = 1.02;
-        if (!stretched(thin_, room_.way, 1)) return std::nullopt;
         double next = 1;
         while (next <= most && try_at(next)) next *= 2;
+        if (!known_) return std::nullopt;
         if (room_.end == End::none || room_.holds == 0) return room_;
         while (room_.beyond / room_.holds > close) try_at(std::sqrt(room_.holds * room_.beyond));
         return room_;
@@ -157,15 +104,15 @@ public:
 private:
     /// Whether the wish holds at that factor; notes what it finds.
     bool try_at(double factor) {
-        const auto there = stretched(thin_, room_.way, factor);
+        const auto there = look_(room_.way, factor);
         if (!there) return false;
-        request_.scene = &there->scene;
-        const Worth worth = worth_of(request_).front();
-        const bool meets = worth.meets(request_.wish) || (worth.hits == 0 && worth.decides(request_.wish));
-        const End end = !is_as_meant(there->scene, request_.limit) ? End::other_scene
-                        : !meets                                   ? End::fails
-                        : worth.hits == 0                          ? End::nothing_hit
-                                                                   : End::none;
+        known_ = true;
+        const Worth& worth = there->worth;
+        const bool meets = worth.meets(wish_) || (worth.hits == 0 && worth.decides(wish_));
+        const End end = !there->as_meant  ? End::other_scene
+                        : !meets          ? End::fails
+                        : worth.hits == 0 ? End::nothing_hit
+                                          : End::none;
         if (end == End::none) {
             room_.holds = factor;
             room_.value = there->value;
@@ -177,17 +124,55 @@ private:
         return false;
     }
 
-    ChoiceRequest request_;
-    Scene thin_;
+    const Look& look_;
+    const Wish& wish_;
+    bool known_ = false;
     Room room_{};
 };
+
+std::optional<Found> look_at_scene(const ChoiceRequest& request, const map::MapRow& row, const Scene& thin, Growth way,
+                                   double factor) {
+    const auto there = stretched(thin, way, factor);
+    if (!there) return std::nullopt;
+    const Scene& scene = there->scene;
+    truth::Culler culler(scene);
+    const truth::Band band(scene, 0, scene.height, request.limit, &culler);
+    const Worth worth = worth_on(band, row, request.wish);
+    request.progress(band.pixels());
+    if (scene.inputs == scene::file::Inputs::own) return Found{there->value, worth, true};
+    Scene ideal = scene;
+    ideal.inputs = scene::file::Inputs::own;
+    truth::Culler ideal_culler(ideal);
+    const truth::Band meant(ideal, 0, ideal.height, request.limit, &ideal_culler);
+    return Found{there->value, worth, is_as_meant(band, meant)};
+}
+
+std::optional<Found> look_at_rays(const ChoiceRequest& request, const map::MapRow& row, const IdealRays& rays,
+                                  Growth way, double factor) {
+    const auto there = stretched(rays, way, factor);
+    if (!there) return std::nullopt;
+    const truth::Band band(stored(there->rays, request.rays->format.shape), request.limit);
+    const Worth worth = worth_on(band, row, request.wish);
+    request.progress(band.pixels());
+    return Found{there->value, worth, is_as_meant(band, there->rays.band(request.limit))};
+}
 
 }  // namespace
 
 std::vector<Room> rooms_of(const ChoiceRequest& request, const map::MapRow& row, int pixels) {
+    Look look;
+    if (request.scene) {
+        look = [&, thin = thinned(*request.scene, pixels)](Growth way, double factor) {
+            return look_at_scene(request, row, thin, way, factor);
+        };
+    } else {
+        look = [&, rays = ideal_of(request.rays->sample)](Growth way, double factor) {
+            return look_at_rays(request, row, rays, way, factor);
+        };
+    }
     std::vector<Room> all;
     for (const Growth way : growths) {
-        if (const auto room = Search(request, row, pixels, way).run()) all.push_back(*room);
+        if (const auto room = Search(look, request.wish, way).run()) all.push_back(*room);
     }
     return all;
 }

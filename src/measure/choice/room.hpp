@@ -1,4 +1,4 @@
-// How far a choice holds: the scene stretched one way until the wish fails.
+// How far a choice holds: the scene, or the rays, stretched one way until the wish fails.
 #pragma once
 
 #include <array>
@@ -7,20 +7,11 @@
 #include <vector>
 
 #include "measure/choice/candidates.hpp"
+#include "measure/choice/growth.hpp"
 
 namespace lostbits::measure::choice {
 
-/// What grows by a factor while the rest stays.
-enum class Growth {
-    distance,  ///< from the eye to the solids, straight back along the view; a narrower view keeps the picture
-    radius,    ///< of each solid, about its point nearest to the eye, which stays where it is
-    offset,    ///< eye and solids together move away from the origin, along (3, 2, −1)
-    view       ///< the tangent of half the field of view
-};
-inline constexpr std::array<std::string_view, 4> growth_names{"distance", "radius", "offset", "view"};
-inline constexpr std::array growths{Growth::distance, Growth::radius, Growth::offset, Growth::view};
-
-/// A scene after that, and the length or angle that stands for it.
+/// A scene that has grown one way, and the length or angle that stands for it.
 struct Stretched {
     scene::file::Scene scene;
     double value;  ///< distance: from the eye to the solids' middle, along the view; radius: of the largest solid (of a
@@ -36,8 +27,9 @@ std::optional<Stretched> stretched(const scene::file::Scene& scene, Growth way, 
 enum class End {
     fails,        ///< the wish
     nothing_hit,  ///< no ray hits anything there
-    other_scene,  ///< binary32, to which shared inputs are rounded, holds another scene there: for more than a tenth of
-                  ///< the rays, the decision or a tenth of t is not what was meant
+    other_scene,  ///< the format in which inputs are stored (binary32 where a scene shares them, that of a file) holds
+                  ///< another scene there: for more than a tenth of the rays, the decision or a tenth of t is not what
+                  ///< was meant
     none          ///< nothing, up to the largest factor or the widest view
 };
 inline constexpr std::array<std::string_view, 4> end_names{"fails", "nothing_hit", "other_scene", "none"};
@@ -52,7 +44,8 @@ struct Room {
 };
 
 /// Doubles the factor until the wish fails or the way ends, at most to 2^64, and halves the last step until it is known
-/// to 2 %. What fails in between and holds again is not seen. On a picture of at most `pixels`.
+/// to 2 %. What fails in between and holds again is not seen. On a picture of at most `pixels`, or on the sample of the
+/// files' rays (see `StretchedRays` for what the ways are there).
 std::vector<Room> rooms_of(const ChoiceRequest& request, const map::MapRow& row, int pixels = 4096);
 
 }  // namespace lostbits::measure::choice

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "number/error.hpp"
+#include "scene/file/stretch.hpp"
 
 namespace lostbits::measure::offset {
 
@@ -12,22 +13,6 @@ using scene::file::Scene;
 namespace {
 
 constexpr int most_columns = 48;
-
-/// `place` of every point of the scene and `size` of every length.
-template <class Place, class Size>
-void change_lengths(Scene& s, const Place& place, const Size& size) {
-    for (auto& sphere : s.spheres) sphere = {place(sphere.centre), size(sphere.radius)};
-    for (auto& box : s.boxes) box = {place(box.lo), place(box.hi)};
-    s.camera.eye = place(s.camera.eye);
-    s.camera.look_at = place(s.camera.look_at);
-    s.camera.width = size(s.camera.width);
-    if (s.appearance.light) s.appearance.light = place(*s.appearance.light);
-}
-
-Real narrowed(const Real& fov_deg, const Real& k) {
-    const Real half = fov_deg * boost::math::constants::pi<Real>() / 360;
-    return atan(Real(tan(half) / k)) * 360 / boost::math::constants::pi<Real>();
-}
 
 }  // namespace
 
@@ -61,21 +46,15 @@ Scene moved_along(const Scene& scene, Along a, double k) {
         s.width = most_columns;
     }
     switch (a) {
-        case Along::distance:
-            s.camera.eye = s.camera.look_at + scale * (scene.camera.eye - scene.camera.look_at);
-            if (s.camera.kind == Camera::Kind::pinhole) s.camera.fov_deg = narrowed(s.camera.fov_deg, scale);
-            break;
-        case Along::radius:
-            change_lengths(
-                s, [&](const Vec<Real>& p) { return Vec<Real>(scale * p.x, scale * p.y, scale * p.z); },
-                [&](const Real& x) { return Real(scale * x); });
-            break;
-        case Along::world: {
-            const Vec<Real> by(scale, scale * Real(11) / 16, -scale * Real(7) / 16);
-            change_lengths(
-                s, [&](const Vec<Real>& p) { return Vec<Real>(p + by); }, [](const Real& x) { return x; });
-            break;
+        case Along::distance: {
+            auto far = scene::file::farther(std::move(s), scale);
+            if (!far)
+                throw InputError("--along distance: the middle of the solids of scene " + scene.id +
+                                 " lies behind its camera; try another scene");
+            return std::move(*far);
         }
+        case Along::radius: return scene::file::enlarged(std::move(s), scale);
+        case Along::world: return scene::file::moved(std::move(s), scale * scene::file::offset_direction());
     }
     return s;
 }

@@ -10,8 +10,8 @@
 
 namespace lostbits::measure::offset {
 
-/// `distance`: the eye goes k times as far from the point that it looks at, and the field of view narrows so that the
-/// picture stays. `radius`: every length grows k times. `world`: everything moves by k·(1, 0.6875, −0.4375).
+/// As in scene/file/stretch.hpp. `distance`: `farther`, k times; `radius`: `enlarged`, k times; `world`: `moved` by
+/// k·(1, 0.6875, −0.4375).
 enum class Along { distance, radius, world };
 inline constexpr std::array<std::string_view, 3> along_names{"distance", "radius", "world"};
 inline constexpr std::string_view name_of(Along a) { return along_names[static_cast<std::size_t>(a)]; }

@@ -88,6 +88,16 @@ Band::Band(const scene::file::Scene& scene, scene::rays::IdealRayBlock rays, Tru
     find_truth_of_all();
 }
 
+Band::Band(scene::rays::IdealRayBlock rays, std::vector<Solid<Real>> solids, bool paired, TruthLimit limit)
+    : y0_(rays.y0),
+      rows_(rays.y1 - rays.y0),
+      limit_(limit),
+      paired_(paired),
+      ideal_(std::move(rays)),
+      ideal_solids_(std::move(solids)) {
+    find_truth_of_all();
+}
+
 Band::Band(scene::rays::RayGroup group, TruthLimit limit)
     : y0_(group.rays.y0),
       rows_(group.rays.y1 - group.rays.y0),
@@ -162,7 +172,8 @@ bool matters(Convention convention, const Truth& closed) {
 }  // namespace
 
 Truth Band::find_truth_of(std::size_t i, Convention convention) const {
-    const double tmax = !ideal_ && !shared_.tmax.empty() ? shared_.tmax[i] : HUGE_VAL;
+    const std::vector<double>& ends = ideal_ ? ideal_->tmax : shared_.tmax;
+    const double tmax = ends.empty() ? HUGE_VAL : ends[i];
     const Candidates among{culler_ ? culler_->for_truth() : nullptr, paired_};
     return with_ray(i, [&](const auto& ray, const auto& solids) {
         return find_among(among, i, ray, solids, limit_, convention, tmax);
@@ -231,7 +242,7 @@ FormatInputs Band::inputs(const Format& format, BandNeeds needs) const {
             else if (!keeps(in, i)) break;
         }
     }
-    if (ideal_ && scene_->march) in.march = scene::file::round_march(*scene_->march, shape);
+    if (ideal_ && scene_ && scene_->march) in.march = scene::file::round_march(*scene_->march, shape);
     else if (shared_march_) in.march = scene::file::round_march(*shared_march_, shape);
     if (needs.unit_rays) in.unit_rays = normalised(in.rays, shape);
     if (culler_) in.index = culler_->for_forms(shape, in.solids);
@@ -273,7 +284,7 @@ bool Band::keeps(const FormatInputs& inputs, std::size_t i) const {
 std::shared_ptr<const scene::rays::RayGroup> Band::given(std::size_t i, std::set<int> solids) const {
     if (paired_) solids = {static_cast<int>(i)};
     const std::size_t count = solids.empty() ? shared_solids_.size() : solids.size();
-    if (scene_ != nullptr || count > most_given) return nullptr;
+    if (scene_ != nullptr || ideal_ || count > most_given) return nullptr;
     auto one = std::make_shared<scene::rays::RayGroup>(scene::rays::group_of(shared_[i]));
     if (!shared_.tmax.empty()) one->rays.tmax.push_back(shared_.tmax[i]);
     for (const int solid : solids) one->solids.push_back(shared_solids_[static_cast<std::size_t>(solid)]);

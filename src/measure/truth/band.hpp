@@ -26,6 +26,8 @@ public:
     explicit Band(scene::rays::RayGroup group, TruthLimit limit = {});
     /// Ideal rays of one's own among the solids of a scene with own inputs, which outlives the band.
     Band(const scene::file::Scene& scene, scene::rays::IdealRayBlock rays, TruthLimit limit = {});
+    /// Ideal rays and solids of one's own; where they are paired, ray i is aimed at solid i alone.
+    Band(scene::rays::IdealRayBlock rays, std::vector<Solid<Real>> solids, bool paired, TruthLimit limit = {});
     /// One ray, which is a stored number, among the solids of a scene with shared inputs, which `culler` is of; it
     /// outlives the band.
     Band(const scene::file::Scene& scene, const Ray<double>& ray, Culler& culler);
@@ -39,8 +41,8 @@ public:
     /// none of their numbers.
     [[nodiscard]] bool keeps(const FormatInputs& inputs, std::size_t i) const;
     /// Ray i alone as it was given, before any format rounded it, with these of the solids; with all, and the
-    /// constants of a march along them, where none is named. Nothing for a pixel of a scene, which its place names, and
-    /// where it would be more than `most_given` solids.
+    /// constants of a march along them, where none is named. Nothing for a pixel of a scene, which its place names, for
+    /// an ideal ray, and where it would be more than `most_given` solids.
     [[nodiscard]] std::shared_ptr<const scene::rays::RayGroup> given(std::size_t i, std::set<int> solids) const;
     static constexpr std::size_t most_given = 64;
 

@@ -6,11 +6,12 @@
 #include <cmath>
 #include <numeric>
 
-#include "measure/speed/trade.hpp"
+#include "measure/choice/file_rays.hpp"
+#include "output/choice/other_tables.hpp"
 #include "output/choice/requirement_files.hpp"
 #include "output/file/datapackage.hpp"
-#include "output/map/row_names.hpp"
 #include "output/plot/scatter_plot.hpp"
+#include "output/speed/kernel_rows.hpp"
 
 namespace lostbits::output::choice {
 
@@ -22,20 +23,22 @@ using measure::choice::Room;
 
 namespace {
 
-const std::vector<Column> candidate_columns{
-    {"form", "string", "", "form under test"},
-    {"format", "string", "", "format it computes in"},
-    {"isa", "string", "", "bits of the registers that hold rays side by side; scalar: one ray at a time"},
-    {"time_ns", "number", "ns", "per ray and solid; median of the repetitions"},
-    {"time_ns_q1", "number", "ns", "per ray and solid; first quartile"},
-    {"time_ns_q3", "number", "ns", "per ray and solid; third quartile"},
-    {"rays", "integer", "", "whose truth is known"},
-    {"true_hits", "integer", "", "rays that truly hit"},
-    {"wrong", "integer", "", "false hits, false misses, NaNs and hits of another solid"},
-    {"wrong_fraction", "number", "1", "wrong/rays"},
-    {"kept_bits", "number", "bits", "significand bits less what is lost, at the wish's share of the agreed hits"},
-    {"meets", "boolean", "", "whether it meets the wish"},
-    {"chosen", "boolean", "", "the cheapest that does"}};
+std::vector<Column> candidate_columns() {
+    auto columns = speed::kernel_columns("form under test; file.NAME: the answers that the files of rays have");
+    columns.insert(
+        columns.end(),
+        {{"time_ns", "number", "ns", "per ray and solid; median of the repetitions; missing: not known"},
+         {"time_ns_q1", "number", "ns", "per ray and solid; first quartile"},
+         {"time_ns_q3", "number", "ns", "per ray and solid; third quartile"},
+         {"rays", "integer", "", "whose truth is known"},
+         {"true_hits", "integer", "", "rays that truly hit"},
+         {"wrong", "integer", "", "false hits, false misses, NaNs and hits of another solid"},
+         {"wrong_fraction", "number", "1", "wrong/rays"},
+         {"kept_bits", "number", "bits", "significand bits less what is lost, at the wish's share of the agreed hits"},
+         {"meets", "boolean", "", "whether it meets the wish"},
+         {"chosen", "boolean", "", "the cheapest that does"}});
+    return columns;
+}
 
 const std::vector<Column> room_columns{
     {"way", "string", "", "what grows: distance, radius, offset, view"},
@@ -43,7 +46,7 @@ const std::vector<Column> room_columns{
     {"value", "number", "", "what that is: world units, of view degrees; missing where holds is 0"},
     {"beyond", "number", "1", "the first factor seen beyond that; missing: none"},
     {"end", "string", "",
-     "what is there: fails (the wish), nothing_hit, other_scene (binary32 holds another one), none (as far as was "
+     "what is there: fails (the wish), nothing_hit, other_scene (what is stored is another one), none (as far as was "
      "tried)"},
     {"wrong", "integer", "", "rays decided wrongly where it fails"},
     {"rays", "integer", "", "of so many"},
@@ -57,43 +60,37 @@ std::vector<std::size_t> by_price(const std::vector<Candidate>& all) {
     return order;
 }
 
+void add_worth(file::CsvWriter& csv, const measure::choice::Worth& worth) {
+    csv.add(worth.rays).add(worth.hits).add(worth.wrong).add(worth.wrong_fraction());
+    csv.add(number_or_missing(worth.kept_bits));
+}
+
 plot::ScatterPlotSpec front_plot(const Chosen& chosen) {
     const auto& wish = chosen.request.wish;
-    std::vector<measure::speed::ParetoPoint> points;
-    for (const Candidate& c : chosen.all)
-        points.push_back({c.time.median * 1e9, c.worth.wrong_fraction(), c.worth.kept_bits});
-    const auto beaten = measure::speed::dominated(points);
     plot::ScatterPlotSpec spec;
-    spec.title = fmt::format("Time against kept bits on {}", chosen.request.scene->id);
+    spec.title = fmt::format("Time against kept bits on {}", chosen.request.id());
     spec.subtitle = {
         fmt::format("Wished: {}. {}.", in_words(wish),
                     chosen.meets ? fmt::format("Chosen: {} in {}", chosen.all[*chosen.meets].row.form->info->name,
                                                chosen.all[*chosen.meets].row.format.name)
                                  : "Nothing meets it"),
-        fmt::format("Time: {} rays of the scene against {} of its solids, median of {} repetitions of "
+        fmt::format("Time: {} of the rays against {} of the solids, median of {} repetitions of "
                     "this run, bars from quartile to quartile. Named: the Pareto front, where fewer wrong "
                     "decisions count before more bits, and what is chosen.",
                     chosen.timed.rays, chosen.timed.solids, chosen.request.plan.repetitions)};
     spec.x = {"time per ray and solid, ns", plot::AxisSpec::Scale::log2, {}, {}};
     spec.y = {"bits kept", plot::AxisSpec::Scale::linear, 0.0, {}};
-    std::vector<std::size_t> front;
+    std::vector<speed::FrontPoint> points;
     for (std::size_t k = 0; k < chosen.all.size(); ++k) {
         const Candidate& c = chosen.all[k];
-        const bool named = !beaten[k] || chosen.meets == k;
-        spec.points.push_back({.x = points[k].time_ns,
-                               .y = points[k].kept_bits,
-                               .x_low = c.time.low_quartile * 1e9,
-                               .x_high = c.time.high_quartile * 1e9,
-                               .marker = chosen.meets == k ? 3 : 0,
-                               .colour = c.row.format.engine == Format::Engine::native64 ? std::size_t{1} : 0,
-                               .faint = !named,
-                               .hollow = !c.worth.decides(wish),
-                               .label = named ? map::short_name(*c.row.form->info) : std::string()});
-        if (!beaten[k] && !std::isnan(points[k].kept_bits)) front.push_back(k);
+        points.push_back({.row = c.row,
+                          .worth = {c.time.median * 1e9, c.worth.wrong_fraction(), c.worth.kept_bits},
+                          .time = c.time,
+                          .marker = chosen.meets == k ? 3 : 0,
+                          .named = chosen.meets == k,
+                          .hollow = !c.worth.decides(wish)});
     }
-    std::ranges::stable_sort(front, {}, [&points](std::size_t k) { return points[k].time_ns; });
-    for (const std::size_t k : front)
-        spec.front.push_back({points[k].time_ns, points[k].kept_bits, points[k].never_wrong()});
+    speed::add_front(spec, points);
     spec.keys = {{"f32", 0, 0},
                  {"f64", 0, 1},
                  {"decides more rays wrongly than wished", 0, 0, false, true},
@@ -106,21 +103,27 @@ plot::ScatterPlotSpec front_plot(const Chosen& chosen) {
 
 ChoiceFiles::ChoiceFiles(const std::filesystem::path& folder)
     : folder_(folder),
-      candidates_(folder / "choose.csv", candidate_columns),
+      candidates_(folder / "choose.csv", candidate_columns()),
       rooms_(folder / "room.csv", room_columns),
+      offsets_(folder / "offset.csv", offset_columns()),
+      inputs_(folder / "inputs.csv", input_columns()),
       requirement_(folder / "requirement.csv", requirement_columns) {}
 
 void ChoiceFiles::write_candidates(const Chosen& chosen) {
     for (const std::size_t k : by_price(chosen.all)) {
         const Candidate& c = chosen.all[k];
-        candidates_.add(c.row.form->info->name).add(c.row.format.name).add(c.isa);
+        speed::add_kernel(candidates_, c.row, c.isa);
         candidates_.add(c.time.median * 1e9).add(c.time.low_quartile * 1e9).add(c.time.high_quartile * 1e9);
-        candidates_.add(c.worth.rays).add(c.worth.hits).add(c.worth.wrong).add(c.worth.wrong_fraction());
-        candidates_.add(number_or_missing(c.worth.kept_bits))
-            .add(c.worth.meets(chosen.request.wish))
-            .add(chosen.meets == k);
+        add_worth(candidates_, c.worth);
+        candidates_.add(c.worth.meets(chosen.request.wish)).add(chosen.meets == k);
         candidates_.end_row();
     }
+    if (!chosen.request.rays || !chosen.request.rays->answers) return;
+    const auto& [name, format, worth] = *chosen.request.rays->answers;
+    candidates_.add(name).add(format.name).add(Cell()).add(Cell()).add(Cell()).add(Cell());
+    add_worth(candidates_, worth);
+    candidates_.add(worth.meets(chosen.request.wish)).add(false);
+    candidates_.end_row();
 }
 
 void ChoiceFiles::write_rooms(const Chosen& chosen) {
@@ -142,21 +145,29 @@ void ChoiceFiles::finish(const Chosen& chosen) {
         write_requirement(requirement_, chosen, *chosen.requirement);
         draw_requirement(folder_ / "requirement.png", chosen, *chosen.requirement);
     }
+    if (chosen.offsets) add_offsets(offsets_, *chosen.offsets);
+    if (chosen.obstacle) add_inputs(inputs_, *chosen.obstacle);
     plot::write_scatter_plot(image::image_backend(), folder_ / "front.png", front_plot(chosen));
     file::AtomicFile words(folder_ / "choose.txt");
     words.write(in_words(chosen));
     words.commit();
     file::write_datapackage(
         folder_ / "datapackage.json",
-        fmt::format("What meets a wish on {}: {}", chosen.request.scene->id, in_words(chosen.request.wish)),
-        {{"choose.csv", "One row per form and format, cheapest first; times vary from run to run", candidate_columns},
+        fmt::format("What meets a wish on {}: {}", chosen.request.id(), in_words(chosen.request.wish)),
+        {{"choose.csv", "One row per form and format, cheapest first; times vary from run to run", candidate_columns()},
          {"room.csv", "One row per way in which the scene was stretched under what is chosen", room_columns},
+         {"offset.csv", "One row per strategy of offset that is safe under what is chosen, cheapest first",
+          offset_columns()},
+         {"inputs.csv", "Where nothing meets the wish: one row per choice of inputs that come in a wider format",
+          input_columns()},
          {"requirement.csv",
           "On how many pixels each form and format meets the wish, and on how many it is the cheapest; then formats "
           "under any form, and nothing",
           requirement_columns}});
     candidates_.close();
     rooms_.close();
+    offsets_.close();
+    inputs_.close();
     requirement_.close();
 }
 

@@ -1,4 +1,4 @@
-// The files of a choice: choose.csv (every form and format, cheapest first), room.csv,
+// The files of a choice: choose.csv (every form and format, cheapest first), room.csv, offset.csv, inputs.csv,
 // requirement.csv, requirement.png, front.png, choose.txt and datapackage.json. Times are measured and differ from run
 // to run; the columns of accuracy do not.
 #pragma once
@@ -15,13 +15,14 @@ class ChoiceFiles {
 public:
     explicit ChoiceFiles(const std::filesystem::path& folder);
     void finish(const Chosen& chosen);
+    [[nodiscard]] const std::filesystem::path& folder() const { return folder_; }
 
 private:
     void write_candidates(const Chosen& chosen);
     void write_rooms(const Chosen& chosen);
 
     std::filesystem::path folder_;
-    file::CsvWriter candidates_, rooms_, requirement_;
+    file::CsvWriter candidates_, rooms_, offsets_, inputs_, requirement_;
 };
 
 }  // namespace lostbits::output::choice

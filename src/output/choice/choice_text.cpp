@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "measure/choice/file_rays.hpp"
+#include "output/choice/obstacle_text.hpp"
 #include "output/choice/requirement_files.hpp"
 
 namespace lostbits::output::choice {
@@ -61,9 +63,10 @@ std::string broken_by(const Room& room, const Wish& wish, int precision) {
                                              : "keeping " + kept(room.broken, precision);
 }
 
-const char* of_the_way(Growth way) {
+/// `rays`: they come from files, and there is no camera.
+const char* of_the_way(Growth way, bool rays) {
     switch (way) {
-        case Growth::distance: return "the camera is";
+        case Growth::distance: return rays ? "the rays start" : "the camera is";
         case Growth::radius: return "the solids are";
         case Growth::offset: return "everything lies";
         case Growth::view: return "the view is";
@@ -71,32 +74,59 @@ const char* of_the_way(Growth way) {
     return "";
 }
 
-std::string so_far(const Room& room) {
+std::string so_far(const Room& room, bool rays) {
     switch (room.way) {
-        case Growth::distance: return fmt::format("{:.3g} times farther ({:.4g} units)", room.holds, room.value);
+        case Growth::distance:
+            return fmt::format("{:.3g} times farther ({:.4g} units{})", room.holds, room.value,
+                               rays ? ", the median" : "");
         case Growth::radius: return fmt::format("{:.3g} times larger (radius {:.4g})", room.holds, room.value);
-        case Growth::offset: return fmt::format("{:.4g} units away from the origin", room.value);
+        case Growth::offset: return fmt::format("{:.4g} units away from where it is", room.value);
         case Growth::view: return fmt::format("{:.3g} degrees wide", room.value);
     }
     return "";
 }
 
-std::string room_in_words(const Room& room, const Wish& wish, int precision) {
+std::string room_in_words(const Room& room, const Chosen& chosen, int precision) {
+    const Wish& wish = chosen.request.wish;
+    const bool rays = chosen.request.rays != nullptr;
     if (room.holds == 0) {
-        return fmt::format(
-            "no room in {} is known: on the smaller picture that it is tried on, it fails at once, by {}",
-            measure::choice::growth_names[static_cast<std::size_t>(room.way)], broken_by(room, wish, precision));
+        return fmt::format("no room in {} is known: on the {} that it is tried on, it fails at once, by {}",
+                           measure::choice::growth_names[static_cast<std::size_t>(room.way)],
+                           rays ? "sample of the rays" : "smaller picture", broken_by(room, wish, precision));
     }
-    const std::string until = fmt::format("until {} {}", of_the_way(room.way), so_far(room));
+    const std::string until = fmt::format("until {} {}", of_the_way(room.way, rays), so_far(room, rays));
     switch (room.end) {
         case End::fails: return fmt::format("holds {}; first broken by {}", until, broken_by(room, wish, precision));
         case End::nothing_hit: return fmt::format("holds {}; beyond that no ray hits anything", until);
         case End::other_scene:
-            return fmt::format("holds {}; beyond that binary32, to which inputs are rounded, holds another scene",
-                               until);
+            return fmt::format("holds {}; beyond that {}, to which inputs are rounded, holds another scene", until,
+                               rays ? chosen.request.rays->format.name : "binary32");
         case End::none: return fmt::format("holds {}, which is as far as was tried", until);
     }
     return "";
+}
+
+/// The cheapest place where the next ray may start.
+std::string next_ray(const Chosen& chosen) {
+    if (!chosen.offsets || chosen.offsets->points == 0) return "";
+    const auto& [outside, both, points, rays] = *chosen.offsets;
+    const auto cheapest_of = [](const std::vector<measure::offset::SafeStrategy>& safe) {
+        return safe.empty() ? std::string("none")
+                            : fmt::format("{} ({} operations)", safe.front().strategy->name, safe.front().operations);
+    };
+    return fmt::format(
+        "  The next ray, cheapest start that is right for all {} rays from {} points: {} away from the "
+        "solid, {} also into it.\n",
+        rays, points, cheapest_of(outside), cheapest_of(both));
+}
+
+/// What the files' own answers are worth.
+std::string own_answers(const Chosen& chosen) {
+    if (!chosen.request.rays || !chosen.request.rays->answers) return "";
+    const auto& [name, format, worth] = *chosen.request.rays->answers;
+    return fmt::format("The answers that were there, {} in {}: {}, {}; {} the wish. Their time is not known.\n", name,
+                       format.name, kept(worth, format.shape.precision), decisions(worth),
+                       worth.meets(chosen.request.wish) ? "they meet" : "they do not meet");
 }
 
 std::string costs(const Chosen& chosen, const Candidate& c) {
@@ -123,17 +153,7 @@ std::string nothing_meets(const Chosen& chosen) {
     const int precision = near.row.format.shape.precision;
     std::string text = fmt::format("Nothing meets the wish. Nearest is {}: {}, {}; {:.2f} ns.\n", name_of_row(near),
                                    kept(near.worth, precision), decisions(near.worth), nanoseconds(near));
-    if (!near.worth.decides(chosen.request.wish)) return text + "  In its way: its decisions.\n";
-    bool wider = false;
-    for (const Candidate& c : chosen.all) wider |= c.row.format.shape.precision > precision;
-    if (chosen.request.wish.bits > precision)
-        text += fmt::format("  In its way: {} has {} bits. Try a wider format.\n", near.row.format.name, precision);
-    else if (chosen.request.scene->inputs == scene::file::Inputs::own)
-        text +=
-            "  The scene says inputs = \"own\": what each format rounds of it counts. The metric input_error of "
-            "`lostbits map` says how much that is; with inputs = \"shared\" arithmetic counts alone.\n";
-    else text += "  In its way: the arithmetic, since all formats get the same numbers here.\n";
-    return text;
+    return chosen.obstacle ? text + obstacle_in_words(chosen, near) : text;
 }
 
 }  // namespace
@@ -146,7 +166,7 @@ std::string in_words(const Wish& wish) {
 }
 
 std::string in_words(const Chosen& chosen) {
-    std::string text = fmt::format("{}: {}\n", chosen.request.scene->id, in_words(chosen.request.wish));
+    std::string text = fmt::format("{}: {}\n", chosen.request.id(), in_words(chosen.request.wish));
     if (!chosen.meets) {
         text += nothing_meets(chosen);
     } else {
@@ -159,12 +179,13 @@ std::string in_words(const Chosen& chosen) {
         const std::string assumed = assumptions(*c.row.form->info);
         text += assumed.empty() ? "  It assumes nothing of the ray.\n" : fmt::format("  It assumes: {}.\n", assumed);
         text += costs(chosen, c);
-        for (const Room& room : chosen.rooms)
-            text += fmt::format("  It {}.\n", room_in_words(room, chosen.request.wish, precision));
+        for (const Room& room : chosen.rooms) text += fmt::format("  It {}.\n", room_in_words(room, chosen, precision));
+        text += next_ray(chosen);
     }
-    if (chosen.requirement != nullptr) text += in_words(chosen, *chosen.requirement);
-    return text + fmt::format("Times are of this run: {} rays of the scene against {} of its solids.\n",
-                              chosen.timed.rays, chosen.timed.solids);
+    if (chosen.requirement) text += in_words(chosen, *chosen.requirement);
+    text += own_answers(chosen);
+    return text + fmt::format("Times are of this run: {} rays of the {} against {} of its solids.\n", chosen.timed.rays,
+                              chosen.request.rays ? "file" : "scene", chosen.timed.solids);
 }
 
 }  // namespace lostbits::output::choice

@@ -4,7 +4,9 @@
 #include <string>
 
 #include "measure/choice/candidates.hpp"
+#include "measure/choice/obstacle.hpp"
 #include "measure/choice/requirement.hpp"
+#include "measure/choice/respawn.hpp"
 #include "measure/choice/room.hpp"
 
 namespace lostbits::output::choice {
@@ -14,9 +16,11 @@ struct Chosen {
     const measure::choice::ChoiceRequest& request;
     const std::vector<measure::choice::Candidate>& all;
     measure::choice::TimedRays timed;
-    std::optional<std::size_t> meets;                           ///< the cheapest that meets the wish
-    std::vector<measure::choice::Room> rooms = {};              ///< of that one
-    const measure::choice::Requirement* requirement = nullptr;  ///< of each pixel; null where there are none
+    std::optional<std::size_t> meets;                              ///< the cheapest that meets the wish
+    std::vector<measure::choice::Room> rooms = {};                 ///< of that one
+    std::optional<measure::choice::SafeOffsets> offsets = {};      ///< of that one, where it was measured
+    std::optional<measure::choice::Obstacle> obstacle = {};        ///< where nothing meets the wish
+    std::optional<measure::choice::Requirement> requirement = {};  ///< of each pixel of a scene
 };
 
 /// `16 bits of 99 of 100 hits, no wrong decision`.

@@ -126,7 +126,7 @@ void draw_requirement(const std::filesystem::path& path, const Chosen& chosen, c
     const Colours colours(chosen, r);
     const int gap = std::max(1, r.width / 32);
     image::HeatmapSpec spec;
-    spec.title = fmt::format("What each pixel of {} requires", chosen.request.scene->id);
+    spec.title = fmt::format("What each pixel of {} requires", chosen.request.id());
     spec.subtitle = {
         fmt::format("Wished at each pixel: the right decision, and {:g} correct bits of t where the ray hits",
                     chosen.request.wish.bits),

@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "output/file/datapackage.hpp"
+#include "output/speed/kernel_rows.hpp"
 #include "output/speed/trade_plot.hpp"
 
 namespace lostbits::output::speed {
@@ -19,13 +20,10 @@ using measure::speed::TradeResult;
 
 namespace {
 
-const std::vector<Column> kernel_columns{
-    {"form", "string", "", "form under test; with +contract or +fastmath, compiled with those flags"},
-    {"format", "string", "", "format it computes in"},
-    {"isa", "string", "", "bits of the registers that hold rays side by side; scalar: one ray at a time"}};
+constexpr const char* form_meaning = "form under test; with +contract or +fastmath, compiled with those flags";
 
 std::vector<Column> time_columns() {
-    std::vector<Column> columns = kernel_columns;
+    std::vector<Column> columns = kernel_columns(form_meaning);
     columns.insert(columns.end(),
                    {{"working_set", "string", "",
                      "where rays and answers lie: l1, l2 (half of the cache), memory (read again and again)"},
@@ -53,7 +51,8 @@ std::vector<Column> time_columns() {
 
 std::vector<Column> standing_columns() {
     std::vector<Column> columns{{"ray_set", "string", "", "rays that accuracy is measured on"}};
-    columns.insert(columns.end(), kernel_columns.begin(), kernel_columns.end());
+    const auto kernel = kernel_columns(form_meaning);
+    columns.insert(columns.end(), kernel.begin(), kernel.end());
     columns.insert(
         columns.end(),
         {{"time_ns", "number", "ns", "per ray of the easy set, working set l1, hit rate 0.5: median"},
@@ -79,10 +78,6 @@ Cell fraction(std::uint64_t part, std::uint64_t whole) {
 const measure::metric::Distribution& metric_of(const TradeRequest& request, const measure::map::MapSummary& s,
                                                const char* name) {
     return s.metrics[measure::metric::place_of(request.metrics, name)];
-}
-
-void add_kernel(file::CsvWriter& csv, const measure::speed::TradeKernel& kernel) {
-    csv.add(kernel.measured.form->info->name).add(kernel.measured.format.name).add(kernel.isa);
 }
 
 std::string in_words(const measure::speed::TradeKernel& kernel) {
@@ -133,7 +128,7 @@ void TradeFiles::write_times(const TradeResult& result) {
     for (std::size_t k = 0; k < request_.kernels.size(); ++k) {
         for (std::size_t l = 0; l < request_.loads.size(); ++l) {
             const auto& [timing, bytes, rays] = result.times[k][l];
-            add_kernel(times_, request_.kernels[k]);
+            add_kernel(times_, request_.kernels[k].measured, request_.kernels[k].isa);
             times_.add(request_.loads[l].working_set).add(bytes).add(rays).add(request_.loads[l].hit_rate);
             times_.add(timing.median * 1e9).add(timing.low_quartile * 1e9).add(timing.high_quartile * 1e9);
             times_.add((timing.high_quartile - timing.low_quartile) / timing.median)
@@ -154,7 +149,7 @@ void TradeFiles::write_standings(const TradeResult& result) {
             const measure::map::MapSummary& a = result.accuracy(s, k);
             const measure::metric::Distribution& lost = metric_of(request_, a, "lost_bits");
             standings_.add(sets[s].name);
-            add_kernel(standings_, request_.kernels[k]);
+            add_kernel(standings_, request_.kernels[k].measured, request_.kernels[k].isa);
             standings_.add(all[k].time_ns)
                 .add(a.rays)
                 .add(number_or_missing(lost.quantile(0.5)))

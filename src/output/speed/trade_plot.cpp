@@ -3,10 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 #include <string_view>
 
 #include "output/map/row_names.hpp"
+#include "output/speed/kernel_rows.hpp"
 #include "output/speed/trade_files.hpp"
 
 namespace lostbits::output::speed {
@@ -40,8 +40,6 @@ int marker_of(const TradeKernel& kernel) {
     return found == std::end(kernel_marks) ? 0 : found->marker;
 }
 
-std::size_t colour_of(const Format& format) { return format.engine == Format::Engine::native64 ? 1 : 0; }
-
 std::vector<ScatterPlotSpec::Key> keys_of(const TradeRequest& request) {
     std::vector<ScatterPlotSpec::Key> keys;
     for (const auto& [engine, name] : {std::pair{Format::Engine::native32, "f32"}, {Format::Engine::native64, "f64"}}) {
@@ -66,7 +64,6 @@ std::string registers_of(const TradeKernel& kernel) {
 
 ScatterPlotSpec trade_plot(const TradeRequest& request, const measure::speed::TradeResult& result, std::size_t set) {
     const auto all = pareto_points_of(request, result, set);
-    const auto beaten = measure::speed::dominated(all);
     const std::size_t load = measure::speed::standing_load(request.loads);
     const measure::speed::RaySet& rays = measure::speed::ray_sets(request.shape)[set];
     const auto& [timing, bytes, count] = result.times.front()[load];
@@ -84,25 +81,18 @@ ScatterPlotSpec trade_plot(const TradeRequest& request, const measure::speed::Tr
                      "form that is never wrong."};
     spec.x = {time_title, plot::AxisSpec::Scale::log2, {}, {}};
     spec.y = {kept_title, plot::AxisSpec::Scale::linear, 0.0, {}};
-    std::vector<std::size_t> front;
-    // One's own form is looked for wherever it is.
-    const auto labelled = [&](std::size_t k) { return !beaten[k] || !map::is_of_catalogue(*request.kernels[k].form); };
+    std::vector<FrontPoint> points;
     for (std::size_t k = 0; k < all.size(); ++k) {
         const TradeKernel& kernel = request.kernels[k];
-        const measure::speed::Timing& t = result.times[k][load].timing;
-        spec.points.push_back({.x = all[k].time_ns,
-                               .y = all[k].kept_bits,
-                               .x_low = t.low_quartile * 1e9,
-                               .x_high = t.high_quartile * 1e9,
-                               .marker = marker_of(kernel),
-                               .colour = colour_of(kernel.measured.format),
-                               .faint = !labelled(k),
-                               .hollow = !all[k].never_wrong(),
-                               .label = labelled(k) ? map::short_name(*kernel.measured.form->info) : std::string()});
-        if (!beaten[k] && !std::isnan(all[k].kept_bits)) front.push_back(k);
+        points.push_back({.row = kernel.measured,
+                          .worth = all[k],
+                          .time = result.times[k][load].timing,
+                          .marker = marker_of(kernel),
+                          // One's own form is looked for wherever it is.
+                          .named = !map::is_of_catalogue(*kernel.form),
+                          .hollow = !all[k].never_wrong()});
     }
-    std::ranges::stable_sort(front, {}, [&all](std::size_t k) { return all[k].time_ns; });
-    for (const std::size_t k : front) spec.front.push_back({all[k].time_ns, all[k].kept_bits, all[k].never_wrong()});
+    add_front(spec, points);
     spec.keys = keys_of(request);
     return spec;
 }

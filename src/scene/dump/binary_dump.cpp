@@ -124,7 +124,7 @@ Chunk BinaryDump::decode(const Records& records) const {
                 if (std::isinf(stored) && !std::isinf(value))
                     throw InputError(
                         fmt::format("{}: record {}: {} is {}, larger than the largest number of {}; name the "
-                                    "format that the answers were computed in with --format",
+                                    "format that the answers were computed in with --file-format",
                                     source_.name(), records.first + i + 1,
                                     lie_.columns[layout_->place_of(*reader.slot)].name, value, format().name));
                 writer.put(*reader.slot, stored, exact && (stored == value || std::isnan(value)));

@@ -217,7 +217,7 @@ std::string CsvDump::put(std::string_view word, std::size_t slot, ChunkWriter& w
         case NumberWords::Kind::too_large:
             return fmt::format(
                 "is larger than the largest number of {}; name the format that the answers were computed "
-                "in with --format",
+                "in with --file-format",
                 format().name);
         case NumberWords::Kind::not_a_number_word: break;
     }

@@ -7,6 +7,7 @@
 #include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "scene/dump/chunk.hpp"
 
@@ -33,6 +34,7 @@ struct Records {
     std::uint64_t first = 0;  ///< the place of the first, from 0
     std::size_t count = 0;
     std::uint64_t line = 0;  ///< of text: the line of the first, from 1
+    std::size_t file = 0;    ///< of several that are read as one
     std::string bytes;
 };
 
@@ -59,6 +61,7 @@ public:
 
 protected:
     explicit Dump(const std::filesystem::path& path) : name_(path.string()) {}
+    Dump(std::string name, DumpTerms terms) : name_(std::move(name)), terms_(std::move(terms)) {}
     /// Ends the reading of the header: `own` is the format of the file's numbers. InputError where options say what
     /// the file says already, or neither says it.
     void settle(const DumpOptions& options, const Layout& layout, const Format& own);
@@ -71,5 +74,9 @@ private:
 
 /// Opens a file and reads what stands in front of its records.
 std::unique_ptr<Dump> open_dump(const std::filesystem::path& path, const DumpOptions& options);
+
+/// Several as one, in their order, at least one; the pictures that they may be are forgotten. InputError where not all
+/// have solids, answers and a format alike.
+std::unique_ptr<Dump> join_dumps(std::vector<std::unique_ptr<Dump>> files);
 
 }  // namespace lostbits::scene::dump

@@ -3,10 +3,9 @@
 
 #include <type_traits>
 
-#include <mpfr.h>
-
 #include "geometry/shapes.hpp"
 #include "scene/file/scene.hpp"
+#include "scene/file/stretch.hpp"
 #include "scene/toml/round.hpp"
 
 namespace lostbits::scene::rays {
@@ -82,10 +81,7 @@ CameraFrame<T> make_frame(const file::Scene& scene) {
     if (camera.kind == file::Camera::Kind::orthographic) {
         pitch = camera.width / width;
     } else {
-        Real pi;
-        mpfr_const_pi(pi.backend().data(), MPFR_RNDN);
-        const Real half_fov = camera.fov_deg * pi / 360;
-        pitch = 2 * tan(half_fov) / height;
+        pitch = 2 * file::half_tangent(camera.fov_deg) / height;
     }
     const Real centre_x = width / 2 - camera.shift_right * width;
     const Real centre_y = height / 2 + camera.shift_up * width;

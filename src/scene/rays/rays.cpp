@@ -63,7 +63,9 @@ RayBlock make_shared_rays(const Scene& scene, int y0, int y1) {
 IdealRayBlock make_own_rays(const Scene& scene, int y0, int y1) { return make_rays<Real>(scene, y0, y1); }
 
 RayBlock round_rays(const IdealRayBlock& ideal, const FloatFormat& f) {
-    return rounded(ideal, [&f](const Real& x) { return toml::round_to_format(x, f); });
+    RayBlock to = rounded(ideal, [&f](const Real& x) { return toml::round_to_format(x, f); });
+    for (const double t : ideal.tmax) to.tmax.push_back(rounding::to_format(t, 0, f));
+    return to;
 }
 
 RayBlock round_block(const RayBlock& block, const FloatFormat& f) {

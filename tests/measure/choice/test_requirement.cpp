@@ -63,7 +63,7 @@ struct Asked {
 /// With prices of its own for the rows, so that a test does not depend on the clock.
 Asked require(const scene::file::Scene& scene, const std::vector<MapRow>& rows, const std::vector<double>& prices,
               double bits, const std::vector<MapRow>& untimed = {}) {
-    Asked asked{.request = {.scene = &scene, .rows = rows}, .all = {}, .requirement = {}};
+    Asked asked{.request = {.scene = &scene, .rows = rows, .untimed = untimed}, .all = {}, .requirement = {}};
     asked.request.wish.bits = bits;
     Meetings meetings(asked.request, rows);
     asked.request.sinks = meetings.sinks();
@@ -72,7 +72,7 @@ Asked require(const scene::file::Scene& scene, const std::vector<MapRow>& rows, 
         asked.all.push_back({.row = rows[r], .worth = worth[r]});
         asked.all.back().time.median = prices[r];
     }
-    asked.requirement = requirement_of(asked.request, asked.all, meetings, untimed);
+    asked.requirement = requirement_of(asked.request, asked.all, meetings);
     return asked;
 }
 

@@ -1,0 +1,80 @@
+#include "measure/choice/file_rays.hpp"
+
+#include "measure/judge/judge.hpp"
+
+namespace lostbits::measure::choice {
+
+namespace {
+
+/// Keeps every n-th ray of a file of unknown length: n is doubled, and every other ray dropped, when there are too
+/// many.
+class Sampler final : public judge::JudgeSink {
+public:
+    void piece(const scene::dump::Chunk& chunk, const map::BandResult& result) override {
+        static_cast<void>(result);
+        for (std::size_t i = 0; i < chunk.size(); ++i) {
+            if ((chunk.first + i) % step_ != 0) continue;
+            if (sample_.rays.size() == most) halve();
+            if ((chunk.first + i) % step_ != 0) continue;
+            sample_.rays.push(chunk.rays[i]);
+            if (!chunk.rays.tmax.empty()) sample_.rays.tmax.push_back(chunk.rays.tmax[i]);
+            if (!chunk.solids.empty()) sample_.solids.push_back(chunk.solids[i]);
+        }
+    }
+
+    scene::rays::RayGroup take(const std::vector<Solid<double>>& solids) {
+        sample_.rays.width = static_cast<int>(sample_.rays.size());
+        sample_.rays.y1 = 1;
+        sample_.paired = !sample_.solids.empty();
+        if (!sample_.paired) sample_.solids = solids;
+        return std::move(sample_);
+    }
+
+private:
+    static constexpr std::size_t most = 4096;
+
+    void halve() {
+        step_ *= 2;
+        const auto thin = [](auto& all) {
+            for (std::size_t i = 0; 2 * i < all.size(); ++i) all[i] = all[2 * i];
+            all.resize((all.size() + 1) / 2);
+        };
+        for (auto* column : {&sample_.rays.ox, &sample_.rays.oy, &sample_.rays.oz, &sample_.rays.dx, &sample_.rays.dy,
+                             &sample_.rays.dz, &sample_.rays.tmax})
+            thin(*column);
+        thin(sample_.solids);
+    }
+
+    scene::rays::RayGroup sample_;
+    std::uint64_t step_ = 1;
+};
+
+}  // namespace
+
+FileRays judge_rays(scene::dump::Dump& dump, const FileTerms& terms, const ChoiceRequest& request) {
+    judge::JudgeRequest asked{.solids = terms.solids,
+                              .rows = request.rows,
+                              .answered = dump.layout().has_answers(),
+                              .metrics = {metric::find_metric("lost_bits")},
+                              .limit = request.limit};
+    asked.progress = [&terms](std::uint64_t, std::uint64_t bytes) { terms.progress(bytes); };
+    intersect::Info contract = terms.contract;
+    if (dump.layout().decides_only()) contract.roots = intersect::Roots::none;
+    const Shape shape = dump.layout().solid() ? *dump.layout().solid() : terms.solids.front().shape;
+    const judge::FileForm answers(terms.id, shape, contract);
+    if (asked.answered) asked.rows.insert(asked.rows.begin(), {&answers.form(), dump.format()});
+    Sampler sampler;
+    const judge::JudgeResult result = judge::run_judge(dump, asked, {&sampler});
+    FileRays rays{
+        .id = terms.id, .name = dump.name(), .format = dump.format(), .rays = result.rays, .rounded = result.rounded};
+    for (std::size_t r = 0; r < asked.rows.size(); ++r) {
+        const Worth worth = worth_of(result.summaries[r], asked.rows[r], request.wish);
+        if (r == 0 && asked.answered)
+            rays.answers = FileAnswers{std::string(answers.form().info->name), dump.format(), worth};
+        else rays.worth.push_back(worth);
+    }
+    rays.sample = sampler.take(terms.solids);
+    return rays;
+}
+
+}  // namespace lostbits::measure::choice

@@ -1,0 +1,155 @@
+#include "measure/choice/ideal_rays.hpp"
+
+#include <algorithm>
+
+#include <mpfr.h>
+
+#include "scene/file/stretch.hpp"
+#include "scene/toml/round.hpp"
+
+namespace lostbits::measure::choice {
+
+namespace {
+
+/// Also to more bits than a double has; the exponent is unbounded there.
+Real round_once(const Real& x, const FloatFormat& format) {
+    if (format.precision <= binary64.precision) return scene::toml::round_to_format(x, format);
+    mpfr_t narrow;
+    mpfr_init2(narrow, format.precision);
+    mpfr_set(narrow, x.backend().data(), MPFR_RNDN);
+    Real to;
+    mpfr_set(to.backend().data(), narrow, MPFR_RNDN);
+    mpfr_clear(narrow);
+    return to;
+}
+
+double as_double(const Real& x) { return static_cast<double>(x); }
+
+/// The middle of what a ray is aimed at.
+std::vector<Vec<Real>> targets_of(const IdealRays& ideal) {
+    std::vector<Vec<Real>> targets;
+    for (const Solid<Real>& solid : ideal.solids) targets.push_back(scene::file::middle_of(solid));
+    if (ideal.paired) return targets;
+    Vec<Real> sum(Real(0), Real(0), Real(0));
+    for (const Vec<Real>& v : targets) sum = sum + v;
+    return {(Real(1) / Real(targets.size())) * sum};
+}
+
+double median(std::vector<double> all) {
+    const auto middle = all.begin() + static_cast<std::ptrdiff_t>(all.size() / 2);
+    std::ranges::nth_element(all, middle);
+    return *middle;
+}
+
+void set_origin(scene::rays::IdealRayBlock& rays, std::size_t i, const Vec<Real>& origin) {
+    rays.ox[i] = origin.x;
+    rays.oy[i] = origin.y;
+    rays.oz[i] = origin.z;
+}
+
+std::optional<StretchedRays> rays_farther(IdealRays ideal, const Real& k) {
+    const auto targets = targets_of(ideal);
+    std::vector<double> distances;
+    for (std::size_t i = 0; i < ideal.rays.size(); ++i) {
+        const Ray<Real> ray = ideal.rays[i];
+        const Vec<Real>& target = targets[ideal.paired ? i : 0];
+        const Real share = dot(target - ray.origin, ray.direction) / dot(ray.direction, ray.direction);
+        if (!(share > 0)) continue;
+        const Real back = (k - 1) * share;
+        set_origin(ideal.rays, i, ray.origin - back * ray.direction);
+        if (!ideal.rays.tmax.empty()) ideal.rays.tmax[i] += as_double(back);
+        distances.push_back(as_double(k * share * length(ray.direction)));
+    }
+    if (distances.empty()) return std::nullopt;
+    return StretchedRays{std::move(ideal), median(std::move(distances))};
+}
+
+std::optional<StretchedRays> solids_larger(IdealRays ideal, const Real& k) {
+    if (!ideal.paired && ideal.solids.size() == 1) {
+        ideal.solids.assign(ideal.rays.size(), Solid<Real>(ideal.solids.front()));
+        ideal.paired = true;
+    }
+    Vec<Real> still(Real(0), Real(0), Real(0));
+    for (std::size_t i = 0; i < ideal.rays.size(); ++i) still = still + ideal.rays[i].origin;
+    still = (Real(1) / Real(ideal.rays.size())) * still;
+    Real largest(0);
+    for (std::size_t s = 0; s < ideal.solids.size(); ++s) {
+        const auto large = scene::file::grown(ideal.solids[s], ideal.paired ? ideal.rays[s].origin : still, k);
+        if (!large) return std::nullopt;
+        ideal.solids[s] = *large;
+        largest = std::max(largest, scene::file::size_of(*large));
+    }
+    return StretchedRays{std::move(ideal), as_double(largest)};
+}
+
+std::optional<StretchedRays> rays_elsewhere(IdealRays ideal, const Real& k) {
+    const auto targets = targets_of(ideal);
+    std::vector<double> distances;
+    for (std::size_t i = 0; i < ideal.rays.size(); ++i)
+        distances.push_back(as_double(length(targets[ideal.paired ? i : 0] - ideal.rays[i].origin)));
+    const Real away = (k - 1) * Real(median(std::move(distances)));
+    const Vec<Real> by = (away / length(scene::file::offset_direction())) * scene::file::offset_direction();
+    for (std::size_t i = 0; i < ideal.rays.size(); ++i) set_origin(ideal.rays, i, ideal.rays[i].origin + by);
+    for (Solid<Real>& solid : ideal.solids) solid = scene::file::moved(solid, by);
+    return StretchedRays{std::move(ideal), as_double(away)};
+}
+
+}  // namespace
+
+IdealRays ideal_of(const scene::rays::RayGroup& group) {
+    IdealRays ideal;
+    ideal.rays.width = group.rays.width;
+    ideal.rays.y0 = group.rays.y0;
+    ideal.rays.y1 = group.rays.y1;
+    const auto real = [](const Vec<double>& v) { return Vec<Real>(Real(v.x), Real(v.y), Real(v.z)); };
+    for (std::size_t i = 0; i < group.rays.size(); ++i) {
+        const Ray<double> ray = group.rays[i];
+        ideal.rays.push({real(ray.origin), real(ray.direction)});
+    }
+    ideal.rays.tmax = group.rays.tmax;
+    for (const Solid<double>& solid : group.solids)
+        ideal.solids.push_back(transformed(solid, [](double x) { return Real(x); }));
+    ideal.paired = group.paired;
+    return ideal;
+}
+
+IdealRays ideal_of(const scene::file::Scene& scene) {
+    return {scene::rays::make_own_rays(scene, 0, scene.height), scene.solids(), false};
+}
+
+scene::rays::RayGroup stored(const IdealRays& ideal, const FloatFormat& format) {
+    scene::rays::RayGroup group{.rays = scene::rays::round_rays(ideal.rays, format), .solids = {}};
+    for (const Solid<Real>& solid : ideal.solids) group.solids.push_back(scene::rays::round_solid(solid, format));
+    group.paired = ideal.paired;
+    return group;
+}
+
+IdealRays rounded(const IdealRays& ideal, const InputFormats& formats) {
+    const auto through = [&formats](Input input, Real& x) {
+        const auto& format = formats[static_cast<std::size_t>(input)];
+        if (format) x = round_once(x, *format);
+    };
+    IdealRays to = ideal;
+    for (auto* column : {&to.rays.ox, &to.rays.oy, &to.rays.oz})
+        for (Real& x : *column) through(Input::origin, x);
+    for (auto* column : {&to.rays.dx, &to.rays.dy, &to.rays.dz})
+        for (Real& x : *column) through(Input::direction, x);
+    for (Solid<Real>& solid : to.solids) {
+        for (std::size_t n = 0; n < solid.used().size(); ++n)
+            through(solid.shape == Shape::sphere && n == 3 ? Input::radius : Input::place, solid.numbers[n]);
+    }
+    return to;
+}
+
+std::optional<StretchedRays> stretched(const IdealRays& rays, Growth way, double factor) {
+    const Real k(factor);
+    switch (way) {
+        case Growth::distance: return rays_farther(rays, k);
+        case Growth::radius: return solids_larger(rays, k);
+        case Growth::offset: return rays_elsewhere(rays, k);
+        case Growth::view: return std::nullopt;
+    }
+    return std::nullopt;
+}
+
+}  // namespace lostbits::measure::choice

@@ -1,0 +1,189 @@
+#include "measure/choice/obstacle.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+
+#include "measure/choice/file_rays.hpp"
+#include "measure/truth/conditioning.hpp"
+#include "measure/truth/lost_bits.hpp"
+
+namespace lostbits::measure::choice {
+
+using map::MapRow;
+using scene::file::Scene;
+using truth::Band;
+using truth::Truth;
+
+namespace {
+
+/// Each ray is held against every solid, in numbers of 256 bits.
+constexpr std::size_t most_problems = 1 << 17, most_listed = 1024;
+
+/// The truth of what is stored, held against the truth of what was meant, as an answer that is never rounded.
+Worth exact_worth(const Band& meant, const Band& stored, const MapRow& row, const Wish& wish) {
+    Worth worth;
+    metric::Distribution lost;
+    const bool unit = row.form->info->direction == intersect::Direction::unit;
+    for (std::size_t i = 0; i < meant.pixels(); ++i) {
+        const Truth is = stored.truth(i, row.convention()), should_be = meant.truth(i, row.convention());
+        const auto unresolved = Truth::Decision::unresolved;
+        if (is.decision == unresolved || should_be.decision == unresolved) continue;
+        ++worth.rays;
+        worth.hits += should_be.is_hit() ? 1 : 0;
+        if (is.decision != should_be.decision || is.object != should_be.object) {
+            ++worth.wrong;
+        } else if (is.is_hit()) {
+            const auto& [x, y] = unit ? std::pair(is.distance, should_be.distance) : std::pair(is.t, should_be.t);
+            const double ulps = truth::scaled_difference(x, y, ulp_exponent(binary64, y.floor_log2()));
+            lost.add(truth::lost_bits(ulps, binary64.precision));
+        }
+    }
+    worth.kept_bits = binary64.precision - lost.quantile(wish.quantile);
+    return worth;
+}
+
+/// What half an ulp of a format in each input leaves of its bits.
+double inherent_kept(const Band& band, const MapRow& row, const FloatFormat& format, const Wish& wish) {
+    metric::Distribution lost;
+    for (std::size_t i = 0; i < band.pixels(); ++i) {
+        if (band.truth(i, row.convention()).is_hit())
+            lost.add(truth::inherent_bits(band.condition(i, row.convention()), format.precision));
+    }
+    return format.precision - lost.quantile(wish.quantile);
+}
+
+/// The inputs that a solid has: a box has no radius.
+unsigned inputs_of(const IdealRays& ideal) {
+    const bool round = std::ranges::any_of(ideal.solids, [](const auto& s) { return s.shape == Shape::sphere; });
+    return round ? 15U : 7U;
+}
+
+class Trials {
+public:
+    Trials(const ChoiceRequest& request, const MapRow& row, const IdealRays& ideal, Obstacle& found)
+        : request_(request), row_(row), ideal_(ideal), meant_(ideal.band(request.limit)), found_(found) {}
+
+    void run() {
+        std::vector<unsigned> sets;
+        for (unsigned wide = 0; wide <= inputs_of(ideal_); ++wide) sets.push_back(wide);
+        std::ranges::stable_sort(sets, {}, [](unsigned wide) { return std::popcount(wide); });
+        for (const unsigned wide : sets) found_.trials.push_back(trial(wide));
+        if (found_.trials.front().exact.meets(request_.wish)) return;
+        find_enough();
+        if (found_.enough) find_least_precision();
+    }
+
+private:
+    [[nodiscard]] InputFormats formats(unsigned wide, const std::optional<FloatFormat>& wider) const {
+        InputFormats all;
+        for (std::size_t k = 0; k < all.size(); ++k) all[k] = (wide >> k & 1U) != 0 ? wider : found_.base;
+        return all;
+    }
+
+    [[nodiscard]] InputTrial trial(unsigned wide) const {
+        const std::optional<FloatFormat> wider = found_.wider_than_f64 ? std::nullopt : std::optional(binary64);
+        const Band stored = rounded(ideal_, formats(wide, wider)).band(request_.limit);
+        request_.progress(0);
+        InputTrial trial{.wide = wide, .exact = exact_worth(meant_, stored, row_, request_.wish)};
+        const MapRow in_f64{row_.form, *find_format("f64")};
+        if (row_.form->exists_in(in_f64.format) && !(found_.wider_than_f64 && wide != 0))
+            trial.form = worth_on(meant_, stored.inputs(in_f64.format, needs_of(in_f64)), in_f64, request_.wish);
+        return trial;
+    }
+
+    /// The fewest; of as many, those with which most bits are kept.
+    void find_enough() {
+        const auto is_better = [](const InputTrial& a, const InputTrial& b) {
+            const int more = std::popcount(a.wide) - std::popcount(b.wide);
+            return more != 0 ? more < 0 : a.exact.kept_bits > b.exact.kept_bits;
+        };
+        for (std::size_t k = 0; k < found_.trials.size(); ++k) {
+            if (!found_.trials[k].exact.meets(request_.wish)) continue;
+            if (!found_.enough || is_better(found_.trials[k], found_.trials[*found_.enough])) found_.enough = k;
+        }
+    }
+
+    /// By bisection: more bits are taken to be no worse.
+    void find_least_precision() {
+        int fails = found_.base.precision, meets = found_.wider_than_f64 ? 256 : binary64.precision;
+        while (meets - fails > 1) {
+            const int middle = (fails + meets) / 2;
+            const FloatFormat format{middle, binary64.emin, binary64.emax};
+            const Band stored =
+                rounded(ideal_, formats(found_.trials[*found_.enough].wide, format)).band(request_.limit);
+            (exact_worth(meant_, stored, row_, request_.wish).meets(request_.wish) ? meets : fails) = middle;
+        }
+        found_.least_precision = meets;
+    }
+
+    const ChoiceRequest& request_;
+    const MapRow& row_;
+    const IdealRays& ideal_;
+    Band meant_;
+    Obstacle& found_;
+};
+
+/// Every so many of the rays that at most `most` are left.
+scene::rays::RayGroup some_of(const scene::rays::RayGroup& group, std::size_t most) {
+    const std::size_t step = (group.rays.size() + most - 1) / most;
+    scene::rays::RayGroup few{.rays = {}, .solids = {}};
+    few.paired = group.paired;
+    for (std::size_t i = 0; i < group.rays.size(); i += step) {
+        few.rays.push(group.rays[i]);
+        if (!group.rays.tmax.empty()) few.rays.tmax.push_back(group.rays.tmax[i]);
+        if (group.paired) few.solids.push_back(group.solids[i]);
+    }
+    if (!group.paired) few.solids = group.solids;
+    few.rays.width = static_cast<int>(few.rays.size());
+    few.rays.y1 = 1;
+    return few;
+}
+
+Obstacle::Cause cause_of(const Obstacle& found, const MapRow& row, const Wish& wish, const Worth& reached) {
+    using Cause = Obstacle::Cause;
+    if (wish.bits > row.format.shape.precision) return Cause::width;
+    if (!found.exact.meets(wish)) return Cause::inputs;
+    // Within the envelope the problem is hard; beyond it the formula is bad.
+    const bool hard = found.inherent_kept < wish.bits && !(reached.kept_bits < found.inherent_kept);
+    return reached.decides(wish) && hard ? Cause::inherent : Cause::formula;
+}
+
+}  // namespace
+
+Obstacle find_obstacle(const ChoiceRequest& request, const MapRow& row, int pixels) {
+    Obstacle found;
+    std::optional<Scene> thin;
+    IdealRays ideal;
+    std::optional<Band> given;
+    if (request.scene) {
+        const std::size_t solids = std::max<std::size_t>(1, request.scene->solid_count());
+        const bool few = solids <= most_listed && !request.scene->flake;
+        const auto affordable = static_cast<int>(std::clamp<std::size_t>(most_problems / solids, 64, 65536));
+        thin = thinned(*request.scene, std::min(pixels, affordable));
+        given.emplace(*thin, 0, thin->height, request.limit);
+        if (few) ideal = ideal_of(*thin);
+        found.rounded_before = thin->inputs == scene::file::Inputs::shared;
+    } else {
+        const auto& sample = request.rays->sample;
+        const std::size_t solids = sample.paired ? 1 : sample.solids.size();
+        const auto few = some_of(sample, std::min<std::size_t>(static_cast<std::size_t>(pixels),
+                                                               std::max<std::size_t>(64, most_problems / solids)));
+        given.emplace(few, request.limit);
+        ideal = ideal_of(few);
+    }
+    given->find_condition();
+    found.inherent_kept = inherent_kept(*given, row, row.format.shape, request.wish);
+    found.inherent_kept_f64 = inherent_kept(*given, row, binary64, request.wish);
+    const Worth reached = worth_on(*given, row, request.wish);
+    found.base = found.rounded_before ? binary32 : row.format.shape;
+    found.wider_than_f64 = found.base == binary64;
+    if (!ideal.solids.empty()) Trials(request, row, ideal, found).run();
+    // What every format gets is exact to the wish; to others the trial without anything wide is what they get.
+    if (found.rounded_before || found.trials.empty()) found.exact = exact_worth(*given, *given, row, request.wish);
+    else found.exact = found.trials.front().exact;
+    found.cause = cause_of(found, row, request.wish, reached);
+    return found;
+}
+
+}  // namespace lostbits::measure::choice

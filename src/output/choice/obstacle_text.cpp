@@ -1,0 +1,123 @@
+#include "output/choice/obstacle_text.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "output/choice/other_tables.hpp"
+
+namespace lostbits::output::choice {
+
+using measure::choice::Candidate;
+using measure::choice::Input;
+using measure::choice::InputTrial;
+using measure::choice::Obstacle;
+using measure::choice::Wish;
+using measure::choice::Worth;
+
+namespace {
+
+std::string bits(double kept) { return std::isnan(kept) ? "no hit" : fmt::format("{:.1f} bits", kept); }
+
+/// What is kept, and the decisions where the wish minds them.
+std::string kept_and_wrong(const Worth& worth, const Wish& wish) {
+    if (worth.decides(wish)) return bits(worth.kept_bits);
+    return fmt::format("{} and decides {} of {} rays wrongly", bits(worth.kept_bits), worth.wrong, worth.rays);
+}
+
+/// `the centres and the radii`.
+std::string inputs_in_words(const InputTrial& trial, bool boxes) {
+    std::vector<const char*> names;
+    for (const Input input : measure::choice::input_kinds) {
+        if (!trial.has(input)) continue;
+        switch (input) {
+            case Input::origin: names.push_back("the ray origins"); break;
+            case Input::direction: names.push_back("the directions"); break;
+            case Input::place: names.push_back(boxes ? "the corners" : "the centres"); break;
+            case Input::radius: names.push_back("the radii"); break;
+        }
+    }
+    std::string words;
+    for (std::size_t k = 0; k < names.size(); ++k)
+        words += (k == 0 ? "" : k + 1 == names.size() ? " and " : ", ") + std::string(names[k]);
+    return words;
+}
+
+/// Which inputs would have to come in which format.
+std::string what_it_takes(const Chosen& chosen, const Candidate& near) {
+    const Obstacle& found = *chosen.obstacle;
+    const Wish& wish = chosen.request.wish;
+    const bool boxes = near.row.form->shape == Shape::box;
+    const auto form_in_f64 = [&near, &wish](const InputTrial& trial) {
+        return trial.form
+                   ? fmt::format("; {} in f64 keeps {}", near.row.form->info->name, kept_and_wrong(*trial.form, wish))
+                   : std::string();
+    };
+    const char* const wider = found.wider_than_f64 ? "more than binary64" : "binary64";
+    if (!found.enough) {
+        const InputTrial& all = found.trials.back();
+        return fmt::format("  Even with all of them in {} exact arithmetic keeps {}{}.\n", wider,
+                           kept_and_wrong(all.exact, wish), form_in_f64(all));
+    }
+    const InputTrial& trial = found.trials[*found.enough];
+    const bool all = &trial == &found.trials.back();
+    return fmt::format(
+        "  What costs it is the rounding of {}: with {} in {} (of {} bits at least){}, exact "
+        "arithmetic keeps {}{}.\n",
+        all ? "all inputs" : inputs_in_words(trial, boxes), all ? "all of them" : "these", wider, found.least_precision,
+        all ? "" : " and the others as they are", kept_and_wrong(trial.exact, wish), form_in_f64(trial));
+}
+
+/// The scene that is stored in binary32, held against the one that is written.
+std::string of_the_rounded_scene(const Chosen& chosen, const Candidate& near) {
+    const Obstacle& found = *chosen.obstacle;
+    const Wish& wish = chosen.request.wish;
+    if (!found.rounded_before || found.trials.empty()) return "";
+    const Worth& exact = found.trials.front().exact;
+    if (exact.meets(wish)) return "";
+    return fmt::format(
+               "  Apart from that, all formats get the scene rounded to binary32, and the wish counts from there. Held "
+               "against the scene as it is written, even exact arithmetic on it keeps {}.\n",
+               kept_and_wrong(exact, wish)) +
+           what_it_takes(chosen, near);
+}
+
+}  // namespace
+
+std::string obstacle_in_words(const Chosen& chosen, const Candidate& near) {
+    const Obstacle& found = *chosen.obstacle;
+    const Wish& wish = chosen.request.wish;
+    const std::string& format = near.row.format.name;
+    const int precision = near.row.format.shape.precision;
+    const std::string exact = kept_and_wrong(found.exact, wish);
+    switch (found.cause) {
+        case Obstacle::Cause::width:
+            return fmt::format("  In its way: {} has {} bits. Try a wider format.\n", format, precision) +
+                   of_the_rounded_scene(chosen, near);
+        case Obstacle::Cause::inputs:
+            return fmt::format("  In its way: the inputs. Even exact arithmetic on them, rounded to {}, keeps {}.\n",
+                               name_of_inputs(found.base), exact) +
+                   what_it_takes(chosen, near);
+        case Obstacle::Cause::inherent:
+            return fmt::format(
+                       "  In its way: the problem, not the formula. Half an ulp of {} in each input would cost {:.1f} "
+                       "of its {} bits and leave {}; what is kept beyond that is owed to inputs that are exact. Half "
+                       "an ulp of f64 would leave {}.\n",
+                       format, precision - found.inherent_kept, precision, bits(found.inherent_kept),
+                       bits(found.inherent_kept_f64)) +
+                   of_the_rounded_scene(chosen, near);
+        case Obstacle::Cause::formula: break;
+    }
+    const char* const what = near.worth.decides(wish) ? "the formula" : "its decisions, by the formula";
+    const std::string inputs =
+        found.trials.empty() && !found.rounded_before
+            ? "What the rounding of the inputs has to do with it is not measured: the solids are too many"
+            : fmt::format(
+                  "Exact arithmetic on the same inputs meets the wish, and half an ulp of {} in each of them "
+                  "would leave {}",
+                  format, bits(found.inherent_kept));
+    return fmt::format("  In its way: {}. {}.\n", what, inputs) + of_the_rounded_scene(chosen, near);
+}
+
+}  // namespace lostbits::output::choice

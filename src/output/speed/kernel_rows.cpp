@@ -1,0 +1,46 @@
+#include "output/speed/kernel_rows.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "output/map/row_names.hpp"
+
+namespace lostbits::output::speed {
+
+std::vector<file::Column> kernel_columns(const std::string& form) {
+    return {{"form", "string", "", form},
+            {"format", "string", "", "format it computes in"},
+            {"isa", "string", "", "bits of the registers that hold rays side by side; scalar: one ray at a time"}};
+}
+
+void add_kernel(file::CsvWriter& csv, const measure::map::MapRow& row, std::string_view isa) {
+    csv.add(row.form->info->name).add(row.format.name).add(isa);
+}
+
+std::size_t colour_of(const Format& format) { return format.engine == Format::Engine::native64 ? 1 : 0; }
+
+void add_front(plot::ScatterPlotSpec& spec, const std::vector<FrontPoint>& points) {
+    std::vector<measure::speed::ParetoPoint> worths;
+    for (const FrontPoint& p : points) worths.push_back(p.worth);
+    const auto beaten = measure::speed::dominated(worths);
+    std::vector<std::size_t> front;
+    for (std::size_t k = 0; k < points.size(); ++k) {
+        const FrontPoint& p = points[k];
+        const bool named = !beaten[k] || p.named;
+        spec.points.push_back({.x = p.worth.time_ns,
+                               .y = p.worth.kept_bits,
+                               .x_low = p.time.low_quartile * 1e9,
+                               .x_high = p.time.high_quartile * 1e9,
+                               .marker = p.marker,
+                               .colour = colour_of(p.row.format),
+                               .faint = !named,
+                               .hollow = p.hollow,
+                               .label = named ? map::short_name(*p.row.form->info) : std::string()});
+        if (!beaten[k] && !std::isnan(p.worth.kept_bits)) front.push_back(k);
+    }
+    std::ranges::stable_sort(front, {}, [&points](std::size_t k) { return points[k].worth.time_ns; });
+    for (const std::size_t k : front)
+        spec.front.push_back({points[k].worth.time_ns, points[k].worth.kept_bits, points[k].worth.never_wrong()});
+}
+
+}  // namespace lostbits::output::speed

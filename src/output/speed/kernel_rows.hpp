@@ -1,0 +1,35 @@
+// What tables and pictures of time against accuracy have in common: the columns that name a kernel, and the points.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "measure/speed/trade.hpp"
+#include "output/file/csv.hpp"
+#include "output/plot/scatter_plot.hpp"
+
+namespace lostbits::output::speed {
+
+/// form, format and isa; `form` is what the first of them means.
+std::vector<file::Column> kernel_columns(const std::string& form);
+/// The cells of these.
+void add_kernel(file::CsvWriter& csv, const measure::map::MapRow& row, std::string_view isa);
+
+/// A kernel in the plane of time and kept bits.
+struct FrontPoint {
+    const measure::map::MapRow& row;
+    measure::speed::ParetoPoint worth;
+    measure::speed::Timing time;
+    int marker = 0;
+    bool named = false;   ///< wherever it lies; those on the front always are
+    bool hollow = false;  ///< it decides too many rays wrongly
+};
+
+/// Points with the quartiles of their times, grey where they are neither on the Pareto front nor named; the colour
+/// tells the format. The stepped line joins the front; it is dashed between those that are sometimes wrong.
+void add_front(plot::ScatterPlotSpec& spec, const std::vector<FrontPoint>& points);
+/// The colour of points in a format.
+std::size_t colour_of(const Format& format);
+
+}  // namespace lostbits::output::speed

@@ -1,0 +1,124 @@
+// `lostbits choose` for rays of files, from the outside. Times are not asserted.
+#include <fstream>
+
+#include "catch.hpp"
+#include "program.hpp"
+
+using namespace lostbits::test;
+
+namespace {
+
+const std::string far_rays = "'" LOSTBITS_DATA_DIR
+                             "/dumps/far-sphere.csv' --file-format f32 --sphere 0,0,0,1 --quick -i sphere.unified "
+                             "-i sphere.schoolbook";
+
+std::string into(const Scratch& scratch) { return " -o '" + scratch.path().string() + "'"; }
+
+/// A file of rays with this text.
+std::string file_with(const Scratch& scratch, const std::string& name, const std::string& text) {
+    const auto path = scratch.path() / name;
+    std::ofstream(path) << text;
+    return "'" + path.string() + "'";
+}
+
+const std::string head = "ox,oy,oz,dx,dy,dz,cx,cy,cz,radius\n";
+
+}  // namespace
+
+TEST_CASE("choose takes a file of rays, and says what its own answers are worth") {
+    const Scratch scratch;
+    const auto r = run("choose " + far_rays + " --bits 16" + into(scratch));
+    INFO(r.err);
+    REQUIRE(r.code == 0);
+    CHECK(has(r.out, "no wrong decision in 1536 rays"));
+    CHECK(has(r.out, "The answers that were there, file.far-sphere in f32"));
+    CHECK(has(r.out, "185 of 1536 rays decided wrongly"));
+    CHECK(has(r.out, "they do not meet the wish"));
+    CHECK(has(r.out, "the rays start"));
+    CHECK_FALSE(has(r.out, "camera"));
+    CHECK_FALSE(has(r.out, "next ray"));
+    const auto rows = read_csv(scratch.path() / "far-sphere" / "choose.csv");
+    REQUIRE(rows.size() == 5);
+    CHECK(rows.back().at("form") == "file.far-sphere");
+    CHECK(rows.back().at("time_ns").empty());
+    CHECK(rows.back().at("wrong") == "185");
+    for (const auto& row : rows) {
+        // The renderer that wrote the file has the operations of this form.
+        if (row.at("form") == "sphere.schoolbook" && row.at("format") == "f32") {
+            CHECK(row.at("wrong") == "185");
+            CHECK(row.at("kept_bits") == rows.back().at("kept_bits"));
+        }
+    }
+    CHECK(read_csv(scratch.path() / "far-sphere" / "room.csv").size() == 3);
+    CHECK(std::filesystem::exists(scratch.path() / "far-sphere" / "front.png"));
+}
+
+TEST_CASE("choose takes raw rays, a pipe and several files") {
+    const Scratch scratch;
+    const std::string rest = " --file-format f32 --sphere 0,0,0,1 --quick -i sphere.unified --bits 16" + into(scratch);
+    const std::string raw = LOSTBITS_DATA_DIR "/dumps/far-sphere.f32";
+    const auto by_columns = run("choose '" + raw + "' --columns ox:f32,oy,oz,dx,dy,dz,t,hit:u8" + rest);
+    CHECK(by_columns.code == 0);
+    CHECK(has(by_columns.out, "in 1536 rays"));
+    const std::string csv = LOSTBITS_DATA_DIR "/dumps/far-sphere.csv";
+    const auto twice = run("choose '" + csv + "' '" + csv + "'" + rest);
+    INFO(twice.err);
+    CHECK(twice.code == 0);
+    CHECK(has(twice.out, "in 3072 rays"));
+    CHECK(has(twice.out, "370 of 3072 rays decided wrongly"));
+    const auto piped = run("choose /dev/stdin --container csv" + rest, ".", "cat '" + csv + "' |");
+    INFO(piped.err);
+    CHECK(piped.code == 0);
+    CHECK(has(piped.out, "in 1536 rays"));
+}
+
+TEST_CASE("where rays of a file are more exact than a format, its inputs stand in the way") {
+    const Scratch scratch;
+    std::string text = head;
+    for (int i = 0; i < 20; ++i) text += "0,0,999990.5,0,0,1,0,0,1000000.03,1\n";
+    const std::string file = file_with(scratch, "near.csv", text);
+    const auto r = run("choose " + file + " --bits 16 -f f32 -i sphere.unified --quick" + into(scratch));
+    INFO(r.err);
+    CHECK(r.code == 1);
+    CHECK(has(r.out, "In its way: the inputs. Even exact arithmetic on them, rounded to binary32, keeps 8.1 bits."));
+    CHECK(has(r.out, "the rounding of the centres: with these in binary64 (of 32 bits at least)"));
+    const auto rows = read_csv(scratch.path() / "near" / "inputs.csv");
+    REQUIRE(rows.size() == 16);
+    CHECK(rows.front().at("place") == "binary32");
+    CHECK(rows.back().at("place") == "binary64");
+    CHECK(std::stod(rows.front().at("exact_kept_bits")) < 9);
+    CHECK(std::stod(rows.back().at("f64_kept_bits")) > 30);
+}
+
+TEST_CASE("choose refuses files that are none, and words for the other subject") {
+    const Scratch scratch;
+    const std::string rest = " --bits 16 --quick" + into(scratch);
+    struct Bad {
+        std::string words, says;
+    };
+    const std::string ray = "0,0,0,0,0,1,0,0,5,1\n";
+    const Bad all[] = {
+        {file_with(scratch, "empty.csv", ""), "empty.csv"},
+        {file_with(scratch, "no-rays.csv", head), "has no rays"},
+        {file_with(scratch, "nan.csv", head + ray + "nan,0,0,0,0,1,0,0,5,1\n"), "nan.csv:3:1"},
+        {file_with(scratch, "zero.csv", head + "0,0,0,0,0,0,0,0,5,1\n"), "zero.csv:2"},
+        {file_with(scratch, "columns.csv", "a,b,c\n1,2,3\n"), "columns.csv:1"},
+        {file_with(scratch, "solid.csv", "ox,oy,oz,dx,dy,dz\n0,0,0,0,0,1\n"), "no column has a solid"},
+        {"'" + (scratch.path() / "none.csv").string() + "'", "none.csv"},
+        {file_with(scratch, "a.csv", head + ray) + " --size 4x4", "--size: is about a scene"},
+        {file_with(scratch, "b.csv", head + ray) + " near-benign", "near-benign"},
+        {"near-benign --sphere 0,0,0,1", "--sphere: is about files of rays"},
+        {"near-benign sphereflake-near", "a choice is for one scene"},
+        {"near-benign --file-format f32", "--file-format: is about files"},
+        {file_with(scratch, "c.csv", head + ray) + " --file-format f23", "unknown format"},
+    };
+    for (const Bad& bad : all) {
+        const auto r = run("choose " + bad.words + rest);
+        INFO(bad.words << "\n" << r.err);
+        CHECK(r.code == 2);
+        CHECK(has(r.err, bad.says));
+    }
+    const auto wrong_shape = run("choose " + file_with(scratch, "d.csv", head + ray) + " -i 'box.*'" + rest);
+    CHECK(wrong_shape.code == 4);
+    CHECK(has(wrong_shape.err, "sphere.*"));
+}

@@ -1,0 +1,313 @@
+// A choice for rays of files is that for the scene they come from; they are stretched as a scene is; and what stands in
+// the way of a wish is found by storing the inputs otherwise.
+#include <algorithm>
+#include <cmath>
+
+#include "catch.hpp"
+#include "measure/choice/file_rays.hpp"
+#include "measure/choice/obstacle.hpp"
+#include "measure/choice/respawn.hpp"
+#include "measure/choice/room.hpp"
+#include "measure/rows.hpp"
+#include "number/error.hpp"
+#include "scene/dump/dump_writer.hpp"
+
+namespace lostbits::test {
+
+using namespace lostbits::measure::choice;
+using measure::map::MapRow;
+using scene::file::Scene;
+using scene::test::Columns;
+
+namespace {
+
+Scene scene_of_choice(const char* name, std::pair<int, int> size = {64, 48}) {
+    scene::file::LoadOptions options;
+    options.size = size;
+    return scene::file::load_scene(std::string(LOSTBITS_DATA_DIR "/scenes/") + name + ".toml", options).front();
+}
+
+Columns columns_of(const scene::rays::RayBlock& rays, std::size_t from, std::size_t to) {
+    Columns columns;
+    const char* const names[] = {"ox", "oy", "oz", "dx", "dy", "dz"};
+    const std::vector<double>* const parts[] = {&rays.ox, &rays.oy, &rays.oz, &rays.dx, &rays.dy, &rays.dz};
+    for (std::size_t k = 0; k < 6; ++k)
+        columns.add(names[k], {parts[k]->begin() + static_cast<std::ptrdiff_t>(from),
+                               parts[k]->begin() + static_cast<std::ptrdiff_t>(to)});
+    return columns;
+}
+
+std::string written(const std::string& name, const Columns& columns) {
+    const std::string path = "choice-" + name + ".csv";
+    std::ofstream(path) << scene::test::as_csv(columns, [](double x) { return output::file::decimal(x); });
+    return path;
+}
+
+std::unique_ptr<scene::dump::Dump> opened(const std::string& path, bool solids) {
+    scene::dump::DumpOptions options;
+    options.format = find_format("f32");
+    if (!solids) options.solid = Shape::sphere;
+    return scene::dump::open_dump(path, options);
+}
+
+ChoiceRequest wish_of(double bits, std::vector<MapRow> rows) {
+    ChoiceRequest request;
+    request.rows = std::move(rows);
+    request.wish.bits = bits;
+    request.plan = {.repetitions = 1, .least_seconds = 1e-6};
+    return request;
+}
+
+void require_same(const Worth& a, const Worth& b) {
+    CHECK(a.rays == b.rays);
+    CHECK(a.hits == b.hits);
+    CHECK(a.wrong == b.wrong);
+    CHECK(a.first == b.first);
+    CHECK(a.kept_bits == b.kept_bits);
+}
+
+/// One ray along z, from (0, 0, z), at a sphere of radius r whose centre is (0, 0, c).
+Scene one_ray(const char* z, const char* c, const char* r) {
+    Scene scene;
+    scene.id = "one";
+    scene.inputs = scene::file::Inputs::own;
+    scene.width = scene.height = 1;
+    scene.camera.kind = scene::file::Camera::Kind::pinhole;
+    scene.camera.eye = {Real(0), Real(0), Real(z)};
+    scene.camera.look_at = {Real(0), Real(0), Real(c)};
+    scene.camera.up = {Real(0), Real(1), Real(0)};
+    scene.camera.fov_deg = Real(40);
+    scene.camera.shift_right = scene.camera.shift_up = Real(0);
+    scene.spheres.push_back({{Real(0), Real(0), Real(c)}, Real(r)});
+    return scene;
+}
+
+}  // namespace
+
+TEST_CASE("rays of files are worth what the scene is that they come from, whether in one file or in several") {
+    const Scene scene = scene_of_choice("near-benign");
+    const auto rays = scene::rays::make_shared_rays(scene, 0, scene.height);
+    ChoiceRequest request =
+        wish_of(16, {testing::row("sphere.schoolbook", "f32"), testing::row("sphere.unified", "f64")});
+    request.scene = &scene;
+    const auto expected = worth_of(request);
+    request.scene = nullptr;
+    const FileTerms terms{.id = "rays", .solids = scene::rays::shared_solids(scene)};
+    const auto whole = opened(written("whole", columns_of(rays, 0, rays.size())), false);
+    const FileRays one = judge_rays(*whole, terms, request);
+    CHECK(one.rays == rays.size());
+    CHECK_FALSE(one.answers);
+    std::vector<std::unique_ptr<scene::dump::Dump>> parts;
+    parts.push_back(opened(written("first", columns_of(rays, 0, 1000)), false));
+    parts.push_back(opened(written("second", columns_of(rays, 1000, rays.size())), false));
+    const FileRays two = judge_rays(*scene::dump::join_dumps(std::move(parts)), terms, request);
+    CHECK(two.rays == rays.size());
+    for (std::size_t r = 0; r < 2; ++r) {
+        require_same(one.worth[r], expected[r]);
+        require_same(two.worth[r], expected[r]);
+    }
+    CHECK(two.sample.rays.ox == one.sample.rays.ox);
+    CHECK(two.sample.rays.dz == one.sample.rays.dz);
+    // Timed as candidates, against the scene's solids.
+    request.rays = &one;
+    TimedRays timed;
+    const auto all = measure_candidates(request, timed);
+    REQUIRE(all.size() == 2);
+    CHECK(timed.rays == rays.size());
+    CHECK(timed.solids == 3);  // one of the four is seen by no ray
+    for (const Candidate& c : all) CHECK(c.time.median > 0);
+}
+
+TEST_CASE("the sample of a long file is every n-th ray") {
+    Columns columns;
+    for (const char* name : {"ox", "oy", "oz", "dx", "dy", "dz", "cx", "cy", "cz", "radius"}) columns.add(name, {});
+    constexpr int rays = 40000;
+    for (int i = 0; i < rays; ++i) {
+        const double numbers[] = {static_cast<double>(i), 0, 0, 0, 0, 1, static_cast<double>(i), 0, 5, 1};
+        for (std::size_t k = 0; k < 10; ++k) columns.numbers[k].push_back(numbers[k]);
+    }
+    const auto dump = opened(written("long", columns), true);
+    ChoiceRequest request = wish_of(8, {testing::row("sphere.schoolbook", "f32")});
+    const FileRays judged = judge_rays(*dump, {.id = "long"}, request);
+    CHECK(judged.rays == rays);
+    CHECK(judged.worth.front().hits == rays);
+    const auto& sample = judged.sample;
+    REQUIRE(sample.rays.size() == 2500);  // of 40000 every 16th: of 8 there were 5000
+    CHECK(sample.paired);
+    REQUIRE(sample.solids.size() == 2500);
+    for (std::size_t i = 0; i < 2500; ++i) {
+        CHECK(sample.rays.ox[i] == 16 * static_cast<double>(i));
+        CHECK(sample.solids[i].numbers[0] == sample.rays.ox[i]);
+    }
+}
+
+TEST_CASE("files that are not alike are not taken together") {
+    const Scene scene = scene_of_choice("near-benign", {8, 6});
+    const auto rays = scene::rays::make_shared_rays(scene, 0, scene.height);
+    Columns with_solids = columns_of(rays, 0, 10);
+    for (const char* name : {"cx", "cy", "cz", "radius"}) with_solids.add(name, std::vector<double>(10, 1));
+    std::vector<std::unique_ptr<scene::dump::Dump>> files;
+    files.push_back(opened(written("plain", columns_of(rays, 0, 10)), false));
+    files.push_back(opened(written("paired", with_solids), true));
+    CHECK_THROWS_AS(scene::dump::join_dumps(std::move(files)), InputError);
+}
+
+TEST_CASE("rays stretched start as they are, and meet the same points from farther away") {
+    const Scene scene = scene_of_choice("near-benign", {16, 12});
+    const scene::rays::RayGroup group{scene::rays::make_shared_rays(scene, 0, 12), scene::rays::shared_solids(scene)};
+    const IdealRays ideal = ideal_of(group);
+    const measure::truth::Band here = ideal.band({});
+    for (const Growth way : {Growth::distance, Growth::radius, Growth::offset}) {
+        INFO(growth_names[static_cast<std::size_t>(way)]);
+        const auto same = stretched(ideal, way, 1);
+        REQUIRE(same);
+        const auto back = stored(same->rays, binary32);
+        CHECK(back.rays.ox == group.rays.ox);
+        CHECK(back.rays.oz == group.rays.oz);
+        for (std::size_t s = 0; s < 4; ++s) CHECK(back.solids[s].numbers == group.solids[s].numbers);
+        // What is hit, and from farther away also the point: the origin moved along the ray alone.
+        const auto there = stretched(ideal, way, 4);
+        REQUIRE(there);
+        const measure::truth::Band band = there->rays.band({});
+        std::size_t hits = 0;
+        for (std::size_t i = 0; i < here.pixels() && way != Growth::radius; ++i) {
+            REQUIRE(band.truth(i, {}).object == here.truth(i, {}).object);
+            if (!here.truth(i, {}).is_hit()) continue;
+            ++hits;
+            const auto point = [i](const IdealRays& rays, const measure::truth::Band& of) {
+                const double t = of.rounded_truth(i, binary64, intersect::Direction::any, {});
+                return rays.rays[i].origin + Real(t) * rays.rays[i].direction;
+            };
+            const Vec<Real> apart = point(there->rays, band) - point(ideal, here);
+            if (way == Growth::distance) CHECK(length(apart) < 1e-14);
+        }
+        CHECK((hits > 20 || way == Growth::radius));
+    }
+    CHECK(stretched(ideal, Growth::distance, 8)->value ==
+          Approx(8 * stretched(ideal, Growth::distance, 1)->value).epsilon(1e-14));
+    CHECK_FALSE(stretched(ideal, Growth::view, 2));
+    // One solid of all becomes one of each, and its point nearest to the origin stays.
+    IdealRays one = ideal;
+    one.solids.resize(1);
+    const auto large = stretched(one, Growth::radius, 100);
+    REQUIRE(large);
+    CHECK(large->rays.paired);
+    REQUIRE(large->rays.solids.size() == one.rays.size());
+    const auto gap = [](const IdealRays& rays, std::size_t i, std::size_t solid) {
+        const auto sphere = rays.solids[solid].sphere();
+        return length(sphere.centre - rays.rays[i].origin) - sphere.radius;
+    };
+    CHECK(abs(gap(large->rays, 5, 5) - gap(one, 5, 0)) < 1e-40);
+    CHECK(large->value == Approx(100).epsilon(1e-14));
+}
+
+TEST_CASE("at the edge of the room of rays the wish holds, and just beyond it fails") {
+    const Scene scene = scene_of_choice("near-benign", {32, 24});
+    FileRays rays;
+    rays.format = *find_format("f32");
+    rays.sample = {scene::rays::make_shared_rays(scene, 0, 24), scene::rays::shared_solids(scene)};
+    const MapRow row = testing::row("sphere.schoolbook", "f32");
+    ChoiceRequest request = wish_of(14, {row});
+    request.rays = &rays;
+    const auto rooms = rooms_of(request, row);
+    REQUIRE(rooms.size() == 3);
+    for (const Room& room : rooms) {
+        INFO(growth_names[static_cast<std::size_t>(room.way)]);
+        CHECK(room.holds >= 1);
+        if (room.end != End::fails) continue;
+        CHECK(room.beyond / room.holds <= 1.02);
+        const auto at = [&](double factor) {
+            const auto there = stretched(ideal_of(rays.sample), room.way, factor);
+            return worth_on(measure::truth::Band(stored(there->rays, binary32)), row, request.wish);
+        };
+        CHECK(at(room.holds).meets(request.wish));
+        CHECK_FALSE(at(room.beyond).meets(request.wish));
+    }
+    CHECK(rooms.front().end == End::fails);
+}
+
+TEST_CASE("what stands in the way: the one input that is rounded far off") {
+    // By hand (Python's fractions): binary32 has 1000000.03 as 1000000; t = 1000000.03 - 999990.5 - 1 = 8.53 becomes
+    // 8.5, off by 0.03, in ulps of binary64 (2^-49 at 8.53) 2^43.94: 8.059 of 53 bits are left. A quantile of lost bits
+    // is known to 2^-11 of itself.
+    const Scene scene = one_ray("999990.5", "1000000.03", "1");
+    const MapRow row = testing::row("sphere.unified", "f32");
+    ChoiceRequest request = wish_of(16, {row});
+    request.scene = &scene;
+    const Obstacle found = find_obstacle(request, row);
+    CHECK(found.cause == Obstacle::Cause::inputs);
+    CHECK(found.base == binary32);
+    CHECK(found.exact.kept_bits == Approx(8.059).margin(0.025));
+    REQUIRE(found.trials.size() == 16);
+    REQUIRE(found.enough);
+    const InputTrial& enough = found.trials[*found.enough];
+    CHECK(enough.wide == 4);  // the centre alone
+    CHECK(enough.exact.kept_bits > 30);
+    REQUIRE(enough.form);
+    CHECK(enough.form->meets(request.wish));
+    CHECK(found.trials[1].exact.kept_bits == found.exact.kept_bits);  // the origin is exact
+    CHECK(found.least_precision == 32);  // with 31 bits of the centre 15.18 are left, with 32 18.06
+}
+
+TEST_CASE("what stands in the way: format, problem and formula are told apart") {
+    const MapRow row = testing::row("sphere.unified", "f32");
+    // Every number is one of binary32, and the ray starts far away: half an ulp in the centre costs bits all the same.
+    const Scene far = one_ray("0", "1048576", "1048575");
+    ChoiceRequest request = wish_of(16, {row});
+    request.scene = &far;
+    const Obstacle problem = find_obstacle(request, row);
+    CHECK(problem.cause == Obstacle::Cause::inherent);
+    CHECK(problem.exact.kept_bits == 53);
+    CHECK(problem.inherent_kept == Approx(3).margin(0.02));  // t = 1, and κ = 2^21: lost are log2 κ
+    CHECK(problem.inherent_kept_f64 == Approx(32).margin(0.02));
+    request.wish.bits = 30;
+    CHECK(find_obstacle(request, row).cause == Obstacle::Cause::width);
+    // 18.5 bits are kept where half an ulp in each input would leave 20.5: neither is 23, but the formula loses more.
+    const Scene benign = scene_of_choice("near-benign");
+    const MapRow lossy = testing::row("sphere.schoolbook", "f32");
+    request = wish_of(23, {lossy});
+    request.scene = &benign;
+    const Obstacle loses = find_obstacle(request, lossy);
+    CHECK(loses.cause == Obstacle::Cause::formula);
+    CHECK(loses.inherent_kept == Approx(20.5).margin(0.5));
+    CHECK(loses.exact.kept_bits == 53);
+    // Seen from 4100 radii, the quadratic formula decides wrongly what exact arithmetic decides rightly.
+    const Scene oblique = scene_of_choice("rtg-fig-7-3-4100-oblique", {32, 32});
+    const MapRow schoolbook = testing::row("sphere.schoolbook", "f32");
+    request = wish_of(4, {schoolbook});
+    request.scene = &oblique;
+    const Obstacle formula = find_obstacle(request, schoolbook);
+    CHECK(formula.cause == Obstacle::Cause::formula);
+    CHECK(formula.exact.wrong == 0);
+    CHECK(formula.rounded_before);
+}
+
+TEST_CASE("inputs that binary64 cannot hold would have to come wider") {
+    const Scene scene = one_ray("999990.5", "1000000.03", "1");
+    const MapRow row = testing::row("sphere.unified", "f64");
+    ChoiceRequest request = wish_of(48, {row});
+    request.scene = &scene;
+    const Obstacle found = find_obstacle(request, row);
+    CHECK(found.cause == Obstacle::Cause::inputs);
+    CHECK(found.wider_than_f64);
+    REQUIRE(found.enough);
+    CHECK(found.trials[*found.enough].wide == 4);
+    CHECK(found.least_precision == 62);  // 61 bits of the centre leave 45.2 (fractions)
+}
+
+TEST_CASE("the safe offsets of a choice are those of the scene in fewer pixels") {
+    const Scene scene = scene_of_choice("near-benign", {32, 24});
+    const MapRow row = testing::row("sphere.double_inside", "f32");
+    const auto safe = safe_offsets(scene, row);
+    REQUIRE(safe);
+    CHECK(safe->points > 100);
+    REQUIRE_FALSE(safe->outside.empty());
+    CHECK(safe->outside.front().operations == 0);  // the solid is not asked, at the least
+    CHECK(std::ranges::count(safe->outside, "offset.exclude", [](const auto& s) { return s.strategy->name; }) == 1);
+    const auto all = measure::offset::safe_strategies(scene, {row});
+    REQUIRE(safe->both.size() == all.size());
+    for (std::size_t k = 0; k < all.size(); ++k) CHECK(safe->both[k].strategy == all[k].strategy);
+    CHECK_FALSE(safe_offsets(scene_of_choice("sphereflake-near"), row));
+}
+
+}  // namespace lostbits::test
