@@ -5,7 +5,7 @@
 
 #include "analysis/choice/lost_numbers.hpp"
 #include "analysis/choice/options.hpp"
-#include "analysis/choice/select.hpp"
+#include "analysis/choice/timed.hpp"
 #include "commands.hpp"
 #include "output/choice/choice_files.hpp"
 
@@ -38,37 +38,11 @@ double quantile_named(const std::string& text) {
     return percent / 100;
 }
 
-scene::file::Scene scene_of(const ChooseOptions& o, const Common& common) {
-    auto scenes = choice::load_scenes({{o.scene}, o.size, o.variant, o.set}, choice::data_folder(common.data));
-    if (scenes.size() == 1) return std::move(scenes.front());
-    std::string names;
-    for (const auto& scene : scenes) names += (names.empty() ? "" : ", ") + scene.id;
-    throw InputError(o.scene + ": has " + std::to_string(scenes.size()) +
-                     " variants, and a choice is for one; name one of " + names);
-}
-
-std::vector<measure::map::MapRow> rows_of(const ChooseOptions& o, const scene::file::Scene& scene) {
-    const auto formats = choice::select_formats(o.formats);
-    for (const Format& f : formats) {
-        if (f.engine == Format::Engine::rounded)
-            throw InputError(fmt::format(
-                "-f {}: this format is emulated, so its time says nothing; a choice is among f32 and f64", f.name));
-    }
-    // A march meets all solids at once, and how long it takes depends on its steps: a time a ray and solid says
-    // nothing.
-    const auto rows = choice::fitting(choice::cross(choice::select_forms(o.forms), formats),
-                                      [&](Shape shape) { return shape != Shape::sdf && scene.meets(shape); });
-    if (rows.empty())
-        throw NothingSelected(
-            fmt::format("none of the selected forms is for the solids of {}; try -i '{}'", scene.id,
-                        choice::globs_of([&](Shape s) { return s != Shape::sdf && scene.meets(s); })));
-    return rows;
-}
-
 Exit run(const ChooseOptions& o, const Common& common) {
     require_folder(o.out);
-    const auto scene = scene_of(o, common);
-    ChoiceRequest request{.scene = &scene, .rows = rows_of(o, scene)};
+    const auto scene = choice::load_one_scene({{o.scene}, o.size, o.variant, o.set}, choice::data_folder(common.data));
+    const auto rows = choice::cross(choice::select_forms(o.forms), choice::select_timed_formats(o.formats));
+    ChoiceRequest request{.scene = &scene, .rows = choice::timed_on(scene, rows)};
     request.wish = {.bits = o.bits, .wrong = o.wrong, .quantile = quantile_named(o.at)};
     request.single = o.single;
     if (o.quick) {

@@ -8,9 +8,11 @@
 #include <vector>
 
 #include "measure/map/map.hpp"
-#include "measure/speed/timing.hpp"
+#include "measure/speed/scene_work.hpp"
 
 namespace lostbits::measure::choice {
+
+using speed::thinned;
 
 /// What a user asks of an intersector.
 struct Wish {
@@ -56,7 +58,7 @@ struct ChoiceRequest {
 /// The worth of the row on the scene, at the scene's size; `progress` as above.
 std::vector<Worth> worth_of(const ChoiceRequest& request);
 
-/// What was timed: rays of the scene, taken evenly over its picture, against the solids that most of them truly hit.
+/// What was timed, see `SceneWork`.
 struct TimedRays {
     std::size_t rays = 0, solids = 0;
 };
@@ -72,8 +74,5 @@ std::optional<std::size_t> most_accurate(const std::vector<Candidate>& all);
 /// What comes nearest to a wish that nothing meets: of those that decide well enough the one that keeps most bits; if
 /// there is none, the one that decides fewest rays wrongly.
 std::optional<std::size_t> nearest(const std::vector<Candidate>& all, const Wish& wish);
-
-/// The scene in at most so many pixels, its proportions kept.
-scene::file::Scene thinned(const scene::file::Scene& scene, int pixels);
 
 }  // namespace lostbits::measure::choice

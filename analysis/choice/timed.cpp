@@ -1,0 +1,44 @@
+#include "analysis/choice/timed.hpp"
+
+#include <fmt/format.h>
+
+#include "number/error.hpp"
+
+namespace lostbits::analysis::choice {
+
+std::vector<Format> select_timed_formats(const std::vector<std::string>& names) {
+    const auto formats = select_formats(names);
+    for (const Format& f : formats) {
+        if (f.engine == Format::Engine::rounded)
+            throw InputError(fmt::format(
+                "-f {}: this format is emulated, so its time says nothing; only f32 and f64 are timed", f.name));
+    }
+    return formats;
+}
+
+scene::file::Scene load_one_scene(const SceneChoice& choice, const std::filesystem::path& data) {
+    auto scenes = load_scenes(choice, data);
+    if (scenes.size() == 1) return std::move(scenes.front());
+    std::string names;
+    for (const auto& scene : scenes) names += (names.empty() ? "" : ", ") + scene.id;
+    throw InputError(fmt::format("{}: has {} variants, and this is measured of one; name one of {}",
+                                 choice.names.front(), scenes.size(), names));
+}
+
+std::vector<measure::map::MapRow> timed_on(const scene::file::Scene& scene,
+                                           const std::vector<measure::map::MapRow>& rows) {
+    // A march meets all solids at once, and how long it takes depends on its steps: a time a ray and solid says
+    // nothing.
+    const auto meets = [&scene](Shape shape) { return shape != Shape::sdf && scene.meets(shape); };
+    auto timed = fitting(rows, meets);
+    if (!timed.empty()) return timed;
+    const std::string globs = globs_of(meets);
+    throw NothingSelected(
+        globs.empty()
+            ? fmt::format("{}: has solids of several shapes, which marches alone meet, and marches "
+                          "are not timed; choose a scene of spheres or of boxes",
+                          scene.id)
+            : fmt::format("none of the selected forms is for the solids of {}; try -i '{}'", scene.id, globs));
+}
+
+}  // namespace lostbits::analysis::choice
