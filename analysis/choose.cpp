@@ -22,20 +22,12 @@ struct ChooseOptions {
     bool single = false, bulk = false, quick = false;
 };
 
-/// `p99`, `p99.9`, `max`: the share of the hits.
 double quantile_named(const std::string& text) {
-    if (text == "max") return 1;
-    std::size_t end = 0;
-    double percent = 0;
     try {
-        if (text.starts_with("p")) percent = std::stod(text.substr(1), &end);
-    } catch (const std::exception&) {
-        end = 0;
+        return measure::choice::quantile_named(text);
+    } catch (const InputError& error) {
+        throw InputError(std::string("--at ") + error.what());
     }
-    if (end == 0 || end + 1 != text.size() || !(percent > 0 && percent < 100))
-        throw InputError("--at " + text + ": here it is p50, p99, p99.9 or the like, or max; " +
-                         "p99: 99 of 100 hits keep the bits");
-    return percent / 100;
 }
 
 Exit run(const ChooseOptions& o, const Common& common) {

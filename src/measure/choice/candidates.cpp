@@ -4,17 +4,32 @@
 #include <cmath>
 
 #include "intersect/simd/packed.hpp"
+#include "number/error.hpp"
 
 namespace lostbits::measure::choice {
 
 using map::MapRow;
+
+double quantile_named(const std::string& text) {
+    if (text == "max") return 1;
+    std::size_t end = 0;
+    double percent = 0;
+    try {
+        if (text.starts_with("p")) percent = std::stod(text.substr(1), &end);
+    } catch (const std::exception&) {
+        end = 0;
+    }
+    if (end == 0 || end + 1 != text.size() || !(percent > 0 && percent < 100))
+        throw InputError(text + ": here it is p50, p99, p99.9 or the like, or max; p99: 99 of 100 hits keep the bits");
+    return percent / 100;
+}
 
 std::vector<Worth> worth_of(const ChoiceRequest& request) {
     const metric::Metric* const lost = metric::find_metric("lost_bits");
     map::MapRequest asked{.scene = request.scene, .rows = request.rows, .metrics = {lost}};
     asked.limit = request.limit;
     asked.progress = request.progress;
-    const auto summaries = map::run_map(asked, std::vector<map::MapSink*>(request.rows.size(), nullptr));
+    const auto summaries = map::run_map(asked, {});
     std::vector<Worth> all;
     for (std::size_t r = 0; r < summaries.size(); ++r) {
         const map::MapSummary& s = summaries[r];

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <functional>
 #include <optional>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -20,6 +21,9 @@ struct Wish {
     double wrong = 0;  ///< share of the rays whose decision may be wrong: false or missed hits, NaN, another solid
     double quantile = 0.99;  ///< of the agreed hits, so many keep those bits; 1: every one
 };
+
+/// `p99`, `p99.9`, `max`: the share of the hits. InputError for any other word.
+double quantile_named(const std::string& text);
 
 /// What a row of a map is worth to a wish.
 struct Worth {

@@ -88,7 +88,7 @@ void measure_all(const TradeRequest& request, TradeResult& result) {
                                     .metrics = request.metrics,
                                     .limit = request.limit,
                                     .progress = [&request](std::uint64_t) { request.plan.progress(0); }};
-        result.rows.push_back(map::run_map(asked, std::vector<map::MapSink*>(rows.size(), nullptr)));
+        result.rows.push_back(map::run_map(asked, {}));
         return;
     }
     for (const RaySet& set : ray_sets(request.shape)) {
