@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 #include "measure/speed/trade.hpp"
 #include "output/file/datapackage.hpp"
@@ -47,14 +46,6 @@ const std::vector<Column> room_columns{
     {"wrong", "integer", "", "rays decided wrongly where it fails"},
     {"rays", "integer", "", "of so many"},
     {"kept_bits", "number", "bits", "kept there"}};
-
-/// The places of all, cheapest first.
-std::vector<std::size_t> by_price(const std::vector<Candidate>& all) {
-    std::vector<std::size_t> order(all.size());
-    std::iota(order.begin(), order.end(), std::size_t{0});
-    std::ranges::stable_sort(order, {}, [&all](std::size_t c) { return all[c].time.median; });
-    return order;
-}
 
 plot::ScatterPlotSpec front_plot(const Chosen& chosen) {
     const auto& wish = chosen.request.wish;
@@ -103,6 +94,10 @@ plot::ScatterPlotSpec front_plot(const Chosen& chosen) {
 
 }  // namespace
 
+void write_front_plot(const std::filesystem::path& path, const Chosen& chosen) {
+    plot::write_scatter_plot(image::image_backend(), path, front_plot(chosen));
+}
+
 ChoiceFiles::ChoiceFiles(const std::filesystem::path& folder)
     : folder_(folder),
       candidates_(folder / "choose.csv", candidate_columns),
@@ -136,7 +131,7 @@ void ChoiceFiles::write_rooms(const Chosen& chosen) {
 void ChoiceFiles::finish(const Chosen& chosen) {
     write_candidates(chosen);
     write_rooms(chosen);
-    plot::write_scatter_plot(image::image_backend(), folder_ / "front.png", front_plot(chosen));
+    write_front_plot(folder_ / "front.png", chosen);
     file::AtomicFile words(folder_ / "choose.txt");
     words.write(in_words(chosen));
     words.commit();

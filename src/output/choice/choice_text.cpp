@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 namespace lostbits::output::choice {
 
@@ -135,6 +136,13 @@ std::string nothing_meets(const Chosen& chosen) {
 }
 
 }  // namespace
+
+std::vector<std::size_t> by_price(const std::vector<Candidate>& all) {
+    std::vector<std::size_t> order(all.size());
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    std::ranges::stable_sort(order, {}, [&all](std::size_t c) { return all[c].time.median; });
+    return order;
+}
 
 std::string in_words(const Wish& wish) {
     const std::string hits = wish.quantile == 1 ? "every hit" : fmt::format("{:g} of 100 hits", wish.quantile * 100);

@@ -17,6 +17,9 @@ struct Chosen {
     std::vector<measure::choice::Room> rooms = {};  ///< of that one
 };
 
+/// The places of all, cheapest first.
+std::vector<std::size_t> by_price(const std::vector<measure::choice::Candidate>& all);
+
 /// `16 bits of 99 of 100 hits, no wrong decision`.
 std::string in_words(const measure::choice::Wish& wish);
 /// The answer, several lines; every time is of this run.
