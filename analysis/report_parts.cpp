@@ -210,7 +210,7 @@ ChoiceWork choice_of(const std::string& word, const std::string& size, const std
         }
         bits = last();
     }
-    if (rest.empty()) refuse("says no bits");
+    if (rest.empty()) refuse(word.find(':') == std::string::npos ? "says no bits" : "names no scene, or says no bits");
     const auto [stop, trouble] = std::from_chars(bits.data(), bits.data() + bits.size(), wish.bits);
     if (trouble != std::errc{} || stop != bits.data() + bits.size() || !(wish.bits >= 0 && wish.bits <= 53))
         refuse("\"" + bits + "\" is not a number of bits from 0 to 53");

@@ -162,7 +162,8 @@ std::string choices_section(const Report& report) {
         machine_of(report));
     for (const ChoicePart& c : report.choices) {
         text += fmt::format(
-            "<details open class=\"part\"><summary>{} <code>{}</code></summary>\n<pre>{}</pre>\n{}{}</details>\n",
+            "<details open class=\"part\"><summary>{} <code>{}</code></summary>\n<pre "
+            "class=\"words\">{}</pre>\n{}{}</details>\n",
             html(c.wish), html(c.scene), html(c.words), image(c.front), c.table);
     }
     return text + "</section>\n";
@@ -170,12 +171,15 @@ std::string choices_section(const Report& report) {
 
 std::string offsets_section(const Report& report) {
     if (report.offsets.empty()) return "";
-    std::string text =
+    std::string text = fmt::format(
         "<section id=\"offsets\"><h2>Origins of the next ray</h2>\n<p>A ray that leaves a computed point may meet the "
         "solid that it leaves once more, so renderers move its origin. Too short a move leaves such self-hits, too "
         "long "
-        "a one jumps past a neighbour or through a thin solid. Of every strategy, the share of rays that go "
-        "wrong:</p>\n";
+        "a one jumps past a neighbour or through a thin solid. Here the points are those that {} computes in {}, of "
+        "boxes {}. Of every strategy, the share of rays that go wrong (a start on the wrong side alone does no harm, "
+        "and "
+        "does not count):</p>\n",
+        measure::offset::usual_forms[0], measure::offset::usual_format, measure::offset::usual_forms[1]);
     text += "<div class=\"wide\">" + offset_overview(report.offsets) + "</div>\n";
     for (const OffsetPart& o : report.offsets) {
         text += fmt::format(

@@ -61,11 +61,11 @@ struct ChoicePart {
 /// What becomes of rays that leave the points of a scene, by every strategy.
 struct OffsetPart {
     std::string id, title, note, source;
-    std::vector<std::string> words;
-    std::vector<std::string> strategies;
-    std::array<std::vector<double>, 2> bad;  ///< of a side: the share of rays that go wrong, a strategy each
-    std::string table;                       ///< HTML, see `offset_table`
-    Picture sheet;
+    std::vector<std::string> words = {};
+    std::vector<std::string> strategies = {};
+    std::array<std::vector<double>, 2> bad = {};  ///< of a side: the share of rays that go wrong, a strategy each
+    std::string table = {};                       ///< HTML, see `offset_table`
+    Picture sheet = {};
 };
 
 struct Report {
