@@ -237,6 +237,10 @@ TEST_CASE("data/report.toml names what exists") {
         const auto found = lostbits::scene::file::find_scene(name, data);
         CHECK(lostbits::scene::file::load_scene(found.path, {.variant = found.variant}).size() == 1);
     }
+    for (const auto& name : report.offsets) {
+        const auto found = lostbits::scene::file::find_scene(name, data);
+        CHECK(lostbits::scene::file::load_scene(found.path, {.variant = found.variant}).size() == 1);
+    }
     for (const auto& name : report.sweeps)
         CHECK(std::filesystem::exists(lostbits::scene::sweep::find_sweep(name, data)));
     for (const auto& form : report.forms)

@@ -25,7 +25,7 @@ std::vector<std::string> row_in_words(const OffsetRequest& request, std::size_t 
         lines.push_back(fmt::format("{} {}: smallest safe offset up to {:.3g}{}; right for all {} rays: {}", of,
                                     name_of(side), on.safe.quantile(1),
                                     on.never_safe == 0 ? "" : fmt::format(" ({} points have none)", on.never_safe),
-                                    on.rays, right.empty() ? "none" : right));
+                                    on.rays, right.empty() ? "no strategy" : right));
     }
     const auto safe =
         measure::offset::safe_strategies(summary, request.strategies, row.row.form->shape, measure::offset::both_sides);
