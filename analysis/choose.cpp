@@ -9,7 +9,7 @@
 #include "analysis/choice/judge_words.hpp"
 #include "analysis/choice/lost_numbers.hpp"
 #include "analysis/choice/options.hpp"
-#include "analysis/choice/select.hpp"
+#include "analysis/choice/timed.hpp"
 #include "commands.hpp"
 #include "measure/choice/file_rays.hpp"
 #include "output/blame/explain_command.hpp"
@@ -29,20 +29,12 @@ struct ChooseOptions : choice::RayFileWords {
     bool single = false, bulk = false, quick = false;
 };
 
-/// `p99`, `p99.9`, `max`: the share of the hits.
 double quantile_named(const std::string& text) {
-    if (text == "max") return 1;
-    std::size_t end = 0;
-    double percent = 0;
     try {
-        if (text.starts_with("p")) percent = std::stod(text.substr(1), &end);
-    } catch (const std::exception&) {
-        end = 0;
+        return measure::choice::quantile_named(text);
+    } catch (const InputError& error) {
+        throw InputError(std::string("--at ") + error.what());
     }
-    if (end == 0 || end + 1 != text.size() || !(percent > 0 && percent < 100))
-        throw InputError("--at " + text + ": here it is p50, p99, p99.9 or the like, or max; " +
-                         "p99: 99 of 100 hits keep the bits");
-    return percent / 100;
 }
 
 /// Files of rays are told by their ending, or by a word that only they take.
@@ -84,16 +76,6 @@ void refuse_others(const ChooseOptions& o, bool files) {
                          ".npy or are named by --container; name one");
 }
 
-scene::file::Scene scene_of(const ChooseOptions& o, const Common& common) {
-    const std::string& name = o.subjects.front();
-    auto scenes = choice::load_scenes({{name}, o.size, o.variant, o.set}, choice::data_folder(common.data));
-    if (scenes.size() == 1) return std::move(scenes.front());
-    std::string names;
-    for (const auto& scene : scenes) names += (names.empty() ? "" : ", ") + scene.id;
-    throw InputError(name + ": has " + std::to_string(scenes.size()) +
-                     " variants, and a choice is for one; name one of " + names);
-}
-
 bool is_emulated(const Format& format) { return format.engine == Format::Engine::rounded; }
 
 /// The selected rows for what is called so, whose solids forms of a shape can meet.
@@ -104,14 +86,7 @@ std::vector<measure::map::MapRow> rows_of(const ChooseOptions& o, const std::str
         throw InputError(fmt::format(
             "-f {}: this format is emulated, so its time says nothing; a choice is among f32 and f64, name one of them",
             formats.front().name));
-    // A march meets all solids at once, and how long it takes depends on its steps: a time a ray and solid says
-    // nothing.
-    const auto can = [&meets](Shape shape) { return shape != Shape::sdf && meets(shape); };
-    const auto rows = choice::fitting(choice::cross(choice::select_forms(o.forms), formats), can);
-    if (rows.empty())
-        throw NothingSelected(
-            fmt::format("none of the selected forms is for the solids of {}; try -i '{}'", id, choice::globs_of(can)));
-    return rows;
+    return choice::timed_on(id, choice::cross(choice::select_forms(o.forms), formats), meets);
 }
 
 ChoiceRequest request_of(const ChooseOptions& o) {
@@ -152,7 +127,8 @@ Exit choose(ChoiceRequest& request, output::choice::ChoiceFiles& files, output::
 }
 
 Exit choose_for_scene(const ChooseOptions& o, const Common& common) {
-    const auto scene = scene_of(o, common);
+    const auto scene =
+        choice::load_one_scene({{o.subjects.front()}, o.size, o.variant, o.set}, choice::data_folder(common.data));
     ChoiceRequest request = request_of(o);
     request.scene = &scene;
     request.rows = rows_of(o, scene.id, [&scene](Shape shape) { return scene.meets(shape); });

@@ -10,11 +10,11 @@
 #include "analysis/choice/select.hpp"
 #include "commands.hpp"
 #include "measure/offset/along.hpp"
-#include "measure/offset/cheapest.hpp"
 #include "output/file/estimate.hpp"
 #include "output/offset/along_files.hpp"
 #include "output/offset/offset_files.hpp"
 #include "output/offset/offset_sheet.hpp"
+#include "output/offset/offset_text.hpp"
 #include "scene/file/scene.hpp"
 
 namespace lostbits::analysis {
@@ -30,8 +30,8 @@ namespace {
 
 struct OffsetOptions {
     std::vector<std::string> scenes;
-    std::vector<std::string> forms{"sphere.half_b", "box.ieee_minmax"};
-    std::vector<std::string> formats{"f32"};
+    std::vector<std::string> forms{measure::offset::usual_forms.begin(), measure::offset::usual_forms.end()};
+    std::vector<std::string> formats{std::string(measure::offset::usual_format)};
     std::vector<std::string> strategies{"*"};
     std::string points = "both";
     std::string size, variant, pixels = "none";
@@ -58,31 +58,6 @@ std::vector<measure::offset::OffsetRow> rows_for(const Scene& scene, const std::
         if (o.points != "computed") rows.push_back({row, HitPoint::projected});
     }
     return rows;
-}
-
-/// What a run says of a row: the strategies that are right for every ray, the cheapest of them, and the smallest safe
-/// offsets.
-void say_row(const OffsetRequest& request, std::size_t r, const OffsetSummary& summary) {
-    if (summary.points == 0) return;
-    const measure::offset::OffsetRow& row = request.rows[r];
-    for (const Side side : measure::offset::both_sides) {
-        std::string right;
-        for (std::size_t k = 0; k < request.strategies.size(); ++k) {
-            if (summary.on(side).strategies[k].bad > 0) continue;
-            right += fmt::format("{}{}", right.empty() ? "" : ", ", output::offset::short_name(*request.strategies[k]));
-        }
-        fmt::print(
-            "  {} {} {} {}: smallest safe offset up to {:.3g}{}; right for all {} rays: {}\n", row.row.form->info->name,
-            row.row.format.name, name_of(row.point), name_of(side), summary.on(side).safe.quantile(1),
-            summary.on(side).never_safe == 0 ? "" : fmt::format(" ({} points have none)", summary.on(side).never_safe),
-            summary.on(side).rays, right.empty() ? "none" : right);
-    }
-    const auto safe =
-        measure::offset::safe_strategies(summary, request.strategies, row.row.form->shape, measure::offset::both_sides);
-    if (!safe.empty())
-        fmt::print("  {} {} {}: the cheapest that is right on both sides: {}, {} operations\n",
-                   row.row.form->info->name, row.row.format.name, name_of(row.point), safe.front().strategy->name,
-                   safe.front().operations);
 }
 
 /// The scene at every place of an axis.
@@ -124,7 +99,10 @@ std::uint64_t offset_scene(const OffsetRequest& request, const OffsetOptions& o,
     if (!common.quiet) {
         progress.aside([&] {
             fmt::print("{}\n", (folder / "contact.png").string());
-            for (std::size_t r = 0; r < request.rows.size(); ++r) say_row(request, r, summaries[r]);
+            for (std::size_t r = 0; r < request.rows.size(); ++r) {
+                for (const std::string& line : output::offset::row_in_words(request, r, summaries[r]))
+                    fmt::print("  {}\n", line);
+            }
             if (summaries.front().points == 0)
                 fmt::print(stderr,
                            "lostbits: scene {}: no ray of its camera meets a solid where the form says so, so there "

@@ -7,7 +7,7 @@
 #include <set>
 
 #include "analysis/choice/options.hpp"
-#include "analysis/choice/select.hpp"
+#include "analysis/choice/timed.hpp"
 #include "commands.hpp"
 #include "measure/blame/culprits.hpp"
 #include "measure/speed/timing.hpp"
@@ -31,7 +31,7 @@ namespace {
 using scene::claim::Claim;
 
 struct ReportOptions {
-    std::vector<std::string> subjects, forms, formats, metrics, claims;
+    std::vector<std::string> subjects, forms, formats, metrics, claims, choices, offsets;
     std::string size, out;
     bool all = false, no_claims = false, trade = false;
     int seeds = 2;
@@ -125,6 +125,8 @@ struct Work {
     measure::metric::MetricSet made;  ///< outlives the maps, whose metrics it keeps
     std::vector<MapWork> maps;
     std::vector<SweepWork> sweeps;
+    std::vector<ChoiceWork> choices;
+    std::vector<scene::file::Scene> offsets;
     std::vector<Claim> claims;
     std::uint64_t units = 0;
 };
@@ -154,6 +156,12 @@ bool is_chosen(const Claim& c, const ReportOptions& o, const Work& work) {
            std::ranges::any_of(work.sweeps, [&](const SweepWork& s) {
                return !c.sweep.empty() && s.path.stem() == std::filesystem::path(c.sweep).stem();
            });
+}
+
+/// Forms that are timed: those of -i, or all.
+std::vector<MapRow> timed_rows(const ReportOptions& o) {
+    return choice::cross(choice::select_forms(o.forms.empty() ? std::vector<std::string>{"*"} : o.forms),
+                         choice::select_formats({"f32", "f64"}));
 }
 
 Work plan(const ReportOptions& o, const std::filesystem::path& data) {
@@ -193,6 +201,8 @@ Work plan(const ReportOptions& o, const std::filesystem::path& data) {
     for (const auto& path : subjects.sweeps)
         plan_sweep(work, path, data, rows_for(path.stem().string(), rows, claims, o.forms.empty()));
     for (SweepWork& sweep : work.sweeps) sweep.further_draws = o.seeds;
+    for (const std::string& word : o.choices) work.choices.push_back(choice_of(word, o.size, timed_rows(o), data));
+    work.offsets = offset_scenes(o.offsets.empty() && o.subjects.empty() ? defaults.offsets : o.offsets, o.size, data);
     for (const Claim& c : claims) {
         if (is_chosen(c, o, work)) work.claims.push_back(c);
     }
@@ -236,13 +246,14 @@ Exit run(const ReportOptions& o, const Common& common) {
     if (!work.claims.empty())
         report.results = measure::claim::measure_claims(
             work.claims, {.data_dir = data, .further_draws = o.seeds, .done = stop_if_interrupted});
+    for (const scene::file::Scene& scene : work.offsets) {
+        if (auto part = offset_part(scene, advance)) report.offsets.push_back(std::move(*part));
+    }
+    if (o.trade || !work.choices.empty()) report.processor = measure::speed::processor_name();
+    for (const ChoiceWork& choice : work.choices) report.choices.push_back(choice_part(choice, advance));
     if (o.trade) {
-        report.processor = measure::speed::processor_name();
         for (const Shape shape : {Shape::sphere, Shape::box}) {
-            const auto rows = choice::fitting(
-                choice::cross(choice::select_forms(o.forms.empty() ? std::vector<std::string>{"*"} : o.forms),
-                              {*find_format("f32"), *find_format("f64")}),
-                [shape](Shape form) { return form == shape; });
+            const auto rows = choice::fitting(timed_rows(o), [shape](Shape form) { return form == shape; });
             if (!rows.empty())
                 report.trades.push_back(trade_part(shape, rows, [](std::uint64_t) { stop_if_interrupted(); }));
         }
@@ -280,6 +291,12 @@ void add_report(CLI::App& program, const Common& common, Command& chosen) {
     command->add_flag("--no-claims", o->no_claims, "Leave claims out");
     command->add_flag("--all", o->all, "Every scene and sweep under data");
     command->add_flag("--trade", o->trade, "Also measure speed, briefly; the page then differs from run to run");
+    choice::add_list(*command, "--choose", o->choices,
+                     "Also what is the cheapest form for a scene and a wish: SCENE:BITS, or SCENE:BITS:max for bits of "
+                     "every hit; the page then differs from run to run");
+    choice::add_list(*command, "--offsets", o->offsets,
+                     "Scenes whose next rays are held against every strategy of offsets (default: none, or those of "
+                     "data/report.toml where no SUBJECT is named)");
     command->add_option("-o,--out", o->out, "Folder for index.html")->required();
     command->callback([o, &common, &chosen] { chosen = [o, &common] { return run(*o, common); }; });
 }

@@ -1,15 +1,20 @@
 #include "report_parts.hpp"
 
 #include <algorithm>
+#include <charconv>
 #include <set>
 
 #include <fmt/format.h>
 
-#include "analysis/choice/select.hpp"
+#include "analysis/choice/timed.hpp"
+#include "measure/choice/room.hpp"
 #include "measure/map/culprit_order.hpp"
 #include "measure/sweep/cases.hpp"
+#include "output/choice/choice_files.hpp"
 #include "output/map/row_names.hpp"
 #include "output/map/scene_sheet.hpp"
+#include "output/offset/offset_sheet.hpp"
+#include "output/offset/offset_text.hpp"
 #include "output/page/grid_data.hpp"
 #include "output/page/picture.hpp"
 #include "output/page/sweep_data.hpp"
@@ -178,6 +183,98 @@ SweepPart sweep_part(const SweepWork& work, const Advance& advance) {
     auto part = scene::sweep::sweep_kind(work.path) == scene::sweep::SweepKind::cases ? case_part(work)
                                                                                       : axes_part(work, advance);
     advance(1);
+    return part;
+}
+
+ChoiceWork choice_of(const std::string& word, const std::string& size, const std::vector<MapRow>& rows,
+                     const std::filesystem::path& data) {
+    const auto refuse = [&word](const std::string& why) {
+        throw InputError("--choose " + word + ": " + why +
+                         "; write a scene and the correct bits that are wanted, near-benign:18, or with the share of "
+                         "the hits that keep them, near-benign:18:max");
+    };
+    std::string rest = word;
+    const auto last = [&rest] {
+        const auto colon = rest.rfind(':');
+        const std::string part = colon == std::string::npos ? "" : rest.substr(colon + 1);
+        rest.resize(colon == std::string::npos ? 0 : colon);
+        return part;
+    };
+    std::string bits = last();
+    measure::choice::Wish wish;
+    if (bits.starts_with('p') || bits == "max") {
+        try {
+            wish.quantile = measure::choice::quantile_named(bits);
+        } catch (const InputError& error) {
+            refuse(error.what());
+        }
+        bits = last();
+    }
+    if (rest.empty()) refuse(word.find(':') == std::string::npos ? "says no bits" : "names no scene, or says no bits");
+    const auto [stop, trouble] = std::from_chars(bits.data(), bits.data() + bits.size(), wish.bits);
+    if (trouble != std::errc{} || stop != bits.data() + bits.size() || !(wish.bits >= 0 && wish.bits <= 53))
+        refuse("\"" + bits + "\" is not a number of bits from 0 to 53");
+    auto scene = choice::load_one_scene({{rest}, size, "", {}}, data);
+    auto timed = choice::timed_on(scene, rows);
+    return {std::move(scene), wish, std::move(timed)};
+}
+
+std::vector<scene::file::Scene> offset_scenes(const std::vector<std::string>& names, const std::string& size,
+                                              const std::filesystem::path& data) {
+    auto scenes = choice::load_scenes({names, size, "", {}}, data);
+    for (const auto& scene : scenes) {
+        measure::offset::require_few_solids(scene);
+        if (!scene.meets(Shape::sphere) && !scene.meets(Shape::box))
+            throw NothingSelected("--offsets " + scene.id +
+                                  ": has spheres and boxes together, or is for marches alone; choose a scene of one of "
+                                  "the two");
+    }
+    return scenes;
+}
+
+output::page::ChoicePart choice_part(const ChoiceWork& work, const Advance& advance) {
+    measure::choice::ChoiceRequest request{.scene = &work.scene, .rows = work.rows, .wish = work.wish};
+    request.plan.repetitions = 5;  // as `lostbits choose --quick`
+    request.plan.least_seconds = 1e-4;
+    request.progress = request.plan.progress = [&advance](std::uint64_t) { advance(0); };
+    measure::choice::TimedRays timed;
+    const auto all = measure_candidates(request, timed);
+    output::choice::Chosen chosen{request, all, timed, cheapest(all, request.wish)};
+    if (chosen.meets) chosen.rooms = rooms_of(request, all[*chosen.meets].row);
+    return {.scene = work.scene.id,
+            .wish = output::choice::in_words(work.wish),
+            .words = output::choice::in_words(chosen),
+            .table = page::choice_table(chosen),
+            .front = page::picture(fmt::format("Time against kept bits on {}", work.scene.id),
+                                   [&](const auto& to) { output::choice::write_front_plot(to, chosen); })};
+}
+
+std::optional<output::page::OffsetPart> offset_part(const scene::file::Scene& scene, const Advance& advance) {
+    namespace offset = measure::offset;
+    offset::OffsetRequest request{.scene = &scene, .rows = {}, .strategies = offset::all_strategies()};
+    const auto forms = choice::select_forms({offset::usual_forms.begin(), offset::usual_forms.end()});
+    const auto rows = choice::fitting(choice::cross(forms, choice::select_formats({std::string(offset::usual_format)})),
+                                      [&scene](Shape shape) { return scene.meets(shape); });
+    if (rows.empty()) return std::nullopt;
+    request.rows = {{rows.front(), offset::HitPoint::computed}};
+    request.quiet = false;  // no table of the page has it
+    request.progress = [&advance](std::uint64_t) { advance(0); };
+    std::vector<offset::OffsetSummary> summaries;
+    page::OffsetPart part{.id = scene.id, .title = scene.title, .note = scene.note, .source = scene.source};
+    part.sheet = page::picture(scene.title + ": what becomes of rays by every strategy", [&](const auto& to) {
+        output::offset::OffsetSheet sheet(output::image::image_backend(), to, request);
+        summaries = run_offsets(request, &sheet);
+        sheet.finish(summaries);
+    });
+    const offset::OffsetSummary& summary = summaries.front();
+    part.words = output::offset::row_in_words(request, 0, summary);
+    part.table = page::offset_table(request, summary);
+    for (std::size_t k = 0; k < request.strategies.size(); ++k) {
+        part.strategies.push_back(output::offset::short_name(*request.strategies[k]));
+        for (const offset::Side side : offset::both_sides)
+            part.bad[static_cast<std::size_t>(side)].push_back(
+                offset_value(summary, side, k, "bad_fraction", scene.id));
+    }
     return part;
 }
 

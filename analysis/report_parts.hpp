@@ -3,9 +3,11 @@
 
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "measure/choice/candidates.hpp"
 #include "measure/metric/metric_set.hpp"
 #include "output/page/page.hpp"
 #include "scene/file/scene.hpp"
@@ -33,6 +35,25 @@ struct SweepWork {
     int further_draws = 0;  ///< of random rays, for the spread of onsets
 };
 output::page::SweepPart sweep_part(const SweepWork& work, const Advance& advance);
+
+/// A scene and a wish, among rows that can be timed on it.
+struct ChoiceWork {
+    scene::file::Scene scene;
+    measure::choice::Wish wish;
+    std::vector<measure::map::MapRow> rows;
+};
+/// `SCENE:BITS`, or `SCENE:BITS:AT`, as the command line has it; `size` may be empty: the scene's. InputError, with
+/// what to write, for any other word.
+ChoiceWork choice_of(const std::string& word, const std::string& size, const std::vector<measure::map::MapRow>& rows,
+                     const std::filesystem::path& data);
+/// Short measurements, as `lostbits choose --quick`.
+output::page::ChoicePart choice_part(const ChoiceWork& work, const Advance& advance);
+
+/// The scenes of these names. NothingSelected for one that offsets cannot be measured of.
+std::vector<scene::file::Scene> offset_scenes(const std::vector<std::string>& names, const std::string& size,
+                                              const std::filesystem::path& data);
+/// Rays that leave the points of a scene, which `usual_forms` finds in `usual_format`. Nothing where no such form fits.
+std::optional<output::page::OffsetPart> offset_part(const scene::file::Scene& scene, const Advance& advance);
 
 /// Short measurements of the rows of one shape.
 output::page::TradePart trade_part(Shape shape, const std::vector<measure::map::MapRow>& rows, const Advance& advance);

@@ -1,36 +1,33 @@
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <filesystem>
 #include <memory>
+#include <optional>
 
+#include "analysis/choice/lost_numbers.hpp"
 #include "analysis/choice/options.hpp"
-#include "analysis/choice/select.hpp"
+#include "analysis/choice/timed.hpp"
 #include "commands.hpp"
 #include "measure/speed/trade.hpp"
 #include "output/speed/trade_files.hpp"
 
 namespace lostbits::analysis {
+
+using measure::map::MapRow;
+using measure::speed::TradeRequest;
+using scene::file::Scene;
+
 namespace {
 
 struct TradeOptions {
-    std::string shape = "sphere";
+    std::string shape = "sphere", scene, size, variant;
+    std::vector<std::string> set;
     std::vector<std::string> forms{"*"};
     std::vector<std::string> formats{"f32", "f64"};
     std::string out;
     int repetitions = 0;  ///< 0: the plan's own
     bool quick = false;
 };
-
-std::vector<Format> native_formats(const std::vector<std::string>& names) {
-    const auto formats = choice::select_formats(names);
-    for (const Format& f : formats) {
-        if (f.engine == Format::Engine::rounded)
-            throw InputError(fmt::format(
-                "-f {}: this format is emulated, so its time says nothing; only f32 and f64 are timed", f.name));
-    }
-    return formats;
-}
 
 measure::speed::TimingPlan plan_of(const TradeOptions& o) {
     measure::speed::TimingPlan plan;
@@ -42,25 +39,45 @@ measure::speed::TimingPlan plan_of(const TradeOptions& o) {
     return plan;
 }
 
-Exit run(const TradeOptions& o, const Common& common) {
-    require_folder(o.out);
-    const Shape shape = o.shape == "box" ? Shape::box : Shape::sphere;
-    const auto rows = choice::fitting(choice::cross(choice::select_forms(o.forms), native_formats(o.formats)),
-                                      [shape](Shape form) { return form == shape; });
+/// The forms of a shape, on the sets of rays that it has.
+TradeRequest request_for(const std::string& shape_name, const std::vector<MapRow>& all) {
+    const Shape shape = shape_name == "box" ? Shape::box : Shape::sphere;
+    const auto rows = choice::fitting(all, [shape](Shape form) { return form == shape; });
     if (rows.empty())
         throw NothingSelected(fmt::format(
-            "--shape {0}: none of the selected forms is for a {0}; try -i '{0}.*' or another --shape", o.shape));
-    measure::speed::TradeRequest request{.shape = shape,
-                                         .kernels = measure::speed::trade_kernels(rows),
-                                         .metrics = {},
-                                         .loads = measure::speed::trade_loads(measure::speed::cache_sizes()),
-                                         .plan = plan_of(o)};
+            "--shape {0}: none of the selected forms is for a {0}; try -i '{0}.*' or another --shape", shape_name));
+    return {.shape = shape,
+            .kernels = measure::speed::trade_kernels(rows),
+            .metrics = {},
+            .loads = measure::speed::trade_loads(measure::speed::cache_sizes())};
+}
+
+/// The forms that fit a scene, on its own rays.
+TradeRequest request_for(const Scene& scene, const std::vector<MapRow>& all) {
+    const auto rows = choice::timed_on(scene, all);
+    return {.shape = rows.front().form->shape,
+            .scene = &scene,
+            .kernels = measure::speed::trade_kernels(rows),
+            .metrics = {},
+            .loads = measure::speed::scene_load()};
+}
+
+Exit run(const TradeOptions& o, const Common& common) {
+    require_folder(o.out);
+    const auto rows = choice::cross(choice::select_forms(o.forms), choice::select_timed_formats(o.formats));
+    const auto data = choice::data_folder(common.data);
+    std::optional<Scene> scene;
+    if (!o.scene.empty()) scene = choice::load_one_scene({{o.scene}, o.size, o.variant, o.set}, data);
+    TradeRequest request = scene ? request_for(*scene, rows) : request_for(o.shape, rows);
+    request.plan = plan_of(o);
     for (const char* name : {"lost_bits", "excess_bits"}) request.metrics.push_back(measure::metric::find_metric(name));
-    const auto folder = std::filesystem::path(o.out) / o.shape;
+    const std::string name = scene ? scene->id : o.shape;
+    const auto folder = std::filesystem::path(o.out) / name;
     const auto owner = own_folder(folder, common, "");
     output::speed::TradeFiles files(request, folder);
     const choice::ThreadLimit limit(common.threads);
-    output::file::Progress progress(measure::speed::trade_units(request), fmt::format("trade {}", o.shape),
+    if (scene && !common.quiet) choice::note_idle_settings(o.set, scene->id, rows);
+    output::file::Progress progress(measure::speed::trade_units(request), fmt::format("trade {}", name),
                                     common.progress, common.quiet);
     request.plan.progress = advancing(progress);
     const measure::speed::TradeResult result = measure::speed::run_trade(request);
@@ -76,8 +93,15 @@ Exit run(const TradeOptions& o, const Common& common) {
 void add_trade(CLI::App& program, const Common& common, Command& chosen) {
     auto* command = program.add_subcommand("trade", "Measured speed against measured accuracy, with the Pareto front");
     const auto o = std::make_shared<TradeOptions>();
-    command->add_option("--shape", o->shape, "sphere (default) or box")->check(CLI::IsMember({"sphere", "box"}));
-    choice::add_list(*command, "-i,--intersector", o->forms, "Forms, by name or glob (default: all of the shape)");
+    auto* const shape = command->add_option("--shape", o->shape, "sphere (default) or box, on rays of known kinds")
+                            ->check(CLI::IsMember({"sphere", "box"}));
+    auto* const scene =
+        command->add_option("--scene", o->scene, "Instead on the rays of a scene: a file, or a name in data/scenes")
+            ->excludes(shape);
+    command->add_option("--size", o->size, "Its picture's size, WxH in pixels (default: the scene's)")->needs(scene);
+    command->add_option("--variant", o->variant, "One variant of a scene that has several")->needs(scene);
+    choice::add_set(*command, o->set, "Change a number of the scene first: sphere[0].radius=10")->needs(scene);
+    choice::add_list(*command, "-i,--intersector", o->forms, "Forms, by name or glob (default: all that fit)");
     choice::add_list(*command, "-f,--format", o->formats, "f32, f64 (default: both)");
     command->add_option("--repetitions", o->repetitions, "Measurements of each kernel (default: 25; 5 with --quick)")
         ->check(CLI::Range(1, 1000));

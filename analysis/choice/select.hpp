@@ -90,8 +90,12 @@ void drop_unfitting(Things& things, const std::vector<measure::map::MapRow>& row
     std::erase_if(things, [&](const auto& thing) {
         const auto can = [&](Shape shape) { return meets(thing, shape); };
         if (!fitting(rows, can).empty()) return false;
-        left_out.push_back("no selected form handles " + std::string(name_of(thing)) + "; try -i '" + globs_of(can) +
-                           "'");
+        const std::string globs = globs_of(can);
+        left_out.push_back("no selected form handles " + std::string(name_of(thing)) +
+                           (globs.empty()
+                                ? ", and no other could: its solids are of several shapes, which marches alone "
+                                  "meet; choose another one"
+                                : "; try -i '" + globs + "'"));
         return true;
     });
     if (things.empty()) throw NothingSelected(left_out.front());

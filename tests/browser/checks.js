@@ -46,7 +46,7 @@ function make() {
     const once = ["--seeds", "0"];
     lostbits(
         "report", "near-benign", "rtg-fig-7-3-4100-oblique", "sdf-sphere", sweep, ...forms, ...two, "--seeds", "1",
-        "--trade", "-o", at("report"));
+        "--trade", "--choose", "near-benign:18", "--offsets", "offset-tiny,offset-thin-box", "-o", at("report"));
     lostbits(
         "report", "near-benign", "-i", "sphere.unified", "-f", "f32", "--size", "512x512", "--no-claims", "-o",
         at("large"));

@@ -172,11 +172,13 @@ void lay_out(const Scratch& scratch, const std::string& page) {
             for (const std::string& line : block.lines) text += line + "\n";
             if (text.find("#include <lostbits_plugin.hpp>") != std::string::npos) (void)scratch.write("mine.cpp", text);
             if (block.language != "toml") continue;
-            for (const auto& [schema, name] : {std::pair{"lostbits-scene/", "mine.toml"},
-                                               {"lostbits-sweep/", "my-sweep.toml"},
-                                               {"lostbits-claims/", "my-claims.toml"}}) {
-                if (text.find(schema) != std::string::npos) (void)scratch.write(name, text);
-            }
+            const std::pair<const char*, const char*> files[] = {{"lostbits-scene/", "mine.toml"},
+                                                                 {"lostbits-sweep/", "my-sweep.toml"},
+                                                                 {"profile = \"timing\"", "my-timed.toml"},
+                                                                 {"lostbits-claims/", "my-claims.toml"}};
+            const auto kind = std::ranges::find_if(
+                files, [&text](const auto& file) { return text.find(file.first) != std::string::npos; });
+            if (kind != std::end(files)) (void)scratch.write(kind->second, text);
         }
     }
 }

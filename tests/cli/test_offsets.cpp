@@ -101,6 +101,7 @@ TEST_CASE("offsets refuses what it cannot measure, and says what to try") {
         {"near-benign --along time", 2, "distance, radius, world"},
         {"near-benign --size 0x4", 2, "--size"},
         {"sphereflake-near", 2, "at most 1000"},
+        {"sdf-union", 4, "solids are of several shapes"},
         {"raycast-course.pixels --along distance", 2, "cannot move"},
         {boxes, 2, "wall.toml:"},
         {"", 2, "SCENE"},
@@ -122,10 +123,15 @@ TEST_CASE("offsets: one table on standard output, and what a scene without point
     REQUIRE(table.code == 0);
     CHECK(table.out.starts_with("strategy,side,point,form,format,operations,points,"));
     CHECK(std::ranges::count(table.out, '\n') == 3);
-    const auto empty = run("offsets near-benign --size 8x6 --set 'camera.look_at=[9,9,9]'" + into(scratch));
+    // `none` is the name of a strategy, so it cannot say that there is none.
+    const auto bad = run("offsets near-benign --size 32x24 --points computed --strategy offset.none" + into(scratch));
+    REQUIRE(bad.code == 0);
+    CHECK(has(bad.out, "rays: no strategy\n"));
+    const Scratch elsewhere;
+    const auto empty = run("offsets near-benign --size 8x6 --set 'camera.look_at=[9,9,9]'" + into(elsewhere));
     CHECK(empty.code == 0);
     CHECK(has(empty.err, "no point to leave"));
-    for (const auto& row : read_csv(scratch.path() / "near-benign/summary.csv")) {
+    for (const auto& row : read_csv(elsewhere.path() / "near-benign/summary.csv")) {
         CHECK(row.at("points") == "0");
         CHECK(row.at("self_hit_fraction").empty());
         CHECK(row.at("safe_max").empty());

@@ -148,6 +148,57 @@ TEST_CASE("a report counts and lists the claims that it is asked for") {
     for (const auto& link : links) CHECK(link.find("form=sphere.schoolbook&amp;format=f32") != std::string::npos);
 }
 
+TEST_CASE(
+    "the offsets of a report are the CSV's numbers, the same bytes every time, and there when they are asked for") {
+    const Scratch scratch, again, table;
+    const std::string what = "near-benign -i sphere.unified -f f32 --no-claims --size 24x18 ";
+    CHECK(report_of(what, scratch).find("id=\"offsets\"") == std::string::npos);
+    const std::string page = report_of(what + "--offsets offset-shells.outside --force", scratch);
+    REQUIRE(run("report " + what + "--offsets offset-shells.outside -j 1 --isa scalar -o " + in(again)).code == 0);
+    CHECK(page == contents(again.path() / "index.html"));
+    REQUIRE(run("offsets offset-shells.outside --size 24x18 --points computed -o " + in(table)).code == 0);
+    const auto summary = read_csv(table.path() / "offset-shells.outside/summary.csv");
+    const auto at = page.find("id=\"offsets-offset-shells.outside\"");
+    REQUIRE(at != std::string::npos);
+    const std::string part = page.substr(at, page.find("<img", at) - at);
+    const auto cells = all_of(part, R"re(<data value="([^"]*)")re");
+    std::vector<std::string> expected;
+    for (const char* side : {"outside", "inside"}) {
+        for (const auto& row : summary) {
+            if (row.at("side") != side) continue;
+            for (const char* column :
+                 {"bad_fraction", "self_hit_fraction", "self_hit_by_form_fraction", "lost_occluder_fraction",
+                  "lost_exit_fraction", "wrong_side_fraction", "oversize_p50", "oversize_p99"}) {
+                if (!row.at(column).empty()) expected.push_back(row.at(column));
+            }
+        }
+    }
+    CHECK(expected.size() > 100);
+    CHECK(cells == expected);
+    CHECK(has(part, "right for all"));
+    const std::string overview = page.substr(page.find("id=\"offsets\""), at - page.find("id=\"offsets\""));
+    CHECK(all_of(overview, R"re(<data value="([^"]*)")re").size() == summary.size());
+}
+
+TEST_CASE("a report says what is chosen for a scene and a wish, when it is asked to") {
+    const Scratch scratch;
+    const std::string what = "near-benign -i sphere.unified -i sphere.schoolbook -f f32 --no-claims --size 32x32 ";
+    CHECK(report_of(what, scratch).find("id=\"choose\"") == std::string::npos);
+    const std::string page =
+        report_of(what + "--choose rtg-fig-7-3-4100-oblique:40:max --choose near-benign:8 --force", scratch);
+    const auto at = page.find("id=\"choose\"");
+    REQUIRE(at != std::string::npos);
+    const std::string part = page.substr(at, page.find("</section>", at) - at);
+    CHECK(has(part, "Another run measures other times"));
+    CHECK(has(part, "rtg-fig-7-3-4100-oblique: 40 correct bits of every hit, no wrong decision\n"));
+    CHECK(has(part, "The cheapest is sphere.unified in f64"));
+    CHECK(all_of(part, "<th scope=\"row\">([^<]*)</th>").size() == 8);
+    const auto chosen = all_of(part, "<tr class=\"chosen\"><th scope=\"row\">([^<]*)</th>");
+    REQUIRE(chosen.size() == 2);
+    CHECK(chosen.front() == "sphere.unified");
+    CHECK(all_of(part, "(data:image/png)").size() == 2);
+}
+
 TEST_CASE("a report that cannot be made leaves nothing") {
     const auto refused = [](const std::string& arguments, int code, const std::string& says) {
         const Scratch scratch;
@@ -163,6 +214,14 @@ TEST_CASE("a report that cannot be made leaves nothing") {
     refused("near-benign --size 0x4", 2, "--size");
     refused("near-benign -i sphere.press --metric contribution:disk", 2, "did you mean \"disc\"?");
     refused("near-benign -i 'box.*'", 4, "no selected form handles");
+    refused("near-benign --choose near-benign", 2, "says no bits");
+    refused("near-benign --choose near-benign:54", 2, "0 to 53");
+    refused("near-benign --choose near-benign:18:p0", 2, "p99.9");
+    refused("near-benign --choose near-bening:18", 2, "did you mean \"near-benign\"?");
+    refused("near-benign --choose rtg-fig-7-4:18", 2, "rtg-fig-7-4.r1e6");
+    refused("near-benign --choose sdf-union:18", 4, "marches are not timed");
+    refused("near-benign --offsets sdf-union", 4, "spheres and boxes together");
+    refused("near-benign --offsets sphereflake-near", 2, "at most 1000");
     const Scratch scratch;
     const auto broken = scratch.write("mine.toml", spoilt("radius = 1", "radius = -1"));
     refused("'" + broken + "'", 2, "mine.toml:");
@@ -175,6 +234,10 @@ TEST_CASE("data/report.toml names what exists") {
     REQUIRE(report.scenes.size() >= 5);
     REQUIRE(report.sweeps.size() >= 5);
     for (const auto& name : report.scenes) {
+        const auto found = lostbits::scene::file::find_scene(name, data);
+        CHECK(lostbits::scene::file::load_scene(found.path, {.variant = found.variant}).size() == 1);
+    }
+    for (const auto& name : report.offsets) {
         const auto found = lostbits::scene::file::find_scene(name, data);
         CHECK(lostbits::scene::file::load_scene(found.path, {.variant = found.variant}).size() == 1);
     }

@@ -5,13 +5,16 @@
 #include <cstdint>
 #include <functional>
 #include <optional>
+#include <string>
 #include <string_view>
 #include <vector>
 
 #include "measure/map/map.hpp"
-#include "measure/speed/timing.hpp"
+#include "measure/speed/scene_work.hpp"
 
 namespace lostbits::measure::choice {
+
+using speed::thinned;
 
 /// What a user asks of an intersector.
 struct Wish {
@@ -19,6 +22,9 @@ struct Wish {
     double wrong = 0;  ///< share of the rays whose decision may be wrong: false or missed hits, NaN, another solid
     double quantile = 0.99;  ///< of the agreed hits, so many keep those bits; 1: every one
 };
+
+/// `p99`, `p99.9`, `max`: the share of the hits. InputError for any other word.
+double quantile_named(const std::string& text);
 
 /// What a row of a map is worth to a wish.
 struct Worth {
@@ -74,13 +80,16 @@ truth::BandNeeds needs_of(const map::MapRow& row);
 /// The worth of every row on the scene, at the scene's size; `progress` as above.
 std::vector<Worth> worth_of(const ChoiceRequest& request);
 
-/// What was timed: rays taken evenly over the picture or the files, against the solids that most of them truly hit.
+/// What was timed, see `speed::SceneWork`.
 struct TimedRays {
     std::size_t rays = 0, solids = 0;
 };
 
 /// Every row, in the request's order: its worth, and its time on rays of the scene or of the files themselves.
 std::vector<Candidate> measure_candidates(const ChoiceRequest& request, TimedRays& timed);
+
+/// The places of all, cheapest first.
+std::vector<std::size_t> by_price(const std::vector<Candidate>& all);
 
 /// The fastest that meets the wish; the fastest and the most accurate of all (fewest wrong decisions, then most bits);
 /// nothing where the list is empty or nothing meets it.
@@ -90,8 +99,5 @@ std::optional<std::size_t> most_accurate(const std::vector<Candidate>& all);
 /// What comes nearest to a wish that nothing meets: of those that decide well enough the one that keeps most bits; if
 /// there is none, the one that decides fewest rays wrongly.
 std::optional<std::size_t> nearest(const std::vector<Candidate>& all, const Wish& wish);
-
-/// The scene in at most so many pixels, its proportions kept.
-scene::file::Scene thinned(const scene::file::Scene& scene, int pixels);
 
 }  // namespace lostbits::measure::choice

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numeric>
 
 namespace lostbits::measure::choice {
 
@@ -50,14 +49,6 @@ int first_at(const std::vector<Tried>& tried, std::size_t pixel) {
     }
     const bool unknown = std::ranges::any_of(tried, [pixel](const Tried& t) { return t.meets->unresolved(pixel); });
     return unknown ? Requirement::unresolved : Requirement::none;
-}
-
-std::vector<Tried> by_price(const std::vector<Candidate>& all, const Meetings& meetings) {
-    std::vector<Tried> tried;
-    for (std::size_t c = 0; c < all.size(); ++c) tried.push_back({&meetings.rows[c], static_cast<int>(c)});
-    std::ranges::stable_sort(tried, {},
-                             [&all](const Tried& t) { return all[static_cast<std::size_t>(t.place)].time.median; });
-    return tried;
 }
 
 /// The formats of the rows, each once, by precision and then by name.
@@ -116,7 +107,8 @@ double Requirement::least_time(const std::vector<Candidate>& all) const {
 
 Requirement requirement_of(const ChoiceRequest& request, const std::vector<Candidate>& all, const Meetings& meetings) {
     Requirement r{.width = request.scene->width, .height = request.scene->height};
-    const auto tried = by_price(all, meetings);
+    std::vector<Tried> tried;
+    for (const std::size_t c : by_price(all)) tried.push_back({&meetings.rows[c], static_cast<int>(c)});
     for (std::size_t i = 0; i < request.scene->pixels(); ++i) r.cheapest.push_back(first_at(tried, i));
     r.taken = counts_of(r.cheapest, all.size());
     for (const MeetsAt& row : meetings.rows) r.met.push_back(row.count());

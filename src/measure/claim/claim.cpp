@@ -10,6 +10,7 @@
 #include <tuple>
 
 #include "intersect/simd/packed.hpp"
+#include "measure/claim/claim_choice.hpp"
 #include "measure/claim/claim_columns.hpp"
 #include "measure/claim/claim_subjects.hpp"
 #include "measure/claim/claim_timing.hpp"
@@ -93,10 +94,11 @@ MapRow claim_row(const Claim& claim) {
 
 namespace {
 
-enum class Kind { scene, sweep, render, offsets, consistency, table, timing };
+enum class Kind { scene, sweep, render, offsets, consistency, table, timing, choice };
 
 Kind kind_of(const Claim& c) {
     return c.timing                 ? Kind::timing
+           : c.choice               ? Kind::choice
            : !c.scene.empty()       ? Kind::scene
            : !c.sweep.empty()       ? Kind::sweep
            : !c.render.empty()      ? Kind::render
@@ -172,6 +174,10 @@ std::vector<ClaimResult> measure_claims(const std::vector<Claim>& claims, const 
             case Kind::consistency: measure_consistency(claims, places, request.data_dir, results); break;
             case Kind::sweep:
             case Kind::table: measure_draws(claims, places, request, results); break;
+            case Kind::choice:
+                for (const std::size_t i : places)
+                    results[i] = judge(claims[i], chosen_value(claims[i], request.data_dir, request.done), nullptr);
+                break;
             case Kind::timing:
                 for (const std::size_t i : places)
                     results[i] = judge(claims[i], timed_ratio(claims[i], request.done), nullptr);

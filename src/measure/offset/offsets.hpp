@@ -100,6 +100,10 @@ struct OffsetRequest {
     std::function<void(std::uint64_t)> progress = [](std::uint64_t) {};  ///< after each band of a row: its pixels
 };
 
+/// What points and self-hits are measured by where nothing else is asked for: a form a shape, in this format.
+inline constexpr std::array<std::string_view, 2> usual_forms{"sphere.half_b", "box.ieee_minmax"};
+inline constexpr std::string_view usual_format = "f32";
+
 /// More solids than these are too many to hold each point against all of them.
 inline constexpr std::size_t most_solids = 1000;
 /// InputError for a scene that this cannot be asked of, which is named.

@@ -6,6 +6,7 @@
 #include <memory>
 
 #include "intersect/simd/variants.hpp"
+#include "measure/speed/scene_work.hpp"
 
 namespace lostbits::measure::speed {
 
@@ -28,8 +29,20 @@ TimedWork work_on(RayStore<S>& store, Kernel kernel, bool warm) {
     return {[&store, kernel] { store.run(kernel); }, store.slice(), warm};
 }
 
+/// The same on rays of a scene.
+void time_on_scene(const TradeRequest& request, TradeResult& result) {
+    SceneWork on_scene(*request.scene, request.limit);
+    std::vector<TimedWork> work;
+    for (const TradeKernel& k : request.kernels)
+        work.push_back(on_scene.on(k.measured, {k.measured.form->info, k.f32, k.f64}));
+    const auto timings = time_interleaved(work, request.plan);
+    for (std::size_t k = 0; k < timings.size(); ++k)
+        result.times.push_back({{timings[k], on_scene.bytes(request.kernels[k].measured.format), on_scene.rays(),
+                                 on_scene.hit_rate(), on_scene.solids()}});
+}
+
 /// Fills `times`: every kernel on every load, interleaved.
-void time_all(const TradeRequest& request, TradeResult& result) {
+void time_on_loads(const TradeRequest& request, TradeResult& result) {
     const RayPool pool = ray_pool(request.shape);
     const bool any32 = std::ranges::any_of(request.kernels, [](const TradeKernel& k) { return k.f32 != nullptr; });
     const bool any64 = std::ranges::any_of(request.kernels, [](const TradeKernel& k) { return k.f64 != nullptr; });
@@ -52,7 +65,7 @@ void time_all(const TradeRequest& request, TradeResult& result) {
                                       : work_on(*stores[l].f64, kernel.f64, warm));
             const auto [bytes, rays] = kernel.f32 ? std::pair(stores[l].f32->bytes(), stores[l].f32->rays())
                                                   : std::pair(stores[l].f64->bytes(), stores[l].f64->rays());
-            result.times[k].push_back({{}, bytes, rays});
+            result.times[k].push_back({{}, bytes, rays, request.loads[l].hit_rate});
         }
     }
     const auto timings = time_interleaved(work, request.plan);
@@ -68,6 +81,15 @@ void measure_all(const TradeRequest& request, TradeResult& result) {
             rows, [&k](const MapRow& r) { return r.form == k.measured.form && r.format == k.measured.format; });
         result.row_of.push_back(static_cast<std::size_t>(same - rows.begin()));
         if (same == rows.end()) rows.push_back(k.measured);
+    }
+    if (request.scene) {
+        const map::MapRequest asked{.scene = request.scene,
+                                    .rows = rows,
+                                    .metrics = request.metrics,
+                                    .limit = request.limit,
+                                    .progress = [&request](std::uint64_t) { request.plan.progress(0); }};
+        result.rows.push_back(map::run_map(asked, {}));
+        return;
     }
     for (const RaySet& set : ray_sets(request.shape)) {
         result.rows.push_back(map::measure_groups(set.groups(), rows, request.metrics, request.limit));
@@ -140,10 +162,19 @@ std::vector<TradeLoad> trade_loads(const CacheSizes& caches) {
     return loads;
 }
 
+std::vector<TradeLoad> scene_load() { return {{"scene", 0, 0}}; }
+
 std::size_t standing_load(const std::vector<TradeLoad>& loads) {
     const auto found =
         std::ranges::find_if(loads, [](const TradeLoad& l) { return l.working_set == "l1" && l.hit_rate == 0.5; });
-    return static_cast<std::size_t>(found - loads.begin());
+    return found == loads.end() ? 0 : static_cast<std::size_t>(found - loads.begin());
+}
+
+std::vector<TradeSet> trade_sets(const TradeRequest& request) {
+    if (request.scene) return {{request.scene->id, request.scene->title}};
+    std::vector<TradeSet> sets;
+    for (const RaySet& set : ray_sets(request.shape)) sets.push_back({std::string(set.name), std::string(set.title)});
+    return sets;
 }
 
 std::uint64_t trade_units(const TradeRequest& request) {
@@ -154,7 +185,8 @@ TradeResult run_trade(const TradeRequest& request) {
     TradeResult result;
     measure_all(request, result);
     count_all(request, result);
-    time_all(request, result);
+    if (request.scene) time_on_scene(request, result);
+    else time_on_loads(request, result);
     return result;
 }
 

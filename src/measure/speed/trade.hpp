@@ -29,19 +29,23 @@ std::vector<TradeKernel> trade_kernels(const std::vector<map::MapRow>& rows);
 
 /// The rays that a kernel is timed on: so many bytes of them and their answers, of which so many hit.
 struct TradeLoad {
-    std::string_view working_set;  ///< `l1`, `l2`, `memory`
+    std::string_view working_set;  ///< `l1`, `l2`, `memory`; `scene`: rays of a scene (see `SceneWork`)
     std::size_t bytes;             ///< about; half of the cache, and all that is walked round and round in `memory`
-    double hit_rate;
+    double hit_rate;               ///< of `scene` what its rays have, and 0 here
 };
 
 /// Each working set with each hit rate; `memory` is sized so that all arrays together are twice the last cache, within
 /// 32 and 96 MiB each.
 std::vector<TradeLoad> trade_loads(const CacheSizes& caches);
-/// The one whose times stand for a kernel: l1, every other ray a hit.
+/// The only one of a trade on a scene.
+std::vector<TradeLoad> scene_load();
+/// The one whose times stand for a kernel: l1, every other ray a hit; otherwise the first.
 std::size_t standing_load(const std::vector<TradeLoad>& loads);
 
 struct TradeRequest {
     Shape shape = Shape::sphere;
+    /// Instead of the sets of the shape: its pixels are what is judged, its rays what is timed, on `scene_load`.
+    const scene::file::Scene* scene = nullptr;
     std::vector<TradeKernel> kernels;
     std::vector<const metric::Metric*> metrics;  ///< with lost_bits and excess_bits
     std::vector<TradeLoad> loads;
@@ -49,14 +53,23 @@ struct TradeRequest {
     truth::TruthLimit limit{};
 };
 
+/// The rays that accuracy is measured on, in the order of `TradeResult::rows`.
+struct TradeSet {
+    std::string name;   ///< in files
+    std::string title;  ///< what the rays are
+};
+std::vector<TradeSet> trade_sets(const TradeRequest& request);
+
 /// Units of progress that `run_trade` reports through the plan.
 std::uint64_t trade_units(const TradeRequest& request);
 
 /// Of each kernel, in the request's order.
 struct TradeResult {
     struct Timed {
-        Timing timing;  ///< seconds a ray
+        Timing timing;  ///< seconds a ray, on a scene a ray and solid
         std::size_t bytes, rays;
+        double hit_rate;  ///< of these rays
+        std::size_t solids = 1;
     };
     std::vector<std::vector<Timed>> times;           ///< [kernel][load]
     std::vector<OperationCounts> operations;         ///< [kernel]

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 #include "measure/choice/file_rays.hpp"
 #include "output/choice/other_tables.hpp"
@@ -52,14 +51,6 @@ const std::vector<Column> room_columns{
     {"rays", "integer", "", "of so many"},
     {"kept_bits", "number", "bits", "kept there"}};
 
-/// The places of all, cheapest first.
-std::vector<std::size_t> by_price(const std::vector<Candidate>& all) {
-    std::vector<std::size_t> order(all.size());
-    std::iota(order.begin(), order.end(), std::size_t{0});
-    std::ranges::stable_sort(order, {}, [&all](std::size_t c) { return all[c].time.median; });
-    return order;
-}
-
 void add_worth(file::CsvWriter& csv, const measure::choice::Worth& worth) {
     csv.add(worth.rays).add(worth.hits).add(worth.wrong).add(worth.wrong_fraction());
     csv.add(number_or_missing(worth.kept_bits));
@@ -101,6 +92,10 @@ plot::ScatterPlotSpec front_plot(const Chosen& chosen) {
 
 }  // namespace
 
+void write_front_plot(const std::filesystem::path& path, const Chosen& chosen) {
+    plot::write_scatter_plot(image::image_backend(), path, front_plot(chosen));
+}
+
 ChoiceFiles::ChoiceFiles(const std::filesystem::path& folder)
     : folder_(folder),
       candidates_(folder / "choose.csv", candidate_columns()),
@@ -141,13 +136,13 @@ void ChoiceFiles::write_rooms(const Chosen& chosen) {
 void ChoiceFiles::finish(const Chosen& chosen) {
     write_candidates(chosen);
     write_rooms(chosen);
-    if (chosen.requirement != nullptr) {
+    if (chosen.requirement) {
         write_requirement(requirement_, chosen, *chosen.requirement);
         draw_requirement(folder_ / "requirement.png", chosen, *chosen.requirement);
     }
     if (chosen.offsets) add_offsets(offsets_, *chosen.offsets);
     if (chosen.obstacle) add_inputs(inputs_, *chosen.obstacle);
-    plot::write_scatter_plot(image::image_backend(), folder_ / "front.png", front_plot(chosen));
+    write_front_plot(folder_ / "front.png", chosen);
     file::AtomicFile words(folder_ / "choose.txt");
     words.write(in_words(chosen));
     words.commit();

@@ -10,6 +10,9 @@
 
 namespace lostbits::output::choice {
 
+/// Every form and format by time and bits kept, with the Pareto front and what is chosen.
+void write_front_plot(const std::filesystem::path& path, const Chosen& chosen);
+
 /// Opened before the work, named when it is whole.
 class ChoiceFiles {
 public:

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "measure/choice/file_rays.hpp"
 #include "output/choice/obstacle_text.hpp"

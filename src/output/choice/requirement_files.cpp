@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 #include "output/image/heatmap.hpp"
 #include "output/map/map_colour.hpp"
@@ -110,10 +109,7 @@ void write_requirement(file::CsvWriter& csv, const Chosen& chosen, const Require
         csv.add(form).add(format).add(time).add(met).add(share(met, r)).add(required).add(share(required, r));
         csv.end_row();
     };
-    std::vector<std::size_t> order(chosen.all.size());
-    std::iota(order.begin(), order.end(), std::size_t{0});
-    std::ranges::stable_sort(order, {}, [&chosen](std::size_t c) { return chosen.all[c].time.median; });
-    for (const std::size_t c : order) {
+    for (const std::size_t c : measure::choice::by_price(chosen.all)) {
         const Candidate& at = chosen.all[c];
         add(at.row.form->info->name, at.row.format.name, Cell(at.time.median * 1e9), r.met[c], r.taken[c]);
     }

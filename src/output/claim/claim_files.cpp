@@ -108,7 +108,7 @@ const Metric* metric_of_column(const std::string& column) {
 }
 
 std::string reproduce(const Claim& c) {
-    if (c.timing) return fmt::format("lostbits check --profile timing --filter '{}'", c.id);
+    if (c.profile == Claim::Profile::timing) return fmt::format("lostbits check --profile timing --filter '{}'", c.id);
     if (!c.table.empty() || c.exhaustive) return fmt::format("lostbits check --filter '{}' --measure", c.id);
     if (!c.render.empty())
         return fmt::format("lostbits render {}{} -i {} -f {} -o out", shell_word(c.render),

@@ -134,15 +134,59 @@ std::string sweeps_section(const Report& report) {
     return text + "</section>\n";
 }
 
+std::string machine_of(const Report& report) {
+    return fmt::format(
+        "Times were measured briefly by the run that made this page, on its machine{}. Another run "
+        "measures other times.",
+        report.processor.empty() ? "" : fmt::format(" ({})", html(report.processor)));
+}
+
 std::string trades_section(const Report& report) {
     if (report.trades.empty()) return "";
     std::string text = fmt::format(
-        "<section id=\"trade\"><h2>Speed against accuracy</h2>\n<p>Times were measured briefly by the run that made "
-        "this page, on its machine{}. Another run measures other times.</p>\n<div id=\"trade-view\" hidden></div>\n",
-        report.processor.empty() ? "" : fmt::format(" ({})", html(report.processor)));
+        "<section id=\"trade\"><h2>Speed against accuracy</h2>\n<p>{}</p>\n<div id=\"trade-view\" hidden></div>\n",
+        machine_of(report));
     for (const TradePart& t : report.trades) {
         text += fmt::format("<details open class=\"part\"><summary>{}</summary><pre>{}</pre>{}</details>\n",
                             html(t.shape), html(t.words), instead_of_plots(t.pictures));
+    }
+    return text + "</section>\n";
+}
+
+std::string choices_section(const Report& report) {
+    if (report.choices.empty()) return "";
+    std::string text = fmt::format(
+        "<section id=\"choose\"><h2>The cheapest form that meets a wish</h2>\n<p>Every form and format on a scene's "
+        "own "
+        "rays. {}</p>\n",
+        machine_of(report));
+    for (const ChoicePart& c : report.choices) {
+        text += fmt::format(
+            "<details open class=\"part\"><summary>{} <code>{}</code></summary>\n<pre "
+            "class=\"words\">{}</pre>\n{}{}</details>\n",
+            html(c.wish), html(c.scene), html(c.words), image(c.front), c.table);
+    }
+    return text + "</section>\n";
+}
+
+std::string offsets_section(const Report& report) {
+    if (report.offsets.empty()) return "";
+    std::string text = fmt::format(
+        "<section id=\"offsets\"><h2>Origins of the next ray</h2>\n<p>A ray that leaves a computed point may meet the "
+        "solid that it leaves once more, so renderers move its origin. Too short a move leaves such self-hits, too "
+        "long "
+        "a one jumps past a neighbour or through a thin solid. Here the points are those that {} computes in {}, of "
+        "boxes {}. Of every strategy, the share of rays that go wrong (a start on the wrong side alone does no harm, "
+        "and "
+        "does not count):</p>\n",
+        measure::offset::usual_forms[0], measure::offset::usual_format, measure::offset::usual_forms[1]);
+    text += "<div class=\"wide\">" + offset_overview(report.offsets) + "</div>\n";
+    for (const OffsetPart& o : report.offsets) {
+        text += fmt::format(
+            "<details open class=\"part offsets\" id=\"offsets-{}\"><summary>{} <code>{}</code></summary>\n{}",
+            html(o.id), html(o.title), html(o.id), about(o.note, o.source));
+        for (const std::string& line : o.words) text += fmt::format("<p>{}</p>\n", html(line));
+        text += o.table + image(o.sheet) + "</details>\n";
     }
     return text + "</section>\n";
 }
@@ -193,6 +237,8 @@ std::string heading(const Report& report) {
     if (!report.maps.empty()) text += "<a href=\"#maps\">Maps</a> ";
     if (!report.sweeps.empty()) text += "<a href=\"#sweeps\">Sweeps</a> ";
     if (!report.trades.empty()) text += "<a href=\"#trade\">Speed</a> ";
+    if (!report.choices.empty()) text += "<a href=\"#choose\">Choice</a> ";
+    if (!report.offsets.empty()) text += "<a href=\"#offsets\">Offsets</a> ";
     if (!report.claims.empty()) text += "<a href=\"#claims\">Claims</a>";
     text += "</nav>\n" + verdicts(report);
     text += fmt::format("<p class=\"hint\">{}, {}. Made by <code>{}</code>.</p>\n", counted(report.maps.size(), "map"),
@@ -255,7 +301,8 @@ std::string page(const Report& report) {
     text += fmt::format("<style>{}</style>\n", page_style.text);
     if (!plot_style.text.empty()) text += fmt::format("<style>{}</style>\n", plot_style.text);
     text += "</head><body>\n" + heading(report) + "<main>\n" + maps_section(report) + sweeps_section(report) +
-            trades_section(report) + claims_section(report) + "</main>\n";
+            trades_section(report) + choices_section(report) + offsets_section(report) + claims_section(report) +
+            "</main>\n";
     text += fmt::format("<script type=\"application/json\" id=\"index\">{}</script>\n", text_of(index_json(report)));
     std::set<std::string_view> written;  // maps share the tapes of their forms
     for (const MapPart& m : report.maps) {

@@ -1,11 +1,14 @@
 // One self-contained HTML file: no request beyond it, a strict policy, readable without scripts.
 #pragma once
 
+#include <array>
 #include <filesystem>
 #include <string>
 #include <vector>
 
 #include "measure/claim/claim.hpp"
+#include "measure/offset/offsets.hpp"
+#include "output/choice/choice_text.hpp"
 #include "output/page/map_data.hpp"
 
 namespace lostbits::output::page {
@@ -47,11 +50,31 @@ struct TradePart {
     std::vector<Picture> pictures;
 };
 
+/// What is chosen for a scene by a wish. Its times differ from run to run.
+struct ChoicePart {
+    std::string scene, wish;  ///< its id; `18 correct bits of every hit, no wrong decision`
+    std::string words;
+    std::string table;  ///< HTML, see `choice_table`
+    Picture front;
+};
+
+/// What becomes of rays that leave the points of a scene, by every strategy.
+struct OffsetPart {
+    std::string id, title, note, source;
+    std::vector<std::string> words = {};
+    std::vector<std::string> strategies = {};
+    std::array<std::vector<double>, 2> bad = {};  ///< of a side: the share of rays that go wrong, a strategy each
+    std::string table = {};                       ///< HTML, see `offset_table`
+    Picture sheet = {};
+};
+
 struct Report {
     std::string command;  ///< what to type to make the page again
     std::vector<MapPart> maps;
     std::vector<SweepPart> sweeps;
     std::vector<TradePart> trades;
+    std::vector<ChoicePart> choices = {};
+    std::vector<OffsetPart> offsets = {};
     std::vector<scene::claim::Claim> claims;
     std::vector<measure::claim::ClaimResult> results;
     std::string processor = {};  ///< that the times are of; empty where nothing tells
@@ -62,6 +85,16 @@ struct Report {
 /// number carries the CSV's own decimal.
 [[nodiscard]] std::string summary_table(const measure::map::MapRequest& request,
                                         const std::vector<measure::map::MapSummary>& summaries);
+
+/// Every form and format, cheapest first: time, bits kept, wrong decisions, whether it meets the wish.
+[[nodiscard]] std::string choice_table(const choice::Chosen& chosen);
+
+/// A table a side: what share of the rays each strategy gets wrong and how, and how much too large it is.
+[[nodiscard]] std::string offset_table(const measure::offset::OffsetRequest& request,
+                                       const measure::offset::OffsetSummary& summary);
+
+/// A table a side: strategies down, scenes across, the share of rays that go wrong.
+[[nodiscard]] std::string offset_overview(const std::vector<OffsetPart>& parts);
 
 /// The page, the same bytes for the same report.
 [[nodiscard]] std::string page(const Report& report);

@@ -24,20 +24,23 @@ constexpr const char* form_meaning = "form under test; with +contract or +fastma
 
 std::vector<Column> time_columns() {
     std::vector<Column> columns = kernel_columns(form_meaning);
-    columns.insert(columns.end(),
-                   {{"working_set", "string", "",
-                     "where rays and answers lie: l1, l2 (half of the cache), memory (read again and again)"},
-                    {"working_set_bytes", "integer", "B", "of rays and answers"},
-                    {"working_set_rays", "integer", "", "rays that these bytes hold"},
-                    {"hit_rate", "number", "1",
-                     "share of the rays that hit; in l1 a processor can learn the few hundred rays, so kernels that "
-                     "branch look faster than they are"},
-                    {"time_ns", "number", "ns", "per ray; median of the repetitions"},
-                    {"time_ns_q1", "number", "ns", "per ray; first quartile"},
-                    {"time_ns_q3", "number", "ns", "per ray; third quartile"},
-                    {"spread", "number", "1", "(third - first quartile)/median"},
-                    {"rays_per_second", "number", "1/s", "1/time"},
-                    {"repetitions", "integer", "", "measurements, one in each round over all kernels"}});
+    columns.insert(
+        columns.end(),
+        {{"working_set", "string", "",
+          "where rays and answers lie: l1, l2 (half of the cache), memory (read again and again); scene: rays of the "
+          "scene, taken evenly over its picture"},
+         {"working_set_bytes", "integer", "B", "of rays and answers"},
+         {"working_set_rays", "integer", "", "rays that these bytes hold"},
+         {"hit_rate", "number", "1",
+          "share of the rays that hit; in l1 a processor can learn the few hundred rays, so kernels that "
+          "branch look faster than they are"},
+         {"time_ns", "number", "ns",
+          "per ray, of a scene per ray and solid; median of the repetitions, as are the quartiles"},
+         {"time_ns_q1", "number", "ns", "first quartile"},
+         {"time_ns_q3", "number", "ns", "third quartile"},
+         {"spread", "number", "1", "(third - first quartile)/median"},
+         {"rays_per_second", "number", "1/s", "1/time"},
+         {"repetitions", "integer", "", "measurements, one in each round over all kernels"}});
     for (const auto name : operation_names) {
         columns.push_back({fmt::format("ops_{}", name), "integer", "",
                            fmt::format("{} of one evaluation of the form on a hit, as it is written, constants folded",
@@ -55,7 +58,8 @@ std::vector<Column> standing_columns() {
     columns.insert(columns.end(), kernel.begin(), kernel.end());
     columns.insert(
         columns.end(),
-        {{"time_ns", "number", "ns", "per ray of the easy set, working set l1, hit rate 0.5: median"},
+        {{"time_ns", "number", "ns",
+          "per ray of the easy set, working set l1, hit rate 0.5; of a scene, per ray of its own and solid: median"},
          {"rays", "integer", "", "rays of the set"},
          {"lost_bits_p50", "number", "bits", "median over the correct hits"},
          {"lost_bits_p99", "number", "bits", "99th percentile over the same"},
@@ -63,7 +67,8 @@ std::vector<Column> standing_columns() {
          {"kept_bits_p99", "number", "bits", "significand bits of the format minus lost_bits_p99"},
          {"false_hit_fraction", "number", "1", "false hits among the rays that truly miss"},
          {"false_miss_fraction", "number", "1", "false misses among the rays that truly hit"},
-         {"wrong_fraction", "number", "1", "false hits, false misses and NaNs among all rays whose truth is known"},
+         {"wrong_fraction", "number", "1",
+          "false hits, false misses, NaNs and, of a scene, hits of another solid, among all rays whose truth is known"},
          {"dominated", "boolean", "",
           "whether another entry of the set is at least as fast and at least as accurate, and better in one of the "
           "two; the more accurate entry has the smaller wrong_fraction or, if these are equal, the greater "
@@ -78,6 +83,18 @@ Cell fraction(std::uint64_t part, std::uint64_t whole) {
 const measure::metric::Distribution& metric_of(const TradeRequest& request, const measure::map::MapSummary& s,
                                                const char* name) {
     return s.metrics[measure::metric::place_of(request.metrics, name)];
+}
+
+/// Whose time it is.
+std::string timed_in_words(const TradeRequest& request, const TradeResult& result) {
+    if (!request.scene)
+        return "Time per ray of the easy set, working set l1, every other ray a hit. Measured in this run, so it "
+               "varies.\n";
+    const auto& timed = result.times.front().front();
+    return fmt::format(
+        "Time per ray and solid: {} rays of the scene against {} of its solids. Measured in this run, "
+        "so it varies.\n",
+        timed.rays, timed.solids);
 }
 
 std::string in_words(const measure::speed::TradeKernel& kernel) {
@@ -99,9 +116,8 @@ std::vector<measure::speed::ParetoPoint> pareto_points_of(const TradeRequest& re
 }
 
 std::string trade_in_words(const TradeRequest& request, const TradeResult& result) {
-    std::string text =
-        "Time per ray of the easy set, working set l1, every other ray a hit. Measured in this run, so it varies.\n";
-    const auto sets = measure::speed::ray_sets(request.shape);
+    std::string text = timed_in_words(request, result);
+    const auto sets = measure::speed::trade_sets(request);
     for (std::size_t s = 0; s < sets.size(); ++s) {
         const auto all = pareto_points_of(request, result, s);
         text += fmt::format("\n{}: {}\n", sets[s].name, sets[s].title);
@@ -127,9 +143,9 @@ TradeFiles::TradeFiles(const TradeRequest& request, const std::filesystem::path&
 void TradeFiles::write_times(const TradeResult& result) {
     for (std::size_t k = 0; k < request_.kernels.size(); ++k) {
         for (std::size_t l = 0; l < request_.loads.size(); ++l) {
-            const auto& [timing, bytes, rays] = result.times[k][l];
+            const auto& [timing, bytes, rays, hit_rate, solids] = result.times[k][l];
             add_kernel(times_, request_.kernels[k].measured, request_.kernels[k].isa);
-            times_.add(request_.loads[l].working_set).add(bytes).add(rays).add(request_.loads[l].hit_rate);
+            times_.add(request_.loads[l].working_set).add(bytes).add(rays).add(hit_rate);
             times_.add(timing.median * 1e9).add(timing.low_quartile * 1e9).add(timing.high_quartile * 1e9);
             times_.add((timing.high_quartile - timing.low_quartile) / timing.median)
                 .add(1 / timing.median)
@@ -141,7 +157,7 @@ void TradeFiles::write_times(const TradeResult& result) {
 }
 
 void TradeFiles::write_standings(const TradeResult& result) {
-    const auto sets = measure::speed::ray_sets(request_.shape);
+    const auto sets = measure::speed::trade_sets(request_);
     for (std::size_t s = 0; s < sets.size(); ++s) {
         const auto all = pareto_points_of(request_, result, s);
         const auto beaten = measure::speed::dominated(all);
@@ -174,7 +190,9 @@ void TradeFiles::finish(const TradeResult& result) {
     words.commit();
     file::write_datapackage(
         folder_ / "datapackage.json",
-        fmt::format("Speed against accuracy of the {} forms", shape_names[static_cast<std::size_t>(request_.shape)]),
+        request_.scene ? fmt::format("Speed against accuracy on {}", request_.scene->id)
+                       : fmt::format("Speed against accuracy of the {} forms",
+                                     shape_names[static_cast<std::size_t>(request_.shape)]),
         {{"trade.csv", "One row per form, format, register width, working set and hit rate; times vary from run to run",
           time_columns()},
          {"pareto.csv", "One row per set of rays, form, format and register width; times vary from run to run",

@@ -56,6 +56,23 @@ std::vector<ScatterPlotSpec::Key> keys_of(const TradeRequest& request) {
     return keys;
 }
 
+/// Whose accuracy and whose time a picture shows.
+std::string shown_rays(const TradeRequest& request, const measure::speed::TradeResult& result, std::size_t set) {
+    const auto& timed = result.times.front()[measure::speed::standing_load(request.loads)];
+    const std::string repeated =
+        fmt::format("median of {} interleaved repetitions, bars from quartile to quartile.", request.plan.repetitions);
+    const std::uint64_t judged = result.accuracy(set, 0).rays;
+    if (request.scene)
+        return fmt::format("Accuracy: {} rays of the scene. Time: {} of its rays against {} of its solids; {}", judged,
+                           timed.rays, timed.solids, repeated);
+    const auto sets = measure::speed::trade_sets(request);
+    return fmt::format(
+        "Accuracy: {} rays of the set {}. Time{}: rays as those of the set {}, {:.0f} KiB of them and "
+        "of answers in the first cache, every other ray a hit; {}",
+        judged, sets[set].name, set == 0 ? "" : ", the same in the pictures of all sets", sets.front().name,
+        static_cast<double>(timed.bytes) / 1024, repeated);
+}
+
 }  // namespace
 
 std::string registers_of(const TradeKernel& kernel) {
@@ -65,21 +82,13 @@ std::string registers_of(const TradeKernel& kernel) {
 ScatterPlotSpec trade_plot(const TradeRequest& request, const measure::speed::TradeResult& result, std::size_t set) {
     const auto all = pareto_points_of(request, result, set);
     const std::size_t load = measure::speed::standing_load(request.loads);
-    const measure::speed::RaySet& rays = measure::speed::ray_sets(request.shape)[set];
-    const auto& [timing, bytes, count] = result.times.front()[load];
     ScatterPlotSpec spec;
-    spec.title = fmt::format("Time against kept bits: {}", rays.title);
-    const std::string_view timed = measure::speed::ray_sets(request.shape).front().name;
-    spec.subtitle = {fmt::format("Accuracy: {} rays of the set {}. Time{}: rays as those of the set {}, {:.0f} KiB of "
-                                 "them and of answers in the first cache, every other ray a hit; median of {} "
-                                 "interleaved repetitions, bars from quartile to quartile.",
-                                 result.accuracy(set, 0).rays, rays.name,
-                                 rays.name == timed ? "" : ", the same in the pictures of all sets", timed,
-                                 static_cast<double>(bytes) / 1024, request.plan.repetitions),
+    spec.title = fmt::format("Time against kept bits: {}", measure::speed::trade_sets(request)[set].title);
+    spec.subtitle = {shown_rays(request, result, set),
                      "Named: the Pareto front, and every form that is not of lostbits. Fewer wrong decisions count "
                      "before more bits, so it may step down to a "
                      "form that is never wrong."};
-    spec.x = {time_title, plot::AxisSpec::Scale::log2, {}, {}};
+    spec.x = {request.scene ? scene_time_title : time_title, plot::AxisSpec::Scale::log2, {}, {}};
     spec.y = {kept_title, plot::AxisSpec::Scale::linear, 0.0, {}};
     std::vector<FrontPoint> points;
     for (std::size_t k = 0; k < all.size(); ++k) {

@@ -11,6 +11,7 @@ namespace lostbits::output::speed {
 
 /// The titles of its axes, here and on the page.
 inline constexpr const char *time_title = "time per ray of the easy set, ns",
+                            *scene_time_title = "time per ray and solid on the scene, ns",
                             *kept_title = "bits that 99 % of the hits keep";
 
 /// `one ray at a time`, `256-bit registers`

@@ -47,6 +47,41 @@ void read_timing(TableReader table, Claim& claim) {
     table.reject_unknown_keys();
 }
 
+/// `choose`: a wish on a scene, or a time over another's there.
+void read_choice(TableReader table, Claim& claim) {
+    Claim::Choice choice;
+    choice.scene = file::beside(table.where().source, table.string("choose"));
+    claim.form = table.string("form");
+    claim.format = table.string("format");
+    if (auto over = table.optional_table("over")) {
+        for (const char* key : {"bits", "wrong", "at", "formats"})
+            table.reject(key, "belongs to a wish, and `over` compares two times; write one of the two");
+        choice.over_form = over->optional_string("form").value_or(claim.form);
+        choice.over_format = over->optional_string("format").value_or(claim.format);
+        over->reject_unknown_keys();
+    } else {
+        if (!table.has("bits"))
+            toml::fail(table.where(),
+                       "claim.given needs a wish, `bits = 18`, or `over = { form = \"...\", format = \"...\" }`, whose "
+                       "time is 1");
+        choice.bits = static_cast<double>(table.number("bits"));
+        choice.wrong = static_cast<double>(table.optional_number("wrong").value_or(Real(0)));
+        if (!(*choice.bits >= 0 && *choice.bits <= 53)) table.fail_at("bits", "must lie in 0 to 53");
+        if (!(choice.wrong >= 0 && choice.wrong <= 1)) table.fail_at("wrong", "is a share of the rays, 0 to 1");
+        choice.at = table.optional_string("at").value_or("p99");
+        choice.formats = table.optional_strings("formats").value_or(std::vector<std::string>{"f32", "f64"});
+    }
+    claim.choice = std::move(choice);
+    claim.requirements = table.optional_strings("requires").value_or(std::vector<std::string>{});
+    table.reject_unknown_keys();
+}
+
+/// What is given of claims about times.
+void read_timed(TableReader table, Claim& claim) {
+    if (table.has("choose")) read_choice(std::move(table), claim);
+    else read_timing(std::move(table), claim);
+}
+
 /// `strategy`, `side` and `points`, which go with `offsets`.
 void read_offsets(TableReader& table, Claim& claim) {
     if (claim.offsets.empty()) {
@@ -77,7 +112,8 @@ void read_given(TableReader table, Claim& claim) {
     claim.scene = named("scene");
     claim.sweep = named("sweep");
     claim.table = table.optional_string("table").value_or("");
-    if (table.has("timing")) table.reject("timing", "needs `profile = \"timing\"` at the head of the file");
+    for (const char* key : {"timing", "choose"})
+        table.reject(key, "needs `profile = \"timing\"` at the head of the file");
     claim.render = named("render");
     claim.offsets = named("offsets");
     claim.consistency = named("consistency");
@@ -205,7 +241,7 @@ std::vector<Claim> read_claims(const std::filesystem::path& path) {
         if (profile == Claim::Profile::timing && table.has("severity"))
             table.reject("severity", "has no meaning here: times never fail a check");
         claim.severity = table.optional_one_of<S>("severity", severities).value_or(S::error);
-        if (profile == Claim::Profile::timing) read_timing(table.table("given"), claim);
+        if (profile == Claim::Profile::timing) read_timed(table.table("given"), claim);
         else read_given(table.table("given"), claim);
         read_expect(table.table("expect"), claim);
         table.reject_unknown_keys();

@@ -27,6 +27,17 @@ struct Claim {
         bool all_processors = false;
     };
 
+    /// A form and format among others on the rays of a scene: by a wish, which it meets or not, or by its time over
+    /// another's.
+    struct Choice {
+        std::string scene;
+        std::optional<double> bits;  ///< of the wish; without one `over_form` is named
+        double wrong = 0;
+        std::string at;                    ///< `p99`, `max`: of how many hits the bits are wanted
+        std::vector<std::string> formats;  ///< of the other candidates
+        std::string over_form, over_format;
+    };
+
     std::string id, statement, source, note;
     Verdict verdict = Verdict::holds;  ///< what was found; either way the measurement must lie in `low`..`high`
     Severity severity = Severity::error;
@@ -34,7 +45,7 @@ struct Claim {
     toml::Where where;  ///< of the claim, for messages
 
     // given: a form on one scene, or on one sweep at a place of its axes or one of its cases; or a row of a table; or
-    // its speed
+    // its speed; or what a choice makes of it
     std::string scene, sweep, form, format;
     std::vector<double> at;  ///< one value an axis of the sweep; the argument of a table's row
     std::string case_name;
@@ -45,6 +56,7 @@ struct Claim {
     std::optional<int> step;                        ///< the sample of a march along pixel (0, 0) of the scene
     std::string table, row;
     std::optional<Timing> timing;
+    std::optional<Choice> choice;
     std::vector<std::string>
         requirements;  ///< what the machine must have, or the claim is skipped: `isa-256`, `processors-2`
 
@@ -58,9 +70,10 @@ struct Claim {
     /// A scene, of whose questions put in two ways `lostbits consistency` makes the claim is: of which check.
     std::string consistency, check;
 
-    /// What is measured on: the scene, sweep or table, or the work that is timed.
+    /// What is measured on: the scene, sweep or table, the work that is timed, or what is chosen for.
     [[nodiscard]] const std::string& subject() const {
         return timing                 ? timing->work
+               : choice               ? choice->scene
                : !scene.empty()       ? scene
                : !sweep.empty()       ? sweep
                : !render.empty()      ? render

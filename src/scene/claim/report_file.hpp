@@ -12,6 +12,7 @@ struct ReportFile {
     std::vector<std::string> sweeps;
     std::vector<std::string> forms;  ///< globs
     std::vector<std::string> formats;
+    std::vector<std::string> offsets;  ///< scenes whose respawned rays are measured
 };
 
 /// InputError with a position for anything that is not such a file.

@@ -2,6 +2,8 @@
 // the way of a wish is found by storing the inputs otherwise.
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
+#include <fstream>
 
 #include "catch.hpp"
 #include "measure/choice/file_rays.hpp"

@@ -8,7 +8,9 @@
 #include "catch.hpp"
 #include "intersect/simd/variants.hpp"
 #include "measure/rows.hpp"
+#include "measure/speed/scene_work.hpp"
 #include "measure/speed/trade.hpp"
+#include "scene/file/scene.hpp"
 
 using namespace lostbits;
 using namespace lostbits::testing;
@@ -133,6 +135,29 @@ TEST_CASE("stores hold the stated share of hits", "[trade]") {
     check_store<double>(form_named("sphere.unified_unit").native64, measure::speed::ray_pool(Shape::sphere));
     check_store<float>(form_named("box.signs").native32, measure::speed::ray_pool(Shape::box));
     check_store<double>(form_named("box.divide").native64, measure::speed::ray_pool(Shape::box));
+}
+
+TEST_CASE("rays of a scene are taken evenly over it, and held against the solids that most of them hit", "[trade]") {
+    const auto scene = scene::file::load_scene(LOSTBITS_DATA_DIR "/scenes/near-benign.toml").front();
+    measure::speed::SceneWork work(scene);
+    CHECK(work.rays() > 1800);
+    CHECK(work.rays() <= 2100);
+    CHECK(work.solids() == 3);  // the fourth is hidden behind the first
+    CHECK(work.hit_rate() > 0.05);
+    CHECK(work.hit_rate() < 0.95);
+    for (const auto& [format, size] : {std::pair{"f32", std::size_t{4}}, {"f64", std::size_t{8}}}) {
+        const measure::map::MapRow timed = row("sphere.schoolbook", format);
+        CHECK(work.bytes(timed.format) == work.rays() * (9 * size + 1));
+        const auto pass = work.on(timed, intersect::simd::packed_kernels(*timed.form));
+        CHECK(pass.items == work.rays() * 3);
+        pass.pass();
+    }
+    scene::file::Scene away = scene;
+    away.spheres.erase(away.spheres.begin() + 1, away.spheres.end());
+    away.spheres.front().centre.z = 50;  // behind the eye
+    measure::speed::SceneWork missing(away);
+    CHECK(missing.hit_rate() == 0);
+    CHECK(missing.solids() == 1);
 }
 
 TEST_CASE("the sets of rays are always the same and have names of their own", "[trade]") {

@@ -1,0 +1,48 @@
+#include "analysis/choice/timed.hpp"
+
+#include <fmt/format.h>
+
+#include "number/error.hpp"
+
+namespace lostbits::analysis::choice {
+
+std::vector<Format> select_timed_formats(const std::vector<std::string>& names) {
+    const auto formats = select_formats(names);
+    for (const Format& f : formats) {
+        if (f.engine == Format::Engine::rounded)
+            throw InputError(fmt::format(
+                "-f {}: this format is emulated, so its time says nothing; only f32 and f64 are timed", f.name));
+    }
+    return formats;
+}
+
+scene::file::Scene load_one_scene(const SceneChoice& choice, const std::filesystem::path& data) {
+    auto scenes = load_scenes(choice, data);
+    if (scenes.size() == 1) return std::move(scenes.front());
+    std::string names;
+    for (const auto& scene : scenes) names += (names.empty() ? "" : ", ") + scene.id;
+    throw InputError(fmt::format("{}: has {} variants, and this is measured of one; name one of {}",
+                                 choice.names.front(), scenes.size(), names));
+}
+
+std::vector<measure::map::MapRow> timed_on(const scene::file::Scene& scene,
+                                           const std::vector<measure::map::MapRow>& rows) {
+    return timed_on(scene.id, rows, [&scene](Shape shape) { return scene.meets(shape); });
+}
+
+std::vector<measure::map::MapRow> timed_on(const std::string& id, const std::vector<measure::map::MapRow>& rows,
+                                           const std::function<bool(Shape)>& meets) {
+    // A march meets all solids at once, and how long it takes depends on its steps: a time a ray and solid says
+    // nothing.
+    const auto can = [&meets](Shape shape) { return shape != Shape::sdf && meets(shape); };
+    auto timed = fitting(rows, can);
+    if (!timed.empty()) return timed;
+    const std::string globs = globs_of(can);
+    throw NothingSelected(
+        globs.empty() ? fmt::format("{}: has solids of several shapes, which marches alone meet, and marches "
+                                    "are not timed; choose a scene of spheres or of boxes",
+                                    id)
+                      : fmt::format("none of the selected forms is for the solids of {}; try -i '{}'", id, globs));
+}
+
+}  // namespace lostbits::analysis::choice

@@ -1,0 +1,107 @@
+#include "measure/claim/claim_choice.hpp"
+
+#include <algorithm>
+
+#include "measure/choice/candidates.hpp"
+#include "measure/claim/claim_subjects.hpp"
+
+namespace lostbits::measure::claim {
+
+using choice::ChoiceRequest;
+using map::MapRow;
+using scene::claim::Claim;
+using scene::file::Scene;
+
+namespace {
+
+/// The row of a form and format that can be timed on the scene.
+MapRow timed_row(const Claim& claim, const Scene& scene) {
+    const MapRow row = row_for(claim, scene);
+    if (row.form->shape == Shape::sdf)
+        scene::toml::fail(claim.where, claim.form +
+                                           " marches, and the time of a march depends on its steps; name a "
+                                           "form of spheres or boxes");
+    if (row.format.engine == Format::Engine::rounded)
+        scene::toml::fail(claim.where, claim.format + " is emulated, so its time says nothing; write f32 or f64");
+    return row;
+}
+
+/// The claim's row, and after it every other that fits the scene, in the formats that the wish names.
+std::vector<MapRow> candidates_of(const Claim& claim, const Scene& scene) {
+    std::vector<MapRow> rows{timed_row(claim, scene)};
+    for (const std::string& name : claim.choice->formats) {
+        Claim in_format = claim;
+        in_format.format = name;
+        const Format format = claim_format(in_format);
+        for (const intersect::table::Intersector& form : intersect::table::intersectors(rows.front().form->shape)) {
+            if (!form.exists_in(format)) continue;
+            in_format.form = form.info->name;
+            place_or_added(rows, timed_row(in_format, scene));
+        }
+    }
+    return rows;
+}
+
+ChoiceRequest request_for(const Claim& claim, const Scene& scene, const std::function<void()>& stop) {
+    ChoiceRequest request{.scene = &scene};
+    request.wish = {.bits = *claim.choice->bits, .wrong = claim.choice->wrong};
+    request.wish.quantile = find_or_blame_claim(claim, [&] { return choice::quantile_named(claim.choice->at); });
+    request.progress = request.plan.progress = [&stop](std::uint64_t) { stop(); };
+    return request;
+}
+
+double time_ratio(const Claim& claim, const Scene& scene, const std::function<void()>& stop) {
+    Claim other = claim;
+    other.form = claim.choice->over_form;
+    other.format = claim.choice->over_format;
+    speed::SceneWork on_scene(scene);
+    std::vector<speed::TimedWork> work;
+    for (const MapRow& row : {timed_row(claim, scene), timed_row(other, scene)})
+        work.push_back(on_scene.on(row, intersect::simd::packed_kernels(*row.form)));
+    const auto samples = speed::sample_interleaved(
+        work, {.repetitions = 101, .least_seconds = 1e-3, .progress = [&stop](std::uint64_t) { stop(); }});
+    return speed::ratio_of(samples[0], samples[1]).median;
+}
+
+double meets(const Claim& claim, const Scene& scene, const std::function<void()>& stop) {
+    ChoiceRequest request = request_for(claim, scene, stop);
+    request.rows = {timed_row(claim, scene)};
+    return worth_of(request).front().meets(request.wish) ? 1 : 0;
+}
+
+double others_that_meet(const Claim& claim, const Scene& scene, const std::function<void()>& stop) {
+    ChoiceRequest request = request_for(claim, scene, stop);
+    request.rows = candidates_of(claim, scene);
+    std::erase_if(request.rows, [&claim](const MapRow& row) { return row.form->info->name == claim.form; });
+    if (request.rows.empty()) return 0;
+    const auto all = worth_of(request);
+    return static_cast<double>(
+        std::ranges::count_if(all, [&request](const choice::Worth& worth) { return worth.meets(request.wish); }));
+}
+
+double chosen(const Claim& claim, const Scene& scene, const std::function<void()>& stop) {
+    ChoiceRequest request = request_for(claim, scene, stop);
+    request.rows = candidates_of(claim, scene);
+    choice::TimedRays timed;
+    return cheapest(measure_candidates(request, timed), request.wish) == std::size_t{0} ? 1 : 0;
+}
+
+constexpr std::pair<std::string_view, double (*)(const Claim&, const Scene&, const std::function<void()>&)>
+    of_wishes[] = {{"meets", meets}, {"others_that_meet", others_that_meet}, {"chosen", chosen}};
+
+}  // namespace
+
+double chosen_value(const Claim& claim, const std::filesystem::path& data_dir, const std::function<void()>& stop) {
+    const Scene scene = one_scene(claim, claim.choice->scene, data_dir);
+    if (!claim.choice->bits) {
+        if (claim.metric == "time_ratio") return time_ratio(claim, scene, stop);
+        scene::toml::fail(claim.where, "unknown metric \"" + claim.metric + "\"; beside `over` it is time_ratio");
+    }
+    const auto named = std::ranges::find(of_wishes, claim.metric, [](const auto& each) { return each.first; });
+    if (named == std::end(of_wishes))
+        scene::toml::fail(claim.where, "unknown metric \"" + claim.metric +
+                                           "\"; of a wish there are meets, others_that_meet and chosen");
+    return named->second(claim, scene, stop);
+}
+
+}  // namespace lostbits::measure::claim

@@ -1,0 +1,138 @@
+#include "measure/speed/scene_work.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+namespace lostbits::measure::speed {
+
+using intersect::Target;
+using intersect::table::HitBatch;
+using intersect::table::RayBatch;
+using scene::file::Scene;
+
+namespace {
+
+constexpr int timed_pixels = 2048;
+constexpr std::size_t most_solids = 4;
+constexpr std::size_t numbers_a_ray = 9;  // origin, direction; t, near, far
+
+/// How many of the band's rays truly hit each solid first; `same_as` names for each the solid that stands for it.
+std::map<int, std::size_t> hits_of(const truth::Band& band, const std::vector<int>& same_as) {
+    std::map<int, std::size_t> hits;
+    for (std::size_t i = 0; i < band.pixels(); ++i) {
+        const truth::Truth truth = band.truth(i, {});
+        if (truth.is_hit()) ++hits[same_as.empty() ? truth.object : same_as[static_cast<std::size_t>(truth.object)]];
+    }
+    return hits;
+}
+
+/// Of each solid, the first that has the same numbers.
+std::vector<int> first_same(const std::vector<Solid<double>>& solids) {
+    std::map<std::array<double, 6>, int> places;
+    std::vector<int> first;
+    for (const Solid<double>& solid : solids)
+        first.push_back(places.emplace(solid.numbers, static_cast<int>(first.size())).first->second);
+    return first;
+}
+
+std::vector<std::size_t> solids_to_time(const std::map<int, std::size_t>& hits, std::size_t solids) {
+    std::vector<std::pair<std::size_t, int>> order;
+    for (const auto& [solid, count] : hits) order.emplace_back(count, solid);
+    std::ranges::sort(order, [](const auto& a, const auto& b) {
+        return a.first != b.first ? a.first > b.first : a.second < b.second;
+    });
+    std::vector<std::size_t> chosen;
+    for (const auto& [count, solid] : order) chosen.push_back(static_cast<std::size_t>(solid));
+    if (chosen.empty()) {
+        chosen.resize(solids);
+        std::iota(chosen.begin(), chosen.end(), std::size_t{0});
+    }
+    if (chosen.size() > most_solids) chosen.resize(most_solids);
+    return chosen;
+}
+
+}  // namespace
+
+/// Rays of a format in columns, room for the answers, and the solids.
+template <class S>
+struct SceneWork::Store {
+    std::array<std::vector<S>, 6> in;
+    std::array<std::vector<S>, 3> out;
+    std::vector<std::uint8_t> hit;
+    std::vector<Solid<S>> solids;
+
+    Store(const scene::rays::RayBlock& rays, const std::vector<Solid<double>>& wide) {
+        const auto narrow = [](double x) { return static_cast<S>(x); };
+        const std::array from{&rays.ox, &rays.oy, &rays.oz, &rays.dx, &rays.dy, &rays.dz};
+        for (std::size_t c = 0; c < from.size(); ++c)
+            std::ranges::transform(*from[c], std::back_inserter(in[c]), narrow);
+        for (auto& column : out) column.resize(rays.size());
+        hit.resize(rays.size());
+        for (const Solid<double>& solid : wide) solids.push_back(transformed(solid, narrow));
+    }
+    void run(const intersect::table::Kernel<S>& kernel) {
+        for (const Solid<S>& solid : solids)
+            kernel(RayBatch<S>{in[0], in[1], in[2], in[3], in[4], in[5]}, Target<S>(solid),
+                   HitBatch<S>{out[0], out[1], out[2], hit});
+    }
+};
+
+Scene thinned(const Scene& scene, int pixels) {
+    Scene thin = scene;
+    const double factor = std::min(1.0, std::sqrt(static_cast<double>(pixels) / static_cast<double>(scene.pixels())));
+    const auto shrunk = [factor](int side) { return std::max(1, static_cast<int>(std::lround(side * factor))); };
+    thin.width = shrunk(scene.width);
+    thin.height = shrunk(scene.height);
+    return thin;
+}
+
+SceneWork::SceneWork(const Scene& scene, truth::TruthLimit limit)
+    : scene_(thinned(scene, timed_pixels)), band_(scene_, 0, scene_.height, limit), rays_(band_.pixels()) {
+    choose_solids({}, scene_.solid_count());
+}
+
+SceneWork::SceneWork(const scene::rays::RayGroup& sample, truth::TruthLimit limit)
+    : band_(sample, limit), rays_(band_.pixels()) {
+    choose_solids(first_same(sample.solids), sample.solids.size());
+}
+
+void SceneWork::choose_solids(const std::vector<int>& same_as, std::size_t solids) {
+    const auto hits = hits_of(band_, same_as);
+    std::size_t all = 0;
+    for (const auto& [solid, count] : hits) all += count;
+    hit_rate_ = static_cast<double>(all) / static_cast<double>(rays_);
+    solids_ = solids_to_time(hits, solids);
+}
+
+std::size_t SceneWork::bytes(const Format& format) const {
+    const std::size_t size = format.engine == Format::Engine::native32 ? sizeof(float) : sizeof(double);
+    return rays_ * (numbers_a_ray * size + 1);
+}
+
+template <class S>
+std::shared_ptr<SceneWork::Store<S>> SceneWork::store(const map::MapRow& row) {
+    auto& stores = [this]() -> auto& {
+        if constexpr (std::same_as<S, float>) return f32_;
+        else return f64_;
+    }
+    ();
+    const bool unit = row.form->info->direction == intersect::Direction::unit;
+    auto& made = stores[unit ? 1 : 0];
+    if (!made) {
+        const truth::FormatInputs inputs = band_.inputs(row.format, {.unit_rays = unit, .own_truth = false});
+        std::vector<Solid<double>> solids;
+        for (const std::size_t s : solids_) solids.push_back(inputs.solids[s]);
+        made = std::make_shared<Store<S>>(inputs.rays_for(*row.form->info), solids);
+    }
+    return made;
+}
+
+TimedWork SceneWork::on(const map::MapRow& row, const intersect::simd::PackedRow& kernels) {
+    const std::size_t items = rays() * solids();
+    if (row.format.engine == Format::Engine::native32)
+        return {[to = store<float>(row), kernel = kernels.f32] { to->run(kernel); }, items, true};
+    return {[to = store<double>(row), kernel = kernels.f64] { to->run(kernel); }, items, true};
+}
+
+}  // namespace lostbits::measure::speed

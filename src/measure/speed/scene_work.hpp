@@ -1,0 +1,58 @@
+// Rays of a scene, or of files, that kernels are timed on, so that no other rays stand in for them.
+#pragma once
+
+#include <array>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "intersect/simd/packed.hpp"
+#include "measure/map/map.hpp"
+#include "measure/speed/timing.hpp"
+
+namespace lostbits::measure::speed {
+
+/// The scene in at most so many pixels, its proportions kept.
+scene::file::Scene thinned(const scene::file::Scene& scene, int pixels);
+
+/// About two thousand rays of a scene, taken evenly over its picture, against the solids that most of them truly hit:
+/// at most four, and the first ones of the scene where nothing is hit.
+class SceneWork {
+public:
+    explicit SceneWork(const scene::file::Scene& scene, truth::TruthLimit limit = {});
+    /// The same of rays that are given, all of them. Where each ray has its own solid, those with the same numbers are
+    /// one.
+    explicit SceneWork(const scene::rays::RayGroup& sample, truth::TruthLimit limit = {});
+    SceneWork(const SceneWork&) = delete;
+    SceneWork& operator=(const SceneWork&) = delete;
+
+    [[nodiscard]] std::size_t rays() const { return rays_; }
+    [[nodiscard]] std::size_t solids() const { return solids_.size(); }
+    /// Bytes of rays and of answers.
+    [[nodiscard]] std::size_t bytes(const Format& format) const;
+    /// The share of the rays that truly hit anything.
+    [[nodiscard]] double hit_rate() const { return hit_rate_; }
+
+    /// Every ray against every one of the solids, by the row's kernel: an item is a ray and a solid. The format is f32
+    /// or f64. Work of one format shares its arrays and runs one at a time; they live as long as any work on them.
+    TimedWork on(const map::MapRow& row, const intersect::simd::PackedRow& kernels);
+
+private:
+    void choose_solids(const std::vector<int>& same_as, std::size_t solids);
+
+    template <class S>
+    struct Store;
+    template <class S>
+    std::shared_ptr<Store<S>> store(const map::MapRow& row);
+
+    scene::file::Scene scene_ = {};
+    truth::Band band_;
+    std::size_t rays_;
+    double hit_rate_ = 0;
+    std::vector<std::size_t> solids_;
+    std::array<std::shared_ptr<Store<float>>, 2> f32_;  ///< with directions as they are, and of unit length
+    std::array<std::shared_ptr<Store<double>>, 2> f64_;
+};
+
+}  // namespace lostbits::measure::speed
