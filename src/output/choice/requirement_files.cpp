@@ -44,7 +44,7 @@ std::string name_of(const Candidate& c) {
 
 constexpr Rgb8 colour_of(Outcome o) { return image::outcome_colours[static_cast<std::size_t>(o)]; }
 constexpr Rgb8 colour_of_none = colour_of(Outcome::not_a_number), colour_of_unknown = colour_of(Outcome::unresolved),
-               colour_of_others = colour_of(Outcome::agree_hit), page = {255, 255, 255};
+               colour_of_others = colour_of(Outcome::agree_hit);
 
 /// The candidates that some pixel takes, most pixels first.
 std::vector<std::size_t> most_taken(const Requirement& r) {
@@ -132,7 +132,7 @@ void draw_requirement(const std::filesystem::path& path, const Chosen& chosen, c
     spec.height = r.height;
     spec.legend = colours.legend();
     image::HeatmapWriter picture(image::image_backend(), path, spec);
-    std::vector<Rgb8> line(static_cast<std::size_t>(spec.width), page);
+    std::vector<Rgb8> line(static_cast<std::size_t>(spec.width), image::page);
     for (int y = 0; y < r.height; ++y) {
         for (int x = 0; x < r.width; ++x) {
             const auto pixel =
