@@ -76,13 +76,11 @@ void refuse_others(const ChooseOptions& o, bool files) {
                          ".npy or are named by --container; name one");
 }
 
-bool is_emulated(const Format& format) { return format.engine == Format::Engine::rounded; }
-
 /// The selected rows for what is called so, whose solids forms of a shape can meet.
 std::vector<measure::map::MapRow> rows_of(const ChooseOptions& o, const std::string& id,
                                           const std::function<bool(Shape)>& meets) {
     const auto formats = choice::select_formats(o.formats);
-    if (std::ranges::all_of(formats, is_emulated))
+    if (std::ranges::all_of(formats, choice::is_emulated))
         throw InputError(fmt::format(
             "-f {}: this format is emulated, so its time says nothing; a choice is among f32 and f64, name one of them",
             formats.front().name));
@@ -133,7 +131,7 @@ Exit choose_for_scene(const ChooseOptions& o, const Common& common) {
     request.scene = &scene;
     request.rows = rows_of(o, scene.id, [&scene](Shape shape) { return scene.meets(shape); });
     const auto emulated =
-        std::ranges::stable_partition(request.rows, std::not_fn(is_emulated), &measure::map::MapRow::format);
+        std::ranges::stable_partition(request.rows, std::not_fn(choice::is_emulated), &measure::map::MapRow::format);
     request.untimed.assign(emulated.begin(), emulated.end());
     request.rows.erase(emulated.begin(), request.rows.end());
     const auto folder = std::filesystem::path(o.out) / scene.id;
@@ -163,7 +161,13 @@ Exit choose_for_files(const ChooseOptions& o, const Common& common) {
     request.rows = rows_of(o, id, [&](Shape shape) {
         return layout.solid() ? *layout.solid() == shape : terms.solids.front().shape == shape;
     });
-    std::erase_if(request.rows, [](const measure::map::MapRow& row) { return is_emulated(row.format); });
+    const auto emulated = std::erase_if(request.rows, [](const auto& row) { return choice::is_emulated(row.format); });
+    if (emulated > 0 && !common.quiet)
+        fmt::print(
+            stderr,
+            "lostbits: {}: of the formats, only f32 and f64 are compared; emulated ones count in the requirement "
+            "map of a scene, and files of rays have none\n",
+            id);
     const auto folder = std::filesystem::path(o.out) / id;
     const auto owner = own_folder(folder, common, words);
     output::choice::ChoiceFiles files(folder);

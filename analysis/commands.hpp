@@ -62,6 +62,10 @@ void require_folder(const std::string& out);
                                                                      const Common& common, const std::string& subject,
                                                                      output::file::ResultFolder::Rules rules = {});
 
+/// A folder in `out` for each scene, this run's own while they live, in which summary.csv can be written.
+[[nodiscard]] std::vector<std::unique_ptr<output::file::ResultFolder>> own_folders(
+    const std::vector<scene::file::Scene>& scenes, const std::string& out, const Common& common);
+
 /// EnvironmentError where this file could not be written. A folder that cannot be written ends the run before the first
 /// ray, not after the tenth scene.
 void probe(const std::filesystem::path& file);

@@ -126,12 +126,7 @@ Exit run(const ConsistencyOptions& o, const Common& common) {
         requests.push_back({.scene = &scene, .rows = std::move(fitting), .checks = std::move(asked)});
         units += scene.pixels() * requests.back().rows.size();
     }
-    std::vector<std::unique_ptr<output::file::ResultFolder>> folders;
-    for (const Scene& scene : scenes) {
-        const auto folder = std::filesystem::path(o.out) / scene.id;
-        folders.push_back(own_folder(folder, common, choice::name_of_scene(scene, choice::data_folder(common.data))));
-        probe(folder / "summary.csv");
-    }
+    const auto folders = own_folders(scenes, o.out, common);
     if (!common.quiet) {
         for (const Scene& scene : scenes) {
             choice::note_lost_numbers(scene, rows);

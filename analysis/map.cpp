@@ -223,16 +223,6 @@ std::vector<const Metric*> drawn_of(std::vector<const Metric*> asked, const Scen
     return asked;
 }
 
-/// The folders of the results, this run's own while they live.
-std::vector<std::unique_ptr<output::file::ResultFolder>> own_folders(const std::vector<Scene>& scenes,
-                                                                     const MapOptions& o, const Common& common) {
-    std::vector<std::unique_ptr<output::file::ResultFolder>> folders;
-    for (const Scene& scene : scenes)
-        folders.push_back(own_folder(std::filesystem::path(o.out) / scene.id, common,
-                                     choice::name_of_scene(scene, choice::data_folder(common.data))));
-    return folders;
-}
-
 Exit run(const MapOptions& o, const Common& common) {
     require_folder(o.out);
     auto rows = choice::cross(choice::select_forms(o.forms), choice::select_formats(o.formats));
@@ -258,8 +248,7 @@ Exit run(const MapOptions& o, const Common& common) {
     std::vector<SceneWork> works;
     for (const auto& scene : scenes) works.push_back(work_on(scene, o, rows, wanted, made));
     for (const SceneWork& work : works) choice::that_apply(drawn, work.map.rows, "scene " + work.map.scene->id);
-    const auto folders = own_folders(scenes, o, common);
-    for (const auto& scene : scenes) probe(std::filesystem::path(o.out) / scene.id / "summary.csv");
+    const auto folders = own_folders(scenes, o.out, common);
     for (const SceneWork& work : works) choice::note_without_formula(drawn, work.map.rows, common.quiet);
     if (o.bits_needed > 0 && !common.quiet) note_skipped(works);
     if (!common.quiet) {

@@ -135,12 +135,7 @@ Exit run(const OffsetOptions& o, const Common& common) {
         requests.push_back({.scene = &scene, .rows = rows_for(scene, rows, o), .strategies = strategies});
         units += units_of(requests.back(), o);
     }
-    std::vector<std::unique_ptr<output::file::ResultFolder>> folders;
-    for (const Scene& scene : scenes) {
-        const auto folder = std::filesystem::path(o.out) / scene.id;
-        folders.push_back(own_folder(folder, common, choice::name_of_scene(scene, choice::data_folder(common.data))));
-        probe(folder / "summary.csv");
-    }
+    const auto folders = own_folders(scenes, o.out, common);
     if (!common.quiet) {
         for (const Scene& scene : scenes) {
             choice::note_lost_numbers(scene, rows);

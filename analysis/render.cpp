@@ -111,13 +111,7 @@ Exit run(const RenderOptions& o, const Common& common) {
         requests.push_back({.scene = &scene, .stages = stages_of(scene, o, common.quiet), .rows = rows});
         units += scene.pixels() * rows.size();
     }
-    std::vector<std::unique_ptr<output::file::ResultFolder>> folders;
-    for (const auto& scene : scenes) {
-        const auto folder = std::filesystem::path(o.out) / scene.id;
-        folders.push_back(own_folder(folder, common, choice::name_of_scene(scene, choice::data_folder(common.data))));
-        probe(folder / "summary.csv");
-    }
-
+    const auto folders = own_folders(scenes, o.out, common);
     if (!common.quiet) {
         for (const auto& scene : scenes) {
             choice::note_lost_numbers(scene, rows);

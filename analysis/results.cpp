@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "analysis/choice/select.hpp"
 #include "measure/answer/against.hpp"
 #include "measure/truth/truth.hpp"
 #include "number/error.hpp"
@@ -22,6 +23,17 @@ std::unique_ptr<output::file::ResultFolder> own_folder(const std::filesystem::pa
     rules.force = common.force;
     return std::make_unique<output::file::ResultFolder>(
         folder, output::file::MadeBy{common.typed.of(subject), "lostbits " LOSTBITS_VERSION}, rules);
+}
+
+std::vector<std::unique_ptr<output::file::ResultFolder>> own_folders(const std::vector<scene::file::Scene>& scenes,
+                                                                     const std::string& out, const Common& common) {
+    std::vector<std::unique_ptr<output::file::ResultFolder>> folders;
+    for (const auto& scene : scenes) {
+        const auto folder = std::filesystem::path(out) / scene.id;
+        folders.push_back(own_folder(folder, common, choice::name_of_scene(scene, choice::data_folder(common.data))));
+        probe(folder / "summary.csv");
+    }
+    return folders;
 }
 
 void probe(const std::filesystem::path& file) { const output::file::AtomicFile opened(file); }

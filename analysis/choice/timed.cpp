@@ -6,10 +6,12 @@
 
 namespace lostbits::analysis::choice {
 
+bool is_emulated(const Format& format) { return format.engine == Format::Engine::rounded; }
+
 std::vector<Format> select_timed_formats(const std::vector<std::string>& names) {
     const auto formats = select_formats(names);
     for (const Format& f : formats) {
-        if (f.engine == Format::Engine::rounded)
+        if (is_emulated(f))
             throw InputError(fmt::format(
                 "-f {}: this format is emulated, so its time says nothing; only f32 and f64 are timed", f.name));
     }

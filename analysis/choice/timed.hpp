@@ -10,6 +10,9 @@
 
 namespace lostbits::analysis::choice {
 
+/// Whether a format is computed by software here, so that its time says nothing.
+[[nodiscard]] bool is_emulated(const Format& format);
+
 /// f32 and f64, by name. InputError for any other format: it is emulated.
 std::vector<Format> select_timed_formats(const std::vector<std::string>& names);
 
