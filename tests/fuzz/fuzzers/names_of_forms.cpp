@@ -1,0 +1,20 @@
+// The table as far as readers need it: the names of the forms, and nothing that answers a ray.
+#include "intersect/catalogue.hpp"
+#include "intersect/table/table.hpp"
+
+namespace lostbits::intersect::table {
+namespace {
+
+template <class... Form>
+std::vector<Intersector> named(FormList<Form...> /*list*/) {
+    return {Intersector{.info = &Form::info, .shape = Shape::sphere}...};
+}
+
+}  // namespace
+
+std::span<const Intersector> intersectors() {
+    static const std::vector<Intersector> rows = named(SphereForms());
+    return rows;
+}
+
+}  // namespace lostbits::intersect::table

@@ -1,0 +1,23 @@
+# lostbits_fuzz_seeds(ROOT OUT): the seeds of each target, OUT/TARGET/*, from the files of the project. Also a script:
+#   cmake -DROOT=. -DOUT=seeds -P tests/fuzz/seeds.cmake
+function(lostbits_fuzz_seeds root out)
+    file(REMOVE_RECURSE ${out})
+    file(GLOB scene ${root}/data/scenes/*.toml)
+    file(GLOB sweep ${root}/data/sweeps/*.toml ${root}/data/sweeps/*/*.toml ${root}/data/hard/*.toml)
+    file(GLOB claims ${root}/data/claims/*.toml)
+    set(report ${root}/data/report.toml)
+    set(csv ${root}/data/dumps/far-sphere.csv ${root}/reports/readme/summary.csv)
+    foreach(name scene sweep claims report csv)
+        foreach(file IN LISTS ${name})
+            file(SIZE ${file} bytes)
+            if(bytes LESS 60000)
+                file(COPY ${file} DESTINATION ${out}/${name})
+            endif()
+        endforeach()
+    endforeach()
+    file(COPY ${root}/tests/fuzz/seeds/ DESTINATION ${out})
+endfunction()
+
+if(CMAKE_SCRIPT_MODE_FILE)
+    lostbits_fuzz_seeds(${ROOT} ${OUT})
+endif()

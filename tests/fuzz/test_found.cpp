@@ -1,0 +1,83 @@
+// The targets of the fuzzers without libFuzzer: over what was found once, and over seeds with a few bytes changed.
+#include <algorithm>
+#include <array>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+#include <vector>
+
+#include "catch.hpp"
+#include "fuzz/fuzz.hpp"
+#include "scene/rays/random.hpp"
+
+namespace lostbits::test {
+namespace {
+
+namespace fs = std::filesystem;
+using fuzz::Target;
+
+std::string bytes_of(const fs::path& file) {
+    std::ostringstream text;
+    text << std::ifstream(file, std::ios::binary).rdbuf();
+    return text.str();
+}
+
+std::vector<fs::path> files_in(const fs::path& folder) {
+    std::vector<fs::path> files;
+    for (const auto& entry : fs::directory_iterator(folder))
+        if (entry.is_regular_file()) files.push_back(entry.path());
+    std::ranges::sort(files);
+    return files;
+}
+
+/// Up to four changes: a byte, a piece left out, a piece twice.
+std::string changed(std::string bytes, scene::rays::Random& random) {
+    for (int changes = 1 + random.below(4); changes > 0 && !bytes.empty(); --changes) {
+        const auto at = static_cast<std::size_t>(random.below(static_cast<int>(bytes.size())));
+        const auto length = static_cast<std::size_t>(1 + random.below(40));
+        switch (random.below(4)) {
+            case 0: bytes[at] = static_cast<char>(random.below(256)); break;
+            case 1: bytes.erase(at, length); break;
+            case 2: bytes.insert(at, std::string(bytes.substr(at, length))); break;
+            default: bytes.insert(at, std::array{"-", "1e999", "[", "\"", "\n", "nan", ",", "0x1p-1074"}[length % 8]);
+        }
+    }
+    return bytes;
+}
+
+}  // namespace
+
+TEST_CASE("what fuzzing found is an error that says something, or read", "[fuzz]") {
+    std::size_t tried = 0;
+    for (const Target& target : fuzz::targets) {
+        const fs::path folder = fs::path(LOSTBITS_FUZZ_DIR) / "found" / target.name;
+        if (!fs::exists(folder)) continue;
+        for (const fs::path& file : files_in(folder)) {
+            INFO(file);
+            CHECK_NOTHROW(target.run(bytes_of(file)));
+            ++tried;
+        }
+    }
+    CHECK(tried > 0);
+}
+
+TEST_CASE("every seed of the fuzzers is read, and so is what becomes of it with some bytes changed", "[fuzz]") {
+    scene::rays::Random random(19);
+    for (const Target& target : fuzz::targets) {
+        const auto seeds = files_in(fs::path(LOSTBITS_FUZZ_SEEDS) / target.name);
+        INFO(target.name);
+        CHECK(!seeds.empty());
+        for (const fs::path& file : seeds) {
+            const std::string bytes = bytes_of(file);
+            INFO(file);
+            CHECK_NOTHROW(target.run(bytes));
+            for (std::size_t i = 0; i < 400 / seeds.size() + 1; ++i) {
+                const std::string other = changed(bytes, random);
+                INFO(other);
+                REQUIRE_NOTHROW(target.run(other));
+            }
+        }
+    }
+}
+
+}  // namespace lostbits::test
