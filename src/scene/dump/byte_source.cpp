@@ -4,6 +4,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
 
@@ -35,10 +36,12 @@ void ByteSource::fail(const std::string& what) const { throw EnvironmentError(na
 template <class ReadSome>
 std::size_t ByteSource::fill(std::string& to, std::size_t most, const ReadSome& read_some) const {
     const std::size_t begin = to.size();
-    to.resize(begin + most);
+    // A file is most often shorter than a block of it, and clearing room takes longer than reading.
+    to.resize(begin + static_cast<std::size_t>(std::min<std::uint64_t>(most, size_.value_or(most) + 1)));
     std::size_t got = 0;
     while (got < most) {
-        const ssize_t n = read_some(to.data() + begin + got, most - got, got);
+        if (begin + got == to.size()) to.resize(begin + most);
+        const ssize_t n = read_some(to.data() + begin + got, to.size() - begin - got, got);
         if (n < 0 && errno == EINTR) {
             stop_if_interrupted();
             continue;
