@@ -36,8 +36,6 @@ public:
         return {code, contents(at("out.txt")), contents(at("calls.txt"))};
     }
     [[nodiscard]] std::filesystem::path at(const std::string& name) const { return scratch_.path() / name; }
-
-private:
     void stand_in(const std::string& name, const std::string& answer) const {
         const std::string program = std::filesystem::path(name).filename();
         std::filesystem::permissions(scratch_.write(name, "#!/bin/sh\necho \"" + program + " $*\" >>'" +
@@ -45,6 +43,7 @@ private:
                                      std::filesystem::perms::owner_all);
     }
 
+private:
     Scratch scratch_;
 };
 
@@ -79,5 +78,29 @@ TEST_CASE("./run all makes everything and ends with the page, another word is re
         CHECK(has(said.calls, part));
     CHECK(said.out.ends_with(tree.at("out/report/index.html").string() + "\n"));
     CHECK(tree.run("al").code != 0);
-    CHECK(has(contents(tree.at("err.txt")), "usage: ./run [all|test]"));
+    CHECK(has(contents(tree.at("err.txt")), "usage: ./run [all | test [--sanitize] | fuzz [SECONDS]]"));
+}
+
+TEST_CASE("./run test says how many tests passed, and with --sanitize of both sanitizers' builds") {
+    const Tree tree;
+    tree.stand_in("bin/ctest", "echo '100% tests passed, 0 tests failed out of 7'");
+    const auto plain = tree.run("test");
+    INFO(plain.calls);
+    CHECK(plain.code == 0);
+    CHECK(plain.out.ends_with("\n7 passed, 0 failed\n"));
+    CHECK_FALSE(has(plain.calls, "tsan"));
+
+    const auto both = tree.run("test --sanitize");
+    INFO(both.calls);
+    CHECK(both.out.ends_with("\n14 passed, 0 failed\n"));
+    for (const char* preset : {"asan-ubsan", "tsan"}) {
+        CHECK(has(both.calls, std::string("cmake --build --preset ") + preset));
+        CHECK(has(both.calls, std::string("ctest --preset ") + preset));
+    }
+
+    tree.stand_in("bin/ctest",
+                  "echo ' 3/7 Test #3: x .....***Failed'; echo '86% tests passed, 1 tests failed out of 7'; exit 8");
+    const auto bad = tree.run("test");
+    CHECK(bad.code != 0);
+    CHECK(bad.out.ends_with("\n6 passed, 1 failed\n"));
 }
