@@ -208,9 +208,9 @@ void add_choose(CLI::App& program, const Common& common, Command& chosen) {
         ->required();
     command->add_option("--bits", o->bits, "Correct bits of t that are wanted, at least")
         ->required()
-        ->check(CLI::Range(0.0, 53.0));
+        ->check(choice::number_from(0, 53));
     command->add_option("--wrong", o->wrong, "Share of the rays that may be decided wrongly (default: 0)")
-        ->check(CLI::Range(0.0, 1.0));
+        ->check(choice::number_from(0, 1));
     command->add_option("--at", o->at,
                         "Of how many hits the bits are wanted: p50, p99 (default), p99.9, max: every one");
     choice::add_list(*command, "-i,--intersector", o->forms, "Forms, by name or glob (default: all)");

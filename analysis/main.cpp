@@ -73,7 +73,7 @@ void add_doors(CLI::App& program, choice::DoorWords& doors) {
                        "language; its forms stand beside the others. May be repeated");
     program.add_flag("--isolate", doors.isolate, "Run libraries in processes of their own: a crash is an error then");
     program.add_option("--time-limit", doors.seconds, "Seconds that --plugin and --pipe may take for a batch (30)")
-        ->check(CLI::Range(0.1, 1e6));
+        ->check(choice::number_from(0.1, 1e6));
 }
 
 constexpr const char* footer =

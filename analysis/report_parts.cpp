@@ -241,6 +241,7 @@ output::page::ChoicePart choice_part(const ChoiceWork& work, const Advance& adva
     const auto all = measure_candidates(request, timed);
     output::choice::Chosen chosen{request, all, timed, cheapest(all, request.wish)};
     if (chosen.meets) chosen.rooms = rooms_of(request, all[*chosen.meets].row);
+    else chosen.obstacle = find_obstacle(request, all[*nearest(all, work.wish)].row);
     return {.scene = work.scene.id,
             .wish = output::choice::in_words(work.wish),
             .words = output::choice::in_words(chosen),

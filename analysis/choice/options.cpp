@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <string_view>
 
 #include "number/error.hpp"
@@ -98,6 +99,17 @@ std::vector<std::string> assignments_in(const std::string& word) {
     }
     all.push_back(CLI::detail::trim_copy(word.substr(begin)));
     return all;
+}
+
+CLI::Validator number_from(double low, double high) {
+    const CLI::Range range(low, high);
+    const auto check = [range, low, high](std::string& word) {
+        double value = 0;
+        if (CLI::detail::lexical_cast(word, value) && std::isnan(value))
+            return "Value " + word + " not in range " + std::to_string(low) + " to " + std::to_string(high);
+        return range(word);
+    };
+    return {check, range.get_description()};
 }
 
 CLI::Option* add_set(CLI::App& command, std::vector<std::string>& into, const std::string& help) {

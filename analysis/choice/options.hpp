@@ -21,6 +21,9 @@ bool is_list(const CLI::Option& option);
 /// Of such an option: every item is one of these.
 CLI::Validator each_of(const std::string& option, const std::vector<std::string>& known);
 
+/// A number from low to high, both included. Unlike `CLI::Range`, whose comparisons NaN passes, it refuses NaN.
+CLI::Validator number_from(double low, double high);
+
 /// `--set`: assignments, repeated or between commas; a comma inside brackets belongs to the value.
 CLI::Option* add_set(CLI::App& command, std::vector<std::string>& into, const std::string& help);
 

@@ -71,8 +71,27 @@ TEST_CASE("choose ends with 1 where nothing meets the wish, and says what is in 
     CHECK(has(decisions.out, "its decisions"));
 }
 
+TEST_CASE("choose says so where nothing is hit, and does not blame the inputs") {
+    const Scratch scratch;
+    const auto away = choose("near-benign --set 'camera.look_at=[0,0,100]' --bits 12 -i sphere.unified", scratch);
+    CHECK(away.code == 1);
+    CHECK(has(away.out, "None of the rays truly hits anything"));
+    CHECK_FALSE(has(away.out, "the inputs"));
+    CHECK(read_csv(scratch.path() / "near-benign" / "inputs.csv").empty());
+}
+
+TEST_CASE("a wish is said as it was typed") {
+    const Scratch scratch;
+    const auto r = choose("near-benign --bits 4 --at p99.99999 --wrong 0.5 -i sphere.unified -f f32", scratch);
+    CHECK(has(r.out, "4 correct bits of 99.99999 of 100 hits, at most 50% of the rays decided wrongly\n"));
+}
+
 TEST_CASE("choose refuses what is no wish") {
     const Scratch scratch;
+    const auto nan = choose("near-benign --bits nan", scratch);
+    CHECK(nan.code == 2);
+    CHECK(has(nan.err, "--bits nan: is not a number from 0 to 53"));
+    CHECK(has(choose("near-benign --bits 1 --wrong nan", scratch).err, "is not a number from 0 to 1"));
     CHECK(has(choose("near-benign --bits 16 --at p", scratch).err, "--at p"));
     CHECK(has(choose("near-benign --bits 16 --at p100", scratch).err, "--at p100"));
     CHECK(choose("near-benign --bits 60", scratch).code == 2);

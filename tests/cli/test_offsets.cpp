@@ -138,6 +138,20 @@ TEST_CASE("offsets: one table on standard output, and what a scene without point
     }
 }
 
+TEST_CASE("a sheet without thickness has no safe offset into it, and that is said in words") {
+    const Scratch scratch;
+    static_cast<void>(scratch.write("flat.toml",
+                                    "schema = \"lostbits-scene/1\"\ntitle = \"flat\"\ninputs = \"shared\"\n"
+                                    "size = [8, 8]\n[camera]\nkind = \"pinhole\"\nfov_deg = 40\n"
+                                    "eye = [0.3, 0.7, 6]\nlook_at = [0, 0, 0]\nup = [0, 1, 0]\n"
+                                    "[[box]]\nlo = [-1, -1, 0]\nhi = [1, 1, 0]\n"));
+    const auto r = run("offsets flat.toml --points computed --strategy offset.bound -o out", scratch.path());
+    INFO(r.err);
+    CHECK(r.code == 0);
+    CHECK(has(r.out, "inside: no offset is safe at any of 16 points; right for all 288 rays: no strategy"));
+    CHECK_FALSE(has(r.out, "nan"));
+}
+
 TEST_CASE("strategies are listed with what they cost") {
     const auto array = nlohmann::json::parse(run("list strategies --json").out);
     std::set<std::string> names;

@@ -166,6 +166,11 @@ TEST_CASE("out: -o - writes the table to standard output, and leaves nothing els
         REQUIRE(run(c.words + " -o out", scratch.path()).code == 0);
         CHECK(r.out == contents(scratch.path() / "out" / c.file));
     }
+    // Its times are of the run, so two tables of it differ.
+    const auto choice = run("choose mine.toml --bits 4 -i sphere.press -f f32 --quick -o -", scratch.path(), before);
+    CHECK(choice.code == 0);
+    CHECK(choice.out.starts_with("form,format,isa,time_ns,"));
+    CHECK(has(choice.out, "\nsphere.press,f32,"));
     CHECK(run("check --filter 'float.*' --export-json - 2>/dev/null").out.starts_with("["));
     const auto csv = run("check --filter 'float.*' --export-csv -");
     CHECK(csv.code == 0);

@@ -142,6 +142,7 @@ scene::rays::RayGroup some_of(const scene::rays::RayGroup& group, std::size_t mo
 
 Obstacle::Cause cause_of(const Obstacle& found, const MapRow& row, const Wish& wish, const Worth& reached) {
     using Cause = Obstacle::Cause;
+    if (reached.hits == 0) return Cause::no_hit;
     if (wish.bits > row.format.shape.precision) return Cause::width;
     if (!found.exact.meets(wish)) return Cause::inputs;
     // Within the envelope the problem is hard; beyond it the formula is bad.
@@ -178,7 +179,7 @@ Obstacle find_obstacle(const ChoiceRequest& request, const MapRow& row, int pixe
     const Worth reached = worth_on(*given, row, request.wish);
     found.base = found.rounded_before ? binary32 : row.format.shape;
     found.wider_than_f64 = found.base == binary64;
-    if (!ideal.solids.empty()) Trials(request, row, ideal, found).run();
+    if (!ideal.solids.empty() && reached.hits > 0) Trials(request, row, ideal, found).run();
     // What every format gets is exact to the wish; to others the trial without anything wide is what they get.
     if (found.rounded_before || found.trials.empty()) found.exact = exact_worth(*given, *given, row, request.wish);
     else found.exact = found.trials.front().exact;

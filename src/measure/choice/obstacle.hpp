@@ -24,6 +24,7 @@ struct InputTrial {
 
 struct Obstacle {
     enum class Cause {
+        no_hit,    ///< no ray truly hits, so no bits can be kept, whatever is chosen; nothing else is looked at
         width,     ///< the format has fewer bits than are wished
         inputs,    ///< rounded to the format, they are another problem: exact arithmetic fails as well
         inherent,  ///< they are as meant, but half an ulp of the format in each of them costs more than the wish
@@ -47,7 +48,7 @@ struct Obstacle {
     std::optional<std::size_t> enough{};
     int least_precision = 0;
 };
-inline constexpr std::array<std::string_view, 4> cause_names{"width", "inputs", "inherent", "formula"};
+inline constexpr std::array<std::string_view, 5> cause_names{"no_hit", "width", "inputs", "inherent", "formula"};
 
 /// Why this row, which comes nearest, does not meet the request's wish. On at most `pixels` rays.
 Obstacle find_obstacle(const ChoiceRequest& request, const map::MapRow& nearest, int pixels = 2048);

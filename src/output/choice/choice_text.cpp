@@ -28,9 +28,9 @@ std::string name_of_row(const Candidate& c) {
     return fmt::format("{} in {}", c.row.form->info->name, c.row.format.name);
 }
 
-std::string kept(const Worth& worth, int precision) {
+std::string kept(const Worth& worth, int precision, const Wish& wish) {
     return std::isnan(worth.kept_bits) ? "no hit to keep bits of"
-                                       : fmt::format("{:.1f} of {} bits", worth.kept_bits, precision);
+                                       : fmt::format("{} of {} bits", bits_beside(worth.kept_bits, wish), precision);
 }
 
 std::string decisions(const Worth& worth) {
@@ -61,7 +61,7 @@ std::string broken_by(const Room& room, const Wish& wish, int precision) {
         return fmt::format("{} ({} of {} rays)", outcome, room.broken.wrong, room.broken.rays);
     }
     return std::isnan(room.broken.kept_bits) ? "no hit that form and truth agree on"
-                                             : "keeping " + kept(room.broken, precision);
+                                             : "keeping " + kept(room.broken, precision, wish);
 }
 
 /// `rays`: they come from files, and there is no camera.
@@ -112,7 +112,7 @@ std::string next_ray(const Chosen& chosen) {
     if (!chosen.offsets || chosen.offsets->points == 0) return "";
     const auto& [outside, both, points, rays] = *chosen.offsets;
     const auto cheapest_of = [](const std::vector<measure::offset::SafeStrategy>& safe) {
-        return safe.empty() ? std::string("none")
+        return safe.empty() ? std::string("no strategy")
                             : fmt::format("{} ({} operations)", safe.front().strategy->name, safe.front().operations);
     };
     return fmt::format(
@@ -126,12 +126,13 @@ std::string own_answers(const Chosen& chosen) {
     if (!chosen.request.rays || !chosen.request.rays->answers) return "";
     const auto& [name, format, worth] = *chosen.request.rays->answers;
     return fmt::format("The answers that were there, {} in {}: {}, {}; {} the wish. Their time is not known.\n", name,
-                       format.name, kept(worth, format.shape.precision), decisions(worth),
+                       format.name, kept(worth, format.shape.precision, chosen.request.wish), decisions(worth),
                        worth.meets(chosen.request.wish) ? "they meet" : "they do not meet");
 }
 
 std::string costs(const Chosen& chosen, const Candidate& c) {
     const auto& all = chosen.all;
+    const Wish& wish = chosen.request.wish;
     std::string text;
     const auto fast = *measure::choice::fastest(all), accurate = *measure::choice::most_accurate(all);
     if (&all[fast] == &c) text += "  It is the fastest of all.\n";
@@ -139,30 +140,42 @@ std::string costs(const Chosen& chosen, const Candidate& c) {
         text +=
             fmt::format("  {} the time of the fastest, {} ({:.2f} ns; {}, {}).\n",
                         times(nanoseconds(c) / nanoseconds(all[fast])), name_of_row(all[fast]), nanoseconds(all[fast]),
-                        kept(all[fast].worth, all[fast].row.format.shape.precision), decisions(all[fast].worth));
+                        kept(all[fast].worth, all[fast].row.format.shape.precision, wish), decisions(all[fast].worth));
     if (&all[accurate] == &c) text += "  It is the most accurate of all.\n";
     else
         text += fmt::format("  {} the time of the most accurate, {} ({:.2f} ns; {}).\n",
                             times(nanoseconds(c) / nanoseconds(all[accurate])), name_of_row(all[accurate]),
                             nanoseconds(all[accurate]),
-                            kept(all[accurate].worth, all[accurate].row.format.shape.precision));
+                            kept(all[accurate].worth, all[accurate].row.format.shape.precision, wish));
     return text;
 }
 
 std::string nothing_meets(const Chosen& chosen) {
     const Candidate& near = chosen.all[*measure::choice::nearest(chosen.all, chosen.request.wish)];
     const int precision = near.row.format.shape.precision;
-    std::string text = fmt::format("Nothing meets the wish. Nearest is {}: {}, {}; {:.2f} ns.\n", name_of_row(near),
-                                   kept(near.worth, precision), decisions(near.worth), nanoseconds(near));
+    std::string text =
+        fmt::format("Nothing meets the wish. Nearest is {}: {}, {}; {:.2f} ns.\n", name_of_row(near),
+                    kept(near.worth, precision, chosen.request.wish), decisions(near.worth), nanoseconds(near));
     return chosen.obstacle ? text + obstacle_in_words(chosen, near) : text;
 }
 
 }  // namespace
 
+std::string bits_beside(double kept, const Wish& wish) {
+    std::string text;
+    for (int digits = 1; digits <= 9; ++digits) {
+        text = fmt::format("{:.{}f}", kept, digits);
+        if ((std::stod(text) < wish.bits) == (kept < wish.bits)) break;
+    }
+    return text;
+}
+
 std::string in_words(const Wish& wish) {
-    const std::string hits = wish.quantile == 1 ? "every hit" : fmt::format("{:g} of 100 hits", wish.quantile * 100);
-    const std::string wrong =
-        wish.wrong == 0 ? "no wrong decision" : fmt::format("at most {:g} of the decisions wrong", wish.wrong);
+    // Of all the digits that were typed: p99.99999 is not every hit.
+    const std::string hits = wish.quantile == 1 ? "every hit" : fmt::format("{:.12g} of 100 hits", wish.quantile * 100);
+    const std::string wrong = wish.wrong == 0
+                                  ? "no wrong decision"
+                                  : fmt::format("at most {:.12g}% of the rays decided wrongly", wish.wrong * 100);
     return fmt::format("{:g} correct bits of {}, {}", wish.bits, hits, wrong);
 }
 
@@ -173,8 +186,8 @@ std::string in_words(const Chosen& chosen) {
     } else {
         const Candidate& c = chosen.all[*chosen.meets];
         const int precision = c.row.format.shape.precision;
-        text +=
-            fmt::format("The cheapest is {}: {}, {}.\n", name_of_row(c), kept(c.worth, precision), decisions(c.worth));
+        text += fmt::format("The cheapest is {}: {}, {}.\n", name_of_row(c),
+                            kept(c.worth, precision, chosen.request.wish), decisions(c.worth));
         text += fmt::format("  It takes {:.2f} ns a ray and solid, {}.\n", nanoseconds(c),
                             c.isa == "scalar" ? "one ray at a time" : fmt::format("in registers of {} bits", c.isa));
         const std::string assumed = assumptions(*c.row.form->info);

@@ -23,6 +23,9 @@ struct Chosen {
     std::optional<measure::choice::Requirement> requirement = {};  ///< of each pixel of a scene
 };
 
+/// Bits to one decimal, or to as many as show on which side of the wish they are: 15.96 beside a wish of 16.
+std::string bits_beside(double kept, const measure::choice::Wish& wish);
+
 /// `16 bits of 99 of 100 hits, no wrong decision`.
 std::string in_words(const measure::choice::Wish& wish);
 /// The answer, several lines; every time is of this run.

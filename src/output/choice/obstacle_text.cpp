@@ -18,12 +18,14 @@ using measure::choice::Worth;
 
 namespace {
 
-std::string bits(double kept) { return std::isnan(kept) ? "no hit" : fmt::format("{:.1f} bits", kept); }
+std::string bits(double kept, const Wish& wish) {
+    return std::isnan(kept) ? "no hit" : bits_beside(kept, wish) + " bits";
+}
 
 /// What is kept, and the decisions where the wish minds them.
 std::string kept_and_wrong(const Worth& worth, const Wish& wish) {
-    if (worth.decides(wish)) return bits(worth.kept_bits);
-    return fmt::format("{} and decides {} of {} rays wrongly", bits(worth.kept_bits), worth.wrong, worth.rays);
+    if (worth.decides(wish)) return bits(worth.kept_bits, wish);
+    return fmt::format("{} and decides {} of {} rays wrongly", bits(worth.kept_bits, wish), worth.wrong, worth.rays);
 }
 
 /// `the centres and the radii`.
@@ -91,7 +93,17 @@ std::string obstacle_in_words(const Chosen& chosen, const Candidate& near) {
     const std::string& format = near.row.format.name;
     const int precision = near.row.format.shape.precision;
     const std::string exact = kept_and_wrong(found.exact, wish);
+    const std::string in_f64 =
+        format == "f64" ? "" : fmt::format(" Half an ulp of f64 would leave {}.", bits(found.inherent_kept_f64, wish));
     switch (found.cause) {
+        case Obstacle::Cause::no_hit:
+            return near.worth.hits == 0
+                       ? fmt::format(
+                             "  In its way: the {}. None of the rays truly hits anything, so there is no t to "
+                             "keep bits of.\n",
+                             chosen.request.rays ? "file" : "scene")
+                       : "  What is in its way is not known: only some of the rays were looked at for that, and none "
+                         "of these truly hits anything.\n";
         case Obstacle::Cause::width:
             return fmt::format("  In its way: {} has {} bits. Try a wider format.\n", format, precision) +
                    of_the_rounded_scene(chosen, near);
@@ -102,10 +114,8 @@ std::string obstacle_in_words(const Chosen& chosen, const Candidate& near) {
         case Obstacle::Cause::inherent:
             return fmt::format(
                        "  In its way: the problem, not the formula. Half an ulp of {} in each input would cost {:.1f} "
-                       "of its {} bits and leave {}; what is kept beyond that is owed to inputs that are exact. Half "
-                       "an ulp of f64 would leave {}.\n",
-                       format, precision - found.inherent_kept, precision, bits(found.inherent_kept),
-                       bits(found.inherent_kept_f64)) +
+                       "of its {} bits and leave {}; what is kept beyond that is owed to inputs that are exact.{}\n",
+                       format, precision - found.inherent_kept, precision, bits(found.inherent_kept, wish), in_f64) +
                    of_the_rounded_scene(chosen, near);
         case Obstacle::Cause::formula: break;
     }
@@ -116,7 +126,7 @@ std::string obstacle_in_words(const Chosen& chosen, const Candidate& near) {
             : fmt::format(
                   "Exact arithmetic on the same inputs meets the wish, and half an ulp of {} in each of them "
                   "would leave {}",
-                  format, bits(found.inherent_kept));
+                  format, bits(found.inherent_kept, wish));
     return fmt::format("  In its way: {}. {}.\n", what, inputs) + of_the_rounded_scene(chosen, near);
 }
 

@@ -52,7 +52,13 @@ std::string percent_of(std::uint64_t part, std::uint64_t whole) {
 
 std::string note_of(const Check& check, const CheckSummary& s) {
     if (s.asked() == 0) return "not asked";
-    std::string note = s.decisions() == 0 ? "all alike" : percent_of(s.decisions(), s.asked()) + " differ";
+    // Whether an end at the hit counts is a convention: yes everywhere is no difference.
+    if (check.measure == measure::consistency::check_end) {
+        const auto yes = s.of(Accord::second_alone);
+        return yes == 0 ? "always no" : yes == s.asked() ? "always yes" : percent_of(yes, s.asked()) + " yes";
+    }
+    const char* const alike = s.excess.count() > 0 ? "decisions alike" : "all alike";
+    std::string note = s.decisions() == 0 ? alike : percent_of(s.decisions(), s.asked()) + " differ";
     if (const auto inputs = s.of(Accord::by_inputs); inputs > 0 && !check.numbers)
         note += fmt::format("\n{} by inputs", percent_of(inputs, s.asked()));
     if (s.excess.count() > 0)

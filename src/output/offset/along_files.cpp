@@ -69,7 +69,9 @@ void AlongFiles::plot_wrong(std::size_t row, Side side) const {
         }
         spec.series.push_back(std::move(series));
     }
-    spec.notes = {"wrong: a self-hit by truth or by the form's arithmetic, or an occluder or the way out lost"};
+    spec.notes = {
+        "wrong: a self-hit by truth or by the form's arithmetic, or an occluder or the way out lost",
+        "shares are of the points that the form finds: where it misses or names another solid, there is none"};
     plot::write_line_plot(image::image_backend(), file_of(row, side, "wrong"), spec);
 }
 

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
+
 #include "measure/offset/cheapest.hpp"
 #include "output/offset/offset_sheet.hpp"
 
@@ -22,10 +24,14 @@ std::vector<std::string> row_in_words(const OffsetRequest& request, std::size_t 
             if (on.strategies[k].bad > 0) continue;
             right += fmt::format("{}{}", right.empty() ? "" : ", ", short_name(*request.strategies[k]));
         }
-        lines.push_back(fmt::format("{} {}: smallest safe offset up to {:.3g}{}; right for all {} rays: {}", of,
-                                    name_of(side), on.safe.quantile(1),
-                                    on.never_safe == 0 ? "" : fmt::format(" ({} points have none)", on.never_safe),
-                                    on.rays, right.empty() ? "no strategy" : right));
+        const double largest = on.safe.quantile(1);
+        const std::string safe =
+            std::isnan(largest)
+                ? fmt::format("no offset is safe at any of {} points", on.never_safe)
+                : fmt::format("smallest safe offset up to {:.3g}{}", largest,
+                              on.never_safe == 0 ? "" : fmt::format(" ({} points have none)", on.never_safe));
+        lines.push_back(fmt::format("{} {}: {}; right for all {} rays: {}", of, name_of(side), safe, on.rays,
+                                    right.empty() ? "no strategy" : right));
     }
     const auto safe =
         measure::offset::safe_strategies(summary, request.strategies, row.row.form->shape, measure::offset::both_sides);

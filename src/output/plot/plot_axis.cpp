@@ -91,6 +91,26 @@ double AxisRange::position(double value) const noexcept {
     return place(scaled(value));
 }
 
+std::vector<AxisRange::Tick> AxisRange::ticks_within_a_step(int most) const {
+    const bool two = scale_ == AxisSpec::Scale::log2;
+    std::vector<Tick> out;
+    // Numbers that can be read as they are: 2.4, not 2^1.26. A label has room for some six digits, and round steps that
+    // are alike crowd at the upper end of a wider range.
+    const double low = two ? std::exp2(lo_) : std::pow(10, lo_), high = two ? std::exp2(hi_) : std::pow(10, hi_);
+    if (low >= 1e-3 && high <= 1e5 && high <= 5 * low) {
+        const auto values = round_values(low, high, most);
+        const auto labels = labels_of(values);
+        for (std::size_t i = 0; i < values.size(); ++i) out.push_back({position(values[i]), labels[i]});
+        if (out.size() >= 2) return out;
+        out.clear();
+    }
+    const auto exponents = round_values(lo_, hi_, most);
+    const auto labels = labels_of(exponents);
+    for (std::size_t i = 0; i < labels.size(); ++i)
+        out.push_back({place(exponents[i]), (two ? "2^" : "10^") + labels[i]});
+    return out;
+}
+
 std::vector<AxisRange::Tick> AxisRange::exponent_ticks(int most) const {
     const bool two = scale_ == AxisSpec::Scale::log2;
     double step = 1;
@@ -102,8 +122,7 @@ std::vector<AxisRange::Tick> AxisRange::exponent_ticks(int most) const {
     }
     std::vector<double> exponents;
     for (double k = std::ceil(lo_ / step - 1e-9); k * step <= hi_ + 1e-9; k += 1) exponents.push_back(k * step);
-    // Less than an octave or a decade between the ends: exponents with a fraction.
-    if (exponents.size() < 2) exponents = round_values(lo_, hi_, most);
+    if (exponents.size() < 2) return ticks_within_a_step(most);
     std::vector<Tick> out;
     const auto labels = labels_of(exponents);
     for (std::size_t i = 0; i < labels.size(); ++i) {

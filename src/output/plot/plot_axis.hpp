@@ -47,6 +47,8 @@ private:
     [[nodiscard]] double place(double s) const noexcept;
     void widen(bool low_fixed, bool high_fixed);
     [[nodiscard]] std::vector<Tick> exponent_ticks(int most) const;
+    /// Where less than two powers lie between the ends.
+    [[nodiscard]] std::vector<Tick> ticks_within_a_step(int most) const;
 
     std::string title_;
     AxisSpec::Scale scale_;

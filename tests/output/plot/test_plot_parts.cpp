@@ -36,6 +36,11 @@ TEST_CASE("ticks are round values at their places", "[plot]") {
           Labels{"2^-3", "2^-2", "2^-1", "2^0", "2^1", "2^2"});
     CHECK(labels(AxisRange({"", Scale::log10, {}, {}}, {1e-3, 2e2}), 8) ==
           Labels{"10^-3", "10^-2", "10^-1", "10^0", "10^1", "10^2"});
+    // Less than two powers between the ends: the numbers themselves, at their places on the log scale.
+    const AxisRange narrow({"", Scale::log2, 2.2, 3.9}, {});
+    CHECK(labels(narrow, 4) == Labels{"2.5", "3", "3.5"});
+    CHECK(narrow.ticks(4)[1].position == Approx(narrow.position(3)));
+    CHECK(labels(AxisRange({"", Scale::log10, 2e7, 6e7}, {}), 4).front().starts_with("10^"));
     CHECK(labels(AxisRange({"", Scale::linear, 0.0, 53.0}, {}), 8) == Labels{"0", "10", "20", "30", "40", "50"});
     CHECK(labels(AxisRange({"", Scale::linear, 1000000.0, 1000000.5}, {}), 5) ==
           Labels{"1000000", "1000000.1", "1000000.2", "1000000.3", "1000000.4", "1000000.5"});
