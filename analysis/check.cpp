@@ -2,6 +2,7 @@
 #include <fnmatch.h>
 
 #include <algorithm>
+#include <iterator>
 #include <memory>
 #include <set>
 
@@ -27,7 +28,7 @@ using State = ClaimResult::State;
 struct CheckOptions {
     std::vector<std::string> files;
     std::vector<std::string> filters;
-    std::string junit, csv, json, report, annotations = "none";
+    std::string junit, csv, json, report, annotations = "none", shard;
     std::string profile = "results";
     bool strict = false, measure = false;
     int seeds = 0;
@@ -153,7 +154,37 @@ Exit report_times(const std::vector<Claim>& claims, const std::vector<ClaimResul
     return Exit::done;
 }
 
+/// The files that decide what claims measure.
+std::vector<std::filesystem::path> files_of(const CheckOptions& o, const std::filesystem::path& data) {
+    std::vector<std::filesystem::path> files;
+    for (const std::string& word : o.files.empty() ? std::vector{(data / "claims").string()} : o.files)
+        std::ranges::copy(scene::claim::claim_files(word), std::back_inserter(files));
+    for (const char* folder : {"scenes", "sweeps"}) {
+        std::error_code ignored;
+        std::vector<std::filesystem::path> here;
+        for (const auto& entry : std::filesystem::recursive_directory_iterator(data / folder, ignored)) {
+            if (entry.path().extension() == ".toml") here.push_back(entry.path());
+        }
+        std::ranges::sort(here);
+        std::ranges::copy(here, std::back_inserter(files));
+    }
+    return files;
+}
+
+/// InputError where a shard is asked for what the whole run alone can write.
+void check_shard_options(const CheckOptions& o) {
+    if (o.shard.empty()) return;
+    if (o.report.empty())
+        throw InputError("--shard " + o.shard +
+                         ": needs the folder of the shards; add --report DIR, and `lostbits merge DIR -o REPORT`");
+    if (o.timing() || o.measure || !o.junit.empty() || !o.csv.empty() || !o.json.empty() || o.annotations != "none")
+        throw InputError("--shard " + o.shard +
+                         ": cannot be combined with --junit, --export-csv, --export-json, --annotations, --measure or "
+                         "--profile timing: a shard judges nothing; give the first three to `lostbits merge`");
+}
+
 Exit run(const CheckOptions& o, const Common& common) {
+    check_shard_options(o);
     if (o.timing() && (o.strict || !o.junit.empty() || !o.csv.empty() || !o.json.empty() || !o.report.empty() ||
                        o.annotations != "none")) {
         throw InputError(
@@ -172,10 +203,20 @@ Exit run(const CheckOptions& o, const Common& common) {
     for (const std::string& path : {o.junit, o.csv, o.json}) {
         if (!path.empty()) output::file::AtomicFile probe(path);
     }
+    Divided divided = divide(o.shard, o.report, files_of(o, data), common);
     std::unique_ptr<output::file::ResultFolder> folder;
-    if (!o.report.empty()) folder = own_folder(o.report, common, common.typed.all_subjects(), {.shared = true});
-    const auto results = measure::claim::measure_claims(
-        claims, {.data_dir = data, .further_draws = o.seeds, .done = stop_if_interrupted});
+    if (!o.report.empty() && !divided.division.is_shard())
+        folder = own_folder(o.report, common, common.typed.all_subjects(), {.shared = true});
+    const auto measured = divided.division.result_of("check", [&] {
+        const auto units = divided.division.share().of_units(claims.size());
+        const std::vector<Claim> own(claims.begin() + static_cast<std::ptrdiff_t>(units.first),
+                                     claims.begin() + static_cast<std::ptrdiff_t>(units.last));
+        return measure::claim::measure_claims(
+            own, {.data_dir = data, .further_draws = o.seeds, .done = stop_if_interrupted});
+    });
+    finish(divided, common);
+    if (!measured) return Exit::done;
+    const auto& results = *measured;
     if (o.timing() && !o.measure) return report_times(claims, results);
     if (o.measure) {
         for (std::size_t i = 0; i < claims.size(); ++i)
@@ -216,6 +257,7 @@ void add_check(CLI::App& program, const Common& common, Command& chosen) {
     command->add_option("--export-csv", o->csv, "Write CSV, one row per claim");
     command->add_option("--export-json", o->json, "Write JSON, one object per claim");
     command->add_option("--report", o->report, "Write README.md, claims.csv and pictures into this folder");
+    add_shard(*command, o->shard);
     command->add_option("--annotations", o->annotations, "github: also print workflow annotations")
         ->check(CLI::IsMember({"none", "github"}));
     command

@@ -12,6 +12,7 @@
 
 #include "analysis/choice/doors.hpp"
 #include "analysis/choice/options.hpp"
+#include "analysis/shard/division.hpp"
 #include "measure/map/map.hpp"
 #include "measure/truth/truth_columns.hpp"
 #include "number/error.hpp"
@@ -29,9 +30,12 @@ struct Common {
     int threads = 0;  ///< 0: one per core
     std::string isa;  ///< a name of `isa_names`; empty: the best that the processor has
     choice::DoorWords doors;
-    choice::Typed typed;  ///< the command itself
-    bool force = false;   ///< folders that hold results of someone else are written to as well
+    choice::Typed typed;                         ///< the command itself
+    bool force = false;                          ///< folders that hold results of someone else are written to as well
+    std::shared_ptr<shard::Shards> joined = {};  ///< shards of the command, done; null: it is to be done
 };
+
+inline constexpr const char* program_and_version = "lostbits " LOSTBITS_VERSION;
 
 using Command = std::function<Exit()>;
 
@@ -44,6 +48,9 @@ void add_explain(CLI::App& program, const Common& common, Command& chosen);
 void add_judge(CLI::App& program, const Common& common, Command& chosen);
 void add_list(CLI::App& program, const Common& common, Command& chosen);
 void add_map(CLI::App& program, const Common& common, Command& chosen);
+/// Runs the command of these words, of which the shards have measured everything.
+using RunOfShards = std::function<Exit(const std::vector<std::string>& words, std::shared_ptr<shard::Shards>)>;
+void add_merge(CLI::App& program, const Common& common, Command& chosen, const RunOfShards& run_again);
 void add_offsets(CLI::App& program, const Common& common, Command& chosen);
 void add_plugin(CLI::App& program, const Common& common, Command& chosen);
 void add_render(CLI::App& program, const Common& common, Command& chosen);
@@ -65,6 +72,25 @@ void require_folder(const std::string& out);
 /// A folder in `out` for each scene, this run's own while they live, in which summary.csv can be written.
 [[nodiscard]] std::vector<std::unique_ptr<output::file::ResultFolder>> own_folders(
     const std::vector<scene::file::Scene>& scenes, const std::string& out, const Common& common);
+
+/// `--shard` of a command.
+void add_shard(CLI::App& command, std::string& word);
+
+/// Where a run's shard, if it is one, keeps what it found, and what belongs to it while it lives.
+struct Divided {
+    shard::Division division;
+    std::unique_ptr<output::file::ResultFolder> folder = {};  ///< of a shard
+    std::filesystem::path out;                                ///< of the results: a shard's own folder
+};
+
+/// How a run is divided, by the word of its `--shard`; `out` is the folder of its results and `files` are those that
+/// decide what it measures. InputError for a bad word, and where shards that are to be joined read other files.
+[[nodiscard]] Divided divide(const std::string& word, const std::string& out,
+                             const std::vector<std::filesystem::path>& files, const Common& common,
+                             bool resumed = false);
+
+/// The end of such a run: a shard's file gets its name, which is printed.
+void finish(Divided& divided, const Common& common);
 
 /// EnvironmentError where this file could not be written. A folder that cannot be written ends the run before the first
 /// ray, not after the tenth scene.

@@ -9,6 +9,7 @@
 #include "analysis/choice/judge_words.hpp"
 #include "analysis/choice/options.hpp"
 #include "analysis/choice/select.hpp"
+#include "analysis/shard/pieces.hpp"
 #include "commands.hpp"
 #include "output/blame/explain_command.hpp"
 #include "output/judge/judge_files.hpp"
@@ -78,6 +79,35 @@ std::vector<measure::map::MapRow> rows_of(const JudgeWords& o, const Dump& dump,
     return rows;
 }
 
+/// The rays of a file as the request wants them: measured here, in a shard its part, or joined from what shards found.
+/// Nothing in a shard.
+std::optional<JudgeResult> judge_rays(Dump& dump, JudgeRequest& request, output::judge::JudgeFiles& files,
+                                      shard::Division& division,
+                                      const std::function<std::unique_ptr<Dump>()>& open_again) {
+    const std::string job = "judge";
+    if (!division.joins()) {
+        if (division.is_shard())
+            request.pieces = division.share().of_units(measure::judge::count_pieces(*open_again(), request));
+        JudgeResult result = measure::judge::run_judge(dump, request, files.sinks());
+        if (!division.is_shard()) return result;
+        division.put(job, shard::Noted::end, result, files.worst(), *request.stages);
+        return std::nullopt;
+    }
+    JudgeResult all;
+    division.each(job, [&](output::shard::BitReader& bits) {
+        if (shard::joined_piece(bits, files)) return;
+        JudgeResult part;
+        std::vector<measure::judge::WorstRays> worst;
+        measure::truth::StageCounts stages;
+        bits(part, worst, stages);
+        all.append(std::move(part));
+        files.append(std::move(worst));
+        *request.stages += stages;
+    });
+    measure::judge::check_whole(dump, request, all);
+    return all;
+}
+
 Exit run(const JudgeWords& o, const Common& common) {
     require_folder(o.out);
     const auto scene = choice::scene_of(o, choice::data_folder(common.data));
@@ -122,8 +152,13 @@ Exit run(const JudgeWords& o, const Common& common) {
     output::file::Progress progress(by_bytes ? dump->bytes() : 1, "judge", common.progress, common.quiet);
     const auto advance = advancing(progress);
     request.progress = [&](std::uint64_t, std::uint64_t bytes) { advance(by_bytes ? bytes : 0); };
+    std::vector<std::filesystem::path> read{o.file};
+    if (scene) read.push_back(scene->path);
+    Divided divided = divide(o.shard, o.out, read, common);
+    shard::Division& division = divided.division;
     const auto folder = std::filesystem::path(o.out) / stem;
-    const auto owner = own_folder(folder, common, output::blame::shell_word(o.file));
+    std::unique_ptr<output::file::ResultFolder> owner;
+    if (!division.is_shard()) owner = own_folder(folder, common, output::blame::shell_word(o.file));
     output::judge::JudgeFiles files(request, *dump,
                                     {.folder = folder,
                                      .id = stem,
@@ -131,8 +166,16 @@ Exit run(const JudgeWords& o, const Common& common) {
                                      .command = common.typed.text(),
                                      .drawn = request.picture ? drawn : std::vector<const Metric*>{},
                                      .rows = o.rows,
-                                     .worst = o.worst});
-    const JudgeResult result = measure::judge::run_judge(*dump, request, files.sinks());
+                                     .worst = o.worst,
+                                     .keep = shard::keep_in(division, "judge")});
+    const auto judged = judge_rays(*dump, request, files, division,
+                                   [&] { return choice::open_file(o, o.file, choice::shape_given(o, scene), o.rows); });
+    finish(divided, common);
+    if (!judged) {
+        progress.finish();
+        return Exit::done;
+    }
+    const JudgeResult& result = *judged;
     const bool worst = files.finish(result);
     progress.finish();
 
@@ -177,6 +220,7 @@ void add_judge(CLI::App& program, const Common& common, Command& chosen) {
     command->add_option("--size", o->size, "Columns x rows, where the rays are the pixels of a picture: WxH");
     command->add_flag("--rows", o->rows, "Also write one row per ray, with the columns of the file");
     command->add_option("--worst", o->worst, "So many rays of each kind go into worst.toml (default: 10; 0: none)");
+    add_shard(*command, o->shard);
     command->add_option("-o,--out", o->out, "Folder for the results")->required();
     command->callback([o, &common, &chosen] { chosen = [o, &common] { return run(*o, common); }; });
 }

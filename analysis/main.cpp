@@ -115,13 +115,15 @@ void add_shell(CLI::App& program, Command& chosen) {
         [&program] { return shell::manual_page(program, LOSTBITS_VERSION); });
 }
 
-Exit run(int argc, char** argv) {
+/// `joined`: shards of this command that are to be joined; null where it is to be done.
+Exit run_words(const std::vector<std::string>& words, std::shared_ptr<shard::Shards> joined) {
     CLI::App program{description, "lostbits"};
     program.require_subcommand(1);
     program.fallthrough();
     program.footer(footer);
     program.set_version_flag("--version", "lostbits " LOSTBITS_VERSION);
     Common common;
+    common.joined = std::move(joined);
     Command chosen;
     add_common(program, common);
     add_doors(program, common.doors);
@@ -133,6 +135,7 @@ Exit run(int argc, char** argv) {
     add_judge(program, common, chosen);
     add_list(program, common, chosen);
     add_map(program, common, chosen);
+    add_merge(program, common, chosen, run_words);
     add_offsets(program, common, chosen);
     add_plugin(program, common, chosen);
     add_render(program, common, chosen);
@@ -142,7 +145,9 @@ Exit run(int argc, char** argv) {
     add_shell(program, chosen);
     choice::one_value_each(program);
     try {
-        program.parse(argc, argv);
+        std::vector<const char*> argv;
+        for (const std::string& word : words) argv.push_back(word.c_str());
+        program.parse(static_cast<int>(argv.size()), argv.data());
     } catch (const CLI::Success& success) {  // --help, --version
         return static_cast<Exit>(program.exit(success));
     } catch (const CLI::ParseError& error) {
@@ -188,7 +193,7 @@ int main(int argc, char** argv) {
         return static_cast<int>(code);
     };
     try {
-        const Exit code = analysis::run(argc, argv);
+        const Exit code = analysis::run_words({argv, argv + argc}, nullptr);
         // What stdout did not take (a full disk behind a redirection) is as lost as a file that was not written.
         if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0)
             return fail(Exit::environment, "standard output: cannot write");

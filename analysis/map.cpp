@@ -11,6 +11,7 @@
 #include "analysis/choice/options.hpp"
 #include "analysis/choice/range.hpp"
 #include "analysis/choice/select.hpp"
+#include "analysis/shard/pieces.hpp"
 #include "commands.hpp"
 #include "measure/blame/culprits.hpp"
 #include "measure/contract/suspect.hpp"
@@ -42,7 +43,7 @@ struct MapOptions {
     std::vector<std::string> set;
     int bits_needed = 0;  ///< 0: not asked for
     bool envelope = false, exr = false;
-    std::string out;
+    std::string out, shard;
 };
 
 /// What is changed about a scene.
@@ -171,22 +172,34 @@ void say_results(const SceneWork& work, const SceneSummaries& summaries, const s
                    work.map.scene->id);
 }
 
-/// Maps one scene; the number of its rays without a proved truth.
-std::uint64_t map_scene(const SceneWork& work, const MapOptions& o, const Common& common,
-                        const std::vector<const Metric*>& drawn, output::file::Progress& progress) {
+/// Where a scene's work is shown and how it is divided.
+struct Around {
+    const Common& common;
+    output::file::Progress& progress;
+    shard::Division& division;
+};
+
+/// Maps one scene; the number of its rays without a proved truth, which a shard leaves to the whole.
+std::uint64_t map_scene(SceneWork& work, const MapOptions& o, const std::vector<const Metric*>& drawn,
+                        const Around& around) {
+    const auto& [common, progress, division] = around;
     const Scene& scene = *work.map.scene;
+    const std::string job = "map " + scene.id, needed_job = "needed " + scene.id;
+    work.map.share = division.share();
     const auto folder = std::filesystem::path(o.out) / scene.id;
     const bool pixels = o.pixels == "csv";
     std::optional<output::map::MapExr> exr;
     if (o.exr)
-        exr.emplace(folder / (scene.id + ".exr"),
+        exr.emplace(division.is_shard() ? std::filesystem::path() : folder / (scene.id + ".exr"),
                     output::map::MapExrRequest{.map = work.map,
                                                .layers = exr_layers(work, o, drawn),
                                                .command = canonical_command(scene, o),
                                                .needed = work.needed ? &*work.needed : nullptr});
     output::map::MapExr* const book = exr ? &*exr : nullptr;
     std::optional<output::map::NeededFiles> needed_files;
-    if (work.needed) needed_files.emplace(*work.needed, output::map::NeededFilesOptions{folder, pixels, book});
+    if (work.needed)
+        needed_files.emplace(
+            *work.needed, output::map::NeededFilesOptions{folder, pixels, book, shard::keep_in(division, needed_job)});
     output::map::MapFiles files(
         work.map, {.folder = folder,
                    .drawn = drawn,
@@ -195,11 +208,19 @@ std::uint64_t map_scene(const SceneWork& work, const MapOptions& o, const Common
                    .envelope = o.envelope,
                    .exr = book,
                    .also = needed_files ? needed_files->resources() : std::vector<output::file::DataResource>{},
-                   .range = choice::parse_range(o.range, drawn)});
+                   .range = choice::parse_range(o.range, drawn),
+                   .keep = shard::keep_in(division, job)});
 
-    SceneSummaries summaries{measure::map::run_map(work.map, files.sinks()), {}};
-    if (work.needed) {
+    SceneSummaries summaries;
+    if (division.joins()) shard::join_into(files, summaries.map, *work.map.stages, division, job);
+    else summaries.map = measure::map::run_map(work.map, files.sinks());
+    if (division.is_shard()) division.put(job, shard::Noted::end, summaries.map, *work.map.stages);
+    if (work.needed && division.joins()) {
+        measure::truth::StageCounts none;
+        shard::join_into(*needed_files, summaries.needed, none, division, needed_job);
+    } else if (work.needed) {
         NeededRequest request = *work.needed;
+        request.share = division.share();
         // Its rays are asked in many widths: what the map took says nothing of it.
         output::file::Estimate estimate(progress, scene.id + " --bits-needed", measure::map::needed_units(request),
                                         common.quiet);
@@ -208,8 +229,12 @@ std::uint64_t map_scene(const SceneWork& work, const MapOptions& o, const Common
             advance(done);
         };
         summaries.needed = measure::map::run_needed(request, needed_files->sinks());
-        needed_files->finish(summaries.needed);
     }
+    if (division.is_shard()) {
+        if (work.needed) division.put(needed_job, shard::Noted::end, summaries.needed, measure::truth::StageCounts{});
+        return 0;
+    }
+    if (work.needed) needed_files->finish(summaries.needed);
     files.finish(summaries.map);
     if (!common.quiet) progress.aside([&] { say_results(work, summaries, folder, common.verbose); });
     return summaries.map.front().count(Outcome::unresolved);
@@ -223,7 +248,7 @@ std::vector<const Metric*> drawn_of(std::vector<const Metric*> asked, const Scen
     return asked;
 }
 
-Exit run(const MapOptions& o, const Common& common) {
+Exit run(MapOptions o, const Common& common) {
     require_folder(o.out);
     auto rows = choice::cross(choice::select_forms(o.forms), choice::select_formats(o.formats));
     if (!o.against.empty()) choice::hold_against(rows, o.against, common.quiet);
@@ -248,7 +273,11 @@ Exit run(const MapOptions& o, const Common& common) {
     std::vector<SceneWork> works;
     for (const auto& scene : scenes) works.push_back(work_on(scene, o, rows, wanted, made));
     for (const SceneWork& work : works) choice::that_apply(drawn, work.map.rows, "scene " + work.map.scene->id);
-    const auto folders = own_folders(scenes, o.out, common);
+    std::vector<std::filesystem::path> files;
+    for (const auto& scene : scenes) files.push_back(scene.path);
+    auto divided = divide(o.shard, o.out, files, common);
+    o.out = divided.out.string();
+    const auto folders = own_folders(divided.division.is_shard() ? std::vector<Scene>{} : scenes, o.out, common);
     for (const SceneWork& work : works) choice::note_without_formula(drawn, work.map.rows, common.quiet);
     if (o.bits_needed > 0 && !common.quiet) note_skipped(works);
     if (!common.quiet) {
@@ -260,11 +289,12 @@ Exit run(const MapOptions& o, const Common& common) {
 
     std::uint64_t units = 0, unresolved = 0;
     for (const SceneWork& work : works) units += work.units();
-    output::file::Progress progress(units, "map", common.progress, common.quiet);
+    output::file::Progress progress(units / divided.division.share().of, "map", common.progress, common.quiet);
     const auto advance = advancing(progress);
     for (SceneWork& work : works) {
         measure::truth::StageCounts stages;
-        output::file::Estimate estimate(progress, work.map.scene->id, work.map.scene->pixels() * work.map.rows.size(),
+        output::file::Estimate estimate(progress, work.map.scene->id,
+                                        work.map.scene->pixels() * work.map.rows.size() / divided.division.share().of,
                                         common.quiet);
         work.map.progress = [&](std::uint64_t done) {
             estimate.advance(done);
@@ -272,10 +302,12 @@ Exit run(const MapOptions& o, const Common& common) {
         };
         work.map.stages = &stages;
         if (work.needed) work.needed->progress = advance;
-        unresolved += map_scene(work, o, common,
-                                drawn_of(choice::that_apply(drawn, work.map.rows, work.map.scene->id), work), progress);
+        unresolved += map_scene(work, o, drawn_of(choice::that_apply(drawn, work.map.rows, work.map.scene->id), work),
+                                {common, progress, divided.division});
     }
     progress.finish();
+    finish(divided, common);
+    if (divided.division.is_shard()) return Exit::done;
     for (const SceneWork& work : works)
         note_suspicions(work.map.rows, common,
                         [&work](const MapRow& row) { return measure::contract::suspicion(*work.map.scene, row); });
@@ -314,6 +346,7 @@ void add_map(CLI::App& program, const Common& common, Command& chosen) {
                         "A form to hold the others against, without asking what is true: where their decisions or "
                         "their t differ is drawn and counted");
     command->add_flag("--envelope", o->envelope, "Draw lost bits paler where input rounding alone explains them");
+    add_shard(*command, o->shard);
     command->add_option("-o,--out", o->out, "Folder for the results")->required();
     command->callback([o, &common, &chosen] { chosen = [o, &common] { return run(*o, common); }; });
 }

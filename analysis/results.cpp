@@ -22,7 +22,7 @@ std::unique_ptr<output::file::ResultFolder> own_folder(const std::filesystem::pa
                                                        output::file::ResultFolder::Rules rules) {
     rules.force = common.force;
     return std::make_unique<output::file::ResultFolder>(
-        folder, output::file::MadeBy{common.typed.of(subject), "lostbits " LOSTBITS_VERSION}, rules);
+        folder, output::file::MadeBy{common.typed.of(subject), program_and_version}, rules);
 }
 
 std::vector<std::unique_ptr<output::file::ResultFolder>> own_folders(const std::vector<scene::file::Scene>& scenes,
@@ -34,6 +34,43 @@ std::vector<std::unique_ptr<output::file::ResultFolder>> own_folders(const std::
         probe(folder / "summary.csv");
     }
     return folders;
+}
+
+void add_shard(CLI::App& command, std::string& word) {
+    command.add_option("--shard", word,
+                       "Do part K of N alone, into the folder shard-K-of-N of -o; `lostbits merge` joins all N: K/N");
+}
+
+Divided divide(const std::string& word, const std::string& out, const std::vector<std::filesystem::path>& files,
+               const Common& common, bool resumed) {
+    if (word.empty() && !common.joined) return {.division = {}, .out = out};
+    const auto share = word.empty() ? measure::shard::Share{} : shard::share_named(word);
+    output::shard::InputHash inputs;
+    for (const auto& file : files) inputs.add_file(file);
+    for (const std::string& plugin : common.doors.plugins) {
+        std::error_code ignored;
+        if (std::filesystem::is_regular_file(plugin, ignored)) inputs.add_file(plugin);
+    }
+    if (common.joined) {
+        common.joined->check_inputs(inputs.value());
+        return {.division = shard::Division(common.joined), .out = out};
+    }
+    const auto folder = std::filesystem::path(out) / shard::folder_name(share);
+    auto owner = std::make_unique<output::file::ResultFolder>(
+        folder, output::file::MadeBy{fmt::format("{} --shard {}", common.typed.text(), word), program_and_version},
+        output::file::ResultFolder::Rules{.force = common.force, .keep = resumed});
+    return {
+        .division = shard::Division(
+            folder,
+            {.program = program_and_version, .command = common.typed.text(), .inputs = inputs.value(), .share = share}),
+        .folder = std::move(owner),
+        .out = folder};
+}
+
+void finish(Divided& divided, const Common& common) {
+    divided.division.finish();
+    if (divided.division.is_shard() && !common.quiet)
+        fmt::print("{}\n", (divided.out / output::shard::state_file_name).string());
 }
 
 void probe(const std::filesystem::path& file) { const output::file::AtomicFile opened(file); }

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <iterator>
 #include <memory>
 #include <optional>
 
@@ -33,7 +34,7 @@ struct SweepOptions {
     std::vector<std::string> forms{"*"};
     std::vector<std::string> formats;
     std::vector<std::string> metrics;
-    std::string out, against;
+    std::string out, against, shard;
     choice::SweepWords changes;
     bool worst = false;
     bool resume = false;
@@ -80,6 +81,16 @@ struct Chosen {
     std::vector<MapRow> rows;
     std::vector<const measure::metric::Metric*> asked;  ///< metrics beside the default ones
     measure::metric::MetricSet& made;
+    Divided& divided;
+
+    [[nodiscard]] shard::Division& division() const { return divided.division; }
+    /// The folder of a sweep in `out`, the run's own; a shard has one already.
+    [[nodiscard]] std::unique_ptr<output::file::ResultFolder> own(const std::filesystem::path& folder,
+                                                                  const std::filesystem::path& sweep,
+                                                                  const Common& common) const {
+        if (divided.division.is_shard()) return nullptr;
+        return own_folder(folder, common, choice::name_of_sweep(sweep, choice::data_folder(common.data)));
+    }
 };
 
 /// What a run over named cases leaves: the matrix.
@@ -99,13 +110,17 @@ void run_case_file(const std::filesystem::path& path, const Chosen& chosen, cons
     }
     if (!common.quiet) choice::note_lost_numbers(file, rows);
     const auto folder = std::filesystem::path(o.out) / file.id;
-    const auto owner = own_folder(folder, common, choice::name_of_sweep(path, choice::data_folder(common.data)));
-    output::sweep::CaseFiles files(request, folder, choice::name_of_sweep(path, choice::data_folder(common.data)));
-    Watched progress(file.id, file.size() * request.rows.size(), common);
+    const auto owner = chosen.own(folder, path, common);
+    std::optional<output::sweep::CaseFiles> files;
+    if (owner) files.emplace(request, folder, choice::name_of_sweep(path, choice::data_folder(common.data)));
+    request.share = chosen.division().share();
+    Watched progress(file.id, request.share.of_units(file.size()).size() * request.rows.size(), common);
     request.progress = progress.advancing();
-    files.finish(measure::sweep::run_cases(request));
+    const auto found =
+        chosen.division().result_of("sweep " + file.id, [&request] { return measure::sweep::run_cases(request); });
+    if (found) files->finish(*found);
     progress.finish();
-    if (!common.quiet) fmt::print("{}\n", (folder / "cases.csv").string());
+    if (!common.quiet && found) fmt::print("{}\n", (folder / "cases.csv").string());
 }
 
 void run_axes(const std::filesystem::path& path, const Chosen& chosen, const SweepOptions& o, const Common& common) {
@@ -128,14 +143,18 @@ void run_axes(const std::filesystem::path& path, const Chosen& chosen, const Swe
     choice::note_without_formula(chosen.asked, request.rows, common.quiet);
     if (!common.quiet) choice::note_lost_numbers(sweep, request.rows);
     const auto folder = std::filesystem::path(o.out) / sweep.id;
-    const auto owner = own_folder(folder, common, choice::name_of_sweep(path, choice::data_folder(common.data)));
-    output::sweep::SweepFiles files(request, folder);
-    Watched progress(sweep.id, measure::sweep::sweep_units(request), common);
+    const auto owner = chosen.own(folder, path, common);
+    std::optional<output::sweep::SweepFiles> files;
+    if (owner) files.emplace(request, folder);
+    request.share = chosen.division().share();
+    Watched progress(sweep.id, measure::sweep::sweep_units(request) / request.share.of, common);
     request.progress = progress.advancing();
-    const auto steps = measure::sweep::run_sweep(request);
-    const auto onsets = measure::sweep::find_onsets(request, steps);
+    const auto found =
+        chosen.division().result_of("sweep " + sweep.id, [&request] { return measure::sweep::measure_sweep(request); });
+    if (!found) return progress.finish();
+    const auto& [steps, onsets] = *found;
     output::sweep::write_sweep_plots(folder, {request, steps, onsets});
-    files.finish(steps, onsets);
+    files->finish(steps, onsets);
     progress.finish();
     note_suspicions(request.rows, common, [&sweep](const measure::map::MapRow& row) {
         std::vector<double> first;
@@ -160,18 +179,21 @@ void run_search(const std::filesystem::path& path, const Chosen& chosen, const S
         chosen.made.for_forms(choice::measured({chosen.made.find(search.metric)}, request.rows),
                               measure::map::forms_of(request.rows), measure::blame::Setting{std::span(&any, 1)});
     const auto folder = std::filesystem::path(o.out) / search.id;
-    const auto owner = own_folder(folder, common, choice::name_of_sweep(path, choice::data_folder(common.data)));
-    probe(folder / "worst.csv");
-    Watched progress(search.id, request.rows.size(), common);
+    const auto owner = chosen.own(folder, path, common);
+    if (owner) probe(folder / "worst.csv");
+    request.share = chosen.division().share();
+    Watched progress(search.id, request.share.of_units(request.rows.size()).size(), common);
     request.progress = progress.advancing();
-    const auto found = measure::sweep::find_worst(request);
+    const auto found =
+        chosen.division().result_of("sweep " + search.id, [&request] { return measure::sweep::find_worst(request); });
     progress.finish();
-    if (std::ranges::none_of(found, [](const auto& w) { return w.has_value(); })) {
+    if (!found) return;
+    if (std::ranges::none_of(*found, [](const auto& w) { return w.has_value(); })) {
         throw NothingSelected(path.string() +
                               ": no form hit anything with a ray of these ranges; distance_radii and impact_radii may "
                               "exclude all of the other ranges");
     }
-    output::sweep::write_worst(folder, request, found);
+    output::sweep::write_worst(folder, request, *found);
     if (!common.quiet) fmt::print("{}\n", (folder / "worst.csv").string());
 }
 
@@ -214,13 +236,25 @@ Meets check_file(const std::filesystem::path& path, SweepKind kind, const SweepO
     return only(search.shape);
 }
 
-Exit run(const SweepOptions& o, const Common& common) {
+/// The files that decide what a sweep measures.
+std::vector<std::filesystem::path> files_of(const std::filesystem::path& path, SweepKind kind, const SweepOptions& o,
+                                            const std::filesystem::path& data) {
+    std::vector<std::filesystem::path> files{path};
+    if (kind != SweepKind::axes) return files;
+    const auto scene = scene::sweep::SweepFile(path, data, choice::read_changes(o.changes)).scene_path();
+    if (!scene.empty()) files.push_back(scene);
+    return files;
+}
+
+Exit run(SweepOptions o, const Common& common) {
     measure::metric::MetricSet made;
+    Divided divided;
     const std::vector<std::string> both{"f32", "f64"};
     Chosen chosen{
         choice::cross(choice::select_forms(o.forms), choice::select_formats(o.formats.empty() ? both : o.formats)),
         {},
-        made};
+        made,
+        divided};
     if (!o.against.empty()) choice::hold_against(chosen.rows, o.against, common.quiet);
     // A sweep always knows what the problem itself costs: its plots carry the envelope.
     if (!o.metrics.empty()) chosen.asked = choice::select_metrics(o.metrics, made);
@@ -254,10 +288,16 @@ Exit run(const SweepOptions& o, const Common& common) {
     choice::drop_unfitting(
         sweeps, chosen.rows, common.quiet, [](const Sweep& s, Shape shape) { return s.meets(shape); },
         [](const Sweep& s) { return s.path.stem().string(); });
+    std::vector<std::filesystem::path> files;
+    for (const Sweep& sweep : sweeps)
+        std::ranges::move(files_of(sweep.path, sweep.kind, o, data), std::back_inserter(files));
+    divided = divide(o.shard, o.out, files, common, o.resume);
+    o.out = divided.out.string();
     std::vector<std::unique_ptr<ExhaustiveRun>> exhaustive;
     for (const Sweep& sweep : sweeps) {
         if (sweep.kind == SweepKind::every_float)
-            exhaustive.push_back(std::make_unique<ExhaustiveRun>(sweep.path, chosen.rows, o.out, o.resume));
+            exhaustive.push_back(
+                std::make_unique<ExhaustiveRun>(sweep.path, chosen.rows, o.out, o.resume, divided.division));
     }
     const choice::ThreadLimit limit(common.threads);
     for (const auto& [path, kind, meets] : sweeps) {
@@ -271,6 +311,8 @@ Exit run(const SweepOptions& o, const Common& common) {
     }
     std::uint64_t unproved = 0;
     for (const auto& run : exhaustive) unproved += run->run(common);
+    finish(divided, common);
+    for (const auto& run : exhaustive) run->forget_state();
     return end_with_unproved(unproved);
 }
 
@@ -298,6 +340,7 @@ void add_sweep(CLI::App& program, const Common& common, Command& chosen) {
     command->add_flag("--worst", o->worst, "Search the ranges of a [search] file for the worst ray of each form");
     command->add_flag("--resume", o->resume, "Go on with a sweep over every float that was stopped");
     command->add_option("--against", o->against, "A form to hold the others against, without asking what is true");
+    add_shard(*command, o->shard);
     command->add_option("-o,--out", o->out, "Folder for the results")->required();
     command->callback([o, &common, &chosen] { chosen = [o, &common] { return run(*o, common); }; });
 }

@@ -30,13 +30,15 @@ std::uint64_t percent(std::uint64_t part, std::uint64_t whole) {
 }  // namespace
 
 ExhaustiveRun::ExhaustiveRun(const std::filesystem::path& path, const std::vector<measure::map::MapRow>& rows,
-                             const std::filesystem::path& out, bool resume)
+                             const std::filesystem::path& out, bool resume, shard::Division& division)
     : sweep_(path),
       path_(path),
       folder_(out / sweep_.id),
       state_file_(folder_ / output::sweep::state_file_name),
-      resumed_(resume) {
+      resumed_(resume),
+      division_(division) {
     request_.sweep = &sweep_;
+    request_.share = division.share();
     for (measure::map::MapRow row : choice::fitting(rows, [&](Shape shape) { return sweep_.meets(shape); })) {
         if (row.format.engine != Format::Engine::native32) continue;
         row.judged = sweep_.convention;
@@ -55,9 +57,10 @@ void ExhaustiveRun::note_older_state(const Common& common) const {
 
 void ExhaustiveRun::try_all(const Common& common) {
     const std::uint64_t each = sweep_.rays.size() * request_.rows.size();
-    Progress progress(sweep_.floats() * each, sweep_.id, common.progress, common.quiet);
+    const std::uint64_t floats = measure::sweep::floats_of(sweep_, request_.share);
+    Progress progress(floats * each, sweep_.id, common.progress, common.quiet);
     progress.advance(state_.tried * each);
-    output::file::Estimate estimate(progress, sweep_.id, (sweep_.floats() - state_.tried) * each, common.quiet);
+    output::file::Estimate estimate(progress, sweep_.id, (floats - state_.tried) * each, common.quiet);
     request_.progress = [&estimate, move = advancing(progress)](std::uint64_t done) {
         estimate.advance(done);
         move(done);
@@ -75,22 +78,46 @@ void ExhaustiveRun::try_all(const Common& common) {
         output::sweep::write_state(state_file_, identity_, state_);
         if (!common.quiet)
             fmt::print(stderr, "lostbits: {} was stopped at {} %; the same command with --resume goes on from there\n",
-                       sweep_.id, percent(state_.tried, sweep_.floats()));
+                       sweep_.id, percent(state_.tried, floats));
         throw Error(Exit::interrupted, choice::interrupted_text(scene::sweep::SweepKind::every_float, sweep_.id));
     }
     progress.finish();
 }
 
+void ExhaustiveRun::try_or_join(const Common& common) {
+    const std::string job = "sweep " + sweep_.id;
+    if (division_.joins()) {
+        division_.each(job, [this](output::shard::BitReader& bits) {
+            std::string text;
+            bits(text);
+            state_.append(output::sweep::state_in(text, state_file_, request_));
+        });
+        return;
+    }
+    probe(state_file_);
+    try_all(common);
+    if (division_.is_shard()) division_.put(job, output::sweep::state_text(state_));
+}
+
+void ExhaustiveRun::forget_state() const {
+    std::error_code ignored;
+    std::filesystem::remove(state_file_, ignored);
+    if (division_.is_shard()) std::filesystem::remove(folder_, ignored);  // it held nothing else
+}
+
 std::uint64_t ExhaustiveRun::run(const Common& common) {
     note_older_state(common);
+    if (division_.is_shard()) {
+        try_or_join(common);
+        return 0;
+    }
     const auto owner =
         own_folder(folder_, common, choice::name_of_sweep(path_, choice::data_folder(common.data)), {.keep = resumed_});
     output::sweep::ExhaustiveFiles files(request_, folder_);
-    probe(state_file_);
-    try_all(common);
+    try_or_join(common);
     const auto findings = measure::sweep::findings_of(request_, state_);
     files.finish(state_, findings);
-    std::filesystem::remove(state_file_);
+    forget_state();
     std::uint64_t unresolved = 0;
     for (const auto& finding : findings) unresolved += finding.tally.count(Outcome::unresolved);
     if (common.quiet) return unresolved;

@@ -18,15 +18,18 @@ public:
     /// Of the forms of the rows that can meet the sweep, in f32. InputError for a file that is not such a sweep and,
     /// where the run is to be resumed, for a state that it cannot go on from.
     ExhaustiveRun(const std::filesystem::path& path, const std::vector<measure::map::MapRow>& rows,
-                  const std::filesystem::path& out, bool resume);
+                  const std::filesystem::path& out, bool resume, shard::Division& division);
     ExhaustiveRun(const ExhaustiveRun&) = delete;
     ExhaustiveRun& operator=(const ExhaustiveRun&) = delete;
 
-    /// Tries what is left and writes the results; when it is stopped, the state. Returns how many truths were not
-    /// proved.
+    /// Tries what is left and writes the results, or notes them in a shard; when it is stopped, the state. Returns how
+    /// many truths were not proved.
     std::uint64_t run(const Common& common);
+    /// Takes the state away: what was found is kept elsewhere.
+    void forget_state() const;
 
 private:
+    void try_or_join(const Common& common);
     void try_all(const Common& common);
     void note_older_state(const Common& common) const;
 
@@ -36,6 +39,7 @@ private:
     output::sweep::RunIdentity identity_;
     std::filesystem::path path_, folder_, state_file_;
     bool resumed_;
+    shard::Division& division_;
 };
 
 /// Options of `lostbits sweep`; what was not given is empty.

@@ -36,7 +36,7 @@ struct JudgeWords : RayFileWords {
     std::string size;
     bool rows = false;
     std::size_t worst = 10;
-    std::string out;
+    std::string out, shard;
 };
 
 /// The one scene whose solids the rays are aimed at; nothing where none is named. InputError for several, and for one

@@ -13,9 +13,9 @@ namespace lostbits::analysis::choice {
 namespace {
 
 /// Options that change no result.
-constexpr std::array<std::string_view, 15> of_no_result{
-    "out",   "progress", "quiet",      "verbose",    "threads",     "isa",    "force",      "resume",
-    "junit", "isolate",  "time-limit", "export-csv", "export-json", "report", "annotations"};
+constexpr std::array<std::string_view, 16> of_no_result{
+    "out",   "progress", "quiet",      "verbose",    "threads",     "isa",    "force",       "resume",
+    "junit", "isolate",  "time-limit", "export-csv", "export-json", "report", "annotations", "shard"};
 
 constexpr const char* list_type = "TEXT,TEXT";  ///< in the help of an option
 
@@ -125,6 +125,24 @@ void one_value_each(CLI::App& program) {
         if (!option->get_positional() && option->get_expected_max() > 1) option->allow_extra_args(false);
     }
     for (CLI::App* command : program.get_subcommands({})) one_value_each(*command);
+}
+
+std::vector<std::string> words_in(const std::string& command) {
+    std::vector<std::string> words;
+    bool quoted = false, open = false;
+    for (std::size_t i = 0; i < command.size(); ++i) {
+        const char c = command[i];
+        if (c == ' ' && !quoted) {
+            open = false;
+            continue;
+        }
+        if (!open) words.emplace_back();
+        open = true;
+        if (c == '\'') quoted = !quoted;
+        else if (c == '\\' && !quoted && i + 1 < command.size()) words.back() += command[++i];
+        else words.back() += c;
+    }
+    return words;
 }
 
 Typed typed(const CLI::App& program) {

@@ -50,4 +50,7 @@ struct Typed {
 };
 Typed typed(const CLI::App& program);
 
+/// The words of a command as `shell_word` wrote them.
+std::vector<std::string> words_in(const std::string& command);
+
 }  // namespace lostbits::analysis::choice

@@ -24,31 +24,12 @@ constexpr std::array<std::string_view, 21> of_what_is_measured{
     "--variant",   "--steps",    "--seeds",     "--scene",  "--sphere", "--box",   "--miss",
     "--direction", "--touching", "--at-origin", "--skip",   "--quick",  "--stage", "--repetitions"};
 
-/// The words of a command as `shell_word` wrote them.
-std::vector<std::string> words_of(const std::string& command) {
-    std::vector<std::string> words;
-    bool quoted = false, open = false;
-    for (std::size_t i = 0; i < command.size(); ++i) {
-        const char c = command[i];
-        if (c == ' ' && !quoted) {
-            open = false;
-            continue;
-        }
-        if (!open) words.emplace_back();
-        open = true;
-        if (c == '\'') quoted = !quoted;
-        else if (c == '\\' && !quoted && i + 1 < command.size()) words.back() += command[++i];
-        else words.back() += c;
-    }
-    return words;
-}
-
 using Settings = std::map<std::string, std::set<std::string>>;
 
 /// The values of each of the options above.
 Settings settings_of(const std::string& command) {
     Settings settings;
-    const auto words = words_of(command);
+    const auto words = choice::words_in(command);
     for (std::size_t i = 0; i < words.size(); ++i) {
         if (std::ranges::find(of_what_is_measured, words[i]) == of_what_is_measured.end()) continue;
         if (words[i] == "--quick" || words[i] == "--single" || words[i] == "--bulk" || i + 1 == words.size())

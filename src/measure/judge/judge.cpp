@@ -48,6 +48,24 @@ struct Piece {
     answer::Answers answers = {};
 };
 
+std::uint64_t pixels_of(const JudgeRequest& request) {
+    return static_cast<std::uint64_t>(request.picture->first) * static_cast<std::uint64_t>(request.picture->second);
+}
+
+std::size_t records_of_piece(const JudgeRequest& request) {
+    const int width = request.picture ? request.picture->first : 32768;
+    return static_cast<std::size_t>(request.picture ? map::band_rows(width) : 1) * static_cast<std::size_t>(width);
+}
+
+[[noreturn]] void refuse_size(const Dump& dump, const JudgeRequest& request, const JudgeResult& result,
+                              const char* has) {
+    throw InputError(dump.name() + ": " + has + " " + std::to_string(result.rays) + " rays where a picture of " +
+                     std::to_string(request.picture->first) + "x" + std::to_string(request.picture->second) + " has " +
+                     std::to_string(pixels_of(request)) + "; its --size is columns x rows");
+}
+
+constexpr std::size_t most_of_first = 4096;  // of JudgeResult::first
+
 class PieceSink final : public map::MapSink {
 public:
     PieceSink(const Chunk& chunk, JudgeSink& sink) : chunk_(chunk), sink_(sink) {}
@@ -81,34 +99,29 @@ public:
         const auto take = tbb::make_filter<std::shared_ptr<Piece>, void>(
             tbb::filter_mode::serial_in_order, [this](const std::shared_ptr<Piece>& piece) { measure(*piece); });
         tbb::parallel_pipeline(at_once, read & find & take);
-        if (result_.rays == 0)
-            throw InputError(dump_.name() + ": has no rays; write a record for each behind what stands in front");
-        if (request_.picture && result_.rays != pixels()) refuse_size("has");
+        if (!request_.pieces) check_whole(dump_, request_, result_);
         return std::move(result_);
     }
 
 private:
-    [[nodiscard]] std::uint64_t pixels() const {
-        return static_cast<std::uint64_t>(request_.picture->first) *
-               static_cast<std::uint64_t>(request_.picture->second);
-    }
+    [[nodiscard]] std::uint64_t pixels() const { return pixels_of(request_); }
     [[noreturn]] void refuse_size(const char* has) const {
-        throw InputError(dump_.name() + ": " + has + " " + std::to_string(result_.rays) + " rays where a picture of " +
-                         std::to_string(request_.picture->first) + "x" + std::to_string(request_.picture->second) +
-                         " has " + std::to_string(pixels()) + "; its --size is columns x rows");
+        lostbits::measure::judge::refuse_size(dump_, request_, result_, has);
     }
 
     std::shared_ptr<Piece> next(tbb::flow_control& flow) {
         auto piece = std::make_shared<Piece>();
-        const int width = request_.picture ? request_.picture->first : 32768;
-        const auto most =
-            static_cast<std::size_t>(request_.picture ? map::band_rows(width) : 1) * static_cast<std::size_t>(width);
-        if (failed_) {
+        const std::size_t most = records_of_piece(request_);
+        if (failed_ || (request_.pieces && read_ >= request_.pieces->last)) {
             flow.stop();
             return piece;
         }
         try {
-            if (!dump_.next(most, piece->records)) flow.stop();
+            bool there = dump_.next(most, piece->records);
+            for (; there && request_.pieces && read_ < request_.pieces->first; ++read_)
+                there = dump_.next(most, piece->records);
+            ++read_;
+            if (!there) flow.stop();
         } catch (...) {
             piece->fault = std::current_exception();
             failed_ = true;
@@ -206,11 +219,10 @@ private:
     }
 
     void keep_first(const Piece& piece) {
-        constexpr std::size_t most = 4096;
         const MapRow& row = request_.rows.front();
         const FormatInputs& in = piece.inputs.at(row.format.name);
         const bool unit = row.form->info->direction == intersect::Direction::unit;
-        for (std::size_t i = 0; i < piece.chunk.size() && result_.first.size() < most; ++i) {
+        for (std::size_t i = 0; i < piece.chunk.size() && result_.first.size() < most_of_first; ++i) {
             const truth::Truth truth = piece.band->truth(i, row.convention());
             const bool hit = piece.answers.hit[i] != 0;
             if (truth.decision == truth::Truth::Decision::unresolved || !(hit || truth.is_hit())) continue;
@@ -225,6 +237,7 @@ private:
     const JudgeRequest& request_;
     const std::vector<JudgeSink*>& sinks_;
     std::map<std::string, truth::BandNeeds> needs_;
+    std::uint64_t read_ = 0;  ///< pieces
     bool failed_ = false;
     JudgeResult result_;
 };
@@ -238,6 +251,32 @@ FileForm::FileForm(const std::string& name, Shape shape, const intersect::Info& 
     info_.source = "a file";
     form_.info = &info_;
     form_.shape = shape;
+}
+
+void JudgeResult::append(JudgeResult&& after) {
+    if (summaries.empty()) summaries = std::move(after.summaries);
+    else
+        for (std::size_t r = 0; r < summaries.size(); ++r) summaries[r].append(std::move(after.summaries.at(r)));
+    rays += after.rays;
+    rounded += after.rounded;
+    answers += after.answers;
+    floats += after.floats;
+    for (contract::Judged& judged : after.first) {
+        if (first.size() < most_of_first) first.push_back(std::move(judged));
+    }
+}
+
+std::uint64_t count_pieces(Dump& dump, const JudgeRequest& request) {
+    Records records;
+    std::uint64_t pieces = 0;
+    while (dump.next(records_of_piece(request), records)) ++pieces;
+    return pieces;
+}
+
+void check_whole(const Dump& dump, const JudgeRequest& request, const JudgeResult& result) {
+    if (result.rays == 0)
+        throw InputError(dump.name() + ": has no rays; write a record for each behind what stands in front");
+    if (request.picture && result.rays != pixels_of(request)) refuse_size(dump, request, result, "has");
 }
 
 JudgeResult run_judge(Dump& dump, const JudgeRequest& request, const std::vector<JudgeSink*>& sinks) {

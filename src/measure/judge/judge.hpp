@@ -38,6 +38,8 @@ struct JudgeRequest {
     std::optional<std::pair<int, int>> picture = {};  ///< columns and rows; absent: the rays are a list
     truth::TruthLimit limit = {};
     truth::StageCounts* stages = nullptr;  ///< where they are added up; null: nowhere
+    /// The pieces of the file that are measured, see `count_pieces`; absent: all.
+    std::optional<shard::Units> pieces = {};
     /// Called with the number of rays, and of bytes of the file, that are done since the last call; may throw to stop.
     std::function<void(std::uint64_t rays, std::uint64_t bytes)> progress = [](std::uint64_t, std::uint64_t) {};
 };
@@ -60,11 +62,21 @@ struct JudgeResult {
     /// What the file's answers and the truth make of the first rays that either has a hit on, for
     /// `contract::suspicion`.
     std::vector<contract::Judged> first = {};
+
+    /// What is known of the pieces that come next.
+    void append(JudgeResult&& after);
 };
 
-/// Reads the dump to its end; sinks[r] (may be null) receives rows[r]. Memory does not grow with the file, and nothing
-/// depends on the number of threads: pieces are cut by their rays alone and taken up in order. InputError, with the
-/// place, for what the dump refuses, and where the rays are not those of the picture.
+/// In how many pieces the file is measured: they are cut by the request's picture and the file alone. Reads it to its
+/// end.
+std::uint64_t count_pieces(scene::dump::Dump& dump, const JudgeRequest& request);
+
+/// InputError where all that is known of the file is not of the rays of a picture, or of none.
+void check_whole(const scene::dump::Dump& dump, const JudgeRequest& request, const JudgeResult& result);
+
+/// Reads the dump to its end, or to that of its pieces; sinks[r] (may be null) receives rows[r]. Memory does not grow
+/// with the file, and nothing depends on the number of threads: pieces are cut by their rays alone and taken up in
+/// order. InputError, with the place, for what the dump refuses, and where the rays are not those of the picture.
 JudgeResult run_judge(scene::dump::Dump& dump, const JudgeRequest& request, const std::vector<JudgeSink*>& sinks);
 
 }  // namespace lostbits::measure::judge

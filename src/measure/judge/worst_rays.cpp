@@ -21,32 +21,49 @@ NotedRay WorstRays::note(std::uint64_t first, std::size_t i, const map::BandResu
             .given = result.band->given(i, deciding)};
 }
 
+bool WorstRays::is_kept(double error) const { return errors_.size() < most_ || error > std::fabs(errors_.back().ulps); }
+
+void WorstRays::keep_error(NotedRay&& ray) {
+    const auto size = [](const NotedRay& kept) { return std::fabs(kept.ulps); };
+    if (errors_.size() == most_) errors_.pop_back();
+    errors_.insert(std::ranges::upper_bound(errors_, size(ray), std::greater<>(), size), std::move(ray));
+}
+
+void WorstRays::keep_fault(NotedRay&& ray) {
+    auto& faults = faults_[static_cast<std::size_t>(ray.outcome)];
+    if (faults.size() < most_) faults.push_back(std::move(ray));
+}
+
 void WorstRays::look_at(std::uint64_t first, const map::BandResult& result) {
     if (most_ == 0) return;
     const std::vector<double>& ulps = result.metrics[ulp_error_];
-    const auto size = [](const NotedRay& ray) { return std::fabs(ray.ulps); };
     for (std::size_t i = 0; i < result.outcomes.size(); ++i) {
         const Outcome outcome = result.outcomes[i];
         if (outcome == Outcome::agree_miss || outcome == Outcome::unresolved) continue;
         if (outcome != Outcome::agree_hit) {
-            auto& faults = faults_[outcome];
-            if (faults.size() < most_) faults.push_back(note(first, i, result));
+            if (faults_[static_cast<std::size_t>(outcome)].size() < most_) keep_fault(note(first, i, result));
             continue;
         }
-        const double error = std::fabs(ulps[i]);
         // An answer that is right to the last bit is no worst ray.
-        if (!(error > 0.5) || (errors_.size() == most_ && !(error > size(errors_.back())))) continue;
-        if (errors_.size() == most_) errors_.pop_back();
-        const auto at = std::ranges::upper_bound(errors_, error, std::greater<>(), size);
-        errors_.insert(at, note(first, i, result));
+        const double error = std::fabs(ulps[i]);
+        if (error > 0.5 && is_kept(error)) keep_error(note(first, i, result));
+    }
+}
+
+void WorstRays::append(WorstRays&& after) {
+    for (NotedRay& ray : after.errors_) {
+        if (is_kept(std::fabs(ray.ulps))) keep_error(std::move(ray));
+    }
+    for (auto& faults : after.faults_) {
+        for (NotedRay& ray : faults) keep_fault(std::move(ray));
     }
 }
 
 std::vector<NotedRay> WorstRays::all() const {
     std::vector<NotedRay> rays = errors_;
     for (const Outcome outcome : map::wrong_decisions) {
-        const auto found = faults_.find(outcome);
-        if (found != faults_.end()) rays.insert(rays.end(), found->second.begin(), found->second.end());
+        const auto& found = faults_[static_cast<std::size_t>(outcome)];
+        rays.insert(rays.end(), found.begin(), found.end());
     }
     return rays;
 }

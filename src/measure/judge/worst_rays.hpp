@@ -1,8 +1,8 @@
 // The rays of one row that are worth a second look: the largest errors, and the first wrong decisions of each kind.
 #pragma once
 
+#include <array>
 #include <cstdint>
-#include <map>
 #include <memory>
 #include <vector>
 
@@ -22,19 +22,29 @@ struct NotedRay {
 class WorstRays {
 public:
     /// `ulp_error` is the place of that metric among those that are measured.
-    WorstRays(std::size_t most, std::size_t ulp_error) : most_(most), ulp_error_(ulp_error) {}
+    explicit WorstRays(std::size_t most = 0, std::size_t ulp_error = 0) : most_(most), ulp_error_(ulp_error) {}
 
     /// Rays of the file from `first` on.
     void look_at(std::uint64_t first, const map::BandResult& result);
+    /// What is known of the rays that come next in the file.
+    void append(WorstRays&& after);
     /// The largest errors first, then the wrong decisions in the file's order.
     [[nodiscard]] std::vector<NotedRay> all() const;
 
+    template <class Bits>
+    void fields(Bits& bits) {
+        bits(most_, ulp_error_, errors_, faults_);
+    }
+
 private:
+    void keep_error(NotedRay&& ray);
+    void keep_fault(NotedRay&& ray);
+    [[nodiscard]] bool is_kept(double error) const;
     NotedRay note(std::uint64_t first, std::size_t i, const map::BandResult& result) const;
 
     std::size_t most_, ulp_error_;
     std::vector<NotedRay> errors_;  ///< falling
-    std::map<answer::Outcome, std::vector<NotedRay>> faults_;
+    std::array<std::vector<NotedRay>, answer::outcome_names.size()> faults_;
 };
 
 }  // namespace lostbits::measure::judge

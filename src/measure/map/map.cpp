@@ -53,6 +53,20 @@ void MapSummary::add(std::size_t m, const Metric& metric, std::span<const double
     }
 }
 
+void MapSummary::append(MapSummary&& after) {
+    rays += after.rays;
+    true_hits += after.true_hits;
+    for (std::size_t o = 0; o < outcomes.size(); ++o) outcomes[o] += after.outcomes[o];
+    for (std::size_t m = 0; m < metrics.size(); ++m) metrics[m].add(after.metrics[m]);
+    for (std::size_t m = 0; m < categories.size(); ++m) {
+        for (std::size_t c = 0; c < categories[m].size(); ++c) categories[m][c] += after.categories[m][c];
+    }
+    if (after.worst.size > worst.size) worst = std::move(after.worst);
+    for (std::size_t kind = 0; kind < faults.size(); ++kind) {
+        if (!faults[kind]) faults[kind] = std::move(after.faults[kind]);
+    }
+}
+
 std::uint64_t MapSummary::wrong_count() const {
     std::uint64_t all = 0;
     for (const Outcome o : wrong_decisions) all += count(o);
@@ -103,6 +117,14 @@ int band_rows(int width) {
     return std::max(block, (pixels / width + block - 1) / block * block);
 }
 
+std::vector<int> bands_of(int width, int height, shard::Share share) {
+    const int rows = band_rows(width);
+    const auto units = share.of_units(static_cast<std::uint64_t>((height + rows - 1) / rows));
+    std::vector<int> lines;
+    for (std::uint64_t band = units.first; band < units.last; ++band) lines.push_back(static_cast<int>(band) * rows);
+    return lines;
+}
+
 std::vector<MapSummary> run_map(const MapRequest& request, const std::vector<MapSink*>& sinks) {
     const scene::file::Scene& scene = *request.scene;
     std::vector<MapSummary> summaries;
@@ -110,7 +132,7 @@ std::vector<MapSummary> run_map(const MapRequest& request, const std::vector<Map
 
     const auto formats = needs_by_format(request.rows, request.metrics);
     truth::Culler culler(scene);
-    for (int y0 = 0; y0 < scene.height; y0 += band_rows(scene.width)) {
+    for (const int y0 : bands_of(scene.width, scene.height, request.share)) {
         Band band(scene, y0, std::min(scene.height, y0 + band_rows(scene.width)), request.limit, &culler);
         if (request.stages) *request.stages += band.stages();
         if (needs_of(request.metrics) & metric::needs_condition) band.find_condition();

@@ -14,6 +14,7 @@
 #include "measure/metric/agreement.hpp"
 #include "measure/metric/metrics.hpp"
 #include "measure/metric/statistics.hpp"
+#include "measure/shard/share.hpp"
 #include "measure/truth/band.hpp"
 #include "measure/truth/missing.hpp"
 #include "scene/rays/family.hpp"
@@ -78,6 +79,8 @@ struct MapSummary {
     explicit MapSummary(const std::vector<const metric::Metric*>& measured);
     /// To the distribution of metric m, or to the counts of its categories; NaN is no value.
     void add(std::size_t m, const metric::Metric& metric, std::span<const double> values);
+    /// What is known of further rays, all of which come after those that are known here.
+    void append(MapSummary&& after);
     [[nodiscard]] std::uint64_t count(answer::Outcome o) const { return outcomes[static_cast<std::size_t>(o)]; }
     /// Of all the `wrong_decisions`.
     [[nodiscard]] std::uint64_t wrong_count() const;
@@ -144,6 +147,7 @@ struct MapRequest {
     truth::TruthLimit limit{};
     /// Where which stages settled the truths of the rays is added up; null: nowhere.
     truth::StageCounts* stages = nullptr;
+    shard::Share share = {};  ///< of the bands
     /// Called after each band with the number of (pixel, row) pairs done; may throw to stop.
     std::function<void(std::uint64_t)> progress = [](std::uint64_t) {};
 };
@@ -154,5 +158,8 @@ std::vector<MapSummary> run_map(const MapRequest& request, const std::vector<Map
 
 /// Scanlines per band: about 32768 pixels, in multiples of EXR's 16-line blocks.
 int band_rows(int width);
+
+/// The first line of each band of a picture that a share has.
+std::vector<int> bands_of(int width, int height, shard::Share share);
 
 }  // namespace lostbits::measure::map

@@ -106,6 +106,16 @@ void NeededSummary::add(const Truth& truth, double needed) {
     }
 }
 
+void NeededSummary::append(const NeededSummary& after) {
+    for (std::size_t w = 0; w < hits.size(); ++w) {
+        hits[w] += after.hits[w];
+        misses[w] += after.misses[w];
+    }
+    hits_beyond += after.hits_beyond;
+    misses_beyond += after.misses_beyond;
+    unresolved += after.unresolved;
+}
+
 WidthCounts NeededSummary::all() const {
     WidthCounts sum = hits;
     for (std::size_t w = 0; w < sum.size(); ++w) sum[w] += misses[w];
@@ -174,7 +184,7 @@ std::vector<NeededBand> measure_needed(const NeededRequest& request, const truth
 std::vector<NeededSummary> run_needed(const NeededRequest& request, const std::vector<NeededSink*>& sinks) {
     const scene::file::Scene& scene = *request.scene;
     std::vector<NeededSummary> summaries(request.forms.size());
-    for (int y0 = 0; y0 < scene.height; y0 += band_rows(scene.width)) {
+    for (const int y0 : bands_of(scene.width, scene.height, request.share)) {
         const truth::Band band(scene, y0, std::min(scene.height, y0 + band_rows(scene.width)), request.limit);
         const std::vector<NeededBand> results = measure_needed(request, band);
         tbb::parallel_for(std::size_t{0}, results.size(), [&](std::size_t f) {

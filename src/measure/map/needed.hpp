@@ -7,6 +7,7 @@
 #include <limits>
 #include <vector>
 
+#include "measure/shard/share.hpp"
 #include "measure/truth/band.hpp"
 
 namespace lostbits::measure::map {
@@ -49,6 +50,8 @@ struct NeededSummary {
     std::uint64_t unresolved = 0;
 
     void add(const truth::Truth& truth, double needed);
+    /// What is known of other pixels.
+    void append(const NeededSummary& after);
     /// Hits and misses together.
     [[nodiscard]] WidthCounts all() const;
     [[nodiscard]] std::uint64_t pixels() const;
@@ -77,6 +80,7 @@ struct NeededRequest {
     std::vector<const intersect::table::Intersector*> forms;  ///< each with `rounded` kernels
     int bits = 12;                                            ///< B, 1 to 52
     truth::TruthLimit limit{};
+    shard::Share share = {};  ///< of the bands, as in `MapRequest`
     /// Called with the number of (pixel, form, width) triples done, `needed_units` in all; may throw to stop.
     std::function<void(std::uint64_t)> progress = [](std::uint64_t) {};
 };

@@ -4,33 +4,37 @@
 #include <bit>
 #include <cmath>
 #include <stdexcept>
+#include <utility>
 
 #include "measure/columns/columns.hpp"
 #include "measure/truth/missing.hpp"
-#include "number/error_free.hpp"
 
 namespace lostbits::measure::metric {
 
 void Sums::add(std::span<const double> values) {
     const std::uint64_t before = sizes_.beyond;
     columns::add_sizes(values, sizes_);
+    for (std::size_t lane = 0; lane < columns::most_lanes; ++lane) {
+        total_.add(std::exchange(sizes_.hi[lane], 0));
+        total_.add(std::exchange(sizes_.lo[lane], 0));
+    }
     if (sizes_.beyond == before) return;
     for (const double x : values) {
-        if (std::fabs(x) > columns::largest_summed) huge_ += std::fabs(x) / huge_unit;
+        if (std::fabs(x) > columns::largest_summed && !std::isinf(x)) total_.add(std::fabs(x));
     }
+}
+
+void Sums::add(const Sums& other) {
+    total_.add(other.total_);
+    sizes_.largest = std::max(sizes_.largest, other.sizes_.largest);
+    sizes_.count += other.sizes_.count;
+    sizes_.zeros += other.sizes_.zeros;
+    sizes_.beyond += other.sizes_.beyond;
 }
 
 double Sums::mean() const {
     if (sizes_.count == 0) return truth::missing;
-    DoubleDouble sum{0, 0};
-    for (std::size_t lane = 0; lane < columns::most_lanes; ++lane) {
-        const DoubleDouble s = two_sum(sum.hi, sizes_.hi[lane]);
-        sum = quick_two_sum(s.hi, s.lo + (sum.lo + sizes_.lo[lane]));
-    }
-    const auto n = static_cast<double>(sizes_.count);
-    if (sizes_.beyond > 0) return (huge_ + sum.hi / huge_unit) / n * huge_unit;
-    const double mean = sum.hi / n;
-    return mean + (quotient_residual(sum.hi, n, mean) + sum.lo) / n;
+    return std::isinf(sizes_.largest) ? sizes_.largest : total_.over(sizes_.count);
 }
 
 void Quantiles::add(std::span<const double> values) {
@@ -41,6 +45,34 @@ void Quantiles::add(std::span<const double> values) {
         if (!binade) [[unlikely]]
             binade = std::make_unique<Binade>();
         ++(*binade)[bits >> 42 & (buckets_per_binade - 1)];
+    }
+}
+
+void Quantiles::add(const Quantiles& other) {
+    for (std::size_t b = 0; b < binades_.size(); ++b) {
+        if (!other.binades_[b]) continue;
+        if (!binades_[b]) binades_[b] = std::make_unique<Binade>();
+        for (std::size_t i = 0; i < binades_[b]->size(); ++i) (*binades_[b])[i] += (*other.binades_[b])[i];
+    }
+}
+
+std::vector<std::uint32_t> Quantiles::filled() const {
+    std::vector<std::uint32_t> all;
+    for (std::uint32_t b = 0; b < binades_.size(); ++b) {
+        for (std::uint32_t i = 0; binades_[b] && i < buckets_per_binade; ++i) {
+            if ((*binades_[b])[i] == 0) continue;
+            all.push_back(b * buckets_per_binade + i);
+            all.push_back((*binades_[b])[i]);
+        }
+    }
+    return all;
+}
+
+void Quantiles::fill(const std::vector<std::uint32_t>& all) {
+    for (std::size_t k = 0; k + 1 < all.size(); k += 2) {
+        auto& binade = binades_.at(all[k] / buckets_per_binade);
+        if (!binade) binade = std::make_unique<Binade>();
+        (*binade)[all[k] % buckets_per_binade] = all[k + 1];
     }
 }
 
@@ -71,6 +103,15 @@ void Distribution::add(std::span<const double> values) {
     }
     open_->sums.add(values);
     open_->quantiles.add(values);
+    count_ = open_->sums.count();
+}
+
+void Distribution::add(const Distribution& other) {
+    if (other.count_ == 0) return;
+    if (!other.open_ || (!open_ && count_ > 0)) throw std::logic_error("a sealed distribution takes and gives nothing");
+    if (!open_) open_ = std::make_unique<Open>();
+    open_->sums.add(other.open_->sums);
+    open_->quantiles.add(other.open_->quantiles);
     count_ = open_->sums.count();
 }
 

@@ -6,27 +6,37 @@
 #include <memory>
 #include <span>
 #include <string_view>
+#include <vector>
 
 #include "measure/columns/raw_columns.hpp"
+#include "measure/metric/exact_total.hpp"
 
 namespace lostbits::measure::metric {
 
-/// The mean of sizes, finite or not, from sums in two doubles each: of n samples it is off by at most an ulp and
-/// n·2^-104 of itself. So the order of the samples does not show, and none of them costs a division.
+/// The mean of sizes, finite or not. Each list that is added is summed in two doubles a lane, to n·2^-104 of itself;
+/// the lists are summed without error. So the mean is off by at most an ulp and n·2^-104 of itself, neither the order
+/// of the lists nor how they were divided between shards can show, and no sample costs a division.
 class Sums {
 public:
     /// NaN is no sample.
     void add(std::span<const double> values);
+    /// All that another has.
+    void add(const Sums& other);
     [[nodiscard]] std::uint64_t count() const { return sizes_.count; }
     [[nodiscard]] std::uint64_t zeros() const { return sizes_.zeros; }
     [[nodiscard]] double largest() const { return sizes_.largest; }
     /// Of the sizes; infinite when any is. NaN when empty.
     [[nodiscard]] double mean() const;
 
+    template <class Bits>
+    void fields(Bits& bits) {
+        bits(sizes_.largest, sizes_.count, sizes_.zeros, sizes_.beyond);
+        total_.fields(bits);
+    }
+
 private:
-    columns::RawSizes sizes_{};
-    double huge_ = 0;  ///< the sum of those beyond `largest_summed`, in units of `huge_unit`
-    static constexpr double huge_unit = 0x1p+100;
+    columns::RawSizes sizes_{};  ///< its sums are those of one list
+    ExactTotal total_;           ///< of the finite sizes
 };
 
 /// Counts of non-negative numbers in 1024 buckets a binade: a quantile is off by at most 2^-11 of itself, zero and
@@ -38,8 +48,21 @@ public:
     /// The nearest-rank quantile, 0 < q ≤ 1, of all that was added, as `sums` knows it: NaN when empty. q = 1 is the
     /// largest sample, exactly.
     [[nodiscard]] double at(double q, const Sums& sums) const;
+    /// All that another has.
+    void add(const Quantiles& other);
+
+    template <class Bits>
+    void fields(Bits& bits) {
+        std::vector<std::uint32_t> all = filled();
+        bits(all);
+        fill(all);
+    }
 
 private:
+    /// The number of each bucket that is not empty, and how many samples it has, one after another.
+    [[nodiscard]] std::vector<std::uint32_t> filled() const;
+    void fill(const std::vector<std::uint32_t>& all);
+
     static constexpr int buckets_per_binade = 1024;
     using Binade = std::array<std::uint32_t, buckets_per_binade>;
 
@@ -68,6 +91,8 @@ public:
     /// NaN is no sample.
     void add(std::span<const double> values);
     void add(double x) { add(std::span(&x, 1)); }
+    /// All samples of another, none of the two sealed: the same as if they had been added here.
+    void add(const Distribution& other);
     [[nodiscard]] std::uint64_t count() const { return count_; }
     /// Infinite when any sample is; NaN when there is none.
     [[nodiscard]] double mean() const;
@@ -76,10 +101,22 @@ public:
     /// Keeps the quantiles of the `statistics` and gives the buckets back: a sweep holds thousands of these.
     void seal();
 
+    /// What it knows, sealed or not, for `output::shard`.
+    template <class Bits>
+    void fields(Bits& bits) {
+        bits(count_, sealed_, sealed_mean_, open_);
+    }
+
 private:
     struct Open {
         Sums sums;
         Quantiles quantiles;
+
+        template <class Bits>
+        friend void fields(Bits& bits, Open& open) {
+            open.sums.fields(bits);
+            open.quantiles.fields(bits);
+        }
     };
 
     std::uint64_t count_ = 0;

@@ -22,13 +22,14 @@ MapSummary run_cases_together(const CaseRequest& request, std::size_t row, const
 std::vector<std::vector<MapSummary>> run_cases(const CaseRequest& request) {
     std::map<std::string, std::vector<std::size_t>> by_format;
     for (std::size_t row = 0; row < request.rows.size(); ++row) by_format[request.rows[row].format.name].push_back(row);
-    std::vector<std::vector<MapSummary>> cases(request.file->size());
+    const auto units = request.share.of_units(request.file->size());
+    std::vector<std::vector<MapSummary>> cases(units.size());
     tbb::parallel_for(std::size_t{0}, cases.size(), [&](std::size_t i) {
         cases[i].resize(request.rows.size());
         for (const auto& [name, places] : by_format) {
             std::vector<map::MapRow> rows;
             for (const std::size_t row : places) rows.push_back(request.rows[row]);
-            auto summaries = map::measure_groups(request.file->rays(i, rows.front().format.shape), rows,
+            auto summaries = map::measure_groups(request.file->rays(units.first + i, rows.front().format.shape), rows,
                                                  request.metrics, request.limit);
             for (std::size_t k = 0; k < places.size(); ++k) cases[i][places[k]] = std::move(summaries[k]);
         }

@@ -30,11 +30,12 @@ struct CaseRequest {
     std::vector<map::MapRow> rows;
     std::vector<const metric::Metric*> metrics;  ///< with lost_bits and excess_bits
     truth::TruthLimit limit{};
+    shard::Share share = {};  ///< of the cases
     std::function<void(std::uint64_t)> progress = [](std::uint64_t) {};
 };
 
-/// Every row of every case, in the file's order; in parallel over the cases. Each format gets the case's rays as its
-/// own numbers, and its own truth.
+/// Every row of every case of the share, in the file's order; in parallel over the cases. Each format gets the case's
+/// rays as its own numbers, and its own truth.
 std::vector<std::vector<map::MapSummary>> run_cases(const CaseRequest& request);
 /// One row over several cases as if they were one.
 map::MapSummary run_cases_together(const CaseRequest& request, std::size_t row,

@@ -21,16 +21,38 @@ struct Block {
     FloatRange floats;
 };
 
-/// The next blocks after so many floats. A binade is always cut at the same places, since what is worst may depend on
-/// the cuts within 2^-20 of it.
-std::vector<Block> next_blocks(const std::vector<BinadePart>& binades, std::uint64_t tried) {
+/// The first and the last float of a share, as places in the axis; `last` is behind it. A binade is always cut at the
+/// same places, since what is worst may depend on the cuts within 2^-20 of it.
+struct Stretch {
+    std::uint64_t first = 0, last = 0;
+};
+
+Stretch stretch_of(const std::vector<BinadePart>& binades, shard::Share share) {
+    std::uint64_t blocks = 0;
+    for (const BinadePart& part : binades) blocks += (part.floats.size() + block_size - 1) / block_size;
+    const auto units = share.of_units(blocks);
+    const auto place = [&](std::uint64_t block) {
+        std::uint64_t before = 0;
+        for (const BinadePart& part : binades) {
+            const std::uint64_t size = part.floats.size(), here = (size + block_size - 1) / block_size;
+            if (block < here) return before + block * block_size;
+            block -= here;
+            before += size;
+        }
+        return before;
+    };
+    return {place(units.first), place(units.last)};
+}
+
+/// The next blocks of a stretch.
+std::vector<Block> next_blocks(const std::vector<BinadePart>& binades, const Stretch& left) {
     std::vector<Block> blocks;
     std::uint64_t before = 0;
     for (std::size_t b = 0; b < binades.size() && blocks.size() < blocks_at_once; ++b) {
         const FloatRange& all = binades[b].floats;
-        const std::uint64_t size = all.size();
-        for (std::uint64_t begin = tried <= before ? 0 : std::min(size, tried - before);
-             begin < size && blocks.size() < blocks_at_once; begin += block_size)
+        const std::uint64_t size = all.size(), end = left.last <= before ? 0 : std::min(size, left.last - before);
+        for (std::uint64_t begin = left.first <= before ? 0 : std::min(size, left.first - before);
+             begin < end && blocks.size() < blocks_at_once; begin += block_size)
             blocks.push_back({b, {all.at(begin), all.at(std::min(begin + block_size, size) - 1)}});
         before += size;
     }
@@ -55,13 +77,26 @@ std::vector<BinadePart> binades_of(const scene::sweep::ExhaustiveFile& sweep) {
     return parts;
 }
 
+std::uint64_t floats_of(const scene::sweep::ExhaustiveFile& sweep, shard::Share share) {
+    const Stretch all = stretch_of(binades_of(sweep), share);
+    return all.last - all.first;
+}
+
+void ExhaustiveState::append(const ExhaustiveState& after) {
+    tried += after.tried;
+    stages += after.stages;
+    tallies.resize(std::max(tallies.size(), after.tallies.size()));
+    for (std::size_t i = 0; i < after.tallies.size(); ++i) tallies[i].append(after.tallies[i]);
+}
+
 void run_exhaustive(const ExhaustiveRequest& request, ExhaustiveState& state) {
     const auto binades = binades_of(*request.sweep);
     const std::size_t rays = request.sweep->rays.size(), rows = request.rows.size();
     const auto truths = rows_by_truth(request.rows, request.limit);
+    const Stretch all = stretch_of(binades, request.share);
     state.tallies.resize(binades.size() * rays * rows);
     for (;;) {
-        const auto blocks = next_blocks(binades, state.tried);
+        const auto blocks = next_blocks(binades, {all.first + state.tried, all.last});
         if (blocks.empty()) return;
         std::vector<std::vector<FloatTally>> found(blocks.size() * rays);
         std::vector<truth::StageCounts> stages(found.size());

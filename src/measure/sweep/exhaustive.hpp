@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "measure/map/map.hpp"
+#include "measure/shard/share.hpp"
 #include "measure/sweep/float_tally.hpp"
 #include "measure/truth/truth_columns.hpp"
 #include "scene/sweep/exhaustive_file.hpp"
@@ -23,15 +24,19 @@ std::vector<BinadePart> binades_of(const scene::sweep::ExhaustiveFile& sweep);
 
 /// How far a run has come: all that is needed to go on.
 struct ExhaustiveState {
-    std::uint64_t tried = 0;          ///< of the axis's floats, in their order; each by every form on every ray
+    std::uint64_t tried = 0;          ///< of the share's floats, in their order; each by every form on every ray
     std::vector<FloatTally> tallies;  ///< see `ExhaustiveRequest::place`
     truth::StageCounts stages{};      ///< of truths; how many it were depends on how often forms shared them
+
+    /// What the next share found, behind what this one did.
+    void append(const ExhaustiveState& after);
 };
 
 struct ExhaustiveRequest {
     const scene::sweep::ExhaustiveFile* sweep = nullptr;
     std::vector<map::MapRow> rows;  ///< all in binary32
     truth::TruthLimit limit{};
+    shard::Share share = {};  ///< of the blocks into which every binade is cut
     /// Called with so many more floats tried, each counted once a ray and form.
     std::function<void(std::uint64_t)> progress = [](std::uint64_t) {};
     /// Called between two parts of the work, when the state is whole.
@@ -43,8 +48,12 @@ struct ExhaustiveRequest {
     }
 };
 
-/// Goes on until every float is tried. What it finds does not depend on the number of threads, nor on how often it was
-/// stopped. When it throws (Interrupted, say), the state is whole: the last that `keep` was called with, or later.
+/// How many floats a share has.
+std::uint64_t floats_of(const scene::sweep::ExhaustiveFile& sweep, shard::Share share);
+
+/// Goes on until every float of the share is tried. What it finds does not depend on the number of threads, nor on how
+/// often it was stopped. When it throws (Interrupted, say), the state is whole: the last that `keep` was called with,
+/// or later.
 void run_exhaustive(const ExhaustiveRequest& request, ExhaustiveState& state);
 
 }  // namespace lostbits::measure::sweep

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <map>
 #include <stdexcept>
 
@@ -171,6 +172,9 @@ std::vector<SweepStep> run_sweep(const SweepRequest& request) {
         }
         for (const double second : axes[1].values) steps.push_back({{first, second}, {}});
     }
+    const auto units = request.share.of_units(steps.size());
+    steps.erase(steps.begin() + static_cast<std::ptrdiff_t>(units.last), steps.end());
+    steps.erase(steps.begin(), steps.begin() + static_cast<std::ptrdiff_t>(units.first));
     tbb::parallel_for(std::size_t{0}, steps.size(), [&](std::size_t i) {
         steps[i].rows = run_step(request, request.rows, steps[i].values);
         request.progress(request.rows.size());
@@ -200,6 +204,28 @@ std::vector<Onset> find_onsets(const SweepRequest& request, const std::vector<Sw
         }
     }
     return onsets;
+}
+
+void SweepFindings::append(SweepFindings&& after) {
+    std::ranges::move(after.steps, std::back_inserter(steps));
+    std::ranges::move(after.onsets, std::back_inserter(onsets));
+}
+
+SweepFindings measure_sweep(const SweepRequest& request) {
+    SweepFindings found{run_sweep(request), {}};
+    if (request.share.is_whole()) {
+        found.onsets = find_onsets(request, found.steps);
+        return found;
+    }
+    const auto rows = request.share.of_units(request.rows.size());
+    if (rows.size() == 0 || request.sweep->axes.size() != 1) return found;
+    SweepRequest own = for_events(request);
+    own.share = {};
+    own.rows = {request.rows.begin() + static_cast<std::ptrdiff_t>(rows.first),
+                request.rows.begin() + static_cast<std::ptrdiff_t>(rows.last)};
+    found.onsets = find_onsets(own, run_sweep(own));
+    for (Onset& onset : found.onsets) onset.row += rows.first;
+    return found;
 }
 
 std::uint64_t sweep_units(const SweepRequest& request) {

@@ -45,17 +45,28 @@ struct Onset {
     }
 };
 
+/// All that is known of a sweep.
+struct SweepFindings {
+    std::vector<SweepStep> steps;
+    std::vector<Onset> onsets;
+
+    /// What the next share found.
+    void append(SweepFindings&& after);
+};
+
 struct SweepRequest {
     const scene::sweep::SweepFile* sweep = nullptr;
     std::vector<map::MapRow> rows;
     std::vector<const metric::Metric*> metrics;
     int further_draws = 0;    ///< of the rays, for the spread of onsets; no other rays where the sweep is not random
+    shard::Share share = {};  ///< of the steps, and of the rows whose onsets are found
     bool recoveries = false;  ///< find where a form is good again after its first trouble, too
     truth::TruthLimit limit{};
     std::function<void(std::uint64_t)> progress = [](std::uint64_t) {};
 };
 
 /// Every step of one axis, or of the product of two (the second running fastest), in order; in parallel over steps.
+/// Those of the request's share.
 std::vector<SweepStep> run_sweep(const SweepRequest& request);
 
 /// One row at any place of the sweep, on its steps or between them.
@@ -68,6 +79,9 @@ map::MapSummary run_place(const SweepRequest& request, std::size_t row, const st
 /// two of them stays unseen. A form may be good again later: the last place that is, and where it is bad from then on,
 /// are found alike. Then the first crossings on further draws, where the request asks for them.
 std::vector<Onset> find_onsets(const SweepRequest& request, const std::vector<SweepStep>& steps);
+
+/// Both. A share that is not the whole measures all steps of the rows whose onsets it finds by itself.
+SweepFindings measure_sweep(const SweepRequest& request);
 
 /// Units of progress that both calls together report at most.
 std::uint64_t sweep_units(const SweepRequest& request);

@@ -224,9 +224,10 @@ private:
 }  // namespace
 
 std::vector<std::optional<WorstFound>> find_worst(const WorstRequest& request) {
-    std::vector<std::optional<WorstFound>> found(request.rows.size());
+    const auto units = request.share.of_units(request.rows.size());
+    std::vector<std::optional<WorstFound>> found(units.size());
     tbb::parallel_for(std::size_t{0}, found.size(), [&](std::size_t i) {
-        found[i] = Search(request, request.rows[i]).run();
+        found[i] = Search(request, request.rows[units.first + i]).run();
         request.progress(1);
     });
     return found;

@@ -27,6 +27,7 @@ struct WorstRequest {
     std::vector<map::MapRow> rows;
     std::vector<const metric::Metric*> metrics;  ///< the search's own, by `searched`
     truth::TruthLimit limit{};
+    shard::Share share = {};  ///< of the rows
     std::function<void(std::uint64_t)> progress = [](std::uint64_t) {};
 };
 
@@ -34,7 +35,7 @@ struct WorstRequest {
 /// power of two) away in one to three numbers, and the search goes on from the best of them if it is not worse than
 /// before. A wrong decision ends the search of its row, unless the nearest one is asked for: then of
 /// two wrong decisions the nearer is the worse, and further starts lie nearer than the nearest so far. Nothing where no
-/// ray of the box is hit. The result depends on the file alone, not on the number of threads.
+/// ray of the box is hit. One a row of the share. The result depends on the file alone, not on the number of threads.
 std::vector<std::optional<WorstFound>> find_worst(const WorstRequest& request);
 
 }  // namespace lostbits::measure::sweep

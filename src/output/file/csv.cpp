@@ -82,7 +82,7 @@ bool Cell::fits(std::string_view type) const {
 }
 
 CsvWriter::CsvWriter(const std::filesystem::path& path, std::vector<Column> columns)
-    : columns_(std::move(columns)), file_(path) {
+    : columns_(std::move(columns)), file_(std::in_place, path) {
     if (columns_.empty()) throw std::logic_error(path.string() + ": a CSV without columns");
     std::unordered_set<std::string> names;
     for (const auto& column : columns_) {
@@ -98,6 +98,11 @@ CsvWriter::CsvWriter(const std::filesystem::path& path, std::vector<Column> colu
     end_row();
 }
 
+void CsvWriter::add_lines(std::string_view lines) {
+    if (filled_ != 0) throw std::logic_error(name() + ": lines come in the middle of a row");
+    file_->write(lines);
+}
+
 void CsvWriter::put(const std::string& text) {
     if (filled_ > 0) line_ += ',';
     line_ += csv_field(text);
@@ -106,11 +111,11 @@ void CsvWriter::put(const std::string& text) {
 
 CsvWriter& CsvWriter::add(const Cell& cell) {
     if (filled_ == columns_.size()) {
-        throw std::logic_error(file_.path().string() + ": a row has more cells than columns");
+        throw std::logic_error(name() + ": a row has more cells than columns");
     }
     const Column& column = columns_[filled_];
     if (!cell.fits(column.type)) {
-        throw std::logic_error(file_.path().string() + ": column " + column.name + " is of type " + column.type +
+        throw std::logic_error(name() + ": column " + column.name + " is of type " + column.type +
                                " and cannot hold '" + cell.text() + "'");
     }
     put(cell.text());
@@ -119,13 +124,14 @@ CsvWriter& CsvWriter::add(const Cell& cell) {
 
 void CsvWriter::end_row() {
     if (filled_ != columns_.size()) {
-        throw std::logic_error(file_.path().string() + ": a row has " + std::to_string(filled_) + " cells for " +
+        throw std::logic_error(name() + ": a row has " + std::to_string(filled_) + " cells for " +
                                std::to_string(columns_.size()) + " columns");
     }
     // A lone missing cell would be a blank line, which readers skip.
     if (line_.empty()) line_ = "\"\"";
     line_ += '\n';
-    file_.write(line_);
+    if (file_) file_->write(line_);
+    else lines_ += line_;
     line_.clear();
     filled_ = 0;
 }
@@ -136,8 +142,8 @@ void CsvWriter::row(std::span<const Cell> cells) {
 }
 
 void CsvWriter::close() {
-    if (filled_ != 0) throw std::logic_error(file_.path().string() + ": closed in the middle of a row");
-    file_.commit();
+    if (filled_ != 0) throw std::logic_error(name() + ": closed in the middle of a row");
+    file_->commit();
 }
 
 }  // namespace lostbits::output::file

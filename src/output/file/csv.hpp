@@ -5,9 +5,11 @@
 #include <concepts>
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <variant>
 #include <vector>
 
@@ -60,6 +62,12 @@ public:
     /// unknown type or a name used twice.
     CsvWriter(const std::filesystem::path& path, std::vector<Column> columns);
 
+    /// Rows alone, which `take_lines` gives: a part of a file that is put together elsewhere.
+    explicit CsvWriter(std::vector<Column> columns) : columns_(std::move(columns)) {}
+    [[nodiscard]] std::string take_lines() { return std::exchange(lines_, {}); }
+    /// Rows that such a writer of the same columns gave.
+    void add_lines(std::string_view lines);
+
     /// Adds one cell to the current row. Throws std::logic_error when the row is full or the column has another type.
     CsvWriter& add(const Cell& cell);
 
@@ -80,8 +88,10 @@ private:
 
     std::vector<Column> columns_;
     std::size_t filled_ = 0;
-    std::string line_;
-    AtomicFile file_;
+    [[nodiscard]] std::string name() const { return file_ ? file_->path().string() : "rows of a CSV"; }
+
+    std::string line_, lines_;
+    std::optional<AtomicFile> file_;  // none: the rows go to `lines_`
 };
 
 /// `text` as one RFC 4180 field: quoted only when it holds a comma, a quote or a line break.

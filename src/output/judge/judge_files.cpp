@@ -54,17 +54,19 @@ std::string case_name(const MapRow& row, const NotedRay& ray) {
 /// The files of one row.
 class RowParts final : public JudgeSink {
 public:
-    RowParts(const MapRow& row, WorstRays worst, measure::map::MapSink& map) : row_(row), worst_(worst), map_(map) {}
+    RowParts(const MapRow& row, WorstRays worst, measure::map::MapSink& map)
+        : row_(row), worst_(std::move(worst)), map_(map) {}
     void open_rows(const std::filesystem::path& path, const Dump& dump, const JudgeRequest& request) {
         const bool answers = request.answered && &row_ == &request.rows.front();
         rows_.emplace(path, dump, request.metrics, answers && dump.layout().decides_only());
     }
     void piece(const Chunk& chunk, const measure::map::BandResult& result) override {
         worst_.look_at(chunk.first, result);
-        map_.band(result);
         if (rows_) rows_->add(chunk, result, row_);
+        map_.band(result);
     }
-    [[nodiscard]] const WorstRays& worst() const { return worst_; }
+    [[nodiscard]] WorstRays& worst() { return worst_; }
+    [[nodiscard]] std::optional<RayRows>& rows() { return rows_; }
     void close() {
         if (rows_) rows_->close();
     }
@@ -86,6 +88,15 @@ struct JudgeFiles::Parts {
     std::optional<map::MapFiles> map = {};
     std::optional<file::AtomicFile> worst = {};
     std::vector<std::unique_ptr<RowParts>> rows = {};
+
+    /// Of a shard: the map's piece of a row takes with it the lines of the row's table.
+    [[nodiscard]] map::KeepPiece keep_of_map() {
+        if (!options.keep) return {};
+        return [this](std::size_t row, map::MapPiece&& piece) {
+            if (rows.at(row)->rows()) piece.lines = rows[row]->rows()->take_lines();
+            options.keep(row, std::move(piece));
+        };
+    }
 };
 
 JudgeFiles::JudgeFiles(const JudgeRequest& request, const Dump& dump, JudgeFilesOptions given) {
@@ -106,13 +117,16 @@ JudgeFiles::JudgeFiles(const JudgeRequest& request, const Dump& dump, JudgeFiles
                                                       .named = "",
                                                       .also = tables,
                                                       .name_of_ray = name_of,
-                                                      .listed = !request.picture});
-    if (p.options.worst > 0) p.worst.emplace(p.options.folder / "worst.toml");
+                                                      .listed = !request.picture,
+                                                      .keep = p.keep_of_map()});
+    if (p.options.worst > 0 && !p.options.keep) p.worst.emplace(p.options.folder / "worst.toml");
     const std::size_t ulps = measure::metric::place_of(request.metrics, "ulp_error");
     const auto sinks = p.map->sinks();
     for (std::size_t r = 0; r < request.rows.size(); ++r) {
         p.rows.push_back(std::make_unique<RowParts>(request.rows[r], WorstRays(p.options.worst, ulps), *sinks[r]));
-        if (p.options.rows) p.rows.back()->open_rows(p.options.folder / table_of(request.rows[r]), dump, request);
+        if (p.options.rows)
+            p.rows.back()->open_rows(
+                p.options.keep ? std::filesystem::path() : p.options.folder / table_of(request.rows[r]), dump, request);
     }
 }
 
@@ -122,6 +136,22 @@ std::vector<JudgeSink*> JudgeFiles::sinks() {
     std::vector<JudgeSink*> sinks;
     for (const auto& row : parts_->rows) sinks.push_back(row.get());
     return sinks;
+}
+
+void JudgeFiles::put(std::size_t row, map::MapPiece&& piece) {
+    if (auto& rows = parts_->rows.at(row)->rows()) rows->add_lines(piece.lines);
+    piece.lines.clear();
+    parts_->map->put(row, std::move(piece));
+}
+
+std::vector<WorstRays> JudgeFiles::worst() const {
+    std::vector<WorstRays> all;
+    for (const auto& row : parts_->rows) all.push_back(row->worst());
+    return all;
+}
+
+void JudgeFiles::append(std::vector<WorstRays>&& after) {
+    for (std::size_t r = 0; r < parts_->rows.size(); ++r) parts_->rows[r]->worst().append(std::move(after.at(r)));
 }
 
 bool JudgeFiles::finish(const measure::judge::JudgeResult& result) {

@@ -7,6 +7,8 @@
 #include <vector>
 
 #include "measure/judge/judge.hpp"
+#include "measure/judge/worst_rays.hpp"
+#include "output/map/map_piece.hpp"
 
 namespace lostbits::output::judge {
 
@@ -17,6 +19,7 @@ struct JudgeFilesOptions {
     std::vector<const measure::metric::Metric*> drawn = {};  ///< one heatmap each; empty: the rays are no picture
     bool rows = false;                                       ///< a row a ray in `<form>.<format>.csv`
     std::size_t worst = 10;                                  ///< so many rays of each kind go into worst.toml
+    map::KeepPiece keep = {};                                ///< of a shard
 };
 
 /// Opens every file before any work and gives all their final names in `finish`, as `MapFiles` does.
@@ -30,6 +33,11 @@ public:
 
     /// One a row of the request, in its order.
     [[nodiscard]] std::vector<measure::judge::JudgeSink*> sinks();
+    /// The next piece of a row, as another run kept it.
+    void put(std::size_t row, map::MapPiece&& piece);
+    /// Of each row; and what another run found in the rays that come next.
+    [[nodiscard]] std::vector<measure::judge::WorstRays> worst() const;
+    void append(std::vector<measure::judge::WorstRays>&& after);
     /// Whether there is a worst.toml: rays that are worth a second look.
     bool finish(const measure::judge::JudgeResult& result);
 

@@ -71,7 +71,7 @@ RayRows::RayRows(const std::filesystem::path& path, const Dump& dump, const std:
       decides_(decides),
       kept_(dump.layout().kept().size()),
       narrow_(dump.format().engine == Format::Engine::native32),
-      csv_(path, columns(dump, metrics)) {}
+      csv_(path.empty() ? file::CsvWriter(columns(dump, metrics)) : file::CsvWriter(path, columns(dump, metrics))) {}
 
 Cell RayRows::number(double x) const { return narrow_ ? Cell(static_cast<float>(x)) : Cell(x); }
 

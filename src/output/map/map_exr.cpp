@@ -163,14 +163,16 @@ MapExr::MapExr(const std::filesystem::path& path, const MapExrRequest& request) 
             parts.push_back(needed_part(request, *form->info));
         }
     }
-    book_ = std::make_unique<image::ExrBook>(path, std::move(parts));
+    if (!path.empty()) book_ = std::make_unique<image::ExrBook>(path, std::move(parts));
 }
 
 MapExr::~MapExr() = default;
 
-void MapExr::write(const MapRow& row, const BandResult& result, std::span<const image::Rgb8> preview) {
+std::vector<ExrRows> MapExr::rows_of(const MapRow& row, const BandResult& result,
+                                     std::span<const image::Rgb8> preview) const {
     const std::size_t n = result.outcomes.size();
-    std::vector<std::uint32_t> samples;
+    std::vector<ExrRows> pieces(1, {.y0 = result.y0, .rows = result.rows, .samples = {}});
+    std::vector<std::uint32_t>& samples = pieces.front().samples;
     const bool within_float = is_within_float(row.format);
     for (std::size_t i = 0; i < n; ++i) {
         put_preview(samples, preview[i]);
@@ -180,33 +182,41 @@ void MapExr::write(const MapRow& row, const BandResult& result, std::span<const 
         samples.push_back(hit ? static_cast<std::uint32_t>(result.answers->object[i] + 1) : 0);
         for (const std::size_t m : layers_) samples.push_back(image::float_word(result.metrics[m][i]));
     }
-    const std::size_t place = place_in(rows_, [&row](const MapRow* r) { return r == &row; });
-    book_->write_rows(place, result.y0, result.rows, std::as_bytes(std::span(samples)));
+    pieces.front().part = place_in(rows_, [&row](const MapRow* r) { return r == &row; });
 
     const std::size_t truths = place_in(truths_, [&row](const Truths& t) { return t.filled_by == &row; });
-    if (truths == truths_.size()) return;
-    samples.clear();
+    if (truths == truths_.size()) return pieces;
+    ExrRows truth_rows{rows_.size() + truths, result.y0, result.rows, {}};
     for (std::size_t i = 0; i < n; ++i) {
         const measure::truth::Truth& truth = result.truth(i);
-        put_number(samples,
+        put_number(truth_rows.samples,
                    truth.is_hit()
                        ? result.band->rounded_truth(i, binary64, row.form->info->direction, result.convention)
                        : missing,
                    false);
-        put_truth(samples, truth);
+        put_truth(truth_rows.samples, truth);
     }
-    book_->write_rows(rows_.size() + truths, result.y0, result.rows, std::as_bytes(std::span(samples)));
+    pieces.push_back(std::move(truth_rows));
+    return pieces;
 }
 
-void MapExr::write(const measure::map::NeededBand& result, std::span<const image::Rgb8> preview) {
-    std::vector<std::uint32_t> samples;
+std::vector<ExrRows> MapExr::rows_of(const measure::map::NeededBand& result,
+                                     std::span<const image::Rgb8> preview) const {
+    std::vector<ExrRows> pieces(1, {.y0 = result.y0, .rows = result.rows, .samples = {}});
+    std::vector<std::uint32_t>& samples = pieces.front().samples;
     for (std::size_t i = 0; i < preview.size(); ++i) {
         put_preview(samples, preview[i]);
         samples.push_back(image::float_word(result.needed[i]));
         put_truth(samples, result.truth(i));
     }
     const std::size_t place = place_in(needed_, [&result](const intersect::Info* form) { return form == result.form; });
-    book_->write_rows(rows_.size() + truths_.size() + place, result.y0, result.rows, std::as_bytes(std::span(samples)));
+    pieces.front().part = rows_.size() + truths_.size() + place;
+    return pieces;
+}
+
+void MapExr::write(const std::vector<ExrRows>& pieces) {
+    for (const ExrRows& piece : pieces)
+        book_->write_rows(piece.part, piece.y0, piece.rows, std::as_bytes(std::span(piece.samples)));
 }
 
 void MapExr::close() { book_->close(); }

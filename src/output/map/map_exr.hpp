@@ -21,6 +21,19 @@ struct MapExrRequest {
     const measure::map::NeededRequest* needed = nullptr;  ///< null where bits needed are not asked for
 };
 
+/// Rows of a part, as the file has them.
+struct ExrRows {
+    std::uint64_t part = 0;
+    int y0 = 0, rows = 0;
+    std::vector<std::uint32_t> samples;
+
+    template <class Bits>
+    friend void fields(Bits& bits, ExrRows& piece) {
+        auto& [part, y0, rows, samples] = piece;
+        bits(part, y0, rows, samples);
+    }
+};
+
 /// Parts, in this order, all channels of 32 bits:
 /// - `<form>.<format>`, one a row: `R`, `G`, `B` (the heatmap in linear light); the answer t (below); `class.outcome`,
 ///   `class.object` (UINT; 0 is none, otherwise 1 + the number of the solid, counted from 0); one FLOAT channel a
@@ -33,15 +46,20 @@ struct MapExrRequest {
 /// for viewers), `x.word1` and `x.word0` (UINT, the high and low halves of the binary64, exact).
 class MapExr {
 public:
+    /// Without a path there is no file: `rows_of` alone may be asked.
     MapExr(const std::filesystem::path& path, const MapExrRequest& request);
     ~MapExr();
     MapExr(const MapExr&) = delete;
     MapExr& operator=(const MapExr&) = delete;
 
-    /// The next band of a row of the map or of a form of the bits needed. Rows may be served at the same time.
-    void write(const measure::map::MapRow& row, const measure::map::BandResult& result,
-               std::span<const image::Rgb8> preview);
-    void write(const measure::map::NeededBand& result, std::span<const image::Rgb8> preview);
+    /// What the file has of a band of a row of the map, its truth where no other row has it; or of a form of the bits
+    /// needed.
+    [[nodiscard]] std::vector<ExrRows> rows_of(const measure::map::MapRow& row, const measure::map::BandResult& result,
+                                               std::span<const image::Rgb8> preview) const;
+    [[nodiscard]] std::vector<ExrRows> rows_of(const measure::map::NeededBand& result,
+                                               std::span<const image::Rgb8> preview) const;
+    /// The next rows of their parts. Parts may be served at the same time.
+    void write(const std::vector<ExrRows>& pieces);
     void close();
 
 private:

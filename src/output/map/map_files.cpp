@@ -143,7 +143,9 @@ std::vector<Sheet> sheets_of(const MapRequest& request, const MapFilesOptions& o
             sheets.push_back(
                 {MetricPaint(*m, first->format.shape, image::image_backend(), options.range), {m}, nullptr, {}, {}});
     }
-    for (Sheet& sheet : sheets) sheet.open(request, options, &sheet == sheets.data());
+    for (Sheet& sheet : sheets) {
+        if (!options.keep) sheet.open(request, options, &sheet == sheets.data());
+    }
     return sheets;
 }
 
@@ -165,6 +167,8 @@ public:
         : request_(request),
           row_(row),
           exr_(options.exr),
+          pixels_(options.pixels_csv),
+          keep_(options.keep),
           lost_(index_of(request.metrics, measure::metric::find_metric("lost_bits"))),
           excess_(index_of(request.metrics, measure::metric::find_metric("excess_bits"))) {
         const std::string stem = row_name(row);
@@ -188,40 +192,36 @@ public:
             if (const std::string note = input_note(*request.scene, std::span(&row, 1));
                 !note.empty() && !options.listed)
                 spec.subtitle.push_back(note);
-            drawings_.push_back({index_of(request.metrics, m), paint, &sheet, is_enveloped(options, *m),
-                                 std::make_unique<image::HeatmapWriter>(
-                                     backend, options.folder / (stem + suffix + ".png"), std::move(spec))});
+            drawings_.push_back({index_of(request.metrics, m), paint, &sheet, is_enveloped(options, *m), nullptr});
+            if (keep_) continue;
+            drawings_.back().heatmap = std::make_unique<image::HeatmapWriter>(
+                backend, options.folder / (stem + suffix + ".png"), std::move(spec));
         }
-        if (options.pixels_csv)
+        if (options.pixels_csv && !keep_)
             csv_ = std::make_unique<CsvWriter>(options.folder / (stem + ".csv"), pixel_columns(request));
     }
 
     void band(const measure::map::BandResult& result) override {
-        for (Drawing& d : drawings_) {
-            field_.resize(result.outcomes.size());
-            // In places of their own: a colour is bytes, and for all the compiler knows they lie anywhere.
-            const std::span<const measure::answer::Outcome> outcomes = result.outcomes;
-            const std::span<const double> values = result.metrics[d.metric];
-            image::Rgb8* const field = field_.data();
-            for (std::size_t i = 0; i < outcomes.size(); ++i) field[i] = d.paint.colour(outcomes[i], values[i]);
-            if (d.enveloped) draw_envelope(result);
-            d.heatmap->write_rows(field_);
-            d.sheet->page->add_rows(d.sheet->form_of(row_), d.sheet->line_of(row_, d.paint.metric()), result.y0,
-                                    field_);
-            if (exr_ && &d == drawings_.data()) exr_->write(row_, result, field_);
+        MapPiece piece = piece_of(result);
+        if (keep_) keep_(static_cast<std::size_t>(&row_ - request_.rows.data()), std::move(piece));
+        else put(piece);
+    }
+
+    void put(const MapPiece& piece) {
+        for (std::size_t k = 0; k < drawings_.size(); ++k) {
+            Drawing& d = drawings_[k];
+            d.heatmap->write_rows(piece.fields.at(k));
+            d.sheet->page->add_rows(d.sheet->form_of(row_), d.sheet->line_of(row_, d.paint.metric()), piece.y0,
+                                    piece.fields[k]);
         }
-        if (exr_ && drawings_.empty()) {  // none of the metrics applies to this row: its preview shows the outcomes
-            field_.resize(result.outcomes.size());
-            for (std::size_t i = 0; i < field_.size(); ++i)
-                field_[i] = image::outcome_colours[static_cast<std::size_t>(result.outcomes[i])];
-            exr_->write(row_, result, field_);
-        }
-        if (csv_) write_pixels(*csv_, request_, row_, result);
+        paler_ += piece.paler;
+        if (exr_) exr_->write(piece.exr);
+        if (csv_) csv_->add_lines(piece.lines);
     }
 
     void finish(const MapSummary& summary) {
         for (Drawing& d : drawings_) {
-            d.heatmap->finish(final_legend(d.paint, summary, d.metric, d.enveloped ? inside_ : 0),
+            d.heatmap->finish(final_legend(d.paint, summary, d.metric, d.enveloped ? paler_ : 0),
                               d.paint.caption(summary, d.metric));
             d.sheet->page->set_note(d.sheet->form_of(row_), d.sheet->line_of(row_, d.paint.metric()),
                                     d.paint.glance(summary, d.metric));
@@ -230,26 +230,57 @@ public:
     }
 
     /// Pixels drawn paler, in any of the pictures of lost bits.
-    [[nodiscard]] std::uint64_t inside() const { return inside_; }
+    [[nodiscard]] std::uint64_t inside() const { return paler_; }
 
 private:
-    /// NaN, where a metric does not exist, is inside nothing.
-    void draw_envelope(const measure::map::BandResult& result) {
-        for (std::size_t i = 0; i < field_.size(); ++i) {
-            if (!inside_envelope(result.metrics[lost_][i], result.metrics[excess_][i])) continue;
-            field_[i] = paler(field_[i]);
-            ++inside_;
+    [[nodiscard]] MapPiece piece_of(const measure::map::BandResult& result) const {
+        MapPiece piece{.y0 = result.y0};
+        for (const Drawing& d : drawings_) {
+            std::vector<image::Rgb8>& field = piece.fields.emplace_back(result.outcomes.size());
+            // In places of their own: a colour is bytes, and for all the compiler knows they lie anywhere.
+            const std::span<const measure::answer::Outcome> outcomes = result.outcomes;
+            const std::span<const double> values = result.metrics[d.metric];
+            image::Rgb8* const at = field.data();
+            for (std::size_t i = 0; i < outcomes.size(); ++i) at[i] = d.paint.colour(outcomes[i], values[i]);
+            if (d.enveloped) piece.paler += draw_envelope(result, field);
         }
+        if (exr_) piece.exr = exr_->rows_of(row_, result, drawings_.empty() ? outcomes_of(result) : piece.fields[0]);
+        if (pixels_) {
+            CsvWriter lines(pixel_columns(request_));
+            write_pixels(lines, request_, row_, result);
+            piece.lines = lines.take_lines();
+        }
+        return piece;
+    }
+
+    /// The preview of a row that none of the metrics applies to.
+    static std::vector<image::Rgb8> outcomes_of(const measure::map::BandResult& result) {
+        std::vector<image::Rgb8> field(result.outcomes.size());
+        for (std::size_t i = 0; i < field.size(); ++i)
+            field[i] = image::outcome_colours[static_cast<std::size_t>(result.outcomes[i])];
+        return field;
+    }
+
+    /// How many pixels it draws paler. NaN, where a metric does not exist, is inside nothing.
+    std::uint64_t draw_envelope(const measure::map::BandResult& result, std::vector<image::Rgb8>& field) const {
+        std::uint64_t inside = 0;
+        for (std::size_t i = 0; i < field.size(); ++i) {
+            if (!inside_envelope(result.metrics[lost_][i], result.metrics[excess_][i])) continue;
+            field[i] = paler(field[i]);
+            ++inside;
+        }
+        return inside;
     }
 
     const MapRequest& request_;
     const MapRow& row_;
     MapExr* exr_;
+    bool pixels_;
+    const KeepPiece& keep_;
     std::size_t lost_, excess_;  ///< metrics of the request; `excess_` is none without an envelope
-    std::uint64_t inside_ = 0;
+    std::uint64_t paler_ = 0;
     std::vector<Drawing> drawings_;
     std::unique_ptr<CsvWriter> csv_;
-    std::vector<image::Rgb8> field_;
 };
 
 struct MapFiles::Parts {
@@ -278,12 +309,12 @@ struct MapFiles::Parts {
 MapFiles::MapFiles(const MapRequest& request, const MapFilesOptions& options)
     : parts_(new Parts{.request = request, .options = options, .table = {request.metrics, request.scene->shapes()}}) {
     Parts& p = *parts_;
-    p.summary = std::make_unique<CsvWriter>(options.folder / "summary.csv", p.columns());
-    if (CulpritTable::is_wanted(request.metrics))
+    if (!options.keep) p.summary = std::make_unique<CsvWriter>(options.folder / "summary.csv", p.columns());
+    if (!options.keep && CulpritTable::is_wanted(request.metrics))
         p.culprits.emplace(options.folder / "culprits.csv", std::vector<file::Column>{}, request.metrics);
     p.sheets = sheets_of(request, options);
     for (const MapRow& row : request.rows)
-        p.rows.push_back(std::make_unique<RowFiles>(request, row, options, image::image_backend(), p.sheets));
+        p.rows.push_back(std::make_unique<RowFiles>(request, row, p.options, image::image_backend(), p.sheets));
 }
 
 MapFiles::~MapFiles() = default;
@@ -293,6 +324,8 @@ std::vector<MapSink*> MapFiles::sinks() {
     for (const auto& row : parts_->rows) sinks.push_back(row.get());
     return sinks;
 }
+
+void MapFiles::put(std::size_t row, MapPiece&& piece) { parts_->rows.at(row)->put(piece); }
 
 void MapFiles::finish(const std::vector<MapSummary>& summaries) {
     Parts& p = *parts_;

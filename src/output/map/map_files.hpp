@@ -10,6 +10,7 @@
 #include "output/file/datapackage.hpp"
 #include "output/map/map_colour.hpp"
 #include "output/map/map_exr.hpp"
+#include "output/map/map_piece.hpp"
 #include "output/map/map_tables.hpp"
 
 namespace lostbits::output::map {
@@ -27,6 +28,7 @@ struct MapFilesOptions {
     NameOfRay name_of_ray = {};                 ///< in place of `named`, where the rays are those of a file
     bool listed = false;                        ///< the rays are a list and no picture: none is drawn
     std::optional<BarRange> range = {};         ///< of every colour bar; absent: what fits each format
+    KeepPiece keep = {};                        ///< of a shard
 };
 
 /// Opens every file of a map at once, before any work; serves as the sinks of its rows; and gives all files their final
@@ -40,6 +42,8 @@ public:
 
     /// One sink a row of the request, in its order.
     [[nodiscard]] std::vector<measure::map::MapSink*> sinks();
+    /// The next piece of a row, as another run kept it.
+    void put(std::size_t row, MapPiece&& piece);
     void finish(const std::vector<measure::map::MapSummary>& summaries);
 
 private:

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <optional>
 
 #include "measure/metric/statistics.hpp"
 #include "output/file/csv.hpp"
@@ -102,28 +103,40 @@ void add_row(CsvWriter& csv, const NeededRequest& request, const Info& form, con
 /// The files of one form.
 class NeededFormFiles final : public NeededSink {
 public:
-    NeededFormFiles(const NeededRequest& request, const Info& form, const NeededFilesOptions& options,
+    NeededFormFiles(const NeededRequest& request, std::size_t place, const NeededFilesOptions& options,
                     image::ImageBackend& backend)
-        : scale_("viridis", backend.ramp("viridis", 256), measure::map::least_width, measure::map::most_width),
-          heatmap_(backend, options.folder / (stem(form) + ".png"), heatmap_spec(request, form, scale_)),
-          exr_(options.exr) {
+        : place_(place),
+          columns_(pixel_columns(request.bits)),
+          scale_("viridis", backend.ramp("viridis", 256), measure::map::least_width, measure::map::most_width),
+          options_(options) {
+        const Info& form = *request.forms[place]->info;
+        if (options.keep) return;
+        heatmap_.emplace(backend, options.folder / (stem(form) + ".png"), heatmap_spec(request, form, scale_));
         if (options.pixels_csv)
             csv_ = std::make_unique<CsvWriter>(options.folder / (stem(form) + ".csv"), pixel_columns(request.bits));
     }
 
     void band(const NeededBand& result) override {
-        field_.resize(result.needed.size());
-        for (std::size_t i = 0; i < field_.size(); ++i) field_[i] = colour(result.needed[i]);
-        heatmap_.write_rows(field_);
-        if (exr_) exr_->write(result, field_);
-        if (csv_) write_pixels(result);
+        MapPiece piece{.y0 = result.y0};
+        std::vector<Rgb8>& field = piece.fields.emplace_back(result.needed.size());
+        for (std::size_t i = 0; i < field.size(); ++i) field[i] = colour(result.needed[i]);
+        if (options_.exr) piece.exr = options_.exr->rows_of(result, field);
+        if (options_.pixels_csv) piece.lines = pixel_lines(result);
+        if (options_.keep) options_.keep(place_, std::move(piece));
+        else put(piece);
+    }
+
+    void put(const MapPiece& piece) {
+        heatmap_->write_rows(piece.fields.at(0));
+        if (options_.exr) options_.exr->write(piece.exr);
+        if (csv_) csv_->add_lines(piece.lines);
     }
 
     void finish(const NeededSummary& s) {
         std::vector<LegendEntry> legend;
         if (const auto n = s.hits_beyond + s.misses_beyond) legend.push_back(beyond_entry(count_text(n, s.pixels())));
         if (s.unresolved) legend.push_back(unresolved_entry(count_text(s.unresolved, s.pixels())));
-        heatmap_.finish(legend);
+        heatmap_->finish(legend);
         if (csv_) csv_->close();
     }
 
@@ -133,38 +146,42 @@ private:
         return needed == measure::map::needed_beyond ? beyond_colour : scale_.map(needed);
     }
 
-    void write_pixels(const NeededBand& result) {
+    [[nodiscard]] std::string pixel_lines(const NeededBand& result) const {
+        CsvWriter csv(columns_);
         const auto width = static_cast<std::size_t>(result.width);
         for (std::size_t i = 0; i < result.needed.size(); ++i) {
             const measure::truth::Truth& truth = result.truth(i);
-            csv_->add(i % width)
+            csv.add(i % width)
                 .add(static_cast<std::size_t>(result.y0) + i / width)
                 .add(measure::truth::decision_names[static_cast<std::size_t>(truth.decision)]);
-            csv_->add(truth.is_hit() ? Cell(truth.object) : Cell())
+            csv.add(truth.is_hit() ? Cell(truth.object) : Cell())
                 .add(std::isnan(result.needed[i]) ? Cell() : Cell(result.needed[i]));
-            csv_->end_row();
+            csv.end_row();
         }
+        return csv.take_lines();
     }
 
+    std::size_t place_;  ///< of the form in the request
+    std::vector<Column> columns_;
     image::ColourScale scale_;
-    image::HeatmapWriter heatmap_;
-    MapExr* exr_;
+    const NeededFilesOptions& options_;
+    std::optional<image::HeatmapWriter> heatmap_;
     std::unique_ptr<CsvWriter> csv_;
-    std::vector<Rgb8> field_;
 };
 
 struct NeededFiles::Parts {
     const NeededRequest& request;
     NeededFilesOptions options;
-    CsvWriter table;
+    std::optional<CsvWriter> table;
     std::vector<std::unique_ptr<NeededFormFiles>> forms;
 };
 
 NeededFiles::NeededFiles(const NeededRequest& request, const NeededFilesOptions& options)
-    : parts_(new Parts{request, options, CsvWriter(options.folder / "needed.csv", table_columns()), {}}) {
-    for (const intersect::table::Intersector* form : request.forms)
+    : parts_(new Parts{request, options, {}, {}}) {
+    if (!options.keep) parts_->table.emplace(options.folder / "needed.csv", table_columns());
+    for (std::size_t form = 0; form < request.forms.size(); ++form)
         parts_->forms.push_back(
-            std::make_unique<NeededFormFiles>(request, *form->info, options, image::image_backend()));
+            std::make_unique<NeededFormFiles>(request, form, parts_->options, image::image_backend()));
 }
 
 NeededFiles::~NeededFiles() = default;
@@ -189,13 +206,15 @@ std::vector<file::DataResource> NeededFiles::resources() const {
     return resources;
 }
 
+void NeededFiles::put(std::size_t form, MapPiece&& piece) { parts_->forms.at(form)->put(piece); }
+
 void NeededFiles::finish(const std::vector<NeededSummary>& summaries) {
     Parts& p = *parts_;
     for (std::size_t f = 0; f < p.forms.size(); ++f) {
         p.forms[f]->finish(summaries[f]);
-        add_row(p.table, p.request, *p.request.forms[f]->info, summaries[f]);
+        add_row(*p.table, p.request, *p.request.forms[f]->info, summaries[f]);
     }
-    p.table.close();
+    p.table->close();
 }
 
 }  // namespace lostbits::output::map

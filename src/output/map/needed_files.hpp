@@ -10,6 +10,7 @@
 #include "output/file/datapackage.hpp"
 #include "output/image/colour.hpp"
 #include "output/map/map_exr.hpp"
+#include "output/map/map_piece.hpp"
 
 namespace lostbits::output::map {
 
@@ -21,6 +22,7 @@ struct NeededFilesOptions {
     std::filesystem::path folder;  ///< of this scene; made if missing
     bool pixels_csv = false;       ///< a row per pixel in `<form>.needed.csv`
     MapExr* exr = nullptr;         ///< of the same request; null: none is written
+    KeepPiece keep = {};           ///< of a shard
 };
 
 /// `<form>.needed.png`: the width on viridis from 2 to 53. `needed.csv`: a row per form. With an EXR also the parts
@@ -35,6 +37,8 @@ public:
 
     /// One sink a form of the request, in its order.
     [[nodiscard]] std::vector<measure::map::NeededSink*> sinks();
+    /// The next piece of a form, as another run kept it.
+    void put(std::size_t form, MapPiece&& piece);
     /// For the folder's datapackage.json.
     [[nodiscard]] std::vector<file::DataResource> resources() const;
     void finish(const std::vector<measure::map::NeededSummary>& summaries);

@@ -36,9 +36,9 @@ std::string tally_text(std::size_t place, const FloatTally& t) {
 }
 
 /// Reads the words of a state one after another. InputError where one is missing or is not what it should be.
-class StateReader {
+class StateWords {
 public:
-    StateReader(const std::filesystem::path& path) : path_(path), words_(file::read_file(path)) {}
+    StateWords(const std::filesystem::path& path, const std::string& text) : path_(path), words_(text) {}
 
     [[noreturn]] void fail(const std::string& what) const {
         throw InputError(path_.string() + ": " + what + "; leave out --resume to begin anew");
@@ -82,7 +82,7 @@ private:
     std::istringstream words_;
 };
 
-std::optional<FloatTally::Wrong> read_wrong(StateReader& in) {
+std::optional<FloatTally::Wrong> read_wrong(StateWords& in) {
     const auto place = in.optional<std::uint32_t>();
     const auto outcome = in.optional<int>();
     if (place.has_value() != outcome.has_value()) in.damaged();
@@ -91,7 +91,7 @@ std::optional<FloatTally::Wrong> read_wrong(StateReader& in) {
     return FloatTally::Wrong{*place, static_cast<Outcome>(*outcome)};
 }
 
-FloatTally read_tally(StateReader& in) {
+FloatTally read_tally(StateWords& in) {
     FloatTally t;
     for (auto& n : t.outcomes) n = in.whole<std::uint64_t>();
     const auto place = in.optional<std::uint32_t>();
@@ -108,38 +108,25 @@ FloatTally read_tally(StateReader& in) {
 }  // namespace
 
 RunIdentity identity_of(const ExhaustiveRequest& request, const std::string& version) {
-    RunIdentity identity{version, request.sweep->text_hash, {}};
+    RunIdentity identity{version, request.sweep->text_hash, {}, request.share};
     for (const auto& row : request.rows)
         identity.forms += (identity.forms.empty() ? "" : " ") + std::string(row.form->info->name);
     return identity;
 }
 
-void write_state(const std::filesystem::path& path, const RunIdentity& identity, const ExhaustiveState& state) {
-    file::AtomicFile out(path);
-    out.write(fmt::format("{}\nversion {}\nsweep {:016x}\nforms {}\ntried {}\nstages {} {} {} {}\ntallies {}\n",
-                          heading, identity.version, identity.sweep_hash, identity.forms, state.tried,
-                          state.stages.binary64, state.stages.double_double, state.stages.ball, state.stages.interval,
-                          state.tallies.size()));
+std::string state_text(const ExhaustiveState& state) {
+    std::string text =
+        fmt::format("tried {}\nstages {} {} {} {}\ntallies {}\n", state.tried, state.stages.binary64,
+                    state.stages.double_double, state.stages.ball, state.stages.interval, state.tallies.size());
     for (std::size_t i = 0; i < state.tallies.size(); ++i) {
-        if (state.tallies[i].floats() > 0) out.write(tally_text(i, state.tallies[i]));
+        if (state.tallies[i].floats() > 0) text += tally_text(i, state.tallies[i]);
     }
-    out.write("- end\n");
-    out.commit();
+    return text + "- end\n";
 }
 
-ExhaustiveState read_state(const std::filesystem::path& path, const RunIdentity& identity,
-                           const ExhaustiveRequest& request) {
-    if (!std::filesystem::exists(path))
-        throw InputError(path.string() +
-                         ": there is no such file, so there is no unfinished run to go on with; leave out --resume");
-    StateReader in(path);
-    if (in.line() != heading) in.fail("is not the state of an unfinished run, or that of another version");
-    if (const auto version = in.line_after("version"); version != identity.version)
-        in.fail("was written by lostbits " + version + ", and this is " + identity.version);
-    if (in.line_after("sweep") != fmt::format("{:016x}", identity.sweep_hash))
-        in.fail("belongs to another sweep file, or to this one before it was changed");
-    if (const auto forms = in.line_after("forms"); forms != identity.forms)
-        in.fail("belongs to a run with other forms (" + forms + "); name the same with -i");
+namespace {
+
+ExhaustiveState read_rest(StateWords& in, const ExhaustiveRequest& request) {
     ExhaustiveState state;
     in.expect("tried");
     state.tried = in.whole<std::uint64_t>();
@@ -159,6 +146,44 @@ ExhaustiveState read_state(const std::filesystem::path& path, const RunIdentity&
     in.expect("end");
     if (counted != state.tried * request.sweep->rays.size() * request.rows.size()) in.damaged();
     return state;
+}
+
+/// The line of a run's sweep, with its shard where it is one of several.
+std::string subject_of(const RunIdentity& identity) {
+    const std::string shard =
+        identity.share.is_whole() ? "" : fmt::format(" shard {}/{}", identity.share.number, identity.share.of);
+    return fmt::format("{:016x}{}", identity.sweep_hash, shard);
+}
+
+}  // namespace
+
+ExhaustiveState state_in(const std::string& text, const std::filesystem::path& path, const ExhaustiveRequest& request) {
+    StateWords in(path, text);
+    return read_rest(in, request);
+}
+
+void write_state(const std::filesystem::path& path, const RunIdentity& identity, const ExhaustiveState& state) {
+    file::AtomicFile out(path);
+    out.write(fmt::format("{}\nversion {}\nsweep {}\nforms {}\n", heading, identity.version, subject_of(identity),
+                          identity.forms));
+    out.write(state_text(state));
+    out.commit();
+}
+
+ExhaustiveState read_state(const std::filesystem::path& path, const RunIdentity& identity,
+                           const ExhaustiveRequest& request) {
+    if (!std::filesystem::exists(path))
+        throw InputError(path.string() +
+                         ": there is no such file, so there is no unfinished run to go on with; leave out --resume");
+    StateWords in(path, file::read_file(path));
+    if (in.line() != heading) in.fail("is not the state of an unfinished run, or that of another version");
+    if (const auto version = in.line_after("version"); version != identity.version)
+        in.fail("was written by lostbits " + version + ", and this is " + identity.version);
+    if (in.line_after("sweep") != subject_of(identity))
+        in.fail("belongs to another sweep file, or to this one before it was changed, or to another shard of it");
+    if (const auto forms = in.line_after("forms"); forms != identity.forms)
+        in.fail("belongs to a run with other forms (" + forms + "); name the same with -i");
+    return read_rest(in, request);
 }
 
 }  // namespace lostbits::output::sweep

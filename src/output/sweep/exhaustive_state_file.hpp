@@ -16,8 +16,16 @@ struct RunIdentity {
     std::string version;  ///< of the program
     std::uint64_t sweep_hash = 0;
     std::string forms;  ///< with a space between them
+    measure::shard::Share share = {};
 };
 RunIdentity identity_of(const measure::sweep::ExhaustiveRequest& request, const std::string& version);
+
+/// What a run has tried and found, as text.
+std::string state_text(const measure::sweep::ExhaustiveState& state);
+
+/// The same from that text. InputError, the path in front, where it is damaged.
+measure::sweep::ExhaustiveState state_in(const std::string& text, const std::filesystem::path& path,
+                                         const measure::sweep::ExhaustiveRequest& request);
 
 /// Written whole or not at all.
 void write_state(const std::filesystem::path& path, const RunIdentity& identity,

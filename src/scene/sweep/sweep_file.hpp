@@ -65,6 +65,8 @@ public:
     /// The shapes of its solids, each once.
     [[nodiscard]] const std::vector<Shape>& shapes() const { return shapes_; }
 
+    /// Of its scene; empty where it has none.
+    [[nodiscard]] std::filesystem::path scene_path() const { return scene_ ? scene_->path() : std::filesystem::path(); }
     /// Whether its rays are drawn at random: those of a family are, those of a scene are not.
     [[nodiscard]] bool is_drawn() const { return !scene_; }
     /// The same sweep with the random numbers of the seed that many after its own.

@@ -7,8 +7,10 @@
 
 #include "catch.hpp"
 #include "intersect/simd/packed.hpp"
+#include "measure/metric/exact_total.hpp"
 #include "measure/metric/statistics.hpp"
 #include "number/random.hpp"
+#include "output/shard/fields.hpp"
 
 namespace lostbits::test {
 
@@ -56,12 +58,68 @@ TEST_CASE("a mean is the exact mean to an ulp, whatever the order", "[measure][m
         std::vector<double> all = numbers(20'011, least, most, random);
         const Rational exact = exact_mean(all);
         const double mean = of(all, all.size()).mean();
-        const double tolerance = most > 900 ? 0x1p-45 : 0x1p-52;  // beyond 2^900 the sum is a plain one
         const Rational off = boost::multiprecision::abs(Rational(mean) - exact) / exact;
-        CHECK(off <= Rational(tolerance));
+        CHECK(off <= Rational(0x1p-52));
         std::ranges::sort(all, [](double x, double y) { return std::isnan(y) ? !std::isnan(x) : x < y; });
         const double sorted = of(all, 1000).mean();
-        if (most <= 900) CHECK(std::bit_cast<std::uint64_t>(sorted) == std::bit_cast<std::uint64_t>(mean));
+        CHECK(std::bit_cast<std::uint64_t>(sorted) == std::bit_cast<std::uint64_t>(mean));
+    }
+}
+
+TEST_CASE("distributions of parts add up to that of the whole, in any order and through their bits",
+          "[measure][metric]") {
+    Random random(5);
+    for (const auto& [least, most] : {std::pair{-40, 20}, {-1074, 1015}}) {
+        std::vector<double> all = numbers(20'011, least, most, random);
+        all.push_back(0);
+        constexpr std::size_t piece = 512;
+        const Distribution whole = of(all, piece);
+        for (const std::size_t parts : {1U, 2U, 3U, 7U, 60U}) {
+            INFO(parts << " parts");
+            std::vector<Distribution> shards(parts);
+            for (std::size_t begin = 0, k = 0; begin < all.size(); begin += piece, ++k)
+                shards[k * parts / (all.size() / piece + 1)].add(
+                    std::span(all).subspan(begin, std::min(piece, all.size() - begin)));
+            Distribution joined;
+            for (std::size_t k = 0; k < parts; ++k) {
+                output::shard::BitReader bits(output::shard::bits_of(shards[(k + parts / 2) % parts]));
+                Distribution again;
+                bits(again);
+                CHECK(bits.is_at_end());
+                joined.add(again);
+            }
+            CHECK(joined.count() == whole.count());
+            CHECK(std::bit_cast<std::uint64_t>(joined.mean()) == std::bit_cast<std::uint64_t>(whole.mean()));
+            for (const double q : {0.01, 0.5, 0.99, 1.0}) CHECK(joined.quantile(q) == whole.quantile(q));
+        }
+    }
+    Distribution sealed;
+    sealed.add(3);
+    sealed.seal();
+    Distribution open;
+    open.add(4);
+    CHECK_THROWS_AS(open.add(sealed), std::logic_error);
+    CHECK_THROWS_AS(sealed.add(open), std::logic_error);
+}
+
+TEST_CASE("an exact total is that of rational numbers, whatever is added", "[measure][metric]") {
+    Random random(31);
+    measure::metric::ExactTotal total;
+    Rational exact = 0;
+    double least_so_far = 0;
+    for (const auto& [least, most] : {std::pair{-1074, -1022}, {-1060, 1020}, {1000, 1023}, {-30, 30}}) {
+        for (const double x : numbers(500, least, most, random)) {
+            if (std::isnan(x)) continue;
+            const double size = std::fabs(x);
+            // Ones that cancel leave nothing behind.
+            total.add(size);
+            total.add(-least_so_far);
+            total.add(least_so_far);
+            least_so_far = size;
+            exact += Rational(size);
+        }
+        const Rational off = boost::multiprecision::abs(Rational(total.over(1'000'003)) - exact / 1'000'003);
+        CHECK(off <= exact / 1'000'003 * Rational(0x1p-52) + Rational(0x1p-1074));
     }
 }
 

@@ -1,0 +1,179 @@
+#include "analysis/shard/division.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <charconv>
+#include <stdexcept>
+
+#include "number/error.hpp"
+
+namespace lostbits::analysis::shard {
+
+namespace fs = std::filesystem;
+
+using measure::shard::Share;
+using output::shard::StateFileReader;
+using output::shard::StateHead;
+
+namespace {
+
+std::optional<std::uint64_t> whole_number(std::string_view text) {
+    std::uint64_t n = 0;
+    const auto [stop, error] = std::from_chars(text.data(), text.data() + text.size(), n);
+    if (text.empty() || error != std::errc{} || stop != text.data() + text.size()) return std::nullopt;
+    return n;
+}
+
+/// The files of shards in a folder, or in the folders in it; the file itself where it is named.
+std::vector<fs::path> state_files(const fs::path& named) {
+    std::error_code ignored;
+    if (fs::is_regular_file(named, ignored)) return {named};
+    if (fs::is_regular_file(named / output::shard::state_file_name, ignored))
+        return {named / output::shard::state_file_name};
+    std::vector<fs::path> found;
+    for (const fs::directory_entry& entry : fs::directory_iterator(named, ignored)) {
+        const fs::path file = entry.path() / output::shard::state_file_name;
+        if (fs::is_regular_file(file, ignored)) found.push_back(file);
+    }
+    if (found.empty())
+        throw InputError(named.string() +
+                         ": holds no shard; name the -o of runs with --shard, or the shard-K-of-N folders in it");
+    std::ranges::sort(found);
+    return found;
+}
+
+std::string shard_text(Share share) { return fmt::format("{}/{}", share.number, share.of); }
+
+/// `2, 5 to 7 and 9`.
+std::string ranges_text(const std::vector<std::uint64_t>& numbers) {
+    std::vector<std::string> parts;
+    for (std::size_t i = 0; i < numbers.size();) {
+        std::size_t end = i + 1;
+        while (end < numbers.size() && numbers[end] == numbers[end - 1] + 1) ++end;
+        parts.push_back(end - i > 2 ? fmt::format("{} to {}", numbers[i], numbers[end - 1])
+                                    : std::to_string(numbers[i]));
+        i = end - i > 2 ? end : i + 1;
+    }
+    if (parts.size() == 1) return parts.front();
+    const std::string last = parts.back();
+    parts.pop_back();
+    return fmt::format("{} and {}", fmt::join(parts, ", "), last);
+}
+
+}  // namespace
+
+Share share_named(const std::string& word) {
+    const std::size_t slash = word.find('/');
+    const auto number = whole_number(std::string_view(word).substr(0, slash));
+    const auto of = slash == std::string::npos ? std::nullopt : whole_number(std::string_view(word).substr(slash + 1));
+    if (!number || !of)
+        throw InputError(fmt::format("--shard {}: is not a shard; write K/N, as in --shard 3/64", word));
+    if (*of < 1 || *of > Share::most)
+        throw InputError(fmt::format("--shard {}: a run is divided into 1 to {} shards", word, Share::most));
+    if (*number < 1 || *number > *of)
+        throw InputError(fmt::format("--shard {}: the shards of {} are numbered from 1 to {}", word, *of, *of));
+    return {*number, *of};
+}
+
+std::string folder_name(Share share) { return fmt::format("shard-{}-of-{}", share.number, share.of); }
+
+Shards::Shards(const std::vector<std::string>& folders, const std::string& program) {
+    std::vector<fs::path> seen;
+    for (const std::string& folder : folders) {
+        for (const fs::path& file : state_files(folder)) {
+            const fs::path real = fs::weakly_canonical(file);
+            if (std::ranges::find(seen, real) != seen.end()) continue;
+            seen.push_back(real);
+            files_.emplace_back(file);
+        }
+    }
+    std::ranges::stable_sort(files_, {}, [](const StateFileReader& f) { return f.head().share.number; });
+    check_same_run(program);
+    check_complete();
+}
+
+void Shards::check_same_run(const std::string& program) const {
+    const StateFileReader& first = files_.front();
+    for (const StateFileReader& file : files_) {
+        const StateHead &head = file.head(), &of = first.head();
+        const auto refuse = [&file](const std::string& why) {
+            throw InputError(file.path().string() + ": " + why + "; nothing was joined");
+        };
+        if (head.program != program) refuse("was made by " + head.program + ", and this is " + program);
+        if (head.command != of.command)
+            refuse(fmt::format("is a shard of another run: `{}`, and {} is one of `{}`", head.command,
+                               first.path().string(), of.command));
+        if (head.share.of != of.share.of)
+            refuse(fmt::format("is shard {}, and {} is shard {}: the run was divided in two ways",
+                               shard_text(head.share), first.path().string(), shard_text(of.share)));
+        if (head.inputs != of.inputs)
+            refuse(
+                fmt::format("was measured from other files than {}: a scene, a sweep, a file of rays or of claims, "
+                            "or a library has changed between them",
+                            first.path().string()));
+    }
+}
+
+void Shards::check_complete() const {
+    const std::uint64_t of = files_.front().head().share.of;
+    for (std::size_t i = 1; i < files_.size(); ++i) {
+        if (files_[i].head().share == files_[i - 1].head().share)
+            throw InputError(fmt::format("{}: is shard {}, and so is {}; name one of them; nothing was joined",
+                                         files_[i].path().string(), shard_text(files_[i].head().share),
+                                         files_[i - 1].path().string()));
+    }
+    if (files_.size() == of) return;
+    std::vector<std::uint64_t> missing;
+    std::size_t at = 0;
+    for (std::uint64_t number = 1; number <= of && missing.size() < 1000; ++number) {
+        if (at < files_.size() && files_[at].head().share.number == number) ++at;
+        else missing.push_back(number);
+    }
+    throw InputError(fmt::format("{} of {} shards {} missing: {}; nothing was joined. Run `{} --shard K/{}` for {}",
+                                 of - files_.size(), of, of - files_.size() == 1 ? "is" : "are", ranges_text(missing),
+                                 command(), of, missing.size() == 1 ? "it" : "each of them"));
+}
+
+void Shards::check_inputs(std::uint64_t inputs) const {
+    if (inputs == files_.front().head().inputs) return;
+    throw InputError(files_.front().path().string() +
+                     ": the files that its run read have changed since: a scene, a sweep, a file of rays or of "
+                     "claims, or a library; join the shards where those files are, or run the shards again");
+}
+
+void Shards::each(const std::string& name, const std::function<void(output::shard::BitReader&)>& take) {
+    for (StateFileReader& file : files_) {
+        std::string bits;
+        bool any = false;
+        while (file.next(name, bits)) {
+            any = true;
+            try {
+                output::shard::BitReader reader(std::move(bits));
+                take(reader);
+                if (!reader.is_at_end()) file.damaged();
+            } catch (const std::out_of_range&) {
+                file.damaged();
+            }
+        }
+        if (!any) file.damaged();
+    }
+}
+
+void Shards::check_end() const {
+    for (const StateFileReader& file : files_) {
+        if (!file.is_at_end()) file.damaged();
+    }
+}
+
+Division::Division(const fs::path& folder, const StateHead& head)
+    : share_(head.share),
+      file_(std::make_unique<output::shard::StateFileWriter>(folder / output::shard::state_file_name, head)) {}
+
+void Division::finish() {
+    if (joined_) joined_->check_end();
+    if (file_) file_->close();
+}
+
+}  // namespace lostbits::analysis::shard

@@ -1,0 +1,53 @@
+// What shards note of the rows of a map or of a file of rays: pieces of files, and what is known in the end.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "analysis/shard/division.hpp"
+#include "output/map/map_piece.hpp"
+
+namespace lostbits::analysis::shard {
+
+/// A shard's record: a piece of a row's files, or what is known in the end.
+enum class Noted : std::uint8_t { piece, end };
+
+/// Notes the pieces of a job's rows in a shard; nothing elsewhere.
+inline output::map::KeepPiece keep_in(Division& division, const std::string& job) {
+    if (!division.is_shard()) return {};
+    return [&division, job](std::size_t row, output::map::MapPiece&& piece) {
+        if (!piece.is_empty()) division.put(job, Noted::piece, std::uint64_t{row}, piece);
+    };
+}
+
+/// Whether the record is a piece, which goes to its row's files.
+template <class Files>
+bool joined_piece(output::shard::BitReader& bits, Files& files) {
+    Noted noted{};
+    bits(noted);
+    if (noted == Noted::end) return false;
+    std::uint64_t row = 0;
+    output::map::MapPiece piece;
+    bits(row, piece);
+    files.put(row, std::move(piece));
+    return true;
+}
+
+/// Hands the pieces of a job's rows, of all shards, to its files, and adds up what is known in the end.
+template <class Files, class Summary>
+void join_into(Files& files, std::vector<Summary>& all, measure::truth::StageCounts& stages, Division& division,
+               const std::string& job) {
+    division.each(job, [&](output::shard::BitReader& bits) {
+        if (joined_piece(bits, files)) return;
+        std::vector<Summary> part;
+        measure::truth::StageCounts of_part;
+        bits(part, of_part);
+        stages += of_part;
+        if (all.empty()) all = std::move(part);
+        else
+            for (std::size_t r = 0; r < all.size(); ++r) all[r].append(std::move(part.at(r)));
+    });
+}
+
+}  // namespace lostbits::analysis::shard

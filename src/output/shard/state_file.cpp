@@ -1,0 +1,147 @@
+#include "output/shard/state_file.hpp"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <charconv>
+#include <cstring>
+
+#include "number/error.hpp"
+
+namespace lostbits::output::shard {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr std::string_view heading = "lostbits-shard/1";
+
+template <class Whole>
+std::string_view bytes_of(const Whole& x) {
+    return {reinterpret_cast<const char*>(&x), sizeof x};
+}
+
+template <class Whole>
+bool parse(std::string_view text, Whole& x, int base = 10) {
+    const auto [stop, error] = std::from_chars(text.data(), text.data() + text.size(), x, base);
+    return error == std::errc{} && stop == text.data() + text.size();
+}
+
+/// One line of text: what a path may hold must not end it.
+std::string on_one_line(std::string text) {
+    for (char& c : text) c = c == '\n' ? ' ' : c;
+    return text;
+}
+
+}  // namespace
+
+void InputHash::add(std::string_view bytes) {
+    for (const char c : bytes) hash_ = (hash_ ^ static_cast<unsigned char>(c)) * 1099511628211U;
+}
+
+void InputHash::add_file(const fs::path& path) {
+    std::ifstream in(path, std::ios::binary);
+    std::vector<char> chunk(1 << 16);
+    std::uint64_t size = 0;
+    while (in.read(chunk.data(), static_cast<std::streamsize>(chunk.size())), in.gcount() > 0) {
+        add({chunk.data(), static_cast<std::size_t>(in.gcount())});
+        size += static_cast<std::uint64_t>(in.gcount());
+    }
+    if (!in.eof()) throw EnvironmentError(path.string() + ": cannot be read");
+    add(bytes_of(size));  // two files one behind another are not one
+}
+
+StateFileWriter::StateFileWriter(const fs::path& path, const StateHead& head) : file_(path) {
+    write(fmt::format("{}\nprogram {}\ncommand {}\ninputs {:016x}\nshard {}/{}\n\n", heading, head.program,
+                      on_one_line(head.command), head.inputs, head.share.number, head.share.of));
+}
+
+void StateFileWriter::write(std::string_view bytes) {
+    hash_.add(bytes);
+    file_.write(bytes);
+}
+
+void StateFileWriter::put(std::string_view name, std::string_view bits) {
+    const std::lock_guard lock(mutex_);
+    write(bytes_of(std::uint64_t{name.size()}));
+    write(name);
+    write(bytes_of(std::uint64_t{bits.size()}));
+    write(bits);
+}
+
+void StateFileWriter::close() {
+    file_.write(bytes_of(hash_.value()));
+    file_.commit();
+}
+
+StateFileReader::StateFileReader(fs::path path) : path_(std::move(path)), in_(path_, std::ios::binary) {
+    if (!in_) throw InputError(path_.string() + ": cannot be read; check the path and its permissions");
+    check_hash();
+    read_head();
+}
+
+void StateFileReader::damaged() const {
+    throw InputError(path_.string() + ": is damaged, or not the file of a shard; run that shard again");
+}
+
+void StateFileReader::check_hash() {
+    std::error_code ignored;
+    const std::uint64_t size = fs::file_size(path_, ignored);
+    if (ignored || size < heading.size() + sizeof(std::uint64_t)) damaged();
+    end_ = size - sizeof(std::uint64_t);
+    InputHash hash;
+    while (at_ < end_) hash.add(bytes(std::min<std::uint64_t>(end_ - at_, 1 << 16)));
+    std::uint64_t kept = 0;
+    if (!in_.read(reinterpret_cast<char*>(&kept), sizeof kept) || kept != hash.value()) damaged();
+    in_.seekg(0);
+    at_ = 0;
+}
+
+std::string StateFileReader::bytes(std::uint64_t size) {
+    if (size > end_ - at_) damaged();
+    std::string text(size, '\0');
+    if (!in_.read(text.data(), static_cast<std::streamsize>(size))) damaged();
+    at_ += size;
+    return text;
+}
+
+std::string StateFileReader::line(std::string_view name) {
+    std::string text;
+    if (!std::getline(in_, text)) damaged();
+    at_ += text.size() + 1;
+    if (!text.starts_with(name)) damaged();
+    return text.substr(std::min(text.size(), name.size() + 1));
+}
+
+void StateFileReader::read_head() {
+    const std::string rest = line(heading);
+    head_.program = line("program");
+    head_.command = line("command");
+    if (!rest.empty() || !parse(line("inputs"), head_.inputs, 16)) damaged();
+    const std::string shard = line("shard");
+    const std::size_t slash = std::min(shard.find('/'), shard.size() - 1);
+    if (!parse(std::string_view(shard).substr(0, slash), head_.share.number) ||
+        !parse(std::string_view(shard).substr(slash + 1), head_.share.of))
+        damaged();
+    line("");
+}
+
+bool StateFileReader::next(std::string_view name, std::string& bits) {
+    if (is_at_end()) return false;
+    const std::uint64_t start = at_;
+    const auto number = [this] {
+        const std::string text = bytes(sizeof(std::uint64_t));
+        std::uint64_t n = 0;
+        std::memcpy(&n, text.data(), sizeof n);
+        return n;
+    };
+    if (bytes(number()) != name) {
+        in_.seekg(static_cast<std::streamoff>(start));
+        at_ = start;
+        return false;
+    }
+    bits = bytes(number());
+    return true;
+}
+
+}  // namespace lostbits::output::shard

@@ -1,0 +1,83 @@
+// The file of a shard: what it is a part of, and what it found.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <fstream>
+#include <mutex>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "measure/shard/share.hpp"
+#include "output/file/atomic_file.hpp"
+
+namespace lostbits::output::shard {
+
+/// In the folder of a shard.
+inline constexpr const char* state_file_name = "shard.state";
+
+/// What a shard is a part of. Shards of one run differ in their number alone.
+struct StateHead {
+    std::string program;       ///< `lostbits 0.1.0`
+    std::string command;       ///< the run as it would be typed, without what changes no result
+    std::uint64_t inputs = 0;  ///< `InputHash` of the files that the run reads
+    measure::shard::Share share = {};
+};
+
+/// FNV-1a, 64 bits: h ← (h xor byte)·1099511628211 from 14695981039346656037 on. It tells files apart that differ by
+/// accident, not by intent.
+class InputHash {
+public:
+    void add(std::string_view bytes);
+    /// The contents of a file. EnvironmentError where it cannot be read.
+    void add_file(const std::filesystem::path& path);
+    [[nodiscard]] std::uint64_t value() const { return hash_; }
+
+private:
+    std::uint64_t hash_ = 14695981039346656037U;
+};
+
+/// Writes a head as lines of text, then records: a name, a size and bits. At the end stands the hash of all that is in
+/// front of it. The file has its name when it is whole.
+class StateFileWriter {
+public:
+    StateFileWriter(const std::filesystem::path& path, const StateHead& head);
+    /// By one thread at a time: records of several threads stand in the order of their coming.
+    void put(std::string_view name, std::string_view bits);
+    void close();
+
+private:
+    void write(std::string_view bytes);
+
+    file::AtomicFile file_;
+    InputHash hash_;
+    std::mutex mutex_;
+};
+
+/// Reads it record by record. InputError, with the path, for what is not such a file or was changed.
+class StateFileReader {
+public:
+    explicit StateFileReader(std::filesystem::path path);
+    [[nodiscard]] const std::filesystem::path& path() const { return path_; }
+    [[nodiscard]] const StateHead& head() const { return head_; }
+
+    /// The bits of the next record, where it has this name.
+    [[nodiscard]] bool next(std::string_view name, std::string& bits);
+    /// Whether all records were read.
+    [[nodiscard]] bool is_at_end() const { return at_ == end_; }
+    [[noreturn]] void damaged() const;
+
+private:
+    void check_hash();
+    void read_head();
+    std::string line(std::string_view name);
+    std::string bytes(std::uint64_t size);
+
+    std::filesystem::path path_;
+    std::ifstream in_;
+    StateHead head_;
+    std::uint64_t at_ = 0, end_ = 0;
+};
+
+}  // namespace lostbits::output::shard
