@@ -1,0 +1,33 @@
+// What a function of a shader takes and answers, told by its types, and where these leave it open by its names.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "geometry/solid.hpp"
+#include "intersect/shader/functions.hpp"
+
+namespace lostbits::intersect::shader {
+
+/// How a function that is an intersector is called. Expressions name what the program around it declares: `lb_origin`,
+/// `lb_direction`, `lb_solid[k]` (k-th number of the solid) and `lb_end`.
+struct Signature {
+    enum class Answers { t, near_far, hit, hit_and_t, hit_and_near_far };
+
+    Function function;
+    Shape shape = Shape::sphere;
+    Answers answers = Answers::t;
+    bool doubles = false;                ///< written in dvec3 and double
+    bool knows_end = false;              ///< is told where the ray ends
+    std::vector<std::string> arguments;  ///< expressions; `lb_out_k` for what it writes, k its place among all
+    std::vector<std::string> outputs;    ///< those of `arguments` that hold t, or near and far
+};
+
+/// Nothing where the types are not those of an intersector.
+std::optional<Signature> signature_of(const Function& function);
+
+/// What is recognised, for messages.
+extern const std::string_view known_signatures;
+
+}  // namespace lostbits::intersect::shader
