@@ -8,9 +8,9 @@
 
 #include "analysis/choice/doors.hpp"
 #include "commands.hpp"
+#include "intersect/device/device.hpp"
+#include "intersect/device/probe.hpp"
 #include "intersect/doors/child.hpp"
-#include "intersect/shader/device.hpp"
-#include "intersect/shader/probe.hpp"
 
 namespace lostbits::analysis {
 
@@ -58,7 +58,7 @@ Exit show(bool json, const Common& common) {
         if (!json) print(told);
     }
     if (json) fmt::print("{}\n", array.dump(2));
-    else if (any && !common.quiet) fmt::print("tried on {}\n", intersect::shader::probed_set);
+    else if (any && !common.quiet) fmt::print("tried on {}\n", intersect::device::probed_set);
     if (!any) throw EnvironmentError("no driver can run shaders here; docs/shader.md says what to install");
     return Exit::done;
 }

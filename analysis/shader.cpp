@@ -5,28 +5,33 @@
 
 #include <algorithm>
 #include <csignal>
+#include <cstdlib>
 #include <memory>
 #include <string>
 
 #include "commands.hpp"
+#include "intersect/device/probe.hpp"
 #include "intersect/doors/pipe.hpp"
 #include "intersect/shader/forms.hpp"
-#include "intersect/shader/probe.hpp"
 
 namespace lostbits::analysis {
 
 namespace {
 
+using namespace intersect::device;
 using namespace intersect::shader;
 
 std::shared_ptr<Device> device_named(const std::string& kind) {
+    setenv("EGL_LOG_LEVEL", "fatal", 0);  // what is missing is told once, by us
     return kind.empty() ? open_any_device() : open_device(kind);
 }
 
 /// A driver may stop loops on its own: what the file itself bounds beyond that is told.
 void warn_of_loops(const ShaderSource& shader, const Arithmetic& arithmetic) {
+    std::size_t told = 0;
     for (const CountedLoop& loop : shader.loops) {
-        if (arithmetic.loop_limit == 0 || loop.most <= arithmetic.loop_limit) continue;
+        if (loop.line == told || arithmetic.loop_limit == 0 || loop.most <= arithmetic.loop_limit) continue;
+        told = loop.line;
         fmt::print(stderr,
                    "lostbits: {}:{}: this loop may run {} times; this driver leaves loops after {} without a word, so "
                    "answers that need more are wrong\n",

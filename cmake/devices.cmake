@@ -12,7 +12,7 @@ foreach(device "opengl|egl opengl|libegl-dev libopengl-dev" "vulkan|vulkan|libvu
         message(STATUS "${kind} is not found (Debian: ${packages}): no --shader by it")
         continue()
     endif()
-    file(GLOB sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/src/intersect/shader/module_${kind}*.cpp)
+    file(GLOB sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/src/intersect/device/module_${kind}*.cpp)
     add_library(lostbits_${kind} MODULE ${sources})
     set_target_properties(lostbits_${kind} PROPERTIES PREFIX "" CXX_VISIBILITY_PRESET hidden
         VISIBILITY_INLINES_HIDDEN ON LIBRARY_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR})

@@ -8,11 +8,11 @@
 #include <system_error>
 #include <thread>
 
+#include "intersect/device/device.hpp"
 #include "intersect/doors/formulas.hpp"
 #include "intersect/doors/guard.hpp"
 #include "intersect/doors/pipe.hpp"
 #include "intersect/doors/plugin.hpp"
-#include "intersect/shader/device.hpp"
 #include "number/error.hpp"
 #include "output/blame/explain_command.hpp"
 #include "output/file/atomic_file.hpp"
@@ -75,12 +75,12 @@ std::vector<std::string> devices_of(const std::vector<std::string>& words) {
         if (std::ranges::find(kinds, kind) == kinds.end()) kinds.emplace_back(kind);
     };
     for (const std::string& word : words) {
-        if (word == "all") std::ranges::for_each(intersect::shader::device_kinds, add);
-        else if (std::ranges::find(intersect::shader::device_kinds, word) != std::end(intersect::shader::device_kinds))
+        if (word == "all") std::ranges::for_each(intersect::device::device_kinds, add);
+        else if (std::ranges::find(intersect::device::device_kinds, word) != std::end(intersect::device::device_kinds))
             add(word);
         else
             throw InputError(fmt::format("--device {}: there is {} and all", word,
-                                         fmt::join(intersect::shader::device_kinds, ", ")));
+                                         fmt::join(intersect::device::device_kinds, ", ")));
     }
     if (words.empty()) kinds.emplace_back();
     return kinds;

@@ -1,5 +1,5 @@
 // A box by its three pairs of planes: where the ray enters the last of them, and where it leaves the first.
-// lostbits: miss=crossed
+// lostbits: miss=crossed touching=miss
 
 vec2 slabs(vec3 ro, vec3 rd, vec3 lo, vec3 hi) {
     vec3 a = (lo - ro) / rd;

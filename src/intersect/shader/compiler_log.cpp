@@ -12,7 +12,7 @@ namespace {
 
 /// One line of a log that names a place.
 struct Complaint {
-    int string = 0, line = 0, column = 0;  ///< column 0: not told
+    int line = 0, column = 0;  ///< column 0: not told
     std::string words;
 };
 
@@ -20,13 +20,14 @@ struct Complaint {
 bool read(const std::string& text, Complaint& c) {
     int used = 0;
     // Mesa: `1:12(5): error: words`; glslang and AMD: `ERROR: 1:12: words`; NVIDIA: `1(12) : error C1008: words`.
-    if (std::sscanf(text.c_str(), "%d:%d(%d): %n", &c.string, &c.line, &c.column, &used) == 3 && used > 0) {
-    } else if (std::sscanf(text.c_str(), "%*[A-Z]: %d:%d: %n", &c.string, &c.line, &used) == 2 && used > 0) {
-    } else if (std::sscanf(text.c_str(), "%d(%d) : %n", &c.string, &c.line, &used) == 2 && used > 0) {
+    if (std::sscanf(text.c_str(), "%*d:%d(%d): %n", &c.line, &c.column, &used) == 2 && used > 0) {
+    } else if (std::sscanf(text.c_str(), "%*[A-Z]: %*d:%d: %n", &c.line, &used) == 1 && used > 0) {
+    } else if (std::sscanf(text.c_str(), "%*d(%d) : %n", &c.line, &used) == 1 && used > 0) {
     } else {
         return false;
     }
     c.words = text.substr(static_cast<std::size_t>(used));
+    if (c.words.starts_with("error: ")) c.words.erase(0, 7);
     return true;
 }
 
@@ -54,8 +55,7 @@ int column_of(const Complaint& c, const std::string& line) {
 /// What to try where the words of a compiler do not say it.
 std::string advice(const std::string& words) {
     const auto has = [&words](const char* part) { return words.find(part) != std::string::npos; };
-    if (has("non-opaque uniforms"))
-        return " (Vulkan has no uniforms outside of blocks; write a constant, or try --device opengl)";
+    if (has("non-opaque uniforms")) return " (write a constant, or try --device opengl)";
     if (has("discard") || has("dFd") || has("fwidth"))
         return " (this belongs to pixels; put the function that intersects into a file of its own)";
     if (has("texture2D")) return " (GLSL of today calls it texture)";
@@ -75,12 +75,12 @@ std::string errors_of(const std::string& log, const ShaderSource& shader) {
             if (!line.empty()) unplaced += "\n  " + doors::shown_text(line, 200);
             continue;
         }
-        if (is_warning(line) || found == most) continue;
+        if (is_warning(line) || found == most || c.words.find("compilation terminated") != std::string::npos) continue;
         ++found;
         const std::string words = doors::plain_text(c.words);
         const Function& f = shader.signature.function;
         if (!all.empty()) all += "\n";
-        if (c.string == users_string)
+        if (c.line < our_first_line)
             all += shader.path + ":" + std::to_string(c.line) + ":" +
                    std::to_string(column_of(c, line_of(shader.text, c.line))) + ": " + words + advice(words);
         else

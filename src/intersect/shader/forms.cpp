@@ -9,13 +9,22 @@
 #include "intersect/shader/kernel.hpp"
 
 namespace lostbits::intersect::shader {
+
+using device::Buffer;
+using device::CompileError;
+using device::Device;
+using device::DeviceLimits;
+using device::DeviceWords;
+using device::group_size;
+using device::Program;
+
 namespace {
 
 /// One compiled function, and room for a batch of it.
 class Runner {
 public:
-    Runner(std::shared_ptr<Device> device, std::shared_ptr<Program> program, const ShaderSource& shader)
-        : device_(std::move(device)),
+    Runner(std::shared_ptr<Device> on, std::shared_ptr<Program> program, const ShaderSource& shader)
+        : device_(std::move(on)),
           program_(std::move(program)),
           shape_(shader.signature.shape),
           answers_(shader.signature.answers),
@@ -69,9 +78,9 @@ private:
     std::vector<std::uint32_t> hits_;
 };
 
-std::shared_ptr<Program> compiled(const ShaderSource& shader, Device& device, int bits) {
+std::shared_ptr<Program> compiled(const ShaderSource& shader, Device& on, int bits) {
     try {
-        return device.compile(program_text(shader, bits, device.limits().glsl));
+        return on.compile(program_text(shader, bits, on.limits().glsl));
     } catch (const CompileError& error) {
         const bool translated = shader.signature.doubles != (bits == 64);
         throw InputError(errors_of(error.what(), shader) +
@@ -89,22 +98,22 @@ std::size_t most_rays(const DeviceLimits& limits, int bits) {
     return std::max<std::size_t>(1, std::min(by_buffer, limits.groups * group_size));
 }
 
-std::vector<doors::ForeignForm> forms_of(const ShaderSource& shader, const std::shared_ptr<Device>& device,
+std::vector<doors::ForeignForm> forms_of(const ShaderSource& shader, const std::shared_ptr<Device>& on,
                                          bool name_device, const std::string& arithmetic) {
-    const DeviceWords& words = device->words();
-    if (shader.f64 && !device->limits().doubles && !shader.f32)
+    const DeviceWords& words = on->words();
+    if (shader.f64 && !on->limits().doubles && !shader.f32)
         throw EnvironmentError(shader.path + ": " + words.renderer +
                                " has no doubles in shaders; write format=f32, or try another --device");
     std::vector<doors::ForeignForm> forms;
     for (const int bits : {32, 64}) {
-        if (bits == 32 ? !shader.f32 : !shader.f64 || !device->limits().doubles) continue;
+        if (bits == 32 ? !shader.f32 : !shader.f64 || !on->limits().doubles) continue;
         doors::ForeignForm form{shader.contract, "--shader " + shader.path, {}};
         form.contract.bits = bits;
         if (name_device) form.contract.name += "." + words.kind;
         form.contract.source = std::filesystem::path(shader.path).filename().string() + ":" +
                                std::to_string(shader.signature.function.line) + " on " + arithmetic;
         form.contract.source.resize(std::min<std::size_t>(form.contract.source.size(), 400));
-        const auto runner = std::make_shared<Runner>(device, compiled(shader, *device, bits), shader);
+        const auto runner = std::make_shared<Runner>(on, compiled(shader, *on, bits), shader);
         form.answer = [runner, bits](const lb_batch& batch) {
             bits == 32 ? runner->answer<float>(batch) : runner->answer<double>(batch);
         };

@@ -2,39 +2,52 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdio>
 #include <map>
 #include <set>
 #include <utility>
 
+#include "intersect/device/device.hpp"
+
 namespace lostbits::intersect::shader {
 namespace {
 
-void blank(std::string& text, const Token& token) {
-    text.replace(token.offset, token.text.size(), token.text.size(), ' ');
+void blank(std::string& text, std::size_t moved, const Token& token) {
+    text.replace(token.offset + moved, token.text.size(), token.text.size(), ' ');
 }
 
-/// Names of other stages and of shader sites, what stands for them here, and how it is declared. Those of a driver keep
-/// their length.
+/// Names of other stages and of shader sites, and what stands for them here.
 struct Stand {
-    std::string_view name, type, value;
+    std::string_view name, value;
 };
-constexpr std::array<Stand, 11> site_names{{{"iResolution", "vec3", "vec3(640.0, 360.0, 1.0)"},
-                                            {"iTime", "float", "0.0"},
-                                            {"iGlobalTime", "float", "0.0"},
-                                            {"iTimeDelta", "float", "0.0"},
-                                            {"iFrameRate", "float", "60.0"},
-                                            {"iFrame", "int", "0"},
-                                            {"iMouse", "vec4", "vec4(0.0)"},
-                                            {"iDate", "vec4", "vec4(0.0)"},
-                                            {"iSampleRate", "float", "44100.0"},
-                                            {"lb_FragCoord", "vec4", "vec4(0.5, 0.5, 0.0, 1.0)"},
-                                            {"lb_FragColor", "", ""}}};
+constexpr std::array<Stand, 10> site_names{{{"iResolution", "vec3(640.0, 360.0, 1.0)"},
+                                            {"iTime", "0.0"},
+                                            {"iGlobalTime", "0.0"},
+                                            {"iTimeDelta", "0.0"},
+                                            {"iFrameRate", "60.0"},
+                                            {"iFrame", "0"},
+                                            {"iMouse", "vec4(0.0)"},
+                                            {"iDate", "vec4(0.0)"},
+                                            {"iSampleRate", "44100.0"},
+                                            {"lb_FragCoord", "vec4(0.5, 0.5, 0.0, 1.0)"}}};
+
+/// `uniform vec2 size;` at its first token as a variable that holds 0; Vulkan has no other uniforms. Blocks and
+/// samplers stay.
+void set_to_zero(std::string& text, std::size_t& moved, const std::vector<Token>& tokens, std::size_t at) {
+    static const std::set<std::string_view> zeros{"float", "int", "uint", "bool", "vec2", "vec3", "vec4", "double"};
+    if (at + 3 >= tokens.size() || !zeros.contains(tokens[at + 1].text) || tokens[at + 3].text != ";") return;
+    text.replace(tokens[at].offset + moved, tokens[at].text.size(), tokens[at].text.size(), ' ');
+    const std::string value = " = " + std::string(tokens[at + 1].text) + "(0)";
+    text.insert(tokens[at + 3].offset + moved, value);
+    moved += value.size();
+}
 
 /// The user's text as a compute program takes it, every line and column where it was.
 std::string fitted(const std::string& original) {
     std::string text = original;
     const std::vector<Token> tokens = tokens_of(original);
     int depth = 0;
+    std::size_t moved = 0;
     bool interface = false;
     for (std::size_t i = 0; i < tokens.size(); ++i) {
         const Token& t = tokens[i];
@@ -42,20 +55,21 @@ std::string fitted(const std::string& original) {
         if (t.in_directive) {
             const bool version = t.text == "#" && i + 1 < tokens.size() && tokens[i + 1].text == "version";
             for (std::size_t k = i; version && k < tokens.size() && tokens[k].line == t.line; ++k) {
-                if (tokens[k].kind != Token::Kind::comment) blank(text, tokens[k]);
+                if (tokens[k].kind != Token::Kind::comment) blank(text, moved, tokens[k]);
             }
         }
         if (t.text == "{" || t.text == "(") ++depth;
         if (t.text == "}" || t.text == ")") --depth;
-        if (t.text.starts_with("gl_Frag")) text.replace(t.offset, 2, "lb");
-        if (t.text == "main") text.replace(t.offset, 4, "lb_m");
+        if (t.text.starts_with("gl_Frag")) text.replace(t.offset + moved, 2, "lb");
+        if (t.text == "main") text.replace(t.offset + moved, 4, "lb_m");
+        if (depth == 0 && t.text == "uniform") set_to_zero(text, moved, tokens, i);
         // `layout(location = 0) out vec4 color;` of the file becomes a variable.
         static const std::set<std::string_view> stages{"in", "out", "varying", "attribute", "flat", "smooth", "layout"};
         if (depth == 0 && !t.in_directive && stages.contains(t.text)) {
-            blank(text, t);
+            blank(text, moved, t);
             interface = t.text == "layout";
         } else if (interface && !t.in_directive) {
-            blank(text, t);
+            blank(text, moved, t);
             interface = !(t.text == ")" && depth == 0);
         }
     }
@@ -66,17 +80,19 @@ std::string fitted(const std::string& original) {
 /// the text still stands first.
 std::string site_words(const std::string& text) {
     const std::vector<Token> code = code_tokens(tokens_of(text));
+    static const std::set<std::string_view> site_types{"float", "int", "vec2", "vec3", "vec4", "sampler2D"};
     std::set<std::string_view> used, declared;
     for (std::size_t i = 0; i < code.size(); ++i) {
         used.insert(code[i].text);
-        if (i + 2 < code.size() && code[i].text == "uniform") declared.insert(code[i + 2].text);
+        if (i + 1 < code.size() && site_types.contains(code[i].text)) declared.insert(code[i + 1].text);
     }
     std::string words;
     for (const Stand& s : site_names) {
-        if (used.contains(s.name) && !declared.contains(s.name) && !s.value.empty())
+        if (used.contains(s.name) && !declared.contains(s.name))
             words += "#define " + std::string(s.name) + " " + std::string(s.value) + "\n";
     }
     if (used.contains("lb_FragColor")) words += "vec4 lb_FragColor;\n";
+    if (used.contains("lb_FragDepth")) words += "float lb_FragDepth;\n";
     for (const std::string channel : {"iChannel0", "iChannel1", "iChannel2", "iChannel3"}) {
         if (used.contains(channel) && !declared.contains(channel))
             words += "layout(binding = " + std::to_string(8 + channel.back() - '0') + ") uniform sampler2D " + channel +
@@ -85,8 +101,25 @@ std::string site_words(const std::string& text) {
     return words;
 }
 
+/// The usual loop, with the constants as decimals that are read back as they were given.
+std::string march_words(const Signature& s, const MarchWords& march, const std::string& call) {
+    const auto number = [&s](double x) {
+        std::array<char, 40> text{};
+        std::snprintf(text.data(), text.size(), "%.17e%s", x, s.doubles ? "LF" : "");
+        return std::string(text.data());
+    };
+    const std::string real = s.doubles ? "double" : "float", vector = s.doubles ? "dvec3" : "vec3";
+    return "    " + real + " lb_t = " + real + "(0), lb_says = " + real + "(-1);\n    for (int lb_k = 0; lb_k < " +
+           std::to_string(march.max_steps) + "; ++lb_k) {\n        " + vector +
+           " lb_point = lb_origin + lb_direction * lb_t;\n        " + real + " lb_d = " + call +
+           ";\n        if (lb_d < " + number(march.hit_eps) +
+           ") {\n            lb_says = lb_t;\n            break;\n        }\n        lb_t += lb_d;\n        if (lb_t "
+           "> " +
+           number(march.max_dist) + ") break;\n    }\n";
+}
+
 /// The call, and what becomes of its answer. `R` and `V` stand for the types of numbers and vectors.
-std::string call_words(const Signature& s) {
+std::string call_words(const Signature& s, const MarchWords& march) {
     using Answers = Signature::Answers;
     std::string words, list;
     for (std::size_t k = 0; k < s.arguments.size(); ++k) {
@@ -96,7 +129,9 @@ std::string call_words(const Signature& s) {
             words += "    " + s.arguments[k] + " = lb_end;\n";
         list += (k == 0 ? "" : ", ") + s.arguments[k];
     }
-    words += "    " + s.function.type + " lb_says = " + s.function.name + "(" + list + ");\n";
+    const std::string call = s.function.name + "(" + list + ")";
+    words += s.kind == Signature::Kind::field ? march_words(s, march, call)
+                                              : "    " + s.function.type + " lb_says = " + call + ";\n";
     const auto store = [&words](const std::string& near, const std::string& far) {
         words += "    lb_answers[2u * lb_i] = " + near + ";\n    lb_answers[2u * lb_i + 1u] = " + far + ";\n";
     };
@@ -111,10 +146,10 @@ std::string call_words(const Signature& s) {
     return words + "    lb_hits[lb_i] = " + (tells_hit ? "lb_says ? 1u : 0u" : "1u") + ";\n";
 }
 
-std::string main_words(const Signature& s) {
+std::string main_words(const Signature& s, const MarchWords& march) {
     const std::string real = s.doubles ? "double" : "float", v = s.doubles ? "dvec" : "vec";
     const std::string count = s.shape == Shape::sphere ? "4u" : "6u";
-    std::string words = "layout(local_size_x = " + std::to_string(group_size) + ") in;\n";
+    std::string words = "layout(local_size_x = " + std::to_string(device::group_size) + ") in;\n";
     const auto buffer = [&words](Binding at, const char* way, const std::string& members) {
         words += "layout(std430, binding = " + std::to_string(at) + ") " + way + " buffer LbBuffer" +
                  std::to_string(at) + " { " + members + " };\n";
@@ -145,7 +180,7 @@ std::string main_words(const Signature& s) {
     // Infinity by its bits: a division by zero is the driver's business.
     words +=
         "    " + real + " lb_end = lb_has_ends != 0u ? lb_ends[lb_i] : " + real + "(uintBitsToFloat(0x7f800000u));\n";
-    return words + call_words(s) + "}\n";
+    return words + call_words(s, march) + "}\n";
 }
 
 const std::map<std::string_view, std::string_view>& types_of_doubles() {
@@ -203,9 +238,9 @@ std::string program_text(const ShaderSource& shader, int bits, int version) {
         signature.function.type = rewritten(signature.function.type, to_doubles);
         signature.doubles = to_doubles;
     }
-    const auto line = [](int string) { return "\n#line 1 " + std::to_string(string) + "\n"; };
-    return "#version " + std::to_string(version) + "\n" + site + line(users_string) + text + line(our_string) +
-           main_words(signature);
+    const auto line = [](int number) { return "\n#line " + std::to_string(number) + "\n"; };
+    return "#version " + std::to_string(version) + "\n" + site + line(1) + text + line(our_first_line) +
+           main_words(signature, shader.march);
 }
 
 }  // namespace lostbits::intersect::shader

@@ -8,9 +8,6 @@
 
 namespace lostbits::intersect::shader {
 
-/// Rays that one work group answers.
-inline constexpr std::size_t group_size = 64;
-
 /// The buffers of the program, by their binding.
 enum Binding : unsigned { head, rays, ends, solids, answers, hits, binding_count };
 
@@ -22,11 +19,13 @@ struct KernelHead {
     std::uint32_t spare = 0;
 };
 
-/// The number of the source string that `#line` gives the user's text, and ours behind it, in what compilers say.
-inline constexpr int users_string = 1, our_string = 2;
+/// Our part of the program begins with this line, the user's with line 1. (Mesa 22 forgets the other number of `#line`,
+/// that of the source string, in expressions.)
+inline constexpr int our_first_line = 1'000'001;
 
 /// GLSL of that version, for numbers of 32 or 64 bits. The user's text stands in it line by line as in the file; what
 /// only other stages have (`gl_FragCoord`, `in` and `out` of the file, `main`) is renamed without moving a column.
+/// Uniforms are variables that hold 0, as they do where nobody sets them.
 std::string program_text(const ShaderSource& shader, int bits, int version);
 
 /// A file in float in doubles, or the other way, token by token: types (`vec3`, `dvec3`), and numbers with a point or

@@ -9,7 +9,7 @@ namespace {
 
 using Way = Parameter::Way;
 
-enum class Role { origin, direction, inverse, lo, hi, centre, unknown };
+enum class Role { origin, direction, inverse, lo, hi, centre, point, unknown };
 
 std::string lower(std::string text) {
     std::ranges::transform(text, text.begin(), [](unsigned char c) { return std::tolower(c); });
@@ -42,6 +42,7 @@ const char* expression_of(Role role) {
         case Role::lo: return "lb_lo";
         case Role::hi: return "lb_hi";
         case Role::centre: return "lb_centre";
+        case Role::point: return "lb_point";
         case Role::unknown: break;
     }
     return "";
@@ -61,10 +62,14 @@ std::vector<Role> roles_of(const std::vector<const Parameter*>& vectors, std::ve
     return usual;
 }
 
+bool contains_any(const std::string& name, std::initializer_list<std::string_view> parts) {
+    return std::ranges::any_of(parts, [&](std::string_view part) { return name.find(part) != std::string::npos; });
+}
+
 /// Sorts the parameters of one function.
 class Reader {
 public:
-    explicit Reader(const Function& function) { found_.function = function; }
+    Reader(const Function& function, bool named) : named_(named) { found_.function = function; }
 
     std::optional<Signature> read() {
         found_.doubles = std::ranges::any_of(found_.function.parameters, [](const Parameter& p) {
@@ -74,7 +79,7 @@ public:
         for (std::size_t k = 0; k < arguments_.size(); ++k) {
             if (!sort(found_.function.parameters[k], k)) return {};
         }
-        if (!take_solid() || !take_answer()) return {};
+        if (!take_kind() || !take_solid() || !take_answer()) return {};
         found_.arguments = std::move(arguments_);
         return std::move(found_);
     }
@@ -115,24 +120,41 @@ private:
         return true;
     }
 
+    /// How many vectors are numbers of the solid, and so what the others are.
+    bool take_kind() {
+        using Kind = Signature::Kind;
+        const std::size_t of_solid = whole_ ? 0 : radius_ ? 1 : 2, vectors = vectors_.size();
+        const std::string name = lower(found_.function.name);
+        const bool field_name = contains_any(name, {"map", "sdf", "scene", "field", "getdist"}) || name == "de";
+        const bool march_name = contains_any(name, {"march", "trace", "cast"});
+        const bool has_solid = whole_ || radius_ || vectors > 2;
+        const bool from_point = vectors > 0 && role_of(found_.function.parameters[vectors_[0]].name) != Role::origin;
+        if (has_solid && vectors == of_solid + 2) found_.kind = Kind::intersector;
+        else if (!has_solid && vectors == 2 && (named_ || march_name)) found_.kind = Kind::march;
+        else if ((vectors == 1 || (has_solid && vectors == of_solid + 1)) && from_point && (named_ || field_name))
+            found_.kind = Kind::field;
+        else return false;
+        return true;
+    }
+
     bool take_solid() {
-        const bool sphere_whole = whole_ && !radius_ && vectors_.size() == 2;
-        const bool sphere_parts = !whole_ && radius_ && vectors_.size() == 3;
-        const bool box = !whole_ && !radius_ && vectors_.size() == 4;
-        if (sphere_whole) arguments_[*whole_] = typed("vec4") + "(lb_centre, lb_solid[3])";
-        if (!sphere_whole && !sphere_parts && !box) return false;
-        found_.shape = box ? Shape::box : Shape::sphere;
-        std::vector<Role> usual{Role::origin, Role::direction};
-        if (sphere_parts) {
+        const bool field = found_.kind == Signature::Kind::field;
+        std::vector<Role> usual = field ? std::vector{Role::point} : std::vector{Role::origin, Role::direction};
+        if (whole_) arguments_[*whole_] = typed("vec4") + "(lb_centre, lb_solid[3])";
+        else if (radius_) {
+            if (vectors_.size() != usual.size() + 1) return false;
             // The centre stands in front of its radius.
-            const auto at = static_cast<std::size_t>(
-                std::ranges::find(vectors_, *radius_ == 0 ? vectors_.back() : *radius_ - 1) - vectors_.begin());
-            usual.insert(usual.begin() + static_cast<std::ptrdiff_t>(std::min<std::size_t>(at, 2)), Role::centre);
+            const auto before =
+                std::ranges::find(vectors_, *radius_ == 0 ? vectors_.back() : *radius_ - 1) - vectors_.begin();
+            usual.insert(usual.begin() + std::min<std::ptrdiff_t>(before, std::ssize(usual)), Role::centre);
+        } else if (vectors_.size() == usual.size() + 2) {
+            found_.shape = Shape::box;
+            usual.insert(usual.end(), {Role::lo, Role::hi});
         }
-        if (box) usual.insert(usual.end(), {Role::lo, Role::hi});
-        std::vector<const Parameter*> named;
-        for (const std::size_t k : vectors_) named.push_back(&found_.function.parameters[k]);
-        const std::vector<Role> roles = roles_of(named, usual);
+        if (usual.size() != vectors_.size()) return false;
+        std::vector<const Parameter*> all;
+        for (const std::size_t k : vectors_) all.push_back(&found_.function.parameters[k]);
+        const std::vector<Role> roles = roles_of(all, usual);
         for (std::size_t k = 0; k < roles.size(); ++k) arguments_[vectors_[k]] = expression_of(roles[k]);
         return true;
     }
@@ -149,9 +171,11 @@ private:
         }
         found_.outputs.clear();
         found_.answers = type == scalar() ? Answers::t : Answers::near_far;
-        return type == scalar() || type == typed("vec2");
+        const bool one = found_.kind == Signature::Kind::field;
+        return type == scalar() || (!one && type == typed("vec2"));
     }
 
+    bool named_;
     Signature found_;
     std::vector<std::string> arguments_;
     std::vector<std::size_t> vectors_;
@@ -162,8 +186,10 @@ private:
 
 const std::string_view known_signatures =
     "`float` or `vec2 NAME(vec3 ro, vec3 rd, vec4 sphere)`, `(vec3 ro, vec3 rd, vec3 center, float radius)`, for boxes "
-    "`(vec3 ro, vec3 rd, vec3 lo, vec3 hi)`; or `bool` with `out float t`, or `out float near, out float far`";
+    "`(vec3 ro, vec3 rd, vec3 lo, vec3 hi)`; or `bool` with `out float t`, or `out float near, out float far`; for "
+    "marches "
+    "`float march(vec3 ro, vec3 rd)` or `float map(vec3 p)`";
 
-std::optional<Signature> signature_of(const Function& function) { return Reader(function).read(); }
+std::optional<Signature> signature_of(const Function& function, bool named) { return Reader(function, named).read(); }
 
 }  // namespace lostbits::intersect::shader

@@ -108,11 +108,27 @@ std::string listed(const std::vector<Function>& functions) {
     return text;
 }
 
+/// Those of the foremost kind: a file that marches has a field too.
+std::vector<Function> candidates(const std::vector<Function>& all) {
+    std::vector<Function> best;
+    auto kind = Signature::Kind::field;
+    for (const Function& f : all) {
+        const auto signature = signature_of(f);
+        if (!signature || (!best.empty() && signature->kind > kind)) continue;
+        if (signature->kind < kind) best.clear();
+        kind = signature->kind;
+        best.push_back(f);
+    }
+    return best;
+}
+
 /// The function that is named, or else the one that has the types of an intersector.
 Signature choose(const std::string& path, const std::vector<Function>& all, const Word* named) {
-    std::vector<Function> chosen;
-    for (const Function& f : all) {
-        if (named ? f.name == named->value : signature_of(f).has_value()) chosen.push_back(f);
+    std::vector<Function> chosen = candidates(all);
+    if (named) {
+        chosen.clear();
+        std::ranges::copy_if(all, std::back_inserter(chosen),
+                             [&](const Function& f) { return f.name == named->value; });
     }
     if (chosen.empty() && named)
         throw InputError(named->where + ": there is no function " + doors::shown_text(named->value) + " in " + path +
@@ -120,12 +136,12 @@ Signature choose(const std::string& path, const std::vector<Function>& all, cons
     if (chosen.empty())
         throw InputError(path + ": no function has the types of an intersector, which are " +
                          std::string(known_signatures) + "; there is:" + (all.empty() ? " no function" : listed(all)) +
-                         "\nwrite one that calls yours");
+                         "\nwrite one that calls yours, or name it as in --shader " + path + ":FUNCTION");
     if (!named && chosen.size() > 1)
         throw InputError(path + ": several functions have the types of an intersector; name one, as in --shader " +
                          path + ":" + chosen.back().name + ":" + listed(chosen));
     for (const Function& f : chosen) {
-        if (auto signature = signature_of(f)) return *signature;
+        if (auto signature = signature_of(f, named != nullptr)) return *signature;
     }
     throw InputError(place(path, chosen.front()) + ": `" + chosen.front().words() +
                      "` has not the types of an intersector, which are " + std::string(known_signatures) +
@@ -136,14 +152,18 @@ Signature choose(const std::string& path, const std::vector<Function>& all, cons
 doors::Contract usual_contract(const std::string& path, const Signature& signature) {
     doors::Contract c{.name = fs::path(path).stem().string(),
                       .title = signature.function.words(),
+                      .source = {},
                       .shape = signature.shape,
                       .bits = signature.doubles ? 64 : 32};
     using Answers = Signature::Answers;
     c.direction = signature.shape == Shape::sphere ? Direction::unit : Direction::any;
     const bool two = signature.answers == Answers::near_far || signature.answers == Answers::hit_and_near_far;
     c.roots = two ? Roots::both : signature.answers == Answers::hit ? Roots::none : Roots::near_only;
+    if (signature.kind != Signature::Kind::intersector) {
+        c.direction = Direction::unit;
+        c.roots = two ? Roots::both : Roots::first_only;
+    }
     c.flags = LB_ONE_THREAD;
-    if (signature.shape == Shape::box && !signature.knows_end && c.roots != Roots::none) c.flags |= LB_NO_END;
     return c;
 }
 
@@ -158,21 +178,37 @@ void name_it(doors::Contract& contract) {
     if (contract.title.size() > most) contract.title = contract.title.substr(0, most) + "...";
 }
 
+/// A number above zero.
+double positive(const Word& word) {
+    double number = 0;
+    const char* const end = word.value.data() + word.value.size();
+    const auto [stop, error] = std::from_chars(word.value.data(), end, number);
+    if (error != std::errc() || stop != end || !(number > 0) || !(number < 1e30))
+        throw InputError(word.where + ": " + word.key + " is " + doors::shown_text(word.value) +
+                         "; it is a number above 0");
+    return number;
+}
+
+void set_formats(const Word& word, ShaderSource& shader) {
+    if (word.value != "f32" && word.value != "f64" && word.value != "both")
+        throw InputError(word.where + ": format is " + doors::shown_text(word.value) + "; it is f32, f64 or both");
+    shader.f32 = word.value != "f64";
+    shader.f64 = word.value != "f32";
+}
+
 void obey(const Word& word, ShaderSource& shader) {
+    const bool own_solids = shader.signature.kind == Signature::Kind::march || shader.signature.arguments.size() == 1;
     if (word.key == "function") return;
-    if (word.key == "miss") {
-        shader.sentinel = sentinel_of(word);
-    } else if (word.key == "format") {
-        if (word.value != "f32" && word.value != "f64" && word.value != "both")
-            throw InputError(word.where + ": format is " + doors::shown_text(word.value) + "; it is f32, f64 or both");
-        shader.f32 = word.value != "f64";
-        shader.f64 = word.value != "f32";
-    } else if (word.key == "shape" || word.key == "source" ||
-               !doors::set_word(shader.contract, word.key, word.value, word.where)) {
+    if (word.key == "miss") shader.sentinel = sentinel_of(word);
+    else if (word.key == "format") set_formats(word, shader);
+    else if (word.key == "hit_eps") shader.march.hit_eps = positive(word);
+    else if (word.key == "max_dist") shader.march.max_dist = positive(word);
+    else if (word.key == "max_steps") shader.march.max_steps = static_cast<int>(std::min(positive(word), 1e9));
+    else if ((word.key == "shape" && !own_solids) || word.key == "source" ||
+             !doors::set_word(shader.contract, word.key, word.value, word.where))
         throw InputError(word.where + ": unknown key " + doors::shown_text(word.key) +
                          "; known are function, name, title, direction, roots, touching, at_origin, flags, miss, "
-                         "format");
-    }
+                         "format; of a field hit_eps, max_dist, max_steps; of a march with solids of its own shape");
 }
 
 /// Names that stand for whole numbers, by #define or const int.
@@ -226,8 +262,13 @@ bool Sentinel::says_miss(double near, double far) const {
 
 ShaderSource read_shader(const std::string& named) {
     const auto [path, after] = split(named);
-    ShaderSource shader{
-        .path = path, .text = read_text(path), .signature = {}, .contract = {}, .sentinel = {}, .loops = {}};
+    ShaderSource shader{.path = path,
+                        .text = read_text(path),
+                        .signature = {},
+                        .contract = {},
+                        .sentinel = {},
+                        .march = {},
+                        .loops = {}};
     const std::vector<Token> tokens = tokens_of(shader.text), code = code_tokens(tokens);
     std::vector<Word> words;
     add_header(path, tokens, words);
@@ -241,8 +282,13 @@ ShaderSource read_shader(const std::string& named) {
     shader.f64 = shader.signature.doubles;
     for (const Word& word : words) obey(word, shader);
     name_it(shader.contract);
+    shader.signature.shape = shader.contract.shape;
+    const bool box = shader.contract.shape == Shape::box && shader.contract.roots != Roots::none;
+    if (box && !shader.signature.knows_end) shader.contract.flags |= LB_NO_END;
     doors::require_sense(shader.contract, path);
     shader.loops = loops_of(tokens, code);
+    if (shader.signature.kind == Signature::Kind::field)
+        shader.loops.push_back({shader.signature.function.line, shader.march.max_steps});
     return shader;
 }
 

@@ -32,11 +32,19 @@ struct CountedLoop {
     long long most;
 };
 
+/// The usual loop through a field: d = map(ro + rd t); a hit where d < hit_eps, at that t; t += d; a miss where
+/// t > max_dist, and after max_steps. Defaults are those of SDF Sphere Marching (lesson P0-C1).
+struct MarchWords {
+    double hit_eps = 0.001, max_dist = 20;
+    int max_steps = 64;
+};
+
 struct ShaderSource {
     std::string path, text;
     Signature signature;
     doors::Contract contract;  ///< its `bits` are those that the file is written in
     Sentinel sentinel;
+    MarchWords march;              ///< of a field
     bool f32 = true, f64 = false;  ///< what is asked for; a file of the one is rewritten for the other
     std::vector<CountedLoop> loops;
 };

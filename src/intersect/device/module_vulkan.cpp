@@ -7,10 +7,10 @@
 #include <cstring>
 #include <optional>
 
-#include "intersect/shader/device.hpp"
-#include "intersect/shader/module_vulkan_spirv.hpp"
+#include "intersect/device/device.hpp"
+#include "intersect/device/module_vulkan_spirv.hpp"
 
-namespace lostbits::intersect::shader {
+namespace lostbits::intersect::device {
 namespace {
 
 [[noreturn]] void lacking(const std::string& what) { throw EnvironmentError("vulkan: " + what); }
@@ -327,12 +327,12 @@ private:
 };
 
 }  // namespace
-}  // namespace lostbits::intersect::shader
+}  // namespace lostbits::intersect::device
 
 extern "C" {
 __attribute__((visibility("default"))) extern const int lostbits_device_build =
-    lostbits::intersect::shader::device_build;
-__attribute__((visibility("default"))) lostbits::intersect::shader::Device* lostbits_open_device() {
-    return new lostbits::intersect::shader::VkComputer();
+    lostbits::intersect::device::device_build;
+__attribute__((visibility("default"))) lostbits::intersect::device::Device* lostbits_open_device() {
+    return new lostbits::intersect::device::VkComputer();
 }
 }

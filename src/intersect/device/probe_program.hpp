@@ -4,7 +4,7 @@
 #include <array>
 #include <string>
 
-namespace lostbits::intersect::shader {
+namespace lostbits::intersect::device {
 
 /// What the program computes of six numbers x y z u v w, in this order.
 enum class Probed : unsigned {
@@ -37,4 +37,4 @@ std::string probe_program(int bits, int version);
 /// GLSL: counts to the number at binding 0 and writes how far it came at binding 1.
 std::string loop_program(int version);
 
-}  // namespace lostbits::intersect::shader
+}  // namespace lostbits::intersect::device

@@ -4,9 +4,9 @@
 #include <filesystem>
 #include <system_error>
 
-#include "intersect/shader/device.hpp"
+#include "intersect/device/device.hpp"
 
-namespace lostbits::intersect::shader {
+namespace lostbits::intersect::device {
 
 namespace fs = std::filesystem;
 
@@ -55,4 +55,4 @@ std::unique_ptr<Device> open_any_device() {
     throw EnvironmentError("no driver can run shaders here:" + lacks);
 }
 
-}  // namespace lostbits::intersect::shader
+}  // namespace lostbits::intersect::device

@@ -1,4 +1,4 @@
-#include "intersect/shader/probe.hpp"
+#include "intersect/device/probe.hpp"
 
 #include <algorithm>
 #include <array>
@@ -8,10 +8,9 @@
 #include <functional>
 #include <limits>
 
-#include "intersect/shader/kernel.hpp"
-#include "intersect/shader/probe_program.hpp"
+#include "intersect/device/probe_program.hpp"
 
-namespace lostbits::intersect::shader {
+namespace lostbits::intersect::device {
 namespace {
 
 /// Numbers that are tried, and what the device made of them.
@@ -245,4 +244,4 @@ std::string line_of(const DeviceWords& words, const Arithmetic& arithmetic) {
     return words.renderer + ", " + words.version + ", arithmetic " + digest.data();
 }
 
-}  // namespace lostbits::intersect::shader
+}  // namespace lostbits::intersect::device

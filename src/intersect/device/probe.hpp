@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "intersect/shader/device.hpp"
+#include "intersect/device/device.hpp"
 
-namespace lostbits::intersect::shader {
+namespace lostbits::intersect::device {
 
 struct Fact {
     std::string key;    ///< `f32.dot`
@@ -32,4 +32,4 @@ Arithmetic probe(Device& device);
 /// `llvmpipe (LLVM 15.0.6), OpenGL 4.5, arithmetic 0123456789abcdef`: what results carry.
 std::string line_of(const DeviceWords& words, const Arithmetic& arithmetic);
 
-}  // namespace lostbits::intersect::shader
+}  // namespace lostbits::intersect::device

@@ -1,6 +1,6 @@
-#include "intersect/shader/probe_program.hpp"
+#include "intersect/device/probe_program.hpp"
 
-namespace lostbits::intersect::shader {
+namespace lostbits::intersect::device {
 namespace {
 
 /// In the order of `Probed`. R, V stand for the types of numbers and vectors.
@@ -97,4 +97,4 @@ void main() {
 )";
 }
 
-}  // namespace lostbits::intersect::shader
+}  // namespace lostbits::intersect::device

@@ -11,9 +11,9 @@
 #include <cstring>
 #include <functional>
 
-#include "intersect/shader/device.hpp"
+#include "intersect/device/device.hpp"
 
-namespace lostbits::intersect::shader {
+namespace lostbits::intersect::device {
 namespace {
 
 [[noreturn]] void lacking(const std::string& what) { throw EnvironmentError("opengl: " + what); }
@@ -166,12 +166,12 @@ private:
 };
 
 }  // namespace
-}  // namespace lostbits::intersect::shader
+}  // namespace lostbits::intersect::device
 
 extern "C" {
 __attribute__((visibility("default"))) extern const int lostbits_device_build =
-    lostbits::intersect::shader::device_build;
-__attribute__((visibility("default"))) lostbits::intersect::shader::Device* lostbits_open_device() {
-    return new lostbits::intersect::shader::GlDevice();
+    lostbits::intersect::device::device_build;
+__attribute__((visibility("default"))) lostbits::intersect::device::Device* lostbits_open_device() {
+    return new lostbits::intersect::device::GlDevice();
 }
 }

@@ -10,7 +10,7 @@
 
 #include "number/error.hpp"
 
-namespace lostbits::intersect::shader {
+namespace lostbits::intersect::device {
 
 /// What a driver says of itself.
 struct DeviceWords {
@@ -29,6 +29,9 @@ struct DeviceLimits {
 struct CompileError : InputError {
     using InputError::InputError;
 };
+
+/// Elements that one work group of our programs answers.
+inline constexpr std::size_t group_size = 64;
 
 /// A buffer as it is before a run, and after it where the program writes it.
 struct Buffer {
@@ -72,4 +75,4 @@ std::unique_ptr<Device> open_device(std::string_view kind);
 /// The first kind that can be opened. EnvironmentError with what each of them lacks.
 std::unique_ptr<Device> open_any_device();
 
-}  // namespace lostbits::intersect::shader
+}  // namespace lostbits::intersect::device

@@ -1,4 +1,4 @@
-#include "intersect/shader/module_vulkan_spirv.hpp"
+#include "intersect/device/module_vulkan_spirv.hpp"
 
 #include <sys/wait.h>
 
@@ -8,9 +8,9 @@
 #include <fstream>
 #include <sstream>
 
-#include "intersect/shader/device.hpp"
+#include "intersect/device/device.hpp"
 
-namespace lostbits::intersect::shader {
+namespace lostbits::intersect::device {
 namespace {
 
 namespace fs = std::filesystem;
@@ -67,4 +67,4 @@ std::vector<std::uint32_t> spirv_of(const std::string& glsl) {
     return code;
 }
 
-}  // namespace lostbits::intersect::shader
+}  // namespace lostbits::intersect::device
