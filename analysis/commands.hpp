@@ -43,6 +43,7 @@ using Command = std::function<Exit()>;
 void add_check(CLI::App& program, const Common& common, Command& chosen);
 void add_choose(CLI::App& program, const Common& common, Command& chosen);
 void add_consistency(CLI::App& program, const Common& common, Command& chosen);
+void add_devices(CLI::App& program, const Common& common, Command& chosen);
 void add_diff(CLI::App& program, const Common& common, Command& chosen);
 void add_explain(CLI::App& program, const Common& common, Command& chosen);
 void add_judge(CLI::App& program, const Common& common, Command& chosen);
@@ -55,8 +56,13 @@ void add_offsets(CLI::App& program, const Common& common, Command& chosen);
 void add_plugin(CLI::App& program, const Common& common, Command& chosen);
 void add_render(CLI::App& program, const Common& common, Command& chosen);
 void add_report(CLI::App& program, const Common& common, Command& chosen);
+void add_shader(CLI::App& program, Command& chosen);
 void add_sweep(CLI::App& program, const Common& common, Command& chosen);
 void add_trade(CLI::App& program, const Common& common, Command& chosen);
+
+/// Standard output, for a command that answers a pipe; what else is printed goes to standard error from then on.
+/// EnvironmentError, which begins with `command`.
+int take_standard_output(const std::string& command);
 
 // What the commands that write a folder of results have in common (results.cpp).
 

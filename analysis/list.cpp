@@ -5,7 +5,9 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "analysis/choice/doors.hpp"
 #include "analysis/choice/select.hpp"
+#include "analysis/devices.hpp"
 #include "commands.hpp"
 #include "measure/blame/culprits.hpp"
 #include "measure/consistency/check.hpp"
@@ -82,6 +84,22 @@ Listing checks() {
     Listing l{{"name", "title", "first", "second"}, {}};
     for (const measure::consistency::Check& c : measure::consistency::checks())
         l.rows.push_back({std::string(c.name), std::string(c.title), std::string(c.first), std::string(c.second)});
+    return l;
+}
+
+/// What runs shaders, in a line each.
+Listing devices(const Common& common) {
+    Listing l{{"name", "renderer", "version", "dot", "arithmetic"}, {}};
+    for (const std::string& kind : choice::devices_of({"all"})) {
+        const DeviceTold told = ask_device(kind, common.doors.seconds);
+        const auto fact = [&told](std::string_view key) {
+            const auto found =
+                std::ranges::find(told.facts, key, [](const auto& f) -> std::string_view { return f.first; });
+            return found == told.facts.end() ? "" : found->second;
+        };
+        if (told.lacks.empty())
+            l.rows.push_back({kind, fact("renderer"), fact("version"), fact("f32.dot"), fact("digest")});
+    }
     return l;
 }
 
@@ -211,6 +229,7 @@ Exit run(const std::string& what, bool json, const Common& common) {
         if (name == "labels") return labels();
         if (name == "strategies") return strategies();
         if (name == "checks") return checks();
+        if (name == "devices") return devices(common);
         if (name == "scenes") return scenes(common);
         if (name == "sweeps") return sweeps(common);
         if (name == "claims") return claims(common);
@@ -226,12 +245,12 @@ Exit run(const std::string& what, bool json, const Common& common) {
 void add_list(CLI::App& program, const Common& common, Command& chosen) {
     auto* command = program.add_subcommand("list",
                                            "List forms (intersectors), labels of their operations, formats, metrics, "
-                                           "scenes, sweeps, claims, strategies, checks");
+                                           "scenes, sweeps, claims, strategies, checks, devices");
     const auto what = std::make_shared<std::string>("forms");
     const auto json = std::make_shared<bool>(false);
     command->add_option("WHAT", *what, "What to list")
         ->check(CLI::IsMember({"forms", "intersectors", "labels", "formats", "metrics", "scenes", "sweeps", "claims",
-                               "strategies", "checks"}));
+                               "strategies", "checks", "devices"}));
     command->add_flag("--json", *json, "As a JSON array");
     command->callback(
         [what, json, &common, &chosen] { chosen = [what, json, &common] { return run(*what, *json, common); }; });

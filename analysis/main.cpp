@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
@@ -71,8 +72,16 @@ void add_doors(CLI::App& program, choice::DoorWords& doors) {
     program.add_option("--pipe", doors.pipes,
                        "A command that reads rays on its standard input and answers on its standard output, in any "
                        "language; its forms stand beside the others. May be repeated");
+    program.add_option(
+        "--shader", doors.shaders,
+        "A file of GLSL with a function that intersects, run by this machine's driver; its form "
+        "shader.NAME stands beside the others. FILE.glsl:FUNCTION names one of several. May be repeated");
+    choice::add_list(program, "--device", doors.devices,
+                     "What runs --shader: opengl, vulkan, or all that there are (default: the first that there is)");
     program.add_flag("--isolate", doors.isolate, "Run libraries in processes of their own: a crash is an error then");
-    program.add_option("--time-limit", doors.seconds, "Seconds that --plugin and --pipe may take for a batch (30)")
+    program
+        .add_option("--time-limit", doors.seconds,
+                    "Seconds that --plugin, --pipe and --shader may take for a batch (30)")
         ->check(choice::number_from(0.1, 1e6));
 }
 
@@ -87,6 +96,7 @@ constexpr const char* footer =
     "  130  interrupted; finished files stay\n"
     "Environment:\n"
     "  LOSTBITS_DATA         the folder with scenes/, sweeps/ and claims/\n"
+    "  LOSTBITS_DEVICE_MODULES  a folder to look for the modules of --shader in first\n"
     "  LOSTBITS_PLUGIN_PATH  folders to look for a --plugin in, with colons between them\n"
     "  NO_COLOR              set to anything: no colours\n"
     "  TMPDIR                where `-o -` keeps what it does not print\n"
@@ -130,6 +140,7 @@ Exit run_words(const std::vector<std::string>& words, std::shared_ptr<shard::Sha
     add_check(program, common, chosen);
     add_choose(program, common, chosen);
     add_consistency(program, common, chosen);
+    add_devices(program, common, chosen);
     add_diff(program, common, chosen);
     add_explain(program, common, chosen);
     add_judge(program, common, chosen);
@@ -140,6 +151,7 @@ Exit run_words(const std::vector<std::string>& words, std::shared_ptr<shard::Sha
     add_plugin(program, common, chosen);
     add_render(program, common, chosen);
     add_report(program, common, chosen);
+    add_shader(program, chosen);
     add_sweep(program, common, chosen);
     add_trade(program, common, chosen);
     add_shell(program, chosen);
@@ -158,7 +170,9 @@ Exit run_words(const std::vector<std::string>& words, std::shared_ptr<shard::Sha
     }
     common.typed = choice::typed(program);
     if (const auto isa = intersect::simd::isa_named(common.isa)) intersect::simd::set_isa(*isa);
-    if (!program.got_subcommand("plugin")) choice::open_doors(common.doors, common.threads);
+    const auto opens_its_own = {"plugin", "shader", "devices"};
+    if (std::ranges::none_of(opens_its_own, [&](const char* name) { return program.got_subcommand(name); }))
+        choice::open_doors(common.doors, common.threads);
     shell::TableOnStdout table(program);
     const Exit code = chosen();
     table.write();

@@ -23,10 +23,7 @@ using measure::contract::Observation;
 
 /// Answers a pipe with the forms of a library.
 Exit serve(const std::string& named) {
-    // What the library prints goes to standard error: standard output is the pipe.
-    const int answers = dup(STDOUT_FILENO);
-    if (answers < 0 || dup2(STDERR_FILENO, STDOUT_FILENO) < 0)
-        throw EnvironmentError("plugin serve: standard output is closed");
+    const int answers = take_standard_output("plugin serve");
     const auto forms = intersect::doors::load_plugin(intersect::doors::find_plugin(named));
     if (intersect::doors::serve_pipe(forms, STDIN_FILENO, answers)) return Exit::done;
     throw InputError(
@@ -73,6 +70,13 @@ Exit try_forms(const std::string& library, const Common& common) {
 }
 
 }  // namespace
+
+int take_standard_output(const std::string& command) {
+    const int output = dup(STDOUT_FILENO);
+    if (output < 0 || dup2(STDERR_FILENO, STDOUT_FILENO) < 0)
+        throw EnvironmentError(command + ": standard output is closed");
+    return output;
+}
 
 void add_plugin(CLI::App& program, const Common& common, Command& chosen) {
     auto* const command = program.add_subcommand("plugin", "A library of intersectors: tried against what it promises");

@@ -21,8 +21,10 @@ std::unique_ptr<output::file::ResultFolder> own_folder(const std::filesystem::pa
                                                        const std::string& subject,
                                                        output::file::ResultFolder::Rules rules) {
     rules.force = common.force;
-    return std::make_unique<output::file::ResultFolder>(
-        folder, output::file::MadeBy{common.typed.of(subject), program_and_version}, rules);
+    output::file::MadeBy by{common.typed.of(subject), program_and_version};
+    for (const auto& row : intersect::table::intersectors().subspan(intersect::table::catalogue().size()))
+        by.forms.emplace_back(row.info->name, row.info->source);
+    return std::make_unique<output::file::ResultFolder>(folder, std::move(by), rules);
 }
 
 std::vector<std::unique_ptr<output::file::ResultFolder>> own_folders(const std::vector<scene::file::Scene>& scenes,

@@ -8,6 +8,7 @@
 #include <system_error>
 #include <thread>
 
+#include "intersect/device/device.hpp"
 #include "intersect/doors/formulas.hpp"
 #include "intersect/doors/guard.hpp"
 #include "intersect/doors/pipe.hpp"
@@ -19,29 +20,80 @@
 namespace lostbits::analysis::choice {
 
 using intersect::doors::ForeignForm;
+using intersect::doors::open_pipe;
+using intersect::doors::PipeTerms;
 using output::blame::shell_word;
 
 namespace {
 
 /// The forms of a library, from a process of this program that holds it.
-std::vector<ForeignForm> isolated(const std::filesystem::path& library, intersect::doors::PipeTerms terms) {
-    std::error_code unknown;
-    const std::filesystem::path program = std::filesystem::read_symlink("/proc/self/exe", unknown);
-    if (unknown)
-        throw EnvironmentError("--isolate: this system does not say where the program lies (/proc is missing)");
+std::vector<ForeignForm> isolated(const std::filesystem::path& library, PipeTerms terms) {
     terms.who = library.string() + " in a process of its own";
-    return intersect::doors::open_pipe(
-        fmt::format("exec {} plugin serve {}", shell_word(program.string()), shell_word(library.string())), terms);
+    return open_pipe(this_program("plugin serve " + shell_word(library.string())), terms);
+}
+
+/// The forms of a shader, from a process of this program that holds the driver: a compiler, its threads and its faults.
+std::vector<ForeignForm> served(const std::string& shader, const std::string& device, PipeTerms terms) {
+    terms.who = "--shader " + shader + (device.empty() ? "" : " --device " + device);
+    terms.ours = true;
+    return open_pipe(this_program("shader serve " + shell_word(shader) + (device.empty() ? "" : " --device " + device)),
+                     terms);
+}
+
+/// The same on each device that is named; of `all` on those that there are.
+std::vector<ForeignForm> served_by_each(const std::string& shader, const DoorWords& words, const PipeTerms& terms) {
+    const bool all = std::ranges::find(words.devices, "all") != words.devices.end();
+    std::vector<ForeignForm> forms;
+    std::string lacks;
+    for (const std::string& device : devices_of(words.devices)) {
+        try {
+            std::ranges::move(served(shader, device, terms), std::back_inserter(forms));
+        } catch (const EnvironmentError& missing) {
+            if (!all) throw;
+            lacks += std::string("\n  ") + missing.what();
+        }
+    }
+    if (forms.empty()) throw EnvironmentError("--device all: no driver can run shaders here:" + lacks);
+    return forms;
 }
 
 }  // namespace
 
+std::string this_program(const std::string& words) {
+    std::error_code unknown;
+    const std::filesystem::path program = std::filesystem::read_symlink("/proc/self/exe", unknown);
+    if (unknown)
+        throw EnvironmentError(
+            "this system does not say where the program lies (/proc is missing), so it cannot start "
+            "itself again in a process of its own");
+    return fmt::format("exec {} {}", shell_word(program.string()), words);
+}
+
+std::vector<std::string> devices_of(const std::vector<std::string>& words) {
+    std::vector<std::string> kinds;
+    const auto add = [&kinds](std::string_view kind) {
+        if (std::ranges::find(kinds, kind) == kinds.end()) kinds.emplace_back(kind);
+    };
+    for (const std::string& word : words) {
+        if (word == "all") std::ranges::for_each(intersect::device::device_kinds, add);
+        else if (std::ranges::find(intersect::device::device_kinds, word) != std::end(intersect::device::device_kinds))
+            add(word);
+        else
+            throw InputError(fmt::format("--device {}: there is {} and all", word,
+                                         fmt::join(intersect::device::device_kinds, ", ")));
+    }
+    if (words.empty()) kinds.emplace_back();
+    return kinds;
+}
+
 Behind open_each(const DoorWords& words, int threads) {
     if (words.isolate && words.plugins.empty()) throw InputError("--isolate: is for libraries; name one by --plugin");
-    if (words.plugins.empty() && words.pipes.empty()) return {};
+    if (!words.devices.empty() && words.shaders.empty())
+        throw InputError("--device: is for shaders; name one by --shader");
+    if (words.plugins.empty() && words.pipes.empty() && words.shaders.empty()) return {};
     intersect::doors::guard_foreign_code({words.seconds, output::file::remove_partial_files});
     const int processes = threads > 0 ? threads : static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
-    const intersect::doors::PipeTerms terms{.seconds = words.seconds, .processes = static_cast<unsigned>(processes)};
+    const PipeTerms terms{.seconds = words.seconds, .processes = static_cast<unsigned>(processes)};
     Behind found;
     const auto add = [](auto more, auto& all) { std::ranges::move(more, std::back_inserter(all)); };
     std::string again;
@@ -52,9 +104,14 @@ Behind open_each(const DoorWords& words, int threads) {
         again += " --plugin " + shell_word(named);
     }
     for (const std::string& command : words.pipes) {
-        add(intersect::doors::open_pipe(command, terms), found.forms);
+        add(open_pipe(command, terms), found.forms);
         again += " --pipe " + shell_word(command);
     }
+    for (const std::string& shader : words.shaders) {
+        add(served_by_each(shader, words, terms), found.forms);
+        again += " --shader " + shell_word(shader);
+    }
+    for (const std::string& device : words.devices) again += " --device " + device;
     output::blame::say_where_forms_are_from(again);
     return found;
 }

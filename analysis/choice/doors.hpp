@@ -13,6 +13,8 @@ namespace lostbits::analysis::choice {
 struct DoorWords {
     std::vector<std::string> plugins;  ///< libraries, see `find_plugin`
     std::vector<std::string> pipes;    ///< commands for the shell
+    std::vector<std::string> shaders;  ///< files of GLSL, see `read_shader`
+    std::vector<std::string> devices;  ///< that run them, of `device_kinds` or `all`; empty: the first that there is
     bool isolate = false;              ///< libraries run in processes of their own
     double seconds = 30;               ///< that one batch may take
 };
@@ -22,6 +24,12 @@ struct Behind {
     std::vector<intersect::doors::ForeignForm> forms;
     std::vector<intersect::doors::Formula> formulas;  ///< none with `isolate`
 };
+
+/// A command for the shell that runs this program with these words. EnvironmentError.
+std::string this_program(const std::string& words);
+
+/// The devices that the words name, without repetition; empty: the first that there is. InputError.
+std::vector<std::string> devices_of(const std::vector<std::string>& words);
 
 /// Loads and starts what is named; at most `threads` processes a command, 0 for one a core. Commands that are to be run
 /// later name the same again, see `output::blame::where_forms_are_from`. InputError, EnvironmentError.

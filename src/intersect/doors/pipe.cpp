@@ -17,7 +17,24 @@ static_assert(std::endian::native == std::endian::little, "numbers go through pi
 
 namespace {
 
-std::vector<Contract> greet(Child& child, const std::string& who) {
+/// Ends the run where the header says why the program cannot serve.
+void refuse_for(const std::vector<std::string>& lines, const PipeTerms& terms) {
+    std::string words;
+    bool machine = false;
+    for (const std::string_view line : lines) {
+        const bool missing = line.starts_with("missing=");
+        if (!missing && !line.starts_with("error=")) continue;
+        machine = machine || missing;
+        const std::string_view said = line.substr(line.find('=') + 1);
+        words += (words.empty() ? "" : "\n") + (terms.ours ? std::string(said) : plain_text(said));
+    }
+    if (words.empty()) return;
+    if (!terms.ours) words = terms.who + ": refuses: " + words;
+    if (machine) throw EnvironmentError(words);
+    throw InputError(words);
+}
+
+std::vector<Contract> greet(Child& child, const PipeTerms& terms) {
     std::vector<std::string> lines;
     for (std::size_t bytes = 0;;) {
         lines.push_back(child.read_line());
@@ -29,7 +46,8 @@ std::vector<Contract> greet(Child& child, const std::string& who) {
         if (bytes > 100'000) child.fail("has a header without end; an empty line ends it");
     }
     lines.pop_back();
-    return read_pipe_header(lines, who);
+    refuse_for(lines, terms);
+    return read_pipe_header(lines, terms.who);
 }
 
 /// The processes of one command: as many as ask at the same time.
@@ -37,7 +55,7 @@ class Pool {
 public:
     Pool(std::string command, const PipeTerms& terms) : command_(std::move(command)), terms_(terms) {
         free_.push_back(std::make_unique<Child>(command_, terms_.who, terms_.seconds));
-        contracts_ = greet(*free_.back(), terms_.who);
+        contracts_ = greet(*free_.back(), terms_);
         running_ = 1;
         const auto alone = [](const Contract& c) { return (c.flags & LB_ONE_THREAD) != 0; };
         if (std::ranges::any_of(contracts_, alone)) terms_.processes = 1;
@@ -73,7 +91,7 @@ private:
         ++running_;
         lock.unlock();
         auto child = std::make_unique<Child>(command_, terms_.who, terms_.seconds);
-        if (greet(*child, terms_.who) != contracts_)
+        if (greet(*child, terms_) != contracts_)
             child->fail(
                 "says something else of itself when it is started a second time; let it say the same, or add "
                 "flags=one_thread");

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "intersect/doors/contract.hpp"
+#include "number/error.hpp"
 
 namespace lostbits::intersect::doors {
 
@@ -33,11 +34,15 @@ struct PipeTerms {
     double seconds = 30;     ///< that an answer may take
     unsigned processes = 1;  ///< at most, one a thread; one alone for a form that says one_thread
     std::string who = {};    ///< begins messages; empty: the command
+    bool ours = false;       ///< the command is this program, whose words of refusal stand as they are
 };
 
-/// Starts the command and reads what it says of itself. InputError for a header that makes no sense, EnvironmentError
-/// where the process does not speak. The processes end with the program.
+/// Starts the command and reads what it says of itself. InputError for a header that makes no sense or says `error=`,
+/// EnvironmentError where the process does not speak, or says `missing=`. The processes end with the program.
 std::vector<ForeignForm> open_pipe(const std::string& command, const PipeTerms& terms);
+
+/// In place of a header: why the program cannot serve, line by line.
+std::string refusal_of(const Error& error);
 
 /// The other end: answers requests on `input` with these forms until it ends. False where what came was no request.
 bool serve_pipe(const std::vector<ForeignForm>& forms, int input, int output);

@@ -87,15 +87,30 @@ void set_flags(Contract& contract, const std::string& value, const std::string& 
 
 }  // namespace
 
-std::string shown_text(std::string_view text, std::size_t most) {
+std::string plain_text(std::string_view text) {
     constexpr std::string_view digits = "0123456789abcdef";
-    std::string shown = "\"";
-    for (const char c : text.substr(0, most)) {
+    std::string shown;
+    for (const char c : text) {
         const auto byte = static_cast<unsigned char>(c);
         if (byte >= 32 && byte < 127) shown += c;
         else (shown += "\\x") += {digits[byte / 16], digits[byte % 16]};
     }
-    return shown + (text.size() > most ? "…\"" : "\"");
+    return shown;
+}
+
+std::string shown_text(std::string_view text, std::size_t most) {
+    return "\"" + plain_text(text.substr(0, most)) + (text.size() > most ? "…\"" : "\"");
+}
+
+bool set_word(Contract& contract, const std::string& key, const std::string& value, const std::string& where) {
+    if (key == "flags") {
+        set_flags(contract, value, where);
+        return true;
+    }
+    const auto known = std::ranges::find(keys(), key, &Key::name);
+    if (known == keys().end()) return false;
+    known->set(contract, known->words.empty() ? 0 : place_of(known->words, value, where, key), value);
+    return true;
 }
 
 std::vector<Contract> read_pipe_header(const std::vector<std::string>& lines, const std::string& from) {
@@ -107,16 +122,10 @@ std::vector<Contract> read_pipe_header(const std::vector<std::string>& lines, co
         const std::string key = lines[i].substr(0, equals), value = lines[i].substr(equals + 1);
         if (key == "name") contracts.emplace_back();
         if (contracts.empty()) throw InputError(where + ": a form begins with name=, before its " + shown_text(key));
-        if (key == "flags") {
-            set_flags(contracts.back(), value, where);
-            continue;
-        }
-        const auto known = std::ranges::find(keys(), key, &Key::name);
-        if (known == keys().end())
+        if (!set_word(contracts.back(), key, value, where))
             throw InputError(where + ": unknown key " + shown_text(key) +
                              "; known are name, title, source, shape, format, direction, roots, touching, at_origin, "
                              "flags");
-        known->set(contracts.back(), known->words.empty() ? 0 : place_of(known->words, value, where, key), value);
     }
     if (contracts.empty())
         throw InputError(

@@ -17,11 +17,17 @@ inline constexpr std::string_view pipe_version = "lostbits-pipe/1";
 /// line, for unknown keys and words.
 std::vector<Contract> read_pipe_header(const std::vector<std::string>& lines, const std::string& from);
 
+/// Sets one of them other than name= by its words; false for an unknown key. InputError, which begins with `where`, for
+/// an unknown word.
+bool set_word(Contract& contract, const std::string& key, const std::string& value, const std::string& where);
+
 /// The same the other way.
 std::string pipe_header_of(const std::vector<Contract>& contracts);
 
 /// Text that a process wrote, for a message: in quotation marks, cut to `most` bytes, what a terminal would obey as
 /// \xNN.
 std::string shown_text(std::string_view text, std::size_t most = 60);
+/// All of it without the quotation marks.
+std::string plain_text(std::string_view text);
 
 }  // namespace lostbits::intersect::doors

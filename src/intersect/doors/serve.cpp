@@ -3,6 +3,7 @@
 
 #include <cerrno>
 #include <cstring>
+#include <sstream>
 #include <string_view>
 
 #include "intersect/doors/foreign_batch.hpp"
@@ -81,6 +82,15 @@ bool answer_one(const ForeignForm& form, const PipeRequest& request, Room& room,
 }
 
 }  // namespace
+
+std::string refusal_of(const Error& error) {
+    const char* const key = error.code() == Exit::bad_input ? "error=" : "missing=";
+    constexpr std::size_t longest = 4000;  // of a line of the header
+    std::string header = std::string(pipe_version) + "\n";
+    std::istringstream lines(error.what());
+    for (std::string line; std::getline(lines, line);) header += key + line.substr(0, longest) + "\n";
+    return header + "\n";
+}
 
 bool serve_pipe(const std::vector<ForeignForm>& forms, int input, int output) {
     std::vector<Contract> contracts;

@@ -57,8 +57,10 @@ void write_datapackage(const std::filesystem::path& path, const std::string& tit
     Json list = Json::array();
     for (const auto& data : resources) list.push_back(resource(data));
     Json package{{"profile", "tabular-data-package"}, {"name", slug(title)}, {"title", valid_utf8(title)}};
-    if (const auto maker = maker_of(path))
+    if (const auto maker = maker_of(path)) {
         package["lostbits"] = {{"command", valid_utf8(maker->command)}, {"program", maker->program}};
+        for (const auto& [name, what] : maker->forms) package["lostbits"]["forms"][name] = valid_utf8(what);
+    }
     package["resources"] = std::move(list);
     AtomicFile file(path);
     file.write(package.dump(2) + "\n");

@@ -84,6 +84,10 @@ std::string text_of(const nlohmann::json& entry, const char* key) {
 
 ResultFolder::Made made_of(const nlohmann::json& entry) {
     ResultFolder::Made made{{text_of(entry, "command"), text_of(entry, "program")}, {}};
+    if (entry.contains("forms") && entry["forms"].is_object()) {
+        for (const auto& [name, what] : entry["forms"].items())
+            made.by.forms.emplace_back(name, text_of(entry["forms"], name.c_str()));
+    }
     if (!entry.contains("files")) return made;
     for (const auto& name : entry["files"]) {
         if (name.is_string() && stays_inside(name.get<std::string>())) made.files.insert(name.get<std::string>());
@@ -108,7 +112,10 @@ std::vector<ResultFolder::Made> made_in(const fs::path& folder) {
 nlohmann::ordered_json json_of(const MadeBy& by, const std::set<std::string>& names) {
     auto files = nlohmann::ordered_json::array();
     for (const std::string& each : names) files.push_back(valid_utf8(each));
-    return {{"program", by.program}, {"command", valid_utf8(by.command)}, {"files", std::move(files)}};
+    nlohmann::ordered_json json{{"program", by.program}, {"command", valid_utf8(by.command)}};
+    for (const auto& [name, what] : by.forms) json["forms"][name] = valid_utf8(what);
+    json["files"] = std::move(files);
+    return json;
 }
 
 }  // namespace
@@ -226,11 +233,19 @@ void note_result(const fs::path& path) {
     if (ResultFolder* const owner = ResultFolder::owner_of(path, name)) owner->note(name);
 }
 
+std::string words_of_forms(const MadeBy& by) {
+    std::string words;
+    for (const auto& [name, what] : by.forms) words += (words.empty() ? "" : "\n") + name + ": " + what;
+    return words;
+}
+
 void add_maker(const fs::path& path, std::vector<std::pair<std::string, std::string>>& attributes) {
     const auto maker = maker_of(path);
     if (!maker) return;
-    for (const auto& [name, value] :
-         {std::pair("lostbits:command", maker->command), {"lostbits:program", maker->program}}) {
+    for (const auto& [name, value] : {std::pair("lostbits:command", maker->command),
+                                      {"lostbits:program", maker->program},
+                                      {"lostbits:forms", words_of_forms(*maker)}}) {
+        if (value.empty()) continue;
         const auto is_it = [name = name](const auto& entry) { return entry.first == name; };
         if (std::ranges::none_of(attributes, is_it)) attributes.emplace_back(name, value);
     }

@@ -15,6 +15,9 @@ namespace lostbits::output::file {
 struct MadeBy {
     std::string command;  ///< what to type to make it again
     std::string program;  ///< `lostbits 0.1.0`
+    /// Of every form from outside its name and what it is: the library, or the shader with its driver and how that
+    /// rounds.
+    std::vector<std::pair<std::string, std::string>> forms = {};
 };
 
 struct ResultFolderRules {
@@ -76,7 +79,11 @@ private:
 /// Of AtomicFile: this file is about to get its final name.
 void note_result(const std::filesystem::path& path);
 
-/// Adds `lostbits:command` and `lostbits:program` of the run whose folder the path lies in, where they are missing.
+/// Forms from outside as one text: `NAME: what it is`, a line each.
+[[nodiscard]] std::string words_of_forms(const MadeBy& by);
+
+/// Adds `lostbits:command`, `lostbits:program` and, where there are any, `lostbits:forms` of the run whose folder the
+/// path lies in, where they are missing.
 void add_maker(const std::filesystem::path& path, std::vector<std::pair<std::string, std::string>>& attributes);
 
 /// The run whose folder the path lies in; nothing outside of all.

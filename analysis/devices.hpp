@@ -1,0 +1,21 @@
+// What runs shaders here, asked in a process of its own.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+namespace lostbits::analysis {
+
+/// A device as its process told it.
+struct DeviceTold {
+    std::string kind;
+    std::vector<std::pair<std::string, std::string>> facts;
+    std::string lacks;  ///< why it does not compute; empty where it does
+};
+
+/// Starts a driver, asks it how it rounds, and ends it. A driver that crashes or hangs is one that is not here.
+DeviceTold ask_device(std::string_view kind, double seconds);
+
+}  // namespace lostbits::analysis

@@ -1,0 +1,105 @@
+// The process behind --shader: it alone loads a driver.
+#include <fmt/format.h>
+#include <sys/prctl.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <csignal>
+#include <cstdlib>
+#include <memory>
+#include <string>
+
+#include "commands.hpp"
+#include "intersect/device/probe.hpp"
+#include "intersect/doors/pipe.hpp"
+#include "intersect/shader/forms.hpp"
+
+namespace lostbits::analysis {
+
+namespace {
+
+using namespace intersect::device;
+using namespace intersect::shader;
+
+std::shared_ptr<Device> device_named(const std::string& kind) {
+    setenv("EGL_LOG_LEVEL", "fatal", 0);  // what is missing is told once, by us
+    return kind.empty() ? open_any_device() : open_device(kind);
+}
+
+/// A driver may stop loops on its own: what the file itself bounds beyond that is told.
+void warn_of_loops(const ShaderSource& shader, const Arithmetic& arithmetic) {
+    std::size_t told = 0;
+    for (const CountedLoop& loop : shader.loops) {
+        if (loop.line == told || arithmetic.loop_limit == 0 || loop.most <= arithmetic.loop_limit) continue;
+        told = loop.line;
+        fmt::print(stderr,
+                   "lostbits: {}:{}: this loop may run {} times; this driver leaves loops after {} without a word, so "
+                   "answers that need more are wrong\n",
+                   shader.path, loop.line, loop.most, arithmetic.loop_limit);
+    }
+}
+
+/// Compiles the shader, then answers rays; in place of the header says why it cannot.
+Exit serve(const std::string& named, const std::string& kind) {
+    const int answers = take_standard_output("shader serve");
+    // A driver that hangs does not see its input end when the program that asks is killed.
+    prctl(PR_SET_PDEATHSIG, SIGKILL);
+    std::vector<intersect::doors::ForeignForm> forms;
+    try {
+        const ShaderSource shader = read_shader(named);
+        const auto device = device_named(kind);
+        const Arithmetic arithmetic = probe(*device);
+        warn_of_loops(shader, arithmetic);
+        if (shader.f32 && shader.f64 && !device->limits().doubles)
+            fmt::print(stderr, "lostbits: {}: {} has no doubles in shaders; f32 alone\n", shader.path,
+                       device->words().renderer);
+        forms = forms_of(shader, device, !kind.empty(), line_of(device->words(), arithmetic));
+    } catch (const Error& error) {
+        const std::string words = intersect::doors::refusal_of(error);
+        return write(answers, words.data(), words.size()) < 0 ? Exit::environment : error.code();
+    }
+    if (intersect::doors::serve_pipe(forms, STDIN_FILENO, answers)) return Exit::done;
+    throw InputError(
+        "shader serve: what came on standard input is no request of lostbits-pipe/1; this command is for `lostbits … "
+        "--shader FILE.glsl`, which talks to it");
+}
+
+/// What a device is and how it rounds, a line `key=value` each, and an empty line.
+Exit tell(const std::string& kind) {
+    const int output = take_standard_output("shader probe");
+    std::string text;
+    try {
+        const auto device = device_named(kind);
+        const Arithmetic arithmetic = probe(*device);
+        const DeviceWords& words = device->words();
+        text = fmt::format("device={}\nrenderer={}\nvendor={}\nversion={}\ndriver={}\ndigest={:016x}\n", words.kind,
+                           words.renderer, words.vendor, words.version, words.driver, arithmetic.digest);
+        for (const Fact& fact : arithmetic.facts) text += fmt::format("{}={}\n", fact.key, fact.value);
+    } catch (const Error& error) {
+        text = fmt::format("missing={}\n", error.what());
+        std::ranges::replace(text.begin(), text.end() - 1, '\n', ' ');
+    }
+    text += "\n";
+    return write(output, text.data(), text.size()) < 0 ? Exit::environment : Exit::done;
+}
+
+}  // namespace
+
+void add_shader(CLI::App& program, Command& chosen) {
+    auto* const command = program.add_subcommand("shader", "The process of a shader, which --shader starts");
+    command->require_subcommand(1);
+    const auto file = std::make_shared<std::string>(), kind = std::make_shared<std::string>();
+    auto* const served =
+        command->add_subcommand("serve", "Answer rays on standard input with a shader (what --shader starts)");
+    served->add_option("SHADER", *file, "The file, as --shader takes it")->required();
+    served->callback([file, &program, &chosen] {
+        const auto device = program.get_option("--device")->results();
+        chosen = [file, device] { return serve(*file, device.empty() ? "" : device.front()); };
+    });
+    auto* const probed =
+        command->add_subcommand("probe", "How a device rounds, as lines for a program (what `devices` starts)");
+    probed->add_option("DEVICE", *kind, "opengl or vulkan");
+    probed->callback([kind, &chosen] { chosen = [kind] { return tell(*kind); }; });
+}
+
+}  // namespace lostbits::analysis

@@ -1,0 +1,23 @@
+# The drivers of shaders: a module each, loaded at run time by the process that serves a shader, and built where its
+# headers are. Without one, `--shader` says what to install.
+find_package(PkgConfig REQUIRED)
+foreach(device "opengl|egl opengl|libegl-dev libopengl-dev" "vulkan|vulkan|libvulkan-dev")
+    string(REPLACE "|" ";" device "${device}")
+    list(GET device 0 kind)
+    list(GET device 1 libraries)
+    list(GET device 2 packages)
+    separate_arguments(libraries)
+    pkg_check_modules(DEVICE_${kind} QUIET IMPORTED_TARGET ${libraries})
+    if(NOT DEVICE_${kind}_FOUND)
+        message(STATUS "${kind} is not found (Debian: ${packages}): no --shader by it")
+        continue()
+    endif()
+    file(GLOB sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/src/intersect/device/module_${kind}*.cpp)
+    add_library(lostbits_${kind} MODULE ${sources})
+    set_target_properties(lostbits_${kind} PROPERTIES PREFIX "" CXX_VISIBILITY_PRESET hidden
+        VISIBILITY_INLINES_HIDDEN ON LIBRARY_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR})
+    target_include_directories(lostbits_${kind} PRIVATE ${PROJECT_SOURCE_DIR}/src)
+    target_link_libraries(lostbits_${kind} PRIVATE PkgConfig::DEVICE_${kind} lostbits_warnings)
+    install(TARGETS lostbits_${kind} LIBRARY DESTINATION lib/lostbits)
+    list(APPEND LOSTBITS_DEVICES lostbits_${kind})
+endforeach()

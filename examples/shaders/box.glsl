@@ -1,0 +1,10 @@
+// A box by its three pairs of planes: where the ray enters the last of them, and where it leaves the first.
+// lostbits: miss=crossed touching=miss
+
+vec2 slabs(vec3 ro, vec3 rd, vec3 lo, vec3 hi) {
+    vec3 a = (lo - ro) / rd;
+    vec3 b = (hi - ro) / rd;
+    vec3 first = min(a, b);
+    vec3 last = max(a, b);
+    return vec2(max(max(first.x, first.y), first.z), min(min(last.x, last.y), last.z));
+}

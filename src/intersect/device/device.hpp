@@ -1,0 +1,78 @@
+// A driver that runs compute programs, whichever interface it is asked through.
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "number/error.hpp"
+
+namespace lostbits::intersect::device {
+
+/// What a driver says of itself.
+struct DeviceWords {
+    std::string kind;  ///< one of `device_kinds`
+    std::string renderer, vendor, version, driver;
+};
+
+struct DeviceLimits {
+    std::size_t buffer_bytes = 0;  ///< of one buffer
+    std::size_t groups = 0;        ///< of one run
+    bool doubles = false;
+    int glsl = 430;  ///< the version of GLSL that it is given
+};
+
+/// The compiler's words about a program that it does not take.
+struct CompileError : InputError {
+    using InputError::InputError;
+};
+
+/// Elements that one work group of our programs answers.
+inline constexpr std::size_t group_size = 64;
+
+/// A buffer as it is before a run, and after it where the program writes it.
+struct Buffer {
+    std::span<std::byte> bytes;
+    bool written = false;
+};
+
+class Program {
+public:
+    Program() = default;
+    Program(const Program&) = delete;
+    Program& operator=(const Program&) = delete;
+    virtual ~Program() = default;
+};
+
+class Device {
+public:
+    Device() = default;
+    Device(const Device&) = delete;
+    Device& operator=(const Device&) = delete;
+    virtual ~Device() = default;
+
+    [[nodiscard]] virtual const DeviceWords& words() const = 0;
+    [[nodiscard]] virtual const DeviceLimits& limits() const = 0;
+    /// A compute program in GLSL. CompileError; EnvironmentError where the compiler itself fails.
+    [[nodiscard]] virtual std::unique_ptr<Program> compile(const std::string& glsl) = 0;
+    /// Runs so many work groups; buffer k has binding k. None is empty. EnvironmentError for a device that is lost.
+    virtual void run(Program& program, std::span<const Buffer> buffers, std::size_t groups) = 0;
+};
+
+/// Interfaces, the default first.
+inline constexpr std::string_view device_kinds[] = {"opengl", "vulkan"};
+
+/// What a module of a driver exports: `lostbits_device_build`, which is `device_build`, and `lostbits_open_device`.
+inline constexpr int device_build = 1;
+using OpenDevice = Device* (*)();
+
+/// Loads the module of that kind and opens its first device that can run compute programs. In a process of its own: a
+/// driver brings a compiler, threads and signal handlers. EnvironmentError that says what is missing.
+std::unique_ptr<Device> open_device(std::string_view kind);
+/// The first kind that can be opened. EnvironmentError with what each of them lacks.
+std::unique_ptr<Device> open_any_device();
+
+}  // namespace lostbits::intersect::device

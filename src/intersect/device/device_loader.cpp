@@ -1,0 +1,58 @@
+#include <dlfcn.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <system_error>
+
+#include "intersect/device/device.hpp"
+
+namespace lostbits::intersect::device {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+/// Where the modules lie: beside the program as built, or where it is installed.
+fs::path module_of(std::string_view kind) {
+    const std::string name = "lostbits_" + std::string(kind) + ".so";
+    std::error_code error;
+    const fs::path here = fs::read_symlink("/proc/self/exe", error).parent_path();
+    const char* const named = std::getenv("LOSTBITS_DEVICE_MODULES");
+    for (const fs::path& folder : {fs::path(named != nullptr ? named : ""), here, here / "../lib/lostbits"}) {
+        if (!folder.empty() && fs::exists(folder / name, error)) return folder / name;
+    }
+    const std::string packages = kind == "opengl" ? "libegl-dev libopengl-dev" : "libvulkan-dev";
+    throw EnvironmentError(std::string(kind) + ": this program was built without it; install " + packages +
+                           " and build again");
+}
+
+}  // namespace
+
+std::unique_ptr<Device> open_device(std::string_view kind) {
+    const fs::path path = module_of(kind);
+    const auto fail = [&](const char* why) -> EnvironmentError {
+        return EnvironmentError(std::string(kind) + ": cannot load " + path.string() + ": " +
+                                (why != nullptr ? why : "unknown"));
+    };
+    // Never closed: drivers start threads and register exit handlers.
+    void* const handle = ::dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL);
+    if (handle == nullptr) throw fail(::dlerror());
+    const auto* const build = static_cast<const int*>(::dlsym(handle, "lostbits_device_build"));
+    const auto open = reinterpret_cast<OpenDevice>(::dlsym(handle, "lostbits_open_device"));
+    if (build == nullptr || open == nullptr || *build != device_build) throw fail("it belongs to another build");
+    return std::unique_ptr<Device>(open());
+}
+
+std::unique_ptr<Device> open_any_device() {
+    std::string lacks;
+    for (const std::string_view kind : device_kinds) {
+        try {
+            return open_device(kind);
+        } catch (const EnvironmentError& error) {
+            lacks += std::string("\n  ") + error.what();
+        }
+    }
+    throw EnvironmentError("no driver can run shaders here:" + lacks);
+}
+
+}  // namespace lostbits::intersect::device

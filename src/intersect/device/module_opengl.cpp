@@ -1,0 +1,177 @@
+// The module of OpenGL: compute programs by EGL without a window, on whatever driver is installed. Built as
+// `lostbits_opengl`, loaded at run time.
+#define EGL_NO_X11
+#define GL_GLEXT_PROTOTYPES
+#include <EGL/egl.h>
+#include <EGL/eglext.h>
+#include <GL/glcorearb.h>
+
+#include <algorithm>
+#include <array>
+#include <cstring>
+#include <functional>
+
+#include "intersect/device/device.hpp"
+
+namespace lostbits::intersect::device {
+namespace {
+
+[[noreturn]] void lacking(const std::string& what) { throw EnvironmentError("opengl: " + what); }
+
+/// The displays that need no window: of Mesa's surfaceless platform, of each device, and the default one.
+std::vector<std::function<EGLDisplay()>> displays() {
+    std::vector<std::function<EGLDisplay()>> all;
+    const char* const known = eglQueryString(EGL_NO_DISPLAY, EGL_EXTENSIONS);
+    const auto has = [known](const char* name) { return known != nullptr && std::strstr(known, name) != nullptr; };
+    const auto display_of =
+        reinterpret_cast<PFNEGLGETPLATFORMDISPLAYEXTPROC>(eglGetProcAddress("eglGetPlatformDisplayEXT"));
+    if (has("EGL_EXT_platform_device") && has("EGL_EXT_device_enumeration") && display_of != nullptr) {
+        const auto query = reinterpret_cast<PFNEGLQUERYDEVICESEXTPROC>(eglGetProcAddress("eglQueryDevicesEXT"));
+        std::array<EGLDeviceEXT, 16> devices{};
+        EGLint count = 0;
+        if (query != nullptr && query(static_cast<EGLint>(devices.size()), devices.data(), &count) == EGL_TRUE) {
+            for (EGLint i = 0; i < count; ++i)
+                all.emplace_back([device = devices[static_cast<std::size_t>(i)], display_of] {
+                    return display_of(EGL_PLATFORM_DEVICE_EXT, device, nullptr);
+                });
+        }
+    }
+    if (has("EGL_MESA_platform_surfaceless") && display_of != nullptr)
+        all.emplace_back(
+            [display_of] { return display_of(EGL_PLATFORM_SURFACELESS_MESA, EGL_DEFAULT_DISPLAY, nullptr); });
+    all.emplace_back([] { return eglGetDisplay(EGL_DEFAULT_DISPLAY); });
+    return all;
+}
+
+/// Makes a context that computes current; false where this display has none.
+bool make_current(EGLDisplay display) {
+    if (display == EGL_NO_DISPLAY || eglInitialize(display, nullptr, nullptr) != EGL_TRUE) return false;
+    if (eglBindAPI(EGL_OPENGL_API) != EGL_TRUE) return false;
+    for (const EGLint minor : {6, 5, 4, 3}) {
+        const std::array<EGLint, 7> wanted{EGL_CONTEXT_MAJOR_VERSION,
+                                           4,
+                                           EGL_CONTEXT_MINOR_VERSION,
+                                           minor,
+                                           EGL_CONTEXT_OPENGL_PROFILE_MASK,
+                                           EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT,
+                                           EGL_NONE};
+        EGLConfig config = nullptr;
+        EGLint configs = 0;
+        const std::array<EGLint, 3> any{EGL_RENDERABLE_TYPE, EGL_OPENGL_BIT, EGL_NONE};
+        if (eglChooseConfig(display, any.data(), &config, 1, &configs) != EGL_TRUE || configs == 0) config = nullptr;
+        const EGLContext context = eglCreateContext(display, config, EGL_NO_CONTEXT, wanted.data());
+        if (context == EGL_NO_CONTEXT) continue;
+        if (eglMakeCurrent(display, EGL_NO_SURFACE, EGL_NO_SURFACE, context) == EGL_TRUE) return true;
+        eglDestroyContext(display, context);
+    }
+    return false;
+}
+
+std::string text_of(GLenum name) {
+    const GLubyte* const text = glGetString(name);
+    return text != nullptr ? reinterpret_cast<const char*>(text) : "unknown";
+}
+
+class GlProgram : public Program {
+public:
+    explicit GlProgram(GLuint name) : name_(name) {}
+    ~GlProgram() override { glDeleteProgram(name_); }
+    [[nodiscard]] GLuint name() const { return name_; }
+
+private:
+    GLuint name_;
+};
+
+class GlDevice : public Device {
+public:
+    GlDevice() {
+        const auto all = displays();
+        const auto works = [](const auto& display) { return make_current(display()); };
+        if (std::ranges::none_of(all, works))
+            lacking(
+                "no driver with OpenGL 4.3 answers without a window; install one (Debian: libegl-mesa0 "
+                "libgl1-mesa-dri, "
+                "which compute on the processor)");
+        words_ = {"opengl", text_of(GL_RENDERER), text_of(GL_VENDOR), "OpenGL " + text_of(GL_VERSION), "EGL"};
+        GLint bytes = 0, groups = 0;
+        glGetIntegerv(GL_MAX_SHADER_STORAGE_BLOCK_SIZE, &bytes);
+        glGetIntegeri_v(GL_MAX_COMPUTE_WORK_GROUP_COUNT, 0, &groups);
+        limits_ = {.buffer_bytes = static_cast<std::size_t>(std::max(bytes, 1 << 20)),
+                   .groups = static_cast<std::size_t>(std::max(groups, 1)),
+                   .doubles = true,  // of OpenGL 4.0
+                   .glsl = 430};
+    }
+
+    [[nodiscard]] const DeviceWords& words() const override { return words_; }
+    [[nodiscard]] const DeviceLimits& limits() const override { return limits_; }
+
+    [[nodiscard]] std::unique_ptr<Program> compile(const std::string& glsl) override {
+        const GLuint shader = glCreateShader(GL_COMPUTE_SHADER);
+        const char* const text = glsl.c_str();
+        glShaderSource(shader, 1, &text, nullptr);
+        glCompileShader(shader);
+        GLint good = 0;
+        glGetShaderiv(shader, GL_COMPILE_STATUS, &good);
+        if (good == 0) {
+            const std::string log = log_of(shader, glGetShaderiv, glGetShaderInfoLog);
+            glDeleteShader(shader);
+            throw CompileError(log);
+        }
+        auto program = std::make_unique<GlProgram>(glCreateProgram());
+        glAttachShader(program->name(), shader);
+        glLinkProgram(program->name());
+        glDeleteShader(shader);
+        glGetProgramiv(program->name(), GL_LINK_STATUS, &good);
+        if (good == 0) throw CompileError(log_of(program->name(), glGetProgramiv, glGetProgramInfoLog));
+        return program;
+    }
+
+    void run(Program& program, std::span<const Buffer> buffers, std::size_t groups) override {
+        while (names_.size() < buffers.size()) glGenBuffers(1, &names_.emplace_back());
+        for (std::size_t k = 0; k < buffers.size(); ++k) {
+            const auto bytes = static_cast<GLsizeiptr>(buffers[k].bytes.size());
+            glBindBuffer(GL_SHADER_STORAGE_BUFFER, names_[k]);
+            glBufferData(GL_SHADER_STORAGE_BUFFER, bytes, buffers[k].bytes.data(), GL_STREAM_READ);
+            glBindBufferBase(GL_SHADER_STORAGE_BUFFER, static_cast<GLuint>(k), names_[k]);
+        }
+        glUseProgram(static_cast<GlProgram&>(program).name());
+        glDispatchCompute(static_cast<GLuint>(groups), 1, 1);
+        glMemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
+        for (std::size_t k = 0; k < buffers.size(); ++k) {
+            if (!buffers[k].written) continue;
+            glBindBuffer(GL_SHADER_STORAGE_BUFFER, names_[k]);
+            glGetBufferSubData(GL_SHADER_STORAGE_BUFFER, 0, static_cast<GLsizeiptr>(buffers[k].bytes.size()),
+                               buffers[k].bytes.data());
+        }
+        if (const GLenum error = glGetError(); error != GL_NO_ERROR)
+            lacking(error == GL_OUT_OF_MEMORY
+                        ? std::string("the device has no memory left")
+                        : "the device is lost (error " + std::to_string(error) + "); does the shader run for long?");
+    }
+
+private:
+    template <class Ask, class Read>
+    static std::string log_of(GLuint name, const Ask& ask, const Read& read) {
+        GLint length = 0;
+        ask(name, GL_INFO_LOG_LENGTH, &length);
+        std::string log(static_cast<std::size_t>(std::max(length, 1)), '\0');
+        read(name, length, nullptr, log.data());
+        log.resize(std::strlen(log.c_str()));
+        return log;
+    }
+
+    DeviceWords words_;
+    DeviceLimits limits_;
+    std::vector<GLuint> names_;
+};
+
+}  // namespace
+}  // namespace lostbits::intersect::device
+
+extern "C" {
+__attribute__((visibility("default"))) extern const int lostbits_device_build =
+    lostbits::intersect::device::device_build;
+__attribute__((visibility("default"))) lostbits::intersect::device::Device* lostbits_open_device() {
+    return new lostbits::intersect::device::GlDevice();
+}
+}

@@ -1,0 +1,100 @@
+#include "intersect/device/probe_program.hpp"
+
+namespace lostbits::intersect::device {
+namespace {
+
+/// In the order of `Probed`. R, V stand for the types of numbers and vectors.
+constexpr const char* operations = R"(
+R two_sum_plain(R a, R b) {
+    R s = a + b;
+    R t = s - a;
+    return (a - (s - t)) + (b - t);
+}
+R two_sum_precise(R a, R b) {
+    precise R s = a + b;
+    precise R t = s - a;
+    precise R e = (a - (s - t)) + (b - t);
+    return e;
+}
+R kahan_plain(R numbers[6]) {
+    R sum = R(0), c = R(0);
+    for (int k = 0; k < 6; ++k) {
+        R y = numbers[k] - c;
+        R t = sum + y;
+        c = (t - sum) - y;
+        sum = t;
+    }
+    return sum;
+}
+R kahan_precise(R numbers[6]) {
+    precise R sum = R(0), c = R(0);
+    for (int k = 0; k < 6; ++k) {
+        precise R y = numbers[k] - c;
+        precise R t = sum + y;
+        c = (t - sum) - y;
+        sum = t;
+    }
+    return sum;
+}
+layout(local_size_x = 64) in;
+layout(std430, binding = 0) readonly buffer Given { R given[]; };
+layout(std430, binding = 1) writeonly buffer Told { R told[]; };
+void main() {
+    uint i = gl_GlobalInvocationID.x;
+    R n[6];
+    for (uint k = 0u; k < 6u; ++k) n[k] = given[6u * i + k];
+    R x = n[0], y = n[1], z = n[2];
+    V a = V(n[0], n[1], n[2]), b = V(n[3], n[4], n[5]);
+    precise R fused = fma(x, y, z);
+    precise R kept = x * y + z;
+    uint o = COUNTu * i;
+    told[o++] = x + y;
+    told[o++] = x - y;
+    told[o++] = x * y;
+    told[o++] = x / y;
+    told[o++] = sqrt(abs(x));
+    told[o++] = inversesqrt(abs(x));
+    told[o++] = length(a);
+    told[o++] = normalize(a).x;
+    told[o++] = fma(x, y, z);
+    told[o++] = fused;
+    told[o++] = x * y + z;
+    told[o++] = kept;
+    told[o++] = dot(a, b);
+    told[o++] = two_sum_plain(x, y);
+    told[o++] = two_sum_precise(x, y);
+    told[o++] = kahan_plain(n);
+    told[o++] = kahan_precise(n);
+    told[o++] = x * y + x * z;
+    told[o++] = sqrt(abs(x)) * sqrt(abs(x));
+}
+)";
+
+std::string version_words(int version) { return "#version " + std::to_string(version) + "\n"; }
+
+}  // namespace
+
+std::string probe_program(int bits, int version) {
+    const bool doubles = bits == 64;
+    return version_words(version) + "#define R " + (doubles ? "double" : "float") + "\n#define V " +
+           (doubles ? "dvec3" : "vec3") + "\n#define COUNTu " + std::to_string(probed_count) + "u\n" + operations;
+}
+
+std::string loop_program(int version) {
+    return version_words(version) + R"(
+layout(local_size_x = 1) in;
+layout(std430, binding = 0) readonly buffer Given { uint given[]; };
+layout(std430, binding = 1) writeonly buffer Told { uint told[]; };
+void main() {
+    uint n = 0u, state = given[1];
+    for (uint k = 0u; k < given[0]; ++k) {
+        state = state * 1664525u + 1013904223u;
+        if (state != 12345u) ++n;
+    }
+    told[0] = n;
+    told[1] = state;
+}
+)";
+}
+
+}  // namespace lostbits::intersect::device

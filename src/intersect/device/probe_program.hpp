@@ -1,0 +1,40 @@
+// The program that `probe` runs, and its operations by name.
+#pragma once
+
+#include <array>
+#include <string>
+
+namespace lostbits::intersect::device {
+
+/// What the program computes of six numbers x y z u v w, in this order.
+enum class Probed : unsigned {
+    add,           ///< x + y
+    subtract,      ///< x - y
+    multiply,      ///< x * y
+    divide,        ///< x / y
+    square_root,   ///< sqrt(|x|)
+    inverse_root,  ///< inversesqrt(|x|)
+    length,        ///< length(x y z)
+    normalize,     ///< normalize(x y z).x
+    fma,           ///< fma(x, y, z)
+    fma_precise,   ///< the same, precise
+    contraction,   ///< x * y + z
+    contraction_precise,
+    dot,      ///< dot(x y z, u v w)
+    two_sum,  ///< the error of x + y by Knuth
+    two_sum_precise,
+    kahan,  ///< x + y + z + u + v + w by Kahan
+    kahan_precise,
+    factored,      ///< x * y + x * z
+    root_squared,  ///< sqrt(|x|) * sqrt(|x|)
+    count
+};
+inline constexpr std::size_t probed_count = static_cast<std::size_t>(Probed::count);
+
+/// GLSL: reads six numbers an element at binding 0, writes `probed_count` answers an element at binding 1.
+std::string probe_program(int bits, int version);
+
+/// GLSL: counts to the number at binding 0 and writes how far it came at binding 1.
+std::string loop_program(int version);
+
+}  // namespace lostbits::intersect::device

@@ -1,0 +1,125 @@
+#include "intersect/shader/forms.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <filesystem>
+
+#include "intersect/shader/compiler_log.hpp"
+#include "intersect/shader/kernel.hpp"
+
+namespace lostbits::intersect::shader {
+
+using device::Buffer;
+using device::CompileError;
+using device::Device;
+using device::DeviceLimits;
+using device::DeviceWords;
+using device::group_size;
+using device::Program;
+
+namespace {
+
+/// One compiled function, and room for a batch of it.
+class Runner {
+public:
+    Runner(std::shared_ptr<Device> on, std::shared_ptr<Program> program, const ShaderSource& shader)
+        : device_(std::move(on)),
+          program_(std::move(program)),
+          shape_(shader.signature.shape),
+          answers_(shader.signature.answers),
+          sentinel_(shader.sentinel) {}
+
+    template <class S>
+    void answer(const lb_batch& batch) {
+        const std::size_t most = most_rays(device_->limits(), 8 * sizeof(S));
+        for (std::size_t begin = 0; begin < batch.size; begin += most)
+            answer_part<S>(batch, begin, std::min(most, batch.size - begin));
+    }
+
+private:
+    template <class S>
+    static std::span<std::byte> bytes_at(const void* column, std::size_t first, std::size_t count) {
+        const auto* const begin = static_cast<const S*>(column) + first;
+        // A buffer that is read only is not written through this.
+        return {reinterpret_cast<std::byte*>(const_cast<S*>(begin)), count * sizeof(S)};
+    }
+
+    template <class S>
+    void answer_part(const lb_batch& batch, std::size_t begin, std::size_t n) {
+        const std::size_t numbers = number_names(shape_).size();
+        KernelHead words{static_cast<std::uint32_t>(n), static_cast<std::uint32_t>(batch.solid_stride),
+                         batch.ends != nullptr ? 1U : 0U, 0U};
+        hits_.assign(n, 0U);
+        const bool own = batch.solid_stride != 0;
+        S* const near_far = static_cast<S*>(batch.near_far) + 2 * begin;
+        const S no_end = 0;
+        const std::array<Buffer, Binding::binding_count> buffers{{
+            {std::as_writable_bytes(std::span(&words, 1))},
+            {bytes_at<S>(batch.rays, 6 * begin, 6 * n)},
+            {batch.ends != nullptr ? bytes_at<S>(batch.ends, begin, n) : bytes_at<S>(&no_end, 0, 1)},
+            {bytes_at<S>(batch.solids, own ? begin * batch.solid_stride : 0, own ? n * batch.solid_stride : numbers)},
+            {std::as_writable_bytes(std::span(near_far, 2 * n)), true},
+            {std::as_writable_bytes(std::span(hits_)), true},
+        }};
+        device_->run(*program_, buffers, (n + group_size - 1) / group_size);
+        const bool tells_hit = answers_ != Signature::Answers::t && answers_ != Signature::Answers::near_far;
+        for (std::size_t i = 0; i < n; ++i)
+            batch.hit[begin + i] = tells_hit ? hits_[i] != 0
+                                             : !sentinel_.says_miss(static_cast<double>(near_far[2 * i]),
+                                                                    static_cast<double>(near_far[2 * i + 1]));
+    }
+
+    std::shared_ptr<Device> device_;
+    std::shared_ptr<Program> program_;
+    Shape shape_;
+    Signature::Answers answers_;
+    Sentinel sentinel_;
+    std::vector<std::uint32_t> hits_;
+};
+
+std::shared_ptr<Program> compiled(const ShaderSource& shader, Device& on, int bits) {
+    try {
+        return on.compile(program_text(shader, bits, on.limits().glsl));
+    } catch (const CompileError& error) {
+        const bool translated = shader.signature.doubles != (bits == 64);
+        throw InputError(errors_of(error.what(), shader) +
+                         (translated
+                              ? "\n(the file is rewritten for " + std::string(bits == 64 ? "doubles" : "floats") +
+                                    ", as format= asks; some functions have no form for doubles)"
+                              : ""));
+    }
+}
+
+}  // namespace
+
+std::size_t most_rays(const DeviceLimits& limits, int bits) {
+    const std::size_t by_buffer = limits.buffer_bytes / (6 * static_cast<std::size_t>(bits) / 8);
+    return std::max<std::size_t>(1, std::min(by_buffer, limits.groups * group_size));
+}
+
+std::vector<doors::ForeignForm> forms_of(const ShaderSource& shader, const std::shared_ptr<Device>& on,
+                                         bool name_device, const std::string& arithmetic) {
+    const DeviceWords& words = on->words();
+    if (shader.f64 && !on->limits().doubles && !shader.f32)
+        throw EnvironmentError(shader.path + ": " + words.renderer +
+                               " has no doubles in shaders; write format=f32, or try another --device");
+    std::vector<doors::ForeignForm> forms;
+    for (const int bits : {32, 64}) {
+        if (bits == 32 ? !shader.f32 : !shader.f64 || !on->limits().doubles) continue;
+        doors::ForeignForm form{shader.contract, "--shader " + shader.path, {}};
+        form.contract.bits = bits;
+        if (name_device) form.contract.name += "." + words.kind;
+        form.contract.source = std::filesystem::path(shader.path).filename().string() + ":" +
+                               std::to_string(shader.signature.function.line) + " on " + arithmetic;
+        form.contract.source.resize(std::min<std::size_t>(form.contract.source.size(), 400));
+        const auto runner = std::make_shared<Runner>(on, compiled(shader, *on, bits), shader);
+        form.answer = [runner, bits](const lb_batch& batch) {
+            bits == 32 ? runner->answer<float>(batch) : runner->answer<double>(batch);
+        };
+        forms.push_back(std::move(form));
+    }
+    return forms;
+}
+
+}  // namespace lostbits::intersect::shader

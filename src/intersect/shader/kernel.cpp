@@ -1,0 +1,246 @@
+#include "intersect/shader/kernel.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cstdio>
+#include <map>
+#include <set>
+#include <utility>
+
+#include "intersect/device/device.hpp"
+
+namespace lostbits::intersect::shader {
+namespace {
+
+void blank(std::string& text, std::size_t moved, const Token& token) {
+    text.replace(token.offset + moved, token.text.size(), token.text.size(), ' ');
+}
+
+/// Names of other stages and of shader sites, and what stands for them here.
+struct Stand {
+    std::string_view name, value;
+};
+constexpr std::array<Stand, 10> site_names{{{"iResolution", "vec3(640.0, 360.0, 1.0)"},
+                                            {"iTime", "0.0"},
+                                            {"iGlobalTime", "0.0"},
+                                            {"iTimeDelta", "0.0"},
+                                            {"iFrameRate", "60.0"},
+                                            {"iFrame", "0"},
+                                            {"iMouse", "vec4(0.0)"},
+                                            {"iDate", "vec4(0.0)"},
+                                            {"iSampleRate", "44100.0"},
+                                            {"lb_FragCoord", "vec4(0.5, 0.5, 0.0, 1.0)"}}};
+
+/// `uniform vec2 size;` at its first token as a variable that holds 0; Vulkan has no other uniforms. Blocks and
+/// samplers stay.
+void set_to_zero(std::string& text, std::size_t& moved, const std::vector<Token>& tokens, std::size_t at) {
+    static const std::set<std::string_view> zeros{"float", "int", "uint", "bool", "vec2", "vec3", "vec4", "double"};
+    if (at + 3 >= tokens.size() || !zeros.contains(tokens[at + 1].text) || tokens[at + 3].text != ";") return;
+    text.replace(tokens[at].offset + moved, tokens[at].text.size(), tokens[at].text.size(), ' ');
+    const std::string value = " = " + std::string(tokens[at + 1].text) + "(0)";
+    text.insert(tokens[at + 3].offset + moved, value);
+    moved += value.size();
+}
+
+/// The user's text as a compute program takes it, every line and column where it was.
+std::string fitted(const std::string& original) {
+    std::string text = original;
+    const std::vector<Token> tokens = tokens_of(original);
+    int depth = 0;
+    std::size_t moved = 0;
+    bool interface = false;
+    for (std::size_t i = 0; i < tokens.size(); ++i) {
+        const Token& t = tokens[i];
+        if (t.kind == Token::Kind::comment) continue;
+        if (t.in_directive) {
+            const bool version = t.text == "#" && i + 1 < tokens.size() && tokens[i + 1].text == "version";
+            for (std::size_t k = i; version && k < tokens.size() && tokens[k].line == t.line; ++k) {
+                if (tokens[k].kind != Token::Kind::comment) blank(text, moved, tokens[k]);
+            }
+        }
+        if (t.text == "{" || t.text == "(") ++depth;
+        if (t.text == "}" || t.text == ")") --depth;
+        if (t.text.starts_with("gl_Frag")) text.replace(t.offset + moved, 2, "lb");
+        if (t.text == "main") text.replace(t.offset + moved, 4, "lb_m");
+        if (depth == 0 && t.text == "uniform") set_to_zero(text, moved, tokens, i);
+        // `layout(location = 0) out vec4 color;` of the file becomes a variable.
+        static const std::set<std::string_view> stages{"in", "out", "varying", "attribute", "flat", "smooth", "layout"};
+        if (depth == 0 && !t.in_directive && stages.contains(t.text)) {
+            blank(text, moved, t);
+            interface = t.text == "layout";
+        } else if (interface && !t.in_directive) {
+            blank(text, moved, t);
+            interface = !(t.text == ")" && depth == 0);
+        }
+    }
+    return text;
+}
+
+/// Declares what shader sites have and the text uses without declaring it: directives alone, so that an `#extension` of
+/// the text still stands first.
+std::string site_words(const std::string& text) {
+    const std::vector<Token> code = code_tokens(tokens_of(text));
+    static const std::set<std::string_view> site_types{"float", "int", "vec2", "vec3", "vec4", "sampler2D"};
+    std::set<std::string_view> used, declared;
+    for (std::size_t i = 0; i < code.size(); ++i) {
+        used.insert(code[i].text);
+        if (i + 1 < code.size() && site_types.contains(code[i].text)) declared.insert(code[i + 1].text);
+    }
+    std::string words;
+    for (const Stand& s : site_names) {
+        if (used.contains(s.name) && !declared.contains(s.name))
+            words += "#define " + std::string(s.name) + " " + std::string(s.value) + "\n";
+    }
+    if (used.contains("lb_FragColor")) words += "vec4 lb_FragColor;\n";
+    if (used.contains("lb_FragDepth")) words += "float lb_FragDepth;\n";
+    for (const std::string channel : {"iChannel0", "iChannel1", "iChannel2", "iChannel3"}) {
+        if (used.contains(channel) && !declared.contains(channel))
+            words += "layout(binding = " + std::to_string(8 + channel.back() - '0') + ") uniform sampler2D " + channel +
+                     ";\n";
+    }
+    return words;
+}
+
+/// The usual loop, with the constants as decimals that are read back as they were given.
+std::string march_words(const Signature& s, const MarchWords& march, const std::string& call) {
+    const auto number = [&s](double x) {
+        std::array<char, 40> text{};
+        std::snprintf(text.data(), text.size(), "%.17e%s", x, s.doubles ? "LF" : "");
+        return std::string(text.data());
+    };
+    const std::string real = s.doubles ? "double" : "float", vector = s.doubles ? "dvec3" : "vec3";
+    return "    " + real + " lb_t = " + real + "(0), lb_says = " + real + "(-1);\n    for (int lb_k = 0; lb_k < " +
+           std::to_string(march.max_steps) + "; ++lb_k) {\n        " + vector +
+           " lb_point = lb_origin + lb_direction * lb_t;\n        " + real + " lb_d = " + call +
+           ";\n        if (lb_d < " + number(march.hit_eps) +
+           ") {\n            lb_says = lb_t;\n            break;\n        }\n        lb_t += lb_d;\n        if (lb_t "
+           "> " +
+           number(march.max_dist) + ") break;\n    }\n";
+}
+
+/// The call, and what becomes of its answer. `R` and `V` stand for the types of numbers and vectors.
+std::string call_words(const Signature& s, const MarchWords& march) {
+    using Answers = Signature::Answers;
+    std::string words, list;
+    for (std::size_t k = 0; k < s.arguments.size(); ++k) {
+        const Parameter& p = s.function.parameters[k];
+        if (p.way != Parameter::Way::in) words += "    " + p.type + " " + s.arguments[k] + " = " + p.type + "(0);\n";
+        if (p.way == Parameter::Way::inout && (p.type == "float" || p.type == "double"))
+            words += "    " + s.arguments[k] + " = lb_end;\n";
+        list += (k == 0 ? "" : ", ") + s.arguments[k];
+    }
+    const std::string call = s.function.name + "(" + list + ")";
+    words += s.kind == Signature::Kind::field ? march_words(s, march, call)
+                                              : "    " + s.function.type + " lb_says = " + call + ";\n";
+    const auto store = [&words](const std::string& near, const std::string& far) {
+        words += "    lb_answers[2u * lb_i] = " + near + ";\n    lb_answers[2u * lb_i + 1u] = " + far + ";\n";
+    };
+    switch (s.answers) {
+        case Answers::t: store("lb_says", "lb_says"); break;
+        case Answers::near_far: store("lb_says.x", "lb_says.y"); break;
+        case Answers::hit: break;
+        case Answers::hit_and_t: store(s.outputs[0], s.outputs[0]); break;
+        case Answers::hit_and_near_far: store(s.outputs[0], s.outputs[1]); break;
+    }
+    const bool tells_hit = s.function.type == "bool";
+    return words + "    lb_hits[lb_i] = " + (tells_hit ? "lb_says ? 1u : 0u" : "1u") + ";\n";
+}
+
+std::string main_words(const Signature& s, const MarchWords& march) {
+    const std::string real = s.doubles ? "double" : "float", v = s.doubles ? "dvec" : "vec";
+    const std::string count = s.shape == Shape::sphere ? "4u" : "6u";
+    std::string words = "layout(local_size_x = " + std::to_string(device::group_size) + ") in;\n";
+    const auto buffer = [&words](Binding at, const char* way, const std::string& members) {
+        words += "layout(std430, binding = " + std::to_string(at) + ") " + way + " buffer LbBuffer" +
+                 std::to_string(at) + " { " + members + " };\n";
+    };
+    buffer(Binding::head, "readonly", "uint lb_count; uint lb_stride; uint lb_has_ends; uint lb_spare;");
+    buffer(Binding::rays, "readonly", real + " lb_rays[];");
+    buffer(Binding::ends, "readonly", real + " lb_ends[];");
+    buffer(Binding::solids, "readonly", real + " lb_solids[];");
+    buffer(Binding::answers, "writeonly", real + " lb_answers[];");
+    buffer(Binding::hits, "writeonly", "uint lb_hits[];");
+    const auto vec = [&](const char* name, const char* from, int first) {
+        words += "    " + v + "3 " + name + " = " + v + "3(";
+        for (int k = 0; k < 3; ++k)
+            words += std::string(k == 0 ? "" : ", ") + from + "[" + std::to_string(first + k) + "]";
+        words += ");\n";
+    };
+    words += "void main() {\n    uint lb_i = gl_GlobalInvocationID.x;\n    if (lb_i >= lb_count) return;\n";
+    words += "    " + real + " lb_ray[6], lb_solid[6];\n";
+    words += "    for (uint k = 0u; k < 6u; ++k) lb_ray[k] = lb_rays[6u * lb_i + k];\n";
+    words += "    for (uint k = 0u; k < " + count + "; ++k) lb_solid[k] = lb_solids[lb_stride * lb_i + k];\n";
+    vec("lb_origin", "lb_ray", 0);
+    vec("lb_direction", "lb_ray", 3);
+    if (s.shape == Shape::sphere) vec("lb_centre", "lb_solid", 0);
+    else {
+        vec("lb_lo", "lb_solid", 0);
+        vec("lb_hi", "lb_solid", 3);
+    }
+    // Infinity by its bits: a division by zero is the driver's business.
+    words +=
+        "    " + real + " lb_end = lb_has_ends != 0u ? lb_ends[lb_i] : " + real + "(uintBitsToFloat(0x7f800000u));\n";
+    return words + call_words(s, march) + "}\n";
+}
+
+const std::map<std::string_view, std::string_view>& types_of_doubles() {
+    static const std::map<std::string_view, std::string_view> types{
+        {"float", "double"}, {"vec2", "dvec2"}, {"vec3", "dvec3"},     {"vec4", "dvec4"},     {"mat2", "dmat2"},
+        {"mat3", "dmat3"},   {"mat4", "dmat4"}, {"mat2x2", "dmat2x2"}, {"mat3x3", "dmat3x3"}, {"mat4x4", "dmat4x4"}};
+    return types;
+}
+
+/// A number with a point or an exponent as the other width writes it; anything else as it stands.
+std::string number_of(std::string_view number, bool to_doubles) {
+    std::string text(number);
+    const bool hex = text.starts_with("0x") || text.starts_with("0X");
+    const bool real = !hex && text.find_first_of(".eEfF") != std::string::npos;
+    if (!real) return text;
+    while (text.ends_with('f') || text.ends_with('F') || text.ends_with('l') || text.ends_with('L')) text.pop_back();
+    if (text.find_first_of(".eE") == std::string::npos) text += ".0";
+    return to_doubles ? text + "LF" : text;
+}
+
+}  // namespace
+
+std::string rewritten(const std::string& text, bool to_doubles) {
+    std::string result;
+    std::size_t copied = 0;
+    bool in_precision = false;
+    for (const Token& token : tokens_of(text)) {
+        std::string now(token.text);
+        if (token.kind == Token::Kind::number && !(token.in_directive && token.line == 1))
+            now = number_of(token.text, to_doubles);
+        if (token.kind == Token::Kind::name) {
+            for (const auto& [one, two] : types_of_doubles()) {
+                if (token.text == (to_doubles ? one : two)) now = to_doubles ? two : one;
+            }
+        }
+        // `precision highp float;` has no twin for doubles.
+        in_precision = in_precision || (to_doubles && token.text == "precision");
+        result += text.substr(copied, token.offset - copied) + (in_precision ? "" : now);
+        if (token.text == ";") in_precision = false;
+        copied = token.offset + token.text.size();
+    }
+    return result + text.substr(copied);
+}
+
+std::string program_text(const ShaderSource& shader, int bits, int version) {
+    Signature signature = shader.signature;
+    std::string text = fitted(shader.text);
+    std::string site = site_words(text);
+    if (signature.doubles != (bits == 64)) {
+        const bool to_doubles = bits == 64;
+        text = rewritten(text, to_doubles);
+        site = rewritten(site, to_doubles);
+        for (std::string& argument : signature.arguments) argument = rewritten(argument, to_doubles);
+        for (Parameter& p : signature.function.parameters) p.type = rewritten(p.type, to_doubles);
+        signature.function.type = rewritten(signature.function.type, to_doubles);
+        signature.doubles = to_doubles;
+    }
+    const auto line = [](int number) { return "\n#line " + std::to_string(number) + "\n"; };
+    return "#version " + std::to_string(version) + "\n" + site + line(1) + text + line(our_first_line) +
+           main_words(signature, shader.march);
+}
+
+}  // namespace lostbits::intersect::shader

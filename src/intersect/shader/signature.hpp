@@ -1,0 +1,39 @@
+// What a function of a shader takes and answers, told by its types, and where these leave it open by its names.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "geometry/solid.hpp"
+#include "intersect/shader/functions.hpp"
+
+namespace lostbits::intersect::shader {
+
+/// How a function that is an intersector is called. Expressions name what the program around it declares: `lb_origin`,
+/// `lb_direction`, `lb_point`, `lb_solid[k]` (k-th number of the solid) and `lb_end`.
+struct Signature {
+    /// What the function is: of a ray and a solid; of a ray alone, which meets solids of its own; or a field of
+    /// distances (of a point), which the program around it marches through. The first is meant where a file has
+    /// several.
+    enum class Kind { intersector, march, field };
+    enum class Answers { t, near_far, hit, hit_and_t, hit_and_near_far };
+
+    Function function;
+    Kind kind = Kind::intersector;
+    Shape shape = Shape::sphere;
+    Answers answers = Answers::t;
+    bool doubles = false;                ///< written in dvec3 and double
+    bool knows_end = false;              ///< is told where the ray ends
+    std::vector<std::string> arguments;  ///< expressions; `lb_out_k` for what it writes, k its place among all
+    std::vector<std::string> outputs;    ///< those of `arguments` that hold t, or near and far
+};
+
+/// Nothing where the types are not those of an intersector. A march and a field must have a name that says so, `march`
+/// or `map`, unless the function is `named` by the user.
+std::optional<Signature> signature_of(const Function& function, bool named = false);
+
+/// What is recognised, for messages.
+extern const std::string_view known_signatures;
+
+}  // namespace lostbits::intersect::shader

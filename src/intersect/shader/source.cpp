@@ -1,0 +1,295 @@
+#include "intersect/shader/source.hpp"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <sstream>
+
+#include "intersect/doors/pipe_header.hpp"
+#include "number/error.hpp"
+
+namespace lostbits::intersect::shader {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+/// What is said of the function, and where.
+struct Word {
+    std::string key, value, where;
+};
+
+std::string read_text(const fs::path& path) {
+    std::ifstream in(path, std::ios::binary);
+    std::ostringstream text;
+    text << in.rdbuf();
+    if (!in || fs::is_directory(path))
+        throw InputError(path.string() + ": cannot read; --shader takes a file of GLSL, and words after a colon");
+    if (text.str().size() > 4'000'000) throw InputError(path.string() + ": longer than 4 MB; is this a file of GLSL?");
+    return text.str();
+}
+
+/// The file and the words after it.
+std::pair<std::string, std::string> split(const std::string& named) {
+    std::error_code none;
+    for (std::size_t end = named.size();; end = named.rfind(':', end - 1)) {
+        if (end == std::string::npos) break;
+        if (fs::exists(named.substr(0, end), none))
+            return {named.substr(0, end), end == named.size() ? "" : named.substr(end + 1)};
+        if (end == 0) break;
+    }
+    throw InputError("--shader " + named + ": there is no such file; write FILE.glsl or FILE.glsl:FUNCTION");
+}
+
+/// Words with `separator` between them; quotation marks hold one together.
+void add_words(std::string_view text, char separator, const std::string& where, std::vector<Word>& words) {
+    const auto separates = [separator](char c) { return c == separator || c == ' ' || c == '\t' || c == '\r'; };
+    for (std::size_t at = 0; at < text.size();) {
+        if (separates(text[at])) {
+            ++at;
+            continue;
+        }
+        std::string word;
+        for (bool quoted = false; at < text.size() && (quoted || !separates(text[at])); ++at) {
+            if (text[at] == '"') quoted = !quoted;
+            else word += text[at];
+        }
+        const std::size_t equals = word.find('=');
+        if (equals == std::string::npos) words.push_back({"function", word, where});
+        else words.push_back({word.substr(0, equals), word.substr(equals + 1), where});
+    }
+}
+
+/// What the comments of the file say after `lostbits:`, to the end of the line.
+void add_header(const std::string& path, const std::vector<Token>& tokens, std::vector<Word>& words) {
+    constexpr std::string_view mark = "lostbits:";
+    for (const Token& token : tokens) {
+        if (token.kind != Token::Kind::comment) continue;
+        for (std::size_t at = token.text.find(mark); at != std::string_view::npos; at = token.text.find(mark, at)) {
+            const auto lines = std::ranges::count(token.text.substr(0, at), '\n');
+            const std::size_t newline = token.text.rfind('\n', at);
+            const std::size_t column = newline == std::string_view::npos ? token.column + at : at - newline;
+            at += mark.size();
+            std::string_view rest = token.text.substr(at, token.text.find('\n', at) - at);
+            if (rest.ends_with("*/")) rest.remove_suffix(2);
+            add_words(rest, ' ',
+                      path + ":" + std::to_string(token.line + static_cast<std::size_t>(lines)) + ":" +
+                          std::to_string(column),
+                      words);
+        }
+    }
+}
+
+Sentinel sentinel_of(const Word& word) {
+    using Kind = Sentinel::Kind;
+    constexpr std::array<std::string_view, 4> kinds{"negative", "crossed", "zero", "infinite"};
+    const auto known = std::ranges::find(kinds, word.value);
+    if (known != kinds.end()) return {static_cast<Kind>(known - kinds.begin()), 0};
+    Sentinel above{Kind::above, 0};
+    const auto [end, error] = std::from_chars(word.value.data(), word.value.data() + word.value.size(), above.bound);
+    if (error == std::errc() && end == word.value.data() + word.value.size() && above.bound > 0) return above;
+    throw InputError(word.where + ": miss is " + doors::shown_text(word.value) +
+                     "; it is negative (t < 0 says miss), crossed (near > far), zero (t <= 0), infinite, or a number "
+                     "from which on t says miss, such as 1e20");
+}
+
+std::string place(const std::string& path, const Function& f) {
+    return path + ":" + std::to_string(f.line) + ":" + std::to_string(f.column);
+}
+
+std::string listed(const std::vector<Function>& functions) {
+    std::string text;
+    for (const Function& f : functions) text += "\n  line " + std::to_string(f.line) + ": " + f.words();
+    return text;
+}
+
+/// Those of the foremost kind: a file that marches has a field too.
+std::vector<Function> candidates(const std::vector<Function>& all) {
+    std::vector<Function> best;
+    auto kind = Signature::Kind::field;
+    for (const Function& f : all) {
+        const auto signature = signature_of(f);
+        if (!signature || (!best.empty() && signature->kind > kind)) continue;
+        if (signature->kind < kind) best.clear();
+        kind = signature->kind;
+        best.push_back(f);
+    }
+    return best;
+}
+
+/// The function that is named, or else the one that has the types of an intersector.
+Signature choose(const std::string& path, const std::vector<Function>& all, const Word* named) {
+    std::vector<Function> chosen = candidates(all);
+    if (named) {
+        chosen.clear();
+        std::ranges::copy_if(all, std::back_inserter(chosen),
+                             [&](const Function& f) { return f.name == named->value; });
+    }
+    if (chosen.empty() && named)
+        throw InputError(named->where + ": there is no function " + doors::shown_text(named->value) + " in " + path +
+                         "; there is:" + listed(all));
+    if (chosen.empty())
+        throw InputError(path + ": no function has the types of an intersector, which are " +
+                         std::string(known_signatures) + "; there is:" + (all.empty() ? " no function" : listed(all)) +
+                         "\nwrite one that calls yours, or name it as in --shader " + path + ":FUNCTION");
+    if (!named && chosen.size() > 1)
+        throw InputError(path + ": several functions have the types of an intersector; name one, as in --shader " +
+                         path + ":" + chosen.back().name + ":" + listed(chosen));
+    for (const Function& f : chosen) {
+        if (auto signature = signature_of(f, named != nullptr)) return *signature;
+    }
+    throw InputError(place(path, chosen.front()) + ": `" + chosen.front().words() +
+                     "` has not the types of an intersector, which are " + std::string(known_signatures) +
+                     "; write a function that calls it");
+}
+
+/// What is true of most functions of these types.
+doors::Contract usual_contract(const std::string& path, const Signature& signature) {
+    doors::Contract c{.name = fs::path(path).stem().string(),
+                      .title = signature.function.words(),
+                      .source = {},
+                      .shape = signature.shape,
+                      .bits = signature.doubles ? 64 : 32};
+    using Answers = Signature::Answers;
+    c.direction = signature.shape == Shape::sphere ? Direction::unit : Direction::any;
+    const bool two = signature.answers == Answers::near_far || signature.answers == Answers::hit_and_near_far;
+    c.roots = two ? Roots::both : signature.answers == Answers::hit ? Roots::none : Roots::near_only;
+    if (signature.kind != Signature::Kind::intersector) {
+        c.direction = Direction::unit;
+        c.roots = two ? Roots::both : Roots::first_only;
+    }
+    c.flags = LB_ONE_THREAD;
+    return c;
+}
+
+/// `shader.NAME`, of what a name may hold.
+void name_it(doors::Contract& contract) {
+    for (char& c : contract.name) {
+        const bool plain = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '-';
+        if (!plain) c = '_';
+    }
+    contract.name = "shader." + contract.name.substr(0, 40);
+    constexpr std::size_t most = 120;
+    if (contract.title.size() > most) contract.title = contract.title.substr(0, most) + "...";
+}
+
+/// A number above zero.
+double positive(const Word& word) {
+    double number = 0;
+    const char* const end = word.value.data() + word.value.size();
+    const auto [stop, error] = std::from_chars(word.value.data(), end, number);
+    if (error != std::errc() || stop != end || !(number > 0) || !(number < 1e30))
+        throw InputError(word.where + ": " + word.key + " is " + doors::shown_text(word.value) +
+                         "; it is a number above 0");
+    return number;
+}
+
+void set_formats(const Word& word, ShaderSource& shader) {
+    if (word.value != "f32" && word.value != "f64" && word.value != "both")
+        throw InputError(word.where + ": format is " + doors::shown_text(word.value) + "; it is f32, f64 or both");
+    shader.f32 = word.value != "f64";
+    shader.f64 = word.value != "f32";
+}
+
+void obey(const Word& word, ShaderSource& shader) {
+    const bool own_solids = shader.signature.kind == Signature::Kind::march || shader.signature.arguments.size() == 1;
+    if (word.key == "function") return;
+    if (word.key == "miss") shader.sentinel = sentinel_of(word);
+    else if (word.key == "format") set_formats(word, shader);
+    else if (word.key == "hit_eps") shader.march.hit_eps = positive(word);
+    else if (word.key == "max_dist") shader.march.max_dist = positive(word);
+    else if (word.key == "max_steps") shader.march.max_steps = static_cast<int>(std::min(positive(word), 1e9));
+    else if ((word.key == "shape" && !own_solids) || word.key == "source" ||
+             !doors::set_word(shader.contract, word.key, word.value, word.where))
+        throw InputError(word.where + ": unknown key " + doors::shown_text(word.key) +
+                         "; known are function, name, title, direction, roots, touching, at_origin, flags, miss, "
+                         "format; of a field hit_eps, max_dist, max_steps; of a march with solids of its own shape");
+}
+
+/// Names that stand for whole numbers, by #define or const int.
+std::map<std::string_view, long long> whole_constants(const std::vector<Token>& tokens) {
+    std::map<std::string_view, long long> found;
+    for (std::size_t i = 0; i + 2 < tokens.size(); ++i) {
+        const bool defined = tokens[i].in_directive && tokens[i].text == "define";
+        const bool constant =
+            (tokens[i].text == "int" || tokens[i].text == "uint") && i + 3 < tokens.size() && tokens[i + 2].text == "=";
+        if (!defined && !constant) continue;
+        const Token& value = tokens[i + (defined ? 2 : 3)];
+        if (value.kind == Token::Kind::number && value.text.find_first_of(".xX") == std::string_view::npos)
+            found[tokens[i + 1].text] = std::atoll(std::string(value.text).c_str());
+    }
+    return found;
+}
+
+/// The loops whose condition compares with a whole number.
+std::vector<CountedLoop> loops_of(const std::vector<Token>& all, const std::vector<Token>& code) {
+    const auto constants = whole_constants(all);
+    std::vector<CountedLoop> loops;
+    for (std::size_t i = 0; i + 1 < code.size(); ++i) {
+        if (code[i].text != "for") continue;
+        long long most = 0;
+        int semicolons = 0;
+        for (std::size_t k = i + 1; k < code.size() && semicolons < 2; ++k) {
+            if (code[k].text == ";") ++semicolons;
+            if (semicolons != 1) continue;
+            const auto constant = constants.find(code[k].text);
+            if (constant != constants.end()) most = std::max(most, constant->second);
+            if (code[k].kind == Token::Kind::number && code[k].text.find('.') == std::string_view::npos)
+                most = std::max(most, std::atoll(std::string(code[k].text).c_str()));
+        }
+        if (most > 0) loops.push_back({code[i].line, most});
+    }
+    return loops;
+}
+
+}  // namespace
+
+bool Sentinel::says_miss(double near, double far) const {
+    switch (kind) {
+        case Kind::negative: return far < 0;
+        case Kind::crossed: return near > far || far < 0;
+        case Kind::zero: return far <= 0;
+        case Kind::infinite: return !std::isfinite(near);
+        case Kind::above: return near >= bound;
+    }
+    return false;
+}
+
+ShaderSource read_shader(const std::string& named) {
+    const auto [path, after] = split(named);
+    ShaderSource shader{.path = path,
+                        .text = read_text(path),
+                        .signature = {},
+                        .contract = {},
+                        .sentinel = {},
+                        .march = {},
+                        .loops = {}};
+    const std::vector<Token> tokens = tokens_of(shader.text), code = code_tokens(tokens);
+    std::vector<Word> words;
+    add_header(path, tokens, words);
+    add_words(after, ',', "--shader " + named, words);
+    const auto is_function = [](const Word& word) { return word.key == "function"; };
+    const auto function = std::find_if(words.rbegin(), words.rend(), is_function);
+    shader.signature = choose(path, functions_of(code), function == words.rend() ? nullptr : &*function);
+    shader.contract = usual_contract(path, shader.signature);
+    if (function != words.rend() && function->where.starts_with("--shader")) shader.contract.name = function->value;
+    shader.f32 = !shader.signature.doubles;
+    shader.f64 = shader.signature.doubles;
+    for (const Word& word : words) obey(word, shader);
+    name_it(shader.contract);
+    shader.signature.shape = shader.contract.shape;
+    const bool box = shader.contract.shape == Shape::box && shader.contract.roots != Roots::none;
+    if (box && !shader.signature.knows_end) shader.contract.flags |= LB_NO_END;
+    doors::require_sense(shader.contract, path);
+    shader.loops = loops_of(tokens, code);
+    if (shader.signature.kind == Signature::Kind::field)
+        shader.loops.push_back({shader.signature.function.line, shader.march.max_steps});
+    return shader;
+}
+
+}  // namespace lostbits::intersect::shader

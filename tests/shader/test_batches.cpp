@@ -1,0 +1,98 @@
+// Batches and the limits of a device, on a device that is none.
+#include <cmath>
+#include <cstring>
+#include <memory>
+#include <vector>
+
+#include "catch.hpp"
+#include "intersect/shader/forms.hpp"
+#include "intersect/shader/kernel.hpp"
+
+using namespace lostbits::intersect;
+using namespace lostbits::intersect::shader;
+using device::Buffer;
+using device::Device;
+using device::DeviceLimits;
+using device::DeviceWords;
+
+namespace {
+
+/// Answers each ray with its origin's x plus its solid's last number, and counts what it is asked.
+class Echo : public Device {
+public:
+    explicit Echo(DeviceLimits limits) : limits_(limits) {}
+    [[nodiscard]] const DeviceWords& words() const override { return words_; }
+    [[nodiscard]] const DeviceLimits& limits() const override { return limits_; }
+    [[nodiscard]] std::unique_ptr<device::Program> compile(const std::string&) override {
+        return std::make_unique<device::Program>();
+    }
+    void run(device::Program&, std::span<const Buffer> buffers, std::size_t groups) override {
+        KernelHead head;
+        std::memcpy(&head, buffers[Binding::head].bytes.data(), sizeof head);
+        for (const Buffer& b : buffers) {
+            REQUIRE_FALSE(b.bytes.empty());
+            REQUIRE(b.bytes.size() <= limits_.buffer_bytes);
+        }
+        REQUIRE(groups <= limits_.groups);
+        REQUIRE(groups * device::group_size >= head.rays);
+        const auto* const rays = reinterpret_cast<const float*>(buffers[Binding::rays].bytes.data());
+        const auto* const solids = reinterpret_cast<const float*>(buffers[Binding::solids].bytes.data());
+        auto* const answers = reinterpret_cast<float*>(buffers[Binding::answers].bytes.data());
+        for (std::uint32_t i = 0; i < head.rays; ++i)
+            answers[2 * i] = answers[2 * i + 1] = rays[6 * i] + solids[head.stride * i + 3];
+        ++runs;
+    }
+    int runs = 0;
+
+private:
+    DeviceWords words_{"echo", "Echo", "-", "1", "-"};
+    DeviceLimits limits_;
+};
+
+ShaderSource some_shader() {
+    ShaderSource shader;
+    shader.path = "a.glsl";
+    shader.text = "float f(vec3 ro, vec3 rd, vec4 s) { return 1.0; }";
+    shader.signature = *signature_of(functions_of(code_tokens(tokens_of(shader.text))).front());
+    shader.contract.name = "shader.a";
+    return shader;
+}
+
+}  // namespace
+
+TEST_CASE("shader: a batch larger than the device takes is answered in parts, each ray by its own solid", "[shader]") {
+    constexpr std::size_t n = 1000;
+    std::vector<float> rays(6 * n), solids(4 * n), near_far(2 * n);
+    std::vector<unsigned char> hit(n, 7);
+    for (std::size_t i = 0; i < n; ++i) {
+        rays[6 * i] = static_cast<float>(i);
+        solids[4 * i + 3] = i % 2 == 0 ? 1 : -2000;
+    }
+    for (const std::size_t stride : {std::size_t(0), std::size_t(4)}) {
+        const auto echo = std::make_shared<Echo>(DeviceLimits{.buffer_bytes = 24 * 100, .groups = 1});
+        const auto forms = forms_of(some_shader(), echo, true, "words");
+        REQUIRE(forms.size() == 1);
+        CHECK(forms[0].contract.name == "shader.a.echo");
+        CHECK(forms[0].contract.source == "a.glsl:1 on words");
+        forms[0].answer({n, rays.data(), nullptr, solids.data(), stride, near_far.data(), hit.data(), nullptr});
+        CHECK(echo->runs == 16);  // of 64 rays, since one group is all that it takes
+        std::size_t wrong = 0;
+        for (std::size_t i = 0; i < n; ++i) {
+            const float right = static_cast<float>(i) + (stride == 0 || i % 2 == 0 ? 1.0F : -2000.0F);
+            wrong += near_far[2 * i] != right || hit[i] != (right >= 0);
+        }
+        CHECK(wrong == 0);
+    }
+}
+
+TEST_CASE("shader: doubles are refused or left out where the device has none", "[shader]") {
+    const auto without = std::make_shared<Echo>(DeviceLimits{.buffer_bytes = 1 << 20, .groups = 100});
+    ShaderSource shader = some_shader();
+    shader.f64 = true;
+    CHECK(forms_of(shader, without, false, "").size() == 1);
+    CHECK(forms_of(shader, without, false, "")[0].contract.name == "shader.a");
+    shader.f32 = false;
+    CHECK_THROWS_AS(forms_of(shader, without, false, ""), lostbits::EnvironmentError);
+    CHECK(most_rays({.buffer_bytes = 4800, .groups = 1000}, 64) == 100);
+    CHECK(most_rays({.buffer_bytes = 1, .groups = 1}, 32) == 1);
+}

@@ -1,0 +1,137 @@
+// The bits of shaders on the drivers that are here, held against the forms of the catalogue.
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "catch.hpp"
+#include "cli/program.hpp"
+
+using namespace lostbits::test;
+
+namespace {
+
+const std::string examples = std::string(LOSTBITS_SOURCE_DIR) + "/examples/shaders/";
+
+/// The drivers, with what each says of its dot product.
+std::vector<std::pair<std::string, std::string>> drivers() {
+    std::vector<std::pair<std::string, std::string>> all;
+    const Outcome o = run("devices --json");
+    INFO(o.err);
+    REQUIRE(o.code == 0);
+    for (const auto& device : nlohmann::json::parse(o.out)) {
+        INFO(device.dump());
+        REQUIRE_FALSE(device.contains("missing"));
+        all.emplace_back(device["device"], device["f32.dot"]);
+    }
+    return all;
+}
+
+/// A map with a row a pixel; the tables by the name of their row.
+std::filesystem::path map_of(const Scratch& folder, const std::string& scene, const std::string& words) {
+    const Outcome o = run("map " + scene + " --size 96x72 --pixels csv -o out --device all " + words, folder.path());
+    INFO(o.err);
+    REQUIRE(o.code == 0);
+    return folder.path() / "out" / scene;
+}
+
+/// The column t_hex of a table of pixels.
+std::vector<std::string> hex_of(const std::filesystem::path& table) {
+    std::vector<std::string> all;
+    for (const auto& row : read_csv(table)) all.push_back(row.at("outcome") + " " + row.at("t_hex"));
+    return all;
+}
+
+}  // namespace
+
+TEST_CASE("shader bits: with its sums written out, the analytic sphere has the bits of sphere.unit_half_b",
+          "[shader-device]") {
+    const auto all = drivers();
+    for (const std::string scene : {"rtg-fig-7-3-4100-oblique", "near-benign", "camera-inside"}) {
+        const Scratch folder;
+        const auto out = map_of(folder, scene,
+                                "--shader " + examples +
+                                    "sphere_in_order.glsl -i 'shader.*' -i sphere.unit_half_b "
+                                    "-f f32 -f f64");
+        for (const std::string format : {"f32", "f64"}) {
+            const std::string ours = contents(out / ("sphere.unit_half_b." + format + ".csv"));
+            CHECK(ours.size() > 50'000);
+            for (const auto& [device, dot] : all) {
+                INFO(scene << " on " << device << " in " << format);
+                CHECK(contents(out / ("shader.sphere_in_order." + device + "." + format + ".csv")) == ours);
+            }
+        }
+    }
+}
+
+TEST_CASE("shader bits: with dot, what differs is the order of its sum", "[shader-device]") {
+    const Scratch folder;
+    std::string text = contents(examples + "sphere_in_order.glsl");
+    for (const std::string v : {"rc.x * rc.x", "rd.x * rc.x"}) REQUIRE(has(text, v));
+    const auto swap = [&text](const std::string& from, const std::string& to) {
+        text.replace(text.find(from), from.size(), to);
+    };
+    swap("(rc.x * rc.x + rc.y * rc.y + rc.z * rc.z)", "(rc.x * rc.x + (rc.y * rc.y + rc.z * rc.z))");
+    swap("rd.x * rc.x + rd.y * rc.y + rd.z * rc.z", "rd.x * rc.x + (rd.y * rc.y + rd.z * rc.z)");
+    const std::string from_the_right = folder.write("from_the_right.glsl", text);
+    const std::string scene = "rtg-fig-7-3-4100-oblique";
+    const auto out = map_of(folder, scene,
+                            "--shader " + examples + "sphere.glsl --shader " + from_the_right +
+                                " -i 'shader.*' -i sphere.unit_half_b -f f32");
+    const auto table = [&](const std::string& row) { return contents(out / (row + ".f32.csv")); };
+    CHECK(table("shader.from_the_right.opengl") != table("sphere.unit_half_b"));
+    for (const auto& [device, dot] : drivers()) {
+        INFO(device << " adds " << dot);
+        if (dot == "(x+y)+z") CHECK(table("shader.sphere." + device) == table("sphere.unit_half_b"));
+        if (dot == "x+(y+z)") CHECK(table("shader.sphere." + device) == table("shader.from_the_right." + device));
+        // Mesa's, which CI runs on, are these two.
+        CHECK((dot == "(x+y)+z" || dot == "x+(y+z)"));
+    }
+}
+
+TEST_CASE("shader bits: a march of a field has the t of sdf.sphere_trace", "[shader-device]") {
+    const Scratch folder;
+    const auto out =
+        map_of(folder, "sdf-sphere", "--shader " + examples + "field.glsl -i 'shader.*' -i sdf.sphere_trace -f f32");
+    const auto ours = hex_of(out / "sdf.sphere_trace.f32.csv");
+    CHECK(std::set<std::string>(ours.begin(), ours.end()).size() > 500);
+    for (const auto& [device, dot] : drivers()) CHECK(hex_of(out / ("shader.field." + device + ".f32.csv")) == ours);
+}
+
+TEST_CASE("shader bits: every example does as it says, and boxes are those of the catalogue", "[shader-device]") {
+    const Scratch folder;
+    for (const auto& entry : std::filesystem::directory_iterator(examples)) {
+        const Outcome o = run("plugin check --device all --shader " + entry.path().string(), folder.path());
+        INFO(entry.path() << ": " << o.out << o.err);
+        CHECK(o.code == 0);
+        CHECK(has(o.out, "does as it says"));
+    }
+    const auto out = map_of(folder, "box-one", "--shader " + examples + "box.glsl -i 'shader.*' -i box.slabs -f f32");
+    for (const auto& row : read_csv(out / "summary.csv")) {
+        INFO(row.at("form"));
+        CHECK(row.at("false_hit") == "0");
+        CHECK(row.at("false_miss") == "0");
+    }
+}
+
+TEST_CASE("shader bits: every file says which driver it was and how that rounds", "[shader-device]") {
+    const Scratch folder;
+    const Outcome devices = run("devices --json");
+    const auto first = nlohmann::json::parse(devices.out).at(0);
+    const Outcome o =
+        run("map near-benign --size 16x12 --exr -i shader.sphere -f f32 -o out --shader " + examples + "sphere.glsl",
+            folder.path());
+    INFO(o.err);
+    REQUIRE(o.code == 0);
+    const auto out = folder.path() / "out" / "near-benign";
+    const std::string words = first["renderer"].get<std::string>() + ", " + first["version"].get<std::string>() +
+                              ", arithmetic " + first["digest"].get<std::string>();
+    for (const std::string file :
+         {"datapackage.json", "manifest.json", "shader.sphere.f32.png", "contact.png", "near-benign.exr"}) {
+        INFO(file);
+        CHECK(has(contents(out / file), words));
+    }
+    CHECK(nlohmann::json::parse(contents(out / "datapackage.json"))["lostbits"]["forms"]["shader.sphere"] ==
+          "sphere.glsl:5 on " + words);
+}

@@ -1,0 +1,179 @@
+// Shaders that cannot run: clear words, the right exit code, and no half-written file.
+#include <initializer_list>
+#include <string>
+
+#include "catch.hpp"
+#include "cli/program.hpp"
+
+using namespace lostbits::test;
+
+namespace {
+
+const std::string examples = std::string(LOSTBITS_SOURCE_DIR) + "/examples/shaders/";
+
+Outcome map_by(const Scratch& folder, const std::string& shader, const std::string& more = "",
+               const std::string& before = "") {
+    return run("map near-benign --size 32x24 -i 'shader.*' -f f32 -o out --shader " + shader + " " + more,
+               folder.path(), before);
+}
+
+}  // namespace
+
+TEST_CASE("shader: what does not compile is told with the user's lines on each driver", "[shader-device]") {
+    struct Fault {
+        std::string text, place, says;
+    };
+    const std::string head = "#version 300 es\n// a comment\n";
+    for (const Fault& f : std::initializer_list<Fault>{
+             {head + "float f(vec3 ro, vec3 rd, vec4 s) {\n    float b = 1.0;\n    return b + nope;\n}\n",
+              "mine.glsl:5:16: ", "nope"},
+             {head + "float f(vec3 ro, vec3 rd, vec4 s) {\n    return vec3(1.0);\n}\n", "mine.glsl:4:5: ", ""},
+             {head + "#if 0\nfloat f(vec3 ro, vec3 rd, vec4 s) { return 1.0; }\n#endif\n", "mine.glsl:4:7: ", "`f`"}}) {
+        for (const std::string device : {"opengl", "vulkan"}) {
+            const Scratch folder;
+            const std::string file = folder.write("mine.glsl", f.text);
+            const Outcome o = map_by(folder, file, "--device " + device);
+            INFO(device << ": " << o.err);
+            CHECK(o.code == 2);
+            CHECK(has(o.err, f.place));
+            CHECK(has(o.err, f.says));
+            CHECK(folder.files() == std::vector<std::string>{"mine.glsl"});
+        }
+    }
+}
+
+TEST_CASE("shader: without a driver the door is closed with a sentence", "[shader-device]") {
+    const std::string no_gl = "__EGL_VENDOR_LIBRARY_FILENAMES=/dev/null ", no_vulkan = "VK_ICD_FILENAMES=/dev/null ";
+    const std::string no_mesa = "LIBGL_DRIVERS_PATH=/nonexistent GALLIUM_DRIVER=none ";
+    struct Closed {
+        std::string before, device, says;
+    };
+    for (const Closed& c : std::initializer_list<Closed>{
+             {no_gl, "--device opengl", "opengl: no driver with OpenGL 4.3 answers without a window"},
+             {no_mesa, "--device opengl", "opengl: no driver with OpenGL 4.3 answers without a window"},
+             {no_vulkan, "--device vulkan", "vulkan: no driver answers"},
+             {no_gl + no_vulkan, "", "no driver can run shaders here"},
+             {no_gl + no_vulkan, "--device all", "no driver can run shaders here"},
+             {"PATH=/nonexistent ", "--device vulkan", "glslangValidator is missing"}}) {
+        const Scratch folder;
+        const Outcome o = map_by(folder, examples + "sphere.glsl", c.device, c.before);
+        INFO(c.before << c.device << ": " << o.err);
+        CHECK(o.code == 3);
+        CHECK(has(o.err, c.says));
+        CHECK(folder.files().empty());
+    }
+    const Scratch folder;
+    CHECK(run("devices", folder.path(), no_gl + no_vulkan).code == 3);
+    // All but shaders works.
+    CHECK(run("map near-benign --size 16x12 -i sphere.press -f f32 -o out", folder.path(), no_gl + no_vulkan).code ==
+          0);
+    // The other driver takes over, and says so.
+    const Outcome other = map_by(folder, examples + "sphere.glsl", "", no_gl);
+    INFO(other.err);
+    CHECK(other.code == 0);
+    CHECK(has(contents(folder.path() / "out" / "near-benign" / "datapackage.json"), "Vulkan"));
+}
+
+TEST_CASE("shader: one that runs for ever is ended and named", "[shader-device]") {
+    const Scratch folder;
+    const std::string file = folder.write("slow.glsl",
+                                          "float f(vec3 ro, vec3 rd, vec4 s) {\n"
+                                          "    uint n = floatBitsToUint(rd.x);\n"
+                                          "    for (int i = 0; i < 60000; ++i)\n"
+                                          "        for (int k = 0; k < 60000; ++k) n = n * 1664525u + 1013904223u;\n"
+                                          "    return float(n);\n"
+                                          "}\n");
+    const Outcome o = map_by(folder, file, "--time-limit 4");
+    INFO(o.err);
+    CHECK(o.code == 3);
+    CHECK(has(o.err, "slow.glsl"));
+    CHECK(has(o.err, "within the time limit"));
+    CHECK(folder.files() == std::vector<std::string>{"slow.glsl"});
+}
+
+TEST_CASE("shader: a loop beyond the limit of the driver is told", "[shader-device]") {
+    const Scratch folder;
+    const std::string text =
+        "#define STEPS 100000\nfloat f(vec3 ro, vec3 rd, vec4 s) {\n    float t = 0.0;\n"
+        "    for (int i = 0; i < STEPS; ++i) t += 1.0;\n    return t;\n}\n";
+    const std::string limits = run("devices --json --device opengl").out;
+    const Outcome o = map_by(folder, folder.write("long.glsl", text), "--device opengl");
+    INFO(o.err);
+    CHECK(o.code == 0);
+    CHECK(has(o.err, "long.glsl:4: this loop may run 100000 times") == has(limits, "65535 iterations, silently"));
+}
+
+TEST_CASE("shader: pictures of shader sites and of pixel programs are taken as they are", "[shader-device]") {
+    const Scratch folder;
+    const std::string site = folder.write("site.glsl", R"(#define AA 2
+uniform float speed;
+float sphIntersect( in vec3 ro, in vec3 rd, in vec4 sph )
+{
+    vec3 oc = ro - sph.xyz;
+    float b = dot( oc, rd ), c = dot( oc, oc ) - sph.w*sph.w, h = b*b - c;
+    return h < 0.0 ? -1.0 : -b - sqrt( h );
+}
+void mainImage( out vec4 fragColor, in vec2 fragCoord )
+{
+    vec2 p = (2.0*fragCoord - iResolution.xy)/iResolution.y + texture(iChannel0, iMouse.xy).xy;
+    fragColor = vec4(sphIntersect(vec3(0.0, 0.0, speed*sin(iTime)), normalize(vec3(p, -2.0)), vec4(0, 0, 0, 1)));
+}
+)");
+    const std::string pixels = folder.write("pixels.glsl", R"(#version 330 core
+layout(location = 0) out vec4 color;
+in vec2 uv;
+bool hit(vec3 orig, vec3 dir, vec3 boxMin, vec3 boxMax, out float tmin, out float tmax) {
+    vec3 a = (boxMin - orig) / dir, b = (boxMax - orig) / dir, n = min(a, b), f = max(a, b);
+    tmin = max(max(n.x, n.y), n.z);
+    tmax = min(min(f.x, f.y), f.z);
+    return tmax >= max(tmin, 0.0);
+}
+void main() {
+    float a, b;
+    color = vec4(hit(vec3(uv, 0), vec3(1), vec3(0), vec3(1), a, b), a, b, gl_FragCoord.x);
+    gl_FragDepth = a;
+}
+)");
+    for (const std::string& file : {site, pixels}) {
+        const Outcome o =
+            run("plugin check -q --device all --shader " + file + ":touching=" + (file == site ? "hit" : "miss"),
+                folder.path());
+        INFO(o.out << o.err);
+        CHECK(o.code == 0);
+        CHECK(has(o.out, ".vulkan in binary32"));
+        CHECK(has(o.out, ".opengl in binary32"));
+    }
+}
+
+TEST_CASE("shader: NaN and infinities come back as they are", "[shader-device]") {
+    const Scratch folder;
+    const std::string nan =
+        folder.write("nan.glsl", "float f(vec3 ro, vec3 rd, vec4 s) { return uintBitsToFloat(0x7fc00000u); }");
+    const std::string infinite =
+        folder.write("inf.glsl", "float f(vec3 ro, vec3 rd, vec4 s) { return uintBitsToFloat(0x7f800000u); }");
+    const Outcome o = map_by(folder, nan, "--device all --pixels csv --shader " + infinite);
+    INFO(o.err);
+    REQUIRE(o.code == 0);
+    for (const auto& row : read_csv(folder.path() / "out" / "near-benign" / "summary.csv")) {
+        INFO(row.at("form"));
+        if (has(row.at("form"), "shader.nan")) CHECK(row.at("not_a_number") == row.at("rays"));
+        else CHECK(row.at("agree_miss") == "0");
+    }
+}
+
+TEST_CASE("shader: explain says why it cannot look inside, and judge, sweep, diff and choose take a shader",
+          "[shader-device]") {
+    const Scratch folder;
+    const std::string door = " --shader " + examples + "sphere.glsl";
+    const Outcome o = run("explain near-benign --pixel 3,3 -i shader.sphere -f f32" + door, folder.path());
+    CHECK(o.code == 2);
+    CHECK(has(o.err, "its operations cannot be looked at"));
+    const Outcome sweep =
+        run("sweep extremes/contact -i shader.sphere -i sphere.unit_half_b -f f32 -o sweep" + door, folder.path());
+    INFO(sweep.err);
+    CHECK(sweep.code == 0);
+    const Outcome choose =
+        run("choose near-benign --bits 12 -i shader.sphere -i sphere.unit_half_b -f f32" + door, folder.path());
+    INFO(choose.err);
+    CHECK(has(choose.out, "shader.sphere"));
+}

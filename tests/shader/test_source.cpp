@@ -1,0 +1,190 @@
+// What a file of GLSL says of its function.
+#include <filesystem>
+#include <fstream>
+#include <initializer_list>
+#include <limits>
+#include <string>
+
+#include "catch.hpp"
+#include "intersect/shader/source.hpp"
+#include "number/error.hpp"
+
+using namespace lostbits;
+using namespace lostbits::intersect;
+using namespace lostbits::intersect::shader;
+
+namespace {
+
+/// A file that goes away with the test.
+class File {
+public:
+    explicit File(const std::string& text, const std::string& name = "mine.glsl")
+        : folder_(std::filesystem::temp_directory_path() / ("lostbits-" + std::to_string(Catch::rngSeed()) + name)),
+          path_(folder_ / name) {
+        std::filesystem::create_directories(folder_);
+        std::ofstream(path_) << text;
+    }
+    ~File() { std::filesystem::remove_all(folder_); }
+    File(const File&) = delete;
+    File& operator=(const File&) = delete;
+    [[nodiscard]] std::string path() const { return path_.string(); }
+
+private:
+    std::filesystem::path folder_, path_;
+};
+
+std::string joined(const Signature& s) {
+    std::string all;
+    for (const std::string& a : s.arguments) all += (all.empty() ? "" : " ") + a;
+    return all;
+}
+
+std::string refused(const std::string& text, const std::string& words = "") {
+    const File file(text);
+    try {
+        const ShaderSource taken = read_shader(file.path() + words);
+        return "taken: " + taken.contract.title;
+    } catch (const InputError& error) {
+        return error.what();
+    }
+}
+
+bool has(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+
+}  // namespace
+
+TEST_CASE("shader: the functions of shader sites are recognised by their types", "[shader]") {
+    struct Known {
+        std::string function, arguments;
+        Shape shape;
+        Roots roots;
+        Direction direction;
+    };
+    const std::string sphere = "vec4(lb_centre, lb_solid[3])";
+    for (const Known& k : std::initializer_list<Known>{
+             {"vec2 f(vec3 ro, vec3 rd, vec4 s)", "lb_origin lb_direction " + sphere, Shape::sphere, Roots::both,
+              Direction::unit},
+             {"float f(in vec4 s, in vec3 ro, in vec3 rd)", sphere + " lb_origin lb_direction", Shape::sphere,
+              Roots::near_only, Direction::unit},
+             {"float f(vec3 ro, vec3 rd, vec3 center, float radius)", "lb_origin lb_direction lb_centre lb_solid[3]",
+              Shape::sphere, Roots::near_only, Direction::unit},
+             {"float f(vec3 c, float r, vec3 o, vec3 d)", "lb_centre lb_solid[3] lb_origin lb_direction", Shape::sphere,
+              Roots::near_only, Direction::unit},
+             {"float f(vec3 rd, vec3 ro, vec4 s)", "lb_direction lb_origin " + sphere, Shape::sphere, Roots::near_only,
+              Direction::unit},
+             {"bool f(vec3 a, vec3 b, vec4 s)", "lb_origin lb_direction " + sphere, Shape::sphere, Roots::none,
+              Direction::unit},
+             {"bool f(vec3 ro, vec3 rd, vec4 s, out float t, out vec3 n)",
+              "lb_origin lb_direction " + sphere + " lb_out_3 lb_out_4", Shape::sphere, Roots::near_only,
+              Direction::unit},
+             {"vec2 f(vec3 ro, vec3 rd, vec3 lo, vec3 hi)", "lb_origin lb_direction lb_lo lb_hi", Shape::box,
+              Roots::both, Direction::any},
+             {"bool f(vec3 bmin, vec3 bmax, vec3 orig, vec3 invDir, float tmax, out float tn, out float tf)",
+              "lb_lo lb_hi lb_origin (1.0 / lb_direction) lb_end lb_out_5 lb_out_6", Shape::box, Roots::both,
+              Direction::any},
+             {"dvec2 f(dvec3 ro, dvec3 rd, dvec4 s)", "lb_origin lb_direction dvec4(lb_centre, lb_solid[3])",
+              Shape::sphere, Roots::both, Direction::unit},
+             {"float map(vec3 p)", "lb_point", Shape::sphere, Roots::first_only, Direction::unit},
+             {"float sdScene(vec3 p, vec4 s)", "lb_point " + sphere, Shape::sphere, Roots::first_only, Direction::unit},
+             {"float march(vec3 ro, vec3 rd)", "lb_origin lb_direction", Shape::sphere, Roots::first_only,
+              Direction::unit}}) {
+        const File file("// nothing else\n" + k.function + " { return 0; }\n");
+        const ShaderSource shader = read_shader(file.path());
+        INFO(k.function);
+        CHECK(joined(shader.signature) == k.arguments);
+        CHECK(shader.contract.shape == k.shape);
+        CHECK(shader.contract.roots == k.roots);
+        CHECK(shader.contract.direction == k.direction);
+        CHECK(shader.signature.function.line == 2);
+        CHECK(shader.contract.name == "shader.mine");
+        CHECK(shader.f32 == (k.function[0] != 'd'));
+        CHECK(shader.f64 == (k.function[0] == 'd'));
+    }
+}
+
+TEST_CASE("shader: helpers, prototypes, calls and comments are not taken for the function", "[shader]") {
+    const File file(R"(
+/* float no(vec3 ro, vec3 rd, vec4 s) { return 1.0; } */
+float yes(vec3 ro, vec3 rd, vec4 s);
+#define N 3
+float map(vec3 p) { return 1.0; }
+float noise(vec3 p) { return map(p); }
+void mainImage(out vec4 c, in vec2 p) { c = vec4(yes(vec3(0), vec3(1), vec4(1))); }
+float yes(vec3 ro, vec3 rd, vec4 s) { if (ro.x > 0.0) { return -1.0; } return map(ro); }
+)");
+    const ShaderSource shader = read_shader(file.path());
+    CHECK(shader.signature.function.name == "yes");
+    CHECK(shader.signature.function.line == 8);
+    CHECK(read_shader(file.path() + ":map").contract.name == "shader.map");
+    CHECK(read_shader(file.path() + ":noise").signature.kind == Signature::Kind::field);
+}
+
+TEST_CASE("shader: comments and words of the command line say the contract", "[shader]") {
+    const File file(R"(// lostbits: roots=first touching=miss miss=1e20
+/* lostbits: title="two words" format=both
+   lostbits: flags=one_thread */
+float f(vec3 ro, vec3 rd, vec4 s) { return 1.0; }
+)");
+    const ShaderSource shader = read_shader(file.path());
+    CHECK(shader.contract.roots == Roots::first_only);
+    CHECK(shader.contract.touching == Touching::miss);
+    CHECK(shader.contract.title == "two words");
+    CHECK((shader.f32 && shader.f64));
+    CHECK(shader.sentinel.kind == Sentinel::Kind::above);
+    CHECK(shader.sentinel.bound == 1e20);
+    const ShaderSource other = read_shader(file.path() + ":roots=near,touching=hit,format=f64");
+    CHECK(other.contract.roots == Roots::near_only);
+    CHECK(other.contract.touching == Touching::hit);
+    CHECK_FALSE(other.f32);
+}
+
+TEST_CASE("shader: what is wrong is said with its place", "[shader]") {
+    const std::string f = "float f(vec3 ro, vec3 rd, vec4 s) { return 1.0; }\n";
+    CHECK(has(refused("// x\n  // lostbits: roots=some\n" + f), "mine.glsl:2:6: roots is \"some\"; it is one of both"));
+    CHECK(has(refused("/* a\nlostbits: colour=red */" + f), "mine.glsl:2:1: unknown key \"colour\""));
+    CHECK(has(refused(f, ":g"), "there is no function \"g\""));
+    CHECK(has(refused(f, ":miss=sometimes"), "miss is \"sometimes\"; it is negative"));
+    CHECK(has(refused(f + "vec2 g(vec3 ro, vec3 rd, vec4 s) { return vec2(1); }"), "several functions have the types"));
+    CHECK(has(refused("float noise(vec3 p) { return 1.0; }"), "no function has the types of an intersector"));
+    CHECK(has(refused("float g(vec2 p) { return 1.0; }", ":g"), "mine.glsl:1:7: `float g(vec2 p)` has not the types"));
+    CHECK(has(refused("float march(vec3 ro, vec3 rd[2], vec4 s) { return 1.0; }"), "no function has the types"));
+    CHECK(
+        has(refused("float map(vec3 p) { return 1.0; } // lostbits: hit_eps=-1"), "hit_eps is \"-1\"; it is a number"));
+    CHECK(has(refused(f, ":roots=none,flags=no_end"), "must look at the ends of rays itself"));
+    CHECK_THROWS_AS(read_shader("no-such-file.glsl"), InputError);
+    CHECK_THROWS_AS(read_shader(std::filesystem::temp_directory_path().string()), InputError);
+}
+
+TEST_CASE("shader: numbers say miss as each convention has it", "[shader]") {
+    using Kind = Sentinel::Kind;
+    const double infinity = std::numeric_limits<double>::infinity(), nan = std::numeric_limits<double>::quiet_NaN();
+    CHECK(Sentinel{Kind::negative}.says_miss(-1, -1));
+    CHECK_FALSE(Sentinel{Kind::negative}.says_miss(-1, 1));  // from inside
+    CHECK_FALSE(Sentinel{Kind::negative}.says_miss(0, 0));
+    CHECK_FALSE(Sentinel{Kind::negative}.says_miss(nan, nan));  // an answer, if a bad one
+    CHECK(Sentinel{Kind::crossed}.says_miss(2, 1));
+    CHECK(Sentinel{Kind::crossed}.says_miss(-2, -1));
+    CHECK_FALSE(Sentinel{Kind::crossed}.says_miss(1, 1));
+    CHECK(Sentinel{Kind::zero}.says_miss(0, 0));
+    CHECK(Sentinel{Kind::infinite}.says_miss(infinity, infinity));
+    CHECK(Sentinel{Kind::above, 1e20}.says_miss(1e20, 1e20));
+    CHECK_FALSE(Sentinel{Kind::above, 1e20}.says_miss(9e19, 9e19));
+}
+
+TEST_CASE("shader: loops are found with what bounds them", "[shader]") {
+    const File file(R"(#define STEPS 100000
+const int FEW = 5;
+float f(vec3 ro, vec3 rd, vec4 s) {
+    for (int i = 0; i < STEPS; ++i) ro.x += 1.0;
+    for (int i = 7; i < FEW + 2; ++i) ro.x += 1.0;
+    for (int i = 70000; i > 0; --i) ro.x += 1.0;
+    return ro.x;
+}
+)");
+    const auto loops = read_shader(file.path()).loops;
+    REQUIRE(loops.size() == 2);
+    CHECK(loops[0].line == 4);
+    CHECK(loops[0].most == 100000);
+    CHECK(loops[1].line == 5);
+    CHECK(loops[1].most == 5);
+}
