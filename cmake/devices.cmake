@@ -1,6 +1,7 @@
 # The drivers of shaders: a module each, loaded at run time by the process that serves a shader, and built where its
 # headers are. Without one, `--shader` says what to install.
 find_package(PkgConfig REQUIRED)
+add_custom_target(lostbits_devices)  # all that there are
 foreach(device "opengl|egl opengl|libegl-dev libopengl-dev" "vulkan|vulkan|libvulkan-dev")
     string(REPLACE "|" ";" device "${device}")
     list(GET device 0 kind)
@@ -19,5 +20,5 @@ foreach(device "opengl|egl opengl|libegl-dev libopengl-dev" "vulkan|vulkan|libvu
     target_include_directories(lostbits_${kind} PRIVATE ${PROJECT_SOURCE_DIR}/src)
     target_link_libraries(lostbits_${kind} PRIVATE PkgConfig::DEVICE_${kind} lostbits_warnings)
     install(TARGETS lostbits_${kind} LIBRARY DESTINATION lib/lostbits)
-    list(APPEND LOSTBITS_DEVICES lostbits_${kind})
+    add_dependencies(lostbits_devices lostbits_${kind})
 endforeach()
