@@ -193,10 +193,10 @@ void check_shard_options(const CheckOptions& o) {
 }
 
 /// How what is measured moved since a baseline: printed, written, and by the id of each claim.
-std::map<std::string, std::string> show_moves(const CheckOptions& o, const output::claim::Baseline& before,
-                                              const output::claim::Baseline& now) {
+std::map<std::string, std::string> show_moves(const CheckOptions& o, const output::claim::ClaimBaseline& before,
+                                              const output::claim::ClaimBaseline& now) {
     // Of the claims that were not selected now nothing is known.
-    output::claim::Baseline selected = before;
+    output::claim::ClaimBaseline selected = before;
     std::erase_if(selected.claims, [&o](const output::claim::MeasuredClaim& c) { return !o.selects(c.id); });
     const auto moves = output::claim::moves_between(selected, now);
     fmt::print("{}", output::claim::moves_text(selected, now, moves));
@@ -211,7 +211,7 @@ Exit run(const CheckOptions& o, const Common& common) {
     if (!o.moves.empty() && o.against.empty())
         throw InputError("--moves " + o.moves +
                          ": says how values moved since a baseline; add --against BASELINE.json");
-    std::optional<output::claim::Baseline> before;
+    std::optional<output::claim::ClaimBaseline> before;
     if (!o.against.empty()) before = output::claim::read_baseline(o.against);
     if (o.timing() && (o.strict || !o.junit.empty() || !o.save.empty() || !o.against.empty() || !o.csv.empty() ||
                        !o.json.empty() || !o.report.empty() || o.annotations != "none")) {

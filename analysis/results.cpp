@@ -37,8 +37,12 @@ std::vector<std::unique_ptr<output::file::ResultFolder>> own_folders(const std::
 }
 
 void add_shard(CLI::App& command, std::string& word) {
-    command.add_option("--shard", word,
-                       "Do part K of N alone, into the folder shard-K-of-N of -o; `lostbits merge` joins all N: K/N");
+    command
+        .add_option("--shard", word,
+                    "Do part K of N alone, into the folder shard-K-of-N of -o; `lostbits merge` joins all N: K/N")
+        ->check([](const std::string& given) {
+            return given.empty() ? std::string("its value is empty; write K/N, as in --shard 3/64") : std::string();
+        });
 }
 
 Divided divide(const std::string& word, const std::string& out, const std::vector<std::filesystem::path>& files,

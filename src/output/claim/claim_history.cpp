@@ -75,10 +75,10 @@ std::string cell_of(const std::string& text) {
 
 }  // namespace
 
-Baseline baseline_of(const std::vector<scene::claim::Claim>& claims,
-                     const std::vector<measure::claim::ClaimResult>& results, const std::string& program,
-                     const std::string& command) {
-    Baseline run{program, image::compiler_attribute().second, command};
+ClaimBaseline baseline_of(const std::vector<scene::claim::Claim>& claims,
+                          const std::vector<measure::claim::ClaimResult>& results, const std::string& program,
+                          const std::string& command) {
+    ClaimBaseline run{program, image::compiler_attribute().second, command};
     for (std::size_t i = 0; i < claims.size(); ++i)
         run.claims.push_back({.id = claims[i].id,
                               .quantity = quantity(claims[i]),
@@ -89,7 +89,7 @@ Baseline baseline_of(const std::vector<scene::claim::Claim>& claims,
     return run;
 }
 
-void write_baseline(const std::filesystem::path& path, const Baseline& baseline) {
+void write_baseline(const std::filesystem::path& path, const ClaimBaseline& baseline) {
     const auto number = [](double x) {
         return std::isfinite(x) ? nlohmann::ordered_json(x) : nlohmann::ordered_json(file::decimal(x));
     };
@@ -111,11 +111,11 @@ void write_baseline(const std::filesystem::path& path, const Baseline& baseline)
     out.commit();
 }
 
-Baseline read_baseline(const std::filesystem::path& path) {
+ClaimBaseline read_baseline(const std::filesystem::path& path) {
     const auto refuse = [&path](const std::string& what) {
         throw InputError(path.string() + ": " + what + "; name a file that `lostbits check --save` wrote");
     };
-    Baseline run;
+    ClaimBaseline run;
     try {
         const auto all = nlohmann::json::parse(file::read_file(path));
         if (all.value("schema", "") != baseline_schema) refuse("is not a baseline of this version");
@@ -146,9 +146,9 @@ std::string ClaimMove::words() const {
                        change.empty() ? "" : " (" + change + ")", state_text(*this));
 }
 
-ClaimMoves moves_between(const Baseline& before, const Baseline& now) {
+ClaimMoves moves_between(const ClaimBaseline& before, const ClaimBaseline& now) {
     ClaimMoves found;
-    const auto with_id = [](const Baseline& run, const std::string& id) {
+    const auto with_id = [](const ClaimBaseline& run, const std::string& id) {
         const auto at = std::ranges::find(run.claims, id, &MeasuredClaim::id);
         return at == run.claims.end() ? std::nullopt : std::optional(*at);
     };
@@ -163,7 +163,7 @@ ClaimMoves moves_between(const Baseline& before, const Baseline& now) {
     return found;
 }
 
-std::string moves_text(const Baseline& before, const Baseline& now, const ClaimMoves& moves) {
+std::string moves_text(const ClaimBaseline& before, const ClaimBaseline& now, const ClaimMoves& moves) {
     std::string text = fmt::format("before: {}, {}: {}\nnow:    {}, {}: {}\n{}\n", before.program, before.compiler,
                                    before.command, now.program, now.compiler, now.command, summary_text(moves));
     if (moves.moves.empty()) return text;
@@ -175,7 +175,7 @@ std::string moves_text(const Baseline& before, const Baseline& now, const ClaimM
     return text;
 }
 
-void write_moves(const std::filesystem::path& path, const Baseline& before, const Baseline& now,
+void write_moves(const std::filesystem::path& path, const ClaimBaseline& before, const ClaimBaseline& now,
                  const ClaimMoves& moves) {
     std::string text = fmt::format(
         "# What claims measure, before and now\n\n{}.\n\n| | program | compiler | command |\n"

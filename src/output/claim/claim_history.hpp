@@ -21,20 +21,20 @@ struct MeasuredClaim {
 };
 
 /// A run of claims, to compare later ones with.
-struct Baseline {
+struct ClaimBaseline {
     std::string program, compiler, command;
     std::vector<MeasuredClaim> claims = {};
 };
 
 /// The run that has just ended. `command` is what to type to do it again.
-Baseline baseline_of(const std::vector<scene::claim::Claim>& claims,
-                     const std::vector<measure::claim::ClaimResult>& results, const std::string& program,
-                     const std::string& command);
+ClaimBaseline baseline_of(const std::vector<scene::claim::Claim>& claims,
+                          const std::vector<measure::claim::ClaimResult>& results, const std::string& program,
+                          const std::string& command);
 
 /// JSON, `schema` `lostbits-baseline/1`: every number also as a hexadecimal float, which is what is read back.
-void write_baseline(const std::filesystem::path& path, const Baseline& baseline);
+void write_baseline(const std::filesystem::path& path, const ClaimBaseline& baseline);
 /// InputError, with the path, for what is not such a file.
-Baseline read_baseline(const std::filesystem::path& path);
+ClaimBaseline read_baseline(const std::filesystem::path& path);
 
 /// A claim in which two runs differ: in its number, to the last bit, or in what became of it; or that one of them
 /// lacks.
@@ -50,12 +50,12 @@ struct ClaimMoves {
     std::vector<ClaimMove> moves;  ///< in the order of the later run, then those that it lacks
     std::size_t same = 0;          ///< claims that both have and that measure the same
 };
-ClaimMoves moves_between(const Baseline& before, const Baseline& now);
+ClaimMoves moves_between(const ClaimBaseline& before, const ClaimBaseline& now);
 
 /// For the terminal, a line a move with a heading; and what both runs are.
-std::string moves_text(const Baseline& before, const Baseline& now, const ClaimMoves& moves);
+std::string moves_text(const ClaimBaseline& before, const ClaimBaseline& now, const ClaimMoves& moves);
 /// The same as Markdown, to be shown in a pull request.
-void write_moves(const std::filesystem::path& path, const Baseline& before, const Baseline& now,
+void write_moves(const std::filesystem::path& path, const ClaimBaseline& before, const ClaimBaseline& now,
                  const ClaimMoves& moves);
 
 }  // namespace lostbits::output::claim
