@@ -3,7 +3,9 @@
 
 #include <algorithm>
 #include <iterator>
+#include <map>
 #include <memory>
+#include <optional>
 #include <set>
 
 #include "analysis/choice/options.hpp"
@@ -12,6 +14,7 @@
 #include "number/error.hpp"
 #include "output/blame/explain_command.hpp"
 #include "output/claim/claim_files.hpp"
+#include "output/claim/claim_history.hpp"
 #include "output/claim/claim_report.hpp"
 #include "output/file/atomic_file.hpp"
 #include "output/file/number_text.hpp"
@@ -29,11 +32,17 @@ struct CheckOptions {
     std::vector<std::string> files;
     std::vector<std::string> filters;
     std::string junit, csv, json, report, annotations = "none", shard;
+    std::string save, against, moves;
     std::string profile = "results";
     bool strict = false, measure = false;
     int seeds = 0;
 
     [[nodiscard]] bool timing() const { return profile == "timing"; }
+    [[nodiscard]] bool selects(const std::string& id) const {
+        return filters.empty() || std::ranges::any_of(filters, [&id](const std::string& f) {
+                   return fnmatch(f.c_str(), id.c_str(), 0) == 0;
+               });
+    }
 };
 
 std::vector<Claim> load(const CheckOptions& o, const std::filesystem::path& data) {
@@ -50,9 +59,7 @@ std::vector<Claim> load(const CheckOptions& o, const std::filesystem::path& data
                 if (!ids.insert(claim.id).second)
                     scene::toml::fail(claim.where, "the id \"" + claim.id +
                                                        "\" is used in another file too; each id may be used once");
-                const bool chosen = o.filters.empty() || std::ranges::any_of(o.filters, [&](const std::string& f) {
-                                        return fnmatch(f.c_str(), claim.id.c_str(), 0) == 0;
-                                    });
+                const bool chosen = o.selects(claim.id);
                 if (chosen && claim.profile != profile) ++others;
                 else if (chosen) claims.push_back(std::move(claim));
             }
@@ -177,19 +184,41 @@ void check_shard_options(const CheckOptions& o) {
     if (o.report.empty())
         throw InputError("--shard " + o.shard +
                          ": needs the folder of the shards; add --report DIR, and `lostbits merge DIR -o REPORT`");
-    if (o.timing() || o.measure || !o.junit.empty() || !o.csv.empty() || !o.json.empty() || o.annotations != "none")
+    if (o.timing() || o.measure || !o.junit.empty() || !o.csv.empty() || !o.json.empty() || !o.save.empty() ||
+        !o.moves.empty() || o.annotations != "none")
         throw InputError("--shard " + o.shard +
-                         ": cannot be combined with --junit, --export-csv, --export-json, --annotations, --measure or "
-                         "--profile timing: a shard judges nothing; give the first three to `lostbits merge`");
+                         ": cannot be combined with --junit, --export-csv, --export-json, --save, --moves, "
+                         "--annotations, --measure or --profile timing: a shard judges nothing; give the first five to "
+                         "`lostbits merge`");
+}
+
+/// How what is measured moved since a baseline: printed, written, and by the id of each claim.
+std::map<std::string, std::string> show_moves(const CheckOptions& o, const output::claim::ClaimBaseline& before,
+                                              const output::claim::ClaimBaseline& now) {
+    // Of the claims that were not selected now nothing is known.
+    output::claim::ClaimBaseline selected = before;
+    std::erase_if(selected.claims, [&o](const output::claim::MeasuredClaim& c) { return !o.selects(c.id); });
+    const auto moves = output::claim::moves_between(selected, now);
+    fmt::print("{}", output::claim::moves_text(selected, now, moves));
+    if (!o.moves.empty()) output::claim::write_moves(o.moves, selected, now, moves);
+    std::map<std::string, std::string> words;
+    for (const output::claim::ClaimMove& move : moves.moves) words[move.id()] = move.words();
+    return words;
 }
 
 Exit run(const CheckOptions& o, const Common& common) {
     check_shard_options(o);
-    if (o.timing() && (o.strict || !o.junit.empty() || !o.csv.empty() || !o.json.empty() || !o.report.empty() ||
-                       o.annotations != "none")) {
+    if (!o.moves.empty() && o.against.empty())
+        throw InputError("--moves " + o.moves +
+                         ": says how values moved since a baseline; add --against BASELINE.json");
+    std::optional<output::claim::ClaimBaseline> before;
+    if (!o.against.empty()) before = output::claim::read_baseline(o.against);
+    if (o.timing() && (o.strict || !o.junit.empty() || !o.save.empty() || !o.against.empty() || !o.csv.empty() ||
+                       !o.json.empty() || !o.report.empty() || o.annotations != "none")) {
         throw InputError(
-            "--profile timing cannot be combined with --strict, --junit, --export-csv, --export-json, --report or "
-            "--annotations: times never fail a check, and no report shows them; leave those options out");
+            "--profile timing cannot be combined with --strict, --junit, --export-csv, --export-json, --report, "
+            "--annotations, --save or --against: times never fail a check, and no report shows them; leave those "
+            "options out");
     }
     if (o.measure && (!o.junit.empty() || !o.csv.empty() || !o.json.empty() || !o.report.empty())) {
         throw InputError(
@@ -200,7 +229,7 @@ Exit run(const CheckOptions& o, const Common& common) {
     const auto claims = load(o, data);
     const choice::ThreadLimit limit(common.threads);
     // The reports' places are tried before the work; the files themselves are small and written after it.
-    for (const std::string& path : {o.junit, o.csv, o.json}) {
+    for (const std::string& path : {o.junit, o.csv, o.json, o.save, o.moves}) {
         if (!path.empty()) output::file::AtomicFile probe(path);
     }
     Divided divided = divide(o.shard, o.report, files_of(o, data), common);
@@ -218,6 +247,10 @@ Exit run(const CheckOptions& o, const Common& common) {
     if (!measured) return Exit::done;
     const auto& results = *measured;
     if (o.timing() && !o.measure) return report_times(claims, results);
+    const auto now = output::claim::baseline_of(claims, results, program_and_version, common.typed.text());
+    if (!o.save.empty()) output::claim::write_baseline(o.save, now);
+    std::map<std::string, std::string> moved;
+    if (before) moved = show_moves(o, *before, now);
     if (o.measure) {
         for (std::size_t i = 0; i < claims.size(); ++i)
             fmt::print("{} = {}{}\n", claims[i].id, output::file::decimal(results[i].measured),
@@ -234,7 +267,7 @@ Exit run(const CheckOptions& o, const Common& common) {
                   (o.strict || claims[i].severity == Claim::Severity::error);
     }
     if (o.seeds > 0 && !common.quiet) print_spreads(claims, results);
-    if (!o.junit.empty()) output::claim::write_junit(o.junit, claims, results, o.strict);
+    if (!o.junit.empty()) output::claim::write_junit(o.junit, claims, results, o.strict, moved);
     if (!o.csv.empty()) output::claim::write_claims_csv(o.csv, claims, results);
     if (!o.json.empty()) output::claim::write_claims_json(o.json, claims, results);
     if (!o.report.empty()) output::claim::write_claim_report(o.report, claims, results, data);
@@ -257,6 +290,9 @@ void add_check(CLI::App& program, const Common& common, Command& chosen) {
     command->add_option("--export-csv", o->csv, "Write CSV, one row per claim");
     command->add_option("--export-json", o->json, "Write JSON, one object per claim");
     command->add_option("--report", o->report, "Write README.md, claims.csv and pictures into this folder");
+    command->add_option("--save", o->save, "Write what every claim measures into a file, for a later --against");
+    command->add_option("--against", o->against, "Show how what is measured moved since a --save: a table, and JUnit");
+    command->add_option("--moves", o->moves, "Of --against: write that table as Markdown too");
     add_shard(*command, o->shard);
     command->add_option("--annotations", o->annotations, "github: also print workflow annotations")
         ->check(CLI::IsMember({"none", "github"}));

@@ -14,6 +14,7 @@
 #include "analysis/choice/options.hpp"
 #include "analysis/shard/division.hpp"
 #include "measure/map/map.hpp"
+#include "measure/map/needed.hpp"
 #include "measure/truth/truth_columns.hpp"
 #include "number/error.hpp"
 #include "output/file/progress.hpp"
@@ -49,9 +50,6 @@ void add_explain(CLI::App& program, const Common& common, Command& chosen);
 void add_judge(CLI::App& program, const Common& common, Command& chosen);
 void add_list(CLI::App& program, const Common& common, Command& chosen);
 void add_map(CLI::App& program, const Common& common, Command& chosen);
-/// Runs the command of these words, of which the shards have measured everything.
-using RunOfShards = std::function<Exit(const std::vector<std::string>& words, std::shared_ptr<shard::Shards>)>;
-void add_merge(CLI::App& program, const Common& common, Command& chosen, const RunOfShards& run_again);
 void add_offsets(CLI::App& program, const Common& common, Command& chosen);
 void add_plugin(CLI::App& program, const Common& common, Command& chosen);
 void add_render(CLI::App& program, const Common& common, Command& chosen);
@@ -124,6 +122,10 @@ void print_pairs(const std::vector<measure::map::MapRow>& rows,
 /// A quantile of metric `lost` for a table: `13.57`; `-` where there is none, or where the agreed hits are too few to
 /// stand for the form.
 [[nodiscard]] std::string lost_or_withheld(const measure::map::MapSummary& summary, std::size_t lost, double q);
+
+/// A table on stdout: a line for each row of a map, and for each form of the bits needed.
+void print_table(const measure::map::MapRequest& request, const std::vector<measure::map::MapSummary>& summaries);
+void print_table(const measure::map::NeededRequest& request, const std::vector<measure::map::NeededSummary>& summaries);
 
 /// A line on stdout: how many truths, each of a ray and a solid, each stage settled.
 void print_stages(const measure::truth::StageCounts& stages);

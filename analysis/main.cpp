@@ -6,11 +6,13 @@
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
+#include <iterator>
 #include <map>
 #include <new>
 #include <system_error>
 
 #include "analysis/choice/options.hpp"
+#include "analysis/shard/merge.hpp"
 #include "analysis/shell/completion.hpp"
 #include "analysis/shell/table_on_stdout.hpp"
 #include "analysis/shell/usage.hpp"
@@ -125,6 +127,17 @@ void add_shell(CLI::App& program, Command& chosen) {
         [&program] { return shell::manual_page(program, LOSTBITS_VERSION); });
 }
 
+/// What joins shards shows and does as the command line says, not as each of them did.
+std::vector<std::string> words_of(const Common& common) {
+    std::vector<std::string> words{"--progress", "none"};
+    if (common.quiet) words.emplace_back("-q");
+    if (common.verbose) words.emplace_back("-v");
+    if (common.force) words.emplace_back("--force");
+    if (common.threads > 0) words.insert(words.end(), {"-j", std::to_string(common.threads)});
+    if (!common.isa.empty()) words.insert(words.end(), {"--isa", common.isa});
+    return words;
+}
+
 /// `joined`: shards of this command that are to be joined; null where it is to be done.
 Exit run_words(const std::vector<std::string>& words, std::shared_ptr<shard::Shards> joined) {
     CLI::App program{description, "lostbits"};
@@ -146,7 +159,11 @@ Exit run_words(const std::vector<std::string>& words, std::shared_ptr<shard::Sha
     add_judge(program, common, chosen);
     add_list(program, common, chosen);
     add_map(program, common, chosen);
-    add_merge(program, common, chosen, run_words);
+    shard::add_merge(program, chosen, program_and_version,
+                     [&common](std::vector<std::string> again, std::shared_ptr<shard::Shards> shards) {
+                         std::ranges::move(words_of(common), std::back_inserter(again));
+                         return run_words(again, std::move(shards));
+                     });
     add_offsets(program, common, chosen);
     add_plugin(program, common, chosen);
     add_render(program, common, chosen);

@@ -60,33 +60,6 @@ std::string canonical_command(const Scene& scene, const MapOptions& o) {
                        o.bits_needed > 0 ? fmt::format(" --bits-needed {}", o.bits_needed) : "", input_of(o));
 }
 
-void print_table(const measure::map::MapRequest& request, const std::vector<measure::map::MapSummary>& summaries) {
-    const std::size_t lost = measure::metric::place_of(request.metrics, "lost_bits");
-    fmt::print("  {:<28} {:<5} {:>11} {:>9} {:>10} {:>6} {:>8} {:>15} {:>6}\n", "form", "fmt", "wrong solid",
-               "false hit", "false miss", "NaN", "hits", "bits lost: p50", "p99");
-    bool withheld = false;
-    for (std::size_t r = 0; r < summaries.size(); ++r) {
-        const measure::map::MapSummary& s = summaries[r];
-        fmt::print("  {:<28} {:<5} {:>11} {:>9} {:>10} {:>6} {:>8} {:>15} {:>6}\n", request.rows[r].form->info->name,
-                   request.rows[r].format.name, s.count(Outcome::wrong_object), s.count(Outcome::false_hit),
-                   s.count(Outcome::false_miss), s.count(Outcome::not_a_number), s.count(Outcome::agree_hit),
-                   lost_or_withheld(s, lost, 0.5), lost_or_withheld(s, lost, 0.99));
-        withheld |= s.agreement().agreed > 0 && !s.agreement().is_enough();
-    }
-    if (withheld) fmt::print("  -: form and truth agree on less than a tenth of the true hits\n");
-}
-
-void print_table(const NeededRequest& request, const std::vector<measure::map::NeededSummary>& summaries) {
-    fmt::print("  {:<28} {:>3} bits need: {:>6} {:>6} {:>6} {:>10} {:>10}\n", "form", request.bits, "p50", "p99", "max",
-               "hit > 53", "miss > 53");
-    for (std::size_t f = 0; f < summaries.size(); ++f) {
-        const auto all = summaries[f].all();
-        fmt::print("  {:<28} {:>14} {:>6} {:>6} {:>6} {:>10} {:>10}\n", request.forms[f]->info->name, "",
-                   all.quantile(0.5), all.quantile(0.99), all.quantile(1), summaries[f].hits_beyond,
-                   summaries[f].misses_beyond);
-    }
-}
-
 /// The forms whose bits needed are asked for: those of the rows that exist in every width.
 std::vector<const intersect::table::Intersector*> forms_of_any_width(const std::vector<MapRow>& rows) {
     std::vector<const intersect::table::Intersector*> forms;

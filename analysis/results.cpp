@@ -39,8 +39,12 @@ std::vector<std::unique_ptr<output::file::ResultFolder>> own_folders(const std::
 }
 
 void add_shard(CLI::App& command, std::string& word) {
-    command.add_option("--shard", word,
-                       "Do part K of N alone, into the folder shard-K-of-N of -o; `lostbits merge` joins all N: K/N");
+    command
+        .add_option("--shard", word,
+                    "Do part K of N alone, into the folder shard-K-of-N of -o; `lostbits merge` joins all N: K/N")
+        ->check([](const std::string& given) {
+            return given.empty() ? std::string("its value is empty; write K/N, as in --shard 3/64") : std::string();
+        });
 }
 
 Divided divide(const std::string& word, const std::string& out, const std::vector<std::filesystem::path>& files,
@@ -130,6 +134,35 @@ void print_pairs(const std::vector<measure::map::MapRow>& rows,
 std::string lost_or_withheld(const measure::map::MapSummary& summary, std::size_t lost, double q) {
     const double bits = summary.metrics[lost].quantile(q);
     return std::isnan(bits) || !summary.agreement().is_enough() ? std::string("-") : fmt::format("{:.2f}", bits);
+}
+
+void print_table(const measure::map::MapRequest& request, const std::vector<measure::map::MapSummary>& summaries) {
+    const std::size_t lost = measure::metric::place_of(request.metrics, "lost_bits");
+    fmt::print("  {:<28} {:<5} {:>11} {:>9} {:>10} {:>6} {:>8} {:>15} {:>6}\n", "form", "fmt", "wrong solid",
+               "false hit", "false miss", "NaN", "hits", "bits lost: p50", "p99");
+    bool withheld = false;
+    for (std::size_t r = 0; r < summaries.size(); ++r) {
+        const measure::map::MapSummary& s = summaries[r];
+        fmt::print("  {:<28} {:<5} {:>11} {:>9} {:>10} {:>6} {:>8} {:>15} {:>6}\n", request.rows[r].form->info->name,
+                   request.rows[r].format.name, s.count(measure::answer::Outcome::wrong_object),
+                   s.count(measure::answer::Outcome::false_hit), s.count(measure::answer::Outcome::false_miss),
+                   s.count(measure::answer::Outcome::not_a_number), s.count(measure::answer::Outcome::agree_hit),
+                   lost_or_withheld(s, lost, 0.5), lost_or_withheld(s, lost, 0.99));
+        withheld |= s.agreement().agreed > 0 && !s.agreement().is_enough();
+    }
+    if (withheld) fmt::print("  -: form and truth agree on less than a tenth of the true hits\n");
+}
+
+void print_table(const measure::map::NeededRequest& request,
+                 const std::vector<measure::map::NeededSummary>& summaries) {
+    fmt::print("  {:<28} {:>3} bits need: {:>6} {:>6} {:>6} {:>10} {:>10}\n", "form", request.bits, "p50", "p99", "max",
+               "hit > 53", "miss > 53");
+    for (std::size_t f = 0; f < summaries.size(); ++f) {
+        const auto all = summaries[f].all();
+        fmt::print("  {:<28} {:>14} {:>6} {:>6} {:>6} {:>10} {:>10}\n", request.forms[f]->info->name, "",
+                   all.quantile(0.5), all.quantile(0.99), all.quantile(1), summaries[f].hits_beyond,
+                   summaries[f].misses_beyond);
+    }
 }
 
 void print_stages(const measure::truth::StageCounts& stages) {

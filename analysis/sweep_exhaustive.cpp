@@ -100,8 +100,8 @@ void ExhaustiveRun::try_or_join(const Common& common) {
 }
 
 void ExhaustiveRun::forget_state() const {
+    output::file::forget_result(state_file_);
     std::error_code ignored;
-    std::filesystem::remove(state_file_, ignored);
     if (division_.is_shard()) std::filesystem::remove(folder_, ignored);  // it held nothing else
 }
 

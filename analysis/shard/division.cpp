@@ -157,6 +157,7 @@ void Shards::each(const std::string& name, const std::function<void(output::shar
                 file.damaged();
             }
         }
+        file.rest();
         if (!any) file.damaged();
     }
 }

@@ -21,7 +21,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr std::array outputs{"--out", "--export-csv", "--export-json", "--junit"};
+constexpr std::array outputs{"--out", "--export-csv", "--export-json", "--junit", "--save", "--moves"};
 
 /// The table of a run: the first of these that it wrote.
 constexpr std::array<std::string_view, 7> tables{"summary.csv",    "samples.csv", "cases.csv", "worst.csv",
@@ -52,6 +52,10 @@ TableOnStdout::TableOnStdout(CLI::App& program) {
     if (chosen == nullptr) return;
     if (is_folder_ && command_ == "report")
         throw InputError("-o -: a page is not a table; name a folder for index.html");
+    const CLI::Option* const shard = command.get_option_no_throw("--shard");
+    if (shard != nullptr && shard->count() > 0)
+        throw InputError(
+            "-o -: a shard has no table; name the folder of the shards, and give -o - to `lostbits merge`");
     redirect(is_folder_);
     scratch_ = new_folder();
     chosen->clear();

@@ -39,7 +39,7 @@ centre = [0, 0, 0]
 radius = 1
 )";
 
-std::string quoted(const fs::path& path) { return "'" + path.string() + "'"; }
+std::string shell_word(const fs::path& path) { return "'" + path.string() + "'"; }
 
 std::string shard_of(int k, int n) { return " --shard " + std::to_string(k) + "/" + std::to_string(n); }
 
@@ -66,14 +66,14 @@ void check_same(const fs::path& whole, const fs::path& joined) {
         const bool same = contents(whole / name) == contents(joined / name);
         CHECK(same);
     }
-    CHECK(run("-q diff --strict " + quoted(whole) + " " + quoted(joined)).code == 0);
+    CHECK(run("-q diff --strict " + shell_word(whole) + " " + shell_word(joined)).code == 0);
 }
 
 /// The run, and each number of shards of it, run in a shuffled order and joined in another.
 void check_shards(const std::string& command, const std::vector<int>& numbers, const std::string& out = " -o ") {
     const Scratch scratch;
     INFO(command);
-    const auto whole = run("-q " + command + out + quoted(scratch.path() / "whole"));
+    const auto whole = run("-q " + command + out + shell_word(scratch.path() / "whole"));
     INFO(whole.err);
     REQUIRE(whole.code <= 1);
     std::mt19937 random(7);
@@ -85,20 +85,20 @@ void check_shards(const std::string& command, const std::vector<int>& numbers, c
         std::iota(order.begin(), order.end(), 1);
         std::ranges::shuffle(order, random);
         for (const int k : order) {
-            const auto r = run("-q " + command + shard_of(k, n) + out + quoted(parts));
+            const auto r = run("-q " + command + shard_of(k, n) + out + shell_word(parts));
             INFO(r.err);
             REQUIRE(r.code == 0);
             CHECK(fs::exists(shard_folder(parts, k, n) / "shard.state"));
         }
         std::ranges::shuffle(order, random);
         std::string folders;
-        for (const int k : order) folders += " " + quoted(shard_folder(parts, k, n));
-        const auto r = run("-q merge" + folders + " -o " + quoted(joined));
+        for (const int k : order) folders += " " + shell_word(shard_folder(parts, k, n));
+        const auto r = run("-q merge" + folders + " -o " + shell_word(joined));
         INFO(r.err);
         REQUIRE(r.code == whole.code);
         check_same(scratch.path() / "whole", joined);
         // The folder that holds them all says the same.
-        REQUIRE(run("-q merge " + quoted(parts) + " -o " + quoted(joined)).code == whole.code);
+        REQUIRE(run("-q merge " + shell_word(parts) + " -o " + shell_word(joined)).code == whole.code);
         check_same(scratch.path() / "whole", joined);
     }
 }
@@ -108,7 +108,7 @@ void check_shards(const std::string& command, const std::vector<int>& numbers, c
 TEST_CASE("shards of a sweep over every float give the files of the whole sweep") {
     const Scratch scratch;
     const std::string file = scratch.write("s.toml", every_float);
-    check_shards("sweep " + quoted(file) + " -i sphere.press -i sphere.schoolbook -i sphere.unified", {1, 2, 3, 7});
+    check_shards("sweep " + shell_word(file) + " -i sphere.press -i sphere.schoolbook -i sphere.unified", {1, 2, 3, 7});
 }
 
 TEST_CASE("more shards than blocks of floats: some have nothing to do") {
@@ -116,7 +116,7 @@ TEST_CASE("more shards than blocks of floats: some have nothing to do") {
     std::string text = every_float;
     text.replace(text.find("0x1.6bp11"), 9, "0x1.6bp10");  // two binades' parts: three blocks
     const std::string file = scratch.write("s.toml", text);
-    check_shards("sweep " + quoted(file) + " -i sphere.press", {11});
+    check_shards("sweep " + shell_word(file) + " -i sphere.press", {11});
 }
 
 TEST_CASE("shards of a map give its pictures, tables of pixels, EXR and bits needed") {
@@ -130,13 +130,14 @@ TEST_CASE("shards of a map give its pictures, tables of pixels, EXR and bits nee
             size,
         {2, 3});
     const std::string scene = scratch.write("two.toml", good_scene);
-    check_shards("map near-benign " + quoted(scene) + " -i sphere.press -f f32 --against sphere.unified" + size, {3});
+    check_shards("map near-benign " + shell_word(scene) + " -i sphere.press -f f32 --against sphere.unified" + size,
+                 {3});
 }
 
 TEST_CASE("shards of a sweep along axes, of named cases and of a search give the files of the whole") {
     const Scratch scratch;
     const std::string sweep = scratch.write("small.toml", small_sweep);
-    check_shards("sweep " + quoted(sweep) + " -i sphere.schoolbook -i sphere.unified -i sphere.press", {2, 7});
+    check_shards("sweep " + shell_word(sweep) + " -i sphere.schoolbook -i sphere.unified -i sphere.press", {2, 7});
     check_shards("sweep box-nearly-parallel extremes/scale -f f32", {3});
     check_shards("sweep worst/near --worst -i sphere.schoolbook -i sphere.press -f f32 --set starts=2", {2, 5});
 }
@@ -151,12 +152,13 @@ TEST_CASE("shards of a file of rays give the files of the whole, as a list and a
         rays += (below > 0 ? std::to_string(4096 - std::sqrt(below) + (i % 1000 == 7 ? 1 : 0)) : "") + ",a\n";
     }
     const std::string file = scratch.write("rays.csv", rays);
-    const std::string command = "judge " + quoted(file) + " --sphere 0,0,0,1 --format f32 -i sphere.schoolbook -f f64";
+    const std::string command =
+        "judge " + shell_word(file) + " --sphere 0,0,0,1 --format f32 -i sphere.schoolbook -f f64";
     check_shards(command + " --rows --worst 5", {1, 3, 9});
     check_shards(command + " --size 300x330 --metric lost_bits,ulp_error", {2});
-    const auto wrong = run(command + " --size 300x331 --shard 1/1 -o " + quoted(scratch.path() / "p"));
+    const auto wrong = run(command + " --size 300x331 --shard 1/1 -o " + shell_word(scratch.path() / "p"));
     CHECK(wrong.code == 0);
-    const auto merged = run("merge " + quoted(scratch.path() / "p") + " -o " + quoted(scratch.path() / "j"));
+    const auto merged = run("merge " + shell_word(scratch.path() / "p") + " -o " + shell_word(scratch.path() / "j"));
     CHECK(merged.code == 2);
     CHECK(has(merged.err, "its --size is columns x rows"));
     CHECK_FALSE(fs::exists(scratch.path() / "j/rays/summary.csv"));
@@ -176,20 +178,20 @@ TEST_CASE("shards of claims give the report of the whole, and judge nothing by t
     CHECK(scratch.files().empty());
     const fs::path parts = scratch.path() / "parts", junit = scratch.path() / "junit.xml";
     for (const int k : {1, 2})
-        REQUIRE(run("-q check --filter 'float.*'" + shard_of(k, 2) + " --report " + quoted(parts)).code == 0);
-    CHECK(
-        run("-q merge " + quoted(parts) + " -o " + quoted(scratch.path() / "out") + " --junit " + quoted(junit)).code ==
-        0);
+        REQUIRE(run("-q check --filter 'float.*'" + shard_of(k, 2) + " --report " + shell_word(parts)).code == 0);
+    CHECK(run("-q merge " + shell_word(parts) + " -o " + shell_word(scratch.path() / "out") + " --junit " +
+              shell_word(junit))
+              .code == 0);
     CHECK(has(contents(junit), "<testsuite name=\"lostbits claims\""));
 }
 
 TEST_CASE("what is no shard of a run is refused, and nothing is written") {
     const Scratch scratch;
     const std::string file = scratch.write("s.toml", every_float);
-    const std::string command = "sweep " + quoted(file) + " -i sphere.press";
+    const std::string command = "sweep " + shell_word(file) + " -i sphere.press";
     const fs::path parts = scratch.path() / "parts", out = scratch.path() / "out";
     const auto refused = [&](const std::string& arguments, const std::string& says) {
-        const auto r = run(arguments + " -o " + quoted(out));
+        const auto r = run(arguments + " -o " + shell_word(out));
         INFO(r.err);
         CHECK(r.code == 2);
         CHECK(has(r.err, says));
@@ -202,23 +204,26 @@ TEST_CASE("what is no shard of a run is refused, and nothing is written") {
     refused(command + " --shard 1/0", "a run is divided into 1 to 1000000 shards");
     refused(command + " --shard 1/99999999999999999999", "is not a shard");
 
-    for (const int k : {1, 2, 3, 4}) REQUIRE(run("-q " + command + shard_of(k, 4) + " -o " + quoted(parts)).code == 0);
-    const auto folder = [&](int k) { return " " + quoted(shard_folder(parts, k, 4)); };
+    CHECK(has(run(command + " --shard 1/2 -o -").err, "-o -: a shard has no table"));
+
+    for (const int k : {1, 2, 3, 4})
+        REQUIRE(run("-q " + command + shard_of(k, 4) + " -o " + shell_word(parts)).code == 0);
+    const auto folder = [&](int k) { return " " + shell_word(shard_folder(parts, k, 4)); };
     refused("merge" + folder(1) + folder(3), "2 of 4 shards are missing: 2 and 4; nothing was joined");
     refused("merge" + folder(1) + folder(2) + folder(3), "1 of 4 shards is missing: 4; nothing was joined");
-    refused("merge " + quoted(scratch.path() / "nowhere"), "holds no shard");
+    refused("merge " + shell_word(scratch.path() / "nowhere"), "holds no shard");
     fs::create_directories(scratch.path() / "copy");
     fs::copy(shard_folder(parts, 2, 4), scratch.path() / "copy/again");
-    refused("merge " + quoted(parts) + " " + quoted(scratch.path() / "copy"), "is shard 2/4, and so is");
+    refused("merge " + shell_word(parts) + " " + shell_word(scratch.path() / "copy"), "is shard 2/4, and so is");
     // Named twice it is the same file.
-    CHECK(run("-q merge " + quoted(parts) + folder(2) + " -o " + quoted(scratch.path() / "twice")).code == 0);
+    CHECK(run("-q merge " + shell_word(parts) + folder(2) + " -o " + shell_word(scratch.path() / "twice")).code == 0);
 
     const fs::path other = scratch.path() / "other";
-    REQUIRE(run("-q sweep " + quoted(file) + " -i sphere.unified --shard 2/4 -o " + quoted(other)).code == 0);
-    refused("merge" + folder(1) + folder(3) + folder(4) + " " + quoted(other), "is a shard of another run");
+    REQUIRE(run("-q sweep " + shell_word(file) + " -i sphere.unified --shard 2/4 -o " + shell_word(other)).code == 0);
+    refused("merge" + folder(1) + folder(3) + folder(4) + " " + shell_word(other), "is a shard of another run");
     const fs::path thirds = scratch.path() / "thirds";
-    REQUIRE(run("-q " + command + " --shard 2/3 -o " + quoted(thirds)).code == 0);
-    refused("merge" + folder(1) + folder(3) + folder(4) + " " + quoted(thirds), "the run was divided in two ways");
+    REQUIRE(run("-q " + command + " --shard 2/3 -o " + shell_word(thirds)).code == 0);
+    refused("merge" + folder(1) + folder(3) + folder(4) + " " + shell_word(thirds), "the run was divided in two ways");
 
     // A byte of a shard is another.
     const fs::path state = shard_folder(parts, 3, 4) / "shard.state";
@@ -226,16 +231,16 @@ TEST_CASE("what is no shard of a run is refused, and nothing is written") {
     std::string bad = good;
     bad[bad.size() / 2] = static_cast<char>(bad[bad.size() / 2] ^ 1);
     static_cast<void>(scratch.write("parts/shard-3-of-4/shard.state", bad));
-    refused("merge " + quoted(parts), "is damaged");
+    refused("merge " + shell_word(parts), "is damaged");
     static_cast<void>(scratch.write("parts/shard-3-of-4/shard.state", good.substr(0, good.size() - 9)));
-    refused("merge " + quoted(parts), "is damaged");
+    refused("merge " + shell_word(parts), "is damaged");
     static_cast<void>(scratch.write("parts/shard-3-of-4/shard.state", good));
 
     // The sweep has changed since.
     static_cast<void>(scratch.write("s.toml", every_float + "# changed\n"));
-    refused("merge " + quoted(parts), "have changed since");
-    REQUIRE(run("-q " + command + " --shard 2/4 -o " + quoted(scratch.path() / "newer")).code == 0);
-    refused("merge" + folder(1) + folder(3) + folder(4) + " " + quoted(scratch.path() / "newer"),
+    refused("merge " + shell_word(parts), "have changed since");
+    REQUIRE(run("-q " + command + " --shard 2/4 -o " + shell_word(scratch.path() / "newer")).code == 0);
+    refused("merge" + folder(1) + folder(3) + folder(4) + " " + shell_word(scratch.path() / "newer"),
             "was measured from other files");
 }
 
@@ -244,21 +249,21 @@ TEST_CASE("a shard that was killed leaves nothing half written, goes on with --r
     std::string text = every_float;
     text.replace(text.find("0x1.6bp11"), 9, "0x1.6bp18");
     const std::string file = scratch.write("s.toml", text);
-    const std::string command = "sweep " + quoted(file) + " -i sphere.schoolbook";
-    REQUIRE(run("-q " + command + " -o " + quoted(scratch.path() / "whole")).code == 0);
+    const std::string command = "sweep " + shell_word(file) + " -i sphere.schoolbook";
+    REQUIRE(run("-q " + command + " -o " + shell_word(scratch.path() / "whole")).code == 0);
     const fs::path parts = scratch.path() / "parts";
-    const std::string first = "-q -j 1 " + command + " --shard 1/2 -o " + quoted(parts);
+    const std::string first = "-q -j 1 " + command + " --shard 1/2 -o " + shell_word(parts);
     const fs::path folder = shard_folder(parts, 1, 2);
     static_cast<void>(run(first + " & child=$!; sleep 0.5; kill -KILL $child; wait $child; exit $?", ".", "set -m; "));
     CHECK_FALSE(fs::exists(folder / "shard.state"));
     static_cast<void>(run(first + " & child=$!; sleep 0.7; kill -INT $child; wait $child; exit $?", ".", "set -m; "));
     CHECK_FALSE(fs::exists(folder / "shard.state"));
     CHECK(fs::exists(folder / "s/unfinished.state"));  // not there: the machine is faster than the test foresees
-    const auto refused = run(command + " --shard 1/3 --resume -o " + quoted(scratch.path() / "thirds"));
+    const auto refused = run(command + " --shard 1/3 --resume -o " + shell_word(scratch.path() / "thirds"));
     CHECK(refused.code == 2);
     REQUIRE(run(first + " --resume").code == 0);
     CHECK(files_below(folder) == std::vector<std::string>{"manifest.json", "shard.state"});
-    REQUIRE(run("-q " + command + " --shard 2/2 -o " + quoted(parts)).code == 0);
-    REQUIRE(run("-q merge " + quoted(parts) + " -o " + quoted(scratch.path() / "joined")).code == 0);
+    REQUIRE(run("-q " + command + " --shard 2/2 -o " + shell_word(parts)).code == 0);
+    REQUIRE(run("-q merge " + shell_word(parts) + " -o " + shell_word(scratch.path() / "joined")).code == 0);
     check_same(scratch.path() / "whole", scratch.path() / "joined");
 }

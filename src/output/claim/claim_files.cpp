@@ -25,12 +25,6 @@ namespace {
 using scene::claim::Claim;
 using State = ClaimResult::State;
 
-const char* state_name(State s) {
-    return s == State::agrees      ? "agrees"
-           : s == State::disagrees ? "disagrees"
-           : s == State::broken    ? "broken"
-                                   : "skipped";
-}
 const char* verdict_name(const Claim& c) { return c.verdict == Claim::Verdict::holds ? "holds" : "refuted"; }
 /// ` --metric contribution:c` for a claim about contribution_c_p50: what a run does not measure unless it is told to.
 std::string metric_option(const Claim& c) {
@@ -146,8 +140,16 @@ std::string where_measured(const Claim& c) {
     return text;
 }
 
+const char* state_name(State s) {
+    return s == State::agrees      ? "agrees"
+           : s == State::disagrees ? "disagrees"
+           : s == State::broken    ? "broken"
+                                   : "skipped";
+}
+
 void write_junit(const std::filesystem::path& path, const std::vector<Claim>& claims,
-                 const std::vector<ClaimResult>& results, bool strict) {
+                 const std::vector<ClaimResult>& results, bool strict,
+                 const std::map<std::string, std::string>& moved) {
     pugi::xml_document document;
     auto suite = document.append_child("testsuites").append_child("testsuite");
     suite.append_attribute("name") = "lostbits claims";
@@ -163,6 +165,11 @@ void write_junit(const std::filesystem::path& path, const std::vector<Claim>& cl
         test.append_attribute("classname") = c.subject().c_str();
         test.append_attribute("time") = fmt::format("{:.6f}", results[i].seconds).c_str();
         seconds += results[i].seconds;
+        if (const auto words = moved.find(c.id); words != moved.end()) {
+            auto property = test.append_child("properties").append_child("property");
+            property.append_attribute("name") = "moved";
+            property.append_attribute("value") = xml_safe(words->second).c_str();
+        }
         if (results[i].state == State::agrees) continue;
         if (results[i].state == State::skipped) {
             ++skips;

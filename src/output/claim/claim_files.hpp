@@ -2,6 +2,8 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
+#include <string>
 #include <vector>
 
 #include "measure/claim/claim.hpp"
@@ -10,9 +12,11 @@ namespace lostbits::output::claim {
 
 /// `<failure>` for a claim that no longer measures as stated, `<error>` for a broken one, `<skipped>` for one
 /// that this machine cannot measure. A claim of severity `warn`
-/// is reported as passed, with its trouble in `<system-out>`, unless `strict`.
+/// is reported as passed, with its trouble in `<system-out>`, unless `strict`. `moved`: by the id of a claim, what else
+/// there is to say of it, as the property `moved`.
 void write_junit(const std::filesystem::path& path, const std::vector<scene::claim::Claim>& claims,
-                 const std::vector<measure::claim::ClaimResult>& results, bool strict);
+                 const std::vector<measure::claim::ClaimResult>& results, bool strict,
+                 const std::map<std::string, std::string>& moved = {});
 
 /// One row per claim: sentence, verdict, expectation, measurement, state, and the witness in hexadecimal floats.
 void write_claims_csv(const std::filesystem::path& path, const std::vector<scene::claim::Claim>& claims,
@@ -28,6 +32,8 @@ std::string offset_words(const scene::claim::Claim& c);
 /// `consistency, reverse`: of a claim about consistency.
 std::string consistency_words(const scene::claim::Claim& c);
 
+/// `agrees`, `disagrees`, `broken` or `skipped`.
+const char* state_name(measure::claim::ClaimResult::State state);
 /// What is measured: `lost_bits_p50`, `onset of false_hit count 1`, `culprit_fraction of c`.
 std::string quantity(const scene::claim::Claim& claim);
 /// `all 65537 floats` of a claim that rests on every float of a range; empty for the others.

@@ -207,11 +207,19 @@ void ResultFolder::note(const std::string& name) {
     const std::lock_guard lock(mutex_);
     if (!begun_ && !rules_.keep) clear_earlier();
     begun_ = true;
-    if (!files_.insert(name).second) return;
+    if (files_.insert(name).second) write_list();
+}
+
+void ResultFolder::forget(const std::string& name) {
+    const std::lock_guard lock(mutex_);
+    if (files_.erase(name) > 0) write_list();
+}
+
+void ResultFolder::write_list() {
     nlohmann::ordered_json list{{"schema", schema}};
     list.update(json_of(made_by_, files_));
     for (Made& other : others_) {
-        other.files.erase(name);
+        for (const std::string& name : files_) other.files.erase(name);
         list["others"].push_back(json_of(other.by, other.files));
     }
     AtomicFile file(folder_ / list_name);
@@ -233,10 +241,18 @@ void note_result(const fs::path& path) {
     if (ResultFolder* const owner = ResultFolder::owner_of(path, name)) owner->note(name);
 }
 
+<<<<<<< HEAD
 std::string words_of_forms(const MadeBy& by) {
     std::string words;
     for (const auto& [name, what] : by.forms) words += (words.empty() ? "" : "\n") + name + ": " + what;
     return words;
+=======
+void forget_result(const fs::path& path) {
+    std::error_code ignored;
+    fs::remove(path, ignored);
+    std::string name;
+    if (ResultFolder* const owner = ResultFolder::owner_of(path, name)) owner->forget(name);
+>>>>>>> shards-6
 }
 
 void add_maker(const fs::path& path, std::vector<std::pair<std::string, std::string>>& attributes) {

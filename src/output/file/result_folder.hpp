@@ -59,10 +59,13 @@ public:
 
 private:
     friend void note_result(const std::filesystem::path& path);
+    friend void forget_result(const std::filesystem::path& path);
     friend std::optional<MadeBy> maker_of(const std::filesystem::path& path);
     static ResultFolder* owner_of(const std::filesystem::path& path, std::string& name);
     void refuse_strange_results() const;
     void note(const std::string& name);
+    void forget(const std::string& name);
+    void write_list();
     void clear_earlier() const;
 
     std::filesystem::path folder_;  // absolute, normal
@@ -79,11 +82,18 @@ private:
 /// Of AtomicFile: this file is about to get its final name.
 void note_result(const std::filesystem::path& path);
 
+<<<<<<< HEAD
 /// Forms from outside as one text: `NAME: what it is`, a line each.
 [[nodiscard]] std::string words_of_forms(const MadeBy& by);
 
 /// Adds `lostbits:command`, `lostbits:program` and, where there are any, `lostbits:forms` of the run whose folder the
 /// path lies in, where they are missing.
+=======
+/// Removes a file that is no result any more, and takes it from the list: how far an unfinished run came.
+void forget_result(const std::filesystem::path& path);
+
+/// Adds `lostbits:command` and `lostbits:program` of the run whose folder the path lies in, where they are missing.
+>>>>>>> shards-6
 void add_maker(const std::filesystem::path& path, std::vector<std::pair<std::string, std::string>>& attributes);
 
 /// The run whose folder the path lies in; nothing outside of all.

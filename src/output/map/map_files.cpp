@@ -7,9 +7,9 @@
 
 #include "output/blame/explain_command.hpp"
 #include "output/file/datapackage.hpp"
-#include "output/image/contact_sheet.hpp"
 #include "output/image/heatmap.hpp"
 #include "output/map/culprit_table.hpp"
+#include "output/map/map_sheet.hpp"
 #include "output/map/map_tables.hpp"
 #include "output/map/metric_paint.hpp"
 #include "output/map/row_names.hpp"
@@ -30,30 +30,6 @@ namespace {
 
 std::size_t index_of(const std::vector<const Metric*>& all, const Metric* one) {
     return static_cast<std::size_t>(std::ranges::find(all, one) - all.begin());
-}
-
-/// `contribution.c`: a metric's name where no colon may be.
-std::string file_word(const Metric& metric) {
-    std::string word(metric.name);
-    std::ranges::replace(word, ':', '.');
-    return word;
-}
-
-bool is_enveloped(const MapFilesOptions& options, const Metric& drawn) {
-    return options.envelope && &drawn == measure::metric::find_metric("lost_bits");
-}
-
-LegendEntry envelope_entry(const image::ColourScale& scale, std::string count) {
-    return {paler_means, paler(scale.map(scale.hi() / 2)), std::move(count)};
-}
-
-/// Every class that may occur, with the widest count, in a picture of so many pixels.
-std::vector<LegendEntry> possible_legend(const MapFilesOptions& options, const MetricPaint& paint,
-                                         std::uint64_t pixels) {
-    auto entries = paint.widest(pixels);
-    if (is_enveloped(options, paint.metric()))
-        entries.push_back(envelope_entry(*paint.scale(), fmt::format("{} (>99.9%)", pixels)));
-    return entries;
 }
 
 /// Those that occurred; `inside` of the pixels are drawn paler.
@@ -79,76 +55,6 @@ std::vector<LegendEntry> sheet_legend(const MetricPaint& paint, const Total& tot
     return without_counts(std::move(entries));
 }
 
-/// A contact sheet: forms across; down, each format with each of the metrics that share a bar.
-struct Sheet {
-    MetricPaint paint;  ///< of all its metrics, in the first format
-    std::vector<const Metric*> metrics;
-    std::unique_ptr<image::ContactSheet> page;
-    std::vector<std::string> forms, lines;
-
-    [[nodiscard]] std::size_t form_of(const MapRow& row) const { return place(forms, short_name(*row.form->info)); }
-    [[nodiscard]] std::size_t line_of(const MapRow& row, const Metric& metric) const {
-        return place(lines, line_name(row, metric));
-    }
-    [[nodiscard]] std::string line_name(const MapRow& row, const Metric& metric) const {
-        return metrics.size() == 1 ? row.format.name : fmt::format("{} {}", row.format.name, metric.name);
-    }
-    static std::size_t place(const std::vector<std::string>& names, const std::string& name) {
-        return static_cast<std::size_t>(std::ranges::find(names, name) - names.begin());
-    }
-
-    void open(const MapRequest& request, const MapFilesOptions& options, bool first) {
-        std::vector<image::ColourScale> scales;  // one a line
-        for (const MapRow& row : request.rows) {
-            if (!paint.applies_to(row)) continue;
-            static_cast<void>(find_or_add(forms, short_name(*row.form->info)));
-            for (const Metric* m : metrics) {
-                if (find_or_add(lines, line_name(row, *m)) < scales.size() || !paint.scale()) continue;
-                scales.push_back(metric_scale(*m, row.format.shape, image::image_backend(), options.range));
-            }
-        }
-        const auto differs = [&scales](const image::ColourScale& s) { return !s.is_as(scales.front()); };
-        const bool several = std::ranges::any_of(scales, differs);
-        if (!scales.empty() && !several) scales.resize(1, scales.front());
-        const std::string name = first ? "contact.png" : fmt::format("contact.{}.png", file_word(*metrics.front()));
-        page = std::make_unique<image::ContactSheet>(
-            image::image_backend(), options.folder / name,
-            image::SheetSpec{
-                .title = request.scene->title,
-                .subtitle = sheet_subtitle(*request.scene, options.listed ? std::span<const MapRow>() : request.rows,
-                                           paint, several),
-                .forms = forms,
-                .formats = lines,
-                .field_width = request.scene->width,
-                .field_height = request.scene->height,
-                .scales = std::move(scales),
-                .unit = std::string(paint.metric().unit),
-                .legend = without_counts(possible_legend(options, paint, request.scene->pixels())),
-                .categories = !paint.scale()});
-    }
-};
-
-/// Metrics that are drawn alike share a sheet.
-std::vector<Sheet> sheets_of(const MapRequest& request, const MapFilesOptions& options) {
-    std::vector<Sheet> sheets;
-    for (const Metric* m : options.drawn) {
-        const auto draws = [m](const MapRow& row) {
-            return MetricPaint(*m, row.format.shape, image::image_backend()).applies_to(row);
-        };
-        const auto first = std::ranges::find_if(request.rows, draws);
-        if (first == request.rows.end()) continue;
-        const auto same = std::ranges::find_if(sheets, [m](const Sheet& s) { return s.paint.shares_with(*m); });
-        if (same != sheets.end()) same->metrics.push_back(m);
-        else
-            sheets.push_back(
-                {MetricPaint(*m, first->format.shape, image::image_backend(), options.range), {m}, nullptr, {}, {}});
-    }
-    for (Sheet& sheet : sheets) {
-        if (!options.keep) sheet.open(request, options, &sheet == sheets.data());
-    }
-    return sheets;
-}
-
 }  // namespace
 
 /// The files of one row.
@@ -157,13 +63,13 @@ public:
     struct Drawing {
         std::size_t metric;
         MetricPaint paint;
-        Sheet* sheet;
+        MapSheet* sheet;
         bool enveloped;
         std::unique_ptr<image::HeatmapWriter> heatmap;
     };
 
     RowFiles(const MapRequest& request, const MapRow& row, const MapFilesOptions& options, image::ImageBackend& backend,
-             std::vector<Sheet>& sheets)
+             std::vector<MapSheet>& sheets)
         : request_(request),
           row_(row),
           exr_(options.exr),
@@ -173,8 +79,8 @@ public:
           excess_(index_of(request.metrics, measure::metric::find_metric("excess_bits"))) {
         const std::string stem = row_name(row);
         for (const Metric* m : options.drawn) {
-            Sheet& sheet = *std::ranges::find_if(
-                sheets, [m](const Sheet& s) { return std::ranges::find(s.metrics, m) != s.metrics.end(); });
+            MapSheet& sheet = *std::ranges::find_if(
+                sheets, [m](const MapSheet& s) { return std::ranges::find(s.metrics, m) != s.metrics.end(); });
             const MetricPaint paint(*m, row.format.shape, backend, options.range);
             if (!paint.applies_to(row)) continue;
             const std::string suffix = options.drawn.size() == 1 ? "" : "." + file_word(*m);
@@ -287,7 +193,7 @@ struct MapFiles::Parts {
     const MapRequest& request;
     MapFilesOptions options;
     SummaryTable table;
-    std::vector<Sheet> sheets = {};
+    std::vector<MapSheet> sheets = {};
     std::vector<std::unique_ptr<RowFiles>> rows = {};
     std::unique_ptr<CsvWriter> summary = {};
     std::optional<CulpritTable> culprits = {};
@@ -333,7 +239,7 @@ void MapFiles::finish(const std::vector<MapSummary>& summaries) {
     // Side by side: a row's legend and the last of its picture are its own, and so is its place on a sheet.
     tbb::parallel_for(std::size_t{0}, p.rows.size(), [&](std::size_t r) { p.rows[r]->finish(summaries[r]); });
     for (const auto& row : p.rows) inside += row->inside();
-    for (Sheet& sheet : p.sheets) {
+    for (MapSheet& sheet : p.sheets) {
         const std::size_t m = index_of(p.request.metrics, sheet.metrics.front());
         Total all{MapSummary(p.request.metrics)};
         if (is_enveloped(p.options, sheet.paint.metric())) all.inside = inside;

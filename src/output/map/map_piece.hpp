@@ -14,10 +14,10 @@ namespace lostbits::output::map {
 /// Of one row of a map, or of one form of the bits needed.
 struct MapPiece {
     int y0 = 0;
-    std::vector<std::vector<image::Rgb8>> fields;  ///< of each picture that is drawn, in their order
-    std::uint64_t paler = 0;                       ///< pixels that all of them draw paler
-    std::vector<ExrRows> exr;
-    std::string lines;  ///< of the table of pixels
+    std::vector<std::vector<image::Rgb8>> fields = {};  ///< of each picture that is drawn, in their order
+    std::uint64_t paler = 0;                            ///< pixels that all of them draw paler
+    std::vector<ExrRows> exr = {};
+    std::string lines = {};  ///< of the table of pixels
 
     [[nodiscard]] bool is_empty() const { return fields.empty() && exr.empty() && lines.empty(); }
 

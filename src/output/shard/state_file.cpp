@@ -78,6 +78,7 @@ StateFileReader::StateFileReader(fs::path path) : path_(std::move(path)), in_(pa
     if (!in_) throw InputError(path_.string() + ": cannot be read; check the path and its permissions");
     check_hash();
     read_head();
+    rest();
 }
 
 void StateFileReader::damaged() const {
@@ -129,6 +130,11 @@ void StateFileReader::read_head() {
 bool StateFileReader::next(std::string_view name, std::string& bits) {
     if (is_at_end()) return false;
     const std::uint64_t start = at_;
+    if (!in_.is_open()) {
+        in_.open(path_, std::ios::binary);
+        in_.seekg(static_cast<std::streamoff>(start));
+        if (!in_) throw EnvironmentError(path_.string() + ": cannot be opened again");
+    }
     const auto number = [this] {
         const std::string text = bytes(sizeof(std::uint64_t));
         std::uint64_t n = 0;

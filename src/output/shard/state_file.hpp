@@ -55,7 +55,8 @@ private:
     std::mutex mutex_;
 };
 
-/// Reads it record by record. InputError, with the path, for what is not such a file or was changed.
+/// Reads it record by record. InputError, with the path, for what is not such a file or was changed. The file is open
+/// from the first record that is asked for until `rest`, so that a thousand of them do not all hold one.
 class StateFileReader {
 public:
     explicit StateFileReader(std::filesystem::path path);
@@ -64,6 +65,8 @@ public:
 
     /// The bits of the next record, where it has this name.
     [[nodiscard]] bool next(std::string_view name, std::string& bits);
+    /// Closes the file; the next record stays the next.
+    void rest() { in_.close(); }
     /// Whether all records were read.
     [[nodiscard]] bool is_at_end() const { return at_ == end_; }
     [[noreturn]] void damaged() const;

@@ -3,7 +3,7 @@
 # temporary folder, a job array does eight shards of which two are killed and requeued, and the joined result is
 # compared with that of one run, byte for byte. Ends with 77 (skipped) where Slurm is not installed or not allowed.
 #
-#     tests/slurm/run.sh PROGRAM SCRIPT [SWEEP [SHARDS [FORMS]]]
+#     tests/engines/slurm.sh PROGRAM SCRIPT [SWEEP [SHARDS [FORMS]]]
 set -u
 program=$(realpath "$1") script=$(realpath "$2")
 sweep=${3:-} shards=${4:-8} forms=${5:-sphere.schoolbook}
@@ -45,7 +45,7 @@ SlurmctldHost=$host(127.0.0.1)
 SlurmUser=root
 SlurmdUser=root
 AuthType=auth/munge
-AuthInfo=socket=$work/munge/socket
+AuthInfo=socket=$work/munge/socket,cred_expire=5
 CredType=cred/munge
 SlurmctldPort=$port
 SlurmdPort=$((port + 1))

@@ -1,0 +1,57 @@
+#include "analysis/shard/merge.hpp"
+
+#include <utility>
+
+#include "analysis/choice/options.hpp"
+
+namespace lostbits::analysis::shard {
+
+namespace {
+
+struct MergeOptions {
+    std::vector<std::string> folders;
+    std::string out;
+    std::string junit, csv, json, save, moves;  ///< of claims
+};
+
+/// The words of the run whose shards these are, with a place of its own.
+std::vector<std::string> words_of_run(const std::string& command, const MergeOptions& o) {
+    std::vector<std::string> words = choice::words_in(command);
+    const bool checks = words.size() > 1 && words[1] == "check";
+    words.insert(words.end(), {checks ? "--report" : "-o", o.out});
+    for (const auto& [option, file] : {std::pair("--junit", o.junit),
+                                       {"--export-csv", o.csv},
+                                       {"--export-json", o.json},
+                                       {"--save", o.save},
+                                       {"--moves", o.moves}}) {
+        if (file.empty()) continue;
+        if (!checks)
+            throw InputError(std::string(option) + " " + file + ": is for claims, and these are shards of `" + command +
+                             "`; leave it out");
+        words.insert(words.end(), {option, file});
+    }
+    return words;
+}
+
+}  // namespace
+
+void add_merge(CLI::App& program, std::function<Exit()>& chosen, const std::string& version,
+               const RunOfShards& run_again) {
+    auto* command = program.add_subcommand("merge", "Shards of a run joined: the same files as the whole run writes");
+    const auto o = std::make_shared<MergeOptions>();
+    command->add_option("DIR", o->folders, "Folders of shards, or folders that hold them, in any order")->required();
+    command->add_option("-o,--out", o->out, "Folder for the results")->required();
+    command->add_option("--junit", o->junit, "Of claims: write JUnit XML");
+    command->add_option("--export-csv", o->csv, "Of claims: write CSV, one row per claim");
+    command->add_option("--export-json", o->json, "Of claims: write JSON, one object per claim");
+    command->add_option("--save", o->save, "Of claims: write what each measures, for a later --against");
+    command->add_option("--moves", o->moves, "Of claims of a run --against: write how values moved as Markdown");
+    command->callback([o, &chosen, version, run_again] {
+        chosen = [o, version, run_again] {
+            const auto shards = std::make_shared<Shards>(o->folders, version);
+            return run_again(words_of_run(shards->command(), *o), shards);
+        };
+    });
+}
+
+}  // namespace lostbits::analysis::shard

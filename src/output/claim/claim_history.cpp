@@ -1,0 +1,198 @@
+#include "output/claim/claim_history.hpp"
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstdlib>
+
+#include "number/error.hpp"
+#include "output/claim/claim_files.hpp"
+#include "output/file/atomic_file.hpp"
+#include "output/file/number_text.hpp"
+#include "output/file/read_csv.hpp"
+#include "output/image/exr_parts.hpp"
+
+namespace lostbits::output::claim {
+
+namespace {
+
+constexpr const char* baseline_schema = "lostbits-baseline/1";
+
+/// NaN is the same as NaN: there was nothing to measure.
+bool same_number(double x, double y) {
+    return (std::isnan(x) && std::isnan(y)) || std::bit_cast<std::uint64_t>(x) == std::bit_cast<std::uint64_t>(y);
+}
+
+bool is_same(const MeasuredClaim& a, const MeasuredClaim& b) {
+    return a.state == b.state && a.quantity == b.quantity && same_number(a.measured, b.measured);
+}
+
+std::string number_text(double x) { return std::isnan(x) ? "-" : file::decimal(x); }
+
+/// `+0.38 %`; empty where there is no ratio.
+std::string change_text(const ClaimMove& move) {
+    if (!move.before || !move.now) return "";
+    const double x = move.before->measured, y = move.now->measured;
+    if (!std::isfinite(x) || !std::isfinite(y) || same_number(x, y)) return "";
+    return x == 0 ? "" : fmt::format("{:+.3g} %", (y - x) / std::fabs(x) * 100);
+}
+
+std::string state_text(const ClaimMove& move) {
+    if (!move.before) return "new: " + move.now->state;
+    if (!move.now) return "gone";
+    const bool same = move.before->state == move.now->state;
+    return same ? move.now->state : move.before->state + " -> " + move.now->state;
+}
+
+std::string interval_text(const ClaimMove& move) {
+    const MeasuredClaim& claim = move.now ? *move.now : *move.before;
+    return fmt::format("[{}, {}]", file::decimal(claim.low), file::decimal(claim.high));
+}
+
+std::string before_text(const ClaimMove& move) { return move.before ? number_text(move.before->measured) : ""; }
+std::string now_text(const ClaimMove& move) { return move.now ? number_text(move.now->measured) : ""; }
+
+std::string summary_text(const ClaimMoves& moves) {
+    const std::size_t n = moves.moves.size();
+    return n == 0 ? fmt::format("no measured value moved; {} are the same", moves.same)
+                  : fmt::format("{} measured value{} moved, {} {} the same", n, n == 1 ? "" : "s", moves.same,
+                                moves.same == 1 ? "is" : "are");
+}
+
+/// A cell of a Markdown table holds no line break and no bar of its own, and no markup.
+std::string cell_of(const std::string& text) {
+    std::string cell;
+    for (const char c : text) {
+        if (c == '\n' || c == '\r') cell += ' ';
+        else if (std::string_view("|\\`*_<>[]&").find(c) != std::string_view::npos) (cell += '\\') += c;
+        else cell += c;
+    }
+    return cell;
+}
+
+}  // namespace
+
+ClaimBaseline baseline_of(const std::vector<scene::claim::Claim>& claims,
+                          const std::vector<measure::claim::ClaimResult>& results, const std::string& program,
+                          const std::string& command) {
+    ClaimBaseline run{program, image::compiler_attribute().second, command};
+    for (std::size_t i = 0; i < claims.size(); ++i)
+        run.claims.push_back({.id = claims[i].id,
+                              .quantity = quantity(claims[i]),
+                              .state = state_name(results[i].state),
+                              .measured = results[i].measured,
+                              .low = claims[i].low,
+                              .high = claims[i].high});
+    return run;
+}
+
+void write_baseline(const std::filesystem::path& path, const ClaimBaseline& baseline) {
+    const auto number = [](double x) {
+        return std::isfinite(x) ? nlohmann::ordered_json(x) : nlohmann::ordered_json(file::decimal(x));
+    };
+    auto claims = nlohmann::ordered_json::array();
+    for (const MeasuredClaim& c : baseline.claims)
+        claims.push_back({{"id", c.id},
+                          {"quantity", c.quantity},
+                          {"state", c.state},
+                          {"measured", number(c.measured)},
+                          {"measured_hex", file::hex(c.measured)},
+                          {"expected_hex", {file::hex(c.low), file::hex(c.high)}}});
+    const nlohmann::ordered_json all{{"schema", baseline_schema},
+                                     {"program", baseline.program},
+                                     {"compiler", baseline.compiler},
+                                     {"command", baseline.command},
+                                     {"claims", claims}};
+    file::AtomicFile out(path);
+    out.write(all.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n");
+    out.commit();
+}
+
+ClaimBaseline read_baseline(const std::filesystem::path& path) {
+    const auto refuse = [&path](const std::string& what) {
+        throw InputError(path.string() + ": " + what + "; name a file that `lostbits check --save` wrote");
+    };
+    ClaimBaseline run;
+    try {
+        const auto all = nlohmann::json::parse(file::read_file(path));
+        if (all.value("schema", "") != baseline_schema) refuse("is not a baseline of this version");
+        run.program = all.at("program").get<std::string>();
+        run.compiler = all.at("compiler").get<std::string>();
+        run.command = all.at("command").get<std::string>();
+        const auto number = [](const nlohmann::json& hex) {
+            return std::strtod(hex.get_ref<const std::string&>().c_str(), nullptr);
+        };
+        for (const auto& c : all.at("claims"))
+            run.claims.push_back({.id = c.at("id").get<std::string>(),
+                                  .quantity = c.at("quantity").get<std::string>(),
+                                  .state = c.at("state").get<std::string>(),
+                                  .measured = number(c.at("measured_hex")),
+                                  .low = number(c.at("expected_hex").at(0)),
+                                  .high = number(c.at("expected_hex").at(1))});
+    } catch (const nlohmann::json::exception&) {
+        refuse("cannot be read as a baseline");
+    }
+    return run;
+}
+
+std::string ClaimMove::words() const {
+    if (!before) return "not there before";
+    if (!now) return "there before, not now";
+    const std::string change = change_text(*this);
+    return fmt::format("{} before, {} now{}, {}", before_text(*this), now_text(*this),
+                       change.empty() ? "" : " (" + change + ")", state_text(*this));
+}
+
+ClaimMoves moves_between(const ClaimBaseline& before, const ClaimBaseline& now) {
+    ClaimMoves found;
+    const auto with_id = [](const ClaimBaseline& run, const std::string& id) {
+        const auto at = std::ranges::find(run.claims, id, &MeasuredClaim::id);
+        return at == run.claims.end() ? std::nullopt : std::optional(*at);
+    };
+    for (const MeasuredClaim& claim : now.claims) {
+        const auto earlier = with_id(before, claim.id);
+        if (earlier && is_same(*earlier, claim)) ++found.same;
+        else found.moves.push_back({earlier, claim});
+    }
+    for (const MeasuredClaim& claim : before.claims) {
+        if (!with_id(now, claim.id)) found.moves.push_back({claim, std::nullopt});
+    }
+    return found;
+}
+
+std::string moves_text(const ClaimBaseline& before, const ClaimBaseline& now, const ClaimMoves& moves) {
+    std::string text = fmt::format("before: {}, {}: {}\nnow:    {}, {}: {}\n{}\n", before.program, before.compiler,
+                                   before.command, now.program, now.compiler, now.command, summary_text(moves));
+    if (moves.moves.empty()) return text;
+    constexpr const char* row = "  {:<44} {:>14} {:>14} {:>12}  {:<26} {}\n";
+    text += fmt::format(row, "claim", "before", "now", "change", "interval", "state");
+    for (const ClaimMove& move : moves.moves)
+        text += fmt::format(row, move.id(), before_text(move), now_text(move), change_text(move), interval_text(move),
+                            state_text(move));
+    return text;
+}
+
+void write_moves(const std::filesystem::path& path, const ClaimBaseline& before, const ClaimBaseline& now,
+                 const ClaimMoves& moves) {
+    std::string text = fmt::format(
+        "# What claims measure, before and now\n\n{}.\n\n| | program | compiler | command |\n"
+        "|---|---|---|---|\n",
+        summary_text(moves));
+    for (const auto& [name, run] : {std::pair("before", &before), {"now", &now}})
+        text += fmt::format("| {} | {} | {} | {} |\n", name, cell_of(run->program), cell_of(run->compiler),
+                            cell_of(run->command));
+    if (!moves.moves.empty())
+        text += "\n| claim | quantity | before | now | change | interval | state |\n|---|---|---:|---:|---:|---|---|\n";
+    for (const ClaimMove& move : moves.moves)
+        text += fmt::format("| {} | {} | {} | {} | {} | {} | {} |\n", cell_of(move.id()),
+                            cell_of((move.now ? *move.now : *move.before).quantity), before_text(move), now_text(move),
+                            change_text(move), interval_text(move), cell_of(state_text(move)));
+    file::AtomicFile out(path);
+    out.write(text);
+    out.commit();
+}
+
+}  // namespace lostbits::output::claim

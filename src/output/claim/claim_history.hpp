@@ -1,0 +1,61 @@
+// How what claims measure moved between two runs: two commits, compilers or drivers.
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "measure/claim/claim.hpp"
+
+namespace lostbits::output::claim {
+
+/// What a claim measured in some run.
+struct MeasuredClaim {
+    std::string id, quantity;
+    std::string state;  ///< as in claims.csv
+    double measured = 0;
+    double low = 0, high = 0;  ///< its interval
+    friend bool operator==(const MeasuredClaim&, const MeasuredClaim&) = default;
+};
+
+/// A run of claims, to compare later ones with.
+struct ClaimBaseline {
+    std::string program, compiler, command;
+    std::vector<MeasuredClaim> claims = {};
+};
+
+/// The run that has just ended. `command` is what to type to do it again.
+ClaimBaseline baseline_of(const std::vector<scene::claim::Claim>& claims,
+                          const std::vector<measure::claim::ClaimResult>& results, const std::string& program,
+                          const std::string& command);
+
+/// JSON, `schema` `lostbits-baseline/1`: every number also as a hexadecimal float, which is what is read back.
+void write_baseline(const std::filesystem::path& path, const ClaimBaseline& baseline);
+/// InputError, with the path, for what is not such a file.
+ClaimBaseline read_baseline(const std::filesystem::path& path);
+
+/// A claim in which two runs differ: in its number, to the last bit, or in what became of it; or that one of them
+/// lacks.
+struct ClaimMove {
+    std::optional<MeasuredClaim> before, now;
+
+    [[nodiscard]] const std::string& id() const { return before ? before->id : now->id; }
+    /// `13.2 before, 13.25 now (+0.379 %), agrees`.
+    [[nodiscard]] std::string words() const;
+};
+
+struct ClaimMoves {
+    std::vector<ClaimMove> moves;  ///< in the order of the later run, then those that it lacks
+    std::size_t same = 0;          ///< claims that both have and that measure the same
+};
+ClaimMoves moves_between(const ClaimBaseline& before, const ClaimBaseline& now);
+
+/// For the terminal, a line a move with a heading; and what both runs are.
+std::string moves_text(const ClaimBaseline& before, const ClaimBaseline& now, const ClaimMoves& moves);
+/// The same as Markdown, to be shown in a pull request.
+void write_moves(const std::filesystem::path& path, const ClaimBaseline& before, const ClaimBaseline& now,
+                 const ClaimMoves& moves);
+
+}  // namespace lostbits::output::claim

@@ -1,0 +1,72 @@
+// `lostbits check --save` and `--against`: how measured values move from one run to another.
+#include <cmath>
+#include <cstdio>
+#include <nlohmann/json.hpp>
+
+#include "catch.hpp"
+#include "program.hpp"
+
+using namespace lostbits::test;
+
+TEST_CASE("what claims measure is kept, and what moved since is shown to the last bit") {
+    const Scratch scratch;
+    const auto in = [&scratch](const char* name) { return "'" + (scratch.path() / name).string() + "'"; };
+    const std::string check = "check --filter 'float.*' ";
+    REQUIRE(run(check + "--save " + in("before.json")).code == 0);
+    auto baseline = nlohmann::json::parse(contents(scratch.path() / "before.json"));
+    CHECK(baseline["schema"] == "lostbits-baseline/1");
+    REQUIRE(baseline["claims"].size() >= 2);
+
+    const auto same = run(check + "--against " + in("before.json") + " --moves " + in("moves.md"));
+    CHECK(same.code == 0);
+    CHECK(has(same.out, "no measured value moved; " + std::to_string(baseline["claims"].size()) + " are the same"));
+    CHECK(has(contents(scratch.path() / "moves.md"), "no measured value moved"));
+
+    // The first was an ulp less, the last was not there; one is gone, and another was never selected here.
+    const std::string first = baseline["claims"][0]["id"], last = baseline["claims"].back()["id"];
+    const double now = std::strtod(baseline["claims"][0]["measured_hex"].get<std::string>().c_str(), nullptr);
+    char hex[40];
+    std::snprintf(hex, sizeof hex, "%a", std::nextafter(now, -HUGE_VAL));
+    baseline["claims"][0]["measured_hex"] = hex;
+    baseline["claims"].erase(baseline["claims"].size() - 1);
+    auto gone = baseline["claims"][0];
+    gone["id"] = "float.gone|*";
+    baseline["claims"].push_back(gone);
+    gone["id"] = "other.unselected";
+    baseline["claims"].push_back(gone);
+    static_cast<void>(scratch.write("before.json", baseline.dump()));
+    const auto moved =
+        run(check + "--against " + in("before.json") + " --moves " + in("moves.md") + " --junit " + in("junit.xml"));
+    INFO(moved.out);
+    CHECK(moved.code == 0);
+    CHECK(has(moved.out, "3 measured values moved"));
+    CHECK(has(moved.out, first));
+    CHECK(has(moved.out, "new: agrees"));
+    CHECK(has(moved.out, "gone"));
+    CHECK_FALSE(has(moved.out, "other.unselected"));
+    const std::string table = contents(scratch.path() / "moves.md");
+    CHECK(has(table, "| float.gone\\|\\* |"));
+    const std::string junit = contents(scratch.path() / "junit.xml");
+    CHECK(has(junit, "<property name=\"moved\" value=\""));
+    CHECK(has(junit, " before, "));
+    CHECK(has(junit, "not there before"));
+}
+
+TEST_CASE("a baseline that is none, and options that need one, are refused") {
+    const Scratch scratch;
+    const auto refused = [&](const std::string& options, const std::string& says) {
+        const auto r = run("check --filter 'float.*' " + options);
+        INFO(r.err);
+        CHECK(r.code == 2);
+        CHECK(has(r.err, says));
+    };
+    const std::string place = (scratch.path() / "b.json").string();
+    refused("--against '" + place + "'", "b.json");
+    for (const char* text : {"", "{}", "[]", "{\"schema\": \"lostbits-baseline/2\"}",
+                             "{\"schema\": \"lostbits-baseline/1\", \"program\": 3}"}) {
+        static_cast<void>(scratch.write("b.json", text));
+        refused("--against '" + place + "'", "name a file that `lostbits check --save` wrote");
+    }
+    refused("--moves m.md", "add --against BASELINE.json");
+    refused("--profile timing --save '" + place + "'", "--profile timing cannot be combined with");
+}
