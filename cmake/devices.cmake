@@ -19,5 +19,4 @@ foreach(device "opengl|egl opengl|libegl-dev libopengl-dev" "vulkan|vulkan|libvu
     target_include_directories(lostbits_${kind} PRIVATE ${PROJECT_SOURCE_DIR}/src)
     target_link_libraries(lostbits_${kind} PRIVATE PkgConfig::DEVICE_${kind} lostbits_warnings)
     install(TARGETS lostbits_${kind} LIBRARY DESTINATION lib/lostbits)
-    list(APPEND LOSTBITS_DEVICES lostbits_${kind})
 endforeach()
