@@ -186,5 +186,15 @@ TEST_CASE("shader: explain says why it cannot look inside, and judge, sweep, dif
     const Outcome choose = run(
         "choose near-benign --bits 12 -i shader.sphere -i sphere.unit_half_b -f f32 -o choose" + door, folder.path());
     INFO(choose.err);
-    CHECK(has(choose.out, "shader.sphere"));
+    CHECK(choose.code == 0);
+    CHECK(has(contents(folder.path() / "choose" / "near-benign" / "choose.csv"), "shader.sphere,f32"));
+    const std::string rays =
+        folder.write("rays.csv", "ox,oy,oz,dx,dy,dz,cx,cy,cz,r\n0,0,-5,0,0,1,0,0,0,1\n3,0,-5,0,0,1,0,0,0,1\n");
+    const Outcome judged = run("judge " + rays + " -i shader.sphere -f f32 -o judge" + door, folder.path());
+    INFO(judged.err);
+    CHECK(judged.code == 0);
+    const auto summary = read_csv(folder.path() / "judge" / "rays" / "summary.csv");
+    REQUIRE(summary.size() == 1);
+    CHECK(summary[0].at("agree_hit") == "1");
+    CHECK(summary[0].at("agree_miss") == "1");
 }
