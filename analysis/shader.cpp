@@ -30,12 +30,14 @@ std::shared_ptr<Device> device_named(const std::string& kind) {
 void warn_of_loops(const ShaderSource& shader, const Arithmetic& arithmetic) {
     std::size_t told = 0;
     for (const CountedLoop& loop : shader.loops) {
-        if (loop.line == told || arithmetic.loop_limit == 0 || loop.most <= arithmetic.loop_limit) continue;
+        const long long times = arithmetic.loops_together ? loop.together : loop.most;
+        if (loop.line == told || arithmetic.loop_limit == 0 || times <= arithmetic.loop_limit) continue;
         told = loop.line;
         fmt::print(stderr,
-                   "lostbits: {}:{}: this loop may run {} times; this driver leaves loops after {} without a word, so "
-                   "answers that need more are wrong\n",
-                   shader.path, loop.line, loop.most, arithmetic.loop_limit);
+                   "lostbits: {}:{}: this loop may run {} times; this driver leaves loops after {}{} without a word, "
+                   "so answers that need more are wrong\n",
+                   shader.path, loop.line, times, arithmetic.loop_limit,
+                   arithmetic.loops_together ? ", those around them counted," : "");
     }
 }
 

@@ -107,7 +107,7 @@ TEST_CASE("shader bits: every example does as it says, and boxes are those of th
         CHECK(o.code == 0);
         CHECK(has(o.out, "does as it says"));
     }
-    const auto out = map_of(folder, "box-one", "--shader " + examples + "box.glsl -i 'shader.*' -i box.slabs -f f32");
+    const auto out = map_of(folder, "box-one", "--shader " + examples + "box.glsl -i 'shader.*' -i box.signs -f f32");
     for (const auto& row : read_csv(out / "summary.csv")) {
         INFO(row.at("form"));
         CHECK(row.at("false_hit") == "0");

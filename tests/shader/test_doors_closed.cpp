@@ -13,8 +13,9 @@ const std::string examples = std::string(LOSTBITS_SOURCE_DIR) + "/examples/shade
 
 Outcome map_by(const Scratch& folder, const std::string& shader, const std::string& more = "",
                const std::string& before = "") {
-    return run("map near-benign --size 32x24 -i 'shader.*' -f f32 -o out --shader " + shader + " " + more,
-               folder.path(), before);
+    const std::string size = has(more, "--size") ? "" : " --size 32x24";
+    return run("map near-benign" + size + " -i 'shader.*' -f f32 -o out --shader " + shader + " " + more, folder.path(),
+               before);
 }
 
 }  // namespace
@@ -76,14 +77,14 @@ TEST_CASE("shader: without a driver the door is closed with a sentence", "[shade
 
 TEST_CASE("shader: one that runs for ever is ended and named", "[shader-device]") {
     const Scratch folder;
+    std::string body = "n = pow(abs(sin(n * 1.37 + rd.x)), 1.01);";
+    for (int k = 0; k < 6; ++k) body += body;
+    // No driver's limit on iterations ends this soon: 60000 times 64 powers of sines, for each of 12288 rays.
     const std::string file = folder.write("slow.glsl",
-                                          "float f(vec3 ro, vec3 rd, vec4 s) {\n"
-                                          "    uint n = floatBitsToUint(rd.x);\n"
-                                          "    for (int i = 0; i < 60000; ++i)\n"
-                                          "        for (int k = 0; k < 60000; ++k) n = n * 1664525u + 1013904223u;\n"
-                                          "    return float(n);\n"
-                                          "}\n");
-    const Outcome o = map_by(folder, file, "--time-limit 4");
+                                          "float f(vec3 ro, vec3 rd, vec4 s) {\n    float n = 1.0;\n"
+                                          "    for (int i = 0; i < 60000; ++i) {" +
+                                              body + "}\n    return n;\n}\n");
+    const Outcome o = map_by(folder, file, "--size 128x96 --time-limit 4");
     INFO(o.err);
     CHECK(o.code == 3);
     CHECK(has(o.err, "slow.glsl"));
@@ -101,6 +102,16 @@ TEST_CASE("shader: a loop beyond the limit of the driver is told", "[shader-devi
     INFO(o.err);
     CHECK(o.code == 0);
     CHECK(has(o.err, "long.glsl:4: this loop may run 100000 times") == has(limits, "65535 iterations, silently"));
+    const std::string nested =
+        text.substr(0, text.find("STEPS 100000")) + "STEPS 1000" + text.substr(text.find("STEPS 100000") + 12);
+    const Outcome both =
+        map_by(folder,
+               folder.write("nested.glsl",
+                            "void g() { for (int i = 0; i < 300; ++i) for (int k = 0; k < 300; ++k) ; }\n" + nested),
+               "--device opengl --force");
+    INFO(both.err);
+    CHECK(has(both.err, "nested.glsl:1: this loop may run 90000 times") == has(limits, "count together"));
+    CHECK_FALSE(has(both.err, "nested.glsl:5:"));
 }
 
 TEST_CASE("shader: pictures of shader sites and of pixel programs are taken as they are", "[shader-device]") {
@@ -172,8 +183,18 @@ TEST_CASE("shader: explain says why it cannot look inside, and judge, sweep, dif
         run("sweep extremes/contact -i shader.sphere -i sphere.unit_half_b -f f32 -o sweep" + door, folder.path());
     INFO(sweep.err);
     CHECK(sweep.code == 0);
-    const Outcome choose =
-        run("choose near-benign --bits 12 -i shader.sphere -i sphere.unit_half_b -f f32" + door, folder.path());
+    const Outcome choose = run(
+        "choose near-benign --bits 12 -i shader.sphere -i sphere.unit_half_b -f f32 -o choose" + door, folder.path());
     INFO(choose.err);
-    CHECK(has(choose.out, "shader.sphere"));
+    CHECK(choose.code == 0);
+    CHECK(has(contents(folder.path() / "choose" / "near-benign" / "choose.csv"), "shader.sphere,f32"));
+    const std::string rays =
+        folder.write("rays.csv", "ox,oy,oz,dx,dy,dz,cx,cy,cz,r\n0,0,-5,0,0,1,0,0,0,1\n3,0,-5,0,0,1,0,0,0,1\n");
+    const Outcome judged = run("judge " + rays + " -i shader.sphere -f f32 -o judge" + door, folder.path());
+    INFO(judged.err);
+    CHECK(judged.code == 0);
+    const auto summary = read_csv(folder.path() / "judge" / "rays" / "summary.csv");
+    REQUIRE(summary.size() == 1);
+    CHECK(summary[0].at("agree_hit") == "1");
+    CHECK(summary[0].at("agree_miss") == "1");
 }

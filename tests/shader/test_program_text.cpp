@@ -63,12 +63,15 @@ TEST_CASE("shader text: a file in float is rewritten for doubles, and back", "[s
 
 TEST_CASE("shader text: the errors of each compiler have the user's places", "[shader]") {
     const ShaderSource shader = shader_of("// one\nfloat f(vec3 ro, vec3 rd, vec4 s) {\n    return nope;\n}\n");
-    CHECK(errors_of("0:3(12): error: `nope' undeclared\n", shader) == "a.glsl:3:12: `nope' undeclared");
+    CHECK(errors_of("0:3(9): error: `nope' undeclared\n", shader) == "a.glsl:3:12: `nope' undeclared");
     CHECK(errors_of("ERROR: 0:3: 'nope' : undeclared identifier\nERROR: 1 compilation errors.\n", shader) ==
           "a.glsl:3:12: 'nope' : undeclared identifier");
+    CHECK(errors_of("program.comp\nERROR: program.comp:3: 'nope' : undeclared identifier\nERROR: program.comp:3: '' : "
+                    "compilation terminated\n",
+                    shader) == "a.glsl:3:12: 'nope' : undeclared identifier");
     CHECK(errors_of("0(3) : error C1503: undefined variable \"nope\"\n", shader) ==
           "a.glsl:3:12: error C1503: undefined variable \"nope\"");
-    CHECK(errors_of("0:1(1): warning: old\n0:3(12): error: a\n0:2(1): error: b\n", shader) ==
+    CHECK(errors_of("0:1(1): warning: old\n0:3(9): error: a\n0:2(1): error: b\n", shader) ==
           "a.glsl:3:12: a\na.glsl:2:1: b");
     CHECK(has(errors_of("0:1000020(3): error: no function with name 'f'\n", shader),
               "a.glsl:2:7: the call of `f` is not accepted"));

@@ -84,9 +84,9 @@ TEST_CASE("shader: the functions of shader sites are recognised by their types",
               Direction::any},
              {"dvec2 f(dvec3 ro, dvec3 rd, dvec4 s)", "lb_origin lb_direction dvec4(lb_centre, lb_solid[3])",
               Shape::sphere, Roots::both, Direction::unit},
-             {"float map(vec3 p)", "lb_point", Shape::sphere, Roots::first_only, Direction::unit},
-             {"float sdScene(vec3 p, vec4 s)", "lb_point " + sphere, Shape::sphere, Roots::first_only, Direction::unit},
-             {"float march(vec3 ro, vec3 rd)", "lb_origin lb_direction", Shape::sphere, Roots::first_only,
+             {"float map(vec3 p)", "lb_point", Shape::sphere, Roots::near_only, Direction::unit},
+             {"float sdScene(vec3 p, vec4 s)", "lb_point " + sphere, Shape::sphere, Roots::near_only, Direction::unit},
+             {"float march(vec3 ro, vec3 rd)", "lb_origin lb_direction", Shape::sphere, Roots::near_only,
               Direction::unit}}) {
         const File file("// nothing else\n" + k.function + " { return 0; }\n");
         const ShaderSource shader = read_shader(file.path());
@@ -176,15 +176,24 @@ TEST_CASE("shader: loops are found with what bounds them", "[shader]") {
 const int FEW = 5;
 float f(vec3 ro, vec3 rd, vec4 s) {
     for (int i = 0; i < STEPS; ++i) ro.x += 1.0;
-    for (int i = 7; i < FEW + 2; ++i) ro.x += 1.0;
-    for (int i = 70000; i > 0; --i) ro.x += 1.0;
+    for (int i = 2; i < FEW + 1; ++i) {
+        for (int i = 70; i > 0; --i) ro.x += 1.0;
+        ro.y = 1.0;
+    }
+    for (int i = 0; i < 3; ++i) for (int k = 0; k < 4; ++k) ro.x += 1.0;
+    for (float x = 0.0; x < 1.0; x += 0.5) ro.x += 1.0;
+    while (true) ro.x += 1.0;
     return ro.x;
 }
 )");
     const auto loops = read_shader(file.path()).loops;
-    REQUIRE(loops.size() == 2);
-    CHECK(loops[0].line == 4);
-    CHECK(loops[0].most == 100000);
-    CHECK(loops[1].line == 5);
-    CHECK(loops[1].most == 5);
+    REQUIRE(loops.size() == 5);
+    const auto is = [&loops](std::size_t i, std::size_t line, long long most, long long together) {
+        return loops[i].line == line && loops[i].most == most && loops[i].together == together;
+    };
+    CHECK(is(0, 4, 100000, 100000));
+    CHECK(is(1, 5, 5, 5));
+    CHECK(is(2, 6, 70, 350));
+    CHECK(is(3, 9, 3, 3));
+    CHECK(is(4, 9, 4, 12));
 }

@@ -194,16 +194,31 @@ private:
     std::vector<std::array<S, probed_count>> told_;
 };
 
-/// How far a loop gets.
-long long loop_limit_of(Device& device) {
-    constexpr std::uint32_t tried = 1U << 20;
-    std::array<std::uint32_t, 2> given{tried, 1}, told{0, 0};
-    const auto program = device.compile(loop_program(device.limits().glsl));
+/// How far a loop gets that should go to `count`, `times` over.
+std::uint32_t counted(Device& device, bool nested, std::uint32_t count, std::uint32_t times) {
+    std::array<std::uint32_t, 3> given{count, 1, times};
+    std::array<std::uint32_t, 2> told{0, 0};
+    const auto program = device.compile(loop_program(device.limits().glsl, nested));
     const std::array<Buffer, 2> buffers{
         {{std::as_writable_bytes(std::span(given))}, {std::as_writable_bytes(std::span(told)), true}}};
     device.run(*program, buffers, 1);
-    // The one state that is not counted comes at most once in 2^32.
-    return told[0] + 1 >= tried ? 0 : static_cast<long long>(told[0]);
+    return told[0];
+}
+
+/// The one state that is not counted comes at most once in 2^32.
+void probe_loops(Device& device, Arithmetic& all) {
+    constexpr std::uint32_t tried = 1U << 20, times = 4;
+    const std::uint32_t one = counted(device, false, tried, 1);
+    if (one + 1 >= tried) {
+        all.facts.push_back({"loops end after", "no limit up to 1048576 iterations"});
+        return;
+    }
+    all.loop_limit = one;
+    // A budget of all loops runs out in the second of these.
+    const std::uint32_t each = one / 8 * 5;
+    all.loops_together = counted(device, true, each, times) + 1 < each * times;
+    all.facts.push_back({"loops end after", std::to_string(one) + " iterations, silently" +
+                                                (all.loops_together ? "; all loops of a call count together" : "")});
 }
 
 }  // namespace
@@ -230,10 +245,7 @@ Arithmetic probe(Device& device) {
     } else {
         all.facts.push_back({"f64", "none"});
     }
-    all.loop_limit = loop_limit_of(device);
-    all.facts.push_back({"loops end after", all.loop_limit == 0
-                                                ? "no limit up to 1048576 iterations"
-                                                : std::to_string(all.loop_limit) + " iterations, silently"});
+    probe_loops(device, all);
     all.digest = (all.digest ^ static_cast<std::uint64_t>(all.loop_limit)) * 1099511628211U;
     return all;
 }

@@ -14,13 +14,14 @@ struct Fact {
     std::string value;  ///< `x+(y+z)`
 };
 
-/// The operations that are tried, and the rays of numbers that they are tried on, in words.
+/// What the operations are tried on, in words.
 extern const std::string_view probed_set;
 
 struct Arithmetic {
     std::vector<Fact> facts;
     long long loop_limit = 0;  ///< iterations after which a loop is left silently; 0: none within those that were tried
-    std::uint64_t digest = 0;  ///< of every bit that was answered
+    bool loops_together = false;  ///< that limit is on all loops of a function together, not on each
+    std::uint64_t digest = 0;     ///< of every bit that was answered
 
     /// The value of a key; empty where it was not probed.
     [[nodiscard]] std::string value_of(std::string_view key) const;

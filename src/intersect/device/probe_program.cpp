@@ -80,14 +80,14 @@ std::string probe_program(int bits, int version) {
            (doubles ? "dvec3" : "vec3") + "\n#define COUNTu " + std::to_string(probed_count) + "u\n" + operations;
 }
 
-std::string loop_program(int version) {
-    return version_words(version) + R"(
+std::string loop_program(int version, bool nested) {
+    return version_words(version) + "#define AGAIN " + (nested ? "for (uint r = 0u; r < given[2]; ++r)" : "") + R"(
 layout(local_size_x = 1) in;
 layout(std430, binding = 0) readonly buffer Given { uint given[]; };
 layout(std430, binding = 1) writeonly buffer Told { uint told[]; };
 void main() {
     uint n = 0u, state = given[1];
-    for (uint k = 0u; k < given[0]; ++k) {
+    AGAIN for (uint k = 0u; k < given[0]; ++k) {
         state = state * 1664525u + 1013904223u;
         if (state != 12345u) ++n;
     }

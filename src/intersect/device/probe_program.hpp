@@ -34,7 +34,8 @@ inline constexpr std::size_t probed_count = static_cast<std::size_t>(Probed::cou
 /// GLSL: reads six numbers an element at binding 0, writes `probed_count` answers an element at binding 1.
 std::string probe_program(int bits, int version);
 
-/// GLSL: counts to the number at binding 0 and writes how far it came at binding 1.
-std::string loop_program(int version);
+/// GLSL: counts to the first number at binding 0 and writes how far it came at binding 1; `nested`: so often as the
+/// third number there says, in a loop around it.
+std::string loop_program(int version, bool nested);
 
 }  // namespace lostbits::intersect::device

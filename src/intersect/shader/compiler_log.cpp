@@ -12,7 +12,7 @@ namespace {
 
 /// One line of a log that names a place.
 struct Complaint {
-    int line = 0, column = 0;  ///< column 0: not told
+    int line = 0, column = 0;  ///< column 0: not told; Mesa's, see `column_of`
     std::string words;
 };
 
@@ -21,7 +21,7 @@ bool read(const std::string& text, Complaint& c) {
     int used = 0;
     // Mesa: `1:12(5): error: words`; glslang and AMD: `ERROR: 1:12: words`; NVIDIA: `1(12) : error C1008: words`.
     if (std::sscanf(text.c_str(), "%*d:%d(%d): %n", &c.line, &c.column, &used) == 2 && used > 0) {
-    } else if (std::sscanf(text.c_str(), "%*[A-Z]: %*d:%d: %n", &c.line, &used) == 1 && used > 0) {
+    } else if (std::sscanf(text.c_str(), "%*[A-Z]: %*[^:]:%d: %n", &c.line, &used) == 1 && used > 0) {
     } else if (std::sscanf(text.c_str(), "%*d(%d) : %n", &c.line, &used) == 1 && used > 0) {
     } else {
         return false;
@@ -42,9 +42,15 @@ std::string line_of(const std::string& text, int number) {
     return line;
 }
 
-/// Where a compiler that tells no column means: at the word that it quotes, or at the first of the line.
+/// Mesa counts blanks side by side as one. Where a compiler tells no column: at the word that it quotes, or at the
+/// first of the line.
 int column_of(const Complaint& c, const std::string& line) {
-    if (c.column > 0) return c.column;
+    const auto is_blank = [](char x) { return x == ' ' || x == '\t'; };
+    int counted = 0;
+    for (std::size_t i = 0; c.column > 0 && i < line.size(); ++i) {
+        counted += i == 0 || !is_blank(line[i]) || !is_blank(line[i - 1]);
+        if (counted == c.column) return static_cast<int>(i) + 1;
+    }
     const std::size_t open = c.words.find_first_of("'\""), close = c.words.find_first_of("'\"", open + 1);
     std::size_t at = std::string::npos;
     if (close != std::string::npos) at = line.find(c.words.substr(open + 1, close - open - 1));

@@ -209,8 +209,7 @@ std::string rewritten(const std::string& text, bool to_doubles) {
     bool in_precision = false;
     for (const Token& token : tokens_of(text)) {
         std::string now(token.text);
-        if (token.kind == Token::Kind::number && !(token.in_directive && token.line == 1))
-            now = number_of(token.text, to_doubles);
+        if (token.kind == Token::Kind::number) now = number_of(token.text, to_doubles);
         if (token.kind == Token::Kind::name) {
             for (const auto& [one, two] : types_of_doubles()) {
                 if (token.text == (to_doubles ? one : two)) now = to_doubles ? two : one;

@@ -161,7 +161,7 @@ doors::Contract usual_contract(const std::string& path, const Signature& signatu
     c.roots = two ? Roots::both : signature.answers == Answers::hit ? Roots::none : Roots::near_only;
     if (signature.kind != Signature::Kind::intersector) {
         c.direction = Direction::unit;
-        c.roots = two ? Roots::both : Roots::first_only;
+        c.roots = two ? Roots::both : Roots::near_only;  // a march from inside ends where it begins
     }
     c.flags = LB_ONE_THREAD;
     return c;
@@ -226,23 +226,49 @@ std::map<std::string_view, long long> whole_constants(const std::vector<Token>& 
     return found;
 }
 
-/// The loops whose condition compares with a whole number.
+/// Behind the bracket that closes the one at `open`.
+std::size_t behind(const std::vector<Token>& code, std::size_t open) {
+    int depth = 0;
+    for (std::size_t i = open; i < code.size(); ++i) {
+        const std::string_view t = code[i].text;
+        depth += (t == "(" || t == "{") - (t == ")" || t == "}");
+        if (depth == 0) return i + 1;
+    }
+    return code.size();
+}
+
+/// Behind the statement that begins at `at`: a block, or all to the next semicolon.
+std::size_t behind_statement(const std::vector<Token>& code, std::size_t at) {
+    if (at < code.size() && code[at].text == "for" && at + 1 < code.size())
+        return behind_statement(code, behind(code, at + 1));
+    if (at < code.size() && code[at].text == "{") return behind(code, at);
+    while (at < code.size() && code[at].text != ";") ++at;
+    return std::min(at + 1, code.size());
+}
+
+/// The loops that begin at, or are compared with, a whole number.
 std::vector<CountedLoop> loops_of(const std::vector<Token>& all, const std::vector<Token>& code) {
     const auto constants = whole_constants(all);
     std::vector<CountedLoop> loops;
+    std::vector<std::pair<std::size_t, long long>> around;  // where they end, and how often they run together
     for (std::size_t i = 0; i + 1 < code.size(); ++i) {
+        std::erase_if(around, [i](const auto& outer) { return outer.first <= i; });
         if (code[i].text != "for") continue;
         long long most = 0;
         int semicolons = 0;
         for (std::size_t k = i + 1; k < code.size() && semicolons < 2; ++k) {
-            if (code[k].text == ";") ++semicolons;
-            if (semicolons != 1) continue;
+            semicolons += code[k].text == ";";
             const auto constant = constants.find(code[k].text);
             if (constant != constants.end()) most = std::max(most, constant->second);
             if (code[k].kind == Token::Kind::number && code[k].text.find('.') == std::string_view::npos)
                 most = std::max(most, std::atoll(std::string(code[k].text).c_str()));
         }
-        if (most > 0) loops.push_back({code[i].line, most});
+        most = std::min(most, 1'000'000'000LL);
+        long long together = most;
+        for (const auto& [end, times] : around) together = std::min(together * times, 1'000'000'000'000LL);
+        if (most <= 0) continue;
+        loops.push_back({code[i].line, most, together});
+        around.emplace_back(behind_statement(code, i), most);
     }
     return loops;
 }
@@ -288,7 +314,7 @@ ShaderSource read_shader(const std::string& named) {
     doors::require_sense(shader.contract, path);
     shader.loops = loops_of(tokens, code);
     if (shader.signature.kind == Signature::Kind::field)
-        shader.loops.push_back({shader.signature.function.line, shader.march.max_steps});
+        shader.loops.push_back({shader.signature.function.line, shader.march.max_steps, shader.march.max_steps});
     return shader;
 }
 

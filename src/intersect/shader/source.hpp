@@ -29,7 +29,8 @@ struct Sentinel {
 /// A loop that the file bounds by a whole number.
 struct CountedLoop {
     std::size_t line;
-    long long most;
+    long long most;      ///< times it runs
+    long long together;  ///< the same times those of the loops that it stands in
 };
 
 /// The usual loop through a field: d = map(ro + rd t); a hit where d < hit_eps, at that t; t += d; a miss where

@@ -31,6 +31,13 @@ std::string missing_for(const Claim& claim) {
     if (claim.profile == Claim::Profile::libraries && std::ranges::none_of(rows, named))
         return "no library that is loaded has " + claim.form + "; add --plugin or --pipe";
     for (const std::string& need : claim.requirements) {
+        // Of a shader: what its source says of the driver.
+        if (need.starts_with("driver-")) {
+            const auto row = std::ranges::find_if(rows, named);
+            if (row == rows.end() || row->info->source.find(need.substr(7)) == std::string_view::npos)
+                return claim.form + " does not run on " + need.substr(7);
+            continue;
+        }
         if (need == "processors-2") {
             if (speed::allowed_processors().size() < 2) return "this program may use only one processor";
             continue;
@@ -38,7 +45,7 @@ std::string missing_for(const Claim& claim) {
         const auto isa = need.starts_with("isa-") ? intersect::simd::isa_named(need.substr(4)) : std::nullopt;
         if (!isa)
             scene::toml::fail(claim.where, "unknown requirement \"" + need +
-                                               "\"; there are isa-128, isa-256, isa-512 and processors-2");
+                                               "\"; there are isa-128, isa-256, isa-512, processors-2 and driver-WORDS");
         const auto there = intersect::simd::available_isas();
         if (std::ranges::find(there, *isa) == there.end()) return "this machine has no " + need;
     }
