@@ -248,7 +248,7 @@ Exit run(const MapOptions& o, const Common& common) {
     std::vector<SceneWork> works;
     for (const auto& scene : scenes) works.push_back(work_on(scene, o, rows, wanted, made));
     for (const SceneWork& work : works) choice::that_apply(drawn, work.map.rows, "scene " + work.map.scene->id);
-    const auto folders = own_folders(scenes, o.out, common);
+    auto folders = own_folders(scenes, o.out, common);
     for (const SceneWork& work : works) choice::note_without_formula(drawn, work.map.rows, common.quiet);
     if (o.bits_needed > 0 && !common.quiet) note_skipped(works);
     if (!common.quiet) {
@@ -262,6 +262,7 @@ Exit run(const MapOptions& o, const Common& common) {
     for (const SceneWork& work : works) units += work.units();
     output::file::Progress progress(units, "map", common.progress, common.quiet);
     const auto advance = advancing(progress);
+    auto folder = folders.begin();
     for (SceneWork& work : works) {
         measure::truth::StageCounts stages;
         output::file::Estimate estimate(progress, work.map.scene->id, work.map.scene->pixels() * work.map.rows.size(),
@@ -274,6 +275,7 @@ Exit run(const MapOptions& o, const Common& common) {
         if (work.needed) work.needed->progress = advance;
         unresolved += map_scene(work, o, common,
                                 drawn_of(choice::that_apply(drawn, work.map.rows, work.map.scene->id), work), progress);
+        (folder++)->reset();
     }
     progress.finish();
     for (const SceneWork& work : works)
