@@ -15,6 +15,7 @@
 #include "intersect/simd/packed.hpp"
 #include "number/error.hpp"
 #include "output/file/atomic_file.hpp"
+#include "output/file/escape.hpp"
 
 namespace lostbits::analysis {
 namespace {
@@ -131,7 +132,7 @@ Exit run(int argc, char** argv) {
     } catch (const CLI::ParseError& error) {
         const CLI::App& command = shell::command_named(program);
         fmt::print(stderr, "lostbits: {}\nlostbits: see `{} --help`\n",
-                   shell::what_is_wrong(program, error),
+                   output::file::terminal_text(shell::what_is_wrong(program, error)),
                    &command == &program ? "lostbits" : "lostbits " + command.get_name());
         return Exit::bad_input;
     }
@@ -169,7 +170,7 @@ int main(int argc, char** argv) {
     std::set_terminate(on_terminate);
     // stdio, not fmt: what cannot be written because stderr is closed must not throw while an error is reported.
     const auto fail = [](Exit code, const char* message) {
-        std::fprintf(stderr, "lostbits: %s\n", message);
+        std::fprintf(stderr, "lostbits: %s\n", output::file::terminal_text(message).c_str());
         return static_cast<int>(code);
     };
     try {
