@@ -175,8 +175,10 @@ private:
         const OIIO::ROI bar = OIIO::ImageBufAlgo::text_size("||", size, font);
         const OIIO::ROI framed = OIIO::ImageBufAlgo::text_size("|" + text + "|", size, font);
         if (!bar.defined() || !framed.defined()) {
-            throw EnvironmentError("cannot draw text: font " + font +
-                                   " not found; install the package fonts-dejavu-core");
+            // The library says nothing of why; it is as silent where it can open or hold no more.
+            throw EnvironmentError("cannot draw text: the font " + font +
+                                   " cannot be read; install the package fonts-dejavu-core, or where it is, select "
+                                   "fewer forms, or raise `ulimit -n` and `ulimit -v`");
         }
         out.width = std::max(framed.width() - bar.width(), 0);
         out.coverage.assign(static_cast<std::size_t>(out.width) * static_cast<std::size_t>(out.height), 0);
