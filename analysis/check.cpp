@@ -17,11 +17,13 @@
 #include "output/claim/claim_history.hpp"
 #include "output/claim/claim_report.hpp"
 #include "output/file/atomic_file.hpp"
+#include "output/file/escape.hpp"
 #include "output/file/number_text.hpp"
 
 namespace lostbits::analysis {
 
 using measure::claim::ClaimResult;
+using output::file::terminal_line;
 
 namespace {
 
@@ -78,7 +80,7 @@ void print(const Claim& claim, const ClaimResult& r, const CheckOptions& o, bool
     if (r.state == State::agrees) {
         const std::string all = output::claim::floats_text(r);
         if (verbose)
-            fmt::print("ok       {} ({}{}): {}\n", claim.id, verdict, all.empty() ? "" : ", " + all,
+            fmt::print("ok       {} ({}{}): {}\n", terminal_line(claim.id), verdict, all.empty() ? "" : ", " + all,
                        output::file::decimal(r.measured));
         return;
     }
@@ -90,8 +92,8 @@ void print(const Claim& claim, const ClaimResult& r, const CheckOptions& o, bool
                        : r.state == State::broken               ? "could not be measured"
                        : claim.verdict == Claim::Verdict::holds ? "expected to hold, does not"
                                                                 : "refuted, but the measured number has changed";
-    fmt::print("{}: {}: {} ({})\n", word, what, claim.id, claim.statement);
-    fmt::print("         {}: {}\n", claim.where.text(), output::claim::explain(claim, r));
+    fmt::print("{}: {}: {} ({})\n", word, what, terminal_line(claim.id), terminal_line(claim.statement));
+    fmt::print("         {}: {}\n", terminal_line(claim.where.text()), terminal_line(output::claim::explain(claim, r)));
     if (r.witness.x >= 0) {
         fmt::print("         worst ray: origin {} {} {}, direction {} {} {}\n",
                    output::file::hex(r.witness.ray.origin.x), output::file::hex(r.witness.ray.origin.y),
@@ -99,11 +101,14 @@ void print(const Claim& claim, const ClaimResult& r, const CheckOptions& o, bool
                    output::file::hex(r.witness.ray.direction.y), output::file::hex(r.witness.ray.direction.z));
     }
     if (const std::string command = output::claim::explain_witness(claim, r); !command.empty())
-        fmt::print("         explain it: {}\n", command);
-    fmt::print("         reproduce: {}{}\n", output::claim::reproduce(claim), output::blame::where_forms_are_from());
+        fmt::print("         explain it: {}\n", terminal_line(command));
+    fmt::print("         reproduce: {}{}\n", terminal_line(output::claim::reproduce(claim)),
+               terminal_line(output::blame::where_forms_are_from()));
     if (o.annotations == "github" && r.state != State::skipped) {
         fmt::print("::{} file={},line={},title={}::{}\n", std::string_view(word) == "warning" ? "warning" : "error",
-                   claim.where.source, claim.where.line, claim.id, output::claim::explain(claim, r));
+                   output::file::workflow_value(claim.where.source), claim.where.line,
+                   output::file::workflow_value(claim.id),
+                   output::file::workflow_text(output::claim::explain(claim, r)));
     }
 }
 
@@ -129,8 +134,9 @@ void print_spreads(const std::vector<Claim>& claims, const std::vector<ClaimResu
         if (!results[i].is_drawn()) continue;
         const auto s = results[i].spread();
         const auto text = [](double x) { return fmt::format("{:.6g}", x); };
-        fmt::print(row, claims[i].id, text(results[i].measured), text(s.low), text(s.median), text(s.high),
-                   fmt::format("[{}, {}]", text(claims[i].low), text(claims[i].high)), results[i].samples);
+        fmt::print(row, terminal_line(claims[i].id), text(results[i].measured), text(s.low), text(s.median),
+                   text(s.high), fmt::format("[{}, {}]", text(claims[i].low), text(claims[i].high)),
+                   results[i].samples);
     }
 }
 
@@ -155,8 +161,8 @@ Exit report_times(const std::vector<Claim>& claims, const std::vector<ClaimResul
                                                                 : "broken";
         fmt::print("{:<8} {:<7} {:>5} in [{}, {}]  {}: {}\n", word,
                    c.verdict == Claim::Verdict::holds ? "holds" : "refuted",
-                   measured ? fmt::format("{:.2f}", results[i].measured) : "-", c.low, c.high, c.id,
-                   measured ? c.statement : results[i].trouble);
+                   measured ? fmt::format("{:.2f}", results[i].measured) : "-", c.low, c.high, terminal_line(c.id),
+                   terminal_line(measured ? c.statement : results[i].trouble));
     }
     return Exit::done;
 }
@@ -253,7 +259,7 @@ Exit run(const CheckOptions& o, const Common& common) {
     if (before) moved = show_moves(o, *before, now);
     if (o.measure) {
         for (std::size_t i = 0; i < claims.size(); ++i)
-            fmt::print("{} = {}{}\n", claims[i].id, output::file::decimal(results[i].measured),
+            fmt::print("{} = {}{}\n", terminal_line(claims[i].id), output::file::decimal(results[i].measured),
                        draws_text(claims[i], results[i]));
         return Exit::done;
     }

@@ -14,6 +14,7 @@
 #include "measure/choice/file_rays.hpp"
 #include "output/blame/explain_command.hpp"
 #include "output/choice/choice_files.hpp"
+#include "scene/toml/result_name.hpp"
 
 namespace lostbits::analysis {
 
@@ -150,7 +151,7 @@ Exit choose_for_files(const ChooseOptions& o, const Common& common) {
     std::string id, words;
     for (const std::string& file : o.subjects) {
         each.push_back(choice::open_file(o, file, choice::shape_given(o, aimed_at)));
-        id += (id.empty() ? "" : "+") + std::filesystem::path(file).stem().string();
+        id += (id.empty() ? "" : "+") + scene::toml::result_name(file);
         words += (words.empty() ? "" : " ") + output::blame::shell_word(file);
     }
     const auto dump = scene::dump::join_dumps(std::move(each));

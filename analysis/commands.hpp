@@ -73,7 +73,8 @@ void require_folder(const std::string& out);
                                                                      const Common& common, const std::string& subject,
                                                                      output::file::ResultFolder::Rules rules = {});
 
-/// A folder in `out` for each scene, this run's own while they live, in which summary.csv can be written.
+/// A folder in `out` for each scene, this run's own while they live, in which summary.csv can be written. Reset the one
+/// of a scene whose files are all there: it is finished then, whatever becomes of the run.
 [[nodiscard]] std::vector<std::unique_ptr<output::file::ResultFolder>> own_folders(
     const std::vector<scene::file::Scene>& scenes, const std::string& out, const Common& common);
 

@@ -126,7 +126,7 @@ Exit run(const ConsistencyOptions& o, const Common& common) {
         requests.push_back({.scene = &scene, .rows = std::move(fitting), .checks = std::move(asked)});
         units += scene.pixels() * requests.back().rows.size();
     }
-    const auto folders = own_folders(scenes, o.out, common);
+    auto folders = own_folders(scenes, o.out, common);
     if (!common.quiet) {
         for (const Scene& scene : scenes) {
             choice::note_lost_numbers(scene, rows);
@@ -135,7 +135,11 @@ Exit run(const ConsistencyOptions& o, const Common& common) {
     }
 
     output::file::Progress progress(units, "consistency", common.progress, common.quiet);
-    for (const ConsistencyRequest& request : requests) unresolved += compare_on_scene(request, o, common, progress);
+    auto folder = folders.begin();
+    for (const ConsistencyRequest& request : requests) {
+        unresolved += compare_on_scene(request, o, common, progress);
+        (folder++)->reset();
+    }
     progress.finish();
     return end_with_unproved(unresolved);
 }

@@ -10,6 +10,7 @@
 #include "analysis/diff/made_by.hpp"
 #include "commands.hpp"
 #include "number/error.hpp"
+#include "output/file/result_folder.hpp"
 
 namespace lostbits::analysis {
 
@@ -71,6 +72,26 @@ Exit run_on_maps(const DiffWords& w, const MapSides& sides, const CompareOptions
     return found.same() ? Exit::done : Exit::answer_is_no;
 }
 
+/// What is compared may be half of a result.
+void say_what_is_unfinished(const DiffWords& w) {
+    std::set<std::filesystem::path> folders;
+    for (const std::filesystem::path side : {w.a, w.b}) {
+        if (side.empty()) continue;
+        std::error_code ignored;
+        const bool is_folder = std::filesystem::is_directory(side, ignored);
+        folders.insert(is_folder ? side : folder_of(side));
+        if (!is_folder) continue;
+        for (auto at = std::filesystem::recursive_directory_iterator(side, ignored); at != std::filesystem::end(at);
+             at.increment(ignored)) {
+            if (at->is_directory(ignored)) folders.insert(at->path());
+        }
+    }
+    for (const auto& folder : folders) {
+        const std::string words = output::file::ResultFolder::unfinished_in(folder);
+        if (!words.empty()) fmt::print(stderr, "lostbits: {}\n", words);
+    }
+}
+
 MapSides sides_of(const DiffWords& w) {
     if (w.forms.empty()) return {w.a, w.b, {}, {}, w.formats};
     if (w.forms.size() != 2)
@@ -99,6 +120,7 @@ Exit run(const DiffWords& w, const Common& common) {
         throw InputError("--draw: needs two folders of maps, or two forms of one, without --strict; leave it out");
     if (!w.formats.empty() && w.draw.empty())
         throw InputError("-f: chooses what --draw draws; add --draw FOLDER, or leave out -f");
+    say_what_is_unfinished(w);
     return folders && !w.strict ? run_on_maps(w, sides, options, common) : run_strictly(w, options, common);
 }
 

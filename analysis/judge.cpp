@@ -14,6 +14,7 @@
 #include "output/blame/explain_command.hpp"
 #include "output/judge/judge_files.hpp"
 #include "scene/file/march_table.hpp"
+#include "scene/toml/result_name.hpp"
 
 namespace lostbits::analysis {
 
@@ -115,7 +116,7 @@ Exit run(const JudgeWords& o, const Common& common) {
     JudgeRequest request{.solids = choice::solids_given(o, scene, dump->format())};
     if (scene && scene->march) request.march = scene::file::round_march(*scene->march, binary32);
     const Shape shape = dump->layout().solid() ? *dump->layout().solid() : request.solids.front().shape;
-    const std::string stem = std::filesystem::path(o.file).stem().string();
+    const std::string stem = scene::toml::result_name(o.file);
     intersect::Info contract = choice::contract_of(o);
     if (dump->layout().decides_only()) contract.roots = intersect::Roots::none;
     const measure::judge::FileForm answers(stem, shape, contract);

@@ -12,6 +12,7 @@
 #include "measure/blame/culprits.hpp"
 #include "measure/consistency/check.hpp"
 #include "measure/offset/strategy.hpp"
+#include "output/file/escape.hpp"
 #include "scene/claim/claims_file.hpp"
 #include "scene/file/scene.hpp"
 #include "scene/sweep/case_file.hpp"
@@ -206,7 +207,7 @@ void print(const Listing& l, bool last_is_long) {
             text += c + 1 == cells.size() && last_is_long ? cells[c] : fmt::format("{:<{}}  ", cells[c], widths[c]);
         }
         text.erase(text.find_last_not_of(' ') + 1);
-        fmt::print("{}\n", text);
+        fmt::print("{}\n", output::file::terminal_line(text));
     };
     line(l.columns);
     for (const auto& row : l.rows) line(row);
@@ -219,7 +220,7 @@ void print_json(const Listing& l) {
         for (std::size_t c = 0; c < row.size(); ++c) object[l.columns[c]] = row[c];
         array.push_back(std::move(object));
     }
-    fmt::print("{}\n", array.dump(2));
+    fmt::print("{}\n", array.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
 }
 
 Exit run(const std::string& what, bool json, const Common& common) {

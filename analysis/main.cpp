@@ -1,8 +1,6 @@
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <algorithm>
-#include <csignal>
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
@@ -14,12 +12,14 @@
 #include "analysis/choice/options.hpp"
 #include "analysis/shard/merge.hpp"
 #include "analysis/shell/completion.hpp"
+#include "analysis/shell/process.hpp"
 #include "analysis/shell/table_on_stdout.hpp"
 #include "analysis/shell/usage.hpp"
 #include "commands.hpp"
 #include "intersect/simd/packed.hpp"
 #include "number/error.hpp"
 #include "output/file/atomic_file.hpp"
+#include "output/file/escape.hpp"
 
 namespace lostbits::analysis {
 namespace {
@@ -27,21 +27,6 @@ namespace {
 constexpr const char* description =
     "A precision laboratory for ray intersectors: where significand bits are lost, which operation loses them,\n"
     "whether the formula or the problem is to blame, and what the safer form costs.";
-
-void on_signal(int) {
-    if (!asked_to_stop.exchange(true)) return;
-    output::file::remove_partial_files();
-    _exit(static_cast<int>(Exit::interrupted));
-}
-
-/// SIGINT, SIGTERM, SIGHUP (a closed terminal) and SIGXCPU ask the run to stop at the next safe point; a second one
-/// removes partial files and leaves at once. A write past the file-size limit fails instead of killing the process.
-void install_signal_handlers() {
-    struct sigaction action {};
-    action.sa_handler = on_signal;
-    for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGXCPU}) sigaction(signal, &action, nullptr);
-    output::file::ignore_file_size_signal();
-}
 
 void add_common(CLI::App& program, Common& common) {
     using Mode = output::file::Progress::Mode;
@@ -181,7 +166,8 @@ Exit run_words(const std::vector<std::string>& words, std::shared_ptr<shard::Sha
         return static_cast<Exit>(program.exit(success));
     } catch (const CLI::ParseError& error) {
         const CLI::App& command = shell::command_named(program);
-        fmt::print(stderr, "lostbits: {}\nlostbits: see `{} --help`\n", shell::what_is_wrong(program, error),
+        fmt::print(stderr, "lostbits: {}\nlostbits: see `{} --help`\n",
+                   output::file::terminal_text(shell::what_is_wrong(program, error)),
                    &command == &program ? "lostbits" : "lostbits " + command.get_name());
         return Exit::bad_input;
     }
@@ -215,12 +201,13 @@ namespace {
 
 int main(int argc, char** argv) {
     using namespace lostbits;
-    analysis::install_signal_handlers();
+    analysis::shell::open_standard_streams();
+    analysis::shell::install_signal_handlers();
     output::file::raise_open_file_limit();
     std::set_terminate(on_terminate);
     // stdio, not fmt: what cannot be written because stderr is closed must not throw while an error is reported.
     const auto fail = [](Exit code, const char* message) {
-        std::fprintf(stderr, "lostbits: %s\n", message);
+        std::fprintf(stderr, "lostbits: %s\n", output::file::terminal_text(message).c_str());
         return static_cast<int>(code);
     };
     try {

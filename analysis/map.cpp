@@ -250,7 +250,7 @@ Exit run(MapOptions o, const Common& common) {
     for (const auto& scene : scenes) files.push_back(scene.path);
     auto divided = divide(o.shard, o.out, files, common);
     o.out = divided.out.string();
-    const auto folders = own_folders(divided.division.is_shard() ? std::vector<Scene>{} : scenes, o.out, common);
+    auto folders = own_folders(divided.division.is_shard() ? std::vector<Scene>{} : scenes, o.out, common);
     for (const SceneWork& work : works) choice::note_without_formula(drawn, work.map.rows, common.quiet);
     if (o.bits_needed > 0 && !common.quiet) note_skipped(works);
     if (!common.quiet) {
@@ -264,6 +264,7 @@ Exit run(MapOptions o, const Common& common) {
     for (const SceneWork& work : works) units += work.units();
     output::file::Progress progress(units / divided.division.share().of, "map", common.progress, common.quiet);
     const auto advance = advancing(progress);
+    auto folder = folders.begin();
     for (SceneWork& work : works) {
         measure::truth::StageCounts stages;
         output::file::Estimate estimate(progress, work.map.scene->id,
@@ -277,6 +278,7 @@ Exit run(MapOptions o, const Common& common) {
         if (work.needed) work.needed->progress = advance;
         unresolved += map_scene(work, o, drawn_of(choice::that_apply(drawn, work.map.rows, work.map.scene->id), work),
                                 {common, progress, divided.division});
+        if (folder != folders.end()) (folder++)->reset();
     }
     progress.finish();
     finish(divided, common);

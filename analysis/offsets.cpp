@@ -135,7 +135,7 @@ Exit run(const OffsetOptions& o, const Common& common) {
         requests.push_back({.scene = &scene, .rows = rows_for(scene, rows, o), .strategies = strategies});
         units += units_of(requests.back(), o);
     }
-    const auto folders = own_folders(scenes, o.out, common);
+    auto folders = own_folders(scenes, o.out, common);
     if (!common.quiet) {
         for (const Scene& scene : scenes) {
             choice::note_lost_numbers(scene, rows);
@@ -146,12 +146,14 @@ Exit run(const OffsetOptions& o, const Common& common) {
     output::file::Progress progress(units, "offsets", common.progress, common.quiet);
     output::file::Estimate estimate(progress, "offsets", units, common.quiet);
     const auto advance = advancing(progress);
+    auto folder = folders.begin();
     for (OffsetRequest& request : requests) {
         request.progress = [&](std::uint64_t done) {
             advance(done);
             estimate.advance(done);
         };
         unresolved += offset_scene(request, o, common, progress);
+        (folder++)->reset();
     }
     progress.finish();
     return end_with_unproved(unresolved);

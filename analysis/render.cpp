@@ -111,7 +111,7 @@ Exit run(const RenderOptions& o, const Common& common) {
         requests.push_back({.scene = &scene, .stages = stages_of(scene, o, common.quiet), .rows = rows});
         units += scene.pixels() * rows.size();
     }
-    const auto folders = own_folders(scenes, o.out, common);
+    auto folders = own_folders(scenes, o.out, common);
     if (!common.quiet) {
         for (const auto& scene : scenes) {
             choice::note_lost_numbers(scene, rows);
@@ -120,9 +120,11 @@ Exit run(const RenderOptions& o, const Common& common) {
     }
 
     output::file::Progress progress(units, "render", common.progress, common.quiet);
+    auto folder = folders.begin();
     for (RenderRequest& request : requests) {
         request.progress = advancing(progress);
         unproved += render_scene(request, o, common, progress);
+        (folder++)->reset();
     }
     progress.finish();
     if (unproved > 0 && !common.quiet)

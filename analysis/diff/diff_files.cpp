@@ -6,6 +6,7 @@
 #include <tuple>
 
 #include "number/error.hpp"
+#include "output/file/escape.hpp"
 #include "scene/toml/did_you_mean.hpp"
 
 namespace lostbits::analysis::diff {
@@ -13,6 +14,7 @@ namespace lostbits::analysis::diff {
 namespace fs = std::filesystem;
 using output::diff::CompareOptions;
 using output::diff::Comparison;
+using output::file::terminal_line;
 
 namespace {
 
@@ -147,15 +149,15 @@ void print(const Result& r, bool verbose) {
     }
     for (const auto& column : c.columns) {
         if (column.count == 0 && !(verbose && !column.absolute.at.empty())) continue;
-        fmt::print("  {}: {} differ", column.name, column.count);
+        fmt::print("  {}: {} differ", terminal_line(column.name), column.count);
         if (column.kinds > 0) fmt::print(", {} of them in kind (NaN, infinite, empty or text)", column.kinds);
         print_largest("abs", column.absolute);
         print_largest("rel", column.relative);
         fmt::print("\n");
     }
     for (const auto& d : c.differences) {
-        if (d.line > 0) fmt::print("{}:{}: {}\n", r.file, d.line, d.what);
-        else fmt::print("{}: {}\n", r.file, d.what);
+        if (d.line > 0) fmt::print("{}:{}: {}\n", terminal_line(r.file), d.line, terminal_line(d.what));
+        else fmt::print("{}: {}\n", terminal_line(r.file), terminal_line(d.what));
     }
     if (c.count > c.differences.size())
         fmt::print("{}: and {} more; -v shows all\n", r.file, c.count - c.differences.size());

@@ -6,6 +6,7 @@
 
 #include "number/error.hpp"
 #include "output/diff/pixel_difference.hpp"
+#include "output/file/escape.hpp"
 #include "scene/toml/did_you_mean.hpp"
 
 namespace lostbits::analysis::diff {
@@ -75,7 +76,7 @@ void print_lines(const std::string& head, const std::vector<std::string>& lines,
     if (lines.empty()) return;
     fmt::print("{}\n", head);
     const std::size_t shown = all ? lines.size() : std::min(most, lines.size());
-    for (std::size_t i = 0; i < shown; ++i) fmt::print("  {}\n", lines[i]);
+    for (std::size_t i = 0; i < shown; ++i) fmt::print("  {}\n", output::file::terminal_line(lines[i]));
     if (shown < lines.size()) fmt::print("  and {} more; -v shows all\n", lines.size() - shown);
 }
 
@@ -156,7 +157,7 @@ void print(const MapDifference& d, const MapSides& sides, bool verbose) {
         if (verbose || !r.only.empty()) {
             if (verbose || !r.same()) diff::print(r, verbose);
         } else if (!r.same()) {
-            fmt::print("{}: {} {}\n", r.file, r.comparison.count,
+            fmt::print("{}: {} {}\n", output::file::terminal_line(r.file), r.comparison.count,
                        r.comparison.count == 1 ? "difference" : "differences");
         }
     }

@@ -144,9 +144,9 @@ TEST_CASE("a sweep over every float that is stopped goes on with --resume and le
     const auto state = scratch.path() / "parts/s/unfinished.state";
     int stops = 0;
     for (std::string more; stops < 20; more = " --resume") {
-        const auto r =
-            run("-j 1 " + rows + out("parts") + more + " & child=$!; sleep 0.6; kill -INT $child; wait $child; exit $?",
-                ".", "set -m; ");
+        const auto r = run(
+            "-j 1 " + rows + out("parts") + more + " & child=$!; sleep 0.6; kill -TERM $child; wait $child; exit $?",
+            ".", "set -m; ");
         if (!std::filesystem::exists(state)) break;
         ++stops;
         CHECK(has(r.err, "with --resume goes on from there"));

@@ -274,7 +274,7 @@ TEST_CASE("an interrupted run ends with 130 and leaves no partial file") {
     const Scratch scratch;
     const std::string scene = scratch.write("scene.toml", good_scene);
     const auto r = run("map '" + scene + "' --size 4000x4000 -o '" + (scratch.path() / "out").string() +
-                           "' & child=$!; sleep 1.5; kill -INT $child; wait $child; exit $?",
+                           "' & child=$!; sleep 1.5; kill -TERM $child; wait $child; exit $?",
                        ".", "set -m; ");
     INFO(r.err);
     CHECK(r.code == 130);

@@ -58,6 +58,7 @@ const char* crash_of(int signal) {
 
 void on_crash(int signal) {
     if (inside != nullptr) end(inside, crash_of(signal), try_child);
+    if (terms().clean_up) terms().clean_up();
     ::signal(signal, SIG_DFL);
     raise(signal);
 }

@@ -7,6 +7,7 @@
 #include "number/error.hpp"
 #include "output/blame/explain_programs.hpp"
 #include "output/blame/tape_slice.hpp"
+#include "output/file/escape.hpp"
 #include "output/file/number_text.hpp"
 
 namespace lostbits::output::blame {
@@ -133,7 +134,8 @@ private:
         std::string text = fmt::format(
             "/* {} in {}: {}.\n   Source: {}. Compile with cc -lm; no fast math. */\n#include <math.h>\n#include "
             "<stdio.h>\n\n",
-            x_.form->info->name, x_.format.name, x_.form->info->title, x_.form->info->source);
+            x_.form->info->name, x_.format.name, file::c_comment(x_.form->info->title),
+            file::c_comment(x_.form->info->source));
         if (rounds_) text += rounding_functions(body);
         text +=
             "static void show(const char* what, int hit, double t) {\n    if (isnan(t)) printf(\"%-9s %s at nan\\n\", "

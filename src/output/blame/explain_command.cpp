@@ -28,7 +28,7 @@ std::string shell_word(std::string_view word) {
         return std::isalnum(static_cast<unsigned char>(c)) != 0 ||
                std::string_view("_./=,:+-").find(c) != std::string_view::npos;
     };
-    if (!word.empty() && std::ranges::all_of(word, plain)) return std::string(word);
+    if (!word.empty() && word.front() != '=' && std::ranges::all_of(word, plain)) return std::string(word);
     std::string quoted = "'";
     for (const char c : word) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
     return quoted + "'";

@@ -105,7 +105,7 @@ std::string explain_json(const measure::blame::Explanation& x) {
     for (NodeId i = 0; i < x.tape.size(); ++i) j["operations"].push_back(operation(x, text, i));
     j["better"] = Json::array();
     for (const measure::blame::Standing& s : x.better) j["better"].push_back(standing(s));
-    return j.dump(2) + "\n";
+    return j.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
 }  // namespace lostbits::output::blame

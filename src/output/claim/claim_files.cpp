@@ -11,6 +11,7 @@
 #include "measure/claim/claim_columns.hpp"
 #include "output/blame/explain_command.hpp"
 #include "output/file/csv.hpp"
+#include "output/file/escape.hpp"
 #include "output/file/number_text.hpp"
 #include "scene/toml/parse_number.hpp"
 
@@ -40,10 +41,9 @@ std::string metric_option(const Claim& c) {
                : fmt::format(" --metric \"{}:{}\"", metric.substr(0, label), metric.substr(label + 1));
 }
 
-/// XML 1.0 has no way to write most control characters.
-std::string xml_safe(std::string text) {
-    std::erase_if(text, [](unsigned char c) { return c < ' ' && c != '\n' && c != '\t'; });
-    return file::valid_utf8(text);
+/// In quotes always: what --filter takes is a glob.
+std::string filter_word(const std::string& id) {
+    return id.find('\'') == std::string::npos ? "'" + id + "'" : shell_word(id);
 }
 
 std::string witness_text(const ClaimResult& r) {
@@ -102,8 +102,9 @@ const Metric* metric_of_column(const std::string& column) {
 }
 
 std::string reproduce(const Claim& c) {
-    if (c.profile == Claim::Profile::timing) return fmt::format("lostbits check --profile timing --filter '{}'", c.id);
-    if (!c.table.empty() || c.exhaustive) return fmt::format("lostbits check --filter '{}' --measure", c.id);
+    if (c.profile == Claim::Profile::timing)
+        return fmt::format("lostbits check --profile timing --filter {}", filter_word(c.id));
+    if (!c.table.empty() || c.exhaustive) return fmt::format("lostbits check --filter {} --measure", filter_word(c.id));
     if (!c.render.empty())
         return fmt::format("lostbits render {}{} -i {} -f {} -o out", shell_word(c.render),
                            c.stage ? fmt::format(" --stage {}", name_of(*c.stage)) : "", c.form, c.format);
@@ -161,8 +162,8 @@ void write_junit(const std::filesystem::path& path, const std::vector<Claim>& cl
     for (std::size_t i = 0; i < claims.size(); ++i) {
         const Claim& c = claims[i];
         auto test = suite.append_child("testcase");
-        test.append_attribute("name") = c.id.c_str();
-        test.append_attribute("classname") = c.subject().c_str();
+        test.append_attribute("name") = file::xml_text(c.id).c_str();
+        test.append_attribute("classname") = file::xml_text(c.subject()).c_str();
         test.append_attribute("time") = fmt::format("{:.6f}", results[i].seconds).c_str();
         seconds += results[i].seconds;
         if (const auto words = moved.find(c.id); words != moved.end()) {
@@ -173,13 +174,13 @@ void write_junit(const std::filesystem::path& path, const std::vector<Claim>& cl
         if (results[i].state == State::agrees) continue;
         if (results[i].state == State::skipped) {
             ++skips;
-            test.append_child("skipped").append_attribute("message") = results[i].trouble.c_str();
+            test.append_child("skipped").append_attribute("message") = file::xml_text(results[i].trouble).c_str();
             continue;
         }
-        const std::string what = xml_safe(explain(c, results[i]));
+        const std::string what = file::xml_text(explain(c, results[i]));
         const std::string more =
-            xml_safe(fmt::format("{}\n{}: {}\n{}\n{}\n{}\n", c.statement, c.where.text(), what,
-                                 witness_text(results[i]), explain_witness(c, results[i]), reproduce(c)));
+            file::xml_text(fmt::format("{}\n{}: {}\n{}\n{}\n{}\n", c.statement, c.where.text(), what,
+                                       witness_text(results[i]), explain_witness(c, results[i]), reproduce(c)));
         if (c.severity == Claim::Severity::warn && !strict) {
             test.append_child("system-out").text().set(more.c_str());
             continue;
@@ -290,7 +291,7 @@ void write_claims_json(const std::filesystem::path& path, const std::vector<Clai
                          {"reproduce", reproduce(c)}});
     }
     file::AtomicFile file(path);
-    file.write(array.dump(2) + "\n");
+    file.write(array.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n");
     file.commit();
 }
 

@@ -12,6 +12,7 @@
 #include "output/claim/claim_files.hpp"
 #include "output/claim/claim_sheets.hpp"
 #include "output/file/atomic_file.hpp"
+#include "output/file/escape.hpp"
 #include "output/file/number_text.hpp"
 #include "output/map/scene_sheet.hpp"
 #include "output/offset/offset_sheet.hpp"
@@ -70,6 +71,10 @@ std::vector<const measure::metric::Metric*> drawn_metrics() {
     return all;
 }
 
+std::string picture_link(const std::string& title, const std::string& file) {
+    return fmt::format("![{}](pictures/{})\n", file::markdown_text(title), file::markdown_path(file));
+}
+
 std::string picture_scene(const std::filesystem::path& folder, const std::vector<MapRow>& rows, const std::string& name,
                           const std::filesystem::path& data_dir) {
     const auto found = scene::file::find_scene(name, data_dir);
@@ -79,7 +84,7 @@ std::string picture_scene(const std::filesystem::path& folder, const std::vector
     const std::string file = scene.id + ".png";
     map::SceneSheet sheet(request, folder / "pictures" / file);
     sheet.finish(measure::map::run_map(request, sheet.sinks()));
-    return fmt::format("![{}](pictures/{})\n", scene.title, file);
+    return picture_link(scene.title, file);
 }
 
 /// The marches along a scene's first pixel, sample by sample.
@@ -113,7 +118,7 @@ std::string picture_render(const std::filesystem::path& folder, const ClaimSubje
     const std::string file = scene.id + ".rendered.png";
     picture::RenderSheet sheet(image::image_backend(), folder / "pictures" / file, request);
     sheet.finish(measure::picture::run_render(request, &sheet));
-    return fmt::format("![{}](pictures/{})\n", scene.title, file);
+    return picture_link(scene.title, file);
 }
 
 /// The offsets of a scene: of each form, format and kind of point that its claims name.
@@ -133,7 +138,7 @@ std::string picture_offsets(const std::filesystem::path& folder, const ClaimSubj
     const std::string file = scene.id + ".offsets.png";
     offset::OffsetSheet sheet(image::image_backend(), folder / "pictures" / file, request);
     sheet.finish(measure::offset::run_offsets(request, &sheet));
-    return fmt::format("![{}](pictures/{})\n", scene.title, file);
+    return picture_link(scene.title, file);
 }
 
 /// Which plots of a sweep its claims are about.
@@ -173,7 +178,7 @@ std::string picture_sweep(const std::filesystem::path& folder, const std::vector
             const std::string picture =
                 judged ? fmt::format("{}.{}.png", file.id, intersect::convention_name(judged)) : file.id + ".png";
             sweep::write_case_matrix(folder / "pictures" / picture, request, cases, judged);
-            text += fmt::format("![{}](pictures/{})\n", file.title, picture);
+            text += picture_link(file.title, picture);
         }
         return text;
     }
@@ -187,7 +192,7 @@ std::string picture_sweep(const std::filesystem::path& folder, const std::vector
             const std::string file =
                 fmt::format("{}.{}.{}.png", sweep.id, rows[r].form->info->name, rows[r].format.name);
             sweep::write_plane_picture(image::image_backend(), folder / "pictures" / file, request, steps, r);
-            text += fmt::format("![{} in {}](pictures/{})\n", rows[r].form->info->name, rows[r].format.name, file);
+            text += picture_link(fmt::format("{} in {}", rows[r].form->info->name, rows[r].format.name), file);
         }
         return text;
     }
@@ -196,7 +201,7 @@ std::string picture_sweep(const std::filesystem::path& folder, const std::vector
     for (const Format& format : sweep::formats_of(measured)) {
         const auto show = [&](const char* what) {
             const std::string file = fmt::format("{}.{}.{}.png", sweep.id, what, format.name);
-            text += fmt::format("![{}: {}, {}](pictures/{})\n", sweep.title, what, format.name, file);
+            text += picture_link(fmt::format("{}: {}, {}", sweep.title, what, format.name), file);
             return folder / "pictures" / file;
         };
         if (shown.median) sweep::write_lost_bits_plot(show("lost_bits_p50"), measured, format, 0.5);
@@ -206,8 +211,9 @@ std::string picture_sweep(const std::filesystem::path& folder, const std::vector
     return text;
 }
 
-std::string cell(std::string text) {
-    for (std::size_t at = 0; (at = text.find('|', at)) != std::string::npos; at += 2) text.insert(at, "\\");
+std::string in_code(const std::vector<std::string>& all) {
+    std::string text;
+    for (const std::string& each : all) text += (text.empty() ? "" : ", ") + file::markdown_code(each);
     return text;
 }
 
@@ -247,8 +253,8 @@ std::string row_text(const Claim& c, const ClaimResult& r) {
                                                                      : "**refuted, but the number has changed**";
     // Expressions have stars.
     const std::string all = floats_text(r), number = r.floats > 0 ? file::decimal(r.measured) : rounded(r.measured);
-    const std::string what =
-        c.operations.empty() ? quantity(c) : fmt::format("{} of `{}`", c.metric, fmt::join(c.operations, "`, `"));
+    const std::string what = c.operations.empty() ? file::markdown_text(quantity(c))
+                                                  : fmt::format("{} of {}", c.metric, in_code(c.operations));
     std::string place = c.stage ? "stage " + std::string(name_of(*c.stage)) : c.case_name;
     if (c.exhaustive) place = c.ray;
     if (c.from)
@@ -258,11 +264,12 @@ std::string row_text(const Claim& c, const ClaimResult& r) {
     if (!c.consistency.empty()) place = consistency_words(c);
     if (c.step) place = fmt::format("sample {}", *c.step);
     for (const double x : c.at) place += (place.empty() ? "at " : ", ") + file::decimal(x);
-    return fmt::format(
-        "| {}{} | {}{} | {} | {} = {} | `{}` |\n", verdict, all.empty() ? "" : ": " + all, cell(c.statement),
-        c.note.empty() ? "" : " <br> *" + cell(c.note) + "*",
-        cell(fmt::format("{}{}{}", c.form.empty() ? c.row : c.form, " " + c.format, place.empty() ? "" : ", " + place)),
-        cell(what), number + spread_text(r), c.id);
+    return fmt::format("| {}{} | {}{} | {} | {} = {} | {} |\n", verdict, all.empty() ? "" : ": " + all,
+                       file::markdown_text(c.statement),
+                       c.note.empty() ? "" : " <br> *" + file::markdown_text(c.note) + "*",
+                       file::markdown_text(fmt::format("{}{}{}", c.form.empty() ? c.row : c.form, " " + c.format,
+                                                       place.empty() ? "" : ", " + place)),
+                       what, number + spread_text(r), file::markdown_code(c.id));
 }
 
 /// The pictures of `lostbits report`, which tests/browser/screenshots.js takes, as far as the folder has them.
@@ -299,7 +306,7 @@ void write_claim_report(const std::filesystem::path& folder, const std::vector<C
         other == 0 ? "" : fmt::format(", {} failed or could not be measured", other), screenshots_in(folder));
     for (const ClaimSubject& subject : subjects_of(claims)) {
         const Claim& first = claims[subject.claims.front()];
-        text += fmt::format("\n## {}\n\n", subject.name);
+        text += fmt::format("\n## {}\n\n", file::markdown_text(subject.name));
         const bool traced =
             std::ranges::all_of(subject.claims, [&](std::size_t i) { return claims[i].step.has_value(); });
         if (traced) text += trace_text(rows_of(subject, claims), subject.name, data_dir) + "\n";
@@ -319,7 +326,7 @@ void write_claim_report(const std::filesystem::path& folder, const std::vector<C
                 source = claims[i].source;
                 text += fmt::format(
                     "{}Source: {}\n\n| verdict | sentence | measured on | measured | claim |\n|---|---|---|---|---|\n",
-                    i == subject.claims.front() ? "" : "\n", source == "-" ? "our own" : source);
+                    i == subject.claims.front() ? "" : "\n", source == "-" ? "our own" : file::markdown_text(source));
             }
             text += row_text(claims[i], results[i]);
         }

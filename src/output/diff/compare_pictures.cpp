@@ -131,7 +131,8 @@ Comparison compare_exr(image::ImageBackend& images, const std::filesystem::path&
         const std::size_t q = several ? static_cast<std::size_t>(found - right.begin()) : 0;
         if (q < last) ledger.add(0, [&] { return fmt::format("part {} is moved in the second", left[p]); });
         last = std::max(last, q + 1);
-        add_part(several ? left[p] : "", compare(images.read_exr(a, p), images.read_exr(b, q), options), ledger);
+        const ExrImage first = images.read_exr(a, p);  // the first bad file is the one to name
+        add_part(several ? left[p] : "", compare(first, images.read_exr(b, q), options), ledger);
     }
     for (const std::string& name : right) {
         if (several && std::ranges::find(left, name) == left.end())

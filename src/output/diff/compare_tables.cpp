@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cstdint>
 
 #include "output/diff/ledger.hpp"
 
@@ -19,18 +20,19 @@ std::string in_words(std::string_view cell) {
 
 /// For each of a list of distinct numbers, whether it is in one longest increasing subsequence: the others are the
 /// fewest that have to move to put the list in order.
+///
+/// Patience: `ends[k]` is where the increasing list of k + 1 numbers that ends lowest ends; n log n for n numbers.
 std::vector<bool> in_order(const std::vector<std::size_t>& list) {
-    std::vector<std::size_t> length(list.size(), 1), before(list.size());
-    std::size_t best = 0;
+    constexpr std::size_t none = SIZE_MAX;
+    std::vector<std::size_t> ends, before(list.size(), none);
     for (std::size_t i = 0; i < list.size(); ++i) {
-        before[i] = i;
-        for (std::size_t j = 0; j < i; ++j) {
-            if (list[j] < list[i] && length[j] + 1 > length[i]) length[i] = length[j] + 1, before[i] = j;
-        }
-        if (length[i] > length[best]) best = i;
+        const auto place = std::ranges::lower_bound(ends, list[i], {}, [&](std::size_t end) { return list[end]; });
+        if (place != ends.begin()) before[i] = *(place - 1);
+        if (place == ends.end()) ends.push_back(i);
+        else *place = i;
     }
     std::vector<bool> in(list.size());
-    for (std::size_t i = best; !list.empty() && !in[i]; i = before[i]) in[i] = true;
+    for (std::size_t i = ends.empty() ? none : ends.back(); i != none; i = before[i]) in[i] = true;
     return in;
 }
 

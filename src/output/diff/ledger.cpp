@@ -7,6 +7,7 @@
 #include <boost/multiprecision/cpp_int.hpp>
 #include <cmath>
 #include <cstdlib>
+#include <optional>
 
 namespace lostbits::output::diff {
 
@@ -45,6 +46,29 @@ bool at_most(const Exact& a, const Exact& b) {
     return a.at(power) <= b.at(power);
 }
 
+/// 10^(m − 1) <= |v| < 10^m of a number that is not zero.
+int magnitude(const CellValue& v) { return v.exponent + static_cast<int>(v.digits.size()); }
+
+/// Of two numbers of which one is zero or less than 10^-40 of the other, as long as the tolerance is not close to the
+/// larger: then |a − b| is the larger, to 40 digits. Exactly, `1e9999` and `1e-9999` would be 20 000 digits apart.
+std::optional<PairVerdict> judge_far(const CellValue& x, const CellValue& y, const Tolerance* tolerance) {
+    constexpr int far = 40;
+    if (x.digits.empty() && y.digits.empty()) return {};
+    const bool one_is_zero = x.digits.empty() || y.digits.empty();
+    if (!one_is_zero && std::abs(magnitude(x) - magnitude(y)) <= far) return {};
+    const CellValue& larger = y.digits.empty() || (!x.digits.empty() && magnitude(x) > magnitude(y)) ? x : y;
+    PairVerdict v{.differs = true, .measured = true, .absolute = std::fabs(larger.approximate()), .relative = 1};
+    if (tolerance == nullptr) return v;
+    const CellValue& most = tolerance->absolute;
+    const double relative = tolerance->relative.approximate();
+    // With m of the larger, |a − b| lies between 10^(m − 2) and 10^(m + 1).
+    const bool below = most.digits.empty() || magnitude(most) <= magnitude(larger) - 2;
+    const bool above = !most.digits.empty() && magnitude(most) >= magnitude(larger) + 2;
+    if (!above && relative < 2 && !(below && relative < 0.5)) return {};
+    v.differs = below && relative < 0.5;
+    return v;
+}
+
 }  // namespace
 
 PairVerdict judge_cells(std::string_view a, std::string_view b, const Tolerance* tolerance, bool as_text) {
@@ -53,14 +77,15 @@ PairVerdict judge_cells(std::string_view a, std::string_view b, const Tolerance*
         const bool both_text = x.kind == Kind::text && y.kind == Kind::text;
         return {.differs = !(x == y), .kinds = !both_text};
     }
+    if (const auto far = judge_far(x, y, tolerance)) return *far;
     const Exact p(x), q(y), apart = distance(p, q);
-    const Exact larger = at_most({abs(p.n), p.exponent}, {abs(q.n), q.exponent}) ? Exact(abs(q.n), q.exponent)
-                                                                                 : Exact(abs(p.n), p.exponent);
+    const bool first = at_most({abs(q.n), q.exponent}, {abs(p.n), p.exponent});
+    const Exact larger = first ? Exact(abs(p.n), p.exponent) : Exact(abs(q.n), q.exponent);
     PairVerdict v{.measured = true, .absolute = apart.approximate()};
     if (larger.n != 0) {
         // Scaled to the larger, so that neither leaves the range of a double.
-        const int magnitude = larger.exponent + static_cast<int>(larger.n.str().size());
-        v.relative = apart.approximate(magnitude) / larger.approximate(magnitude);
+        const int size = magnitude(first ? x : y);
+        v.relative = apart.approximate(size) / larger.approximate(size);
     }
     if (tolerance == nullptr) {
         v.differs = as_text || !(x == y);

@@ -2,6 +2,7 @@
 
 #include <fcntl.h>
 #include <sys/file.h>
+#include <sys/random.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -9,9 +10,11 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <chrono>
 #include <csignal>
 #include <cstdlib>
 #include <cstring>
+#include <functional>
 #include <stdexcept>
 #include <system_error>
 
@@ -23,22 +26,47 @@ namespace {
 
 constexpr std::size_t buffer_bytes = std::size_t{256} * 1024;
 
-// A signal handler may not lock or allocate, so the registry is a fixed array. Whoever exchanges a slot to null
-// owns the string: the handler never frees what it took, which leaks a name in a process that is ending anyway.
-constexpr std::size_t slot_count = 4096;
-std::array<std::atomic<char*>, slot_count> slots{};
-static_assert(std::atomic<char*>::is_always_lock_free);
+// A signal handler may not lock or allocate, so the registry is a list of arrays that only grows. Whoever exchanges a
+// slot to null owns the string: the handler never frees what it took, which leaks a name in a process that is ending
+// anyway.
+struct Slots {
+    std::array<std::atomic<char*>, 1024> names{};
+    std::atomic<Slots*> next{nullptr};
+};
+Slots first_slots;
+static_assert(std::atomic<char*>::is_always_lock_free && std::atomic<Slots*>::is_always_lock_free);
+
+/// Calls `use` on slot after slot, until it answers true or all were there.
+template <class Use>
+bool any_slot(const Use& use) {
+    for (Slots* block = &first_slots; block != nullptr; block = block->next.load()) {
+        if (std::any_of(block->names.begin(), block->names.end(), use)) return true;
+    }
+    return false;
+}
+
+void add_slots() {
+    auto fresh = std::make_unique<Slots>();
+    for (Slots* block = &first_slots;;) {
+        Slots* next = nullptr;
+        if (block->next.compare_exchange_strong(next, fresh.get())) break;
+        block = next;
+    }
+    static_cast<void>(fresh.release());  // for as long as the process lives
+}
 
 std::atomic<char*>* register_partial(const std::string& partial) {
-    char* name = ::strdup(partial.c_str());
+    char* const name = ::strdup(partial.c_str());
     if (name == nullptr) throw std::bad_alloc();
-    for (auto& slot : slots) {
+    std::atomic<char*>* found = nullptr;
+    const auto take = [&](std::atomic<char*>& slot) {
         char* expected = nullptr;
-        if (slot.compare_exchange_strong(expected, name)) return &slot;
-    }
-    std::free(name);
-    throw EnvironmentError(partial + ": too many output files open at once (limit " + std::to_string(slot_count) +
-                           "); select fewer forms or formats");
+        if (!slot.compare_exchange_strong(expected, name)) return false;
+        found = &slot;
+        return true;
+    };
+    while (!any_slot(take)) add_slots();
+    return found;
 }
 
 /// True when this thread took the name back, false when a signal handler did (and removed the file).
@@ -85,32 +113,62 @@ void make_parent(const std::filesystem::path& path) {
     refuse(parent, "cannot create the folder", error ? error.value() : errno);
 }
 
-/// The file, locked. Between its creation and its lock somebody may take it for abandoned and remove it: then again.
-int open_new(const std::string& name) {
+/// `.NAME.partial-`, in front of what is drawn by chance: two containers that share a folder may both be process 1.
+std::string partial_prefix(const std::filesystem::path& final) {
+    return (final.parent_path() / ("." + final.filename().string() + ".partial-")).string();
+}
+
+constexpr std::size_t drawn_letters = 12;  // 60 bits
+
+std::string drawn_name() {
+    std::array<unsigned char, drawn_letters> bytes{};
+    // Before the machine has collected enough chance, and where there is no such call, the loop of open_new decides.
+    if (::getrandom(bytes.data(), bytes.size(), GRND_NONBLOCK) != static_cast<ssize_t>(bytes.size())) {
+        const auto now = std::chrono::steady_clock::now().time_since_epoch().count();
+        for (std::size_t i = 0; i < bytes.size(); ++i) bytes[i] = static_cast<unsigned char>(now >> (5 * i));
+    }
+    std::string name;
+    for (const unsigned char b : bytes) name += "abcdefghijklmnopqrstuvwxyz234567"[b % 32];
+    return name;
+}
+
+/// A file that was not there, locked for as long as it is open. Between its creation and its lock somebody may take it
+/// for abandoned and remove it: then another. `make` gives a name and puts it where a signal handler finds it, and
+/// `forget` takes back one that is somebody else's.
+int open_new(const std::function<std::string()>& make, const std::function<void()>& forget) {
     for (;;) {
-        const int fd = ::open(name.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-        if (fd < 0 && errno == EEXIST) {
-            // What a dead process with our id left goes; a living one in another container keeps its own.
-            remove_if_abandoned(name);
-            if (::access(name.c_str(), F_OK) == 0) return errno = EEXIST, -1;
+        const int fd = ::open(make().c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+        if (fd < 0 && errno != EEXIST) return fd;
+        if (fd < 0) {
+            forget();
             continue;
         }
-        if (fd < 0 || ::flock(fd, LOCK_EX | LOCK_NB) != 0) {
-            if (fd < 0 || errno != EWOULDBLOCK) return fd;  // no locks here: nobody removes it
-            ::close(fd);
-            continue;
-        }
+        if (::flock(fd, LOCK_EX | LOCK_NB) != 0 && errno != EWOULDBLOCK) return fd;  // no locks here: nobody removes it
         struct stat info {};
         if (::fstat(fd, &info) != 0 || info.st_nlink > 0) return fd;
         ::close(fd);
+        forget();
     }
 }
 
-bool is_live(const std::string& partial) {
-    return std::any_of(slots.begin(), slots.end(), [&](const std::atomic<char*>& slot) {
-        const char* name = slot.load();
-        return name != nullptr && partial == name;
+bool is_live(const std::string& prefix) {
+    return any_slot([&](const std::atomic<char*>& slot) {
+        const char* const name = slot.load();
+        return name != nullptr && std::strncmp(name, prefix.c_str(), prefix.size()) == 0 &&
+               std::strlen(name) == prefix.size() + drawn_letters;
     });
+}
+
+/// What dead runs left of this file. A folder of results was looked through when its run began.
+void remove_abandoned_beside(const std::filesystem::path& final) {
+    if (is_in_own_folder(final)) return;
+    const std::filesystem::path folder = final.has_parent_path() ? final.parent_path() : ".";
+    const std::string prefix = std::filesystem::path(partial_prefix(final)).filename().string();
+    std::error_code ignored;
+    for (auto at = std::filesystem::directory_iterator(folder, ignored); at != std::filesystem::end(at);
+         at.increment(ignored)) {
+        if (at->path().filename().string().starts_with(prefix)) remove_if_abandoned(at->path());
+    }
 }
 
 }  // namespace
@@ -134,15 +192,23 @@ AtomicFile::AtomicFile(const std::filesystem::path& path) : path_(path), final_(
         // A rename would replace a file that its owner made read-only.
         if (::access(final_.c_str(), W_OK) != 0) refuse(path, "cannot overwrite", errno);
     }
-    std::string name = ".";
-    name += final_.filename().string() + ".partial-" + std::to_string(::getpid());
-    partial_ = (final_.parent_path() / name).string();
-    if (is_live(partial_)) throw std::logic_error(path.string() + " is being written already");
-    slot_ = register_partial(partial_);
-    fd_ = open_new(partial_);
+    const std::string prefix = partial_prefix(final_);
+    if (is_live(prefix)) throw std::logic_error(path.string() + " is being written already");
+    remove_abandoned_beside(final_);
+    const auto forget = [this] {
+        unregister_partial(slot_);
+        slot_ = nullptr;
+    };
+    fd_ = open_new(
+        [&] {
+            partial_ = prefix + drawn_name();
+            slot_ = register_partial(partial_);
+            return partial_;
+        },
+        forget);
     if (fd_ < 0) {
         const int error_number = errno;
-        unregister_partial(slot_);
+        forget();
         refuse(path, "cannot create", error_number);
     }
 }
@@ -204,6 +270,13 @@ void AtomicFile::commit() {
     if (fd_ < 0) throw std::logic_error(path_.string() + ": commit after commit or failure");
     flush();
     buffer_.reset();
+    // The lock stays until the file has its name: without it another run may take the file for abandoned.
+    struct Lock {
+        int fd;
+        ~Lock() {
+            if (fd >= 0) ::close(fd);
+        }
+    } const lock{::fcntl(fd_, F_DUPFD_CLOEXEC, 0)};
     // A network file system may report a full disk only here. After EINTR Linux has closed the descriptor.
     const int closed = ::close(fd_);
     const int close_error = errno;
@@ -228,7 +301,8 @@ void AtomicFile::commit() {
 }
 
 void remove_if_abandoned(const std::filesystem::path& partial) noexcept {
-    const int fd = ::open(partial.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK);
+    // For writing too: network file systems have locks on what is open for writing alone.
+    const int fd = ::open(partial.c_str(), O_RDWR | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK);
     if (fd < 0) return;
     if (::flock(fd, LOCK_EX | LOCK_NB) == 0) ::unlink(partial.c_str());
     ::close(fd);
@@ -236,9 +310,10 @@ void remove_if_abandoned(const std::filesystem::path& partial) noexcept {
 
 void remove_partial_files() noexcept {
     const int saved = errno;
-    for (auto& slot : slots) {
-        if (const char* name = slot.exchange(nullptr)) ::unlink(name);
-    }
+    any_slot([](std::atomic<char*>& slot) {
+        if (const char* const name = slot.exchange(nullptr)) ::unlink(name);
+        return false;
+    });
     errno = saved;
 }
 

@@ -34,8 +34,9 @@ public:
 /// A file that gets its final name only when it is whole.
 ///
 /// Opened before the work starts, so that a run of an hour does not end on a folder that cannot be written.
-/// Bytes go to `.<name>.partial-<pid>` in the same folder, under a lock, and `commit` renames. Without `commit` the
-/// destructor removes the temporary file; so does `remove_partial_files` from a signal handler.
+/// Bytes go to `.<name>.partial-<drawn>` in the same folder, under a lock until `commit` has renamed it. Without
+/// `commit` the destructor removes the temporary file; so does `remove_partial_files` from a signal handler; and what a
+/// killed process left, which nobody locks, goes when that file is written again.
 ///
 /// A final path that is a device or a pipe (`/dev/stdout`, `/dev/full`) is written directly, since a rename would
 /// replace the device itself; one that is a symbolic link keeps the link and replaces its target.

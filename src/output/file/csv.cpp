@@ -1,6 +1,7 @@
 #include "output/file/csv.hpp"
 
 #include <algorithm>
+#include <charconv>
 #include <stdexcept>
 #include <unordered_set>
 
@@ -16,7 +17,25 @@ struct Overloaded : F... {
 template <class... F>
 Overloaded(F...) -> Overloaded<F...>;
 
-/// Bytes of the UTF-8 sequence at the head of `s`, or 0 when it is not one (overlong, surrogate, cut short).
+/// A decimal or C's hexadecimal float, with a sign or without.
+bool is_number(std::string_view text) {
+    if (text.starts_with('+') || text.starts_with('-')) text.remove_prefix(1);
+    const bool hexadecimal = text.starts_with("0x");
+    if (hexadecimal) text.remove_prefix(2);
+    double value = 0;
+    const auto format = hexadecimal ? std::chars_format::hex : std::chars_format::general;
+    const char* const end = text.data() + text.size();
+    return !text.empty() && text.front() != '-' && std::from_chars(text.data(), end, value, format).ptr == end;
+}
+
+/// Whether a spreadsheet would work the text out, and could do harm with it: sums of plain numbers (`+2^127`) cannot.
+bool is_formula(std::string_view text) {
+    if (text.size() < 2 || std::string_view("=+-@\t\r").find(text.front()) == std::string_view::npos) return false;
+    return text.find_first_not_of("0123456789.^+-*/ ") != std::string_view::npos && !is_number(text);
+}
+
+}  // namespace
+
 std::size_t sequence_length(std::string_view s) {
     const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(s[i]); };
     const unsigned char lead = byte(0);
@@ -36,8 +55,6 @@ std::size_t sequence_length(std::string_view s) {
     return n;
 }
 
-}  // namespace
-
 std::string valid_utf8(std::string_view text) {
     std::string out;
     out.reserve(text.size());
@@ -52,6 +69,8 @@ std::string valid_utf8(std::string_view text) {
     }
     return out;
 }
+
+std::string csv_text(std::string_view text) { return (is_formula(text) ? "'" : "") + valid_utf8(text); }
 
 std::string csv_field(std::string_view text) {
     if (text.find_first_of(",\"\r\n") == std::string_view::npos) return std::string(text);
@@ -68,7 +87,7 @@ std::string Cell::text() const {
         Overloaded{[](std::monostate) { return std::string(); }, [](bool b) { return std::string(b ? "1" : "0"); },
                    [](std::int64_t i) { return std::to_string(i); }, [](std::uint64_t i) { return std::to_string(i); },
                    [](float f) { return decimal(f); }, [](double d) { return decimal(d); },
-                   [](const std::string& s) { return valid_utf8(s); }},
+                   [](const std::string& s) { return csv_text(s); }},
         value_);
 }
 

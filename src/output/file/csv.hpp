@@ -55,7 +55,7 @@ inline Cell number_or_missing(double x) { return std::isnan(x) ? Cell() : Cell(x
 
 /// Writes one CSV file: UTF-8, LF, RFC 4180 quoting, a header, empty = missing, booleans 0/1.
 ///
-/// The file has its final name only after `close`. A string that is not UTF-8 gets U+FFFD for each bad byte.
+/// The file has its final name only after `close`. Strings are written as `csv_text` says.
 class CsvWriter {
 public:
     /// Opens the file and writes the header. Throws EnvironmentError, and std::logic_error for a column with an
@@ -94,8 +94,17 @@ private:
     std::optional<AtomicFile> file_;  // none: the rows go to `lines_`
 };
 
+/// The text of a cell: `valid_utf8`, and with an apostrophe in front where a spreadsheet would take it for a formula,
+/// that is where it begins with = + - @, a tab or a carriage return and is neither a number nor made of digits and
+/// signs alone (`-`, `+2^127`).
+[[nodiscard]] std::string csv_text(std::string_view text);
+
 /// `text` as one RFC 4180 field: quoted only when it holds a comma, a quote or a line break.
 [[nodiscard]] std::string csv_field(std::string_view text);
+
+/// Bytes of the UTF-8 sequence at the head of a text that is not empty, or 0 when it is not one (overlong, surrogate,
+/// cut short).
+[[nodiscard]] std::size_t sequence_length(std::string_view text);
 
 /// `text` with each byte that is not part of valid UTF-8 replaced by U+FFFD.
 [[nodiscard]] std::string valid_utf8(std::string_view text);

@@ -63,7 +63,7 @@ void write_datapackage(const std::filesystem::path& path, const std::string& tit
     }
     package["resources"] = std::move(list);
     AtomicFile file(path);
-    file.write(package.dump(2) + "\n");
+    file.write(package.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n");
     file.commit();
 }
 

@@ -8,7 +8,6 @@
 #include <cstdlib>
 #include <cstring>
 #include <fstream>
-#include <unordered_set>
 
 #include "number/error.hpp"
 
@@ -108,6 +107,8 @@ std::size_t take_digits(std::string_view& text, std::string& digits, std::string
 /// with: `exponent` counts decimal places, or binary ones for base 16.
 bool scan(std::string_view text, bool hexadecimal, std::string& digits, int& exponent) {
     constexpr int most = 10000;
+    // 2^-1200 is 839 decimal digits long, 2^-10000 would be 6990 that ten letters ask for.
+    const int most_power = hexadecimal ? 1200 : most;
     const std::string_view allowed = hexadecimal ? "0123456789abcdefABCDEF" : "0123456789";
     take_digits(text, digits, allowed);
     const std::size_t fraction = take(text, ".") ? take_digits(text, digits, allowed) : 0;
@@ -118,7 +119,7 @@ bool scan(std::string_view text, bool hexadecimal, std::string& digits, int& exp
         if (error != std::errc{} || (plus && text.front() == '-')) return false;
         text.remove_prefix(static_cast<std::size_t>(end - text.data()));
     }
-    if (!text.empty() || exponent > most || exponent < -most) return false;
+    if (!text.empty() || exponent > most_power || exponent < -most_power) return false;
     exponent -= static_cast<int>(fraction) * (hexadecimal ? 4 : 1);
     return true;
 }
@@ -136,8 +137,8 @@ void to_decimal(std::string& digits, int& exponent) {
 }  // namespace
 
 const CsvColumn* CsvTable::find(std::string_view name) const {
-    const auto found = std::ranges::find(columns, name, &CsvColumn::name);
-    return found == columns.end() ? nullptr : &*found;
+    const auto found = places.find(name);
+    return found == places.end() ? nullptr : &columns[found->second];
 }
 
 CsvTable parse_csv(std::string text, const std::string& source) {
@@ -147,9 +148,8 @@ CsvTable parse_csv(std::string text, const std::string& source) {
     if (parser.at_end()) parser.fail(1, "is not a CSV file: it is empty; a CSV file begins with a header");
     std::vector<std::string_view> cells;
     parser.row(cells);
-    std::unordered_set<std::string_view> names;
     for (const std::string_view name : cells) {
-        if (!names.insert(name).second)
+        if (!table.places.emplace(name, table.columns.size()).second)
             parser.fail(1, "the column \"" + std::string(name) + "\" appears twice; rename one");
         table.columns.push_back({std::string(name), {}});
     }

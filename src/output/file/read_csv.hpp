@@ -2,6 +2,8 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
+#include <map>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -21,6 +23,7 @@ struct CsvTable {
     std::vector<CsvColumn> columns;     ///< in the file's order
     std::vector<std::size_t> lines;     ///< the line, counted from 1, on which each row begins
     std::unique_ptr<std::string> text;  ///< what the cells point into; behind a pointer so that it stays put
+    std::map<std::string, std::size_t, std::less<>> places = {};  ///< of the columns, by name
 
     [[nodiscard]] std::size_t rows() const { return lines.size(); }
 
@@ -59,8 +62,8 @@ struct CellValue {
 };
 
 /// Reads a decimal, a C hexadecimal float, or `nan`, `inf`, `infinity` in any case with or without a sign. Anything
-/// else is text, and so is a number of more than 10000 digits or with an exponent beyond ±10000: no format reaches
-/// there.
+/// else is text, and so is a number of more than 10000 digits, a decimal with an exponent beyond ±10000, or a
+/// hexadecimal one with an exponent beyond ±1200: no format reaches there.
 [[nodiscard]] CellValue read_cell(std::string_view cell);
 
 }  // namespace lostbits::output::file

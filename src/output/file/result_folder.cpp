@@ -8,8 +8,11 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <exception>
 #include <fstream>
+#include <iterator>
 #include <nlohmann/json.hpp>
+#include <system_error>
 
 #include "number/error.hpp"
 #include "output/file/atomic_file.hpp"
@@ -22,6 +25,8 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr const char* list_name = "manifest.json";
+constexpr const char* marker_name = "UNFINISHED.txt";
+constexpr const char* marker_words = "The results in this folder are not complete.";
 constexpr const char* schema = "lostbits-manifest/1";
 
 /// The folders that are some run's own now.
@@ -70,6 +75,24 @@ void remove_abandoned(const fs::path& folder) {
         if (is_half_written(at->path()) && fs::is_regular_file(at->symlink_status(ignored)))
             remove_if_abandoned(at->path());
     }
+}
+
+std::string text_in(const fs::path& file) {
+    std::ifstream in(file, std::ios::binary);
+    return {std::istreambuf_iterator<char>(in), {}};
+}
+
+/// Whether a run that lives writes the folder of this marker.
+bool is_held(const fs::path& marker) {
+    const int fd = ::open(marker.c_str(), O_RDONLY | O_CLOEXEC);
+    if (fd < 0) return false;
+    const bool held = ::flock(fd, LOCK_SH | LOCK_NB) != 0 && errno == EWOULDBLOCK;
+    ::close(fd);
+    return held;
+}
+
+InputError another_run(const fs::path& folder) {
+    return InputError(folder.string() + ": another run is writing there; wait for its end, or choose another -o");
 }
 
 /// `lostbits check`: which command it was, without its words.
@@ -126,6 +149,15 @@ std::optional<MadeBy> ResultFolder::made_by_in(const fs::path& folder) {
     return all.front().by;
 }
 
+std::string ResultFolder::unfinished_in(const fs::path& folder) {
+    const fs::path marker = folder / marker_name;
+    if (!text_in(marker).starts_with(marker_words)) return "";
+    if (is_held(marker))
+        return fmt::format("{}: is not finished: a run is writing there now; wait for its end", folder.string());
+    return fmt::format("{}: is not finished: the run that wrote there was stopped; {} says which, run it again",
+                       folder.string(), marker_name);
+}
+
 std::set<std::string> ResultFolder::listed_in(const fs::path& folder) {
     std::set<std::string> names;
     for (const Made& made : made_in(folder)) names.insert(made.files.begin(), made.files.end());
@@ -133,7 +165,7 @@ std::set<std::string> ResultFolder::listed_in(const fs::path& folder) {
 }
 
 ResultFolder::ResultFolder(fs::path folder, MadeBy made_by, Rules rules)
-    : folder_(plain(folder)), made_by_(std::move(made_by)), rules_(rules) {
+    : folder_(plain(folder)), made_by_(std::move(made_by)), rules_(rules), exceptions_(std::uncaught_exceptions()) {
     std::error_code error, ignored;
     for (auto part = folder_; part != part.parent_path() && !fs::exists(fs::symlink_status(part, ignored));
          part = part.parent_path())
@@ -151,7 +183,7 @@ ResultFolder::ResultFolder(fs::path folder, MadeBy made_by, Rules rules)
     // A file system without locks answers otherwise, and then nobody can tell.
     if (lock_ >= 0 && ::flock(lock_, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
         ::close(lock_);
-        throw InputError(folder.string() + ": another run is writing there; wait for its end, or choose another -o");
+        throw another_run(folder);
     }
     remove_abandoned(folder_);
     if (rules_.keep) files_ = earlier_;
@@ -164,6 +196,7 @@ ResultFolder::~ResultFolder() {
         const std::lock_guard lock(owned().mutex);
         std::erase(owned().folders, this);
     }
+    finish();
     if (lock_ >= 0) ::close(lock_);
     std::error_code ignored;
     for (const auto& part : made_) fs::remove(part, ignored);  // one that is not empty stays
@@ -203,9 +236,40 @@ void ResultFolder::clear_earlier() const {
     }
 }
 
+void ResultFolder::begin() {
+    const fs::path marker = folder_ / marker_name;
+    const std::string old = text_in(marker);
+    if (!old.empty() && !old.starts_with(marker_words))
+        throw InputError(marker.string() +
+                         ": is the name under which a run says that it is not done; rename that file");
+    marker_ = ::open(marker.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0666);
+    if (marker_ < 0)
+        throw EnvironmentError(fmt::format("{}: cannot create: {}; choose another -o", marker.string(),
+                                           std::generic_category().message(errno)));
+    // Where a folder cannot be locked (NFS), this tells of the other run, late.
+    if (::flock(marker_, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) throw another_run(folder_);
+    const std::string text = fmt::format(
+        "{}\nA run is writing them now, or was stopped:\n\n    {}\n\nRun that again: it replaces them and removes "
+        "this file.\n",
+        marker_words, valid_utf8(made_by_.command));
+    // Written before it is cut: nobody reads an empty one of a run that has results.
+    if (::pwrite(marker_, text.data(), text.size(), 0) != static_cast<ssize_t>(text.size()) ||
+        ::ftruncate(marker_, static_cast<off_t>(text.size())) != 0)
+        throw EnvironmentError(fmt::format("{}: cannot write: {}; free space or choose another -o", marker.string(),
+                                           std::generic_category().message(errno)));
+    if (!rules_.keep) clear_earlier();
+}
+
+void ResultFolder::finish() noexcept {
+    if (marker_ < 0) return;
+    if (std::uncaught_exceptions() <= exceptions_) ::unlink((folder_ / marker_name).c_str());
+    ::close(marker_);
+    marker_ = -1;
+}
+
 void ResultFolder::note(const std::string& name) {
     const std::lock_guard lock(mutex_);
-    if (!begun_ && !rules_.keep) clear_earlier();
+    if (!begun_) begin();
     begun_ = true;
     if (files_.insert(name).second) write_list();
 }
@@ -236,23 +300,28 @@ ResultFolder* ResultFolder::owner_of(const fs::path& path, std::string& name) {
     return nullptr;
 }
 
+bool is_in_own_folder(const fs::path& path) {
+    const std::lock_guard lock(owned().mutex);
+    return std::ranges::any_of(owned().folders,
+                               [&path](const ResultFolder* folder) { return !name_in(folder->folder_, path).empty(); });
+}
+
 void note_result(const fs::path& path) {
     std::string name;
     if (ResultFolder* const owner = ResultFolder::owner_of(path, name)) owner->note(name);
 }
 
-<<<<<<< HEAD
 std::string words_of_forms(const MadeBy& by) {
     std::string words;
     for (const auto& [name, what] : by.forms) words += (words.empty() ? "" : "\n") + name + ": " + what;
     return words;
-=======
+}
+
 void forget_result(const fs::path& path) {
     std::error_code ignored;
     fs::remove(path, ignored);
     std::string name;
     if (ResultFolder* const owner = ResultFolder::owner_of(path, name)) owner->forget(name);
->>>>>>> shards-6
 }
 
 void add_maker(const fs::path& path, std::vector<std::pair<std::string, std::string>>& attributes) {

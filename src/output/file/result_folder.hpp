@@ -33,7 +33,8 @@ struct ResultFolderRules {
 /// Every file that gets its final name in it is listed in `manifest.json` before it is there. In front of the first of
 /// them goes what the list of an earlier run names, so a folder never holds the results of two runs, and a run that
 /// ends before it has results leaves those that were there. What no list names is somebody's own and stays. What
-/// killed runs left half written (`.NAME.partial-…`) goes at once, unless its run is alive.
+/// killed runs left half written (`.NAME.partial-…`) goes at once, unless its run is alive. From the first result to
+/// the last the folder holds `UNFINISHED.txt`, which says so: a run that is killed, or ends by an exception, leaves it.
 class ResultFolder {
 public:
     using Rules = ResultFolderRules;
@@ -46,7 +47,8 @@ public:
     /// InputError where the folder holds results that no list names, and where another run writes there;
     /// EnvironmentError where it cannot be made.
     ResultFolder(std::filesystem::path folder, MadeBy made_by, Rules rules);
-    /// A folder that was made for it and is empty goes again.
+    /// The results are complete, unless an exception is on its way. A folder that was made for it and is empty goes
+    /// again.
     ~ResultFolder();
     ResultFolder(const ResultFolder&) = delete;
     ResultFolder& operator=(const ResultFolder&) = delete;
@@ -57,15 +59,21 @@ public:
     /// What that list says made the folder; nothing where there is no list, or none of ours.
     [[nodiscard]] static std::optional<MadeBy> made_by_in(const std::filesystem::path& folder);
 
+    /// Of a folder whose results are not complete, a sentence that says so and what to do; empty otherwise.
+    [[nodiscard]] static std::string unfinished_in(const std::filesystem::path& folder);
+
 private:
     friend void note_result(const std::filesystem::path& path);
     friend void forget_result(const std::filesystem::path& path);
+    friend bool is_in_own_folder(const std::filesystem::path& path);
     friend std::optional<MadeBy> maker_of(const std::filesystem::path& path);
     static ResultFolder* owner_of(const std::filesystem::path& path, std::string& name);
     void refuse_strange_results() const;
     void note(const std::string& name);
     void forget(const std::string& name);
     void write_list();
+    void begin();
+    void finish() noexcept;
     void clear_earlier() const;
 
     std::filesystem::path folder_;  // absolute, normal
@@ -76,24 +84,24 @@ private:
     std::vector<Made> others_;  // of other commands, where the folder is shared
     std::mutex mutex_;
     bool begun_ = false;
-    int lock_ = -1;
+    int lock_ = -1, marker_ = -1;
+    int exceptions_ = 0;  // on their way when it was made
 };
 
 /// Of AtomicFile: this file is about to get its final name.
 void note_result(const std::filesystem::path& path);
 
-<<<<<<< HEAD
+/// Removes a file that is no result any more, and takes it from the list: how far an unfinished run came.
+void forget_result(const std::filesystem::path& path);
+
+/// Whether the path lies in a folder that is a run's own now.
+[[nodiscard]] bool is_in_own_folder(const std::filesystem::path& path);
+
 /// Forms from outside as one text: `NAME: what it is`, a line each.
 [[nodiscard]] std::string words_of_forms(const MadeBy& by);
 
 /// Adds `lostbits:command`, `lostbits:program` and, where there are any, `lostbits:forms` of the run whose folder the
 /// path lies in, where they are missing.
-=======
-/// Removes a file that is no result any more, and takes it from the list: how far an unfinished run came.
-void forget_result(const std::filesystem::path& path);
-
-/// Adds `lostbits:command` and `lostbits:program` of the run whose folder the path lies in, where they are missing.
->>>>>>> shards-6
 void add_maker(const std::filesystem::path& path, std::vector<std::pair<std::string, std::string>>& attributes);
 
 /// The run whose folder the path lies in; nothing outside of all.

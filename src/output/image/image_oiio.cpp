@@ -13,6 +13,7 @@
 #include <stdexcept>
 
 #include "number/error.hpp"
+#include "output/file/machine.hpp"
 #include "output/image/image_oiio.hpp"
 
 namespace lostbits::output::image {
@@ -34,6 +35,31 @@ std::unique_ptr<OIIO::ImageInput> open_input(const std::filesystem::path& path, 
         throw InputError(path.string() + ": is " + in->format_name() + ", not " + std::string(format));
     }
     return in;
+}
+
+/// So many bytes a file's format can make of one: deflate's longest match takes two bits (RFC 1951), run lengths of
+/// OpenEXR two bytes for 128. 0: nobody knows.
+std::uint64_t most_of_a_byte(const OIIO::ImageSpec& spec, std::string_view format) {
+    const std::string compression = spec.get_string_attribute("compression");
+    if (format == "png" || compression == "zip" || compression == "zips") return 1032;
+    return compression == "none" ? 1 : compression == "rle" ? 64 : 0;
+}
+
+/// A head may claim any size: nothing is allocated for pixels that the file cannot hold, or this machine cannot.
+/// `copies` of the pixels are held at a time.
+void require_room(const std::filesystem::path& path, const OIIO::ImageSpec& spec, std::string_view format,
+                  std::uint64_t copies) {
+    const auto bytes = static_cast<std::uint64_t>(spec.width) * static_cast<std::uint64_t>(spec.height) *
+                       static_cast<std::uint64_t>(spec.pixel_bytes(true));
+    std::error_code unknown;
+    const std::uint64_t size = std::filesystem::file_size(path, unknown), most = most_of_a_byte(spec, format);
+    const std::string claims = path.string() + ": claims " + std::to_string(spec.width) + "x" +
+                               std::to_string(spec.height) + " pixels of " + std::to_string(spec.pixel_bytes(true)) +
+                               " bytes, " + file::bytes_text(bytes);
+    if (!unknown && most > 0 && bytes / most > size)
+        throw InputError(claims + ", which no file of " + file::bytes_text(size) +
+                         " can hold; give one that is complete");
+    file::require_memory(bytes * copies, claims, "compare smaller pictures, or on a larger machine");
 }
 
 /// OpenImageIO 2.4 draws ASCII alone: Latin letters lose their accents, dashes and quotes become plain, and whatever
@@ -149,8 +175,10 @@ private:
         const OIIO::ROI bar = OIIO::ImageBufAlgo::text_size("||", size, font);
         const OIIO::ROI framed = OIIO::ImageBufAlgo::text_size("|" + text + "|", size, font);
         if (!bar.defined() || !framed.defined()) {
-            throw EnvironmentError("cannot draw text: font " + font +
-                                   " not found; install the package fonts-dejavu-core");
+            // The library says nothing of why; it is as silent where it can open or hold no more.
+            throw EnvironmentError("cannot draw text: the font " + font +
+                                   " cannot be read; install the package fonts-dejavu-core, or where it is, select "
+                                   "fewer forms, or raise `ulimit -n` and `ulimit -v`");
         }
         out.width = std::max(framed.width() - bar.width(), 0);
         out.coverage.assign(static_cast<std::size_t>(out.width) * static_cast<std::size_t>(out.height), 0);
@@ -187,6 +215,7 @@ ExrImage OiioBackend::read_exr(const std::filesystem::path& path, std::size_t pa
     if (!in->seek_subimage(place, 0))
         throw InputError(path.string() + ": cannot read part " + std::to_string(part) + ": " + in->geterror());
     const OIIO::ImageSpec& spec = in->spec();
+    require_room(path, spec, "openexr", 2);
     const auto count = static_cast<std::size_t>(spec.width) * static_cast<std::size_t>(spec.height);
     const auto stride = spec.pixel_bytes(true);
     std::vector<std::byte> pixels(count * stride);
@@ -239,6 +268,7 @@ PngImage OiioBackend::read_png(const std::filesystem::path& path) {
     if (spec.nchannels != 3 || spec.format != OIIO::TypeDesc::UINT8) {
         throw InputError(path.string() + ": is not an 8-bit RGB picture");
     }
+    require_room(path, spec, "png", 1);
     PngImage out{spec.width, spec.height, {}};
     out.pixels.resize(static_cast<std::size_t>(spec.width) * static_cast<std::size_t>(spec.height));
     if (!in->read_image(0, 0, 0, 3, OIIO::TypeDesc::UINT8, out.pixels.data())) {

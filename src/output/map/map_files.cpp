@@ -215,12 +215,15 @@ struct MapFiles::Parts {
 MapFiles::MapFiles(const MapRequest& request, const MapFilesOptions& options)
     : parts_(new Parts{.request = request, .options = options, .table = {request.metrics, request.scene->shapes()}}) {
     Parts& p = *parts_;
+    require_open_files(request, options.drawn.size(), options.pixels_csv, options.folder);
     if (!options.keep) p.summary = std::make_unique<CsvWriter>(options.folder / "summary.csv", p.columns());
     if (!options.keep && CulpritTable::is_wanted(request.metrics))
         p.culprits.emplace(options.folder / "culprits.csv", std::vector<file::Column>{}, request.metrics);
     p.sheets = sheets_of(request, options);
-    for (const MapRow& row : request.rows)
+    for (const MapRow& row : request.rows) {
+        stop_if_interrupted();
         p.rows.push_back(std::make_unique<RowFiles>(request, row, p.options, image::image_backend(), p.sheets));
+    }
 }
 
 MapFiles::~MapFiles() = default;

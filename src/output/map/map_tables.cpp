@@ -5,6 +5,7 @@
 #include <iterator>
 
 #include "output/blame/explain_command.hpp"
+#include "output/file/machine.hpp"
 #include "output/file/number_text.hpp"
 
 namespace lostbits::output::map {
@@ -114,6 +115,13 @@ void write_pixels(file::CsvWriter& csv, const measure::map::MapRequest& request,
         }
         csv.end_row();
     }
+}
+
+void require_open_files(const measure::map::MapRequest& request, std::size_t pictures, bool pixels_csv,
+                        const std::filesystem::path& folder) {
+    // In front of an hour of drawing titles.
+    file::require_open_files(request.rows.size() * (pictures + (pixels_csv ? 1 : 0)) + pictures + 2, folder.string(),
+                             "select fewer forms, formats or metrics");
 }
 
 }  // namespace lostbits::output::map

@@ -33,4 +33,9 @@ std::vector<file::Column> pixel_columns(const measure::map::MapRequest& request)
 void write_pixels(file::CsvWriter& csv, const measure::map::MapRequest& request, const measure::map::MapRow& row,
                   const measure::map::BandResult& result);
 
+/// EnvironmentError where this machine does not let a process have the files of a map open at once: so many pictures of
+/// each row, a table of its pixels where wanted, and what all rows have in common.
+void require_open_files(const measure::map::MapRequest& request, std::size_t pictures, bool pixels_csv,
+                        const std::filesystem::path& folder);
+
 }  // namespace lostbits::output::map

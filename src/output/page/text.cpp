@@ -4,14 +4,14 @@
 
 #include <cmath>
 
-#include "output/file/csv.hpp"
+#include "output/file/escape.hpp"
 #include "output/file/number_text.hpp"
 
 namespace lostbits::output::page {
 
 std::string html(std::string_view text) {
     std::string out;
-    for (const char c : file::valid_utf8(text)) {
+    for (const char c : file::xml_text(text)) {
         if (c == '&') out += "&amp;";
         else if (c == '<') out += "&lt;";
         else if (c == '>') out += "&gt;";

@@ -5,6 +5,7 @@
 #include "scene/file/camera_table.hpp"
 #include "scene/file/march_table.hpp"
 #include "scene/toml/nearby_file.hpp"
+#include "scene/toml/result_name.hpp"
 #include "scene/toml/toml_reader.hpp"
 
 namespace lostbits::scene::file {
@@ -40,14 +41,6 @@ bool is_plain_name(std::string_view name) {
         return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '-' || c == '_';
     };
     return !name.empty() && std::all_of(name.begin(), name.end(), plain);
-}
-
-/// The id of a file: it names the folder of the results, so it must not lead out of it or hide it.
-std::string stem_of(const std::filesystem::path& path) {
-    std::string stem = path.stem().string();
-    if (stem.starts_with('.'))
-        throw InputError(path.string() + ": this file name gives no scene id; rename it to start with a letter");
-    return stem;
 }
 
 Override size_override(const std::pair<int, int>& size) {
@@ -108,7 +101,7 @@ Scene SceneFile::interpret(const Variant* variant, const LoadOptions& options) c
 
     Scene scene;
     scene.path = path_;
-    scene.id = stem_of(path_) + (variant == nullptr ? "" : '.' + variant->name);
+    scene.id = toml::result_name(path_) + (variant == nullptr ? "" : '.' + variant->name);
     TableReader file(root);
     toml::require_schema(file, schema);
     scene.title = file.string("title");
@@ -200,7 +193,7 @@ SceneName find_scene(const std::string& name_or_path, const std::filesystem::pat
     }
     if (std::filesystem::is_regular_file(as_path, ignored) && as_path.extension() == ".toml") return {as_path};
 
-    const std::string name = as_path.extension() == ".toml" ? stem_of(as_path) : name_or_path;
+    const std::string name = as_path.extension() == ".toml" ? toml::result_name(as_path) : name_or_path;
     const std::size_t dot = std::min(name.rfind('.'), name.size());
     const std::string stem = name.substr(0, dot);
     const bool is_file = as_path.extension() == ".toml";
@@ -208,7 +201,7 @@ SceneName find_scene(const std::string& name_or_path, const std::filesystem::pat
         throw InputError(no_file + "; check the path");
     const std::vector<std::filesystem::path> files = scene_files(data_dir);
     std::vector<std::string> ids;
-    for (const std::filesystem::path& file : files) ids.push_back(stem_of(file));
+    for (const std::filesystem::path& file : files) ids.push_back(toml::result_name(file));
     for (std::size_t i = 0; i < files.size(); ++i)
         if (ids[i] == name) return {files[i]};
     for (std::size_t i = 0; i < files.size(); ++i)

@@ -2,11 +2,13 @@
 
 #include <algorithm>
 
+#include "scene/toml/result_name.hpp"
+
 namespace lostbits::scene::sweep {
 
 SweepHead read_sweep_head(toml::TableReader& file, const std::filesystem::path& path) {
     toml::require_schema(file, "lostbits-sweep/1");
-    return {.id = path.stem().string(),
+    return {.id = toml::result_name(path),
             .title = file.string("title"),
             .source = file.string("source"),
             .note = file.optional_string("note").value_or("")};

@@ -58,11 +58,22 @@ std::vector<Real> as_numbers(const Node& node, const std::string& name, std::siz
     return values;
 }
 
+/// Text goes to terminals, tables and pages: a character that a terminal would obey is a mistake, or worse.
+const std::string& as_text(const Node& node, const std::string& name) {
+    require_kind(node, Kind::string, name, "a string");
+    for (const char c : node.text) {
+        const auto byte = static_cast<unsigned char>(c);
+        if ((byte >= ' ' && byte != 0x7F) || c == '\n' || c == '\t') continue;
+        fail(node.where, name + " holds the control character " + std::to_string(byte) +
+                             ", which a terminal would obey; leave it out");
+    }
+    return node.text;
+}
+
 std::vector<std::string> as_strings(const Node& node, const std::string& name) {
     std::vector<std::string> values;
     for (const Node& item : as_array(node, name, 0, "strings")) {
-        require_kind(item, Kind::string, element(name, values.size()), "a string");
-        values.push_back(item.text);
+        values.push_back(as_text(item, element(name, values.size())));
     }
     return values;
 }
@@ -108,11 +119,7 @@ const Node& TableReader::demand(std::string_view key, std::string_view expected)
     fail(table_->where, missing + "; give it " + std::string(expected));
 }
 
-std::string TableReader::string(std::string_view key) {
-    const Node& node = demand(key, "a string");
-    require_kind(node, Kind::string, path_to(key), "a string");
-    return node.text;
-}
+std::string TableReader::string(std::string_view key) { return as_text(demand(key, "a string"), path_to(key)); }
 
 std::optional<std::string> TableReader::optional_string(std::string_view key) {
     if (seek(key) == nullptr) return std::nullopt;

@@ -1,8 +1,12 @@
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <bit>
+#include <boost/multiprecision/cpp_int.hpp>
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <random>
 
 #include "catch.hpp"
 #include "number/error.hpp"
@@ -99,6 +103,72 @@ TEST_CASE("a tolerance is absolute or relative, symmetric, and met without round
     CHECK(cells("1", "2", within({"[w-y]=1"})).same());
     CHECK(cells("1", "2", within({"*=1", "x=0.5"})).count == 1);
     CHECK(cells("1", "2", within({"x=0.5", "*=1"})).same());
+}
+
+TEST_CASE("numbers far apart are judged as exact fractions judge them", "[difference]") {
+    using Fraction = boost::multiprecision::cpp_rational;
+    using boost::multiprecision::cpp_int;
+    std::mt19937 random(3);
+    const auto drawn = [&](int low, int high) { return std::uniform_int_distribution<int>(low, high)(random); };
+    const auto power = [](int e) {
+        const cpp_int p = boost::multiprecision::pow(cpp_int(10), static_cast<unsigned>(std::abs(e)));
+        return e < 0 ? Fraction(1, p) : Fraction(p);
+    };
+    struct Number {
+        std::string text;
+        Fraction value;
+    };
+    const auto number = [&](int low, int high) {
+        const int digits = drawn(low, high), exponent = drawn(-60, 60);
+        return Number{std::to_string(digits) + "e" + std::to_string(exponent), Fraction(digits) * power(exponent)};
+    };
+    int same = 0;
+    for (int i = 0; i < 20000; ++i) {
+        const Number a = number(-999, 999), b = number(-999, 999);
+        const Number absolute =
+            drawn(0, 1) == 1 ? number(0, 999) : Number{a.text.substr(a.text[0] == '-'), abs(a.value)};
+        const int percent = drawn(0, 4) * 50;
+        const std::string relative = fmt::format("{}e-2", percent);
+        const Fraction apart = abs(a.value - b.value), larger = std::max(abs(a.value), abs(b.value));
+        const bool right = apart <= absolute.value || apart <= Fraction(percent, 100) * larger;
+        INFO(a.text << " and " << b.text << " within " << absolute.text << ", " << relative);
+        REQUIRE(cells(a.text, b.text, within({("x=" + absolute.text + "," + relative).c_str()})).same() == right);
+        same += right;
+        const auto found = cells(a.text, b.text);
+        if (apart == 0) continue;
+        REQUIRE(found.columns[0].absolute.value == Approx(static_cast<double>(apart)).epsilon(1e-12));
+        REQUIRE(found.columns[0].relative.value ==
+                Approx(static_cast<double>(Fraction(apart / larger))).epsilon(1e-12));
+    }
+    CHECK(same > 1000);
+    CHECK(same < 19000);
+    CHECK(cells("1e9999", "1e-9999").count == 1);
+    CHECK(cells("0", "1e-9999", within({"x=1e-9999"})).same());
+    CHECK(cells("1e-9999", "1e9999", within({"x=1e9999"})).same());
+    CHECK(cells("-1e-9999", "1e9999", within({"x=1e9999"})).count == 1);
+}
+
+TEST_CASE("of shuffled columns the fewest have moved", "[difference]") {
+    std::mt19937 random(4);
+    const std::string names = "abcdefg";
+    const auto header = [](const std::string& order) {
+        std::string text;
+        for (const char c : order) text += (text.empty() ? "" : ",") + std::string(1, c);
+        return text + "\n";
+    };
+    for (int i = 0; i < 300; ++i) {
+        std::string order = names;
+        std::ranges::shuffle(order, random);
+        // The longest part that is in order, among all 2^7.
+        std::size_t longest = 0;
+        for (unsigned chosen = 0; chosen < 128; ++chosen) {
+            std::string part;
+            for (std::size_t k = 0; k < order.size(); ++k) part += (chosen >> k & 1U) != 0 ? order.substr(k, 1) : "";
+            if (std::ranges::is_sorted(part)) longest = std::max(longest, part.size());
+        }
+        INFO(order);
+        REQUIRE(compare(table(header(names)), table(header(order)), {}).count == names.size() - longest);
+    }
 }
 
 TEST_CASE("hex twins are exact text unless a tolerance names them", "[difference]") {

@@ -1,13 +1,18 @@
+#include <fcntl.h>
+#include <sys/file.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
 
+#include <atomic>
 #include <csignal>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "catch.hpp"
 #include "number/error.hpp"
 #include "output/file/atomic_file.hpp"
+#include "output/file/result_folder.hpp"
 #include "output/scratch.hpp"
 
 using namespace lostbits;
@@ -39,7 +44,7 @@ TEST_CASE("a file has its final name only after commit", "[atomic_file]") {
     file.write("one,");
     file.write("two\n");
     REQUIRE_FALSE(fs::exists(folder / "a.csv"));
-    REQUIRE(fs::exists(folder / (".a.csv.partial-" + std::to_string(::getpid()))));
+    REQUIRE(fs::directory_iterator(folder.path())->path().filename().string().starts_with(".a.csv.partial-"));
     file.commit();
     REQUIRE(slurp(folder / "a.csv") == "one,two\n");
     REQUIRE(folder.entries() == 1);
@@ -179,6 +184,109 @@ TEST_CASE("what a dead process of the same id left is replaced, a second live wr
     file.commit();
     REQUIRE(slurp(folder / "a") == "new");
     REQUIRE(folder.entries() == 1);
+}
+
+TEST_CASE("a half-written file of another process stays, unless nobody holds it", "[atomic_file]") {
+    const Scratch folder;
+    const fs::path living = folder / ".a.partial-1", dead = folder / ".a.partial-2", others = folder / ".ab.partial-1";
+    for (const fs::path& each : {living, dead, others}) std::ofstream(each) << "half";
+    const int fd = ::open(living.c_str(), O_RDWR | O_CLOEXEC);
+    REQUIRE(::flock(fd, LOCK_EX) == 0);
+    output::file::AtomicFile file(folder / "a");
+    file.write("new");
+    CHECK(slurp(living) == "half");
+    CHECK_FALSE(fs::exists(dead));
+    CHECK(fs::exists(others));
+    file.commit();
+    CHECK(slurp(folder / "a") == "new");
+    CHECK(slurp(living) == "half");
+    ::close(fd);
+}
+
+TEST_CASE("nobody takes a file that is being written for abandoned, up to its last moment", "[atomic_file]") {
+    const Scratch folder;
+    std::atomic<bool> done = false;
+    std::thread remover([&] {
+        while (!done.load()) {
+            std::error_code gone;
+            for (auto at = fs::directory_iterator(folder.path(), gone); at != fs::end(at); at.increment(gone)) {
+                if (at->path().filename().string().find(".partial-") != std::string::npos)
+                    output::file::remove_if_abandoned(at->path());
+            }
+        }
+    });
+    for (int i = 0; i < 300; ++i) {
+        output::file::AtomicFile file(folder / "a");
+        file.write("new");
+        CHECK_NOTHROW(file.commit());
+    }
+    done = true;
+    remover.join();
+    CHECK(slurp(folder / "a") == "new");
+}
+
+TEST_CASE("as many files as the machine allows may be open, and a signal handler removes them all", "[atomic_file]") {
+    const Scratch folder;
+    const int answer = in_child([&] {
+        raise_open_file_limit();
+        rlimit limit{};
+        if (::getrlimit(RLIMIT_NOFILE, &limit) != 0 || limit.rlim_cur < 5200) return 3;
+        const ResultFolder mine(folder.path(), {"lostbits map a", "lostbits 0"}, {});
+        std::vector<std::unique_ptr<AtomicFile>> files;
+        for (int i = 0; i < 5000; ++i) files.push_back(std::make_unique<AtomicFile>(folder / std::to_string(i)));
+        if (folder.entries() != 5000) return 1;
+        output::file::remove_partial_files();
+        return folder.entries() == 0 ? 2 : 1;
+    });
+    if (answer == 3) WARN("this machine lets a process have fewer than 5200 files open");
+    else CHECK(answer == 2);
+}
+
+TEST_CASE("a folder says that it is not finished from the first result to the last", "[result_folder]") {
+    const Scratch folder;
+    const auto unfinished = [&] { return ResultFolder::unfinished_in(folder.path()); };
+    const auto write = [&](const std::string& name) {
+        AtomicFile file(folder / name);
+        file.write(name);
+        file.commit();
+    };
+    const MadeBy first{"lostbits map a", "lostbits 0"}, second{"lostbits map b", "lostbits 0"};
+    {
+        ResultFolder mine(folder.path(), first, {});
+        CHECK(unfinished().empty());
+        write("a.csv");
+        CHECK(contains(unfinished(), "a run is writing there now"));
+        CHECK(contains(slurp(folder / "UNFINISHED.txt"), "lostbits map a"));
+        write("b.csv");
+    }
+    CHECK(unfinished().empty());
+    CHECK(folder.entries() == 3);  // with the list
+    // One that ends by an exception.
+    CHECK_THROWS_AS(
+        [&] {
+            ResultFolder mine(folder.path(), second, {});
+            write("b.csv");
+            throw Interrupted();
+        }(),
+        Interrupted);
+    CHECK(contains(unfinished(), "the run that wrote there was stopped; UNFINISHED.txt says which"));
+    CHECK_FALSE(fs::exists(folder / "a.csv"));
+    // One that is killed.
+    CHECK(in_child([&] {
+              ResultFolder mine(folder.path(), first, {});
+              write("a.csv");
+              ::raise(SIGKILL);
+              return 0;
+          }) == 101);
+    CHECK(contains(unfinished(), "was stopped"));
+    CHECK(contains(slurp(folder / "UNFINISHED.txt"), "lostbits map a"));
+    {
+        ResultFolder mine(folder.path(), second, {});
+        CHECK(contains(unfinished(), "was stopped"));
+        write("b.csv");
+    }
+    CHECK(unfinished().empty());
+    CHECK(folder.entries() == 2);
 }
 
 TEST_CASE("a signal handler removes the partial files and keeps the finished ones", "[atomic_file]") {

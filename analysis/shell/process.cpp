@@ -1,0 +1,58 @@
+#include "analysis/shell/process.hpp"
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <array>
+#include <cerrno>
+#include <csignal>
+
+#include "number/error.hpp"
+#include "output/file/atomic_file.hpp"
+
+namespace lostbits::analysis::shell {
+namespace {
+
+void ask_to_stop(int) {
+    if (!asked_to_stop.exchange(true)) return;
+    output::file::remove_partial_files();
+    _exit(static_cast<int>(Exit::interrupted));
+}
+
+/// The process ends of the signal, as its parent expects, once this returns and the signal is let through again.
+void clean_up_and_end(int signal) {
+    output::file::remove_partial_files();
+    ::signal(signal, SIG_DFL);
+    raise(signal);
+}
+
+void handle(int signal, void (*handler)(int)) {
+    struct sigaction action {};
+    if (sigaction(signal, nullptr, &action) != 0 || (action.sa_flags & SA_SIGINFO) != 0 || action.sa_handler != SIG_DFL)
+        return;
+    action.sa_handler = handler;
+    action.sa_flags = SA_ONSTACK;
+    sigaction(signal, &action, nullptr);
+}
+
+}  // namespace
+
+void open_standard_streams() {
+    constexpr std::array<int, 3> other_way_round{O_WRONLY, O_RDONLY, O_RDONLY};
+    for (int fd = 0; fd < 3; ++fd) {
+        if (::fcntl(fd, F_GETFD) >= 0 || errno != EBADF) continue;
+        const int opened = ::open("/dev/null", other_way_round[static_cast<unsigned>(fd)]);
+        // The lowest free number: another only where /dev/null is not there, and then any folder is as good.
+        if (opened < 0) static_cast<void>(::open("/", O_RDONLY | O_DIRECTORY));
+    }
+}
+
+void install_signal_handlers() {
+    for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGXCPU}) handle(signal, ask_to_stop);
+    for (const int signal : {SIGQUIT, SIGUSR1, SIGUSR2, SIGALRM, SIGVTALRM, SIGPROF, SIGPIPE, SIGIO, SIGPWR, SIGSTKFLT,
+                             SIGSYS, SIGTRAP, SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT})
+        handle(signal, clean_up_and_end);
+    output::file::ignore_file_size_signal();
+}
+
+}  // namespace lostbits::analysis::shell

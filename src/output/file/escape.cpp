@@ -1,0 +1,149 @@
+#include "output/file/escape.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "output/file/csv.hpp"
+
+namespace lostbits::output::file {
+namespace {
+
+/// The code point at the head of valid UTF-8, and how many bytes it has.
+struct Character {
+    char32_t code;
+    std::size_t size;
+};
+Character first_of(std::string_view text) {
+    const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(text[i]); };
+    const unsigned char lead = byte(0);
+    if (lead < 0x80) return {lead, 1};
+    const std::size_t size = lead >= 0xF0 ? 4 : lead >= 0xE0 ? 3 : 2;
+    char32_t code = lead & (0x7FU >> size);
+    for (std::size_t i = 1; i < size; ++i) code = code << 6 | (byte(i) & 0x3FU);
+    return {code, size};
+}
+
+/// What a terminal obeys instead of showing it, or shows elsewhere: controls of both sets, line and paragraph
+/// separators, marks and embeddings of direction, and what has no width.
+bool is_obeyed(char32_t c) {
+    return c < 0x20 || (c >= 0x7F && c <= 0x9F) || c == 0x61C || (c >= 0x200B && c <= 0x200F) ||
+           (c >= 0x2028 && c <= 0x202E) || (c >= 0x2060 && c <= 0x206F) || c == 0xFEFF || c == 0xFFFE || c == 0xFFFF;
+}
+
+/// Or perhaps: of Unicode's spaces, which runners trim too, none is ASCII.
+bool is_blank(char c) { return c == ' ' || c == '\t' || static_cast<unsigned char>(c) >= 0x80; }
+
+/// Whether a runner of jobs obeys the line that stands there: the first thing on it is `::`.
+bool begins_command(std::string_view text, std::size_t at) {
+    if (!text.substr(at).starts_with("::")) return false;
+    while (at > 0 && is_blank(text[at - 1])) --at;
+    return at == 0 || text[at - 1] == '\n';
+}
+
+std::string shown(std::string_view text, bool one_line) {
+    std::string out;
+    for (std::size_t at = 0; at < text.size();) {
+        const std::size_t size = sequence_length(text.substr(at));
+        if (size == 0) {
+            out += fmt::format("\\x{:02x}", static_cast<unsigned char>(text[at++]));
+            continue;
+        }
+        const char32_t code = first_of(text.substr(at)).code;
+        if (code == '\n' || code == '\t') out += !one_line ? std::string(1, text[at]) : code == '\n' ? "\\n" : "\\t";
+        else if (is_obeyed(code) && size == 1) out += fmt::format("\\x{:02x}", static_cast<unsigned>(code));
+        else if (is_obeyed(code)) out += fmt::format("\\u{{{:x}}}", static_cast<unsigned>(code));
+        else if (code == ':' && begins_command(text, at)) out += "\\x3a";
+        else if (text.substr(at).starts_with("##[")) out += "\\x23";
+        else out += text.substr(at, size);
+        at += size;
+    }
+    return out;
+}
+
+/// With each of these characters as `%` and its two digits.
+std::string percent(std::string_view text, std::string_view those) {
+    std::string out;
+    for (const char c : text) {
+        if (those.find(c) == std::string_view::npos) out += c;
+        else out += fmt::format("%{:02X}", static_cast<unsigned char>(c));
+    }
+    return out;
+}
+
+/// On one line, of characters that every reader takes.
+std::string plain_line(std::string_view text) {
+    std::string out;
+    const std::string valid = xml_text(text);
+    std::ranges::replace_copy_if(
+        valid, std::back_inserter(out), [](char c) { return c == '\n' || c == '\t'; }, ' ');
+    return out;
+}
+
+}  // namespace
+
+std::string terminal_text(std::string_view text) { return shown(text, false); }
+std::string terminal_line(std::string_view text) { return shown(text, true); }
+
+std::string xml_text(std::string_view text) {
+    std::string out;
+    const std::string valid = valid_utf8(text);
+    for (std::string_view rest = valid; !rest.empty();) {
+        const auto [code, size] = first_of(rest);
+        if (code == '\r') out += rest.substr(1).starts_with('\n') ? "" : "\n";
+        else if ((code < 0x20 && code != '\n' && code != '\t') || code == 0xFFFE || code == 0xFFFF)
+            out += "\xEF\xBF\xBD";
+        else out += rest.substr(0, size);
+        rest.remove_prefix(size);
+    }
+    return out;
+}
+
+std::string markdown_text(std::string_view text) {
+    const std::string line = plain_line(text);
+    std::string out;
+    for (std::size_t i = 0; i < line.size(); ++i) {
+        const char c = line[i], next = i + 1 < line.size() ? line[i + 1] : ' ';
+        const bool opens_tag = c == '<' && next != ' ' && next != '=' && next != '<';
+        if (opens_tag || c == '\\' || c == '|' || c == '[' || c == ']') out += '\\';
+        out += c;
+    }
+    return out;
+}
+
+std::string markdown_code(std::string_view text) {
+    std::string line = plain_line(text);
+    // A fence of one more than the longest run of backticks inside.
+    std::size_t longest = 0, run = 0;
+    for (const char c : line) longest = std::max(longest, run = c == '`' ? run + 1 : 0);
+    const std::string fence(longest + 1, '`'), gap = longest > 0 || line.empty() ? " " : "";
+    for (std::size_t at = 0; (at = line.find('|', at)) != std::string::npos; at += 2) {
+        // A backslash in front would take the one that is put there.
+        if (at > 0 && line[at - 1] == '\\') line.insert(at++, " ");
+        line.insert(at, "\\");
+    }
+    return fence + gap + line + gap + fence;
+}
+
+std::string markdown_path(std::string_view path) {
+    return percent(path,
+                   "%\\ \"'()<>[]`|*{}^#?&!:\t\n\r\x0B\x0C\x01\x02\x03\x04\x05\x06\x07\x08\x0E\x0F\x10\x11\x12\x13"
+                   "\x14\x15\x16\x17\x18\x19\x1A\x1B\x1C\x1D\x1E\x1F\x7F");
+}
+
+std::string workflow_text(std::string_view text) { return percent(terminal_text(text), "%\n"); }
+std::string workflow_value(std::string_view text) { return percent(terminal_text(text), "%\n:,"); }
+
+std::string c_comment(std::string_view text) {
+    std::string out;
+    for (const char each : plain_line(text)) {
+        // A backslash at the end of a line joins the next; two question marks may begin a trigraph, of which `??/` is
+        // one.
+        const char c = each == '\\' ? '/' : each, last = out.empty() ? ' ' : out.back();
+        if ((last == '*' && c == '/') || (last == '/' && c == '*') || (last == '?' && c == '?')) out += ' ';
+        out += c;
+    }
+    return out;
+}
+
+}  // namespace lostbits::output::file

@@ -1,0 +1,44 @@
+// The program as somebody who ends it sees it.
+#pragma once
+
+#include <signal.h>
+#include <sys/types.h>
+
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <vector>
+
+namespace lostbits::test {
+
+/// A run of the program that goes on while the test looks. Signals are let through to it as to a program that somebody
+/// types at a terminal; its words go to `out` and `err`.
+class Started {
+public:
+    /// Starts `lostbits WORDS` in `folder`; `ignored` are signals that are ignored from its start on.
+    Started(const std::vector<std::string>& words, const std::filesystem::path& folder,
+            const std::vector<int>& ignored = {});
+    ~Started();
+    Started(const Started&) = delete;
+    Started& operator=(const Started&) = delete;
+
+    void send(int signal) const { ::kill(pid_, signal); }
+    /// Waits until `is` holds, looking every half millisecond; false where the run ended before.
+    bool wait_until(const std::function<bool()>& is);
+    /// Its exit code, or 128 + the signal that ended it.
+    int wait();
+
+private:
+    bool ended();
+    pid_t pid_;
+    int status_ = 0;
+    bool over_ = false;
+};
+
+/// The names of all files below a folder, relative to it, sorted.
+std::vector<std::string> files_below(const std::filesystem::path& folder);
+
+/// Whether a run is writing a file below this folder, or was killed while it did.
+bool has_partial_files(const std::filesystem::path& folder);
+
+}  // namespace lostbits::test

@@ -1,0 +1,187 @@
+// Runs that share a folder, and runs that somebody ends: what lies in the folder is whole and one run's, or says that
+// it is not.
+#include <fcntl.h>
+#include <sys/file.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "catch.hpp"
+#include "program.hpp"
+#include "started.hpp"
+
+using namespace lostbits::test;
+using Json = nlohmann::json;
+namespace fs = std::filesystem;
+
+namespace {
+
+const std::string one_claim = R"(schema = "lostbits-claims/1"
+[[claim]]
+id = "mine"
+statement = "It is so"
+source = "-"
+verdict = "holds"
+[claim.given]
+scene = "mine.toml"
+form = "sphere.press"
+format = "f32"
+[claim.expect]
+metric = "false_miss_fraction"
+in = [0, 1]
+)";
+
+/// How to run something as process 1 of a container of its own; empty where this machine forbids it.
+std::string in_container() {
+    for (const char* words : {"unshare -p -f --mount-proc", "unshare -U -r -p -f --mount-proc"}) {
+        if (std::system((std::string(words) + " true 2>/dev/null").c_str()) == 0) return words;
+    }
+    return "";
+}
+
+/// A file that a living run holds, as another container would: under a lock.
+class Held {
+public:
+    explicit Held(const fs::path& path) : fd_(::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666)) {
+        REQUIRE(fd_ >= 0);
+        REQUIRE(::flock(fd_, LOCK_EX) == 0);
+    }
+    ~Held() { ::close(fd_); }
+    Held(const Held&) = delete;
+    Held& operator=(const Held&) = delete;
+
+private:
+    int fd_;
+};
+
+const std::vector<std::string> slow{"map",    "mine.toml", "-i",       "sphere.*", "-f", "f32,f64",
+                                    "--size", "80x80",     "--pixels", "csv",      "-o", "out"};
+
+}  // namespace
+
+TEST_CASE("the process of another container keeps its half-written file, and both runs get theirs") {
+    const Scratch scratch;
+    static_cast<void>(scratch.write("mine.toml", good_scene));
+    const std::string claims = scratch.write("claims.toml", one_claim);
+    const std::string container = in_container();
+    if (container.empty()) WARN("no containers here: tried without one");
+    const fs::path other = scratch.path() / ".claims.csv.partial-1";
+    const Held held(other);
+    // The word `exec` that follows is for the shell outside; the program becomes process 1 of the container.
+    const std::string before = container.empty() ? "" : "exec " + container + " sh -c 'shift; exec \"$@\"' sh";
+    const auto r = run("check " + claims + " --export-csv claims.csv", scratch.path(), before);
+    INFO(r.err);
+    CHECK(r.code == 0);
+    CHECK(fs::exists(other));
+    CHECK(read_csv(scratch.path() / "claims.csv").size() == 1);
+}
+
+TEST_CASE("two containers that write one folder at a time do not mix") {
+    const Scratch scratch;
+    static_cast<void>(scratch.write("mine.toml", good_scene));
+    const std::string container = in_container();
+    const auto both = [&](const std::string& words) {
+        return "map mine.toml -i 'sphere.*' -f f32 --size 60x60 -o out & first=$!; " + container +
+               " \"" LOSTBITS_PROGRAM "\" " + words + "; second=$?; wait $first; echo $? $second";
+    };
+    for (int k = 0; k < 3; ++k) {
+        const auto r = run(both("map mine.toml -i sphere.press -f f64 --size 60x60 -o out"), scratch.path());
+        INFO(r.out << r.err);
+        const bool first = has(r.out, "0 2"), second = has(r.out, "2 0");
+        CHECK((first || second || has(r.out, "0 0")));
+        CHECK((has(r.out, "0 0") || has(r.err, "another run is writing there")));
+        const auto folder = scratch.path() / "out/mine";
+        std::vector<std::string> listed = Json::parse(contents(folder / "manifest.json")).at("files");
+        listed.emplace_back("manifest.json");
+        std::ranges::sort(listed);
+        CHECK(files_below(folder) == listed);
+        for (const std::string& name : listed) CHECK(fs::file_size(folder / name) > 0);
+    }
+}
+
+TEST_CASE("what a dead run left of a single file goes when it is written again") {
+    const Scratch scratch;
+    static_cast<void>(scratch.write("mine.toml", good_scene));
+    const std::string claims = scratch.write("claims.toml", one_claim);
+    for (const char* left : {".claims.csv.partial-4711", ".claims.csv.partial-abcdefghijkl", ".other.csv.partial-1"})
+        static_cast<void>(scratch.write(left, "half a line"));
+    const auto r = run("check " + claims + " --export-csv claims.csv", scratch.path());
+    INFO(r.err);
+    CHECK(r.code == 0);
+    CHECK(scratch.files() ==
+          std::vector<std::string>{".other.csv.partial-1", "claims.csv", "claims.toml", "mine.toml"});
+}
+
+TEST_CASE("signals that were ignored at the start stay ignored") {
+    const Scratch scratch;
+    static_cast<void>(scratch.write("mine.toml", good_scene));
+    for (const int signal : {SIGHUP, SIGINT, SIGTERM, SIGUSR1, SIGQUIT}) {
+        INFO("signal " << signal);
+        Started started(slow, scratch.path(), {signal});
+        REQUIRE(started.wait_until([&] { return has_partial_files(scratch.path() / "out"); }));
+        for (int k = 0; k < 2; ++k) started.send(signal);
+        CHECK(started.wait() == 0);
+    }
+}
+
+TEST_CASE("whatever signal ends a run, it leaves no half-written file") {
+    const Scratch scratch;
+    static_cast<void>(scratch.write("mine.toml", good_scene));
+    for (const int signal : {SIGQUIT, SIGUSR1, SIGUSR2, SIGALRM, SIGVTALRM, SIGPROF, SIGPIPE, SIGABRT, SIGSEGV, SIGTERM,
+                             SIGINT, SIGHUP, SIGXCPU}) {
+        INFO("signal " << signal);
+        Started started(slow, scratch.path());
+        REQUIRE(started.wait_until([&] { return has_partial_files(scratch.path() / "out"); }));
+        started.send(signal);
+        const bool asks = signal == SIGTERM || signal == SIGINT || signal == SIGHUP || signal == SIGXCPU;
+        CHECK(started.wait() == (asks ? 130 : 128 + signal));
+        CHECK_FALSE(has_partial_files(scratch.path()));
+    }
+}
+
+TEST_CASE("closed standard streams end up in no file") {
+    const Scratch scratch;
+    static_cast<void>(scratch.write("mine.toml", good_scene));
+    const std::string words = "map mine.toml -i sphere.press -f f32 --pixels csv --progress bar -v -o ";
+    REQUIRE(run(words + "right", scratch.path()).code == 0);
+    for (const char* closed : {"2>&-", "<&- 2>&-", "<&- >&- 2>&-", ">&- 2>&-", "<&-"}) {
+        INFO(closed);
+        const auto r = run(words + "out " + closed, scratch.path());
+        // What cannot be printed is reported by the exit status alone.
+        CHECK(r.code == (has(closed, ">&- ") ? 3 : 0));
+        for (const std::string& name : files_below(scratch.path() / "right/mine")) {
+            if (name != "manifest.json")
+                CHECK(contents(scratch.path() / "out/mine" / name) == contents(scratch.path() / "right/mine" / name));
+        }
+        fs::remove_all(scratch.path() / "out");
+    }
+}
+
+TEST_CASE("a run that is killed while it replaces results says that they are not finished") {
+    const Scratch scratch;
+    static_cast<void>(scratch.write("mine.toml", good_scene));
+    const fs::path folder = scratch.path() / "out/mine";
+    std::vector<std::string> other = slow;
+    other[5] = "f64,f32";
+    int caught = 0;
+    for (int k = 0; k < 20 && caught < 3; ++k) {
+        REQUIRE(Started(slow, scratch.path()).wait() == 0);
+        CHECK_FALSE(fs::exists(folder / "UNFINISHED.txt"));
+        Started started(other, scratch.path());
+        // The first of the new results replaces the old ones.
+        if (!started.wait_until([&] { return !fs::exists(folder / "summary.csv"); })) continue;
+        started.send(SIGKILL);
+        if (started.wait() != 128 + SIGKILL || fs::exists(folder / "summary.csv")) continue;
+        ++caught;
+        CHECK(has(contents(folder / "UNFINISHED.txt"), "lostbits map mine.toml"));
+        const auto r = run("diff out out", scratch.path());
+        CHECK(has(r.err, "out/mine: is not finished: the run that wrote there was stopped; UNFINISHED.txt says which"));
+    }
+    CHECK(caught > 0);
+    REQUIRE(Started(slow, scratch.path()).wait() == 0);
+    CHECK_FALSE(fs::exists(folder / "UNFINISHED.txt"));
+    CHECK_FALSE(has_partial_files(scratch.path()));
+    CHECK_FALSE(has(run("diff out out", scratch.path()).err, "not finished"));
+}

@@ -1,0 +1,94 @@
+// Text that a stranger wrote, in every output that shows it.
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "catch.hpp"
+#include "program.hpp"
+#include "started.hpp"
+
+using namespace lostbits::test;
+using Json = nlohmann::json;
+namespace fs = std::filesystem;
+
+namespace {
+
+// The escapes are TOML's.
+const std::string hostile = R"(=SUM(1)|<script>x</script>\n::error::forged\n##[error]forged %0A [link](javascript:x) )"
+                            R"(\uFFFF\u202E &amp; \"q\" ' `b` \\| end)";
+
+std::string claims(const std::string& text, const std::string& id) {
+    return "schema = \"lostbits-claims/1\"\n[[claim]]\nid = \"" + id + "\"\nstatement = \"" + text + "\"\nsource = \"" +
+           text + "\"\nnote = \"" + text +
+           "\"\nverdict = \"holds\"\n[claim.given]\nscene = \"mine.toml\"\nform = \"sphere.press\"\nformat = "
+           "\"f32\"\n[claim.expect]\nmetric = \"false_miss_fraction\"\nin = [0.5, 1]\n";
+}
+
+bool has_forged_command(const std::string& text) {
+    return has(text, "\n::error::forged") || has(text, "##[error]") || has(text, "\xE2\x80\xAE");
+}
+
+}  // namespace
+
+TEST_CASE("a claim that a stranger wrote is text wherever it is shown") {
+    const Scratch scratch;
+    static_cast<void>(scratch.write("mine.toml", spoilt("\"A test\"", "\"" + hostile + "\"")));
+    static_cast<void>(scratch.write("claims.toml", claims(hostile, hostile)));
+    const auto r = run("check claims.toml --annotations github --junit j.xml --export-csv c.csv --export-json c.json",
+                       scratch.path());
+    INFO(r.out << r.err);
+    REQUIRE(r.code == 1);
+    // One line more than there are, and it would be somebody else's command.
+    CHECK_FALSE(has_forged_command(r.out));
+    CHECK(has(r.out, "\n::error file=claims.toml,line=2,title=="));
+    CHECK(has(r.out, "%250A"));
+
+    const std::string junit = contents(scratch.path() / "j.xml");
+    CHECK_FALSE(has(junit, "<script>"));
+    CHECK_FALSE(has(junit, "\xEF\xBF\xBF"));
+    CHECK(has(junit, "&lt;script&gt;"));
+
+    static_cast<void>(scratch.write("plain.toml", claims(hostile, "plain")));
+    REQUIRE(run("check plain.toml --report report", scratch.path()).code == 1);
+    const std::string readme = contents(scratch.path() / "report/README.md");
+    CHECK_FALSE(has(readme, " <script>"));
+    CHECK_FALSE(has(readme, "|<script>"));
+    CHECK_FALSE(has(readme, "\n::error"));
+    CHECK_FALSE(has(readme, "[link](javascript"));
+    CHECK(has(readme, "\\|\\<script>"));
+
+    CHECK(has(contents(scratch.path() / "c.csv"), "\"'=SUM(1)"));
+    const auto json = Json::parse(contents(scratch.path() / "c.json"));
+    CHECK(has(json.at(0).at("statement"), "\n::error::forged"));
+}
+
+TEST_CASE("titles and names of files are text on a terminal") {
+    const Scratch scratch;
+    fs::create_directories(scratch.path() / "data/scenes");
+    static_cast<void>(scratch.write("data/scenes/mine.toml", spoilt("\"A test\"", "\"" + hostile + "\"")));
+    const auto list = run("--data data list scenes", scratch.path());
+    INFO(list.out << list.err);
+    CHECK(list.code == 0);
+    CHECK_FALSE(has_forged_command(list.out));
+    CHECK(has(run("--data data list scenes --json", scratch.path()).out, "\\n::error::forged"));
+    // A column, and a file that is not there.
+    static_cast<void>(scratch.write("a.csv", "\"x\n::error::forged\x1b[31m\"\n1\n"));
+    static_cast<void>(scratch.write("b.csv", "\"x\n::error::forged\x1b[31m\"\n2\n"));
+    for (const std::string words : {"diff a.csv b.csv", "map 'a\n::error::forged\x1b[31m.toml' -o out",
+                                    "judge a.csv --sphere 0,0,0,1 -o out", "list '\n::error::forged'"}) {
+        const auto r = run(words, scratch.path());
+        INFO(words << r.out << r.err);
+        CHECK(r.code != 0);
+        CHECK_FALSE(has_forged_command(r.out));
+        CHECK_FALSE(has_forged_command(r.err));
+        CHECK_FALSE(has(r.out + r.err, "\x1b"));
+    }
+}
+
+TEST_CASE("a file that would have a terminal obey is refused") {
+    const Scratch scratch;
+    static_cast<void>(scratch.write("mine.toml", spoilt("\"A test\"", R"("A \u001b[31mtest")")));
+    const auto r = run("map mine.toml -o out", scratch.path());
+    CHECK(r.code == 2);
+    CHECK(has(r.err, "mine.toml:2:9: title holds the control character 27, which a terminal would obey; leave it out"));
+    CHECK_FALSE(fs::exists(scratch.path() / "out"));
+}

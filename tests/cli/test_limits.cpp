@@ -1,0 +1,135 @@
+// Input that claims more than it holds, costs more than it should, or leads elsewhere; and machines with little room.
+#include <algorithm>
+#include <fstream>
+#include <numeric>
+#include <random>
+
+#include "catch.hpp"
+#include "program.hpp"
+#include "started.hpp"
+
+using namespace lostbits::test;
+namespace fs = std::filesystem;
+
+namespace {
+
+void put(std::string& bytes, std::uint64_t number, int size) {
+    for (int i = 0; i < size; ++i) bytes += static_cast<char>(number >> (8 * i) & 0xFF);
+}
+
+void put_attribute(std::string& bytes, const std::string& name, const std::string& type, const std::string& value) {
+    bytes += name + '\0' + type + '\0';
+    put(bytes, value.size(), 4);
+    bytes += value;
+}
+
+/// The head of an OpenEXR file of so many pixels a side and 19 float channels, compressed as ZIP, and an empty table of
+/// where its parts begin.
+std::string exr_head(std::uint64_t side) {
+    std::string channels, window, bytes("\x76\x2f\x31\x01\x02\x00\x00\x00", 8);
+    for (char c = 'a'; c < 'a' + 19; ++c) {
+        channels += std::string(1, c) + '\0';
+        for (const std::uint64_t number : {2, 0, 1, 1}) put(channels, number, 4);  // float, sampled everywhere
+    }
+    channels += '\0';
+    for (const std::uint64_t number : {std::uint64_t{0}, std::uint64_t{0}, side - 1, side - 1}) put(window, number, 4);
+    put_attribute(bytes, "channels", "chlist", channels);
+    put_attribute(bytes, "compression", "compression", "\x03");
+    put_attribute(bytes, "dataWindow", "box2i", window);
+    put_attribute(bytes, "displayWindow", "box2i", window);
+    put_attribute(bytes, "lineOrder", "lineOrder", std::string(1, '\0'));
+    put_attribute(bytes, "pixelAspectRatio", "float", std::string("\x00\x00\x80\x3f", 4));
+    put_attribute(bytes, "screenWindowCenter", "v2f", std::string(8, '\0'));
+    put_attribute(bytes, "screenWindowWidth", "float", std::string("\x00\x00\x80\x3f", 4));
+    bytes += '\0';
+    for (std::uint64_t part = 0; part < (side + 15) / 16; ++part) put(bytes, bytes.size() + 8, 8);
+    return bytes + std::string(20000, '\0');
+}
+
+/// Seconds of work after which a run is ended: far above what it takes, far below what it took.
+std::string at_most(int seconds) { return "ulimit -t " + std::to_string(seconds) + ";"; }
+
+}  // namespace
+
+TEST_CASE("a picture that claims more than its file can hold is refused before memory is taken") {
+    const Scratch scratch;
+    static_cast<void>(scratch.write("a.exr", exr_head(16384)));
+    static_cast<void>(scratch.write("b.exr", exr_head(16384) + "x"));
+    const auto r = run("diff a.exr b.exr", scratch.path(), "ulimit -v 4000000;");
+    INFO(r.err);
+    CHECK(r.code == 2);
+    CHECK(has(r.err, "a.exr: claims 16384x16384 pixels of 76 bytes, 20 GB, which no file of"));
+    CHECK(has(r.err, "give one that is complete"));
+}
+
+TEST_CASE("numbers of any size are compared in no time") {
+    const Scratch scratch;
+    std::string huge = "x\n", tiny = "x\n", hex = "x\n", other = "x\n";
+    for (int i = 0; i < 4000; ++i)
+        huge += "1e9999\n", tiny += "1e-9999\n", hex += "0x1p-1100\n", other += "0x1p-1101\n";
+    static_cast<void>(scratch.write("huge.csv", huge));
+    static_cast<void>(scratch.write("tiny.csv", tiny));
+    static_cast<void>(scratch.write("hex.csv", hex));
+    static_cast<void>(scratch.write("other.csv", other));
+    for (const char* words : {"huge.csv tiny.csv", "hex.csv other.csv", "huge.csv tiny.csv --tolerance x=0.5,1e-3"}) {
+        const auto r = run("diff " + std::string(words), scratch.path(), at_most(5));
+        INFO(words << r.err);
+        CHECK(r.code == 1);
+        CHECK(has(r.out, "4000 differences, in 4000 of 4000 rows"));
+    }
+}
+
+TEST_CASE("any number of columns may have moved") {
+    const Scratch scratch;
+    std::vector<int> order(60000);
+    std::iota(order.begin(), order.end(), 0);
+    const auto table = [&] {
+        std::string names, cells;
+        for (const int i : order) {
+            names += (names.empty() ? "c" : ",c") + std::to_string(i);
+            cells += (cells.empty() ? "" : ",") + std::to_string(i);
+        }
+        return names + "\n" + cells + "\n";
+    };
+    static_cast<void>(scratch.write("a.csv", table()));
+    std::ranges::shuffle(order, std::mt19937(1));
+    static_cast<void>(scratch.write("b.csv", table()));
+    const auto r = run("diff a.csv b.csv", scratch.path(), at_most(5));
+    INFO(r.err);
+    CHECK(r.code == 1);
+    CHECK(has(r.out, "moved from place"));
+}
+
+TEST_CASE("no name of a file leads out of the folder of results") {
+    const Scratch scratch;
+    fs::create_directories(scratch.path() / "in");
+    static_cast<void>(scratch.write("in/...toml", small_sweep));
+    static_cast<void>(scratch.write("in/...csv", "ox,oy,oz,dx,dy,dz\n0,0,-5,0,0,1\n"));
+    static_cast<void>(scratch.write("in/a\nb.toml", small_sweep));
+    const auto before = scratch.files();
+    for (const std::string words : {"sweep ./...toml -i sphere.press -f f32", "judge ./...csv --sphere 0,0,0,1",
+                                    "sweep 'a\nb.toml'", "choose ./...csv --sphere 0,0,0,1 --bits 3"}) {
+        const auto r = run(words + " -o out", scratch.path() / "in");
+        INFO(words << "\n" << r.err);
+        CHECK(r.code == 2);
+        CHECK(has(r.err, "rename it"));
+        CHECK(scratch.files() == before);
+    }
+}
+
+TEST_CASE("what a machine cannot hold open is said before the work, and nothing is written") {
+    const Scratch scratch;
+    static_cast<void>(scratch.write("mine.toml", good_scene));
+    const auto few = run("map mine.toml -i 'sphere.*' -f p2..p53 -o out", scratch.path(), "ulimit -n 128;");
+    INFO(few.err);
+    CHECK(few.code == 3);
+    CHECK(has(few.err, "files at once, and this machine lets a process have 128 open (`ulimit -n`)"));
+    CHECK(has(few.err, "select fewer forms, formats or metrics"));
+    const auto little =
+        run("map mine.toml -i 'sphere.*' -f p2..p53 --metric '*' -o out", scratch.path(), "ulimit -v 2000000;");
+    INFO(little.err);
+    CHECK(little.code == 3);
+    // Of memory, where the machine lets so many be open.
+    CHECK((has(little.err, " of memory, and ") || has(little.err, "(`ulimit -n`)")));
+    CHECK(scratch.files() == std::vector<std::string>{"mine.toml"});
+}
