@@ -169,7 +169,7 @@ void write_junit(const std::filesystem::path& path, const std::vector<Claim>& cl
         if (const auto words = moved.find(c.id); words != moved.end()) {
             auto property = test.append_child("properties").append_child("property");
             property.append_attribute("name") = "moved";
-            property.append_attribute("value") = xml_safe(words->second).c_str();
+            property.append_attribute("value") = file::xml_text(words->second).c_str();
         }
         if (results[i].state == State::agrees) continue;
         if (results[i].state == State::skipped) {

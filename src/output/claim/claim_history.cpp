@@ -11,6 +11,7 @@
 #include "number/error.hpp"
 #include "output/claim/claim_files.hpp"
 #include "output/file/atomic_file.hpp"
+#include "output/file/escape.hpp"
 #include "output/file/number_text.hpp"
 #include "output/file/read_csv.hpp"
 #include "output/image/exr_parts.hpp"
@@ -62,15 +63,8 @@ std::string summary_text(const ClaimMoves& moves) {
                                 moves.same == 1 ? "is" : "are");
 }
 
-/// A cell of a Markdown table holds no line break and no bar of its own, and no markup.
-std::string cell_of(const std::string& text) {
-    std::string cell;
-    for (const char c : text) {
-        if (c == '\n' || c == '\r') cell += ' ';
-        else if (std::string_view("|\\`*_<>[]&").find(c) != std::string_view::npos) (cell += '\\') += c;
-        else cell += c;
-    }
-    return cell;
+std::string made_text(const ClaimBaseline& run) {
+    return file::terminal_line(fmt::format("{}, {}: {}", run.program, run.compiler, run.command));
 }
 
 }  // namespace
@@ -122,8 +116,12 @@ ClaimBaseline read_baseline(const std::filesystem::path& path) {
         run.program = all.at("program").get<std::string>();
         run.compiler = all.at("compiler").get<std::string>();
         run.command = all.at("command").get<std::string>();
-        const auto number = [](const nlohmann::json& hex) {
-            return std::strtod(hex.get_ref<const std::string&>().c_str(), nullptr);
+        const auto number = [&refuse](const nlohmann::json& hex) {
+            const auto& text = hex.get_ref<const std::string&>();
+            char* end = nullptr;
+            const double x = std::strtod(text.c_str(), &end);
+            if (text.empty() || *end != '\0') refuse("\"" + text + "\" is not a number");
+            return x;
         };
         for (const auto& c : all.at("claims"))
             run.claims.push_back({.id = c.at("id").get<std::string>(),
@@ -164,14 +162,14 @@ ClaimMoves moves_between(const ClaimBaseline& before, const ClaimBaseline& now) 
 }
 
 std::string moves_text(const ClaimBaseline& before, const ClaimBaseline& now, const ClaimMoves& moves) {
-    std::string text = fmt::format("before: {}, {}: {}\nnow:    {}, {}: {}\n{}\n", before.program, before.compiler,
-                                   before.command, now.program, now.compiler, now.command, summary_text(moves));
+    std::string text =
+        fmt::format("before: {}\nnow:    {}\n{}\n", made_text(before), made_text(now), summary_text(moves));
     if (moves.moves.empty()) return text;
     constexpr const char* row = "  {:<44} {:>14} {:>14} {:>12}  {:<26} {}\n";
     text += fmt::format(row, "claim", "before", "now", "change", "interval", "state");
     for (const ClaimMove& move : moves.moves)
-        text += fmt::format(row, move.id(), before_text(move), now_text(move), change_text(move), interval_text(move),
-                            state_text(move));
+        text += fmt::format(row, file::terminal_line(move.id()), before_text(move), now_text(move), change_text(move),
+                            interval_text(move), file::terminal_line(state_text(move)));
     return text;
 }
 
@@ -182,14 +180,15 @@ void write_moves(const std::filesystem::path& path, const ClaimBaseline& before,
         "|---|---|---|---|\n",
         summary_text(moves));
     for (const auto& [name, run] : {std::pair("before", &before), {"now", &now}})
-        text += fmt::format("| {} | {} | {} | {} |\n", name, cell_of(run->program), cell_of(run->compiler),
-                            cell_of(run->command));
+        text += fmt::format("| {} | {} | {} | {} |\n", name, file::markdown_text(run->program),
+                            file::markdown_text(run->compiler), file::markdown_code(run->command));
     if (!moves.moves.empty())
         text += "\n| claim | quantity | before | now | change | interval | state |\n|---|---|---:|---:|---:|---|---|\n";
     for (const ClaimMove& move : moves.moves)
-        text += fmt::format("| {} | {} | {} | {} | {} | {} | {} |\n", cell_of(move.id()),
-                            cell_of((move.now ? *move.now : *move.before).quantity), before_text(move), now_text(move),
-                            change_text(move), interval_text(move), cell_of(state_text(move)));
+        text +=
+            fmt::format("| {} | {} | {} | {} | {} | {} | {} |\n", file::markdown_text(move.id()),
+                        file::markdown_text((move.now ? *move.now : *move.before).quantity), before_text(move),
+                        now_text(move), change_text(move), interval_text(move), file::markdown_text(state_text(move)));
     file::AtomicFile out(path);
     out.write(text);
     out.commit();
