@@ -112,7 +112,7 @@ private:
     std::shared_ptr<Piece> next(tbb::flow_control& flow) {
         auto piece = std::make_shared<Piece>();
         const std::size_t most = records_of_piece(request_);
-        if (failed_ || (request_.pieces && read_ >= request_.pieces->last)) {
+        if (failed_ || (request_.pieces && (request_.pieces->size() == 0 || read_ >= request_.pieces->last))) {
             flow.stop();
             return piece;
         }
