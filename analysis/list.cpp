@@ -5,9 +5,9 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "analysis/choice/devices.hpp"
 #include "analysis/choice/doors.hpp"
 #include "analysis/choice/select.hpp"
-#include "analysis/devices.hpp"
 #include "commands.hpp"
 #include "measure/blame/culprits.hpp"
 #include "measure/consistency/check.hpp"
@@ -92,7 +92,7 @@ Listing checks() {
 Listing devices(const Common& common) {
     Listing l{{"name", "renderer", "version", "dot", "arithmetic"}, {}};
     for (const std::string& kind : choice::devices_of({"all"})) {
-        const DeviceTold told = ask_device(kind, common.doors.seconds);
+        const choice::DeviceTold told = choice::ask_device(kind, common.doors.seconds);
         const auto fact = [&told](std::string_view key) {
             const auto found =
                 std::ranges::find(told.facts, key, [](const auto& f) -> std::string_view { return f.first; });

@@ -1,4 +1,4 @@
-// The process behind --shader: it alone loads a driver.
+// What runs shaders here and how it rounds; and the process behind --shader, which alone loads a driver.
 #include <fmt/format.h>
 #include <sys/prctl.h>
 #include <unistd.h>
@@ -7,8 +7,11 @@
 #include <csignal>
 #include <cstdlib>
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <string>
 
+#include "analysis/choice/devices.hpp"
+#include "analysis/choice/doors.hpp"
 #include "commands.hpp"
 #include "intersect/device/probe.hpp"
 #include "intersect/doors/pipe.hpp"
@@ -42,7 +45,7 @@ void warn_of_loops(const ShaderSource& shader, const Arithmetic& arithmetic) {
 }
 
 /// Compiles the shader, then answers rays; in place of the header says why it cannot.
-Exit serve(const std::string& named, const std::string& kind) {
+Exit serve_shader(const std::string& named, const std::string& kind) {
     const int answers = take_standard_output("shader serve");
     // A driver that hangs does not see its input end when the program that asks is killed.
     prctl(PR_SET_PDEATHSIG, SIGKILL);
@@ -67,7 +70,7 @@ Exit serve(const std::string& named, const std::string& kind) {
 }
 
 /// What a device is and how it rounds, a line `key=value` each, and an empty line.
-Exit tell(const std::string& kind) {
+Exit tell_device(const std::string& kind) {
     const int output = take_standard_output("shader probe");
     std::string text;
     try {
@@ -85,7 +88,46 @@ Exit tell(const std::string& kind) {
     return write(output, text.data(), text.size()) < 0 ? Exit::environment : Exit::done;
 }
 
+void print_device(const choice::DeviceTold& told) {
+    if (!told.lacks.empty()) {
+        fmt::print("{}\n  not here: {}\n", told.kind, told.lacks);
+        return;
+    }
+    fmt::print("{}\n", told.kind);
+    for (const auto& [key, value] : told.facts) {
+        if (key != "device") fmt::print("  {:<22} {}\n", key, value);
+    }
+}
+
+Exit show_devices(bool json, const Common& common) {
+    auto array = nlohmann::ordered_json::array();
+    bool any = false;
+    std::vector<std::string> kinds = choice::devices_of(common.doors.devices);
+    if (common.doors.devices.empty()) kinds = choice::devices_of({"all"});
+    for (const std::string& kind : kinds) {
+        const choice::DeviceTold told = choice::ask_device(kind, common.doors.seconds);
+        any = any || told.lacks.empty();
+        nlohmann::ordered_json object{{"device", told.kind}};
+        if (!told.lacks.empty()) object["missing"] = told.lacks;
+        for (const auto& [key, value] : told.facts) object[key] = value;
+        array.push_back(std::move(object));
+        if (!json) print_device(told);
+    }
+    if (json) fmt::print("{}\n", array.dump(2));
+    else if (any && !common.quiet) fmt::print("tried on {}\n", probed_set);
+    if (!any) throw EnvironmentError("no driver can run shaders here; docs/shader.md says what to install");
+    return Exit::done;
+}
+
 }  // namespace
+
+void add_devices(CLI::App& program, const Common& common, Command& chosen) {
+    auto* const command = program.add_subcommand(
+        "devices", "What runs --shader here: drivers, and how each adds, multiplies, divides and rounds");
+    const auto json = std::make_shared<bool>(false);
+    command->add_flag("--json", *json, "As a JSON array");
+    command->callback([json, &common, &chosen] { chosen = [json, &common] { return show_devices(*json, common); }; });
+}
 
 void add_shader(CLI::App& program, Command& chosen) {
     auto* const command = program.add_subcommand("shader", "The process of a shader, which --shader starts");
@@ -96,12 +138,12 @@ void add_shader(CLI::App& program, Command& chosen) {
     served->add_option("SHADER", *file, "The file, as --shader takes it")->required();
     served->callback([file, &program, &chosen] {
         const auto device = program.get_option("--device")->results();
-        chosen = [file, device] { return serve(*file, device.empty() ? "" : device.front()); };
+        chosen = [file, device] { return serve_shader(*file, device.empty() ? "" : device.front()); };
     });
     auto* const probed =
         command->add_subcommand("probe", "How a device rounds, as lines for a program (what `devices` starts)");
     probed->add_option("DEVICE", *kind, "opengl or vulkan");
-    probed->callback([kind, &chosen] { chosen = [kind] { return tell(*kind); }; });
+    probed->callback([kind, &chosen] { chosen = [kind] { return tell_device(*kind); }; });
 }
 
 }  // namespace lostbits::analysis

@@ -28,16 +28,16 @@ public:
     }
     void run(device::Program&, std::span<const Buffer> buffers, std::size_t groups) override {
         KernelHead head;
-        std::memcpy(&head, buffers[Binding::head].bytes.data(), sizeof head);
+        std::memcpy(&head, buffers[BufferPlace::head].bytes.data(), sizeof head);
         for (const Buffer& b : buffers) {
             REQUIRE_FALSE(b.bytes.empty());
             REQUIRE(b.bytes.size() <= limits_.buffer_bytes);
         }
         REQUIRE(groups <= limits_.groups);
         REQUIRE(groups * device::group_size >= head.rays);
-        const auto* const rays = reinterpret_cast<const float*>(buffers[Binding::rays].bytes.data());
-        const auto* const solids = reinterpret_cast<const float*>(buffers[Binding::solids].bytes.data());
-        auto* const answers = reinterpret_cast<float*>(buffers[Binding::answers].bytes.data());
+        const auto* const rays = reinterpret_cast<const float*>(buffers[BufferPlace::rays].bytes.data());
+        const auto* const solids = reinterpret_cast<const float*>(buffers[BufferPlace::solids].bytes.data());
+        auto* const answers = reinterpret_cast<float*>(buffers[BufferPlace::answers].bytes.data());
         for (std::uint32_t i = 0; i < head.rays; ++i)
             answers[2 * i] = answers[2 * i + 1] = rays[6 * i] + solids[head.stride * i + 3];
         ++runs;

@@ -115,6 +115,17 @@ TEST_CASE("shader bits: every example does as it says, and boxes are those of th
     }
 }
 
+TEST_CASE("shader bits: the claims of the sources' shaders hold on the drivers that they name", "[shader-device]") {
+    const Outcome o = run("check --profile libraries --device all --filter 'shader.*' -v --shader " + examples +
+                          "sphere.glsl --shader " + examples + "sphere_tracer.glsl");
+    INFO(o.out << o.err);
+    CHECK(o.code == 0);
+    CHECK(has(o.out, " 0 failed"));
+    const bool named = has(run("devices --json").out, "Mesa 22.3.6");
+    CHECK(has(o.out, "ok       shader.sphere.opengl") == named);
+    CHECK(has(o.out, "does not run on Mesa 22.3.6") == !named);
+}
+
 TEST_CASE("shader bits: every file says which driver it was and how that rounds", "[shader-device]") {
     const Scratch folder;
     const Outcome devices = run("devices --json");

@@ -54,7 +54,7 @@ private:
         const bool own = batch.solid_stride != 0;
         S* const near_far = static_cast<S*>(batch.near_far) + 2 * begin;
         const S no_end = 0;
-        const std::array<Buffer, Binding::binding_count> buffers{{
+        const std::array<Buffer, BufferPlace::binding_count> buffers{{
             {std::as_writable_bytes(std::span(&words, 1))},
             {bytes_at<S>(batch.rays, 6 * begin, 6 * n)},
             {batch.ends != nullptr ? bytes_at<S>(batch.ends, begin, n) : bytes_at<S>(&no_end, 0, 1)},

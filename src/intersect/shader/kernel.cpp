@@ -150,16 +150,16 @@ std::string main_words(const Signature& s, const MarchWords& march) {
     const std::string real = s.doubles ? "double" : "float", v = s.doubles ? "dvec" : "vec";
     const std::string count = s.shape == Shape::sphere ? "4u" : "6u";
     std::string words = "layout(local_size_x = " + std::to_string(device::group_size) + ") in;\n";
-    const auto buffer = [&words](Binding at, const char* way, const std::string& members) {
+    const auto buffer = [&words](BufferPlace at, const char* way, const std::string& members) {
         words += "layout(std430, binding = " + std::to_string(at) + ") " + way + " buffer LbBuffer" +
                  std::to_string(at) + " { " + members + " };\n";
     };
-    buffer(Binding::head, "readonly", "uint lb_count; uint lb_stride; uint lb_has_ends; uint lb_spare;");
-    buffer(Binding::rays, "readonly", real + " lb_rays[];");
-    buffer(Binding::ends, "readonly", real + " lb_ends[];");
-    buffer(Binding::solids, "readonly", real + " lb_solids[];");
-    buffer(Binding::answers, "writeonly", real + " lb_answers[];");
-    buffer(Binding::hits, "writeonly", "uint lb_hits[];");
+    buffer(BufferPlace::head, "readonly", "uint lb_count; uint lb_stride; uint lb_has_ends; uint lb_spare;");
+    buffer(BufferPlace::rays, "readonly", real + " lb_rays[];");
+    buffer(BufferPlace::ends, "readonly", real + " lb_ends[];");
+    buffer(BufferPlace::solids, "readonly", real + " lb_solids[];");
+    buffer(BufferPlace::answers, "writeonly", real + " lb_answers[];");
+    buffer(BufferPlace::hits, "writeonly", "uint lb_hits[];");
     const auto vec = [&](const char* name, const char* from, int first) {
         words += "    " + v + "3 " + name + " = " + v + "3(";
         for (int k = 0; k < 3; ++k)

@@ -9,7 +9,7 @@
 namespace lostbits::intersect::shader {
 
 /// The buffers of the program, by their binding.
-enum Binding : unsigned { head, rays, ends, solids, answers, hits, binding_count };
+enum BufferPlace : unsigned { head, rays, ends, solids, answers, hits, binding_count };
 
 /// What the buffer `head` holds.
 struct KernelHead {

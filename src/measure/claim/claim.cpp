@@ -29,7 +29,7 @@ std::string missing_for(const Claim& claim) {
     const auto rows = intersect::table::intersectors();
     const auto named = [&claim](const intersect::table::Intersector& row) { return row.info->name == claim.form; };
     if (claim.profile == Claim::Profile::libraries && std::ranges::none_of(rows, named))
-        return "no library that is loaded has " + claim.form + "; add --plugin or --pipe";
+        return "no library that is loaded has " + claim.form + "; add --plugin, --pipe or --shader";
     for (const std::string& need : claim.requirements) {
         // Of a shader: what its source says of the driver.
         if (need.starts_with("driver-")) {
@@ -44,8 +44,9 @@ std::string missing_for(const Claim& claim) {
         }
         const auto isa = need.starts_with("isa-") ? intersect::simd::isa_named(need.substr(4)) : std::nullopt;
         if (!isa)
-            scene::toml::fail(claim.where, "unknown requirement \"" + need +
-                                               "\"; there are isa-128, isa-256, isa-512, processors-2 and driver-WORDS");
+            scene::toml::fail(claim.where,
+                              "unknown requirement \"" + need +
+                                  "\"; there are isa-128, isa-256, isa-512, processors-2 and driver-WORDS");
         const auto there = intersect::simd::available_isas();
         if (std::ranges::find(there, *isa) == there.end()) return "this machine has no " + need;
     }

@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-namespace lostbits::analysis {
+namespace lostbits::analysis::choice {
 
 /// A device as its process told it.
 struct DeviceTold {
@@ -18,4 +18,4 @@ struct DeviceTold {
 /// Starts a driver, asks it how it rounds, and ends it. A driver that crashes or hangs is one that is not here.
 DeviceTold ask_device(std::string_view kind, double seconds);
 
-}  // namespace lostbits::analysis
+}  // namespace lostbits::analysis::choice
