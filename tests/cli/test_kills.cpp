@@ -40,7 +40,7 @@ struct Command {
 };
 
 struct Counts {
-    int killed = 0, asked = 0, unharmed = 0;  ///< SIGKILL, SIGTERM, and ended before the signal
+    int killed = 0, asked = 0, unharmed = 0;  ///< SIGKILL, SIGTERM, and done before the signal or in spite of it
     int unfinished = 0, partial = 0;          ///< folders that said so, and ones with half-written files
 };
 
@@ -94,7 +94,7 @@ void kill_often(const Scratch& scratch, const fs::path& folder, Command a, Comma
     CHECK(files_below(scratch.path() / "out").size() == a.right.size());
     if (wanted != nullptr)
         std::cout << a.words.front() << ": " << counts.killed << " killed, " << counts.asked << " asked to end, "
-                  << counts.unharmed << " done before; afterwards " << counts.unfinished
+                  << counts.unharmed << " done all the same; afterwards " << counts.unfinished
                   << " folders said that they were not finished and " << counts.partial
                   << " held half-written files; none was damaged, and the next run left nothing\n";
 }
