@@ -3,11 +3,10 @@
 // lostbits: direction=unit roots=near format=both
 
 float sphere(vec3 ro, vec3 rd, vec3 center, float radius) {
-    vec3 rc = ro - center;
-    precise float c = (rc.x * rc.x + rc.y * rc.y + rc.z * rc.z) - radius * radius;
-    precise float b = rd.x * rc.x + rd.y * rc.y + rd.z * rc.z;
-    precise float d = b * b - c;
-    precise float t = -b - sqrt(abs(d));
-    float st = step(0.0, min(t, d));
-    return mix(-1.0, t, st);
+    vec3 f = ro - center;
+    precise float c = (f.x * f.x + f.y * f.y + f.z * f.z) - radius * radius;
+    precise float b = rd.x * f.x + rd.y * f.y + rd.z * f.z;
+    precise float disc = b * b - c;
+    precise float t = -b - sqrt(abs(disc));
+    return min(t, disc) < 0.0 ? -1.0 : t;
 }

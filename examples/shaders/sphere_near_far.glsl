@@ -1,11 +1,10 @@
 // Both crossings of a sphere as most pictures on shader sites compute them, vec2(-1) for a miss.
 
-vec2 iSphere(vec3 ro, vec3 rd, vec4 sph) {
-    vec3 oc = ro - sph.xyz;
-    float b = dot(oc, rd);
-    float c = dot(oc, oc) - sph.w * sph.w;
-    float h = b * b - c;
-    if (h < 0.0) return vec2(-1.0);
-    h = sqrt(h);
-    return vec2(-b - h, -b + h);
+vec2 nearAndFar(vec3 ro, vec3 rd, vec4 ball) {
+    vec3 f = ro - ball.xyz;
+    float b = dot(f, rd);
+    float disc = b * b - (dot(f, f) - ball.w * ball.w);
+    if (disc < 0.0) return vec2(-1.0);
+    float root = sqrt(disc);
+    return vec2(-b - root, root - b);
 }

@@ -118,16 +118,16 @@ TEST_CASE("shader: pictures of shader sites and of pixel programs are taken as t
     const Scratch folder;
     const std::string site = folder.write("site.glsl", R"(#define AA 2
 uniform float speed;
-float sphIntersect( in vec3 ro, in vec3 rd, in vec4 sph )
+float nearest( in vec3 ro, in vec3 rd, in vec4 ball )
 {
-    vec3 oc = ro - sph.xyz;
-    float b = dot( oc, rd ), c = dot( oc, oc ) - sph.w*sph.w, h = b*b - c;
-    return h < 0.0 ? -1.0 : -b - sqrt( h );
+    vec3 f = ro - ball.xyz;
+    float b = dot( rd, f ), disc = b*b - ( dot( f, f ) - ball.w*ball.w );
+    return disc < 0.0 ? -1.0 : -b - sqrt( disc );
 }
 void mainImage( out vec4 fragColor, in vec2 fragCoord )
 {
     vec2 p = (2.0*fragCoord - iResolution.xy)/iResolution.y + texture(iChannel0, iMouse.xy).xy;
-    fragColor = vec4(sphIntersect(vec3(0.0, 0.0, speed*sin(iTime)), normalize(vec3(p, -2.0)), vec4(0, 0, 0, 1)));
+    fragColor = vec4(nearest(vec3(0.0, 0.0, speed*sin(iTime)), normalize(vec3(p, -2.0)), vec4(0, 0, 0, 1)));
 }
 )");
     const std::string pixels = folder.write("pixels.glsl", R"(#version 330 core
