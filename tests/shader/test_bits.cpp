@@ -68,12 +68,12 @@ TEST_CASE("shader bits: with its sums written out, the analytic sphere has the b
 TEST_CASE("shader bits: with dot, what differs is the order of its sum", "[shader-device]") {
     const Scratch folder;
     std::string text = contents(examples + "sphere_in_order.glsl");
-    for (const std::string v : {"rc.x * rc.x", "rd.x * rc.x"}) REQUIRE(has(text, v));
+    for (const std::string v : {"f.x * f.x", "rd.x * f.x"}) REQUIRE(has(text, v));
     const auto swap = [&text](const std::string& from, const std::string& to) {
         text.replace(text.find(from), from.size(), to);
     };
-    swap("(rc.x * rc.x + rc.y * rc.y + rc.z * rc.z)", "(rc.x * rc.x + (rc.y * rc.y + rc.z * rc.z))");
-    swap("rd.x * rc.x + rd.y * rc.y + rd.z * rc.z", "rd.x * rc.x + (rd.y * rc.y + rd.z * rc.z)");
+    swap("(f.x * f.x + f.y * f.y + f.z * f.z)", "(f.x * f.x + (f.y * f.y + f.z * f.z))");
+    swap("rd.x * f.x + rd.y * f.y + rd.z * f.z", "rd.x * f.x + (rd.y * f.y + rd.z * f.z)");
     const std::string from_the_right = folder.write("from_the_right.glsl", text);
     const std::string scene = "rtg-fig-7-3-4100-oblique";
     const auto out = map_of(folder, scene,
