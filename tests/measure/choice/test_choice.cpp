@@ -15,8 +15,8 @@ using scene::file::Scene;
 
 namespace {
 
-Scene scene_named(const char* name) {
-    scene::file::LoadOptions options;
+Scene scene_named(const char* name, std::optional<std::string> variant = {}) {
+    scene::file::LoadOptions options{.variant = std::move(variant)};
     options.size = {{48, 48}};
     return scene::file::load_scene(std::string(LOSTBITS_DATA_DIR "/scenes/") + name + ".toml", options).front();
 }
@@ -121,6 +121,19 @@ TEST_CASE("at the edge of a room the wish holds, and just beyond it fails") {
     CHECK_FALSE(at(distance.beyond).meets(request.wish));
     CHECK(at(distance.beyond).kept_bits == distance.broken.kept_bits);
     CHECK(at(64 * distance.beyond).kept_bits < 16);
+}
+
+TEST_CASE("two spheres that differ in radius alone have rooms that end at one radius") {
+    const MapRow row = row_of("sphere.pythagoras", "f64");
+    const auto edge = [&row](const std::string& variant) {
+        const Scene scene = scene_named("rtg-fig-7-4", variant);
+        const auto rooms = rooms_of(request_of(scene, 16), row, 4096);
+        const auto radius = std::ranges::find(rooms, Growth::radius, &Room::way);
+        REQUIRE(radius != rooms.end());
+        REQUIRE(radius->end == End::fails);
+        return radius->value;
+    };
+    CHECK(edge("r1e6") == Approx(edge("r6371000")).epsilon(0.05));
 }
 
 TEST_CASE("a room ends where binary32 holds another scene, though every ray is decided rightly there") {
