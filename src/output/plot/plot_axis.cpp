@@ -97,7 +97,7 @@ std::vector<AxisRange::Tick> AxisRange::ticks_within_a_step(int most) const {
     // Numbers that can be read as they are: 2.4, not 2^1.26. A label has room for some six digits, and round steps that
     // are alike crowd at the upper end of a wider range.
     const double low = two ? std::exp2(lo_) : std::pow(10, lo_), high = two ? std::exp2(hi_) : std::pow(10, hi_);
-    if (low >= 1e-3 && high <= 1e5 && high <= 5 * low) {
+    if (low >= 1e-3 && high <= 1e5 && high <= 5 * low && high - low > high * least_extent) {
         const auto values = round_values(low, high, most);
         const auto labels = labels_of(values);
         for (std::size_t i = 0; i < values.size(); ++i) out.push_back({position(values[i]), labels[i]});
