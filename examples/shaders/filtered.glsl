@@ -1,5 +1,5 @@
-// sphere.filtered of the catalogue, its first two steps: in floats with a bound on what rounding can have done, and in
-// doubles where that proves nothing. Its order is kept by `precise`; filtered.glsl is the same text without.
+// filtered_precise.glsl without the word precise: nothing here subtracts what was just added, so that drivers find
+// nothing to rewrite, and its bound would cover another order of its sums.
 // lostbits: direction=any roots=first
 float inDoubles(dvec3 f, dvec3 d, double r) {
     double a = d.x * d.x + d.y * d.y + d.z * d.z;

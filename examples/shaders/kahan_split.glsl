@@ -1,6 +1,5 @@
-// Kahan's discriminant h² - ac without fma: both products with what they round off (Dekker's split of a factor into
-// halves of 12 bits), so that it is right to the last place or two on every driver that leaves the order alone.
-// `precise` asks for that; kahan_split.glsl is the same text without it.
+// kahan_split_precise.glsl without the word precise: one of the sums may then be taken in another order, by which the
+// small parts of the products are lost.
 // lostbits: direction=any roots=first
 vec2 product(float a, float b) {
     float p = a * b;

@@ -1,5 +1,5 @@
 // Kahan's discriminant h² - ac without fma: both products with what they round off (Dekker's split of a factor into
-// halves of 12 bits), so that it is right to the last place or two on every driver that leaves the order alone.
+// halves of 12 bits), right to two units in the last place.
 // `precise` asks for that; kahan_split.glsl is the same text without it.
 // lostbits: direction=any roots=first
 vec2 product(float a, float b) {

@@ -1,5 +1,5 @@
-// The discriminant h² - ac in numbers of two words, hi + lo: about 48 bits of floats alone, for drivers without
-// doubles. All of it rests on the order of operations: `precise` asks for it, two_words.glsl is the same text without.
+// two_words_precise.glsl without the word precise: a driver may then take (a + b) - a for b, the small parts are zero,
+// and what is left are floats.
 // lostbits: direction=any roots=first
 vec2 sum(float a, float b) {  // Knuth
     float s = a + b;
