@@ -1,5 +1,5 @@
-// two_words_precise.glsl without the word precise: a driver may then take (a + b) - a for b, the small parts are zero,
-// and what is left are floats.
+// two_words_precise.glsl without the word precise: sums of sums are then rewritten, the small parts are lost, and
+// what is left are floats.
 // lostbits: direction=any roots=first
 vec2 sum(float a, float b) {  // Knuth
     float s = a + b;
