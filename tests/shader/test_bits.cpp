@@ -115,14 +115,73 @@ TEST_CASE("shader bits: every example does as it says, and boxes are those of th
     }
 }
 
+TEST_CASE("shader bits: what rests on the order of operations keeps it where it is precise", "[shader-device]") {
+    const Scratch folder;
+    std::string words = "-i 'shader.*' -i sphere.kahan_discriminant -i sphere.filtered -f f32";
+    for (const std::string name : {"kahan_fma", "kahan_split", "kahan_split_precise", "filtered", "filtered_precise",
+                                   "two_words", "two_words_precise"})
+        words += " --shader " + examples + name + ".glsl";
+    const auto near = map_of(folder, "near-benign", words), far = map_of(folder, "rtg-fig-7-3-4100-oblique", words);
+    const auto fault = [&](const std::string& form, const std::string& which) {
+        for (const auto& row : read_csv(far / "summary.csv"))
+            if (row.at("form") == form) return std::stoi(row.at(which));
+        return -1;
+    };
+    const auto bits = [&](const std::string& form) { return hex_of(near / (form + ".f32.csv")); };
+    for (const auto& [device, dot] : drivers()) {
+        INFO(device);
+        const auto on = [&device = device](const std::string& name) { return "shader." + name + "." + device; };
+        CHECK(bits(on("kahan_split_precise")) == bits("sphere.kahan_discriminant"));
+        CHECK(bits(on("filtered_precise")) == bits("sphere.filtered"));
+        CHECK(fault(on("two_words_precise"), "false_hit") == 0);
+        CHECK(fault(on("two_words_precise"), "false_miss") == 0);
+        CHECK(fault(on("filtered"), "false_hit") == 0);
+        if (!has(run("devices --json").out, "Mesa 22.3.6")) continue;
+        // What this driver rewrites, and its fma that rounds twice.
+        CHECK(bits(on("kahan_fma")) != bits("sphere.kahan_discriminant"));
+        CHECK(bits(on("kahan_split")) != bits(on("kahan_split_precise")));
+        CHECK(fault(on("two_words"), "false_hit") > 1000);
+    }
+}
+
+TEST_CASE("shader bits: a march that asks for length differs by the order of its sum alone", "[shader-device]") {
+    const Scratch folder;
+    std::string text = contents(examples + "sphere_tracer.glsl");
+    const std::string asked = "length(p - sphere.xyz) - sphere.w";
+    REQUIRE(has(text, asked));
+    const std::string square = "(p.@ - sphere.@) * (p.@ - sphere.@)";
+    const auto of = [&square](char axis) {
+        std::string s = square;
+        for (char& c : s)
+            if (c == '@') c = axis;
+        return s;
+    };
+    text.replace(text.find(asked), asked.size(),
+                 "sqrt(" + of('x') + " + (" + of('y') + " + " + of('z') + ")) - sphere.w");
+    const auto out =
+        map_of(folder, "sdf-sphere",
+               "--shader " + examples + "sphere_tracer.glsl --shader " + folder.write("from_the_right.glsl", text) +
+                   " -i 'shader.*' -i sdf.sphere_trace -f f32");
+    const auto table = [&](const std::string& row) { return hex_of(out / (row + ".f32.csv")); };
+    CHECK(table("shader.from_the_right.opengl") != table("sdf.sphere_trace"));
+    for (const auto& [device, dot] : drivers()) {
+        INFO(device << " adds " << dot);
+        const std::string other = dot == "x+(y+z)" ? "shader.from_the_right." + device : "sdf.sphere_trace";
+        CHECK(table("shader.sphere_tracer." + device) == table(other));
+    }
+}
+
 TEST_CASE("shader bits: the claims of the sources' shaders hold on the drivers that they name", "[shader-device]") {
-    const Outcome o = run("check --profile libraries --device all --filter 'shader.*' -v --shader " + examples +
-                          "sphere.glsl --shader " + examples + "sphere_tracer.glsl");
+    std::string command = "check --profile libraries --device all --filter 'shader.*' -v";
+    for (const auto& entry : std::filesystem::directory_iterator(examples))
+        command += " --shader " + entry.path().string();
+    const Outcome o = run(command);
     INFO(o.out << o.err);
     CHECK(o.code == 0);
     CHECK(has(o.out, " 0 failed"));
     const bool named = has(run("devices --json").out, "Mesa 22.3.6");
-    CHECK(has(o.out, "ok       shader.sphere.opengl") == named);
+    for (const std::string claim : {"sphere.opengl", "two_words.opengl", "kahan.fma", "march.order"})
+        CHECK(has(o.out, "ok       shader." + claim) == named);
     CHECK(has(o.out, "does not run on Mesa 22.3.6") == !named);
 }
 

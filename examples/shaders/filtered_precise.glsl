@@ -1,0 +1,35 @@
+// sphere.filtered of the catalogue, its first two steps: in floats with a bound on what rounding can have done, and in
+// doubles where that proves nothing. Its order is kept by `precise`; filtered.glsl is the same text without.
+// lostbits: direction=any roots=first
+float inDoubles(dvec3 f, dvec3 d, double r) {
+    precise double a = d.x * d.x + d.y * d.y + d.z * d.z;
+    precise double h = f.x * d.x + f.y * d.y + f.z * d.z;
+    precise double c = (f.x * f.x + f.y * f.y + f.z * f.z) - r * r;
+    precise float disc = float(h * h - a * c);
+    precise float root = sqrt(disc);
+    precise float q = abs(float(h)) + root;
+    if (c == 0.0) return 0.0;
+    bool within = float(c) <= 0.0 && float(h) <= 0.0;
+    if (float(c) > 0.0 && (float(h) > 0.0 || disc < 0.0)) return -1.0;
+    return within ? q / float(a) : abs(float(c)) / q;
+}
+
+float filtered(vec3 ro, vec3 rd, vec3 center, float radius) {
+    const float u = 5.9604645e-8;
+    precise vec3 f = center - ro;
+    precise float ff = f.x * f.x + f.y * f.y + f.z * f.z;
+    precise float r2 = radius * radius;
+    precise float inv = 1.0 / (rd.x * rd.x + rd.y * rd.y + rd.z * rd.z);
+    precise float s = (f.x * rd.x + f.y * rd.y + f.z * rd.z) * inv;
+    precise vec3 l = f - s * rd;
+    precise float delta = r2 - (l.x * l.x + l.y * l.y + l.z * l.z);
+    precise float root = sqrt(delta * inv);
+    precise float w = (2.1 * u) * (abs(f.x) + abs(f.y) + abs(f.z)) + 4.0 * u * radius;
+    precise float e = w * (2.0 * radius + 32.0 * w);
+    bool open = s > 0.0 && delta >= -e;
+    bool met = s > 0.0 && delta > 4.0 * e && e * inv <= root * (36.0 * u * s - 66.0 * u * root);
+    if (ff >= 2.0 * r2 && !open) return -1.0;
+    precise float t = s - root;
+    if (ff >= 2.0 * r2 && met) return t;
+    return inDoubles(dvec3(ro) - dvec3(center), dvec3(rd), double(radius));
+}
