@@ -131,9 +131,12 @@ void Shards::check_complete() const {
         if (at < files_.size() && files_[at].head().share.number == number) ++at;
         else missing.push_back(number);
     }
-    throw InputError(fmt::format("{} of {} shards {} missing: {}; nothing was joined. Run `{} --shard K/{}` for {}",
-                                 of - files_.size(), of, of - files_.size() == 1 ? "is" : "are", ranges_text(missing),
-                                 command(), of, missing.size() == 1 ? "it" : "each of them"));
+    const bool one = of - files_.size() == 1;
+    throw InputError(fmt::format(
+        "{} of {} shards {} missing: {}; nothing was joined. Run `{} --shard {}/{}` for {}, with the {} of the others",
+        of - files_.size(), of, one ? "is" : "are", ranges_text(missing), command(),
+        one ? std::to_string(missing.front()) : "K", of, one ? "it" : "each of them",
+        command().starts_with("lostbits check ") ? "--report" : "-o"));
 }
 
 void Shards::check_inputs(std::uint64_t inputs) const {

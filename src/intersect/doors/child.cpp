@@ -39,8 +39,8 @@ bool ends_within(int process, std::chrono::milliseconds time, int& status) {
 
 }  // namespace
 
-Child::Child(std::string command, std::string who, double seconds)
-    : command_(std::move(command)), who_(std::move(who)), limit_(seconds) {
+Child::Child(std::string command, std::string who, std::string duty, double seconds)
+    : command_(std::move(command)), who_(std::move(who)), duty_(std::move(duty)), limit_(seconds) {
     const auto to_child = make_pipe(), from_child = make_pipe();
     posix_spawn_file_actions_t files;
     posix_spawn_file_actions_init(&files);
@@ -103,9 +103,8 @@ void Child::wait_for(short events_of_input, Clock::time_point until, bool& can_w
         std::array<pollfd, 2> ends{{{output_, POLLIN, 0}, {events_of_input ? input_ : -1, events_of_input, 0}}};
         const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(until - Clock::now()).count();
         if (left <= 0)
-            fail(
-                "has not answered within the time limit; it must read a whole batch, answer it and flush its output; "
-                "raise --time-limit SECONDS where it needs longer");
+            fail("has not answered within the time limit; " + (duty_.empty() ? "" : duty_ + "; ") +
+                 "raise --time-limit SECONDS where it needs longer");
         const int ready = poll(ends.data(), ends.size(), static_cast<int>(std::min<decltype(left)>(left, 200)));
         if (ready < 0 && errno != EINTR) fail(std::string("poll: ") + std::strerror(errno));
         if (ready <= 0) continue;

@@ -10,9 +10,9 @@ namespace lostbits::intersect::doors {
 
 class Child {
 public:
-    /// Starts `command` by the shell, in a process group of its own; its standard error is ours. `who` begins messages.
-    /// EnvironmentError.
-    Child(std::string command, std::string who, double seconds);
+    /// Starts `command` by the shell, in a process group of its own; its standard error is ours. `who` begins messages;
+    /// `duty` says what its author may have overlooked where no answer comes, or nothing. EnvironmentError.
+    Child(std::string command, std::string who, std::string duty, double seconds);
     /// Closes its input, which tells it to end, and ends it with a signal where it does not within a second.
     ~Child();
     Child(const Child&) = delete;
@@ -40,7 +40,7 @@ private:
     void wait_for(short events_of_input, Clock::time_point until, bool& can_write, bool& can_read);
     [[nodiscard]] std::string how_it_ended();
 
-    std::string command_, who_, about_;
+    std::string command_, who_, duty_, about_;
     std::chrono::duration<double> limit_;
     int process_ = -1, input_ = -1, output_ = -1;
     bool output_ended_ = false;

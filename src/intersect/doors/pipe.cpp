@@ -50,11 +50,16 @@ std::vector<Contract> greet(Child& child, const PipeTerms& terms) {
     return read_pipe_header(lines, terms.who);
 }
 
+/// A shader's author has no say in how its process reads and writes.
+std::string duty(const PipeTerms& terms) {
+    return terms.ours ? "" : "it must read a whole batch, answer it and flush its output";
+}
+
 /// The processes of one command: as many as ask at the same time.
 class Pool {
 public:
     Pool(std::string command, const PipeTerms& terms) : command_(std::move(command)), terms_(terms) {
-        free_.push_back(std::make_unique<Child>(command_, terms_.who, terms_.seconds));
+        free_.push_back(std::make_unique<Child>(command_, terms_.who, duty(terms_), terms_.seconds));
         contracts_ = greet(*free_.back(), terms_);
         running_ = 1;
         const auto alone = [](const Contract& c) { return (c.flags & LB_ONE_THREAD) != 0; };
@@ -90,7 +95,7 @@ private:
         }
         ++running_;
         lock.unlock();
-        auto child = std::make_unique<Child>(command_, terms_.who, terms_.seconds);
+        auto child = std::make_unique<Child>(command_, terms_.who, duty(terms_), terms_.seconds);
         if (greet(*child, terms_) != contracts_)
             child->fail(
                 "says something else of itself when it is started a second time; let it say the same, or add "

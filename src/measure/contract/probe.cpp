@@ -202,7 +202,8 @@ private:
         const Reply outside = ask(along(shape_, -5, 1)), inside = ask(along(shape_, 0, 1));
         if (contract_.roots == Roots::both) {
             hold(is_answer(outside.far, 7), "roots", "near and far, from outside",
-                 "far is " + text_of(outside.far) + " where 7 is right; say LB_NEAR or LB_FIRST where it tells one");
+                 "far is " + text_of(outside.far) +
+                     " where 7 is right; say LB_NEAR (roots=near) or LB_FIRST (roots=first) where it tells one");
             const bool clipped = inside.hit == 1 && inside.near == 0 && is_answer(inside.far, 2);
             if (inside.hit == 1 && is_answer(inside.near, -2) && is_answer(inside.far, 2))
                 kept("inside", "from inside, near is behind and far ahead");
@@ -214,7 +215,7 @@ private:
             if (inside.hit == 0) kept("inside", "one root: a ray from inside has no answer");
             else
                 told("inside", "a ray from inside is answered with t = " + text_of(inside.near) +
-                                   "; LB_NEAR promises nothing there, LB_FIRST would");
+                                   "; LB_NEAR (roots=near) promises nothing there, LB_FIRST (roots=first) would");
             return;
         }
         if (inside.hit == 1 && (is_answer(inside.near, 2) || (shape_ == Shape::box && is_answer(inside.near, 0))))
