@@ -36,10 +36,12 @@ void warn_of_loops(const ShaderSource& shader, const Arithmetic& arithmetic) {
         const long long times = arithmetic.loops_together ? loop.together : loop.most;
         if (loop.line == told || arithmetic.loop_limit == 0 || times <= arithmetic.loop_limit) continue;
         told = loop.line;
+        const std::string runs =
+            times == CountedLoop::endless ? "has no end of its own" : fmt::format("may run {} times", times);
         fmt::print(stderr,
-                   "lostbits: {}:{}: this loop may run {} times; this driver leaves loops after {}{} without a word, "
-                   "so answers that need more are wrong\n",
-                   shader.path, loop.line, times, arithmetic.loop_limit,
+                   "lostbits: {}:{}: this loop {}; this driver leaves loops after {}{} without a word, so answers that "
+                   "need more are wrong\n",
+                   shader.path, loop.line, runs, arithmetic.loop_limit,
                    arithmetic.loops_together ? ", those around them counted," : "");
     }
 }

@@ -102,6 +102,13 @@ TEST_CASE("shader: a loop beyond the limit of the driver is told", "[shader-devi
     INFO(o.err);
     CHECK(o.code == 0);
     CHECK(has(o.err, "long.glsl:4: this loop may run 100000 times") == has(limits, "65535 iterations, silently"));
+    for (const char* endless : {"while (true)", "for (;;)"}) {
+        std::string other = text;
+        other.replace(other.find("for (int"), other.find(") t +=") + 1 - other.find("for (int"), endless);
+        const Outcome none = map_by(folder, folder.write("endless.glsl", other), "--device opengl --force");
+        INFO(none.err);
+        CHECK(has(none.err, "endless.glsl:4: this loop has no end of its own") == has(limits, "iterations, silently"));
+    }
     const std::string nested =
         text.substr(0, text.find("STEPS 100000")) + "STEPS 1000" + text.substr(text.find("STEPS 100000") + 12);
     const Outcome both =

@@ -187,7 +187,7 @@ float f(vec3 ro, vec3 rd, vec4 s) {
 }
 )");
     const auto loops = read_shader(file.path()).loops;
-    REQUIRE(loops.size() == 5);
+    REQUIRE(loops.size() == 6);
     const auto is = [&loops](std::size_t i, std::size_t line, long long most, long long together) {
         return loops[i].line == line && loops[i].most == most && loops[i].together == together;
     };
@@ -196,4 +196,5 @@ float f(vec3 ro, vec3 rd, vec4 s) {
     CHECK(is(2, 6, 70, 350));
     CHECK(is(3, 9, 3, 3));
     CHECK(is(4, 9, 4, 12));
+    CHECK(is(5, 11, CountedLoop::endless, CountedLoop::endless));
 }

@@ -246,13 +246,26 @@ std::size_t behind_statement(const std::vector<Token>& code, std::size_t at) {
     return std::min(at + 1, code.size());
 }
 
-/// The loops that begin at, or are compared with, a whole number.
+/// Whether a loop begins here whose condition says nothing: `while (true)`, `for (;;)`.
+bool is_endless(const std::vector<Token>& code, std::size_t at) {
+    if (code[at].text == "for") {
+        while (at < code.size() && code[at].text != ";") ++at;
+    } else if (code[at].text != "while") {
+        return false;
+    }
+    if (at + 2 >= code.size()) return false;
+    const bool says_true = code[at + 1].text == "true" || (code[at + 1].text == "(" && code[at + 2].text == "true");
+    return says_true || (code[at].text == ";" && code[at + 1].text == ";");
+}
+
+/// The loops that begin at, or are compared with, a whole number, and those without an end.
 std::vector<CountedLoop> loops_of(const std::vector<Token>& all, const std::vector<Token>& code) {
     const auto constants = whole_constants(all);
     std::vector<CountedLoop> loops;
     std::vector<std::pair<std::size_t, long long>> around;  // where they end, and how often they run together
     for (std::size_t i = 0; i + 1 < code.size(); ++i) {
         std::erase_if(around, [i](const auto& outer) { return outer.first <= i; });
+        if (is_endless(code, i)) loops.push_back({code[i].line, CountedLoop::endless, CountedLoop::endless});
         if (code[i].text != "for") continue;
         long long most = 0;
         int semicolons = 0;

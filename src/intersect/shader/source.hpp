@@ -26,8 +26,10 @@ struct Sentinel {
     [[nodiscard]] bool says_miss(double near, double far) const;
 };
 
-/// A loop that the file bounds by a whole number.
+/// A loop that the file bounds by a whole number, or not at all.
 struct CountedLoop {
+    static constexpr long long endless = 1'000'000'000'001;  ///< more than any that is bounded
+
     std::size_t line;
     long long most;      ///< times it runs
     long long together;  ///< the same times those of the loops that it stands in
