@@ -79,7 +79,7 @@ Asked require(const scene::file::Scene& scene, const std::vector<MapRow>& rows, 
 }  // namespace
 
 TEST_CASE("each pixel takes the cheapest row that is right there, and the narrowest format in which any is") {
-    for (const char* name : {"rtg-fig-7-3-4100-oblique", "near-benign", "sphereflake-near"}) {
+    for (const char* name : {"rtg-fig-7-3-4100-oblique", "near-benign", "grazing"}) {
         const auto scene = small_scene(name);
         const auto rows = rows_of({"sphere.schoolbook", "sphere.embree_point", "sphere.unified"}, {"f32", "f64"});
         const std::vector<double> prices{1, 4, 2, 5, 3, 6};
