@@ -92,8 +92,9 @@ public:
 
     /// Nothing where the way means nothing.
     std::optional<Room> run() {
-        // Not 2: doubled numbers keep their significands, and with them the luck of a rounding that all rays share. On a
-        // sphere of radius 6371000, sphere.pythagoras kept 16 bits in f64 at 2^15 times the radius, and 15.3 at 31392.
+        // Not 2: doubled numbers keep their significands, and with them the luck of a rounding that all rays share.
+        // On a sphere of radius 6371000, sphere.pythagoras kept 16 bits in f64 at 2^15 times the radius, and 15.3 at
+        // 31392 times.
         constexpr double most = 0x1p64, close = 1.02, step = 1.8392867552141612;
         double next = 1;
         while (next <= most && try_at(next)) next *= step;
