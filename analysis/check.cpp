@@ -238,7 +238,9 @@ Exit run(const CheckOptions& o, const Common& common) {
     for (const std::string& path : {o.junit, o.csv, o.json, o.save, o.moves}) {
         if (!path.empty()) output::file::AtomicFile probe(path);
     }
-    Divided divided = divide(o.shard, o.report, files_of(o, data), common);
+    const bool whole = o.shard.empty() && !common.joined;  // whose files nobody asks for: walking the data takes time
+    Divided divided =
+        divide(o.shard, o.report, whole ? std::vector<std::filesystem::path>{} : files_of(o, data), common);
     std::unique_ptr<output::file::ResultFolder> folder;
     if (!o.report.empty() && !divided.division.is_shard())
         folder = own_folder(o.report, common, common.typed.all_subjects(), {.shared = true});
