@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "catch.hpp"
+#include "every_float.hpp"
 #include "output/file/read_csv.hpp"
 #include "program.hpp"
 
@@ -12,32 +13,7 @@ using lostbits::output::file::CsvTable;
 
 namespace {
 
-const std::string small = R"(schema = "lostbits-sweep/1"
-title = "A test"
-source = "-"
-
-[axis]
-name = "distance"
-unit = "r"
-spacing = "every_float"
-set = "ray.origin.z"
-from = "0x1.69p10"
-to = "0x1.6bp10"
-
-[[ray]]
-name = "beside"
-origin = [0.75, 0.75, 0]
-direction = [0, 0, -1]
-
-[[ray]]
-name = "half"
-origin = [0.5, 0.25, 0]
-direction = [0, 0, -1]
-
-[sphere]
-centre = [0, 0, 0]
-radius = 1
-)";
+const std::string small = every_float_to("0x1.6bp10");
 
 std::string replaced(const std::string& what, const std::string& by) {
     std::string text = small;

@@ -5,6 +5,7 @@
 #include <random>
 
 #include "catch.hpp"
+#include "every_float.hpp"
 #include "program.hpp"
 
 using namespace lostbits::test;
@@ -12,32 +13,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-const std::string every_float = R"(schema = "lostbits-sweep/1"
-title = "A test"
-source = "-"
-
-[axis]
-name = "distance"
-unit = "r"
-spacing = "every_float"
-set = "ray.origin.z"
-from = "0x1.69p10"
-to = "0x1.6bp11"
-
-[[ray]]
-name = "beside"
-origin = [0.75, 0.75, 0]
-direction = [0, 0, -1]
-
-[[ray]]
-name = "half"
-origin = [0.5, 0.25, 0]
-direction = [0, 0, -1]
-
-[sphere]
-centre = [0, 0, 0]
-radius = 1
-)";
+const std::string every_float = every_float_to("0x1.6bp11");
 
 std::string shell_word(const fs::path& path) { return "'" + path.string() + "'"; }
 
@@ -247,8 +223,7 @@ TEST_CASE("what is no shard of a run is refused, and nothing is written") {
 
 TEST_CASE("a shard that was killed leaves nothing half written, goes on with --resume, or is run again alone") {
     const Scratch scratch;
-    std::string text = every_float;
-    text.replace(text.find("0x1.6bp11"), 9, "0x1.6bp34");  // some seconds of work
+    const std::string text = every_float_to("0x1.6bp34");  // some seconds of work
     const std::string file = scratch.write("s.toml", text);
     const std::string command = "sweep " + shell_word(file) + " -i sphere.schoolbook";
     REQUIRE(run("-q " + command + " -o " + shell_word(scratch.path() / "whole")).code == 0);
