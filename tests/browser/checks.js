@@ -57,8 +57,8 @@ function make() {
     fs.writeFileSync(at("odd/no-hit.toml"), oddScene(24, 16, -5));
     lostbits(
         "report", at("odd/one-pixel.toml"), at("odd/no-hit.toml"), "sphere-height", "box-boundary", "sdf-max-steps",
-        "-i", "sphere.*", "-i", "box.signs", "-i", "sdf.sphere_trace", "-f", "p2", "-f", "p40", "-f", "f32", ...once,
-        "-o", at("odd"));
+        "-i", "sphere.*", "-i", "box.signs", "-i", "sdf.sphere_trace", "-f", "p2", "-f", "p40", "-f", "f32",
+        "--no-claims", "-o", at("odd"));
     lostbits("report", sweep, "-i", "sphere.unified", "-f", "f32", ...once, "--no-claims", "-o", at("odd/sweep"));
     lostbits("report", "box-boundary", "-i", "box.signs", "-f", "f32", "--no-claims", "-o", at("odd/cases"));
     lostbits("sweep", ...grids, ...gridForms, ...two, ...once, "-o", at("sweep"));
