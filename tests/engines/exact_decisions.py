@@ -17,7 +17,11 @@ import sys
 UNIT = 149  # every finite float times 2^149 is a whole number
 CENTRE = (0.5, -0.25, -0.25)
 RADIUS = float.fromhex("0x1.3988e2p-1")
-RAYS = {"grazing": (-1.0, -1.0, -1.0), "oblique": (-1.0, -0.5, -0.25), "crossing": (1.0, -0.25, -2.0)}
+RAYS = {  # y and z of the origin, and the direction; x is the float that is tried
+    "grazing": ((0.25, float.fromhex("0x1.a827a2p-4")), (-1.0, 0.0, 0.0)),
+    "oblique": ((0.0, 0.0), (-1.0, -0.5, -0.25)),
+    "crossing": ((0.0, 0.0), (1.0, -0.25, -2.0)),
+}
 
 
 def whole(x):
@@ -27,13 +31,13 @@ def whole(x):
 
 SCALED_CENTRE = [whole(x) for x in CENTRE]
 SCALED_RADIUS_SQUARED = whole(RADIUS) ** 2
-FOUR_TIMES = {name: [int(4 * x) for x in d] for name, d in RAYS.items()}  # quarters are the finest of the directions
+SCALED_ORIGIN = {name: [whole(x) for x in yz] for name, (yz, _) in RAYS.items()}
+FOUR_TIMES = {name: [int(4 * x) for x in d] for name, (_, d) in RAYS.items()}  # quarters are the finest of them
 
 
-def hits(name, coordinate):
-    """Whether the ray from (coordinate, coordinate, coordinate), a finite float, meets the ball."""
-    at = whole(coordinate)
-    v = [at - c for c in SCALED_CENTRE]
+def hits(name, x):
+    """Whether the ray from x, a finite float, meets the ball."""
+    v = [at - c for at, c in zip([whole(x), *SCALED_ORIGIN[name]], SCALED_CENTRE)]
     d = FOUR_TIMES[name]
     a = sum(x * x for x in d)
     b = sum(x * y for x, y in zip(v, d))
@@ -112,7 +116,8 @@ def write_rays(count_of_rays, seed, path):
             if x != x or x in (float("inf"), float("-inf")):
                 continue
             name = names[chance.randrange(3)]
-            out.write(struct.pack("<6fB", x, x, x, *RAYS[name], hits(name, x)))
+            yz, d = RAYS[name]
+            out.write(struct.pack("<6fB", x, *yz, *d, hits(name, x)))
             written += 1
 
 
