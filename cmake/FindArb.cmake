@@ -1,10 +1,13 @@
-# Arb: a library beside FLINT 2 (Debian calls it flint-arb, others arb), a part of FLINT from version 3 on.
+# Arb: a library beside FLINT 2 (Debian calls it flint-arb, others arb), a part of FLINT from version 3 on. Which of the
+# two was found says ARB_IN_FLINT: to CMake, and to the sources, for another arb.h may lie where the compiler looks.
 find_path(ARB_INCLUDE_DIR NAMES flint/arb.h arb.h)
-find_library(FLINT_LIBRARY flint)
-find_library(ARB_LIBRARY NAMES flint-arb arb)
+find_library(FLINT_LIBRARY flint HINTS ${ARB_INCLUDE_DIR}/../lib)
+find_library(ARB_LIBRARY NAMES flint-arb arb HINTS ${ARB_INCLUDE_DIR}/../lib)
 if(ARB_INCLUDE_DIR AND EXISTS ${ARB_INCLUDE_DIR}/flint/arb.h)
+    set(ARB_IN_FLINT 1)
     set(ARB_LIBRARIES ${FLINT_LIBRARY})
 elseif(ARB_LIBRARY)
+    set(ARB_IN_FLINT 0)
     set(ARB_LIBRARIES ${ARB_LIBRARY} ${FLINT_LIBRARY})
 endif()
 find_package(MPFR QUIET)
@@ -13,5 +16,6 @@ find_package_handle_standard_args(Arb REQUIRED_VARS ARB_LIBRARIES FLINT_LIBRARY 
 if(Arb_FOUND AND NOT TARGET Arb::Arb)
     add_library(Arb::Arb INTERFACE IMPORTED)
     set_target_properties(Arb::Arb PROPERTIES INTERFACE_INCLUDE_DIRECTORIES ${ARB_INCLUDE_DIR}
+                                              INTERFACE_COMPILE_DEFINITIONS ARB_IN_FLINT=${ARB_IN_FLINT}
                                               INTERFACE_LINK_LIBRARIES "${ARB_LIBRARIES};MPFR::MPFR")
 endif()

@@ -181,7 +181,7 @@ int worst_of(std::vector<RayGroup> groups, int rays, const MapRow& row) {
         measure::map::measure_groups(std::move(groups), {row}, {measure::metric::find_metric("lost_bits")}, {});
     const measure::map::WorstRay* const fault = summaries.front().fault();
     const measure::map::WorstRay& worst = fault ? *fault : summaries.front().worst;
-    return worst.x < 0 ? 0 : worst.group * rays + worst.x;
+    return worst.x < 0 ? 0 : worst.group * rays + static_cast<int>(worst.x);
 }
 
 AskedRay of_case(const RayWords& words, MapRow row, const std::filesystem::path& data) {

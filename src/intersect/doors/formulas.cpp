@@ -37,7 +37,10 @@ std::vector<Formula> load_formulas(const std::filesystem::path& library) {
     const std::string from = library.string();
     const auto ask = reinterpret_cast<AskForFormulas>(dlsym(load_library(library), "lostbits_formulas"));
     if (ask == nullptr) return {};
-    const FormulaList* const list = ask(&name_of_running);
+    const FormulaList* const list = [&] {
+        const LoadsForeignCode here(lasting_text(from));
+        return ask(&name_of_running);
+    }();
     if (std::string_view(list->build) != build_words)
         throw InputError(from + ": its forms were compiled with the headers of " + list->build + "; this program is " +
                          build_words + "; compile it again with this program's headers");

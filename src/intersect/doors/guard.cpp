@@ -1,5 +1,6 @@
 #include "intersect/doors/guard.hpp"
 
+#include <locale.h>
 #include <signal.h>
 #include <unistd.h>
 
@@ -8,6 +9,7 @@
 #include <chrono>
 #include <cstdlib>
 #include <cstring>
+#include <locale>
 #include <memory>
 #include <thread>
 
@@ -119,6 +121,11 @@ InForeignCode::InForeignCode(const char* who) : slot_(-1) {
 InForeignCode::~InForeignCode() {
     inside = nullptr;
     if (slot_ >= 0) slots[static_cast<std::size_t>(slot_)].who.store(nullptr);
+}
+
+LoadsForeignCode::~LoadsForeignCode() {
+    uselocale(LC_GLOBAL_LOCALE);
+    std::locale::global(std::locale::classic());  // that of C, too
 }
 
 void guard_foreign_code(const GuardTerms& wanted) {

@@ -17,6 +17,19 @@ private:
     int slot_;
 };
 
+/// While one lives, this thread loads foreign code or asks for its list. A locale that is set there is set back: in one
+/// of a decimal comma strtod() would read 0.5 as 0, and %g would write it as two cells of a table.
+class LoadsForeignCode {
+public:
+    explicit LoadsForeignCode(const char* who) : inside_(who) {}
+    ~LoadsForeignCode();
+    LoadsForeignCode(const LoadsForeignCode&) = delete;
+    LoadsForeignCode& operator=(const LoadsForeignCode&) = delete;
+
+private:
+    InForeignCode inside_;
+};
+
 struct GuardTerms {
     double seconds = 30;  ///< that one batch may take
     void (*clean_up)() =

@@ -84,7 +84,7 @@ const char* lasting_text(const std::string& text) { return (new std::string(text
 
 void* load_library(const fs::path& library) {
     const std::string from = library.string();
-    const InForeignCode here(lasting_text(from));  // what it does when it is loaded
+    const LoadsForeignCode here(lasting_text(from));  // what it does when it is loaded
     // Without a slash the loader would look for it in folders of its own.
     void* const loaded = dlopen(fs::absolute(library).c_str(), RTLD_NOW | RTLD_LOCAL);
     if (loaded == nullptr) throw InputError(from + ": cannot be loaded: " + loader_words(fs::absolute(library)));
@@ -104,7 +104,7 @@ std::vector<ForeignForm> load_plugin(const fs::path& library) {
                          "lostbits_forms as lostbits_plugin.h declares it");
     std::size_t count = 0;
     const lb_form* const forms = [&] {
-        const InForeignCode here(who);
+        const LoadsForeignCode here(who);
         return ask(LOSTBITS_PLUGIN_ABI, &count);
     }();
     // Of forms that march the C interface knows nothing: a library may hold those alone.

@@ -7,7 +7,6 @@
 #include <cctype>
 #include <cmath>
 #include <exception>
-#include <limits>
 #include <map>
 #include <memory>
 
@@ -198,10 +197,8 @@ private:
         if (request_.picture && result_.rays > pixels()) refuse_size("has at least");
         if (request_.picture && chunk.size() % static_cast<std::size_t>(request_.picture->first) != 0)
             refuse_size("has");
-        if (result_.rays > static_cast<std::uint64_t>(std::numeric_limits<int>::max()))
-            throw InputError(dump_.name() + ": has more than 2147483647 rays; judge it in parts");
         if (request_.stages) *request_.stages += piece.band->stages();
-        const int first = request_.picture ? 0 : static_cast<int>(chunk.first);
+        const std::int64_t first = request_.picture ? 0 : static_cast<std::int64_t>(chunk.first);
         tbb::parallel_for(std::size_t{0}, request_.rows.size(), [&](std::size_t r) {
             const MapRow& row = request_.rows[r];
             const bool answered = r == 0 && request_.answered;

@@ -40,10 +40,11 @@ std::vector<const intersect::table::Intersector*> forms_of(const std::vector<Map
 
 /// A ray that a summary names, with everything it takes to ask the form again.
 struct WorstRay {
-    int x = -1, y = -1;
-    int group = 0;      ///< which set of rays of a sweep or of a case it is in, from 0
-    int object = -1;    ///< the solid that the form hit
-    double size = -1;   ///< |ulp_error|; of a wrong decision 0
+    std::int64_t x = -1;  ///< of a ray of a list its place: a file may have more than 2^31
+    int y = -1;
+    int group = 0;             ///< which set of rays of a sweep or of a case it is in, from 0
+    std::int64_t object = -1;  ///< the solid that the form hit; of rays with a solid each the ray's place
+    double size = -1;          ///< |ulp_error|; of a wrong decision 0
     Ray<double> ray{};  ///< in the format; a unit-direction form gets the direction normalised, so its t is a distance
     Solid<double> solid{};
     double t = 0;
@@ -122,8 +123,8 @@ struct RowRequest {
     const MapRow& row;
     const std::vector<const metric::Metric*>& metrics;
     MapSink* sink = nullptr;
-    int group = 0;  ///< of a sweep or case, for the rays that the summary names
-    int first = 0;  ///< the place of the band's first ray, where rays are a list and no picture
+    int group = 0;           ///< of a sweep or case, for the rays that the summary names
+    std::int64_t first = 0;  ///< the place of the band's first ray, where rays are a list and no picture
     /// What was answered, where a file has it and no form can be asked; null: the form is asked.
     const answer::Answers* answers = nullptr;
 };

@@ -267,14 +267,16 @@ private:
     }
 
     /// The place of the band's first ray among all.
-    [[nodiscard]] int first_of_band() const { return request_.first + result_.y0 * result_.width; }
+    [[nodiscard]] std::int64_t first_of_band() const {
+        return request_.first + std::int64_t{result_.y0} * result_.width;
+    }
 
     /// Ray i as a summary names it.
     [[nodiscard]] WorstRay named(std::size_t i, Outcome outcome) const {
         const bool hit = result_.answers->hit[i] != 0;
         const Truth truth = result_.truth(i);
         const int object = hit ? result_.answers->object[i] : truth.object;
-        WorstRay w{.x = request_.first + static_cast<int>(i % static_cast<std::size_t>(result_.width)),
+        WorstRay w{.x = request_.first + static_cast<std::int64_t>(i % static_cast<std::size_t>(result_.width)),
                    .y = result_.y0 + static_cast<int>(i / static_cast<std::size_t>(result_.width)),
                    .group = request_.group,
                    .object = result_.inputs->paired && object >= 0 ? first_of_band() + object : object,

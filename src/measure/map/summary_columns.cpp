@@ -159,10 +159,10 @@ Columns worst_columns(const std::vector<Shape>& shapes) {
     using W = WorstRay;
     Columns columns{
         {"worst_x", Kind::count, "pixel", "column of the largest |ulp_error|, the first if several are equal",
-         of_worst([](const W& w) { return w.x; })},
+         of_worst([](const W& w) { return static_cast<double>(w.x); })},
         {"worst_y", Kind::count, "pixel", "row of the same", of_worst([](const W& w) { return w.y; })},
         {"worst_object", Kind::count, "", "solid that the form hit there, from 0",
-         of_worst([](const W& w) { return w.object; })},
+         of_worst([](const W& w) { return static_cast<double>(w.object); })},
         {"worst_ulp_error", Kind::number, "ulp", "(t - t*)/ulp(t*) there, with its sign",
          of_worst([](const W& w) { return w.ulps; })}};
     add_both(columns, "worst_t", "the form's answer there, in its own unit", of_worst([](const W& w) { return w.t; }));

@@ -44,36 +44,47 @@ void Quantiles::add(std::span<const double> values) {
         auto& binade = binades_[bits >> 52 & 0x7ff];
         if (!binade) [[unlikely]]
             binade = std::make_unique<Binade>();
-        ++(*binade)[bits >> 42 & (buckets_per_binade - 1)];
+        if (++(*binade)[bits >> 42 & (buckets_per_binade - 1)] == 0) [[unlikely]]
+            ++carries_[static_cast<std::uint32_t>(bits >> 42 & (binades_.size() * buckets_per_binade - 1))];
     }
+}
+
+std::uint64_t Quantiles::in_bucket(std::uint32_t place) const {
+    const auto& binade = binades_[place / buckets_per_binade];
+    if (!binade) return 0;
+    const auto carry = carries_.find(place);
+    const std::uint64_t high = carry == carries_.end() ? 0 : carry->second;
+    return high << 32 | (*binade)[place % buckets_per_binade];
+}
+
+void Quantiles::set_bucket(std::uint32_t place, std::uint64_t samples) {
+    auto& binade = binades_.at(place / buckets_per_binade);
+    if (!binade) binade = std::make_unique<Binade>();
+    (*binade)[place % buckets_per_binade] = static_cast<std::uint32_t>(samples);
+    if (samples >> 32 != 0) carries_[place] = static_cast<std::uint32_t>(samples >> 32);
 }
 
 void Quantiles::add(const Quantiles& other) {
-    for (std::size_t b = 0; b < binades_.size(); ++b) {
-        if (!other.binades_[b]) continue;
-        if (!binades_[b]) binades_[b] = std::make_unique<Binade>();
-        for (std::size_t i = 0; i < binades_[b]->size(); ++i) (*binades_[b])[i] += (*other.binades_[b])[i];
-    }
+    // Read before it is written: `other` may be this.
+    std::vector<std::uint32_t> places;
+    std::vector<std::uint64_t> counts;
+    other.filled(places, counts);
+    for (std::size_t k = 0; k < places.size(); ++k) set_bucket(places[k], in_bucket(places[k]) + counts[k]);
 }
 
-std::vector<std::uint32_t> Quantiles::filled() const {
-    std::vector<std::uint32_t> all;
+void Quantiles::filled(std::vector<std::uint32_t>& places, std::vector<std::uint64_t>& counts) const {
     for (std::uint32_t b = 0; b < binades_.size(); ++b) {
         for (std::uint32_t i = 0; binades_[b] && i < buckets_per_binade; ++i) {
-            if ((*binades_[b])[i] == 0) continue;
-            all.push_back(b * buckets_per_binade + i);
-            all.push_back((*binades_[b])[i]);
+            const std::uint64_t samples = in_bucket(b * buckets_per_binade + i);
+            if (samples == 0) continue;
+            places.push_back(b * buckets_per_binade + i);
+            counts.push_back(samples);
         }
     }
-    return all;
 }
 
-void Quantiles::fill(const std::vector<std::uint32_t>& all) {
-    for (std::size_t k = 0; k + 1 < all.size(); k += 2) {
-        auto& binade = binades_.at(all[k] / buckets_per_binade);
-        if (!binade) binade = std::make_unique<Binade>();
-        (*binade)[all[k] % buckets_per_binade] = all[k + 1];
-    }
+void Quantiles::fill(const std::vector<std::uint32_t>& places, const std::vector<std::uint64_t>& counts) {
+    for (std::size_t k = 0; k < places.size(); ++k) set_bucket(places[k], counts.at(k));
 }
 
 double Quantiles::at(double q, const Sums& sums) const {
@@ -82,14 +93,15 @@ double Quantiles::at(double q, const Sums& sums) const {
     if (rank >= sums.count()) return sums.largest();
     std::uint64_t seen = sums.zeros();
     if (rank <= seen) return 0;
-    for (std::uint64_t b = 0; b < binades_.size(); ++b) {
+    for (std::uint32_t b = 0; b < binades_.size(); ++b) {
         if (!binades_[b]) continue;
-        for (std::uint64_t i = 0; i < buckets_per_binade; ++i) {
-            const std::uint32_t all = (*binades_[b])[i];
-            seen += b == 0 && i == 0 ? all - static_cast<std::uint32_t>(sums.zeros()) : all;
+        for (std::uint32_t i = 0; i < buckets_per_binade; ++i) {
+            const std::uint32_t place = b * buckets_per_binade + i;
+            seen += in_bucket(place) - (place == 0 ? sums.zeros() : 0);
             if (rank > seen) continue;
-            const double low = std::bit_cast<double>(b << 52 | i << 42);
-            const double middle = std::bit_cast<double>(b << 52 | i << 42 | std::uint64_t{1} << 41);
+            const auto low_bits = std::uint64_t{place} << 42;
+            const double low = std::bit_cast<double>(low_bits);
+            const double middle = std::bit_cast<double>(low_bits | std::uint64_t{1} << 41);
             return std::isinf(low) ? low : std::min(middle, sums.largest());
         }
     }

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <span>
 #include <string_view>
@@ -53,21 +54,28 @@ public:
 
     template <class Bits>
     void fields(Bits& bits) {
-        std::vector<std::uint32_t> all = filled();
-        bits(all);
-        fill(all);
+        std::vector<std::uint32_t> places;
+        std::vector<std::uint64_t> counts;
+        filled(places, counts);
+        bits(places, counts);
+        fill(places, counts);
     }
 
 private:
-    /// The number of each bucket that is not empty, and how many samples it has, one after another.
-    [[nodiscard]] std::vector<std::uint32_t> filled() const;
-    void fill(const std::vector<std::uint32_t>& all);
-
-    static constexpr int buckets_per_binade = 1024;
+    static constexpr std::uint32_t buckets_per_binade = 1024;
+    /// The low 32 bits of the counts: of many sizes a histogram stays in the second-level cache.
     using Binade = std::array<std::uint32_t, buckets_per_binade>;
+
+    [[nodiscard]] std::uint64_t in_bucket(std::uint32_t place) const;
+    void set_bucket(std::uint32_t place, std::uint64_t samples);
+    /// The place of each bucket that is not empty, rising, and how many samples it has.
+    void filled(std::vector<std::uint32_t>& places, std::vector<std::uint64_t>& counts) const;
+    void fill(const std::vector<std::uint32_t>& places, const std::vector<std::uint64_t>& counts);
 
     /// Zeros are in the first bucket of the first: no sample is a special case.
     std::array<std::unique_ptr<Binade>, 2048> binades_;
+    /// How often a bucket went beyond 2^32 − 1, by its place: a count is this times 2^32, and the low bits.
+    std::map<std::uint32_t, std::uint32_t> carries_;
 };
 
 /// What tables say of many numbers: a column each.

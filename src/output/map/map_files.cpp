@@ -261,7 +261,7 @@ void MapFiles::finish(const std::vector<MapSummary>& summaries) {
     for (std::size_t r = 0; r < summaries.size(); ++r) {
         p.table.add(*p.summary, p.request.rows[r], summaries[r], [&p](const measure::map::WorstRay& ray) {
             return p.options.name_of_ray ? p.options.name_of_ray(ray)
-                                         : blame::name_of_pixel(p.options.named, ray.x, ray.y);
+                                         : blame::name_of_pixel(p.options.named, static_cast<int>(ray.x), ray.y);
         });
         p.summary->end_row();
         if (p.culprits) p.culprits->add(p.request.rows[r], summaries[r]);

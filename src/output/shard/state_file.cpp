@@ -14,7 +14,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr std::string_view heading = "lostbits-shard/1";
+constexpr std::string_view heading = "lostbits-shard/2";
 
 template <class Whole>
 std::string_view bytes_of(const Whole& x) {

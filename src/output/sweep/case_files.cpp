@@ -160,7 +160,7 @@ void CaseFiles::finish(const std::vector<std::vector<MapSummary>>& cases) {
                 .add(intersect::convention_name(request_.rows[r].judged))
                 .add(measure::sweep::verdict_names[static_cast<std::size_t>(verdict)]);
             table.add(csv_, request_.rows[r], cases[i][r], [&](const measure::map::WorstRay& ray) {
-                const int place = ray.group * request_.file->rays_of(i) + ray.x;
+                const std::int64_t place = std::int64_t{ray.group} * request_.file->rays_of(i) + ray.x;
                 return named_ + " --case " + blame::shell_word(fmt::format("{}:{}", request_.file->name(i), place));
             });
             csv_.end_row();

@@ -11,6 +11,7 @@
 #include "measure/seeded.hpp"
 #include "measure/truth/lost_bits.hpp"
 #include "scene/dump/dump_writer.hpp"
+#include "scene/dump/late_dump.hpp"
 #include "scene/file/march_table.hpp"
 
 using namespace lostbits;
@@ -143,6 +144,18 @@ scene::rays::RayGroup random_pairs(Shape shape, int count, std::uint64_t seed) {
     return group;
 }
 
+/// Rays and the spheres that they are aimed at.
+Columns columns_of_pairs(const scene::rays::RayGroup& group) {
+    Columns columns = ray_columns(group.rays);
+    const char* const names[] = {"cx", "cy", "cz", "radius"};
+    for (std::size_t k = 0; k < 4; ++k) {
+        std::vector<double> column;
+        for (const Solid<double>& solid : group.solids) column.push_back(solid.numbers[k]);
+        columns.add(names[k], column);
+    }
+    return columns;
+}
+
 }  // namespace
 
 TEST_CASE("the answers of a form in a file measure as the form does in a map") {
@@ -193,16 +206,35 @@ TEST_CASE("a ray with a solid of its own has the truth of those two, and every f
     }
 }
 
+TEST_CASE("rays beyond the first 2^32 of a file keep their places") {
+    const scene::rays::RayGroup group = random_pairs(Shape::sphere, 2000, 8);
+    const map::MapRow row = testing::row("sphere.expanded", "f32");
+    Columns columns = columns_of_pairs(group);
+    const scene::test::DumpFile file("a.bin", scene::test::as_bytes<float>(columns));
+    const auto judged = [&](bool late, Worst& worst) {
+        auto dump = scene::dump::open_dump(file.path(), {.columns = columns.joined_names(":f32")});
+        if (late) dump = std::make_unique<scene::test::LateDump>(std::move(dump));
+        return judge::run_judge(*dump, {.rows = {row}, .metrics = all_metrics}, {&worst});
+    };
+    Worst first(5), later(5);
+    const JudgeResult at_start = judged(false, first), beyond = judged(true, later);
+    const map::WorstRay &a = at_start.summaries[0].worst, &b = beyond.summaries[0].worst;
+    REQUIRE(a.x >= 0);
+    CHECK(b.x - a.x == std::int64_t{scene::test::LateDump::before});
+    CHECK(a.object == a.x);
+    CHECK(b.object == b.x);
+    CHECK(b.ulps == a.ulps);
+    const auto noted = first.worst.all(), noted_later = later.worst.all();
+    REQUIRE(noted.size() >= 5);
+    REQUIRE(noted_later.size() == noted.size());
+    for (std::size_t k = 0; k < noted.size(); ++k)
+        CHECK(noted_later[k].place == noted[k].place + scene::test::LateDump::before);
+}
+
 TEST_CASE("judged rays do not depend on the number of threads, and the worst are those of every ray") {
     const scene::rays::RayGroup group = random_pairs(Shape::sphere, 100000, 5);
     const map::MapRow row = testing::row("sphere.schoolbook", "f32");
-    Columns columns = ray_columns(group.rays);
-    const char* const names[] = {"cx", "cy", "cz", "radius"};
-    for (std::size_t k = 0; k < 4; ++k) {
-        std::vector<double> column;
-        for (const Solid<double>& solid : group.solids) column.push_back(solid.numbers[k]);
-        columns.add(names[k], column);
-    }
+    Columns columns = columns_of_pairs(group);
     const truth::Band band(group);
     const auto inputs = band.inputs(row.format, {});
     const auto answers = answer::evaluate(*row.form, inputs);

@@ -102,6 +102,62 @@ TEST_CASE("distributions of parts add up to that of the whole, in any order and 
     CHECK_THROWS_AS(sealed.add(open), std::logic_error);
 }
 
+TEST_CASE("a distribution counts more than 2^32 equal samples, added to itself and through its bits",
+          "[measure][metric]") {
+    // 3 zeros, 5 ones, 2 each of 1.5 and 1024, all of them 2^37 times.
+    Distribution d;
+    d.add(std::vector<double>{0, 0, 0, 1, 1, 1, 1, 1, -1.5, 1.5, 1024, 1024});
+    constexpr int doublings = 37;
+    for (int k = 0; k < doublings; ++k) d.add(d);
+    constexpr std::uint64_t times = std::uint64_t{1} << doublings;
+    CHECK(d.count() == 12 * times);
+    CHECK(d.mean() == 2056.0 / 12);
+    const auto check_quantiles = [](const Distribution& all) {
+        const auto is = [&all](double q, double x) {
+            INFO("quantile " << q << " is " << all.quantile(q) << ", not " << x);
+            CHECK(std::fabs(all.quantile(q) - x) <= x * 0x1p-11);
+        };
+        is(0.01, 0);  // to 3/12, to 8/12, to 10/12
+        is(0.249, 0);
+        is(0.251, 1);
+        is(0.66, 1);
+        is(0.67, 1.5);
+        is(0.83, 1.5);
+        is(0.84, 1024);
+        is(0.9999, 1024);
+    };
+    check_quantiles(d);
+
+    output::shard::BitReader bits(output::shard::bits_of(d));
+    Distribution read;
+    bits(read);
+    CHECK(bits.is_at_end());
+    check_quantiles(read);
+    // Of two shards, and sample by sample where a count is just below 2^32.
+    Distribution just_below, more;
+    just_below.add(1.5);
+    for (int k = 0; k < 31; ++k) just_below.add(just_below);
+    more.add(1.5);
+    for (int k = 0; k < 30; ++k) more.add(more);
+    just_below.add(more);
+    for (int k = 0; k < 30; ++k) {  // and 2^29, 2^28 .. 1: together 2^32 - 1
+        Distribution half;
+        half.add(1.5);
+        for (int j = 0; j < 29 - k; ++j) half.add(half);
+        just_below.add(half);
+    }
+    CHECK(just_below.count() == 0xffffffffU);
+    for (int k = 0; k < 7; ++k) just_below.add(1.5);
+    just_below.add(HUGE_VAL);
+    CHECK(just_below.count() == 0xffffffffU + std::uint64_t{8});
+    CHECK(std::fabs(just_below.quantile(0.001) - 1.5) <= 1.5 * 0x1p-11);
+    CHECK(std::fabs(just_below.quantile(0.999) - 1.5) <= 1.5 * 0x1p-11);
+    CHECK(just_below.quantile(1) == HUGE_VAL);
+    read.add(just_below);
+    CHECK(read.count() == 12 * times + 0xffffffffU + 8);
+    check_quantiles(read);  // 2^32 more of 1.5 are less than a hundredth
+}
+
 TEST_CASE("an exact total is that of rational numbers, whatever is added", "[measure][metric]") {
     Random random(31);
     measure::metric::ExactTotal total;

@@ -2,7 +2,7 @@
 // makes up for its cancellations.
 #pragma once
 
-#if __has_include(<flint/arb.h>)
+#if ARB_IN_FLINT
 #include <flint/arb.h>
 #else
 #include <arb.h>
