@@ -16,6 +16,13 @@ function(lostbits_fuzz_seeds root out)
         endforeach()
     endforeach()
     file(COPY ${root}/tests/fuzz/seeds/ DESTINATION ${out})
+    # The first line of a shader is what the command line says of it: nothing.
+    file(GLOB shader ${root}/examples/shaders/*.glsl)
+    foreach(file IN LISTS shader)
+        get_filename_component(name ${file} NAME)
+        file(READ ${file} text)
+        file(WRITE ${out}/shader/${name} "\n${text}")
+    endforeach()
 endfunction()
 
 if(CMAKE_SCRIPT_MODE_FILE)

@@ -8,6 +8,8 @@
 #include <cmath>
 #include <cstring>
 #include <filesystem>
+#include <fstream>
+#include <limits>
 #include <map>
 #include <mutex>
 #include <stdexcept>
@@ -25,14 +27,24 @@ std::uint8_t to_srgb8(float linear) {
     return static_cast<std::uint8_t>(std::lround(s * 255.0f));
 }
 
+/// InputError for a file that does not begin as one of that format does.
+void require_format(const std::filesystem::path& path, std::string_view format) {
+    const std::string_view begin = format == "png" ? "\x89PNG\r\n\x1a\n" : "\x76\x2f\x31\x01";
+    std::string read(begin.size(), '\0');
+    std::ifstream in(path, std::ios::binary);
+    if (!in) throw InputError(path.string() + ": cannot read; give an existing " + std::string(format) + " file");
+    if (!in.read(read.data(), static_cast<std::streamsize>(read.size())) || read != begin)
+        throw InputError(path.string() + ": is not an " + std::string(format) + " file");
+}
+
 std::unique_ptr<OIIO::ImageInput> open_input(const std::filesystem::path& path, std::string_view format) {
-    auto in = OIIO::ImageInput::open(path.string());
-    if (!in) {
-        throw InputError(path.string() + ": cannot read: " + OIIO::geterror() + "; give an existing " +
-                         std::string(format) + " file");
-    }
-    if (format != in->format_name()) {
-        throw InputError(path.string() + ": is " + in->format_name() + ", not " + std::string(format));
+    // The library by itself would try every format that it knows, and their readers, on what is no such file.
+    require_format(path, format);
+    auto in = OIIO::ImageInput::create(std::string(format));
+    OIIO::ImageSpec spec;
+    if (!in || !in->open(path.string(), spec)) {
+        throw InputError(path.string() + ": cannot read: " + (in ? in->geterror() : OIIO::geterror()) +
+                         "; give an existing " + std::string(format) + " file");
     }
     return in;
 }
@@ -45,12 +57,17 @@ std::uint64_t most_of_a_byte(const OIIO::ImageSpec& spec, std::string_view forma
     return compression == "none" ? 1 : compression == "rle" ? 64 : 0;
 }
 
+/// As much as there can be where the product of sizes is more: 2^30 x 2^30 pixels of 16 bytes would be none.
+std::uint64_t product(std::uint64_t a, std::uint64_t b) {
+    constexpr auto most = std::numeric_limits<std::uint64_t>::max();
+    return b != 0 && a > most / b ? most : a * b;
+}
+
 /// A head may claim any size: nothing is allocated for pixels that the file cannot hold, or this machine cannot.
 /// `copies` of the pixels are held at a time.
 void require_room(const std::filesystem::path& path, const OIIO::ImageSpec& spec, std::string_view format,
                   std::uint64_t copies) {
-    const auto bytes = static_cast<std::uint64_t>(spec.width) * static_cast<std::uint64_t>(spec.height) *
-                       static_cast<std::uint64_t>(spec.pixel_bytes(true));
+    const std::uint64_t bytes = product(product(spec.width, spec.height), spec.pixel_bytes(true));
     std::error_code unknown;
     const std::uint64_t size = std::filesystem::file_size(path, unknown), most = most_of_a_byte(spec, format);
     const std::string claims = path.string() + ": claims " + std::to_string(spec.width) + "x" +
@@ -59,7 +76,7 @@ void require_room(const std::filesystem::path& path, const OIIO::ImageSpec& spec
     if (!unknown && most > 0 && bytes / most > size)
         throw InputError(claims + ", which no file of " + file::bytes_text(size) +
                          " can hold; give one that is complete");
-    file::require_memory(bytes * copies, claims, "compare smaller pictures, or on a larger machine");
+    file::require_memory(product(bytes, copies), claims, "compare smaller pictures, or on a larger machine");
 }
 
 /// OpenImageIO 2.4 draws ASCII alone: Latin letters lose their accents, dashes and quotes become plain, and whatever

@@ -1,0 +1,33 @@
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <cstring>
+
+#include "fuzz/fuzz.hpp"
+#include "intersect/doors/pipe.hpp"
+
+namespace lostbits::fuzz {
+
+/// What `plugin serve` is asked through a pipe: batches for two forms, one of which refuses.
+void fuzz_requests(std::string_view bytes) {
+    using intersect::doors::ForeignForm;
+    static const std::vector<ForeignForm> forms{
+        {{.name = "a.sphere"},
+         "a",
+         [](const lb_batch& batch) {
+             std::memset(batch.near_far, 0, 2 * batch.size * sizeof(float));
+             std::memset(batch.hit, 0, batch.size);
+         }},
+        {{.name = "a.box", .shape = Shape::box, .bits = 64}, "a", [](const lb_batch& batch) {
+             if (batch.ends == nullptr) throw EnvironmentError("a: refuses");
+             const double last = static_cast<const double*>(batch.rays)[6 * std::max<std::size_t>(batch.size, 1) - 1];
+             for (std::size_t i = 0; i < batch.size; ++i) static_cast<double*>(batch.near_far)[2 * i] = last;
+         }}};
+    const std::filesystem::path path = file_of(bytes);
+    const int input = open(path.c_str(), O_RDONLY | O_CLOEXEC);
+    static const int output = open("/dev/null", O_WRONLY | O_CLOEXEC);
+    static_cast<void>(intersect::doors::serve_pipe(forms, input, output));
+    close(input);
+}
+
+}  // namespace lostbits::fuzz
