@@ -12,6 +12,7 @@
 #include <memory>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include "number/error.hpp"
 #include "output/file/machine.hpp"
@@ -87,9 +88,35 @@ private:
     static constexpr std::array<unsigned, 10> growth{1, 64, 1032, 1032, 0, 0, 0, 0, 0, 0},
         lines{1, 1, 1, 16, 32, 16, 32, 32, 32, 256};
 
+    /// Of types whose values have one size each.
+    static constexpr std::array<std::pair<std::string_view, unsigned>, 24> sizes{{{"box2f", 16},
+                                                                                  {"box2i", 16},
+                                                                                  {"chromaticities", 32},
+                                                                                  {"compression", 1},
+                                                                                  {"deepImageState", 1},
+                                                                                  {"double", 8},
+                                                                                  {"envmap", 1},
+                                                                                  {"float", 4},
+                                                                                  {"int", 4},
+                                                                                  {"keycode", 28},
+                                                                                  {"lineOrder", 1},
+                                                                                  {"m33d", 72},
+                                                                                  {"m33f", 36},
+                                                                                  {"m44d", 128},
+                                                                                  {"m44f", 64},
+                                                                                  {"rational", 8},
+                                                                                  {"tiledesc", 9},
+                                                                                  {"timecode", 8},
+                                                                                  {"v2d", 16},
+                                                                                  {"v2f", 8},
+                                                                                  {"v2i", 8},
+                                                                                  {"v3d", 24},
+                                                                                  {"v3f", 12},
+                                                                                  {"v3i", 12}}};
+    static constexpr auto text_end = std::string::npos;
+
     [[noreturn]] void cut_off() const {
-        throw InputError(path_.string() +
-                         ": is cut off, or damaged: its head is longer than the file; give one that is complete");
+        throw InputError(path_.string() + ": is cut off, or damaged in its head; give one that is complete");
     }
     std::uint64_t number(std::uint64_t bytes) {
         std::array<unsigned char, 8> raw{};
@@ -113,9 +140,11 @@ private:
         head.tiled = (version_ & 0x200U) != 0;
         for (std::string attribute = name(); !attribute.empty(); attribute = name()) {
             head.is_empty = false;
-            static_cast<void>(name());  // its type
-            const std::uint64_t bytes = number(4), end = at_ + bytes;
+            const std::string type = name();
+            const std::uint64_t bytes = number(4), begin = at_, end = at_ + bytes;
             if (bytes > size_ - at_) cut_off();
+            require_value(type, bytes);
+            go_to(begin);
             if (attribute == "channels") head.pixels.bytes_each = pixel_bytes(end);
             if (attribute == "compression" && bytes == 1) head.compression = static_cast<unsigned>(number(1));
             if (attribute == "dataWindow" && bytes == 16) read_window(head.pixels);
@@ -123,25 +152,47 @@ private:
                 head.tile_width = number(4);
                 head.tile_height = number(4);
             }
-            if (attribute == "type" && (version_ & 0x1000U) != 0 && bytes < 100) {
-                std::string type;
-                while (at_ < end) type += static_cast<char>(number(1));
-                head.tiled = type.find("tile") != std::string::npos;
-            }
-            at_ = end;
-            in_.seekg(static_cast<std::streamoff>(at_));
+            if (attribute == "type" && (version_ & 0x1000U) != 0) head.tiled = text(bytes).find("tile") != text_end;
+            go_to(end);
         }
         if (head.compression < growth.size()) head.pixels.most_of_a_byte = growth[head.compression];
         return head;
     }
-    /// Of a list of channels: a name, a type (HALF is 1) and 12 more bytes each.
+    /// The library reads what a type has, whatever size is told, and takes memory for lengths within.
+    void require_value(const std::string& type, std::uint64_t bytes) {
+        const auto fixed = std::ranges::find(sizes, type, &std::pair<std::string_view, unsigned>::first);
+        if (fixed != sizes.end() && fixed->second != bytes) cut_off();
+        const std::uint64_t end = at_ + bytes;
+        if (type == "chlist") static_cast<void>(pixel_bytes(end));
+        if (type == "preview") {
+            const std::uint64_t width = number(4), height = number(4);
+            if (room_of(room_of(width, height), 4) != end - at_) cut_off();
+        }
+        if (type == "idmanifest" && number(4) / 1032 > bytes) cut_off();
+        while (type == "stringvector" && at_ < end) {
+            const std::uint64_t length = number(4);
+            if (at_ > end || length > end - at_) cut_off();
+            go_to(at_ + length);
+        }
+    }
+    void go_to(std::uint64_t place) {
+        at_ = place;
+        in_.seekg(static_cast<std::streamoff>(place));
+    }
+    std::string text(std::uint64_t bytes) {
+        std::string read(bytes, '\0');
+        if (!in_.read(read.data(), static_cast<std::streamsize>(bytes))) cut_off();
+        at_ += bytes;
+        return read;
+    }
+    /// Of a list of channels: a name, a type (HALF is 1) and 12 more bytes each; an empty name ends it.
     std::uint64_t pixel_bytes(std::uint64_t end) {
         std::uint64_t bytes = 0;
-        while (at_ < end && !name().empty() && at_ + 16 <= end) {
+        while (!name().empty()) {
             bytes += number(4) == 1 ? 2 : 4;
-            static_cast<void>(number(8));
-            static_cast<void>(number(4));
+            static_cast<void>(text(12));
         }
+        if (at_ != end) cut_off();
         return bytes;
     }
     void read_window(ClaimedPixels& pixels) {
