@@ -162,9 +162,10 @@ AskedRay of_case(const RayWords& words, MapRow row, const std::filesystem::path&
 Solid<double> solid_of(Shape shape, const std::string& text, const std::string& as) {
     const bool sphere = shape == Shape::sphere;
     const WantedNumbers wanted =
-        sphere
-            ? WantedNumbers{"--sphere", "a sphere; write its centre and radius, four numbers with commas between them", 4}
-            : WantedNumbers{"--box", "a box; write its lower and its upper corner, six numbers with commas between them", 6};
+        sphere ? WantedNumbers{"--sphere",
+                               "a sphere; write its centre and radius, four numbers with commas between them", 4}
+               : WantedNumbers{"--box",
+                               "a box; write its lower and its upper corner, six numbers with commas between them", 6};
     const auto x = numbers_of(text, wanted, format_of(as));
     Solid<double> solid;
     solid.shape = shape;

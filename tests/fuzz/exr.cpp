@@ -1,5 +1,5 @@
 #include "fuzz/fuzz.hpp"
-#include "output/image/image.hpp"
+#include "output/image/image_oiio.hpp"
 
 namespace lostbits::fuzz {
 
@@ -9,6 +9,7 @@ void fuzz_exr(std::string_view bytes) {
     const std::filesystem::path path = file_of(bytes);
     output::image::ImageBackend& images = output::image::image_backend();
     answer_or_error([&] {
+        if (output::image::ExrHeads(path).pixels() > 100'000) return;  // reading so many takes its time, and rightly
         const std::size_t parts = std::min<std::size_t>(images.exr_parts(path).size(), 4);
         for (std::size_t part = 0; part < parts; ++part) {
             const output::image::ExrImage image = images.read_exr(path, part);

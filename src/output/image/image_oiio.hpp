@@ -68,10 +68,13 @@ public:
             const Head head = read_head();
             if (head.is_empty) break;
             blocks += blocks_of(head);
+            pixels_ += room_of(head.pixels.width, head.pixels.height);
             require_room(path_, head.pixels, 1);
         }
         if (room_of(blocks, 8) > size_ - at_) cut_off();
     }
+    /// Of all parts.
+    [[nodiscard]] std::uint64_t pixels() const { return pixels_; }
 
 private:
     struct Head {
@@ -212,7 +215,7 @@ private:
 
     std::filesystem::path path_;
     std::ifstream in_;
-    std::uint64_t size_ = 0, at_ = 0, version_ = 0;
+    std::uint64_t size_ = 0, at_ = 0, version_ = 0, pixels_ = 0;
 };
 
 }  // namespace lostbits::output::image

@@ -22,7 +22,8 @@ namespace {
 template <class T>
 void read(const std::string& bits) {
     T found{};
-    BitReader(bits)(found);
+    BitReader reader(bits);
+    reader(found);
 }
 
 }  // namespace
@@ -56,7 +57,8 @@ TEST_CASE("shard: a claimed list takes memory for what is there of it alone", "[
 
 TEST_CASE("shard: a bool is yes or no", "[output]") {
     bool answer = false;
-    BitReader(bits_of(true))(answer);
+    BitReader reader(bits_of(true));
+    reader(answer);
     CHECK(answer);
     CHECK_THROWS_AS(read<bool>("\2"), std::out_of_range);
     CHECK_THROWS_AS(read<std::optional<double>>(std::string("\xff", 1) + std::string(8, '\0')), std::out_of_range);
