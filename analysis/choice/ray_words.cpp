@@ -6,15 +6,14 @@
 #include <cmath>
 #include <optional>
 
+#include "analysis/choice/ray_numbers.hpp"
 #include "analysis/choice/select.hpp"
 #include "number/error.hpp"
-#include "output/file/number_text.hpp"
 #include "scene/file/march_table.hpp"
 #include "scene/sweep/case_file.hpp"
 #include "scene/sweep/convention.hpp"
 #include "scene/sweep/sweep_file.hpp"
 #include "scene/toml/did_you_mean.hpp"
-#include "scene/toml/parse_number.hpp"
 #include "scene/toml/round.hpp"
 
 namespace lostbits::analysis::choice {
@@ -26,55 +25,9 @@ using scene::rays::RayGroup;
 
 namespace {
 
-std::vector<std::string> parts_of(const std::string& text) {
-    std::vector<std::string> parts{""};
-    for (const char c : text) {
-        if (c == ',') parts.emplace_back();
-        else if (c != ' ') parts.back() += c;
-    }
-    return parts;
-}
-
-/// The number that a word of an option stands for, exactly; nothing where it is above every number there is.
-std::optional<Real> number_of(const std::string& text, const std::string& option) {
-    const auto read = scene::toml::parse_number(text);
-    const auto* const fault = std::get_if<scene::toml::NumberFault>(&read);
-    if (fault && !fault->too_large) throw InputError(fmt::format("{}: \"{}\" {}", option, text, fault->why));
-    if (fault) return {};
-    return std::get<Real>(read);
-}
-
-/// What an option holds: so many numbers.
-struct Wanted {
-    const char *option, *what;
-    std::size_t count;
-    bool special = false;  ///< nan and inf are numbers too
-};
-
-/// The numbers of a ray or a solid, rounded to the format of `--as` where there is one. InputError for another count.
-std::vector<Real> numbers_of(const std::string& text, const Wanted& wanted, const std::string& as) {
-    const char* const option = wanted.option;
-    const Format format = select_formats({as.empty() ? "f64" : as}, "--as").front();
-    std::vector<Real> numbers;
-    for (const std::string& part : parts_of(text)) {
-        if (wanted.special && (part == "nan" || part == "inf" || part == "-inf")) {
-            numbers.emplace_back(part == "nan" ? std::nan("") : part == "inf" ? HUGE_VAL : -HUGE_VAL);
-            continue;
-        }
-        const auto exact = number_of(part, option);
-        const double rounded = exact ? scene::toml::round_to_format(*exact, format.shape) : HUGE_VAL;
-        if (!std::isfinite(rounded)) {
-            const double largest = std::ldexp(2 - std::ldexp(1.0, 1 - format.shape.precision), format.shape.emax);
-            throw InputError(
-                fmt::format("{}: \"{}\" is out of range: the largest number of {} is {} ({}); scale the "
-                            "ray and what it is aimed at down",
-                            option, part, as.empty() ? "binary64" : format.name, output::file::decimal(largest),
-                            output::file::hex(largest)));
-        }
-        numbers.push_back(as.empty() ? *exact : Real(rounded));
-    }
-    if (numbers.size() != wanted.count) throw InputError(fmt::format("{} {}: is not {}", option, text, wanted.what));
-    return numbers;
+/// The format of `--as`; nothing without it.
+std::optional<Format> format_of(const std::string& as) {
+    return as.empty() ? std::nullopt : std::optional(select_formats({as}, "--as").front());
 }
 
 double stored(const Real& x) {
@@ -90,7 +43,7 @@ Ray<Real> given_ray(const RayWords& words) {
     const bool own = words.subject.empty();
     const auto x = numbers_of(
         words.ray, {"--ray", "a ray; write origin and direction, six numbers with commas between them", 6, own},
-        words.as);
+        format_of(words.as));
     const Ray<Real> ray{{x[0], x[1], x[2]}, {x[3], x[4], x[5]}};
     if (!own && !measure::truth::is_proper(stored(ray)))
         throw InputError("--ray " + words.ray +
@@ -122,15 +75,8 @@ Scene load_one(const RayWords& words, const std::filesystem::path& data) {
 }
 
 OneRay pixel_of(const RayWords& words, const Scene& scene) {
-    std::vector<double> x;
-    for (const std::string& part : parts_of(words.pixel)) {
-        const auto read = number_of(part, "--pixel");
-        x.push_back(read ? static_cast<double>(*read) : HUGE_VAL);
-    }
-    constexpr double most = 1e9;  // more than any picture has, less than an int
-    if (x.size() != 2 || std::ranges::any_of(x, [](double v) { return v != std::floor(v) || std::fabs(v) > most; }))
-        throw InputError("--pixel " + words.pixel + ": is not a pixel; write its column and row, like 17,42");
-    return {scene, static_cast<int>(x[0]), static_cast<int>(x[1])};
+    const auto [x, y] = pixel_named(words.pixel);
+    return {scene, x, y};
 }
 
 AskedRay of_scene(const RayWords& words, const MapRow& row, const std::filesystem::path& data) {
@@ -215,11 +161,12 @@ AskedRay of_case(const RayWords& words, MapRow row, const std::filesystem::path&
 
 Solid<double> solid_of(Shape shape, const std::string& text, const std::string& as) {
     const bool sphere = shape == Shape::sphere;
-    const Wanted wanted =
-        sphere
-            ? Wanted{"--sphere", "a sphere; write its centre and radius, four numbers with commas between them", 4}
-            : Wanted{"--box", "a box; write its lower and its upper corner, six numbers with commas between them", 6};
-    const auto x = numbers_of(text, wanted, as);
+    const WantedNumbers wanted =
+        sphere ? WantedNumbers{"--sphere",
+                               "a sphere; write its centre and radius, four numbers with commas between them", 4}
+               : WantedNumbers{"--box",
+                               "a box; write its lower and its upper corner, six numbers with commas between them", 6};
+    const auto x = numbers_of(text, wanted, format_of(as));
     Solid<double> solid;
     solid.shape = shape;
     std::ranges::transform(x, solid.numbers.begin(), [](const Real& number) { return stored(number); });
@@ -256,8 +203,8 @@ AskedRay of_own_solids(const RayWords& words, const MapRow& row) {
     RayGroup one = scene::rays::group_of(stored(ray));
     one.solids = std::move(solids);
     if (!words.tmax.empty())
-        one.rays.tmax.push_back(
-            stored(numbers_of(words.tmax, {"--tmax", "the end of a ray; write one number", 1, true}, words.as)[0]));
+        one.rays.tmax.push_back(stored(
+            numbers_of(words.tmax, {"--tmax", "the end of a ray; write one number", 1, true}, format_of(words.as))[0]));
     one.march = march_of(words.set);
     return {nullptr, OneRay(std::move(one))};
 }

@@ -83,7 +83,9 @@ Shards::Shards(const std::vector<std::string>& folders, const std::string& progr
     std::vector<fs::path> seen;
     for (const std::string& folder : folders) {
         for (const fs::path& file : state_files(folder)) {
-            const fs::path real = fs::weakly_canonical(file);
+            std::error_code unknown;  // of what lies in no folder, as /proc/self/fd/3
+            fs::path real = fs::weakly_canonical(file, unknown);
+            if (unknown) real = file;
             if (std::ranges::find(seen, real) != seen.end()) continue;
             seen.push_back(real);
             files_.emplace_back(file);

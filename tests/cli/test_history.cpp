@@ -63,7 +63,10 @@ TEST_CASE("a baseline that is none, and options that need one, are refused") {
     const std::string place = (scratch.path() / "b.json").string();
     refused("--against '" + place + "'", "b.json");
     for (const char* text : {"", "{}", "[]", "{\"schema\": \"lostbits-baseline/2\"}",
-                             "{\"schema\": \"lostbits-baseline/1\", \"program\": 3}"}) {
+                             "{\"schema\": \"lostbits-baseline/1\", \"program\": 3}",
+                             R"({"schema": "lostbits-baseline/1", "program": "", "compiler": "", "command": "",
+                                 "claims": [{"id": "a", "quantity": "b", "state": "agrees",
+                                             "measured_hex": "0x1p+0\u0000 more", "expected_hex": ["0", "1"]}]})"}) {
         static_cast<void>(scratch.write("b.json", text));
         refused("--against '" + place + "'", "name a file that `lostbits check --save` wrote");
     }

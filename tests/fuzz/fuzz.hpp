@@ -19,14 +19,23 @@ void fuzz_csv(std::string_view bytes);
 void fuzz_rays(std::string_view bytes);
 void fuzz_words(std::string_view bytes);
 void fuzz_headers(std::string_view bytes);
+void fuzz_exr(std::string_view bytes);
+void fuzz_baseline(std::string_view bytes);
+void fuzz_shard(std::string_view bytes);
+void fuzz_ray(std::string_view bytes);
+void fuzz_plugin(std::string_view bytes);
+void fuzz_requests(std::string_view bytes);
+void fuzz_shader(std::string_view bytes);
 
 struct Target {
     std::string_view name;
     void (*run)(std::string_view bytes);
 };
 inline constexpr Target targets[] = {
-    {"scene", fuzz_scene}, {"sweep", fuzz_sweep}, {"claims", fuzz_claims}, {"report", fuzz_report},
-    {"csv", fuzz_csv},     {"rays", fuzz_rays},   {"words", fuzz_words},   {"headers", fuzz_headers},
+    {"scene", fuzz_scene},   {"sweep", fuzz_sweep},       {"claims", fuzz_claims}, {"report", fuzz_report},
+    {"csv", fuzz_csv},       {"rays", fuzz_rays},         {"words", fuzz_words},   {"headers", fuzz_headers},
+    {"exr", fuzz_exr},       {"baseline", fuzz_baseline}, {"shard", fuzz_shard},   {"ray", fuzz_ray},
+    {"plugin", fuzz_plugin}, {"requests", fuzz_requests}, {"shader", fuzz_shader},
 };
 
 /// A file in memory that holds the bytes for as long as nobody asks for the next one.

@@ -1,28 +1,35 @@
 #include "fuzz/fuzz.hpp"
+#include "intersect/doors/greeting.hpp"
 #include "intersect/doors/pipe_header.hpp"
 
 namespace lostbits::fuzz {
 
-/// The header of a process behind a pipe: what is read without error is written and read back as the same.
+namespace {
+
+/// The lines of a text one after another; of one that has no more, an end as that of a process.
+intersect::doors::Speaker speaker_of(std::string_view text) {
+    const auto fail = [](const std::string& what) { throw EnvironmentError("a pipe: " + what); };
+    const auto next = [text, fail]() mutable {
+        const std::size_t end = text.find('\n');
+        if (end == std::string_view::npos) fail("ended without a whole answer");
+        std::string line(text.substr(0, end));
+        text.remove_prefix(end + 1);
+        return line;
+    };
+    return {next, fail};
+}
+
+}  // namespace
+
+/// What a process behind a pipe says first: what is read without error is written and read back as the same.
 void fuzz_headers(std::string_view bytes) {
-    std::vector<std::string> lines;
-    for (std::size_t from = 0; from < bytes.size();) {
-        const std::size_t end = std::min(bytes.find('\n', from), bytes.size());
-        lines.emplace_back(bytes.substr(from, end - from));
-        from = end + 1;
-    }
+    using intersect::doors::read_greeting;
+    const intersect::doors::PipeTerms terms{.who = "a pipe"};
     static_cast<void>(intersect::doors::shown_text(bytes));
     answer_or_error([&] {
-        const auto contracts = intersect::doors::read_pipe_header(lines, "a pipe");
+        const auto contracts = read_greeting(speaker_of(bytes), terms);
         const std::string written = intersect::doors::pipe_header_of(contracts);
-        std::vector<std::string> again;
-        for (std::size_t from = 0; from < written.size();) {
-            const std::size_t end = written.find('\n', from);
-            again.push_back(written.substr(from, end - from));
-            from = end + 1;
-        }
-        if (!again.empty() && again.back().empty()) again.pop_back();
-        if (intersect::doors::read_pipe_header(again, "a pipe") != contracts)
+        if (read_greeting(speaker_of(written), terms) != contracts)
             throw std::logic_error("a header is read back as another one");
     });
 }

@@ -1,5 +1,24 @@
 # lostbits_fuzz_seeds(ROOT OUT): the seeds of each target, OUT/TARGET/*, from the files of the project. Also a script:
 #   cmake -DROOT=. -DOUT=seeds -P tests/fuzz/seeds.cmake
+
+# A copy up to the last table in brackets or line of the first 3000 bytes: a fuzzer cuts long seeds anywhere, and what
+# is cut in the middle of a word is not looked at any further.
+function(lostbits_short_copy file folder)
+    get_filename_component(name ${file} NAME)
+    file(READ ${file} text)
+    string(LENGTH "${text}" bytes)
+    if(bytes GREATER 3000)
+        string(SUBSTRING "${text}" 0 3000 text)
+        string(FIND "${text}" "\n[[" end REVERSE)
+        if(end LESS 1)
+            string(FIND "${text}" "\n" end REVERSE)
+        endif()
+        math(EXPR end "${end} + 1")
+        string(SUBSTRING "${text}" 0 ${end} text)
+    endif()
+    file(WRITE ${folder}/${name} "${text}")
+endfunction()
+
 function(lostbits_fuzz_seeds root out)
     file(REMOVE_RECURSE ${out})
     file(GLOB scene ${root}/data/scenes/*.toml)
@@ -9,13 +28,17 @@ function(lostbits_fuzz_seeds root out)
     set(csv ${root}/data/dumps/far-sphere.csv ${root}/reports/readme/summary.csv)
     foreach(name scene sweep claims report csv)
         foreach(file IN LISTS ${name})
-            file(SIZE ${file} bytes)
-            if(bytes LESS 60000)
-                file(COPY ${file} DESTINATION ${out}/${name})
-            endif()
+            lostbits_short_copy(${file} ${out}/${name})
         endforeach()
     endforeach()
     file(COPY ${root}/tests/fuzz/seeds/ DESTINATION ${out})
+    # The first line of a shader is what the command line says of it: nothing.
+    file(GLOB shader ${root}/examples/shaders/*.glsl)
+    foreach(file IN LISTS shader)
+        get_filename_component(name ${file} NAME)
+        file(READ ${file} text)
+        file(WRITE ${out}/shader/${name} "\n${text}")
+    endforeach()
 endfunction()
 
 if(CMAKE_SCRIPT_MODE_FILE)

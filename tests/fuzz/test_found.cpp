@@ -1,6 +1,7 @@
 // The targets of the fuzzers without libFuzzer: over what was found once, and over seeds with a few bytes changed.
 #include <algorithm>
 #include <array>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <sstream>
@@ -15,6 +16,9 @@ namespace {
 
 namespace fs = std::filesystem;
 using fuzz::Target;
+
+/// Where the module lies that reads pictures.
+const bool module_is_known = setenv("LOSTBITS_IMAGE_MODULE", LOSTBITS_IMAGE_MODULE_FILE, 1) == 0;
 
 std::string bytes_of(const fs::path& file) {
     std::ostringstream text;
@@ -48,6 +52,7 @@ std::string changed(std::string bytes, scene::rays::Random& random) {
 }  // namespace
 
 TEST_CASE("what fuzzing found is an error that says something, or read", "[fuzz]") {
+    REQUIRE(module_is_known);
     std::size_t tried = 0;
     for (const Target& target : fuzz::targets) {
         const fs::path folder = fs::path(LOSTBITS_FUZZ_DIR) / "found" / target.name;

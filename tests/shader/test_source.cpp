@@ -1,4 +1,5 @@
 // What a file of GLSL says of its function.
+#include <chrono>
 #include <filesystem>
 #include <fstream>
 #include <initializer_list>
@@ -6,6 +7,7 @@
 #include <string>
 
 #include "catch.hpp"
+#include "intersect/shader/kernel.hpp"
 #include "intersect/shader/source.hpp"
 #include "number/error.hpp"
 
@@ -197,4 +199,42 @@ float f(vec3 ro, vec3 rd, vec4 s) {
     CHECK(is(3, 9, 3, 3));
     CHECK(is(4, 9, 4, 12));
     CHECK(is(5, 11, CountedLoop::endless, CountedLoop::endless));
+}
+
+TEST_CASE("shader: loops that stand in each other are counted up to a bound", "[shader]") {
+    std::string text = "float f(vec3 ro, vec3 rd, vec4 s) {\n";
+    for (int i = 0; i < 40; ++i) text += "for (int i = 0; i < 1000000000; ++i) ";
+    const File file(text + "ro.x += 1.0;\nreturn ro.x;\n}\n");
+    const auto loops = read_shader(file.path()).loops;
+    REQUIRE(loops.size() == 40);
+    CHECK(loops[0].together == 1'000'000'000);
+    for (std::size_t i = 1; i < loops.size(); ++i) CHECK(loops[i].together == 1'000'000'000'000);
+}
+
+TEST_CASE("shader: a megabyte of anything is read at once", "[shader]") {
+    const auto many = [](const std::string& part) {
+        std::string text;
+        while (text.size() < 1'000'000) text += part;
+        return text;
+    };
+    const std::string hit = "float hit(vec3 ro, vec3 rd, vec4 s) { return 1.0; }\n";
+    for (const char* part : {"for a ", "for(", "for(;3;){", "for(;3;)", "float a(", "/*lostbits:*/ ", "uniform int a;",
+                             "# version ", "{ ( ", "float a() {}\n"}) {
+        INFO(part);
+        const File file(hit + many(part) + "\n");
+        const auto begin = std::chrono::steady_clock::now();
+        const ShaderSource shader = read_shader(file.path() + ":hit");
+        CHECK(program_text(shader, 32, 450).size() > 1'000'000);
+        CHECK(std::chrono::steady_clock::now() - begin < std::chrono::seconds(20));
+    }
+    for (const char* part : {"lostbits:", "lostbits: ", "lostbits: a\n"}) {
+        INFO(part);
+        const auto begin = std::chrono::steady_clock::now();
+        const std::string said = refused(hit + "/*" + many(part) + "*/");
+        CHECK(said.size() < 10'000);
+        CHECK(std::chrono::steady_clock::now() - begin < std::chrono::seconds(20));
+    }
+    const std::string said = refused(many("float a() {}\n"));
+    CHECK(has(said, "and 76894 more"));
+    CHECK(said.size() < 10'000);
 }

@@ -8,6 +8,7 @@
 #include <mutex>
 
 #include "intersect/doors/child.hpp"
+#include "intersect/doors/greeting.hpp"
 #include "intersect/doors/pipe_header.hpp"
 #include "number/error.hpp"
 
@@ -17,37 +18,10 @@ static_assert(std::endian::native == std::endian::little, "numbers go through pi
 
 namespace {
 
-/// Ends the run where the header says why the program cannot serve.
-void refuse_for(const std::vector<std::string>& lines, const PipeTerms& terms) {
-    std::string words;
-    bool machine = false;
-    for (const std::string_view line : lines) {
-        const bool missing = line.starts_with("missing=");
-        if (!missing && !line.starts_with("error=")) continue;
-        machine = machine || missing;
-        const std::string_view said = line.substr(line.find('=') + 1);
-        words += (words.empty() ? "" : "\n") + (terms.ours ? std::string(said) : plain_text(said));
-    }
-    if (words.empty()) return;
-    if (!terms.ours) words = terms.who + ": refuses: " + words;
-    if (machine) throw EnvironmentError(words);
-    throw InputError(words);
-}
-
 std::vector<Contract> greet(Child& child, const PipeTerms& terms) {
-    std::vector<std::string> lines;
-    for (std::size_t bytes = 0;;) {
-        lines.push_back(child.read_line());
-        if (lines.size() == 1 && lines.front() != pipe_version)
-            child.fail("says " + shown_text(lines.front()) + " first; the first line of its standard output must be " +
-                       std::string(pipe_version) + " and all else it prints go to standard error");
-        if (lines.back().empty()) break;
-        bytes += lines.back().size();
-        if (bytes > 100'000) child.fail("has a header without end; an empty line ends it");
-    }
-    lines.pop_back();
-    refuse_for(lines, terms);
-    return read_pipe_header(lines, terms.who);
+    return read_greeting({.next_line = [&child] { return child.read_line(); },
+                          .fail = [&child](const std::string& what) { child.fail(what); }},
+                         terms);
 }
 
 /// A shader's author has no say in how its process reads and writes.

@@ -1,6 +1,7 @@
 // The other end of a pipe: forms of a library, answered from a process of their own.
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <sstream>
@@ -23,6 +24,19 @@ bool read_all(int from, void* to, std::size_t bytes) {
         place += got;
         bytes -= static_cast<std::size_t>(got);
     }
+    return true;
+}
+
+/// So many bytes, for which room is made as they come: a request may claim any number of rays.
+bool read_column(int from, std::vector<std::byte>& column, std::size_t bytes) {
+    constexpr std::size_t piece = 1 << 20;
+    for (std::size_t done = 0; done < bytes;) {
+        if (done >= column.size()) column.resize(std::min(bytes, done + piece));
+        const std::size_t more = std::min(bytes, column.size()) - done;
+        if (!read_all(from, column.data() + done, more)) return false;
+        done += more;
+    }
+    column.resize(bytes);
     return true;
 }
 
@@ -54,16 +68,13 @@ struct Room {
 bool answer_one(const ForeignForm& form, const PipeRequest& request, Room& room, int input, int output) {
     const std::size_t width = static_cast<std::size_t>(form.contract.bits) / 8, n = request.rays;
     const std::size_t numbers = number_names(form.contract.shape).size();
-    room.rays.resize(6 * n * width);
-    room.ends.resize(request.ends * width);
-    room.solids.resize(request.solids * numbers * width);
+    if (!read_column(input, room.rays, 6 * n * width) || !read_column(input, room.ends, request.ends * width) ||
+        !read_column(input, room.solids, request.solids * numbers * width))
+        return false;
     room.near_far.resize(2 * n);
     room.hit.resize(n);
     if (width == sizeof(double)) mark_unwritten<double>(room.near_far, room.hit);
     else mark_unwritten<float>({reinterpret_cast<float*>(room.near_far.data()), 2 * n}, room.hit);
-    for (auto* column : {&room.rays, &room.ends, &room.solids}) {
-        if (!read_all(input, column->data(), column->size())) return false;
-    }
     try {
         form.answer({.size = n,
                      .rays = room.rays.data(),

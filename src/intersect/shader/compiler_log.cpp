@@ -38,7 +38,9 @@ bool is_warning(const std::string& line) {
 std::string line_of(const std::string& text, int number) {
     std::istringstream lines(text);
     std::string line;
-    for (int i = 0; i < number; ++i) std::getline(lines, line);
+    for (int i = 0; i < number; ++i) {
+        if (!std::getline(lines, line)) return "";  // `#line` of the text may have said any number
+    }
     return line;
 }
 

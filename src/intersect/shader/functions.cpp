@@ -24,14 +24,16 @@ Parameter parameter_of(std::span<const Token> words) {
     return p;
 }
 
-/// The place of the bracket that closes the one at `open`; `code.size()` where none does.
-std::size_t closing(const std::vector<Token>& code, std::size_t open) {
-    int depth = 0;
-    for (std::size_t i = open; i < code.size(); ++i) {
-        if (code[i].text == "(") ++depth;
-        if (code[i].text == ")" && --depth == 0) return i;
+/// For each place with a round bracket the place of the one that closes it; `code.size()` where none does.
+std::vector<std::size_t> closings(const std::vector<Token>& code) {
+    std::vector<std::size_t> closing(code.size(), code.size()), open;
+    for (std::size_t i = 0; i < code.size(); ++i) {
+        if (code[i].text == "(") open.push_back(i);
+        if (code[i].text != ")" || open.empty()) continue;
+        closing[open.back()] = i;
+        open.pop_back();
     }
-    return code.size();
+    return closing;
 }
 
 std::vector<Parameter> parameters_of(const std::vector<Token>& code, std::size_t begin, std::size_t end) {
@@ -60,6 +62,7 @@ std::string Function::words() const {
 
 std::vector<Function> functions_of(const std::vector<Token>& code) {
     std::vector<Function> all;
+    const std::vector<std::size_t> closing = closings(code);
     int depth = 0;
     for (std::size_t i = 0; i < code.size(); ++i) {
         if (code[i].text == "{") ++depth;
@@ -67,7 +70,7 @@ std::vector<Function> functions_of(const std::vector<Token>& code) {
         const bool named = depth == 0 && i + 2 < code.size() && code[i].kind == Token::Kind::name &&
                            code[i + 1].kind == Token::Kind::name && code[i + 2].text == "(";
         if (!named) continue;
-        const std::size_t end = closing(code, i + 2);
+        const std::size_t end = closing[i + 2];
         if (end + 1 >= code.size() || code[end + 1].text != "{") continue;
         all.push_back({std::string(code[i].text), std::string(code[i + 1].text), parameters_of(code, i + 3, end),
                        code[i + 1].line, code[i + 1].column});

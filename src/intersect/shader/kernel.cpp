@@ -12,8 +12,8 @@
 namespace lostbits::intersect::shader {
 namespace {
 
-void blank(std::string& text, std::size_t moved, const Token& token) {
-    text.replace(token.offset + moved, token.text.size(), token.text.size(), ' ');
+void blank(std::string& text, const Token& token) {
+    text.replace(token.offset, token.text.size(), token.text.size(), ' ');
 }
 
 /// Names of other stages and of shader sites, and what stands for them here.
@@ -31,15 +31,28 @@ constexpr std::array<Stand, 10> site_names{{{"iResolution", "vec3(640.0, 360.0, 
                                             {"iSampleRate", "44100.0"},
                                             {"lb_FragCoord", "vec4(0.5, 0.5, 0.0, 1.0)"}}};
 
+/// What is put into a text, and in front of which of its bytes.
+using Insertion = std::pair<std::size_t, std::string>;
+
 /// `uniform vec2 size;` at its first token as a variable that holds 0; Vulkan has no other uniforms. Blocks and
 /// samplers stay.
-void set_to_zero(std::string& text, std::size_t& moved, const std::vector<Token>& tokens, std::size_t at) {
+void set_to_zero(std::string& text, std::vector<Insertion>& insertions, const std::vector<Token>& tokens,
+                 std::size_t at) {
     static const std::set<std::string_view> zeros{"float", "int", "uint", "bool", "vec2", "vec3", "vec4", "double"};
     if (at + 3 >= tokens.size() || !zeros.contains(tokens[at + 1].text) || tokens[at + 3].text != ";") return;
-    text.replace(tokens[at].offset + moved, tokens[at].text.size(), tokens[at].text.size(), ' ');
-    const std::string value = " = " + std::string(tokens[at + 1].text) + "(0)";
-    text.insert(tokens[at + 3].offset + moved, value);
-    moved += value.size();
+    blank(text, tokens[at]);
+    insertions.emplace_back(tokens[at + 3].offset, " = " + std::string(tokens[at + 1].text) + "(0)");
+}
+
+/// All at once: the text is copied once, however many there are.
+std::string with(const std::string& text, const std::vector<Insertion>& insertions) {
+    std::string result;
+    std::size_t copied = 0;
+    for (const auto& [at, words] : insertions) {
+        result += text.substr(copied, at - copied) + words;
+        copied = at;
+    }
+    return result + text.substr(copied);
 }
 
 /// The user's text as a compute program takes it, every line and column where it was.
@@ -47,33 +60,36 @@ std::string fitted(const std::string& original) {
     std::string text = original;
     const std::vector<Token> tokens = tokens_of(original);
     int depth = 0;
-    std::size_t moved = 0;
+    std::vector<Insertion> insertions;
+    std::size_t version_line = 0;
     bool interface = false;
     for (std::size_t i = 0; i < tokens.size(); ++i) {
         const Token& t = tokens[i];
         if (t.kind == Token::Kind::comment) continue;
         if (t.in_directive) {
-            const bool version = t.text == "#" && i + 1 < tokens.size() && tokens[i + 1].text == "version";
+            const bool version = t.text == "#" && i + 1 < tokens.size() && tokens[i + 1].text == "version" &&
+                                 t.line != version_line;  // a line once, however many it has
+            if (version) version_line = t.line;
             for (std::size_t k = i; version && k < tokens.size() && tokens[k].line == t.line; ++k) {
-                if (tokens[k].kind != Token::Kind::comment) blank(text, moved, tokens[k]);
+                if (tokens[k].kind != Token::Kind::comment) blank(text, tokens[k]);
             }
         }
         if (t.text == "{" || t.text == "(") ++depth;
         if (t.text == "}" || t.text == ")") --depth;
-        if (t.text.starts_with("gl_Frag")) text.replace(t.offset + moved, 2, "lb");
-        if (t.text == "main") text.replace(t.offset + moved, 4, "lb_m");
-        if (depth == 0 && t.text == "uniform") set_to_zero(text, moved, tokens, i);
+        if (t.text.starts_with("gl_Frag")) text.replace(t.offset, 2, "lb");
+        if (t.text == "main") text.replace(t.offset, 4, "lb_m");
+        if (depth == 0 && t.text == "uniform") set_to_zero(text, insertions, tokens, i);
         // `layout(location = 0) out vec4 color;` of the file becomes a variable.
         static const std::set<std::string_view> stages{"in", "out", "varying", "attribute", "flat", "smooth", "layout"};
         if (depth == 0 && !t.in_directive && stages.contains(t.text)) {
-            blank(text, moved, t);
+            blank(text, t);
             interface = t.text == "layout";
         } else if (interface && !t.in_directive) {
-            blank(text, moved, t);
+            blank(text, t);
             interface = !(t.text == ")" && depth == 0);
         }
     }
-    return text;
+    return with(text, insertions);
 }
 
 /// Declares what shader sites have and the text uses without declaring it: directives alone, so that an `#extension` of

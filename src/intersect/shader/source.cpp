@@ -70,17 +70,17 @@ void add_header(const std::string& path, const std::vector<Token>& tokens, std::
     constexpr std::string_view mark = "lostbits:";
     for (const Token& token : tokens) {
         if (token.kind != Token::Kind::comment) continue;
+        std::size_t line = token.line, counted = 0;
         for (std::size_t at = token.text.find(mark); at != std::string_view::npos; at = token.text.find(mark, at)) {
-            const auto lines = std::ranges::count(token.text.substr(0, at), '\n');
+            line += static_cast<std::size_t>(std::ranges::count(token.text.substr(counted, at - counted), '\n'));
             const std::size_t newline = token.text.rfind('\n', at);
             const std::size_t column = newline == std::string_view::npos ? token.column + at : at - newline;
-            at += mark.size();
-            std::string_view rest = token.text.substr(at, token.text.find('\n', at) - at);
+            const std::size_t end = std::min(token.text.find('\n', at), token.text.size());
+            std::string_view rest = token.text.substr(at + mark.size(), end - at - mark.size());
             if (rest.ends_with("*/")) rest.remove_suffix(2);
-            add_words(rest, ' ',
-                      path + ":" + std::to_string(token.line + static_cast<std::size_t>(lines)) + ":" +
-                          std::to_string(column),
-                      words);
+            add_words(rest, ' ', path + ":" + std::to_string(line) + ":" + std::to_string(column), words);
+            counted = at;
+            at = end;
         }
     }
 }
@@ -103,8 +103,12 @@ std::string place(const std::string& path, const Function& f) {
 }
 
 std::string listed(const std::vector<Function>& functions) {
+    constexpr std::size_t most = 30;
     std::string text;
-    for (const Function& f : functions) text += "\n  line " + std::to_string(f.line) + ": " + f.words();
+    for (const Function& f : functions) {
+        if (&f - functions.data() == most) return text + "\n  and " + std::to_string(functions.size() - most) + " more";
+        text += "\n  line " + std::to_string(f.line) + ": " + f.words();
+    }
     return text;
 }
 
@@ -209,81 +213,6 @@ void obey(const Word& word, ShaderSource& shader) {
         throw InputError(word.where + ": unknown key " + doors::shown_text(word.key) +
                          "; known are function, name, title, direction, roots, touching, at_origin, flags, miss, "
                          "format; of a field hit_eps, max_dist, max_steps; of a march with solids of its own shape");
-}
-
-/// Names that stand for whole numbers, by #define or const int.
-std::map<std::string_view, long long> whole_constants(const std::vector<Token>& tokens) {
-    std::map<std::string_view, long long> found;
-    for (std::size_t i = 0; i + 2 < tokens.size(); ++i) {
-        const bool defined = tokens[i].in_directive && tokens[i].text == "define";
-        const bool constant =
-            (tokens[i].text == "int" || tokens[i].text == "uint") && i + 3 < tokens.size() && tokens[i + 2].text == "=";
-        if (!defined && !constant) continue;
-        const Token& value = tokens[i + (defined ? 2 : 3)];
-        if (value.kind == Token::Kind::number && value.text.find_first_of(".xX") == std::string_view::npos)
-            found[tokens[i + 1].text] = std::atoll(std::string(value.text).c_str());
-    }
-    return found;
-}
-
-/// Behind the bracket that closes the one at `open`.
-std::size_t behind(const std::vector<Token>& code, std::size_t open) {
-    int depth = 0;
-    for (std::size_t i = open; i < code.size(); ++i) {
-        const std::string_view t = code[i].text;
-        depth += (t == "(" || t == "{") - (t == ")" || t == "}");
-        if (depth == 0) return i + 1;
-    }
-    return code.size();
-}
-
-/// Behind the statement that begins at `at`: a block, or all to the next semicolon.
-std::size_t behind_statement(const std::vector<Token>& code, std::size_t at) {
-    if (at < code.size() && code[at].text == "for" && at + 1 < code.size())
-        return behind_statement(code, behind(code, at + 1));
-    if (at < code.size() && code[at].text == "{") return behind(code, at);
-    while (at < code.size() && code[at].text != ";") ++at;
-    return std::min(at + 1, code.size());
-}
-
-/// Whether a loop begins here whose condition says nothing: `while (true)`, `for (;;)`.
-bool is_endless(const std::vector<Token>& code, std::size_t at) {
-    if (code[at].text == "for") {
-        while (at < code.size() && code[at].text != ";") ++at;
-    } else if (code[at].text != "while") {
-        return false;
-    }
-    if (at + 2 >= code.size()) return false;
-    const bool says_true = code[at + 1].text == "true" || (code[at + 1].text == "(" && code[at + 2].text == "true");
-    return says_true || (code[at].text == ";" && code[at + 1].text == ";");
-}
-
-/// The loops that begin at, or are compared with, a whole number, and those without an end.
-std::vector<CountedLoop> loops_of(const std::vector<Token>& all, const std::vector<Token>& code) {
-    const auto constants = whole_constants(all);
-    std::vector<CountedLoop> loops;
-    std::vector<std::pair<std::size_t, long long>> around;  // where they end, and how often they run together
-    for (std::size_t i = 0; i + 1 < code.size(); ++i) {
-        std::erase_if(around, [i](const auto& outer) { return outer.first <= i; });
-        if (is_endless(code, i)) loops.push_back({code[i].line, CountedLoop::endless, CountedLoop::endless});
-        if (code[i].text != "for") continue;
-        long long most = 0;
-        int semicolons = 0;
-        for (std::size_t k = i + 1; k < code.size() && semicolons < 2; ++k) {
-            semicolons += code[k].text == ";";
-            const auto constant = constants.find(code[k].text);
-            if (constant != constants.end()) most = std::max(most, constant->second);
-            if (code[k].kind == Token::Kind::number && code[k].text.find('.') == std::string_view::npos)
-                most = std::max(most, std::atoll(std::string(code[k].text).c_str()));
-        }
-        most = std::min(most, 1'000'000'000LL);
-        long long together = most;
-        for (const auto& [end, times] : around) together = std::min(together * times, 1'000'000'000'000LL);
-        if (most <= 0) continue;
-        loops.push_back({code[i].line, most, together});
-        around.emplace_back(behind_statement(code, i), most);
-    }
-    return loops;
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "intersect/doors/contract.hpp"
+#include "intersect/shader/loops.hpp"
 #include "intersect/shader/signature.hpp"
 
 namespace lostbits::intersect::shader {
@@ -24,15 +25,6 @@ struct Sentinel {
     /// Whether these numbers say that it misses; `t` twice for a function of one. A NaN says so for `infinite` alone: a
     /// hit at NaN is an answer too.
     [[nodiscard]] bool says_miss(double near, double far) const;
-};
-
-/// A loop that the file bounds by a whole number, or not at all.
-struct CountedLoop {
-    static constexpr long long endless = 1'000'000'000'001;  ///< more than any that is bounded
-
-    std::size_t line;
-    long long most;      ///< times it runs
-    long long together;  ///< the same times those of the loops that it stands in
 };
 
 /// The usual loop through a field: d = map(ro + rd t); a hit where d < hit_eps, at that t; t += d; a miss where

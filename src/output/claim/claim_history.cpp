@@ -83,7 +83,7 @@ ClaimBaseline baseline_of(const std::vector<scene::claim::Claim>& claims,
     return run;
 }
 
-void write_baseline(const std::filesystem::path& path, const ClaimBaseline& baseline) {
+std::string baseline_text(const ClaimBaseline& baseline) {
     const auto number = [](double x) {
         return std::isfinite(x) ? nlohmann::ordered_json(x) : nlohmann::ordered_json(file::decimal(x));
     };
@@ -100,8 +100,12 @@ void write_baseline(const std::filesystem::path& path, const ClaimBaseline& base
                                      {"compiler", baseline.compiler},
                                      {"command", baseline.command},
                                      {"claims", claims}};
+    return all.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
+}
+
+void write_baseline(const std::filesystem::path& path, const ClaimBaseline& baseline) {
     file::AtomicFile out(path);
-    out.write(all.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n");
+    out.write(baseline_text(baseline));
     out.commit();
 }
 
@@ -120,7 +124,7 @@ ClaimBaseline read_baseline(const std::filesystem::path& path) {
             const auto& text = hex.get_ref<const std::string&>();
             char* end = nullptr;
             const double x = std::strtod(text.c_str(), &end);
-            if (text.empty() || *end != '\0') refuse("\"" + text + "\" is not a number");
+            if (text.empty() || end != text.c_str() + text.size()) refuse("\"" + text + "\" is not a number");
             return x;
         };
         for (const auto& c : all.at("claims"))

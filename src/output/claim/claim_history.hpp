@@ -32,6 +32,7 @@ ClaimBaseline baseline_of(const std::vector<scene::claim::Claim>& claims,
                           const std::string& command);
 
 /// JSON, `schema` `lostbits-baseline/1`: every number also as a hexadecimal float, which is what is read back.
+std::string baseline_text(const ClaimBaseline& baseline);
 void write_baseline(const std::filesystem::path& path, const ClaimBaseline& baseline);
 /// InputError, with the path, for what is not such a file.
 ClaimBaseline read_baseline(const std::filesystem::path& path);

@@ -13,7 +13,6 @@
 #include <stdexcept>
 
 #include "number/error.hpp"
-#include "output/file/machine.hpp"
 #include "output/image/image_oiio.hpp"
 
 namespace lostbits::output::image {
@@ -26,40 +25,19 @@ std::uint8_t to_srgb8(float linear) {
 }
 
 std::unique_ptr<OIIO::ImageInput> open_input(const std::filesystem::path& path, std::string_view format) {
-    auto in = OIIO::ImageInput::open(path.string());
-    if (!in) {
-        throw InputError(path.string() + ": cannot read: " + OIIO::geterror() + "; give an existing " +
-                         std::string(format) + " file");
-    }
-    if (format != in->format_name()) {
-        throw InputError(path.string() + ": is " + in->format_name() + ", not " + std::string(format));
+    // By its name: by itself the library would try the readers of all formats that it knows.
+    auto in = OIIO::ImageInput::create(std::string(format));
+    OIIO::ImageSpec spec;
+    if (!in || !in->open(path.string(), spec)) {
+        throw InputError(path.string() + ": cannot read: " + (in ? in->geterror() : OIIO::geterror()) +
+                         "; give an existing " + std::string(format) + " file");
     }
     return in;
 }
 
-/// So many bytes a file's format can make of one: deflate's longest match takes two bits (RFC 1951), run lengths of
-/// OpenEXR two bytes for 128. 0: nobody knows.
-std::uint64_t most_of_a_byte(const OIIO::ImageSpec& spec, std::string_view format) {
-    const std::string compression = spec.get_string_attribute("compression");
-    if (format == "png" || compression == "zip" || compression == "zips") return 1032;
-    return compression == "none" ? 1 : compression == "rle" ? 64 : 0;
-}
-
-/// A head may claim any size: nothing is allocated for pixels that the file cannot hold, or this machine cannot.
-/// `copies` of the pixels are held at a time.
-void require_room(const std::filesystem::path& path, const OIIO::ImageSpec& spec, std::string_view format,
-                  std::uint64_t copies) {
-    const auto bytes = static_cast<std::uint64_t>(spec.width) * static_cast<std::uint64_t>(spec.height) *
-                       static_cast<std::uint64_t>(spec.pixel_bytes(true));
-    std::error_code unknown;
-    const std::uint64_t size = std::filesystem::file_size(path, unknown), most = most_of_a_byte(spec, format);
-    const std::string claims = path.string() + ": claims " + std::to_string(spec.width) + "x" +
-                               std::to_string(spec.height) + " pixels of " + std::to_string(spec.pixel_bytes(true)) +
-                               " bytes, " + file::bytes_text(bytes);
-    if (!unknown && most > 0 && bytes / most > size)
-        throw InputError(claims + ", which no file of " + file::bytes_text(size) +
-                         " can hold; give one that is complete");
-    file::require_memory(bytes * copies, claims, "compare smaller pictures, or on a larger machine");
+ClaimedPixels claimed(const OIIO::ImageSpec& spec, std::uint64_t most_of_a_byte) {
+    return {static_cast<std::uint64_t>(spec.width), static_cast<std::uint64_t>(spec.height), spec.pixel_bytes(true),
+            most_of_a_byte};
 }
 
 /// OpenImageIO 2.4 draws ASCII alone: Latin letters lose their accents, dashes and quotes become plain, and whatever
@@ -202,6 +180,7 @@ private:
 };
 
 std::vector<std::string> OiioBackend::exr_parts(const std::filesystem::path& path) {
+    static_cast<void>(ExrHeads(path));
     const auto in = open_input(path, "openexr");
     std::vector<std::string> names;
     for (int part = 0; in->seek_subimage(part, 0); ++part)
@@ -210,12 +189,13 @@ std::vector<std::string> OiioBackend::exr_parts(const std::filesystem::path& pat
 }
 
 ExrImage OiioBackend::read_exr(const std::filesystem::path& path, std::size_t part) {
+    static_cast<void>(ExrHeads(path));
     const auto in = open_input(path, "openexr");
     const int place = static_cast<int>(part);
     if (!in->seek_subimage(place, 0))
         throw InputError(path.string() + ": cannot read part " + std::to_string(part) + ": " + in->geterror());
     const OIIO::ImageSpec& spec = in->spec();
-    require_room(path, spec, "openexr", 2);
+    require_room(path, claimed(spec, 0), 2);  // the heads were held against the file
     const auto count = static_cast<std::size_t>(spec.width) * static_cast<std::size_t>(spec.height);
     const auto stride = spec.pixel_bytes(true);
     std::vector<std::byte> pixels(count * stride);
@@ -268,7 +248,7 @@ PngImage OiioBackend::read_png(const std::filesystem::path& path) {
     if (spec.nchannels != 3 || spec.format != OIIO::TypeDesc::UINT8) {
         throw InputError(path.string() + ": is not an 8-bit RGB picture");
     }
-    require_room(path, spec, "png", 1);
+    require_room(path, claimed(spec, 1032), 1);  // deflate: RFC 1951
     PngImage out{spec.width, spec.height, {}};
     out.pixels.resize(static_cast<std::size_t>(spec.width) * static_cast<std::size_t>(spec.height));
     if (!in->read_image(0, 0, 0, 3, OIIO::TypeDesc::UINT8, out.pixels.data())) {

@@ -1,9 +1,21 @@
-// What the two halves of the image module share; no part of the program includes it.
+// What the parts of the image module share; no part of the program includes it. And what an EXR file must hold before
+// the library is asked to read it, which takes memory for whatever a head claims. Layout:
+// https://openexr.com/en/latest/OpenEXRFileLayout.html.
 #pragma once
 
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <fstream>
+#include <limits>
 #include <memory>
 #include <string>
+#include <string_view>
+#include <utility>
 
+#include "number/error.hpp"
+#include "output/file/machine.hpp"
 #include "output/image/image.hpp"
 
 namespace lostbits::output::image {
@@ -13,5 +25,197 @@ namespace lostbits::output::image {
                                                   const ExrSpec& spec);
 [[nodiscard]] std::unique_ptr<PngWriter> oiio_png(std::unique_ptr<file::ByteSink> sink, const std::string& path,
                                                   const PngSpec& spec);
+
+/// A product of sizes, or as much as there can be where it is more: 2^30 × 2^30 pixels of 16 bytes would be none.
+inline std::uint64_t room_of(std::uint64_t a, std::uint64_t b) {
+    constexpr auto most = std::numeric_limits<std::uint64_t>::max();
+    return b != 0 && a > most / b ? most : a * b;
+}
+
+/// The pixels that a head claims.
+struct ClaimedPixels {
+    std::uint64_t width = 0, height = 0, bytes_each = 0;
+    std::uint64_t most_of_a_byte = 0;  ///< so many bytes the format makes of one of the file; 0: nobody knows
+};
+
+/// A head may claim any size: nothing is allocated for pixels that the file cannot hold (InputError), or this machine
+/// cannot (EnvironmentError). `copies` of the pixels are held at a time.
+inline void require_room(const std::filesystem::path& path, const ClaimedPixels& pixels, std::uint64_t copies) {
+    const std::uint64_t bytes = room_of(room_of(pixels.width, pixels.height), pixels.bytes_each);
+    std::error_code unknown;
+    const std::uint64_t size = std::filesystem::file_size(path, unknown), most = pixels.most_of_a_byte;
+    const std::string claims = path.string() + ": claims " + std::to_string(pixels.width) + "x" +
+                               std::to_string(pixels.height) + " pixels of " + std::to_string(pixels.bytes_each) +
+                               " bytes, " + file::bytes_text(bytes);
+    if (!unknown && most > 0 && bytes / most > size)
+        throw InputError(claims + ", which no file of " + file::bytes_text(size) +
+                         " can hold; give one that is complete");
+    file::require_memory(room_of(bytes, copies), claims, "compare smaller pictures, or on a larger machine");
+}
+
+/// Walks through the heads of an EXR file. InputError where an attribute, or the table of where the blocks of pixels
+/// begin, would reach beyond the end of the file, and as `require_room` has it.
+class ExrHeads {
+public:
+    explicit ExrHeads(const std::filesystem::path& path) : path_(path), in_(path, std::ios::binary) {
+        std::error_code unknown;
+        size_ = std::filesystem::file_size(path, unknown);
+        if (!in_ || unknown) throw InputError(path.string() + ": cannot read; give an existing openexr file");
+        if (number(4) != 20000630) throw InputError(path.string() + ": is not an openexr file");
+        version_ = number(4);
+        std::uint64_t blocks = 0;
+        for (bool first = true, several = (version_ & 0x1000U) != 0; first || several; first = false) {
+            const Head head = read_head();
+            if (head.is_empty) break;
+            blocks += blocks_of(head);
+            pixels_ += room_of(head.pixels.width, head.pixels.height);
+            require_room(path_, head.pixels, 1);
+        }
+        if (room_of(blocks, 8) > size_ - at_) cut_off();
+    }
+    /// Of all parts.
+    [[nodiscard]] std::uint64_t pixels() const { return pixels_; }
+
+private:
+    struct Head {
+        bool is_empty = true;
+        ClaimedPixels pixels = {};
+        unsigned compression = 0;
+        bool tiled = false;
+        std::uint64_t tile_width = 1, tile_height = 1;
+    };
+
+    /// Bytes that a byte of the file can become, and lines a block, of each compression in OpenEXR's order: none, RLE
+    /// (two bytes for 128), ZIP of one line and of 16 (deflate's longest match takes two bits, RFC 1951), PIZ, PXR24,
+    /// B44, B44A, DWAA, DWAB.
+    static constexpr std::array<unsigned, 10> growth{1, 64, 1032, 1032, 0, 0, 0, 0, 0, 0},
+        lines{1, 1, 1, 16, 32, 16, 32, 32, 32, 256};
+
+    /// Of types whose values have one size each.
+    static constexpr std::array<std::pair<std::string_view, unsigned>, 24> sizes{{{"box2f", 16},
+                                                                                  {"box2i", 16},
+                                                                                  {"chromaticities", 32},
+                                                                                  {"compression", 1},
+                                                                                  {"deepImageState", 1},
+                                                                                  {"double", 8},
+                                                                                  {"envmap", 1},
+                                                                                  {"float", 4},
+                                                                                  {"int", 4},
+                                                                                  {"keycode", 28},
+                                                                                  {"lineOrder", 1},
+                                                                                  {"m33d", 72},
+                                                                                  {"m33f", 36},
+                                                                                  {"m44d", 128},
+                                                                                  {"m44f", 64},
+                                                                                  {"rational", 8},
+                                                                                  {"tiledesc", 9},
+                                                                                  {"timecode", 8},
+                                                                                  {"v2d", 16},
+                                                                                  {"v2f", 8},
+                                                                                  {"v2i", 8},
+                                                                                  {"v3d", 24},
+                                                                                  {"v3f", 12},
+                                                                                  {"v3i", 12}}};
+    static constexpr auto text_end = std::string::npos;
+
+    [[noreturn]] void cut_off() const {
+        throw InputError(path_.string() + ": is cut off, or damaged in its head; give one that is complete");
+    }
+    std::uint64_t number(std::uint64_t bytes) {
+        std::array<unsigned char, 8> raw{};
+        if (bytes > size_ - at_ || !in_.read(reinterpret_cast<char*>(raw.data()), static_cast<std::streamsize>(bytes)))
+            cut_off();
+        at_ += bytes;
+        std::uint64_t n = 0;
+        for (std::uint64_t i = bytes; i-- > 0;) n = n << 8 | raw[i];
+        return n;
+    }
+    std::string name() {
+        std::string text;
+        for (std::uint64_t c = number(1); c != 0; c = number(1)) {
+            text += static_cast<char>(c);
+            if (text.size() > 255) cut_off();
+        }
+        return text;
+    }
+    Head read_head() {
+        Head head;
+        head.tiled = (version_ & 0x200U) != 0;
+        for (std::string attribute = name(); !attribute.empty(); attribute = name()) {
+            head.is_empty = false;
+            const std::string type = name();
+            const std::uint64_t bytes = number(4), begin = at_, end = at_ + bytes;
+            if (bytes > size_ - at_) cut_off();
+            require_value(type, bytes);
+            go_to(begin);
+            if (attribute == "channels") head.pixels.bytes_each = pixel_bytes(end);
+            if (attribute == "compression" && bytes == 1) head.compression = static_cast<unsigned>(number(1));
+            if (attribute == "dataWindow" && bytes == 16) read_window(head.pixels);
+            if (attribute == "tiles" && bytes == 9) {
+                head.tile_width = number(4);
+                head.tile_height = number(4);
+            }
+            if (attribute == "type" && (version_ & 0x1000U) != 0) head.tiled = text(bytes).find("tile") != text_end;
+            go_to(end);
+        }
+        if (head.compression < growth.size()) head.pixels.most_of_a_byte = growth[head.compression];
+        return head;
+    }
+    /// The library reads what a type has, whatever size is told, and takes memory for lengths within.
+    void require_value(const std::string& type, std::uint64_t bytes) {
+        const auto fixed = std::ranges::find(sizes, type, &std::pair<std::string_view, unsigned>::first);
+        if (fixed != sizes.end() && fixed->second != bytes) cut_off();
+        const std::uint64_t end = at_ + bytes;
+        if (type == "chlist") static_cast<void>(pixel_bytes(end));
+        if (type == "preview") {
+            const std::uint64_t width = number(4), height = number(4);
+            if (room_of(room_of(width, height), 4) != end - at_) cut_off();
+        }
+        if (type == "idmanifest" && number(4) / 1032 > bytes) cut_off();
+        while (type == "stringvector" && at_ < end) {
+            const std::uint64_t length = number(4);
+            if (at_ > end || length > end - at_) cut_off();
+            go_to(at_ + length);
+        }
+    }
+    void go_to(std::uint64_t place) {
+        at_ = place;
+        in_.seekg(static_cast<std::streamoff>(place));
+    }
+    std::string text(std::uint64_t bytes) {
+        std::string read(bytes, '\0');
+        if (!in_.read(read.data(), static_cast<std::streamsize>(bytes))) cut_off();
+        at_ += bytes;
+        return read;
+    }
+    /// Of a list of channels: a name, a type (HALF is 1) and 12 more bytes each; an empty name ends it.
+    std::uint64_t pixel_bytes(std::uint64_t end) {
+        std::uint64_t bytes = 0;
+        while (!name().empty()) {
+            bytes += number(4) == 1 ? 2 : 4;
+            static_cast<void>(text(12));
+        }
+        if (at_ != end) cut_off();
+        return bytes;
+    }
+    void read_window(ClaimedPixels& pixels) {
+        std::array<std::int64_t, 4> at{};
+        for (std::int64_t& x : at) x = static_cast<std::int32_t>(number(4));
+        pixels.width = static_cast<std::uint64_t>(std::max<std::int64_t>(at[2] - at[0] + 1, 0));
+        pixels.height = static_cast<std::uint64_t>(std::max<std::int64_t>(at[3] - at[1] + 1, 0));
+    }
+    static std::uint64_t blocks_of(const Head& head) {
+        const auto pieces = [](std::uint64_t length, std::uint64_t piece) {
+            return (length + std::max<std::uint64_t>(piece, 1) - 1) / std::max<std::uint64_t>(piece, 1);
+        };
+        if (head.tiled)
+            return room_of(pieces(head.pixels.width, head.tile_width), pieces(head.pixels.height, head.tile_height));
+        return pieces(head.pixels.height, head.compression < lines.size() ? lines[head.compression] : 256);
+    }
+
+    std::filesystem::path path_;
+    std::ifstream in_;
+    std::uint64_t size_ = 0, at_ = 0, version_ = 0, pixels_ = 0;
+};
 
 }  // namespace lostbits::output::image

@@ -101,6 +101,12 @@ private:
         if constexpr (PlainBits<T>) std::memcpy(&x, take(sizeof x), sizeof x);
         else fields(*this, x);
     }
+    /// Any other byte in a bool is undefined behaviour.
+    void get(bool& x) {
+        const char byte = *take(1);
+        if (byte != 0 && byte != 1) throw std::out_of_range("a bool of a shard is neither yes nor no");
+        x = byte == 1;
+    }
     std::uint64_t size() {
         std::uint64_t n = 0;
         get(n);
@@ -120,10 +126,19 @@ private:
         const std::uint64_t n = size();
         x.assign(take(n), n);
     }
+    /// Takes no more memory for a list than what stands in the file is worth, whatever size the list claims.
     template <class T>
     void get(std::vector<T>& x) {
-        x.resize(size());
-        get_list(x.data(), x.size());
+        const std::uint64_t n = size();
+        x.clear();
+        if constexpr (PlainBits<T>) {
+            if (n > (bytes_.size() - at_) / sizeof(T))
+                throw std::out_of_range("a list of a shard is longer than what follows");
+            x.resize(n);
+            get_list(x.data(), n);
+        } else {
+            for (std::uint64_t i = 0; i < n; ++i) get(x.emplace_back());
+        }
     }
     template <class T, std::size_t n>
     void get(std::array<T, n>& x) {

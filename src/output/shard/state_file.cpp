@@ -110,7 +110,7 @@ std::string StateFileReader::line(std::string_view name) {
     std::string text;
     if (!std::getline(in_, text)) damaged();
     at_ += text.size() + 1;
-    if (!text.starts_with(name)) damaged();
+    if (at_ > end_ || !text.starts_with(name)) damaged();  // a head without end runs into the hash behind it
     return text.substr(std::min(text.size(), name.size() + 1));
 }
 
@@ -124,7 +124,9 @@ void StateFileReader::read_head() {
     if (!parse(std::string_view(shard).substr(0, slash), head_.share.number) ||
         !parse(std::string_view(shard).substr(slash + 1), head_.share.of))
         damaged();
-    line("");
+    const auto [number, of] = head_.share;
+    if (number < 1 || number > of || of > measure::shard::Share::most) damaged();
+    if (!line("").empty()) damaged();
 }
 
 bool StateFileReader::next(std::string_view name, std::string& bits) {

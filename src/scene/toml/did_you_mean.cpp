@@ -42,6 +42,10 @@ std::optional<std::string> closest(std::string_view word, const std::vector<std:
     std::optional<std::string> best;
     int fewest = most_edits(word.size()) + 1;
     const auto consider = [&](std::string_view part, const std::string& candidate) {
+        // Each edit changes the length by one at most; a name of a megabyte is near to nothing, and that is known at
+        // once.
+        const std::size_t longer = std::max(word.size(), part.size()), shorter = std::min(word.size(), part.size());
+        if (longer - shorter >= static_cast<std::size_t>(fewest)) return;
         const int edits = edit_distance(word, part);
         if (edits >= fewest) return;
         fewest = edits;

@@ -1,0 +1,29 @@
+// What lies in one file with a reader, or in one class, and needs half of the program: nothing of it is called here.
+#include <stdexcept>
+
+#include "measure/columns/columns.hpp"
+#include "output/claim/claim_files.hpp"
+#include "output/file/result_folder.hpp"
+#include "output/image/exr_parts.hpp"
+
+namespace {
+[[noreturn]] void unreached() { throw std::logic_error("a reader does more than reading"); }
+}  // namespace
+
+namespace lostbits::measure::columns {
+void add_sizes(std::span<const double> /*values*/, RawSizes& /*sizes*/) { unreached(); }
+}  // namespace lostbits::measure::columns
+
+namespace lostbits::output {
+namespace file {
+void note_result(const std::filesystem::path& /*path*/) { unreached(); }
+bool is_in_own_folder(const std::filesystem::path& /*path*/) { unreached(); }
+}  // namespace file
+namespace image {
+std::pair<std::string, std::string> compiler_attribute() { unreached(); }
+}  // namespace image
+namespace claim {
+const char* state_name(measure::claim::ClaimResult::State /*state*/) { unreached(); }
+std::string quantity(const scene::claim::Claim& /*claim*/) { unreached(); }
+}  // namespace claim
+}  // namespace lostbits::output

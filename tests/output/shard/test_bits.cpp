@@ -1,0 +1,65 @@
+// Bits of shards that are not what their reader takes them for.
+#include <sys/resource.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <fstream>
+#include <limits>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "catch.hpp"
+#include "output/shard/fields.hpp"
+
+using namespace lostbits;
+using output::shard::BitReader;
+using output::shard::bits_of;
+
+namespace {
+
+template <class T>
+void read(const std::string& bits) {
+    T found{};
+    BitReader reader(bits);
+    reader(found);
+}
+
+}  // namespace
+
+TEST_CASE("shard: a list that claims more than the file has is refused", "[output]") {
+    for (const std::uint64_t size :
+         {std::uint64_t{2}, std::uint64_t{1} << 61, std::numeric_limits<std::uint64_t>::max()}) {
+        const std::string bits = bits_of(size, std::uint64_t{1});
+        INFO(size);
+        CHECK_THROWS_AS(read<std::vector<double>>(bits), std::out_of_range);
+        CHECK_THROWS_AS(read<std::vector<std::string>>(bits), std::out_of_range);
+        CHECK_THROWS_AS(read<std::string>(bits_of(size) + "?"), std::out_of_range);
+    }
+}
+
+TEST_CASE("shard: a claimed list takes memory for what is there of it alone", "[output]") {
+    using Summaries = std::vector<measure::map::MapSummary>;
+    const std::uint64_t claimed = 30 << 20;  // where a summary takes hundreds of bytes, gigabytes
+    std::string bits = bits_of(claimed);
+    bits.resize(sizeof claimed + claimed, '\x7f');
+    rlimit limit{}, less{};
+    REQUIRE(getrlimit(RLIMIT_AS, &limit) == 0);
+    std::uint64_t pages = 0;
+    std::ifstream("/proc/self/statm") >> pages;
+    less = limit;
+    less.rlim_cur = std::min<rlim_t>(limit.rlim_cur, pages * 4096 + (1 << 30));
+    REQUIRE(setrlimit(RLIMIT_AS, &less) == 0);
+    CHECK_THROWS_AS(read<Summaries>(bits), std::out_of_range);
+    CHECK(setrlimit(RLIMIT_AS, &limit) == 0);
+}
+
+TEST_CASE("shard: a bool is yes or no", "[output]") {
+    bool answer = false;
+    BitReader reader(bits_of(true));
+    reader(answer);
+    CHECK(answer);
+    CHECK_THROWS_AS(read<bool>("\2"), std::out_of_range);
+    CHECK_THROWS_AS(read<std::optional<double>>(std::string("\xff", 1) + std::string(8, '\0')), std::out_of_range);
+}
