@@ -83,7 +83,9 @@ Exit tell_device(const std::string& kind) {
                            words.renderer, words.vendor, words.version, words.driver, arithmetic.digest);
         for (const Fact& fact : arithmetic.facts) text += fmt::format("{}={}\n", fact.key, fact.value);
     } catch (const Error& error) {
-        text = fmt::format("missing={}\n", error.what());
+        const std::string_view what = error.what();
+        const std::string named = kind.empty() ? "" : kind + ": ";
+        text = fmt::format("missing={}\n", what.starts_with(named) ? what.substr(named.size()) : what);
         std::ranges::replace(text.begin(), text.end() - 1, '\n', ' ');
     }
     text += "\n";

@@ -124,6 +124,9 @@ std::vector<Function> candidates(const std::vector<Function>& all) {
 
 /// The function that is named, or else the one that has the types of an intersector.
 Signature choose(const std::string& path, const std::vector<Function>& all, const Word* named) {
+    if (all.empty())
+        throw InputError(path +
+                         ": there is no function in it; write one, such as float f(vec3 ro, vec3 rd, vec4 sphere)");
     std::vector<Function> chosen = candidates(all);
     if (named) {
         chosen.clear();
@@ -135,7 +138,7 @@ Signature choose(const std::string& path, const std::vector<Function>& all, cons
                          "; there is:" + listed(all));
     if (chosen.empty())
         throw InputError(path + ": no function has the types of an intersector, which are " +
-                         std::string(known_signatures) + "; there is:" + (all.empty() ? " no function" : listed(all)) +
+                         std::string(known_signatures) + "; there is:" + listed(all) +
                          "\nwrite one that calls yours, or name it as in --shader " + path + ":FUNCTION");
     if (!named && chosen.size() > 1)
         throw InputError(path + ": several functions have the types of an intersector; name one, as in --shader " +

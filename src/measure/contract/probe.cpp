@@ -290,8 +290,11 @@ private:
         }
         if (ignores) return kept("end", "the ends of rays are looked at by the table, not by the form");
         hold(!before, "end", "a ray that ends before the box misses",
-             "a ray that ends before the box hits; say LB_NO_END (ignores_end, flags=no_end) where ends are not looked "
-             "at");
+             tells_t_
+                 ? "a ray that ends before the box hits; say LB_NO_END (ignores_end, flags=no_end) where ends are not "
+                   "looked at"
+                 : "a ray that ends before the box hits; a form that tells no t must take the end of the ray "
+                   "(of a shader: float tmax) and look at it");
     }
 
     /// One that must only be lived through.
