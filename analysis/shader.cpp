@@ -54,7 +54,7 @@ Exit serve_shader(const std::string& named, const std::string& kind) {
     std::vector<intersect::doors::ForeignForm> forms;
     try {
         const ShaderSource shader = read_shader(named);
-        const auto device = device_named(kind);
+        const auto device = device_named(kind.empty() && shader.hlsl ? "vulkan" : kind);  // which alone takes HLSL
         const Arithmetic arithmetic = probe(*device);
         warn_of_loops(shader, arithmetic);
         if (shader.f32 && shader.f64 && !device->limits().doubles)

@@ -310,6 +310,7 @@ ShaderSource read_shader(const std::string& named) {
                         .contract = {},
                         .sentinel = {},
                         .march = {},
+                        .hlsl = fs::path(path).extension() == ".hlsl",
                         .loops = {}};
     const std::vector<Token> tokens = tokens_of(shader.text), code = code_tokens(tokens);
     std::vector<Word> words;
@@ -320,9 +321,11 @@ ShaderSource read_shader(const std::string& named) {
     shader.signature = choose(path, functions_of(code), function == words.rend() ? nullptr : &*function);
     shader.contract = usual_contract(path, shader.signature);
     if (function != words.rend() && function->where.starts_with("--shader")) shader.contract.name = function->value;
+    if (shader.signature.answers == Signature::Answers::near_far) shader.sentinel.kind = Sentinel::Kind::crossed;
     shader.f32 = !shader.signature.doubles;
     shader.f64 = shader.signature.doubles;
     for (const Word& word : words) obey(word, shader);
+    if (shader.hlsl && shader.f64) throw InputError(path + ": HLSL is measured in floats; leave out format=");
     name_it(shader.contract);
     shader.signature.shape = shader.contract.shape;
     const bool box = shader.contract.shape == Shape::box && shader.contract.roots != Roots::none;
