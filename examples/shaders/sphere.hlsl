@@ -1,5 +1,5 @@
 // The analytic sphere of sphere.glsl in HLSL.
-// lostbits: direction=unit roots=near touching=hit
+// lostbits: name=sphere_hlsl direction=unit roots=near touching=hit
 
 float sphere(float3 ro, float3 rd, float3 center, float radius) {
     float3 f = ro - center;
